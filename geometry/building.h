@@ -1,0 +1,77 @@
+// Sketch -> Building: infers the closed rooms that were meant and proves them closed.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include "geometry/patch_mesh.h"
+#include "geometry/sketch.h"
+
+namespace heliodon::geometry {
+
+// One flat piece of a room's boundary: a simple polygon with holes, or one facet of a curved wall.
+struct Face {
+    std::vector<std::vector<uint32_t>> loops; // first the outline, counter-clockwise seen from the air, then holes, clockwise
+    uint32_t material = 0;
+    Role role = Role::projection;
+    uint32_t surface = 0;
+    uint32_t room = 0;
+    int32_t twin = kNoTwin; // the face of the same glass in the neighbour room
+};
+
+struct RoomReport {
+    double floorAreaFt2 = 0, volumeFt3 = 0, ceilingFt = 0;
+    int euler = 2;
+    bool closed = false, selfIntersecting = false;
+};
+
+struct WallRole {
+    std::string id;
+    std::string role; // exterior | interior | partition | outside_extra | ignored
+};
+
+// A Building is only made by closeSketch and importModel, which prove it: every directed edge exactly once with its opposite,
+// one fan per vertex, outward orientation, no self-intersection. Metres, y up.
+struct Building {
+    std::vector<glm::dvec3> vertices;
+    std::vector<Face> faces;
+    std::vector<Material> materials;
+    uint32_t roomCount = 0;
+    Occluders occluders;
+    double northDeg = 90; // direction of north in the plan, degrees counter-clockwise from +x seen from above (x right, -z up)
+};
+
+enum class Outcome { ok, warn, refuse };
+
+struct ClosureReport {
+    Outcome outcome = Outcome::ok;
+    std::string code;    // "OK", "NO_WALLS", ...
+    std::string message; // one sentence that names the primitives concerned
+    std::vector<RoomReport> rooms;
+    int windowCount = 0, skylightPaneCount = 0;
+    std::vector<WallRole> walls;
+};
+
+struct ClosureOptions {
+    double doorWidth = 2.0;   // inches: an interior hole at least this wide stays open
+    double crackWidth = 1.0;  // inches: an interior hole under this is filled
+    double chordError = 0.02; // inches: how far a facet of a curved wall may lie from the arc
+    glm::vec3 wallReflectance{0.7f}, floorReflectance{0.3f}, ceilingReflectance{0.8f}; // where no token says otherwise
+    float glazingTransmittance = 0.88f;
+};
+
+struct Closure {
+    ClosureReport report;
+    std::optional<Building> building; // none when refused
+};
+
+Closure closeSketch(const Sketch& sketch, const ClosureOptions& options = {});
+
+} // namespace heliodon::geometry

@@ -1,0 +1,46 @@
+#include "geometry/patch_mesh.h"
+
+#include <glm/geometric.hpp>
+
+namespace heliodon::geometry {
+
+void PatchMesh::addPatch(std::span<const uint32_t> indices, uint32_t materialIndex, Role r, uint32_t surfaceId,
+                         uint32_t roomId) {
+    corners.insert(corners.end(), indices.begin(), indices.end());
+    firstCorner.push_back(static_cast<uint32_t>(corners.size()));
+    material.push_back(materialIndex);
+    role.push_back(r);
+    surface.push_back(surfaceId);
+    room.push_back(roomId);
+    twin.push_back(kNoTwin);
+}
+
+glm::dvec3 patchAreaVector(const PatchMesh& mesh, size_t patch) {
+    const auto corner = mesh.patch(patch);
+    const glm::dvec3 origin = mesh.vertices[corner[0]]; // relative to a corner: no cancellation far from the origin
+    glm::dvec3 sum{0};
+    for (size_t k = 1; k + 1 < corner.size(); ++k)
+        sum += glm::cross(mesh.vertices[corner[k]] - origin, mesh.vertices[corner[k + 1]] - origin);
+    return sum;
+}
+
+double patchArea(const PatchMesh& mesh, size_t patch) { return 0.5 * glm::length(patchAreaVector(mesh, patch)); }
+
+glm::dvec3 patchNormal(const PatchMesh& mesh, size_t patch) { return glm::normalize(patchAreaVector(mesh, patch)); }
+
+glm::dvec3 patchCentroid(const PatchMesh& mesh, size_t patch) {
+    const auto corner = mesh.patch(patch);
+    const glm::dvec3 origin = mesh.vertices[corner[0]];
+    const glm::dvec3 normal = patchAreaVector(mesh, patch);
+    glm::dvec3 sum{0};
+    double weight = 0;
+    for (size_t k = 1; k + 1 < corner.size(); ++k) {
+        const glm::dvec3 u = mesh.vertices[corner[k]] - origin, v = mesh.vertices[corner[k + 1]] - origin;
+        const double twiceArea = glm::dot(glm::cross(u, v), normal);
+        sum += twiceArea * (u + v) / 3.0;
+        weight += twiceArea;
+    }
+    return weight > 0 ? origin + sum / weight : origin;
+}
+
+} // namespace heliodon::geometry
