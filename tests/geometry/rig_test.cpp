@@ -1,0 +1,182 @@
+#include "geometry/rig.h"
+
+#include <cmath>
+#include <fstream>
+#include <random>
+
+#include <fmt/format.h>
+#include <glm/glm.hpp>
+#include <gtest/gtest.h>
+
+#include "geometry/input_error.h"
+
+namespace heliodon::geometry {
+namespace {
+
+Rig example() {
+    return readRig(HELIODON_SOURCE "/examples/rig.json");
+}
+
+const char* const kPlainRig = R"({
+ "format": "vh-rig/1",
+ "camera": {"width": 100, "height": 80, "K": [[50, 0, 49.5], [0, 50, 39.5], [0, 0, 1]],
+  "R": [[1, 0, 0], [0, 0, 1], [0, -1, 0]], "t": [0, 0, 2]},
+ "projectors": [{"width": 10, "height": 8, "K": [[5, 0, 4], [0, 5, 4], [0, 0, 1]],
+  "R": [[1, 0, 0], [0, 0, 1], [0, -1, 0]], "t": [0, 0, 1], "lumens": 1500, "black_level": 0.01, "response": 2.2,
+  "display": "DP-1"}],
+ "site": {"latitude_deg": 42.73, "longitude_deg": -73.68}
+})";
+
+std::filesystem::path written(const std::string& text) {
+    const auto path = std::filesystem::path(testing::TempDir()) / "heliodon_rig_test.json";
+    std::ofstream(path) << text;
+    return path;
+}
+
+std::string complaint(const std::string& text) {
+    try {
+        readRig(written(text));
+    } catch (const InputError& error) {
+        return error.what();
+    }
+    return "accepted";
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+    const size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return text.replace(at, from.size(), to);
+}
+
+TEST(Rig, projects_as_the_formulas_written_out_by_hand) {
+    const Rig rig = example();
+    const glm::dvec3 world(0.21, 0.2032, -0.17);
+    // X_dev = R X + t, then Brown-Conrady, with the numbers of the file typed here again.
+    const double xd = 0.999132844701057 * 0.21 - 0.010038502903111349 * 0.2032 - 0.04040776038136249 * 0.17 -
+                      0.004238977941092399;
+    const double yd = -0.040129320412587384 * 0.21 + 0.02654204753141594 * 0.2032 -
+                      0.9988419080895954 * 0.17 - 0.00583253416688722;
+    const double zd = -0.01109938209078687 * 0.21 - 0.9995972929996881 * 0.2032 -
+                      0.026116193154792636 * 0.17 + 1.5315044931736919;
+    const double x = xd / zd, y = yd / zd, r2 = x * x + y * y;
+    const double radial = 1 - 0.182 * r2 + 0.094 * r2 * r2;
+    const double u = 1238.6 * (x * radial + 2 * 0.0006 * x * y - 0.0004 * (r2 + 2 * x * x)) + 703.2;
+    const double v = 1240.1 * (y * radial + 0.0006 * (r2 + 2 * y * y) - 2 * 0.0004 * x * y) + 509.4;
+    const auto pixel = rig.camera.pixelFromWorld(world);
+    ASSERT_TRUE(pixel);
+    EXPECT_NEAR(pixel->x, u,
+                1e-8); // R is re-orthonormalised: it moves by the file's rounding, 1e-15 of 1.5 m
+    EXPECT_NEAR(pixel->y, v, 1e-8);
+}
+
+TEST(Rig, sees_what_an_independent_renderer_projected) {
+    // Corners of painted wall tops in the truth of a synthetic photograph, rounded there to 1e-4 px and 1e-7
+    // m.
+    const Rig rig = example();
+    const struct {
+        glm::dvec3 world;
+        glm::dvec2 pixel;
+    } marks[] = {{{-0.2158875, 0.2032, 0.1730709}, {505.275, 676.3399}},
+                 {{0.2413126, 0.2032, 0.1742741}, {926.4495, 660.9652}},
+                 {{0.26625, 0.254, 0.1574311}, {957.8497, 651.0265}}};
+    for (const auto& mark : marks) {
+        const glm::dvec2 pixel = rig.camera.pixelFromWorld(mark.world).value();
+        EXPECT_NEAR(glm::distance(pixel, mark.pixel), 0,
+                    2e-3); // OpenCV differs from that truth by up to 1.2e-4
+        const glm::dvec3 back = rig.camera.worldOnPlane(mark.pixel, mark.world.y).value();
+        EXPECT_NEAR(glm::distance(back, mark.world), 0, 1e-6);
+    }
+}
+
+TEST(Rig, undoes_its_lens_over_the_whole_picture) {
+    Rig rig = example();
+    rig.projectors.push_back({});
+    rig.projectors.back().lens = {900, 905, 700,
+                                  500, 0.4, {-0.31, 0.13, 1e-3, -8e-4, -0.02}}; // wide and skewed
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> u(-0.5, 1391.5), v(-0.5, 1031.5);
+    for (const Lens& lens : {rig.camera.lens, rig.projectors[0].lens, rig.projectors.back().lens}) {
+        for (int i = 0; i < 2000; ++i) {
+            const glm::dvec2 pixel(u(random), v(random));
+            EXPECT_LT(glm::distance(lens.pixelFromPlane(lens.planeFromPixel(pixel)), pixel), 1e-6);
+        }
+    }
+}
+
+TEST(Rig, rays_leave_the_centre_and_meet_the_point) {
+    const Rig rig = example();
+    EXPECT_NEAR(glm::distance(rig.camera.centre(), glm::dvec3(0.021, 1.531, -0.034)), 0, 1e-9);
+    for (const Projector& projector : rig.projectors) {
+        const glm::dvec3 point(0.1, 0.2, -0.3);
+        const glm::dvec2 pixel = projector.pixelFromWorld(point).value();
+        const Ray ray = projector.rayFromPixel(pixel);
+        EXPECT_NEAR(glm::length(ray.direction), 1, 1e-14);
+        EXPECT_NEAR(glm::length(glm::cross(ray.direction, point - ray.origin)), 0, 1e-9);
+        EXPECT_FALSE(projector.pixelFromWorld(ray.origin - ray.direction)); // behind it
+        EXPECT_FALSE(projector.worldOnPlane(pixel, ray.origin.y + 1));      // above it, looking down
+    }
+}
+
+TEST(Rig, reads_every_field) {
+    const Rig rig = readRig(written(kPlainRig));
+    ASSERT_EQ(rig.projectors.size(), 1u);
+    EXPECT_EQ(rig.projectors[0].id, "P0");
+    EXPECT_EQ(rig.projectors[0].lumens, 1500);
+    EXPECT_EQ(rig.projectors[0].blackLevel, 0.01);
+    EXPECT_EQ(std::stod(rig.projectors[0].response), 2.2);
+    EXPECT_EQ(rig.projectors[0].display, "DP-1");
+    EXPECT_EQ(rig.site.value().longitudeDeg, -73.68);
+    EXPECT_EQ(rig.tableRadius, 0.5334);
+    const glm::dvec2 pixel = rig.camera.pixelFromWorld({0.4, 0, 0}).value(); // camera 2 m up, looking down
+    EXPECT_NEAR(pixel.x, 49.5 + 50 * 0.2, 1e-12);
+    EXPECT_EQ(example().projectors.at(3).id, "P3");
+}
+
+TEST(Rig, makes_a_rounded_rotation_orthonormal) {
+    const Rig rig = readRig(written(replaced(kPlainRig, "[[1, 0, 0], [0, 0, 1], [0, -1, 0]]",
+                                             "[[1.0003, 0, 0.0002], [0, 0, 1], [0, -0.9998, 0]]")));
+    const glm::dmat3 r = rig.camera.deviceFromWorld;
+    const glm::dmat3 error = r * glm::transpose(r) - glm::dmat3(1);
+    for (int i = 0; i < 3; ++i) EXPECT_LT(glm::length(error[i]), 1e-12);
+}
+
+TEST(Rig, names_the_wrong_field) {
+    const struct {
+        const char *from, *to, *expected;
+    } cases[] = {
+        {"vh-rig/1", "vh-rig/9", "format: \"vh-rig/9\", expected \"vh-rig/1\""},
+        {"\"width\": 100", "\"width\": 100.5", "camera.width: expected a whole number of pixels"},
+        {"\"width\": 100", "\"width\": -3", "camera.width: -3 is not between"},
+        {"\"width\": 100, ", "", "camera.width: missing"},
+        {"[0, 50, 39.5]", "[0, 50]", "camera.K[1]: expected 3 elements, found 2"},
+        {"[0, 50, 39.5]", "[0, \"x\", 39.5]", "camera.K[1][1]: expected a number"},
+        {"[0, 50, 39.5]", "[0, 0, 39.5]", "camera.K: focal lengths"},
+        {"[0, 5, 4]", "[1, 5, 4]", "projectors[0].K: expected [[fx"},
+        {"[0, -1, 0]]", "[0, -1.1, 0]]", "camera.R: not a rotation"},
+        {"[0, -1, 0]]", "[0, 1, 0]]", "camera.R: mirrors space"},
+        {"\"t\": [0, 0, 1]", "\"t\": [0, 1]", "projectors[0].t: expected 3 elements"},
+        {"\"t\": [0, 0, 1]", "\"t\": [0, 0, 1e400]", "holds a number too large to represent"},
+        {"0.01", "7", "projectors[0].black_level: 7 is not between 0 and 1"},
+        {"\"response\": 2.2", "\"response\": \"log\"", "projectors[0].response: \"log\" is not known"},
+        {"-73.68", "-273.68", "site.longitude_deg: -273.68 is not between"},
+        {"\"K\": [[5,", "\"dist\": [1, 2, 3], \"K\": [[5,",
+         "projectors[0].dist: expected k1, k2, p1, p2[, k3]"},
+    };
+    for (const auto& c : cases) {
+        const std::string what = complaint(replaced(kPlainRig, c.from, c.to));
+        EXPECT_NE(what.find(c.expected), std::string::npos) << what << "\nexpected: " << c.expected;
+    }
+}
+
+TEST(Rig, survives_a_file_cut_anywhere) {
+    const std::string whole = kPlainRig;
+    for (size_t length = 0; length + 1 < whole.size(); length += 7) {
+        const std::string what = complaint(whole.substr(0, length));
+        EXPECT_NE(what.find("not valid JSON"), std::string::npos) << length << ": " << what;
+    }
+    EXPECT_NE(complaint("[1, 2]").find("expected an object"), std::string::npos);
+    EXPECT_THROW(readRig("/no/such/rig.json"), InputError);
+}
+
+} // namespace
+} // namespace heliodon::geometry
