@@ -18,7 +18,8 @@ namespace heliodon::geometry {
 
 // One flat piece of a room's boundary: a simple polygon with holes, or one facet of a curved wall.
 struct Face {
-    std::vector<std::vector<uint32_t>> loops; // first the outline, counter-clockwise seen from the air, then holes, clockwise
+    std::vector<std::vector<uint32_t>>
+        loops; // first the outline, counter-clockwise seen from the air, then holes, clockwise
     uint32_t material = 0;
     Role role = Role::projection;
     uint32_t surface = 0;
@@ -37,15 +38,16 @@ struct WallRole {
     std::string role; // exterior | interior | partition | outside_extra | ignored
 };
 
-// A Building is only made by closeSketch and importModel, which prove it: every directed edge exactly once with its opposite,
-// one fan per vertex, outward orientation, no self-intersection. Metres, y up.
+// A Building is only made by closeSketch and importModel, which prove it: every directed edge exactly once
+// with its opposite, one fan per vertex, outward orientation, no self-intersection. Metres, y up.
 struct Building {
     std::vector<glm::dvec3> vertices;
     std::vector<Face> faces;
     std::vector<Material> materials;
     uint32_t roomCount = 0;
     Occluders occluders;
-    double northDeg = 90; // direction of north in the plan, degrees counter-clockwise from +x seen from above (x right, -z up)
+    double northDeg = 90; // direction of north in the plan, degrees counter-clockwise from +x seen from above
+                          // (x right, -z up)
 };
 
 enum class Outcome { ok, warn, refuse };
@@ -63,7 +65,8 @@ struct ClosureOptions {
     double doorWidth = 2.0;   // inches: an interior hole at least this wide stays open
     double crackWidth = 1.0;  // inches: an interior hole under this is filled
     double chordError = 0.02; // inches: how far a facet of a curved wall may lie from the arc
-    glm::vec3 wallReflectance{0.7f}, floorReflectance{0.3f}, ceilingReflectance{0.8f}; // where no token says otherwise
+    glm::vec3 wallReflectance{0.7f}, floorReflectance{0.3f},
+        ceilingReflectance{0.8f}; // where no token says otherwise
     float glazingTransmittance = 0.88f;
 };
 

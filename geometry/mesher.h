@@ -9,13 +9,14 @@
 namespace heliodon::geometry {
 
 struct MeshOptions {
-    size_t triangles = 2000; // aimed at; the result is within a few percent where the building's own edges allow
+    size_t triangles =
+        2000; // aimed at; the result is within a few percent where the building's own edges allow
 };
 
 struct MeshQuality {
     size_t triangles = 0;
-    double minAngleDeg = 0;     // smallest angle away from input corners that are sharper
-    double areaDeviation = 0;   // standard deviation over mean of the areas
+    double minAngleDeg = 0;   // smallest angle away from input corners that are sharper
+    double areaDeviation = 0; // standard deviation over mean of the areas
 };
 
 PatchMesh meshBuilding(const Building& building, const MeshOptions& options = {});

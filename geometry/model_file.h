@@ -1,6 +1,7 @@
 // Models as files: .obj with .mtl, .gltf, .glb.
-// Material conventions: Kd = diffuse reflectance, Tf = visible transmittance at normal incidence (absent = opaque), Ni 1.52 glass or
-// 1.0 open hole, Ke = exitance in lux. glTF: baseColorFactor, KHR_materials_transmission, KHR_materials_emissive_strength.
+// Material conventions: Kd = diffuse reflectance, Tf = visible transmittance at normal incidence (absent =
+// opaque), Ni 1.52 glass or 1.0 open hole, Ke = exitance in lux. glTF: baseColorFactor,
+// KHR_materials_transmission, KHR_materials_emissive_strength.
 #pragma once
 
 #include <filesystem>
@@ -15,14 +16,16 @@ namespace heliodon::geometry {
 
 enum class UpAxis { y, z };
 
-// A model with z up is turned to y up: (x, y, z) -> (x, z, -y). The same turn applies to sensors and skies of that model.
+// A model with z up is turned to y up: (x, y, z) -> (x, z, -y). The same turn applies to sensors and skies of
+// that model.
 glm::dvec3 worldFromModel(glm::dvec3 p, UpAxis up);
 
-// The faces exactly as in the file, one patch each (planar convex polygons; others are refused by line). No closure is asked for.
+// The faces exactly as in the file, one patch each (planar convex polygons; others are refused by line). No
+// closure is asked for.
 PatchMesh readPatches(const std::filesystem::path& file, UpAxis up = UpAxis::y);
 
-// The model as closed rooms: duplicate vertices welded, T-vertices split, flipped faces turned where that is safe; otherwise refused
-// with the faces named. A model that is not closed is refused.
+// The model as closed rooms: duplicate vertices welded, T-vertices split, flipped faces turned where that is
+// safe; otherwise refused with the faces named. A model that is not closed is refused.
 Building importModel(const std::filesystem::path& file, UpAxis up = UpAxis::y);
 
 // .obj (+ .mtl beside it) or .glb, by extension; written whole. Groups carry role and room.

@@ -4,8 +4,8 @@
 
 namespace heliodon::geometry {
 
-void PatchMesh::addPatch(std::span<const uint32_t> indices, uint32_t materialIndex, Role r, uint32_t surfaceId,
-                         uint32_t roomId) {
+void PatchMesh::addPatch(std::span<const uint32_t> indices, uint32_t materialIndex, Role r,
+                         uint32_t surfaceId, uint32_t roomId) {
     corners.insert(corners.end(), indices.begin(), indices.end());
     firstCorner.push_back(static_cast<uint32_t>(corners.size()));
     material.push_back(materialIndex);
@@ -17,16 +17,21 @@ void PatchMesh::addPatch(std::span<const uint32_t> indices, uint32_t materialInd
 
 glm::dvec3 patchAreaVector(const PatchMesh& mesh, size_t patch) {
     const auto corner = mesh.patch(patch);
-    const glm::dvec3 origin = mesh.vertices[corner[0]]; // relative to a corner: no cancellation far from the origin
+    const glm::dvec3 origin =
+        mesh.vertices[corner[0]]; // relative to a corner: no cancellation far from the origin
     glm::dvec3 sum{0};
     for (size_t k = 1; k + 1 < corner.size(); ++k)
         sum += glm::cross(mesh.vertices[corner[k]] - origin, mesh.vertices[corner[k + 1]] - origin);
     return sum;
 }
 
-double patchArea(const PatchMesh& mesh, size_t patch) { return 0.5 * glm::length(patchAreaVector(mesh, patch)); }
+double patchArea(const PatchMesh& mesh, size_t patch) {
+    return 0.5 * glm::length(patchAreaVector(mesh, patch));
+}
 
-glm::dvec3 patchNormal(const PatchMesh& mesh, size_t patch) { return glm::normalize(patchAreaVector(mesh, patch)); }
+glm::dvec3 patchNormal(const PatchMesh& mesh, size_t patch) {
+    return glm::normalize(patchAreaVector(mesh, patch));
+}
 
 glm::dvec3 patchCentroid(const PatchMesh& mesh, size_t patch) {
     const auto corner = mesh.patch(patch);

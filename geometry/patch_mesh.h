@@ -1,5 +1,5 @@
-// The currency between geometry, light and drawing: closed rooms as planar convex patches with materials and roles.
-// Metres, y up. Faces are counter-clockwise seen from the air of the room; normals point into the air.
+// The currency between geometry, light and drawing: closed rooms as planar convex patches with materials and
+// roles. Metres, y up. Faces are counter-clockwise seen from the air of the room; normals point into the air.
 #pragma once
 
 #include <cstdint>
@@ -20,10 +20,10 @@ enum class Role : uint8_t {
 // Values per linear Rec. 709 channel.
 struct Material {
     std::string name;
-    glm::vec3 reflectance{0};   // diffuse, [0, 1)
-    glm::vec3 transmittance{0}; // visible, at normal incidence, of glazing or a hole; 0 = opaque
+    glm::vec3 reflectance{0};      // diffuse, [0, 1)
+    glm::vec3 transmittance{0};    // visible, at normal incidence, of glazing or a hole; 0 = opaque
     float refractiveIndex = 1.52f; // 1.52: absorbing slab of glass; 1: an open hole
-    glm::vec3 exitance{0};      // own emission, lux
+    glm::vec3 exitance{0};         // own emission, lux
 
     bool isOpening() const { return transmittance.x > 0 || transmittance.y > 0 || transmittance.z > 0; }
 };
@@ -32,32 +32,38 @@ constexpr int32_t kNoTwin = -1;
 
 struct PatchMesh {
     std::vector<glm::dvec3> vertices;
-    // Patch i has the corners corners[firstCorner[i] .. firstCorner[i + 1]); usually three, any planar convex polygon is fine.
+    // Patch i has the corners corners[firstCorner[i] .. firstCorner[i + 1]); usually three, any planar convex
+    // polygon is fine.
     std::vector<uint32_t> corners;
     std::vector<uint32_t> firstCorner{0};
     std::vector<uint32_t> material; // per patch, into `materials`
     std::vector<Role> role;         // per patch; never `extra` (extras are in Occluders)
-    std::vector<uint32_t> surface;  // per patch: its flat or smoothly curved surface; light is interpolated within one surface only
+    std::vector<uint32_t> surface;  // per patch: its flat or smoothly curved surface; light is interpolated
+                                    // within one surface only
     std::vector<uint32_t> room;     // per patch: connected air volume; rooms do not see one another
-    std::vector<int32_t> twin;      // per patch: the patch of the same glass on the other side of an interior window, else kNoTwin.
-                                    // Twins have equal shape; what falls on one leaves the other (times transmittance)
+    std::vector<int32_t>
+        twin; // per patch: the patch of the same glass on the other side of an interior window, else kNoTwin.
+              // Twins have equal shape; what falls on one leaves the other (times transmittance)
     std::vector<Material> materials;
 
     size_t patchCount() const { return firstCorner.size() - 1; }
     std::span<const uint32_t> patch(size_t i) const {
         return {corners.data() + firstCorner[i], firstCorner[i + 1] - firstCorner[i]};
     }
-    void addPatch(std::span<const uint32_t> indices, uint32_t materialIndex, Role r, uint32_t surfaceId, uint32_t roomId);
+    void addPatch(std::span<const uint32_t> indices, uint32_t materialIndex, Role r, uint32_t surfaceId,
+                  uint32_t roomId);
 };
 
-// Newell's normal with twice the area as its length; unit normal, area and centroid (area-weighted) of a planar polygon.
+// Newell's normal with twice the area as its length; unit normal, area and centroid (area-weighted) of a
+// planar polygon.
 glm::dvec3 patchAreaVector(const PatchMesh& mesh, size_t patch);
 double patchArea(const PatchMesh& mesh, size_t patch);
 glm::dvec3 patchNormal(const PatchMesh& mesh, size_t patch);
 glm::dvec3 patchCentroid(const PatchMesh& mesh, size_t patch);
 
 // The physical objects on the table as closed opaque solids: what stands between a projector and a surface.
-// Whole walls with their true thickness and height, whether or not a room uses them. Empty for imported models.
+// Whole walls with their true thickness and height, whether or not a room uses them. Empty for imported
+// models.
 struct Occluders {
     std::vector<glm::dvec3> vertices;
     std::vector<uint32_t> triangles; // three indices each, counter-clockwise seen from outside the solid

@@ -15,8 +15,10 @@ namespace fs = std::filesystem;
 void writeWhole(const fs::path& target, const std::function<void(const fs::path&)>& write) {
     const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
     if (!fs::is_directory(folder)) throw InputError(target.string(), "", "its folder does not exist");
-    if (fs::is_directory(target)) throw InputError(target.string(), "", "is a folder, expected a file to write");
-    if (::access(folder.c_str(), W_OK) != 0) throw InputError(target.string(), "", "its folder cannot be written to");
+    if (fs::is_directory(target))
+        throw InputError(target.string(), "", "is a folder, expected a file to write");
+    if (::access(folder.c_str(), W_OK) != 0)
+        throw InputError(target.string(), "", "its folder cannot be written to");
     const fs::path aside =
         folder / fmt::format(".{}.{}{}", target.stem().string(), ::getpid(), target.extension().string());
     try {

@@ -7,10 +7,11 @@
 
 namespace heliodon::geometry {
 
-// Calls `write` with a path in the folder of `target` (same extension, so that image writers pick the right format), then
-// renames it to `target`. When `write` throws, the neighbour is removed and `target` is as it was.
-// Throws InputError when the folder is missing or cannot be written to.
-void writeWhole(const std::filesystem::path& target, const std::function<void(const std::filesystem::path&)>& write);
+// Calls `write` with a path in the folder of `target` (same extension, so that image writers pick the right
+// format), then renames it to `target`. When `write` throws, the neighbour is removed and `target` is as it
+// was. Throws InputError when the folder is missing or cannot be written to.
+void writeWhole(const std::filesystem::path& target,
+                const std::function<void(const std::filesystem::path&)>& write);
 
 void writeWholeText(const std::filesystem::path& target, std::string_view text);
 

@@ -1,0 +1,80 @@
+// A buffer on the device, usable as storage, texel, vertex, index, uniform, indirect and transfer buffer
+// alike.
+#pragma once
+
+#include <cstddef>
+#include <cstring>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <vulkan/vulkan.h>
+
+#include "compute/gpu/memory.h"
+
+namespace heliodon::gpu {
+
+class Device;
+
+class Buffer {
+public:
+    Buffer() = default;
+    // `bytes` of zero is allowed and makes a small buffer, so that empty input needs no special case in a
+    // kernel.
+    Buffer(Device& device, size_t bytes, const std::string& name, Place place = Place::device);
+    Buffer(Buffer&& other) noexcept { *this = std::move(other); }
+    Buffer& operator=(Buffer&& other) noexcept;
+    ~Buffer() { reset(); }
+
+    template<class T> static Buffer from(Device& device, std::span<const T> values, const std::string& name) {
+        Buffer buffer(device, values.size_bytes(), name);
+        buffer.upload(values);
+        return buffer;
+    }
+    template<class T>
+    static Buffer from(Device& device, const std::vector<T>& values, const std::string& name) {
+        return from(device, std::span<const T>(values), name);
+    }
+
+    VkBuffer handle() const { return buffer_; }
+    size_t bytes() const { return bytes_; }
+    bool valid() const { return buffer_ != VK_NULL_HANDLE; }
+    // Null when the host cannot see the memory. Reading or writing it while the device uses it is a race.
+    template<class T = std::byte> T* mapped() const { return static_cast<T*>(allocation_.mapped); }
+
+    // Copies to the device; waits for it. Not for inner loops: record a copy instead.
+    template<class T> void upload(std::span<const T> values, size_t byteOffset = 0) {
+        uploadBytes(values.data(), values.size_bytes(), byteOffset);
+    }
+    template<class T> void upload(const std::vector<T>& values, size_t byteOffset = 0) {
+        upload(std::span<const T>(values), byteOffset);
+    }
+    // Copies `count` values back; the work that writes them must have been waited for.
+    template<class T> std::vector<T> download(size_t count, size_t byteOffset = 0) const {
+        std::vector<T> values(count);
+        downloadBytes(values.data(), count * sizeof(T), byteOffset);
+        return values;
+    }
+
+    // A view for texelFetch and imageLoad; made once per format and range.
+    VkBufferView texelView(VkFormat format, size_t byteOffset = 0, size_t bytes = VK_WHOLE_SIZE) const;
+
+private:
+    void reset();
+    void uploadBytes(const void* data, size_t bytes, size_t byteOffset);
+    void downloadBytes(void* data, size_t bytes, size_t byteOffset) const;
+
+    struct TexelView {
+        VkFormat format;
+        size_t offset, bytes;
+        VkBufferView view;
+    };
+
+    Device* device_ = nullptr;
+    VkBuffer buffer_ = VK_NULL_HANDLE;
+    Allocation allocation_;
+    size_t bytes_ = 0;
+    mutable std::vector<TexelView> views_;
+};
+
+} // namespace heliodon::gpu

@@ -1,0 +1,134 @@
+#include "compute/gpu/commands.h"
+
+#include <cassert>
+#include <utility>
+
+#include "compute/gpu/buffer.h"
+#include "compute/gpu/device.h"
+#include "compute/gpu/error.h"
+#include "compute/gpu/image.h"
+#include "compute/gpu/kernel.h"
+
+namespace heliodon::gpu {
+
+namespace {
+
+struct Scope {
+    VkPipelineStageFlags2 stage;
+    VkAccessFlags2 access;
+};
+
+Scope scopeOf(Stage stage) {
+    switch (stage) {
+    case Stage::compute:
+        return {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_UNIFORM_READ_BIT};
+    case Stage::transfer:
+        return {VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
+                VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
+    case Stage::host:
+        return {VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT | VK_ACCESS_2_HOST_WRITE_BIT};
+    case Stage::vertexInput:
+        return {VK_PIPELINE_STAGE_2_VERTEX_INPUT_BIT,
+                VK_ACCESS_2_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_2_INDEX_READ_BIT};
+    case Stage::vertex:
+        return {VK_PIPELINE_STAGE_2_PRE_RASTERIZATION_SHADERS_BIT,
+                VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_UNIFORM_READ_BIT};
+    case Stage::fragment:
+        return {VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
+                VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_UNIFORM_READ_BIT};
+    case Stage::colour:
+        return {VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT,
+                VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT};
+    case Stage::depth:
+        return {VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT,
+                VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT |
+                    VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT};
+    case Stage::indirect:
+        return {VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT};
+    case Stage::any:
+        break;
+    }
+    return {VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT};
+}
+
+} // namespace
+
+Commands::Commands(Device& device) : device_(&device), buffer_(device.beginCommandBuffer()) {}
+
+Commands::Commands(Commands&& other) noexcept
+    : device_(other.device_), buffer_(std::exchange(other.buffer_, VK_NULL_HANDLE)) {}
+
+Commands::~Commands() {
+    if (buffer_) device_->abandonCommandBuffer(buffer_);
+}
+
+void Commands::dispatchBytes(const Kernel& kernel, std::span<const Binding> resources, const void* params,
+                             size_t paramBytes, std::array<uint32_t, 3> groups) {
+    const auto& most = device_->limits().maxComputeWorkGroupCount;
+    for (int axis = 0; axis < 3; ++axis)
+        if (groups[static_cast<size_t>(axis)] > most[axis])
+            throw Error("dispatch of " + kernel.name() + ": more groups than the device allows");
+    if (groups[0] == 0 || groups[1] == 0 || groups[2] == 0) return;
+    vkCmdBindPipeline(buffer_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.handle());
+    kernel.layout().push(buffer_, VK_PIPELINE_BIND_POINT_COMPUTE, resources, params, paramBytes);
+    vkCmdDispatch(buffer_, groups[0], groups[1], groups[2]);
+}
+
+void Commands::barrier(Stage from, Stage to) {
+    const Scope source = scopeOf(from), target = scopeOf(to);
+    VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+    memory.srcStageMask = source.stage;
+    memory.srcAccessMask = source.access;
+    memory.dstStageMask = target.stage;
+    memory.dstAccessMask = target.access;
+    VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+    info.memoryBarrierCount = 1;
+    info.pMemoryBarriers = &memory;
+    vkCmdPipelineBarrier2(buffer_, &info);
+}
+
+void Commands::transition(const Image& image, VkImageLayout from, VkImageLayout to, Stage before,
+                          Stage after) {
+    const Scope source = scopeOf(before), target = scopeOf(after);
+    VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
+    barrier.srcStageMask = source.stage;
+    barrier.srcAccessMask = source.access;
+    barrier.dstStageMask = target.stage;
+    barrier.dstAccessMask = target.access;
+    barrier.oldLayout = from;
+    barrier.newLayout = to;
+    barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+    barrier.image = image.handle();
+    barrier.subresourceRange = {image.aspect(), 0, 1, 0, image.info().layers};
+    VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+    info.imageMemoryBarrierCount = 1;
+    info.pImageMemoryBarriers = &barrier;
+    vkCmdPipelineBarrier2(buffer_, &info);
+}
+
+void Commands::copy(const Buffer& from, size_t fromOffset, const Buffer& to, size_t toOffset, size_t bytes) {
+    assert(fromOffset + bytes <= from.bytes() && toOffset + bytes <= to.bytes());
+    if (bytes == 0) return;
+    const VkBufferCopy region{fromOffset, toOffset, bytes};
+    vkCmdCopyBuffer(buffer_, from.handle(), to.handle(), 1, &region);
+}
+
+void Commands::fill(const Buffer& buffer, uint32_t word, size_t offset, size_t bytes) {
+    vkCmdFillBuffer(buffer_, buffer.handle(), offset, bytes, word);
+}
+
+void Commands::copyImageToBuffer(const Image& image, uint32_t layer, const Buffer& to, size_t toOffset) {
+    VkBufferImageCopy region{};
+    region.bufferOffset = toOffset;
+    region.imageSubresource = {image.aspect(), 0, layer, 1};
+    region.imageExtent = {image.info().width, image.info().height, 1};
+    vkCmdCopyImageToBuffer(buffer_, image.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to.handle(), 1,
+                           &region);
+}
+
+void Commands::writeTimestamp(VkQueryPool pool, uint32_t query) {
+    vkCmdWriteTimestamp2(buffer_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, pool, query);
+}
+
+} // namespace heliodon::gpu

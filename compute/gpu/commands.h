@@ -1,0 +1,69 @@
+// One command buffer being recorded. Barriers are written by whoever sequences kernels, each naming producer
+// and consumer.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <initializer_list>
+#include <span>
+#include <type_traits>
+
+#include <vulkan/vulkan.h>
+
+namespace heliodon::gpu {
+
+struct Binding;
+class Buffer;
+class Device;
+class Image;
+class Kernel;
+
+// Who writes or reads on either side of a barrier.
+enum class Stage { compute, transfer, host, vertexInput, vertex, fragment, colour, depth, indirect, any };
+
+class Commands {
+public:
+    explicit Commands(Device& device);
+    Commands(Commands&& other) noexcept;
+    Commands& operator=(Commands&&) = delete;
+    ~Commands(); // recording that was never submitted is dropped
+
+    VkCommandBuffer handle() const { return buffer_; }
+    Device& device() const { return *device_; }
+
+    // Resources follow the order of the shader's binding numbers; `params` is its push-constant block.
+    template<class Params>
+    void dispatch(const Kernel& kernel, std::initializer_list<Binding> resources, const Params& params,
+                  uint32_t groupsX, uint32_t groupsY = 1, uint32_t groupsZ = 1) {
+        static_assert(std::is_trivially_copyable_v<Params> && sizeof(Params) <= 128);
+        dispatchBytes(kernel, {resources.begin(), resources.size()}, &params, sizeof(Params),
+                      {groupsX, groupsY, groupsZ});
+    }
+    void dispatchBytes(const Kernel& kernel, std::span<const Binding> resources, const void* params,
+                       size_t paramBytes, std::array<uint32_t, 3> groups);
+
+    // Everything that `from` wrote is visible to `to`, for all buffers.
+    void barrier(Stage from, Stage to);
+    // Moves all layers of an image to `layout`; `from` UNDEFINED discards the content.
+    void transition(const Image& image, VkImageLayout from, VkImageLayout to, Stage before, Stage after);
+
+    void copy(const Buffer& from, size_t fromOffset, const Buffer& to, size_t toOffset, size_t bytes);
+    void fill(const Buffer& buffer, uint32_t word, size_t offset = 0, size_t bytes = VK_WHOLE_SIZE);
+    // Image (TRANSFER_SRC_OPTIMAL) to tightly packed rows.
+    void copyImageToBuffer(const Image& image, uint32_t layer, const Buffer& to, size_t toOffset = 0);
+
+    void writeTimestamp(VkQueryPool pool, uint32_t query);
+
+private:
+    friend class Device;
+
+    Device* device_;
+    VkCommandBuffer buffer_ = VK_NULL_HANDLE;
+};
+
+// ceil(count / groupSize)
+constexpr uint32_t groupsFor(size_t count, uint32_t groupSize) {
+    return static_cast<uint32_t>((count + groupSize - 1) / groupSize);
+}
+
+} // namespace heliodon::gpu

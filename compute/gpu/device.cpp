@@ -1,0 +1,466 @@
+#include "compute/gpu/device.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstring>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "compute/gpu/commands.h"
+#include "compute/gpu/error.h"
+
+namespace heliodon::gpu {
+
+namespace {
+
+constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
+
+// Every feature that the program uses, in one chain, so that what is asked of a candidate is what is enabled
+// on the chosen one.
+struct Features {
+    VkPhysicalDeviceVulkan13Features v13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+    VkPhysicalDeviceVulkan12Features v12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+    VkPhysicalDeviceFeatures2 base{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};
+
+    Features() {
+        v12.pNext = &v13;
+        base.pNext = &v12;
+    }
+    Features(const Features&) = delete;
+    Features& operator=(const Features&) = delete;
+};
+
+struct Required {
+    const char* name;
+    VkBool32& (*of)(Features&);
+};
+constexpr std::array<Required, 7> kRequired{{
+    {"synchronization2", [](Features& f) -> VkBool32& { return f.v13.synchronization2; }},
+    {"dynamicRendering", [](Features& f) -> VkBool32& { return f.v13.dynamicRendering; }},
+    {"maintenance4", [](Features& f) -> VkBool32& { return f.v13.maintenance4; }},
+    {"timelineSemaphore", [](Features& f) -> VkBool32& { return f.v12.timelineSemaphore; }},
+    {"scalarBlockLayout", [](Features& f) -> VkBool32& { return f.v12.scalarBlockLayout; }},
+    {"hostQueryReset", [](Features& f) -> VkBool32& { return f.v12.hostQueryReset; }},
+    {"depthClamp", [](Features& f) -> VkBool32& { return f.base.features.depthClamp; }},
+}};
+
+const char* typeName(VkPhysicalDeviceType type) {
+    switch (type) {
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+        return "discrete";
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+        return "integrated";
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+        return "virtual";
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+        return "software";
+    default:
+        return "other";
+    }
+}
+
+std::optional<uint32_t> findQueueFamily(VkPhysicalDevice physical) {
+    uint32_t count = 0;
+    vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
+    std::vector<VkQueueFamilyProperties> families(count);
+    vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
+    constexpr VkQueueFlags kBoth = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
+    for (uint32_t i = 0; i < count; ++i)
+        if ((families[i].queueFlags & kBoth) == kBoth) return i;
+    return std::nullopt;
+}
+
+bool hasExtension(VkPhysicalDevice physical, const char* name) {
+    uint32_t count = 0;
+    vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr);
+    std::vector<VkExtensionProperties> extensions(count);
+    vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, extensions.data());
+    return std::any_of(extensions.begin(), extensions.end(),
+                       [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
+}
+
+DeviceInfo describe(VkPhysicalDevice physical, uint32_t index, bool swapchains) {
+    VkPhysicalDeviceDriverProperties driver{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
+    VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
+    properties.pNext = &driver;
+    vkGetPhysicalDeviceProperties2(physical, &properties);
+    const VkPhysicalDeviceProperties& p = properties.properties;
+    DeviceInfo info{index,
+                    p.deviceName,
+                    fmt::format("{} {}", driver.driverName, driver.driverInfo),
+                    typeName(p.deviceType),
+                    p.apiVersion,
+                    ""};
+    auto refuse = [&](const std::string& why) { info.refused += (info.refused.empty() ? "" : "; ") + why; };
+    if (p.apiVersion < VK_API_VERSION_1_3) {
+        refuse(fmt::format("Vulkan {}.{}, needs 1.3", VK_API_VERSION_MAJOR(p.apiVersion),
+                           VK_API_VERSION_MINOR(p.apiVersion)));
+        return info;
+    }
+    Features features;
+    vkGetPhysicalDeviceFeatures2(physical, &features.base);
+    for (const Required& required : kRequired)
+        if (!required.of(features)) refuse(fmt::format("lacks the feature {}", required.name));
+    if (!hasExtension(physical, VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME))
+        refuse("lacks VK_KHR_push_descriptor");
+    if (swapchains && !hasExtension(physical, VK_KHR_SWAPCHAIN_EXTENSION_NAME))
+        refuse("lacks VK_KHR_swapchain");
+    if (!findQueueFamily(physical)) refuse("has no queue for both graphics and compute");
+    return info;
+}
+
+std::vector<VkPhysicalDevice> physicalDevices(VkInstance instance) {
+    uint32_t count = 0;
+    check(vkEnumeratePhysicalDevices(instance, &count, nullptr), "vkEnumeratePhysicalDevices");
+    std::vector<VkPhysicalDevice> devices(count);
+    check(vkEnumeratePhysicalDevices(instance, &count, devices.data()), "vkEnumeratePhysicalDevices");
+    return devices;
+}
+
+VkInstance makeInstance(const std::vector<const char*>& layers, const std::vector<const char*>& extensions,
+                        const void* next) {
+    VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
+    application.pApplicationName = "heliodon";
+    application.apiVersion = VK_API_VERSION_1_3;
+    VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
+    info.pNext = next;
+    info.pApplicationInfo = &application;
+    info.enabledLayerCount = static_cast<uint32_t>(layers.size());
+    info.ppEnabledLayerNames = layers.data();
+    info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
+    info.ppEnabledExtensionNames = extensions.data();
+    VkInstance instance = VK_NULL_HANDLE;
+    check(vkCreateInstance(&info, nullptr, &instance), "vkCreateInstance");
+    return instance;
+}
+
+std::string lower(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return text;
+}
+
+bool selected(const DeviceInfo& info, const std::string& select) {
+    if (select.empty()) return true;
+    if (std::all_of(select.begin(), select.end(), [](unsigned char c) { return std::isdigit(c); }))
+        return std::to_string(info.index) == select;
+    return lower(info.name).find(lower(select)) != std::string::npos;
+}
+
+int preference(const DeviceInfo& info) {
+    constexpr std::array<std::string_view, 4> kOrder{"discrete", "integrated", "virtual", "software"};
+    return static_cast<int>(std::find(kOrder.begin(), kOrder.end(), info.type) - kOrder.begin());
+}
+
+VKAPI_ATTR VkBool32 VKAPI_CALL forwardMessage(VkDebugUtilsMessageSeverityFlagBitsEXT,
+                                              VkDebugUtilsMessageTypeFlagsEXT,
+                                              const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
+    const auto& listener = *static_cast<const std::function<void(std::string_view)>*>(user);
+    if (listener) listener(data->pMessage);
+    return VK_FALSE;
+}
+
+} // namespace
+
+const char* resultName(VkResult result) {
+    switch (result) {
+    case VK_SUCCESS:
+        return "VK_SUCCESS";
+    case VK_ERROR_OUT_OF_HOST_MEMORY:
+        return "VK_ERROR_OUT_OF_HOST_MEMORY";
+    case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+        return "VK_ERROR_OUT_OF_DEVICE_MEMORY";
+    case VK_ERROR_INITIALIZATION_FAILED:
+        return "VK_ERROR_INITIALIZATION_FAILED";
+    case VK_ERROR_DEVICE_LOST:
+        return "VK_ERROR_DEVICE_LOST";
+    case VK_ERROR_MEMORY_MAP_FAILED:
+        return "VK_ERROR_MEMORY_MAP_FAILED";
+    case VK_ERROR_LAYER_NOT_PRESENT:
+        return "VK_ERROR_LAYER_NOT_PRESENT";
+    case VK_ERROR_EXTENSION_NOT_PRESENT:
+        return "VK_ERROR_EXTENSION_NOT_PRESENT";
+    case VK_ERROR_FEATURE_NOT_PRESENT:
+        return "VK_ERROR_FEATURE_NOT_PRESENT";
+    case VK_ERROR_INCOMPATIBLE_DRIVER:
+        return "VK_ERROR_INCOMPATIBLE_DRIVER";
+    case VK_ERROR_TOO_MANY_OBJECTS:
+        return "VK_ERROR_TOO_MANY_OBJECTS";
+    case VK_ERROR_FORMAT_NOT_SUPPORTED:
+        return "VK_ERROR_FORMAT_NOT_SUPPORTED";
+    case VK_ERROR_SURFACE_LOST_KHR:
+        return "VK_ERROR_SURFACE_LOST_KHR";
+    case VK_ERROR_NATIVE_WINDOW_IN_USE_KHR:
+        return "VK_ERROR_NATIVE_WINDOW_IN_USE_KHR";
+    case VK_ERROR_OUT_OF_DATE_KHR:
+        return "VK_ERROR_OUT_OF_DATE_KHR";
+    case VK_SUBOPTIMAL_KHR:
+        return "VK_SUBOPTIMAL_KHR";
+    case VK_TIMEOUT:
+        return "VK_TIMEOUT";
+    default:
+        return "an unnamed VkResult";
+    }
+}
+
+std::vector<DeviceInfo> listDevices() {
+    const VkInstance instance = makeInstance({}, {}, nullptr);
+    std::vector<DeviceInfo> list;
+    for (VkPhysicalDevice physical : physicalDevices(instance))
+        list.push_back(describe(physical, static_cast<uint32_t>(list.size()), false));
+    vkDestroyInstance(instance, nullptr);
+    return list;
+}
+
+Device::Device(const DeviceOptions& options) : onMessage_(options.onMessage) {
+    createInstance(options);
+    choosePhysical(options);
+    createDevice(options);
+    memory_ = std::make_unique<Memory>(physical_, device_);
+    VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+    pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
+    pool.queueFamilyIndex = queueFamily_;
+    check(vkCreateCommandPool(device_, &pool, nullptr, &pool_), "vkCreateCommandPool");
+    VkSemaphoreTypeCreateInfo type{VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO};
+    type.semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE;
+    VkSemaphoreCreateInfo semaphore{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
+    semaphore.pNext = &type;
+    check(vkCreateSemaphore(device_, &semaphore, nullptr, &timeline_), "vkCreateSemaphore");
+}
+
+void Device::createInstance(const DeviceOptions& options) {
+    std::vector<const char*> layers, extensions;
+    for (const std::string& name : options.instanceExtensions) extensions.push_back(name.c_str());
+    const VkValidationFeatureEnableEXT enable = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
+    VkValidationFeaturesEXT features{VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT};
+    features.enabledValidationFeatureCount = 1;
+    features.pEnabledValidationFeatures = &enable;
+    VkDebugUtilsMessengerCreateInfoEXT messenger{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
+    messenger.messageSeverity =
+        VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+    messenger.messageType =
+        VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
+    messenger.pfnUserCallback = forwardMessage;
+    messenger.pUserData = &onMessage_;
+    if (options.validation) {
+        layers.push_back(kValidationLayer);
+        extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+        features.pNext = &messenger;
+    }
+    instance_ = makeInstance(layers, extensions, options.validation ? &features : nullptr);
+    if (!options.validation) return;
+    const auto create = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
+        vkGetInstanceProcAddr(instance_, "vkCreateDebugUtilsMessengerEXT"));
+    check(create(instance_, &messenger, nullptr, &messenger_), "vkCreateDebugUtilsMessengerEXT");
+    functions_.setDebugUtilsObjectName = reinterpret_cast<PFN_vkSetDebugUtilsObjectNameEXT>(
+        vkGetInstanceProcAddr(instance_, "vkSetDebugUtilsObjectNameEXT"));
+}
+
+void Device::choosePhysical(const DeviceOptions& options) {
+    std::string refusals;
+    int best = 100;
+    const std::vector<VkPhysicalDevice> candidates = physicalDevices(instance_);
+    for (uint32_t i = 0; i < candidates.size(); ++i) {
+        const DeviceInfo info = describe(candidates[i], i, options.swapchains);
+        const bool wanted = selected(info, options.select);
+        const std::string why = !wanted ? "not the one asked for" : info.refused;
+        if (!why.empty()) {
+            refusals += fmt::format("\n  {} {}: {}", info.index, info.name, why);
+        } else if (preference(info) < best) {
+            best = preference(info);
+            physical_ = candidates[i];
+            info_ = info;
+        }
+    }
+    if (physical_) return;
+    const std::string asked = options.select.empty() ? "" : fmt::format(" named '{}'", options.select);
+    throw Error(VK_ERROR_INITIALIZATION_FAILED,
+                fmt::format("no Vulkan device{} can be used{}", asked,
+                            refusals.empty() ? ": the loader knows none" : ":" + refusals));
+}
+
+void Device::createDevice(const DeviceOptions& options) {
+    VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
+    VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
+    properties.pNext = &subgroup;
+    vkGetPhysicalDeviceProperties2(physical_, &properties);
+    limits_ = properties.properties.limits;
+    subgroupSize_ = subgroup.subgroupSize;
+    queueFamily_ = *findQueueFamily(physical_);
+
+    Features available, wanted;
+    vkGetPhysicalDeviceFeatures2(physical_, &available.base);
+    for (const Required& required : kRequired) required.of(wanted) = VK_TRUE;
+    geometryShader_ = available.base.features.geometryShader;
+    wanted.base.features.geometryShader = available.base.features.geometryShader;
+    wanted.base.features.fragmentStoresAndAtomics = available.base.features.fragmentStoresAndAtomics;
+    wanted.base.features.shaderFloat64 = available.base.features.shaderFloat64;
+    wanted.base.features.fillModeNonSolid = available.base.features.fillModeNonSolid;
+    wanted.v13.subgroupSizeControl = available.v13.subgroupSizeControl;
+    wanted.v13.computeFullSubgroups = available.v13.computeFullSubgroups;
+
+    std::vector<const char*> extensions{VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME};
+    if (options.swapchains) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
+    const float priority = 1;
+    VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
+    queue.queueFamilyIndex = queueFamily_;
+    queue.queueCount = 1;
+    queue.pQueuePriorities = &priority;
+    VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
+    info.pNext = &wanted.base;
+    info.queueCreateInfoCount = 1;
+    info.pQueueCreateInfos = &queue;
+    info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
+    info.ppEnabledExtensionNames = extensions.data();
+    check(vkCreateDevice(physical_, &info, nullptr, &device_), "vkCreateDevice");
+    vkGetDeviceQueue(device_, queueFamily_, 0, &queue_);
+    functions_.cmdPushDescriptorSet = reinterpret_cast<PFN_vkCmdPushDescriptorSetKHR>(
+        vkGetDeviceProcAddr(device_, "vkCmdPushDescriptorSetKHR"));
+}
+
+Device::~Device() {
+    if (device_) {
+        vkDeviceWaitIdle(device_); // a lost device returns at once; what is left is freed all the same
+        for (Retired& retired : retired_) retired.release();
+        retired_.clear();
+        vkDestroySemaphore(device_, timeline_, nullptr);
+        vkDestroyCommandPool(device_, pool_, nullptr);
+        memory_.reset();
+        vkDestroyDevice(device_, nullptr);
+    }
+    if (messenger_) {
+        const auto destroy = reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
+            vkGetInstanceProcAddr(instance_, "vkDestroyDebugUtilsMessengerEXT"));
+        destroy(instance_, messenger_, nullptr);
+    }
+    if (instance_) vkDestroyInstance(instance_, nullptr);
+}
+
+VkCommandBuffer Device::beginCommandBuffer() {
+    collectRetired();
+    VkCommandBuffer buffer = VK_NULL_HANDLE;
+    if (!freeCommandBuffers_.empty()) {
+        buffer = freeCommandBuffers_.back();
+        freeCommandBuffers_.pop_back();
+    } else {
+        VkCommandBufferAllocateInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+        info.commandPool = pool_;
+        info.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+        info.commandBufferCount = 1;
+        check(vkAllocateCommandBuffers(device_, &info, &buffer), "vkAllocateCommandBuffers");
+    }
+    VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+    begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+    check(vkBeginCommandBuffer(buffer, &begin), "vkBeginCommandBuffer");
+    ++openRecordings_;
+    return buffer;
+}
+
+void Device::abandonCommandBuffer(VkCommandBuffer buffer) {
+    closeRecording();
+    vkResetCommandBuffer(buffer, 0);
+    freeCommandBuffers_.push_back(buffer);
+}
+
+uint64_t Device::submit(Commands&& commands) {
+    return submit(std::move(commands), VK_NULL_HANDLE, VK_PIPELINE_STAGE_2_NONE, VK_NULL_HANDLE);
+}
+
+uint64_t Device::submit(Commands&& commands, VkSemaphore waitFor, VkPipelineStageFlags2 waitStage,
+                        VkSemaphore signal) {
+    const VkCommandBuffer buffer = commands.buffer_;
+    check(vkEndCommandBuffer(buffer), "vkEndCommandBuffer");
+    VkCommandBufferSubmitInfo command{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
+    command.commandBuffer = buffer;
+    VkSemaphoreSubmitInfo wait{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO};
+    wait.semaphore = waitFor;
+    wait.stageMask = waitStage;
+    std::array<VkSemaphoreSubmitInfo, 2> signals{};
+    for (auto& s : signals) s = {VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO};
+    signals[0].semaphore = timeline_;
+    signals[0].value = lastTicket_ + 1;
+    signals[0].stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+    signals[1].semaphore = signal;
+    signals[1].stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+    VkSubmitInfo2 info{VK_STRUCTURE_TYPE_SUBMIT_INFO_2};
+    info.waitSemaphoreInfoCount = waitFor ? 1 : 0;
+    info.pWaitSemaphoreInfos = &wait;
+    info.commandBufferInfoCount = 1;
+    info.pCommandBufferInfos = &command;
+    info.signalSemaphoreInfoCount = signal ? 2 : 1;
+    info.pSignalSemaphoreInfos = signals.data();
+    check(vkQueueSubmit2(queue_, 1, &info, VK_NULL_HANDLE), "vkQueueSubmit2");
+    commands.buffer_ = VK_NULL_HANDLE;
+    ++lastTicket_;
+    closeRecording();
+    retired_.push_back({lastTicket_, [this, buffer] {
+                            vkResetCommandBuffer(buffer, 0);
+                            freeCommandBuffers_.push_back(buffer);
+                        }});
+    return lastTicket_;
+}
+
+void Device::wait(uint64_t ticket) {
+    VkSemaphoreWaitInfo info{VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO};
+    info.semaphoreCount = 1;
+    info.pSemaphores = &timeline_;
+    info.pValues = &ticket;
+    check(vkWaitSemaphores(device_, &info, UINT64_MAX), "vkWaitSemaphores");
+    collectRetired();
+}
+
+bool Device::finished(uint64_t ticket) {
+    uint64_t value = 0;
+    check(vkGetSemaphoreCounterValue(device_, timeline_, &value), "vkGetSemaphoreCounterValue");
+    return value >= ticket;
+}
+
+void Device::submitAndWait(Commands&& commands) {
+    wait(submit(std::move(commands)));
+}
+
+void Device::waitIdle() {
+    wait(lastTicket_);
+}
+
+void Device::retire(std::function<void()> release) {
+    // A recording that is still open may name the object: its ticket is known when the last of them has
+    // closed.
+    retired_.push_back({openRecordings_ > 0 ? kPending : lastTicket_, std::move(release)});
+}
+
+void Device::closeRecording() {
+    if (--openRecordings_ > 0) return;
+    for (Retired& retired : retired_)
+        if (retired.ticket == kPending) retired.ticket = lastTicket_;
+}
+
+void Device::collectRetired() {
+    uint64_t value = 0;
+    if (vkGetSemaphoreCounterValue(device_, timeline_, &value) != VK_SUCCESS) return;
+    std::vector<Retired> keep, all;
+    all.swap(retired_); // a release may retire something itself
+    for (Retired& retired : all) {
+        if (retired.ticket <= value)
+            retired.release();
+        else
+            keep.push_back(std::move(retired));
+    }
+    keep.insert(keep.end(), std::make_move_iterator(retired_.begin()),
+                std::make_move_iterator(retired_.end()));
+    retired_ = std::move(keep);
+}
+
+void Device::setName(VkObjectType type, uint64_t object, const std::string& name) const {
+    if (!functions_.setDebugUtilsObjectName) return;
+    VkDebugUtilsObjectNameInfoEXT info{VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT};
+    info.objectType = type;
+    info.objectHandle = object;
+    info.pObjectName = name.c_str();
+    functions_.setDebugUtilsObjectName(device_, &info);
+}
+
+} // namespace heliodon::gpu

@@ -1,0 +1,122 @@
+// One Vulkan device with one queue: choice, features, submission and retirement. The only Vulkan substrate of
+// the program. Everything made from a Device must be destroyed before it. Calls on one Device come from one
+// thread at a time.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <vulkan/vulkan.h>
+
+#include "compute/gpu/memory.h"
+
+namespace heliodon::gpu {
+
+struct DeviceOptions {
+    std::string select; // part of a device's name (any case) or its index; empty: discrete, else integrated,
+                        // else software
+    bool validation = false; // core and synchronization validation; the layer must be installed
+    std::function<void(std::string_view)> onMessage; // validation messages; may be called from any thread
+    std::vector<std::string> instanceExtensions;     // for windows, as the window library asks for
+    bool swapchains = false;                         // VK_KHR_swapchain is needed
+};
+
+struct DeviceInfo {
+    uint32_t index = 0;
+    std::string name, driver, type; // type: "discrete", "integrated", "virtual", "software", "other"
+    uint32_t apiVersion = 0;
+    std::string refused; // why it cannot be used; empty when it can
+};
+
+// Every device that the loader knows, usable or not.
+std::vector<DeviceInfo> listDevices();
+
+class Commands;
+
+class Device {
+public:
+    // Throws Error that lists each device and why it was refused when none fits `select`.
+    explicit Device(const DeviceOptions& options = {});
+    ~Device(); // waits for the queue
+    Device(const Device&) = delete;
+    Device& operator=(const Device&) = delete;
+
+    VkInstance instance() const { return instance_; }
+    VkPhysicalDevice physical() const { return physical_; }
+    VkDevice handle() const { return device_; }
+    VkQueue queue() const { return queue_; }
+    uint32_t queueFamily() const { return queueFamily_; }
+    const DeviceInfo& info() const { return info_; }
+    const VkPhysicalDeviceLimits& limits() const { return limits_; }
+    uint32_t subgroupSize() const { return subgroupSize_; }
+    bool hasGeometryShader() const { return geometryShader_; }
+    double timestampPeriodNs() const { return limits_.timestampPeriod; }
+    Memory& memory() { return *memory_; }
+
+    // Ends `commands` and hands it to the queue. The ticket grows with each submission.
+    uint64_t submit(Commands&& commands);
+    void wait(uint64_t ticket);
+    bool finished(uint64_t ticket);
+    void submitAndWait(Commands&& commands); // submit + wait
+    void waitIdle();
+
+    // Calls `release` once everything submitted so far, or being recorded now, has finished on the device.
+    void retire(std::function<void()> release);
+
+    void setName(VkObjectType type, uint64_t object, const std::string& name) const;
+
+    // Ticket of the latest submission; 0 when there was none.
+    uint64_t lastTicket() const { return lastTicket_; }
+    // Submission for callers with semaphores of their own (presentation). Signals the timeline too.
+    uint64_t submit(Commands&& commands, VkSemaphore waitFor, VkPipelineStageFlags2 waitStage,
+                    VkSemaphore signal);
+
+    struct Functions { // extension entry points that the loader does not export
+        PFN_vkCmdPushDescriptorSetKHR cmdPushDescriptorSet = nullptr;
+        PFN_vkSetDebugUtilsObjectNameEXT setDebugUtilsObjectName = nullptr;
+    };
+    const Functions& functions() const { return functions_; }
+
+private:
+    friend class Commands;
+
+    void createInstance(const DeviceOptions& options);
+    void choosePhysical(const DeviceOptions& options);
+    void createDevice(const DeviceOptions& options);
+    void collectRetired();
+    void closeRecording();
+    VkCommandBuffer beginCommandBuffer(); // for Commands
+    void abandonCommandBuffer(VkCommandBuffer buffer);
+
+    static constexpr uint64_t kPending = UINT64_MAX;
+    struct Retired {
+        uint64_t ticket; // released when the device has reached it; kPending while a recording is open
+        std::function<void()> release;
+    };
+
+    VkInstance instance_ = VK_NULL_HANDLE;
+    VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+    std::function<void(std::string_view)> onMessage_;
+    VkPhysicalDevice physical_ = VK_NULL_HANDLE;
+    VkDevice device_ = VK_NULL_HANDLE;
+    VkQueue queue_ = VK_NULL_HANDLE;
+    uint32_t queueFamily_ = 0;
+    DeviceInfo info_;
+    VkPhysicalDeviceLimits limits_{};
+    uint32_t subgroupSize_ = 1;
+    bool geometryShader_ = false;
+    Functions functions_;
+    std::unique_ptr<Memory> memory_;
+    VkCommandPool pool_ = VK_NULL_HANDLE;
+    VkSemaphore timeline_ = VK_NULL_HANDLE;
+    uint64_t lastTicket_ = 0;
+    uint64_t openRecordings_ = 0;
+    std::vector<VkCommandBuffer> freeCommandBuffers_;
+    std::vector<Retired> retired_;
+};
+
+} // namespace heliodon::gpu

@@ -1,0 +1,178 @@
+#include "compute/gpu/kernel.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "compute/gpu/buffer.h"
+#include "compute/gpu/device.h"
+#include "compute/gpu/error.h"
+#include "compute/gpu/image.h"
+
+namespace heliodon::gpu {
+
+Binding texel(const Buffer& buffer, VkFormat format, size_t offset, size_t bytes) {
+    Binding binding(buffer);
+    binding.format = format;
+    binding.offset = offset;
+    binding.bytes = bytes;
+    return binding;
+}
+
+Binding part(const Buffer& buffer, size_t offset, size_t bytes) {
+    return texel(buffer, VK_FORMAT_UNDEFINED, offset, bytes);
+}
+
+Binding sampled(const Image& image, VkSampler sampler, VkImageLayout layout) {
+    Binding binding(image);
+    binding.sampler = sampler;
+    binding.layout = layout;
+    return binding;
+}
+
+PipelineLayout::PipelineLayout(Device& device, std::span<const SpirvModule> modules) : device_(&device) {
+    for (const SpirvModule& module : modules) {
+        stages_ |= module.stage;
+        pushConstantBytes_ = std::max(pushConstantBytes_, module.pushConstantBytes);
+        for (const SpirvBinding& binding : module.bindings)
+            if (std::none_of(bindings_.begin(), bindings_.end(),
+                             [&](const auto& b) { return b.binding == binding.binding; }))
+                bindings_.push_back(binding);
+    }
+    std::sort(bindings_.begin(), bindings_.end(),
+              [](const auto& a, const auto& b) { return a.binding < b.binding; });
+    std::vector<VkDescriptorSetLayoutBinding> slots;
+    for (const SpirvBinding& b : bindings_) slots.push_back({b.binding, b.type, b.count, stages_, nullptr});
+    VkDescriptorSetLayoutCreateInfo set{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
+    set.flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR;
+    set.bindingCount = static_cast<uint32_t>(slots.size());
+    set.pBindings = slots.data();
+    check(vkCreateDescriptorSetLayout(device.handle(), &set, nullptr, &set_), "vkCreateDescriptorSetLayout");
+    const VkPushConstantRange range{stages_, 0, pushConstantBytes_};
+    VkPipelineLayoutCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
+    info.setLayoutCount = 1;
+    info.pSetLayouts = &set_;
+    info.pushConstantRangeCount = pushConstantBytes_ > 0 ? 1 : 0;
+    info.pPushConstantRanges = &range;
+    check(vkCreatePipelineLayout(device.handle(), &info, nullptr, &layout_), "vkCreatePipelineLayout");
+}
+
+PipelineLayout& PipelineLayout::operator=(PipelineLayout&& other) noexcept {
+    std::swap(device_, other.device_);
+    std::swap(set_, other.set_);
+    std::swap(layout_, other.layout_);
+    std::swap(bindings_, other.bindings_);
+    std::swap(pushConstantBytes_, other.pushConstantBytes_);
+    std::swap(stages_, other.stages_);
+    return *this;
+}
+
+PipelineLayout::~PipelineLayout() {
+    if (!device_) return;
+    device_->retire([device = device_->handle(), layout = layout_, set = set_] {
+        vkDestroyPipelineLayout(device, layout, nullptr);
+        vkDestroyDescriptorSetLayout(device, set, nullptr);
+    });
+}
+
+void PipelineLayout::push(VkCommandBuffer commands, VkPipelineBindPoint point,
+                          std::span<const Binding> resources, const void* constants,
+                          size_t constantBytes) const {
+    if (resources.size() != bindings_.size())
+        throw Error(fmt::format("a shader with {} bindings was given {} resources", bindings_.size(),
+                                resources.size()));
+    if (constantBytes != pushConstantBytes_)
+        throw Error(fmt::format("a shader with {} bytes of push constants was given {}", pushConstantBytes_,
+                                constantBytes));
+    const size_t n = resources.size();
+    std::vector<VkDescriptorBufferInfo> buffers(n);
+    std::vector<VkDescriptorImageInfo> images(n);
+    std::vector<VkBufferView> views(n);
+    std::vector<VkWriteDescriptorSet> writes(n);
+    for (size_t i = 0; i < n; ++i) {
+        const Binding& r = resources[i];
+        VkWriteDescriptorSet& write = writes[i];
+        write = {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
+        write.dstBinding = bindings_[i].binding;
+        write.descriptorCount = 1;
+        write.descriptorType = bindings_[i].type;
+        const bool wantsImage = write.descriptorType <= VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
+        if (wantsImage ? !r.image : !r.buffer)
+            throw Error(fmt::format("binding {} ('{}') was given the wrong kind of resource",
+                                    bindings_[i].binding, bindings_[i].name));
+        if (wantsImage) {
+            images[i] = {r.sampler, r.image->view(), r.layout};
+            write.pImageInfo = &images[i];
+        } else if (write.descriptorType == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER ||
+                   write.descriptorType == VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER) {
+            if (r.format == VK_FORMAT_UNDEFINED)
+                throw Error(fmt::format("texel buffer '{}' was bound without a format", bindings_[i].name));
+            views[i] = r.buffer->texelView(r.format, r.offset, r.bytes);
+            write.pTexelBufferView = &views[i];
+        } else {
+            const size_t bytes = r.bytes == VK_WHOLE_SIZE ? r.buffer->bytes() - r.offset : r.bytes;
+            if (write.descriptorType == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER &&
+                bytes > device_->limits().maxStorageBufferRange)
+                throw Error(fmt::format("buffer '{}' of {} bytes is over the device's storage range of {}",
+                                        bindings_[i].name, bytes, device_->limits().maxStorageBufferRange));
+            buffers[i] = {r.buffer->handle(), r.offset, r.bytes};
+            write.pBufferInfo = &buffers[i];
+        }
+    }
+    if (n > 0)
+        device_->functions().cmdPushDescriptorSet(commands, point, layout_, 0, static_cast<uint32_t>(n),
+                                                  writes.data());
+    if (constantBytes > 0)
+        vkCmdPushConstants(commands, layout_, stages_, 0, static_cast<uint32_t>(constantBytes), constants);
+}
+
+SpecializationData::SpecializationData(const SpirvModule& module, const Specialization& values) {
+    for (const auto& [name, value] : values) {
+        const auto found = module.specializationIds.find(name);
+        if (found == module.specializationIds.end())
+            throw Error("the shader has no specialization constant '" + name + "'");
+        entries.push_back({found->second, static_cast<uint32_t>(data.size() * 4), 4});
+        data.push_back(value);
+    }
+    info = {static_cast<uint32_t>(entries.size()), entries.data(), data.size() * 4, data.data()};
+}
+
+Kernel::Kernel(Device& device, std::span<const uint32_t> spirv, const std::string& name,
+               const Specialization& values)
+    : device_(&device), module_(reflectSpirv(spirv)), layout_(device, std::span(&module_, 1)), name_(name) {
+    VkShaderModuleCreateInfo shader{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
+    shader.codeSize = spirv.size_bytes();
+    shader.pCode = spirv.data();
+    VkShaderModule handle = VK_NULL_HANDLE;
+    const SpecializationData specialization(module_, values);
+    check(vkCreateShaderModule(device.handle(), &shader, nullptr, &handle), "vkCreateShaderModule");
+    VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
+    info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
+    info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
+    info.stage.module = handle;
+    info.stage.pName = "main";
+    info.stage.pSpecializationInfo = &specialization.info;
+    info.layout = layout_.handle();
+    const VkResult result =
+        vkCreateComputePipelines(device.handle(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_);
+    vkDestroyShaderModule(device.handle(), handle, nullptr);
+    check(result, ("vkCreateComputePipelines for " + name).c_str());
+    device.setName(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<uint64_t>(pipeline_), name);
+}
+
+Kernel& Kernel::operator=(Kernel&& other) noexcept {
+    std::swap(device_, other.device_);
+    std::swap(module_, other.module_);
+    std::swap(layout_, other.layout_);
+    std::swap(pipeline_, other.pipeline_);
+    std::swap(name_, other.name_);
+    return *this;
+}
+
+Kernel::~Kernel() {
+    if (!pipeline_) return;
+    device_->retire(
+        [device = device_->handle(), pipeline = pipeline_] { vkDestroyPipeline(device, pipeline, nullptr); });
+}
+
+} // namespace heliodon::gpu

@@ -1,0 +1,101 @@
+// A compute pipeline whose interface is read from its SPIR-V: push descriptors in set 0, one push-constant
+// block.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <vulkan/vulkan.h>
+
+#include "compute/gpu/spirv.h"
+
+namespace heliodon::gpu {
+
+class Buffer;
+class Device;
+class Image;
+
+// One resource for one binding. Buffers convert implicitly; `texel` and `part` say more.
+struct Binding {
+    Binding(const Buffer& b) : buffer(&b) {}
+    Binding(const Image& i) : image(&i) {}
+
+    const Buffer* buffer = nullptr;
+    const Image* image = nullptr;
+    VkSampler sampler = VK_NULL_HANDLE;             // for combined image samplers
+    VkImageLayout layout = VK_IMAGE_LAYOUT_GENERAL; // of `image` when it is used
+    VkFormat format = VK_FORMAT_UNDEFINED;          // of texel buffers
+    size_t offset = 0, bytes = VK_WHOLE_SIZE;       // of `buffer`
+};
+Binding texel(const Buffer& buffer, VkFormat format, size_t offset = 0, size_t bytes = VK_WHOLE_SIZE);
+Binding part(const Buffer& buffer, size_t offset, size_t bytes);
+Binding sampled(const Image& image, VkSampler sampler,
+                VkImageLayout layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+
+// Set-0 layout with push descriptors + push constants of one or several stages. Shared by kernels and
+// graphics pipelines.
+class PipelineLayout {
+public:
+    PipelineLayout() = default;
+    PipelineLayout(Device& device, std::span<const SpirvModule> stages);
+    PipelineLayout(PipelineLayout&& other) noexcept { *this = std::move(other); }
+    PipelineLayout& operator=(PipelineLayout&& other) noexcept;
+    ~PipelineLayout();
+
+    VkPipelineLayout handle() const { return layout_; }
+    const std::vector<SpirvBinding>& bindings() const { return bindings_; } // of all stages, by number
+    uint32_t pushConstantBytes() const { return pushConstantBytes_; }
+    VkShaderStageFlags stages() const { return stages_; }
+
+    // Records the push of descriptors and constants. `resources` follow the order of bindings(); their count
+    // and ranges are checked against the shader and the device's limits (throws Error).
+    void push(VkCommandBuffer commands, VkPipelineBindPoint point, std::span<const Binding> resources,
+              const void* constants, size_t constantBytes) const;
+
+private:
+    Device* device_ = nullptr;
+    VkDescriptorSetLayout set_ = VK_NULL_HANDLE;
+    VkPipelineLayout layout_ = VK_NULL_HANDLE;
+    std::vector<SpirvBinding> bindings_;
+    uint32_t pushConstantBytes_ = 0;
+    VkShaderStageFlags stages_ = 0;
+};
+
+// Specialization constants by the name that the shader gives them; booleans are 0 or 1, floats by bit
+// pattern.
+using Specialization = std::vector<std::pair<std::string, uint32_t>>;
+
+// Vulkan's form of `values`; throws Error on a name that the shader does not have.
+struct SpecializationData {
+    SpecializationData(const SpirvModule& module, const Specialization& values);
+    std::vector<VkSpecializationMapEntry> entries;
+    std::vector<uint32_t> data;
+    VkSpecializationInfo info{};
+};
+
+class Kernel {
+public:
+    Kernel() = default;
+    Kernel(Device& device, std::span<const uint32_t> spirv, const std::string& name,
+           const Specialization& values = {});
+    Kernel(Kernel&& other) noexcept { *this = std::move(other); }
+    Kernel& operator=(Kernel&& other) noexcept;
+    ~Kernel();
+
+    VkPipeline handle() const { return pipeline_; }
+    const PipelineLayout& layout() const { return layout_; }
+    const SpirvModule& module() const { return module_; }
+    const std::string& name() const { return name_; }
+
+private:
+    Device* device_ = nullptr;
+    SpirvModule module_;
+    PipelineLayout layout_;
+    VkPipeline pipeline_ = VK_NULL_HANDLE;
+    std::string name_;
+};
+
+} // namespace heliodon::gpu

@@ -1,0 +1,131 @@
+#include "compute/gpu/memory.h"
+
+#include <algorithm>
+#include <cassert>
+#include <optional>
+
+#include "compute/gpu/error.h"
+
+namespace heliodon::gpu {
+
+namespace {
+
+VkDeviceSize alignUp(VkDeviceSize value, VkDeviceSize alignment) {
+    return (value + alignment - 1) / alignment * alignment;
+}
+
+} // namespace
+
+Memory::Memory(VkPhysicalDevice physical, VkDevice device) : device_(device) {
+    vkGetPhysicalDeviceMemoryProperties(physical, &properties_);
+}
+
+Memory::~Memory() {
+    assert(inUse_ == 0);
+    for (auto& [key, pool] : pools_)
+        for (Block& block : pool) vkFreeMemory(device_, block.memory, nullptr);
+}
+
+uint32_t Memory::memoryType(uint32_t allowed, Place place) const {
+    constexpr VkMemoryPropertyFlags kMapped =
+        VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+    const VkMemoryPropertyFlags wishes[2][2] = {
+        {VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0},
+        {kMapped | VK_MEMORY_PROPERTY_HOST_CACHED_BIT, kMapped},
+    };
+    for (VkMemoryPropertyFlags wish : wishes[place == Place::host])
+        for (uint32_t i = 0; i < properties_.memoryTypeCount; ++i)
+            if ((allowed >> i & 1u) && (properties_.memoryTypes[i].propertyFlags & wish) == wish) return i;
+    throw Error("no memory type fits a request");
+}
+
+Memory::Block& Memory::addBlock(Pool& pool, uint32_t type, VkDeviceSize size) {
+    VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+    info.allocationSize = size;
+    info.memoryTypeIndex = type;
+    Block block;
+    block.size = size;
+    check(vkAllocateMemory(device_, &info, nullptr, &block.memory), "vkAllocateMemory");
+    const VkMemoryPropertyFlags flags = properties_.memoryTypes[type].propertyFlags;
+    if ((flags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT) && (flags & VK_MEMORY_PROPERTY_HOST_COHERENT_BIT)) {
+        void* mapped = nullptr;
+        const VkResult result = vkMapMemory(device_, block.memory, 0, VK_WHOLE_SIZE, 0, &mapped);
+        if (result != VK_SUCCESS) vkFreeMemory(device_, block.memory, nullptr);
+        check(result, "vkMapMemory");
+        block.mapped = static_cast<char*>(mapped);
+    }
+    block.free.emplace(0, size);
+    reserved_ += size;
+    pool.push_back(std::move(block));
+    return pool.back();
+}
+
+Allocation Memory::allocate(const VkMemoryRequirements& need, Place place, bool image) {
+    const uint32_t type = memoryType(need.memoryTypeBits, place);
+    Pool& pool = pools_[type + (image ? 32u : 0u)];
+    // Offsets stay aligned for everything when sizes are rounded up to the alignment of this request.
+    const VkDeviceSize size = alignUp(need.size, need.alignment);
+    auto take = [&](Block& block) -> std::optional<VkDeviceSize> {
+        for (auto it = block.free.begin(); it != block.free.end(); ++it) {
+            const VkDeviceSize start = alignUp(it->first, need.alignment), end = it->first + it->second;
+            if (start + size > end) continue;
+            const VkDeviceSize head = it->first;
+            block.free.erase(it);
+            if (start > head) block.free.emplace(head, start - head);
+            if (start + size < end) block.free.emplace(start + size, end - start - size);
+            return start;
+        }
+        return std::nullopt;
+    };
+    auto made = [&](Block& block, VkDeviceSize offset) {
+        inUse_ += size;
+        peak_ = std::max(peak_, inUse_);
+        return Allocation{block.memory, offset, size, block.mapped ? block.mapped + offset : nullptr,
+                          type + (image ? 32u : 0u)};
+    };
+    if (size <= kBlockSize / 2)
+        for (Block& block : pool)
+            if (block.size == kBlockSize)
+                if (const auto offset = take(block)) return made(block, *offset);
+    Block& block = addBlock(pool, type, size <= kBlockSize / 2 ? kBlockSize : size);
+    return made(block, *take(block));
+}
+
+void Memory::free(const Allocation& allocation) {
+    Pool& pool = pools_.at(allocation.type);
+    const auto block =
+        std::find_if(pool.begin(), pool.end(), [&](const Block& b) { return b.memory == allocation.memory; });
+    assert(block != pool.end());
+    inUse_ -= allocation.size;
+    VkDeviceSize start = allocation.offset, end = start + allocation.size;
+    auto next = block->free.lower_bound(start);
+    if (next != block->free.begin()) {
+        const auto before = std::prev(next);
+        if (before->first + before->second == start) {
+            start = before->first;
+            block->free.erase(before);
+        }
+    }
+    if (next != block->free.end() && next->first == end) {
+        end += next->second;
+        block->free.erase(next);
+    }
+    block->free.emplace(start, end - start);
+    // A block of its own goes back at once; of the common ones, the last stays for the next request.
+    const bool empty = end - start == block->size;
+    const auto common =
+        std::count_if(pool.begin(), pool.end(), [](const Block& b) { return b.size == kBlockSize; });
+    if (empty && (block->size != kBlockSize || common > 1)) {
+        vkFreeMemory(device_, block->memory, nullptr);
+        reserved_ -= block->size;
+        pool.erase(block);
+    }
+}
+
+size_t Memory::blockCount() const {
+    size_t count = 0;
+    for (const auto& [key, pool] : pools_) count += pool.size();
+    return count;
+}
+
+} // namespace heliodon::gpu

@@ -1,0 +1,62 @@
+// Device memory from few large blocks, sub-allocated first-fit. The only file pair that calls
+// vkAllocateMemory.
+#pragma once
+
+#include <cstdint>
+#include <list>
+#include <map>
+#include <vector>
+
+#include <vulkan/vulkan.h>
+
+namespace heliodon::gpu {
+
+// Where the bytes live. `device`: fastest for kernels; mapped too where the device shares the host's memory
+// (software, integrated). `host`: always mapped, cached for reading back.
+enum class Place { device, host };
+
+struct Allocation {
+    VkDeviceMemory memory = VK_NULL_HANDLE;
+    VkDeviceSize offset = 0, size = 0;
+    void* mapped = nullptr; // start of this allocation, null when the host cannot see it
+    uint32_t type = 0;
+};
+
+class Memory {
+public:
+    static constexpr VkDeviceSize kBlockSize = 64ull << 20;
+
+    Memory(VkPhysicalDevice physical, VkDevice device);
+    ~Memory(); // every allocation must have been freed
+    Memory(const Memory&) = delete;
+    Memory& operator=(const Memory&) = delete;
+
+    // Requests above half a block get a block of their own. Buffers and optimally tiled images never share a
+    // block, so bufferImageGranularity does not matter. Throws Error when the device has no room.
+    Allocation allocate(const VkMemoryRequirements& need, Place place, bool image);
+    void free(const Allocation& allocation);
+
+    VkDeviceSize bytesInUse() const { return inUse_; }
+    VkDeviceSize bytesReserved() const { return reserved_; }
+    VkDeviceSize peakBytesInUse() const { return peak_; }
+    size_t blockCount() const;
+
+private:
+    struct Block {
+        VkDeviceMemory memory = VK_NULL_HANDLE;
+        VkDeviceSize size = 0;
+        char* mapped = nullptr;
+        std::map<VkDeviceSize, VkDeviceSize> free; // offset -> size, neighbours merged
+    };
+    using Pool = std::list<Block>;
+
+    uint32_t memoryType(uint32_t allowed, Place place) const;
+    Block& addBlock(Pool& pool, uint32_t type, VkDeviceSize size);
+
+    VkDevice device_;
+    VkPhysicalDeviceMemoryProperties properties_{};
+    std::map<uint32_t, Pool> pools_; // key: memory type, + 32 for images
+    VkDeviceSize inUse_ = 0, reserved_ = 0, peak_ = 0;
+};
+
+} // namespace heliodon::gpu

@@ -1,0 +1,216 @@
+#include "compute/gpu/spirv.h"
+
+#include <algorithm>
+#include <set>
+
+#include "compute/gpu/error.h"
+
+namespace heliodon::gpu {
+
+namespace {
+
+// Numbers from the SPIR-V specification, only those that are read here.
+enum Op : uint32_t {
+    kOpName = 5,
+    kOpEntryPoint = 15,
+    kOpExecutionMode = 16,
+    kOpTypeInt = 21,
+    kOpTypeFloat = 22,
+    kOpTypeVector = 23,
+    kOpTypeMatrix = 24,
+    kOpTypeImage = 25,
+    kOpTypeSampledImage = 27,
+    kOpTypeArray = 28,
+    kOpTypeStruct = 30,
+    kOpTypePointer = 32,
+    kOpConstant = 43,
+    kOpConstantComposite = 44,
+    kOpSpecConstantTrue = 48,
+    kOpSpecConstantComposite = 51,
+    kOpVariable = 59,
+    kOpDecorate = 71,
+    kOpMemberDecorate = 72,
+};
+enum Decoration : uint32_t {
+    kSpecId = 1,
+    kBufferBlock = 3,
+    kArrayStride = 6,
+    kMatrixStride = 7,
+    kBinding = 33,
+    kSet = 34,
+    kOffset = 35
+};
+enum StorageClass : uint32_t { kUniformConstant = 0, kUniform = 2, kPushConstant = 9, kStorageBuffer = 12 };
+
+struct Instruction {
+    uint32_t op = 0;
+    std::span<const uint32_t> words; // operands, without the opcode word
+};
+
+struct Reader {
+    std::map<uint32_t, std::string> names;
+    std::map<uint32_t, Instruction> definitions; // types, constants and variables by result id
+    std::map<uint32_t, std::map<uint32_t, uint32_t>> decorations;
+    std::map<std::pair<uint32_t, uint32_t>, std::map<uint32_t, uint32_t>> memberDecorations;
+    std::vector<uint32_t> variables;
+    SpirvModule module;
+
+    const Instruction& at(uint32_t id) const {
+        const auto found = definitions.find(id);
+        if (found == definitions.end()) throw Error("SPIR-V: an id without a definition");
+        return found->second;
+    }
+
+    uint32_t constant(uint32_t id) const { return at(id).words[2]; }
+
+    uint32_t bytesOf(uint32_t type) const {
+        const Instruction& t = at(type);
+        switch (t.op) {
+        case kOpTypeInt:
+        case kOpTypeFloat:
+            return t.words[1] / 8;
+        case kOpTypeVector:
+        case kOpTypeMatrix:
+            return bytesOf(t.words[1]) * t.words[2];
+        case kOpTypeArray:
+            return bytesOf(t.words[1]) * constant(t.words[2]);
+        case kOpTypeStruct: {
+            uint32_t end = 0;
+            for (uint32_t m = 0; m + 1 < t.words.size(); ++m)
+                end = std::max(end, offsetOf(type, m) + bytesOf(t.words[m + 1]));
+            return end;
+        }
+        default:
+            throw Error("SPIR-V: a push constant of unexpected type");
+        }
+    }
+
+    uint32_t offsetOf(uint32_t type, uint32_t member) const {
+        const auto found = memberDecorations.find({type, member});
+        return found == memberDecorations.end() || !found->second.contains(kOffset)
+                   ? 0
+                   : found->second.at(kOffset);
+    }
+
+    VkDescriptorType descriptorType(uint32_t storage, uint32_t type) const {
+        if (storage == kStorageBuffer) return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+        if (storage == kUniform) {
+            const auto found = decorations.find(type);
+            const bool old = found != decorations.end() && found->second.contains(kBufferBlock);
+            return old ? VK_DESCRIPTOR_TYPE_STORAGE_BUFFER : VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+        }
+        const bool sampled = at(type).op == kOpTypeSampledImage;
+        const Instruction& image = sampled ? at(at(type).words[1]) : at(type);
+        if (image.op != kOpTypeImage) throw Error("SPIR-V: a resource of unexpected type");
+        constexpr uint32_t kDimBuffer = 5, kStorageImage = 2;
+        const bool buffer = image.words[2] == kDimBuffer, storageImage = image.words[6] == kStorageImage;
+        if (buffer)
+            return storageImage ? VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER
+                                : VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+        if (storageImage) return VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
+        return sampled ? VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER : VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE;
+    }
+
+    void addVariable(uint32_t id) {
+        const Instruction& variable = at(id);
+        const uint32_t storage = variable.words[2];
+        uint32_t type = at(variable.words[0]).words[2]; // what the pointer points to
+        if (storage == kPushConstant) {
+            module.pushConstantBytes = bytesOf(type);
+            uint32_t block = type;
+            if (at(block).words.size() == 2 && at(at(block).words[1]).op == kOpTypeStruct)
+                block = at(block).words[1];
+            for (uint32_t m = 0; m + 1 < at(block).words.size(); ++m)
+                module.pushConstantOffsets.push_back(offsetOf(block, m));
+            return;
+        }
+        const auto& decoration = decorations[id];
+        if (!decoration.contains(kBinding)) return;
+        if (decoration.contains(kSet) && decoration.at(kSet) != 0) throw Error("SPIR-V: only set 0 is used");
+        SpirvBinding binding;
+        binding.binding = decoration.at(kBinding);
+        binding.name = names[id];
+        if (at(type).op == kOpTypeArray) {
+            binding.count = constant(at(type).words[2]);
+            type = at(type).words[1];
+        }
+        if (binding.name.empty()) binding.name = names[type];
+        binding.type = descriptorType(storage, type);
+        module.bindings.push_back(binding);
+    }
+
+    void readExecutionMode(std::span<const uint32_t> w) {
+        constexpr uint32_t kLocalSize = 17;
+        if (w.size() >= 5 && w[1] == kLocalSize) module.groupSize = {w[2], w[3], w[4]};
+    }
+};
+
+VkShaderStageFlagBits stageOf(uint32_t model) {
+    switch (model) {
+    case 0:
+        return VK_SHADER_STAGE_VERTEX_BIT;
+    case 3:
+        return VK_SHADER_STAGE_GEOMETRY_BIT;
+    case 4:
+        return VK_SHADER_STAGE_FRAGMENT_BIT;
+    case 5:
+        return VK_SHADER_STAGE_COMPUTE_BIT;
+    default:
+        throw Error("SPIR-V: a stage that is not used here");
+    }
+}
+
+std::string literal(std::span<const uint32_t> words) {
+    const char* text = reinterpret_cast<const char*>(words.data());
+    const size_t limit = words.size() * 4;
+    return std::string(text, std::find(text, text + limit, '\0'));
+}
+
+} // namespace
+
+SpirvModule reflectSpirv(std::span<const uint32_t> words) {
+    constexpr uint32_t kMagic = 0x07230203;
+    if (words.size() < 5 || words[0] != kMagic) throw Error("not a SPIR-V module");
+    Reader reader;
+    for (size_t at = 5; at < words.size();) {
+        const uint32_t op = words[at] & 0xffffu, length = words[at] >> 16;
+        if (length == 0 || at + length > words.size()) throw Error("SPIR-V: a truncated instruction");
+        const auto w = words.subspan(at + 1, length - 1);
+        switch (op) {
+        case kOpName:
+            reader.names[w[0]] = literal(w.subspan(1));
+            break;
+        case kOpEntryPoint:
+            reader.module.stage = stageOf(w[0]);
+            break;
+        case kOpExecutionMode:
+            reader.readExecutionMode(w);
+            break;
+        case kOpDecorate:
+            reader.decorations[w[0]][w[1]] = w.size() > 2 ? w[2] : 0;
+            break;
+        case kOpMemberDecorate:
+            reader.memberDecorations[{w[0], w[1]}][w[2]] = w.size() > 3 ? w[3] : 0;
+            break;
+        case kOpVariable:
+            reader.variables.push_back(w[1]);
+            [[fallthrough]];
+        case kOpConstant:
+            reader.definitions[w[1]] = {op, w};
+            break;
+        default:
+            if (op >= kOpTypeInt && op <= kOpTypePointer) reader.definitions[w[0]] = {op, w};
+        }
+        at += length;
+    }
+    for (uint32_t id : reader.variables) reader.addVariable(id);
+    for (const auto& [id, decoration] : reader.decorations)
+        if (decoration.contains(kSpecId))
+            reader.module.specializationIds[reader.names[id]] = decoration.at(kSpecId);
+    auto& bindings = reader.module.bindings;
+    std::sort(bindings.begin(), bindings.end(),
+              [](const auto& a, const auto& b) { return a.binding < b.binding; });
+    return reader.module;
+}
+
+} // namespace heliodon::gpu

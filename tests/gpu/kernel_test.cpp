@@ -1,0 +1,84 @@
+#include "compute/gpu/kernel.h"
+
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+#include "compute/gpu/buffer.h"
+#include "compute/gpu/commands.h"
+#include "compute/gpu/error.h"
+#include "shaders/io/affine.io.h"
+#include "spirv/affine_comp.h"
+#include "tests/gpu/test_device.h"
+
+namespace heliodon::gpu {
+namespace {
+
+std::vector<float> runAffine(const Kernel& kernel, const std::vector<float>& input) {
+    Device& device = test::device();
+    const Buffer x = Buffer::from(device, input, "x");
+    const Buffer y(device, input.size() * sizeof(float), "y");
+    Commands commands(device);
+    const io::AffineParams params{static_cast<uint32_t>(input.size()), 2.0f, 1.0f};
+    commands.dispatch(kernel, {texel(x, VK_FORMAT_R32_SFLOAT), y}, params,
+                      groupsFor(input.size(), io::kAffineGroup));
+    device.submitAndWait(std::move(commands));
+    return y.download<float>(input.size());
+}
+
+TEST(Kernel, computes_for_one_odd_and_many_elements) {
+    const Kernel kernel(test::device(), affine_comp, "affine");
+    for (size_t n : {1u, 63u, 64u, 65u, 100000u}) {
+        std::vector<float> input(n);
+        std::iota(input.begin(), input.end(), 0.0f);
+        const std::vector<float> output = runAffine(kernel, input);
+        for (size_t i = 0; i < n; ++i) ASSERT_EQ(output[i], 2.0f * input[i] + 1.0f);
+    }
+}
+
+TEST(Kernel, empty_input_records_nothing) {
+    const Kernel kernel(test::device(), affine_comp, "affine");
+    EXPECT_TRUE(runAffine(kernel, {}).empty());
+}
+
+TEST(Kernel, specialization_is_set_by_name) {
+    const Kernel kernel(test::device(), affine_comp, "affine", {{"kNegate", 1u}});
+    EXPECT_EQ(runAffine(kernel, {3.0f})[0], -7.0f);
+    EXPECT_THROW(Kernel(test::device(), affine_comp, "affine", {{"kNoSuchName", 1u}}), Error);
+}
+
+TEST(Kernel, interface_is_read_from_the_module_and_equals_the_shared_header) {
+    const SpirvModule module = reflectSpirv(affine_comp);
+    EXPECT_EQ(module.groupSize[0], io::kAffineGroup);
+    EXPECT_EQ(module.pushConstantBytes, sizeof(io::AffineParams));
+    const std::vector<uint32_t> offsets{offsetof(io::AffineParams, count), offsetof(io::AffineParams, scale),
+                                        offsetof(io::AffineParams, offset)};
+    EXPECT_EQ(module.pushConstantOffsets, offsets);
+    ASSERT_EQ(module.bindings.size(), 2u);
+    EXPECT_EQ(module.bindings[0].type, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER);
+    EXPECT_EQ(module.bindings[1].type, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER);
+}
+
+TEST(Kernel, wrong_resources_are_refused_by_name) {
+    const Kernel kernel(test::device(), affine_comp, "affine");
+    const Buffer buffer(test::device(), 64, "b");
+    Commands commands(test::device());
+    EXPECT_THROW(commands.dispatch(kernel, {buffer}, io::AffineParams{}, 1), Error);
+    EXPECT_THROW(commands.dispatch(kernel, {buffer, buffer}, io::AffineParams{}, 1),
+                 Error); // texel without a format
+    EXPECT_THROW(commands.dispatch(kernel, {texel(buffer, VK_FORMAT_R32_SFLOAT), buffer}, 1.0f, 1), Error);
+}
+
+TEST(Spirv, truncated_modules_never_crash) {
+    const std::span<const uint32_t> whole(affine_comp);
+    for (size_t length = 0; length < whole.size(); ++length) {
+        const std::vector<uint32_t> cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length));
+        try {
+            (void)reflectSpirv(cut);
+        } catch (const Error&) {
+        }
+    }
+}
+
+} // namespace
+} // namespace heliodon::gpu
