@@ -24,22 +24,12 @@ enum Op : uint32_t {
     kOpTypeStruct = 30,
     kOpTypePointer = 32,
     kOpConstant = 43,
-    kOpConstantComposite = 44,
-    kOpSpecConstantTrue = 48,
-    kOpSpecConstantComposite = 51,
     kOpVariable = 59,
     kOpDecorate = 71,
     kOpMemberDecorate = 72,
+    kOpExecutionModeId = 331,
 };
-enum Decoration : uint32_t {
-    kSpecId = 1,
-    kBufferBlock = 3,
-    kArrayStride = 6,
-    kMatrixStride = 7,
-    kBinding = 33,
-    kSet = 34,
-    kOffset = 35
-};
+enum Decoration : uint32_t { kSpecId = 1, kBufferBlock = 3, kBinding = 33, kSet = 34, kOffset = 35 };
 enum StorageClass : uint32_t { kUniformConstant = 0, kUniform = 2, kPushConstant = 9, kStorageBuffer = 12 };
 
 struct Instruction {
@@ -53,6 +43,7 @@ struct Reader {
     std::map<uint32_t, std::map<uint32_t, uint32_t>> decorations;
     std::map<std::pair<uint32_t, uint32_t>, std::map<uint32_t, uint32_t>> memberDecorations;
     std::vector<uint32_t> variables;
+    std::vector<Instruction> executionModes;
     SpirvModule module;
 
     const Instruction& at(uint32_t id) const {
@@ -139,9 +130,14 @@ struct Reader {
         module.bindings.push_back(binding);
     }
 
-    void readExecutionMode(std::span<const uint32_t> w) {
-        constexpr uint32_t kLocalSize = 17;
-        if (w.size() >= 5 && w[1] == kLocalSize) module.groupSize = {w[2], w[3], w[4]};
+    // glslang gives the group size as literals up to SPIR-V 1.5, as ids of constants from 1.6 on.
+    void readGroupSize(const Instruction& mode) {
+        constexpr uint32_t kLocalSize = 17, kLocalSizeId = 38;
+        if (mode.words.size() < 5) return;
+        for (size_t axis = 0; axis < 3; ++axis) {
+            if (mode.words[1] == kLocalSize) module.groupSize[axis] = mode.words[2 + axis];
+            if (mode.words[1] == kLocalSizeId) module.groupSize[axis] = constant(mode.words[2 + axis]);
+        }
     }
 };
 
@@ -184,7 +180,8 @@ SpirvModule reflectSpirv(std::span<const uint32_t> words) {
             reader.module.stage = stageOf(w[0]);
             break;
         case kOpExecutionMode:
-            reader.readExecutionMode(w);
+        case kOpExecutionModeId:
+            reader.executionModes.push_back({op, w});
             break;
         case kOpDecorate:
             reader.decorations[w[0]][w[1]] = w.size() > 2 ? w[2] : 0;
@@ -203,6 +200,7 @@ SpirvModule reflectSpirv(std::span<const uint32_t> words) {
         }
         at += length;
     }
+    for (const Instruction& mode : reader.executionModes) reader.readGroupSize(mode);
     for (uint32_t id : reader.variables) reader.addVariable(id);
     for (const auto& [id, decoration] : reader.decorations)
         if (decoration.contains(kSpecId))
