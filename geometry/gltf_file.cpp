@@ -1,0 +1,239 @@
+// glTF 2.0 (.gltf, .glb) through tinygltf: triangles of every mesh node of the default scene, materials after
+// KHR_materials_transmission, KHR_materials_ior and KHR_materials_emissive_strength. Textures are not read.
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <optional>
+
+#include <fmt/format.h>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/mat4x4.hpp>
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wconversion"
+#pragma GCC diagnostic ignored "-Wshadow"
+#define TINYGLTF_NO_STB_IMAGE
+#define TINYGLTF_NO_STB_IMAGE_WRITE
+#include <tiny_gltf.h>
+#pragma GCC diagnostic pop
+
+#include "geometry/input_error.h"
+#include "geometry/raw_model.h"
+
+namespace heliodon::geometry {
+
+namespace {
+
+double extensionNumber(const tinygltf::Material& material, const char* extension, const char* field,
+                       double otherwise) {
+    const auto found = material.extensions.find(extension);
+    if (found == material.extensions.end() || !found->second.Has(field)) return otherwise;
+    return found->second.Get(field).GetNumberAsDouble();
+}
+
+// What is transmitted is tinted by the base colour, the rest of it is reflected.
+Material materialOf(const tinygltf::Material& in) {
+    Material out;
+    out.name = in.name;
+    const std::vector<double>& base = in.pbrMetallicRoughness.baseColorFactor;
+    const double transmission = extensionNumber(in, "KHR_materials_transmission", "transmissionFactor", 0);
+    const double strength = extensionNumber(in, "KHR_materials_emissive_strength", "emissiveStrength", 1);
+    for (int c = 0; c < 3; ++c) {
+        const auto channel = static_cast<size_t>(c);
+        out.reflectance[c] = static_cast<float>(base.at(channel) * (1 - transmission));
+        out.transmittance[c] = static_cast<float>(base.at(channel) * transmission);
+        out.exitance[c] = static_cast<float>(in.emissiveFactor.at(channel) * strength);
+    }
+    out.refractiveIndex = static_cast<float>(extensionNumber(in, "KHR_materials_ior", "ior", 1.52));
+    return out;
+}
+
+class GltfReader {
+public:
+    explicit GltfReader(const std::filesystem::path& file) {
+        out_.file = file.string();
+        std::ifstream in(file, std::ios::binary);
+        if (!in || std::filesystem::is_directory(file)) throw InputError(out_.file, "", "cannot be read");
+        char magic[4] = {};
+        in.read(magic, 4);
+        tinygltf::TinyGLTF loader;
+        loader.SetImageLoader([](auto*, int, std::string*, std::string*, int, int, const unsigned char*, int,
+                                 void*) { return true; },
+                              nullptr);
+        std::string errors, warnings;
+        const bool binary = std::memcmp(magic, "glTF", 4) == 0;
+        const bool good = binary ? loader.LoadBinaryFromFile(&in_, &errors, &warnings, out_.file)
+                                 : loader.LoadASCIIFromFile(&in_, &errors, &warnings, out_.file);
+        if (!good) {
+            for (char& c : errors)
+                if (c == '\n') c = ' ';
+            throw InputError(out_.file, "", "is no glTF 2.0: " + errors);
+        }
+    }
+
+    RawModel read() {
+        for (size_t i = 0; i < in_.materials.size(); ++i) {
+            Material material = materialOf(in_.materials[i]);
+            if (material.name.empty()) material.name = fmt::format("material{}", i);
+            checkMaterial(material, out_.file, fmt::format("materials[{}]", i));
+            out_.materials.push_back(std::move(material));
+        }
+        const auto scene = static_cast<size_t>(std::max(in_.defaultScene, 0));
+        if (scene >= in_.scenes.size()) throw InputError(out_.file, "scenes", "holds no scene");
+        for (const int node : in_.scenes[scene].nodes) visit(node, glm::dmat4(1), 0);
+        return std::move(out_);
+    }
+
+private:
+    [[noreturn]] void fail(const std::string& place, const std::string& what) const {
+        throw InputError(out_.file, place, what);
+    }
+
+    static glm::dmat4 parentFromNode(const tinygltf::Node& node) {
+        glm::dmat4 m(1);
+        if (node.matrix.size() == 16) {
+            for (int k = 0; k < 16; ++k) m[k / 4][k % 4] = node.matrix[static_cast<size_t>(k)];
+            return m;
+        }
+        if (node.rotation.size() == 4)
+            m = glm::mat4_cast(
+                glm::dquat(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2]));
+        if (node.scale.size() == 3)
+            for (int c = 0; c < 3; ++c) m[c] *= node.scale[static_cast<size_t>(c)];
+        if (node.translation.size() == 3)
+            m[3] = glm::dvec4(node.translation[0], node.translation[1], node.translation[2], 1);
+        return m;
+    }
+
+    void visit(int index, const glm::dmat4& worldFromParent, int depth) {
+        const std::string place = fmt::format("nodes[{}]", index);
+        if (index < 0 || static_cast<size_t>(index) >= in_.nodes.size()) fail(place, "does not exist");
+        if (depth > 256) fail(place, "is its own ancestor");
+        const tinygltf::Node& node = in_.nodes[static_cast<size_t>(index)];
+        const glm::dmat4 worldFromNode = worldFromParent * parentFromNode(node);
+        if (node.mesh >= 0) {
+            if (static_cast<size_t>(node.mesh) >= in_.meshes.size()) fail(place + ".mesh", "does not exist");
+            const tinygltf::Mesh& mesh = in_.meshes[static_cast<size_t>(node.mesh)];
+            for (size_t p = 0; p < mesh.primitives.size(); ++p)
+                addPrimitive(mesh.primitives[p], fmt::format("meshes[{}].primitives[{}]", node.mesh, p),
+                             mesh.name.empty() ? node.name : mesh.name, worldFromNode);
+        }
+        for (const int child : node.children) visit(child, worldFromNode, depth + 1);
+    }
+
+    // Calls `take(pointer to element, index)` for each element; every byte read lies inside the buffer.
+    void forEachElement(int index, const std::string& place,
+                        const std::function<void(const unsigned char*)>& take) const {
+        if (index < 0 || static_cast<size_t>(index) >= in_.accessors.size()) fail(place, "does not exist");
+        const tinygltf::Accessor& accessor = in_.accessors[static_cast<size_t>(index)];
+        if (accessor.sparse.isSparse) fail(place, "is sparse, which is not supported");
+        if (accessor.bufferView < 0 || static_cast<size_t>(accessor.bufferView) >= in_.bufferViews.size())
+            fail(place, "has no bufferView");
+        const tinygltf::BufferView& view = in_.bufferViews[static_cast<size_t>(accessor.bufferView)];
+        if (view.buffer < 0 || static_cast<size_t>(view.buffer) >= in_.buffers.size())
+            fail(place, "has no buffer");
+        const std::vector<unsigned char>& bytes = in_.buffers[static_cast<size_t>(view.buffer)].data;
+        const int stride = accessor.ByteStride(view);
+        const int components = tinygltf::GetNumComponentsInType(static_cast<uint32_t>(accessor.type));
+        const int width = tinygltf::GetComponentSizeInBytes(static_cast<uint32_t>(accessor.componentType));
+        if (stride <= 0 || components <= 0 || width <= 0) fail(place, "has an unknown type");
+        const auto element = static_cast<size_t>(components) * static_cast<size_t>(width);
+        const size_t begin = view.byteOffset + accessor.byteOffset, step = static_cast<size_t>(stride);
+        if (accessor.count > 0 && (begin > bytes.size() || accessor.count > bytes.size() ||
+                                   begin + (accessor.count - 1) * step + element > bytes.size()))
+            fail(place, "reaches past the end of its buffer");
+        for (size_t i = 0; i < accessor.count; ++i) take(bytes.data() + begin + i * step);
+    }
+
+    void addVertices(int index, const std::string& place, const glm::dmat4& worldFromNode) {
+        if (index >= 0 && static_cast<size_t>(index) < in_.accessors.size()) {
+            const tinygltf::Accessor& accessor = in_.accessors[static_cast<size_t>(index)];
+            if (accessor.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT ||
+                accessor.type != TINYGLTF_TYPE_VEC3)
+                fail(place, "is not of three floats");
+        }
+        forEachElement(index, place, [&](const unsigned char* bytes) {
+            std::array<float, 3> xyz;
+            std::memcpy(xyz.data(), bytes, sizeof xyz);
+            const glm::dvec3 p(worldFromNode * glm::dvec4(xyz[0], xyz[1], xyz[2], 1));
+            if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+                fail(place, "holds a number that is not finite");
+            out_.vertices.push_back(p);
+        });
+    }
+
+    std::vector<uint32_t> indices(const tinygltf::Primitive& primitive, const std::string& place,
+                                  size_t count) {
+        std::vector<uint32_t> found;
+        if (primitive.indices < 0) {
+            for (uint32_t i = 0; i < count; ++i) found.push_back(i);
+            return found;
+        }
+        if (static_cast<size_t>(primitive.indices) >= in_.accessors.size()) fail(place, "does not exist");
+        const int type = in_.accessors[static_cast<size_t>(primitive.indices)].componentType;
+        const size_t width = type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE    ? 1
+                             : type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ? 2
+                             : type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT   ? 4
+                                                                              : 0;
+        if (width == 0) fail(place, "is not of unsigned integers");
+        forEachElement(primitive.indices, place, [&](const unsigned char* bytes) {
+            uint32_t value = 0;
+            std::memcpy(&value, bytes, width); // glTF is little-endian, as every machine that we build for
+            if (value >= count) fail(place, fmt::format("names vertex {} of {}", value, count));
+            found.push_back(value);
+        });
+        return found;
+    }
+
+    uint32_t materialIndex(int index, const std::string& place) {
+        if (index >= 0) {
+            if (static_cast<size_t>(index) >= in_.materials.size())
+                fail(place + ".material", "does not exist");
+            return static_cast<uint32_t>(index);
+        }
+        if (!greyMaterial_) {
+            greyMaterial_ = static_cast<uint32_t>(out_.materials.size());
+            out_.materials.push_back({"default", glm::vec3(0.5f)});
+        }
+        return *greyMaterial_;
+    }
+
+    void addPrimitive(const tinygltf::Primitive& primitive, const std::string& place, const std::string& name,
+                      const glm::dmat4& worldFromNode) {
+        if (primitive.mode != TINYGLTF_MODE_TRIANGLES && primitive.mode != -1)
+            fail(place + ".mode", "is not triangles");
+        const auto position = primitive.attributes.find("POSITION");
+        if (position == primitive.attributes.end()) fail(place, "has no POSITION");
+        const auto first = static_cast<uint32_t>(out_.vertices.size());
+        addVertices(position->second, place + ".attributes.POSITION", worldFromNode);
+        const std::vector<uint32_t> corner =
+            indices(primitive, place + ".indices", out_.vertices.size() - first);
+        if (corner.size() % 3 != 0) fail(place + ".indices", "do not come in threes");
+        const uint32_t material = materialIndex(primitive.material, place);
+        // A mirrored node turns its triangles over.
+        const bool mirrored = glm::determinant(glm::dmat3(worldFromNode)) < 0;
+        out_.groups.push_back(name);
+        out_.source.push_back(place);
+        for (size_t t = 0; t < corner.size(); t += 3) {
+            for (size_t k = 0; k < 3; ++k) out_.corners.push_back(first + corner[t + (mirrored ? 2 - k : k)]);
+            out_.firstCorner.push_back(static_cast<uint32_t>(out_.corners.size()));
+            out_.material.push_back(material);
+            out_.group.push_back(static_cast<uint32_t>(out_.groups.size() - 1));
+            out_.number.push_back(t / 3);
+        }
+    }
+
+    tinygltf::Model in_;
+    RawModel out_;
+    std::optional<uint32_t> greyMaterial_;
+};
+
+} // namespace
+
+RawModel readGltf(const std::filesystem::path& file) {
+    return GltfReader(file).read();
+}
+
+} // namespace heliodon::geometry

@@ -1,0 +1,235 @@
+// Wavefront .obj and .mtl. Our own reader because every refusal must name its line; what lights need is a
+// small part of the format: v, f, usemtl, mtllib, g, o; Kd, Tf, Ni, Ke.
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <sstream>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "geometry/input_error.h"
+#include "geometry/raw_model.h"
+
+namespace heliodon::geometry {
+
+namespace {
+
+// Walks over the logical lines of a text file (a trailing backslash continues a line) and their words.
+class Lines {
+public:
+    explicit Lines(const std::filesystem::path& file) : file_(file.string()) {
+        std::ifstream in(file, std::ios::binary);
+        if (!in || std::filesystem::is_directory(file)) throw InputError(file_, "", "cannot be read");
+        std::stringstream text;
+        text << in.rdbuf();
+        text_ = text.str();
+    }
+
+    bool next() {
+        line_.clear();
+        number_ = nextNumber_;
+        if (position_ >= text_.size()) return false;
+        bool continued = true;
+        while (continued && position_ < text_.size()) {
+            size_t end = text_.find('\n', position_);
+            if (end == std::string::npos) end = text_.size();
+            std::string_view piece(text_.data() + position_, end - position_);
+            if (!piece.empty() && piece.back() == '\r') piece.remove_suffix(1);
+            continued = !piece.empty() && piece.back() == '\\';
+            if (continued) piece.remove_suffix(1);
+            line_ += piece;
+            if (continued) line_ += ' ';
+            position_ = end + 1;
+            ++nextNumber_;
+        }
+        if (const size_t comment = line_.find('#'); comment != std::string::npos) line_.resize(comment);
+        rest_ = line_;
+        return true;
+    }
+
+    // The next word of the line; empty at its end.
+    std::string_view word() {
+        const size_t begin = rest_.find_first_not_of(" \t");
+        if (begin == std::string_view::npos) return rest_ = {};
+        const size_t end = std::min(rest_.find_first_of(" \t", begin), rest_.size());
+        const std::string_view found = rest_.substr(begin, end - begin);
+        rest_.remove_prefix(end);
+        return found;
+    }
+
+    // The remainder of the line without blanks at either end: names may hold blanks.
+    std::string remainder() {
+        const size_t begin = rest_.find_first_not_of(" \t");
+        if (begin == std::string_view::npos) return {};
+        return std::string(rest_.substr(begin, rest_.find_last_not_of(" \t") + 1 - begin));
+    }
+
+    double number(const char* expected) {
+        const std::string_view text = word();
+        double value = 0;
+        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+        if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+            fail(text.empty() ? fmt::format("ends early, expected {}", expected)
+                              : fmt::format("\"{}\" is not a finite number, expected {}", text, expected));
+        return value;
+    }
+
+    [[noreturn]] void fail(const std::string& what) const { throw InputError(file_, place(), what); }
+    std::string place() const { return std::to_string(number_); }
+    size_t lineNumber() const { return number_; }
+    const std::string& file() const { return file_; }
+
+private:
+    std::string file_, text_, line_;
+    std::string_view rest_;
+    size_t position_ = 0, number_ = 0, nextNumber_ = 1;
+};
+
+using MaterialIndex = std::map<std::string, uint32_t, std::less<>>;
+
+struct MaterialDraft {
+    Material material;
+    std::string place;
+    bool hasKd = false;
+};
+
+void finishMaterial(const MaterialDraft& draft, const std::string& file, RawModel& model,
+                    MaterialIndex& index) {
+    Material material = draft.material;
+    const bool active = material.isOpening() || material.exitance != glm::vec3(0);
+    if (!draft.hasKd && !active) material.reflectance = glm::vec3(0.5f);
+    checkMaterial(material, file, draft.place);
+    index[material.name] = static_cast<uint32_t>(model.materials.size());
+    model.materials.push_back(std::move(material));
+}
+
+glm::vec3 readRgb(Lines& lines) {
+    glm::vec3 rgb;
+    for (int c = 0; c < 3; ++c) rgb[c] = static_cast<float>(lines.number("three numbers r g b"));
+    return rgb;
+}
+
+void readMtl(const std::filesystem::path& file, RawModel& model, MaterialIndex& index) {
+    Lines lines(file);
+    std::optional<MaterialDraft> draft;
+    while (lines.next()) {
+        const std::string_view key = lines.word();
+        if (key == "newmtl") {
+            if (draft) finishMaterial(*draft, lines.file(), model, index);
+            draft.emplace();
+            draft->material.name = lines.remainder();
+            draft->place = lines.place();
+            if (draft->material.name.empty()) lines.fail("newmtl without a name");
+            continue;
+        }
+        const bool known = key == "Kd" || key == "Tf" || key == "Ke" || key == "Ni";
+        if (known && !draft) lines.fail(fmt::format("{} stands before any newmtl", key));
+        if (key == "Kd") {
+            draft->material.reflectance = readRgb(lines);
+            draft->hasKd = true;
+        } else if (key == "Tf") {
+            draft->material.transmittance = readRgb(lines);
+        } else if (key == "Ke") {
+            draft->material.exitance = readRgb(lines);
+        } else if (key == "Ni") {
+            draft->material.refractiveIndex = static_cast<float>(lines.number("a refractive index"));
+        }
+        if (known) draft->place = lines.place();
+        if (known) checkMaterial(draft->material, lines.file(), lines.place());
+    }
+    if (draft) finishMaterial(*draft, lines.file(), model, index);
+}
+
+// "7", "7/1", "7//3", "-1/2/3": the vertex as an index from 0.
+uint32_t readIndex(std::string_view text, size_t vertexCount, const Lines& lines) {
+    long long value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || (end != text.data() + text.size() && *end != '/'))
+        lines.fail(fmt::format("\"{}\" is not a vertex index", text));
+    const auto count = static_cast<long long>(vertexCount);
+    if (value == 0 || value > count || value < -count)
+        lines.fail(fmt::format("vertex {} does not exist, {} are defined so far", value, count));
+    return static_cast<uint32_t>(value > 0 ? value - 1 : count + value);
+}
+
+class ObjReader {
+public:
+    explicit ObjReader(const std::filesystem::path& file) : path_(file), lines_(file) {
+        model_.file = lines_.file();
+    }
+
+    RawModel read() {
+        while (lines_.next()) {
+            const std::string_view key = lines_.word();
+            if (key == "v")
+                readVertex();
+            else if (key == "f")
+                readFace();
+            else if (key == "mtllib")
+                readMtl(path_.parent_path() / lines_.remainder(), model_, materials_);
+            else if (key == "usemtl")
+                useMaterial(lines_.remainder());
+            else if (key == "g" || key == "o")
+                useGroup(lines_.remainder());
+        }
+        return std::move(model_);
+    }
+
+private:
+    void readVertex() {
+        glm::dvec3 p;
+        for (int c = 0; c < 3; ++c) p[c] = lines_.number("v x y z");
+        model_.vertices.push_back(p);
+    }
+
+    void readFace() {
+        size_t count = 0;
+        for (std::string_view word = lines_.word(); !word.empty(); word = lines_.word(), ++count)
+            model_.corners.push_back(readIndex(word, model_.vertices.size(), lines_));
+        if (count < 3) lines_.fail(fmt::format("a face of {} corners, expected at least 3", count));
+        if (!currentMaterial_) useMaterial("default");
+        if (model_.groups.empty()) useGroup("default");
+        model_.firstCorner.push_back(static_cast<uint32_t>(model_.corners.size()));
+        model_.material.push_back(*currentMaterial_);
+        model_.group.push_back(static_cast<uint32_t>(model_.groups.size() - 1));
+        model_.number.push_back(lines_.lineNumber());
+    }
+
+    void useMaterial(const std::string& name) {
+        auto found = materials_.find(name);
+        if (found == materials_.end()) {
+            // Without any material in the file the faces are a mid grey; a name that nothing defines is a
+            // mistake.
+            if (name != "default")
+                lines_.fail(fmt::format("material \"{}\" is not defined in any mtllib", name));
+            MaterialDraft grey;
+            grey.material.name = name;
+            grey.place = lines_.place();
+            finishMaterial(grey, lines_.file(), model_, materials_);
+            found = materials_.find(name);
+        }
+        currentMaterial_ = found->second;
+    }
+
+    void useGroup(std::string name) {
+        model_.groups.push_back(std::move(name));
+        model_.source.emplace_back();
+    }
+
+    std::filesystem::path path_;
+    Lines lines_;
+    RawModel model_;
+    MaterialIndex materials_;
+    std::optional<uint32_t> currentMaterial_;
+};
+
+} // namespace
+
+RawModel readObj(const std::filesystem::path& file) {
+    return ObjReader(file).read();
+}
+
+} // namespace heliodon::geometry

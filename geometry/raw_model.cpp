@@ -1,0 +1,44 @@
+#include "geometry/raw_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "geometry/input_error.h"
+
+namespace heliodon::geometry {
+
+std::string RawModel::place(size_t i) const {
+    const std::string& name = source[group[i]];
+    return name.empty() ? std::to_string(number[i]) : fmt::format("{} triangle {}", name, number[i]);
+}
+
+void checkMaterial(const Material& material, const std::string& file, const std::string& place) {
+    const auto fail = [&](const std::string& what) {
+        throw InputError(file, place, fmt::format("material \"{}\": {}", material.name, what));
+    };
+    const float ior = material.refractiveIndex;
+    if (!(ior >= 1 && ior <= 4)) fail(fmt::format("refractive index (Ni) is {}, expected 1 to 4", ior));
+    for (int c = 0; c < 3; ++c) {
+        const float kd = material.reflectance[c], tf = material.transmittance[c], ke = material.exitance[c];
+        if (!(kd >= 0 && kd < 1)) fail(fmt::format("reflectance (Kd) is {}, expected 0 to below 1", kd));
+        if (!(tf >= 0 && tf <= 1)) fail(fmt::format("transmittance (Tf) is {}, expected 0 to 1", tf));
+        if (kd + tf > 1 + 1e-6f)
+            fail(fmt::format(
+                "reflectance {} and transmittance (Tf) {} add up to more than 1; an opaque material "
+                "has no Tf",
+                kd, tf));
+        if (!(ke >= 0 && std::isfinite(ke))) fail(fmt::format("exitance (Ke) is {}, expected 0 or more", ke));
+    }
+}
+
+RawModel readRawModel(const std::filesystem::path& file) {
+    std::string extension = file.extension().string();
+    std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+    if (extension == ".obj") return readObj(file);
+    if (extension == ".gltf" || extension == ".glb") return readGltf(file);
+    throw InputError(file.string(), "", "is no model, expected .obj, .gltf or .glb");
+}
+
+} // namespace heliodon::geometry

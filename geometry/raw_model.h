@@ -1,0 +1,49 @@
+// A model as its file states it, before any judgement: what the readers of .obj and .gltf/.glb hand to
+// model_file.cpp.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "geometry/patch_mesh.h"
+
+namespace heliodon::geometry {
+
+struct RawModel {
+    std::string file;
+    std::vector<glm::dvec3> vertices; // finite, in the file's own axes
+    // Face i has the corners corners[firstCorner[i] .. firstCorner[i + 1]), at least three, all valid
+    // indices.
+    std::vector<uint32_t> corners;
+    std::vector<uint32_t> firstCorner{0};
+    std::vector<uint32_t> material; // per face, into `materials`
+    std::vector<uint32_t> group;    // per face, into `groups`
+    std::vector<size_t> number; // per face: its line in an .obj, its triangle within the primitive in a glTF
+    std::vector<std::string> groups;
+    std::vector<std::string> source; // per group: "" in an .obj, "meshes[0].primitives[1]" in a glTF
+    std::vector<Material>
+        materials; // checked: finite, reflectance in [0, 1), reflectance + transmittance at most 1
+
+    size_t faceCount() const { return firstCorner.size() - 1; }
+    std::span<const uint32_t> face(size_t i) const {
+        return {corners.data() + firstCorner[i], firstCorner[i + 1] - firstCorner[i]};
+    }
+    // How a message names the face: "12" (a line) or "meshes[0].primitives[1] triangle 5".
+    std::string place(size_t i) const;
+};
+
+// Both throw InputError naming the line or the field. Unknown keys are ignored.
+RawModel readObj(const std::filesystem::path& file);
+RawModel readGltf(const std::filesystem::path& file);
+// By extension; throws InputError for others.
+RawModel readRawModel(const std::filesystem::path& file);
+
+// Throws InputError(file, place, ...) unless the material's values are physical.
+void checkMaterial(const Material& material, const std::string& file, const std::string& place);
+
+} // namespace heliodon::geometry
