@@ -1,0 +1,265 @@
+#include "compute/daylight/sky.h"
+
+#include <cmath>
+#include <fstream>
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include "compute/daylight/frame.h"
+#include "geometry/input_error.h"
+#include "tests/daylight/csv.h"
+
+namespace heliodon::daylight {
+namespace {
+
+glm::dvec3 towards(double azimuthDeg, double zenithDeg) {
+    return directionInWorld({azimuthDeg, 90 - zenithDeg}, 90);
+}
+
+SunPosition sunAt(double azimuthDeg, double altitudeDeg) {
+    SunPosition sun;
+    sun.azimuthDeg = azimuthDeg;
+    sun.altitudeDeg = sun.trueAltitudeDeg = altitudeDeg;
+    return sun;
+}
+
+TEST(CieSky, agrees_with_the_table_of_all_sixteen_types) {
+    const test::Csv table("cie_general_luminance.csv.gz");
+    ASSERT_EQ(table.rows.size(), 12376u);
+    for (size_t i = 0; i < table.rows.size(); ++i) {
+        const double viewZenith = table.number(i, "view_zenith_deg");
+        if (viewZenith >= 90) continue; // on the horizon itself sky and ground meet
+        const Sky sky = cieGeneralSky(static_cast<int>(table.number(i, "type")),
+                                      towards(100, table.number(i, "sun_zenith_deg")), 1.0);
+        const double expected = table.number(i, "L_over_Lz");
+        // 1e-6 relative; the table has eight digits.
+        ASSERT_NEAR(sky.luminance(towards(100 + table.number(i, "rel_azimuth_deg"), viewZenith)), expected,
+                    1e-6 * expected + 1e-8)
+            << "row " << i + 2;
+    }
+}
+
+TEST(CieSky, horizontal_illuminance_agrees_with_the_table) {
+    const test::Csv table("cie_general_integrals.csv.gz");
+    double worst = 0;
+    for (size_t i = 0; i < table.rows.size(); ++i) {
+        const Sky sky = cieGeneralSky(static_cast<int>(table.number(i, "type")),
+                                      towards(17, table.number(i, "sun_zenith_deg")), 1000.0);
+        const double ratio = diffuseHorizontalIlluminance(sky) / (1000.0 * table.number(i, "Eh_over_Lz_sr"));
+        worst = std::max(worst, std::abs(ratio - 1));
+        // The table's own quadrature differs from itself by up to 1e-4, in its last column.
+        EXPECT_NEAR(ratio, 1, 1e-5 + table.number(i, "quadrature_self_difference")) << "row " << i + 2;
+    }
+    RecordProperty("worst_relative", std::to_string(worst));
+}
+
+TEST(Sky, integral_is_exact_where_it_has_a_closed_form) {
+    EXPECT_NEAR(diffuseHorizontalIlluminance(cieGeneralSky(5, towards(0, 30), 100)), 100 * kPi,
+                1e-9 * 100 * kPi);
+    EXPECT_NEAR(diffuseHorizontalIlluminance(cieGeneralSky(16, towards(0, 30), 9.0 / (7 * kPi))), 1.0, 1e-9);
+}
+
+TEST(PerezSky, coefficients_and_luminances_agree_with_the_tables) {
+    const test::Csv shapes("perez_abcde.csv.gz");
+    for (size_t i = 0; i < shapes.rows.size(); ++i) {
+        const PerezShape s = perezShape(shapes.number(i, "eps"), shapes.number(i, "delta"),
+                                        radians(shapes.number(i, "sun_zenith_deg")));
+        const double got[] = {s.a, s.b, s.c, s.d, s.e};
+        const char* names[] = {"a", "b", "c", "d", "e"};
+        for (size_t k = 0; k < 5; ++k) {
+            const double expected = shapes.number(i, names[k]);
+            EXPECT_NEAR(got[k], expected, 1e-6 * std::max(1.0, std::abs(expected)))
+                << "row " << i + 2 << " " << names[k];
+        }
+    }
+    const test::Csv table("perez_luminance.csv.gz");
+    ASSERT_EQ(table.rows.size(), 7040u);
+    Sky sky;
+    std::string last;
+    double unit = 1;
+    for (size_t i = 0; i < table.rows.size(); ++i) {
+        const double eps = table.number(i, "eps"), delta = table.number(i, "delta"),
+                     sunZenith = table.number(i, "sun_zenith_deg");
+        const std::string key =
+            table.text(i, "eps") + "," + table.text(i, "delta") + "," + table.text(i, "sun_zenith_deg");
+        if (key != last) {
+            sky = perezSky(perezShape(eps, delta, radians(sunZenith)), towards(0, sunZenith), 1.0);
+            unit = diffuseHorizontalIlluminance(sky);
+            last = key;
+        }
+        const double viewZenith = table.number(i, "view_zenith_deg");
+        if (viewZenith >= 90) continue;
+        const double luminance = sky.luminance(towards(table.number(i, "rel_azimuth_deg"), viewZenith));
+        const double expected = std::max(0.0, table.number(i, "l_rel"));
+        ASSERT_NEAR(luminance, expected, 1e-5 * expected + 1e-6) << "row " << i + 2;
+        const double perEh = table.number(i, "L_per_unit_Eh_sr-1");
+        ASSERT_NEAR(luminance / unit, perEh, 1e-5 * perEh + 1e-7) << "row " << i + 2;
+    }
+}
+
+// Sky files of rooms rendered with Radiance: the file's own integrals are recomputed from its formula.
+TEST(SkyFile, integrals_are_those_stated_in_the_file) {
+    struct Case {
+        const char* file;
+        double diffuse, direct, ground;
+    };
+    for (const auto& c : {Case{"sky_clear.json", 8286.58619086585, 51057.184456201496, 3777.9417760769975},
+                          Case{"sky_overcast.json", 13322.576917556105, 0, 848.1415884604163},
+                          Case{"sky_perez.json", 10260.241081880684, 1995.0067072504519, 0}}) {
+        const Sky sky = readSky(test::dataFile(c.file));
+        EXPECT_NEAR(diffuseHorizontalIlluminance(sky) / c.diffuse, 1, 2e-5)
+            << c.file; // the file's quadrature
+        EXPECT_NEAR(directHorizontalIlluminance(sky), c.direct, 1e-6 * c.direct) << c.file;
+        EXPECT_DOUBLE_EQ(sky.ground.luminance, c.ground);
+        EXPECT_DOUBLE_EQ(sky.luminance({0.6, -0.8, 0}), c.ground);
+    }
+    // z up in the file: south (-y) is world +z.
+    const Sky clear = readSky(test::dataFile("sky_clear.json"));
+    EXPECT_NEAR(clear.sun.direction.z, 0.6605825836078449, 1e-12);
+    EXPECT_NEAR(readSky(test::dataFile("sky_clear.json"), geometry::UpAxis::y).shapeDirection.z,
+                0.7047315557789464, 1e-12);
+}
+
+TEST(SkyOption, named_skies_are_those_of_gensky) {
+    // gensky 3 21 +13 -a 42.73 -o 73.68 -m 75 puts the sun at 44.807 degrees.
+    const double altitude = degrees(std::asin(0.7047315557789464));
+    const SunPosition sun = sunAt(180 + 21.4, altitude);
+    const Sky clear = skyFromOption("clear", sun, {});
+    // gensky prints four digits.
+    EXPECT_NEAR(clear.sun.normalIlluminance / 72449.12, 1, 5e-4);
+    EXPECT_NEAR(clear.luminance({0, 1, 0}) / 1701.467, 1, 1e-3); // its norm has 0.274 for 1 - exp(-0.32)
+    EXPECT_NEAR(diffuseHorizontalIlluminance(clear) / 8286.586, 1, 1e-3);
+    EXPECT_NEAR(clear.ground.luminance / 3777.94, 1, 1e-3);
+    const Sky overcast = skyFromOption("overcast", sun, {});
+    EXPECT_NEAR(overcast.luminance({0, 1, 0}) / 5452.34, 1, 1e-4);
+    EXPECT_FALSE(overcast.hasSun());
+    const Sky intermediate = skyFromOption("intermediate", sun, {});
+    EXPECT_NEAR(intermediate.luminance({0, 1, 0}) / (0.5 * (1702.469 + 5452.34)), 1, 1e-3);
+    EXPECT_NEAR(intermediate.sun.normalIlluminance / (0.15 * 72449.12), 1, 5e-4);
+}
+
+TEST(SkyOption, perez_numbers_are_those_of_gendaylit) {
+    // gendaylit 12 21 +9 -W 150 80 -a 42.73 -o 73.68: epsilon 1.5158, delta 0.2680.
+    SunPosition sun = sunAt(180 - 41.5, degrees(std::asin(0.2064729651958875)));
+    sun.earthSunAu = 0.98378; // 21 December
+    const Sky sky = skyFromOption("perez:150,80", sun, {});
+    EXPECT_NEAR(sky.sun.normalIlluminance / 9662.31, 1, 2e-3);
+    // gendaylit normalises over 145 patches, which costs half a percent here.
+    EXPECT_NEAR(diffuseHorizontalIlluminance(sky) / 10260.24, 1, 7e-3);
+    const double shape[] = {-1.266925, -0.686151, 10.736684, -3.151502, -0.018776};
+    EXPECT_NEAR(sky.formula.a, shape[0], 5e-3);
+    EXPECT_NEAR(sky.formula.c, shape[2], 3e-2);
+    EXPECT_NEAR(sky.formula.d, shape[3], 1e-2);
+}
+
+TEST(SkyOption, every_cie_type_is_lit_by_day_and_dark_by_night) {
+    for (int type = 1; type <= 15; ++type) {
+        const std::string option = "cie:" + std::to_string(type);
+        for (const double altitude : {0.01, 1.0, 20.0, 89.9}) {
+            const Sky sky = skyFromOption(option, sunAt(90, altitude), {});
+            const double diffuse = diffuseHorizontalIlluminance(sky);
+            EXPECT_TRUE(std::isfinite(diffuse) && diffuse > 0) << option << " " << altitude;
+            EXPECT_EQ(sky.hasSun(), type > 6);
+            EXPECT_NEAR(sky.ground.luminance * kPi / 0.2 / globalHorizontalIlluminance(sky), 1, 1e-9);
+        }
+    }
+    for (const char* option : {"clear", "overcast", "intermediate", "cie:12", "perez:800,100"})
+        for (const double altitude : {-90.0, -7.0, -0.01})
+            EXPECT_TRUE(skyFromOption(option, sunAt(90, altitude), {}).isDark()) << option;
+}
+
+TEST(PerezSky, keeps_the_efficacy_models_illuminance_for_any_weather) {
+    for (const double altitude : {-5.0, -0.1, 0.01, 0.5, 3.0, 10.0, 45.0, 89.99})
+        for (const double direct : {0.0, 1.0, 100.0, 600.0, 1050.0})
+            for (const double diffuse : {0.0, 0.5, 10.0, 100.0, 600.0}) {
+                const Sky sky = skyFromIrradiance({direct, diffuse}, sunAt(200, altitude));
+                const double lux = diffuseHorizontalIlluminance(sky);
+                ASSERT_TRUE(std::isfinite(lux));
+                // The efficacies of the fit lie between 60 and 220 lm/W.
+                if (diffuse >= 0.5) {
+                    EXPECT_GT(lux, 60 * diffuse) << altitude << " " << direct << " " << diffuse;
+                    EXPECT_LT(lux, 220 * diffuse) << altitude << " " << direct << " " << diffuse;
+                }
+                EXPECT_EQ(sky.hasSun() && altitude < 0, false);
+                for (const double z : {0.0, 40.0, 85.0, 89.99})
+                    ASSERT_TRUE(std::isfinite(sky.luminance(towards(10, z))));
+            }
+}
+
+TEST(SkyOption, wrong_options_are_refused_by_name) {
+    for (const char* option :
+         {"", "sunny", "cie:", "cie:0", "cie:16", "cie:1.5", "cie:x", "perez:", "perez:1", "perez:1,2,3",
+          "perez:-1,2", "perez:nan,1", "perez:1e9,1", "perez:100,inf", "Clear "})
+        EXPECT_THROW(skyFromOption(option, sunAt(180, 40), {}), geometry::InputError) << option;
+    EXPECT_THROW(skyFromOption("missing.json", sunAt(180, 40), {}), geometry::InputError);
+}
+
+TEST(SkyFile, wrong_fields_are_named) {
+    const std::string file = testing::TempDir() + "heliodon_sky_test.json";
+    struct Case {
+        const char* text;
+        const char* place;
+    };
+    const std::vector<Case> cases{
+        {"", ": "},
+        {"[1,2", ": "},
+        {"[]", ": "},
+        {"{\"format\":\"vh-sky/1\"", ": "},
+        {R"({"model":"perez"})", ":format: "},
+        {R"({"format":"vh-sky/2","model":"perez"})", ":format: "},
+        {R"({"format":"vh-sky/1"})", ":model: "},
+        {R"({"format":"vh-sky/1","model":7})", ":model: "},
+        {R"({"format":"vh-sky/1","model":"cie_overcast"})", ":zenith_luminance_cdm2: "},
+        {R"({"format":"vh-sky/1","model":"cie_overcast","zenith_luminance_cdm2":"1"})",
+         ":zenith_luminance_cdm2: "},
+        {R"({"format":"vh-sky/1","model":"cie_overcast","zenith_luminance_cdm2":-1})",
+         ":zenith_luminance_cdm2: "},
+        {R"({"format":"vh-sky/1","model":"cie_overcast","zenith_luminance_cdm2":1e999})", ": "},
+        {R"({"format":"vh-sky/1","model":"cie_overcast","zenith_luminance_cdm2":1,"ground":3})", ":ground: "},
+        {R"({"format":"vh-sky/1","model":"cie_overcast","zenith_luminance_cdm2":1,"ground":{"albedo":2}})",
+         ":ground.albedo: "},
+        {R"({"format":"vh-sky/1","model":"cie_overcast","zenith_luminance_cdm2":1,"sun":[]})", ":sun: "},
+        {R"({"format":"vh-sky/1","model":"cie_overcast","zenith_luminance_cdm2":1,"sun":{"direction":[0,0,1]}})",
+         ":sun.normal_illuminance_lux: "},
+        {R"({"format":"vh-sky/1","model":"cie_clear","Lz_cdm2":1})", ":sun_direction: "},
+        {R"({"format":"vh-sky/1","model":"cie_clear","Lz_cdm2":1,"sun_direction":[0,0,0]})",
+         ":sun_direction: "},
+        {R"({"format":"vh-sky/1","model":"cie_clear","Lz_cdm2":1,"sun_direction":[0,0,"1"]})",
+         ":sun_direction[2]: "},
+        {R"({"format":"vh-sky/1","model":"cie_clear","Lz_cdm2":1,"sun_direction":[0,0,1],"norm":0})",
+         ":norm: "},
+        {R"({"format":"vh-sky/1","model":"perez","A_cdm2":1,"sun_direction":[0,0,1],"abcde":[1,2,3]})",
+         ":abcde: "},
+        {R"({"format":"vh-sky/1","model":"perez","A_cdm2":1,"sun_direction":[0,0,1],"abcde":[1,9,3,4,5]})",
+         ":abcde: "}};
+    for (const auto& c : cases) {
+        std::ofstream(file) << c.text;
+        try {
+            readSky(file);
+            ADD_FAILURE() << "accepted: " << c.text;
+        } catch (const geometry::InputError& e) {
+            EXPECT_TRUE(std::string(e.what()).starts_with(file + c.place)) << e.what();
+        }
+    }
+    std::remove(file.c_str());
+}
+
+TEST(Frame, compass_and_world_agree) {
+    const auto near = [](glm::dvec3 a, glm::dvec3 b) { return glm::length(a - b) < 1e-15; };
+    EXPECT_TRUE(near(directionInWorld({0, 0}, northOfModel()), {0, 0, -1}));
+    EXPECT_TRUE(near(directionInWorld({90, 0}, northOfModel()), {1, 0, 0}));
+    EXPECT_TRUE(near(directionInWorld({180, 0}, 0), {-1, 0, 0}));
+    // --north 90 turns north clockwise seen from above: from -z to +x.
+    EXPECT_TRUE(near(directionInWorld({0, 0}, northOfModel(90)), {1, 0, 0}));
+    EXPECT_TRUE(near(directionFromModel({0, 1, 0}, geometry::UpAxis::z), {0, 0, -1}));
+    for (const double north : {90.0, 0.0, -37.0, 400.0})
+        for (double azimuth = 0; azimuth < 360; azimuth += 7.3) {
+            const SkyAngles back = anglesInWorld(3.0 * directionInWorld({azimuth, 25}, north), north);
+            EXPECT_NEAR(std::remainder(back.azimuthDeg - azimuth, 360), 0, 1e-10);
+            EXPECT_NEAR(back.altitudeDeg, 25, 1e-12);
+        }
+}
+
+} // namespace
+} // namespace heliodon::daylight
