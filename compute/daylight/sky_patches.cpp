@@ -1,0 +1,164 @@
+// P. R. Tregenza: Subdivision of the sky hemisphere for luminance measurements. Lighting Research &
+// Technology 19, 1987. C. F. Reinhart: Daylight availability and manual lighting control in office buildings,
+// 2001 (subdivision).
+#include "compute/daylight/sky_patches.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+
+#include "compute/daylight/frame.h"
+#include "compute/daylight/quadrature.h"
+
+namespace heliodon::daylight {
+
+namespace {
+
+constexpr std::array<uint32_t, 7> kTregenzaRow{30, 30, 24, 24, 18, 12, 6};
+constexpr auto kCoarse = gaussLegendre<2>();
+constexpr auto kFine = gaussLegendre<3>();
+constexpr size_t kNodes = 13;     // 2 x 2 + 3 x 3
+constexpr size_t kCapSectors = 4; // so that no cell spans more than a quarter of the compass
+constexpr double kRefineAbove = 3e-4;
+constexpr int kDeepest = 5;
+
+// A part of the sky bounded by two altitudes and two azimuths; uniform in solid angle over (sine, azimuth).
+struct Cell {
+    double lowSine, highSine, lowAzimuth, highAzimuth;
+
+    glm::dvec3 at(double s, double t) const {
+        const double y = lowSine + s * (highSine - lowSine);
+        const double azimuth = lowAzimuth + t * (highAzimuth - lowAzimuth);
+        const double level = std::sqrt(std::max(0.0, 1.0 - y * y));
+        return {level * std::sin(azimuth), y, -level * std::cos(azimuth)};
+    }
+    std::array<Cell, 4> quarters() const {
+        const double s = 0.5 * (lowSine + highSine), a = 0.5 * (lowAzimuth + highAzimuth);
+        return {{{lowSine, s, lowAzimuth, a},
+                 {lowSine, s, a, highAzimuth},
+                 {s, highSine, lowAzimuth, a},
+                 {s, highSine, a, highAzimuth}}};
+    }
+};
+
+template<typename Visit> void visitNodes(const Cell& cell, Visit visit) {
+    for (const auto& u : kCoarse)
+        for (const auto& v : kCoarse) visit(cell.at(u.x, v.x));
+    for (const auto& u : kFine)
+        for (const auto& v : kFine) visit(cell.at(u.x, v.x));
+}
+
+// Means by the two rules from the luminances at the nodes of visitNodes.
+struct Estimate {
+    double coarse = 0, fine = 0;
+
+    explicit Estimate(const std::array<double, kNodes>& values) {
+        for (size_t i = 0; i < 4; ++i) coarse += 0.25 * values[i];
+        for (size_t i = 0; i < 9; ++i) fine += kFine[i / 3].weight * kFine[i % 3].weight * values[4 + i];
+    }
+    bool agrees() const { return std::abs(fine - coarse) <= kRefineAbove * std::abs(fine); }
+};
+
+double refinedMean(const Sky& sky, const Cell& cell, int depth) {
+    double sum = 0;
+    for (const Cell& quarter : cell.quarters()) {
+        std::array<double, kNodes> values{};
+        size_t i = 0;
+        visitNodes(quarter, [&](glm::dvec3 d) { values[i++] = sky.luminance(d); });
+        const Estimate estimate(values);
+        sum += estimate.agrees() || depth == kDeepest ? estimate.fine : refinedMean(sky, quarter, depth + 1);
+    }
+    return 0.25 * sum;
+}
+
+// The cells that a patch is made of: itself, or the sectors of the cap.
+template<typename Visit> void visitCells(const SkyRow& row, uint32_t column, Visit visit) {
+    const bool cap = row.patchCount == 1;
+    const uint32_t sectors = cap ? kCapSectors : 1;
+    const double step = 2.0 * kPi / (row.patchCount * sectors);
+    for (uint32_t s = 0; s < sectors; ++s) {
+        const double middle = (column + s) * step;
+        visit(Cell{row.lowSine, row.highSine, middle - 0.5 * step, middle + 0.5 * step});
+    }
+}
+
+} // namespace
+
+SkyPatches::SkyPatches(int subdivision) : subdivision_(subdivision) {
+    assert(subdivision >= 1 && subdivision <= 64);
+    const uint32_t mf = static_cast<uint32_t>(subdivision), rowCount = 7 * mf;
+    alpha_ = 0.5 * kPi / (rowCount + 0.5);
+    for (uint32_t r = 0; r <= rowCount; ++r) {
+        const bool cap = r == rowCount;
+        const uint32_t count = cap ? 1 : kTregenzaRow[r / mf] * mf;
+        rows_.push_back({static_cast<uint32_t>(patchCount_), count, std::sin(r * alpha_),
+                         cap ? 1.0 : std::sin((r + 1) * alpha_)});
+        patchCount_ += count;
+        rowOfPatch_.insert(rowOfPatch_.end(), count, r);
+    }
+    samples_.reserve((patchCount_ + kCapSectors) * kNodes);
+    for (const SkyRow& row : rows_)
+        for (uint32_t c = 0; c < row.patchCount; ++c)
+            visitCells(row, c, [&](const Cell& cell) {
+                visitNodes(cell, [&](glm::dvec3 d) { samples_.push_back(d); });
+            });
+}
+
+const SkyRow& SkyPatches::rowOf(size_t patch) const {
+    return rows_[rowOfPatch_.at(patch)];
+}
+
+size_t SkyPatches::elementOf(glm::dvec3 d) const {
+    if (d.y <= 0) return groundElement();
+    const auto r = std::min(static_cast<size_t>(std::asin(std::min(d.y, 1.0)) / alpha_), rows_.size() - 1);
+    const SkyRow& row = rows_[r];
+    const double turns = std::atan2(d.x, -d.z) / (2.0 * kPi);
+    const auto column = static_cast<uint32_t>((turns + 1.0) * row.patchCount + 0.5) % row.patchCount;
+    return row.firstPatch + column;
+}
+
+glm::dvec3 SkyPatches::centre(size_t patch) const {
+    const SkyRow& row = rowOf(patch);
+    if (row.patchCount == 1) return {0, 1, 0};
+    const double altitude = (rowOfPatch_[patch] + 0.5) * alpha_;
+    const double azimuth = 2.0 * kPi * static_cast<double>(patch - row.firstPatch) / row.patchCount;
+    return {std::cos(altitude) * std::sin(azimuth), std::sin(altitude),
+            -std::cos(altitude) * std::cos(azimuth)};
+}
+
+double SkyPatches::solidAngle(size_t patch) const {
+    const SkyRow& row = rowOf(patch);
+    return 2.0 * kPi / row.patchCount * (row.highSine - row.lowSine);
+}
+
+double SkyPatches::projectedSolidAngle(size_t patch) const {
+    const SkyRow& row = rowOf(patch);
+    return kPi / row.patchCount * (row.highSine * row.highSine - row.lowSine * row.lowSine);
+}
+
+std::vector<double> SkyPatches::luminances(const Sky& sky) const {
+    std::vector<double> result(elementCount(), 0.0);
+    result.back() = sky.ground.luminance;
+    if (sky.formula.scale <= 0) return result;
+    size_t sample = 0;
+    for (size_t patch = 0; patch < patchCount_; ++patch) {
+        const SkyRow& row = rowOf(patch);
+        const double share = row.patchCount == 1 ? 1.0 / kCapSectors : 1.0;
+        visitCells(row, static_cast<uint32_t>(patch - row.firstPatch), [&](const Cell& cell) {
+            std::array<double, kNodes> values{};
+            for (double& value : values) value = sky.luminance(samples_[sample++]);
+            const Estimate estimate(values);
+            result[patch] += share * (estimate.agrees() ? estimate.fine : refinedMean(sky, cell, 1));
+        });
+    }
+    return result;
+}
+
+double patchHorizontalIlluminance(const SkyPatches& patches, std::span<const double> luminances) {
+    double sum = 0;
+    for (size_t i = 0; i < patches.patchCount(); ++i) sum += luminances[i] * patches.projectedSolidAngle(i);
+    return sum;
+}
+
+} // namespace heliodon::daylight
