@@ -1,0 +1,97 @@
+#include "compute/reference/hemicube.h"
+
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+#include "compute/sky_elements.h"
+
+namespace heliodon::compute::reference {
+
+namespace {
+
+struct Hit {
+    size_t patch = SIZE_MAX;
+    bool front = false;
+};
+
+// Nearest patch along a ray; both sides block.
+Hit trace(const geometry::PatchMesh& mesh, const Viewpoint& view, glm::dvec3 direction, double flatness) {
+    Hit hit;
+    double nearest = 1e300;
+    for (size_t i = 0; i < mesh.patchCount(); ++i) {
+        if (i == view.patch || (view.room != io::kHemicubeAnyRoom && mesh.room[i] != view.room)) continue;
+        const auto corners = mesh.patch(i);
+        const glm::dvec3 normal = geometry::patchNormal(mesh, i);
+        const double height = glm::dot(normal, view.position - mesh.vertices[corners[0]]);
+        const double slope = glm::dot(normal, direction);
+        if (std::abs(height) <= flatness || slope == 0) continue;
+        const double t = -height / slope;
+        if (t <= 0 || t >= nearest) continue;
+        const glm::dvec3 p = view.position + t * direction;
+        bool inside = true;
+        for (size_t k = 0; k < corners.size() && inside; ++k) {
+            const glm::dvec3 a = mesh.vertices[corners[k]],
+                             b = mesh.vertices[corners[(k + 1) % corners.size()]];
+            inside = glm::dot(glm::cross(b - a, p - a), normal) >= 0;
+        }
+        if (!inside) continue;
+        nearest = t;
+        hit = {i, slope < 0};
+    }
+    return hit;
+}
+
+} // namespace
+
+double glassTransmittance(double normal, double n, double c) {
+    if (normal <= 0 || n == 1) return normal;
+    const double r = std::pow((n - 1) / (n + 1), 2), q = (1 - r) * (1 - r);
+    const double t = (std::sqrt(q * q + 4 * r * r * normal * normal) - q) / (2 * r * r * normal);
+    const double c2 = std::sqrt(1 - (1 - c * c) / (n * n)), d = std::pow(t, 1 / c2);
+    const double r1 = std::pow((c - n * c2) / (c + n * c2), 2);
+    const double r2 = std::pow((1 / c - n / c2) / (1 / c + n / c2), 2);
+    const auto passed = [d](double r0) { return (1 - r0) * (1 - r0) * d / (1 - r0 * r0 * d * d); };
+    return 0.5 * (passed(r1) + passed(r2));
+}
+
+HemicubeRow hemicubeRow(const geometry::PatchMesh& mesh, const Viewpoint& view, uint32_t R,
+                        uint32_t skyDivision, uint32_t channels) {
+    glm::dvec3 low(1e300), high(-1e300);
+    for (const glm::dvec3& v : mesh.vertices) low = glm::min(low, v), high = glm::max(high, v);
+    const double flatness = 1e-6 * glm::length(high - low);
+    HemicubeRow row;
+    row.factors.assign(mesh.patchCount(), 0);
+    const size_t elements = skyDivision > 0 ? skyElementCount(skyDivision) : 0;
+    row.sky.assign(elements * channels, 0);
+    const glm::dvec3 helper = std::abs(view.normal.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
+    const glm::dvec3 u0 = glm::normalize(glm::cross(helper, view.normal)), v0 = glm::cross(view.normal, u0);
+    const glm::dvec3 u = std::cos(view.turn) * u0 + std::sin(view.turn) * v0, v = glm::cross(view.normal, u);
+    const std::vector<double> deltas = hemicubeDeltas(R);
+    for (uint32_t face = 0; face < 5; ++face)
+        for (uint32_t j = 0; j < (face == 0 ? R : R / 2); ++j)
+            for (uint32_t i = 0; i < R; ++i) {
+                const double x = (2.0 * i + 1) / R - 1, y = (2.0 * j + 1) / R - (face == 0 ? 1 : 0);
+                const glm::dvec3 across[]{u, v, -v, -u, u},
+                    up[]{v, view.normal, view.normal, view.normal, view.normal},
+                    forward[]{view.normal, u, -u, v, -v};
+                const glm::dvec3 direction = glm::normalize(x * across[face] + y * up[face] + forward[face]);
+                const double delta = deltas[(face == 0 ? 0 : size_t{R} * R) + size_t{j} * R + i];
+                const Hit hit = trace(mesh, view, direction, flatness);
+                if (!hit.front) {
+                    row.lost += delta;
+                    continue;
+                }
+                row.factors[hit.patch] += delta;
+                const geometry::Material& m = mesh.materials[mesh.material[hit.patch]];
+                if (elements == 0 || !m.isOpening() || mesh.twin[hit.patch] != geometry::kNoTwin) continue;
+                const double c = std::abs(glm::dot(direction, geometry::patchNormal(mesh, hit.patch)));
+                for (uint32_t channel = 0; channel < channels; ++channel)
+                    row.sky[channel * elements + skyElementOf(direction, skyDivision)] +=
+                        delta *
+                        glassTransmittance(m.transmittance[static_cast<int>(channel)], m.refractiveIndex, c);
+            }
+    return row;
+}
+
+} // namespace heliodon::compute::reference

@@ -1,0 +1,199 @@
+#include "compute/hemicube.h"
+
+#include <chrono>
+#include <numeric>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "compute/form_factors.h"
+#include "compute/reference/hemicube.h"
+#include "compute/sky_elements.h"
+#include "geometry/input_error.h"
+#include "tests/compute/rooms.h"
+#include "tests/gpu/test_device.h"
+
+namespace heliodon::compute {
+namespace {
+
+using test::BoxRoom;
+
+TEST(Hemicube, pixels_of_any_even_resolution_sum_to_one) {
+    for (uint32_t R : {2u, 6u, 64u, 128u}) {
+        const std::vector<double> deltas = hemicubeDeltas(R);
+        double sum = 0;
+        for (size_t i = 0; i < deltas.size(); ++i) sum += deltas[i] * (i < size_t{R} * R ? 1 : 4);
+        EXPECT_NEAR(sum, 1, 1e-12);
+    }
+}
+
+// Sum of |kernel - reference| over a row: float32 edges move a pixel's middle across an edge now and then, a
+// few pixels of 3 R^2, more of them where a grid happens to line up with the walls.
+void expectLikeReference(const geometry::PatchMesh& mesh, uint32_t R, uint32_t division, double tolerance) {
+    Hemicube hemicube(test::device(), mesh, {R, division});
+    const PatchViewpoints views = patchViewpoints(mesh, 1);
+    const Hemicube::Result result = hemicube.run(views.viewpoints);
+    const size_t n = mesh.patchCount(), skyRow = size_t{hemicube.skyElements()} * hemicube.channels();
+    const auto F = result.factors.download<float>(n * n);
+    const auto C = result.sky.download<float>(n * skyRow);
+    for (size_t i = 0; i < n; ++i) {
+        const reference::HemicubeRow row = reference::hemicubeRow(
+            mesh, views.viewpoints[i], R, hemicube.skyElements() ? division : 0, hemicube.channels());
+        double difference = 0, sky = 0;
+        for (size_t j = 0; j < n; ++j) difference += std::abs(F[i * n + j] - row.factors[j]);
+        for (size_t k = 0; k < skyRow; ++k) sky += std::abs(C[i * skyRow + k] - row.sky[k]);
+        EXPECT_LT(difference, tolerance) << "row " << i;
+        EXPECT_LT(sky, tolerance) << "row " << i;
+    }
+}
+
+TEST(Hemicube, agrees_with_the_reference_in_a_room_with_a_window) {
+    BoxRoom box;
+    box.isGlass = [](glm::dvec3 p) { return p.z < 1e-9 && p.x > 1 && p.x < 3 && p.y > 1 && p.y < 2; };
+    expectLikeReference(test::boxRoom(box), 16, 1, 0.02);
+}
+
+TEST(Hemicube, agrees_with_the_reference_for_tinted_glass_and_two_rooms) {
+    BoxRoom box;
+    box.cells = {2, 2, 2};
+    box.glass.transmittance = {0.8f, 0.5f, 0.2f};
+    box.isGlass = [](glm::dvec3 p) { return p.y > 2.9 && p.x < 2; };
+    geometry::PatchMesh mesh = test::boxRoom(box);
+    BoxRoom inner;
+    inner.low = {1, 1, 1}, inner.high = {3, 2, 3};
+    inner.cells = {1, 2, 1};
+    inner.triangles = false;
+    test::addBox(mesh, inner, 1); // lies inside the other, yet in a room of its own
+    expectLikeReference(mesh, 10, 2, 0.02);
+}
+
+TEST(Hemicube, agrees_with_the_reference_among_random_triangles_that_cross_every_horizon) {
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> at(-1, 1);
+    std::vector<std::vector<glm::dvec3>> faces;
+    for (int i = 0; i < 67; ++i) {
+        std::vector<glm::dvec3> face;
+        for (int k = 0; k < 3; ++k) face.push_back({at(random), at(random), at(random)});
+        faces.push_back(face);
+    }
+    expectLikeReference(test::polygons(faces), 32, 0, 0.01);
+}
+
+TEST(Hemicube, rows_sum_to_one_in_a_closed_box) {
+    const geometry::PatchMesh mesh = test::boxRoom({});
+    const FormFactors F = computeFormFactors(test::device(), mesh);
+    EXPECT_LT(F.report.closureMax,
+              1e-4); // cracks between triangles of at most one pixel, 1/12288 of the hemisphere
+    EXPECT_EQ(F.report.kernel, "hemicube");
+}
+
+TEST(Hemicube, long_lines_of_few_large_triangles_are_filled_to_the_end) {
+    BoxRoom box;
+    box.cells = {1, 1, 1};
+    FormFactorOptions options;
+    options.resolution = 512;
+    const FormFactors F = computeFormFactors(test::device(), test::boxRoom(box), options);
+    EXPECT_LT(F.report.closureMax, 1e-4);
+}
+
+TEST(Hemicube, unit_squares_have_their_closed_form_factors) {
+    // Opposed at distance 1: 0.199825; sharing an edge at right angles: 0.200044 (Howell C-11, C-14).
+    const geometry::PatchMesh mesh = test::polygons({{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}},
+                                                     {{0, 1, 0}, {1, 1, 0}, {1, 1, 1}, {0, 1, 1}},
+                                                     {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}});
+    FormFactorOptions options;
+    options.resolution = 128;
+    options.points = 64;
+    const FormFactors F = computeFormFactors(test::device(), mesh, options);
+    const auto values = F.values.download<float>(9);
+    EXPECT_NEAR(values[1], 0.199825,
+                1e-3); // 8 x 8 points on the square: midpoint rule, error about 1/(24 * 64)
+    EXPECT_NEAR(values[2], 0.200044, 4e-3); // the same rule beside the shared edge
+    EXPECT_NEAR(values[3], values[1], 1e-3);
+    EXPECT_EQ(values[0], 0.0f);
+}
+
+TEST(Hemicube, back_sides_block_and_receive_nothing) {
+    // A floor patch under a plate that looks away from it.
+    const geometry::PatchMesh mesh =
+        test::polygons({{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}},
+                        {{-1, 0.5, -1}, {-1, 0.5, 2}, {2, 0.5, 2}, {2, 0.5, -1}}, // faces up
+                        {{-9, 1, -9}, {9, 1, -9}, {9, 1, 9}, {-9, 1, 9}}});       // faces down
+    const auto F = computeFormFactors(test::device(), mesh).values.download<float>(9);
+    EXPECT_EQ(F[1], 0.0f);
+    const auto seen = reference::hemicubeRow(mesh, patchViewpoints(mesh, 1).viewpoints[0], 64);
+    EXPECT_NEAR(F[2], seen.factors[2], 1e-3);
+    EXPECT_LT(F[2], 0.4f);
+}
+
+TEST(Hemicube, an_open_window_passes_what_it_sees_of_a_uniform_sky) {
+    BoxRoom box;
+    box.glass.refractiveIndex = 1;
+    box.glass.transmittance = glm::vec3(1);
+    box.isGlass = [](glm::dvec3 p) { return p.z < 1e-9 || p.y > 2.99; };
+    const geometry::PatchMesh mesh = test::boxRoom(box);
+    Hemicube hemicube(test::device(), mesh, {32, 2});
+    const PatchViewpoints views = patchViewpoints(mesh, 1);
+    const Hemicube::Result result = hemicube.run(views.viewpoints);
+    const size_t n = mesh.patchCount(), K = hemicube.skyElements();
+    ASSERT_EQ(K, skyElementCount(2));
+    const auto F = result.factors.download<float>(n * n), C = result.sky.download<float>(n * K);
+    for (size_t i = 0; i < n; ++i) {
+        double windows = 0, sky = 0;
+        for (size_t j = 0; j < n; ++j)
+            if (mesh.materials[mesh.material[j]].isOpening()) windows += F[i * n + j];
+        for (size_t k = 0; k < K; ++k) sky += C[i * K + k];
+        EXPECT_NEAR(sky, windows, 1e-6); // the same pixels in the same fixed point
+    }
+}
+
+TEST(Hemicube, the_same_bits_on_every_run) {
+    const geometry::PatchMesh mesh = test::boxRoom({});
+    const size_t n = mesh.patchCount();
+    const auto first = computeFormFactors(test::device(), mesh).values.download<float>(n * n);
+    EXPECT_EQ(first, computeFormFactors(test::device(), mesh).values.download<float>(n * n));
+}
+
+TEST(Hemicube, empty_and_single_patch_meshes_are_no_special_case) {
+    EXPECT_EQ(computeFormFactors(test::device(), test::polygons({})).patchCount, 0u);
+    const auto one = test::polygons({{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}}});
+    EXPECT_EQ(computeFormFactors(test::device(), one).values.download<float>(1)[0], 0.0f);
+}
+
+TEST(FormFactors, unknown_kernels_are_refused_by_name) {
+    FormFactorOptions options;
+    options.kernel = "guess";
+    EXPECT_THROW(computeFormFactors(test::device(), test::boxRoom({}), options), geometry::InputError);
+}
+
+TEST(SkyElements, every_element_holds_its_own_middle_and_they_cover_the_sky) {
+    for (uint32_t division : {1u, 2u, 4u}) {
+        double total = 0;
+        for (uint32_t k = 0; k + 1 < skyElementCount(division); ++k) {
+            const SkyElement e = skyElement(k, division);
+            total += e.solidAngle();
+            const double altitude = 0.5 * (e.lowAltitude + e.highAltitude), flat = std::cos(altitude);
+            EXPECT_EQ(
+                skyElementOf({flat * std::sin(e.azimuth), std::sin(altitude), -flat * std::cos(e.azimuth)},
+                             division),
+                k);
+        }
+        EXPECT_NEAR(total, 2 * 3.14159265358979, 1e-9);
+    }
+}
+
+TEST(SkyElements, the_means_of_an_overcast_sky_give_its_horizontal_illuminance) {
+    const auto means = skyElementMeans(
+        2, [](glm::dvec3 d) { return (1 + 2 * d.y) / 3; }, 0.5);
+    EXPECT_EQ(means.back(), 0.5f);
+    double horizontal = 0;
+    for (uint32_t k = 0; k + 1 < means.size(); ++k) {
+        const SkyElement e = skyElement(k, 2);
+        horizontal += means[k] * 0.5 * e.width *
+                      (std::pow(std::sin(e.highAltitude), 2) - std::pow(std::sin(e.lowAltitude), 2));
+    }
+    EXPECT_NEAR(horizontal, 7 * 3.14159265358979 / 9, 5e-3); // piecewise constant over 577 elements
+}
+
+} // namespace
+} // namespace heliodon::compute

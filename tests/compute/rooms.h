@@ -1,0 +1,82 @@
+// Simple closed rooms for tests: boxes with their walls divided, windows cut out along the grid.
+#pragma once
+
+#include <array>
+#include <functional>
+
+#include "geometry/patch_mesh.h"
+
+namespace heliodon::test {
+
+struct BoxRoom {
+    glm::dvec3 low{0}, high{4, 3, 5};
+    std::array<uint32_t, 3> cells{4, 3, 5}; // along x, y, z
+    bool triangles = true;
+    geometry::Material wall{"wall", glm::vec3(0.5f)};
+    geometry::Material glass{"glass", glm::vec3(0), glm::vec3(0.88f)};
+    // Whether the cell with this middle is glass.
+    std::function<bool(glm::dvec3)> isGlass = [](glm::dvec3) { return false; };
+};
+
+// Appends the room; its patches get room number `room`.
+inline void addBox(geometry::PatchMesh& mesh, const BoxRoom& box, uint32_t room = 0) {
+    const auto base = static_cast<uint32_t>(mesh.materials.size());
+    mesh.materials.push_back(box.wall);
+    mesh.materials.push_back(box.glass);
+    for (int axis = 0; axis < 3; ++axis)
+        for (int side = 0; side < 2; ++side) {
+            const int a = (axis + 1) % 3, b = (axis + 2) % 3;
+            const uint32_t na = box.cells[static_cast<size_t>(a)], nb = box.cells[static_cast<size_t>(b)];
+            const auto corner = [&](uint32_t i, uint32_t j) {
+                glm::dvec3 p;
+                p[axis] = side ? box.high[axis] : box.low[axis];
+                p[a] = box.low[a] + (box.high[a] - box.low[a]) * i / na;
+                p[b] = box.low[b] + (box.high[b] - box.low[b]) * j / nb;
+                return p;
+            };
+            for (uint32_t i = 0; i < na; ++i)
+                for (uint32_t j = 0; j < nb; ++j) {
+                    const auto v = static_cast<uint32_t>(mesh.vertices.size());
+                    for (glm::dvec3 p :
+                         {corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)})
+                        mesh.vertices.push_back(p);
+                    const glm::dvec3 middle = 0.5 * (corner(i, j) + corner(i + 1, j + 1));
+                    const uint32_t material = base + (box.isGlass(middle) ? 1 : 0);
+                    const auto surface = static_cast<uint32_t>(6 * room + 2 * axis + side);
+                    const auto add = [&](std::vector<uint32_t> corners) {
+                        // Low sides face +axis: a x b is +axis for every axis.
+                        if (side) std::reverse(corners.begin(), corners.end());
+                        mesh.addPatch(corners, material, geometry::Role::projection, surface, room);
+                    };
+                    if (box.triangles) {
+                        add({v, v + 1, v + 2});
+                        add({v, v + 2, v + 3});
+                    } else {
+                        add({v, v + 1, v + 2, v + 3});
+                    }
+                }
+        }
+}
+
+inline geometry::PatchMesh boxRoom(const BoxRoom& box) {
+    geometry::PatchMesh mesh;
+    addBox(mesh, box);
+    return mesh;
+}
+
+// Loose polygons, one room, one material.
+inline geometry::PatchMesh polygons(const std::vector<std::vector<glm::dvec3>>& faces) {
+    geometry::PatchMesh mesh;
+    mesh.materials.push_back({"matter", glm::vec3(0.5f)});
+    for (const auto& face : faces) {
+        std::vector<uint32_t> corners;
+        for (const glm::dvec3& p : face) {
+            corners.push_back(static_cast<uint32_t>(mesh.vertices.size()));
+            mesh.vertices.push_back(p);
+        }
+        mesh.addPatch(corners, 0, geometry::Role::projection, 0, 0);
+    }
+    return mesh;
+}
+
+} // namespace heliodon::test
