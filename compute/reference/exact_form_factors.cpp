@@ -1,0 +1,343 @@
+// J. H. Lambert, Photometria, 1760 (point to polygon); E. M. Sparrow, "A new and simpler formulation for
+// radiative angle factors", J. Heat Transfer 1963 (contour integral). Visibility: each blocker's cone of
+// shadow is cut from the polygon, after T. Nishita, E. Nakamae, "Continuous tone representation of
+// three-dimensional objects taking account of shadows and interreflection", SIGGRAPH 1985.
+#include "compute/reference/exact_form_factors.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <queue>
+
+#include <glm/geometric.hpp>
+
+namespace heliodon::compute::reference {
+
+using glm::cross;
+using glm::dot;
+using glm::dvec3;
+using glm::length;
+using std::numbers::pi;
+
+namespace {
+
+struct Rule {
+    std::vector<double> x, w; // on [0, 1]
+};
+
+// Gauss-Legendre by Newton's iteration on the Legendre polynomial.
+Rule gaussRule(int n) {
+    Rule rule;
+    for (int k = 0; k < n; ++k) {
+        double x = std::cos(pi * (k + 0.75) / (n + 0.5)), derivative = 1;
+        for (int iteration = 0; iteration < 100; ++iteration) {
+            double p0 = 1, p1 = x;
+            for (int m = 2; m <= n; ++m) {
+                const double p2 = ((2 * m - 1) * x * p1 - (m - 1) * p0) / m;
+                p0 = p1;
+                p1 = p2;
+            }
+            derivative = n * (x * p1 - p0) / (x * x - 1);
+            const double step = p1 / derivative;
+            x -= step;
+            if (std::abs(step) < 1e-16) break;
+        }
+        rule.x.push_back(0.5 * (1 - x));
+        rule.w.push_back(1 / ((1 - x * x) * derivative * derivative));
+    }
+    return rule;
+}
+
+dvec3 areaVector(std::span<const dvec3> polygon) {
+    dvec3 sum{0};
+    for (size_t k = 1; k + 1 < polygon.size(); ++k)
+        sum += cross(polygon[k] - polygon[0], polygon[k + 1] - polygon[0]);
+    return 0.5 * sum;
+}
+
+double diameter(std::span<const dvec3> polygon) {
+    double result = 0;
+    for (const dvec3& a : polygon)
+        for (const dvec3& b : polygon) result = std::max(result, length(a - b));
+    return result;
+}
+
+dvec3 meanCorner(std::span<const dvec3> polygon) {
+    dvec3 sum{0};
+    for (const dvec3& p : polygon) sum += p;
+    return sum / static_cast<double>(polygon.size());
+}
+
+// int_0^1 ln|a + t (b - a)| dt |b - a| for positions relative to the outer point.
+double logAlongEdge(const dvec3& a, const dvec3& b) {
+    const dvec3 edge = b - a;
+    const double edgeLength = length(edge);
+    const dvec3 direction = edge / edgeLength;
+    const double t0 = dot(a, direction), t1 = dot(b, direction);
+    const double h = length(cross(a, direction));
+    const auto antiderivative = [h](double t) {
+        const double r2 = h * h + t * t;
+        return (r2 > 0 ? 0.5 * t * std::log(r2) : 0.0) - t;
+    };
+    const double angle = h > 0 ? std::atan2(h * (t1 - t0), h * h + t0 * t1) : 0.0;
+    return antiderivative(t1) - antiderivative(t0) + h * angle;
+}
+
+// Integral along an edge of the outer contour; halves until two rules agree. The integrand is smooth but for
+// t ln t where the outer point passes a corner or an edge, which halving resolves geometrically. `tolerance`
+// is per part: halving it too would chase rounding errors for ever.
+template<class Function>
+double integrate(const Function& f, double a, double b, double tolerance, int depth) {
+    static const Rule low = gaussRule(8), high = gaussRule(12);
+    const auto apply = [&](const Rule& rule) {
+        double sum = 0;
+        for (size_t k = 0; k < rule.x.size(); ++k) sum += rule.w[k] * f(a + (b - a) * rule.x[k]);
+        return sum * (b - a);
+    };
+    const double fine = apply(high);
+    if (depth == 0 || std::abs(fine - apply(low)) <= tolerance) return fine;
+    const double middle = 0.5 * (a + b);
+    return integrate(f, a, middle, tolerance, depth - 1) + integrate(f, middle, b, tolerance, depth - 1);
+}
+
+double contourExchange(const Polygon& from, const Polygon& to) {
+    // Lengths in units of the distance, so that the logarithms are small where they must cancel.
+    const double scale = std::max(length(meanCorner(from) - meanCorner(to)), 1e-3 * diameter(from));
+    double sum = 0, perimeter = 0;
+    for (size_t q = 0; q < to.size(); ++q) perimeter += length(to[(q + 1) % to.size()] - to[q]) / scale;
+    for (size_t p = 0; p < from.size(); ++p) {
+        const dvec3 a = from[p] / scale, edge = from[(p + 1) % from.size()] / scale - a;
+        const auto inner = [&](double s) {
+            const dvec3 x = a + s * edge;
+            double value = 0;
+            for (size_t q = 0; q < to.size(); ++q) {
+                const dvec3 b0 = to[q] / scale - x, b1 = to[(q + 1) % to.size()] / scale - x;
+                const double edgeLength = length(b1 - b0);
+                if (edgeLength > 0) value += dot(edge, b1 - b0) / edgeLength * logAlongEdge(b0, b1);
+            }
+            return value;
+        };
+        sum += integrate(inner, 0, 1, 2e-16 * length(edge) * perimeter, 45);
+    }
+    return sum / (2 * pi) * scale * scale;
+}
+
+struct Cell {
+    std::array<dvec3, 3> corner;
+    double value = 0, error = 0;
+    bool operator<(const Cell& other) const { return error < other.error; }
+};
+
+// Gauss rule on a triangle folded out of a square (A. H. Stroud's conical product).
+template<class Function>
+double overTriangle(const Function& f, const std::array<dvec3, 3>& c, const Rule& rule) {
+    double sum = 0;
+    for (size_t i = 0; i < rule.x.size(); ++i)
+        for (size_t j = 0; j < rule.x.size(); ++j) {
+            const double u = rule.x[i], v = rule.x[j] * u;
+            sum += rule.w[i] * rule.w[j] * u * f(c[0] + u * (c[1] - c[0]) + v * (c[2] - c[1]));
+        }
+    return sum * length(cross(c[1] - c[0], c[2] - c[0]));
+}
+
+// Refines the worst cell until the sum of estimates is below `tolerance`.
+template<class Function>
+Estimate overPolygon(const Function& f, const Polygon& polygon, const Rule& low, const Rule& high,
+                     double tolerance, size_t maxCells) {
+    std::priority_queue<Cell> cells;
+    double value = 0, error = 0;
+    const auto push = [&](const std::array<dvec3, 3>& corner) {
+        Cell cell{corner, overTriangle(f, corner, high), 0};
+        cell.error = std::abs(cell.value - overTriangle(f, corner, low));
+        value += cell.value;
+        error += cell.error;
+        cells.push(cell);
+    };
+    for (size_t k = 1; k + 1 < polygon.size(); ++k) push({polygon[0], polygon[k], polygon[k + 1]});
+    while (error > tolerance && cells.size() < maxCells && cells.top().error > 0) {
+        const Cell worst = cells.top();
+        cells.pop();
+        value -= worst.value;
+        error -= worst.error;
+        const auto& c = worst.corner;
+        const dvec3 m01 = 0.5 * (c[0] + c[1]), m12 = 0.5 * (c[1] + c[2]), m20 = 0.5 * (c[2] + c[0]);
+        push({c[0], m01, m20});
+        push({m01, c[1], m12});
+        push({m20, m12, c[2]});
+        push({m12, m20, m01});
+    }
+    Estimate result; // summed afresh: the running sums have lost digits to cancellation
+    while (!cells.empty()) {
+        result.value += cells.top().value;
+        result.error += cells.top().error;
+        cells.pop();
+    }
+    return result;
+}
+
+double areaExchange(const Polygon& from, const Polygon& to) {
+    static const Rule low = gaussRule(6), high = gaussRule(9);
+    const dvec3 normal = glm::normalize(areaVector(from));
+    const auto f = [&](const dvec3& x) { return pointToPolygon(x, normal, to); };
+    return overPolygon(f, from, low, high, 1e-15 * polygonArea(from), 4000).value;
+}
+
+// What of `polygon` lies outside the cone from `point` over `blocker`, in convex pieces.
+void subtractShadow(const dvec3& point, const Polygon& blocker, std::vector<Polygon>& pieces) {
+    dvec3 plane = areaVector(blocker);
+    const double size = length(plane);
+    if (size == 0) return;
+    double side = dot(blocker[0] - point, plane) / size;
+    if (std::abs(side) < 1e-14 * std::max(1.0, length(blocker[0] - point))) return;
+    if (side < 0) plane = -plane;
+    std::vector<Polygon> kept;
+    for (Polygon& piece : pieces) {
+        if (Polygon before = clipped(piece, blocker[0], -plane); before.size() >= 3)
+            kept.push_back(std::move(before));
+        Polygon rest = clipped(piece, blocker[0], plane);
+        for (size_t k = 0; k < blocker.size() && rest.size() >= 3; ++k) {
+            dvec3 edgePlane = cross(blocker[k] - point, blocker[(k + 1) % blocker.size()] - point);
+            if (side < 0) edgePlane = -edgePlane;
+            if (Polygon outside = clipped(rest, point, -edgePlane); outside.size() >= 3)
+                kept.push_back(std::move(outside));
+            rest = clipped(rest, point, edgePlane);
+        }
+    }
+    pieces = std::move(kept);
+}
+
+} // namespace
+
+double polygonArea(std::span<const dvec3> polygon) {
+    return length(areaVector(polygon));
+}
+
+Polygon polygonOf(const geometry::PatchMesh& mesh, size_t patch) {
+    Polygon result;
+    for (uint32_t corner : mesh.patch(patch)) result.push_back(mesh.vertices[corner]);
+    return result;
+}
+
+Polygon clipped(std::span<const dvec3> polygon, const dvec3& onPlane, const dvec3& normal) {
+    const double norm = length(normal);
+    if (polygon.size() < 3 || norm == 0) return {};
+    std::vector<double> height(polygon.size());
+    double highest = 0, reach = 0;
+    for (size_t k = 0; k < polygon.size(); ++k) {
+        height[k] = dot(polygon[k] - onPlane, normal) / norm;
+        reach = std::max(reach, length(polygon[k] - onPlane));
+    }
+    // Corners within rounding of the plane lie on it: shared edges must not leave slivers.
+    for (double& h : height) {
+        if (std::abs(h) <= 4e-16 * reach) h = 0;
+        highest = std::max(highest, h);
+    }
+    Polygon result;
+    if (highest == 0) return result;
+    for (size_t k = 0; k < polygon.size(); ++k) {
+        const size_t next = (k + 1) % polygon.size();
+        if (height[k] >= 0) result.push_back(polygon[k]);
+        if ((height[k] > 0 && height[next] < 0) || (height[k] < 0 && height[next] > 0))
+            result.push_back(polygon[k] +
+                             height[k] / (height[k] - height[next]) * (polygon[next] - polygon[k]));
+    }
+    return result.size() >= 3 ? result : Polygon{};
+}
+
+double pointToPolygon(const dvec3& point, const dvec3& normal, std::span<const dvec3> polygon) {
+    if (dot(point - polygon[0], areaVector(polygon)) <= 0) return 0;
+    const Polygon above = clipped(polygon, point, normal);
+    double sum = 0;
+    for (size_t k = 0; k < above.size(); ++k) {
+        const dvec3 a = above[k] - point, b = above[(k + 1) % above.size()] - point;
+        const dvec3 c = cross(a, b);
+        const double sine = length(c);
+        // Clockwise as seen from the point's side: the polygon is counter-clockwise seen from its own front.
+        if (sine > 0) sum -= std::atan2(sine, dot(a, b)) / sine * dot(c, normal);
+    }
+    return std::max(0.0, sum / (2 * pi));
+}
+
+double visiblePointToPolygon(const dvec3& point, const dvec3& normal, std::span<const dvec3> polygon,
+                             std::span<const Polygon> blockers) {
+    std::vector<Polygon> pieces{Polygon(polygon.begin(), polygon.end())};
+    for (const Polygon& blocker : blockers) {
+        subtractShadow(point, blocker, pieces);
+        if (pieces.empty()) return 0;
+    }
+    double sum = 0;
+    for (const Polygon& piece : pieces) sum += pointToPolygon(point, normal, piece);
+    return sum;
+}
+
+double exchangeUnoccluded(const Polygon& from, const Polygon& to) {
+    const Polygon a = clipped(from, to[0], areaVector(to)), b = clipped(to, from[0], areaVector(from));
+    if (a.empty() || b.empty()) return 0;
+    const bool aIsSmaller = polygonArea(a) <= polygonArea(b);
+    const Polygon &small = aIsSmaller ? a : b, &large = aIsSmaller ? b : a;
+    // A lower bound of the gap by the planes and by the corner nearest to the other's enclosing ball.
+    const dvec3 normal = glm::normalize(areaVector(large));
+    double gap = dot(small[0] - large[0], normal);
+    for (const dvec3& p : small) gap = std::min(gap, dot(p - large[0], normal));
+    gap = std::max(gap, length(meanCorner(a) - meanCorner(b)) - diameter(a) - diameter(b));
+    return gap > 0.2 * diameter(small) ? areaExchange(small, large) : std::max(0.0, contourExchange(a, b));
+}
+
+namespace {
+
+// How near the blockers come to a polygon's plane.
+double clearance(const Polygon& polygon, std::span<const Polygon> blockers) {
+    const dvec3 normal = glm::normalize(areaVector(polygon));
+    double nearest = INFINITY;
+    for (const Polygon& blocker : blockers)
+        for (const dvec3& p : blocker) nearest = std::min(nearest, std::abs(dot(p - polygon[0], normal)));
+    return nearest;
+}
+
+} // namespace
+
+Estimate exchangeOccluded(const Polygon& from, const Polygon& to, std::span<const Polygon> blockers,
+                          double tolerance, size_t maxCells) {
+    static const Rule low = gaussRule(3), high = gaussRule(5);
+    Polygon a = clipped(from, to[0], areaVector(to)), b = clipped(to, from[0], areaVector(from));
+    if (a.empty() || b.empty()) return {};
+    // Points are spread over the side from which shadows are blurred, not cut sharply by a near blocker.
+    if (clearance(b, blockers) > clearance(a, blockers)) std::swap(a, b);
+    const dvec3 normal = glm::normalize(areaVector(a));
+    const auto f = [&](const dvec3& x) { return visiblePointToPolygon(x, normal, b, blockers); };
+    return overPolygon(f, a, low, high, tolerance * polygonArea(from), maxCells);
+}
+
+Estimate exchangeIn(const geometry::PatchMesh& mesh, size_t i, size_t j, double tolerance, size_t maxCells) {
+    if (i == j || mesh.room[i] != mesh.room[j]) return {};
+    const Polygon from = polygonOf(mesh, i), to = polygonOf(mesh, j);
+    std::vector<Polygon> blockers;
+    for (size_t k = 0; k < mesh.patchCount(); ++k) {
+        if (k == i || k == j || mesh.room[k] != mesh.room[i]) continue;
+        // A blocker matters only in front of both, and when its plane has them on either side.
+        Polygon between = clipped(polygonOf(mesh, k), from[0], areaVector(from));
+        if (!between.empty()) between = clipped(between, to[0], areaVector(to));
+        if (between.empty()) continue;
+        const dvec3 plane = areaVector(between);
+        const auto front = [&](const Polygon& p) { return !clipped(p, between[0], plane).empty(); };
+        const auto back = [&](const Polygon& p) { return !clipped(p, between[0], -plane).empty(); };
+        if ((front(from) && back(to)) || (back(from) && front(to))) blockers.push_back(std::move(between));
+    }
+    if (blockers.empty()) return {exchangeUnoccluded(from, to), 0};
+    return exchangeOccluded(from, to, blockers, tolerance, maxCells);
+}
+
+std::vector<double> exactFormFactors(const geometry::PatchMesh& mesh, double tolerance, size_t maxCells) {
+    const size_t n = mesh.patchCount();
+    std::vector<double> result(n * n, 0.0);
+    for (size_t i = 0; i < n; ++i)
+        for (size_t j = i + 1; j < n; ++j) {
+            const double exchange = exchangeIn(mesh, i, j, tolerance, maxCells).value;
+            result[i * n + j] = exchange / patchArea(mesh, i);
+            result[j * n + i] = exchange / patchArea(mesh, j);
+        }
+    return result;
+}
+
+} // namespace heliodon::compute::reference

@@ -1,0 +1,73 @@
+#include "compute/reference/exact_form_factors.h"
+
+#include <cmath>
+#include <random>
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include "tests/compute/form_factor_cases.h"
+
+namespace heliodon::compute::reference {
+namespace {
+
+// 1e-12 is what the oracle must hold to judge kernels of 1e-6; the values themselves carry about 1e-15.
+TEST(ExactReference, unoccluded_pairs_agree_with_closed_forms) {
+    for (const auto& c : test::formFactorCases("unoccluded"))
+        for (const auto& f : c.entries) {
+            const double value =
+                exchangeUnoccluded(c.polygons[f.i], c.polygons[f.j]) / polygonArea(c.polygons[f.i]);
+            if (f.value == 0) {
+                EXPECT_EQ(value, 0) << c.name;
+            }
+            EXPECT_NEAR(value, f.value, 1e-12) << c.name << " " << f.i << " " << f.j;
+        }
+}
+
+TEST(ExactReference, elements_agree_with_closed_forms) {
+    for (const auto& c : test::elementCases())
+        EXPECT_NEAR(pointToPolygon(c.point, c.normal, c.polygon), c.value, 1e-14) << c.name;
+}
+
+TEST(ExactReference, occluded_pairs_agree_with_split_tensor_cubature) {
+    for (const auto& c : test::formFactorCases("occluded")) {
+        const geometry::PatchMesh mesh = test::meshOf(c.polygons);
+        // Adaptive cubature across kinks: asked for 1e-6, its estimate is good to a factor of some tens.
+        for (const auto& f : c.entries)
+            EXPECT_NEAR(exchangeIn(mesh, f.i, f.j, 1e-6, 1000).value / polygonArea(c.polygons[f.i]), f.value,
+                        5e-6)
+                << c.name << " " << f.i << " " << f.j;
+    }
+}
+
+TEST(ExactReference, enclosures_agree_and_close) {
+    for (const auto& c : test::formFactorCases("enclosure")) {
+        const size_t n = c.polygons.size();
+        const std::vector<double> all = exactFormFactors(test::meshOf(c.polygons));
+        for (const auto& f : c.entries) EXPECT_NEAR(all[f.i * n + f.j], f.value, 1e-12) << c.name;
+        for (size_t i = 0; i < n; ++i) {
+            double sum = 0;
+            for (size_t j = 0; j < n; ++j) sum += all[i * n + j];
+            EXPECT_NEAR(sum, 1, 1e-11) << c.name << " row " << i;
+        }
+    }
+}
+
+// Additivity: what is visible and what is in shadow make the whole. The blocker is seen as a light itself.
+TEST(ExactReference, a_blocker_takes_away_what_it_shows) {
+    const Polygon light{{-1, 2, -1}, {1, 2, -1}, {1, 2, 1}, {-1, 2, 1}};
+    const Polygon blocker{{-0.2, 1, -0.3}, {0.4, 1, -0.3}, {0.4, 1, 0.3}, {-0.2, 1, 0.3}};
+    const glm::dvec3 point{0.1, 0, -0.05}, up{0, 1, 0};
+    const double whole = pointToPolygon(point, up, light), hidden = pointToPolygon(point, up, blocker);
+    ASSERT_GT(hidden, 0.05);
+    EXPECT_NEAR(visiblePointToPolygon(point, up, light, std::vector<Polygon>{blocker}), whole - hidden,
+                1e-14);
+    // Two halves of a blocker hide what the whole hides, whatever their order and orientation.
+    const Polygon left{{-0.2, 1, -0.3}, {0.1, 1, -0.3}, {0.1, 1, 0.3}, {-0.2, 1, 0.3}};
+    const Polygon right{{0.4, 1, -0.3}, {0.1, 1, -0.3}, {0.1, 1, 0.3}, {0.4, 1, 0.3}};
+    EXPECT_NEAR(visiblePointToPolygon(point, up, light, std::vector<Polygon>{right, left, blocker}),
+                whole - hidden, 1e-14);
+}
+
+} // namespace
+} // namespace heliodon::compute::reference
