@@ -1,0 +1,48 @@
+// Scene picture -> display picture: lens, average of subpixels, tone, the projector's drive. 8-bit pictures
+// are written through an sRGB attachment unless the display has a gamma of its own.
+#pragma once
+
+#include <map>
+#include <string>
+#include <tuple>
+
+#include "compute/gpu/buffer.h"
+#include "compute/gpu/commands.h"
+#include "compute/gpu/graphics_pipeline.h"
+#include "compute/gpu/image.h"
+#include "engine/passes/view.h"
+#include "shaders/io/display.io.h"
+
+namespace heliodon::passes {
+
+struct DisplayTarget {
+    enum class Kind { srgb8, unorm8, float32 };
+    DisplayTarget(gpu::Device& device, int width, int height, Kind kind, const std::string& name);
+    Kind kind;
+    gpu::Image picture;
+    gpu::Buffer pixels; // host; four channels a pixel
+};
+
+class DisplayPass {
+public:
+    explicit DisplayPass(gpu::Device& device);
+    DisplayPass(const DisplayPass&) = delete;
+    DisplayPass& operator=(const DisplayPass&) = delete;
+    ~DisplayPass();
+
+    // `scene` is readable by fragment shaders; `warp` holds View::warp (any buffer when that is empty: a
+    // preview). Leaves the picture in TRANSFER_SRC_OPTIMAL and a copy in target.pixels for the host.
+    // `tone` is one of the constants of display.io.h.
+    void record(gpu::Commands& commands, const gpu::Image& scene, const gpu::Buffer& warp, const View& view,
+                const DisplayTarget& target, uint32_t tone, const io::DisplayParams& params);
+
+private:
+    using Key = std::tuple<VkFormat, uint32_t, bool, int>; // format, tone, projector, supersample
+    const gpu::GraphicsPipeline& pipeline(const Key& key);
+
+    gpu::Device* device_;
+    VkSampler sampler_ = VK_NULL_HANDLE;
+    std::map<Key, gpu::GraphicsPipeline> pipelines_;
+};
+
+} // namespace heliodon::passes

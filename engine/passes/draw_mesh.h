@@ -1,0 +1,50 @@
+// Triangles ready to draw: corners one by one, flat normals, and for each corner how its light is mixed from
+// the values at the mesh's vertices.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "engine/passes/vertex_light.h"
+#include "geometry/patch_mesh.h"
+#include "geometry/rig.h"
+
+namespace heliodon::passes {
+
+struct DrawCorner { // the vertex stream of shaders/scene.vert and solid.vert
+    glm::vec3 position, normal, reflectance;
+};
+
+struct LightMix {
+    std::array<uint32_t, 3> pair; // of VertexLight
+    glm::vec3 weight;
+};
+
+struct DrawMesh {
+    std::vector<DrawCorner> corners;       // three a triangle
+    std::vector<LightMix> light;           // one a corner
+    std::vector<std::vector<float>> share; // per projector, one a corner: its part of the picture, 0..1
+
+    // The light stream: kilolux from lux per pair.
+    void mixLight(std::span<const glm::vec3> luxPerPair, std::span<glm::vec3> kilolux) const;
+};
+
+// All patches, with no projector.
+DrawMesh drawMesh(const geometry::PatchMesh& mesh, const VertexLight& vertexLight);
+
+// The patches that physical surfaces show, with the share of each projector: non-zero only at vertices whose
+// neighbouring triangles the projector all sees, less steep than the grazing limit; shares sum to one where
+// any projector reaches.
+DrawMesh shownMesh(const geometry::PatchMesh& mesh, const VertexLight& vertexLight,
+                   const geometry::Occluders& occluders, const geometry::Rig& rig);
+
+// Physical solids with flat normals.
+std::vector<DrawCorner> drawSolids(const geometry::Occluders& occluders);
+// A disc facing up.
+std::vector<DrawCorner> drawDisc(glm::dvec3 centre, double radius);
+
+} // namespace heliodon::passes

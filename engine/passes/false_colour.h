@@ -1,0 +1,27 @@
+// The scale of false-colour pictures: its ends, and the legend drawn into a picture.
+#pragma once
+
+#include <span>
+
+#include <glm/vec3.hpp>
+
+#include "engine/passes/picture.h"
+#include "engine/passes/tone.h"
+
+namespace heliodon::passes {
+
+struct FalseScale {
+    double lowLux = 10, highLux = 10000;
+    bool linear = false;
+};
+
+// The scale that `tone` asks for; open ends follow `lux`, the values at hand (any order, may be empty).
+FalseScale falseScale(const Tone& tone, std::span<const float> lux);
+
+// Colour at t in 0..1, sRGB-encoded, as shaders/lib/viridis.glsl.
+glm::vec3 viridis(double t);
+
+// A bar with numbers along the right edge, on a dark ground.
+void drawLegend(Image8& picture, const FalseScale& scale);
+
+} // namespace heliodon::passes

@@ -1,0 +1,418 @@
+#include "engine/passes/frame_renderer.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <optional>
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+
+#include "compute/gpu/buffer.h"
+#include "compute/gpu/commands.h"
+#include "compute/gpu/device.h"
+#include "engine/passes/display_pass.h"
+#include "engine/passes/draw_mesh.h"
+#include "engine/passes/false_colour.h"
+#include "engine/passes/panes.h"
+#include "engine/passes/projector_light.h"
+#include "engine/passes/scene_pass.h"
+#include "engine/passes/shadow_volumes.h"
+#include "engine/passes/vertex_light.h"
+
+namespace heliodon::passes {
+
+namespace {
+
+// What a physical wall may stand proud of the surface that was inferred from it, metres: coplanar surfaces of
+// the model win over the solids by this much.
+constexpr float kPushBack = 0.003f;
+
+const glm::vec3 kLuminance(0.2126f, 0.7152f, 0.0722f);
+
+// A host buffer that is rewritten each frame; grows when it must.
+class FrameBuffer {
+public:
+    explicit FrameBuffer(std::string name) : name_(std::move(name)) {}
+    template<class T> const gpu::Buffer& write(gpu::Device& device, const std::vector<T>& values) {
+        const size_t bytes = values.size() * sizeof(T);
+        if (!buffer_.valid() || buffer_.bytes() < bytes)
+            buffer_ = gpu::Buffer(device, bytes + bytes / 2, name_, gpu::Place::host);
+        if (bytes > 0) std::memcpy(buffer_.mapped<std::byte>(), values.data(), bytes);
+        return buffer_;
+    }
+    const gpu::Buffer& buffer() const { return buffer_; }
+
+private:
+    std::string name_;
+    gpu::Buffer buffer_;
+};
+
+// A mesh on the device, with the light of the frame.
+struct DeviceMesh {
+    DeviceMesh(gpu::Device& device, DrawMesh m, const std::string& name)
+        : mesh(std::move(m)), corners(gpu::Buffer::from(device, mesh.corners, name)), light(name + " light") {
+        // Pictures of illuminance: the same corners, reflecting everything where they reflect at all.
+        std::vector<DrawCorner> unit = mesh.corners;
+        for (DrawCorner& corner : unit)
+            corner.reflectance = glm::vec3(glm::dot(corner.reflectance, glm::vec3(1)) > 0 ? 1.0f : 0.0f);
+        unitCorners = gpu::Buffer::from(device, unit, name + " unit");
+        if (mesh.share.empty()) mesh.share.emplace_back(mesh.corners.size(), 1.0f);
+        for (const auto& share : mesh.share)
+            shares.push_back(gpu::Buffer::from(device, share, name + " share"));
+    }
+
+    void mixLight(gpu::Device& device, const std::vector<glm::vec3>& luxPerPair) {
+        std::vector<glm::vec3> kilolux(mesh.corners.size());
+        mesh.mixLight(luxPerPair, kilolux);
+        light.write(device, kilolux);
+    }
+    SurfaceStreams streams(size_t share, bool illuminance) const {
+        return {illuminance ? &unitCorners : &corners, &light.buffer(), &shares[share],
+                static_cast<uint32_t>(mesh.corners.size())};
+    }
+
+    DrawMesh mesh;
+    gpu::Buffer corners, unitCorners;
+    std::vector<gpu::Buffer> shares;
+    FrameBuffer light;
+};
+
+struct Solid {
+    Solid(gpu::Device& device, const std::vector<DrawCorner>& list, const std::string& name)
+        : corners(gpu::Buffer::from(device, list, name)), count(static_cast<uint32_t>(list.size())) {}
+    gpu::Buffer corners;
+    uint32_t count;
+};
+
+// Everything that one output keeps from frame to frame.
+struct Output {
+    Output(gpu::Device& device, View v, const std::string& name_)
+        : view(std::move(v)), name(name_), scene(device, view.width, view.height, name),
+          warp(gpu::Buffer::from(device, view.warp.empty() ? std::vector<glm::vec2>(1) : view.warp,
+                                 name + " warp")) {}
+
+    const DisplayTarget& target(gpu::Device& device, DisplayTarget::Kind kind) {
+        if (!display || display->kind != kind)
+            display.emplace(device, view.outputWidth, view.outputHeight, kind, name);
+        return *display;
+    }
+
+    View view;
+    std::string name;
+    SceneTarget scene;
+    gpu::Buffer warp;
+    std::optional<DisplayTarget> display;
+};
+
+Image8 bytesOf(const Output& output) {
+    Image8 picture{output.view.outputWidth, output.view.outputHeight, {}};
+    const size_t count = static_cast<size_t>(picture.width) * static_cast<size_t>(picture.height);
+    picture.rgb.resize(3 * count);
+    const uint8_t* from = output.display->pixels.mapped<uint8_t>();
+    uint8_t* to = picture.rgb.data();
+    for (size_t i = 0; i < count; ++i, from += 4, to += 3) to[0] = from[0], to[1] = from[1], to[2] = from[2];
+    return picture;
+}
+
+ImageF floatsOf(const Output& output) {
+    ImageF picture{output.view.outputWidth, output.view.outputHeight, {}};
+    const size_t count = static_cast<size_t>(picture.width) * static_cast<size_t>(picture.height);
+    picture.rgb.resize(3 * count);
+    const float* from = output.display->pixels.mapped<float>();
+    for (size_t i = 0; i < count; ++i)
+        for (size_t c = 0; c < 3; ++c) picture.rgb[3 * i + c] = from[4 * i + c];
+    return picture;
+}
+
+uint32_t toneConstant(ToneMap map) {
+    return map == ToneMap::soft          ? io::kToneSoft
+           : map == ToneMap::falseColour ? io::kToneFalseColour
+                                         : io::kToneLinear;
+}
+
+// sRGB panels are written through the attachment; others by their gamma.
+float gammaOf(const geometry::Projector& projector) {
+    return projector.response == "srgb" ? 0.0f : std::stof(projector.response);
+}
+
+std::vector<DrawCorner> facingUp(const std::vector<DrawCorner>& corners, bool up) {
+    std::vector<DrawCorner> out;
+    for (size_t i = 0; i < corners.size(); i += 3)
+        if ((corners[i].normal.y > 0.7f) == up)
+            out.insert(out.end(), corners.begin() + static_cast<long>(i),
+                       corners.begin() + static_cast<long>(i) + 3);
+    return out;
+}
+
+std::vector<glm::dvec3> modelPoints(const geometry::PatchMesh& mesh, const geometry::Occluders& occluders) {
+    std::vector<glm::dvec3> points;
+    for (uint32_t corner : mesh.corners) points.push_back(mesh.vertices[corner]);
+    for (uint32_t corner : occluders.triangles) points.push_back(occluders.vertices[corner]);
+    return points;
+}
+
+} // namespace
+
+struct FrameRenderer::State {
+    State(gpu::Device& d, const geometry::PatchMesh& m, const geometry::Occluders& occluders,
+          const geometry::Rig* r, const FrameRendererOptions& o)
+        : device(&d), options(o), mesh(m), vertexLight(m), casters(m), panes(m),
+          points(modelPoints(m, occluders)), scenePass(d), displayPass(d),
+          all(d, drawMesh(m, vertexLight), "preview mesh"), solids(d, drawSolids(occluders), "solids"),
+          tops(d, facingUp(drawSolids(occluders), true), "wall tops"),
+          sides(d, facingUp(drawSolids(occluders), false), "wall sides"),
+          table(d, tableDisc(occluders, r), "table"), volumes("shadow volumes"), paneData("panes"),
+          paneEdges("pane edges") {
+        if (!r) return;
+        rig = *r;
+        shown.emplace(d, shownMesh(m, vertexLight, occluders, rig), "shown mesh");
+        for (const geometry::Projector& projector : rig.projectors)
+            intensity.push_back(fullIntensity(projector));
+        reach = reachableExitance(shown->mesh, rig, options.surfaceReflectance);
+    }
+
+    std::vector<DrawCorner> tableDisc(const geometry::Occluders& occluders, const geometry::Rig* r) const {
+        const double radius = r ? r->tableRadius : options.tableRadius;
+        if (occluders.triangles.empty() || !(radius > 0)) return {};
+        return drawDisc({0, -1e-3, 0}, radius);
+    }
+
+    // Uploads what changes with the light and returns the sun's draw when there is a sun.
+    std::optional<SunDraw> prepareLight(DeviceMesh& target, const compute::Lighting& light, bool illuminance);
+    io::DisplayParams displayParams(const compute::Lighting& light, const Tone& tone) const;
+    SceneInputs projectorInputs(size_t i, const std::optional<SunDraw>& sun, bool illuminance) const;
+    SceneInputs previewInputs(const View& view, const std::optional<SunDraw>& sun, bool illuminance,
+                              bool simulatedOnly) const;
+    void drawProjectors(const compute::Lighting& light, const ProjectorOptions& options, bool hdr);
+    Output& drawView(const compute::Lighting& light, View view, const Tone& tone, bool hdr);
+    View previewView(const PreviewOptions& o) const;
+    double white(const compute::Lighting& light) const;
+
+    gpu::Device* device;
+    FrameRendererOptions options;
+    geometry::PatchMesh mesh;
+    geometry::Rig rig;
+    VertexLight vertexLight;
+    ShadowCasters casters;
+    Panes panes;
+    std::vector<glm::dvec3> points;
+    ScenePass scenePass;
+    DisplayPass displayPass;
+    DeviceMesh all;
+    std::optional<DeviceMesh> shown;
+    Solid solids, tops, sides, table;
+    FrameBuffer volumes, paneData, paneEdges;
+    std::vector<double> intensity; // candela, per projector
+    double reach = 1000;
+    std::vector<std::optional<Output>> outputs; // per projector
+    int outputsSupersample = 0;
+    std::optional<Output> previewOutput;
+};
+
+double FrameRenderer::State::white(const compute::Lighting& light) const {
+    std::vector<std::pair<double, double>> luxAndArea;
+    double total = 0;
+    for (size_t p = 0; p < mesh.patchCount(); ++p) {
+        if (mesh.role[p] != geometry::Role::projection || mesh.materials[mesh.material[p]].isOpening())
+            continue;
+        const double area = geometry::patchArea(mesh, p);
+        luxAndArea.emplace_back(glm::dot(light.exitance[p], kLuminance), area);
+        total += area;
+    }
+    std::sort(luxAndArea.begin(), luxAndArea.end());
+    double sum = 0;
+    for (const auto& [lux, area] : luxAndArea)
+        if ((sum += area) >= 0.95 * total) return std::max(lux, 1e-6);
+    return 1;
+}
+
+std::optional<SunDraw> FrameRenderer::State::prepareLight(DeviceMesh& target, const compute::Lighting& light,
+                                                          bool illuminance) {
+    target.mixLight(*device, vertexLight.evaluate(illuminance ? indirectIlluminance(mesh, light)
+                                                              : indirectExitance(mesh, light)));
+    const bool sunny = glm::length(light.sunDirection) > 0.5 && panes.size() > 0 &&
+                       glm::dot(light.sunNormalIlluminance, glm::vec3(1)) > 0;
+    if (!sunny) return std::nullopt;
+    const glm::dvec3 towardsSun = glm::normalize(light.sunDirection);
+    const ShadowCasters::Volumes swept = casters.volumes(towardsSun);
+    const SunPaneData data = panes.seenFromSun(towardsSun);
+    SunDraw sun;
+    sun.towardsSun = towardsSun;
+    sun.kilolux = 1e-3f * light.sunNormalIlluminance;
+    sun.volumes = &volumes.write(*device, swept.corners);
+    sun.volumeCount = static_cast<uint32_t>(swept.corners.size());
+    sun.capCount = swept.capCorners;
+    sun.panes = &paneData.write(*device, data.panes);
+    sun.paneEdges = &paneEdges.write(*device, data.edges);
+    return sun;
+}
+
+io::DisplayParams FrameRenderer::State::displayParams(const compute::Lighting& light,
+                                                      const Tone& tone) const {
+    io::DisplayParams params{};
+    params.white = static_cast<float>(1e-3 * tone.whiteLux.value_or(white(light)));
+    params.fullScale = 1;
+    params.background = glm::vec3(0.62f, 0.64f, 0.67f);
+    if (tone.map != ToneMap::falseColour) return params;
+    std::vector<float> lux;
+    const std::vector<glm::vec3> indirect = indirectIlluminance(mesh, light);
+    for (size_t p = 0; p < indirect.size(); ++p)
+        if (mesh.role[p] == geometry::Role::projection)
+            lux.push_back(glm::dot(
+                indirect[p] + (light.sunIlluminance.empty() ? glm::vec3(0) : light.sunIlluminance[p]),
+                kLuminance));
+    const FalseScale scale = falseScale(tone, lux);
+    params.falseLinear = scale.linear;
+    params.falseLow = static_cast<float>(scale.linear ? scale.lowLux : std::log10(scale.lowLux));
+    params.falseHigh = static_cast<float>(scale.linear ? scale.highLux : std::log10(scale.highLux));
+    params.isoCount = static_cast<uint32_t>(std::min<size_t>(tone.isoLux.size(), 8));
+    for (uint32_t i = 0; i < params.isoCount; ++i)
+        params.iso[i / 4][static_cast<int>(i % 4)] = static_cast<float>(tone.isoLux[i]);
+    return params;
+}
+
+SceneInputs FrameRenderer::State::projectorInputs(size_t i, const std::optional<SunDraw>& sun,
+                                                  bool illuminance) const {
+    SceneInputs inputs;
+    inputs.view = &outputs[i]->view;
+    inputs.surfaces = shown->streams(i, illuminance);
+    inputs.sun = sun;
+    inputs.projector = true;
+    inputs.shownReflectance = static_cast<float>(options.surfaceReflectance);
+    inputs.solids.push_back({&solids.corners, solids.count, glm::vec4(0), 0, kPushBack, false});
+    return inputs;
+}
+
+void FrameRenderer::State::drawProjectors(const compute::Lighting& light, const ProjectorOptions& o,
+                                          bool hdr) {
+    if (outputsSupersample != o.supersample) {
+        outputs.clear();
+        for (const geometry::Projector& projector : rig.projectors)
+            outputs.emplace_back(
+                Output(*device, viewOfDevice(projector, o.supersample), "projector " + projector.id));
+        outputsSupersample = o.supersample;
+    }
+    const bool illuminance = o.tone.map == ToneMap::falseColour;
+    const std::optional<SunDraw> sun = prepareLight(*shown, light, illuminance);
+    io::DisplayParams params = displayParams(light, o.tone);
+    gpu::Commands commands(*device);
+    for (size_t i = 0; i < rig.projectors.size(); ++i) {
+        const geometry::Projector& projector = rig.projectors[i];
+        Output& output = *outputs[i];
+        params.fullScale = static_cast<float>(reach / intensity[i]);
+        params.blackLevel = static_cast<float>(projector.blackLevel);
+        params.gamma = hdr ? 0 : gammaOf(projector);
+        params.outputWidth = static_cast<uint32_t>(projector.width);
+        params.outputHeight = static_cast<uint32_t>(projector.height);
+        scenePass.record(commands, output.scene, projectorInputs(i, sun, illuminance));
+        const auto kind = hdr                ? DisplayTarget::Kind::float32
+                          : params.gamma > 0 ? DisplayTarget::Kind::unorm8
+                                             : DisplayTarget::Kind::srgb8;
+        displayPass.record(commands, output.scene.colour, output.warp, output.view,
+                           output.target(*device, kind), hdr ? io::kToneRaw : toneConstant(o.tone.map),
+                           params);
+    }
+    device->submitAndWait(std::move(commands));
+}
+
+SceneInputs FrameRenderer::State::previewInputs(const View& view, const std::optional<SunDraw>& sun,
+                                                bool illuminance, bool simulatedOnly) const {
+    SceneInputs inputs;
+    inputs.view = &view;
+    inputs.surfaces = all.streams(0, illuminance);
+    inputs.sun = sun;
+    if (simulatedOnly) return inputs;
+    // Display colours; alpha 2 marks what is not simulated.
+    inputs.solids.push_back({&table.corners, table.count, {0.40f, 0.39f, 0.38f, 2}, 0, 0, false});
+    inputs.solids.push_back({&tops.corners, tops.count, {0.78f, 0.77f, 0.75f, 2}, 0, 0, false});
+    inputs.solids.push_back({&sides.corners, sides.count, {0.78f, 0.77f, 0.75f, 0.16f}, 0.5f, 0, true});
+    return inputs;
+}
+
+Output& FrameRenderer::State::drawView(const compute::Lighting& light, View view, const Tone& tone,
+                                       bool hdr) {
+    const bool fits = previewOutput && previewOutput->view.outputWidth == view.outputWidth &&
+                      previewOutput->view.outputHeight == view.outputHeight &&
+                      previewOutput->view.supersample == view.supersample && view.warp.empty() &&
+                      previewOutput->view.warp.empty();
+    if (fits)
+        previewOutput->view = std::move(view);
+    else
+        previewOutput.emplace(*device, std::move(view), "preview");
+    const bool illuminance = tone.map == ToneMap::falseColour && !hdr;
+    const std::optional<SunDraw> sun = prepareLight(all, light, illuminance);
+    io::DisplayParams params = displayParams(light, tone);
+    params.outputWidth = static_cast<uint32_t>(previewOutput->view.outputWidth);
+    params.outputHeight = static_cast<uint32_t>(previewOutput->view.outputHeight);
+    gpu::Commands commands(*device);
+    scenePass.record(commands, previewOutput->scene,
+                     previewInputs(previewOutput->view, sun, illuminance, hdr));
+    displayPass.record(
+        commands, previewOutput->scene.colour, previewOutput->warp, previewOutput->view,
+        previewOutput->target(*device, hdr ? DisplayTarget::Kind::float32 : DisplayTarget::Kind::srgb8),
+        hdr ? io::kToneRaw : toneConstant(tone.map), params);
+    device->submitAndWait(std::move(commands));
+    return *previewOutput;
+}
+
+View FrameRenderer::State::previewView(const PreviewOptions& o) const {
+    const PerspectiveCamera camera =
+        frameAll(points, o.azimuthDegrees, o.elevationDegrees, o.fovDegrees, double(o.width) / o.height);
+    return viewOfCamera(camera, o.width, o.height, o.supersample);
+}
+
+FrameRenderer::FrameRenderer(gpu::Device& device, const geometry::PatchMesh& mesh,
+                             const geometry::Occluders& occluders, const geometry::Rig* rig,
+                             const FrameRendererOptions& options)
+    : state_(std::make_unique<State>(device, mesh, occluders, rig, options)) {}
+FrameRenderer::FrameRenderer(FrameRenderer&&) noexcept = default;
+FrameRenderer& FrameRenderer::operator=(FrameRenderer&&) noexcept = default;
+FrameRenderer::~FrameRenderer() = default;
+
+double FrameRenderer::autoWhite(const compute::Lighting& light) const {
+    return state_->white(light);
+}
+
+double FrameRenderer::reachLux() const {
+    return state_->reach;
+}
+
+Image8 FrameRenderer::preview(const compute::Lighting& light, const PreviewOptions& options) {
+    Image8 picture = bytesOf(state_->drawView(light, state_->previewView(options), options.tone, false));
+    if (options.tone.map == ToneMap::falseColour && options.tone.legend) {
+        const io::DisplayParams params = state_->displayParams(light, options.tone);
+        const auto lux = [&](float end) { return params.falseLinear ? end : std::pow(10.0, end); };
+        drawLegend(picture, {lux(params.falseLow), lux(params.falseHigh), params.falseLinear != 0});
+    }
+    return picture;
+}
+
+std::vector<Image8> FrameRenderer::projectors(const compute::Lighting& light,
+                                              const ProjectorOptions& options) {
+    if (state_->rig.projectors.empty()) return {};
+    state_->drawProjectors(light, options, false);
+    std::vector<Image8> pictures;
+    for (const auto& output : state_->outputs) pictures.push_back(bytesOf(*output));
+    return pictures;
+}
+
+ImageF FrameRenderer::previewHdr(const compute::Lighting& light, const PreviewOptions& options) {
+    return floatsOf(state_->drawView(light, state_->previewView(options), options.tone, true));
+}
+
+std::vector<ImageF> FrameRenderer::projectorsHdr(const compute::Lighting& light,
+                                                 const ProjectorOptions& options) {
+    if (state_->rig.projectors.empty()) return {};
+    state_->drawProjectors(light, options, true);
+    std::vector<ImageF> pictures;
+    for (const auto& output : state_->outputs) pictures.push_back(floatsOf(*output));
+    return pictures;
+}
+
+ImageF FrameRenderer::exitance(const compute::Lighting& light, const View& view) {
+    return floatsOf(state_->drawView(light, view, {}, true));
+}
+
+} // namespace heliodon::passes

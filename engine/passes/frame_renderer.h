@@ -1,0 +1,79 @@
+// Light on a mesh -> pictures: one per projector of the rig, and a preview from above at an angle.
+// What depends on geometry alone is prepared once; a frame uploads light, records draws and reads pixels
+// back. What a frame does not need is not drawn: no sun, no shadow volumes and no sun pass.
+//
+// A projector's picture makes the *physical* white surface show the simulated exitance times an exposure:
+//   drive = exposure * share * B r^2 / (rho cos theta) / fullIntensity,   clipped to 0..1,
+// with B the simulated exitance (lux), share the projector's part of the picture there (shares sum to one, so
+// the projectors together show exposure * B wherever none is clipped) and rho the physical surface's
+// reflectance. exposure = reachLux() / white: what is `white` in the simulation is shown at the exitance that
+// the rig reaches on nine tenths of what it shows.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "compute/lighting.h"
+#include "engine/passes/picture.h"
+#include "engine/passes/tone.h"
+#include "engine/passes/view.h"
+#include "geometry/patch_mesh.h"
+#include "geometry/rig.h"
+
+namespace heliodon::gpu {
+class Device;
+}
+
+namespace heliodon::passes {
+
+struct PreviewOptions {
+    int width = 1280, height = 960;
+    double azimuthDegrees = 25, elevationDegrees = 52; // of the eye: 0 from +z (the user), 90 from +x
+    double fovDegrees = 28;
+    int supersample = 2; // subpixels in each direction
+    Tone tone;
+};
+
+struct ProjectorOptions {
+    int supersample = 1;
+    Tone tone;
+};
+
+struct FrameRendererOptions {
+    double surfaceReflectance = 0.84; // of the physical walls and table: white foam core, museum board
+    double tableRadius = 0.5334;      // metres; of the disc in previews, where there is no rig; 0: none
+};
+
+class FrameRenderer {
+public:
+    // `rig` may be null: then there are previews only. The device outlives the renderer; the rest is copied.
+    FrameRenderer(gpu::Device& device, const geometry::PatchMesh& mesh, const geometry::Occluders& occluders,
+                  const geometry::Rig* rig, const FrameRendererOptions& options = {});
+    FrameRenderer(FrameRenderer&&) noexcept;
+    FrameRenderer& operator=(FrameRenderer&&) noexcept;
+    ~FrameRenderer();
+
+    // The light that nineteen twentieths of the shown area stay below, lux: what is shown as white unless
+    // told otherwise. A time-lapse takes one value for all its frames.
+    double autoWhite(const compute::Lighting& light) const;
+    // Physical exitance of white, lux; 1000 without a rig. Exposure = reachLux() / white.
+    double reachLux() const;
+
+    Image8 preview(const compute::Lighting& light, const PreviewOptions& options = {});
+    // One picture per projector, in the rig's order, each for its own panel and response.
+    std::vector<Image8> projectors(const compute::Lighting& light, const ProjectorOptions& options = {});
+
+    // The same in floats. A preview holds exitance in lux (zero where nothing is simulated); a projector's
+    // picture holds its drive, linear, 1 = full, not clipped.
+    ImageF previewHdr(const compute::Lighting& light, const PreviewOptions& options = {});
+    std::vector<ImageF> projectorsHdr(const compute::Lighting& light, const ProjectorOptions& options = {});
+
+    // Exitance (lux) seen by any view through a pinhole or a lens; nothing but simulated patches is drawn.
+    ImageF exitance(const compute::Lighting& light, const View& view);
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+} // namespace heliodon::passes

@@ -1,0 +1,69 @@
+#include "engine/passes/projector_light.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <glm/geometric.hpp>
+
+namespace heliodon::passes {
+
+namespace {
+
+// A. van Oosterom and J. Strackee, "The solid angle of a plane triangle" (1983).
+double solidAngle(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c) {
+    const double volume = glm::dot(a, glm::cross(b, c)), la = glm::length(a), lb = glm::length(b),
+                 lc = glm::length(c);
+    return 2 * std::atan2(std::abs(volume),
+                          la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb);
+}
+
+} // namespace
+
+double fullIntensity(const geometry::Projector& projector) {
+    // A grid over the panel follows the lens; its cells are small enough to be taken as flat.
+    constexpr int kCells = 16;
+    const auto corner = [&](int i, int j) {
+        return glm::dvec3(projector.lens.planeFromPixel({-0.5 + projector.width * i / double{kCells},
+                                                         -0.5 + projector.height * j / double{kCells}}),
+                          1);
+    };
+    double total = 0;
+    for (int i = 0; i < kCells; ++i)
+        for (int j = 0; j < kCells; ++j)
+            total += solidAngle(corner(i, j), corner(i + 1, j), corner(i, j + 1)) +
+                     solidAngle(corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1));
+    return projector.lumens / total;
+}
+
+double reachableExitance(const DrawMesh& shown, const geometry::Rig& rig, double surfaceReflectance) {
+    std::vector<std::pair<double, double>> reachAndArea;
+    std::vector<double> intensity;
+    for (const geometry::Projector& projector : rig.projectors) intensity.push_back(fullIntensity(projector));
+    for (size_t i = 0; i < shown.corners.size(); i += 3) {
+        const glm::dvec3 a(shown.corners[i].position), b(shown.corners[i + 1].position),
+            c(shown.corners[i + 2].position);
+        const glm::dvec3 middle = (a + b + c) / 3.0;
+        double reach = std::numeric_limits<double>::infinity();
+        for (size_t p = 0; p < intensity.size(); ++p) {
+            const auto& share = shown.share[p];
+            const double part = (double{share[i]} + double{share[i + 1]} + double{share[i + 2]}) / 3;
+            if (!(part > 0)) continue;
+            const glm::dvec3 towards = rig.projectors[p].centre() - middle;
+            const double r = glm::length(towards),
+                         cosine = glm::dot(towards / r, glm::dvec3(shown.corners[i].normal));
+            reach =
+                std::min(reach, intensity[p] * surfaceReflectance * std::max(cosine, 0.05) / (r * r * part));
+        }
+        if (std::isfinite(reach)) reachAndArea.emplace_back(reach, glm::length(glm::cross(b - a, c - a)));
+    }
+    if (reachAndArea.empty()) return 0;
+    std::sort(reachAndArea.begin(), reachAndArea.end());
+    double total = 0, sum = 0;
+    for (const auto& [reach, area] : reachAndArea) total += area;
+    for (const auto& [reach, area] : reachAndArea)
+        if ((sum += area) >= 0.1 * total) return reach;
+    return reachAndArea.back().first;
+}
+
+} // namespace heliodon::passes

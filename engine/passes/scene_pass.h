@@ -1,0 +1,74 @@
+// Draws a lit scene into a linear high-range picture: light interpolated between vertices, plus the sun per
+// pixel where the stencil counts no shadow volume.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#include "compute/gpu/buffer.h"
+#include "compute/gpu/commands.h"
+#include "compute/gpu/graphics_pipeline.h"
+#include "compute/gpu/image.h"
+#include "engine/passes/view.h"
+
+namespace heliodon::passes {
+
+// Attachments of one view.
+struct SceneTarget {
+    SceneTarget(gpu::Device& device, int width, int height, const std::string& name);
+    gpu::Image colour, depth;
+};
+
+// Lit surfaces: streams of shaders/scene.vert, three corners a triangle.
+struct SurfaceStreams {
+    const gpu::Buffer* corners = nullptr; // DrawCorner
+    const gpu::Buffer* light = nullptr;   // vec3, kilolux
+    const gpu::Buffer* share = nullptr;   // float
+    uint32_t count = 0;
+};
+
+// Geometry in one flat colour. Alpha is what the scene picture's alpha becomes (see shaders/display.frag).
+struct SolidDraw {
+    const gpu::Buffer* corners = nullptr; // DrawCorner
+    uint32_t count = 0;
+    glm::vec4 colour{0};
+    float shading = 0;       // 0: plain
+    float pushBack = 0;      // metres
+    bool seeThrough = false; // blended by `opacity` over what lies behind, hides nothing
+};
+
+struct SunDraw {
+    glm::dvec3 towardsSun{0};
+    glm::vec3 kilolux{0};                   // on a plane facing it
+    const gpu::Buffer* volumes = nullptr;   // vec4
+    uint32_t volumeCount = 0, capCount = 0; // corners; caps come first
+    const gpu::Buffer* panes = nullptr;     // io::SunPaneHeader, io::SunPane[]
+    const gpu::Buffer* paneEdges = nullptr; // vec4
+};
+
+struct SceneInputs {
+    const View* view = nullptr;
+    SurfaceStreams surfaces;
+    std::vector<SolidDraw> solids;  // see-through ones last
+    std::optional<SunDraw> sun;     // none: neither volumes nor the sun pass are recorded
+    bool projector = false;         // alpha = gain of a projector instead of 1
+    float shownReflectance = 0.84f; // of the physical surface, for a projector
+};
+
+class ScenePass {
+public:
+    explicit ScenePass(gpu::Device& device);
+
+    // Leaves target.colour readable by fragment shaders.
+    void record(gpu::Commands& commands, const SceneTarget& target, const SceneInputs& inputs) const;
+
+private:
+    gpu::GraphicsPipeline ambient_, ambientProjector_, volumeCaps_, volumeSides_, sun_, solid_, seeThrough_;
+};
+
+} // namespace heliodon::passes

@@ -1,0 +1,62 @@
+#include "engine/passes/shadow_volumes.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <map>
+
+#include <glm/geometric.hpp>
+
+namespace heliodon::passes {
+
+ShadowCasters::ShadowCasters(const geometry::PatchMesh& mesh)
+    : vertices_(mesh.vertices.begin(), mesh.vertices.end()) {
+    std::map<std::pair<uint32_t, uint32_t>, std::vector<Use>> byEdge;
+    for (size_t p = 0; p < mesh.patchCount(); ++p) {
+        if (mesh.materials[mesh.material[p]].isOpening()) continue;
+        const auto corner = mesh.patch(p);
+        const uint32_t caster = static_cast<uint32_t>(normals_.size());
+        normals_.push_back(geometry::patchAreaVector(mesh, p));
+        corners_.insert(corners_.end(), corner.begin(), corner.end());
+        firstCorner_.push_back(static_cast<uint32_t>(corners_.size()));
+        for (size_t k = 0; k < corner.size(); ++k) {
+            const uint32_t a = corner[k], b = corner[(k + 1) % corner.size()];
+            byEdge[{std::min(a, b), std::max(a, b)}].push_back({caster, a < b});
+        }
+    }
+    for (const auto& [ends, uses] : byEdge) {
+        edges_.push_back({ends.first, ends.second, static_cast<uint32_t>(uses_.size()),
+                          static_cast<uint32_t>(uses.size())});
+        uses_.insert(uses_.end(), uses.begin(), uses.end());
+    }
+}
+
+ShadowCasters::Volumes ShadowCasters::volumes(glm::dvec3 towardsSun) const {
+    Volumes out;
+    std::vector<glm::vec4>& points = out.corners;
+    points.reserve(3 * normals_.size() + 6 * edges_.size() / 4);
+    const auto point = [&](uint32_t v) { return glm::vec4(vertices_[v], 1); };
+    // Which side an edge-on patch is given to does not matter: its volume has no inside. It must only be the
+    // same for its cap and for its edges.
+    std::vector<bool> facesSun(normals_.size());
+    for (size_t i = 0; i < normals_.size(); ++i) {
+        facesSun[i] = glm::dot(normals_[i], towardsSun) >= 0;
+        const uint32_t first = firstCorner_[i];
+        for (uint32_t c = first + 1; c + 1 < firstCorner_[i + 1]; ++c) {
+            const uint32_t second = facesSun[i] ? corners_[c] : corners_[c + 1];
+            const uint32_t third = facesSun[i] ? corners_[c + 1] : corners_[c];
+            points.insert(points.end(), {point(corners_[first]), point(second), point(third)});
+        }
+    }
+    out.capCorners = static_cast<uint32_t>(points.size());
+    const glm::vec4 infinity(glm::vec3(-towardsSun), 0);
+    for (const Edge& edge : edges_) {
+        int count = 0; // casters, seen from the sun, that go from -> to, less those that go back
+        for (uint32_t u = edge.firstUse; u < edge.firstUse + edge.useCount; ++u)
+            count += uses_[u].forward == facesSun[uses_[u].caster] ? 1 : -1;
+        const uint32_t a = count > 0 ? edge.from : edge.to, b = count > 0 ? edge.to : edge.from;
+        for (int k = 0; k < std::abs(count); ++k) points.insert(points.end(), {point(b), point(a), infinity});
+    }
+    return out;
+}
+
+} // namespace heliodon::passes

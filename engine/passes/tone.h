@@ -1,0 +1,27 @@
+// How light becomes a picture.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+namespace heliodon::passes {
+
+enum class ToneMap {
+    linear,     // proportional, clipped: the default; equal light sums to equal light over several projectors
+    soft,       // compresses highlights (Reinhard), white stays below 4 x `whiteLux`
+    falseColour // lux as colour, scale "viridis"
+};
+
+struct Tone {
+    ToneMap map = ToneMap::linear;
+    // Simulated exitance shown as white, lux; none: FrameRenderer::autoWhite of the light at hand.
+    std::optional<double> whiteLux;
+    // False colour shows illuminance on the surfaces. Ends of its scale in lux; none: decades (or a round
+    // number where the scale is linear) that hold the light at hand.
+    std::optional<double> lowLux, highLux;
+    bool linearScale = false;   // default: logarithmic
+    std::vector<double> isoLux; // lines of equal illuminance, at most eight
+    bool legend = true;         // scale with numbers in previews
+};
+
+} // namespace heliodon::passes

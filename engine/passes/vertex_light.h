@@ -1,0 +1,46 @@
+// From one value per patch to one value per vertex, so that light can be drawn linear between vertices.
+// At each vertex a plane is fitted to the values of the patches around it (weighted least squares over their
+// centroids) and read off at the vertex: a field that is linear over a surface is reproduced exactly, at its
+// border too. Values never mix across surfaces. The fit depends on geometry alone and is made once; applying
+// it costs a few multiply-adds per vertex.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "compute/lighting.h"
+#include "geometry/patch_mesh.h"
+
+namespace heliodon::passes {
+
+class VertexLight {
+public:
+    explicit VertexLight(const geometry::PatchMesh& mesh);
+
+    // Number of (vertex, surface) pairs.
+    size_t size() const { return first_.size() - 1; }
+    // The pair that belongs to mesh.corners[corner].
+    uint32_t ofCorner(size_t corner) const { return pairOfCorner_[corner]; }
+
+    // One value per pair, never negative. `patchValues` has one value per patch.
+    std::vector<glm::vec3> evaluate(std::span<const glm::vec3> patchValues) const;
+
+private:
+    std::vector<uint32_t> pairOfCorner_;
+    std::vector<uint32_t> first_{0}, patch_; // pair i combines patch_[first_[i] .. first_[i + 1])
+    std::vector<float> weight_;
+};
+
+// What is drawn per patch before the per-pixel sun is added: exitance minus the first bounce of the direct
+// sun. Never negative; equals the exitance when no sun is modelled.
+std::vector<glm::vec3> indirectExitance(const geometry::PatchMesh& mesh, const compute::Lighting& lighting);
+
+// The illuminance behind that exitance: (exitance - own emission) / reflectance - direct sun. A channel that
+// reflects nothing tells nothing and takes the mean of those that do; zero where none does.
+std::vector<glm::vec3> indirectIlluminance(const geometry::PatchMesh& mesh,
+                                           const compute::Lighting& lighting);
+
+} // namespace heliodon::passes

@@ -1,0 +1,133 @@
+#include "engine/passes/view.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+#include <glm/trigonometric.hpp>
+
+namespace heliodon::passes {
+
+namespace {
+
+// Clip space from device space (x right, y down, z forward) for the pixel (fx x + skew y) / z + cx,
+// (fy y) / z + cy.
+glm::dmat4 clipFromDevice(const geometry::Lens& k, int width, int height, double nearMetres) {
+    glm::dmat4 m(0);
+    m[0][0] = 2 * k.fx / width;
+    m[1][0] = 2 * k.skew / width;
+    m[2][0] = 2 * (k.cx + 0.5) / width - 1;
+    m[1][1] = 2 * k.fy / height;
+    m[2][1] = 2 * (k.cy + 0.5) / height - 1;
+    m[3][2] = nearMetres;
+    m[2][3] = 1;
+    return m;
+}
+
+glm::dmat4 rigid(const glm::dmat3& rotation, glm::dvec3 translation) {
+    glm::dmat4 m(rotation);
+    m[3] = glm::dvec4(translation, 1);
+    return m;
+}
+
+} // namespace
+
+std::optional<glm::dvec2> pinholePixel(const View& view, glm::dvec3 world) {
+    const glm::dvec4 clip = view.clipFromWorld * glm::dvec4(world, 1);
+    if (clip.w <= 0) return std::nullopt;
+    return glm::dvec2((clip.x / clip.w + 1) / 2 * view.width - 0.5,
+                      (clip.y / clip.w + 1) / 2 * view.height - 0.5);
+}
+
+View viewOfDevice(const geometry::OpticalDevice& device, int supersample, double nearMetres) {
+    View view;
+    view.outputWidth = device.width;
+    view.outputHeight = device.height;
+    view.supersample = supersample;
+    view.eye = device.centre();
+    const size_t count = static_cast<size_t>(device.width) * static_cast<size_t>(device.height);
+    view.warp.reserve(count);
+    geometry::Lens ideal = device.lens;
+    ideal.dist = {};
+    glm::dvec2 low(1e30), high(-1e30);
+    for (int y = 0; y < device.height; ++y)
+        for (int x = 0; x < device.width; ++x) {
+            const glm::dvec2 p = ideal.pixelFromPlane(device.lens.planeFromPixel({x, y}));
+            low = glm::min(low, p);
+            high = glm::max(high, p);
+            view.warp.emplace_back(p);
+        }
+    // One and a half pixels on each side: half of the outermost panel pixel, and room for interpolation. A
+    // lens that bends beyond reason gets at most twice its panel.
+    low = glm::max(low - 1.5, glm::dvec2(-0.5 * device.width, -0.5 * device.height));
+    high = glm::min(high + 1.5, glm::dvec2(1.5 * device.width, 1.5 * device.height));
+    const glm::dvec2 first = glm::floor(low), size = glm::ceil(high) - first + 1.0;
+    const double s = supersample;
+    view.width = static_cast<int>(s * size.x);
+    view.height = static_cast<int>(s * size.y);
+    const auto toPinhole = [&](glm::dvec2 p) { return s * (p - first + 0.5) - 0.5; };
+    for (glm::vec2& p : view.warp) p = glm::vec2(toPinhole(glm::dvec2(p)));
+    const glm::dvec2 centre = toPinhole({ideal.cx, ideal.cy});
+    ideal.fx *= s, ideal.fy *= s, ideal.skew *= s;
+    ideal.cx = centre.x, ideal.cy = centre.y;
+    view.clipFromWorld = clipFromDevice(ideal, view.width, view.height, nearMetres) *
+                         rigid(device.deviceFromWorld, device.translation);
+    return view;
+}
+
+View viewOfCamera(const PerspectiveCamera& camera, int width, int height, int supersample) {
+    View view;
+    view.outputWidth = width;
+    view.outputHeight = height;
+    view.supersample = supersample;
+    view.width = width * supersample;
+    view.height = height * supersample;
+    view.eye = camera.eye;
+    const glm::dvec3 forward = glm::normalize(camera.target - camera.eye);
+    const glm::dvec3 up = std::abs(forward.y) > 0.9999 ? glm::dvec3(0, 0, -1) : glm::dvec3(0, 1, 0);
+    const glm::dvec3 right = glm::normalize(glm::cross(forward, up)), down = glm::cross(forward, right);
+    const glm::dmat3 rotation = glm::transpose(glm::dmat3(right, down, forward));
+    geometry::Lens lens;
+    lens.fx = lens.fy = 0.5 * view.height / std::tan(glm::radians(camera.fovDegrees) / 2);
+    lens.cx = 0.5 * view.width - 0.5;
+    lens.cy = 0.5 * view.height - 0.5;
+    const double nearMetres = 0.02 * glm::length(camera.target - camera.eye);
+    view.clipFromWorld =
+        clipFromDevice(lens, view.width, view.height, nearMetres) * rigid(rotation, -(rotation * camera.eye));
+    return view;
+}
+
+PerspectiveCamera frameAll(const std::vector<glm::dvec3>& points, double azimuthDegrees,
+                           double elevationDegrees, double fovDegrees, double aspect, double margin) {
+    const double azimuth = glm::radians(azimuthDegrees), elevation = glm::radians(elevationDegrees);
+    const glm::dvec3 towardsEye(std::cos(elevation) * std::sin(azimuth), std::sin(elevation),
+                                std::cos(elevation) * std::cos(azimuth));
+    const glm::dvec3 forward = -towardsEye;
+    const glm::dvec3 up = std::abs(forward.y) > 0.9999 ? glm::dvec3(0, 0, -1) : glm::dvec3(0, 1, 0);
+    const glm::dvec3 right = glm::normalize(glm::cross(forward, up)), top = glm::cross(right, forward);
+    const double slopeY = (1 - 2 * margin) * std::tan(glm::radians(fovDegrees) / 2), slopeX = slopeY * aspect;
+    // A point (x, y, z) along (right, top, forward) is inside when |x - ex| <= slopeX (z - ez), likewise y:
+    // the outermost planes of each direction give the eye.
+    double left = 1e300, rightmost = -1e300, bottom = 1e300, topmost = -1e300;
+    for (const glm::dvec3& p : points) {
+        const double x = glm::dot(p, right), y = glm::dot(p, top), z = glm::dot(p, forward);
+        left = std::min(left, x + slopeX * z);
+        rightmost = std::max(rightmost, x - slopeX * z);
+        bottom = std::min(bottom, y + slopeY * z);
+        topmost = std::max(topmost, y - slopeY * z);
+    }
+    PerspectiveCamera camera;
+    camera.fovDegrees = fovDegrees;
+    if (points.empty()) return camera;
+    const double ex = (left + rightmost) / 2, ey = (bottom + topmost) / 2;
+    const double ez = std::min((left - rightmost) / (2 * slopeX), (bottom - topmost) / (2 * slopeY));
+    camera.eye = ex * right + ey * top + ez * forward;
+    glm::dvec3 middle{0};
+    for (const glm::dvec3& p : points) middle += p / static_cast<double>(points.size());
+    camera.target = camera.eye + std::max(glm::dot(middle - camera.eye, forward), 1e-6) * forward;
+    return camera;
+}
+
+} // namespace heliodon::passes

@@ -1,0 +1,48 @@
+// From where and through what a picture is drawn. Pictures are first drawn through an ideal pinhole, so that
+// straight edges stay straight (shadow volumes need that); a lens is applied afterwards, pixel by pixel.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include "geometry/rig.h"
+
+namespace heliodon::passes {
+
+struct View {
+    int width = 0, height = 0;   // of the pinhole picture, pixels
+    glm::dmat4 clipFromWorld{1}; // Vulkan's clip space, depth reversed and infinite: depth = near / distance
+    glm::dvec3 eye{0};
+
+    // Picture drawn at the end, and for each of its pixels (row by row) the pinhole pixel that it shows
+    // (integer = pixel centre). Empty: the same pixels, `supersample` x `supersample` of them averaged.
+    int outputWidth = 0, outputHeight = 0, supersample = 1;
+    std::vector<glm::vec2> warp;
+};
+
+// Pinhole pixel of a world point (integer = pixel centre); none behind the eye.
+std::optional<glm::dvec2> pinholePixel(const View& view, glm::dvec3 world);
+
+// What a camera or projector sees: outputs are its own panel pixels, so that a world point comes out at
+// OpticalDevice::pixelFromWorld. `supersample` pinhole pixels per panel pixel in each direction. The part of
+// the world nearer than `nearMetres` is clipped.
+View viewOfDevice(const geometry::OpticalDevice& device, int supersample = 1, double nearMetres = 0.02);
+
+struct PerspectiveCamera {
+    glm::dvec3 eye{0, 1, 1}, target{0};
+    double fovDegrees = 30; // vertical
+};
+
+// An ideal camera, y up. Looking straight down is allowed (picture top = -z).
+View viewOfCamera(const PerspectiveCamera& camera, int width, int height, int supersample = 1);
+
+// The camera that looks at all `points` from the given direction (azimuth: 0 from +z, 90 from +x; elevation
+// above the table), as near as they fit with `margin` left (fraction of the picture).
+PerspectiveCamera frameAll(const std::vector<glm::dvec3>& points, double azimuthDegrees,
+                           double elevationDegrees, double fovDegrees, double aspect, double margin = 0.04);
+
+} // namespace heliodon::passes

@@ -1,0 +1,92 @@
+// Scene picture to display: lens, average of subpixels, tone or false colour, gain and black level.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#include "shaders/io/display.io.h"
+#include "shaders/lib/viridis.glsl"
+
+layout(set = 0, binding = 0) uniform sampler2D scene;
+layout(set = 0, binding = 1) uniform samplerBuffer warp;
+layout(push_constant, scalar) uniform Push { DisplayParams params; };
+layout(constant_id = 0) const uint kTone = 0u;
+layout(constant_id = 1) const bool kProjector = false;
+layout(constant_id = 2) const int kSupersample = 1;
+
+layout(location = 0) out vec4 colour;
+
+const vec3 kLuminance = vec3(0.2126, 0.7152, 0.0722);
+
+float luxAt(vec4 texel) {
+    return 1000.0 * dot(texel.rgb, kLuminance);
+}
+
+// Fraction of white that stands for the light of one scene texel.
+vec3 toned(vec3 light) {
+    vec3 x = light / params.white;
+    if (kTone == kToneSoft) {
+        // E. Reinhard et al., "Photographic tone reproduction" (2002), eq. 4 on luminance: 4 x white burns out.
+        float y = dot(x, kLuminance);
+        return x * (1.0 + y / 16.0) / (1.0 + y);
+    }
+    if (kTone == kToneFalseColour) {
+        float lux = 1000.0 * dot(light, kLuminance);
+        float value = params.falseLinear != 0u ? lux : log(max(lux, 1e-6)) / log(10.0);
+        float t = clamp((value - params.falseLow) / (params.falseHigh - params.falseLow), 0.0, 1.0);
+        return linearFromSrgb(clamp(viridis(t), 0.0, 1.0));
+    }
+    return x;
+}
+
+bool onIsoLine(ivec2 at, vec4 texel) {
+    ivec2 last = textureSize(scene, 0) - 1;
+    float here = luxAt(texel);
+    for (int k = 0; k < 2 * kSupersample; ++k) {
+        ivec2 step = k % 2 == 0 ? ivec2(k / 2 + 1, 0) : ivec2(0, k / 2 + 1);
+        vec4 other = texelFetch(scene, min(at + step, last), 0);
+        if (!kProjector && other.a != 1.0) continue;
+        float there = luxAt(other);
+        for (uint i = 0u; i < params.isoCount; ++i) {
+            float level = params.iso[i / 4u][i % 4u];
+            if ((here < level) != (there < level)) return true;
+        }
+    }
+    return false;
+}
+
+vec3 shown(ivec2 at) {
+    vec4 texel = texelFetch(scene, at, 0);
+    if (kTone == kToneRaw && !kProjector) return texel.a == 1.0 ? 1000.0 * texel.rgb : vec3(0);
+    if (!kProjector && texel.a != 1.0) return texel.a == 0.0 ? params.background : texel.rgb;
+    vec3 value = toned(texel.rgb);
+    if (kTone == kToneFalseColour && params.isoCount > 0u && onIsoLine(at, texel))
+        value = dot(value, kLuminance) > 0.2 ? vec3(0) : vec3(1);
+    if (!kProjector) return clamp(value, 0.0, 1.0);
+    return value * (params.fullScale * texel.a);
+}
+
+vec3 interpolated(vec2 at) {
+    vec2 low = floor(at), share = at - low;
+    ivec2 last = textureSize(scene, 0) - 1, a = clamp(ivec2(low), ivec2(0), last), b = min(a + 1, last);
+    return mix(mix(shown(a), shown(ivec2(b.x, a.y)), share.x), mix(shown(ivec2(a.x, b.y)), shown(b), share.x),
+               share.y);
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec3 sum = vec3(0);
+    for (int i = 0; i < kSupersample * kSupersample; ++i) {
+        ivec2 sub = ivec2(i % kSupersample, i / kSupersample);
+        if (kProjector) {
+            vec2 centre = texelFetch(warp, pixel.y * int(params.outputWidth) + pixel.x).rg;
+            sum += interpolated(centre + vec2(sub) - 0.5 * float(kSupersample - 1));
+        } else {
+            sum += shown(kSupersample * pixel + sub);
+        }
+    }
+    sum /= float(kSupersample * kSupersample);
+    if (kTone != kToneRaw) {
+        if (kProjector) sum = clamp((sum - params.blackLevel) / (1.0 - params.blackLevel), 0.0, 1.0);
+        if (params.gamma > 0.0) sum = pow(sum, vec3(1.0 / params.gamma));
+    }
+    colour = vec4(sum, 1);
+}

@@ -1,0 +1,32 @@
+// A patch's corner: place, light and, for a projector, its share of the picture.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#include "shaders/io/scene.io.h"
+#include "shaders/lib/clip.glsl"
+
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec3 reflectance;
+layout(location = 3) in vec3 light;
+layout(location = 4) in float share;
+layout(push_constant, scalar) uniform Push { SceneParams params; };
+layout(constant_id = 0) const bool kSun = false;
+
+invariant gl_Position;
+layout(location = 0) out vec3 pointInWorld;
+layout(location = 1) out vec4 lightAndShare; // the sun pass: reflected sun before glazing, and nothing
+layout(location = 2) flat out vec3 normalOut;
+
+void main() {
+    gl_Position = clipFromPoint(params.clipFromWorld, vec4(position, 1));
+    pointInWorld = position;
+    normalOut = normal;
+    lightAndShare = vec4(light, share);
+    if (kSun) {
+        float cosine = dot(normal, params.towardsSun);
+        lightAndShare = vec4(reflectance * params.sunIlluminance * cosine, 0);
+        // All corners of a patch share its normal: what is turned from the sun shrinks to nothing.
+        if (cosine <= 0.0) gl_Position = vec4(2, 2, 0, 1);
+    }
+}

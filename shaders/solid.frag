@@ -1,0 +1,7 @@
+#version 460
+layout(location = 0) flat in vec4 colourIn;
+layout(location = 0) out vec4 colour;
+
+void main() {
+    colour = colourIn;
+}
