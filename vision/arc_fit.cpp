@@ -1,0 +1,176 @@
+// Curved walls (section 4.1): back-projected first, since a circle is not one in the picture; a circle through all points
+// splits the edges in an inner and an outer set; both are fitted anew with one centre. Ours measures the edges at sub-pixel level.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+
+#include "vision/edges.h"
+#include "vision/pieces.h"
+#include "vision/wall_fit.h"
+
+namespace heliodon::vision {
+namespace {
+
+struct Circle {
+    glm::dvec2 centre{};
+    double radius = 0;
+};
+
+// I. Kasa, "A circle fitting procedure and its error analysis" (1976): linear least squares.
+std::optional<Circle> throughPoints(const std::vector<glm::dvec2>& points) {
+    glm::dvec2 mean{};
+    for (const auto& p : points) mean += p / static_cast<double>(points.size());
+    glm::dmat3 normal(0);
+    glm::dvec3 right(0);
+    for (const auto& point : points) {
+        const glm::dvec2 p = point - mean;
+        const glm::dvec3 row(p, 1);
+        normal += glm::outerProduct(row, row);
+        right += glm::dot(p, p) * row;
+    }
+    if (std::abs(glm::determinant(normal)) < 1e-9) return std::nullopt;
+    const glm::dvec3 solution = glm::inverse(normal) * right;
+    const glm::dvec2 c = 0.5 * glm::dvec2(solution);
+    const double squared = solution.z + glm::dot(c, c);
+    if (!(squared > 0)) return std::nullopt;
+    return Circle{c + mean, std::sqrt(squared)};
+}
+
+struct Rings {
+    glm::dvec2 centre{};
+    double inner = 0, outer = 0;
+};
+
+// Gauss-Newton on both rings at once; `inner` and `outer` are points on them.
+void refine(Rings& rings, const std::vector<glm::dvec2>& inner, const std::vector<glm::dvec2>& outer, double outlier) {
+    for (int round = 0; round < 8; ++round) {
+        double limit = round < 3 ? outlier : 0.5 * outlier;
+        // The radii eliminate themselves: each is the mean distance of its points.
+        double xx = 0, xy = 0, yy = 0, rx = 0, ry = 0;
+        for (const auto* points : {&inner, &outer}) {
+            double& radius = points == &inner ? rings.inner : rings.outer;
+            double n = 0, sum = 0;
+            glm::dvec2 direction{};
+            for (const auto& p : *points) {
+                const double d = glm::distance(p, rings.centre);
+                if (std::abs(d - radius) > limit) continue;
+                n += 1, sum += d, direction += (p - rings.centre) / d;
+            }
+            if (n < 3) continue;
+            radius = sum / n;
+            direction /= n;
+            for (const auto& p : *points) {
+                const double d = glm::distance(p, rings.centre);
+                if (std::abs(d - radius) > limit) continue;
+                const glm::dvec2 g = (p - rings.centre) / d - direction;
+                xx += g.x * g.x, xy += g.x * g.y, yy += g.y * g.y;
+                rx += g.x * (d - radius), ry += g.y * (d - radius);
+            }
+        }
+        const double det = xx * yy - xy * xy;
+        if (det < 1e-12) return;
+        const glm::dvec2 step((yy * rx - xy * ry) / det, (xx * ry - xy * rx) / det);
+        rings.centre += step;
+        if (round > 4 && glm::length(step) < 1e-6) return;
+    }
+}
+
+glm::dvec2 direction(double angle) { return {std::cos(angle), std::sin(angle)}; }
+
+// Counter-clockwise from `first` to `second`, the stretch that holds the points: what is left of the largest gap.
+std::pair<double, double> angularExtent(const std::vector<glm::dvec2>& points, glm::dvec2 centre) {
+    std::vector<double> angles;
+    for (const auto& p : points) angles.push_back(std::atan2(p.y - centre.y, p.x - centre.x));
+    std::sort(angles.begin(), angles.end());
+    double gap = angles.front() + 2 * std::numbers::pi - angles.back();
+    double low = angles.front(), high = angles.back();
+    for (size_t i = 1; i < angles.size(); ++i)
+        if (angles[i] - angles[i - 1] > gap)
+            gap = angles[i] - angles[i - 1], low = angles[i], high = angles[i - 1] + 2 * std::numbers::pi;
+    return {low, high};
+}
+
+} // namespace
+
+std::optional<geometry::Arc> fitArc(const Chain& chain, const PlanView& view, const DetectOptions& options) {
+    const double height = heightOf(chain.paint), half = 0.5 * options.wallThickness;
+    std::vector<glm::dvec2> points;
+    for (const Component* piece : chain.pieces)
+        for (const auto& p : planPoints(*piece, view, height)) points.push_back(p);
+    const auto circle = throughPoints(points);
+    if (!circle || circle->radius < 0.75 || circle->radius > 200) return std::nullopt;
+    double squares = 0;
+    for (const auto& p : points) {
+        const double off = glm::distance(p, circle->centre) - circle->radius;
+        squares += off * off / static_cast<double>(points.size());
+    }
+    if (std::sqrt(squares) > 1.35 * options.wallThickness / std::sqrt(12.0)) return std::nullopt;
+
+    Rings rings{circle->centre, circle->radius - half, circle->radius + half};
+    auto [low, high] = angularExtent(points, rings.centre);
+    const double length = (high - low) * circle->radius;
+    if (length < 2 * options.wallThickness) return std::nullopt;
+    const double pixel = 1 / view.pixelsPerInch(points.front(), height);
+    const int n = std::max(8, static_cast<int>(length / (3 * pixel)));
+    std::vector<glm::dvec2> inner, outer;
+    int seen = 0;
+    for (int pass = 0; pass < 2; ++pass) {
+        inner.clear(), outer.clear();
+        const double middle = 0.5 * (rings.inner + rings.outer);
+        for (int i = 1; i < n; ++i) {
+            const glm::dvec2 radial = direction(low + (high - low) * i / n);
+            for (const double sign : {-1.0, 1.0}) {
+                EdgeProbe probe;
+                probe.outward = sign * radial;
+                probe.at = rings.centre + (middle + sign * half) * radial;
+                probe.lateral = 1.2 * pixel * turnedLeft(radial);
+                probe.height = height;
+                const auto edge = findEdge(view, probe);
+                if (!edge || std::abs(edge->offset) > 0.14) continue;
+                (sign < 0 ? inner : outer).push_back(probe.at + edge->offset * probe.outward);
+            }
+        }
+        seen = static_cast<int>(inner.size() + outer.size());
+        if (inner.size() < 4 || outer.size() < 4) return std::nullopt;
+        refine(rings, inner, outer, 2 * pixel);
+    }
+    const double thickness = rings.outer - rings.inner;
+    if (thickness < 0.65 * options.wallThickness || thickness > 1.4 * options.wallThickness) return std::nullopt;
+
+    const double radius = 0.5 * (rings.inner + rings.outer);
+    std::tie(low, high) = angularExtent(points, rings.centre);
+    auto refinedEnd = [&](double angle, double sign) {
+        EdgeProbe probe;
+        probe.outward = sign * turnedLeft(direction(angle));
+        probe.at = rings.centre + radius * direction(angle);
+        probe.lateral = 0.12 * direction(angle);
+        probe.lateralSamples = 7;
+        probe.height = height;
+        const auto edge = findEdge(view, probe);
+        const double painted = angle + (edge && std::abs(edge->offset) < 0.15 ? sign * edge->offset / radius : 0);
+        return painted + sign * options.unpaintedEnd / radius;
+    };
+    const double a0 = refinedEnd(low, -1), a1 = refinedEnd(high, 1);
+    geometry::Arc arc;
+    arc.center = rings.centre;
+    arc.radius = radius;
+    arc.a0Deg = a0 * 180 / std::numbers::pi, arc.a1Deg = a1 * 180 / std::numbers::pi;
+    arc.thickness = options.wallThickness;
+    arc.heightClass = heightClassOf(chain.paint);
+    arc.detection.confidence = std::clamp(0.4 + 0.6 * seen / (2.0 * (n - 1)), 0.0, 1.0);
+    const int corners = std::max(4, static_cast<int>((a1 - a0) * 12));
+    for (int side = 0; side < 2; ++side)
+        for (int i = 0; i <= corners; ++i) {
+            const double a = side == 0 ? a0 + (a1 - a0) * i / corners : a1 - (a1 - a0) * i / corners;
+            arc.detection.outlinePx.push_back(
+                view.pixel(rings.centre + (radius + (side == 0 ? half : -half)) * direction(a), height));
+        }
+    return arc;
+}
+
+} // namespace heliodon::vision

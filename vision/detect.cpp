@@ -1,0 +1,205 @@
+#include "vision/detect.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+
+#include "geometry/input_error.h"
+#include "vision/color_classes.h"
+#include "vision/components.h"
+#include "vision/pieces.h"
+#include "vision/plan_view.h"
+#include "vision/table_marks.h"
+#include "vision/wall_fit.h"
+
+namespace heliodon::vision {
+namespace {
+
+using geometry::Sketch;
+
+constexpr double kSmallestInches2 = 0.06; // regions below are noise: the smallest real one is half an inch of wall
+constexpr size_t kMostRegions = 600;      // more is noise, not a table
+
+bool isMarker(Paint p) { return p == Paint::cyan || p == Paint::magenta || p == Paint::yellow; }
+bool isWall(Paint p) { return p == Paint::red || p == Paint::blue || p == Paint::green; }
+
+class Detector {
+public:
+    Detector(const Photograph& photo, const geometry::Rig& rig, const DetectOptions& options)
+        : rig_(rig), options_(options), view_(photo, rig.camera, options.gamma) {}
+
+    DetectionResult run() {
+        image_ = classifyPixels(view_, rig_, options_);
+        if (!image_.hasTable) {
+            out_.warnings.push_back("no lit white table is seen where the rig says that it is");
+            return out_;
+        }
+        const double perInch = view_.pixelsPerInch(glm::dvec2(0), 0);
+        regions_ = findComponents(image_, std::max(4, static_cast<int>(kSmallestInches2 * perInch * perInch)));
+        if (regions_.size() > kMostRegions) {
+            out_.warnings.push_back(
+                fmt::format("{} coloured regions: the picture is noise, nothing is read from it", regions_.size()));
+            return out_;
+        }
+        used_.assign(regions_.size(), false);
+        findTokens();
+        findArrow();
+        findSkylights();
+        findWalls();
+        if (out_.sketch.walls.empty() && out_.sketch.arcs.empty())
+            out_.warnings.push_back("no wall is seen on the table");
+        nameAll();
+        return out_;
+    }
+
+private:
+    void findTokens() {
+        auto& tokens = out_.sketch.tokens;
+        for (size_t i = 0; i < regions_.size(); ++i) {
+            if (!isWall(regions_[i].group)) continue;
+            if (auto token = fitToken(regions_[i], image_, view_, options_)) {
+                used_[i] = true;
+                tokens.push_back(*token);
+            }
+        }
+        // What lies within a token is its chip, whatever its colour.
+        for (size_t i = 0; i < regions_.size(); ++i) {
+            const glm::dvec2 p = view_.plan(regions_[i].centre, options_.tokenThickness);
+            for (const auto& token : tokens)
+                if (glm::distance(p, token.pos) < 0.5 * options_.tokenSide) used_[i] = true;
+        }
+    }
+
+    void findArrow() {
+        double best = 0;
+        size_t bestRegion = 0;
+        for (size_t i = 0; i < regions_.size(); ++i) {
+            const Component& region = regions_[i];
+            if (used_[i] || region.group != Paint::red) continue;
+            const double orange = static_cast<double>(region.minorityArea) / region.area;
+            if (orange < 0.25) continue;
+            const auto arrow = fitArrow(region, view_, options_);
+            if (!arrow || orange <= best) continue;
+            if (out_.sketch.north) out_.warnings.push_back("more than one north arrow: the most orange one counts");
+            best = orange, bestRegion = i;
+            out_.sketch.north = arrow;
+        }
+        if (out_.sketch.north) used_[bestRegion] = true;
+    }
+
+    void findSkylights() {
+        for (size_t i = 0; i < regions_.size(); ++i) {
+            const Component& region = regions_[i];
+            if (used_[i] || region.group != Paint::blue) continue;
+            if (2 * region.minorityArea < region.area) continue;
+            if (auto skylight = fitSkylight(region, view_, options_)) {
+                used_[i] = true;
+                out_.sketch.skylights.push_back(*skylight);
+            }
+        }
+    }
+
+    void findWalls() {
+        std::vector<const Component*> pieces, markers;
+        for (size_t i = 0; i < regions_.size(); ++i) {
+            if (used_[i]) continue;
+            if (isWall(regions_[i].group)) pieces.push_back(&regions_[i]);
+            if (isMarker(regions_[i].group)) markers.push_back(&regions_[i]);
+        }
+        const Chains chains = formChains(pieces, markers, view_, options_);
+        for (const Chain& chain : chains.chains) readChain(chain, true);
+        for (const Component* marker : chains.orphans) unread(*marker, "a window marker on no wall");
+    }
+
+    void readChain(const Chain& chain, bool maySplit) {
+        if (const auto wall = fitStraight(chain, view_, options_)) {
+            out_.sketch.walls.push_back(wall->wall);
+            for (auto window : wall->windows) {
+                window.wall = std::to_string(out_.sketch.walls.size() - 1);
+                out_.sketch.windows.push_back(window);
+            }
+            return;
+        }
+        if (chain.markers.empty())
+            if (const auto arc = fitArc(chain, view_, options_)) {
+                out_.sketch.arcs.push_back(*arc);
+                return;
+            }
+        if (maySplit && chain.pieces.size() == 1 && chain.markers.empty()) {
+            const auto strips = splitStrips(*chain.pieces.front(), view_, options_);
+            if (strips.size() > 1) {
+                for (const Component& strip : strips) readChain({chain.paint, {&strip}, {}}, false);
+                return;
+            }
+        }
+        for (const Component* piece : chain.pieces) unread(*piece, "coloured like a wall, but not of a wall's shape");
+        for (const Component* marker : chain.markers) unread(*marker, "a window marker on no wall");
+    }
+
+    void unread(const Component& region, const char* what) {
+        const double perInch = view_.pixelsPerInch(view_.plan(region.centre, 0), 0);
+        if (region.area < 3 * kSmallestInches2 * perInch * perInch) return; // specks are not worth a line
+        out_.warnings.push_back(
+            fmt::format("pixel {:.0f}, {:.0f}: {}; it is left out", region.centre.x, region.centre.y, what));
+    }
+
+    void nameAll();
+
+    const geometry::Rig& rig_;
+    const DetectOptions& options_;
+    PlanView view_;
+    ClassImage image_;
+    std::vector<Component> regions_;
+    std::vector<bool> used_;
+    DetectionResult out_;
+};
+
+// Sorted as they lie in the picture, so that ids do not depend on the order in which regions were met.
+void Detector::nameAll() {
+    Sketch& sketch = out_.sketch;
+    sketch.tableDiameter = 2 * rig_.tableRadius / geometry::kMetresPerInch;
+    auto place = [](const geometry::Detection& d) {
+        glm::dvec2 mean{};
+        for (const auto& p : d.outlinePx) mean += p / static_cast<double>(d.outlinePx.size());
+        return std::pair(std::lround(mean.y), std::lround(mean.x));
+    };
+    auto byPlace = [&](const auto& a, const auto& b) { return place(a.detection) < place(b.detection); };
+    std::vector<size_t> order(sketch.walls.size());
+    for (size_t i = 0; i < order.size(); ++i) order[i] = i;
+    std::stable_sort(order.begin(), order.end(),
+                     [&](size_t a, size_t b) { return byPlace(sketch.walls[a], sketch.walls[b]); });
+    std::vector<geometry::Wall> walls;
+    std::vector<std::string> idOfOld(order.size());
+    for (const size_t old : order) {
+        walls.push_back(sketch.walls[old]);
+        walls.back().id = idOfOld[old] = fmt::format("w{}", walls.size());
+    }
+    sketch.walls.swap(walls);
+    for (auto& window : sketch.windows) window.wall = idOfOld[std::stoul(window.wall)];
+    auto name = [&](auto& list, const char* prefix) {
+        std::stable_sort(list.begin(), list.end(), byPlace);
+        for (size_t i = 0; i < list.size(); ++i) list[i].id = fmt::format("{}{}", prefix, i + 1);
+    };
+    name(sketch.arcs, "a");
+    name(sketch.windows, "win");
+    name(sketch.skylights, "sky");
+    name(sketch.tokens, "token");
+}
+
+} // namespace
+
+DetectionResult detectSketch(const Photograph& photo, const geometry::Rig& rig, const DetectOptions& options) {
+    if (photo.width != rig.camera.width || photo.height != rig.camera.height)
+        throw geometry::InputError("photograph", "",
+                                   fmt::format("{} x {} pixels, but the rig's camera has {} x {}", photo.width,
+                                               photo.height, rig.camera.width, rig.camera.height));
+    const auto begin = std::chrono::steady_clock::now();
+    DetectionResult result = Detector(photo, rig, options).run();
+    result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return result;
+}
+
+} // namespace heliodon::vision

@@ -1,0 +1,127 @@
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "geometry/whole_file.h"
+#include "vision/detect.h"
+
+namespace heliodon::vision {
+namespace {
+
+constexpr int kShift = 4; // OpenCV draws at 1/16 pixel
+
+cv::Scalar bgr(int r, int g, int b) { return {static_cast<double>(b), static_cast<double>(g), static_cast<double>(r)}; }
+
+cv::Scalar colorOf(geometry::HeightClass c) {
+    return c == geometry::HeightClass::red    ? bgr(255, 70, 60)
+           : c == geometry::HeightClass::blue ? bgr(70, 130, 255)
+                                              : bgr(50, 215, 100);
+}
+
+cv::Scalar colorOf(geometry::WindowKind k) {
+    return k == geometry::WindowKind::standard  ? bgr(0, 235, 245)
+           : k == geometry::WindowKind::picture ? bgr(255, 80, 220)
+                                                : bgr(255, 225, 40);
+}
+
+class Canvas {
+public:
+    explicit Canvas(const Photograph& photo) {
+        const cv::Mat rgb(photo.height, photo.width, CV_8UC3, const_cast<uint8_t*>(photo.rgb.data()));
+        // Bright enough to see in a dim room's picture, and grey enough for the drawing to stand out.
+        std::vector<uint8_t> sorted;
+        for (size_t i = 1; i < photo.rgb.size(); i += 3 * 97) sorted.push_back(photo.rgb[i]);
+        double white = 255;
+        if (!sorted.empty()) {
+            const auto high = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() * 97 / 100);
+            std::nth_element(sorted.begin(), high, sorted.end());
+            white = std::max<double>(*high, 16);
+        }
+        cv::Mat grey, color;
+        cv::cvtColor(rgb, color, cv::COLOR_RGB2BGR);
+        cv::cvtColor(rgb, grey, cv::COLOR_RGB2GRAY);
+        cv::cvtColor(grey, grey, cv::COLOR_GRAY2BGR);
+        cv::addWeighted(color, 0.55 * 205 / white, grey, 0.45 * 205 / white, 0, picture_);
+    }
+
+    void outline(const geometry::Detection& detection, const cv::Scalar& color) {
+        if (detection.outlinePx.size() < 2) return;
+        std::vector<cv::Point> points;
+        for (const auto& p : detection.outlinePx)
+            points.emplace_back(static_cast<int>(std::lround(std::clamp(p.x, -1e4, 1e4) * (1 << kShift))),
+                                static_cast<int>(std::lround(std::clamp(p.y, -1e4, 1e4) * (1 << kShift))));
+        cv::polylines(picture_, points, true, bgr(15, 15, 20), 4, cv::LINE_AA, kShift);
+        cv::polylines(picture_, points, true, color, 2, cv::LINE_AA, kShift);
+    }
+
+    // Beside the outline's middle, on the side away from the picture's middle.
+    void label(const geometry::Detection& detection, const std::string& text, const cv::Scalar& color, double away) {
+        if (detection.outlinePx.empty()) return;
+        glm::dvec2 middle{};
+        for (const auto& p : detection.outlinePx) middle += p / static_cast<double>(detection.outlinePx.size());
+        const double dx = middle.x - picture_.cols / 2.0, dy = middle.y - picture_.rows / 2.0;
+        const double length = std::max(1.0, std::hypot(dx, dy));
+        int baseline = 0;
+        const cv::Size size = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, 0.45, 1, &baseline);
+        const cv::Point at(static_cast<int>(middle.x + away * dx / length - size.width / 2.0),
+                           static_cast<int>(middle.y + away * dy / length + size.height / 2.0));
+        const cv::Rect plate = cv::Rect(at.x - 4, at.y - size.height - 4, size.width + 8, size.height + 9) &
+                               cv::Rect(0, 0, picture_.cols, picture_.rows);
+        if (!plate.empty()) picture_(plate) = 0.35 * picture_(plate);
+        cv::putText(picture_, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.45, color, 1, cv::LINE_AA);
+    }
+
+    void swatch(const geometry::Token& token) {
+        if (token.detection.outlinePx.empty()) return;
+        const glm::dvec2 p = token.detection.outlinePx.front();
+        const cv::Rect box(static_cast<int>(p.x) - 26, static_cast<int>(p.y) - 8, 18, 18);
+        cv::rectangle(picture_, box, cv::Scalar(token.rgb[2], token.rgb[1], token.rgb[0]), cv::FILLED);
+        cv::rectangle(picture_, box, bgr(255, 255, 255), 1);
+    }
+
+    const cv::Mat& picture() const { return picture_; }
+
+private:
+    cv::Mat picture_;
+};
+
+} // namespace
+
+void drawOverlay(const Photograph& photo, const geometry::Rig& rig, const geometry::Sketch& sketch,
+                 const std::filesystem::path& png) {
+    (void)rig;
+    Canvas canvas(photo);
+    for (const auto& wall : sketch.walls) canvas.outline(wall.detection, colorOf(wall.heightClass));
+    for (const auto& arc : sketch.arcs) canvas.outline(arc.detection, colorOf(arc.heightClass));
+    for (const auto& window : sketch.windows) canvas.outline(window.detection, colorOf(window.kind));
+    for (const auto& skylight : sketch.skylights) canvas.outline(skylight.detection, bgr(150, 215, 255));
+    for (const auto& token : sketch.tokens) canvas.outline(token.detection, bgr(255, 255, 255));
+    if (sketch.north) canvas.outline(sketch.north->detection, bgr(255, 150, 40));
+
+    for (const auto& wall : sketch.walls) canvas.label(wall.detection, wall.id, colorOf(wall.heightClass), 26);
+    for (const auto& arc : sketch.arcs) canvas.label(arc.detection, arc.id, colorOf(arc.heightClass), 26);
+    for (const auto& window : sketch.windows)
+        canvas.label(window.detection, window.id, colorOf(window.kind), -24);
+    for (const auto& skylight : sketch.skylights)
+        canvas.label(skylight.detection, skylight.id, bgr(150, 215, 255), 0);
+    for (const auto& token : sketch.tokens) {
+        canvas.swatch(token);
+        canvas.label(token.detection,
+                     token.kind == geometry::TokenKind::floor     ? "floor"
+                     : token.kind == geometry::TokenKind::wallAll ? "all walls"
+                                                                  : "nearest wall",
+                     bgr(255, 255, 255), 30);
+    }
+    if (sketch.north) canvas.label(sketch.north->detection, "N", bgr(255, 150, 40), 34);
+    geometry::writeWhole(png, [&](const std::filesystem::path& file) {
+        if (!cv::imwrite(file.string(), canvas.picture()))
+            throw std::runtime_error(fmt::format("{}: the overlay could not be written", png.string()));
+    });
+}
+
+} // namespace heliodon::vision

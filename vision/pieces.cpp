@@ -1,0 +1,28 @@
+#include "vision/pieces.h"
+
+#include "geometry/sketch.h"
+#include "vision/wall_fit.h"
+
+namespace heliodon::vision {
+
+std::vector<glm::dvec2> planPoints(const Component& component, const PlanView& view, double height) {
+    std::vector<glm::dvec2> points;
+    points.reserve(static_cast<size_t>(component.area));
+    const int step = component.area > 1500 ? 2 : 1;
+    for (const Run& run : component.runs) {
+        for (int x = run.x0; x < run.x1 - 1; x += step) points.push_back(view.plan(glm::dvec2(x, run.y), height));
+        points.push_back(view.plan(glm::dvec2(run.x1 - 1, run.y), height));
+    }
+    return points;
+}
+
+geometry::HeightClass heightClassOf(Paint wallPaint) {
+    using geometry::HeightClass;
+    return wallPaint == Paint::red    ? HeightClass::red
+           : wallPaint == Paint::blue ? HeightClass::blue
+                                      : HeightClass::green;
+}
+
+double heightOf(Paint wallPaint) { return geometry::heightInches(heightClassOf(wallPaint)); }
+
+} // namespace heliodon::vision

@@ -1,0 +1,339 @@
+#include "vision/table_marks.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include <glm/geometric.hpp>
+
+#include "vision/edges.h"
+#include "vision/pieces.h"
+
+namespace heliodon::vision {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+struct Box {
+    glm::dvec2 centre{}, half{};
+    double angle = 0; // radians
+    glm::dvec2 axis(int k) const { // unit, counter-clockwise: 0 along half.x, 1 along half.y
+        const double a = angle + k * std::numbers::pi / 2;
+        return {std::cos(a), std::sin(a)};
+    }
+    glm::dvec2 at(double x, double y) const { return centre + x * axis(0) + y * axis(1); }
+};
+
+std::vector<glm::dvec2> outlineOf(const Box& box, double height, const PlanView& view) {
+    std::vector<glm::dvec2> out;
+    for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}})
+        out.push_back(view.pixel(box.at(x * box.half.x, y * box.half.y), height));
+    return out;
+}
+
+struct BoxFit {
+    Box box;
+    double seen = 0; // fraction of the probes that found the edge
+};
+
+// Moves each side to its edge in the picture. Opposite sides share a direction, and all four one angle.
+BoxFit refineBox(Box box, const PlanView& view, double height, double inside, double outside) {
+    const double pixel = 1 / view.pixelsPerInch(box.centre, height);
+    BoxFit fit{box, 0};
+    for (int pass = 0; pass < 2; ++pass) {
+        int asked = 0, seen = 0;
+        std::array<std::optional<LineFit>, 4> sides;
+        double turn = 0, weight = 0;
+        for (int k = 0; k < 4; ++k) {
+            const double reach = k % 2 ? fit.box.half.y : fit.box.half.x;
+            const double along = 0.8 * (k % 2 ? fit.box.half.x : fit.box.half.y);
+            EdgeProbe probe;
+            probe.outward = fit.box.axis(k);
+            probe.lateral = 1.2 * pixel * fit.box.axis(k + 1);
+            probe.height = height, probe.inside = inside, probe.outside = outside;
+            const int n = std::max(6, static_cast<int>(along / pixel));
+            std::vector<glm::dvec2> points;
+            for (int i = 0; i <= n; ++i) {
+                const double l = along * (2.0 * i / n - 1);
+                probe.at = fit.box.centre + reach * probe.outward + l * fit.box.axis(k + 1);
+                if (const auto edge = findEdge(view, probe); edge && std::abs(edge->offset) < 0.14)
+                    points.emplace_back(l, edge->offset);
+            }
+            asked += n + 1, seen += static_cast<int>(points.size());
+            if (points.size() < 4) continue;
+            sides[static_cast<size_t>(k)] = fitLine(points, 2 * pixel);
+            if (!sides[static_cast<size_t>(k)]) continue;
+            // A line's slope is known with the square of its length and the number of its points.
+            const double w = along * along * static_cast<double>(sides[static_cast<size_t>(k)]->kept);
+            turn -= w * sides[static_cast<size_t>(k)]->slope, weight += w;
+        }
+        fit.seen = static_cast<double>(seen) / asked;
+        const Box before = fit.box;
+        for (int k = 0; k < 2; ++k) {
+            const auto &front = sides[static_cast<size_t>(k)], &back = sides[static_cast<size_t>(k) + 2];
+            double& half = k ? fit.box.half.y : fit.box.half.x;
+            if (front && back) {
+                half += 0.5 * (front->offset + back->offset);
+                fit.box.centre += 0.5 * (front->offset - back->offset) * before.axis(k);
+            } else if (front || back) { // one side hidden: keep the size
+                fit.box.centre += (front ? front->offset : -back->offset) * before.axis(k);
+            }
+        }
+        if (weight > 0) fit.box.angle += turn / weight;
+    }
+    return fit;
+}
+
+// The angle of a square about the origin, from where its mass lies: fourth circular harmonic, corners weigh most.
+double squareAngle(const std::vector<glm::dvec2>& points, glm::dvec2 centre) {
+    std::complex<double> sum = 0;
+    for (const auto& p : points) {
+        const std::complex<double> z(p.x - centre.x, p.y - centre.y);
+        sum += z * z * z * z;
+    }
+    return std::arg(sum) / 4 - std::numbers::pi / 4;
+}
+
+double withinQuarter(double angle) { // to (-45, 45] degrees
+    const double quarter = std::numbers::pi / 2;
+    return angle - quarter * std::ceil((angle - quarter / 2) / quarter);
+}
+
+// Pixels of the region that have a neighbour outside it, in plan.
+std::vector<glm::dvec2> boundary(const Component& component, const PlanView& view, double height) {
+    std::vector<glm::dvec2> out;
+    size_t above = 0, below = 0;
+    const auto& runs = component.runs;
+    for (size_t i = 0; i < runs.size(); ++i) {
+        const Run& run = runs[i];
+        while (above < runs.size() && runs[above].y < run.y - 1) ++above;
+        while (below < runs.size() && runs[below].y < run.y + 1) ++below;
+        auto covered = [&](size_t from, int y, int x) {
+            for (size_t k = from; k < runs.size() && runs[k].y == y; ++k)
+                if (runs[k].x0 <= x && x < runs[k].x1) return true;
+            return false;
+        };
+        for (int x = run.x0; x < run.x1; ++x)
+            if (x == run.x0 || x == run.x1 - 1 || !covered(above, run.y - 1, x) || !covered(below, run.y + 1, x))
+                out.push_back(view.plan(glm::dvec2(x, run.y), height));
+    }
+    return out;
+}
+
+// M. Fischler, R. Bolles, "Random sample consensus" (1981): four edges in turn, the points of each taken away. Returns the
+// common direction of the edges, modulo a quarter turn.
+double edgeDirection(std::vector<glm::dvec2> points, double reach) {
+    uint32_t random = 54321; // the same every time: detection is deterministic
+    auto pick = [&] { return (random = random * 1664525u + 1013904223u) >> 8; };
+    std::complex<double> sum = 0;
+    for (int edge = 0; edge < 4 && points.size() >= 8; ++edge) {
+        glm::dvec2 bestFrom{}, bestAlong{1, 0};
+        size_t bestCount = 0;
+        for (int trial = 0; trial < 60; ++trial) {
+            const glm::dvec2 a = points[pick() % points.size()], b = points[pick() % points.size()];
+            if (glm::distance(a, b) < 6 * reach) continue;
+            const glm::dvec2 along = glm::normalize(b - a), across = turnedLeft(along);
+            size_t count = 0;
+            for (const auto& p : points) count += std::abs(glm::dot(p - a, across)) < reach;
+            if (count > bestCount) bestCount = count, bestFrom = a, bestAlong = along;
+        }
+        if (bestCount < 8) break;
+        std::vector<glm::dvec2> on, off;
+        for (const auto& p : points)
+            (std::abs(glm::dot(p - bestFrom, turnedLeft(bestAlong))) < reach ? on : off).push_back(p);
+        const Pca pca = principalAxes(on);
+        const double length = pca.high - pca.low;
+        sum += length * length * std::pow(std::complex<double>(pca.axis.x, pca.axis.y), 4);
+        points.swap(off);
+    }
+    return std::arg(sum) / 4;
+}
+
+double srgbByte(double linear) {
+    const double v = std::clamp(linear, 0.0, 1.0);
+    return 255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055);
+}
+
+glm::dvec3 meanLight(const Box& box, const PlanView& view, double height, double from, double to) {
+    glm::dvec3 sum(0);
+    double n = 0;
+    const double step = 0.5 / view.pixelsPerInch(box.centre, height);
+    for (double x = -to; x <= to; x += step)
+        for (double y = -to; y <= to; y += step) {
+            if (std::max(std::abs(x), std::abs(y)) < from) continue;
+            sum += glm::dvec3(view.light(view.pixel(box.at(x, y), height)));
+            n += 1;
+        }
+    return sum / std::max(n, 1.0);
+}
+
+} // namespace
+
+std::optional<geometry::Skylight> fitSkylight(const Component& component, const PlanView& view,
+                                              const DetectOptions& options) {
+    const double height = options.markerThickness;
+    const auto points = planPoints(component, view, height);
+    const double pixel = 1 / view.pixelsPerInch(points.front(), height);
+    Box box;
+    box.angle = withinQuarter(edgeDirection(boundary(component, view, height), 1.2 * pixel));
+    glm::dvec2 low{}, high{};
+    for (int k = 0; k < 2; ++k) {
+        std::vector<double> s;
+        for (const auto& p : points) s.push_back(glm::dot(p, box.axis(k)));
+        std::sort(s.begin(), s.end());
+        // The extent without the outermost pixels, which noise may have set; a filled rectangle's mass is even.
+        const double a = s[s.size() / 50], b = s[s.size() - 1 - s.size() / 50], rest = (b - a) / 48;
+        low[k] = a - rest, high[k] = b + rest;
+    }
+    box.half = 0.5 * (high - low);
+    const glm::dvec2 middle = 0.5 * (low + high);
+    box.centre = middle.x * box.axis(0) + middle.y * box.axis(1);
+    const double filled = component.area * pixel * pixel / (4 * box.half.x * box.half.y);
+    if (filled < 0.7 || filled > 1.25 || std::min(box.half.x, box.half.y) < 0.2) return std::nullopt;
+
+    const BoxFit fit = refineBox(box, view, height, 0.16, 0.2);
+    geometry::Skylight out;
+    out.center = fit.box.centre;
+    out.size = 2.0 * fit.box.half;
+    out.angleDeg = fit.box.angle * kDegrees;
+    out.detection.confidence = std::clamp(0.4 + 0.6 * fit.seen, 0.0, 1.0);
+    out.detection.outlinePx = outlineOf(fit.box, height, view);
+    return out;
+}
+
+std::optional<geometry::Token> fitToken(const Component& component, const ClassImage& image, const PlanView& view,
+                                        const DetectOptions& options) {
+    const double height = options.tokenThickness, half = 0.5 * options.tokenSide, band = options.tokenBand;
+    const double perInch = view.pixelsPerInch(view.plan(component.centre, height), height);
+    const double rim = options.tokenSide * options.tokenSide - std::pow(options.tokenSide - 2 * band, 2);
+    if (component.area < 0.35 * rim * perInch * perInch || component.area > 2.2 * rim * perInch * perInch)
+        return std::nullopt;
+    const auto points = planPoints(component, view, height);
+    glm::dvec2 low(1e9), high(-1e9);
+    for (const auto& p : points) low = glm::min(low, p), high = glm::max(high, p);
+    const glm::dvec2 extent = high - low;
+    if (std::min(extent.x, extent.y) < 0.75 * options.tokenSide || std::max(extent.x, extent.y) > 1.6 * options.tokenSide)
+        return std::nullopt;
+    Box box;
+    box.centre = 0.5 * (low + high);
+    box.half = glm::dvec2(half);
+    box.angle = withinQuarter(squareAngle(points, box.centre));
+    const BoxFit fit = refineBox(box, view, height, 0.6 * band, 0.75 * band);
+
+    // The paper's Euler number, one for a wall and none for a token, but counted where rim and ring must be: noise may
+    // open the rim or fill a pixel of the ring.
+    int rimPixels = 0, ringPixels = 0, n = 0;
+    for (int k = 0; k < 4; ++k)
+        for (int i = -10; i <= 10; ++i) {
+            auto paintAt = [&](double r) {
+                const double l = r * i / 10.5;
+                const glm::dvec2 p = view.pixel(
+                    fit.box.centre + r * fit.box.axis(k) + l * fit.box.axis(k + 1), height);
+                return groupOf(image.at(static_cast<int>(std::lround(p.x)), static_cast<int>(std::lround(p.y))));
+            };
+            ++n;
+            rimPixels += paintAt(half - 0.5 * band) == component.group;
+            ringPixels += paintAt(half - 1.5 * band) != component.group;
+        }
+    if (rimPixels < 0.65 * n || ringPixels < 0.6 * n) return std::nullopt;
+
+    geometry::Token out;
+    out.kind = component.group == Paint::green  ? geometry::TokenKind::floor
+               : component.group == Paint::blue ? geometry::TokenKind::wallAll
+                                                : geometry::TokenKind::wallSingle;
+    out.pos = fit.box.centre;
+    out.angleDeg = withinQuarter(fit.box.angle) * kDegrees;
+    const double chip = half - 2 * band;
+    const glm::dvec3 chipLight = meanLight(fit.box, view, height, 0, 0.62 * chip);
+    const glm::dvec3 whiteLight = meanLight(fit.box, view, height, half - 1.62 * band, half - 1.38 * band);
+    for (int c = 0; c < 3; ++c)
+        out.rgb[static_cast<size_t>(c)] = srgbByte(options.chipWhite * chipLight[c] / std::max(whiteLight[c], 1e-9));
+    out.detection.confidence =
+        std::clamp(0.5 * rimPixels / n + 0.5 * fit.seen, 0.0, 1.0);
+    out.detection.outlinePx = outlineOf(fit.box, height, view);
+    return out;
+}
+
+std::optional<geometry::NorthArrow> fitArrow(const Component& component, const PlanView& view,
+                                             const DetectOptions& options) {
+    const double height = options.markerThickness;
+    const auto points = planPoints(component, view, height);
+    const Pca pca = principalAxes(points);
+    const double length = pca.high - pca.low;
+    if (length < 0.6 * options.arrowLength || length > 1.4 * options.arrowLength || pca.major < 2 * pca.minor)
+        return std::nullopt;
+    // Half widths along the arrow.
+    constexpr size_t kBins = 24;
+    std::array<double, kBins> left{}, right{};
+    for (const auto& p : points) {
+        const double s = glm::dot(p - pca.mean, pca.axis), t = glm::dot(p - pca.mean, turnedLeft(pca.axis));
+        const auto bin = std::min(kBins - 1, static_cast<size_t>(kBins * (s - pca.low) / length));
+        left[bin] = std::max(left[bin], t), right[bin] = std::max(right[bin], -t);
+    }
+    auto widest = [&](size_t from, size_t to) {
+        double w = 0;
+        for (size_t i = from; i < to; ++i) w = std::max(w, left[i] + right[i]);
+        return w;
+    };
+    const bool forward = widest(kBins / 2, kBins) > widest(0, kBins / 2);
+    const double head = forward ? widest(kBins / 2, kBins) : widest(0, kBins / 2);
+    // The shaft: median width of the tail's half.
+    std::array<double, kBins / 2> tail{};
+    for (size_t i = 0; i < kBins / 2; ++i) tail[i] = left[forward ? i : i + kBins / 2] + right[forward ? i : i + kBins / 2];
+    std::nth_element(tail.begin(), tail.begin() + kBins / 4, tail.end());
+    if (head < 1.35 * tail[kBins / 4]) return std::nullopt;
+
+    // The centre line through the middles of both sides, away from the blurred ends.
+    const double pixel = 1 / view.pixelsPerInch(pca.mean, height);
+    std::vector<glm::dvec2> middles;
+    for (size_t i = 1; i + 2 < kBins; ++i) {
+        const double s = pca.low + (static_cast<double>(forward ? i : kBins - 1 - i) + 0.5) * length / kBins;
+        const size_t bin = forward ? i : kBins - 1 - i;
+        std::optional<double> side[2];
+        for (int k = 0; k < 2; ++k) {
+            EdgeProbe probe;
+            probe.outward = (k ? -1.0 : 1.0) * turnedLeft(pca.axis);
+            const double half = k ? right[bin] : left[bin];
+            probe.at = pca.mean + s * pca.axis + half * probe.outward;
+            probe.lateral = pixel * pca.axis;
+            probe.height = height;
+            probe.inside = std::min(0.16, half + 0.05);
+            if (const auto edge = findEdge(view, probe); edge && std::abs(edge->offset) < 0.15)
+                side[k] = half + edge->offset;
+        }
+        if (side[0] && side[1]) middles.emplace_back(s, 0.5 * (*side[0] - *side[1]));
+    }
+    glm::dvec2 origin = pca.mean, along = pca.axis;
+    const auto line = fitLine(middles, 2 * pixel);
+    if (line) {
+        origin += line->offset * turnedLeft(along);
+        along = glm::normalize(along + line->slope * turnedLeft(along));
+    }
+    const double sign = forward ? 1 : -1;
+    EdgeProbe end;
+    end.outward = -sign * along;
+    end.at = origin + (forward ? pca.low : pca.high) * along;
+    end.lateral = 0.3 * tail[kBins / 4] * turnedLeft(along);
+    end.lateralSamples = 5;
+    end.height = height;
+    if (const auto edge = findEdge(view, end); edge && std::abs(edge->offset) < 0.15)
+        end.at += edge->offset * end.outward;
+
+    geometry::NorthArrow out;
+    // A blurred tip looks shorter than it is, so the tail's edge and the known length place the middle.
+    const glm::dvec2 pointing = sign * along;
+    out.pos = end.at + 0.5 * options.arrowLength * pointing;
+    out.dirDeg = std::atan2(pointing.y, pointing.x) * kDegrees;
+    if (out.dirDeg < 0) out.dirDeg += 360;
+    out.detection.confidence = std::clamp(static_cast<double>(middles.size()) / (kBins - 3), 0.3, 1.0);
+    const double shaft = 0.5 * tail[kBins / 4], neck = 0.7 * options.arrowLength;
+    const glm::dvec2 across = turnedLeft(pointing);
+    for (const auto& [s, t] : {std::pair{0.0, shaft}, {0.0, -shaft}, {neck, -shaft}, {neck, -0.5 * head},
+                               {options.arrowLength, 0.0}, {neck, 0.5 * head}, {neck, shaft}})
+        out.detection.outlinePx.push_back(view.pixel(end.at + s * pointing + t * across, height));
+    return out;
+}
+
+} // namespace heliodon::vision

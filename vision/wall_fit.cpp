@@ -1,0 +1,254 @@
+// Section 4.1, "estimate the 3D positions of planar wall primitives". Ours differs: both sides are measured at sub-pixel level
+// in plan inches, at the height that the colour states, so that the lens does not bend them; the line goes through the
+// middles of the two sides, where what widens the strip evenly (blur, a marker's fold) cancels.
+#include "vision/wall_fit.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+#include "vision/edges.h"
+#include "vision/pieces.h"
+
+namespace heliodon::vision {
+namespace {
+
+using geometry::Detection;
+using geometry::HeightClass;
+using geometry::WindowMarker;
+
+struct Span {
+    double low = 0, high = 0;
+    const Component* marker = nullptr; // null: the wall's own paint
+};
+
+// A line in plan with positions along it.
+struct Axis {
+    glm::dvec2 origin{}, along{1, 0};
+    glm::dvec2 at(double s, double t = 0) const { return origin + s * along + t * turnedLeft(along); }
+};
+
+Span spanOf(const Component& component, const Axis& axis, const PlanView& view, double height) {
+    std::vector<double> s;
+    for (const auto& p : planPoints(component, view, height)) s.push_back(glm::dot(p - axis.origin, axis.along));
+    const auto [low, high] = std::minmax_element(s.begin(), s.end());
+    return {*low, *high, nullptr};
+}
+
+// The strip's visible stretches in order along the axis; markers lie on top of paint.
+std::vector<Span> spansOf(const Chain& chain, const Axis& axis, const PlanView& view, double height, double fold) {
+    std::vector<Span> spans;
+    for (const Component* piece : chain.pieces) spans.push_back(spanOf(*piece, axis, view, height));
+    for (const Component* marker : chain.markers) {
+        spans.push_back(spanOf(*marker, axis, view, height + fold));
+        spans.back().marker = marker;
+    }
+    std::sort(spans.begin(), spans.end(), [](const Span& a, const Span& b) { return a.low < b.low; });
+    return spans;
+}
+
+struct Sides {
+    std::vector<glm::dvec2> middles; // (s, t)
+    std::vector<double> widths;      // of the wall's own paint
+    int asked = 0, seen = 0;
+};
+
+Sides measureSides(const std::vector<Span>& spans, const Axis& axis, const PlanView& view, double height,
+                   const DetectOptions& options) {
+    Sides out;
+    const double pixel = 1 / view.pixelsPerInch(axis.origin, height);
+    for (const Span& span : spans) {
+        // A marker's top hangs over the wall by its card's thickness on either side, twice that where two overlap.
+        const double half = 0.5 * options.wallThickness + (span.marker ? 1.3 * options.markerThickness : 0);
+        const double top = height + (span.marker ? options.markerThickness : 0);
+        const double margin = std::min(3 * pixel, 0.3 * (span.high - span.low));
+        const int n = std::max(2, static_cast<int>((span.high - span.low - 2 * margin) / (3 * pixel)));
+        for (int i = 0; i <= n; ++i) {
+            const double s = span.low + margin + (span.high - span.low - 2 * margin) * i / n;
+            std::optional<double> side[2];
+            for (int k = 0; k < 2; ++k) {
+                EdgeProbe probe;
+                probe.outward = (k ? -1.0 : 1.0) * turnedLeft(axis.along);
+                probe.at = axis.at(s) + half * probe.outward;
+                probe.lateral = 1.2 * pixel * axis.along;
+                probe.height = top;
+                if (const auto edge = findEdge(view, probe); edge && std::abs(edge->offset) < 0.14)
+                    side[k] = half + edge->offset;
+            }
+            ++out.asked;
+            if (!side[0] || !side[1]) continue;
+            ++out.seen;
+            out.middles.emplace_back(s, 0.5 * (*side[0] - *side[1]));
+            if (!span.marker) out.widths.push_back(*side[0] + *side[1]);
+        }
+    }
+    return out;
+}
+
+// Moves the axis on to the fitted line.
+void follow(Axis& axis, const LineFit& fit) {
+    axis.origin = axis.at(0, fit.offset);
+    axis.along = glm::normalize(axis.along + fit.slope * turnedLeft(axis.along));
+}
+
+// How far the middles bend off the line, in inches, between its ends and its middle.
+double sagitta(const std::vector<glm::dvec2>& middles) {
+    const auto [low, high] = std::minmax_element(middles.begin(), middles.end(),
+                                                 [](glm::dvec2 a, glm::dvec2 b) { return a.x < b.x; });
+    const double begin = low->x, length = high->x - begin;
+    if (length < 1) return 0;
+    std::array<std::vector<double>, 3> thirds;
+    for (const auto& p : middles)
+        thirds[std::min<size_t>(2, static_cast<size_t>(3 * (p.x - begin) / length))].push_back(p.y);
+    double m[3];
+    for (size_t i = 0; i < 3; ++i) {
+        if (thirds[i].size() < 3) return 0;
+        std::nth_element(thirds[i].begin(), thirds[i].begin() + static_cast<std::ptrdiff_t>(thirds[i].size() / 2),
+                         thirds[i].end());
+        m[i] = thirds[i][thirds[i].size() / 2];
+    }
+    // Medians of the outer thirds lie 1/3 of the length from the middle: there a parabola has 4/9 of its sagitta.
+    return (m[1] - 0.5 * (m[0] + m[2])) * 9 / 4;
+}
+
+double refinedEnd(const Axis& axis, double s, int sign, const PlanView& view, double height, double room) {
+    EdgeProbe probe;
+    probe.at = axis.at(s);
+    probe.outward = static_cast<double>(sign) * axis.along;
+    probe.lateral = 0.12 * turnedLeft(axis.along);
+    probe.lateralSamples = 7;
+    probe.height = height;
+    probe.inside = std::min(0.2, 0.8 * room);
+    probe.outside = 0.22;
+    const auto edge = findEdge(view, probe);
+    return edge && std::abs(edge->offset) < 0.15 ? s + sign * edge->offset : s;
+}
+
+std::vector<glm::dvec2> stripOutline(const Axis& axis, double low, double high, double half, double height,
+                                     const PlanView& view) {
+    std::vector<glm::dvec2> out;
+    const int n = std::max(1, static_cast<int>((high - low) / 1.5)); // enough corners to follow the lens
+    for (int i = 0; i <= n; ++i) out.push_back(view.pixel(axis.at(low + (high - low) * i / n, half), height));
+    for (int i = n; i >= 0; --i) out.push_back(view.pixel(axis.at(low + (high - low) * i / n, -half), height));
+    return out;
+}
+
+geometry::WindowKind kindOf(Paint paint) {
+    using geometry::WindowKind;
+    return paint == Paint::cyan      ? WindowKind::standard
+           : paint == Paint::magenta ? WindowKind::picture
+                                     : WindowKind::transom;
+}
+
+// Where a wall ends that has a marker over the last of its paint: at most its unpainted end further. The white end's own
+// edge is looked for; without it the middle of what is possible is taken.
+double endBeyondMarker(const Axis& axis, double s, int sign, const PlanView& view, double height, double unpainted) {
+    EdgeProbe probe;
+    probe.outward = static_cast<double>(sign) * axis.along;
+    probe.at = axis.at(s) + 0.5 * unpainted * probe.outward;
+    probe.lateral = 0.1 * turnedLeft(axis.along);
+    probe.lateralSamples = 7;
+    probe.height = height;
+    probe.inside = 0.35 * unpainted;
+    probe.outside = unpainted;
+    const auto edge = findEdge(view, probe);
+    const bool found = edge && edge->offset > -0.35 * unpainted && edge->offset < 0.5 * unpainted;
+    return s + sign * (0.5 * unpainted + (found ? edge->offset : 0));
+}
+
+std::vector<WindowMarker> findWindows(std::vector<Span> spans, const Axis& axis, const PlanView& view, double height,
+                                      const DetectOptions& options) {
+    std::erase_if(spans, [](const Span& s) { return !s.marker; });
+    std::vector<WindowMarker> out;
+    const double top = height + options.markerThickness;
+    for (size_t i = 0; i < spans.size(); ++i) {
+        Span span = spans[i];
+        // Markers of one colour that overlap or meet are one wide window.
+        while (i + 1 < spans.size() && spans[i + 1].marker->group == span.marker->group &&
+               spans[i + 1].low < span.high + 0.2)
+            span.high = std::max(span.high, spans[++i].high);
+        const double room = span.high - span.low;
+        const double low = refinedEnd(axis, span.low, -1, view, top, room);
+        const double high = refinedEnd(axis, span.high, 1, view, top, room);
+        WindowMarker window;
+        window.kind = kindOf(span.marker->group);
+        window.pos = 0.5 * (low + high);
+        window.width = high - low;
+        window.detection.outlinePx = stripOutline(
+            axis, low, high, 0.5 * options.wallThickness + options.markerThickness, top, view);
+        out.push_back(window);
+    }
+    return out;
+}
+
+// Turned so that the wall's `a` is its left end, or its lower one.
+Axis axisOf(const Pca& pca) {
+    const bool flip = pca.axis.x < -1e-3 || (std::abs(pca.axis.x) <= 1e-3 && pca.axis.y < 0);
+    return {pca.mean, flip ? -pca.axis : pca.axis};
+}
+
+} // namespace
+
+std::optional<StraightWall> fitStraight(const Chain& chain, const PlanView& view, const DetectOptions& options) {
+    const double height = heightOf(chain.paint);
+    std::vector<glm::dvec2> points;
+    for (const auto* list : {&chain.pieces, &chain.markers})
+        for (const Component* component : *list)
+            for (const auto& p : planPoints(*component, view, height)) points.push_back(p);
+    const Pca pca = principalAxes(points);
+    // A strip's standard deviation across is its width / sqrt(12).
+    const double strip = options.wallThickness / std::sqrt(12.0);
+    if (pca.high - pca.low < options.wallThickness || pca.minor > 1.5 * strip) return std::nullopt;
+
+    Axis axis = axisOf(pca);
+    std::vector<Span> spans;
+    Sides sides;
+    std::optional<LineFit> line;
+    for (int pass = 0; pass < 2; ++pass) {
+        spans = spansOf(chain, axis, view, height, options.markerThickness);
+        sides = measureSides(spans, axis, view, height, options);
+        line = fitLine(sides.middles, 2 / view.pixelsPerInch(axis.origin, height));
+        if (!line) break;
+        if (chain.markers.empty() && std::abs(sagitta(sides.middles)) > 0.06) return std::nullopt;
+        const double correction = std::abs(line->offset) + std::abs(line->slope) * 0.5 * (pca.high - pca.low);
+        follow(axis, *line);
+        if (correction < 0.04) break;
+    }
+    double thickness = options.wallThickness;
+    if (sides.widths.size() >= 3) {
+        auto& widths = sides.widths;
+        const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
+        std::nth_element(widths.begin(), middle, widths.end());
+        if (*middle < 0.65 * thickness || *middle > 1.4 * thickness) return std::nullopt;
+    } else if (pca.minor > 1.25 * strip || pca.high - pca.low < 2 * options.wallThickness) {
+        return std::nullopt; // neither sides nor shape speak for a wall
+    }
+
+    const Span first = spans.front();
+    const Span last = *std::max_element(spans.begin(), spans.end(), [](const Span& a, const Span& b) { return a.high < b.high; });
+    auto endOf = [&](const Span& span, int sign) {
+        const double s = sign < 0 ? span.low : span.high;
+        const double top = height + (span.marker ? options.markerThickness : 0);
+        const double edge = refinedEnd(axis, s, sign, view, top, span.high - span.low);
+        if (span.marker) return endBeyondMarker(axis, edge, sign, view, height, options.unpaintedEnd);
+        return edge + sign * options.unpaintedEnd;
+    };
+    const double low = endOf(first, -1), high = endOf(last, 1);
+    StraightWall out;
+    out.wall.a = axis.at(low), out.wall.b = axis.at(high);
+    out.wall.thickness = thickness;
+    out.wall.heightClass = heightClassOf(chain.paint);
+    const double seen = sides.asked ? static_cast<double>(sides.seen) / sides.asked : 0;
+    out.wall.detection.confidence = std::clamp(0.4 + 0.6 * seen, 0.0, 1.0);
+    out.wall.detection.outlinePx = stripOutline(axis, low, high, 0.5 * thickness, height, view);
+    out.windows = findWindows(spans, axis, view, height, options);
+    for (WindowMarker& window : out.windows) {
+        window.pos -= low;
+        window.detection.confidence = out.wall.detection.confidence;
+    }
+    return out;
+}
+
+} // namespace heliodon::vision

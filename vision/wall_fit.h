@@ -1,0 +1,47 @@
+// Straight walls with the window markers on them, and curved walls, from connected regions of paint.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "geometry/sketch.h"
+#include "vision/color_classes.h"
+#include "vision/components.h"
+#include "vision/plan_view.h"
+
+namespace heliodon::vision {
+
+// One straight wall: the pieces of its paint that are seen, and the markers that cover the rest.
+struct Chain {
+    Paint paint = Paint::none;            // red, blue or green
+    std::vector<const Component*> pieces; // of the wall's own paint; not empty
+    std::vector<const Component*> markers;
+};
+
+struct Chains {
+    std::vector<Chain> chains;
+    std::vector<const Component*> orphans; // markers that touch no wall
+};
+
+// Groups wall paint and markers that continue one another along one line.
+Chains formChains(const std::vector<const Component*>& wallPieces, const std::vector<const Component*>& markers,
+                  const PlanView& view, const DetectOptions& options);
+
+struct StraightWall {
+    geometry::Wall wall;
+    std::vector<geometry::WindowMarker> windows; // `wall` is left empty
+};
+
+// None when the chain is not a straight strip of a wall's thickness at its height.
+std::optional<StraightWall> fitStraight(const Chain& chain, const PlanView& view, const DetectOptions& options);
+
+// None when the paint does not follow a circle's arc.
+std::optional<geometry::Arc> fitArc(const Chain& chain, const PlanView& view, const DetectOptions& options);
+
+// Walls that touch make one region that is neither: the straight strips within it, largest first.
+std::vector<Component> splitStrips(const Component& component, const PlanView& view, const DetectOptions& options);
+
+geometry::HeightClass heightClassOf(Paint wallPaint);
+
+} // namespace heliodon::vision
