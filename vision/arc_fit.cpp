@@ -1,5 +1,6 @@
-// Curved walls (section 4.1): back-projected first, since a circle is not one in the picture; a circle through all points
-// splits the edges in an inner and an outer set; both are fitted anew with one centre. Ours measures the edges at sub-pixel level.
+// Curved walls (section 4.1): back-projected first, since a circle is not one in the picture; a circle
+// through all points splits the edges in an inner and an outer set; both are fitted anew with one centre.
+// Ours measures the edges at sub-pixel level.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -47,7 +48,8 @@ struct Rings {
 };
 
 // Gauss-Newton on both rings at once; `inner` and `outer` are points on them.
-void refine(Rings& rings, const std::vector<glm::dvec2>& inner, const std::vector<glm::dvec2>& outer, double outlier) {
+void refine(Rings& rings, const std::vector<glm::dvec2>& inner, const std::vector<glm::dvec2>& outer,
+            double outlier) {
     for (int round = 0; round < 8; ++round) {
         double limit = round < 3 ? outlier : 0.5 * outlier;
         // The radii eliminate themselves: each is the mean distance of its points.
@@ -80,9 +82,12 @@ void refine(Rings& rings, const std::vector<glm::dvec2>& inner, const std::vecto
     }
 }
 
-glm::dvec2 direction(double angle) { return {std::cos(angle), std::sin(angle)}; }
+glm::dvec2 direction(double angle) {
+    return {std::cos(angle), std::sin(angle)};
+}
 
-// Counter-clockwise from `first` to `second`, the stretch that holds the points: what is left of the largest gap.
+// Counter-clockwise from `first` to `second`, the stretch that holds the points: what is left of the largest
+// gap.
 std::pair<double, double> angularExtent(const std::vector<glm::dvec2>& points, glm::dvec2 centre) {
     std::vector<double> angles;
     for (const auto& p : points) angles.push_back(std::atan2(p.y - centre.y, p.x - centre.x));
@@ -140,7 +145,8 @@ std::optional<geometry::Arc> fitArc(const Chain& chain, const PlanView& view, co
         refine(rings, inner, outer, 2 * pixel);
     }
     const double thickness = rings.outer - rings.inner;
-    if (thickness < 0.65 * options.wallThickness || thickness > 1.4 * options.wallThickness) return std::nullopt;
+    if (thickness < 0.65 * options.wallThickness || thickness > 1.4 * options.wallThickness)
+        return std::nullopt;
 
     const double radius = 0.5 * (rings.inner + rings.outer);
     std::tie(low, high) = angularExtent(points, rings.centre);
@@ -152,7 +158,8 @@ std::optional<geometry::Arc> fitArc(const Chain& chain, const PlanView& view, co
         probe.lateralSamples = 7;
         probe.height = height;
         const auto edge = findEdge(view, probe);
-        const double painted = angle + (edge && std::abs(edge->offset) < 0.15 ? sign * edge->offset / radius : 0);
+        const double painted =
+            angle + (edge && std::abs(edge->offset) < 0.15 ? sign * edge->offset / radius : 0);
         return painted + sign * options.unpaintedEnd / radius;
     };
     const double a0 = refinedEnd(low, -1), a1 = refinedEnd(high, 1);

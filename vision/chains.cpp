@@ -1,5 +1,5 @@
-// Which pieces of paint and which markers make one wall. The paper merges parallel walls that lie close; here a piece, a
-// marker and the next piece must continue one another along one line.
+// Which pieces of paint and which markers make one wall. The paper merges parallel walls that lie close; here
+// a piece, a marker and the next piece must continue one another along one line.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -13,9 +13,9 @@
 namespace heliodon::vision {
 namespace {
 
-constexpr double kMarkerGap = 0.3;  // inches between paint and the marker next to it
-constexpr double kPieceGap = 0.6;   // two walls are further apart: each has half an inch of white
-constexpr double kOffLine = 0.2;    // inches
+constexpr double kMarkerGap = 0.3; // inches between paint and the marker next to it
+constexpr double kPieceGap = 0.6;  // two walls are further apart: each has half an inch of white
+constexpr double kOffLine = 0.2;   // inches
 
 // Distance by which two regions fail to continue one another; none when they do not.
 std::optional<double> continues(const Pca& a, const Pca& b, double maxGap) {
@@ -43,8 +43,9 @@ struct Link {
 
 } // namespace
 
-Chains formChains(const std::vector<const Component*>& wallPieces, const std::vector<const Component*>& markers,
-                  const PlanView& view, const DetectOptions& options) {
+Chains formChains(const std::vector<const Component*>& wallPieces,
+                  const std::vector<const Component*>& markers, const PlanView& view,
+                  const DetectOptions& options) {
     const size_t pieces = wallPieces.size(), n = pieces + markers.size();
     const Paint heights[] = {Paint::red, Paint::blue, Paint::green};
     std::vector<Pca> pieceAxes;
@@ -68,7 +69,8 @@ Chains formChains(const std::vector<const Component*>& wallPieces, const std::ve
                 links.push_back({*off, i, pieces + k});
         for (size_t k = i + 1; k < pieces; ++k)
             if (wallPieces[k]->group == paint && pieceAxes[k].minor < straight)
-                if (const auto off = continues(pieceAxes[i], pieceAxes[k], kPieceGap)) links.push_back({*off, i, k});
+                if (const auto off = continues(pieceAxes[i], pieceAxes[k], kPieceGap))
+                    links.push_back({*off, i, k});
     }
     for (size_t i = 0; i < markers.size(); ++i)
         for (size_t k = i + 1; k < markers.size(); ++k)
@@ -83,7 +85,8 @@ Chains formChains(const std::vector<const Component*>& wallPieces, const std::ve
     for (const Link& link : links) {
         const size_t from = set[link.b], to = set[link.a];
         if (from == to) continue;
-        if (paintOf[from] != Paint::none && paintOf[to] != Paint::none && paintOf[from] != paintOf[to]) continue;
+        if (paintOf[from] != Paint::none && paintOf[to] != Paint::none && paintOf[from] != paintOf[to])
+            continue;
         if (paintOf[to] == Paint::none) paintOf[to] = paintOf[from];
         std::replace(set.begin(), set.end(), from, to);
     }
@@ -106,7 +109,8 @@ Chains formChains(const std::vector<const Component*>& wallPieces, const std::ve
     return out;
 }
 
-std::vector<Component> splitStrips(const Component& component, const PlanView& view, const DetectOptions& options) {
+std::vector<Component> splitStrips(const Component& component, const PlanView& view,
+                                   const DetectOptions& options) {
     const double height = heightOf(component.group);
     const double reach = 0.6 * options.wallThickness;
     struct Pixel {
@@ -115,7 +119,8 @@ std::vector<Component> splitStrips(const Component& component, const PlanView& v
     };
     std::vector<Pixel> rest;
     for (const Run& run : component.runs)
-        for (int x = run.x0; x < run.x1; ++x) rest.push_back({view.plan(glm::dvec2(x, run.y), height), x, run.y});
+        for (int x = run.x0; x < run.x1; ++x)
+            rest.push_back({view.plan(glm::dvec2(x, run.y), height), x, run.y});
     const double perInch = view.pixelsPerInch(rest.front().plan, height);
     const size_t enough = static_cast<size_t>(0.4 * options.wallThickness * perInch * perInch);
     std::vector<Component> out;
@@ -130,7 +135,8 @@ std::vector<Component> splitStrips(const Component& component, const PlanView& v
             const glm::dvec2 across = turnedLeft(glm::normalize(b - a));
             size_t count = 0;
             for (size_t i = 0; i < rest.size(); ++i)
-                count += static_cast<size_t>(inside[i] = std::abs(glm::dot(rest[i].plan - a, across)) < reach);
+                count +=
+                    static_cast<size_t>(inside[i] = std::abs(glm::dot(rest[i].plan - a, across)) < reach);
             if (count > bestCount) bestCount = count, best = inside;
         }
         if (bestCount < enough) break;

@@ -1,6 +1,7 @@
-// The paper's P' = (P - Pmin) / Pmax (section 4.1) on linear light that is first divided by the light on the white table
-// near by. So neither the tubes' and the projectors' differing white nor the camera's gains enter the thresholds: what is
-// left is the paint. The hues that separate the paints follow from those found in the picture.
+// The paper's P' = (P - Pmin) / Pmax (section 4.1) on linear light that is first divided by the light on the
+// white table near by. So neither the tubes' and the projectors' differing white nor the camera's gains enter
+// the thresholds: what is left is the paint. The hues that separate the paints follow from those found in the
+// picture.
 #include "vision/color_classes.h"
 
 #include <algorithm>
@@ -21,8 +22,9 @@ constexpr float kScale = 65535.0f; // linear 16-bit
 // Hues of the paints in linear light; only their order round the circle and their rough places are assumed.
 constexpr std::array<float, kPaints> kNominalHue = {0, 1, 20, 47, 130, 188, 208, 229, 325};
 
-constexpr int kHueReach = 14;      // degrees that a paint's hue may lie from the nominal
-constexpr uint8_t kVivid = 176;    // of 255: walls, markers and the arrow are more saturated, the light-blue card less
+constexpr int kHueReach = 14; // degrees that a paint's hue may lie from the nominal
+constexpr uint8_t kVivid =
+    176; // of 255: walls, markers and the arrow are more saturated, the light-blue card less
 
 // The table's disc and, about it, where the top of a 10 in wall at its edge can be.
 struct Region {
@@ -72,7 +74,8 @@ cv::Mat linearised(const PlanView& view, const cv::Rect& box) {
     const cv::Mat bytes(photo.height, photo.width, CV_8UC3, const_cast<uint8_t*>(photo.rgb.data()));
     cv::Mat lut(1, 256, CV_16U), out;
     for (int i = 0; i < 256; ++i)
-        lut.at<uint16_t>(i) = cv::saturate_cast<uint16_t>(kScale * view.linearFromByte()[static_cast<size_t>(i)]);
+        lut.at<uint16_t>(i) =
+            cv::saturate_cast<uint16_t>(kScale * view.linearFromByte()[static_cast<size_t>(i)]);
     cv::LUT(bytes(box), lut, out);
     // Averages the sensor's noise over about five pixels; a token's rim is about four wide.
     cv::GaussianBlur(out, out, cv::Size(5, 5), 0.9);
@@ -118,7 +121,7 @@ WhiteMap findWhite(const cv::Mat& linear, const cv::Mat& table) {
     cv::Mat smooth;
     for (int pass = 0; pass < 2; ++pass) {
         cv::Mat weight(blocks, CV_32F, cv::Scalar(0)), weighted(blocks, CV_32FC3, cv::Scalar::all(0)), spread;
-        const float limit = pass == 0 ? 0.32f : 0.16f;
+        const float limit = pass == 0 ? 0.32f : 0.25f;
         for (int y = 0; y < blocks.height; ++y)
             for (int x = 0; x < blocks.width; ++x) {
                 const cv::Vec3f p = light.at<cv::Vec3f>(y, x);
@@ -126,7 +129,7 @@ WhiteMap findWhite(const cv::Mat& linear, const cv::Mat& table) {
                 float expectRg = rg, expectBg = bg;
                 if (pass == 1) {
                     const cv::Vec3f near = smooth.at<cv::Vec3f>(y, x);
-                    if (p[1] < 0.45f * near[1]) continue;
+                    if (p[1] < 0.2f * near[1]) continue;
                     expectRg = std::log(near[0] / near[1]), expectBg = std::log(near[2] / near[1]);
                 }
                 if (std::abs(std::log((p[0] + 1e-6f) / p[1]) - expectRg) > limit) continue;
@@ -165,8 +168,8 @@ inline float hueOf(float r, float g, float b, float high, float low) {
 
 struct Coloured {
     uint32_t index;
-    uint16_t hue;        // degrees
-    uint8_t saturation;  // P' largest component, 0..255
+    uint16_t hue;       // degrees
+    uint8_t saturation; // P' largest component, 0..255
 };
 
 std::vector<Coloured> findColoured(const cv::Mat& linear, const Region& region, const WhiteMap& white,
@@ -188,12 +191,13 @@ std::vector<Coloured> findColoured(const cv::Mat& linear, const Region& region, 
             for (int x = block * kBlock; x < end; ++x) {
                 const float r = gr * row[3 * x], g = gg * row[3 * x + 1], b = gb * row[3 * x + 2];
                 const float high = std::max({r, g, b}), low = std::min({r, g, b});
-                if (high - low < minSaturation * high || !inside[x] || high < minBright[onTable[x] != 0]) continue;
+                if (high - low < minSaturation * high || !inside[x] || high < minBright[onTable[x] != 0])
+                    continue;
                 const float hue = hueOf(r, g, b, high, low);
-                out.push_back({static_cast<uint32_t>(y) * static_cast<uint32_t>(linear.cols) +
-                                   static_cast<uint32_t>(x),
-                               static_cast<uint16_t>(static_cast<int>(hue + 0.5f) % 360),
-                               static_cast<uint8_t>(255 * (high - low) / high)});
+                out.push_back(
+                    {static_cast<uint32_t>(y) * static_cast<uint32_t>(linear.cols) + static_cast<uint32_t>(x),
+                     static_cast<uint16_t>(static_cast<int>(hue + 0.5f) % 360),
+                     static_cast<uint8_t>(255 * (high - low) / high)});
             }
         }
     }
@@ -205,7 +209,8 @@ float hueDistance(float a, float b) {
     return std::min(d, 360 - d);
 }
 
-// Each paint's hue is the mode of the picture's hues about the nominal one; a paint that is not there keeps the nominal.
+// Each paint's hue is the mode of the picture's hues about the nominal one; a paint that is not there keeps
+// the nominal.
 std::array<float, kPaints> learnHues(const std::vector<Coloured>& coloured) {
     std::array<std::array<float, 360>, 2> histogram{};
     for (const Coloured& c : coloured) histogram[c.saturation < kVivid][c.hue] += 1;
@@ -217,9 +222,10 @@ std::array<float, kPaints> learnHues(const std::vector<Coloured>& coloured) {
             const int middle = static_cast<int>(kNominalHue[paint]) + shift + 360;
             float mass = 0, moment = 0, others = 1e9f;
             for (size_t other = 1; other < kPaints; ++other)
-                if (other != paint && (static_cast<Paint>(paint) == Paint::sky) ==
-                                          (static_cast<Paint>(other) == Paint::sky))
-                    others = std::min(others, hueDistance(kNominalHue[other], static_cast<float>(middle % 360)));
+                if (other != paint &&
+                    (static_cast<Paint>(paint) == Paint::sky) == (static_cast<Paint>(other) == Paint::sky))
+                    others =
+                        std::min(others, hueDistance(kNominalHue[other], static_cast<float>(middle % 360)));
             if (others < hueDistance(kNominalHue[paint], static_cast<float>(middle % 360))) continue;
             for (int d = -3; d <= 3; ++d) {
                 const float n = bins[static_cast<size_t>(middle + d) % 360];
@@ -231,7 +237,8 @@ std::array<float, kPaints> learnHues(const std::vector<Coloured>& coloured) {
     return learned;
 }
 
-// [vivid, pale][hue]. Only a pale pixel can be skylight: the light blue lies between the cyan and the blue in hue.
+// [vivid, pale][hue]. Only a pale pixel can be skylight: the light blue lies between the cyan and the blue in
+// hue.
 std::array<std::array<Paint, 360>, 2> nearestPaint(const std::array<float, kPaints>& hues) {
     std::array<std::array<Paint, 360>, 2> table{};
     for (size_t pale = 0; pale < 2; ++pale)
@@ -246,13 +253,34 @@ std::array<std::array<Paint, 360>, 2> nearestPaint(const std::array<float, kPain
     return table;
 }
 
+// The blurred rim of cyan paint is pale and may have the skylights' hue: beside vivid cyan it is cyan.
+void settleRims(ClassImage& image, const std::vector<Coloured>& coloured) {
+    std::vector<uint8_t> vividCyan(image.paint.size(), 0);
+    bool any = false;
+    for (const Coloured& c : coloured)
+        if (c.saturation >= kVivid && image.paint[c.index] == Paint::cyan) vividCyan[c.index] = 1, any = true;
+    if (!any) return;
+    const int w = image.width;
+    for (const Coloured& c : coloured) {
+        if (c.saturation >= kVivid || groupOf(image.paint[c.index]) != Paint::blue) continue;
+        const int x = static_cast<int>(c.index) % w, y = static_cast<int>(c.index) / w;
+        for (const auto& [dx, dy] :
+             {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {2, 0}, {-2, 0}, {0, 2}, {0, -2}}) {
+            if (x + dx < 0 || x + dx >= w || y + dy < 0 || y + dy >= image.height) continue;
+            if (vividCyan[static_cast<size_t>(y + dy) * static_cast<size_t>(w) + static_cast<size_t>(x + dx)])
+                image.paint[c.index] = Paint::cyan;
+        }
+    }
+}
+
 } // namespace
 
 ClassImage classifyPixels(const PlanView& view, const geometry::Rig& rig, const DetectOptions& options) {
     const Region region = findRegion(view, rig.tableRadius / geometry::kMetresPerInch);
     ClassImage out;
     out.hueDegrees = kNominalHue;
-    out.x0 = region.box.x, out.y0 = region.box.y, out.width = region.box.width, out.height = region.box.height;
+    out.x0 = region.box.x, out.y0 = region.box.y, out.width = region.box.width,
+    out.height = region.box.height;
     out.paint.assign(static_cast<size_t>(region.box.area()), Paint::none);
     out.hasTable = false;
     if (region.box.empty()) return out;
@@ -264,6 +292,7 @@ ClassImage classifyPixels(const PlanView& view, const geometry::Rig& rig, const 
     out.hueDegrees = learnHues(coloured);
     const auto paintOfHue = nearestPaint(out.hueDegrees);
     for (const Coloured& c : coloured) out.paint[c.index] = paintOfHue[c.saturation < kVivid][c.hue];
+    settleRims(out, coloured);
     return out;
 }
 

@@ -1,4 +1,5 @@
-// Every pixel of the table's region put into one of the paint classes of the paper, independent of the light that falls on it.
+// Every pixel of the table's region put into one of the paint classes of the paper, independent of the light
+// that falls on it.
 #pragma once
 
 #include <array>
@@ -14,11 +15,18 @@ namespace heliodon::vision {
 enum class Paint : uint8_t { none, red, orange, yellow, green, cyan, sky, blue, magenta };
 constexpr size_t kPaints = 9;
 
+// Red and orange, and blue and light blue, differ too little in hue for single noisy pixels: they are one
+// group here, and shape and majority tell them apart later.
+constexpr Paint groupOf(Paint p) {
+    return p == Paint::orange ? Paint::red : p == Paint::sky ? Paint::blue : p;
+}
+
 struct ClassImage {
     int x0 = 0, y0 = 0, width = 0, height = 0; // where it lies in the photograph
     std::vector<Paint> paint;                  // row-major
     bool hasTable = true;                      // false: nothing white and lit where the table should be
-    std::array<float, kPaints> hueDegrees{};   // hue that was learned for each paint (linear light, white balanced)
+    std::array<float, kPaints>
+        hueDegrees{}; // hue that was learned for each paint (linear light, white balanced)
 
     // Photograph pixel; `none` outside.
     Paint at(int x, int y) const {

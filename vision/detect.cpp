@@ -10,6 +10,7 @@
 #include "geometry/input_error.h"
 #include "vision/color_classes.h"
 #include "vision/components.h"
+#include "vision/edges.h"
 #include "vision/pieces.h"
 #include "vision/plan_view.h"
 #include "vision/table_marks.h"
@@ -20,11 +21,16 @@ namespace {
 
 using geometry::Sketch;
 
-constexpr double kSmallestInches2 = 0.06; // regions below are noise: the smallest real one is half an inch of wall
-constexpr size_t kMostRegions = 600;      // more is noise, not a table
+constexpr double kSmallestInches2 =
+    0.06;                            // regions below are noise: the smallest real one is half an inch of wall
+constexpr size_t kMostRegions = 600; // more is noise, not a table
 
-bool isMarker(Paint p) { return p == Paint::cyan || p == Paint::magenta || p == Paint::yellow; }
-bool isWall(Paint p) { return p == Paint::red || p == Paint::blue || p == Paint::green; }
+bool isMarker(Paint p) {
+    return p == Paint::cyan || p == Paint::magenta || p == Paint::yellow;
+}
+bool isWall(Paint p) {
+    return p == Paint::red || p == Paint::blue || p == Paint::green;
+}
 
 class Detector {
 public:
@@ -38,10 +44,11 @@ public:
             return out_;
         }
         const double perInch = view_.pixelsPerInch(glm::dvec2(0), 0);
-        regions_ = findComponents(image_, std::max(4, static_cast<int>(kSmallestInches2 * perInch * perInch)));
+        regions_ =
+            findComponents(image_, std::max(4, static_cast<int>(kSmallestInches2 * perInch * perInch)));
         if (regions_.size() > kMostRegions) {
-            out_.warnings.push_back(
-                fmt::format("{} coloured regions: the picture is noise, nothing is read from it", regions_.size()));
+            out_.warnings.push_back(fmt::format(
+                "{} coloured regions: the picture is noise, nothing is read from it", regions_.size()));
             return out_;
         }
         used_.assign(regions_.size(), false);
@@ -59,18 +66,38 @@ private:
     void findTokens() {
         auto& tokens = out_.sketch.tokens;
         for (size_t i = 0; i < regions_.size(); ++i) {
-            if (!isWall(regions_[i].group)) continue;
-            if (auto token = fitToken(regions_[i], image_, view_, options_)) {
-                used_[i] = true;
-                tokens.push_back(*token);
-            }
+            if (!isWall(regions_[i].group) || withinToken(regions_[i])) continue;
+            auto token = fitToken(regions_[i], image_, view_, options_);
+            if (!token) token = fitToken(withNeighbours(i), image_, view_, options_);
+            if (token) tokens.push_back(*token);
         }
         // What lies within a token is its chip, whatever its colour.
-        for (size_t i = 0; i < regions_.size(); ++i) {
-            const glm::dvec2 p = view_.plan(regions_[i].centre, options_.tokenThickness);
-            for (const auto& token : tokens)
-                if (glm::distance(p, token.pos) < 0.5 * options_.tokenSide) used_[i] = true;
+        for (size_t i = 0; i < regions_.size(); ++i) used_[i] = withinToken(regions_[i]);
+    }
+
+    bool withinToken(const Component& region) const {
+        const glm::dvec2 p = view_.plan(region.centre, options_.tokenThickness);
+        const auto& tokens = out_.sketch.tokens;
+        return std::any_of(tokens.begin(), tokens.end(), [&](const geometry::Token& token) {
+            return glm::distance(p, token.pos) < 0.6 * options_.tokenSide;
+        });
+    }
+
+    // Noise or a shadow may cut a token's rim: the region with those of its paint that lie as near as a rim's
+    // parts do.
+    Component withNeighbours(size_t index) const {
+        Component joined = regions_[index];
+        const double reach = options_.tokenSide * view_.pixelsPerInch(view_.plan(joined.centre, 0), 0);
+        for (size_t k = 0; k < regions_.size(); ++k) {
+            const Component& other = regions_[k];
+            if (k == index || other.group != joined.group || other.area > reach * reach) continue;
+            if (glm::distance(other.centre, regions_[index].centre) > reach) continue;
+            joined.runs.insert(joined.runs.end(), other.runs.begin(), other.runs.end());
+            joined.area += other.area;
         }
+        std::sort(joined.runs.begin(), joined.runs.end(),
+                  [](const Run& a, const Run& b) { return std::pair(a.y, a.x0) < std::pair(b.y, b.x0); });
+        return joined;
     }
 
     void findArrow() {
@@ -83,7 +110,8 @@ private:
             if (orange < 0.25) continue;
             const auto arrow = fitArrow(region, view_, options_);
             if (!arrow || orange <= best) continue;
-            if (out_.sketch.north) out_.warnings.push_back("more than one north arrow: the most orange one counts");
+            if (out_.sketch.north)
+                out_.warnings.push_back("more than one north arrow: the most orange one counts");
             best = orange, bestRegion = i;
             out_.sketch.north = arrow;
         }
@@ -94,7 +122,9 @@ private:
         for (size_t i = 0; i < regions_.size(); ++i) {
             const Component& region = regions_[i];
             if (used_[i] || region.group != Paint::blue) continue;
-            if (2 * region.minorityArea < region.area) continue;
+            // By its colour, or by being wider than any strip of wall, which noise in the colour leaves
+            // alone.
+            if (2 * region.minorityArea < region.area && !isWide(region)) continue;
             if (auto skylight = fitSkylight(region, view_, options_)) {
                 used_[i] = true;
                 out_.sketch.skylights.push_back(*skylight);
@@ -102,10 +132,22 @@ private:
         }
     }
 
+    // Standard deviation across a region's long axis over that of a wall's top, in plan at the height of its
+    // colour.
+    double relativeWidth(const Component& region, double height) const {
+        return principalAxes(planPoints(region, view_, height)).minor * std::sqrt(12.0) /
+               options_.wallThickness;
+    }
+    bool isWide(const Component& region) const { return relativeWidth(region, 0) > 2; }
+
     void findWalls() {
         std::vector<const Component*> pieces, markers;
         for (size_t i = 0; i < regions_.size(); ++i) {
             if (used_[i]) continue;
+            // The blurred rim of a marker can have another marker's or a wall's hue: a sliver, much thinner
+            // than they.
+            if (relativeWidth(regions_[i], isWall(regions_[i].group) ? heightOf(regions_[i].group) : 8) < 0.5)
+                continue;
             if (isWall(regions_[i].group)) pieces.push_back(&regions_[i]);
             if (isMarker(regions_[i].group)) markers.push_back(&regions_[i]);
         }
@@ -115,7 +157,7 @@ private:
     }
 
     void readChain(const Chain& chain, bool maySplit) {
-        if (const auto wall = fitStraight(chain, view_, options_)) {
+        if (const auto wall = fitStraight(chain, view_, options_); wall && isFlanked(wall->wall)) {
             out_.sketch.walls.push_back(wall->wall);
             for (auto window : wall->windows) {
                 window.wall = std::to_string(out_.sketch.walls.size() - 1);
@@ -135,8 +177,27 @@ private:
                 return;
             }
         }
-        for (const Component* piece : chain.pieces) unread(*piece, "coloured like a wall, but not of a wall's shape");
+        for (const Component* piece : chain.pieces)
+            unread(*piece, "coloured like a wall, but not of a wall's shape");
         for (const Component* marker : chain.markers) unread(*marker, "a window marker on no wall");
+    }
+
+    // A wall's paint has something else on either side; a strip cut out of a larger patch has not.
+    bool isFlanked(const geometry::Wall& wall) const {
+        const Paint paint = wall.heightClass == geometry::HeightClass::red    ? Paint::red
+                            : wall.heightClass == geometry::HeightClass::blue ? Paint::blue
+                                                                              : Paint::green;
+        const glm::dvec2 side = turnedLeft(glm::normalize(wall.b - wall.a)) * (0.9 * options_.wallThickness);
+        int same = 0, n = 0;
+        for (int i = 1; i < 20; ++i)
+            for (const double sign : {-1.0, 1.0}) {
+                const glm::dvec2 p =
+                    view_.pixel(wall.a + (i / 20.0) * (wall.b - wall.a) + sign * side, heightOf(paint));
+                same += groupOf(image_.at(static_cast<int>(std::lround(p.x)),
+                                          static_cast<int>(std::lround(p.y)))) == paint;
+                ++n;
+            }
+        return same < 0.2 * n;
     }
 
     void unread(const Component& region, const char* what) {
@@ -191,11 +252,13 @@ void Detector::nameAll() {
 
 } // namespace
 
-DetectionResult detectSketch(const Photograph& photo, const geometry::Rig& rig, const DetectOptions& options) {
+DetectionResult detectSketch(const Photograph& photo, const geometry::Rig& rig,
+                             const DetectOptions& options) {
     if (photo.width != rig.camera.width || photo.height != rig.camera.height)
         throw geometry::InputError("photograph", "",
-                                   fmt::format("{} x {} pixels, but the rig's camera has {} x {}", photo.width,
-                                               photo.height, rig.camera.width, rig.camera.height));
+                                   fmt::format("{} x {} pixels, but the rig's camera has {} x {}",
+                                               photo.width, photo.height, rig.camera.width,
+                                               rig.camera.height));
     const auto begin = std::chrono::steady_clock::now();
     DetectionResult result = Detector(photo, rig, options).run();
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

@@ -1,7 +1,8 @@
 // From an overhead photograph to the sketch that lies on the table.
-// After section 4.1 of "A Spatially Augmented Reality Sketching Interface for Architectural Daylighting Design" (Sheng,
-// Yapo, Young, Cutler, 2011): the colour transform P' = (P - Pmin) / Pmax, ordering and thresholds, connected components,
-// robust fits, back-projection to the height that the colour states. vision/README.md says where ours goes further.
+// After section 4.1 of "A Spatially Augmented Reality Sketching Interface for Architectural Daylighting
+// Design" (Sheng, Yapo, Young, Cutler, 2011): the colour transform P' = (P - Pmin) / Pmax, ordering and
+// thresholds, connected components, robust fits, back-projection to the height that the colour states.
+// vision/README.md says where ours goes further.
 #pragma once
 
 #include <filesystem>
@@ -14,31 +15,36 @@
 
 namespace heliodon::vision {
 
-// Lengths are inches on the table. The defaults are those of the paper's walls and markers; hues are learned from each picture.
+// Lengths are inches on the table. The defaults are those of the paper's walls and markers; hues are learned
+// from each picture.
 struct DetectOptions {
-    double gamma = 2.2;             // light = (value / 255) ^ gamma
-    double minSaturation = 0.33;    // of P' after local white balance: below it a pixel is white (0..1)
-    double minBrightness = 0.09;    // largest channel over local white: below it a pixel is floor or dark noise (0..1)
+    double gamma = 2.2;          // light = (value / 255) ^ gamma
+    double minSaturation = 0.33; // of P' after local white balance: below it a pixel is white (0..1)
+    double minBrightness =
+        0.09; // largest channel over local white: below it a pixel is floor or dark noise (0..1)
     double minBrightnessOffTable = 0.2; // the same beyond the table's edge
-    double wallThickness = 0.375;   // foam core
-    double unpaintedEnd = 0.5;      // the paint of a wall stops so far before its end
-    double markerThickness = 0.03;  // window markers and skylights: folded card
-    double tokenSide = 1.5;         // outside of the coloured rim
-    double tokenBand = 0.2;         // width of the rim and of the white ring within
+    double wallThickness = 0.375;       // foam core
+    double unpaintedEnd = 0.5;          // the paint of a wall stops so far before its end
+    double markerThickness = 0.03;      // window markers and skylights: folded card
+    double tokenSide = 1.5;             // outside of the coloured rim
+    double tokenBand = 0.2;             // width of the rim and of the white ring within
     double tokenThickness = 0.06;
     double arrowLength = 3;
-    double chipWhite = 0.863;       // white ring's reflectance over that of a chip with sRGB 255
+    double chipWhite = 0.863; // white ring's reflectance over that of a chip with sRGB 255
 };
 
 struct DetectionResult {
-    geometry::Sketch sketch; // ids "w1", "a1", "win1", "sky1", "token1", ordered as they lie in the picture, top left first
-    std::vector<std::string> warnings; // what was seen and not understood, one line each; also when nothing was seen
+    geometry::Sketch sketch; // ids "w1", "a1", "win1", "sky1", "token1", ordered as they lie in the picture,
+                             // top left first
+    std::vector<std::string>
+        warnings; // what was seen and not understood, one line each; also when nothing was seen
     double seconds = 0;
 };
 
 // Deterministic. An empty table, a black picture or noise gives a sketch without walls and a warning.
 // Throws InputError when the photograph's size is not that of the rig's camera. About 0.03 s for 1392 x 1032.
-DetectionResult detectSketch(const Photograph& photo, const geometry::Rig& rig, const DetectOptions& options = {});
+DetectionResult detectSketch(const Photograph& photo, const geometry::Rig& rig,
+                             const DetectOptions& options = {});
 
 // The photograph, brightened, with the outline and the name of every primitive. Written whole or not at all.
 void drawOverlay(const Photograph& photo, const geometry::Rig& rig, const geometry::Sketch& sketch,

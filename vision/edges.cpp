@@ -23,14 +23,16 @@ double medianOf(std::vector<double> values) {
 } // namespace
 
 std::optional<Edge> findEdge(const PlanView& view, const EdgeProbe& probe) {
-    const glm::dvec2 from = probe.at - probe.inside * probe.outward, to = probe.at + probe.outside * probe.outward;
+    const glm::dvec2 from = probe.at - probe.inside * probe.outward,
+                     to = probe.at + probe.outside * probe.outward;
     const double length = glm::distance(view.pixel(from, probe.height), view.pixel(to, probe.height));
     const size_t n = static_cast<size_t>(std::clamp(2 * length, 12.0, 120.0)); // half a pixel apart
     std::vector<glm::vec3> profile(n, glm::vec3(0));
     for (int j = 0; j < probe.lateralSamples; ++j) {
         const double side = probe.lateralSamples == 1 ? 0 : 2.0 * j / (probe.lateralSamples - 1) - 1;
         const glm::dvec2 a = view.pixel(from + side * probe.lateral, probe.height);
-        const glm::dvec2 step = (view.pixel(to + side * probe.lateral, probe.height) - a) / static_cast<double>(n - 1);
+        const glm::dvec2 step =
+            (view.pixel(to + side * probe.lateral, probe.height) - a) / static_cast<double>(n - 1);
         for (size_t i = 0; i < n; ++i) profile[i] += view.light(a + static_cast<double>(i) * step);
     }
     const double perInch = static_cast<double>(n - 1) / (probe.inside + probe.outside);
@@ -47,7 +49,8 @@ std::optional<Edge> findEdge(const PlanView& view, const EdgeProbe& probe) {
     for (size_t i = 1; i < n; ++i) {
         const float here = glm::dot(profile[i] - in, difference) / span;
         if (before < 0.5f && here >= 0.5f) {
-            const double place = static_cast<double>(i - 1) + static_cast<double>((0.5f - before) / (here - before));
+            const double place =
+                static_cast<double>(i - 1) + static_cast<double>((0.5f - before) / (here - before));
             const double offset = place / perInch - probe.inside;
             if (!best || std::abs(offset) < std::abs(best->offset))
                 best = Edge{offset, static_cast<double>(std::sqrt(span) / brighter)};

@@ -11,8 +11,8 @@
 
 namespace heliodon::vision {
 
-// Looks across an edge that is expected at `at`: from `inside` inches before it to `outside` inches behind it along
-// `outward` (unit). `lateral` runs along the edge; the picture is averaged from -lateral to +lateral.
+// Looks across an edge that is expected at `at`: from `inside` inches before it to `outside` inches behind it
+// along `outward` (unit). `lateral` runs along the edge; the picture is averaged from -lateral to +lateral.
 struct EdgeProbe {
     glm::dvec2 at{}, outward{}, lateral{};
     double height = 0; // inches over the table
@@ -25,8 +25,8 @@ struct Edge {
     double contrast = 0; // difference of the two sides over the brighter one, 0..1
 };
 
-// Where linear light crosses half the way between the two sides' levels, nearest to the expected place: the lens blurs an
-// edge symmetrically in linear light, so this is the edge itself. None without contrast.
+// Where linear light crosses half the way between the two sides' levels, nearest to the expected place: the
+// lens blurs an edge symmetrically in linear light, so this is the edge itself. None without contrast.
 std::optional<Edge> findEdge(const PlanView& view, const EdgeProbe& probe);
 
 struct LineFit {
@@ -35,16 +35,19 @@ struct LineFit {
     size_t kept = 0;
 };
 
-// Least squares, with points that lie further off than `outlier`, then than three robust deviations, rejected in turn.
+// Least squares, with points that lie further off than `outlier`, then than three robust deviations, rejected
+// in turn.
 std::optional<LineFit> fitLine(const std::vector<glm::dvec2>& points, double outlier);
 
 struct Pca {
-    glm::dvec2 mean{}, axis{1, 0};      // axis: unit, along the largest spread
-    double major = 0, minor = 0;        // standard deviations
-    double low = 0, high = 0;           // extent along the axis, relative to the mean
+    glm::dvec2 mean{}, axis{1, 0}; // axis: unit, along the largest spread
+    double major = 0, minor = 0;   // standard deviations
+    double low = 0, high = 0;      // extent along the axis, relative to the mean
 };
 Pca principalAxes(const std::vector<glm::dvec2>& points);
 
-constexpr glm::dvec2 turnedLeft(glm::dvec2 v) { return {-v.y, v.x}; }
+constexpr glm::dvec2 turnedLeft(glm::dvec2 v) {
+    return {-v.y, v.x};
+}
 
 } // namespace heliodon::vision

@@ -15,7 +15,9 @@ namespace {
 
 constexpr int kShift = 4; // OpenCV draws at 1/16 pixel
 
-cv::Scalar bgr(int r, int g, int b) { return {static_cast<double>(b), static_cast<double>(g), static_cast<double>(r)}; }
+cv::Scalar bgr(int r, int g, int b) {
+    return {static_cast<double>(b), static_cast<double>(g), static_cast<double>(r)};
+}
 
 cv::Scalar colorOf(geometry::HeightClass c) {
     return c == geometry::HeightClass::red    ? bgr(255, 70, 60)
@@ -60,10 +62,12 @@ public:
     }
 
     // Beside the outline's middle, on the side away from the picture's middle.
-    void label(const geometry::Detection& detection, const std::string& text, const cv::Scalar& color, double away) {
+    void label(const geometry::Detection& detection, const std::string& text, const cv::Scalar& color,
+               double away) {
         if (detection.outlinePx.empty()) return;
         glm::dvec2 middle{};
-        for (const auto& p : detection.outlinePx) middle += p / static_cast<double>(detection.outlinePx.size());
+        for (const auto& p : detection.outlinePx)
+            middle += p / static_cast<double>(detection.outlinePx.size());
         const double dx = middle.x - picture_.cols / 2.0, dy = middle.y - picture_.rows / 2.0;
         const double length = std::max(1.0, std::hypot(dx, dy));
         int baseline = 0;
@@ -103,7 +107,8 @@ void drawOverlay(const Photograph& photo, const geometry::Rig& rig, const geomet
     for (const auto& token : sketch.tokens) canvas.outline(token.detection, bgr(255, 255, 255));
     if (sketch.north) canvas.outline(sketch.north->detection, bgr(255, 150, 40));
 
-    for (const auto& wall : sketch.walls) canvas.label(wall.detection, wall.id, colorOf(wall.heightClass), 26);
+    for (const auto& wall : sketch.walls)
+        canvas.label(wall.detection, wall.id, colorOf(wall.heightClass), 26);
     for (const auto& arc : sketch.arcs) canvas.label(arc.detection, arc.id, colorOf(arc.heightClass), 26);
     for (const auto& window : sketch.windows)
         canvas.label(window.detection, window.id, colorOf(window.kind), -24);

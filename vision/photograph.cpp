@@ -14,7 +14,8 @@ namespace heliodon::vision {
 Photograph readPhotograph(const std::filesystem::path& file) {
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(file, ignored))
-        throw geometry::InputError(file.string(), "", "no such file, expected a photograph (png, jpg or tif)");
+        throw geometry::InputError(file.string(), "",
+                                   "no such file, expected a photograph (png, jpg or tif)");
     cv::Mat bgr;
     try {
         // The pixels as the sensor has them: the rig was calibrated on those, so no rotation by EXIF.
@@ -23,7 +24,8 @@ Photograph readPhotograph(const std::filesystem::path& file) {
         bgr.release();
     }
     if (bgr.empty())
-        throw geometry::InputError(file.string(), "", "not an image that can be read, expected png, jpg or tif");
+        throw geometry::InputError(file.string(), "",
+                                   "not an image that can be read, expected png, jpg or tif");
     Photograph photo{bgr.cols, bgr.rows, {}};
     photo.rgb.resize(static_cast<size_t>(bgr.cols) * static_cast<size_t>(bgr.rows) * 3);
     cv::Mat rgb(bgr.rows, bgr.cols, CV_8UC3, photo.rgb.data());

@@ -9,7 +9,8 @@ namespace heliodon::vision {
 
 struct Photograph {
     int width = 0, height = 0;
-    std::vector<uint8_t> rgb; // row-major, 3 bytes a pixel, encoded with a gamma near 2.2 (sRGB is near enough)
+    std::vector<uint8_t>
+        rgb; // row-major, 3 bytes a pixel, encoded with a gamma near 2.2 (sRGB is near enough)
 };
 
 // Reads PNG, JPEG and TIFF, 8 or 16 bits, colour or grey; an alpha channel is dropped.

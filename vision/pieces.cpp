@@ -10,7 +10,8 @@ std::vector<glm::dvec2> planPoints(const Component& component, const PlanView& v
     points.reserve(static_cast<size_t>(component.area));
     const int step = component.area > 1500 ? 2 : 1;
     for (const Run& run : component.runs) {
-        for (int x = run.x0; x < run.x1 - 1; x += step) points.push_back(view.plan(glm::dvec2(x, run.y), height));
+        for (int x = run.x0; x < run.x1 - 1; x += step)
+            points.push_back(view.plan(glm::dvec2(x, run.y), height));
         points.push_back(view.plan(glm::dvec2(run.x1 - 1, run.y), height));
     }
     return points;
@@ -23,6 +24,8 @@ geometry::HeightClass heightClassOf(Paint wallPaint) {
                                       : HeightClass::green;
 }
 
-double heightOf(Paint wallPaint) { return geometry::heightInches(heightClassOf(wallPaint)); }
+double heightOf(Paint wallPaint) {
+    return geometry::heightInches(heightClassOf(wallPaint));
+}
 
 } // namespace heliodon::vision

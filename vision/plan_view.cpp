@@ -35,7 +35,8 @@ double PlanView::pixelsPerInch(glm::dvec2 plan, double height) const {
 }
 
 glm::vec3 PlanView::light(glm::dvec2 p) const {
-    const double x = std::clamp(p.x, 0.0, photo_.width - 1.001), y = std::clamp(p.y, 0.0, photo_.height - 1.001);
+    const double x = std::clamp(p.x, 0.0, photo_.width - 1.001),
+                 y = std::clamp(p.y, 0.0, photo_.height - 1.001);
     const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
     const float fx = static_cast<float>(x - x0), fy = static_cast<float>(y - y0);
     const size_t stride = static_cast<size_t>(photo_.width) * 3;

@@ -1,4 +1,5 @@
-// The camera as a map between pixels and plan inches on horizontal planes, and the photograph as linear light.
+// The camera as a map between pixels and plan inches on horizontal planes, and the photograph as linear
+// light.
 #pragma once
 
 #include <array>

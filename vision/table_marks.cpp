@@ -18,7 +18,7 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 
 struct Box {
     glm::dvec2 centre{}, half{};
-    double angle = 0; // radians
+    double angle = 0;              // radians
     glm::dvec2 axis(int k) const { // unit, counter-clockwise: 0 along half.x, 1 along half.y
         const double a = angle + k * std::numbers::pi / 2;
         return {std::cos(a), std::sin(a)};
@@ -86,7 +86,8 @@ BoxFit refineBox(Box box, const PlanView& view, double height, double inside, do
     return fit;
 }
 
-// The angle of a square about the origin, from where its mass lies: fourth circular harmonic, corners weigh most.
+// The angle of a square about the origin, from where its mass lies: fourth circular harmonic, corners weigh
+// most.
 double squareAngle(const std::vector<glm::dvec2>& points, glm::dvec2 centre) {
     std::complex<double> sum = 0;
     for (const auto& p : points) {
@@ -116,14 +117,15 @@ std::vector<glm::dvec2> boundary(const Component& component, const PlanView& vie
             return false;
         };
         for (int x = run.x0; x < run.x1; ++x)
-            if (x == run.x0 || x == run.x1 - 1 || !covered(above, run.y - 1, x) || !covered(below, run.y + 1, x))
+            if (x == run.x0 || x == run.x1 - 1 || !covered(above, run.y - 1, x) ||
+                !covered(below, run.y + 1, x))
                 out.push_back(view.plan(glm::dvec2(x, run.y), height));
     }
     return out;
 }
 
-// M. Fischler, R. Bolles, "Random sample consensus" (1981): four edges in turn, the points of each taken away. Returns the
-// common direction of the edges, modulo a quarter turn.
+// M. Fischler, R. Bolles, "Random sample consensus" (1981): four edges in turn, the points of each taken
+// away. Returns the common direction of the edges, modulo a quarter turn.
 double edgeDirection(std::vector<glm::dvec2> points, double reach) {
     uint32_t random = 54321; // the same every time: detection is deterministic
     auto pick = [&] { return (random = random * 1664525u + 1013904223u) >> 8; };
@@ -183,7 +185,8 @@ std::optional<geometry::Skylight> fitSkylight(const Component& component, const 
         std::vector<double> s;
         for (const auto& p : points) s.push_back(glm::dot(p, box.axis(k)));
         std::sort(s.begin(), s.end());
-        // The extent without the outermost pixels, which noise may have set; a filled rectangle's mass is even.
+        // The extent without the outermost pixels, which noise may have set; a filled rectangle's mass is
+        // even.
         const double a = s[s.size() / 50], b = s[s.size() - 1 - s.size() / 50], rest = (b - a) / 48;
         low[k] = a - rest, high[k] = b + rest;
     }
@@ -203,8 +206,8 @@ std::optional<geometry::Skylight> fitSkylight(const Component& component, const 
     return out;
 }
 
-std::optional<geometry::Token> fitToken(const Component& component, const ClassImage& image, const PlanView& view,
-                                        const DetectOptions& options) {
+std::optional<geometry::Token> fitToken(const Component& component, const ClassImage& image,
+                                        const PlanView& view, const DetectOptions& options) {
     const double height = options.tokenThickness, half = 0.5 * options.tokenSide, band = options.tokenBand;
     const double perInch = view.pixelsPerInch(view.plan(component.centre, height), height);
     const double rim = options.tokenSide * options.tokenSide - std::pow(options.tokenSide - 2 * band, 2);
@@ -214,7 +217,8 @@ std::optional<geometry::Token> fitToken(const Component& component, const ClassI
     glm::dvec2 low(1e9), high(-1e9);
     for (const auto& p : points) low = glm::min(low, p), high = glm::max(high, p);
     const glm::dvec2 extent = high - low;
-    if (std::min(extent.x, extent.y) < 0.75 * options.tokenSide || std::max(extent.x, extent.y) > 1.6 * options.tokenSide)
+    if (std::min(extent.x, extent.y) < 0.75 * options.tokenSide ||
+        std::max(extent.x, extent.y) > 1.6 * options.tokenSide)
         return std::nullopt;
     Box box;
     box.centre = 0.5 * (low + high);
@@ -222,16 +226,17 @@ std::optional<geometry::Token> fitToken(const Component& component, const ClassI
     box.angle = withinQuarter(squareAngle(points, box.centre));
     const BoxFit fit = refineBox(box, view, height, 0.6 * band, 0.75 * band);
 
-    // The paper's Euler number, one for a wall and none for a token, but counted where rim and ring must be: noise may
-    // open the rim or fill a pixel of the ring.
+    // The paper's Euler number, one for a wall and none for a token, but counted where rim and ring must be:
+    // noise may open the rim or fill a pixel of the ring.
     int rimPixels = 0, ringPixels = 0, n = 0;
     for (int k = 0; k < 4; ++k)
         for (int i = -10; i <= 10; ++i) {
             auto paintAt = [&](double r) {
                 const double l = r * i / 10.5;
-                const glm::dvec2 p = view.pixel(
-                    fit.box.centre + r * fit.box.axis(k) + l * fit.box.axis(k + 1), height);
-                return groupOf(image.at(static_cast<int>(std::lround(p.x)), static_cast<int>(std::lround(p.y))));
+                const glm::dvec2 p =
+                    view.pixel(fit.box.centre + r * fit.box.axis(k) + l * fit.box.axis(k + 1), height);
+                return groupOf(
+                    image.at(static_cast<int>(std::lround(p.x)), static_cast<int>(std::lround(p.y))));
             };
             ++n;
             rimPixels += paintAt(half - 0.5 * band) == component.group;
@@ -249,9 +254,9 @@ std::optional<geometry::Token> fitToken(const Component& component, const ClassI
     const glm::dvec3 chipLight = meanLight(fit.box, view, height, 0, 0.62 * chip);
     const glm::dvec3 whiteLight = meanLight(fit.box, view, height, half - 1.62 * band, half - 1.38 * band);
     for (int c = 0; c < 3; ++c)
-        out.rgb[static_cast<size_t>(c)] = srgbByte(options.chipWhite * chipLight[c] / std::max(whiteLight[c], 1e-9));
-    out.detection.confidence =
-        std::clamp(0.5 * rimPixels / n + 0.5 * fit.seen, 0.0, 1.0);
+        out.rgb[static_cast<size_t>(c)] =
+            srgbByte(options.chipWhite * chipLight[c] / std::max(whiteLight[c], 1e-9));
+    out.detection.confidence = std::clamp(0.5 * rimPixels / n + 0.5 * fit.seen, 0.0, 1.0);
     out.detection.outlinePx = outlineOf(fit.box, height, view);
     return out;
 }
@@ -281,7 +286,8 @@ std::optional<geometry::NorthArrow> fitArrow(const Component& component, const P
     const double head = forward ? widest(kBins / 2, kBins) : widest(0, kBins / 2);
     // The shaft: median width of the tail's half.
     std::array<double, kBins / 2> tail{};
-    for (size_t i = 0; i < kBins / 2; ++i) tail[i] = left[forward ? i : i + kBins / 2] + right[forward ? i : i + kBins / 2];
+    for (size_t i = 0; i < kBins / 2; ++i)
+        tail[i] = left[forward ? i : i + kBins / 2] + right[forward ? i : i + kBins / 2];
     std::nth_element(tail.begin(), tail.begin() + kBins / 4, tail.end());
     if (head < 1.35 * tail[kBins / 4]) return std::nullopt;
 
@@ -330,8 +336,13 @@ std::optional<geometry::NorthArrow> fitArrow(const Component& component, const P
     out.detection.confidence = std::clamp(static_cast<double>(middles.size()) / (kBins - 3), 0.3, 1.0);
     const double shaft = 0.5 * tail[kBins / 4], neck = 0.7 * options.arrowLength;
     const glm::dvec2 across = turnedLeft(pointing);
-    for (const auto& [s, t] : {std::pair{0.0, shaft}, {0.0, -shaft}, {neck, -shaft}, {neck, -0.5 * head},
-                               {options.arrowLength, 0.0}, {neck, 0.5 * head}, {neck, shaft}})
+    for (const auto& [s, t] : {std::pair{0.0, shaft},
+                               {0.0, -shaft},
+                               {neck, -shaft},
+                               {neck, -0.5 * head},
+                               {options.arrowLength, 0.0},
+                               {neck, 0.5 * head},
+                               {neck, shaft}})
         out.detection.outlinePx.push_back(view.pixel(end.at + s * pointing + t * across, height));
     return out;
 }

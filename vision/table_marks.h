@@ -15,8 +15,8 @@ std::optional<geometry::Skylight> fitSkylight(const Component& component, const 
                                               const DetectOptions& options);
 
 // A coloured square rim with a white ring and a paint chip within; none when the region is no such rim.
-std::optional<geometry::Token> fitToken(const Component& component, const ClassImage& image, const PlanView& view,
-                                        const DetectOptions& options);
+std::optional<geometry::Token> fitToken(const Component& component, const ClassImage& image,
+                                        const PlanView& view, const DetectOptions& options);
 
 // An arrow: longer than wide, one end broader than the other. None for every other shape.
 std::optional<geometry::NorthArrow> fitArrow(const Component& component, const PlanView& view,

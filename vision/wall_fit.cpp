@@ -1,6 +1,7 @@
-// Section 4.1, "estimate the 3D positions of planar wall primitives". Ours differs: both sides are measured at sub-pixel level
-// in plan inches, at the height that the colour states, so that the lens does not bend them; the line goes through the
-// middles of the two sides, where what widens the strip evenly (blur, a marker's fold) cancels.
+// Section 4.1, "estimate the 3D positions of planar wall primitives". Ours differs: both sides are measured
+// at sub-pixel level in plan inches, at the height that the colour states, so that the lens does not bend
+// them; the line goes through the middles of the two sides, where what widens the strip evenly (blur, a
+// marker's fold) cancels.
 #include "vision/wall_fit.h"
 
 #include <algorithm>
@@ -32,13 +33,15 @@ struct Axis {
 
 Span spanOf(const Component& component, const Axis& axis, const PlanView& view, double height) {
     std::vector<double> s;
-    for (const auto& p : planPoints(component, view, height)) s.push_back(glm::dot(p - axis.origin, axis.along));
+    for (const auto& p : planPoints(component, view, height))
+        s.push_back(glm::dot(p - axis.origin, axis.along));
     const auto [low, high] = std::minmax_element(s.begin(), s.end());
     return {*low, *high, nullptr};
 }
 
 // The strip's visible stretches in order along the axis; markers lie on top of paint.
-std::vector<Span> spansOf(const Chain& chain, const Axis& axis, const PlanView& view, double height, double fold) {
+std::vector<Span> spansOf(const Chain& chain, const Axis& axis, const PlanView& view, double height,
+                          double fold) {
     std::vector<Span> spans;
     for (const Component* piece : chain.pieces) spans.push_back(spanOf(*piece, axis, view, height));
     for (const Component* marker : chain.markers) {
@@ -60,7 +63,8 @@ Sides measureSides(const std::vector<Span>& spans, const Axis& axis, const PlanV
     Sides out;
     const double pixel = 1 / view.pixelsPerInch(axis.origin, height);
     for (const Span& span : spans) {
-        // A marker's top hangs over the wall by its card's thickness on either side, twice that where two overlap.
+        // A marker's top hangs over the wall by its card's thickness on either side, twice that where two
+        // overlap.
         const double half = 0.5 * options.wallThickness + (span.marker ? 1.3 * options.markerThickness : 0);
         const double top = height + (span.marker ? options.markerThickness : 0);
         const double margin = std::min(3 * pixel, 0.3 * (span.high - span.low));
@@ -105,11 +109,13 @@ double sagitta(const std::vector<glm::dvec2>& middles) {
     double m[3];
     for (size_t i = 0; i < 3; ++i) {
         if (thirds[i].size() < 3) return 0;
-        std::nth_element(thirds[i].begin(), thirds[i].begin() + static_cast<std::ptrdiff_t>(thirds[i].size() / 2),
+        std::nth_element(thirds[i].begin(),
+                         thirds[i].begin() + static_cast<std::ptrdiff_t>(thirds[i].size() / 2),
                          thirds[i].end());
         m[i] = thirds[i][thirds[i].size() / 2];
     }
-    // Medians of the outer thirds lie 1/3 of the length from the middle: there a parabola has 4/9 of its sagitta.
+    // Medians of the outer thirds lie 1/3 of the length from the middle: there a parabola has 4/9 of its
+    // sagitta.
     return (m[1] - 0.5 * (m[0] + m[2])) * 9 / 4;
 }
 
@@ -131,7 +137,8 @@ std::vector<glm::dvec2> stripOutline(const Axis& axis, double low, double high, 
     std::vector<glm::dvec2> out;
     const int n = std::max(1, static_cast<int>((high - low) / 1.5)); // enough corners to follow the lens
     for (int i = 0; i <= n; ++i) out.push_back(view.pixel(axis.at(low + (high - low) * i / n, half), height));
-    for (int i = n; i >= 0; --i) out.push_back(view.pixel(axis.at(low + (high - low) * i / n, -half), height));
+    for (int i = n; i >= 0; --i)
+        out.push_back(view.pixel(axis.at(low + (high - low) * i / n, -half), height));
     return out;
 }
 
@@ -142,9 +149,10 @@ geometry::WindowKind kindOf(Paint paint) {
                                      : WindowKind::transom;
 }
 
-// Where a wall ends that has a marker over the last of its paint: at most its unpainted end further. The white end's own
-// edge is looked for; without it the middle of what is possible is taken.
-double endBeyondMarker(const Axis& axis, double s, int sign, const PlanView& view, double height, double unpainted) {
+// Where a wall ends that has a marker over the last of its paint: at most its unpainted end further. The
+// white end's own edge is looked for; without it the middle of what is possible is taken.
+double endBeyondMarker(const Axis& axis, double s, int sign, const PlanView& view, double height,
+                       double unpainted) {
     EdgeProbe probe;
     probe.outward = static_cast<double>(sign) * axis.along;
     probe.at = axis.at(s) + 0.5 * unpainted * probe.outward;
@@ -158,8 +166,8 @@ double endBeyondMarker(const Axis& axis, double s, int sign, const PlanView& vie
     return s + sign * (0.5 * unpainted + (found ? edge->offset : 0));
 }
 
-std::vector<WindowMarker> findWindows(std::vector<Span> spans, const Axis& axis, const PlanView& view, double height,
-                                      const DetectOptions& options) {
+std::vector<WindowMarker> findWindows(std::vector<Span> spans, const Axis& axis, const PlanView& view,
+                                      double height, const DetectOptions& options) {
     std::erase_if(spans, [](const Span& s) { return !s.marker; });
     std::vector<WindowMarker> out;
     const double top = height + options.markerThickness;
@@ -174,10 +182,11 @@ std::vector<WindowMarker> findWindows(std::vector<Span> spans, const Axis& axis,
         const double high = refinedEnd(axis, span.high, 1, view, top, room);
         WindowMarker window;
         window.kind = kindOf(span.marker->group);
+        if (high - low < options.wallThickness) continue; // a speck
         window.pos = 0.5 * (low + high);
         window.width = high - low;
-        window.detection.outlinePx = stripOutline(
-            axis, low, high, 0.5 * options.wallThickness + options.markerThickness, top, view);
+        window.detection.outlinePx =
+            stripOutline(axis, low, high, 0.5 * options.wallThickness + options.markerThickness, top, view);
         out.push_back(window);
     }
     return out;
@@ -191,7 +200,8 @@ Axis axisOf(const Pca& pca) {
 
 } // namespace
 
-std::optional<StraightWall> fitStraight(const Chain& chain, const PlanView& view, const DetectOptions& options) {
+std::optional<StraightWall> fitStraight(const Chain& chain, const PlanView& view,
+                                        const DetectOptions& options) {
     const double height = heightOf(chain.paint);
     std::vector<glm::dvec2> points;
     for (const auto* list : {&chain.pieces, &chain.markers})
@@ -222,12 +232,14 @@ std::optional<StraightWall> fitStraight(const Chain& chain, const PlanView& view
         const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
         std::nth_element(widths.begin(), middle, widths.end());
         if (*middle < 0.65 * thickness || *middle > 1.4 * thickness) return std::nullopt;
-    } else if (pca.minor > 1.25 * strip || pca.high - pca.low < 2 * options.wallThickness) {
+    } else if (pca.minor > 1.25 * strip || pca.minor < 0.6 * strip ||
+               pca.high - pca.low < 2 * options.wallThickness) {
         return std::nullopt; // neither sides nor shape speak for a wall
     }
 
     const Span first = spans.front();
-    const Span last = *std::max_element(spans.begin(), spans.end(), [](const Span& a, const Span& b) { return a.high < b.high; });
+    const Span last = *std::max_element(spans.begin(), spans.end(),
+                                        [](const Span& a, const Span& b) { return a.high < b.high; });
     auto endOf = [&](const Span& span, int sign) {
         const double s = sign < 0 ? span.low : span.high;
         const double top = height + (span.marker ? options.markerThickness : 0);

@@ -25,8 +25,9 @@ struct Chains {
 };
 
 // Groups wall paint and markers that continue one another along one line.
-Chains formChains(const std::vector<const Component*>& wallPieces, const std::vector<const Component*>& markers,
-                  const PlanView& view, const DetectOptions& options);
+Chains formChains(const std::vector<const Component*>& wallPieces,
+                  const std::vector<const Component*>& markers, const PlanView& view,
+                  const DetectOptions& options);
 
 struct StraightWall {
     geometry::Wall wall;
@@ -34,13 +35,15 @@ struct StraightWall {
 };
 
 // None when the chain is not a straight strip of a wall's thickness at its height.
-std::optional<StraightWall> fitStraight(const Chain& chain, const PlanView& view, const DetectOptions& options);
+std::optional<StraightWall> fitStraight(const Chain& chain, const PlanView& view,
+                                        const DetectOptions& options);
 
 // None when the paint does not follow a circle's arc.
 std::optional<geometry::Arc> fitArc(const Chain& chain, const PlanView& view, const DetectOptions& options);
 
 // Walls that touch make one region that is neither: the straight strips within it, largest first.
-std::vector<Component> splitStrips(const Component& component, const PlanView& view, const DetectOptions& options);
+std::vector<Component> splitStrips(const Component& component, const PlanView& view,
+                                   const DetectOptions& options);
 
 geometry::HeightClass heightClassOf(Paint wallPaint);
 
