@@ -154,7 +154,9 @@ Sky skyFromIrradiance(const Irradiance& irradiance, const SunPosition& sun, cons
         sky.model = "perez (degenerate: uniform)";
     }
     sky.sun = {direction, directLux};
-    lightGround(sky, setting.groundAlbedo);
+    // As lightGround, without a second integral.
+    const double global = diffuseLux + directLux * std::max(0.0, direction.y);
+    sky.ground = {setting.groundAlbedo, setting.groundAlbedo * global / kPi};
     return sky;
 }
 

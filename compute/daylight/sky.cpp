@@ -140,23 +140,24 @@ Sky perezSky(const PerezShape& shape, glm::dvec3 sunDirection, double scale) {
 // (t^2), as they do at the horizon for exp(b / z).
 double diffuseHorizontalIlluminance(const Sky& sky) {
     if (sky.formula.scale <= 0) return 0;
-    const glm::dvec3 s = sky.shapeDirection;
-    const double sunAltitude = std::asin(std::clamp(s.y, 0.0, 1.0));
-    const double sunLevel = std::hypot(s.x, s.z);
-    const glm::dvec3 forward =
-        sunLevel > 1e-9 ? glm::dvec3(s.x / sunLevel, 0, s.z / sunLevel) : glm::dvec3(1, 0, 0);
-    const glm::dvec3 sideways{-forward.z, 0, forward.x};
+    const SkyFormula& f = sky.formula;
+    const double sunZ = sky.shapeDirection.y;
+    const double sunAltitude = std::asin(std::clamp(sunZ, 0.0, 1.0));
+    const double sunLevel = std::hypot(sky.shapeDirection.x, sky.shapeDirection.z);
+    std::array<double, kGauss24.size()> cosines{};
+    for (size_t i = 0; i < cosines.size(); ++i) cosines[i] = std::cos(kPi * kGauss24[i].x * kGauss24[i].x);
 
     const auto ring = [&](double altitude) {
         const double z = std::sin(altitude), level = std::cos(altitude);
+        const double atZ = f.intermediate ? 0 : gradation(f, z);
         double sum = 0;
-        for (const auto& [t, w] : kGauss24) {
-            const double azimuth = kPi * t * t;
-            const glm::dvec3 direction =
-                level * (std::cos(azimuth) * forward + std::sin(azimuth) * sideways) + glm::dvec3(0, z, 0);
-            sum += w * 2.0 * kPi * t * sky.luminance(direction);
+        for (size_t i = 0; i < cosines.size(); ++i) {
+            const double cosine = z * sunZ + level * sunLevel * cosines[i];
+            const double shape =
+                f.intermediate ? intermediateShape(z, sunZ, cosine) : atZ * indicatrix(f, cosine);
+            sum += kGauss24[i].weight * 2.0 * kPi * kGauss24[i].x * std::max(0.0, shape);
         }
-        return 2.0 * sum * z * level;
+        return 2.0 * sum * z * level * f.scale;
     };
     // From `from`, where the nodes crowd, to `to`.
     const auto band = [&](double from, double to) {
@@ -165,7 +166,7 @@ double diffuseHorizontalIlluminance(const Sky& sky) {
             sum += w * 2.0 * t * std::abs(to - from) * ring(from + (to - from) * t * t);
         return sum;
     };
-    const double low = std::asin(std::min(1.0, darkBelow(sky.formula)));
+    const double low = std::asin(std::min(1.0, darkBelow(f)));
     if (low >= sunAltitude) return band(low, kPi / 2);
     const double middle = 0.5 * (low + sunAltitude);
     return band(low, middle) + band(sunAltitude, middle) + band(sunAltitude, kPi / 2);

@@ -1,0 +1,286 @@
+// Auxiliary Programs, EnergyPlus documentation: "EnergyPlus Weather File (EPW) Data Dictionary".
+#include "compute/daylight/epw.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <memory>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include "geometry/input_error.h"
+
+namespace heliodon::daylight {
+
+namespace {
+
+using geometry::InputError;
+using Cells = std::vector<std::string_view>;
+
+constexpr size_t kLargestFile = size_t{256} << 20;
+constexpr double kMissingIrradiance = 9999;
+constexpr double kGreatestIrradiance = 1500; // above the sun's outside the atmosphere
+
+// zlib reads plain files as they are.
+std::string readText(const std::string& file) {
+    const std::unique_ptr<gzFile_s, int (*)(gzFile)> in(gzopen(file.c_str(), "rb"), gzclose);
+    if (!in) throw InputError(file, "", "cannot be read");
+    std::string text;
+    std::vector<char> block(1 << 16);
+    for (;;) {
+        const int n = gzread(in.get(), block.data(), static_cast<unsigned>(block.size()));
+        int state = Z_OK;
+        gzerror(in.get(), &state);
+        // A cut gzip stream ends without an error from gzread but leaves Z_BUF_ERROR.
+        if (n < 0 || (state != Z_OK && state != Z_STREAM_END))
+            throw InputError(file, "", "is cut off or damaged (gzip)");
+        if (n == 0) return text;
+        text.append(block.data(), static_cast<size_t>(n));
+        if (text.size() > kLargestFile)
+            throw InputError(file, "", "is larger than 256 MiB, not a weather file");
+    }
+}
+
+std::string_view trim(std::string_view text) {
+    const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\x1a' || c == '"'; };
+    while (!text.empty() && blank(text.front())) text.remove_prefix(1);
+    while (!text.empty() && blank(text.back())) text.remove_suffix(1);
+    return text;
+}
+
+Cells splitCells(std::string_view line) {
+    Cells cells;
+    for (;;) {
+        const size_t comma = line.find(',');
+        cells.push_back(trim(line.substr(0, comma)));
+        if (comma == line.npos) return cells;
+        line.remove_prefix(comma + 1);
+    }
+}
+
+std::optional<double> numberFrom(std::string_view text) {
+    if (!text.empty() && text[0] == '+') text.remove_prefix(1);
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
+        return std::nullopt;
+    return value;
+}
+
+// One line of the file with its place for messages.
+struct Line {
+    const std::string& file;
+    size_t number;
+    Cells cells;
+
+    [[noreturn]] void refuse(const std::string& what) const {
+        throw InputError(file, std::to_string(number), what);
+    }
+
+    double value(size_t field, const char* name) const {
+        if (field >= cells.size())
+            refuse(fmt::format("has {} fields, expected at least {} ({})", cells.size(), field + 1, name));
+        const auto value = numberFrom(cells[field]);
+        if (!value)
+            refuse(fmt::format("field {} ({}) is '{}', expected a number", field + 1, name,
+                               cells[field].substr(0, 30)));
+        return *value;
+    }
+    double within(size_t field, const char* name, double low, double high) const {
+        const double v = value(field, name);
+        if (v < low || v > high)
+            refuse(
+                fmt::format("field {} ({}) is {:g}, expected {:g} to {:g}", field + 1, name, v, low, high));
+        return v;
+    }
+    int whole(size_t field, const char* name, int low, int high) const {
+        const double v = within(field, name, low, high);
+        if (v != std::floor(v))
+            refuse(fmt::format("field {} ({}) is {:g}, expected a whole number", field + 1, name, v));
+        return static_cast<int>(v);
+    }
+    std::optional<double> irradiance(size_t field, const char* name) const {
+        const double v = value(field, name);
+        if (v >= kMissingIrradiance || v <= -kMissingIrradiance) return std::nullopt;
+        if (v < -50 || v > kGreatestIrradiance)
+            refuse(fmt::format("field {} ({}) is {:g} W/m2, expected 0 to {:g}, or 9999 where missing",
+                               field + 1, name, v, kGreatestIrradiance));
+        return std::max(0.0, v); // thermal offsets of pyranometers are slightly negative
+    }
+};
+
+struct Period {
+    Date first{2001, 1, 1}, last{2001, 12, 31}; // of a common year
+};
+
+std::optional<Date> monthAndDay(std::string_view text) {
+    const size_t slash = text.find('/');
+    if (slash == text.npos) return std::nullopt;
+    const auto month = numberFrom(trim(text.substr(0, slash)));
+    std::string_view rest = text.substr(slash + 1);
+    const auto day = numberFrom(trim(rest.substr(0, rest.find('/'))));
+    if (!month || !day || *month < 1 || *month > 12 || *day < 1 ||
+        *day > daysInMonth(2000, static_cast<int>(*month)))
+        return std::nullopt;
+    return Date{2001, static_cast<int>(*month), static_cast<int>(*day)};
+}
+
+// DATA PERIODS,n,records an hour,{name,week day,first,last} n times.
+std::vector<Period> dataPeriods(const Line& line, EpwFile& epw) {
+    const auto count = line.cells.size() > 1 ? numberFrom(line.cells[1]) : std::nullopt;
+    const auto perHour = line.cells.size() > 2 ? numberFrom(line.cells[2]) : std::nullopt;
+    if (perHour && (*perHour < 1 || *perHour > 60 || std::fmod(60.0, *perHour) != 0))
+        line.refuse(fmt::format("field 3 (records per hour) is {:g}, expected a divisor of 60", *perHour));
+    epw.recordsPerHour = perHour ? static_cast<int>(*perHour) : 1;
+    std::vector<Period> periods;
+    for (size_t i = 0; count && i < static_cast<size_t>(std::clamp(*count, 0.0, 366.0)); ++i) {
+        const size_t at = 3 + 4 * i;
+        const auto first = at + 2 < line.cells.size() ? monthAndDay(line.cells[at + 2]) : std::nullopt;
+        const auto last = at + 3 < line.cells.size() ? monthAndDay(line.cells[at + 3]) : std::nullopt;
+        if (first && last) periods.push_back({*first, *last});
+    }
+    if (!count || !perHour || periods.empty()) {
+        epw.warnings.push_back(
+            fmt::format("Line {}: DATA PERIODS could not be read; a whole year is expected.", line.number));
+        return {Period{}};
+    }
+    return periods;
+}
+
+void readLocation(const Line& line, EpwFile& epw) {
+    Cells cells = line.cells;
+    while (!cells.empty() && cells.back().empty()) cells.pop_back();
+    if (cells.size() < 6) line.refuse(fmt::format("LOCATION has {} fields, expected 10", cells.size()));
+    // Counted from the end: names may hold commas.
+    const Line numbers{line.file, line.number, cells};
+    const size_t n = cells.size();
+    epw.latitudeDeg = numbers.within(n - 4, "latitude", -90, 90);
+    epw.longitudeDeg = numbers.within(n - 3, "longitude", -180, 180);
+    epw.timeZoneHours = numbers.within(n - 2, "time zone", -14, 15);
+    epw.elevationM = numbers.within(n - 1, "elevation", -1000, 9000);
+    for (size_t i = 1; i < n - 4 && i < 4; ++i) {
+        if (cells[i].empty() || cells[i] == "-" || cells[i] == "unknown") continue;
+        epw.place += (epw.place.empty() ? "" : ", ") + std::string(cells[i]);
+    }
+}
+
+void readComment(std::string_view text, EpwFile& epw) {
+    constexpr std::string_view kKey = "Irradiance Time Offset";
+    const size_t at = text.find(kKey);
+    if (at == text.npos) return;
+    const size_t colon = text.find_first_of(":=", at);
+    if (colon == text.npos) return;
+    text = text.substr(colon + 1);
+    const auto hours = numberFrom(trim(text.substr(0, text.find(','))));
+    if (hours && std::abs(*hours) <= 2) epw.irradianceOffsetHours = *hours;
+}
+
+EpwRecord readRecord(const Line& line, bool hoursFromZero) {
+    EpwRecord record;
+    record.line = line.number;
+    record.date.year = line.whole(0, "year", -9999, 9999);
+    record.date.month = line.whole(1, "month", 1, 12);
+    record.date.day = line.whole(2, "day", 1, daysInMonth(2000, record.date.month));
+    record.hour =
+        line.whole(3, "hour", hoursFromZero ? 0 : 1, hoursFromZero ? 23 : 24) + (hoursFromZero ? 1 : 0);
+    const double dewPoint = line.value(7, "dew point");
+    if (dewPoint > -90 && dewPoint < 70) record.dewPointC = dewPoint; // 99.9 = missing
+    record.global = line.irradiance(13, "global horizontal radiation");
+    record.direct = line.irradiance(14, "direct normal radiation");
+    record.diffuse = line.irradiance(15, "diffuse horizontal radiation");
+    return record;
+}
+
+// Where the next record must be: walks hour by hour through the data periods. 29 February is taken when the
+// file has it.
+class Sequence {
+public:
+    Sequence(std::vector<Period> periods, int perHour)
+        : periods_(std::move(periods)), perHour_(perHour), date_(periods_[0].first) {}
+
+    bool finished() const { return period_ == periods_.size(); }
+    std::string expected() const { return fmt::format("{}/{} hour {}", date_.month, date_.day, hour_); }
+
+    void accept(const Line& line, EpwRecord& record) {
+        const bool leapDay = record.date.month == 2 && record.date.day == 29;
+        // 29 February has been stepped over already: step back to it.
+        if (leapDay && hour_ == 1 && part_ == 0 && date_.month == 3 && date_.day == 1) date_ = {2001, 2, 29};
+        if (finished()) line.refuse("a record after the end of the data period");
+        if (record.date.month != date_.month || record.date.day != date_.day || record.hour != hour_)
+            line.refuse(fmt::format("is {}/{} hour {}, expected {}", record.date.month, record.date.day,
+                                    record.hour, expected()));
+        record.part = part_;
+        if (++part_ < perHour_) return;
+        part_ = 0;
+        if (++hour_ <= 24) return;
+        hour_ = 1;
+        nextDay(record.date);
+    }
+
+private:
+    void nextDay(const Date& done) {
+        if (done.month == periods_[period_].last.month && done.day == periods_[period_].last.day) {
+            if (++period_ < periods_.size()) date_ = periods_[period_].first;
+            return;
+        }
+        const bool leapDay = done.month == 2 && done.day == 29;
+        date_ = leapDay ? Date{2001, 3, 1} : dateFromDays(daysSinceEpoch(date_) + 1);
+        date_.year = 2001; // a period may run over New Year
+    }
+
+    std::vector<Period> periods_;
+    int perHour_;
+    size_t period_ = 0;
+    Date date_;
+    int hour_ = 1, part_ = 0;
+};
+
+} // namespace
+
+EpwFile readEpw(const std::filesystem::path& path) {
+    const std::string file = path.string();
+    const std::string text = readText(file);
+    std::string_view rest = text;
+    if (rest.starts_with("\xef\xbb\xbf")) rest.remove_prefix(3);
+
+    EpwFile epw;
+    std::optional<Sequence> sequence;
+    bool located = false, hoursFromZero = false;
+    size_t number = 0;
+    while (!rest.empty()) {
+        const size_t end = rest.find('\n');
+        const std::string_view content = trim(rest.substr(0, end));
+        rest.remove_prefix(end == rest.npos ? rest.size() : end + 1);
+        ++number;
+        if (content.empty() || content[0] == '#' || content[0] == '!') continue;
+        const Line line{file, number, splitCells(content)};
+        if (!located) {
+            if (line.cells[0] != "LOCATION") line.refuse("expected LOCATION, the first line of an EPW file");
+            readLocation(line, epw);
+            located = true;
+        } else if (!sequence) {
+            if (content.starts_with("COMMENTS")) readComment(content, epw);
+            if (line.cells[0] == "DATA PERIODS")
+                sequence.emplace(dataPeriods(line, epw), epw.recordsPerHour);
+            else if (numberFrom(line.cells[0]))
+                line.refuse("a record before the line DATA PERIODS");
+        } else {
+            if (epw.records.empty())
+                hoursFromZero = line.cells.size() > 3 && numberFrom(line.cells[3]) == 0.0;
+            EpwRecord record = readRecord(line, hoursFromZero);
+            sequence->accept(line, record);
+            epw.records.push_back(record);
+        }
+    }
+    if (!located) throw InputError(file, "", "is empty, expected an EPW weather file");
+    const std::string last = std::to_string(number);
+    if (!sequence) throw InputError(file, last, "the file ends before the line DATA PERIODS");
+    if (!sequence->finished())
+        throw InputError(file, last, fmt::format("the file ends before {}", sequence->expected()));
+    if (hoursFromZero) epw.warnings.push_back("Hours run from 0 to 23; read as 1 to 24.");
+    return epw;
+}
+
+} // namespace heliodon::daylight

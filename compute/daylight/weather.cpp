@@ -1,0 +1,281 @@
+// D. Erbs, S. Klein, J. Duffie: Estimation of the diffuse radiation fraction for hourly, daily and
+// monthly-average global radiation. Solar Energy 28, 1982 (components from global alone).
+#include "compute/daylight/weather.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "compute/daylight/epw.h"
+#include "compute/daylight/frame.h"
+
+namespace heliodon::daylight {
+
+namespace {
+
+constexpr double kSolarConstant = 1367.0;
+constexpr double kMiddle = -0.5; // hours from the end of a record's hour
+
+double sineOf(double altitudeDeg) {
+    return std::sin(radians(altitudeDeg));
+}
+
+SunOptions sunOptions(double elevationM) {
+    SunOptions options;
+    options.elevationM = elevationM;
+    // The standard atmosphere's pressure there.
+    options.pressureMbar = 1013.25 * std::pow(1.0 - 2.25577e-5 * elevationM, 5.25588);
+    return options;
+}
+
+// The instant `shift` hours after the end of the record's interval.
+double instantOf(const EpwFile& epw, const EpwRecord& record, double shift) {
+    Date date = record.date;
+    if (date.year < 1900 || date.year > 2100) date.year = 2001;
+    const double end = record.hour - 1 + (record.part + 1.0) / epw.recordsPerHour;
+    return static_cast<double>(daysSinceEpoch(date)) * 86400.0 + (end - epw.timeZoneHours + shift) * 3600.0;
+}
+
+// Sunny records that state all three irradiances, at most about 300 spread over the file.
+std::vector<const EpwRecord*> closureRecords(const EpwFile& epw) {
+    std::vector<const EpwRecord*> sunny;
+    for (const auto& r : epw.records)
+        if (r.global && r.direct && r.diffuse && *r.direct > 200) sunny.push_back(&r);
+    const size_t step = sunny.size() / 300 + 1;
+    std::vector<const EpwRecord*> some;
+    for (size_t i = 0; i < sunny.size(); i += step) some.push_back(sunny[i]);
+    return some;
+}
+
+// Root mean square of (GHI - DHI) / DNI - sin h with the sun `shift` hours after the records' ends.
+double closureError(const EpwFile& epw, const std::vector<const EpwRecord*>& records, double shift) {
+    const Site site{epw.latitudeDeg, epw.longitudeDeg};
+    double sum = 0;
+    for (const auto* r : records) {
+        const double implied = (*r->global - *r->diffuse) / *r->direct;
+        const double difference =
+            implied - sineOf(sunPosition(instantOf(epw, *r, shift), site).trueAltitudeDeg);
+        sum += difference * difference;
+    }
+    return std::sqrt(sum / static_cast<double>(std::max<size_t>(records.size(), 1)));
+}
+
+// Where in (or beside) its interval a record's sun is taken, hours from the interval's end.
+double chooseShift(EpwFile& epw, std::vector<std::string>& warnings) {
+    const double middle = kMiddle / epw.recordsPerHour;
+    const auto records = closureRecords(epw);
+    const bool enough = records.size() >= 50;
+    if (epw.irradianceOffsetHours) {
+        // PVGIS counts in UTC whatever its header's time zone says: the irradiances tell which of the two is
+        // meant.
+        const double local = *epw.irradianceOffsetHours, utc = local + epw.timeZoneHours;
+        const bool inUtc = enough && closureError(epw, records, utc) < closureError(epw, records, local);
+        warnings.push_back(
+            fmt::format("The file states an irradiance time offset of {:g} h; the sun is taken there.{}",
+                        local, inUtc ? " Its hours count in UTC, against its header." : ""));
+        if (inUtc) epw.timeZoneHours = 0;
+        return local;
+    }
+    if (!enough) return middle;
+    const double atMiddle = closureError(epw, records, middle);
+    double best = middle, least = atMiddle;
+    for (double shift = -2.0; shift <= 2.01; shift += 0.25) {
+        const double error = closureError(epw, records, shift);
+        if (error < least) {
+            least = error;
+            best = shift;
+        }
+    }
+    if (std::abs(best - middle) > 0.2 && least < 0.5 * atMiddle)
+        warnings.push_back(fmt::format(
+            "The irradiances fit a sun {:+.2f} h from the middle of each hour better than the EPW "
+            "convention (rms {:.3f} instead of {:.3f} in sin h); the convention is kept.",
+            best - middle, least, atMiddle));
+    return middle;
+}
+
+// Diffuse share of global radiation from the clearness index.
+double erbsFraction(double kt) {
+    if (kt <= 0.22) return 1.0 - 0.09 * kt;
+    if (kt > 0.80) return 0.165;
+    return 0.9511 + kt * (-0.1604 + kt * (4.388 + kt * (-16.638 + kt * 12.336)));
+}
+
+enum class Gap { none, derived, open };
+
+// Fills the hour's irradiances from what the record has of them.
+Gap fillFromRecord(const EpwRecord& record, WeatherHour& hour) {
+    const double sine = std::max(0.0, sineOf(hour.sun.altitudeDeg));
+    const double outside = kSolarConstant / (hour.sun.earthSunAu * hour.sun.earthSunAu);
+    // Below 3 degrees the quotient is noise.
+    const auto beam = [&](double horizontal) {
+        return sine > 0.05 ? std::clamp(horizontal / sine, 0.0, outside) : 0.0;
+    };
+    auto& [direct, diffuse] = hour.irradiance;
+    if (record.direct && record.diffuse) {
+        direct = *record.direct;
+        diffuse = *record.diffuse;
+        hour.globalHorizontal = record.global.value_or(direct * sine + diffuse);
+        return Gap::none;
+    }
+    if (!hour.sun.isUp()) {
+        direct = 0;
+        diffuse = record.diffuse.value_or(0);
+        hour.globalHorizontal = record.global.value_or(diffuse);
+        return Gap::none;
+    }
+    if (!record.global) return Gap::open;
+    hour.globalHorizontal = *record.global;
+    if (record.direct) {
+        direct = *record.direct;
+        diffuse = std::max(0.0, *record.global - direct * sine);
+    } else {
+        diffuse = record.diffuse
+                      ? *record.diffuse
+                      : *record.global * erbsFraction(*record.global / std::max(outside * sine, 1.0));
+        direct = beam(*record.global - diffuse);
+    }
+    return Gap::derived;
+}
+
+// The same hour of the nearest day within a week that has a record of its own.
+bool borrow(Weather& weather, const std::vector<Gap>& gaps, size_t i) {
+    const size_t day = 24 * static_cast<size_t>(weather.recordsPerHour);
+    for (size_t days = 1; days <= 7; ++days)
+        for (const bool before : {true, false}) {
+            const size_t away = days * day;
+            if (before ? i < away : i + away >= weather.hours.size()) continue;
+            const size_t other = before ? i - away : i + away;
+            if (gaps[other] == Gap::open) continue;
+            weather.hours[i].irradiance = weather.hours[other].irradiance;
+            weather.hours[i].globalHorizontal = weather.hours[other].globalHorizontal;
+            return true;
+        }
+    return false;
+}
+
+void fillGaps(Weather& weather, const std::vector<Gap>& gaps) {
+    size_t derived = 0, borrowed = 0, lost = 0;
+    for (size_t i = 0; i < gaps.size(); ++i) {
+        if (gaps[i] == Gap::none) continue;
+        weather.hours[i].filled = true;
+        if (gaps[i] == Gap::derived)
+            ++derived;
+        else if (borrow(weather, gaps, i))
+            ++borrowed;
+        else
+            ++lost;
+    }
+    if (derived)
+        weather.warnings.push_back(
+            fmt::format("{} daylit records lack an irradiance; it was derived from the others.", derived));
+    if (borrowed)
+        weather.warnings.push_back(fmt::format(
+            "{} daylit records lack their irradiance; it was taken from the nearest day.", borrowed));
+    if (lost)
+        weather.warnings.push_back(fmt::format(
+            "{} daylit records lack their irradiance and no day within a week has it; they are dark.", lost));
+}
+
+} // namespace
+
+Weather readWeather(const std::filesystem::path& file) {
+    EpwFile epw = readEpw(file);
+    Weather weather;
+    weather.warnings = epw.warnings;
+    const double shift = chooseShift(epw, weather.warnings);
+    weather.sunShiftHours = shift - kMiddle / epw.recordsPerHour;
+    weather.place = epw.place;
+    weather.site = {epw.latitudeDeg, epw.longitudeDeg};
+    weather.timeZoneHours = epw.timeZoneHours;
+    weather.elevationM = epw.elevationM;
+    weather.recordsPerHour = epw.recordsPerHour;
+    const SunOptions options = sunOptions(epw.elevationM);
+
+    std::vector<Gap> gaps;
+    size_t withoutDewPoint = 0;
+    weather.hours.reserve(epw.records.size());
+    for (const EpwRecord& record : epw.records) {
+        WeatherHour hour;
+        hour.date = record.date;
+        hour.clockHour = record.hour - 1 + (record.part + 0.5) / epw.recordsPerHour;
+        hour.utc = instantOf(epw, record, shift);
+        hour.sun = sunPosition(hour.utc, weather.site, options);
+        if (record.dewPointC)
+            hour.precipitableWaterCm = precipitableWaterCm(*record.dewPointC);
+        else if (hour.sun.isUp())
+            ++withoutDewPoint;
+        gaps.push_back(fillFromRecord(record, hour));
+        weather.hours.push_back(hour);
+    }
+    fillGaps(weather, gaps);
+    if (withoutDewPoint)
+        weather.warnings.push_back(fmt::format(
+            "{} daylit records lack the dew point; 2 cm of precipitable water is taken.", withoutDewPoint));
+    return weather;
+}
+
+Sky skyOfHour(const WeatherHour& hour, const WeatherSky& options) {
+    SkySetting setting = options.setting;
+    if (options.waterFromDewPoint) setting.precipitableWaterCm = hour.precipitableWaterCm;
+    return skyFromIrradiance(hour.irradiance, hour.sun, setting);
+}
+
+namespace {
+
+// Local standard time such that a record's sun stands at the middle of its interval.
+double clockSecondsOf(const Weather& weather, double utc) {
+    return utc + (weather.timeZoneHours - weather.sunShiftHours) * 3600.0;
+}
+
+// The record of that day and clock, whatever its year; 29 February stands in for nothing and falls back to
+// the 28th.
+std::optional<size_t> recordAt(const Weather& weather, double utc) {
+    const double local = clockSecondsOf(weather, utc);
+    const auto day = static_cast<int64_t>(std::floor(local / 86400.0));
+    const double clock = (local - static_cast<double>(day) * 86400.0) / 3600.0;
+    const Date date = dateFromDays(day);
+    const auto find = [&](int dayOfMonth) -> std::optional<size_t> {
+        for (size_t i = 0; i < weather.hours.size(); ++i) {
+            const WeatherHour& h = weather.hours[i];
+            if (h.date.month == date.month && h.date.day == dayOfMonth &&
+                std::abs(h.clockHour - clock) <= 0.5 * weather.recordHours() + 1e-9)
+                return i;
+        }
+        return std::nullopt;
+    };
+    const auto found = find(date.day);
+    return found || date.month != 2 || date.day != 29 ? found : find(28);
+}
+
+} // namespace
+
+std::optional<Sky> skyAt(const Weather& weather, double utc, const WeatherSky& options) {
+    const auto here = recordAt(weather, utc);
+    if (!here) return std::nullopt;
+    const WeatherHour& hour = weather.hours[*here];
+    const double local = clockSecondsOf(weather, utc);
+    const double clock = (local - std::floor(local / 86400.0) * 86400.0) / 3600.0;
+    const double ahead = (clock - hour.clockHour) / weather.recordHours(); // -0.5 .. 0.5
+    const bool atStart = *here == 0, atEnd = *here + 1 == weather.hours.size();
+    const size_t next = ahead < 0 ? (atStart ? *here : *here - 1) : (atEnd ? *here : *here + 1);
+    const double share = std::abs(ahead);
+    const auto mix = [&](double a, double b) { return (1.0 - share) * a + share * b; };
+    const WeatherHour& other = weather.hours[next];
+
+    WeatherHour now = hour;
+    now.irradiance.directNormal = mix(hour.irradiance.directNormal, other.irradiance.directNormal);
+    now.irradiance.diffuseHorizontal =
+        mix(hour.irradiance.diffuseHorizontal, other.irradiance.diffuseHorizontal);
+    now.precipitableWaterCm = mix(hour.precipitableWaterCm, other.precipitableWaterCm);
+    now.sun = sunPosition(utc, weather.site, sunOptions(weather.elevationM));
+    return skyOfHour(now, options);
+}
+
+bool isOccupied(const WeatherHour& hour, double fromHour, double toHour) {
+    return hour.clockHour >= fromHour && hour.clockHour < toHour;
+}
+
+} // namespace heliodon::daylight

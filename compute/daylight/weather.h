@@ -1,0 +1,73 @@
+// A year (or part) of weather from an EPW file (EnergyPlus/ESP-r weather, .epw or .epw.gz): where the sun
+// stood and what it and the sky gave, hour by hour.
+//
+// Time: an EPW record "hour h" is the mean over the hour that ends at h o'clock, local standard time (no
+// summer time). The sun is taken at the middle of that hour, h - 0.5, as epw2wea and gendaymtx do. Files that
+// say otherwise in a comment ("Irradiance Time Offset", PVGIS) are believed; where the three irradiances of a
+// file contradict the convention, a warning says which shift would close them. The year is each record's own
+// (a typical year is put together from several).
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compute/daylight/sky.h"
+#include "compute/daylight/sun_position.h"
+
+namespace heliodon::daylight {
+
+struct WeatherHour {
+    Date date;              // local standard time
+    double clockHour = 0.5; // middle of the record's interval, (0, 24)
+    double utc = 0;         // the instant that the sun is taken at
+    SunPosition sun;
+    Irradiance irradiance;          // gaps filled, see Weather::warnings
+    double globalHorizontal = 0;    // W/m2 as in the file, or from the other two
+    double precipitableWaterCm = 2; // from the dew point; 2 where that is missing
+    bool filled = false;            // irradiance was missing in the file and derived or borrowed
+};
+
+struct Weather {
+    std::string place; // "Chicago Ohare Intl Ap, IL, USA"
+    Site site;
+    double timeZoneHours = 0; // of the records' clock, east of Greenwich positive
+    double elevationM = 0;
+    int recordsPerHour = 1;
+    double sunShiftHours =
+        0; // of the sun's instant from the middle of a record's interval; not 0 only where stated
+    std::vector<WeatherHour> hours;    // in the file's order
+    std::vector<std::string> warnings; // one sentence each: gaps, odd conventions
+
+    double recordHours() const { return 1.0 / recordsPerHour; }
+};
+
+// Accepts gzip, CRLF, a byte-order mark, blank and '#' lines, leap days, hours 0 to 23, several records an
+// hour and partial years. 9999 and above is missing: one missing irradiance is derived from the other two
+// (GHI = DNI sin h + DHI), both components from GHI alone by Erbs, Klein and Duffie 1982, all three borrowed
+// from the same hour of the nearest day within a week. Throws InputError(file, line, ...): a wrong number, a
+// record out of order, an end before the data period's. 0.2 s a year.
+Weather readWeather(const std::filesystem::path& file);
+
+struct WeatherSky {
+    SkySetting setting;
+    // Take the efficacies' precipitable water from each record's dew point, as the model was meant. Off: the
+    // setting's 2 cm for every hour, as Radiance's gendaymtx does; direct light then differs by 6 % rms in a
+    // continental climate.
+    bool waterFromDewPoint = false;
+};
+
+// Perez sky of one record.
+Sky skyOfHour(const WeatherHour& hour, const WeatherSky& options = {});
+
+// For any instant: the sun's exact position with the irradiance interpolated linearly between the middles of
+// the records of that day of the (typical) year. None outside the period that the file covers.
+std::optional<Sky> skyAt(const Weather& weather, double utcSeconds, const WeatherSky& options = {});
+
+// Whether someone is there: the middle of the record lies in [from, to) o'clock. All days of the week (LM-83
+// uses 8 to 18).
+bool isOccupied(const WeatherHour& hour, double fromHour = 8, double toHour = 18);
+
+} // namespace heliodon::daylight
