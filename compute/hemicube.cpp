@@ -8,8 +8,9 @@
 #include <glm/geometric.hpp>
 #include <glm/vec4.hpp>
 
+#include "compute/daylight/glazing.h"
+#include "compute/daylight/sky_patches.h"
 #include "compute/gpu/device.h"
-#include "compute/sky_elements.h"
 #include "shaders/io/fixed_to_float.io.h"
 #include "spirv/fixed_to_float_comp.h"
 #include "spirv/hemicube_comp.h"
@@ -35,15 +36,6 @@ glm::uvec4 texelOf(glm::dvec3 v, uint32_t w) {
     return {std::bit_cast<uint32_t>(static_cast<float>(v.x)),
             std::bit_cast<uint32_t>(static_cast<float>(v.y)),
             std::bit_cast<uint32_t>(static_cast<float>(v.z)), w};
-}
-
-// Per passage of a slab of index n whose transmittance at normal incidence is `normal`, all inner reflections
-// counted.
-float transmissivity(float normal, float n) {
-    if (normal <= 0 || n == 1) return normal;
-    const double r = std::pow((n - 1.0) / (n + 1.0), 2), through = (1 - r) * (1 - r);
-    return static_cast<float>((std::sqrt(through * through + 4 * r * r * normal * normal) - through) /
-                              (2 * r * r * normal));
 }
 
 glm::dvec3 perpendicular(glm::dvec3 n) {
@@ -173,16 +165,17 @@ void Hemicube::uploadMesh(const geometry::PatchMesh& mesh) {
     }
     std::vector<glm::vec4> glazings;
     for (const geometry::Material& m : mesh.materials) {
-        const glm::vec3 t = m.transmittance;
-        const float index = m.refractiveIndex;
+        const daylight::Glazing glazing = daylight::glazingOf(m);
         glazings.push_back(
-            {transmissivity(t.x, index), transmissivity(t.y, index), transmissivity(t.z, index), index});
-        if (t.x != t.y || t.y != t.z) channels_ = 3;
+            glm::vec4(glm::vec3(glazing.transmissivity), glazing.isHole() ? 1.0 : glazing.refractiveIndex));
+        if (m.transmittance.x != m.transmittance.y || m.transmittance.y != m.transmittance.z) channels_ = 3;
     }
     triangles_ = gpu::Buffer::from(*device_, triangles, "hemicube triangles");
     openings_ = gpu::Buffer::from(*device_, openings, "hemicube openings");
     glazings_ = gpu::Buffer::from(*device_, glazings, "hemicube glazings");
-    if (hasOpenings_ && options_.skyDivision > 0) skyElements_ = skyElementCount(options_.skyDivision);
+    if (hasOpenings_ && options_.skyDivision > 0)
+        skyElements_ = static_cast<uint32_t>(
+            daylight::SkyPatches(static_cast<int>(options_.skyDivision)).elementCount());
 
     params_.triangleCount = static_cast<uint32_t>(triangles.size() / 3);
     params_.patchCount = static_cast<uint32_t>(n);

@@ -1,10 +1,12 @@
 #include "compute/reference/hemicube.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <glm/geometric.hpp>
 
-#include "compute/sky_elements.h"
+#include "compute/daylight/glazing.h"
+#include "compute/daylight/sky_patches.h"
 
 namespace heliodon::compute::reference {
 
@@ -44,17 +46,6 @@ Hit trace(const geometry::PatchMesh& mesh, const Viewpoint& view, glm::dvec3 dir
 
 } // namespace
 
-double glassTransmittance(double normal, double n, double c) {
-    if (normal <= 0 || n == 1) return normal;
-    const double r = std::pow((n - 1) / (n + 1), 2), q = (1 - r) * (1 - r);
-    const double t = (std::sqrt(q * q + 4 * r * r * normal * normal) - q) / (2 * r * r * normal);
-    const double c2 = std::sqrt(1 - (1 - c * c) / (n * n)), d = std::pow(t, 1 / c2);
-    const double r1 = std::pow((c - n * c2) / (c + n * c2), 2);
-    const double r2 = std::pow((1 / c - n / c2) / (1 / c + n / c2), 2);
-    const auto passed = [d](double r0) { return (1 - r0) * (1 - r0) * d / (1 - r0 * r0 * d * d); };
-    return 0.5 * (passed(r1) + passed(r2));
-}
-
 HemicubeRow hemicubeRow(const geometry::PatchMesh& mesh, const Viewpoint& view, uint32_t R,
                         uint32_t skyDivision, uint32_t channels) {
     glm::dvec3 low(1e300), high(-1e300);
@@ -62,7 +53,8 @@ HemicubeRow hemicubeRow(const geometry::PatchMesh& mesh, const Viewpoint& view, 
     const double flatness = 1e-6 * glm::length(high - low);
     HemicubeRow row;
     row.factors.assign(mesh.patchCount(), 0);
-    const size_t elements = skyDivision > 0 ? skyElementCount(skyDivision) : 0;
+    const daylight::SkyPatches sky(static_cast<int>(std::max(skyDivision, 1u)));
+    const size_t elements = skyDivision > 0 ? sky.elementCount() : 0;
     row.sky.assign(elements * channels, 0);
     const glm::dvec3 helper = std::abs(view.normal.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
     const glm::dvec3 u0 = glm::normalize(glm::cross(helper, view.normal)), v0 = glm::cross(view.normal, u0);
@@ -86,10 +78,10 @@ HemicubeRow hemicubeRow(const geometry::PatchMesh& mesh, const Viewpoint& view, 
                 const geometry::Material& m = mesh.materials[mesh.material[hit.patch]];
                 if (elements == 0 || !m.isOpening() || mesh.twin[hit.patch] != geometry::kNoTwin) continue;
                 const double c = std::abs(glm::dot(direction, geometry::patchNormal(mesh, hit.patch)));
+                const glm::dvec3 through = daylight::glazingOf(m).transmittance(c);
                 for (uint32_t channel = 0; channel < channels; ++channel)
-                    row.sky[channel * elements + skyElementOf(direction, skyDivision)] +=
-                        delta *
-                        glassTransmittance(m.transmittance[static_cast<int>(channel)], m.refractiveIndex, c);
+                    row.sky[channel * elements + sky.elementOf(direction)] +=
+                        delta * through[static_cast<int>(channel)];
             }
     return row;
 }

@@ -17,8 +17,4 @@ struct HemicubeRow {
 HemicubeRow hemicubeRow(const geometry::PatchMesh& mesh, const Viewpoint& view, uint32_t resolution,
                         uint32_t skyDivision = 0, uint32_t channels = 1);
 
-// Transmittance of an absorbing slab at incidence cosine c; `normal` at normal incidence (reference formula
-// of shaders/lib/glazing.glsl).
-double glassTransmittance(double normal, double refractiveIndex, double c);
-
 } // namespace heliodon::compute::reference

@@ -1,4 +1,4 @@
-// Reinhart's division of the sky in world axes (y up, azimuth from -z towards +x); compute/sky_elements.h is its mirror.
+// Reinhart's division of the sky in world axes (y up, azimuth from -z towards +x); the same numbering as daylight::SkyPatches.
 const uint kTregenzaRow[7] = uint[7](30u, 30u, 24u, 24u, 18u, 12u, 6u);
 const uint kTregenzaFirst[8] = uint[8](0u, 30u, 60u, 84u, 108u, 126u, 138u, 144u); // patches below each band
 const float kPi = 3.14159265358979;

@@ -1,0 +1,185 @@
+#include "compute/radiosity.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "geometry/patch_mesh.h"
+
+namespace heliodon::compute {
+
+namespace {
+
+constexpr size_t kBasis = 24; // Krylov vectors before a restart
+
+double dot(std::span<const double> a, std::span<const double> b) {
+    double parts[4]{};
+    size_t i = 0;
+    for (; i + 4 <= a.size(); i += 4)
+        for (size_t k = 0; k < 4; ++k) parts[k] += a[i + k] * b[i + k];
+    for (; i < a.size(); ++i) parts[0] += a[i] * b[i];
+    return (parts[0] + parts[1]) + (parts[2] + parts[3]);
+}
+
+double largest(std::span<const double> a) {
+    double most = 0;
+    for (double x : a) most = std::max(most, std::abs(x));
+    return most;
+}
+
+} // namespace
+
+// One column's Krylov space: orthonormal basis, Hessenberg matrix made triangular by Givens rotations as it
+// grows.
+struct RadiositySolver::Column {
+    std::vector<double> solution, residual;
+    std::vector<std::vector<double>> basis, hessenberg; // hessenberg[k]: column k, rotated
+    std::vector<double> cosines, sines, right;          // right: rotated right-hand side
+    double scale = 0, target = 0;                       // largest B; residual to reach (max norm)
+    bool done = false;
+
+    void begin() {
+        basis.clear(), hessenberg.clear(), cosines.clear(), sines.clear();
+        const double norm = std::sqrt(dot(residual, residual));
+        right.assign(1, norm);
+        basis.push_back(residual);
+        if (norm > 0)
+            for (double& x : basis[0]) x /= norm;
+    }
+
+    // w = A v_k arrives; returns the residual's 2-norm estimate.
+    double extend(std::vector<double> w) {
+        std::vector<double> h(basis.size() + 1);
+        for (int pass = 0; pass < 2; ++pass) // twice is enough (Kahan, Parlett)
+            for (size_t k = 0; k < basis.size(); ++k) {
+                const double along = dot(basis[k], w);
+                h[k] += along;
+                for (size_t i = 0; i < w.size(); ++i) w[i] -= along * basis[k][i];
+            }
+        const double norm = std::sqrt(dot(w, w));
+        h.back() = norm;
+        if (norm > 0)
+            for (double& x : w) x /= norm;
+        basis.push_back(std::move(w));
+        for (size_t k = 0; k < cosines.size(); ++k) {
+            const double a = h[k], b = h[k + 1];
+            h[k] = cosines[k] * a + sines[k] * b;
+            h[k + 1] = -sines[k] * a + cosines[k] * b;
+        }
+        const size_t k = cosines.size();
+        const double length = std::hypot(h[k], h[k + 1]);
+        cosines.push_back(length > 0 ? h[k] / length : 1);
+        sines.push_back(length > 0 ? h[k + 1] / length : 0);
+        h[k] = length;
+        right.push_back(-sines[k] * right[k]);
+        right[k] *= cosines[k];
+        hessenberg.push_back(std::move(h));
+        return std::abs(right.back());
+    }
+
+    void finish() {
+        std::vector<double> y(hessenberg.size());
+        for (size_t k = y.size(); k-- > 0;) {
+            double sum = right[k];
+            for (size_t j = k + 1; j < y.size(); ++j) sum -= hessenberg[j][k] * y[j];
+            y[k] = hessenberg[k][k] != 0 ? sum / hessenberg[k][k] : 0;
+            for (size_t i = 0; i < solution.size(); ++i) solution[i] += y[k] * basis[k][i];
+        }
+    }
+};
+
+RadiositySolver::RadiositySolver(RadiosityGather& gather, std::vector<float> rowSums)
+    : gather_(&gather), rowSums_(std::move(rowSums)) {}
+
+void RadiositySolver::setMatter(RadiosityMatter matter) {
+    matter_ = std::move(matter);
+    contraction_.clear();
+    for (size_t channel = 0; channel < matter_.reflectance.size(); ++channel) {
+        double most = 0;
+        for (size_t i = 0; i < matter_.patchCount; ++i) {
+            double sum = double{matter_.reflectance[channel][i]} * rowSums_[i];
+            if (matter_.twin[i] != geometry::kNoTwin)
+                sum += double{matter_.transmittance[channel][i]} *
+                       rowSums_[static_cast<size_t>(matter_.twin[i])];
+            most = std::max(most, sum);
+        }
+        contraction_.push_back(most);
+    }
+}
+
+void RadiositySolver::applyMatter(std::span<const float> illuminance, uint32_t channel,
+                                  std::span<double> out) const {
+    const auto& rho = matter_.reflectance[channel];
+    const auto& tau = matter_.transmittance[channel];
+    for (size_t i = 0; i < out.size(); ++i) {
+        out[i] = double{rho[i]} * illuminance[i];
+        if (tau[i] > 0) out[i] += double{tau[i]} * illuminance[static_cast<size_t>(matter_.twin[i])];
+    }
+}
+
+RadiosityReport RadiositySolver::solve(std::span<const float> emitted, std::span<const uint32_t> channel,
+                                       std::vector<float>& radiosity, std::vector<float>& gathered,
+                                       const RadiosityOptions& options) {
+    const size_t n = matter_.patchCount, count = channel.size();
+    assert(emitted.size() == n * count);
+    RadiosityReport report;
+    if (radiosity.size() != n * count) radiosity.assign(emitted.begin(), emitted.end());
+    gathered.assign(n * count, 0);
+    std::vector<Column> columns(count);
+    std::vector<double> given(n);
+    for (size_t c = 0; c < count; ++c) columns[c].solution.assign(&radiosity[c * n], &radiosity[c * n] + n);
+    const auto allDone = [&] {
+        return std::all_of(columns.begin(), columns.end(), [](const Column& c) { return c.done; });
+    };
+
+    for (;;) {
+        // The true residual, of B as it will be handed out.
+        for (size_t c = 0; c < count; ++c)
+            std::transform(columns[c].solution.begin(), columns[c].solution.end(), &radiosity[c * n],
+                           [](double x) { return static_cast<float>(x); });
+        gather_->gather(radiosity, gathered, static_cast<uint32_t>(count));
+        ++report.passes;
+        report.residual = report.bound = 0;
+        for (size_t c = 0; c < count; ++c) {
+            Column& column = columns[c];
+            applyMatter({&gathered[c * n], n}, channel[c], given);
+            column.residual.resize(n);
+            for (size_t i = 0; i < n; ++i)
+                column.residual[i] = emitted[c * n + i] + given[i] - radiosity[c * n + i];
+            column.scale = std::max(largest(column.solution), 1e-30);
+            const double slack = std::max(1 - contraction_[channel[c]], 1e-6);
+            const double residual = largest(column.residual) / column.scale;
+            column.target = options.tolerance * slack * column.scale;
+            column.done = residual <= options.tolerance * slack;
+            report.residual = std::max(report.residual, residual);
+            report.bound = std::max(report.bound, residual / slack);
+        }
+        report.converged = allDone();
+        if (report.converged || report.passes >= options.maxPasses) return report;
+
+        for (Column& column : columns) column.begin();
+        std::vector<float> in(n * count), out(n * count);
+        bool growing = true;
+        for (size_t k = 0; k < kBasis && growing && report.passes < options.maxPasses; ++k) {
+            for (size_t c = 0; c < count; ++c)
+                std::transform(columns[c].basis[k].begin(), columns[c].basis[k].end(), &in[c * n],
+                               [](double x) { return static_cast<float>(x); });
+            gather_->gather(in, out, static_cast<uint32_t>(count));
+            ++report.passes;
+            growing = false;
+            for (size_t c = 0; c < count; ++c) {
+                applyMatter({&out[c * n], n}, channel[c], given);
+                std::vector<double> w(n);
+                for (size_t i = 0; i < n; ++i) w[i] = columns[c].basis[k][i] - given[i];
+                // A 2-norm spread over n patches; the true residual decides above, whatever is guessed here.
+                growing |= columns[c].extend(std::move(w)) >
+                               columns[c].target * 0.1 * std::sqrt(static_cast<double>(n)) &&
+                           !columns[c].done;
+            }
+        }
+        for (Column& column : columns)
+            if (!column.done) column.finish();
+    }
+}
+
+} // namespace heliodon::compute

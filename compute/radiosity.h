@@ -1,0 +1,58 @@
+// Radiosity B = E + K F B of diffuse patches, several columns (colour channels, moments) at once.
+// K holds each patch's reflectance; a patch of interior glass also gives on what falls on its twin, times
+// transmittance. Solved by restarted GMRES (Saad and Schultz, 1986) about the device's gather: a handful of
+// passes over F where plain gathering (Jacobi) takes hundreds at high reflectance, and no need of an exactly
+// reciprocal F.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "compute/radiosity_gather.h"
+
+namespace heliodon::compute {
+
+struct RadiosityOptions {
+    double tolerance = 1e-4;  // wanted bound on the error of B, relative to the largest B of the column
+    uint32_t maxPasses = 400; // passes over F
+};
+
+struct RadiosityReport {
+    uint32_t passes = 0;
+    double residual = 0; // max |E + K F B - B| / max B, worst column
+    double bound = 0;    // on max |B - exact| / max B for this F: residual / (1 - max_i sum_j (K F)_ij)
+    bool converged = true;
+};
+
+// How patches give light on; constant over a set of materials. Layout of columns: [column][patch].
+struct RadiosityMatter {
+    uint32_t patchCount = 0;
+    std::vector<std::vector<float>> reflectance;   // per channel, in [0, 1)
+    std::vector<std::vector<float>> transmittance; // per channel, diffuse, of interior glass; 0 elsewhere
+    std::vector<int32_t> twin;                     // of interior glass, else geometry::kNoTwin
+};
+
+class RadiositySolver {
+public:
+    // `gather` must outlive this. `rowSums`: of F, for the bound.
+    RadiositySolver(RadiosityGather& gather, std::vector<float> rowSums);
+    void setMatter(RadiosityMatter matter);
+
+    // emitted: columns x patches; channel[c] says which reflectance column c sees. On return `radiosity` is B
+    // and `gathered` is F B. `radiosity` may hold a first guess (same size) or be empty.
+    RadiosityReport solve(std::span<const float> emitted, std::span<const uint32_t> channel,
+                          std::vector<float>& radiosity, std::vector<float>& gathered,
+                          const RadiosityOptions& options = {});
+
+private:
+    struct Column;
+    void applyMatter(std::span<const float> illuminance, uint32_t channel, std::span<double> out) const;
+
+    RadiosityGather* gather_;
+    std::vector<float> rowSums_;
+    RadiosityMatter matter_;
+    std::vector<double> contraction_; // per channel: max_i sum_j (K F)_ij
+};
+
+} // namespace heliodon::compute

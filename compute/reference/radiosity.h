@@ -1,0 +1,17 @@
+// Serial double-precision gather and radiosity: oracles of shaders/radiosity_gather.comp and of the solver.
+#pragma once
+
+#include <span>
+#include <vector>
+
+namespace heliodon::compute::reference {
+
+// out[c][i] = sum_j F(i, j) in[c][j]
+std::vector<double> gather(std::span<const float> factors, size_t patchCount, std::span<const float> in,
+                           size_t columns);
+
+// B = E + diag(rho) F B by Gaussian elimination with partial pivoting; O(n^3).
+std::vector<double> radiosity(std::span<const float> factors, std::span<const float> reflectance,
+                              std::span<const float> emitted);
+
+} // namespace heliodon::compute::reference

@@ -1,0 +1,147 @@
+#include "compute/daylight_transport.h"
+
+#include <gtest/gtest.h>
+
+#include "geometry/input_error.h"
+#include "tests/compute/cases.h"
+#include "tests/compute/rooms.h"
+#include "tests/gpu/test_device.h"
+
+namespace heliodon::compute {
+namespace {
+
+const std::string kCases = std::string(HELIODON_TEST_DATA) + "/compute/daylight/";
+
+struct Lit {
+    test::DaylightCase room;
+    Moment moment;
+};
+
+Lit lit(const std::string& name, double edge) {
+    Lit result{test::readCase(kCases + name), {}};
+    DaylightTransport transport(test::device(), test::subdivided(result.room.faces, edge));
+    transport.setSensors(result.room.sensors);
+    result.moment = transport.light(result.room.sky);
+    return result;
+}
+
+// Rooms against Radiance: hemicubes of 64^2, patches of 0.5 m. Target of the first release: 5 % RMS.
+class Rooms : public testing::TestWithParam<std::tuple<const char*, double, double>> {};
+
+TEST_P(Rooms, sensors_are_within_the_stated_share_of_radiance) {
+    const auto [name, edge, rms] = GetParam();
+    const Lit result = lit(name, edge);
+    const test::Deviation d = test::deviation(result.room, result.moment);
+    EXPECT_LT(d.rms, rms) << "bias " << d.bias << ", worst " << d.worst;
+    EXPECT_LT(result.moment.report.energyImbalance, 0.01); // asymmetry of one-point form factors
+}
+
+INSTANTIATE_TEST_SUITE_P(Radiance, Rooms,
+                         testing::Values(std::tuple("a0_furnace", 0.25, 1e-4),
+                                         std::tuple("a1_cube", 0.4, 0.03),
+                                         std::tuple("a2_cornell", 0.6, 0.03),
+                                         std::tuple("b_facade4x3_glass_overcast", 1.0, 0.015),
+                                         std::tuple("b_facade4x3_open_overcast", 1.0, 0.015),
+                                         std::tuple("b_roof1x1_glass_overcast", 1.0, 0.04),
+                                         std::tuple("b_roof1x1_open_overcast", 1.0, 0.04),
+                                         std::tuple("c_L_glass_overcast_mar21_13_g0.2", 0.6, 0.03),
+                                         std::tuple("c_L_unglazed_overcast_mar21_13_g0", 0.6, 0.03),
+                                         std::tuple("c_L_glass_clear_mar21_13_g0.2", 0.6, 0.03),
+                                         std::tuple("c_L_glass_perez_dec21_09_g0", 0.6, 0.03),
+                                         std::tuple("d_skylight_partition_overcast_mar21_13_g0.2", 0.6, 0.03),
+                                         std::tuple("g_white95_overcast_mar21_13_g0", 0.5, 0.03)),
+                         [](const auto& instance) {
+                             std::string name = std::get<0>(instance.param);
+                             std::replace(name.begin(), name.end(), '.', '_');
+                             return name;
+                         });
+
+geometry::PatchMesh windowRoom(glm::vec3 wall = glm::vec3(0.5f)) {
+    test::BoxRoom box;
+    box.wall.reflectance = wall;
+    box.isGlass = [](glm::dvec3 p) { return p.z < 1e-9 && p.x > 1 && p.x < 3 && p.y > 1 && p.y < 2; };
+    return test::boxRoom(box);
+}
+
+daylight::Sky sunny(glm::dvec3 direction = {0.2, 0.5, -0.8}) {
+    daylight::Sky sky = daylight::cieClearSky(glm::normalize(direction), 3000);
+    sky.sun = {glm::normalize(direction), 80000};
+    daylight::lightGround(sky, 0.2);
+    return sky;
+}
+
+TEST(DaylightTransport, parts_sum_to_what_patches_reflect) {
+    const geometry::PatchMesh mesh = windowRoom({0.7f, 0.4f, 0.1f});
+    DaylightTransport transport(test::device(), mesh);
+    const Moment moment = transport.light(sunny());
+    for (size_t i = 0; i < mesh.patchCount(); ++i) {
+        const glm::vec3 out = mesh.materials[mesh.material[i]].reflectance * moment.patches[i].total();
+        for (int c = 0; c < 3; ++c)
+            EXPECT_NEAR(moment.lighting.exitance[i][c], out[c],
+                        1e-3 * photometric(out) + 0.5); // solver's tolerance
+    }
+    EXPECT_EQ(transport.report().channels, 3u);
+}
+
+TEST(DaylightTransport, grey_scenes_take_one_channel_and_give_the_same_light) {
+    DaylightTransport grey(test::device(), windowRoom());
+    DaylightTransport coloured(test::device(), windowRoom({0.5f, 0.5f, 0.5001f}));
+    const Moment one = grey.light(sunny()), three = coloured.light(sunny());
+    for (size_t i = 0; i < one.patches.size(); ++i) {
+        EXPECT_NEAR(one.lighting.exitance[i].y, three.lighting.exitance[i].y,
+                    2e-4 * one.lighting.exitance[i].y +
+                        0.2); // two solutions, each within 1e-4 of the largest
+        EXPECT_EQ(one.lighting.exitance[i].x, one.lighting.exitance[i].z);
+    }
+}
+
+TEST(DaylightTransport, moments_together_are_moments_alone) {
+    DaylightTransport transport(test::device(), windowRoom({0.7f, 0.4f, 0.1f}));
+    transport.setSensors({{{2, 1, 2}, {0, 1, 0}}, {{1, 2, 3}, {0, 0, -1}}});
+    std::vector<daylight::Sky> skies{sunny(), sunny({-0.6, 0.2, -0.4}),
+                                     daylight::cieGeneralSky(16, {0, 1, 0}, 5000)};
+    const std::vector<Moment> together = transport.light(skies);
+    for (size_t k = 0; k < skies.size(); ++k) {
+        const Moment alone = transport.light(skies[k]);
+        for (size_t s = 0; s < 2; ++s) {
+            const double lux = photometric(alone.sensors[s].total());
+            EXPECT_NEAR(photometric(together[k].sensors[s].total()), lux, 1e-3 * lux);
+        }
+    }
+}
+
+TEST(DaylightTransport, what_a_moment_does_not_need_is_skipped_with_a_reason) {
+    DaylightTransport transport(test::device(), windowRoom());
+    const auto skips = [](const Moment& moment, const std::string& what) {
+        return std::any_of(moment.report.skipped.begin(), moment.report.skipped.end(),
+                           [&](const std::string& s) { return s.starts_with(what); });
+    };
+    const Moment night = transport.light(daylight::Sky{});
+    EXPECT_TRUE(skips(night, "sky") && skips(night, "sun") && skips(night, "interreflection"));
+    EXPECT_EQ(photometric(night.patches[5].total()), 0);
+    EXPECT_EQ(night.report.radiosity.passes, 0u);
+    EXPECT_TRUE(skips(transport.light(daylight::cieGeneralSky(16, {0, 1, 0}, 5000)), "sun"));
+    EXPECT_TRUE(skips(transport.light(sunny({0, 0.5, 1})), "sun: shines on no opening"));
+    DaylightTransport closed(test::device(), test::boxRoom({}));
+    EXPECT_TRUE(skips(closed.light(sunny()), "sky and ground: no opening"));
+}
+
+TEST(DaylightTransport, new_materials_give_what_a_new_transport_gives) {
+    geometry::PatchMesh mesh = windowRoom();
+    DaylightTransport transport(test::device(), mesh);
+    transport.setSensors({{{2, 1, 2}, {0, 1, 0}}});
+    mesh.materials[0].reflectance = {0.8f, 0.6f, 0.4f};
+    mesh.materials[1].transmittance = {0.5f, 0.6f, 0.7f};
+    transport.setMaterials(mesh.materials);
+    DaylightTransport fresh(test::device(), mesh);
+    fresh.setSensors({{{2, 1, 2}, {0, 1, 0}}});
+    EXPECT_EQ(transport.light(sunny()).sensors[0].total(), fresh.light(sunny()).sensors[0].total());
+}
+
+TEST(DaylightTransport, impossible_reflectances_are_refused) {
+    for (float bad : {1.0f, -0.1f, std::nanf("")})
+        EXPECT_THROW(DaylightTransport(test::device(), windowRoom({0.5f, bad, 0.5f})), geometry::InputError);
+}
+
+} // namespace
+} // namespace heliodon::compute

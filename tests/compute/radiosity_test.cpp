@@ -1,0 +1,158 @@
+#include "compute/radiosity.h"
+
+#include <cstring>
+#include <numeric>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "compute/form_factors.h"
+#include "compute/gpu/device.h"
+#include "compute/reference/radiosity.h"
+#include "shaders/io/radiosity_gather.io.h"
+#include "tests/compute/rooms.h"
+#include "tests/gpu/test_device.h"
+
+namespace heliodon::compute {
+namespace {
+
+gpu::Buffer padded(const std::vector<float>& values) {
+    gpu::Buffer buffer(test::device(), (values.size() * sizeof(float) + 15) / 16 * 16, "factors");
+    buffer.upload(values);
+    return buffer;
+}
+
+// Rows of non-negative numbers that sum to `rowSum`, no diagonal.
+std::vector<float> randomFactors(size_t n, double rowSum, unsigned seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> at(0, 1);
+    std::vector<float> F(n * n);
+    for (size_t i = 0; i < n; ++i) {
+        std::vector<double> row(n);
+        for (size_t j = 0; j < n; ++j) row[j] = i == j ? 0 : std::pow(at(random), 4);
+        const double sum = std::max(std::accumulate(row.begin(), row.end(), 0.0), 1e-30);
+        for (size_t j = 0; j < n; ++j) F[i * n + j] = static_cast<float>(row[j] * rowSum / sum);
+    }
+    return F;
+}
+
+TEST(RadiosityGather, agrees_with_the_reference_at_every_alignment_and_column_count) {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<float> at(0, 1000);
+    for (size_t n : {1u, 2u, 3u, 5u, 16u, 17u, 63u, 130u, 257u}) {
+        const std::vector<float> F = randomFactors(n, 1, 5);
+        const gpu::Buffer factors = padded(F);
+        RadiosityGather gather(test::device(), factors, static_cast<uint32_t>(n));
+        for (uint32_t columns : {1u, 3u, 4u, 7u}) {
+            std::vector<float> in(n * columns), out(n * columns, -1);
+            for (float& x : in) x = at(random);
+            gather.gather(in, out, columns);
+            const std::vector<double> expected = reference::gather(F, n, in, columns);
+            // Float sums of n terms of one sign in 32 partial sums: relative error under (n / 32 + 8) * 6e-8.
+            for (size_t k = 0; k < out.size(); ++k)
+                ASSERT_NEAR(out[k], expected[k], 1e-6 * expected[k] + 1e-6) << n;
+            std::vector<float> again(n * columns);
+            gather.gather(in, again, columns);
+            EXPECT_EQ(std::memcmp(out.data(), again.data(), out.size() * sizeof(float)), 0);
+        }
+    }
+}
+
+struct Solved {
+    RadiosityReport report;
+    std::vector<float> exitance, gathered;
+};
+
+Solved solve(const std::vector<float>& F, const std::vector<float>& rho, const std::vector<float>& emitted,
+             const RadiosityOptions& options = {}) {
+    const size_t n = rho.size();
+    const gpu::Buffer factors = padded(F);
+    RadiosityGather gather(test::device(), factors, static_cast<uint32_t>(n));
+    std::vector<float> rowSums(n);
+    for (size_t i = 0; i < n; ++i)
+        for (size_t j = 0; j < n; ++j) rowSums[i] += F[i * n + j];
+    RadiositySolver solver(gather, rowSums);
+    solver.setMatter({static_cast<uint32_t>(n),
+                      {rho},
+                      {std::vector<float>(n, 0)},
+                      std::vector<int32_t>(n, geometry::kNoTwin)});
+    Solved result;
+    const uint32_t channel[]{0};
+    result.report = solver.solve(emitted, channel, result.exitance, result.gathered, options);
+    return result;
+}
+
+TEST(Radiosity, a_furnace_glows_with_exitance_over_one_minus_reflectance) {
+    const size_t n = 90;
+    for (float rho : {0.0f, 0.3f, 0.8f, 0.95f, 0.99f}) {
+        const Solved s =
+            solve(randomFactors(n, 1, 11), std::vector<float>(n, rho), std::vector<float>(n, 10.0f));
+        EXPECT_TRUE(s.report.converged);
+        EXPECT_LE(s.report.bound, 1.01e-4);
+        for (float b : s.exitance)
+            EXPECT_NEAR(b, 10.0 / (1 - rho), 2e-4 * 10.0 / (1 - rho)); // twice the tolerance
+    }
+}
+
+TEST(Radiosity, agrees_with_gaussian_elimination_within_its_own_bound) {
+    const size_t n = 75;
+    std::mt19937 random(9);
+    std::uniform_real_distribution<float> at(0, 1);
+    const std::vector<float> F = randomFactors(n, 0.97, 21);
+    std::vector<float> rho(n), emitted(n);
+    for (float& r : rho) r = 0.99f * at(random);
+    emitted[7] = 5000; // one small lamp
+    for (double tolerance : {1e-2, 1e-4, 1e-6}) {
+        RadiosityOptions options;
+        options.tolerance = tolerance;
+        const Solved s = solve(F, rho, emitted, options);
+        const std::vector<double> exact = reference::radiosity(F, rho, emitted);
+        double worst = 0;
+        for (size_t i = 0; i < n; ++i) worst = std::max(worst, std::abs(s.exitance[i] - exact[i]));
+        EXPECT_LE(worst / 5000,
+                  s.report.bound + 1e-6); // the bound is of max B, here at least the lamp; float32
+        EXPECT_LE(s.report.bound, tolerance);
+    }
+}
+
+TEST(Radiosity, a_bright_closed_box_converges_in_few_passes) {
+    const geometry::PatchMesh mesh = test::boxRoom({});
+    const size_t n = mesh.patchCount();
+    const FormFactors F = computeFormFactors(test::device(), mesh);
+    std::vector<float> emitted(n);
+    emitted[3] = 1000;
+    const Solved s = solve(F.values.download<float>(n * n), std::vector<float>(n, 0.99f), emitted);
+    EXPECT_TRUE(s.report.converged);
+    EXPECT_LT(s.report.passes, 60u); // plain gathering: ln(1e-4) / ln(0.99) = 916
+}
+
+TEST(Radiosity, a_pass_limit_is_reported_not_hidden) {
+    RadiosityOptions options;
+    options.maxPasses = 2;
+    std::vector<float> emitted(40);
+    emitted[0] = 1;
+    const Solved s = solve(randomFactors(40, 1, 2), std::vector<float>(40, 0.9f), emitted, options);
+    EXPECT_FALSE(s.report.converged);
+    EXPECT_GT(s.report.bound, options.tolerance);
+}
+
+TEST(Radiosity, interior_glass_hands_on_what_falls_on_its_twin) {
+    // Two patches that see only each other's partner: 0 shines on 1, 1 is the twin of 2, 2 shines on 3.
+    std::vector<float> F(16);
+    F[0 * 4 + 1] = F[1 * 4 + 0] = F[2 * 4 + 3] = F[3 * 4 + 2] = 1;
+    const gpu::Buffer factors = padded(F);
+    RadiosityGather gather(test::device(), factors, 4);
+    RadiositySolver solver(gather, {1, 1, 1, 1});
+    solver.setMatter(
+        {4, {{0.5f, 0, 0, 0}}, {{0, 0.8f, 0.8f, 0}}, {geometry::kNoTwin, 2, 1, geometry::kNoTwin}});
+    std::vector<float> exitance, gathered;
+    const std::vector<float> emitted{100, 0, 0, 0};
+    const uint32_t channel[]{0};
+    EXPECT_TRUE(solver.solve(emitted, channel, exitance, gathered).converged);
+    EXPECT_NEAR(exitance[2], 80, 0.01);
+    EXPECT_NEAR(gathered[3], 80, 0.01);
+    EXPECT_NEAR(exitance[1], 0, 0.01);
+}
+
+} // namespace
+} // namespace heliodon::compute

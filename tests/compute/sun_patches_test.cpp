@@ -1,0 +1,110 @@
+#include "compute/sun_patches.h"
+
+#include <random>
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include "compute/daylight/glazing.h"
+#include "compute/reference/sun.h"
+#include "tests/compute/cases.h"
+#include "tests/compute/rooms.h"
+
+namespace heliodon::compute {
+namespace {
+
+const std::string kCases = std::string(HELIODON_TEST_DATA) + "/compute/daylight/";
+
+double luminousFlux(const geometry::PatchMesh& mesh, const std::vector<glm::vec3>& sun) {
+    double flux = 0;
+    for (size_t i = 0; i < mesh.patchCount(); ++i) flux += geometry::patchArea(mesh, i) * sun[i].y;
+    return flux;
+}
+
+TEST(SunPatches, all_that_enters_a_window_lands_somewhere) {
+    test::BoxRoom box;
+    box.isGlass = [](glm::dvec3 p) { return p.z < 1e-9 && p.x > 1 && p.x < 3 && p.y > 1 && p.y < 2; };
+    const geometry::PatchMesh mesh = test::boxRoom(box);
+    for (glm::dvec3 sun :
+         {glm::dvec3(0.3, 0.5, -0.8), glm::dvec3(-0.7, 0.1, -0.4), glm::dvec3(0, 1, -0.05)}) {
+        sun = glm::normalize(sun);
+        const double expected =
+            2 * -sun.z * daylight::glazingOf(box.glass).transmittance(-sun.z).y; // 2 m2 of glass
+        EXPECT_NEAR(luminousFlux(mesh, SunPatches(mesh, sun).onPatches()), expected,
+                    1e-6 * expected); // float32 results
+    }
+}
+
+TEST(SunPatches, a_sun_behind_the_house_does_not_enter) {
+    test::BoxRoom box;
+    box.isGlass = [](glm::dvec3 p) { return p.z < 1e-9; };
+    const geometry::PatchMesh mesh = test::boxRoom(box);
+    const SunPatches sun(mesh, glm::normalize(glm::dvec3(0, 0.5, 1)));
+    EXPECT_FALSE(sun.canEnter());
+    EXPECT_EQ(luminousFlux(mesh, sun.onPatches()), 0);
+    EXPECT_FALSE(SunPatches(test::boxRoom({}), {0, 1, 0}).canEnter());
+}
+
+TEST(SunPatches, agrees_with_rays_in_an_L_shaped_room_with_a_partition) {
+    const auto room = test::readCase(kCases + "d_skylight_partition_overcast_mar21_13_g0.2");
+    const geometry::PatchMesh mesh = test::subdivided(room.faces, 0.9);
+    for (glm::dvec3 sun :
+         {glm::dvec3(-0.26, 0.70, 0.66), glm::dvec3(-0.5, 0.3, 0.2), glm::dvec3(0.2, 0.9, 0.3)}) {
+        sun = glm::normalize(sun);
+        const auto exact = SunPatches(mesh, sun).onPatches();
+        size_t lit = 0;
+        for (size_t i = 0; i < mesh.patchCount(); ++i) {
+            // 512 low-discrepancy rays: a straight shadow edge leaves about 1/512 * 5 of the patch open.
+            EXPECT_NEAR(exact[i].y, reference::sunOnPatch(mesh, i, sun, 512).y, 0.012) << "patch " << i;
+            lit += exact[i].y > 0;
+        }
+        EXPECT_GT(lit, 5u);
+    }
+}
+
+TEST(SunPatches, an_interior_window_counts_once_and_each_pane_on_the_way_counts) {
+    // Two rooms side by side along z; glass in the outer wall at z = 0 and between them at z = 5.
+    test::BoxRoom box;
+    const auto band = [](double z) { return [z](glm::dvec3 p) { return std::abs(p.z - z) < 1e-9; }; };
+    box.isGlass = [&](glm::dvec3 p) { return band(0)(p) || band(5)(p); };
+    geometry::PatchMesh mesh = test::boxRoom(box);
+    test::BoxRoom inner = box;
+    inner.low.z = 5, inner.high.z = 10;
+    inner.isGlass = band(5);
+    test::addBox(mesh, inner, 1);
+    for (size_t i = 0; i < mesh.patchCount(); ++i)
+        for (size_t j = i + 1; j < mesh.patchCount(); ++j)
+            if (mesh.room[i] != mesh.room[j] && mesh.materials[mesh.material[j]].isOpening() &&
+                glm::length(geometry::patchCentroid(mesh, i) - geometry::patchCentroid(mesh, j)) < 1e-9)
+                mesh.twin[i] = static_cast<int32_t>(j), mesh.twin[j] = static_cast<int32_t>(i);
+    const glm::dvec3 sun = glm::normalize(glm::dvec3(0, 0.05, -1));
+    const double pane = daylight::glazingOf(box.glass).transmittance(-sun.z).y;
+    const SunPatches patches(mesh, sun);
+    ASSERT_TRUE(patches.canEnter());
+    const glm::vec3 outer = patches.atPoint({2.1, 1.2, 4.9}, sun),
+                    far = patches.atPoint({2.1, 1.2, 9.9}, sun);
+    EXPECT_NEAR(outer.y, pane, 1e-6);
+    EXPECT_NEAR(far.y, pane * pane, 1e-6);
+    const auto lit = patches.onPatches();
+    for (size_t i = 0; i < mesh.patchCount(); ++i)
+        if (mesh.room[i] == 1 && geometry::patchCentroid(mesh, i).z > 9.99 &&
+            geometry::patchCentroid(mesh, i).y < 2) {
+            EXPECT_NEAR(lit[i].y, -sun.z * pane * pane, 1e-6); // the top of the window lights up to y = 2.5
+        }
+}
+
+TEST(SunPatches, points_in_sun_and_shade_are_those_of_the_reference_sensors) {
+    const auto room = test::readCase(kCases + "c_L_glass_clear_mar21_13_g0.2");
+    const geometry::PatchMesh mesh = test::subdivided(room.faces, 0.5);
+    const SunPatches sun(mesh, room.sky.sun.direction);
+    const auto& reference = room.columns.at("lux_sun_direct");
+    for (size_t s = 0; s < reference.size(); ++s) {
+        const double lux =
+            room.sky.sun.normalIlluminance * sun.atPoint(room.sensors[s].position, room.sensors[s].normal).y;
+        EXPECT_NEAR(lux, reference[s], 0.002 * reference[s])
+            << "sensor " << s; // Radiance's glass, bins of its own
+    }
+}
+
+} // namespace
+} // namespace heliodon::compute
