@@ -19,8 +19,8 @@ struct Date {
 bool isLeapYear(int year);
 int daysInMonth(int year, int month);
 int dayOfYear(const Date& date); // 1..366
-int64_t
-daysSinceEpoch(const Date& date); // 1970-01-01 is 0; a day past the month's end runs on into the next month
+// 1970-01-01 is 0; a day past the month's end runs on into the next month.
+int64_t daysSinceEpoch(const Date& date);
 Date dateFromDays(int64_t daysSinceEpoch);
 
 // A time of day on a date, on a clock with a fixed offset from UTC or on the sun's own clock: local apparent

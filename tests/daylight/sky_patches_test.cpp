@@ -97,7 +97,7 @@ TEST(SkyPatches, the_shader_formula_in_the_header_finds_the_same_patch) {
     EXPECT_LE(differ, 5); // only within a float's rounding of an edge
 }
 
-TEST(SkyPatches, mean_luminance_is_that_of_a_thousand_times_finer_sampling) {
+TEST(SkyPatches, mean_luminance_is_that_of_a_hundred_times_finer_sampling) {
     const glm::dvec3 low = directionInWorld({200, 7}, 90), high = directionInWorld({120, 61}, 90),
                      top{0, 1, 0};
     const SkyPatches patches(2);
@@ -106,11 +106,11 @@ TEST(SkyPatches, mean_luminance_is_that_of_a_thousand_times_finer_sampling) {
              {cieGeneralSky(12, sun, 1000), cieGeneralSky(15, sun, 1000), cieIntermediateSky(sun, 1000),
               perezSky({-1.05, -0.3, 31, -7.2, 1.5}, sun, 1000), cieGeneralSky(1, sun, 1000)}) {
             const auto mean = patches.luminances(sky);
-            for (size_t i = 0; i < patches.patchCount(); i += 5) {
+            for (size_t i = 0; i < patches.patchCount(); i += 7) {
                 const auto& row = *std::find_if(patches.rows().rbegin(), patches.rows().rend(),
                                                 [&](const SkyRow& r) { return r.firstPatch <= i; });
                 double sum = 0;
-                const int n = 120;
+                const int n = 64;
                 for (int u = 0; u < n; ++u)
                     for (int v = 0; v < n; ++v) {
                         const double y = row.lowSine + (row.highSine - row.lowSine) * (u + 0.5) / n;
@@ -120,8 +120,8 @@ TEST(SkyPatches, mean_luminance_is_that_of_a_thousand_times_finer_sampling) {
                         sum += sky.luminance(
                             {level * std::sin(2 * kPi * turn), y, -level * std::cos(2 * kPi * turn)});
                     }
-                // 5e-4 stated; the midpoint rule at the tip of a cone adds 3e-5.
-                EXPECT_NEAR(mean[i] / (sum / (n * n)), 1, 5.5e-4) << sky.model << " patch " << i;
+                // 5e-4 stated; the midpoint rule at the tip of a cone adds 1e-4.
+                EXPECT_NEAR(mean[i] / (sum / (n * n)), 1, 6e-4) << sky.model << " patch " << i;
             }
         }
 }

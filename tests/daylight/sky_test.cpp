@@ -139,6 +139,25 @@ TEST(SkyOption, named_skies_are_those_of_gensky) {
     EXPECT_NEAR(intermediate.sun.normalIlluminance / (0.15 * 72449.12), 1, 5e-4);
 }
 
+// gensky approximates E_h / Lz of its clear and intermediate skies by a polynomial over F2, both printed in
+// its source.
+TEST(SkyOption, horizontal_illuminance_agrees_with_genskys_normalisation) {
+    const auto polynomial = [](const double(&k)[5], double x) {
+        return k[0] + x * (k[1] + x * (k[2] + x * (k[3] + x * k[4])));
+    };
+    for (const double altitude : {10.0, 25.0, 44.8, 60.0, 75.0}) {
+        const double h = radians(altitude), x = (h - kPi / 4) / (kPi / 4), z = kPi / 2 - h;
+        const double clearF2 = 0.274 * (0.91 + 10 * std::exp(-3 * z) + 0.45 * std::sin(h) * std::sin(h));
+        const double middleF2 =
+            (2.739 + 0.9891 * std::sin(0.3119 + 2.6 * h)) * std::exp(-z * (0.4441 + 1.48 * h));
+        const double clear = polynomial({2.766521, 0.547665, -0.369832, 0.009237, 0.059229}, x) / clearF2;
+        const double middle = polynomial({3.5556, -2.7152, -1.3081, 1.0660, 0.60227}, x) / middleF2;
+        const glm::dvec3 sun = towards(140, 90 - altitude);
+        EXPECT_NEAR(diffuseHorizontalIlluminance(cieClearSky(sun, 1)) / clear, 1, 0.015) << altitude;
+        EXPECT_NEAR(diffuseHorizontalIlluminance(cieIntermediateSky(sun, 1)) / middle, 1, 0.05) << altitude;
+    }
+}
+
 TEST(SkyOption, perez_numbers_are_those_of_gendaylit) {
     // gendaylit 12 21 +9 -W 150 80 -a 42.73 -o 73.68: epsilon 1.5158, delta 0.2680.
     SunPosition sun = sunAt(180 - 41.5, degrees(std::asin(0.2064729651958875)));
