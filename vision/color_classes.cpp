@@ -69,7 +69,30 @@ Region findRegion(const PlanView& view, double radiusInches) {
     return region;
 }
 
-cv::Mat linearised(const PlanView& view, const cv::Rect& box) {
+float median(std::vector<float>& values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+// Standard deviation of a pixel on the table over its value: median of second differences, which edges do not
+// move.
+double relativeNoise(const cv::Mat& linear, const cv::Mat& table) {
+    std::vector<float> samples;
+    for (int y = 4; y < linear.rows - 4; y += 13) {
+        const auto* row = linear.ptr<cv::Vec<uint16_t, 3>>(y);
+        for (int x = 4; x < linear.cols - 4; x += 17) {
+            if (!table.at<uint8_t>(y, x) || row[x][1] == 0) continue;
+            const int bend = row[x - 2][1] - 2 * row[x][1] + row[x + 2][1];
+            samples.push_back(static_cast<float>(std::abs(bend)) / static_cast<float>(row[x][1]));
+        }
+    }
+    if (samples.empty()) return 0;
+    return static_cast<double>(median(samples)) * 1.4826 /
+           std::sqrt(6.0); // the weights 1, -2, 1 add to 6 in variance
+}
+
+cv::Mat linearised(const PlanView& view, const cv::Rect& box, const cv::Mat& table) {
     const Photograph& photo = view.photo();
     const cv::Mat bytes(photo.height, photo.width, CV_8UC3, const_cast<uint8_t*>(photo.rgb.data()));
     cv::Mat lut(1, 256, CV_16U), out;
@@ -77,15 +100,11 @@ cv::Mat linearised(const PlanView& view, const cv::Rect& box) {
         lut.at<uint16_t>(i) =
             cv::saturate_cast<uint16_t>(kScale * view.linearFromByte()[static_cast<size_t>(i)]);
     cv::LUT(bytes(box), lut, out);
-    // Averages the sensor's noise over about five pixels; a token's rim is about four wide.
-    cv::GaussianBlur(out, out, cv::Size(5, 5), 0.9);
+    // Averages as much as the noise asks for: a token's rim is only about four pixels wide.
+    const double sigma = std::clamp(0.5 + 12 * relativeNoise(out, table), 0.5, 1.5);
+    const int size = 2 * static_cast<int>(std::ceil(2 * sigma)) + 1;
+    cv::GaussianBlur(out, out, cv::Size(size, size), sigma);
     return out;
-}
-
-float median(std::vector<float>& values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
 }
 
 // Light on white per block: blocks that look like the table, spread over those that do not.
@@ -209,29 +228,52 @@ float hueDistance(float a, float b) {
     return std::min(d, 360 - d);
 }
 
-// Each paint's hue is the mode of the picture's hues about the nominal one; a paint that is not there keeps
-// the nominal.
+struct Peak {
+    float hue, mass;
+};
+
+std::vector<Peak> findPeaks(const std::array<float, 360>& bins) {
+    std::array<float, 360> smooth{};
+    for (size_t h = 0; h < 360; ++h)
+        for (size_t d = 0; d < 7; ++d) smooth[h] += bins[(h + d + 357) % 360];
+    std::vector<Peak> peaks;
+    for (size_t h = 0; h < 360; ++h) {
+        if (smooth[h] < 40) continue; // half of the smallest piece of paint, in pixels
+        bool highest = true;
+        for (size_t d = 1; d <= 8; ++d) // first of equals
+            highest =
+                highest && smooth[h] >= smooth[(h + d) % 360] && smooth[h] > smooth[(h + 360 - d) % 360];
+        if (!highest) continue;
+        float moment = 0;
+        for (size_t d = 0; d < 7; ++d) moment += bins[(h + d + 357) % 360] * (static_cast<float>(d) - 3);
+        peaks.push_back({static_cast<float>(h) + moment / smooth[h], smooth[h]});
+    }
+    return peaks;
+}
+
+// Each paint's hue is a peak of the picture's hues near the nominal one; a paint that is not there keeps the
+// nominal. Nearest pairs first, one paint to a peak, so that without red walls the arrow's orange is not
+// taken for a red.
 std::array<float, kPaints> learnHues(const std::vector<Coloured>& coloured) {
     std::array<std::array<float, 360>, 2> histogram{};
     for (const Coloured& c : coloured) histogram[c.saturation < kVivid][c.hue] += 1;
     std::array<float, kPaints> learned = kNominalHue;
-    for (size_t paint = 1; paint < kPaints; ++paint) {
-        const auto& bins = histogram[static_cast<Paint>(paint) == Paint::sky];
-        float best = 40; // pixels within the window: half of the smallest piece of paint
-        for (int shift = -kHueReach; shift <= kHueReach; ++shift) {
-            const int middle = static_cast<int>(kNominalHue[paint]) + shift + 360;
-            float mass = 0, moment = 0, others = 1e9f;
-            for (size_t other = 1; other < kPaints; ++other)
-                if (other != paint &&
-                    (static_cast<Paint>(paint) == Paint::sky) == (static_cast<Paint>(other) == Paint::sky))
-                    others =
-                        std::min(others, hueDistance(kNominalHue[other], static_cast<float>(middle % 360)));
-            if (others < hueDistance(kNominalHue[paint], static_cast<float>(middle % 360))) continue;
-            for (int d = -3; d <= 3; ++d) {
-                const float n = bins[static_cast<size_t>(middle + d) % 360];
-                mass += n, moment += n * static_cast<float>(d);
-            }
-            if (mass > best) best = mass, learned[paint] = static_cast<float>(middle % 360) + moment / mass;
+    std::array<bool, kPaints> known{};
+    for (const bool pale : {false, true}) {
+        std::vector<Peak> peaks = findPeaks(histogram[pale]);
+        for (;;) {
+            float best = kHueReach;
+            size_t bestPaint = 0, bestPeak = 0;
+            for (size_t paint = 1; paint < kPaints; ++paint)
+                for (size_t k = 0; k < peaks.size(); ++k) {
+                    if (known[paint] || (static_cast<Paint>(paint) == Paint::sky) != pale) continue;
+                    const float d = hueDistance(kNominalHue[paint], peaks[k].hue);
+                    if (d < best) best = d, bestPaint = paint, bestPeak = k;
+                }
+            if (bestPaint == 0) break;
+            known[bestPaint] = true;
+            learned[bestPaint] = peaks[bestPeak].hue;
+            peaks.erase(peaks.begin() + static_cast<std::ptrdiff_t>(bestPeak));
         }
     }
     return learned;
@@ -284,7 +326,7 @@ ClassImage classifyPixels(const PlanView& view, const geometry::Rig& rig, const 
     out.paint.assign(static_cast<size_t>(region.box.area()), Paint::none);
     out.hasTable = false;
     if (region.box.empty()) return out;
-    const cv::Mat linear = linearised(view, region.box);
+    const cv::Mat linear = linearised(view, region.box, region.table);
     const WhiteMap white = findWhite(linear, region.table);
     if (white.light.empty()) return out;
     out.hasTable = true;

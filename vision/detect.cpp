@@ -100,17 +100,18 @@ private:
         return joined;
     }
 
+    // The most orange of the regions with an arrow's shape.
     void findArrow() {
-        double best = 0;
+        double best = -1;
         size_t bestRegion = 0;
         for (size_t i = 0; i < regions_.size(); ++i) {
             const Component& region = regions_[i];
-            if (used_[i] || region.group != Paint::red) continue;
+            if (used_[i] || (region.group != Paint::red && region.group != Paint::yellow)) continue;
             const double orange = static_cast<double>(region.minorityArea) / region.area;
-            if (orange < 0.25) continue;
+            if (orange <= best) continue;
             const auto arrow = fitArrow(region, view_, options_);
-            if (!arrow || orange <= best) continue;
-            if (out_.sketch.north)
+            if (!arrow) continue;
+            if (out_.sketch.north && best > 0.5)
                 out_.warnings.push_back("more than one north arrow: the most orange one counts");
             best = orange, bestRegion = i;
             out_.sketch.north = arrow;

@@ -20,6 +20,34 @@ double medianOf(std::vector<double> values) {
     return *middle;
 }
 
+struct Levels {
+    size_t begin, end; // samples of the profile
+};
+
+// `offset` counts samples.
+std::optional<Edge> crossing(const std::vector<glm::vec3>& profile, Levels inside, Levels outside,
+                             size_t expected) {
+    const glm::vec3 in = mean(profile, inside.begin, inside.end);
+    const glm::vec3 difference = mean(profile, outside.begin, outside.end) - in;
+    const float span = glm::dot(difference, difference);
+    const float brighter = std::max(glm::length(in), glm::length(in + difference));
+    if (span < 1e-12f || std::sqrt(span) < 0.1f * brighter) return std::nullopt;
+    std::optional<Edge> best;
+    float before = glm::dot(profile[0] - in, difference) / span;
+    for (size_t i = 1; i < profile.size(); ++i) {
+        const float here = glm::dot(profile[i] - in, difference) / span;
+        if (before < 0.5f && here >= 0.5f) {
+            const double place =
+                static_cast<double>(i - 1) + static_cast<double>((0.5f - before) / (here - before));
+            const double wanted = static_cast<double>(expected);
+            if (!best || std::abs(place - wanted) < std::abs(best->offset - wanted))
+                best = Edge{place, static_cast<double>(std::sqrt(span) / brighter)};
+        }
+        before = here;
+    }
+    return best;
+}
+
 } // namespace
 
 std::optional<Edge> findEdge(const PlanView& view, const EdgeProbe& probe) {
@@ -37,27 +65,22 @@ std::optional<Edge> findEdge(const PlanView& view, const EdgeProbe& probe) {
     }
     const double perInch = static_cast<double>(n - 1) / (probe.inside + probe.outside);
     const size_t expected = static_cast<size_t>(probe.inside * perInch);
-    const glm::vec3 in = mean(profile, 0, std::max<size_t>(2, expected / 2));
     const size_t tail = std::max<size_t>(2, 2 * (n - expected) / 5);
-    const glm::vec3 difference = mean(profile, n - tail, n) - in;
-    const float span = glm::dot(difference, difference);
-    const float brighter = std::max(glm::length(in), glm::length(in + difference));
-    if (span < 1e-12f || std::sqrt(span) < 0.1f * brighter) return std::nullopt;
-
-    std::optional<Edge> best;
-    float before = glm::dot(profile[0] - in, difference) / span;
-    for (size_t i = 1; i < n; ++i) {
-        const float here = glm::dot(profile[i] - in, difference) / span;
-        if (before < 0.5f && here >= 0.5f) {
-            const double place =
-                static_cast<double>(i - 1) + static_cast<double>((0.5f - before) / (here - before));
-            const double offset = place / perInch - probe.inside;
-            if (!best || std::abs(offset) < std::abs(best->offset))
-                best = Edge{offset, static_cast<double>(std::sqrt(span) / brighter)};
-        }
-        before = here;
-    }
-    return best;
+    auto edge = crossing(profile, {0, std::max<size_t>(2, expected / 2)}, {n - tail, n}, expected);
+    if (!edge) return std::nullopt;
+    // Once more with levels from close by: behind the edge may lie a wall's narrow white face and then a
+    // shaded table. The blur of lens and mosaic ends within two pixels.
+    const double pixel = static_cast<double>(n - 1) / length;
+    auto within = [&](double near, double far) {
+        const double last = static_cast<double>(n);
+        const double begin = std::clamp(edge->offset + near * pixel, 0.0, last - 2);
+        const double end = std::clamp(edge->offset + far * pixel + 1, begin + 2, last);
+        return Levels{static_cast<size_t>(begin), static_cast<size_t>(end)};
+    };
+    const auto place = static_cast<size_t>(std::clamp(edge->offset, 0.0, static_cast<double>(n - 1)));
+    if (const auto closer = crossing(profile, within(-4, -2), within(2, 4), place)) edge = closer;
+    edge->offset = edge->offset / perInch - probe.inside;
+    return edge;
 }
 
 std::optional<LineFit> fitLine(const std::vector<glm::dvec2>& points, double outlier) {

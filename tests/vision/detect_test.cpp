@@ -15,7 +15,9 @@ namespace {
 const std::string kExamples = HELIODON_SOURCE "/examples/";
 const std::string kData = HELIODON_TEST_DATA "/vision/";
 
-geometry::Rig exampleRig() { return geometry::readRig(kExamples + "rig.json"); }
+geometry::Rig exampleRig() {
+    return geometry::readRig(kExamples + "rig.json");
+}
 
 // Everything that is stated is found, nothing else is, and it lies where it should.
 void expectAll(const Score& score, double placeInches, double angleDegrees) {
