@@ -1,0 +1,566 @@
+// After the "enclosure" step of C. Cutler et al.'s virtual heliodon: an arrangement of the lines of all walls
+// is divided into inside and outside, the best enclosed cells first, until every wall is used. Ours differs
+// in two ways. The paper takes one cell after the other by the fraction of the view from its centroid that
+// walls block, with all cells in the same combination of wall half-planes; we ask, for a rising price mu, for
+// the set of cells with the least (length of open boundary) - mu (length of wall that it newly uses). That is
+// a minimum cut (Boykov and Kolmogorov 2004), so it is the best of all sets, has no threshold to tune per
+// room and does not depend on where centroids happen to lie. And it does not go on until all walls are used,
+// which fails where a wall encloses nothing (a garden wall): a straight wall alone can never repay the
+// boundary that using it would open, because mu stays below 1.
+#include "geometry/plan_rooms.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <numeric>
+#include <set>
+#include <tuple>
+
+#include <glm/geometric.hpp>
+
+#include "geometry/min_cut.h"
+#include "geometry/plan_arrangement.h"
+
+namespace heliodon::geometry {
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kLongestBridge = 18; // inches
+constexpr double kThinCell = 0.06;    // inches: cells thinner than this belong to a neighbour
+constexpr double kThinRoom = 0.8;     // inches: twice the area over the perimeter; thinner spaces are cracks
+constexpr double kMostOpen = 0.4;     // of the perimeter; what is more open than this is not enclosed
+constexpr double kFewestWalls = 3;    // logical walls; an arc counts as one for each quarter turn
+constexpr std::array kPrices{0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9};
+constexpr double kCapacityUnit = 1e6; // of a length of 1 in: exact integer flow
+constexpr int64_t kForever = int64_t{1} << 50;
+
+double cross(glm::dvec2 u, glm::dvec2 v) {
+    return u.x * v.y - u.y * v.x;
+}
+
+// What a segment of the arrangement is: an edge of a solid, or a line along which a gap may be bridged.
+struct Line {
+    int solid = -1, edge = 0; // of the solid
+    double weight = 1;        // of a bridge: what an inch costs at its start
+    double growth = 0;        // and how that grows along it
+    glm::dvec2 start{};
+};
+
+// The segments to arrange: solids, and extensions from the ends of walls that touch nothing.
+class LineBuilder {
+public:
+    explicit LineBuilder(const PlanWalls& plan) : plan_(plan) {}
+
+    void build() {
+        for (size_t s = 0; s < plan_.solids.size(); ++s) {
+            const PlanSolid& solid = plan_.solids[s];
+            for (size_t k = 0; k < solid.outline.size(); ++k) {
+                Line line;
+                line.solid = static_cast<int>(s);
+                line.edge = static_cast<int>(k);
+                add(solid.outline[k], solid.outline[(k + 1) % solid.outline.size()], line);
+            }
+        }
+        findFreeEnds();
+        bridgeAlongSides();
+        for (const WallEnd& end : freeEnds_) extend(end);
+        bridgeEnds();
+    }
+
+    std::vector<PlanSegment> segments;
+    std::vector<Line> lines;
+
+private:
+    void add(glm::dvec2 a, glm::dvec2 b, Line line) {
+        if (a == b) return;
+        segments.push_back({a, b, static_cast<int32_t>(lines.size())});
+        lines.push_back(line);
+    }
+
+    const WallPiece& piece(const WallEnd& end) const { return plan_.pieces[static_cast<size_t>(end.piece)]; }
+
+    void findFreeEnds() {
+        for (size_t i = 0; i < plan_.pieces.size(); ++i) {
+            const WallPiece& p = plan_.pieces[i];
+            if (p.curved && p.a1 - p.a0 >= 2 * kPi - 1e-9) continue;
+            for (const bool atB : {false, true}) {
+                const WallEnd end = wallEnd(p, static_cast<int>(i), atB);
+                if (!touches(plan_.solids, end)) freeEnds_.push_back(end);
+            }
+        }
+    }
+
+    // From piece to piece of one straight side, face to face.
+    void bridgeAlongSides() {
+        for (const WallEnd& e : freeEnds_)
+            for (const WallEnd& f : freeEnds_) {
+                if (e.piece >= f.piece || piece(e).line < 0 || piece(e).line != piece(f).line) continue;
+                const double apart = glm::dot(f.middle - e.middle, e.out);
+                if (apart <= 0 || glm::dot(e.out, f.out) > 0 || apart > kLongestBridge) continue;
+                int hit = -1;
+                firstHit(plan_.solids, e.middle, e.out, e.piece, &hit);
+                if (hit < 0 || plan_.solids[static_cast<size_t>(hit)].piece != f.piece) continue;
+                add(e.right, f.left, {.start = e.right});
+                add(e.left, f.right, {.start = e.left});
+                alongSide_.insert({e.piece, e.atB});
+                alongSide_.insert({f.piece, f.atB});
+            }
+    }
+
+    void ray(glm::dvec2 from, glm::dvec2 direction, int own, double weight) {
+        const double t = std::min(firstHit(plan_.solids, from, direction, own) + 0.02, kLongestBridge);
+        if (t > 0.025) add(from, from + t * direction, {.weight = weight, .growth = 1.0 / 16, .start = from});
+    }
+
+    void extend(const WallEnd& end) {
+        const glm::dvec2 side = glm::normalize(end.left - end.right);
+        if (!alongSide_.contains({end.piece, end.atB})) {
+            ray(end.right, end.out, end.piece, 1.0);
+            ray(end.left, end.out, end.piece, 1.0);
+        }
+        if (piece(end).curved) continueArc(end);
+        ray(end.right, -side, end.piece, 1.5);
+        ray(end.left, side, end.piece, 1.5);
+    }
+
+    // Round the rest of the circle until something solid is met. Both ends walk over the same points.
+    void continueArc(const WallEnd& end) {
+        const WallPiece& p = piece(end);
+        const double rest = 2 * kPi - (p.a1 - p.a0);
+        const int count = std::max(2, static_cast<int>(std::ceil(rest / (kPi / 18))));
+        for (const double radius : {p.radius - p.thickness / 2, p.radius + p.thickness / 2}) {
+            const auto at = [&](int k) {
+                const glm::dvec2 corner = wallEnd(p, 0, k == 0).right, other = wallEnd(p, 0, k == 0).left;
+                if (k == 0) return radius > p.radius ? corner : other;
+                if (k == count) return radius > p.radius ? other : corner;
+                const double angle = p.a1 + rest * k / count;
+                return p.center + radius * glm::dvec2(std::cos(angle), std::sin(angle));
+            };
+            double length = 0;
+            for (int i = 0; i < count && length < kLongestBridge; ++i) {
+                const int k = end.atB ? i : count - 1 - i;
+                const glm::dvec2 a = at(end.atB ? k : k + 1), b = at(end.atB ? k + 1 : k);
+                const double step = glm::length(b - a);
+                const double hit = i + 1 < count ? firstHit(plan_.solids, a, (b - a) / step, -2) : step;
+                length += step;
+                const bool stops = hit < step && hit > 1e-6;
+                if (arcSteps_.insert({end.piece, radius, k}).second || stops)
+                    add(a, stops ? a + (hit + 0.02) / step * (b - a) : b,
+                        {.weight = 1 + length / 16, .start = end.middle});
+                if (stops) break;
+            }
+        }
+    }
+
+    // Straight from a free end to the two free ends nearest to it, where nothing stands between.
+    void bridgeEnds() {
+        std::set<std::pair<size_t, size_t>> done;
+        for (size_t i = 0; i < freeEnds_.size(); ++i) {
+            std::vector<std::pair<double, size_t>> others;
+            for (size_t j = 0; j < freeEnds_.size(); ++j)
+                if (freeEnds_[i].piece != freeEnds_[j].piece)
+                    others.emplace_back(glm::length(freeEnds_[i].middle - freeEnds_[j].middle), j);
+            std::ranges::sort(others);
+            for (size_t k = 0; k < others.size() && k < 2; ++k)
+                if (others[k].first < kLongestBridge && done.insert(std::minmax(i, others[k].second)).second)
+                    bridge(freeEnds_[i], freeEnds_[others[k].second]);
+        }
+    }
+
+    void bridge(const WallEnd& e, const WallEnd& f) {
+        glm::dvec2 from{}, to{};
+        double shortest = std::numeric_limits<double>::infinity();
+        for (const glm::dvec2 a : {e.right, e.left})
+            for (const glm::dvec2 b : {f.right, f.left})
+                if (glm::length(b - a) < shortest) {
+                    shortest = glm::length(b - a);
+                    from = a;
+                    to = b;
+                }
+        if (shortest < 1e-6) return;
+        const glm::dvec2 direction = (to - from) / shortest;
+        if (firstHit(plan_.solids, from + 1e-4 * direction, direction, -2) < shortest - 2e-4) return;
+        add(from, to, {.weight = 1.6, .start = from});
+    }
+
+    const PlanWalls& plan_;
+    std::vector<WallEnd> freeEnds_;
+    std::set<std::pair<int, bool>> alongSide_;
+    std::set<std::tuple<int, double, int>> arcSteps_;
+};
+
+struct Interval {
+    double from, to;
+};
+
+// Which stretches of a wall are used, as a set of disjoint intervals along its centre line.
+class Used {
+public:
+    void add(Interval added) {
+        std::vector<Interval> kept;
+        for (const Interval& i : intervals_) {
+            if (i.to < added.from || i.from > added.to)
+                kept.push_back(i);
+            else
+                added = {std::min(i.from, added.from), std::max(i.to, added.to)};
+        }
+        kept.push_back(added);
+        intervals_ = std::move(kept);
+    }
+    double unused(Interval asked) const {
+        double rest = asked.to - asked.from;
+        for (const Interval& i : intervals_)
+            rest -= std::max(0.0, std::min(i.to, asked.to) - std::max(i.from, asked.from));
+        return std::max(0.0, rest);
+    }
+    double overlap(const Used& other) const {
+        double sum = 0;
+        for (const Interval& i : intervals_) sum += (i.to - i.from) - other.unused(i);
+        return sum;
+    }
+    double length() const {
+        double sum = 0;
+        for (const Interval& i : intervals_) sum += i.to - i.from;
+        return sum;
+    }
+
+private:
+    std::vector<Interval> intervals_;
+};
+
+class RoomFinder {
+public:
+    explicit RoomFinder(const PlanWalls& plan) : plan_(plan), lines_(plan) {
+        lines_.build();
+        map_ = arrange(lines_.segments);
+        measureCells();
+        findSolids();
+        tieThinCells();
+        used_.resize(plan.pieces.size());
+    }
+
+    PlanRooms find() {
+        inside_.assign(map_.cellCount, false);
+        forbidden_.assign(map_.cellCount, false);
+        for (const double price : kPrices) {
+            for (int attempt = 0; attempt < 8 && !select(price); ++attempt) {
+            }
+            if (unusedLength() < 1e-3) break;
+        }
+        return trace();
+    }
+
+private:
+    double edgeLength(uint32_t half) const {
+        return glm::length(map_.points[map_.target[half]] - map_.points[map_.source(half)]);
+    }
+
+    void measureCells() {
+        area_.assign(map_.cellCount, 0);
+        perimeter_.assign(map_.cellCount, 0);
+        for (uint32_t h = 0; h < map_.cell.size(); ++h) {
+            area_[map_.cell[h]] += 0.5 * cross(map_.points[map_.source(h)], map_.points[map_.target[h]]);
+            if (map_.cell[h] != map_.cell[h ^ 1u]) perimeter_[map_.cell[h]] += edgeLength(h);
+        }
+    }
+
+    // How many more solids there are on the left of the half-edge than on its right.
+    int step(uint32_t half) const {
+        int change = 0;
+        for (const PlanArrangement::Tag& tag : map_.tags[half / 2])
+            if (lines_.lines[static_cast<size_t>(tag.tag)].solid >= 0)
+                change += tag.forward == (half % 2 == 0) ? 1 : -1;
+        return change;
+    }
+
+    void findSolids() {
+        std::vector<int> depth(map_.cellCount, std::numeric_limits<int>::min());
+        std::vector<std::vector<uint32_t>> halves(map_.cellCount);
+        for (uint32_t h = 0; h < map_.cell.size(); ++h) halves[map_.cell[h]].push_back(h);
+        std::vector<uint32_t> queue{0};
+        depth[0] = 0;
+        for (size_t i = 0; i < queue.size(); ++i)
+            for (const uint32_t h : halves[queue[i]]) {
+                const uint32_t other = map_.cell[h ^ 1u];
+                if (depth[other] != std::numeric_limits<int>::min()) continue;
+                depth[other] = depth[queue[i]] - step(h);
+                queue.push_back(other);
+            }
+        solid_.resize(map_.cellCount);
+        for (uint32_t c = 0; c < map_.cellCount; ++c) solid_[c] = depth[c] > 0;
+    }
+
+    uint32_t group(uint32_t cell) const {
+        while (parent_[cell] != cell) cell = parent_[cell];
+        return cell;
+    }
+
+    // A thin cell goes with the neighbour that it shares the longest open edge with; without one it is solid.
+    void tieThinCells() {
+        parent_.resize(map_.cellCount);
+        std::iota(parent_.begin(), parent_.end(), 0u);
+        std::vector<std::pair<double, uint32_t>> widest(map_.cellCount, {0.0, 0u});
+        for (uint32_t h = 0; h < map_.cell.size(); ++h) {
+            const uint32_t own = map_.cell[h], other = map_.cell[h ^ 1u];
+            if (own != other && !solid_[own] && !solid_[other])
+                widest[own] = std::max(widest[own], std::pair(edgeLength(h), other));
+        }
+        for (uint32_t c = 1; c < map_.cellCount; ++c) {
+            if (solid_[c] || 2 * area_[c] > kThinCell * perimeter_[c]) continue;
+            if (widest[c].first == 0)
+                solid_[c] = true;
+            else if (group(widest[c].second) != group(c))
+                parent_[group(c)] = group(widest[c].second);
+        }
+        if (group(0) != 0) { // the unbounded cell stays a root
+            parent_[group(0)] = 0;
+            parent_[0] = 0;
+        }
+    }
+
+    bool open(uint32_t half) const { return !solid_[map_.cell[half]] && !solid_[map_.cell[half ^ 1u]]; }
+
+    double bridgeWeight(uint32_t half) const {
+        const glm::dvec2 middle = 0.5 * (map_.points[map_.source(half)] + map_.points[map_.target[half]]);
+        double least = 3;
+        for (const PlanArrangement::Tag& tag : map_.tags[half / 2]) {
+            const Line& line = lines_.lines[static_cast<size_t>(tag.tag)];
+            if (line.solid < 0)
+                least = std::min(least, line.weight + line.growth * glm::length(middle - line.start));
+        }
+        return least;
+    }
+
+    // The piece whose long face the half-edge is, with air on its left; -1 when there is none.
+    int faceOf(uint32_t half) const {
+        return wallOf(half, false);
+    }
+
+    int wallOf(uint32_t half, bool endsToo) const {
+        for (const PlanArrangement::Tag& tag : map_.tags[half / 2]) {
+            const Line& line = lines_.lines[static_cast<size_t>(tag.tag)];
+            if (line.solid < 0 || tag.forward == (half % 2 == 0)) continue;
+            const PlanSolid& solid = plan_.solids[static_cast<size_t>(line.solid)];
+            const bool isEnd = solid.sides[static_cast<size_t>(line.edge)] == SolidSide::end;
+            if (solid.piece >= 0 && (endsToo || !isEnd)) return solid.piece;
+        }
+        return -1;
+    }
+
+    double along(const WallPiece& piece, glm::dvec2 p) const {
+        if (!piece.curved) return glm::dot(p - piece.a, glm::normalize(piece.b - piece.a));
+        const double middle = (piece.a0 + piece.a1) / 2;
+        const double angle = std::atan2(p.y - piece.center.y, p.x - piece.center.x);
+        return (std::remainder(angle - middle, 2 * kPi) + middle - piece.a0) * piece.radius;
+    }
+
+    Interval stretch(uint32_t half, int piece) const {
+        const WallPiece& wall = plan_.pieces[static_cast<size_t>(piece)];
+        const double u = along(wall, map_.points[map_.source(half)]),
+                     v = along(wall, map_.points[map_.target[half]]);
+        return {std::min(u, v), std::max(u, v)};
+    }
+
+    double unusedLength() const {
+        double sum = 0;
+        for (size_t i = 0; i < plan_.pieces.size(); ++i) {
+            const WallPiece& p = plan_.pieces[i];
+            const double length = p.curved ? p.radius * (p.a1 - p.a0) : glm::length(p.b - p.a);
+            sum += used_[i].unused({0, length});
+        }
+        return sum;
+    }
+
+    // One cut at this price. False when a space turned out too thin to be a room and the cut is to be made
+    // again.
+    bool select(double price) {
+        MinCut cut(map_.cellCount);
+        cut.addSink(group(0), kForever);
+        for (uint32_t c = 0; c < map_.cellCount; ++c) {
+            if (inside_[c])
+                cut.addSource(group(c), kForever);
+            else if (forbidden_[c])
+                cut.addSink(group(c), kForever);
+        }
+        for (uint32_t h = 0; h < map_.cell.size(); ++h) {
+            const uint32_t own = map_.cell[h], other = map_.cell[h ^ 1u];
+            if (solid_[own]) continue;
+            if (!solid_[other]) {
+                if (h % 2 == 0 && group(own) != group(other))
+                    cut.addLink(group(own), group(other),
+                                std::llround(edgeLength(h) * bridgeWeight(h) * kCapacityUnit));
+            } else if (const int piece = faceOf(h); piece >= 0) {
+                const double reward = used_[static_cast<size_t>(piece)].unused(stretch(h, piece));
+                cut.addSource(group(own), std::llround(price * reward * kCapacityUnit));
+            }
+        }
+        const std::vector<bool> side = cut.sourceSide();
+        std::vector<bool> proposed(map_.cellCount);
+        for (uint32_t c = 0; c < map_.cellCount; ++c) proposed[c] = !solid_[c] && side[group(c)];
+        return accept(proposed);
+    }
+
+    struct Space {
+        double area = 0, perimeter = 0, gap = 0;
+        std::set<int> walls;
+        bool grows = false;
+    };
+
+    std::vector<uint32_t> components(const std::vector<bool>& in) const {
+        std::vector<uint32_t> root(map_.cellCount);
+        std::iota(root.begin(), root.end(), 0u);
+        const auto find = [&](uint32_t c) {
+            while (root[c] != c) c = root[c] = root[root[c]];
+            return c;
+        };
+        for (uint32_t h = 0; h < map_.cell.size(); h += 2)
+            if (in[map_.cell[h]] && in[map_.cell[h + 1]]) root[find(map_.cell[h])] = find(map_.cell[h + 1]);
+        for (uint32_t c = 0; c < map_.cellCount; ++c) root[c] = find(c);
+        return root;
+    }
+
+    double wallCount(const std::set<int>& pieces) const {
+        std::set<int> sides;
+        double count = 0;
+        for (const int i : pieces) {
+            const WallPiece& p = plan_.pieces[static_cast<size_t>(i)];
+            if (p.curved)
+                count += std::max(1.0, (p.a1 - p.a0) / (kPi / 2));
+            else if (sides.insert(p.line).second)
+                ++count;
+        }
+        return count;
+    }
+
+    bool accept(const std::vector<bool>& proposed) {
+        const std::vector<uint32_t> root = components(proposed);
+        std::map<uint32_t, Space> spaces;
+        for (uint32_t c = 0; c < map_.cellCount; ++c) {
+            if (!proposed[c]) continue;
+            spaces[root[c]].area += area_[c];
+            spaces[root[c]].grows |= !inside_[c];
+        }
+        for (uint32_t h = 0; h < map_.cell.size(); ++h) {
+            const uint32_t own = map_.cell[h], other = map_.cell[h ^ 1u];
+            if (!proposed[own] || proposed[other]) continue;
+            Space& space = spaces[root[own]];
+            space.perimeter += edgeLength(h);
+            if (!solid_[other])
+                space.gap += edgeLength(h);
+            else if (const int piece = faceOf(h); piece >= 0)
+                space.walls.insert(piece);
+        }
+        bool allThick = true;
+        for (const auto& [id, space] : spaces) {
+            if (!space.grows) continue;
+            const bool thin = 2 * space.area < kThinRoom * space.perimeter;
+            allThick = allThick && !thin;
+            if (!thin && (space.gap > kMostOpen * space.perimeter || wallCount(space.walls) < kFewestWalls))
+                continue;
+            for (uint32_t c = 0; c < map_.cellCount; ++c)
+                if (proposed[c] && root[c] == id) (thin ? forbidden_ : inside_)[c] = !thin || !inside_[c];
+        }
+        for (uint32_t h = 0; h < map_.cell.size(); ++h)
+            if (inside_[map_.cell[h]])
+                if (const int piece = faceOf(h); piece >= 0 && solid_[map_.cell[h ^ 1u]])
+                    used_[static_cast<size_t>(piece)].add(stretch(h, piece));
+        return allThick;
+    }
+
+    bool isBoundary(uint32_t half) const {
+        return inside_[map_.cell[half]] && !inside_[map_.cell[half ^ 1u]];
+    }
+
+    PlanRooms trace() const {
+        PlanRooms out;
+        const std::vector<uint32_t> root = components(inside_);
+        std::map<uint32_t, RoomPlan> rooms;
+        std::vector<bool> seen(map_.cell.size());
+        for (uint32_t start = 0; start < map_.cell.size(); ++start) {
+            if (seen[start] || !isBoundary(start)) continue;
+            RoomPlan& room = rooms[root[map_.cell[start]]];
+            room.loops.push_back(traceLoop(start, seen, room));
+        }
+        for (auto& [id, room] : rooms) {
+            for (const OutlineLoop& loop : room.loops) room.area += area(loop);
+            std::ranges::stable_sort(room.loops, std::greater(),
+                                     [](const OutlineLoop& l) { return area(l); });
+            out.rooms.push_back(std::move(room));
+        }
+        std::ranges::sort(out.rooms, {}, [](const RoomPlan& room) {
+            std::pair lowest(room.loops[0].points[0].x, room.loops[0].points[0].y);
+            for (const glm::dvec2 p : room.loops[0].points) lowest = std::min(lowest, std::pair(p.x, p.y));
+            return lowest;
+        });
+        measureSides(out);
+        return out;
+    }
+
+    static double area(const OutlineLoop& loop) {
+        double sum = 0;
+        for (size_t i = 0; i < loop.points.size(); ++i)
+            sum += 0.5 * cross(loop.points[i], loop.points[(i + 1) % loop.points.size()]);
+        return sum;
+    }
+
+    OutlineLoop traceLoop(uint32_t start, std::vector<bool>& seen, RoomPlan& room) const {
+        OutlineLoop loop;
+        double gap = 0;
+        uint32_t h = start;
+        do {
+            seen[h] = true;
+            OutlineEdge edge;
+            edge.gap = !solid_[map_.cell[h ^ 1u]];
+            if (!edge.gap) edge.piece = wallOf(h, true);
+            loop.points.push_back(map_.points[map_.source(h)]);
+            loop.edges.push_back(edge);
+            gap = edge.gap ? gap + edgeLength(h) : 0;
+            (edge.gap ? room.gapLength : room.wallLength) += edgeLength(h);
+            room.widestGap = std::max(room.widestGap, gap);
+            // Round the target through the air of this room to its next boundary.
+            h = map_.next[h];
+            while (!isBoundary(h)) h = map_.next[h ^ 1u];
+        } while (h != start);
+        return loop;
+    }
+
+    void measureSides(PlanRooms& out) const {
+        std::vector<std::array<Used, 2>> sides(plan_.pieces.size());
+        for (uint32_t h = 0; h < map_.cell.size(); ++h) {
+            if (!isBoundary(h)) continue;
+            for (const PlanArrangement::Tag& tag : map_.tags[h / 2]) {
+                const Line& line = lines_.lines[static_cast<size_t>(tag.tag)];
+                if (line.solid < 0 || tag.forward == (h % 2 == 0)) continue;
+                const PlanSolid& solid = plan_.solids[static_cast<size_t>(line.solid)];
+                const SolidSide side = solid.sides[static_cast<size_t>(line.edge)];
+                if (solid.piece < 0 || side == SolidSide::end) continue;
+                sides[static_cast<size_t>(solid.piece)][side == SolidSide::left].add(stretch(h, solid.piece));
+            }
+        }
+        for (const auto& [right, left] : sides) {
+            out.bothSides.push_back(right.overlap(left));
+            out.oneSide.push_back(right.length() + left.length() - 2 * out.bothSides.back());
+        }
+    }
+
+    const PlanWalls& plan_;
+    LineBuilder lines_;
+    PlanArrangement map_;
+    std::vector<double> area_, perimeter_;
+    std::vector<bool> solid_, inside_, forbidden_;
+    std::vector<uint32_t> parent_;
+    std::vector<Used> used_;
+};
+
+} // namespace
+
+PlanRooms findRooms(const PlanWalls& plan) {
+    if (plan.pieces.empty()) return {};
+    return RoomFinder(plan).find();
+}
+
+} // namespace heliodon::geometry

@@ -1,0 +1,39 @@
+// The solid walls of a plan -> the rooms that were meant: outlines of closed air, each edge with what stands
+// behind it.
+#pragma once
+
+#include <vector>
+
+#include <glm/vec2.hpp>
+
+#include "geometry/plan_walls.h"
+
+namespace heliodon::geometry {
+
+struct OutlineEdge {
+    int piece = -1;   // the wall that stands there; -1: a filled crack or a bridged gap
+    bool gap = false; // bridged: nothing stands there, not even the filling of a crack
+};
+
+// Air on the left: outlines counter-clockwise, islands clockwise. Edge k runs from point k to point k + 1.
+struct OutlineLoop {
+    std::vector<glm::dvec2> points;
+    std::vector<OutlineEdge> edges;
+};
+
+struct RoomPlan {
+    std::vector<OutlineLoop> loops; // the outline first
+    double area = 0;                // square inches, net of islands
+    double widestGap = 0;           // inches: the widest opening that had to be bridged
+    double gapLength = 0, wallLength = 0;
+};
+
+struct PlanRooms {
+    std::vector<RoomPlan> rooms; // from left to right by their lowest point
+    // Per piece: length of its centre line with air of a room on one side, and on both.
+    std::vector<double> oneSide, bothSides;
+};
+
+PlanRooms findRooms(const PlanWalls& plan);
+
+} // namespace heliodon::geometry

@@ -1,0 +1,471 @@
+#include "geometry/plan_walls.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <tuple>
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+
+namespace heliodon::geometry {
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kSameLineOffset = 0.25;              // inches: nearer pieces lie on one straight side
+const double kSameLineSine = std::sin(4 * kPi / 180); // and do not turn by more than this
+constexpr double kSameLineGap = 12;                   // inches along the side
+constexpr double kShortestWall = 0.1;                 // inches: shorter ones are slips of the detection
+constexpr double kFacingSine = 0.26;                  // 15 degrees: ends that look at each other
+constexpr double kParallelSine = 0.18;                // 10 degrees: walls side by side
+
+double cross(glm::dvec2 u, glm::dvec2 v) {
+    return u.x * v.y - u.y * v.x;
+}
+glm::dvec2 leftOf(glm::dvec2 d) {
+    return {-d.y, d.x};
+}
+glm::dvec2 onCircle(double angle) {
+    return {std::cos(angle), std::sin(angle)};
+}
+
+auto order(const WallPiece& p) {
+    return std::tuple(p.a.x, p.a.y, p.b.x, p.b.y, p.center.x, p.center.y, p.radius, p.thickness, p.height);
+}
+
+// Straight walls run from the lower to the higher end, so that neither file order nor drawing direction
+// matters.
+std::vector<WallPiece> straightPieces(const Sketch& sketch, bool green, PlanWalls& plan) {
+    std::vector<WallPiece> pieces;
+    for (const Wall& wall : sketch.walls) {
+        if ((wall.heightClass == HeightClass::green) != green) continue;
+        if (glm::length(wall.b - wall.a) < kShortestWall) {
+            plan.notes.push_back(
+                {"ZERO_LENGTH_WALL", fmt::format("wall {} has no length and is ignored", wall.id)});
+            plan.ignored.push_back(wall.id);
+            continue;
+        }
+        WallPiece piece;
+        piece.ids = {wall.id};
+        const bool forward = std::pair(wall.a.x, wall.a.y) < std::pair(wall.b.x, wall.b.y);
+        piece.a = forward ? wall.a : wall.b;
+        piece.b = forward ? wall.b : wall.a;
+        piece.thickness = wall.thickness;
+        piece.height = heightInches(wall.heightClass);
+        pieces.push_back(piece);
+    }
+    std::ranges::sort(pieces, {}, order);
+    return pieces;
+}
+
+std::vector<WallPiece> curvedPieces(const Sketch& sketch, bool green, PlanWalls& plan) {
+    std::vector<WallPiece> pieces;
+    for (const Arc& arc : sketch.arcs) {
+        if ((arc.heightClass == HeightClass::green) != green) continue;
+        const double sweep = std::min((arc.a1Deg - arc.a0Deg) * kPi / 180, 2 * kPi);
+        if (sweep * arc.radius < kShortestWall || arc.radius < arc.thickness) {
+            plan.notes.push_back(
+                {"ZERO_LENGTH_WALL", fmt::format("arc {} is too small to be a wall and is ignored", arc.id)});
+            plan.ignored.push_back(arc.id);
+            continue;
+        }
+        WallPiece piece;
+        piece.ids = {arc.id};
+        piece.curved = true;
+        piece.center = arc.center;
+        piece.radius = arc.radius;
+        piece.a0 = std::remainder(arc.a0Deg, 360) * kPi / 180;
+        piece.a1 = piece.a0 + sweep;
+        piece.a = arc.center + arc.radius * onCircle(piece.a0);
+        piece.b = arc.center + arc.radius * onCircle(piece.a1);
+        piece.thickness = arc.thickness;
+        piece.height = heightInches(arc.heightClass);
+        pieces.push_back(piece);
+    }
+    std::ranges::sort(pieces, {}, order);
+    return pieces;
+}
+
+// Copies of an arc, or pieces of it that overlap, become one arc.
+void mergeArcs(std::vector<WallPiece>& arcs) {
+    for (size_t i = 0; i < arcs.size(); ++i)
+        for (size_t j = i + 1; j < arcs.size(); ++j) {
+            WallPiece& p = arcs[i];
+            const WallPiece& q = arcs[j];
+            if (glm::length(p.center - q.center) > kSameLineOffset ||
+                std::abs(p.radius - q.radius) > kSameLineOffset || p.height != q.height)
+                continue;
+            const double shift = 2 * kPi * std::round((p.a0 + p.a1 - q.a0 - q.a1) / (4 * kPi));
+            const double b0 = q.a0 + shift, b1 = q.a1 + shift;
+            if (b0 > p.a1 || b1 < p.a0) continue;
+            p.a0 = std::min(p.a0, b0);
+            p.a1 = std::min(std::max(p.a1, b1), p.a0 + 2 * kPi);
+            p.a = p.center + p.radius * onCircle(p.a0);
+            p.b = p.center + p.radius * onCircle(p.a1);
+            p.ids.insert(p.ids.end(), q.ids.begin(), q.ids.end());
+            arcs.erase(arcs.begin() + static_cast<std::ptrdiff_t>(j));
+            j = i;
+        }
+}
+
+class LineFinder {
+public:
+    LineFinder(std::vector<WallPiece>& pieces, std::vector<WallLine>& lines)
+        : pieces_(pieces), lines_(lines) {}
+
+    // Longest first: a long wall knows its direction best.
+    void find() {
+        std::vector<size_t> byLength(pieces_.size());
+        for (size_t i = 0; i < byLength.size(); ++i) byLength[i] = i;
+        std::ranges::stable_sort(byLength, std::greater(), [&](size_t i) { return length(pieces_[i]); });
+        for (const size_t seed : byLength) {
+            if (pieces_[seed].line >= 0) continue;
+            std::vector<size_t> members{seed};
+            const int id = static_cast<int>(lines_.size());
+            pieces_[seed].line = id;
+            for (bool grown = true; grown;) {
+                grown = false;
+                for (const size_t i : byLength) {
+                    if (pieces_[i].line >= 0 || !fits(pieces_[seed], members, pieces_[i])) continue;
+                    pieces_[i].line = id;
+                    members.push_back(i);
+                    grown = true;
+                }
+            }
+            lines_.push_back(fit(members));
+            if (members.size() > 1)
+                for (const size_t i : members) project(pieces_[i], lines_.back());
+        }
+    }
+
+private:
+    static double length(const WallPiece& p) { return glm::length(p.b - p.a); }
+
+    bool fits(const WallPiece& seed, const std::vector<size_t>& members, const WallPiece& candidate) const {
+        const glm::dvec2 d = glm::normalize(seed.b - seed.a);
+        if (std::abs(cross(d, glm::normalize(candidate.b - candidate.a))) > kSameLineSine) return false;
+        if (std::abs(cross(d, candidate.a - seed.a)) > kSameLineOffset ||
+            std::abs(cross(d, candidate.b - seed.a)) > kSameLineOffset)
+            return false;
+        const auto [c0, c1] =
+            std::minmax({glm::dot(candidate.a - seed.a, d), glm::dot(candidate.b - seed.a, d)});
+        return std::ranges::any_of(members, [&](size_t m) {
+            const auto [m0, m1] =
+                std::minmax({glm::dot(pieces_[m].a - seed.a, d), glm::dot(pieces_[m].b - seed.a, d)});
+            return c0 < m1 + kSameLineGap && m0 < c1 + kSameLineGap;
+        });
+    }
+
+    WallLine fit(const std::vector<size_t>& members) const {
+        const WallPiece& seed = pieces_[members[0]];
+        const glm::dvec2 d = seed.b - seed.a;
+        if (members.size() == 1) return {seed.a, glm::normalize(d)};
+        // Least squares through the pieces, weighted by length: direction from the second moments.
+        glm::dvec2 middle{0};
+        double total = 0;
+        for (const size_t i : members) {
+            middle += length(pieces_[i]) * (pieces_[i].a + pieces_[i].b) / 2.0;
+            total += length(pieces_[i]);
+        }
+        middle /= total;
+        double xx = 0, xy = 0, yy = 0;
+        for (const size_t i : members)
+            for (const glm::dvec2 end : {pieces_[i].a, pieces_[i].b}) {
+                const glm::dvec2 r = end - middle;
+                xx += length(pieces_[i]) * r.x * r.x;
+                xy += length(pieces_[i]) * r.x * r.y;
+                yy += length(pieces_[i]) * r.y * r.y;
+            }
+        glm::dvec2 direction = onCircle(0.5 * std::atan2(2 * xy, xx - yy));
+        if (glm::dot(direction, d) < 0) direction = -direction;
+        return {middle, direction};
+    }
+
+    static void project(WallPiece& piece, const WallLine& line) {
+        auto [s0, s1] = std::minmax({line.along(piece.a), line.along(piece.b)});
+        piece.a = line.origin + s0 * line.direction;
+        piece.b = line.origin + s1 * line.direction;
+    }
+
+    std::vector<WallPiece>& pieces_;
+    std::vector<WallLine>& lines_;
+};
+
+// Pieces on one line that overlap become one; where heights or thicknesses differ the lower one is cut back.
+void mergeOverlaps(std::vector<WallPiece>& pieces, const std::vector<WallLine>& lines) {
+    const auto from = [&](const WallPiece& p) { return lines[static_cast<size_t>(p.line)].along(p.a); };
+    const auto to = [&](const WallPiece& p) { return lines[static_cast<size_t>(p.line)].along(p.b); };
+    std::ranges::stable_sort(pieces, {}, [&](const WallPiece& p) { return std::pair(p.line, from(p)); });
+    for (size_t i = 0; i + 1 < pieces.size();) {
+        WallPiece &p = pieces[i], &q = pieces[i + 1];
+        if (p.line != q.line || from(q) > to(p) + 1e-6) {
+            ++i;
+            continue;
+        }
+        const bool alike = p.height == q.height && std::abs(p.thickness - q.thickness) < 0.05;
+        const bool covered = to(q) <= to(p) + kShortestWall || from(q) <= from(p) + kShortestWall;
+        if (alike || covered) {
+            if (to(q) > to(p)) p.b = q.b;
+            p.height = std::max(p.height, q.height);
+            p.thickness = std::max(p.thickness, q.thickness);
+            p.ids.insert(p.ids.end(), q.ids.begin(), q.ids.end());
+            pieces.erase(pieces.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+        } else {
+            if (p.height >= q.height)
+                q.a = p.b;
+            else
+                p.b = q.a;
+            ++i;
+        }
+    }
+}
+
+// Two ends that look at each other over a crack: the crack is the hull of the two end faces.
+std::vector<glm::dvec2> facingFill(const WallEnd& e, const WallEnd& f) {
+    if (glm::dot(e.out, f.out) > -std::cos(std::asin(kFacingSine))) return {};
+    const glm::dvec2 between = f.middle - e.middle;
+    // Each lies ahead of the other, not beside it.
+    if (glm::dot(between, e.out) < 0 || glm::dot(between, f.out) > 0) return {};
+    if (std::abs(cross(e.out, between)) > 0.3) return {};
+    return {e.right, f.left, f.right, e.left};
+}
+
+class CrackFiller {
+public:
+    CrackFiller(PlanWalls& plan, double width) : plan_(plan), width_(width) {
+        for (size_t i = 0; i < plan.pieces.size(); ++i) {
+            const WallPiece& piece = plan.pieces[i];
+            if (piece.curved && piece.a1 - piece.a0 >= 2 * kPi - 1e-9) continue;
+            for (const bool atB : {false, true}) ends_.push_back(wallEnd(piece, static_cast<int>(i), atB));
+        }
+        physical_ = plan.solids;
+    }
+
+    void fill() {
+        for (size_t i = 0; i < ends_.size(); ++i)
+            for (size_t j = i + 1; j < ends_.size(); ++j) fillBetweenEnds(ends_[i], ends_[j]);
+        for (const WallEnd& end : ends_) fillToFace(end);
+        for (size_t i = 0; i < plan_.pieces.size(); ++i)
+            for (size_t j = i + 1; j < plan_.pieces.size(); ++j) fillBetweenFaces(i, j);
+    }
+
+private:
+    void add(std::vector<glm::dvec2> outline) {
+        double area = 0;
+        for (size_t k = 0; k < outline.size(); ++k)
+            area += cross(outline[k], outline[(k + 1) % outline.size()]);
+        if (std::abs(area) < 1e-9) return;
+        if (area < 0) std::ranges::reverse(outline);
+        PlanSolid solid;
+        solid.sides.assign(outline.size(), SolidSide::end);
+        solid.outline = std::move(outline);
+        plan_.solids.push_back(std::move(solid));
+    }
+
+    double thickness(const WallEnd& e) const { return plan_.pieces[static_cast<size_t>(e.piece)].thickness; }
+
+    void fillBetweenEnds(const WallEnd& e, const WallEnd& f) {
+        const double apart = glm::length(f.middle - e.middle);
+        if (apart > 2.5 * width_ || (e.piece == f.piece && apart > width_)) return;
+        if (apart <= width_)
+            if (auto hull = facingFill(e, f); !hull.empty()) return add(hull);
+        if (e.piece != f.piece) fillCorner(e, f);
+    }
+
+    // A corner that was left open: both walls run on to the far face of the other.
+    void fillCorner(const WallEnd& e, const WallEnd& f) {
+        const double sine = cross(e.out, f.out);
+        if (std::abs(sine) < kFacingSine) return;
+        const glm::dvec2 between = f.middle - e.middle;
+        const double te = cross(between, f.out) / sine, tf = cross(between, e.out) / sine;
+        const double behindE = -thickness(f) / std::abs(sine), behindF = -thickness(e) / std::abs(sine);
+        if (te < behindE || tf < behindF || te > width_ || tf > width_) return;
+        const glm::dvec2 crossing = e.middle + te * e.out;
+        const glm::dvec2 u = e.out * (0.5 * thickness(f) / std::abs(sine));
+        const glm::dvec2 v = f.out * (0.5 * thickness(e) / sine);
+        addStub(e, crossing + u - v, crossing + u + v);
+        addStub(f, crossing + v * std::copysign(1.0, sine) + u * std::copysign(1.0, sine),
+                crossing + v * std::copysign(1.0, sine) - u * std::copysign(1.0, sine));
+    }
+
+    // Lets the wall run on from its end face to `right` and `left`, where these lie ahead of it.
+    void addStub(const WallEnd& e, glm::dvec2 right, glm::dvec2 left) {
+        constexpr double kWorthFilling = 1e-3;
+        const double aheadRight = glm::dot(right - e.right, e.out),
+                     aheadLeft = glm::dot(left - e.left, e.out);
+        if (std::max(aheadRight, aheadLeft) < kWorthFilling) return;
+        add({e.right, aheadRight > 0 ? right : e.right, aheadLeft > 0 ? left : e.left, e.left});
+    }
+
+    // An end that stops short of another wall's face.
+    void fillToFace(const WallEnd& e) {
+        if (touches(plan_.solids, e)) return weldOn(e);
+        int hit = -1;
+        const double t = firstHit(physical_, e.middle, e.out, e.piece, &hit);
+        if (t > width_) return;
+        const std::vector<PlanSolid> target{physical_[static_cast<size_t>(hit)]};
+        const auto reach = [&](glm::dvec2 corner) {
+            const double own = firstHit(target, corner, e.out, -2);
+            return corner + ((own < t + 2 * thickness(e) ? own : t) + 0.02) * e.out;
+        };
+        add({e.right, reach(e.right), reach(e.left), e.left});
+    }
+
+    // Faces that touch may miss one another by a rounding error: a hair more wall closes that.
+    void weldOn(const WallEnd& e) {
+        constexpr double kHair = 0.02;
+        const bool overlaps = std::ranges::any_of(plan_.solids, [&](const PlanSolid& solid) {
+            const glm::dvec2 inside = e.middle + (solid.piece < 0 ? 1e-4 : -kHair / 2) * e.out;
+            return solid.piece != e.piece && contains(solid.outline, inside);
+        });
+        if (!overlaps) add({e.right, e.right + kHair * e.out, e.left + kHair * e.out, e.left});
+    }
+
+    // Walls side by side with a crack between them.
+    void fillBetweenFaces(size_t i, size_t j) {
+        const WallPiece &p = plan_.pieces[i], &q = plan_.pieces[j];
+        if (p.curved || q.curved || p.line == q.line) return;
+        const glm::dvec2 d = glm::normalize(p.b - p.a);
+        if (std::abs(cross(d, glm::normalize(q.b - q.a))) > kParallelSine) return;
+        const bool same = glm::dot(d, q.b - q.a) > 0;
+        const glm::dvec2 qa = same ? q.a : q.b, qb = same ? q.b : q.a;
+        const double length = glm::length(p.b - p.a), q0 = glm::dot(qa - p.a, d), q1 = glm::dot(qb - p.a, d);
+        const double s0 = std::max(0.0, q0), s1 = std::min(length, q1);
+        if (s1 - s0 < 0.5) return;
+        const auto onP = [&](double s) { return p.a + s * d; };
+        const auto onQ = [&](double s) { return qa + (s - q0) / (q1 - q0) * (qb - qa); };
+        const double gap0 = std::abs(cross(d, onQ(s0) - onP(s0))),
+                     gap1 = std::abs(cross(d, onQ(s1) - onP(s1)));
+        const double solid = (p.thickness + q.thickness) / 2;
+        if (std::max(gap0, gap1) > solid + 1.0 || std::min(gap0, gap1) <= solid) return;
+        add({onP(s0), onP(s1), onQ(s1), onQ(s0)});
+    }
+
+    PlanWalls& plan_;
+    double width_;
+    std::vector<WallEnd> ends_;
+    std::vector<PlanSolid> physical_;
+};
+
+// A partition that stops a hair short of a wall was meant to touch it.
+void reachWalls(PlanWalls& plan) {
+    constexpr double kHair = 0.3;
+    for (size_t i = 0; i < plan.partitions.size(); ++i) {
+        WallPiece& piece = plan.partitions[i];
+        if (piece.curved) continue;
+        for (const bool atB : {false, true}) {
+            const WallEnd end = wallEnd(piece, 0, atB);
+            const double t = firstHit(plan.solids, end.middle, end.out, -2);
+            if (t < kHair) (atB ? piece.b : piece.a) += (t + piece.thickness / 2) * end.out;
+        }
+    }
+}
+
+} // namespace
+
+PlanSolid footprint(const WallPiece& piece, double chordError) {
+    PlanSolid solid;
+    const double half = piece.thickness / 2;
+    if (!piece.curved) {
+        const glm::dvec2 n = half * leftOf(glm::normalize(piece.b - piece.a));
+        solid.outline = {piece.a - n, piece.b - n, piece.b + n, piece.a + n};
+        solid.sides = {SolidSide::right, SolidSide::end, SolidSide::left, SolidSide::end};
+        return solid;
+    }
+    const double sweep = piece.a1 - piece.a0, outer = piece.radius + half, inner = piece.radius - half;
+    const double step = std::clamp(2 * std::acos(1 - std::min(0.5, chordError / outer)), kPi / 180, kPi / 12);
+    const int count = std::max(2, static_cast<int>(std::ceil(sweep / step)));
+    for (int k = 0; k <= count; ++k) {
+        solid.outline.push_back(piece.center + outer * onCircle(piece.a0 + sweep * k / count));
+        solid.sides.push_back(k < count ? SolidSide::right : SolidSide::end);
+    }
+    for (int k = count; k >= 0; --k) {
+        solid.outline.push_back(piece.center + inner * onCircle(piece.a0 + sweep * k / count));
+        solid.sides.push_back(k > 0 ? SolidSide::left : SolidSide::end);
+    }
+    return solid;
+}
+
+bool contains(const std::vector<glm::dvec2>& polygon, glm::dvec2 p) {
+    bool inside = false;
+    for (size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
+        const glm::dvec2 a = polygon[i], b = polygon[j];
+        if ((a.y > p.y) != (b.y > p.y) && p.x < (b.x - a.x) * (p.y - a.y) / (b.y - a.y) + a.x)
+            inside = !inside;
+    }
+    return inside;
+}
+
+WallEnd wallEnd(const WallPiece& piece, int index, bool atB) {
+    WallEnd end{index, atB};
+    end.middle = atB ? piece.b : piece.a;
+    if (piece.curved)
+        end.out = leftOf(onCircle(atB ? piece.a1 : piece.a0)) * (atB ? 1.0 : -1.0);
+    else
+        end.out = glm::normalize(piece.b - piece.a) * (atB ? 1.0 : -1.0);
+    // The same expressions as in footprint(), so that the corners are the same points to the last bit.
+    const double half = piece.thickness / 2;
+    if (piece.curved) {
+        const glm::dvec2 r = onCircle(piece.a0 + (piece.a1 - piece.a0) * (atB ? 1 : 0));
+        const glm::dvec2 outer = piece.center + (piece.radius + half) * r,
+                         inner = piece.center + (piece.radius - half) * r;
+        end.right = atB ? outer : inner;
+        end.left = atB ? inner : outer;
+        return end;
+    }
+    const glm::dvec2 n = half * leftOf(glm::normalize(piece.b - piece.a));
+    end.right = atB ? piece.b - n : piece.a + n;
+    end.left = atB ? piece.b + n : piece.a - n;
+    return end;
+}
+
+bool touches(const std::vector<PlanSolid>& solids, const WallEnd& end) {
+    // Just ahead, or just behind where the end face is flush with another wall's face.
+    const glm::dvec2 ahead = end.middle + 1e-4 * end.out, behind = end.middle - 1e-2 * end.out;
+    return std::ranges::any_of(solids, [&](const PlanSolid& solid) {
+        return solid.piece != end.piece && (contains(solid.outline, ahead) || contains(solid.outline, behind));
+    });
+}
+
+double firstHit(const std::vector<PlanSolid>& solids, glm::dvec2 origin, glm::dvec2 direction, int except,
+                int* hit) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (size_t s = 0; s < solids.size(); ++s) {
+        const PlanSolid& solid = solids[s];
+        if (solid.piece == except && except >= 0) continue;
+        for (size_t k = 0; k < solid.outline.size(); ++k) {
+            const glm::dvec2 a = solid.outline[k], b = solid.outline[(k + 1) % solid.outline.size()];
+            const double turn = cross(direction, b - a);
+            if (std::abs(turn) < 1e-12) continue;
+            const double t = cross(a - origin, b - a) / turn, u = cross(a - origin, direction) / turn;
+            if (t < 1e-9 || u < -1e-9 || u > 1 + 1e-9 || t >= nearest) continue;
+            nearest = t;
+            if (hit) *hit = static_cast<int>(s);
+        }
+    }
+    return nearest;
+}
+
+PlanWalls planWalls(const Sketch& sketch, const PlanWallsOptions& options) {
+    PlanWalls plan;
+    for (const bool green : {false, true}) {
+        std::vector<WallPiece>& pieces = green ? plan.partitions : plan.pieces;
+        pieces = straightPieces(sketch, green, plan);
+        LineFinder(pieces, plan.lines).find();
+        mergeOverlaps(pieces, plan.lines);
+        std::vector<WallPiece> arcs = curvedPieces(sketch, green, plan);
+        mergeArcs(arcs);
+        pieces.insert(pieces.end(), arcs.begin(), arcs.end());
+    }
+    for (size_t i = 0; i < plan.pieces.size(); ++i) {
+        plan.solids.push_back(footprint(plan.pieces[i], options.chordError));
+        plan.solids.back().piece = static_cast<int>(i);
+    }
+    CrackFiller(plan, options.crackWidth).fill();
+    reachWalls(plan);
+    return plan;
+}
+
+} // namespace heliodon::geometry
