@@ -23,6 +23,7 @@
 
 #include "geometry/min_cut.h"
 #include "geometry/plan_arrangement.h"
+#include "geometry/plan_regions.h"
 
 namespace heliodon::geometry {
 
@@ -37,10 +38,6 @@ constexpr double kFewestWalls = 3;    // logical walls; an arc counts as one for
 constexpr std::array kPrices{0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9};
 constexpr double kCapacityUnit = 1e6; // of a length of 1 in: exact integer flow
 constexpr int64_t kForever = int64_t{1} << 50;
-
-double cross(glm::dvec2 u, glm::dvec2 v) {
-    return u.x * v.y - u.y * v.x;
-}
 
 // What a segment of the arrangement is: an edge of a solid, or a line along which a gap may be bridged.
 struct Line {
@@ -260,36 +257,15 @@ private:
     }
 
     void measureCells() {
-        area_.assign(map_.cellCount, 0);
+        area_ = cellAreas(map_);
         perimeter_.assign(map_.cellCount, 0);
-        for (uint32_t h = 0; h < map_.cell.size(); ++h) {
-            area_[map_.cell[h]] += 0.5 * cross(map_.points[map_.source(h)], map_.points[map_.target[h]]);
+        for (uint32_t h = 0; h < map_.cell.size(); ++h)
             if (map_.cell[h] != map_.cell[h ^ 1u]) perimeter_[map_.cell[h]] += edgeLength(h);
-        }
-    }
-
-    // How many more solids there are on the left of the half-edge than on its right.
-    int step(uint32_t half) const {
-        int change = 0;
-        for (const PlanArrangement::Tag& tag : map_.tags[half / 2])
-            if (lines_.lines[static_cast<size_t>(tag.tag)].solid >= 0)
-                change += tag.forward == (half % 2 == 0) ? 1 : -1;
-        return change;
     }
 
     void findSolids() {
-        std::vector<int> depth(map_.cellCount, std::numeric_limits<int>::min());
-        std::vector<std::vector<uint32_t>> halves(map_.cellCount);
-        for (uint32_t h = 0; h < map_.cell.size(); ++h) halves[map_.cell[h]].push_back(h);
-        std::vector<uint32_t> queue{0};
-        depth[0] = 0;
-        for (size_t i = 0; i < queue.size(); ++i)
-            for (const uint32_t h : halves[queue[i]]) {
-                const uint32_t other = map_.cell[h ^ 1u];
-                if (depth[other] != std::numeric_limits<int>::min()) continue;
-                depth[other] = depth[queue[i]] - step(h);
-                queue.push_back(other);
-            }
+        const std::vector<int> depth =
+            coverage(map_, [&](int32_t tag) { return lines_.lines[static_cast<size_t>(tag)].solid >= 0; });
         solid_.resize(map_.cellCount);
         for (uint32_t c = 0; c < map_.cellCount; ++c) solid_[c] = depth[c] > 0;
     }
@@ -336,9 +312,7 @@ private:
     }
 
     // The piece whose long face the half-edge is, with air on its left; -1 when there is none.
-    int faceOf(uint32_t half) const {
-        return wallOf(half, false);
-    }
+    int faceOf(uint32_t half) const { return wallOf(half, false); }
 
     int wallOf(uint32_t half, bool endsToo) const {
         for (const PlanArrangement::Tag& tag : map_.tags[half / 2]) {
@@ -477,18 +451,11 @@ private:
 
     PlanRooms trace() const {
         PlanRooms out;
-        const std::vector<uint32_t> root = components(inside_);
-        std::map<uint32_t, RoomPlan> rooms;
-        std::vector<bool> seen(map_.cell.size());
-        for (uint32_t start = 0; start < map_.cell.size(); ++start) {
-            if (seen[start] || !isBoundary(start)) continue;
-            RoomPlan& room = rooms[root[map_.cell[start]]];
-            room.loops.push_back(traceLoop(start, seen, room));
-        }
-        for (auto& [id, room] : rooms) {
-            for (const OutlineLoop& loop : room.loops) room.area += area(loop);
-            std::ranges::stable_sort(room.loops, std::greater(),
-                                     [](const OutlineLoop& l) { return area(l); });
+        std::vector<int> labels(map_.cellCount);
+        for (uint32_t c = 0; c < map_.cellCount; ++c) labels[c] = inside_[c] ? 0 : -1;
+        for (const PlanRegion& region : traceRegions(map_, labels)) {
+            RoomPlan room;
+            for (const auto& loop : region.loops) room.loops.push_back(traceLoop(loop, room));
             out.rooms.push_back(std::move(room));
         }
         std::ranges::sort(out.rooms, {}, [](const RoomPlan& room) {
@@ -500,31 +467,20 @@ private:
         return out;
     }
 
-    static double area(const OutlineLoop& loop) {
-        double sum = 0;
-        for (size_t i = 0; i < loop.points.size(); ++i)
-            sum += 0.5 * cross(loop.points[i], loop.points[(i + 1) % loop.points.size()]);
-        return sum;
-    }
-
-    OutlineLoop traceLoop(uint32_t start, std::vector<bool>& seen, RoomPlan& room) const {
+    OutlineLoop traceLoop(const std::vector<uint32_t>& halves, RoomPlan& room) const {
         OutlineLoop loop;
         double gap = 0;
-        uint32_t h = start;
-        do {
-            seen[h] = true;
+        for (const uint32_t h : halves) {
             OutlineEdge edge;
             edge.gap = !solid_[map_.cell[h ^ 1u]];
-            if (!edge.gap) edge.piece = wallOf(h, true);
+            if (!edge.gap) edge.piece = faceOf(h) >= 0 ? faceOf(h) : wallOf(h, true);
+            if (edge.piece >= 0) edge.height = plan_.pieces[static_cast<size_t>(edge.piece)].height;
             loop.points.push_back(map_.points[map_.source(h)]);
             loop.edges.push_back(edge);
             gap = edge.gap ? gap + edgeLength(h) : 0;
             (edge.gap ? room.gapLength : room.wallLength) += edgeLength(h);
             room.widestGap = std::max(room.widestGap, gap);
-            // Round the target through the air of this room to its next boundary.
-            h = map_.next[h];
-            while (!isBoundary(h)) h = map_.next[h ^ 1u];
-        } while (h != start);
+        }
         return loop;
     }
 

@@ -11,8 +11,9 @@
 namespace heliodon::geometry {
 
 struct OutlineEdge {
-    int piece = -1;   // the wall that stands there; -1: a filled crack or a bridged gap
-    bool gap = false; // bridged: nothing stands there, not even the filling of a crack
+    int piece = -1;    // the wall that stands there; -1: a filled crack or a bridged gap
+    bool gap = false;  // bridged: nothing stands there, not even the filling of a crack
+    double height = 0; // inches: of the wall that stands there, 0 for none
 };
 
 // Air on the left: outlines counter-clockwise, islands clockwise. Edge k runs from point k to point k + 1.
@@ -35,5 +36,8 @@ struct PlanRooms {
 };
 
 PlanRooms findRooms(const PlanWalls& plan);
+
+// Takes out steps under 0.12 in, straight corners and spikes, and parts outlines that touch in a point.
+void cleanOutlines(PlanRooms& rooms);
 
 } // namespace heliodon::geometry

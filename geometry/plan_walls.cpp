@@ -425,7 +425,8 @@ bool touches(const std::vector<PlanSolid>& solids, const WallEnd& end) {
     // Just ahead, or just behind where the end face is flush with another wall's face.
     const glm::dvec2 ahead = end.middle + 1e-4 * end.out, behind = end.middle - 1e-2 * end.out;
     return std::ranges::any_of(solids, [&](const PlanSolid& solid) {
-        return solid.piece != end.piece && (contains(solid.outline, ahead) || contains(solid.outline, behind));
+        return solid.piece != end.piece &&
+               (contains(solid.outline, ahead) || contains(solid.outline, behind));
     });
 }
 

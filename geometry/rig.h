@@ -1,6 +1,6 @@
 // The calibrated devices round the table (`vh-rig/1`): one overhead camera, any number of projectors.
-// World: metres, right-handed, y up, table top y = 0. Device frame (OpenCV): x right, y down, z forward, X_dev = R X_world + t.
-// Pixels: integer = pixel centre, so an image W wide spans [-0.5, W - 0.5].
+// World: metres, right-handed, y up, table top y = 0. Device frame (OpenCV): x right, y down, z forward,
+// X_dev = R X_world + t. Pixels: integer = pixel centre, so an image W wide spans [-0.5, W - 0.5].
 #pragma once
 
 #include <array>
@@ -20,7 +20,8 @@ struct Lens {
     double fx = 1, fy = 1, cx = 0, cy = 0, skew = 0;
     std::array<double, 5> dist{}; // k1 k2 p1 p2 k3
 
-    // Ideal image-plane point (x/z, y/z) to pixel and back. The inverse is iterated to 1e-10 of the image plane.
+    // Ideal image-plane point (x/z, y/z) to pixel and back. The inverse is iterated to 1e-10 of the image
+    // plane.
     glm::dvec2 pixelFromPlane(glm::dvec2 xy) const;
     glm::dvec2 planeFromPixel(glm::dvec2 pixel) const;
 };
@@ -36,18 +37,18 @@ struct OpticalDevice {
     glm::dmat3 deviceFromWorld{1}; // R; glm is column-major: R[column][row]
     glm::dvec3 translation{};      // t
 
-    glm::dvec3 centre() const;                                          // -R^T t, world metres
-    std::optional<glm::dvec2> pixelFromWorld(glm::dvec3 world) const;   // none behind the device
+    glm::dvec3 centre() const;                                        // -R^T t, world metres
+    std::optional<glm::dvec2> pixelFromWorld(glm::dvec3 world) const; // none behind the device
     Ray rayFromPixel(glm::dvec2 pixel) const;
     // Where the pixel's ray meets the horizontal plane at height y; none when it is parallel or behind.
     std::optional<glm::dvec3> worldOnPlane(glm::dvec2 pixel, double y) const;
 };
 
 struct Projector : OpticalDevice {
-    double lumens = 3000;      // all-white output
-    double blackLevel = 0;     // fraction of white that leaks when black is sent, 0..1
+    double lumens = 3000;          // all-white output
+    double blackLevel = 0;         // fraction of white that leaks when black is sent, 0..1
     std::string response = "srgb"; // transfer function of the input: "srgb", or a gamma as a number
-    std::string display;       // output's name for `live`; may be empty
+    std::string display;           // output's name for `live`; may be empty
 };
 
 struct Site {
@@ -61,7 +62,8 @@ struct Rig {
     std::optional<Site> site;
 };
 
-// Throws InputError naming the file and the field ("projectors[1].K"). R must be a rotation within 1e-3; it is re-orthonormalised.
+// Throws InputError naming the file and the field ("projectors[1].K"). R must be a rotation within 1e-3; it
+// is re-orthonormalised.
 Rig readRig(const std::filesystem::path& file);
 
 } // namespace heliodon::geometry

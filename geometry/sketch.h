@@ -1,6 +1,7 @@
 // What lies on the table, as the camera saw it or a file states it (`vh-sketch/1`).
-// Plan coordinates: inches on the table (1 in = 1 ft of building), origin at the table's centre, x right, y up as seen from
-// above; angles in degrees counter-clockwise from +x. World metres are (0.0254 x, 0, -0.0254 y).
+// Plan coordinates: inches on the table (1 in = 1 ft of building), origin at the table's centre, x right, y
+// up as seen from above; angles in degrees counter-clockwise from +x. World metres are (0.0254 x, 0, -0.0254
+// y).
 #pragma once
 
 #include <array>
@@ -22,10 +23,11 @@ constexpr double heightInches(HeightClass c) {
     return c == HeightClass::red ? 10.0 : c == HeightClass::blue ? 8.0 : 4.0;
 }
 
-// What detection knows about a primitive; a sketch read from a file without it has confidence 1 and no outline.
+// What detection knows about a primitive; a sketch read from a file without it has confidence 1 and no
+// outline.
 struct Detection {
-    double confidence = 1;                // 0..1
-    std::vector<glm::dvec2> outlinePx;    // camera pixels (integer = pixel centre), closed, may be empty
+    double confidence = 1;             // 0..1
+    std::vector<glm::dvec2> outlinePx; // camera pixels (integer = pixel centre), closed, may be empty
 };
 
 struct Wall {
@@ -39,7 +41,7 @@ struct Wall {
 struct Arc {
     std::string id;
     glm::dvec2 center{};
-    double radius = 0;         // of the centre line
+    double radius = 0;           // of the centre line
     double a0Deg = 0, a1Deg = 0; // counter-clockwise from a0 to a1, a1 > a0
     double thickness = 0.375;
     HeightClass heightClass = HeightClass::red;
@@ -88,8 +90,9 @@ struct Sketch {
     std::optional<NorthArrow> north;
 };
 
-// Throws InputError naming the file and the field ("walls[3].thickness"); unknown fields are ignored, `expect` too.
-// Ids must be unique within a list; missing ids are given ("w1", "a1", "win1", "sky1", "token1").
+// Throws InputError naming the file and the field ("walls[3].thickness"); unknown fields are ignored,
+// `expect` too. Ids must be unique within a list; missing ids are given ("w1", "a1", "win1", "sky1",
+// "token1").
 Sketch readSketch(const std::filesystem::path& file);
 // Written whole or not at all. Reading it back gives the same sketch.
 void writeSketch(const Sketch& sketch, const std::filesystem::path& file);

@@ -1,0 +1,250 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <glm/geometric.hpp>
+
+#include "geometry/building.h"
+#include "geometry/face_soup.h"
+#include "geometry/occluder_solids.h"
+#include "geometry/plan_materials.h"
+#include "geometry/plan_rooms.h"
+#include "geometry/plan_windows.h"
+#include "geometry/room_faces.h"
+
+namespace heliodon::geometry {
+
+namespace {
+
+constexpr double kWideOpening = 8; // inches: a bridged opening this wide is worth a warning
+constexpr size_t kMostWalls = 500; // the paper's table holds about twenty
+constexpr double kWeld = 1e-9;     // metres
+constexpr double kCubicInch = kMetresPerInch * kMetresPerInch * kMetresPerInch;
+
+std::string joined(const std::vector<std::string>& ids) {
+    return fmt::format("{}", fmt::join(ids, ", "));
+}
+
+// What is on the table, in an order that does not depend on the file's.
+Sketch onTable(const Sketch& sketch, std::vector<PlanNote>& notes, std::vector<std::string>& ignored) {
+    Sketch out = sketch;
+    const double radius = sketch.tableDiameter / 2;
+    const auto off = [&](const auto& item, double nearest, double farthest, const char* kind) {
+        if (nearest <= radius && farthest > radius + 0.5)
+            notes.push_back({"WALL_OFF_TABLE", fmt::format("{} {} reaches beyond the table", kind, item.id)});
+        if (nearest <= radius) return false;
+        notes.push_back(
+            {"WALL_OFF_TABLE", fmt::format("{} {} lies off the table and is ignored", kind, item.id)});
+        ignored.push_back(item.id);
+        return true;
+    };
+    std::erase_if(out.walls, [&](const Wall& wall) {
+        const glm::dvec2 d = wall.b - wall.a;
+        const double square = glm::dot(d, d),
+                     t = square > 0 ? std::clamp(-glm::dot(wall.a, d) / square, 0.0, 1.0) : 0;
+        return off(wall, glm::length(wall.a + t * d), std::max(glm::length(wall.a), glm::length(wall.b)),
+                   "wall");
+    });
+    std::erase_if(out.arcs, [&](const Arc& arc) {
+        const double middle = glm::length(arc.center);
+        return off(arc, std::max(0.0, std::abs(middle - arc.radius)), 0, "arc");
+    });
+    std::ranges::sort(out.skylights, {}, [](const Skylight& s) {
+        return std::tuple(s.center.x, s.center.y, s.size.x, s.size.y, s.angleDeg, s.id);
+    });
+    return out;
+}
+
+class Closer {
+public:
+    Closer(const Sketch& sketch, const ClosureOptions& options)
+        : options_(options), sketch_(onTable(sketch, notes_, ignored_)) {}
+
+    Closure close() {
+        const bool possible = plan() && findSpaces();
+        if (possible)
+            build();
+        else
+            roles({}, {});
+        return std::move(out_);
+    }
+
+private:
+    void refuse(const std::string& code, const std::string& sentence) {
+        out_.report.outcome = Outcome::refuse;
+        out_.report.code = code;
+        out_.report.message = sentence;
+        out_.building.reset();
+    }
+
+    bool plan() {
+        if (sketch_.walls.size() + sketch_.arcs.size() > kMostWalls) {
+            refuse("TOO_MANY_WALLS", fmt::format("the sketch has {} walls, at most {} are taken",
+                                                 sketch_.walls.size() + sketch_.arcs.size(), kMostWalls));
+            return false;
+        }
+        plan_ = planWalls(sketch_, {(options_.doorWidth + options_.crackWidth) / 2, options_.chordError});
+        notes_.insert(notes_.end(), plan_.notes.begin(), plan_.notes.end());
+        ignored_.insert(ignored_.end(), plan_.ignored.begin(), plan_.ignored.end());
+        if (!plan_.pieces.empty()) return true;
+        if (plan_.partitions.empty())
+            refuse("NO_WALLS", ignored_.empty()
+                                   ? "there are no walls on the table"
+                                   : "no wall is left: " + joined(sortedIds(ignored_)) + " are ignored");
+        else
+            refuse("ONLY_PARTITIONS", "there are only low (green) walls, which cannot enclose a room: " +
+                                          joined(idsOf(plan_.partitions)));
+        return false;
+    }
+
+    static std::vector<std::string> sortedIds(std::vector<std::string> ids) {
+        std::ranges::sort(ids);
+        return ids;
+    }
+
+    static std::vector<std::string> idsOf(const std::vector<WallPiece>& pieces) {
+        std::vector<std::string> ids;
+        for (const WallPiece& piece : pieces) ids.insert(ids.end(), piece.ids.begin(), piece.ids.end());
+        return sortedIds(std::move(ids));
+    }
+
+    bool findSpaces() {
+        spaces_ = findRooms(plan_);
+        cleanOutlines(spaces_);
+        if (!spaces_.rooms.empty()) return true;
+        refuse("NOT_ENCLOSED", "the walls enclose no space: " + joined(idsOf(plan_.pieces)));
+        return false;
+    }
+
+    // The height class with the most wall round the room; the higher one of two equals.
+    double ceilingOf(const RoomPlan& room) const {
+        std::map<double, double> length;
+        for (const OutlineLoop& loop : room.loops)
+            for (size_t i = 0; i < loop.points.size(); ++i)
+                if (loop.edges[i].height > 0)
+                    length[loop.edges[i].height] +=
+                        glm::length(loop.points[(i + 1) % loop.points.size()] - loop.points[i]);
+        double best = 10, most = 0;
+        for (const auto& [height, sum] : length)
+            if (sum >= most - 1e-6) {
+                most = std::max(most, sum);
+                best = height;
+            }
+        return best;
+    }
+
+    void build() {
+        std::vector<double> ceilings;
+        for (const RoomPlan& room : spaces_.rooms) ceilings.push_back(ceilingOf(room));
+        const std::vector<WallRun> runs = wallRuns(plan_, spaces_.rooms);
+        const PlanMaterials materials = planMaterials(sketch_, plan_, spaces_.rooms, runs, options_);
+        const PlanWindows windows = placeWindows(sketch_, plan_, runs, ceilings);
+        notes_.insert(notes_.end(), windows.notes.begin(), windows.notes.end());
+        const RoomFaces faces =
+            roomFaces({plan_, spaces_.rooms, runs, sketch_.skylights, ceilings, materials.rooms,
+                       materials.runs, materials.partitions, windows.holes, options_.chordError});
+        Building building = weldFaces(faces.faces, static_cast<uint32_t>(spaces_.rooms.size()), kWeld);
+        building.materials = materials.materials;
+        building.occluders = occluderSolids(plan_, options_.chordError);
+        if (sketch_.north) building.northDeg = sketch_.north->dirDeg;
+
+        out_.report.windowCount = windows.openings;
+        out_.report.skylightPaneCount = faces.skylightPanes;
+        noteSkylights(faces);
+        roles(faces.partitionUsed, faces.floorArea);
+        if (prove(building, faces, ceilings)) {
+            out_.building = std::move(building);
+            conclude();
+        }
+    }
+
+    void noteSkylights(const RoomFaces& faces) {
+        for (size_t i = 0; i < sketch_.skylights.size(); ++i)
+            if (!faces.skylightUsed[i])
+                notes_.push_back(
+                    {"SKYLIGHT_OUTSIDE",
+                     fmt::format("skylight {} lies over no room and is ignored", sketch_.skylights[i].id)});
+    }
+
+    bool prove(const Building& building, const RoomFaces& faces, const std::vector<double>& ceilings) {
+        const std::vector<ShellProof> proofs = proveShells(building);
+        bool good = true;
+        for (size_t r = 0; r < proofs.size(); ++r) {
+            RoomReport room;
+            room.floorAreaFt2 = faces.floorArea[r];
+            room.volumeFt3 = proofs[r].volume / kCubicInch;
+            room.ceilingFt = ceilings[r];
+            room.euler = proofs[r].euler;
+            room.closed = proofs[r].closed;
+            room.selfIntersecting = proofs[r].selfIntersecting;
+            out_.report.rooms.push_back(room);
+            const double expected = (faces.floorArea[r] + faces.lowArea[r]) * ceilings[r] -
+                                    faces.lowArea[r] * heightInches(HeightClass::green);
+            const bool volumeFits = std::abs(room.volumeFt3 - expected) <= 1e-6 * expected;
+            good = good && room.closed && !room.selfIntersecting && volumeFits;
+        }
+        if (!good)
+            refuse("NOT_PROVEN",
+                   "the walls leave no room that could be proven closed: " + joined(idsOf(plan_.pieces)));
+        return good;
+    }
+
+    void roles(const std::vector<bool>& partitionUsed, const std::vector<double>& rooms) {
+        std::vector<WallRole>& walls = out_.report.walls;
+        const auto add = [&](const WallPiece& piece, const char* role) {
+            for (const std::string& id : piece.ids) walls.push_back({id, role});
+        };
+        for (size_t i = 0; i < plan_.pieces.size(); ++i) {
+            const double one = rooms.empty() ? 0 : spaces_.oneSide[i],
+                         both = rooms.empty() ? 0 : spaces_.bothSides[i];
+            if (one + both < 0.3) {
+                add(plan_.pieces[i], "outside_extra");
+                if (!rooms.empty())
+                    outside_.insert(outside_.end(), plan_.pieces[i].ids.begin(), plan_.pieces[i].ids.end());
+            } else
+                add(plan_.pieces[i], both > one ? "interior" : "exterior");
+        }
+        for (size_t i = 0; i < plan_.partitions.size(); ++i)
+            add(plan_.partitions[i],
+                partitionUsed.empty() || !partitionUsed[i] ? "outside_extra" : "partition");
+        for (const std::string& id : ignored_) walls.push_back({id, "ignored"});
+        std::ranges::sort(walls, {}, [](const WallRole& w) { return std::pair(w.id.size(), w.id); });
+    }
+
+    void conclude() {
+        ClosureReport& report = out_.report;
+        for (const RoomPlan& room : spaces_.rooms)
+            if (room.widestGap > kWideOpening)
+                notes_.push_back(
+                    {"WIDE_OPENING", fmt::format("an opening {:.1f} ft wide was closed", room.widestGap)});
+        std::ranges::sort(notes_, {}, [](const PlanNote& n) { return std::pair(n.code, n.sentence); });
+        const size_t count = report.rooms.size();
+        report.message = fmt::format("{} room{}", count, count == 1 ? "" : "s");
+        if (!outside_.empty())
+            report.message +=
+                fmt::format("; {} enclose{} nothing and only cast{} shadows", joined(sortedIds(outside_)),
+                            outside_.size() == 1 ? "s" : "", outside_.size() == 1 ? "s" : "");
+        for (const PlanNote& note : notes_) report.message += "; " + note.sentence;
+        report.outcome = notes_.empty() ? Outcome::ok : Outcome::warn;
+        report.code = notes_.empty() ? "OK" : notes_[0].code;
+    }
+
+    const ClosureOptions& options_;
+    std::vector<PlanNote> notes_;
+    std::vector<std::string> ignored_, outside_;
+    Sketch sketch_;
+    PlanWalls plan_;
+    PlanRooms spaces_;
+    Closure out_;
+};
+
+} // namespace
+
+Closure closeSketch(const Sketch& sketch, const ClosureOptions& options) {
+    return Closer(sketch, options).close();
+}
+
+} // namespace heliodon::geometry

@@ -1,0 +1,195 @@
+#include "geometry/face_soup.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <unordered_map>
+
+#include <glm/geometric.hpp>
+
+namespace heliodon::geometry {
+
+namespace {
+
+// Finds or adds points by a grid of cells of the tolerance's size. Rooms never share corners.
+class Welder {
+public:
+    Welder(std::vector<glm::dvec3>& points, double tolerance) : points_(points), tolerance_(tolerance) {}
+
+    uint32_t index(glm::dvec3 p, uint32_t room) {
+        const glm::dvec3 cell = glm::floor(p / (2 * tolerance_));
+        for (int dx = -1; dx <= 1; ++dx)
+            for (int dy = -1; dy <= 1; ++dy)
+                for (int dz = -1; dz <= 1; ++dz) {
+                    const auto [first, last] = cells_.equal_range(key(cell + glm::dvec3(dx, dy, dz), room));
+                    for (auto it = first; it != last; ++it)
+                        if (rooms_[it->second] == room && glm::length(points_[it->second] - p) <= tolerance_)
+                            return it->second;
+                }
+        const auto id = static_cast<uint32_t>(points_.size());
+        points_.push_back(p);
+        rooms_.push_back(room);
+        cells_.emplace(key(cell, room), id);
+        return id;
+    }
+
+private:
+    static uint64_t key(glm::dvec3 cell, uint32_t room) {
+        uint64_t hash = room;
+        for (int c = 0; c < 3; ++c) {
+            hash ^= static_cast<uint64_t>(static_cast<int64_t>(cell[c]));
+            hash *= 0x9E3779B97F4A7C15ull;
+            hash ^= hash >> 29;
+        }
+        return hash;
+    }
+
+    std::vector<glm::dvec3>& points_;
+    std::vector<uint32_t> rooms_;
+    double tolerance_;
+    std::unordered_multimap<uint64_t, uint32_t> cells_;
+};
+
+void dropRepeats(std::vector<uint32_t>& loop) {
+    for (bool changed = true; changed && loop.size() >= 3;) {
+        changed = false;
+        for (size_t i = 0; i < loop.size(); ++i) {
+            const size_t n = loop.size();
+            if (loop[i] == loop[(i + 1) % n])
+                loop.erase(loop.begin() + static_cast<std::ptrdiff_t>(i));
+            else if (loop[i] == loop[(i + 2) % n]) { // out and back
+                const size_t spike = (i + 1) % n;
+                loop.erase(loop.begin() + static_cast<std::ptrdiff_t>(spike));
+                loop.erase(loop.begin() + static_cast<std::ptrdiff_t>(spike < i ? i - 1 : i));
+            } else
+                continue;
+            changed = true;
+            break;
+        }
+    }
+}
+
+using Edge = std::pair<uint32_t, uint32_t>;
+
+class EdgeSplitter {
+public:
+    EdgeSplitter(Building& building, double tolerance) : building_(building), tolerance_(tolerance) {}
+
+    // Splitting may bring further corners within reach of a new edge; two or three rounds settle it.
+    void split() {
+        for (int round = 0; round < 8; ++round) {
+            findLoose();
+            if (loose_.empty() || !splitOnce()) return;
+        }
+    }
+
+private:
+    void findLoose() {
+        std::map<Edge, int> count;
+        for (const Face& face : building_.faces)
+            for (const auto& loop : face.loops)
+                for (size_t i = 0; i < loop.size(); ++i) ++count[{loop[i], loop[(i + 1) % loop.size()]}];
+        loose_.clear();
+        corners_.clear();
+        for (const auto& [edge, n] : count) {
+            const auto opposite = count.find({edge.second, edge.first});
+            if (opposite != count.end() && opposite->second == n) continue;
+            loose_.emplace(edge, std::vector<uint32_t>());
+            corners_.push_back(edge.first);
+            corners_.push_back(edge.second);
+        }
+        std::ranges::sort(corners_, {}, [&](uint32_t v) { return std::pair(building_.vertices[v].x, v); });
+        corners_.erase(std::unique(corners_.begin(), corners_.end()), corners_.end());
+    }
+
+    bool splitOnce() {
+        bool any = false;
+        for (auto& [edge, inner] : loose_) {
+            const glm::dvec3 a = building_.vertices[edge.first], b = building_.vertices[edge.second];
+            const double length = glm::length(b - a);
+            const glm::dvec3 direction = (b - a) / length;
+            const auto low = std::ranges::lower_bound(corners_, std::min(a.x, b.x) - tolerance_, {},
+                                                      [&](uint32_t v) { return building_.vertices[v].x; });
+            std::vector<std::pair<double, uint32_t>> found;
+            for (auto it = low; it != corners_.end(); ++it) {
+                const glm::dvec3 p = building_.vertices[*it];
+                if (p.x > std::max(a.x, b.x) + tolerance_) break;
+                const double t = glm::dot(p - a, direction);
+                if (*it == edge.first || *it == edge.second || t <= 0 || t >= length ||
+                    roomOf(*it) != roomOf(edge.first))
+                    continue;
+                if (glm::length(p - a - t * direction) <= tolerance_) found.emplace_back(t, *it);
+            }
+            std::ranges::sort(found);
+            for (const auto& [t, v] : found) inner.push_back(v);
+            any = any || !inner.empty();
+        }
+        if (!any) return false;
+        for (Face& face : building_.faces)
+            for (auto& loop : face.loops) {
+                std::vector<uint32_t> longer;
+                for (size_t i = 0; i < loop.size(); ++i) {
+                    longer.push_back(loop[i]);
+                    const auto found = loose_.find({loop[i], loop[(i + 1) % loop.size()]});
+                    if (found != loose_.end())
+                        longer.insert(longer.end(), found->second.begin(), found->second.end());
+                }
+                loop = std::move(longer);
+            }
+        return true;
+    }
+
+    uint32_t roomOf(uint32_t vertex) {
+        if (rooms_.empty()) {
+            rooms_.resize(building_.vertices.size());
+            for (const Face& face : building_.faces)
+                for (const auto& loop : face.loops)
+                    for (const uint32_t v : loop) rooms_[v] = face.room;
+        }
+        return rooms_[vertex];
+    }
+
+    Building& building_;
+    double tolerance_;
+    std::map<Edge, std::vector<uint32_t>> loose_;
+    std::vector<uint32_t> corners_, rooms_;
+};
+
+} // namespace
+
+Building weldFaces(const std::vector<SoupFace>& soup, uint32_t roomCount, double tolerance) {
+    Building building;
+    building.roomCount = roomCount;
+    Welder welder(building.vertices, tolerance);
+    std::map<int, uint32_t> twins;
+    for (const SoupFace& in : soup) {
+        Face face;
+        face.material = in.material;
+        face.role = in.role;
+        face.surface = in.surface;
+        face.room = in.room;
+        for (size_t l = 0; l < in.loops.size(); ++l) {
+            std::vector<uint32_t> loop;
+            for (const glm::dvec3 p : in.loops[l]) loop.push_back(welder.index(p, in.room));
+            dropRepeats(loop);
+            if (loop.size() >= 3)
+                face.loops.push_back(std::move(loop));
+            else if (l == 0)
+                break;
+        }
+        if (face.loops.empty()) continue;
+        const auto id = static_cast<uint32_t>(building.faces.size());
+        if (in.twinKey >= 0) {
+            const auto [other, isNew] = twins.try_emplace(in.twinKey, id);
+            if (!isNew) {
+                face.twin = static_cast<int32_t>(other->second);
+                building.faces[other->second].twin = static_cast<int32_t>(id);
+            }
+        }
+        building.faces.push_back(std::move(face));
+    }
+    EdgeSplitter(building, tolerance).split();
+    return building;
+}
+
+} // namespace heliodon::geometry

@@ -1,0 +1,183 @@
+#include "geometry/plan_materials.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <tuple>
+
+#include <glm/geometric.hpp>
+
+namespace heliodon::geometry {
+
+namespace {
+
+double distanceToSegment(glm::dvec2 p, glm::dvec2 a, glm::dvec2 b) {
+    const glm::dvec2 d = b - a;
+    const double t = std::clamp(glm::dot(p - a, d) / glm::dot(d, d), 0.0, 1.0);
+    return glm::length(p - a - t * d);
+}
+
+double distanceToPiece(glm::dvec2 p, const WallPiece& piece) {
+    if (!piece.curved) return distanceToSegment(p, piece.a, piece.b);
+    const double middle = (piece.a0 + piece.a1) / 2, half = (piece.a1 - piece.a0) / 2;
+    const double angle = std::atan2(p.y - piece.center.y, p.x - piece.center.x);
+    if (std::abs(std::remainder(angle - middle, 2 * std::numbers::pi)) <= half)
+        return std::abs(glm::length(p - piece.center) - piece.radius);
+    return std::min(glm::length(p - piece.a), glm::length(p - piece.b));
+}
+
+double distanceToRoom(glm::dvec2 p, const RoomPlan& room) {
+    double nearest = std::numeric_limits<double>::infinity();
+    bool inside = false;
+    for (const OutlineLoop& loop : room.loops) {
+        inside = inside != contains(loop.points, p);
+        for (size_t i = 0; i < loop.points.size(); ++i)
+            nearest = std::min(
+                nearest, distanceToSegment(p, loop.points[i], loop.points[(i + 1) % loop.points.size()]));
+    }
+    return inside ? 0 : nearest;
+}
+
+class MaterialPlanner {
+public:
+    MaterialPlanner(const Sketch& sketch, const PlanWalls& plan, const std::vector<RoomPlan>& rooms,
+                    const std::vector<WallRun>& runs, const ClosureOptions& options)
+        : plan_(plan), rooms_(rooms), runs_(runs), options_(options), tokens_(sketch.tokens) {
+        // Their order in the file must not matter.
+        std::ranges::sort(tokens_, {},
+                          [](const Token& t) { return std::tuple(t.pos.x, t.pos.y, t.kind, t.rgb); });
+    }
+
+    PlanMaterials make() {
+        const uint32_t ceiling = add("ceiling", options_.ceilingReflectance);
+        Material glass;
+        glass.name = "glazing";
+        glass.transmittance = glm::vec3(options_.glazingTransmittance);
+        out_.materials.push_back(glass);
+        const auto glazing = static_cast<uint32_t>(out_.materials.size() - 1);
+        std::vector<uint32_t> wallOfRoom;
+        for (const RoomPlan& room : rooms_) {
+            const Token* floor = nearest(TokenKind::floor, room);
+            const Token* walls = nearest(TokenKind::wallAll, room);
+            out_.rooms.push_back(
+                {add("floor", floor ? chipReflectance(floor->rgb) : options_.floorReflectance), ceiling,
+                 glazing});
+            wallOfRoom.push_back(add("wall", walls ? chipReflectance(walls->rgb) : options_.wallReflectance));
+        }
+        paintSingles();
+        for (const WallRun& run : runs_) {
+            const auto painted = paintedRun(run);
+            out_.runs.push_back(painted ? *painted : wallOfRoom[run.room]);
+        }
+        for (size_t i = 0; i < plan_.partitions.size(); ++i) {
+            const auto found = singles_.find(i + plan_.pieces.size());
+            out_.partitions.push_back(found != singles_.end() ? found->second
+                                                              : wallOfRoom[roomOf(plan_.partitions[i])]);
+        }
+        return std::move(out_);
+    }
+
+private:
+    uint32_t add(const std::string& kind, glm::vec3 reflectance) {
+        int copies = 0;
+        for (size_t i = 0; i < out_.materials.size(); ++i) {
+            if (!out_.materials[i].name.starts_with(kind)) continue;
+            if (out_.materials[i].reflectance == reflectance && !out_.materials[i].isOpening())
+                return static_cast<uint32_t>(i);
+            ++copies;
+        }
+        Material material;
+        material.name = copies == 0 ? kind : kind + std::to_string(copies + 1);
+        material.reflectance = reflectance;
+        out_.materials.push_back(material);
+        return static_cast<uint32_t>(out_.materials.size() - 1);
+    }
+
+    const Token* nearest(TokenKind kind, const RoomPlan& room) const {
+        const Token* best = nullptr;
+        double least = std::numeric_limits<double>::infinity();
+        for (const Token& token : tokens_)
+            if (token.kind == kind)
+                if (const double d = distanceToRoom(token.pos, room); d < least) {
+                    least = d;
+                    best = &token;
+                }
+        return best;
+    }
+
+    size_t roomOf(const WallPiece& partition) const {
+        size_t best = 0;
+        double least = std::numeric_limits<double>::infinity();
+        for (size_t r = 0; r < rooms_.size(); ++r)
+            if (const double d = distanceToRoom(0.5 * (partition.a + partition.b), rooms_[r]); d < least) {
+                least = d;
+                best = r;
+            }
+        return best;
+    }
+
+    void paintSingles() {
+        for (const Token& token : tokens_) {
+            if (token.kind != TokenKind::wallSingle) continue;
+            size_t best = 0;
+            double least = std::numeric_limits<double>::infinity();
+            for (size_t i = 0; i < plan_.pieces.size() + plan_.partitions.size(); ++i) {
+                const WallPiece& piece =
+                    i < plan_.pieces.size() ? plan_.pieces[i] : plan_.partitions[i - plan_.pieces.size()];
+                if (const double d = distanceToPiece(token.pos, piece); d < least) {
+                    least = d;
+                    best = i;
+                }
+            }
+            singles_[best] = add("painted wall", chipReflectance(token.rgb));
+        }
+    }
+
+    // A side made of several pieces is one wall: paint on one of them is paint on all.
+    std::optional<uint32_t> paintedRun(const WallRun& run) const {
+        for (const auto& [piece, material] : singles_) {
+            if (piece >= plan_.pieces.size()) continue;
+            const WallPiece& wall = plan_.pieces[piece];
+            if (wall.curved ? run.curved == static_cast<int>(piece)
+                            : run.line == wall.line && overlaps(run, wall))
+                return material;
+        }
+        return {};
+    }
+
+    bool overlaps(const WallRun& run, const WallPiece& wall) const {
+        const WallLine& line = plan_.lines[static_cast<size_t>(wall.line)];
+        const auto [low, high] = std::minmax({line.along(run.from), line.along(run.to)});
+        return line.along(wall.a) < high && line.along(wall.b) > low;
+    }
+
+    const PlanWalls& plan_;
+    const std::vector<RoomPlan>& rooms_;
+    const std::vector<WallRun>& runs_;
+    const ClosureOptions& options_;
+    std::vector<Token> tokens_;
+    std::map<size_t, uint32_t> singles_; // piece, or count of pieces + partition
+    PlanMaterials out_;
+};
+
+} // namespace
+
+glm::vec3 chipReflectance(const std::array<double, 3>& rgb) {
+    glm::vec3 out;
+    for (int c = 0; c < 3; ++c) {
+        const double s = rgb[static_cast<size_t>(c)] / 255;
+        const double linear = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+        out[c] = static_cast<float>(std::min(linear, 0.949));
+    }
+    return out;
+}
+
+PlanMaterials planMaterials(const Sketch& sketch, const PlanWalls& plan, const std::vector<RoomPlan>& rooms,
+                            const std::vector<WallRun>& runs, const ClosureOptions& options) {
+    return MaterialPlanner(sketch, plan, rooms, runs, options).make();
+}
+
+} // namespace heliodon::geometry

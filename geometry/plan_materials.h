@@ -1,0 +1,27 @@
+// Material tokens -> the reflectance of every floor, wall and partition.
+#pragma once
+
+#include <vector>
+
+#include "geometry/building.h"
+#include "geometry/plan_rooms.h"
+#include "geometry/plan_windows.h"
+#include "geometry/room_faces.h"
+
+namespace heliodon::geometry {
+
+struct PlanMaterials {
+    std::vector<Material> materials;
+    std::vector<RoomMaterials> rooms;
+    std::vector<uint32_t> runs, partitions;
+};
+
+// A floor token lies in its room; a room without one takes that of the nearest token, as with the token for
+// all walls. A token for a single wall paints the nearest wall, both its faces.
+PlanMaterials planMaterials(const Sketch& sketch, const PlanWalls& plan, const std::vector<RoomPlan>& rooms,
+                            const std::vector<WallRun>& runs, const ClosureOptions& options);
+
+// Linear reflectance of a paint chip: sRGB 0..255 per channel (IEC 61966-2-1), clamped below 0.95.
+glm::vec3 chipReflectance(const std::array<double, 3>& rgb);
+
+} // namespace heliodon::geometry

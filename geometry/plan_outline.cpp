@@ -1,0 +1,145 @@
+// Makes the outlines of rooms fit to be built: no jogs that only noise explains, no corner that two walls of
+// air share.
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <glm/geometric.hpp>
+
+#include "geometry/plan_rooms.h"
+
+namespace heliodon::geometry {
+
+namespace {
+
+constexpr double kShortEdge = 0.12; // inches: shorter steps are noise
+constexpr double kOnLine = 1e-6;    // inches off the line that two edges share
+constexpr double kPinchGap = 0.01;  // inches between outlines that would touch in a point
+
+double cross(glm::dvec2 u, glm::dvec2 v) {
+    return u.x * v.y - u.y * v.x;
+}
+
+class LoopCleaner {
+public:
+    explicit LoopCleaner(OutlineLoop& loop) : loop_(loop) {}
+
+    void clean() {
+        while (size() > 3 && (mergeAlike() || dropShort() || dropSpike())) {
+        }
+    }
+
+private:
+    size_t size() const { return loop_.points.size(); }
+    glm::dvec2 point(size_t i) const { return loop_.points[i % size()]; }
+    glm::dvec2 edge(size_t i) const { return point(i + 1) - point(i); }
+    OutlineEdge& info(size_t i) { return loop_.edges[i % size()]; }
+
+    // Drops corner i and the edge that begins there.
+    void erase(size_t i) {
+        loop_.points.erase(loop_.points.begin() + static_cast<std::ptrdiff_t>(i % size()));
+        loop_.edges.erase(loop_.edges.begin() + static_cast<std::ptrdiff_t>(i % loop_.edges.size()));
+    }
+
+    bool mergeAlike() {
+        for (size_t i = 0; i < size(); ++i) {
+            const size_t before = i + size() - 1;
+            if (info(before).height != info(i).height || info(before).gap != info(i).gap) continue;
+            const glm::dvec2 whole = point(i + 1) - point(before);
+            const double length = glm::length(whole);
+            if (length == 0 || glm::dot(edge(before), edge(i)) <= 0) continue;
+            if (std::abs(cross(whole, edge(before))) > kOnLine * length) continue;
+            if (glm::length(edge(i)) > glm::length(edge(before))) info(before) = info(i);
+            erase(i);
+            return true;
+        }
+        return false;
+    }
+
+    bool dropShort() {
+        size_t shortest = size();
+        double least = kShortEdge;
+        for (size_t i = 0; i < size(); ++i)
+            if (const double length = glm::length(edge(i)); length < least) {
+                least = length;
+                shortest = i;
+            }
+        if (shortest == size()) return false;
+        const glm::dvec2 corner = replacement(shortest);
+        loop_.points[(shortest + 1) % size()] = corner;
+        erase(shortest);
+        return true;
+    }
+
+    // Where the edges on either side of a short one meet, if that is near; else its middle.
+    glm::dvec2 replacement(size_t i) const {
+        const glm::dvec2 before = edge(i + size() - 1), after = edge(i + 1),
+                         middle = 0.5 * (point(i) + point(i + 1));
+        const double sine = cross(before, after);
+        if (std::abs(sine) > 0.1 * glm::length(before) * glm::length(after)) {
+            const glm::dvec2 meet = point(i) + before * (cross(point(i + 1) - point(i), after) / sine);
+            if (glm::length(meet - middle) < 2 * kShortEdge) return meet;
+        }
+        return middle;
+    }
+
+    // Out and back again.
+    bool dropSpike() {
+        for (size_t i = 0; i < size(); ++i) {
+            const glm::dvec2 in = edge(i + size() - 1), out = edge(i);
+            if (glm::dot(in, out) < 0 &&
+                std::abs(cross(in, out)) < 1e-3 * glm::length(in) * std::max(glm::length(out), kShortEdge)) {
+                erase(i);
+                return true;
+            }
+        }
+        return false;
+    }
+
+    OutlineLoop& loop_;
+};
+
+double loopArea(const OutlineLoop& loop) {
+    double sum = 0;
+    for (size_t i = 0; i < loop.points.size(); ++i)
+        sum += 0.5 * cross(loop.points[i], loop.points[(i + 1) % loop.points.size()]);
+    return sum;
+}
+
+// Corners that coincide are drawn a hair into their own side's air.
+void separatePinches(std::vector<RoomPlan>& rooms) {
+    std::map<std::pair<long long, long long>, int> count;
+    const auto key = [](glm::dvec2 p) { return std::pair(std::llround(p.x * 1e5), std::llround(p.y * 1e5)); };
+    for (const RoomPlan& room : rooms)
+        for (const OutlineLoop& loop : room.loops)
+            for (const glm::dvec2 p : loop.points) ++count[key(p)];
+    for (RoomPlan& room : rooms)
+        for (OutlineLoop& loop : room.loops) {
+            const std::vector<glm::dvec2> old = loop.points;
+            for (size_t i = 0; i < old.size(); ++i) {
+                if (count[key(old[i])] < 2) continue;
+                const glm::dvec2 in = glm::normalize(old[i] - old[(i + old.size() - 1) % old.size()]);
+                const glm::dvec2 out = glm::normalize(old[(i + 1) % old.size()] - old[i]);
+                glm::dvec2 inward = glm::dvec2(-in.y - out.y, in.x + out.x);
+                if (glm::length(inward) < 1e-6) inward = in;
+                loop.points[i] = old[i] + kPinchGap * glm::normalize(inward);
+            }
+        }
+}
+
+} // namespace
+
+void cleanOutlines(PlanRooms& plan) {
+    for (RoomPlan& room : plan.rooms) {
+        for (OutlineLoop& loop : room.loops) LoopCleaner(loop).clean();
+        std::erase_if(room.loops, [](const OutlineLoop& loop) { return std::abs(loopArea(loop)) < 0.05; });
+    }
+    std::erase_if(plan.rooms, [](const RoomPlan& room) { return room.loops.empty(); });
+    separatePinches(plan.rooms);
+    for (RoomPlan& room : plan.rooms) {
+        room.area = 0;
+        for (const OutlineLoop& loop : room.loops) room.area += loopArea(loop);
+    }
+}
+
+} // namespace heliodon::geometry

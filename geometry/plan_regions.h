@@ -1,0 +1,52 @@
+// Cells of an arrangement with equal labels -> polygons with holes.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "geometry/plan_arrangement.h"
+
+namespace heliodon::geometry {
+
+// Connected cells of one label. Loops have the region on their left: the outline counter-clockwise and first,
+// holes clockwise. Corner k of a loop is the source of half-edge k.
+struct PlanRegion {
+    int label = 0;
+    std::vector<std::vector<uint32_t>> loops; // half-edges
+};
+
+// Regions of all labels >= 0, in the order of their first half-edge.
+std::vector<PlanRegion> traceRegions(const PlanArrangement& map, const std::vector<int>& labels);
+
+// Cells with 2 area / perimeter below `width` take the label of the neighbour with the longest common edge.
+// Only cells whose label is >= 0 are looked at, and only such neighbours.
+void absorbThinCells(const PlanArrangement& map, std::vector<int>& labels, double width);
+
+// Per cell: how many of the closed counter-clockwise polygons lie over it. `isEdge(tag)` says whether the
+// segment of that tag is an edge of one of them.
+template<class IsEdge> std::vector<int> coverage(const PlanArrangement& map, IsEdge isEdge);
+
+// Signed area of each cell, net of its holes; the unbounded cell's is minus the rest.
+std::vector<double> cellAreas(const PlanArrangement& map);
+
+template<class IsEdge> std::vector<int> coverage(const PlanArrangement& map, IsEdge isEdge) {
+    constexpr int kUnknown = -1000000;
+    std::vector<std::vector<uint32_t>> halves(map.cellCount);
+    for (uint32_t h = 0; h < map.cell.size(); ++h) halves[map.cell[h]].push_back(h);
+    std::vector<int> depth(map.cellCount, kUnknown);
+    std::vector<uint32_t> queue{0};
+    depth[0] = 0;
+    for (size_t i = 0; i < queue.size(); ++i)
+        for (const uint32_t h : halves[queue[i]]) {
+            const uint32_t other = map.cell[h ^ 1u];
+            if (depth[other] != kUnknown) continue;
+            int change = 0; // from the right of h to its left
+            for (const PlanArrangement::Tag& tag : map.tags[h / 2])
+                if (isEdge(tag.tag)) change += tag.forward == (h % 2 == 0) ? 1 : -1;
+            depth[other] = depth[queue[i]] - change;
+            queue.push_back(other);
+        }
+    return depth;
+}
+
+} // namespace heliodon::geometry

@@ -1,0 +1,269 @@
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "geometry/building.h"
+#include "geometry/face_soup.h"
+
+using namespace heliodon::geometry;
+namespace fs = std::filesystem;
+
+namespace {
+
+const fs::path kSketches = HELIODON_TEST_DATA "/geometry/sketches";
+
+const char* name(Outcome outcome) {
+    return outcome == Outcome::ok ? "ok" : outcome == Outcome::warn ? "warn" : "refuse";
+}
+
+Wall wall(const std::string& id, glm::dvec2 a, glm::dvec2 b, HeightClass height = HeightClass::red) {
+    Wall w;
+    w.id = id;
+    w.a = a;
+    w.b = b;
+    w.heightClass = height;
+    return w;
+}
+
+// Four walls round a rectangle of centre lines, corners tight.
+Sketch box(double x0, double y0, double x1, double y1, HeightClass height = HeightClass::red) {
+    Sketch s;
+    const double h = 0.1875;
+    s.walls = {wall("s", {x0 - h, y0}, {x1 + h, y0}, height), wall("e", {x1, y0 - h}, {x1, y1 + h}, height),
+               wall("n", {x1 + h, y1}, {x0 - h, y1}, height), wall("w", {x0, y1 + h}, {x0, y0 - h}, height)};
+    return s;
+}
+
+std::string roleOf(const ClosureReport& report, const std::string& id) {
+    for (const WallRole& w : report.walls)
+        if (w.id == id) return w.role;
+    return "missing";
+}
+
+// Net area of a rectangle of centre lines: half a thickness comes off on each side.
+double net(double width, double height) {
+    return (width - 0.375) * (height - 0.375);
+}
+
+void expectProven(const Closure& closure) {
+    ASSERT_TRUE(closure.building.has_value()) << closure.report.message;
+    for (const RoomReport& room : closure.report.rooms) {
+        EXPECT_TRUE(room.closed);
+        EXPECT_FALSE(room.selfIntersecting);
+    }
+}
+
+void checkExpected(const Sketch& sketch, const nlohmann::json& expect) {
+    const Closure closure = closeSketch(sketch);
+    const ClosureReport& report = closure.report;
+    EXPECT_EQ(name(report.outcome), expect["outcome"].get<std::string>()) << report.message;
+    if (report.outcome == Outcome::refuse) {
+        EXPECT_EQ(report.code, expect["error"].get<std::string>());
+        EXPECT_FALSE(closure.building.has_value());
+        return;
+    }
+    expectProven(closure);
+    EXPECT_EQ(report.windowCount, expect["n_windows"].get<int>());
+    EXPECT_EQ(report.skylightPaneCount, expect["n_skylight_panes"].get<int>());
+    for (const auto& [id, role] : expect["wall_roles"].items()) EXPECT_EQ(roleOf(report, id), role) << id;
+    ASSERT_EQ(report.rooms.size(), expect["rooms"].size());
+    std::vector<RoomReport> rooms = report.rooms;
+    std::ranges::sort(rooms, std::greater(), &RoomReport::floorAreaFt2);
+    for (size_t r = 0; r < rooms.size(); ++r) { // the files list larger rooms first
+        const auto& e = expect["rooms"][r];
+        const double area = e["floor_area"], tolerance = e["area_rel_tol"];
+        EXPECT_NEAR(rooms[r].floorAreaFt2, area, area * tolerance);
+        EXPECT_NEAR(rooms[r].volumeFt3, e["volume"].get<double>(), e["volume"].get<double>() * tolerance);
+        EXPECT_EQ(rooms[r].ceilingFt, e["ceiling"].get<double>());
+        EXPECT_EQ(rooms[r].euler, e["euler"].get<int>());
+    }
+}
+
+} // namespace
+
+class PublicSketch : public testing::TestWithParam<std::string> {};
+
+TEST_P(PublicSketch, closes_as_a_sensible_person_expects) {
+    const fs::path file = kSketches / GetParam();
+    const nlohmann::json json = nlohmann::json::parse(std::ifstream(file));
+    checkExpected(readSketch(file), json["expect"]);
+}
+
+TEST_P(PublicSketch, order_of_primitives_changes_nothing) {
+    Sketch sketch = readSketch(kSketches / GetParam());
+    const Closure first = closeSketch(sketch);
+    std::mt19937 random(7);
+    for (int k = 0; k < 5; ++k) {
+        std::ranges::shuffle(sketch.walls, random);
+        std::ranges::shuffle(sketch.arcs, random);
+        std::ranges::shuffle(sketch.windows, random);
+        std::ranges::shuffle(sketch.skylights, random);
+        std::ranges::shuffle(sketch.tokens, random);
+        const Closure again = closeSketch(sketch);
+        ASSERT_EQ(again.report.message, first.report.message);
+        ASSERT_EQ(again.building.has_value(), first.building.has_value());
+        if (!first.building) continue;
+        ASSERT_EQ(again.building->vertices, first.building->vertices); // bit for bit
+        ASSERT_EQ(again.building->faces.size(), first.building->faces.size());
+        for (size_t f = 0; f < first.building->faces.size(); ++f)
+            ASSERT_EQ(again.building->faces[f].loops, first.building->faces[f].loops);
+    }
+}
+
+TEST_P(PublicSketch, noise_of_detection_changes_nothing_that_matters) {
+    const fs::path file = kSketches / GetParam();
+    const nlohmann::json json = nlohmann::json::parse(std::ifstream(file));
+    std::mt19937 random(11);
+    std::uniform_real_distribution<double> shift(-0.05, 0.05);
+    for (int k = 0; k < 20; ++k) {
+        Sketch sketch = readSketch(file);
+        // Ends off by up to 0.05 in each way: lengths by up to 0.1.
+        for (Wall& w : sketch.walls)
+            for (glm::dvec2* p : {&w.a, &w.b}) *p += glm::dvec2(shift(random), shift(random));
+        for (Arc& a : sketch.arcs) {
+            a.center += glm::dvec2(shift(random), shift(random));
+            a.radius += shift(random);
+            a.a0Deg += shift(random) / a.radius * 57.3;
+            a.a1Deg += shift(random) / a.radius * 57.3;
+        }
+        checkExpected(sketch, json["expect"]);
+        if (HasFailure()) FAIL() << "with noise " << k;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, PublicSketch,
+                         testing::Values("p01_rect_tight.json", "p02_rect_gaps.json", "p03_rect_overlap.json",
+                                         "p04_L.json", "p05_T_two_rooms.json", "p06_U.json", "p07_cross.json",
+                                         "p08_cubicle.json", "p09_D_curved.json",
+                                         "p10_window_over_joint.json", "p11_two_buildings.json",
+                                         "p12_empty.json"));
+
+TEST(Closure, photographed_sketches_close) {
+    for (const char* file : {"i01_mixed.sketch.json", "i02_pinwheel.sketch.json"}) {
+        const Closure closure = closeSketch(readSketch(kSketches / file));
+        EXPECT_EQ(closure.report.outcome, Outcome::ok) << closure.report.message;
+        expectProven(closure);
+        EXPECT_EQ(closure.report.rooms.size(), 1u);
+    }
+}
+
+TEST(Closure, free_standing_tall_wall_makes_a_torus) {
+    Sketch s = box(-8, -6, 8, 6);
+    s.walls.push_back(wall("island", {-2, 0}, {2, 0}));
+    const Closure c = closeSketch(s);
+    expectProven(c);
+    ASSERT_EQ(c.report.rooms.size(), 1u);
+    EXPECT_EQ(c.report.rooms[0].euler, 0);
+    EXPECT_NEAR(c.report.rooms[0].floorAreaFt2, net(16, 12) - 4 * 0.375, 1e-6);
+    EXPECT_EQ(roleOf(c.report, "island"), "interior");
+}
+
+TEST(Closure, door_stays_open_and_crack_is_filled) {
+    for (const double hole : {0.8, 2.5}) {
+        Sketch s = box(-8, -6, 8, 6);
+        s.walls.push_back(wall("a", {0, -6}, {0, -hole / 2}));
+        s.walls.push_back(wall("b", {0, hole / 2}, {0, 6}));
+        const Closure c = closeSketch(s);
+        expectProven(c);
+        EXPECT_EQ(c.report.rooms.size(), hole < 1 ? 2u : 1u) << hole;
+    }
+}
+
+TEST(Closure, gap_of_any_width_in_an_exterior_wall_is_filled) {
+    for (const double gap : {0.5, 1.5, 3.0, 5.0, 7.0}) {
+        Sketch s = box(-8, -6, 8, 6);
+        s.walls[0] = wall("s1", {-8.1875, -6}, {-gap / 2, -6});
+        s.walls.push_back(wall("s2", {gap / 2, -6}, {8.1875, -6}));
+        const Closure c = closeSketch(s);
+        expectProven(c);
+        ASSERT_EQ(c.report.rooms.size(), 1u) << gap;
+        EXPECT_NEAR(c.report.rooms[0].floorAreaFt2, net(16, 12), 1e-3) << gap;
+    }
+}
+
+TEST(Closure, garden_wall_encloses_nothing) {
+    Sketch s = box(-8, -6, 2, 6);
+    s.walls.push_back(wall("garden", {7, -5}, {7, 5}));
+    const Closure c = closeSketch(s);
+    expectProven(c);
+    ASSERT_EQ(c.report.rooms.size(), 1u);
+    EXPECT_EQ(roleOf(c.report, "garden"), "outside_extra");
+    EXPECT_NE(c.report.message.find("garden"), std::string::npos);
+}
+
+TEST(Closure, copies_and_nearly_collinear_pieces_are_one_wall) {
+    Sketch s = box(-8, -6, 8, 6);
+    s.walls.push_back(wall("copy", {-8.1, -6.08}, {8.1, -5.95}));
+    s.walls.push_back(wall("part", {8.06, -3}, {8.02, 3}));
+    const Closure c = closeSketch(s);
+    expectProven(c);
+    ASSERT_EQ(c.report.rooms.size(), 1u);
+    EXPECT_NEAR(c.report.rooms[0].floorAreaFt2, net(16, 12), 0.02 * net(16, 12));
+    EXPECT_EQ(c.building->faces.size(), 6u);
+}
+
+TEST(Closure, what_cannot_enclose_is_refused_with_a_reason) {
+    Sketch one;
+    one.walls = {wall("lonely", {-5, 0}, {5, 0})};
+    EXPECT_EQ(closeSketch(one).report.code, "NOT_ENCLOSED");
+    EXPECT_NE(closeSketch(one).report.message.find("lonely"), std::string::npos);
+    Sketch parallel;
+    parallel.walls = {wall("a", {-5, -2}, {5, -2}), wall("b", {-5, 2}, {5, 2})};
+    EXPECT_EQ(closeSketch(parallel).report.code, "NOT_ENCLOSED");
+    EXPECT_EQ(closeSketch(box(-5, -5, 5, 5, HeightClass::green)).report.code, "ONLY_PARTITIONS");
+    Sketch point;
+    point.walls = {wall("dot", {1, 1}, {1, 1})};
+    EXPECT_EQ(closeSketch(point).report.code, "NO_WALLS");
+    EXPECT_NE(closeSketch(point).report.message.find("dot"), std::string::npos);
+}
+
+TEST(Closure, partitions_may_touch_walls_and_cross_each_other) {
+    Sketch s = box(-8, -6, 8, 6);
+    s.walls.push_back(wall("g1", {-8, 0}, {0, 0}, HeightClass::green));
+    s.walls.push_back(wall("g2", {-4, -3}, {-4, 6}, HeightClass::green));
+    const Closure c = closeSketch(s);
+    expectProven(c);
+    const double footprint = (8 - 0.1875) * 0.375 + (9 - 0.1875) * 0.375 - 0.375 * 0.375;
+    EXPECT_NEAR(c.report.rooms[0].floorAreaFt2, net(16, 12) - footprint, 1e-6);
+    EXPECT_NEAR(c.report.rooms[0].volumeFt3, net(16, 12) * 10 - footprint * 4, 1e-6);
+    EXPECT_EQ(c.report.rooms[0].euler, 2);
+    EXPECT_EQ(roleOf(c.report, "g1"), "partition");
+}
+
+TEST(Closure, interior_window_is_two_glasses_of_equal_shape) {
+    const Closure c = closeSketch(readSketch(kSketches / "p05_T_two_rooms.json"));
+    ASSERT_TRUE(c.building);
+    int twins = 0;
+    for (size_t f = 0; f < c.building->faces.size(); ++f) {
+        const Face& face = c.building->faces[f];
+        if (face.twin == kNoTwin) continue;
+        ++twins;
+        const Face& other = c.building->faces[static_cast<size_t>(face.twin)];
+        EXPECT_EQ(other.twin, static_cast<int32_t>(f));
+        EXPECT_NE(face.room, other.room);
+        EXPECT_EQ(face.loops[0].size(), other.loops[0].size());
+        EXPECT_TRUE(c.building->materials[face.material].isOpening());
+    }
+    EXPECT_EQ(twins, 2);
+}
+
+TEST(Closure, chips_are_srgb_and_never_reach_one) {
+    Sketch s = box(-8, -6, 8, 6);
+    Token floor;
+    floor.pos = {1, 1};
+    floor.rgb = {255, 188, 0};
+    s.tokens = {floor};
+    const Closure c = closeSketch(s);
+    ASSERT_TRUE(c.building);
+    const auto found = std::ranges::find(c.building->materials, "floor", &Material::name);
+    ASSERT_NE(found, c.building->materials.end());
+    EXPECT_LT(found->reflectance.x, 0.95f);
+    EXPECT_NEAR(found->reflectance.y, 0.50289f, 1e-5); // sRGB 188, IEC 61966-2-1
+    EXPECT_EQ(found->reflectance.z, 0.0f);
+}
