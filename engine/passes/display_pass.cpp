@@ -25,11 +25,23 @@ VkFormat formatOf(DisplayTarget::Kind kind) {
 DisplayTarget::DisplayTarget(gpu::Device& device, int width, int height, Kind kind_, const std::string& name)
     : kind(kind_), picture(device,
                            {static_cast<uint32_t>(width), static_cast<uint32_t>(height), 1, formatOf(kind),
-                            VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT},
+                            VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
+                                VK_IMAGE_USAGE_TRANSFER_DST_BIT},
                            name + " picture"),
       pixels(device,
              static_cast<size_t>(width) * static_cast<size_t>(height) * (kind == Kind::float32 ? 16 : 4),
-             name + " pixels", gpu::Place::host) {}
+             name + " pixels", gpu::Place::host) {
+    gpu::Commands commands(device);
+    commands.transition(picture, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                        gpu::Stage::transfer, gpu::Stage::transfer);
+    const VkClearColorValue black{{0, 0, 0, 1}};
+    const VkImageSubresourceRange whole{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+    vkCmdClearColorImage(commands.handle(), picture.handle(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &black, 1,
+                         &whole);
+    commands.transition(picture, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                        gpu::Stage::transfer, gpu::Stage::transfer);
+    device.submitAndWait(std::move(commands));
+}
 
 DisplayPass::DisplayPass(gpu::Device& device) : device_(&device) {
     VkSamplerCreateInfo info{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
@@ -61,8 +73,9 @@ void DisplayPass::record(gpu::Commands& commands, const gpu::Image& scene, const
     const gpu::GraphicsPipeline& draw =
         pipeline({target.picture.info().format, tone, !view.warp.empty(), view.supersample});
     const VkCommandBuffer buffer = commands.handle();
-    commands.transition(target.picture, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
-                        Stage::transfer, Stage::colour);
+    if (view.shown.width == 0 || view.shown.height == 0) return;
+    commands.transition(target.picture, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                        VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, Stage::transfer, Stage::colour);
     VkRenderingAttachmentInfo colour{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
     colour.imageView = target.picture.view();
     colour.imageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
@@ -70,7 +83,9 @@ void DisplayPass::record(gpu::Commands& commands, const gpu::Image& scene, const
     colour.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
     const auto& size = target.picture.info();
     VkRenderingInfo info{VK_STRUCTURE_TYPE_RENDERING_INFO};
-    info.renderArea.extent = {size.width, size.height};
+    const VkExtent3D extent{static_cast<uint32_t>(view.shown.width), static_cast<uint32_t>(view.shown.height),
+                            1};
+    info.renderArea = {{view.shown.x, view.shown.y}, {extent.width, extent.height}};
     info.layerCount = 1;
     info.colorAttachmentCount = 1;
     info.pColorAttachments = &colour;
@@ -83,7 +98,16 @@ void DisplayPass::record(gpu::Commands& commands, const gpu::Image& scene, const
     vkCmdEndRendering(buffer);
     commands.transition(target.picture, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
                         VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, Stage::colour, Stage::transfer);
-    commands.copyImageToBuffer(target.picture, 0, target.pixels);
+    const size_t texelBytes = target.kind == DisplayTarget::Kind::float32 ? 16 : 4;
+    VkBufferImageCopy copy{};
+    copy.bufferOffset =
+        texelBytes * (static_cast<size_t>(view.shown.y) * size.width + static_cast<size_t>(view.shown.x));
+    copy.bufferRowLength = size.width;
+    copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+    copy.imageOffset = {view.shown.x, view.shown.y, 0};
+    copy.imageExtent = extent;
+    vkCmdCopyImageToBuffer(buffer, target.picture.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                           target.pixels.handle(), 1, &copy);
     commands.barrier(Stage::transfer, Stage::host);
 }
 

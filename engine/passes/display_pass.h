@@ -19,8 +19,8 @@ struct DisplayTarget {
     enum class Kind { srgb8, unorm8, float32 };
     DisplayTarget(gpu::Device& device, int width, int height, Kind kind, const std::string& name);
     Kind kind;
-    gpu::Image picture;
-    gpu::Buffer pixels; // host; four channels a pixel
+    gpu::Image picture; // TRANSFER_SRC_OPTIMAL between frames, black where nothing is shown
+    gpu::Buffer pixels; // host; four channels a pixel; valid within View::shown
 };
 
 class DisplayPass {

@@ -110,12 +110,11 @@ std::vector<std::vector<float>> sharesAtVertices(const PatchMesh& mesh, const Ve
 
 } // namespace
 
-void DrawMesh::mixLight(std::span<const glm::vec3> luxPerPair, std::span<glm::vec3> kilolux) const {
+void DrawMesh::mixLight(std::span<const glm::vec3> luxPerPair, float scale, std::span<glm::vec3> out) const {
     for (size_t i = 0; i < light.size(); ++i) {
         const LightMix& mix = light[i];
-        kilolux[i] =
-            1e-3f * (mix.weight.x * luxPerPair[mix.pair[0]] + mix.weight.y * luxPerPair[mix.pair[1]] +
-                     mix.weight.z * luxPerPair[mix.pair[2]]);
+        out[i] = scale * (mix.weight.x * luxPerPair[mix.pair[0]] + mix.weight.y * luxPerPair[mix.pair[1]] +
+                          mix.weight.z * luxPerPair[mix.pair[2]]);
     }
 }
 

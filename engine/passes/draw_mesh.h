@@ -29,8 +29,8 @@ struct DrawMesh {
     std::vector<LightMix> light;           // one a corner
     std::vector<std::vector<float>> share; // per projector, one a corner: its part of the picture, 0..1
 
-    // The light stream: kilolux from lux per pair.
-    void mixLight(std::span<const glm::vec3> luxPerPair, std::span<glm::vec3> kilolux) const;
+    // The light stream: `scale` times the lux per pair.
+    void mixLight(std::span<const glm::vec3> luxPerPair, float scale, std::span<glm::vec3> out) const;
 };
 
 // All patches, with no projector.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
@@ -63,10 +64,10 @@ struct DeviceMesh {
             shares.push_back(gpu::Buffer::from(device, share, name + " share"));
     }
 
-    void mixLight(gpu::Device& device, const std::vector<glm::vec3>& luxPerPair) {
-        std::vector<glm::vec3> kilolux(mesh.corners.size());
-        mesh.mixLight(luxPerPair, kilolux);
-        light.write(device, kilolux);
+    void mixLight(gpu::Device& device, const std::vector<glm::vec3>& luxPerPair, float scale) {
+        std::vector<glm::vec3> scaled(mesh.corners.size());
+        mesh.mixLight(luxPerPair, scale, scaled);
+        light.write(device, scaled);
     }
     SurfaceStreams streams(size_t share, bool illuminance) const {
         return {illuminance ? &unitCorners : &corners, &light.buffer(), &shares[share],
@@ -106,24 +107,45 @@ struct Output {
     std::optional<DisplayTarget> display;
 };
 
+// Calls `copy(pixel index)` for every pixel that the output shows; the others stay zero.
+template<class F> void forShown(const View& view, F copy) {
+    for (int y = view.shown.y; y < view.shown.y + view.shown.height; ++y)
+        for (int x = view.shown.x; x < view.shown.x + view.shown.width; ++x)
+            copy(static_cast<size_t>(y) * static_cast<size_t>(view.outputWidth) + static_cast<size_t>(x));
+}
+
+size_t pixelCount(const View& view) {
+    return static_cast<size_t>(view.outputWidth) * static_cast<size_t>(view.outputHeight);
+}
+
 Image8 bytesOf(const Output& output) {
     Image8 picture{output.view.outputWidth, output.view.outputHeight, {}};
-    const size_t count = static_cast<size_t>(picture.width) * static_cast<size_t>(picture.height);
-    picture.rgb.resize(3 * count);
+    picture.rgb.resize(3 * pixelCount(output.view));
     const uint8_t* from = output.display->pixels.mapped<uint8_t>();
     uint8_t* to = picture.rgb.data();
-    for (size_t i = 0; i < count; ++i, from += 4, to += 3) to[0] = from[0], to[1] = from[1], to[2] = from[2];
+    forShown(output.view, [&](size_t i) {
+        for (size_t c = 0; c < 3; ++c) to[3 * i + c] = from[4 * i + c];
+    });
     return picture;
 }
 
 ImageF floatsOf(const Output& output) {
     ImageF picture{output.view.outputWidth, output.view.outputHeight, {}};
-    const size_t count = static_cast<size_t>(picture.width) * static_cast<size_t>(picture.height);
-    picture.rgb.resize(3 * count);
+    picture.rgb.resize(3 * pixelCount(output.view));
     const float* from = output.display->pixels.mapped<float>();
-    for (size_t i = 0; i < count; ++i)
-        for (size_t c = 0; c < 3; ++c) picture.rgb[3 * i + c] = from[4 * i + c];
+    float* to = picture.rgb.data();
+    forShown(output.view, [&](size_t i) {
+        for (size_t c = 0; c < 3; ++c) to[3 * i + c] = from[4 * i + c];
+    });
     return picture;
+}
+
+// What a picture is drawn from.
+enum class Quantity { exitance, illuminance, picture }; // picture: exitance, and openings as bright panes
+
+Quantity quantityOf(const Tone& tone, bool hdr) {
+    if (hdr) return Quantity::exitance;
+    return tone.map == ToneMap::falseColour ? Quantity::illuminance : Quantity::picture;
 }
 
 uint32_t toneConstant(ToneMap map) {
@@ -180,11 +202,14 @@ struct FrameRenderer::State {
     }
 
     // Uploads what changes with the light and returns the sun's draw when there is a sun.
-    std::optional<SunDraw> prepareLight(DeviceMesh& target, const compute::Lighting& light, bool illuminance);
+    std::optional<SunDraw> prepareLight(DeviceMesh& target, const compute::Lighting& light, Quantity quantity,
+                                        float scale = 1e-3f);
+    // Exitance to draw, lux per patch: openings, which reflect nothing, are shown as the pale sky behind
+    // them.
+    std::vector<glm::vec3> pictureLight(const compute::Lighting& light) const;
     io::DisplayParams displayParams(const compute::Lighting& light, const Tone& tone) const;
     SceneInputs projectorInputs(size_t i, const std::optional<SunDraw>& sun, bool illuminance) const;
-    SceneInputs previewInputs(const View& view, const std::optional<SunDraw>& sun, bool illuminance,
-                              bool simulatedOnly) const;
+    SceneInputs previewInputs(const View& view, const std::optional<SunDraw>& sun, Quantity quantity) const;
     void drawProjectors(const compute::Lighting& light, const ProjectorOptions& options, bool hdr);
     Output& drawView(const compute::Lighting& light, View view, const Tone& tone, bool hdr);
     View previewView(const PreviewOptions& o) const;
@@ -228,10 +253,26 @@ double FrameRenderer::State::white(const compute::Lighting& light) const {
     return 1;
 }
 
+std::vector<glm::vec3> FrameRenderer::State::pictureLight(const compute::Lighting& light) const {
+    std::vector<glm::vec3> values = indirectExitance(mesh, light);
+    const bool lamps = std::any_of(mesh.materials.begin(), mesh.materials.end(),
+                                   [](const auto& m) { return glm::dot(m.exitance, glm::vec3(1)) > 0; });
+    // Light without lamps has come through the openings, so it is day.
+    const bool day = !lamps || glm::dot(light.sunNormalIlluminance, glm::vec3(1)) > 0;
+    if (!day) return values;
+    const glm::vec3 sky = static_cast<float>(white(light)) * glm::vec3(0.75f, 0.88f, 1.0f);
+    for (size_t p = 0; p < values.size(); ++p)
+        if (mesh.materials[mesh.material[p]].isOpening()) values[p] = glm::max(values[p], sky);
+    return values;
+}
+
 std::optional<SunDraw> FrameRenderer::State::prepareLight(DeviceMesh& target, const compute::Lighting& light,
-                                                          bool illuminance) {
-    target.mixLight(*device, vertexLight.evaluate(illuminance ? indirectIlluminance(mesh, light)
-                                                              : indirectExitance(mesh, light)));
+                                                          Quantity quantity, float scale) {
+    const std::vector<glm::vec3> perPatch = quantity == Quantity::picture ? pictureLight(light)
+                                            : quantity == Quantity::illuminance
+                                                ? indirectIlluminance(mesh, light)
+                                                : indirectExitance(mesh, light);
+    target.mixLight(*device, vertexLight.evaluate(perPatch), scale);
     const bool sunny = glm::length(light.sunDirection) > 0.5 && panes.size() > 0 &&
                        glm::dot(light.sunNormalIlluminance, glm::vec3(1)) > 0;
     if (!sunny) return std::nullopt;
@@ -240,7 +281,7 @@ std::optional<SunDraw> FrameRenderer::State::prepareLight(DeviceMesh& target, co
     const SunPaneData data = panes.seenFromSun(towardsSun);
     SunDraw sun;
     sun.towardsSun = towardsSun;
-    sun.kilolux = 1e-3f * light.sunNormalIlluminance;
+    sun.kilolux = scale * light.sunNormalIlluminance;
     sun.volumes = &volumes.write(*device, swept.corners);
     sun.volumeCount = static_cast<uint32_t>(swept.corners.size());
     sun.capCount = swept.capCorners;
@@ -289,13 +330,18 @@ void FrameRenderer::State::drawProjectors(const compute::Lighting& light, const 
                                           bool hdr) {
     if (outputsSupersample != o.supersample) {
         outputs.clear();
-        for (const geometry::Projector& projector : rig.projectors)
-            outputs.emplace_back(
-                Output(*device, viewOfDevice(projector, o.supersample), "projector " + projector.id));
+        std::vector<glm::dvec3> shownPoints;
+        for (const DrawCorner& corner : shown->mesh.corners) shownPoints.emplace_back(corner.position);
+        for (const geometry::Projector& projector : rig.projectors) {
+            View view = viewOfDevice(projector, o.supersample);
+            confine(view, shownPoints);
+            outputs.emplace_back(Output(*device, std::move(view), "projector " + projector.id));
+        }
         outputsSupersample = o.supersample;
     }
-    const bool illuminance = o.tone.map == ToneMap::falseColour;
-    const std::optional<SunDraw> sun = prepareLight(*shown, light, illuminance);
+    const Quantity quantity = quantityOf(o.tone, hdr);
+    const bool illuminance = quantity == Quantity::illuminance;
+    const std::optional<SunDraw> sun = prepareLight(*shown, light, quantity);
     io::DisplayParams params = displayParams(light, o.tone);
     gpu::Commands commands(*device);
     for (size_t i = 0; i < rig.projectors.size(); ++i) {
@@ -318,16 +364,22 @@ void FrameRenderer::State::drawProjectors(const compute::Lighting& light, const 
 }
 
 SceneInputs FrameRenderer::State::previewInputs(const View& view, const std::optional<SunDraw>& sun,
-                                                bool illuminance, bool simulatedOnly) const {
+                                                Quantity quantity) const {
     SceneInputs inputs;
     inputs.view = &view;
-    inputs.surfaces = all.streams(0, illuminance);
+    inputs.surfaces = all.streams(0, quantity == Quantity::illuminance);
     inputs.sun = sun;
-    if (simulatedOnly) return inputs;
+    if (quantity == Quantity::exitance) return inputs; // nothing but what is simulated
     // Display colours; alpha 2 marks what is not simulated.
-    inputs.solids.push_back({&table.corners, table.count, {0.40f, 0.39f, 0.38f, 2}, 0, 0, false});
-    inputs.solids.push_back({&tops.corners, tops.count, {0.78f, 0.77f, 0.75f, 2}, 0, 0, false});
-    inputs.solids.push_back({&sides.corners, sides.count, {0.78f, 0.77f, 0.75f, 0.16f}, 0.5f, 0, true});
+    inputs.solids.push_back({&table.corners, table.count, {0.46f, 0.45f, 0.44f, 2}, 0, 0, false});
+    if (quantity == Quantity::illuminance) { // a see-through wall would falsify what is read off
+        inputs.solids.push_back({&tops.corners, tops.count, {0.78f, 0.77f, 0.75f, 2}, 0, 0, false});
+        return inputs;
+    }
+    // Walls as a sketch on glass, so that those in front do not hide the room.
+    inputs.solids.push_back(
+        {&sides.corners, sides.count, {0.85f, 0.84f, 0.82f, 0.13f}, 0.6f, kPushBack, true});
+    inputs.solids.push_back({&tops.corners, tops.count, {0.90f, 0.89f, 0.87f, 0.55f}, 0, 0, true});
     return inputs;
 }
 
@@ -341,14 +393,15 @@ Output& FrameRenderer::State::drawView(const compute::Lighting& light, View view
         previewOutput->view = std::move(view);
     else
         previewOutput.emplace(*device, std::move(view), "preview");
-    const bool illuminance = tone.map == ToneMap::falseColour && !hdr;
-    const std::optional<SunDraw> sun = prepareLight(all, light, illuminance);
+    const Quantity quantity = quantityOf(tone, hdr);
     io::DisplayParams params = displayParams(light, tone);
+    // A picture is drawn in units of its white, so that see-through walls weigh the same at every exposure.
+    const float scale = quantity == Quantity::picture ? 1e-3f / std::exchange(params.white, 1.0f) : 1e-3f;
+    const std::optional<SunDraw> sun = prepareLight(all, light, quantity, scale);
     params.outputWidth = static_cast<uint32_t>(previewOutput->view.outputWidth);
     params.outputHeight = static_cast<uint32_t>(previewOutput->view.outputHeight);
     gpu::Commands commands(*device);
-    scenePass.record(commands, previewOutput->scene,
-                     previewInputs(previewOutput->view, sun, illuminance, hdr));
+    scenePass.record(commands, previewOutput->scene, previewInputs(previewOutput->view, sun, quantity));
     displayPass.record(
         commands, previewOutput->scene.colour, previewOutput->warp, previewOutput->view,
         previewOutput->target(*device, hdr ? DisplayTarget::Kind::float32 : DisplayTarget::Kind::srgb8),

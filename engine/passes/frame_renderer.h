@@ -31,7 +31,7 @@ struct PreviewOptions {
     double azimuthDegrees = 25, elevationDegrees = 52; // of the eye: 0 from +z (the user), 90 from +x
     double fovDegrees = 28;
     int supersample = 2; // subpixels in each direction
-    Tone tone;
+    Tone tone{ToneMap::soft};
 };
 
 struct ProjectorOptions {

@@ -106,7 +106,7 @@ void bindStreams(VkCommandBuffer commands, std::initializer_list<const gpu::Buff
                            offsets.data());
 }
 
-void begin(VkCommandBuffer commands, const SceneTarget& target) {
+void begin(VkCommandBuffer commands, const SceneTarget& target, const PixelRect& drawn) {
     VkRenderingAttachmentInfo colour{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
     colour.imageView = target.colour.view();
     colour.imageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
@@ -119,16 +119,16 @@ void begin(VkCommandBuffer commands, const SceneTarget& target) {
     depth.storeOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
     VkRenderingInfo info{VK_STRUCTURE_TYPE_RENDERING_INFO};
     const auto& size = target.colour.info();
-    info.renderArea.extent = {size.width, size.height};
+    info.renderArea = {{drawn.x, drawn.y},
+                       {static_cast<uint32_t>(drawn.width), static_cast<uint32_t>(drawn.height)}};
     info.layerCount = 1;
     info.colorAttachmentCount = 1;
     info.pColorAttachments = &colour;
     info.pDepthAttachment = info.pStencilAttachment = &depth;
     vkCmdBeginRendering(commands, &info);
     const VkViewport viewport{0, 0, static_cast<float>(size.width), static_cast<float>(size.height), 0, 1};
-    const VkRect2D scissor{{0, 0}, {size.width, size.height}};
     vkCmdSetViewport(commands, 0, 1, &viewport);
-    vkCmdSetScissor(commands, 0, 1, &scissor);
+    vkCmdSetScissor(commands, 0, 1, &info.renderArea);
 }
 
 } // namespace
@@ -157,7 +157,7 @@ void ScenePass::record(gpu::Commands& commands, const SceneTarget& target, const
                         Stage::fragment, Stage::colour);
     commands.transition(target.depth, VK_IMAGE_LAYOUT_UNDEFINED,
                         VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL, Stage::depth, Stage::depth);
-    begin(buffer, target);
+    begin(buffer, target, inputs.view->drawn);
     io::SceneParams params{};
     params.clipFromWorld = inputs.view->clipFromWorld;
     params.eye = inputs.view->eye;

@@ -74,7 +74,39 @@ View viewOfDevice(const geometry::OpticalDevice& device, int supersample, double
     ideal.cx = centre.x, ideal.cy = centre.y;
     view.clipFromWorld = clipFromDevice(ideal, view.width, view.height, nearMetres) *
                          rigid(device.deviceFromWorld, device.translation);
+    view.drawn = {0, 0, view.width, view.height};
+    view.shown = {0, 0, view.outputWidth, view.outputHeight};
     return view;
+}
+
+void confine(View& view, const std::vector<glm::dvec3>& points) {
+    glm::dvec2 low(view.width, view.height), high(-1);
+    for (const glm::dvec3& p : points) {
+        const auto pixel = pinholePixel(view, p);
+        if (!pixel) return; // something behind the eye: its picture has no bounds
+        low = glm::min(low, *pixel);
+        high = glm::max(high, *pixel);
+    }
+    // A ring around that stays empty, as wide as what one output pixel reads.
+    const double ring = 3.0 * view.supersample + 2;
+    const glm::ivec2 first = glm::max(glm::ivec2(glm::floor(low - ring)), glm::ivec2(0));
+    const glm::ivec2 end = glm::min(glm::ivec2(glm::ceil(high + ring)), glm::ivec2(view.width, view.height));
+    const glm::ivec2 size = glm::max(end - first, glm::ivec2(0));
+    view.drawn = {first.x, first.y, size.x, size.y};
+    glm::ivec2 shownFirst(view.outputWidth, view.outputHeight), shownEnd(0);
+    const double reach = view.supersample + 1; // what an output pixel reads round its centre
+    for (int y = 0; y < view.outputHeight; ++y)
+        for (int x = 0; x < view.outputWidth; ++x) {
+            const glm::vec2 at = view.warp[static_cast<size_t>(y * view.outputWidth + x)];
+            if (at.x < low.x - reach || at.y < low.y - reach || at.x > high.x + reach ||
+                at.y > high.y + reach)
+                continue;
+            shownFirst = glm::min(shownFirst, glm::ivec2(x, y));
+            shownEnd = glm::max(shownEnd, glm::ivec2(x + 1, y + 1));
+        }
+    const glm::ivec2 shownSize = glm::max(shownEnd - shownFirst, glm::ivec2(0));
+    view.shown = {std::min(shownFirst.x, view.outputWidth - 1), std::min(shownFirst.y, view.outputHeight - 1),
+                  shownSize.x, shownSize.y};
 }
 
 View viewOfCamera(const PerspectiveCamera& camera, int width, int height, int supersample) {
@@ -84,6 +116,8 @@ View viewOfCamera(const PerspectiveCamera& camera, int width, int height, int su
     view.supersample = supersample;
     view.width = width * supersample;
     view.height = height * supersample;
+    view.drawn = {0, 0, view.width, view.height};
+    view.shown = {0, 0, width, height};
     view.eye = camera.eye;
     const glm::dvec3 forward = glm::normalize(camera.target - camera.eye);
     const glm::dvec3 up = std::abs(forward.y) > 0.9999 ? glm::dvec3(0, 0, -1) : glm::dvec3(0, 1, 0);

@@ -13,6 +13,10 @@
 
 namespace heliodon::passes {
 
+struct PixelRect {
+    int x = 0, y = 0, width = 0, height = 0;
+};
+
 struct View {
     int width = 0, height = 0;   // of the pinhole picture, pixels
     glm::dmat4 clipFromWorld{1}; // Vulkan's clip space, depth reversed and infinite: depth = near / distance
@@ -22,7 +26,14 @@ struct View {
     // (integer = pixel centre). Empty: the same pixels, `supersample` x `supersample` of them averaged.
     int outputWidth = 0, outputHeight = 0, supersample = 1;
     std::vector<glm::vec2> warp;
+
+    // The part of the pinhole picture that is drawn, and the part of the output that shows it; the rest of
+    // the output stays black.
+    PixelRect drawn, shown;
 };
+
+// Confines a view with a warp to what lies near `points`: nothing else is drawn in it.
+void confine(View& view, const std::vector<glm::dvec3>& points);
 
 // Pinhole pixel of a world point (integer = pixel centre); none behind the eye.
 std::optional<glm::dvec2> pinholePixel(const View& view, glm::dvec3 world);
