@@ -12,9 +12,10 @@ namespace heliodon::geometry {
 
 namespace {
 
-constexpr double kShortEdge = 0.12; // inches: shorter steps are noise
-constexpr double kOnLine = 1e-6;    // inches off the line that two edges share
-constexpr double kPinchGap = 0.01;  // inches between outlines that would touch in a point
+constexpr double kShortEdge = 0.12;  // inches: shorter steps are noise
+constexpr double kNarrowCrack = 0.5; // inches
+constexpr double kOnLine = 1e-6;     // inches off the line that two edges share
+constexpr double kPinchGap = 0.01;   // inches between outlines that would touch in a point
 
 double cross(glm::dvec2 u, glm::dvec2 v) {
     return u.x * v.y - u.y * v.x;
@@ -25,6 +26,7 @@ public:
     explicit LoopCleaner(OutlineLoop& loop) : loop_(loop) {}
 
     void clean() {
+        hideCracks();
         while (size() > 3 && (mergeAlike() || dropShort() || dropSpike())) {
         }
     }
@@ -39,6 +41,18 @@ private:
     void erase(size_t i) {
         loop_.points.erase(loop_.points.begin() + static_cast<std::ptrdiff_t>(i % size()));
         loop_.edges.erase(loop_.edges.begin() + static_cast<std::ptrdiff_t>(i % loop_.edges.size()));
+    }
+
+    // A crack in a straight side is too narrow to be told from the wall: it is shown as the wall is.
+    void hideCracks() {
+        for (size_t i = 0; i < size(); ++i) {
+            if (info(i).height > 0 || info(i).gap || glm::length(edge(i)) > kNarrowCrack) continue;
+            for (const size_t beside : {i + size() - 1, i + 1})
+                if (info(beside).height > info(i).height &&
+                    std::abs(cross(edge(beside), edge(i))) <
+                        1e-3 * glm::length(edge(beside)) * glm::length(edge(i)))
+                    info(i) = info(beside);
+        }
     }
 
     bool mergeAlike() {
