@@ -159,10 +159,12 @@ private:
 
     void readChain(const Chain& chain, bool maySplit) {
         if (const auto wall = fitStraight(chain, view_, options_); wall && isFlanked(wall->wall)) {
-            out_.sketch.walls.push_back(wall->wall);
-            for (auto window : wall->windows) {
-                window.wall = std::to_string(out_.sketch.walls.size() - 1);
-                out_.sketch.windows.push_back(window);
+            for (const StraightWall& part : splitAtJoints(*wall, view_, options_)) {
+                for (auto window : part.windows) {
+                    window.wall = std::to_string(out_.sketch.walls.size());
+                    out_.sketch.windows.push_back(window);
+                }
+                out_.sketch.walls.push_back(part.wall);
             }
             return;
         }

@@ -185,8 +185,6 @@ std::vector<WindowMarker> findWindows(std::vector<Span> spans, const Axis& axis,
         if (high - low < options.wallThickness) continue; // a speck
         window.pos = 0.5 * (low + high);
         window.width = high - low;
-        window.detection.outlinePx =
-            stripOutline(axis, low, high, 0.5 * options.wallThickness + options.markerThickness, top, view);
         out.push_back(window);
     }
     return out;
@@ -199,6 +197,18 @@ Axis axisOf(const Pca& pca) {
 }
 
 } // namespace
+
+std::vector<glm::dvec2> wallOutline(const geometry::Wall& wall, const PlanView& view) {
+    return stripOutline({wall.a, glm::normalize(wall.b - wall.a)}, 0, glm::distance(wall.a, wall.b),
+                        0.5 * wall.thickness, geometry::heightInches(wall.heightClass), view);
+}
+
+std::vector<glm::dvec2> windowOutline(const geometry::Wall& wall, const WindowMarker& window, const PlanView& view,
+                                      const DetectOptions& options) {
+    return stripOutline({wall.a, glm::normalize(wall.b - wall.a)}, window.pos - 0.5 * window.width,
+                        window.pos + 0.5 * window.width, 0.5 * wall.thickness + options.markerThickness,
+                        geometry::heightInches(wall.heightClass) + options.markerThickness, view);
+}
 
 std::optional<StraightWall> fitStraight(const Chain& chain, const PlanView& view,
                                         const DetectOptions& options) {
@@ -254,11 +264,12 @@ std::optional<StraightWall> fitStraight(const Chain& chain, const PlanView& view
     out.wall.heightClass = heightClassOf(chain.paint);
     const double seen = sides.asked ? static_cast<double>(sides.seen) / sides.asked : 0;
     out.wall.detection.confidence = std::clamp(0.4 + 0.6 * seen, 0.0, 1.0);
-    out.wall.detection.outlinePx = stripOutline(axis, low, high, 0.5 * thickness, height, view);
+    out.wall.detection.outlinePx = wallOutline(out.wall, view);
     out.windows = findWindows(spans, axis, view, height, options);
     for (WindowMarker& window : out.windows) {
         window.pos -= low;
         window.detection.confidence = out.wall.detection.confidence;
+        window.detection.outlinePx = windowOutline(out.wall, window, view, options);
     }
     return out;
 }

@@ -38,6 +38,16 @@ struct StraightWall {
 std::optional<StraightWall> fitStraight(const Chain& chain, const PlanView& view,
                                         const DetectOptions& options);
 
+// A wall for each piece where the face below a marker shows a joint; the whole wall where none does.
+std::vector<StraightWall> splitAtJoints(const StraightWall& whole, const PlanView& view, const DetectOptions& options);
+
+// The wall's top in the picture, white ends included.
+std::vector<glm::dvec2> wallOutline(const geometry::Wall& wall, const PlanView& view);
+
+// The marker's coloured top.
+std::vector<glm::dvec2> windowOutline(const geometry::Wall& wall, const geometry::WindowMarker& window,
+                                      const PlanView& view, const DetectOptions& options);
+
 // None when the paint does not follow a circle's arc.
 std::optional<geometry::Arc> fitArc(const Chain& chain, const PlanView& view, const DetectOptions& options);
 
