@@ -1,5 +1,5 @@
-// A marker may hide that the wall under it is two. Its legs reach down an inch or so; below them the camera sees the wall's
-// face, and a joint as an upright stripe: what lies behind the gap is lit otherwise.
+// A marker may hide that the wall under it is two. Its legs reach down an inch or so; below them the camera
+// sees the wall's face, and a joint as an upright stripe: what lies behind the gap is lit otherwise.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,12 +12,12 @@
 namespace heliodon::vision {
 namespace {
 
-constexpr double kStep = 0.04;         // inches along the wall
-constexpr double kFoot = 0.6;          // below it: shadows and feet, inches
-constexpr double kLegs = 1.6;          // longest leg of a marker, inches
-constexpr double kWidest = 0.9;        // a gap of an inch is no joint (see the sketch rules), inches
-constexpr float kStripe = 0.12f;       // relative difference that makes a stripe; faces vary by 0.02
-constexpr float kEveryHeight = 0.06f;  // and that much, with the same sign, in each third of the height
+constexpr double kStep = 0.04;        // inches along the wall
+constexpr double kFoot = 0.6;         // below it: shadows and feet, inches
+constexpr double kLegs = 1.6;         // longest leg of a marker, inches
+constexpr double kWidest = 0.9;       // a gap of an inch is no joint (see the sketch rules), inches
+constexpr float kStripe = 0.12f;      // relative difference that makes a stripe; faces vary by 0.02
+constexpr float kEveryHeight = 0.06f; // and that much, with the same sign, in each third of the height
 
 struct Gap {
     double low, high; // along the wall from its `a`
@@ -29,7 +29,8 @@ struct FaceProfile {
     std::array<std::vector<float>, 3> thirds;
 };
 
-std::optional<FaceProfile> readFace(const geometry::Wall& wall, double from, double to, const PlanView& view) {
+std::optional<FaceProfile> readFace(const geometry::Wall& wall, double from, double to,
+                                    const PlanView& view) {
     const double height = geometry::heightInches(wall.heightClass);
     const glm::dvec2 along = glm::normalize(wall.b - wall.a), left = turnedLeft(along);
     const glm::dvec3 eye = view.camera().centre() / geometry::kMetresPerInch;
@@ -63,7 +64,8 @@ float medianOf(std::vector<float> values) {
 // Relative difference of each sample from the face about it.
 std::vector<float> againstSurround(const std::vector<float>& values) {
     std::vector<float> out(values.size());
-    const auto n = static_cast<std::ptrdiff_t>(values.size()), reach = static_cast<std::ptrdiff_t>(1.4 / kStep);
+    const auto n = static_cast<std::ptrdiff_t>(values.size()),
+               reach = static_cast<std::ptrdiff_t>(1.4 / kStep);
     for (std::ptrdiff_t i = 0; i < n; ++i) {
         const auto begin = values.begin() + std::max<std::ptrdiff_t>(0, i - reach);
         const auto end = values.begin() + std::min(n, i + reach + 1);
@@ -73,7 +75,8 @@ std::vector<float> againstSurround(const std::vector<float>& values) {
     return out;
 }
 
-std::optional<Gap> findGap(const geometry::Wall& wall, const geometry::WindowMarker& window, const PlanView& view) {
+std::optional<Gap> findGap(const geometry::Wall& wall, const geometry::WindowMarker& window,
+                           const PlanView& view) {
     const double length = glm::distance(wall.a, wall.b);
     const double low = window.pos - 0.5 * window.width, high = window.pos + 0.5 * window.width;
     if (low < 0.5 || high > length - 0.5) return std::nullopt; // no wall is seen on one of its sides
@@ -99,14 +102,16 @@ std::optional<Gap> findGap(const geometry::Wall& wall, const geometry::WindowMar
     if (first == 0 || last + 1 == all.size() || width > kWidest) return std::nullopt;
     // Nothing else on the face may stand out like it: a pattern of light is no joint.
     for (size_t i = 0; i < all.size(); ++i)
-        if ((i + 5 < first || i > last + 5) && std::abs(all[i]) > 0.6f * std::abs(all[peak])) return std::nullopt;
+        if ((i + 5 < first || i > last + 5) && std::abs(all[i]) > 0.6f * std::abs(all[peak]))
+            return std::nullopt;
     return Gap{face->start + (static_cast<double>(first) - 0.5) * kStep,
                face->start + (static_cast<double>(last) + 0.5) * kStep};
 }
 
 } // namespace
 
-std::vector<StraightWall> splitAtJoints(const StraightWall& whole, const PlanView& view, const DetectOptions& options) {
+std::vector<StraightWall> splitAtJoints(const StraightWall& whole, const PlanView& view,
+                                        const DetectOptions& options) {
     const double length = glm::distance(whole.wall.a, whole.wall.b);
     const glm::dvec2 along = glm::normalize(whole.wall.b - whole.wall.a);
     std::vector<Gap> gaps;
@@ -131,7 +136,8 @@ std::vector<StraightWall> splitAtJoints(const StraightWall& whole, const PlanVie
             part.windows.push_back(window);
             part.windows.back().pos = 0.5 * (low + high) - begin;
             part.windows.back().width = high - low;
-            part.windows.back().detection.outlinePx = windowOutline(part.wall, part.windows.back(), view, options);
+            part.windows.back().detection.outlinePx =
+                windowOutline(part.wall, part.windows.back(), view, options);
         }
         out.push_back(std::move(part));
         if (!last) begin = gaps[i].high, seamBefore = seam;

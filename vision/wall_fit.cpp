@@ -203,8 +203,8 @@ std::vector<glm::dvec2> wallOutline(const geometry::Wall& wall, const PlanView& 
                         0.5 * wall.thickness, geometry::heightInches(wall.heightClass), view);
 }
 
-std::vector<glm::dvec2> windowOutline(const geometry::Wall& wall, const WindowMarker& window, const PlanView& view,
-                                      const DetectOptions& options) {
+std::vector<glm::dvec2> windowOutline(const geometry::Wall& wall, const WindowMarker& window,
+                                      const PlanView& view, const DetectOptions& options) {
     return stripOutline({wall.a, glm::normalize(wall.b - wall.a)}, window.pos - 0.5 * window.width,
                         window.pos + 0.5 * window.width, 0.5 * wall.thickness + options.markerThickness,
                         geometry::heightInches(wall.heightClass) + options.markerThickness, view);
