@@ -1,4 +1,4 @@
-// The walls of a plan as closed solids of their true size.
+// The walls of a plan as closed convex solids of their true size: one a straight wall, one a chord of an arc.
 #pragma once
 
 #include <vector>

@@ -1,0 +1,57 @@
+// Which projector can paint which part of the rooms' surfaces, and with what share of the light.
+// After the virtual heliodon's display step: the mesh is cut along the exact outlines of the shadows that
+// walls cast for each projector and along the borders of its picture, each piece is labelled, and pieces that
+// several projectors reach are blended.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "geometry/patch_mesh.h"
+#include "geometry/rig.h"
+
+namespace heliodon::geometry {
+
+struct ProjectorOptions {
+    double leastCosine =
+        0.2; // a surface is painted only where n . d (d: unit vector to the projector) is larger
+    double falloff = 0.03; // metres over which a projector fades in from the border of what it sees
+};
+
+struct SurfaceReach {
+    uint32_t surface = 0;
+    double area = 0, unreachable = 0; // m2 of its projection patches; of those, what no projector reaches
+};
+
+struct ProjectorMesh {
+    size_t projectorCount = 0;
+    std::vector<glm::dvec3>
+        vertices; // metres; a corner where surfaces meet is one vertex per surface, bit for bit alike
+    // Light at a vertex = sum over k of sourceWeight[k] * light at PatchMesh vertex sourceVertex[k], on its
+    // surface.
+    std::vector<std::array<uint32_t, 3>> sourceVertex;
+    std::vector<glm::vec3> sourceWeight; // sums to one
+    std::vector<uint32_t> triangles;     // three indices each, counter-clockwise seen from the air
+    std::vector<uint32_t> sourcePatch;   // per triangle
+    std::vector<uint32_t> visible;       // per triangle: bit p is set where projector p sees it
+    // weights[v * projectorCount + p]: share of projector p, summing to one over p where any projector
+    // reaches all of the reachable triangles round v, else zero.
+    std::vector<float> weights;
+    std::vector<SurfaceReach> surfaces; // by surface id
+
+    size_t triangleCount() const { return visible.size(); }
+};
+
+// Only patches of role `projection` appear. At most 32 projectors. Projectors are ideal pinholes whose
+// picture is the largest four-sided cone within the lens's true border, so nothing is labelled visible that
+// the panel cannot reach. Surfaces without T-vertices stay so. Cost: about (patches crossed by outlines) x 20
+// us.
+ProjectorMesh splitByProjectorVisibility(const PatchMesh& mesh, const Occluders& occluders,
+                                         std::span<const OpticalDevice> projectors,
+                                         const ProjectorOptions& options = {});
+
+} // namespace heliodon::geometry

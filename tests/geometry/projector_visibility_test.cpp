@@ -1,0 +1,229 @@
+#include "geometry/projector_visibility.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <random>
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include "geometry/mesher.h"
+
+using namespace heliodon::geometry;
+
+namespace {
+
+// Looks from `from` at `to`, without lens errors.
+OpticalDevice lookingAt(glm::dvec3 from, glm::dvec3 to, double focal = 900) {
+    OpticalDevice device;
+    device.width = 1024;
+    device.height = 768;
+    device.lens.fx = device.lens.fy = focal;
+    device.lens.cx = 511.5;
+    device.lens.cy = 383.5;
+    const glm::dvec3 z = glm::normalize(to - from), x = glm::normalize(glm::cross(z, glm::dvec3(0, 1, 0)));
+    device.deviceFromWorld = glm::transpose(glm::dmat3(x, glm::cross(z, x), z));
+    device.translation = -(device.deviceFromWorld * from);
+    return device;
+}
+
+std::vector<OpticalDevice> fourProjectors() {
+    std::vector<OpticalDevice> out;
+    for (const glm::dvec3 from : {glm::dvec3(1, 1.1, 0.2), glm::dvec3(-0.2, 1.1, 1),
+                                  glm::dvec3(-1, 1.1, -0.2), glm::dvec3(0.2, 1.1, -1)})
+        out.push_back(lookingAt(from, {0, 0.05, 0}));
+    return out;
+}
+
+Building buildingOf(const std::string& name) {
+    Closure closure = closeSketch(readSketch(std::string(HELIODON_TEST_DATA "/geometry/sketches/") + name));
+    EXPECT_TRUE(closure.building) << closure.report.message;
+    return std::move(*closure.building);
+}
+
+// Moeller and Trumbore, front and back; the segment's first `skip` metres are left out.
+bool blocked(const Occluders& occluders, glm::dvec3 from, glm::dvec3 to, double skip) {
+    const glm::dvec3 d = to - from;
+    const double least = skip / glm::length(d);
+    for (size_t i = 0; i < occluders.triangles.size(); i += 3) {
+        const glm::dvec3 a = occluders.vertices[occluders.triangles[i]],
+                         e1 = occluders.vertices[occluders.triangles[i + 1]] - a,
+                         e2 = occluders.vertices[occluders.triangles[i + 2]] - a;
+        const glm::dvec3 p = glm::cross(d, e2);
+        const double det = glm::dot(e1, p);
+        if (std::abs(det) < 1e-15) continue;
+        const glm::dvec3 s = from - a, q = glm::cross(s, e1);
+        const double u = glm::dot(s, p) / det, v = glm::dot(d, q) / det, t = glm::dot(e2, q) / det;
+        if (u >= 0 && v >= 0 && u + v <= 1 && t > least && t < 1) return true;
+    }
+    return false;
+}
+
+double areaOf(const ProjectorMesh& mesh, size_t t) {
+    const glm::dvec3 a = mesh.vertices[mesh.triangles[3 * t]];
+    return 0.5 * glm::length(glm::cross(mesh.vertices[mesh.triangles[3 * t + 1]] - a,
+                                        mesh.vertices[mesh.triangles[3 * t + 2]] - a));
+}
+
+} // namespace
+
+TEST(ProjectorVisibility, labels_agree_with_random_rays) {
+    for (const char* name : {"p04_L.json", "i01_mixed.sketch.json"}) {
+        const Building building = buildingOf(name);
+        const PatchMesh mesh = meshBuilding(building);
+        const auto projectors = fourProjectors();
+        const ProjectorMesh split = splitByProjectorVisibility(mesh, building.occluders, projectors);
+        std::vector<double> cumulative;
+        double total = 0;
+        for (size_t t = 0; t < split.triangleCount(); ++t) cumulative.push_back(total += areaOf(split, t));
+        std::mt19937 random(5);
+        std::uniform_real_distribution<double> uniform(0, 1);
+        int wrong = 0, asked = 0;
+        for (int k = 0; k < 20000; ++k) {
+            const auto t = static_cast<size_t>(std::ranges::lower_bound(cumulative, uniform(random) * total) -
+                                               cumulative.begin());
+            double u = uniform(random), v = uniform(random);
+            if (u + v > 1) {
+                u = 1 - u;
+                v = 1 - v;
+            }
+            const glm::dvec3 a = split.vertices[split.triangles[3 * t]],
+                             b = split.vertices[split.triangles[3 * t + 1]],
+                             c = split.vertices[split.triangles[3 * t + 2]];
+            const glm::dvec3 p = a + u * (b - a) + v * (c - a), n = patchNormal(mesh, split.sourcePatch[t]);
+            const size_t which = static_cast<size_t>(k) % 4;
+            const glm::dvec3 d = glm::normalize(projectors[which].centre() - p);
+            if (std::abs(glm::dot(n, d) - 0.2) < 0.02) continue; // that limit is by triangle, on purpose
+            const auto pixel = projectors[which].pixelFromWorld(p);
+            const bool inPicture =
+                pixel && pixel->x > -0.5 && pixel->y > -0.5 && pixel->x < 1023.5 && pixel->y < 767.5;
+            // The wall behind a surface begins at the surface itself, or 0.1 in off where outlines were
+            // straightened.
+            const bool sees = glm::dot(n, d) > 0.2 && inPicture &&
+                              !blocked(building.occluders, p + 0.003 * n, projectors[which].centre(), 0);
+            ++asked;
+            wrong += sees != ((split.visible[t] >> which & 1u) != 0);
+        }
+        // 0.1 % is the aim. Points are lifted by 3 mm for the ray, which alone moves shadow edges by as much.
+        EXPECT_LT(wrong, 0.01 * asked) << name << " " << wrong << " of " << asked;
+    }
+}
+
+TEST(ProjectorVisibility, no_t_vertices_within_or_between_surfaces) {
+    const Building building = buildingOf("i01_mixed.sketch.json");
+    const PatchMesh mesh = meshBuilding(building);
+    const ProjectorMesh split = splitByProjectorVisibility(mesh, building.occluders, fourProjectors());
+    // By position: copies of a vertex on different surfaces are alike bit for bit.
+    const auto key = [&](uint32_t v) {
+        const glm::dvec3 p = split.vertices[v];
+        return std::array<double, 3>{p.x, p.y, p.z};
+    };
+    std::map<std::pair<std::array<double, 3>, std::array<double, 3>>, int> edges;
+    for (size_t t = 0; t < split.triangleCount(); ++t)
+        for (size_t k = 0; k < 3; ++k)
+            ++edges[{key(split.triangles[3 * t + k]), key(split.triangles[3 * t + (k + 1) % 3])}];
+    // An edge without its opposite must be on the rim towards patches that are not shown.
+    std::map<std::array<double, 3>, bool> rim;
+    for (size_t i = 0; i < mesh.patchCount(); ++i)
+        if (mesh.role[i] != Role::projection)
+            for (const uint32_t v : mesh.patch(i))
+                rim[{mesh.vertices[v].x, mesh.vertices[v].y, mesh.vertices[v].z}] = true;
+    int loose = 0, twice = 0;
+    for (const auto& [edge, count] : edges) {
+        twice += count != 1;
+        if (edges.contains({edge.second, edge.first})) continue;
+        loose += !(rim.contains(edge.first) || rim.contains(edge.second));
+    }
+    // Rim edges that cuts divide have inner ends that are no mesh vertices; they are few.
+    EXPECT_LT(twice,
+              0.002 * static_cast<double>(edges.size())); // slivers of three outlines that meet in a point
+    EXPECT_LT(loose, 0.02 * static_cast<double>(edges.size()));
+}
+
+TEST(ProjectorVisibility, area_is_kept_and_triangles_grow_little) {
+    const Building building = buildingOf("p04_L.json");
+    const PatchMesh mesh = meshBuilding(building);
+    double before = 0;
+    size_t patches = 0;
+    for (size_t i = 0; i < mesh.patchCount(); ++i)
+        if (mesh.role[i] == Role::projection) {
+            before += patchArea(mesh, i);
+            ++patches;
+        }
+    const auto projectors = fourProjectors();
+    const auto start = std::chrono::steady_clock::now();
+    const ProjectorMesh split = splitByProjectorVisibility(mesh, building.occluders, projectors);
+    const double ms =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    double after = 0;
+    for (size_t t = 0; t < split.triangleCount(); ++t) after += areaOf(split, t);
+    EXPECT_NEAR(after, before, 1e-9 * before);
+    EXPECT_LT(static_cast<double>(split.triangleCount()), 2.2 * static_cast<double>(patches));
+    RecordProperty("milliseconds", std::to_string(ms));
+    RecordProperty("growth",
+                   std::to_string(static_cast<double>(split.triangleCount()) / static_cast<double>(patches)));
+    double reached = 0, total = 0;
+    for (const SurfaceReach& s : split.surfaces) {
+        EXPECT_LE(s.unreachable, s.area * (1 + 1e-12));
+        total += s.area;
+        reached += s.area - s.unreachable;
+    }
+    EXPECT_NEAR(total, before, 1e-9 * before);
+    EXPECT_GT(reached, 0.7 * total); // four projectors round the table
+}
+
+TEST(ProjectorVisibility, weights_are_shares_and_vanish_where_a_neighbour_is_dark) {
+    const Building building = buildingOf("p06_U.json");
+    const PatchMesh mesh = meshBuilding(building);
+    const ProjectorMesh split = splitByProjectorVisibility(mesh, building.occluders, fourProjectors());
+    std::vector<uint32_t> common(split.vertices.size(), 15);
+    std::vector<bool> reachable(split.vertices.size());
+    for (size_t t = 0; t < split.triangleCount(); ++t)
+        for (size_t k = 0; k < 3 && split.visible[t]; ++k) {
+            common[split.triangles[3 * t + k]] &= split.visible[t];
+            reachable[split.triangles[3 * t + k]] = true;
+        }
+    for (size_t v = 0; v < split.vertices.size(); ++v) {
+        double sum = 0;
+        for (size_t p = 0; p < 4; ++p) {
+            const float w = split.weights[v * 4 + p];
+            ASSERT_GE(w, 0);
+            if (!reachable[v] || !(common[v] >> p & 1u)) {
+                ASSERT_EQ(w, 0);
+            }
+            sum += w;
+        }
+        if (reachable[v])
+            ASSERT_NEAR(sum, 1, 1e-6); // float sums of four terms
+        else
+            ASSERT_EQ(sum, 0);
+        glm::dvec3 p(0);
+        float total = 0;
+        for (size_t k = 0; k < 3; ++k) {
+            p += static_cast<double>(split.sourceWeight[v][static_cast<int>(k)]) *
+                 mesh.vertices[split.sourceVertex[v][k]];
+            total += split.sourceWeight[v][static_cast<int>(k)];
+        }
+        ASSERT_NEAR(glm::length(p - split.vertices[v]), 0, 1e-6); // weights are floats
+        ASSERT_NEAR(total, 1, 1e-6);
+    }
+}
+
+TEST(ProjectorVisibility, nothing_stands_between_an_empty_table_and_its_projector) {
+    PatchMesh mesh;
+    mesh.vertices = {{-0.3, 0, 0.3}, {0.3, 0, 0.3}, {0.3, 0, -0.3}, {-0.3, 0, -0.3}};
+    mesh.materials = {{}};
+    const std::array<uint32_t, 4> corners{0, 1, 2, 3};
+    mesh.addPatch(corners, 0, Role::projection, 0, 0);
+    const std::vector<OpticalDevice> one{lookingAt({0.01, 1.5, 0.01}, {0, 0, 0})};
+    const ProjectorMesh split = splitByProjectorVisibility(mesh, {}, one);
+    for (const uint32_t seen : split.visible) EXPECT_EQ(seen, 1u);
+    EXPECT_EQ(split.surfaces.at(0).unreachable, 0);
+    // Half as wide a picture leaves a rim dark: 1.5 m away, 1024 px at 3000 px/m are 0.512 m by 0.384 m.
+    const std::vector<OpticalDevice> narrow{lookingAt({0.0, 1.5, 0.0001}, {0, 0, 0}, 3000)};
+    const ProjectorMesh partly = splitByProjectorVisibility(mesh, {}, narrow);
+    EXPECT_NEAR(partly.surfaces.at(0).area - partly.surfaces.at(0).unreachable, 0.512 * 0.384, 1e-4);
+}
