@@ -16,7 +16,11 @@ namespace heliodon::geometry {
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<int, Kernel>;
+// Vertices that crossings of constraints create start at 0.
+struct Number {
+    int value = 0;
+};
+using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<Number, Kernel>;
 using FaceBase =
     CGAL::Triangulation_face_base_with_info_2<int, Kernel,
                                               CGAL::Constrained_triangulation_face_base_2<Kernel>>;
@@ -40,8 +44,8 @@ void markOutside(Triangulation& t, int borderCount) {
         for (int k = 0; k < 3; ++k) {
             const auto other = front[i]->neighbor(k);
             if (other->info() != 0) continue;
-            const int a = front[i]->vertex(Triangulation::ccw(k))->info(),
-                      b = front[i]->vertex(Triangulation::cw(k))->info();
+            const int a = front[i]->vertex(Triangulation::ccw(k))->info().value,
+                      b = front[i]->vertex(Triangulation::cw(k))->info().value;
             const bool finite = !t.is_infinite(front[i]->vertex(Triangulation::ccw(k))) &&
                                 !t.is_infinite(front[i]->vertex(Triangulation::cw(k)));
             const bool border = finite && a <= borderCount && b <= borderCount &&
@@ -59,7 +63,8 @@ CutResult cutTriangle(const std::vector<glm::dvec2>& border, const std::vector<C
     std::vector<Triangulation::Vertex_handle> handles;
     for (const glm::dvec2 p : border) {
         handles.push_back(t.insert(Kernel::Point_2(p.x, p.y)));
-        handles.back()->info() = static_cast<int>(handles.size()); // 1-based: 0 is what a new vertex has
+        handles.back()->info().value =
+            static_cast<int>(handles.size()); // 1-based: 0 is what a new vertex has
     }
     for (size_t i = 0; i < handles.size(); ++i)
         t.insert_constraint(handles[i], handles[(i + 1) % handles.size()]);
@@ -81,9 +86,9 @@ CutResult cutTriangle(const std::vector<glm::dvec2>& border, const std::vector<C
     CutResult out;
     out.points = border;
     for (auto v = t.finite_vertices_begin(); v != t.finite_vertices_end(); ++v)
-        if (v->info() <= 0 || static_cast<size_t>(v->info()) > border.size()) {
+        if (v->info().value <= 0 || static_cast<size_t>(v->info().value) > border.size()) {
             out.points.emplace_back(v->point().x(), v->point().y());
-            v->info() = static_cast<int>(out.points.size());
+            v->info().value = static_cast<int>(out.points.size());
         }
     std::vector<uint32_t> merged(out.points.size());
     for (uint32_t i = 0; i < merged.size(); ++i) {
@@ -96,7 +101,7 @@ CutResult cutTriangle(const std::vector<glm::dvec2>& border, const std::vector<C
         if (f->info() != 0) continue;
         std::array<uint32_t, 3> corner{};
         for (int k = 0; k < 3; ++k)
-            corner[static_cast<size_t>(k)] = static_cast<uint32_t>(f->vertex(k)->info() - 1);
+            corner[static_cast<size_t>(k)] = static_cast<uint32_t>(f->vertex(k)->info().value - 1);
         out.triangles.push_back(corner);
     }
     return out;

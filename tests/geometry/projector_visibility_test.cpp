@@ -138,8 +138,7 @@ TEST(ProjectorVisibility, no_t_vertices_within_or_between_surfaces) {
         loose += !(rim.contains(edge.first) || rim.contains(edge.second));
     }
     // Rim edges that cuts divide have inner ends that are no mesh vertices; they are few.
-    EXPECT_LT(twice,
-              0.002 * static_cast<double>(edges.size())); // slivers of three outlines that meet in a point
+    EXPECT_EQ(twice, 0);
     EXPECT_LT(loose, 0.02 * static_cast<double>(edges.size()));
 }
 
