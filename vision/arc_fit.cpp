@@ -20,6 +20,7 @@ namespace {
 struct Circle {
     glm::dvec2 centre{};
     double radius = 0;
+    double off = 0; // root mean square distance of the points that it stands for
 };
 
 // I. Kasa, "A circle fitting procedure and its error analysis" (1976): linear least squares.
@@ -39,7 +40,46 @@ std::optional<Circle> throughPoints(const std::vector<glm::dvec2>& points) {
     const glm::dvec2 c = 0.5 * glm::dvec2(solution);
     const double squared = solution.z + glm::dot(c, c);
     if (!(squared > 0)) return std::nullopt;
-    return Circle{c + mean, std::sqrt(squared)};
+    return Circle{c + mean, std::sqrt(squared), 0};
+}
+
+// Root mean square of the points' distances from the circle.
+double distanceFrom(const Circle& circle, const std::vector<glm::dvec2>& points) {
+    double squares = 0;
+    for (const auto& p : points) {
+        const double off = glm::distance(p, circle.centre) - circle.radius;
+        squares += off * off / static_cast<double>(points.size());
+    }
+    return std::sqrt(squares);
+}
+
+// Middles of the strip, in slices across its long axis.
+std::vector<glm::dvec2> sliceMeans(const std::vector<glm::dvec2>& points) {
+    const Pca pca = principalAxes(points);
+    constexpr size_t kSlices = 16;
+    std::array<glm::dvec3, kSlices> sums{};
+    for (const auto& p : points) {
+        const double s = glm::dot(p - pca.mean, pca.axis);
+        const double share = (s - pca.low) / std::max(pca.high - pca.low, 1e-9);
+        sums[std::min(kSlices - 1, static_cast<size_t>(share * kSlices))] += glm::dvec3(p, 1);
+    }
+    std::vector<glm::dvec2> out;
+    for (const auto& sum : sums)
+        if (sum.z > 0) out.push_back(glm::dvec2(sum) / sum.z);
+    return out;
+}
+
+// The strip's centre line. Through all points for a long arc; a short one is thicker than it is bent, which
+// would draw that circle together, so there through the slices' middles: whichever lies closer to the points.
+std::optional<Circle> centreCircle(const std::vector<glm::dvec2>& points) {
+    std::optional<Circle> best;
+    for (const auto& on : {points, sliceMeans(points)}) {
+        auto circle = throughPoints(on);
+        if (!circle || circle->radius < 0.75 || circle->radius > 200) continue;
+        circle->off = distanceFrom(*circle, points);
+        if (!best || circle->off < best->off) best = circle;
+    }
+    return best;
 }
 
 struct Rings {
@@ -107,14 +147,8 @@ std::optional<geometry::Arc> fitArc(const Chain& chain, const PlanView& view, co
     std::vector<glm::dvec2> points;
     for (const Component* piece : chain.pieces)
         for (const auto& p : planPoints(*piece, view, height)) points.push_back(p);
-    const auto circle = throughPoints(points);
-    if (!circle || circle->radius < 0.75 || circle->radius > 200) return std::nullopt;
-    double squares = 0;
-    for (const auto& p : points) {
-        const double off = glm::distance(p, circle->centre) - circle->radius;
-        squares += off * off / static_cast<double>(points.size());
-    }
-    if (std::sqrt(squares) > 1.35 * options.wallThickness / std::sqrt(12.0)) return std::nullopt;
+    const auto circle = centreCircle(points);
+    if (!circle || circle->off > 1.35 * options.wallThickness / std::sqrt(12.0)) return std::nullopt;
 
     Rings rings{circle->centre, circle->radius - half, circle->radius + half};
     auto [low, high] = angularExtent(points, rings.centre);

@@ -22,7 +22,8 @@ constexpr float kScale = 65535.0f; // linear 16-bit
 // Hues of the paints in linear light; only their order round the circle and their rough places are assumed.
 constexpr std::array<float, kPaints> kNominalHue = {0, 1, 20, 47, 130, 188, 208, 229, 325};
 
-constexpr int kHueReach = 14; // degrees that a paint's hue may lie from the nominal
+constexpr double kOverEdge = 2; // inches that a wall may stick out over the table
+constexpr float kHueReach = 16; // degrees that a paint's hue may lie from the nominal
 constexpr uint8_t kVivid =
     176; // of 255: walls, markers and the arrow are more saturated, the light-blue card less
 
@@ -46,7 +47,8 @@ std::vector<cv::Point> circle(const PlanView& view, double radius, double height
 Region findRegion(const PlanView& view, double radiusInches) {
     const auto disc = circle(view, radiusInches, 0);
     std::vector<cv::Point> all = disc, hull;
-    for (const auto& p : circle(view, radiusInches + 1, geometry::heightInches(geometry::HeightClass::red)))
+    for (const auto& p :
+         circle(view, radiusInches + kOverEdge, geometry::heightInches(geometry::HeightClass::red)))
         all.push_back(p);
     cv::convexHull(all, hull);
     Region region;

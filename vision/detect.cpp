@@ -175,11 +175,11 @@ private:
             }
         if (maySplit && chain.pieces.size() == 1 && chain.markers.empty()) {
             const auto strips = splitStrips(*chain.pieces.front(), view_, options_);
-            if (strips.size() > 1) {
-                for (const Component& strip : strips) readChain({chain.paint, {&strip}, {}}, false);
-                return;
-            }
+            const size_t before = out_.sketch.walls.size() + out_.sketch.arcs.size();
+            for (const Component& strip : strips) readChain({chain.paint, {&strip}, {}}, false);
+            if (out_.sketch.walls.size() + out_.sketch.arcs.size() > before) return;
         }
+        if (!maySplit) return; // the region that it was cut from is reported as a whole
         for (const Component* piece : chain.pieces)
             unread(*piece, "coloured like a wall, but not of a wall's shape");
         for (const Component* marker : chain.markers) unread(*marker, "a window marker on no wall");

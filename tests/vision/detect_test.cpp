@@ -1,5 +1,6 @@
 #include "vision/detect.h"
 
+#include <cstring>
 #include <fstream>
 #include <random>
 
@@ -8,6 +9,7 @@
 #include "geometry/input_error.h"
 #include "tests/vision/perturb.h"
 #include "tests/vision/sketch_score.h"
+#include "tests/vision/table_painter.h"
 
 namespace heliodon::vision {
 namespace {
@@ -17,6 +19,12 @@ const std::string kData = HELIODON_TEST_DATA "/vision/";
 
 geometry::Rig exampleRig() {
     return geometry::readRig(kExamples + "rig.json");
+}
+Photograph bright() {
+    return readPhotograph(kExamples + "i01_mixed.png");
+}
+geometry::Sketch brightSketch() {
+    return geometry::readSketch(kData + "i01_mixed.sketch.json");
 }
 
 // Everything that is stated is found, nothing else is, and it lies where it should.
@@ -29,13 +37,230 @@ void expectAll(const Score& score, double placeInches, double angleDegrees) {
     }
 }
 
+// A pixel is 0.04 in at the walls' tops. 0.06 in is the farthest corner of a skylight; walls and windows stay
+// below 0.03.
+constexpr double kPlace = 0.06;
+// Half a pixel over the two inches of the shortest side.
+constexpr double kAngle = 0.5;
+
 TEST(Detect, reads_every_kind_of_primitive_from_a_bright_picture) {
-    const auto photo = readPhotograph(kExamples + "i01_mixed.png");
-    const auto result = detectSketch(photo, exampleRig());
-    const auto stated = geometry::readSketch(kData + "i01_mixed.sketch.json");
-    // A pixel is 0.04 in at the walls' tops; 0.06 in is the skylight's corner, the farthest of 26 marks.
-    expectAll(scoreSketch(stated, result.sketch), 0.06, 0.3);
+    const auto result = detectSketch(bright(), exampleRig());
+    const Score score = scoreSketch(brightSketch(), result.sketch);
+    expectAll(score, kPlace, 0.3);
+    EXPECT_LT(score.at("wall").placeWorst, 0.05);
+    EXPECT_LT(score.at("token").colorWorst,
+              12); // filters of the synthetic camera mix 2 % of the neighbouring channels
     EXPECT_TRUE(result.warnings.empty());
+    for (const auto& wall : result.sketch.walls) {
+        EXPECT_GT(wall.detection.confidence, 0.9);
+        EXPECT_GE(wall.detection.outlinePx.size(), 4u);
+    }
+}
+
+TEST(Detect, reads_a_dim_picture_cluttered_by_projector_shadows) {
+    const auto result = detectSketch(readPhotograph(kData + "p04_L_dim.png"), exampleRig());
+    expectAll(scoreSketch(geometry::readSketch(kData + "p04_L.sketch.json"), result.sketch), kPlace, 0.3);
+}
+
+TEST(Detect, reads_a_harsh_noisy_picture_under_a_warm_cast) {
+    const auto result = detectSketch(readPhotograph(kData + "i01_mixed_harsh.jpg"), exampleRig());
+    expectAll(scoreSketch(brightSketch(), result.sketch), kPlace, kAngle);
+}
+
+TEST(Detect, sees_two_walls_where_a_marker_hides_their_joint) {
+    const auto result = detectSketch(readPhotograph(kData + "p10_window_over_joint_good.jpg"), exampleRig());
+    // The stripe of light in the joint is 0.25 in wide and lies within the 0.3 in of the gap's edges.
+    expectAll(scoreSketch(geometry::readSketch(kData + "p10_window_over_joint.sketch.json"), result.sketch),
+              0.15, 0.3);
+}
+
+TEST(Detect, gives_the_same_sketch_every_time) {
+    const Photograph photo = bright();
+    const geometry::Rig rig = exampleRig();
+    const auto first = detectSketch(photo, rig).sketch, second = detectSketch(photo, rig).sketch;
+    ASSERT_EQ(first.walls.size(), second.walls.size());
+    for (size_t i = 0; i < first.walls.size(); ++i) {
+        EXPECT_EQ(first.walls[i].a, second.walls[i].a);
+        EXPECT_EQ(first.walls[i].id, second.walls[i].id);
+    }
+}
+
+TEST(Detect, does_not_depend_on_gamma_cast_or_paint_box) {
+    const Photograph photo = bright();
+    const geometry::Rig rig = exampleRig();
+    Perturbation low, high, warm, cold, turnedBack, turnedOn, compressed;
+    low.gamma = 1.8;
+    high.gamma = 2.4;
+    warm.gain[1] = 0.9, warm.gain[2] = 0.55;
+    cold.gain[0] = 0.6, cold.gain[1] = 0.85;
+    turnedBack.hueDegrees = -8;
+    turnedOn.hueDegrees = 8;
+    compressed.jpegQuality = 80, compressed.blurPx = 0.8;
+    for (const Perturbation& how : {low, high, warm, cold, turnedBack, turnedOn, compressed}) {
+        SCOPED_TRACE(fmt::format("gamma {} gains {} {} {} hue {} jpeg {}", how.gamma, how.gain[0],
+                                 how.gain[1], how.gain[2], how.hueDegrees, how.jpegQuality));
+        // A wrong gamma moves an edge by about 0.02 in.
+        expectAll(scoreSketch(brightSketch(), detectSketch(perturbed(photo, how), rig).sketch), 0.09, kAngle);
+    }
+}
+
+TEST(Detect, follows_another_lens_and_pose) {
+    geometry::Rig rig = exampleRig();
+    geometry::Lens lens = rig.camera.lens;
+    lens.fx *= 0.85, lens.fy *= 0.85, lens.dist = {-0.25, 0.12, -0.001, 0.0008, 0.01};
+    const Photograph photo = rephotographed(bright(), rig, {-5, 4, -110}, lens);
+    expectAll(scoreSketch(brightSketch(), detectSketch(photo, rig).sketch), kPlace, kAngle);
+}
+
+geometry::Wall wall(const char* id, glm::dvec2 a, glm::dvec2 b, geometry::HeightClass height) {
+    geometry::Wall out;
+    out.id = id, out.a = a, out.b = b, out.heightClass = height;
+    return out;
+}
+
+geometry::WindowMarker window(const char* id, const char* on, double pos, double width,
+                              geometry::WindowKind kind) {
+    geometry::WindowMarker out;
+    out.id = id, out.wall = on, out.pos = pos, out.width = width, out.kind = kind;
+    return out;
+}
+
+geometry::Arc arc(const char* id, glm::dvec2 center, double radius, double a0, double a1,
+                  geometry::HeightClass height) {
+    geometry::Arc out;
+    out.id = id, out.center = center, out.radius = radius, out.a0Deg = a0, out.a1Deg = a1,
+    out.heightClass = height;
+    return out;
+}
+
+TEST(Detect, reads_s_curves_neighbouring_markers_and_a_wall_over_the_edge) {
+    using geometry::HeightClass;
+    using geometry::WindowKind;
+    geometry::Sketch sketch;
+    sketch.arcs = {arc("a1", {-6, 4}, 3.5, 10, 170, HeightClass::blue),
+                   arc("a2", {1.6, 4}, 3.5, 190, 350, HeightClass::blue),
+                   arc("a3", {9, -9}, 14, 95, 118, HeightClass::green)};
+    sketch.walls = {wall("w1", {-14, -8}, {-3, -10}, HeightClass::red),
+                    wall("w2", {14, 3}, {22.5, 5}, HeightClass::red),
+                    wall("w3", {2, -12}, {6, -15}, HeightClass::green)};
+    sketch.windows = {window("win1", "w1", 3, 2, WindowKind::standard),
+                      window("win2", "w1", 5, 2, WindowKind::transom),
+                      window("win3", "w1", 8.2, 1, WindowKind::picture)};
+    sketch.skylights = {{"sky1", {-12, 8}, {4, 1.2}, 30, {}}};
+    geometry::Token token;
+    token.id = "token1", token.kind = geometry::TokenKind::wallSingle, token.pos = {-9, -13},
+    token.angleDeg = 20;
+    token.rgb = {30, 30, 30};
+    sketch.tokens = {token};
+    sketch.north = geometry::NorthArrow{{12, 10}, 250, {}};
+    const geometry::Rig rig = exampleRig();
+    const auto result = detectSketch(paintTable(sketch, rig), rig);
+    const Score score = scoreSketch(sketch, result.sketch);
+    expectAll(score, kPlace, kAngle);
+    EXPECT_LT(score.at("token").colorWorst, 12);
+}
+
+TEST(Detect, reads_random_walls_under_random_poses_and_lamps) {
+    std::mt19937 random(20);
+    auto uniform = [&](double low, double high) {
+        return std::uniform_real_distribution<double>(low, high)(random);
+    };
+    for (int trial = 0; trial < 4; ++trial) {
+        geometry::Rig rig = exampleRig();
+        geometry::Sketch sketch;
+        for (int i = 0; i < 400 && sketch.walls.size() < 9; ++i) {
+            const glm::dvec2 a(uniform(-14, 14), uniform(-14, 14));
+            const double length = uniform(3, 10), angle = uniform(0, 360);
+            const glm::dvec2 b = a + length * score::direction(angle);
+            bool clear = glm::length(b) < 18;
+            // Three inches apart: tops lean outwards in the picture by up to that and would hide one another.
+            for (const auto& other : sketch.walls)
+                for (double s = 0; s <= 1; s += 0.05)
+                    for (double t = 0; t <= 1; t += 0.05)
+                        clear =
+                            clear && glm::distance(a + s * (b - a), other.a + t * (other.b - other.a)) > 3.2;
+            if (!clear) continue;
+            const auto height = static_cast<geometry::HeightClass>(random() % 3);
+            const std::string id = "w" + std::to_string(sketch.walls.size() + 1);
+            sketch.walls.push_back(wall(id.c_str(), a, b, height));
+            if (length > 5)
+                sketch.windows.push_back(window(("win" + id).c_str(), id.c_str(), uniform(2, length - 2), 1.5,
+                                                static_cast<geometry::WindowKind>(random() % 3)));
+        }
+        Lighting lamps;
+        for (size_t c = 0; c < 3; ++c) lamps.left[c] = uniform(0.3, 0.9), lamps.right[c] = uniform(0.3, 0.9);
+        Photograph photo = paintTable(sketch, rig, {}, lamps);
+        geometry::Lens lens = rig.camera.lens;
+        photo = rephotographed(photo, rig, {uniform(-4, 4), uniform(-4, 4), uniform(-180, 180)}, lens);
+        Perturbation noise;
+        noise.electronsAtWhite = 1500, noise.readNoise = 6, noise.seed = static_cast<unsigned>(random());
+        const auto result = detectSketch(perturbed(photo, noise), rig);
+        SCOPED_TRACE(trial);
+        expectAll(scoreSketch(sketch, result.sketch), kPlace, kAngle);
+    }
+}
+
+TEST(Detect, finds_nothing_where_there_is_nothing) {
+    const geometry::Rig rig = exampleRig();
+    const size_t bytes = static_cast<size_t>(rig.camera.width) * static_cast<size_t>(rig.camera.height) * 3;
+    Photograph photo{rig.camera.width, rig.camera.height, std::vector<uint8_t>(bytes, 0)};
+    auto empty = [&](const char* what) {
+        const auto result = detectSketch(photo, rig);
+        EXPECT_TRUE(result.sketch.walls.empty() && result.sketch.arcs.empty() &&
+                    result.sketch.windows.empty())
+            << what;
+        EXPECT_FALSE(result.warnings.empty()) << what;
+    };
+    empty("black");
+    photo.rgb.assign(bytes, 255);
+    empty("white");
+    photo.rgb.assign(bytes, 1);
+    empty("nearly black");
+    for (size_t i = 0; i < bytes; i += 3) photo.rgb[i] = 200;
+    empty("all red");
+    std::mt19937 random(5);
+    for (auto& b : photo.rgb) b = static_cast<uint8_t>(random());
+    empty("noise");
+    for (auto& b : photo.rgb) b = static_cast<uint8_t>(random() % 4);
+    empty("dark noise");
+    photo = paintTable({}, rig);
+    empty("an empty table");
+}
+
+TEST(Detect, does_not_invent_walls_in_coarse_noise_or_stripes) {
+    const geometry::Rig rig = exampleRig();
+    std::mt19937 random(6);
+    for (const int size : {12, 40, 150}) {
+        Photograph photo{rig.camera.width, rig.camera.height, {}};
+        const int columns = photo.width / size + 1, rows = photo.height / size + 1;
+        std::vector<uint8_t> coarse(static_cast<size_t>(columns * rows * 3));
+        for (auto& b : coarse) b = static_cast<uint8_t>(random());
+        for (int y = 0; y < photo.height; ++y)
+            for (int x = 0; x < photo.width; ++x)
+                for (int c = 0; c < 3; ++c)
+                    photo.rgb.push_back(
+                        coarse[static_cast<size_t>(((y / size) * columns + x / size) * 3 + c)]);
+        EXPECT_NO_THROW(detectSketch(photo, rig)) << size; // whatever it makes of it, it comes back
+    }
+}
+
+TEST(Detect, warns_of_what_it_leaves_out) {
+    const geometry::Rig rig = exampleRig();
+    geometry::Sketch sketch;
+    sketch.walls = {wall("w1", {-6, 0}, {6, 0}, geometry::HeightClass::red)};
+    PaintBox paints;
+    Photograph photo = paintTable(sketch, rig, paints);
+    for (int y = 700; y < 760; ++y) // a red pamphlet
+        for (int x = 600; x < 700; ++x) {
+            const uint8_t red[3] = {170, 60, 60};
+            std::memcpy(&photo.rgb[3 * (static_cast<size_t>(y) * static_cast<size_t>(photo.width) +
+                                        static_cast<size_t>(x))],
+                        red, 3);
+        }
+    const auto result = detectSketch(photo, rig);
+    EXPECT_EQ(result.sketch.walls.size(), 1u);
+    ASSERT_EQ(result.warnings.size(), 1u);
+    EXPECT_NE(result.warnings[0].find("coloured like a wall"), std::string::npos) << result.warnings[0];
 }
 
 TEST(Detect, refuses_a_photograph_of_another_size) {
@@ -46,6 +271,43 @@ TEST(Detect, refuses_a_photograph_of_another_size) {
     } catch (const geometry::InputError& error) {
         EXPECT_STREQ(error.what(), "photograph: 64 x 48 pixels, but the rig's camera has 1392 x 1032");
     }
+}
+
+TEST(Photograph, names_a_file_that_is_missing_or_no_picture) {
+    auto complaint = [](const std::string& file) -> std::string {
+        try {
+            readPhotograph(file);
+        } catch (const geometry::InputError& error) {
+            return error.what();
+        }
+        return "accepted";
+    };
+    EXPECT_EQ(complaint("/no/such.png"),
+              "/no/such.png: no such file, expected a photograph (png, jpg or tif)");
+    const std::string text = testing::TempDir() + "heliodon_not_a_picture.png";
+    std::ofstream(text) << "hello";
+    EXPECT_NE(complaint(text).find("not an image"), std::string::npos);
+    // A picture cut short anywhere is refused, or read with what it has; it never brings the program down.
+    std::ifstream in(kExamples + "i01_mixed.png", std::ios::binary);
+    const std::string whole((std::istreambuf_iterator<char>(in)), {});
+    for (const size_t length : {8u, 20u, 33u, 60u, 5000u}) {
+        std::ofstream(text, std::ios::binary) << whole.substr(0, length);
+        complaint(text);
+    }
+}
+
+TEST(Overlay, draws_over_the_photograph_and_leaves_no_half_file) {
+    const Photograph photo = bright();
+    const geometry::Rig rig = exampleRig();
+    const std::filesystem::path file = testing::TempDir() + "heliodon_overlay.png";
+    drawOverlay(photo, rig, brightSketch(), file); // a sketch without outlines: nothing to draw, and no harm
+    const Photograph plain = readPhotograph(file);
+    drawOverlay(photo, rig, detectSketch(photo, rig).sketch, file);
+    const Photograph drawn = readPhotograph(file);
+    EXPECT_EQ(drawn.width, photo.width);
+    EXPECT_EQ(drawn.height, photo.height);
+    EXPECT_NE(plain.rgb, drawn.rgb);
+    EXPECT_THROW(drawOverlay(photo, rig, {}, "/no/such/folder/overlay.png"), geometry::InputError);
 }
 
 } // namespace
