@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "compute/exact_form_factors.h"
 #include "compute/gpu/device.h"
 #include "compute/hemicube.h"
 #include "geometry/input_error.h"
@@ -71,10 +72,15 @@ FormFactors computeFormFactors(gpu::Device& device, const geometry::PatchMesh& m
                                const FormFactorOptions& options) {
     const auto start = std::chrono::steady_clock::now();
     FormFactors result;
-    if (options.kernel == "auto" || options.kernel == "hemicube")
+    // A hemicube's error has a floor of about 2e-2 whatever its resolution: an error bound asks for `exact`.
+    if (options.kernel == "exact" || (options.kernel == "auto" && options.maxError > 0)) {
+        ExactOptions exact;
+        if (options.maxError > 0) exact.maxError = options.maxError;
+        result = exactFormFactors(device, mesh, exact).factors;
+    } else if (options.kernel == "auto" || options.kernel == "hemicube")
         result = hemicubeFormFactors(device, mesh, options);
     else
-        throw geometry::InputError("--kernel", options.kernel, "unknown; expected auto or hemicube");
+        throw geometry::InputError("--kernel", options.kernel, "unknown; expected auto, exact or hemicube");
     result.report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     measureFormFactors(mesh, result.values, result.report);
     return result;

@@ -1,0 +1,289 @@
+#include "compute/convex_regions.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+
+namespace heliodon::compute {
+
+using glm::dvec2;
+using glm::dvec3;
+
+namespace {
+
+constexpr double kGap = 1e-6; // share of a region's area that may be missing in its hull
+
+using Flat = std::vector<dvec2>; // a convex polygon in a plane, counter-clockwise
+
+double crossOf(dvec2 a, dvec2 b) {
+    return a.x * b.y - a.y * b.x;
+}
+
+double areaOf(const Flat& polygon) {
+    double sum = 0;
+    for (size_t k = 1; k + 1 < polygon.size(); ++k)
+        sum += crossOf(polygon[k] - polygon[0], polygon[k + 1] - polygon[0]);
+    return 0.5 * sum;
+}
+
+// Andrew's monotone chain; corners nearer than `flat` to a straight edge are dropped.
+Flat hullOf(const std::vector<Flat>& parts, double flat) {
+    Flat points;
+    for (const Flat& part : parts) points.insert(points.end(), part.begin(), part.end());
+    const auto less = [](dvec2 a, dvec2 b) { return a.x < b.x || (a.x == b.x && a.y < b.y); };
+    std::sort(points.begin(), points.end(), less);
+    points.erase(std::unique(points.begin(), points.end(),
+                             [flat](dvec2 a, dvec2 b) { return glm::length(a - b) <= flat; }),
+                 points.end());
+    Flat hull;
+    const auto chain = [&](auto begin, auto end) {
+        const size_t base = hull.size();
+        for (auto p = begin; p != end; ++p) {
+            while (hull.size() >= base + 2) {
+                const dvec2 a = hull[hull.size() - 2], b = hull.back();
+                if (crossOf(b - a, *p - a) > flat * glm::length(*p - a)) break;
+                hull.pop_back();
+            }
+            hull.push_back(*p);
+        }
+        hull.pop_back();
+    };
+    if (points.size() < 3) return {};
+    chain(points.begin(), points.end());
+    chain(points.rbegin(), points.rend());
+    return hull.size() >= 3 ? hull : Flat{};
+}
+
+Flat half(const Flat& polygon, dvec2 point, dvec2 direction, double sign, double flat) {
+    Flat result;
+    for (size_t k = 0; k < polygon.size(); ++k) {
+        const dvec2 p = polygon[k], q = polygon[(k + 1) % polygon.size()];
+        double dp = sign * crossOf(direction, p - point), dq = sign * crossOf(direction, q - point);
+        if (std::abs(dp) <= flat) dp = 0;
+        if (std::abs(dq) <= flat) dq = 0;
+        if (dp >= 0) result.push_back(p);
+        if ((dp > 0 && dq < 0) || (dp < 0 && dq > 0)) result.push_back(p + dp / (dp - dq) * (q - p));
+    }
+    return result;
+}
+
+struct Line {
+    dvec2 point, direction;
+};
+
+// Lines of edges that no neighbour shares and that lie inside the hull: where the region is not convex.
+std::vector<Line> innerBorders(const std::vector<Flat>& parts, const Flat& hull, double flat) {
+    const auto key = [flat](dvec2 p) {
+        return std::array<int64_t, 2>{std::llround(p.x / (16 * flat)), std::llround(p.y / (16 * flat))};
+    };
+    std::set<std::array<int64_t, 4>> edges;
+    const auto edgeKey = [&](dvec2 a, dvec2 b) {
+        const auto u = key(a), v = key(b);
+        return std::array<int64_t, 4>{u[0], u[1], v[0], v[1]};
+    };
+    for (const Flat& part : parts)
+        for (size_t k = 0; k < part.size(); ++k) edges.insert(edgeKey(part[k], part[(k + 1) % part.size()]));
+    std::vector<Line> lines;
+    for (const Flat& part : parts)
+        for (size_t k = 0; k < part.size(); ++k) {
+            const dvec2 a = part[k], b = part[(k + 1) % part.size()];
+            if (glm::length(b - a) <= 4 * flat || edges.count(edgeKey(b, a))) continue;
+            const dvec2 direction = glm::normalize(b - a);
+            bool onHull = false;
+            for (size_t h = 0; h < hull.size() && !onHull; ++h) {
+                const dvec2 side = glm::normalize(hull[(h + 1) % hull.size()] - hull[h]);
+                onHull = std::abs(crossOf(side, a - hull[h])) <= 4 * flat &&
+                         std::abs(crossOf(side, b - hull[h])) <= 4 * flat;
+            }
+            const auto same = [&](const Line& l) {
+                return std::abs(crossOf(l.direction, direction)) < 1e-9 &&
+                       std::abs(crossOf(l.direction, a - l.point)) <= 4 * flat;
+            };
+            if (!onHull && std::none_of(lines.begin(), lines.end(), same)) lines.push_back({a, direction});
+            if (lines.size() >= 64) return lines;
+        }
+    return lines;
+}
+
+// Splits until every part of the plane is convex.
+void convexParts(std::vector<Flat> parts, double flat, int depth, std::vector<Flat>& result) {
+    if (parts.empty()) return;
+    double area = 0;
+    for (const Flat& part : parts) area += areaOf(part);
+    const Flat hull = hullOf(parts, flat);
+    const double whole = areaOf(hull);
+    if (area <= 0) return;
+    if (parts.size() == 1 || std::abs(whole - area) <= kGap * whole) {
+        result.push_back(parts.size() == 1 ? hullOf(parts, flat) : hull);
+        return;
+    }
+    // The line that cuts the fewest parts and leaves something on both sides.
+    const Line* best = nullptr;
+    size_t bestCut = SIZE_MAX;
+    const std::vector<Line> lines = innerBorders(parts, hull, flat);
+    for (const Line& line : lines) {
+        size_t cut = 0, left = 0, right = 0;
+        for (const Flat& part : parts) {
+            bool l = false, r = false;
+            for (dvec2 p : part) {
+                const double d = crossOf(line.direction, p - line.point);
+                l = l || d > flat;
+                r = r || d < -flat;
+            }
+            cut += l && r;
+            left += l;
+            right += r;
+        }
+        if (left && right && cut < bestCut) {
+            best = &line;
+            bestCut = cut;
+        }
+    }
+    if (!best || depth == 0 || area > whole * (1 + kGap)) { // overlapping or past mending: as meshed
+        for (const Flat& part : parts) result.push_back(part);
+        return;
+    }
+    for (double sign : {1.0, -1.0}) {
+        std::vector<Flat> side;
+        for (const Flat& part : parts) {
+            Flat piece = half(part, best->point, best->direction, sign, flat);
+            if (piece.size() >= 3 && areaOf(piece) > flat * flat) side.push_back(std::move(piece));
+        }
+        convexParts(std::move(side), flat, depth - 1, result);
+    }
+}
+
+struct Plane {
+    dvec3 origin, normal, u, v;
+    std::vector<size_t> patches;
+};
+
+// Patches of one room in one oriented plane, to within rounding.
+std::vector<Plane> planesOf(const geometry::PatchMesh& mesh, double size) {
+    std::map<std::array<int64_t, 5>, Plane> planes;
+    for (size_t i = 0; i < mesh.patchCount(); ++i) {
+        const dvec3 n = geometry::patchNormal(mesh, i);
+        if (!(glm::length(n) > 0.5)) continue;
+        const dvec3 p = mesh.vertices[mesh.patch(i)[0]];
+        const double offset = glm::dot(n, p - mesh.vertices[0]) / size;
+        // The half shifts the borders of the cells away from the common values 0 and 1.
+        const auto cell = [](double x) { return std::llround(x * 1e7 + 0.31); };
+        Plane& plane = planes[{mesh.room[i], cell(n.x), cell(n.y), cell(n.z), cell(offset)}];
+        if (plane.patches.empty()) {
+            const dvec3 other = std::abs(n.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
+            const dvec3 u = glm::normalize(glm::cross(other, n));
+            plane = {p, n, u, glm::cross(n, u), {}};
+        }
+        plane.patches.push_back(i);
+    }
+    std::vector<Plane> result;
+    for (auto& [key, plane] : planes) result.push_back(std::move(plane));
+    return result;
+}
+
+double sizeOf(const geometry::PatchMesh& mesh) {
+    dvec3 low{INFINITY}, high{-INFINITY};
+    for (const dvec3& p : mesh.vertices) {
+        low = glm::min(low, p);
+        high = glm::max(high, p);
+    }
+    return mesh.vertices.empty() ? 1.0 : std::max(glm::length(high - low), 1e-300);
+}
+
+bool separates(const geometry::PatchMesh& mesh, const Plane& plane, uint32_t room, double flat) {
+    bool front = false, back = false;
+    for (size_t i = 0; i < mesh.patchCount() && !(front && back); ++i) {
+        if (mesh.room[i] != room) continue;
+        for (uint32_t corner : mesh.patch(i)) {
+            const double h = glm::dot(mesh.vertices[corner] - plane.origin, plane.normal);
+            front = front || h > flat;
+            back = back || h < -flat;
+        }
+    }
+    return front && back;
+}
+
+bool pierces(const dvec3& a, const dvec3& b, const ConvexRegion& region, const dvec3& normal, double flat) {
+    const double ha = glm::dot(a - region.corners[0], normal), hb = glm::dot(b - region.corners[0], normal);
+    if (!((ha > flat && hb < -flat) || (ha < -flat && hb > flat))) return false;
+    const dvec3 x = a + ha / (ha - hb) * (b - a);
+    for (size_t k = 0; k < region.corners.size(); ++k) {
+        const dvec3 edge = region.corners[(k + 1) % region.corners.size()] - region.corners[k];
+        if (glm::dot(glm::cross(edge, x - region.corners[k]), normal) <= flat * glm::length(edge))
+            return false;
+    }
+    return true;
+}
+
+} // namespace
+
+std::vector<ConvexRegion> blockingRegions(const geometry::PatchMesh& mesh, uint32_t maxCorners) {
+    const double size = sizeOf(mesh), flat = 1e-9 * size;
+    std::vector<ConvexRegion> regions;
+    for (const Plane& plane : planesOf(mesh, size)) {
+        const uint32_t room = mesh.room[plane.patches[0]];
+        if (!separates(mesh, plane, room, 1e-7 * size)) continue;
+        std::vector<Flat> parts, convex;
+        for (size_t i : plane.patches) {
+            Flat part;
+            for (uint32_t corner : mesh.patch(i)) {
+                const dvec3 d = mesh.vertices[corner] - plane.origin;
+                part.push_back({glm::dot(d, plane.u), glm::dot(d, plane.v)});
+            }
+            parts.push_back(std::move(part));
+        }
+        convexParts(std::move(parts), flat, 64, convex);
+        for (const Flat& part : convex)
+            for (size_t first = 1; first + 1 < part.size(); first += maxCorners - 2) {
+                ConvexRegion region{{}, room};
+                const auto lifted = [&](dvec2 p) { return plane.origin + p.x * plane.u + p.y * plane.v; };
+                region.corners.push_back(lifted(part[0]));
+                for (size_t k = first; k < std::min(part.size(), first + maxCorners - 1); ++k)
+                    region.corners.push_back(lifted(part[k]));
+                regions.push_back(std::move(region));
+            }
+    }
+    return regions;
+}
+
+bool isClosedSolid(const geometry::PatchMesh& mesh, const std::vector<ConvexRegion>& regions) {
+    // Checking for intersections costs edges x regions; beyond this it would cost more than it saves.
+    if (static_cast<double>(mesh.corners.size()) * static_cast<double>(regions.size()) > 2e7) return false;
+    const auto key = [](const dvec3& p) { return std::array<double, 3>{p.x, p.y, p.z}; };
+    std::map<std::array<double, 3>, uint32_t> welded;
+    std::vector<uint32_t> id;
+    for (const dvec3& p : mesh.vertices)
+        id.push_back(welded.try_emplace(key(p), static_cast<uint32_t>(welded.size())).first->second);
+    std::set<std::array<uint32_t, 3>> edges;
+    for (size_t i = 0; i < mesh.patchCount(); ++i)
+        for (size_t k = 0; k < mesh.patch(i).size(); ++k) {
+            const uint32_t a = id[mesh.patch(i)[k]], b = id[mesh.patch(i)[(k + 1) % mesh.patch(i).size()]];
+            if (!edges.insert({mesh.room[i], a, b}).second) return false;
+        }
+    for (const auto& [room, a, b] : edges)
+        if (!edges.count({room, b, a})) return false;
+    const double flat = 1e-8 * sizeOf(mesh);
+    for (const ConvexRegion& region : regions) {
+        dvec3 normal{0};
+        for (size_t k = 1; k + 1 < region.corners.size(); ++k)
+            normal +=
+                glm::cross(region.corners[k] - region.corners[0], region.corners[k + 1] - region.corners[0]);
+        normal = glm::normalize(normal);
+        for (size_t i = 0; i < mesh.patchCount(); ++i) {
+            if (mesh.room[i] != region.room) continue;
+            const auto corner = mesh.patch(i);
+            for (size_t k = 0; k < corner.size(); ++k)
+                if (pierces(mesh.vertices[corner[k]], mesh.vertices[corner[(k + 1) % corner.size()]], region,
+                            normal, flat))
+                    return false;
+        }
+    }
+    return true;
+}
+
+} // namespace heliodon::compute

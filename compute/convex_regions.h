@@ -1,0 +1,28 @@
+// Coplanar patches merged into few large convex polygons: what blocks does not depend on how it was meshed,
+// and a wall of a thousand triangles blocks as one rectangle.
+#pragma once
+
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "geometry/patch_mesh.h"
+
+namespace heliodon::compute {
+
+struct ConvexRegion {
+    std::vector<glm::dvec3>
+        corners; // counter-clockwise about the patches' normal, no corner on a straight edge
+    uint32_t room = 0;
+};
+
+// Covers the patches of each plane and room; regions that cannot stand between any two points of their room
+// (all of it on one side) are left out. At most `maxCorners` corners each (at least 4). Where patches of one
+// plane overlap, each is its own region. Cost about n log n for meshed walls, n m in the number m of planes.
+std::vector<ConvexRegion> blockingRegions(const geometry::PatchMesh& mesh, uint32_t maxCorners);
+
+// Whether each room's patches form closed surfaces (every edge used once in either direction) that do not
+// pass through one another, so that whoever stands in front of a patch meets a front first.
+bool isClosedSolid(const geometry::PatchMesh& mesh, const std::vector<ConvexRegion>& regions);
+
+} // namespace heliodon::compute

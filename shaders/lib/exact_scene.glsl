@@ -1,0 +1,63 @@
+// Pieces (what radiates) and, after them, blockers (what hides), as faces with corners in two floats a coordinate: only
+// differences of corners are ever used, so positions far from the origin and near contact keep their digits.
+#ifndef EXACT_SCENE_GLSL
+#define EXACT_SCENE_GLSL
+layout(set = 0, binding = 0) uniform samplerBuffer cornerHigh;
+layout(set = 0, binding = 1) uniform samplerBuffer cornerLow;
+layout(set = 0, binding = 2) uniform samplerBuffer faceNormal; // xyz unit normal, w area
+layout(set = 0, binding = 3) uniform samplerBuffer faceCentre; // xyz centroid from the first corner, w radius about it
+layout(set = 0, binding = 4) uniform usamplerBuffer faceRange; // x first corner, y corner count, z room
+
+struct Face {
+    uint first;
+    uint count;
+    uint room;
+    vec3 normal;
+    float area;
+};
+
+Face faceAt(uint index) {
+    uvec4 range = texelFetch(faceRange, int(index));
+    vec4 n = texelFetch(faceNormal, int(index));
+    return Face(range.x, range.y, range.z, n.xyz, n.w);
+}
+
+struct Origin {
+    vec3 high;
+    vec3 low;
+};
+
+Origin originAt(uint corner) {
+    return Origin(texelFetch(cornerHigh, int(corner)).xyz, texelFetch(cornerLow, int(corner)).xyz);
+}
+
+vec3 cornerFrom(Origin o, uint corner) {
+    precise vec3 high = texelFetch(cornerHigh, int(corner)).xyz - o.high;
+    precise vec3 low = texelFetch(cornerLow, int(corner)).xyz - o.low;
+    precise vec3 sum = high + low; // in this order, or the low halves are lost
+    return sum;
+}
+
+// Heights below this share of the distance are rounding errors of the normal.
+const float kFlat = 3e-7;
+
+float heightOver(vec3 normal, vec3 relative) {
+    float h = dot(normal, relative);
+    return abs(h) <= kFlat * length(relative) ? 0.0 : h;
+}
+
+vec3 centreFrom(Origin o, uint face) {
+    return cornerFrom(o, texelFetch(faceRange, int(face)).x) + texelFetch(faceCentre, int(face)).xyz;
+}
+
+// x lowest, y highest height of a face's corners over the plane of another face.
+vec2 heightsOver(Face plane, Face face) {
+    Origin o = originAt(plane.first);
+    vec2 range = vec2(1e30, -1e30);
+    [[dont_unroll]] for (uint k = 0u; k < face.count; ++k) {
+        float h = heightOver(plane.normal, cornerFrom(o, face.first + k));
+        range = vec2(min(range.x, h), max(range.y, h));
+    }
+    return range;
+}
+#endif

@@ -1,0 +1,118 @@
+#include "compute/exact_form_factors.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "geometry/model_file.h"
+#include "tests/compute/form_factor_cases.h"
+#include "tests/gpu/test_device.h"
+
+namespace heliodon::compute {
+namespace {
+
+std::vector<float> matrixOf(const geometry::PatchMesh& mesh, double maxError) {
+    const ExactFormFactors result = exactFormFactors(test::device(), mesh, {maxError});
+    EXPECT_EQ(result.statistics.overflows, 0u);
+    return result.factors.values.download<float>(mesh.patchCount() * mesh.patchCount());
+}
+
+// 1e-6: what float32 leaves of Lambert's formula (about 3e-7) and the cubature asked for. One room each:
+// rooms do not see one another.
+TEST(ExactFormFactors, unoccluded_pairs_agree_with_closed_forms) {
+    const auto cases = test::formFactorCases("unoccluded");
+    std::vector<reference::Polygon> polygons;
+    for (const auto& c : cases) polygons.insert(polygons.end(), c.polygons.begin(), c.polygons.end());
+    geometry::PatchMesh mesh = test::meshOf(polygons);
+    for (size_t i = 0; i < mesh.patchCount(); ++i) mesh.room[i] = static_cast<uint32_t>(i / 2);
+    const std::vector<float> F = matrixOf(mesh, 1e-6);
+    const size_t n = mesh.patchCount();
+    for (size_t k = 0; k < cases.size(); ++k)
+        for (const auto& f : cases[k].entries) {
+            const float value = F[(2 * k + f.i) * n + 2 * k + f.j];
+            if (f.value == 0) {
+                EXPECT_EQ(value, 0.0f) << cases[k].name;
+            }
+            // A gap of a thousandth and slivers of 1e4 sum many small cells in float32.
+            const bool extreme =
+                cases[k].name == "parallel_squares_LD_1000" || cases[k].name == "sliver_cross_1e4";
+            EXPECT_NEAR(value, f.value, extreme ? 6e-6 : 1e-6) << cases[k].name << " " << f.i << " " << f.j;
+        }
+    for (size_t i = 0; i < n; ++i)
+        for (size_t j = 0; j < n; ++j)
+            if (i / 2 != j / 2) {
+                ASSERT_EQ(F[i * n + j], 0.0f);
+            }
+}
+
+TEST(ExactFormFactors, occluded_pairs_agree_with_split_tensor_cubature) {
+    for (const auto& c : test::formFactorCases("occluded")) {
+        const std::vector<float> F = matrixOf(test::meshOf(c.polygons), 1e-5);
+        for (const auto& f : c.entries)
+            EXPECT_NEAR(F[f.i * c.polygons.size() + f.j], f.value, 1e-5)
+                << c.name << " " << f.i << " " << f.j;
+    }
+}
+
+TEST(ExactFormFactors, enclosures_close_without_normalisation) {
+    for (const auto& c : test::formFactorCases("enclosure")) {
+        const size_t n = c.polygons.size();
+        const std::vector<float> F = matrixOf(test::meshOf(c.polygons), 3e-6);
+        for (const auto& f : c.entries)
+            EXPECT_NEAR(F[f.i * n + f.j], f.value, 3e-6) << c.name << " " << f.i << " " << f.j;
+        for (size_t i = 0; i < n; ++i) {
+            double sum = 0;
+            for (size_t j = 0; j < n; ++j) sum += F[i * n + j];
+            EXPECT_NEAR(sum, 1, 1e-5) << c.name << " row " << i;
+        }
+    }
+}
+
+// A room with three partitions against exact visible polygons on nets of points (standard error 7e-6 an
+// entry).
+TEST(ExactFormFactors, room_with_partitions_agrees_with_reference_rows) {
+    const geometry::PatchMesh mesh =
+        geometry::readPatches(HELIODON_TEST_DATA "/geometry/models/room3_672.obj");
+    const size_t n = mesh.patchCount();
+    ASSERT_EQ(n, 672u);
+    const ExactFormFactors result = exactFormFactors(test::device(), mesh, {1e-4});
+    const std::vector<float> F = result.factors.values.download<float>(n * n);
+    std::ifstream file(HELIODON_TEST_DATA "/formfactor/room3_672_rows.f32", std::ios::binary);
+    std::vector<float> row(n);
+    double squares = 0;
+    size_t rows = 0, within = 0;
+    for (size_t i = 0; i < n; i += 7, ++rows) {
+        file.read(reinterpret_cast<char*>(row.data()), static_cast<std::streamsize>(n * sizeof(float)));
+        double sum = 0;
+        for (size_t j = 0; j < n; ++j) sum += std::pow(double{F[i * n + j]} - double{row[j]}, 2);
+        squares += sum;
+        within += std::sqrt(sum) <= 3 * static_cast<double>(result.rowError[i]) + 2e-5;
+    }
+    ASSERT_TRUE(file);
+    EXPECT_LT(std::sqrt(squares / static_cast<double>(rows)), 1e-4); // what was asked for
+    EXPECT_GE(within, rows * 95 / 100); // claimed errors are estimates, not bounds
+    for (size_t i = 0; i < n; ++i) {
+        ASSERT_EQ(F[i * n + i], 0.0f);
+        for (size_t j = 0; j < n; ++j) {
+            ASSERT_GE(F[i * n + j], 0.0f); // not NaN either
+            const double there = F[i * n + j] * geometry::patchArea(mesh, i);
+            const double back = F[j * n + i] * geometry::patchArea(mesh, j);
+            ASSERT_NEAR(there, back, 1e-6 * there); // float32 rounding of areas and factors
+        }
+    }
+}
+
+TEST(ExactFormFactors, same_input_gives_the_same_bits) {
+    const geometry::PatchMesh mesh =
+        geometry::readPatches(HELIODON_TEST_DATA "/geometry/models/room3_672.obj");
+    EXPECT_EQ(matrixOf(mesh, 1e-3), matrixOf(mesh, 1e-3));
+}
+
+TEST(ExactFormFactors, empty_and_single_patches_exchange_nothing) {
+    EXPECT_EQ(exactFormFactors(test::device(), {}).factors.patchCount, 0u);
+    const geometry::PatchMesh one = test::meshOf({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}});
+    EXPECT_EQ(matrixOf(one, 1e-4), std::vector<float>{0.0f});
+}
+
+} // namespace
+} // namespace heliodon::compute
