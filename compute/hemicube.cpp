@@ -14,6 +14,7 @@
 #include "shaders/io/fixed_to_float.io.h"
 #include "spirv/fixed_to_float_comp.h"
 #include "spirv/hemicube_comp.h"
+#include "spirv/hemicube_sum_comp.h"
 
 namespace heliodon::compute {
 
@@ -124,22 +125,28 @@ PatchViewpoints patchViewpoints(const geometry::PatchMesh& mesh, uint32_t points
 }
 
 Hemicube::Hemicube(gpu::Device& device, const geometry::PatchMesh& mesh, const HemicubeOptions& options)
-    : device_(&device), options_(options), kernel_(device, hemicube_comp, "hemicube"),
-      toFloat_(device, fixed_to_float_comp, "fixed to float") {
+    : device_(&device), options_(options), toFloat_(device, fixed_to_float_comp, "fixed to float") {
     options_.resolution = std::max(2u, (options.resolution + 1) / 2 * 2);
     uploadMesh(mesh);
     const uint32_t R = options_.resolution;
-    // An item buffer for each viewpoint of a dispatch: few on a CPU, which wants them in its cache.
-    const size_t itemBytes = size_t{3} * R * R * sizeof(uint32_t);
-    batch_ = static_cast<uint32_t>(std::clamp<size_t>(device.limits().maxStorageBufferRange / itemBytes, 1,
+    raster_ = gpu::Kernel(device, hemicube_comp, "hemicube raster");
+    sum_ = gpu::Kernel(device, hemicube_sum_comp, "hemicube sum",
+                       {{"kSky", skyElements_ > 0 ? 1u : 0u}, {"kChannels", channels_}});
+    // About three layers of triangles cover the pixels; a lane should have no more than some 256 of them to
+    // fill.
+    params_.stripes = std::clamp(9 * R * R / (256 * std::max(params_.triangleCount, 1u)), 1u, R);
+    const size_t pixels = size_t{3} * R * R;
+    params_.listLength = static_cast<uint32_t>(
+        std::max(size_t{10} * params_.triangleCount * params_.stripes, skyElements_ > 0 ? pixels : 2));
+    // Buffers for each viewpoint of a dispatch: few on a CPU, which wants them in its cache.
+    const size_t largest = std::max(pixels, size_t{params_.listLength}) * sizeof(uint32_t);
+    batch_ = static_cast<uint32_t>(std::clamp<size_t>(device.limits().maxStorageBufferRange / largest, 1,
                                                       device.info().type == "software" ? 64 : 1024));
-    items_ = gpu::Buffer(device, itemBytes * batch_, "hemicube items");
-    // About three layers of triangles cover the pixels; a lane should have some 64 of them to fill.
-    params_.stripes = std::clamp(9 * R * R / (64 * std::max(params_.triangleCount, 1u)), 1u, R);
+    items_ = gpu::Buffer(device, pixels * batch_ * sizeof(uint32_t), "hemicube items");
+    lists_ = gpu::Buffer(device, size_t{params_.listLength} * batch_ * sizeof(uint32_t), "hemicube lists");
     params_.resolution = R;
     params_.skyElements = skyElements_;
     params_.skyDivision = options_.skyDivision;
-    params_.channels = channels_;
 }
 
 void Hemicube::uploadMesh(const geometry::PatchMesh& mesh) {
@@ -153,15 +160,15 @@ void Hemicube::uploadMesh(const geometry::PatchMesh& mesh) {
     for (size_t i = 0; i < n; ++i) {
         const auto corners = mesh.patch(i);
         const auto patch = static_cast<uint32_t>(i);
+        const bool opening =
+            mesh.twin[i] == geometry::kNoTwin && mesh.materials[mesh.material[i]].isOpening();
         for (size_t k = 1; k + 1 < corners.size(); ++k) {
             triangles.push_back(texelOf(mesh.vertices[corners[0]] - centre_, patch));
             triangles.push_back(texelOf(mesh.vertices[corners[k]] - centre_, mesh.room[i]));
-            triangles.push_back(texelOf(mesh.vertices[corners[k + 1]] - centre_, 0));
+            triangles.push_back(texelOf(mesh.vertices[corners[k + 1]] - centre_, opening ? 1 : 0));
         }
-        const bool opening =
-            mesh.twin[i] == geometry::kNoTwin && mesh.materials[mesh.material[i]].isOpening();
         hasOpenings_ |= opening;
-        openings.push_back(texelOf(geometry::patchNormal(mesh, i), opening ? mesh.material[i] + 1 : 0));
+        openings.push_back(texelOf(geometry::patchNormal(mesh, i), mesh.material[i]));
     }
     std::vector<glm::vec4> glazings;
     for (const geometry::Material& m : mesh.materials) {
@@ -179,7 +186,7 @@ void Hemicube::uploadMesh(const geometry::PatchMesh& mesh) {
 
     params_.triangleCount = static_cast<uint32_t>(triangles.size() / 3);
     params_.patchCount = static_cast<uint32_t>(n);
-    params_.idBits = std::max(1u, static_cast<uint32_t>(std::bit_width(2 * n)));
+    params_.idBits = static_cast<uint32_t>(std::bit_width(4 * n));
     const double steps = std::min(std::exp2(32.0 - params_.idBits), 16777216.0) - 4;
     params_.depthScale = static_cast<float>(steps / diagonal);
     params_.flatness = static_cast<float>(1e-6 * diagonal);
@@ -219,13 +226,17 @@ void Hemicube::record(gpu::Commands& commands, const Inputs& in, const gpu::Bind
     params.firstViewpoint = in.firstOfWindow + in.first;
     params.pointsPerRow = in.pointsPerRow;
     params.viewpointInRow = in.first;
-    commands.barrier(gpu::Stage::compute, gpu::Stage::transfer); // the last batch has read its items
+    commands.barrier(gpu::Stage::any, gpu::Stage::any); // the last batch is done with items and lists
     commands.fill(items_, 0xffffffffu);
     commands.barrier(gpu::Stage::transfer, gpu::Stage::compute);
-    commands.dispatch(kernel_,
-                      {gpu::texel(triangles_, kUvec4), gpu::texel(in.viewpoints, kUvec4),
-                       gpu::texel(deltas_, VK_FORMAT_R32_UINT), gpu::texel(openings_, kUvec4),
-                       gpu::texel(glazings_, VK_FORMAT_R32G32B32A32_SFLOAT), items_, factors, sky},
+    commands.dispatch(raster_,
+                      {gpu::texel(triangles_, kUvec4), gpu::texel(in.viewpoints, kUvec4), lists_, items_},
+                      params, in.count);
+    commands.barrier(gpu::Stage::compute, gpu::Stage::compute); // items, lists
+    commands.dispatch(sum_,
+                      {gpu::texel(in.viewpoints, kUvec4), gpu::texel(deltas_, VK_FORMAT_R32_UINT),
+                       gpu::texel(items_, VK_FORMAT_R32_UINT), gpu::texel(openings_, kUvec4),
+                       gpu::texel(glazings_, VK_FORMAT_R32G32B32A32_SFLOAT), lists_, factors, sky},
                       params, in.count);
 }
 

@@ -76,13 +76,13 @@ private:
 
     gpu::Device* device_;
     HemicubeOptions options_;
-    gpu::Kernel kernel_, toFloat_;
+    gpu::Kernel raster_, sum_, toFloat_;
     glm::dvec3 centre_{0}; // subtracted from all positions before they become float32
     io::HemicubeParams params_{};
     uint32_t deltaPoints_ = 0;
     uint32_t skyElements_ = 0, channels_ = 1, batch_ = 1;
     bool hasOpenings_ = false;
-    gpu::Buffer triangles_, openings_, glazings_, deltas_, items_;
+    gpu::Buffer triangles_, openings_, glazings_, deltas_, items_, lists_;
 };
 
 // Exact form factors of the pixels of a hemicube from a point to its top and one side, R x R and R/2 x R in

@@ -1,50 +1,25 @@
-// Hemicube in compute: all patches rastered into an item buffer round a viewpoint, then delta form factors summed.
+// Hemicube in compute, first half: all patches rastered into an item buffer round a viewpoint.
 // Cohen and Greenberg, The Hemi-Cube, 1985; raster by homogeneous edge functions (Olano and Greer, Triangle Scan
 // Conversion using 2D Homogeneous Coordinates, 1997): planes through the viewpoint and an edge, so that triangles that
-// cross the horizon or touch the viewpoint need no clipping. One workgroup, one viewpoint;
-// a lane rasters every `stripes`-th line of a triangle, later sums a line of pixels. Loops stay short on purpose: some CPU
-// devices end an invocation's loops after 65535 turns in all.
+// cross the horizon or touch the viewpoint need no clipping. One workgroup, one viewpoint.
+// CPU devices run what is in an `if` whether or not a lane wants it, and a loop as long as its longest lane: so work is
+// first listed by face and size, then done by lanes that all have some. Loops also stay short because such devices end an
+// invocation's loops after 65535 turns in all.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "shaders/io/hemicube.io.h"
-#include "shaders/lib/glazing.glsl"
-#include "shaders/lib/sky_elements.glsl"
+#include "shaders/lib/hemicube_frame.glsl"
 
 layout(local_size_x = kHemicubeGroup) in;
 layout(set = 0, binding = 0) uniform usamplerBuffer triangles;
 layout(set = 0, binding = 1) uniform usamplerBuffer viewpoints;
-layout(set = 0, binding = 2) uniform usamplerBuffer deltas; // top R x R, then one side R x R/2; fixed point
-layout(set = 0, binding = 3) uniform usamplerBuffer patchOpenings;
-layout(set = 0, binding = 4) uniform samplerBuffer glazings;
-layout(set = 0, binding = 5, scalar) coherent buffer Items { uint items[]; };     // 3 R^2 per workgroup, all ones
-layout(set = 0, binding = 6, scalar) coherent buffer Factors { uint factors[]; }; // rows x patchCount, fixed point, zero before
-layout(set = 0, binding = 7, scalar) coherent buffer Sky { uint sky[]; };         // rows x channels x skyElements
+layout(set = 0, binding = 2, scalar) coherent buffer Lists { uint lists[]; }; // listLength per workgroup
+layout(set = 0, binding = 3, scalar) buffer Items { uint items[]; };          // 3 R^2 per workgroup, all ones before
 layout(push_constant, scalar) uniform Push { HemicubeParams params; };
 
-const uint kEmpty = 0xffffffffu;
-
-struct Frame {
-    vec3 origin, u, v, n;
-};
-
-// Components along (pixel column, pixel line, depth) of a face: 0 the top, 1..4 the sides. All five maps are orthonormal,
-// so planes turn as points do.
-vec3 toFace(vec3 p, uint face) {
-    if (face == 0u) return p;
-    if (face == 1u) return vec3(p.y, p.z, p.x);
-    if (face == 2u) return vec3(-p.y, p.z, -p.x);
-    if (face == 3u) return vec3(-p.x, p.z, p.y);
-    return vec3(p.x, p.z, -p.y);
-}
-
-vec3 fromFace(vec3 q, uint face) {
-    if (face == 0u) return q;
-    if (face == 1u) return vec3(q.z, q.x, q.y);
-    if (face == 2u) return vec3(-q.z, -q.x, q.y);
-    if (face == 3u) return vec3(-q.x, q.z, q.y);
-    return vec3(q.x, -q.z, q.y);
-}
+const uint kSizes = 4u; // classes of triangles by the pixels that they cover
+shared uint sizeCounts[kSizes];
 
 // Grows the range of y/w over the part of edge a-b in front of the face's eye plane, w > 0; where the edge goes through
 // that plane the range runs to infinity on the side of the passage.
@@ -64,10 +39,73 @@ struct Raster {
     vec3 a, b, c;    // corners
     vec3 ea, eb, ec; // edge planes, positive inside
     vec3 depth;      // depth . direction = 1 / depth along the face
-    uint id, stripe;
+    float volume;    // twice the area times the distance of the plane; negative seen from the front
+    uint id;
+    bool visible;
 };
 
-void rasterFace(Raster r, uint face, uint base) { // lines of the triangle's own stripe only
+Raster setUp(uint t, Frame frame, uint self, uint room) {
+    uvec4 t0 = texelFetch(triangles, int(3u * t)), t1 = texelFetch(triangles, int(3u * t + 1u)),
+          t2 = texelFetch(triangles, int(3u * t + 2u));
+    mat3 turn = transpose(mat3(frame.u, frame.v, frame.n));
+    Raster r;
+    r.a = turn * (uintBitsToFloat(t0.xyz) - frame.origin);
+    r.b = turn * (uintBitsToFloat(t1.xyz) - frame.origin);
+    r.c = turn * (uintBitsToFloat(t2.xyz) - frame.origin);
+    vec3 normal = cross(r.b - r.a, r.c - r.a);
+    r.volume = dot(normal, r.a);
+    float side = r.volume < 0.0 ? -1.0 : 1.0;
+    r.ea = side * cross(r.b, r.c);
+    r.eb = side * cross(r.c, r.a);
+    r.ec = side * cross(r.a, r.b);
+    r.depth = normal / r.volume;
+    r.id = t0.w * 4u + t2.w * kHemicubeOpening + (r.volume < 0.0 ? 0u : kHemicubeBack);
+    r.visible = t0.w != self && (room == kHemicubeAnyRoom || t1.w == room) &&
+                max(r.a.z, max(r.b.z, r.c.z)) > params.flatness &&
+                abs(r.volume) > params.flatness * length(normal);
+    return r;
+}
+
+// Where class `size` keeps its k-th entry: two lists, each filled from both ends.
+uint listPlace(uint size, uint k) {
+    uint half_ = params.listLength / 2u;
+    uint place = (size / 2u) * half_ + ((size & 1u) == 0u ? k : half_ - 1u - k);
+    return gl_WorkGroupID.x * params.listLength + place;
+}
+
+// Lists the faces of the hemicube that a stripe of a triangle may touch: not those where all its corners lie behind one of
+// the planes that bound the face's pyramid.
+void classify(uint work, Frame frame, uint self, uint room) {
+    Raster r = setUp(work / params.stripes, frame, self, room);
+    vec3 x = vec3(r.a.x, r.b.x, r.c.x), y = vec3(r.a.y, r.b.y, r.c.y), z = vec3(r.a.z, r.b.z, r.c.z);
+    bvec4 zOver = bvec4(any(greaterThan(z, x)), any(greaterThan(z, -x)), any(greaterThan(z, y)), any(greaterThan(z, -y)));
+    bool xOverY = any(greaterThan(x, y)), yOverX = any(greaterThan(y, x)), xOverMinusY = any(greaterThan(x, -y)),
+         minusYOverX = any(greaterThan(-y, x));
+    uint faces = 0u;
+    if (all(zOver)) faces = 1u;
+    if (any(greaterThan(x, z)) && any(greaterThan(x, vec3(0))) && xOverY && xOverMinusY) faces |= 2u;
+    if (any(greaterThan(-x, z)) && any(greaterThan(-x, vec3(0))) && yOverX && minusYOverX) faces |= 4u;
+    if (any(greaterThan(y, z)) && any(greaterThan(y, vec3(0))) && yOverX && xOverMinusY) faces |= 8u;
+    if (any(greaterThan(-y, z)) && any(greaterThan(-y, vec3(0))) && xOverY && minusYOverX) faces |= 16u;
+    if (!r.visible) faces = 0u;
+    // Solid angle, roughly, in pixels of the top's middle.
+    vec3 middle = (r.a + r.b + r.c) / 3.0;
+    float distance2 = dot(middle, middle);
+    float R = float(params.resolution);
+    float pixels = abs(r.volume) * R * R / (8.0 * distance2 * sqrt(distance2) * float(params.stripes));
+    uint size = pixels < 8.0 ? 0u : pixels < 32.0 ? 1u : pixels < 128.0 ? 2u : 3u;
+    do {
+        if (faces != 0u) {
+            uint face = uint(findLSB(faces));
+            lists[listPlace(size, atomicAdd(sizeCounts[size], 1u))] = work * 8u + face;
+            faces &= faces - 1u;
+        }
+    } while (faces != 0u);
+}
+
+void rasterItem(uint item, Frame frame, uint self, uint room, uint base) {
+    uint work = item / 8u, face = item % 8u, stripe = work % params.stripes;
+    Raster r = setUp(work / params.stripes, frame, self, room);
     vec3 a = toFace(r.a, face), b = toFace(r.b, face), c = toFace(r.c, face);
     float R = float(params.resolution);
     bool top = face == 0u;
@@ -78,8 +116,8 @@ void rasterFace(Raster r, uint face, uint base) { // lines of the triangle's own
     float lineOffset = top ? 0.5 * R - 0.5 : -0.5;
     int first = int(ceil(clamp(range.x * 0.5 * R + lineOffset - 1e-3, 0.0, R)));
     int last = int(floor(clamp(range.y * 0.5 * R + lineOffset + 1e-3, -1.0, (top ? R : 0.5 * R) - 1.0)));
-    first += (int(r.stripe) - first % int(params.stripes) + int(params.stripes)) % int(params.stripes);
-    if (first > last) return;
+    int stripes = int(params.stripes);
+    first += (int(stripe) - first % stripes + stripes) % stripes;
 
     // Edge planes and 1/depth as linear functions of pixel column i and line j.
     mat3 e = mat3(toFace(r.ea, face), toFace(r.eb, face), toFace(r.ec, face));
@@ -90,121 +128,48 @@ void rasterFace(Raster r, uint face, uint base) { // lines of the triangle's own
     column = mix(column, vec3(1e-30), equal(column, vec3(0)));
     vec3 d = toFace(r.depth, face);
     float depthRest = d.z + d.x * (1.0 / R - 1.0) + d.y * (1.0 / R - (top ? 1.0 : 0.0));
+    vec2 depthStep = d.xy * (2.0 / R);
     bvec3 fromLeft = greaterThan(column, vec3(0));
-    vec3 bound0 = -rest / column, boundStep = -line / column;
+    vec3 bound = -rest / column, boundStep = -line / column;
+    // Pixels on an edge count for both sides: a crack would lose light, a tie is settled by depth and number.
+    vec3 low = mix(vec3(-1e9), bound - 1e-4, fromLeft), lowStep = mix(vec3(0), boundStep, fromLeft);
+    vec3 high = mix(bound + 1e-4, vec3(1e9), fromLeft), highStep = mix(boundStep, vec3(0), fromLeft);
     float most = min(exp2(32.0 - float(params.idBits)), 16777216.0) - 2.0;
-    for (int j = first; j <= last; j += int(params.stripes)) {
-        vec3 bound = bound0 + boundStep * float(j);
-        vec3 low = mix(vec3(-1e9), bound, fromLeft), high = mix(bound, vec3(1e9), fromLeft);
-        // Pixels on an edge count for both sides: a crack would lose light, a tie is settled by depth and number.
-        int i0 = int(ceil(clamp(max(low.x, max(low.y, low.z)) - 1e-4, 0.0, R)));
-        int i1 = int(floor(clamp(min(high.x, min(high.y, high.z)) + 1e-4, -1.0, R - 1.0)));
-        float perDepth = depthRest + d.y * (2.0 / R) * float(j);
-        uint at = base + uint(j) * params.resolution;
-        for (int i = i0; i <= i1; ++i) {
-            float inverse = perDepth + d.x * (2.0 / R) * float(i);
+    uint at = base + (face == 0u ? 0u : (face + 1u) * params.resolution * params.resolution / 2u) +
+              uint(first) * params.resolution;
+    for (int j = first; j <= last; j += stripes) {
+        vec3 from = low + lowStep * float(j), to = high + highStep * float(j);
+        int i = int(ceil(clamp(max(from.x, max(from.y, from.z)), 0.0, R)));
+        int end = int(floor(clamp(min(to.x, min(to.y, to.z)), -1.0, R - 1.0)));
+        float inverse = depthRest + depthStep.y * float(j) + depthStep.x * float(i);
+        do {
             float depth = inverse > 0.0 ? min(params.depthScale / inverse, most) : most;
-            uint item = (uint(depth) << params.idBits) | r.id;
-            if (item < items[at + uint(i)]) atomicMin(items[at + uint(i)], item);
-        }
-    }
-}
-
-void rasterTriangle(uint t, uint stripe, Frame frame, uint self, uint room, uint base) {
-    uvec4 t0 = texelFetch(triangles, int(3u * t)), t1 = texelFetch(triangles, int(3u * t + 1u)),
-          t2 = texelFetch(triangles, int(3u * t + 2u));
-    if (t0.w == self || (room != kHemicubeAnyRoom && t1.w != room)) return;
-    mat3 turn = transpose(mat3(frame.u, frame.v, frame.n));
-    Raster r;
-    r.a = turn * (uintBitsToFloat(t0.xyz) - frame.origin);
-    r.b = turn * (uintBitsToFloat(t1.xyz) - frame.origin);
-    r.c = turn * (uintBitsToFloat(t2.xyz) - frame.origin);
-    if (max(r.a.z, max(r.b.z, r.c.z)) <= params.flatness) return; // under the horizon
-    vec3 normal = cross(r.b - r.a, r.c - r.a);
-    float volume = dot(normal, r.a); // twice the area times the distance of the plane; negative seen from the front
-    if (abs(volume) <= params.flatness * length(normal)) return;
-    float side = volume < 0.0 ? -1.0 : 1.0;
-    r.ea = side * cross(r.b, r.c);
-    r.eb = side * cross(r.c, r.a);
-    r.ec = side * cross(r.a, r.b);
-    r.depth = normal / volume;
-    r.id = t0.w * 2u + (volume < 0.0 ? 0u : 1u);
-    r.stripe = stripe;
-    uint R = params.resolution;
-    vec3 x = vec3(r.a.x, r.b.x, r.c.x), y = vec3(r.a.y, r.b.y, r.c.y), z = vec3(r.a.z, r.b.z, r.c.z);
-    // A face is skipped when all corners lie behind one of the planes that bound its pyramid.
-    if (any(greaterThan(z, x)) && any(greaterThan(z, -x)) && any(greaterThan(z, y)) && any(greaterThan(z, -y)))
-        rasterFace(r, 0u, base);
-    base += R * R;
-    for (uint face = 1u; face < 5u; ++face) {
-        vec3 depth = face == 1u ? x : face == 2u ? -x : face == 3u ? y : -y;
-        vec3 across = face < 3u ? y : x;
-        if (any(greaterThan(depth, vec3(0))) && any(greaterThan(depth, across)) && any(greaterThan(depth, -across)) &&
-            any(greaterThan(depth, z)))
-            rasterFace(r, face, base);
-        base += R * R / 2u;
-    }
-}
-
-// One pixel that looks out through an opening: its share of the sky element that it sees, behind the glass.
-void addSky(uint row, uint opening, vec3 direction, vec3 openingNormal, uint delta) {
-    vec4 glazing = texelFetch(glazings, int(opening - 1u));
-    vec3 through = slabTransmittance(glazing.rgb, glazing.a, abs(dot(direction, openingNormal)));
-    uint at = row * params.channels * params.skyElements + skyElementOf(direction, params.skyDivision);
-    for (uint channel = 0u; channel < params.channels; ++channel)
-        atomicAdd(sky[at + channel * params.skyElements], uint(float(delta) * through[channel] + 0.5));
-}
-
-// Sums pixel line `k` (0 .. 3R: the top's lines, then those of the sides), a run of equal items at a time.
-void sumLine(uint k, uint row, Frame frame, uint base) {
-    uint R = params.resolution;
-    uint face = k < R ? 0u : 1u + (k - R) / (R / 2u);
-    uint line = k < R ? k : (k - R) % (R / 2u);
-    uint deltaAt = (k < R ? 0u : R * R) + line * R;
-    uint mask = (1u << params.idBits) - 1u;
-    uint previous = kEmpty, sum = 0u, opening = 0u;
-    vec3 openingNormal = vec3(0);
-    float y = (2.0 * float(line) + 1.0) / float(R) - (face == 0u ? 1.0 : 0.0);
-    for (uint i = 0u; i <= R; ++i) {
-        uint item = i < R ? items[base + k * R + i] : kEmpty;
-        uint id = item == kEmpty ? kEmpty : item & mask;
-        if (id != previous) {
-            if (sum > 0u) atomicAdd(factors[row * params.patchCount + (previous >> 1)], sum);
-            sum = 0u;
-            previous = id;
-            opening = 0u;
-            if ((id & 1u) == 0u && params.skyElements > 0u) {
-                uvec4 info = texelFetch(patchOpenings, int(id >> 1));
-                opening = info.w;
-                openingNormal = uintBitsToFloat(info.xyz);
-            }
-        }
-        if ((id & 1u) == 1u) continue; // nothing (a crack), or a back side: that light is lost, which closure shows
-        uint delta = texelFetch(deltas, int(deltaAt + i)).x;
-        sum += delta;
-        if (opening > 0u) {
-            vec3 local = normalize(fromFace(vec3((2.0 * float(i) + 1.0) / float(R) - 1.0, y, 1.0), face));
-            vec3 world = local.x * frame.u + local.y * frame.v + local.z * frame.n;
-            addSky(row, opening, world, openingNormal, delta);
-        }
+            uint value = (uint(depth) << params.idBits) | r.id;
+            if (i <= end) atomicMin(items[at + uint(i)], value);
+            inverse += depthStep.x;
+            ++i;
+        } while (i <= end);
+        at += uint(stripes) * params.resolution;
     }
 }
 
 void main() {
     uint lane = gl_LocalInvocationIndex, R = params.resolution;
-    uint viewpoint = params.firstViewpoint + gl_WorkGroupID.x;
-    uint row = (gl_WorkGroupID.x + params.viewpointInRow) / params.pointsPerRow, base = gl_WorkGroupID.x * 3u * R * R;
-    uvec4 v0 = texelFetch(viewpoints, int(3u * viewpoint)), v1 = texelFetch(viewpoints, int(3u * viewpoint + 1u)),
-          v2 = texelFetch(viewpoints, int(3u * viewpoint + 2u));
-    Frame frame;
-    frame.origin = uintBitsToFloat(v0.xyz);
-    frame.n = uintBitsToFloat(v1.xyz);
-    frame.u = uintBitsToFloat(v2.xyz);
-    frame.v = cross(frame.n, frame.u);
+    int viewpoint = 3 * int(params.firstViewpoint + gl_WorkGroupID.x);
+    uvec4 v0 = texelFetch(viewpoints, viewpoint), v1 = texelFetch(viewpoints, viewpoint + 1),
+          v2 = texelFetch(viewpoints, viewpoint + 2);
+    Frame frame = frameOf(v0, v1, v2);
+    if (lane < kSizes) sizeCounts[lane] = 0u;
+    memoryBarrierShared();
+    barrier();
     uint work = params.triangleCount * params.stripes;
-    for (uint t = lane; t < work; t += kHemicubeGroup)
-        rasterTriangle(t / params.stripes, t % params.stripes, frame, v0.w, v1.w, base);
+    for (uint w = lane; w < work; w += kHemicubeGroup) classify(w, frame, v0.w, v1.w);
+    memoryBarrierShared();
     memoryBarrierBuffer();
     barrier();
-    for (uint k = lane; k < 3u * R; k += kHemicubeGroup) sumLine(k, row, frame, base);
+    for (uint size = 0u; size < kSizes; ++size) {
+        uint count = sizeCounts[size];
+        for (uint k = lane; k < count; k += kHemicubeGroup)
+            rasterItem(lists[listPlace(size, k)], frame, v0.w, v1.w, gl_WorkGroupID.x * 3u * R * R);
+    }
 }
