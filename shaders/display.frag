@@ -24,7 +24,8 @@ float luxAt(vec4 texel) {
 vec3 toned(vec3 light) {
     vec3 x = light / params.white;
     if (kTone == kToneSoft) {
-        // E. Reinhard et al., "Photographic tone reproduction" (2002), eq. 4 on luminance: 32 x white burns out.
+        // E. Reinhard et al., "Photographic tone reproduction" (2002), eq. 4 on luminance: 20 x white burns out.
+        x *= 1.6;
         float y = dot(x, kLuminance);
         return x * (1.0 + y / 1024.0) / (1.0 + y);
     }

@@ -11,7 +11,6 @@
 
 #include "engine/passes/vertex_light.h"
 #include "geometry/patch_mesh.h"
-#include "geometry/rig.h"
 
 namespace heliodon::passes {
 
@@ -35,12 +34,6 @@ struct DrawMesh {
 
 // All patches, with no projector.
 DrawMesh drawMesh(const geometry::PatchMesh& mesh, const VertexLight& vertexLight);
-
-// The patches that physical surfaces show, with the share of each projector: non-zero only at vertices whose
-// neighbouring triangles the projector all sees, less steep than the grazing limit; shares sum to one where
-// any projector reaches.
-DrawMesh shownMesh(const geometry::PatchMesh& mesh, const VertexLight& vertexLight,
-                   const geometry::Occluders& occluders, const geometry::Rig& rig);
 
 // Physical solids with flat normals.
 std::vector<DrawCorner> drawSolids(const geometry::Occluders& occluders);

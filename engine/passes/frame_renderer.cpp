@@ -18,6 +18,7 @@
 #include "engine/passes/false_colour.h"
 #include "engine/passes/panes.h"
 #include "engine/passes/projector_light.h"
+#include "engine/passes/projector_share.h"
 #include "engine/passes/scene_pass.h"
 #include "engine/passes/shadow_volumes.h"
 #include "engine/passes/vertex_light.h"
@@ -237,13 +238,14 @@ struct FrameRenderer::State {
 };
 
 double FrameRenderer::State::white(const compute::Lighting& light) const {
+    const std::vector<glm::vec3> indirect = indirectExitance(mesh, light);
     std::vector<std::pair<double, double>> luxAndArea;
     double total = 0;
     for (size_t p = 0; p < mesh.patchCount(); ++p) {
         if (mesh.role[p] != geometry::Role::projection || mesh.materials[mesh.material[p]].isOpening())
             continue;
         const double area = geometry::patchArea(mesh, p);
-        luxAndArea.emplace_back(glm::dot(light.exitance[p], kLuminance), area);
+        luxAndArea.emplace_back(glm::dot(indirect[p], kLuminance), area);
         total += area;
     }
     std::sort(luxAndArea.begin(), luxAndArea.end());
@@ -373,13 +375,13 @@ SceneInputs FrameRenderer::State::previewInputs(const View& view, const std::opt
     // Display colours; alpha 2 marks what is not simulated.
     inputs.solids.push_back({&table.corners, table.count, {0.46f, 0.45f, 0.44f, 2}, 0, 0, false});
     if (quantity == Quantity::illuminance) { // a see-through wall would falsify what is read off
-        inputs.solids.push_back({&tops.corners, tops.count, {0.78f, 0.77f, 0.75f, 2}, 0, 0, false});
+        inputs.solids.push_back({&tops.corners, tops.count, {0.78f, 0.77f, 0.75f, 2}, 0, kPushBack, false});
         return inputs;
     }
     // Walls as a sketch on glass, so that those in front do not hide the room.
     inputs.solids.push_back(
         {&sides.corners, sides.count, {0.85f, 0.84f, 0.82f, 0.13f}, 0.6f, kPushBack, true});
-    inputs.solids.push_back({&tops.corners, tops.count, {0.90f, 0.89f, 0.87f, 0.55f}, 0, 0, true});
+    inputs.solids.push_back({&tops.corners, tops.count, {0.90f, 0.89f, 0.87f, 0.55f}, 0, kPushBack, true});
     return inputs;
 }
 

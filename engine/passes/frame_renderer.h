@@ -53,8 +53,9 @@ public:
     FrameRenderer& operator=(FrameRenderer&&) noexcept;
     ~FrameRenderer();
 
-    // The light that nineteen twentieths of the shown area stay below, lux: what is shown as white unless
-    // told otherwise. A time-lapse takes one value for all its frames.
+    // The light, without the direct sun's first bounce, that nineteen twentieths of the shown area stay
+    // below, lux: what is shown as white unless told otherwise. So a room is readable while its sun patch is
+    // as bright as the display can. A time-lapse takes one value for all its frames.
     double autoWhite(const compute::Lighting& light) const;
     // Physical exitance of white, lux; 1000 without a rig. Exposure = reachLux() / white.
     double reachLux() const;

@@ -1,6 +1,6 @@
-// A room on the table as a sketch would give it: walls of foam core as solids, the room's surfaces as patches,
-// a window to the south, a skylight, and light that is plausible rather than solved: every patch sees every
-// opening unobstructed, plus an even ambient.
+// A room on the table as a sketch would give it: walls of foam core as solids, the room's surfaces as
+// patches, a window to the south, a skylight, and light that is plausible rather than solved: every patch
+// sees every opening unobstructed, plus an even ambient.
 #pragma once
 
 #include "compute/lighting.h"
@@ -62,8 +62,11 @@ inline SketchScene sketchScene(int n = 12, glm::dvec3 towardsSun = {0.25, 0.6, 0
         for (size_t q = 0; q < mesh.patchCount(); ++q) {
             if (!mesh.materials[mesh.material[q]].isOpening()) continue;
             const glm::dvec3 d = geometry::patchCentroid(mesh, q) - at, nq = geometry::patchNormal(mesh, q);
-            const double r2 = glm::dot(d, d), cosines = std::max(0.0, glm::dot(normal, d)) * std::max(0.0, -glm::dot(nq, d));
-            if (r2 > 0) sky += glm::dvec3(9000, 11000, 13000) * cosines * geometry::patchArea(mesh, q) / (3.1416 * r2 * r2);
+            const double r2 = glm::dot(d, d),
+                         cosines = std::max(0.0, glm::dot(normal, d)) * std::max(0.0, -glm::dot(nq, d));
+            if (r2 > 0)
+                sky += glm::dvec3(9000, 11000, 13000) * cosines * geometry::patchArea(mesh, q) /
+                       (3.1416 * r2 * r2);
         }
         light.exitance.push_back(material.reflectance * glm::vec3(sky));
     }

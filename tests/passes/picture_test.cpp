@@ -1,0 +1,95 @@
+#include <cstdlib>
+#include <filesystem>
+
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "engine/passes/false_colour.h"
+#include "engine/passes/image_file.h"
+#include "geometry/input_error.h"
+
+namespace heliodon::passes {
+namespace {
+
+std::filesystem::path scratch(const std::string& name) {
+    return std::filesystem::path(testing::TempDir()) / name;
+}
+
+TEST(ImageFile, png_comes_back_to_the_last_bit) {
+    Image8 picture{5, 3, {}};
+    for (int i = 0; i < 45; ++i) picture.rgb.push_back(static_cast<uint8_t>(i * 5));
+    writePng(picture, scratch("picture.png"));
+    const cv::Mat back = cv::imread(scratch("picture.png").string(), cv::IMREAD_COLOR);
+    ASSERT_EQ(back.cols, 5);
+    ASSERT_EQ(back.rows, 3);
+    for (int y = 0; y < 3; ++y)
+        for (int x = 0; x < 5; ++x)
+            for (int c = 0; c < 3; ++c) EXPECT_EQ(back.at<cv::Vec3b>(y, x)[2 - c], picture.pixel(x, y)[c]);
+}
+
+TEST(ImageFile, exr_is_read_by_another_implementation_with_every_bit) {
+    setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 1);
+    ImageF picture{7, 4, {}};
+    for (int i = 0; i < 84; ++i) picture.rgb.push_back(static_cast<float>(i) * 1234.567f);
+    writeExr(picture, scratch("picture.exr"));
+    const cv::Mat back = cv::imread(scratch("picture.exr").string(), cv::IMREAD_UNCHANGED);
+    ASSERT_EQ(back.cols, 7);
+    ASSERT_EQ(back.rows, 4);
+    ASSERT_EQ(back.type(), CV_32FC3);
+    for (int y = 0; y < 4; ++y)
+        for (int x = 0; x < 7; ++x)
+            for (int c = 0; c < 3; ++c) EXPECT_EQ(back.at<cv::Vec3f>(y, x)[2 - c], picture.pixel(x, y)[c]);
+}
+
+TEST(ImageFile, a_missing_folder_is_named_and_nothing_is_left) {
+    const Image8 picture{1, 1, {1, 2, 3}};
+    EXPECT_THROW(writePng(picture, scratch("no/such/folder/a.png")), geometry::InputError);
+    EXPECT_FALSE(std::filesystem::exists(scratch("no")));
+}
+
+TEST(FalseColour, the_scale_grows_lighter_all_along) {
+    double before = -1;
+    for (int i = 0; i <= 100; ++i) {
+        const glm::vec3 c = viridis(i / 100.0);
+        const double luma =
+            0.2126 * std::pow(c.r, 2.2) + 0.7152 * std::pow(c.g, 2.2) + 0.0722 * std::pow(c.b, 2.2);
+        EXPECT_GT(luma, before) << i;
+        before = luma;
+    }
+}
+
+TEST(FalseColour, open_ends_take_decades_and_stated_ends_are_kept) {
+    const std::vector<float> lux{0, 30, 200, 4000};
+    const FalseScale scale = falseScale({}, lux);
+    EXPECT_DOUBLE_EQ(scale.lowLux, 10);
+    EXPECT_DOUBLE_EQ(scale.highLux, 1000); // one value in four is not worth a decade
+    Tone tone;
+    tone.linearScale = true;
+    tone.highLux = 500;
+    EXPECT_DOUBLE_EQ(falseScale(tone, lux).lowLux, 0);
+    EXPECT_DOUBLE_EQ(falseScale(tone, lux).highLux, 500);
+    EXPECT_GT(falseScale({}, {}).highLux, falseScale({}, {}).lowLux); // night: still a scale
+}
+
+TEST(FalseColour, the_legend_shows_both_ends_of_the_scale) {
+    Image8 picture{400, 300, std::vector<uint8_t>(3 * 400 * 300, 128)};
+    drawLegend(picture, {10, 10000, false});
+    const auto has = [&](glm::vec3 colour) {
+        for (int y = 0; y < picture.height; ++y)
+            for (int x = 0; x < picture.width; ++x)
+                if (std::abs(picture.pixel(x, y)[0] - 255 * colour.r) < 2 &&
+                    std::abs(picture.pixel(x, y)[1] - 255 * colour.g) < 2 &&
+                    std::abs(picture.pixel(x, y)[2] - 255 * colour.b) < 2)
+                    return true;
+        return false;
+    };
+    EXPECT_TRUE(has(viridis(0)));
+    EXPECT_TRUE(has(viridis(1)));
+    EXPECT_EQ(picture.pixel(10, 150)[0], 128); // the rest of the picture is left alone
+    Image8 tiny{3, 3, std::vector<uint8_t>(27, 9)};
+    drawLegend(tiny, {}); // no room: nothing happens
+    EXPECT_EQ(tiny.rgb, std::vector<uint8_t>(27, 9));
+}
+
+} // namespace
+} // namespace heliodon::passes

@@ -1,0 +1,210 @@
+// What the projectors' pictures do on the physical walls: places (checklist 31, 32) and amounts of light.
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "engine/passes/frame_renderer.h"
+#include "engine/passes/projector_light.h"
+#include "tests/gpu/test_device.h"
+#include "tests/passes/sketch_scene.h"
+
+namespace heliodon::passes {
+namespace {
+
+geometry::Rig exampleRig() {
+    return geometry::readRig(HELIODON_SOURCE "/examples/rig.json");
+}
+
+// Bright squares of 8 mm on the table and above it.
+struct Markers {
+    geometry::PatchMesh mesh;
+    compute::Lighting light;
+    std::vector<glm::dvec3> centres;
+};
+
+Markers markers() {
+    Markers m;
+    m.mesh.materials = {{"white", glm::vec3(0.5f)}};
+    const double half = 0.004;
+    for (int i = -4; i <= 4; ++i)
+        for (int j = -4; j <= 4; ++j) {
+            const glm::dvec3 c(0.09 * i, 0.05 * ((i + j + 8) % 3), 0.09 * j);
+            const auto first = static_cast<uint32_t>(m.mesh.vertices.size());
+            for (const glm::dvec3& d :
+                 {glm::dvec3(-half, 0, half), {half, 0, half}, {half, 0, -half}, {-half, 0, -half}})
+                m.mesh.vertices.push_back(c + d);
+            m.mesh.addPatch(std::array{first, first + 1, first + 2, first + 3}, 0, geometry::Role::projection,
+                            static_cast<uint32_t>(m.centres.size()), 0);
+            m.centres.push_back(c);
+            m.light.exitance.emplace_back(1000.0f);
+        }
+    return m;
+}
+
+void expectMarkersInPlace(const geometry::Rig& rig, int supersample) {
+    const Markers m = markers();
+    FrameRenderer renderer(test::device(), m.mesh, {}, &rig);
+    ProjectorOptions options;
+    options.supersample = supersample;
+    const std::vector<ImageF> pictures = renderer.projectorsHdr(m.light, options);
+    int found = 0;
+    double worst = 0;
+    for (size_t p = 0; p < rig.projectors.size(); ++p)
+        for (const glm::dvec3& c : m.centres) {
+            const auto want = rig.projectors[p].pixelFromWorld(c);
+            constexpr int kReach = 9;
+            if (!want || want->x < 40 || want->y < 40 || want->x > rig.projectors[p].width - 40 ||
+                want->y > rig.projectors[p].height - 40)
+                continue;
+            // Pictures of other markers must not come into the window.
+            const bool alone = std::none_of(m.centres.begin(), m.centres.end(), [&](const glm::dvec3& other) {
+                const auto at = rig.projectors[p].pixelFromWorld(other);
+                return other != c && at && glm::length(*at - *want) < 26;
+            });
+            if (!alone) continue;
+            double sum = 0;
+            glm::dvec2 moment(0);
+            for (int y = int(want->y) - kReach; y <= int(want->y) + kReach; ++y)
+                for (int x = int(want->x) - kReach; x <= int(want->x) + kReach; ++x) {
+                    const double value = pictures[p].pixel(x, y)[1];
+                    sum += value;
+                    moment += value * glm::dvec2(x, y);
+                }
+            ASSERT_GT(sum, 0) << "marker " << c.x << " " << c.z << " of projector " << p;
+            worst = std::max(worst, glm::length(moment / sum - *want));
+            ++found;
+        }
+    EXPECT_GT(found, 150);
+    // Half a pixel is what is asked for. A square drawn without anti-aliasing, interpolated once, keeps its
+    // centroid to about a tenth on each side.
+    EXPECT_LT(worst, 0.5);
+    testing::Test::RecordProperty("worst_px", std::to_string(worst));
+}
+
+TEST(Projector, markers_lie_where_the_rig_says_within_half_a_pixel) {
+    expectMarkersInPlace(exampleRig(), 1);
+    expectMarkersInPlace(exampleRig(), 2);
+}
+
+TEST(Projector, markers_lie_right_through_a_strong_and_skewed_lens) {
+    geometry::Rig rig = exampleRig();
+    for (geometry::Projector& projector : rig.projectors) {
+        projector.lens.dist = {-0.12, 0.05, 0.004, -0.003, 0.01};
+        projector.lens.skew = 12;
+    }
+    expectMarkersInPlace(rig, 1);
+}
+
+// Sum over projectors of what falls on a physical point, times the surface's reflectance.
+glm::dvec3 physicalExitance(const geometry::Rig& rig, const std::vector<ImageF>& pictures, glm::dvec3 point,
+                            glm::dvec3 normal, double reflectance) {
+    glm::dvec3 sum(0);
+    for (size_t p = 0; p < rig.projectors.size(); ++p) {
+        const auto pixel = rig.projectors[p].pixelFromWorld(point);
+        if (!pixel) continue;
+        const glm::dvec3 towards = rig.projectors[p].centre() - point;
+        const double r2 = glm::dot(towards, towards), cosine = glm::dot(normal, towards) / std::sqrt(r2);
+        const int x = int(std::lround(pixel->x)), y = int(std::lround(pixel->y));
+        if (cosine <= 0 || x < 0 || y < 0 || x >= pictures[p].width || y >= pictures[p].height) continue;
+        for (int c = 0; c < 3; ++c)
+            sum[c] +=
+                pictures[p].pixel(x, y)[c] * fullIntensity(rig.projectors[p]) * reflectance * cosine / r2;
+    }
+    return sum;
+}
+
+TEST(Projector, overlapping_projectors_together_show_the_simulated_light) {
+    const geometry::Rig rig = exampleRig();
+    const test::SketchScene scene = test::sketchScene(8);
+    compute::Lighting light = scene.light;
+    light.sunDirection = glm::dvec3(0);
+    for (glm::vec3& exitance : light.exitance)
+        exitance = {400, 300, 200}; // even: what is shown is known everywhere
+    FrameRendererOptions options;
+    FrameRenderer renderer(test::device(), scene.mesh, scene.occluders, &rig, options);
+    const std::vector<ImageF> pictures = renderer.projectorsHdr(light);
+    const double exposure = renderer.reachLux() / renderer.autoWhite(light);
+    // On the floor and the walls, away from the outlines of shadows by nothing but chance: most points must
+    // be right, and those in a band to one pixel along a shadow's edge may be off.
+    size_t right = 0, dark = 0, all = 0;
+    for (size_t p = 0; p < scene.mesh.patchCount(); ++p) {
+        if (scene.mesh.role[p] != geometry::Role::projection) continue;
+        const glm::dvec3 shown =
+            physicalExitance(rig, pictures, geometry::patchCentroid(scene.mesh, p),
+                             geometry::patchNormal(scene.mesh, p), options.surfaceReflectance);
+        const glm::dvec3 want = exposure * glm::dvec3(400, 300, 200);
+        ++all;
+        // 2 %: the slope of the gain over half a pixel, and half floats.
+        right += glm::length(shown - want) < 0.02 * glm::length(want);
+        dark += glm::length(shown) < 0.02 * glm::length(want);
+    }
+    EXPECT_GE(double(right), 0.93 * double(all - dark));
+    EXPECT_LE(double(dark), 0.1 * double(all)); // seen by no projector
+}
+
+TEST(Projector, nothing_is_shown_outside_the_model) {
+    const geometry::Rig rig = exampleRig();
+    const test::SketchScene scene = test::sketchScene(6);
+    FrameRenderer renderer(test::device(), scene.mesh, scene.occluders, &rig);
+    const std::vector<Image8> pictures = renderer.projectors(scene.light);
+    ASSERT_EQ(pictures.size(), 4u);
+    for (size_t p = 0; p < 4; ++p) {
+        const geometry::Projector& projector = rig.projectors[p];
+        size_t lit = 0;
+        for (int y = 0; y < projector.height; y += 3)
+            for (int x = 0; x < projector.width; x += 3) {
+                const uint8_t* value = pictures[p].pixel(x, y);
+                if (value[0] + value[1] + value[2] == 0) continue;
+                ++lit;
+                // A lit pixel's ray meets the box of the room, a pixel's width let out.
+                const geometry::Ray ray = projector.rayFromPixel({x, y});
+                const glm::dvec3 half(8 * 0.0254 + 0.003, 5 * 0.0254 + 0.003, 6 * 0.0254 + 0.003),
+                    centre(0, 5 * 0.0254, 0);
+                double enter = 0, leave = 1e9;
+                for (int axis = 0; axis < 3; ++axis) {
+                    const double a = (centre[axis] - half[axis] - ray.origin[axis]) / ray.direction[axis],
+                                 b = (centre[axis] + half[axis] - ray.origin[axis]) / ray.direction[axis];
+                    enter = std::max(enter, std::min(a, b));
+                    leave = std::min(leave, std::max(a, b));
+                }
+                EXPECT_LE(enter, leave) << "projector " << p << " pixel " << x << " " << y;
+            }
+        EXPECT_GT(lit, 500u);
+    }
+}
+
+TEST(Projector, response_and_black_level_are_compensated) {
+    geometry::Rig rig = exampleRig();
+    const Markers m = markers();
+    rig.projectors.resize(1);
+    const auto shownBy = [&](const std::string& response, double black) {
+        rig.projectors[0].response = response;
+        rig.projectors[0].blackLevel = black;
+        FrameRenderer renderer(test::device(), m.mesh, {}, &rig);
+        ProjectorOptions options;
+        options.tone.whiteLux = 4000; // a quarter of full where reach is met
+        const auto pixel = rig.projectors[0].pixelFromWorld(m.centres[40]);
+        const std::vector<Image8> pictures = renderer.projectors(m.light, options);
+        return pictures[0].pixel(int(std::lround(pixel->x)), int(std::lround(pixel->y)))[1] / 255.0;
+    };
+    const double srgb = shownBy("srgb", 0), linear = std::pow((srgb + 0.055) / 1.055, 2.4);
+    ASSERT_GT(linear, 0.05);
+    ASSERT_LT(linear, 0.9);
+    // Half a level of 255 on each side.
+    EXPECT_NEAR(std::pow(shownBy("2.2", 0), 2.2), linear, 0.01);
+    EXPECT_NEAR(shownBy("1", 0), linear, 0.01);
+    EXPECT_NEAR(shownBy("1", 0.02), (linear - 0.02) / 0.98, 0.01);
+}
+
+TEST(Projector, full_intensity_integrates_back_to_its_lumens) {
+    // A narrow square picture of side s at distance 1 has the solid angle s^2 (1 - s^2 / 4 + ...).
+    geometry::Projector projector;
+    projector.width = projector.height = 100;
+    projector.lens = {10000, 10000, 49.5, 49.5};
+    projector.lumens = 1;
+    EXPECT_NEAR(fullIntensity(projector), 1e4, 1); // 1e-4 of it is the next term
+}
+
+} // namespace
+} // namespace heliodon::passes

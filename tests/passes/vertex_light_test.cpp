@@ -1,0 +1,100 @@
+#include "engine/passes/vertex_light.h"
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "tests/passes/room_builder.h"
+
+namespace heliodon::passes {
+namespace {
+
+using geometry::PatchMesh;
+using test::RoomBuilder;
+
+// A slanted wall of uneven triangles: grid corners inside are moved about in the plane.
+PatchMesh unevenWall(int n) {
+    RoomBuilder b;
+    b.wall({0, 0, 0}, {1, 0.2, 0}, {0, 0.5, 0.7}, n, n);
+    std::mt19937 random(11);
+    std::uniform_real_distribution<double> shift(-0.25 / n, 0.25 / n);
+    for (glm::dvec3& v : b.mesh.vertices) {
+        const double t = v.z / 0.7, s = v.x; // v = s u + t v
+        if (s < 1e-9 || s > 1 - 1e-9 || t < 1e-9 || t > 1 - 1e-9) continue;
+        v += shift(random) * glm::dvec3(1, 0.2, 0) + shift(random) * glm::dvec3(0, 0.5, 0.7);
+    }
+    return b.mesh;
+}
+
+glm::vec3 linearField(glm::dvec3 p) {
+    return glm::vec3(glm::dvec3(3 + p.x + 0.5 * p.z, 2 - p.y, 5 + 2 * p.x - p.z));
+}
+
+TEST(VertexLight, linear_field_is_reproduced_to_the_border_and_corners) {
+    const PatchMesh mesh = unevenWall(8);
+    std::vector<glm::vec3> values;
+    for (size_t p = 0; p < mesh.patchCount(); ++p)
+        values.push_back(linearField(geometry::patchCentroid(mesh, p)));
+    const VertexLight light(mesh);
+    const auto atVertices = light.evaluate(values);
+    for (size_t c = 0; c < mesh.corners.size(); ++c) {
+        const glm::vec3 want = linearField(mesh.vertices[mesh.corners[c]]);
+        // Weights are floats of size about one; a fit sums some ten of them.
+        EXPECT_LT(glm::length(atVertices[light.ofCorner(c)] - want), 2e-5f) << c;
+    }
+}
+
+TEST(VertexLight, values_do_not_cross_from_one_surface_to_the_next) {
+    RoomBuilder b;
+    b.box({0, 0, 0}, {1, 1, 1}, 4, [](int, int) { return test::kWhite; });
+    std::vector<glm::vec3> values;
+    for (size_t p = 0; p < b.mesh.patchCount(); ++p) values.emplace_back(float(b.mesh.surface[p]) + 1);
+    const VertexLight light(b.mesh);
+    const auto atVertices = light.evaluate(values);
+    for (size_t p = 0; p < b.mesh.patchCount(); ++p)
+        for (uint32_t c = b.mesh.firstCorner[p]; c < b.mesh.firstCorner[p + 1]; ++c)
+            EXPECT_NEAR(atVertices[light.ofCorner(c)].x, values[p].x, 1e-4 * values[p].x);
+}
+
+TEST(VertexLight, a_steep_edge_never_gives_negative_light) {
+    const PatchMesh mesh = unevenWall(6);
+    std::vector<glm::vec3> values;
+    for (size_t p = 0; p < mesh.patchCount(); ++p)
+        values.emplace_back(geometry::patchCentroid(mesh, p).x < 0.4 ? 1000.0f : 0.0f);
+    for (const glm::vec3& v : VertexLight(mesh).evaluate(values)) {
+        EXPECT_GE(v.x, 0);
+        EXPECT_LT(v.x, 2000); // and overshoots by less than the step
+    }
+}
+
+TEST(VertexLight, lone_patches_and_slivers_keep_their_value) {
+    PatchMesh mesh;
+    mesh.materials = {{"white", glm::vec3(0.5f)}};
+    mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 0, -1}, {5, 0, 0}, {6, 0, 0}, {7, 0, -1e-9}, {9, 0, 0}};
+    mesh.addPatch(std::array{0u, 1u, 2u}, 0, geometry::Role::projection, 0, 0);
+    mesh.addPatch(std::array{3u, 4u, 5u}, 0, geometry::Role::projection, 1, 0);
+    mesh.addPatch(std::array{6u, 6u, 6u}, 0, geometry::Role::projection, 2, 0); // a point
+    const VertexLight light(mesh);
+    const std::vector<glm::vec3> values{glm::vec3(7), glm::vec3(8), glm::vec3(9)};
+    const auto atVertices = light.evaluate(values);
+    for (size_t c = 0; c < mesh.corners.size(); ++c)
+        EXPECT_NEAR(atVertices[light.ofCorner(c)].x, 7.0 + double(c / 3), 1e-3);
+}
+
+TEST(VertexLight, indirect_light_leaves_out_the_first_bounce_of_the_sun) {
+    PatchMesh mesh;
+    mesh.materials = {{"red", {0.5f, 0.25f, 0}, glm::vec3(0), 1.52f, {10, 0, 0}}};
+    mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 0, -1}};
+    mesh.addPatch(std::array{0u, 1u, 2u}, 0, geometry::Role::projection, 0, 0);
+    compute::Lighting light;
+    light.exitance = {glm::vec3(10 + 0.5 * 300, 0.25 * 300, 0)}; // 100 indirect and 200 sun on the patch
+    light.sunIlluminance = {glm::vec3(200)};
+    EXPECT_NEAR(indirectExitance(mesh, light)[0].x, 60, 1e-4);
+    const glm::vec3 illuminance = indirectIlluminance(mesh, light)[0];
+    EXPECT_NEAR(illuminance.x, 100, 1e-3);
+    EXPECT_NEAR(illuminance.y, 100, 1e-3);
+    EXPECT_NEAR(illuminance.z, 100, 1e-3); // reflects nothing: the mean of the others
+}
+
+} // namespace
+} // namespace heliodon::passes
