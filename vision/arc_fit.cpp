@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
@@ -87,6 +88,14 @@ struct Rings {
     double inner = 0, outer = 0;
 };
 
+double medianDistance(const std::vector<glm::dvec2>& points, glm::dvec2 centre) {
+    std::vector<double> distances;
+    for (const auto& p : points) distances.push_back(glm::distance(p, centre));
+    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+    std::nth_element(distances.begin(), middle, distances.end());
+    return *middle;
+}
+
 // Gauss-Newton on both rings at once; `inner` and `outer` are points on them.
 void refine(Rings& rings, const std::vector<glm::dvec2>& inner, const std::vector<glm::dvec2>& outer,
             double outlier) {
@@ -96,6 +105,7 @@ void refine(Rings& rings, const std::vector<glm::dvec2>& inner, const std::vecto
         double xx = 0, xy = 0, yy = 0, rx = 0, ry = 0;
         for (const auto* points : {&inner, &outer}) {
             double& radius = points == &inner ? rings.inner : rings.outer;
+            radius = medianDistance(*points, rings.centre); // a moved centre changes it by as much
             double n = 0, sum = 0;
             glm::dvec2 direction{};
             for (const auto& p : *points) {
@@ -158,8 +168,9 @@ std::optional<geometry::Arc> fitArc(const Chain& chain, const PlanView& view, co
     const int n = std::max(8, static_cast<int>(length / (3 * pixel)));
     std::vector<glm::dvec2> inner, outer;
     int seen = 0;
-    for (int pass = 0; pass < 2; ++pass) {
+    for (int pass = 0; pass < 3; ++pass) {
         inner.clear(), outer.clear();
+        std::tie(low, high) = angularExtent(points, rings.centre);
         const double middle = 0.5 * (rings.inner + rings.outer);
         for (int i = 1; i < n; ++i) {
             const glm::dvec2 radial = direction(low + (high - low) * i / n);
@@ -176,7 +187,9 @@ std::optional<geometry::Arc> fitArc(const Chain& chain, const PlanView& view, co
         }
         seen = static_cast<int>(inner.size() + outer.size());
         if (inner.size() < 4 || outer.size() < 4) return std::nullopt;
-        refine(rings, inner, outer, 2 * pixel);
+        const glm::dvec2 before = rings.centre;
+        refine(rings, inner, outer, (pass == 0 ? 4 : 2) * pixel);
+        if (pass > 0 && glm::distance(before, rings.centre) < 0.02) break;
     }
     const double thickness = rings.outer - rings.inner;
     if (thickness < 0.65 * options.wallThickness || thickness > 1.4 * options.wallThickness)

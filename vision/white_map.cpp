@@ -1,0 +1,165 @@
+#include "vision/white_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "geometry/sketch.h"
+
+namespace heliodon::vision {
+namespace {
+
+std::vector<cv::Point> circle(const PlanView& view, double radius, double height) {
+    std::vector<cv::Point> points;
+    for (int i = 0; i < 96; ++i) {
+        const double a = 2 * std::numbers::pi * i / 96;
+        const glm::dvec2 p = view.pixel(radius * glm::dvec2(std::cos(a), std::sin(a)), height);
+        points.emplace_back(static_cast<int>(std::lround(std::clamp(p.x, -1e4, 1e4))),
+                            static_cast<int>(std::lround(std::clamp(p.y, -1e4, 1e4))));
+    }
+    return points;
+}
+
+float median(std::vector<float>& values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+// Median of second differences, which edges do not move.
+double relativeNoise(const PlanView& view, const TableRegion& region) {
+    const Photograph& photo = view.photo();
+    const auto& linear = view.linearFromByte();
+    std::vector<float> samples;
+    for (int y = 4; y < region.height - 4; y += 13)
+        for (int x = 4; x < region.width - 4; x += 17) {
+            if (region.ground[static_cast<size_t>(y) * static_cast<size_t>(region.width) +
+                              static_cast<size_t>(x)] != Ground::table)
+                continue;
+            const size_t at = 3 * (static_cast<size_t>(y + region.y0) * static_cast<size_t>(photo.width) +
+                                   static_cast<size_t>(x + region.x0)) +
+                              1;
+            const float here = linear[photo.rgb[at]];
+            if (here > 0)
+                samples.push_back(std::abs(linear[photo.rgb[at - 6]] - 2 * here + linear[photo.rgb[at + 6]]) /
+                                  here);
+        }
+    if (samples.empty()) return 0;
+    return static_cast<double>(median(samples)) * 1.4826 / std::sqrt(6.0); // 1, -2, 1: six times the variance
+}
+
+// Mean light of each block, from every second pixel of every second row; w: 1 where all of it is table.
+std::vector<cv::Vec4f> blockMeans(const PlanView& view, const TableRegion& region, const WhiteMap& map) {
+    const Photograph& photo = view.photo();
+    const auto& linear = view.linearFromByte();
+    std::vector<cv::Vec4f> out(static_cast<size_t>(map.columns) * static_cast<size_t>(map.rows));
+    for (int j = 0; j < map.rows; ++j)
+        for (int i = 0; i < map.columns; ++i) {
+            cv::Vec4f sum(0, 0, 0, 1);
+            float n = 0;
+            for (int y = j * kBlock; y < std::min(region.height, (j + 1) * kBlock); y += 2)
+                for (int x = i * kBlock; x < std::min(region.width, (i + 1) * kBlock); x += 2) {
+                    const size_t at =
+                        static_cast<size_t>(y) * static_cast<size_t>(region.width) + static_cast<size_t>(x);
+                    if (region.ground[at] != Ground::table) sum[3] = 0;
+                    const uint8_t* p =
+                        &photo
+                             .rgb[3 * (static_cast<size_t>(y + region.y0) * static_cast<size_t>(photo.width) +
+                                       static_cast<size_t>(x + region.x0))];
+                    for (int c = 0; c < 3; ++c) sum[c] += linear[p[c]];
+                    n += 1;
+                }
+            for (int c = 0; c < 3; ++c) sum[c] /= n;
+            out[static_cast<size_t>(j) * static_cast<size_t>(map.columns) + static_cast<size_t>(i)] = sum;
+        }
+    return out;
+}
+
+// Two running means: close to a Gaussian, at a cost that does not grow with its width.
+cv::Mat spread(const cv::Mat& from, double sigma) {
+    const int size = static_cast<int>(std::lround(std::sqrt(6 * sigma * sigma + 1))) | 1;
+    cv::Mat out;
+    cv::blur(from, out, {size, size}, {-1, -1}, cv::BORDER_CONSTANT);
+    cv::blur(out, out, {size, size}, {-1, -1}, cv::BORDER_CONSTANT);
+    return out;
+}
+
+// The block's chroma is that of the white, up to a factor.
+bool alike(const cv::Vec4f& p, const cv::Vec3f& white, float factor) {
+    const float red = p[0] * white[1], redOfWhite = p[1] * white[0];
+    const float blue = p[2] * white[1], blueOfWhite = p[1] * white[2];
+    return red < factor * redOfWhite && redOfWhite < factor * red && blue < factor * blueOfWhite &&
+           blueOfWhite < factor * blue;
+}
+
+} // namespace
+
+TableRegion findTable(const PlanView& view, double radiusInches, double overEdge) {
+    auto disc = circle(view, radiusInches, 0);
+    std::vector<cv::Point> all = disc, hull;
+    for (const auto& p :
+         circle(view, radiusInches + overEdge, geometry::heightInches(geometry::HeightClass::red)))
+        all.push_back(p);
+    cv::convexHull(all, hull);
+    TableRegion region;
+    const cv::Rect box = cv::boundingRect(hull) & cv::Rect(0, 0, view.photo().width, view.photo().height);
+    if (box.width < 4 * kBlock || box.height < 4 * kBlock) return region;
+    region.x0 = box.x, region.y0 = box.y, region.width = box.width, region.height = box.height;
+    region.ground.assign(static_cast<size_t>(box.area()), Ground::outside);
+    cv::Mat mask(box.size(), CV_8U, region.ground.data());
+    for (auto* points : {&hull, &disc})
+        for (auto& p : *points) p -= box.tl();
+    cv::fillConvexPoly(mask, hull, cv::Scalar(static_cast<double>(Ground::besideTable)));
+    cv::fillConvexPoly(mask, disc, cv::Scalar(static_cast<double>(Ground::table)));
+    return region;
+}
+
+WhiteMap findWhite(const PlanView& view, const TableRegion& region) {
+    WhiteMap out;
+    out.columns = (region.width + kBlock - 1) / kBlock, out.rows = (region.height + kBlock - 1) / kBlock;
+    const std::vector<cv::Vec4f> blocks = blockMeans(view, region, out);
+    std::vector<float> brightness, red, blue;
+    for (const auto& p : blocks)
+        if (p[3] > 0) brightness.push_back(p[1]);
+    if (brightness.size() < 16) return out;
+    const float typical = median(brightness);
+    if (typical < 1e-4f) return out;
+    for (const auto& p : blocks) {
+        if (p[3] == 0 || p[1] < 0.3f * typical) continue;
+        red.push_back(p[0] / p[1]), blue.push_back(p[2] / p[1]);
+    }
+    const cv::Vec3f global(typical * std::max(median(red), 1e-3f), typical,
+                           typical * std::max(median(blue), 1e-3f));
+
+    // Twice: against the whole table's white, then against that found near by. Factors from lamps and
+    // projectors that differ by half in red to blue; the palest paint, light blue, lies beyond them.
+    std::vector<cv::Vec3f> near(blocks.size(), global);
+    for (int pass = 0; pass < 2; ++pass) {
+        cv::Mat white(out.rows, out.columns, CV_32FC4, cv::Scalar::all(0));
+        int found = 0;
+        for (size_t i = 0; i < blocks.size(); ++i) {
+            const auto& p = blocks[i];
+            if (p[3] == 0 || p[1] < 0.1f * typical || p[1] < 0.2f * near[i][1] ||
+                !alike(p, near[i], pass == 0 ? 1.38f : 1.28f))
+                continue;
+            white.ptr<cv::Vec4f>()[i] = p;
+            ++found;
+        }
+        if (found < 16) return out;
+        // A narrow window follows the light; a wide one, with little weight, reaches where no white is near.
+        const double sigma = pass == 0 ? 4 : 3;
+        const cv::Mat sum = spread(white, sigma) + 0.02 * spread(white, 4 * sigma);
+        for (size_t i = 0; i < blocks.size(); ++i) {
+            const cv::Vec4f& s = sum.ptr<cv::Vec4f>()[i];
+            for (int c = 0; c < 3; ++c) near[i][c] = s[3] > 1e-6f ? std::max(s[c] / s[3], 1e-5f) : global[c];
+        }
+    }
+    for (const auto& w : near) out.light.emplace_back(w[0], w[1], w[2]);
+    out.noise = relativeNoise(view, region);
+    return out;
+}
+
+} // namespace heliodon::vision

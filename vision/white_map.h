@@ -1,0 +1,37 @@
+// Where the table is in the picture, and the light that falls on its white.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "vision/plan_view.h"
+
+namespace heliodon::vision {
+
+enum class Ground : uint8_t { outside, besideTable, table };
+
+// The table's disc and, about it, where the tops of walls at its edge can be.
+struct TableRegion {
+    int x0 = 0, y0 = 0, width = 0,
+        height = 0;             // in the photograph; no width: the camera does not see the table
+    std::vector<Ground> ground; // row-major
+};
+
+// `overEdge`: inches that a wall may stick out over the table.
+TableRegion findTable(const PlanView& view, double radiusInches, double overEdge);
+
+constexpr int kBlock = 8; // pixels
+
+// Light on white per block of the region: of the blocks that look like the table, spread over those that do
+// not.
+struct WhiteMap {
+    int columns = 0, rows = 0;
+    std::vector<glm::vec3> light; // linear; empty: nothing white and lit where the table should be
+    double noise = 0;             // standard deviation of a pixel on the table over its value
+};
+
+WhiteMap findWhite(const PlanView& view, const TableRegion& region);
+
+} // namespace heliodon::vision
