@@ -8,7 +8,9 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "geometry/face_soup.h"
 #include "geometry/input_error.h"
+#include "geometry/mesher.h"
 
 using namespace heliodon::geometry;
 namespace fs = std::filesystem;
@@ -138,4 +140,131 @@ TEST_F(ModelFile, cut_short_at_any_byte_never_reads_past_the_end) {
         } catch (const InputError&) { // what a cut-off file may be
         }
     }
+}
+
+namespace {
+
+// A unit cube with outward faces, as most modellers write it; face k is on line first + 8 + k.
+std::string cube(double size, glm::dvec3 at, int firstVertex) {
+    std::string text;
+    for (int z = 0; z < 2; ++z)
+        for (int y = 0; y < 2; ++y)
+            for (int x = 0; x < 2; ++x)
+                text += "v " + std::to_string(at.x + size * x) + " " + std::to_string(at.y + size * y) + " " +
+                        std::to_string(at.z + size * z) + "\n";
+    const int quads[6][4] = {{1, 3, 4, 2}, {5, 6, 8, 7}, {1, 2, 6, 5},
+                             {3, 7, 8, 4}, {1, 5, 7, 3}, {2, 4, 8, 6}};
+    for (const auto& q : quads) {
+        text += "f";
+        for (const int v : q) text += " " + std::to_string(v + firstVertex - 1);
+        text += "\n";
+    }
+    return text;
+}
+
+double airVolume(const Building& building, uint32_t room) {
+    return proveShells(building).at(room).volume;
+}
+
+void expectSameMesh(const PatchMesh& a, const PatchMesh& b, double tolerance) {
+    ASSERT_EQ(a.patchCount(), b.patchCount());
+    double areaA = 0, areaB = 0;
+    for (size_t i = 0; i < a.patchCount(); ++i) {
+        areaA += patchArea(a, i);
+        areaB += patchArea(b, i);
+    }
+    EXPECT_NEAR(areaA, areaB, tolerance * areaA);
+}
+
+} // namespace
+
+TEST_F(ModelFile, daylight_reference_room_imports_with_its_partition) {
+    const Building b = importModel(kModels / "daylight_d" / "model.obj", UpAxis::z);
+    EXPECT_EQ(b.roomCount, 1u);
+    // L: 24 x 12 + 14 x 8 ft, 10 ft high, less a partition 4 ft high, 6 ft long, 1 in thick.
+    const double ft = 0.3048;
+    EXPECT_NEAR(airVolume(b, 0), ((24 * 12 + 14 * 8) * 10 - 4 * 6 / 12.0) * ft * ft * ft, 1e-4);
+    size_t openings = 0;
+    for (const Face& f : b.faces) openings += b.materials[f.material].isOpening();
+    EXPECT_EQ(openings, 3u); // two windows and a skylight
+}
+
+TEST_F(ModelFile, triangulated_room_imports_closed) {
+    const Building b = importModel(kModels / "room3_672.obj");
+    EXPECT_EQ(b.faces.size(), 672u);
+    EXPECT_NEAR(airVolume(b, 0), 8 * 6 * 3 - 0.2 * (4 * 3 + 4 * 2.5 + 3 * 2), 1e-9);
+}
+
+TEST_F(ModelFile, faces_are_turned_to_the_air) {
+    // Outward cube: all turned. One face turned over by hand: mended too.
+    std::string text = cube(1, {0, 0, 0}, 1);
+    const Building whole = importModel(write("m.obj", text));
+    EXPECT_NEAR(airVolume(whole, 0), 1, 1e-12);
+    const size_t face = text.find("f 1 2 6 5");
+    text.replace(face, 9, "f 5 6 2 1");
+    EXPECT_NEAR(airVolume(importModel(write("m.obj", text)), 0), 1, 1e-12);
+}
+
+TEST_F(ModelFile, boxes_in_a_room_belong_to_its_air) {
+    const Building floating = importModel(write("m.obj", cube(3, {0, 0, 0}, 1) + cube(1, {1, 1, 1}, 9)));
+    EXPECT_EQ(floating.roomCount, 1u);
+    EXPECT_NEAR(airVolume(floating, 0), 26, 1e-12);
+    // Standing on the floor, whose face is not cut out for it.
+    const Building standing = importModel(write("m.obj", cube(3, {0, 0, 0}, 1) + cube(1, {1, 1, 0}, 9)));
+    EXPECT_EQ(standing.roomCount, 1u);
+    EXPECT_NEAR(airVolume(standing, 0), 26, 1e-12);
+    const Building apart = importModel(write("m.obj", cube(3, {0, 0, 0}, 1) + cube(1, {5, 1, 0}, 9)));
+    EXPECT_EQ(apart.roomCount, 2u);
+}
+
+TEST_F(ModelFile, what_is_not_closed_is_refused_by_line) {
+    std::string text = cube(1, {0, 0, 0}, 1);
+    text.resize(text.rfind("f 2 4 8 6"));
+    try {
+        importModel(write("m.obj", text));
+        FAIL() << "accepted";
+    } catch (const InputError& error) {
+        EXPECT_NE(std::string(error.what()).find("m.obj:9: the model is not closed"), std::string::npos)
+            << error.what();
+    }
+    // Two boxes that cross.
+    EXPECT_THROW(importModel(write("m.obj", cube(3, {0, 0, 0}, 1) + cube(1, {2.5, 1, 1}, 9))), InputError);
+}
+
+TEST_F(ModelFile, t_vertices_are_split_into_the_edge) {
+    // The top of the cube in two halves, its neighbours' edges not divided.
+    std::string text = cube(1, {0, 0, 0}, 1);
+    text.replace(text.find("f 5 6 8 7"), 9, "v 0.5 0 1\nv 0.5 1 1\nf 5 9 10 7\nf 9 6 8 10");
+    const Building b = importModel(write("m.obj", text));
+    EXPECT_NEAR(airVolume(b, 0), 1, 1e-12);
+    EXPECT_EQ(b.faces.size(), 7u);
+}
+
+TEST_F(ModelFile, written_models_read_back) {
+    const PatchMesh mesh = meshBuilding(importModel(kModels / "daylight_d" / "model.obj", UpAxis::z), {500});
+    writeModel(mesh, folder / "out.obj");
+    const PatchMesh obj = readPatches(folder / "out.obj");
+    expectSameMesh(mesh, obj, 1e-12);
+    writeModel(mesh, folder / "out.glb");
+    const PatchMesh glb = readPatches(folder / "out.glb");
+    expectSameMesh(mesh, glb, 1e-6); // float32 positions
+    ASSERT_EQ(glb.materials.size(), mesh.materials.size());
+    for (size_t i = 0; i < mesh.materials.size(); ++i)
+        for (int c = 0; c < 3; ++c) {
+            EXPECT_NEAR(glb.materials[i].reflectance[c], mesh.materials[i].reflectance[c], 1e-6);
+            EXPECT_NEAR(glb.materials[i].transmittance[c], mesh.materials[i].transmittance[c], 1e-6);
+            EXPECT_EQ(obj.materials[i].reflectance[c], mesh.materials[i].reflectance[c]);
+        }
+    // And closed again: what is written out can be taken in.
+    EXPECT_NEAR(airVolume(importModel(folder / "out.glb"), 0),
+                airVolume(importModel(kModels / "daylight_d" / "model.obj", UpAxis::z), 0), 1e-4);
+    EXPECT_THROW(writeModel(mesh, folder / "out.stl"), InputError);
+}
+
+TEST_F(ModelFile, damaged_glb_is_refused_not_read_past_its_end) {
+    writeModel(readPatches(kModels / "thin_slab_1_1_0.001.obj"), folder / "whole.glb");
+    std::ifstream in(folder / "whole.glb", std::ios::binary);
+    const std::string whole((std::istreambuf_iterator<char>(in)), {});
+    for (size_t length = 0; length < whole.size(); length += 7)
+        EXPECT_THROW(readPatches(write("cut.glb", whole.substr(0, length))), InputError) << length;
 }

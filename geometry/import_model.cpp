@@ -1,0 +1,510 @@
+// A model file -> closed rooms. What is repaired is what has one answer: corners that were meant to be one,
+// edges that another face's corner divides, boxes that stand on a face without it being cut, faces turned
+// over. Everything else is refused with the faces named.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <set>
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+
+#include "geometry/face_soup.h"
+#include "geometry/input_error.h"
+#include "geometry/model_file.h"
+#include "geometry/plan_arrangement.h"
+#include "geometry/plan_regions.h"
+#include "geometry/raw_model.h"
+
+namespace heliodon::geometry {
+
+namespace {
+
+constexpr double kWeldOfExtent = 2e-6; // files hold 6 or 7 digits
+constexpr double kPlanarOfExtent = 1e-5;
+using Edge = std::pair<uint32_t, uint32_t>;
+
+class ModelImporter {
+public:
+    ModelImporter(const std::filesystem::path& file, UpAxis up) : model_(readRawModel(file)) {
+        if (model_.faceCount() == 0) throw InputError(model_.file, "", "holds no faces");
+        glm::dvec3 low(1e300), high(-1e300);
+        for (glm::dvec3& p : model_.vertices) p = worldFromModel(p, up);
+        for (const uint32_t v : model_.corners) {
+            low = glm::min(low, model_.vertices[v]);
+            high = glm::max(high, model_.vertices[v]);
+        }
+        extent_ = glm::length(high - low);
+        if (!(extent_ > 0)) throw InputError(model_.file, "", "all faces lie in one point");
+    }
+
+    Building import() {
+        weld();
+        cutFootprints();
+        orient();
+        nestShells();
+        splitSharedCorners();
+        findSurfaces();
+        pairGlasses();
+        building_.materials = model_.materials;
+        prove();
+        return std::move(building_);
+    }
+
+private:
+    glm::dvec3 areaVector(const std::vector<uint32_t>& loop) const {
+        glm::dvec3 sum{0};
+        const glm::dvec3 origin = building_.vertices[loop[0]];
+        for (size_t i = 0; i < loop.size(); ++i)
+            sum += glm::cross(building_.vertices[loop[i]] - origin,
+                              building_.vertices[loop[(i + 1) % loop.size()]] - origin);
+        return sum;
+    }
+
+    glm::dvec3 normal(const Face& face) const { return glm::normalize(areaVector(face.loops[0])); }
+
+    // "role" of a group that writeModel named ("room0_fill-in"), else projection.
+    Role roleOf(size_t face) const {
+        return model_.groups[model_.group[face]].ends_with("_fill-in") ? Role::fillIn : Role::projection;
+    }
+
+    void weld() {
+        std::vector<SoupFace> soup;
+        for (size_t i = 0; i < model_.faceCount(); ++i) {
+            SoupFace face;
+            face.loops.emplace_back();
+            for (const uint32_t v : model_.face(i)) face.loops[0].push_back(model_.vertices[v]);
+            face.material = model_.material[i];
+            face.role = roleOf(i);
+            face.surface = static_cast<uint32_t>(i); // carries the number of the face through the welding
+            soup.push_back(std::move(face));
+        }
+        building_ = weldFaces(soup, 1, kWeldOfExtent * extent_);
+        std::set<std::vector<uint32_t>> known;
+        std::erase_if(building_.faces, [&](const Face& face) {
+            std::vector<uint32_t> corners = face.loops[0];
+            std::ranges::sort(corners);
+            const double size = glm::length(areaVector(face.loops[0]));
+            return size < 1e-12 * extent_ * extent_ || !known.insert(corners).second; // no area, or a copy
+        });
+        for (const Face& face : building_.faces) {
+            source_.push_back(face.surface);
+            checkPlanar(face);
+        }
+    }
+
+    void checkPlanar(const Face& face) const {
+        const glm::dvec3 n = normal(face), origin = building_.vertices[face.loops[0][0]];
+        for (const uint32_t v : face.loops[0])
+            if (std::abs(glm::dot(building_.vertices[v] - origin, n)) > kPlanarOfExtent * extent_)
+                throw InputError(model_.file, model_.place(face.surface), "the face is not planar");
+    }
+
+    std::map<Edge, std::vector<uint32_t>> facesOfEdges() const {
+        std::map<Edge, std::vector<uint32_t>> out;
+        for (uint32_t f = 0; f < building_.faces.size(); ++f)
+            for (const auto& loop : building_.faces[f].loops)
+                for (size_t i = 0; i < loop.size(); ++i)
+                    out[std::minmax(loop[i], loop[(i + 1) % loop.size()])].push_back(f);
+        return out;
+    }
+
+    bool coplanar(const Face& face, const std::vector<uint32_t>& loop) const {
+        const glm::dvec3 n = normal(face), origin = building_.vertices[face.loops[0][0]];
+        return std::ranges::all_of(loop, [&](uint32_t v) {
+            return std::abs(glm::dot(building_.vertices[v] - origin, n)) < kPlanarOfExtent * extent_;
+        });
+    }
+
+    // All corners of the loop strictly inside the face's outline.
+    bool inside(const Face& face, const std::vector<uint32_t>& loop) const {
+        const glm::dvec3 n = normal(face), size = glm::abs(n);
+        const int drop = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+        const int u = (drop + 1) % 3, v = (drop + 2) % 3;
+        return std::ranges::all_of(loop, [&](uint32_t corner) {
+            const glm::dvec3 p = building_.vertices[corner];
+            bool in = false;
+            const auto& outline = face.loops[0];
+            for (size_t i = 0; i < outline.size(); ++i) {
+                const glm::dvec3 a = building_.vertices[outline[i]],
+                                 b = building_.vertices[outline[(i + 1) % outline.size()]];
+                if (outline[i] == corner) return false;
+                if ((a[v] > p[v]) != (b[v] > p[v]) &&
+                    p[u] < (b[u] - a[u]) * (p[v] - a[v]) / (b[v] - a[v]) + a[u])
+                    in = !in;
+            }
+            return in;
+        });
+    }
+
+    // A box that stands on a face: its own bottom goes, and the face gets a hole.
+    void cutFootprints() {
+        dropHiddenBottoms();
+        std::map<uint32_t, uint32_t>
+            next; // the edges that are missing, each from the far end of the one that is there
+        for (const auto& [edge, faces] : facesOfEdges()) {
+            if (faces.size() != 1) continue;
+            for (const auto& loop : building_.faces[faces[0]].loops)
+                for (size_t i = 0; i < loop.size(); ++i)
+                    if (Edge(std::minmax(loop[i], loop[(i + 1) % loop.size()])) == edge)
+                        next[loop[(i + 1) % loop.size()]] = loop[i];
+        }
+        std::vector<std::vector<uint32_t>> loops;
+        while (!next.empty()) {
+            std::vector<uint32_t> loop;
+            uint32_t at = next.begin()->first;
+            while (next.contains(at)) {
+                loop.push_back(at);
+                const uint32_t to = next[at];
+                next.erase(at);
+                at = to;
+            }
+            if (loop.size() >= 3 && at == loop[0]) loops.push_back(std::move(loop));
+        }
+        bool any = false;
+        for (const auto& loop : loops) any = subtract(loop) || any;
+        if (any) weldAgain();
+    }
+
+    // Takes the polygon out of the faces in its plane that it lies over.
+    bool subtract(std::vector<uint32_t> loop) {
+        std::vector<uint32_t> under;
+        for (uint32_t f = 0; f < building_.faces.size(); ++f)
+            if (coplanar(building_.faces[f], loop)) under.push_back(f);
+        if (under.empty()) return false;
+        const glm::dvec3 n = normal(building_.faces[under[0]]), origin = building_.vertices[loop[0]];
+        const glm::dvec3 helper = std::abs(n.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
+        const glm::dvec3 u = glm::normalize(glm::cross(helper, n)), v = glm::cross(n, u);
+        const auto flat = [&](uint32_t i) {
+            const glm::dvec3 p = building_.vertices[i] - origin;
+            return glm::dvec2(glm::dot(p, u), glm::dot(p, v));
+        };
+        if (glm::dot(areaVector(loop), n) < 0) std::ranges::reverse(loop);
+        std::vector<PlanSegment> segments;
+        std::vector<size_t> owner; // of the segment: face in `under`, or their number for the loop
+        const auto add = [&](const std::vector<uint32_t>& ring, size_t id, bool reversed) {
+            for (size_t i = 0; i < ring.size(); ++i) {
+                const glm::dvec2 a = flat(ring[i]), b = flat(ring[(i + 1) % ring.size()]);
+                segments.push_back({reversed ? b : a, reversed ? a : b, static_cast<int32_t>(owner.size())});
+                owner.push_back(id);
+            }
+        };
+        for (size_t k = 0; k < under.size(); ++k) {
+            const bool turned = glm::dot(normal(building_.faces[under[k]]), n) < 0;
+            for (const auto& ring : building_.faces[under[k]].loops) add(ring, k, turned);
+        }
+        add(loop, under.size(), false);
+        const PlanArrangement map = arrange(segments);
+        std::vector<int> labels(map.cellCount, -1);
+        bool hit = false;
+        for (size_t k = 0; k <= under.size(); ++k) {
+            const auto depth =
+                coverage(map, [&](int32_t tag) { return owner[static_cast<size_t>(tag)] == k; });
+            for (uint32_t c = 0; c < map.cellCount; ++c) {
+                if (depth[c] <= 0) continue;
+                hit = hit || (k == under.size() && labels[c] >= 0);
+                labels[c] = k == under.size() ? -1 : static_cast<int>(k);
+            }
+        }
+        if (!hit) return false;
+        replaceFaces(
+            under, map, labels, [&](glm::dvec2 p) { return origin + p.x * u + p.y * v; }, n);
+        return true;
+    }
+
+    template<class InSpace>
+    void replaceFaces(const std::vector<uint32_t>& under, const PlanArrangement& map,
+                      std::vector<int>& labels, InSpace inSpace, glm::dvec3 n) {
+        absorbThinCells(map, labels, kWeldOfExtent * extent_);
+        std::vector<Face> added;
+        std::vector<uint32_t> addedSource;
+        for (const PlanRegion& region : traceRegions(map, labels)) {
+            const uint32_t f = under[static_cast<size_t>(region.label)];
+            Face face = building_.faces[f];
+            const bool turned = glm::dot(normal(face), n) < 0;
+            face.loops.clear();
+            for (const auto& halves : region.loops) {
+                face.loops.emplace_back();
+                for (const uint32_t h : halves) {
+                    face.loops.back().push_back(static_cast<uint32_t>(building_.vertices.size()));
+                    building_.vertices.push_back(inSpace(map.points[map.source(h)]));
+                }
+                if (turned) std::ranges::reverse(face.loops.back());
+            }
+            added.push_back(std::move(face));
+            addedSource.push_back(source_[f]);
+        }
+        for (size_t k = under.size(); k-- > 0;) {
+            building_.faces.erase(building_.faces.begin() + under[k]);
+            source_.erase(source_.begin() + under[k]);
+        }
+        building_.faces.insert(building_.faces.end(), added.begin(), added.end());
+        source_.insert(source_.end(), addedSource.begin(), addedSource.end());
+    }
+
+    void weldAgain() {
+        std::vector<SoupFace> soup;
+        for (size_t f = 0; f < building_.faces.size(); ++f) {
+            SoupFace face;
+            for (const auto& loop : building_.faces[f].loops) {
+                face.loops.emplace_back();
+                for (const uint32_t v : loop) face.loops.back().push_back(building_.vertices[v]);
+            }
+            face.material = building_.faces[f].material;
+            face.role = building_.faces[f].role;
+            face.surface = source_[f];
+            soup.push_back(std::move(face));
+        }
+        building_ = weldFaces(soup, 1, kWeldOfExtent * extent_);
+        source_.clear();
+        for (const Face& face : building_.faces) source_.push_back(face.surface);
+    }
+
+    void dropHiddenBottoms() {
+        std::vector<bool> hidden(building_.faces.size());
+        for (size_t f = 0; f < building_.faces.size(); ++f)
+            for (size_t g = 0; g < building_.faces.size() && !hidden[f]; ++g)
+                hidden[f] = f != g && coplanar(building_.faces[g], building_.faces[f].loops[0]) &&
+                            inside(building_.faces[g], building_.faces[f].loops[0]);
+        std::vector<uint32_t> source;
+        std::vector<Face> faces;
+        for (size_t f = 0; f < building_.faces.size(); ++f) {
+            // A pane that lies in a wall face that was not cut is drawn, not hidden: that is for the user to
+            // mend.
+            if (hidden[f] && model_.materials[building_.faces[f].material].isOpening())
+                refuse({static_cast<uint32_t>(f)},
+                       "an opening lies on another face that is not cut out for it");
+            if (hidden[f]) continue;
+            faces.push_back(building_.faces[f]);
+            source.push_back(source_[f]);
+        }
+        building_.faces = std::move(faces);
+        source_ = std::move(source);
+    }
+
+    [[noreturn]] void refuse(std::vector<uint32_t> faces, const std::string& what) const {
+        std::ranges::sort(faces);
+        faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+        std::string more;
+        for (size_t i = 1; i < faces.size() && i < 5; ++i)
+            more += (i == 1 ? "" : ", ") + model_.place(source_[faces[i]]);
+        if (faces.size() > 5) more += fmt::format(" and {} more", faces.size() - 5);
+        throw InputError(model_.file, faces.empty() ? "" : model_.place(source_[faces[0]]),
+                         what + (more.empty() ? "" : " (also " + more + ")"));
+    }
+
+    static void turnOver(Face& face) {
+        for (auto& loop : face.loops) std::ranges::reverse(loop);
+    }
+
+    // Within a shell all faces look the same way: the way of most of its area.
+    void orient() {
+        const auto edges = facesOfEdges();
+        std::vector<uint32_t> open, crowded;
+        for (const auto& [edge, faces] : edges) {
+            if (faces.size() == 1) open.push_back(faces[0]);
+            if (faces.size() > 2) crowded.insert(crowded.end(), faces.begin(), faces.end());
+        }
+        if (!open.empty()) refuse(open, "the model is not closed: an edge of this face has no neighbour");
+        if (!crowded.empty()) refuse(crowded, "more than two faces meet in an edge of this face");
+        shell_.assign(building_.faces.size(), 0);
+        std::vector<int> turned(building_.faces.size(), -1);
+        uint32_t shells = 0;
+        for (uint32_t start = 0; start < building_.faces.size(); ++start) {
+            if (turned[start] >= 0) continue;
+            std::vector<uint32_t> queue{start};
+            turned[start] = 0;
+            double asIs = 0, over = 0;
+            for (size_t q = 0; q < queue.size(); ++q) {
+                const uint32_t f = queue[q];
+                shell_[f] = shells;
+                (turned[f] ? over : asIs) += glm::length(areaVector(building_.faces[f].loops[0]));
+                for (const auto& loop : building_.faces[f].loops)
+                    for (size_t i = 0; i < loop.size(); ++i) {
+                        const Edge edge{loop[i], loop[(i + 1) % loop.size()]};
+                        const auto& pair = edges.at(std::minmax(edge.first, edge.second));
+                        const uint32_t g = pair[0] == f ? pair[1] : pair[0];
+                        const int wanted = turned[f] ^ static_cast<int>(runs(building_.faces[g], edge));
+                        if (turned[g] < 0) {
+                            turned[g] = wanted;
+                            queue.push_back(g);
+                        } else if (turned[g] != wanted)
+                            refuse({f, g}, "the shell has only one side, like a Moebius strip");
+                    }
+            }
+            for (const uint32_t f : queue)
+                if ((turned[f] == 1) == (over <= asIs)) turnOver(building_.faces[f]);
+            ++shells;
+        }
+        shellCount_ = shells;
+    }
+
+    static bool runs(const Face& face, Edge edge) {
+        for (const auto& loop : face.loops)
+            for (size_t i = 0; i < loop.size(); ++i)
+                if (loop[i] == edge.first && loop[(i + 1) % loop.size()] == edge.second) return true;
+        return false;
+    }
+
+    struct Triangle {
+        glm::dvec3 a, b, c;
+    };
+
+    // How many times a ray from p passes through the shell; the direction is no one's normal or edge.
+    static int crossings(const std::vector<Triangle>& shell, glm::dvec3 p) {
+        const glm::dvec3 d = glm::normalize(glm::dvec3(0.5773, 0.6491, 0.4963));
+        int count = 0;
+        for (const Triangle& t : shell) {
+            const glm::dvec3 e1 = t.b - t.a, e2 = t.c - t.a, q = glm::cross(d, e2), s = p - t.a;
+            const double det = glm::dot(e1, q);
+            if (det == 0) continue;
+            const double u = glm::dot(s, q) / det;
+            const glm::dvec3 r = glm::cross(s, e1);
+            const double v = glm::dot(d, r) / det;
+            count += u >= 0 && v >= 0 && u + v <= 1 && glm::dot(e2, r) / det > 0;
+        }
+        return count;
+    }
+
+    // The outermost shell bounds a room, a shell within it is a solid that stands in the room's air, and so
+    // on inwards.
+    void nestShells() {
+        std::vector<std::vector<Triangle>> triangles(shellCount_);
+        std::vector<double> volume(shellCount_, 0);
+        std::vector<glm::dvec3> corner(shellCount_);
+        for (uint32_t f = 0; f < building_.faces.size(); ++f) {
+            const auto pieces = triangulateFace(building_, building_.faces[f]);
+            if (pieces.empty()) refuse({f}, "the outline of the face crosses itself");
+            for (const auto& t : pieces) {
+                const Triangle triangle{building_.vertices[t[0]], building_.vertices[t[1]],
+                                        building_.vertices[t[2]]};
+                triangles[shell_[f]].push_back(triangle);
+                corner[shell_[f]] = triangle.a;
+            }
+        }
+        for (uint32_t s = 0; s < shellCount_; ++s)
+            for (const Triangle& t : triangles[s])
+                volume[s] -= glm::dot(t.a - corner[s], glm::cross(t.b - corner[s], t.c - corner[s])) / 6;
+        std::vector<std::vector<uint32_t>> around(shellCount_);
+        for (uint32_t s = 0; s < shellCount_; ++s)
+            for (uint32_t o = 0; o < shellCount_; ++o)
+                if (s != o && crossings(triangles[o], corner[s]) % 2 == 1) around[s].push_back(o);
+        std::vector<uint32_t> room(shellCount_);
+        uint32_t rooms = 0;
+        for (uint32_t s = 0; s < shellCount_; ++s)
+            if (around[s].size() % 2 == 0) room[s] = rooms++;
+        for (uint32_t s = 0; s < shellCount_; ++s)
+            if (around[s].size() % 2 == 1)
+                room[s] = room[*std::ranges::max_element(around[s], {},
+                                                         [&](uint32_t o) { return around[o].size(); })];
+        for (uint32_t f = 0; f < building_.faces.size(); ++f) {
+            const uint32_t s = shell_[f];
+            // Air is inside the shells of rooms and outside those of solids.
+            if ((volume[s] > 0) != (around[s].size() % 2 == 0)) turnOver(building_.faces[f]);
+            building_.faces[f].room = room[s];
+        }
+        building_.roomCount = rooms;
+    }
+
+    // Rooms that touch in a corner must not share the vertex.
+    void splitSharedCorners() {
+        std::map<std::pair<uint32_t, uint32_t>, uint32_t> copies;
+        std::vector<int64_t> owner(building_.vertices.size(), -1);
+        for (Face& face : building_.faces)
+            for (auto& loop : face.loops)
+                for (uint32_t& v : loop) {
+                    if (owner[v] < 0) owner[v] = face.room;
+                    if (owner[v] == face.room) continue;
+                    const auto [place, isNew] =
+                        copies.try_emplace({v, face.room}, static_cast<uint32_t>(building_.vertices.size()));
+                    if (isNew) {
+                        building_.vertices.push_back(building_.vertices[v]);
+                        owner.push_back(face.room);
+                    }
+                    v = place->second;
+                }
+    }
+
+    // Neighbours in one plane and of one material are one surface.
+    void findSurfaces() {
+        std::vector<uint32_t> parent(building_.faces.size());
+        std::iota(parent.begin(), parent.end(), 0u);
+        const auto find = [&](uint32_t f) {
+            while (parent[f] != f) f = parent[f] = parent[parent[f]];
+            return f;
+        };
+        for (const auto& [edge, faces] : facesOfEdges()) {
+            const Face &a = building_.faces[faces[0]], &b = building_.faces[faces[1]];
+            const glm::dvec3 m = normal(a), n = normal(b);
+            if (a.material == b.material && glm::dot(m, n) > 0 && glm::length(glm::cross(m, n)) < 1e-4)
+                parent[find(faces[0])] = find(faces[1]);
+        }
+        std::map<uint32_t, uint32_t> ids;
+        for (uint32_t f = 0; f < building_.faces.size(); ++f)
+            building_.faces[f].surface =
+                ids.try_emplace(find(f), static_cast<uint32_t>(ids.size())).first->second;
+    }
+
+    glm::dvec3 middle(const Face& face) const {
+        glm::dvec3 sum{0};
+        for (const uint32_t v : face.loops[0]) sum += building_.vertices[v];
+        return sum / static_cast<double>(face.loops[0].size());
+    }
+
+    // Two glasses of equal shape back to back, nearer than any room is wide, are one interior window.
+    void pairGlasses() {
+        constexpr double kThickestWall = 0.05; // of the model's extent
+        for (uint32_t f = 0; f < building_.faces.size(); ++f)
+            for (uint32_t g = f + 1; g < building_.faces.size(); ++g) {
+                Face &a = building_.faces[f], &b = building_.faces[g];
+                if (a.twin >= 0 || b.twin >= 0 || a.loops[0].size() != b.loops[0].size() ||
+                    a.loops.size() != 1 || b.loops.size() != 1 || !model_.materials[a.material].isOpening() ||
+                    !model_.materials[b.material].isOpening())
+                    continue;
+                const glm::dvec3 n = normal(a), shift = middle(b) - middle(a);
+                const double apart = -glm::dot(shift, n);
+                if (glm::dot(n, normal(b)) > -1 + 1e-9 || apart < 0 || apart > kThickestWall * extent_)
+                    continue;
+                if (glm::length(shift + apart * n) > kPlanarOfExtent * extent_) continue;
+                const bool alike = std::ranges::all_of(a.loops[0], [&](uint32_t v) {
+                    return std::ranges::any_of(b.loops[0], [&](uint32_t w) {
+                        return glm::length(building_.vertices[v] + shift - building_.vertices[w]) <
+                               kPlanarOfExtent * extent_;
+                    });
+                });
+                if (!alike) continue;
+                a.twin = static_cast<int32_t>(g);
+                b.twin = static_cast<int32_t>(f);
+            }
+    }
+
+    void prove() {
+        for (const ShellProof& proof : proveShells(building_)) {
+            if (!proof.closed)
+                refuse(proof.badFaces,
+                       "the model is not closed: the faces round a corner form no single fan");
+            if (proof.selfIntersecting) refuse(proof.badFaces, "the face crosses another face");
+        }
+        if (building_.roomCount < 2) return;
+        Building together = building_; // rooms must not cross each other either
+        together.roomCount = 1;
+        for (Face& face : together.faces) face.room = 0;
+        const ShellProof proof = proveShells(together)[0];
+        if (proof.selfIntersecting) refuse(proof.badFaces, "the face crosses a face of another room");
+    }
+
+    RawModel model_;
+    Building building_;
+    std::vector<uint32_t> source_, shell_; // per face
+    uint32_t shellCount_ = 0;
+    double extent_ = 0;
+};
+
+} // namespace
+
+Building importModel(const std::filesystem::path& file, UpAxis up) {
+    return ModelImporter(file, up).import();
+}
+
+} // namespace heliodon::geometry

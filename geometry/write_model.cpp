@@ -1,0 +1,236 @@
+// Models out: .obj with .mtl beside it, or one .glb. Groups (objects) are named "room0_projection",
+// "room0_fill-in".
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <map>
+
+#include <fmt/format.h>
+#include <glm/common.hpp>
+#include <nlohmann/json.hpp>
+
+#include "geometry/input_error.h"
+#include "geometry/model_file.h"
+#include "geometry/whole_file.h"
+
+namespace heliodon::geometry {
+
+namespace {
+
+using GroupKey = std::pair<uint32_t, Role>;
+
+std::string groupName(GroupKey key) {
+    return fmt::format("room{}_{}", key.first, key.second == Role::projection ? "projection" : "fill-in");
+}
+
+std::map<GroupKey, std::vector<size_t>> groups(const PatchMesh& mesh) {
+    std::map<GroupKey, std::vector<size_t>> out;
+    for (size_t i = 0; i < mesh.patchCount(); ++i) out[{mesh.room[i], mesh.role[i]}].push_back(i);
+    for (auto& [key, patches] : out)
+        std::ranges::stable_sort(patches, {},
+                                 [&](size_t i) { return std::pair(mesh.material[i], mesh.surface[i]); });
+    return out;
+}
+
+// Names of materials must differ and hold no blanks at their ends.
+std::vector<std::string> materialNames(const PatchMesh& mesh) {
+    std::vector<std::string> names;
+    for (const Material& material : mesh.materials) {
+        std::string name = material.name.empty() ? "material" : material.name;
+        std::ranges::replace_if(
+            name, [](unsigned char c) { return c <= ' ' || c == '#'; }, '_');
+        const std::string base = name;
+        for (int copy = 2; std::ranges::find(names, name) != names.end(); ++copy)
+            name = base + "_" + std::to_string(copy);
+        names.push_back(name);
+    }
+    return names;
+}
+
+std::string mtlText(const PatchMesh& mesh) {
+    const std::vector<std::string> names = materialNames(mesh);
+    std::string text =
+        "# Kd diffuse reflectance; Tf visible transmittance at normal incidence; Ni 1.52 glass, 1.0 open; "
+        "Ke exitance, lux\n";
+    const auto rgb = [&](const char* key, glm::vec3 v) {
+        text += fmt::format("{} {} {} {}\n", key, v.x, v.y, v.z);
+    };
+    for (size_t i = 0; i < names.size(); ++i) {
+        const Material& material = mesh.materials[i];
+        text += "newmtl " + names[i] + "\n";
+        rgb("Kd", material.reflectance);
+        if (material.isOpening()) {
+            rgb("Tf", material.transmittance);
+            text += fmt::format("Ni {}\n", material.refractiveIndex);
+        }
+        if (material.exitance != glm::vec3(0)) rgb("Ke", material.exitance);
+    }
+    return text;
+}
+
+void writeObj(const PatchMesh& mesh, const std::filesystem::path& file) {
+    std::filesystem::path library = file;
+    library.replace_extension(".mtl");
+    const std::vector<std::string> names = materialNames(mesh);
+    std::string text =
+        fmt::format("# metres, y up; faces counter-clockwise seen from the room's air\nmtllib {}\n",
+                    library.filename().string());
+    for (const glm::dvec3& p : mesh.vertices)
+        text += fmt::format("v {} {} {}\n", p.x, p.y, p.z); // shortest that reads back
+    for (const auto& [key, patches] : groups(mesh)) {
+        text += "g " + groupName(key) + "\n";
+        size_t material = mesh.materials.size();
+        for (const size_t i : patches) {
+            if (mesh.material[i] != material) {
+                material = mesh.material[i];
+                text += "usemtl " + names[material] + "\n";
+            }
+            text += "f";
+            for (const uint32_t v : mesh.patch(i)) text += fmt::format(" {}", v + 1);
+            text += "\n";
+        }
+    }
+    writeWholeText(library, mtlText(mesh));
+    writeWholeText(file, text);
+}
+
+class GlbWriter {
+public:
+    explicit GlbWriter(const PatchMesh& mesh) : mesh_(mesh) {}
+
+    std::string bytes() {
+        // Every list first: an ordered object moves its members when it grows.
+        for (const char* list : {"asset", "scene", "scenes", "nodes", "meshes", "materials", "accessors",
+                                 "bufferViews", "buffers"})
+            json_[list] = nlohmann::ordered_json::array();
+        json_["asset"] = {{"version", "2.0"}, {"generator", "heliodon " HELIODON_VERSION}};
+        json_["scene"] = 0;
+        addMaterials();
+        addPositions();
+        nlohmann::ordered_json nodes = nlohmann::ordered_json::array();
+        for (const auto& [key, patches] : groups(mesh_)) addGroup(key, patches, nodes);
+        json_["scenes"] = {{{"nodes", nodes}}};
+        json_["buffers"] = {{{"byteLength", data_.size()}}};
+        std::string text = json_.dump();
+        text.resize((text.size() + 3) / 4 * 4, ' ');
+        std::string out;
+        for (const uint32_t word :
+             {0x46546C67u, 2u, static_cast<uint32_t>(12 + 8 + text.size() + 8 + data_.size())})
+            append(out, word);
+        append(out, static_cast<uint32_t>(text.size()));
+        append(out, 0x4E4F534Au);
+        out += text;
+        append(out, static_cast<uint32_t>(data_.size()));
+        append(out, 0x004E4942u);
+        return out + data_;
+    }
+
+private:
+    // glTF is little-endian.
+    template<class Value> static void append(std::string& out, Value value) {
+        static_assert(std::endian::native == std::endian::little);
+        std::array<char, sizeof value> raw{};
+        std::memcpy(raw.data(), &value, sizeof value);
+        out.append(raw.data(), raw.size());
+    }
+
+    // The reader's rule backwards: what is transmitted is tinted by the base colour, the rest of it
+    // reflected.
+    void addMaterials() {
+        const std::vector<std::string> names = materialNames(mesh_);
+        for (size_t i = 0; i < names.size(); ++i) {
+            const Material& material = mesh_.materials[i];
+            const glm::vec3 base = material.reflectance + material.transmittance;
+            const float sum = base.x + base.y + base.z;
+            const float through =
+                sum > 0
+                    ? (material.transmittance.x + material.transmittance.y + material.transmittance.z) / sum
+                    : 0;
+            nlohmann::ordered_json out{{"name", names[i]},
+                                       {"pbrMetallicRoughness",
+                                        {{"baseColorFactor", {base.x, base.y, base.z, 1}},
+                                         {"metallicFactor", 0},
+                                         {"roughnessFactor", 1}}}};
+            nlohmann::ordered_json extensions;
+            if (through > 0) {
+                extensions["KHR_materials_transmission"] = {{"transmissionFactor", through}};
+                extensions["KHR_materials_ior"] = {{"ior", material.refractiveIndex}};
+            }
+            const float strength = std::max({material.exitance.x, material.exitance.y, material.exitance.z});
+            if (strength > 0) {
+                const glm::vec3 hue = material.exitance / strength;
+                out["emissiveFactor"] = {hue.x, hue.y, hue.z};
+                extensions["KHR_materials_emissive_strength"] = {{"emissiveStrength", strength}};
+            }
+            for (const auto& [name, value] : extensions.items())
+                if (!json_.contains("extensionsUsed") ||
+                    std::ranges::find(json_["extensionsUsed"], nlohmann::ordered_json(name)) ==
+                        json_["extensionsUsed"].end())
+                    json_["extensionsUsed"].push_back(name);
+            if (!extensions.empty()) out["extensions"] = extensions;
+            json_["materials"].push_back(out);
+        }
+    }
+
+    size_t addView(size_t begin, int target) {
+        json_["bufferViews"].push_back(
+            {{"buffer", 0}, {"byteOffset", begin}, {"byteLength", data_.size() - begin}, {"target", target}});
+        return json_["bufferViews"].size() - 1;
+    }
+
+    void addPositions() {
+        glm::vec3 low(1e30f), high(-1e30f);
+        for (const glm::dvec3& p : mesh_.vertices) {
+            const glm::vec3 q(p);
+            low = glm::min(low, q);
+            high = glm::max(high, q);
+            for (int c = 0; c < 3; ++c) append(data_, q[c]);
+        }
+        json_["accessors"].push_back({{"bufferView", addView(0, 34962)},
+                                      {"componentType", 5126},
+                                      {"count", mesh_.vertices.size()},
+                                      {"type", "VEC3"},
+                                      {"min", {low.x, low.y, low.z}},
+                                      {"max", {high.x, high.y, high.z}}});
+    }
+
+    void addGroup(GroupKey key, const std::vector<size_t>& patches, nlohmann::ordered_json& nodes) {
+        nlohmann::ordered_json primitives = nlohmann::ordered_json::array();
+        for (size_t first = 0; first < patches.size();) {
+            const uint32_t material = mesh_.material[patches[first]];
+            const size_t begin = data_.size();
+            for (; first < patches.size() && mesh_.material[patches[first]] == material; ++first) {
+                const auto corner = mesh_.patch(patches[first]);
+                for (size_t k = 1; k + 1 < corner.size(); ++k)
+                    for (const uint32_t v : {corner[0], corner[k], corner[k + 1]}) append(data_, v);
+            }
+            json_["accessors"].push_back({{"bufferView", addView(begin, 34963)},
+                                          {"componentType", 5125},
+                                          {"count", (data_.size() - begin) / 4},
+                                          {"type", "SCALAR"}});
+            primitives.push_back({{"attributes", {{"POSITION", 0}}},
+                                  {"indices", json_["accessors"].size() - 1},
+                                  {"material", material}});
+        }
+        json_["meshes"].push_back({{"name", groupName(key)}, {"primitives", primitives}});
+        const size_t meshIndex = json_["meshes"].size() - 1;
+        json_["nodes"].push_back({{"name", groupName(key)}, {"mesh", meshIndex}});
+        nodes.push_back(json_["nodes"].size() - 1);
+    }
+
+    const PatchMesh& mesh_;
+    nlohmann::ordered_json json_;
+    std::string data_;
+};
+
+} // namespace
+
+void writeModel(const PatchMesh& mesh, const std::filesystem::path& file) {
+    if (file.extension() == ".obj") return writeObj(mesh, file);
+    if (file.extension() == ".glb") return writeWholeText(file, GlbWriter(mesh).bytes());
+    throw InputError(file.string(), "", "is no model to write, expected .obj or .glb");
+}
+
+} // namespace heliodon::geometry
