@@ -1,0 +1,183 @@
+// Random sketches, from tight rooms to nonsense. A short run by default; the long one is
+//   test_geometry_closure_fuzz --gtest_repeat=100
+// which takes new sketches for each repeat; --gtest_random_seed=S begins with others.
+#include <chrono>
+#include <cmath>
+#include <random>
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include "geometry/building.h"
+#include "geometry/mesher.h"
+
+using namespace heliodon::geometry;
+
+namespace {
+
+constexpr int kSketches = 1000;
+
+class SketchMaker {
+public:
+    explicit SketchMaker(unsigned seed) : random_(seed) {}
+
+    Sketch make() {
+        sketch_ = {};
+        const int kind = pick(4);
+        if (kind == 0)
+            nonsense(pick(20));
+        else if (kind == 1)
+            polygon();
+        else if (kind == 2)
+            grid();
+        else {
+            polygon();
+            nonsense(pick(8));
+        }
+        decorate();
+        return sketch_;
+    }
+
+private:
+    int pick(int n) { return static_cast<int>(random_() % static_cast<unsigned>(n)); }
+    double real(double low, double high) {
+        return std::uniform_real_distribution<double>(low, high)(random_);
+    }
+    glm::dvec2 point(double r = 18) { return {real(-r, r), real(-r, r)}; }
+    HeightClass height() { return static_cast<HeightClass>(pick(3)); }
+
+    void addWall(glm::dvec2 a, glm::dvec2 b, HeightClass h) {
+        Wall w;
+        w.id = "w" + std::to_string(sketch_.walls.size());
+        w.a = a;
+        w.b = b;
+        w.heightClass = h;
+        if (pick(10) == 0) w.thickness = real(0.05, 1);
+        sketch_.walls.push_back(w);
+    }
+
+    // Any walls at all; some of them copies, some snapped to whole inches so that they touch and overlap
+    // exactly.
+    void nonsense(int count) {
+        for (int k = 0; k < count; ++k) {
+            glm::dvec2 a = point(), b = point();
+            if (pick(2)) {
+                a = glm::round(a);
+                b = glm::round(b);
+            }
+            if (pick(3) == 0) b = pick(2) ? glm::dvec2(a.x, b.y) : glm::dvec2(b.x, a.y);
+            if (pick(6) == 0 && !sketch_.walls.empty()) {
+                const Wall& other =
+                    sketch_.walls[static_cast<size_t>(pick(static_cast<int>(sketch_.walls.size())))];
+                a = other.a + 0.1 * point(1);
+                b = other.b + 0.1 * point(1);
+            }
+            if (pick(30) == 0) b = a;
+            addWall(a, b, height());
+        }
+        for (int k = pick(4); k > 0 && count > 0; --k) {
+            Arc arc;
+            arc.id = "a" + std::to_string(sketch_.arcs.size());
+            arc.center = point(10);
+            arc.radius = real(0.2, 10);
+            arc.a0Deg = real(-360, 360);
+            arc.a1Deg = arc.a0Deg + (pick(8) ? real(1, 359) : 360);
+            arc.heightClass = height();
+            sketch_.arcs.push_back(arc);
+        }
+    }
+
+    // A star-shaped room with gaps or overshoots at its corners.
+    void polygon() {
+        const int n = 3 + pick(8);
+        const double slack = real(-1, 1);
+        const HeightClass h = pick(2) ? HeightClass::red : HeightClass::blue;
+        std::vector<glm::dvec2> corners;
+        for (int k = 0; k < n; ++k) {
+            const double angle = 2 * 3.14159265 * (k + real(0, 0.7)) / n, r = real(4, 15);
+            corners.emplace_back(r * std::cos(angle), r * std::sin(angle));
+        }
+        for (int k = 0; k < n; ++k) {
+            const glm::dvec2 a = corners[static_cast<size_t>(k)],
+                             b = corners[static_cast<size_t>((k + 1) % n)];
+            const glm::dvec2 d = glm::normalize(b - a);
+            addWall(a + slack * d, b - slack * d, h);
+        }
+    }
+
+    // Rooms in a row with doors and cracks.
+    void grid() {
+        const int n = 1 + pick(3);
+        const double width = real(4, 9), depth = real(4, 12), x0 = -0.5 * n * width;
+        addWall({x0, 0}, {x0 + n * width, 0}, HeightClass::red);
+        addWall({x0, depth}, {x0 + n * width, depth}, HeightClass::red);
+        for (int k = 0; k <= n; ++k) {
+            const double hole = k == 0 || k == n ? real(-0.5, 0.5) : real(-1, 4);
+            addWall({x0 + k * width, 0}, {x0 + k * width, depth - hole}, HeightClass::red);
+        }
+    }
+
+    void decorate() {
+        for (int k = pick(5); k > 0 && !sketch_.walls.empty(); --k) {
+            WindowMarker w;
+            w.id = "win" + std::to_string(k);
+            w.wall = sketch_.walls[static_cast<size_t>(pick(static_cast<int>(sketch_.walls.size())))].id;
+            w.pos = real(-1, 15);
+            w.width = real(0.1, 8);
+            w.kind = static_cast<WindowKind>(pick(3));
+            sketch_.windows.push_back(w);
+        }
+        for (int k = pick(4); k > 0; --k) {
+            Skylight s;
+            s.id = "sky" + std::to_string(k);
+            s.center = point(10);
+            s.size = {real(0.1, 8), real(0.1, 8)};
+            s.angleDeg = pick(2) ? 0 : real(0, 90);
+            sketch_.skylights.push_back(s);
+        }
+        for (int k = pick(3); k > 0; --k) addWall(point(8), point(8), HeightClass::green);
+    }
+
+    std::mt19937 random_;
+    Sketch sketch_;
+};
+
+} // namespace
+
+TEST(ClosureFuzz, every_sketch_closes_proven_or_is_refused_with_a_reason) {
+    static unsigned run = 0;
+    const unsigned first = 1000000u * (static_cast<unsigned>(GTEST_FLAG_GET(random_seed)) + run++);
+    int closed = 0, unproven = 0;
+    double slowest = 0;
+    unsigned slowestSeed = 0;
+    for (unsigned k = 0; k < kSketches; ++k) {
+        const Sketch sketch = SketchMaker(first + k).make();
+        const auto start = std::chrono::steady_clock::now();
+        const Closure closure = closeSketch(sketch);
+        const double ms =
+            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+        if (ms > slowest) {
+            slowest = ms;
+            slowestSeed = first + k;
+        }
+        ASSERT_FALSE(closure.report.code.empty()) << "seed " << first + k;
+        ASSERT_FALSE(closure.report.message.empty()) << "seed " << first + k;
+        ASSERT_EQ(closure.building.has_value(), closure.report.outcome != Outcome::refuse)
+            << "seed " << first + k;
+        if (closure.report.code == "NOT_PROVEN") {
+            ++unproven;
+            printf("not proven: seed %u\n", first + k);
+        }
+        if (!closure.building) continue;
+        ++closed;
+        for (const RoomReport& room : closure.report.rooms) {
+            ASSERT_TRUE(room.closed && !room.selfIntersecting) << "seed " << first + k;
+            ASSERT_GT(room.volumeFt3, 0) << "seed " << first + k;
+        }
+        if (k % 10 == 0) ASSERT_NO_THROW(meshBuilding(*closure.building, {500})) << "seed " << first + k;
+    }
+    printf("%d of %d closed, %d not proven; slowest %.1f ms (seed %u)\n", closed, kSketches, unproven,
+           slowest, slowestSeed);
+    EXPECT_GT(closed, kSketches / 4);
+    EXPECT_LE(unproven, kSketches / 50);
+}
