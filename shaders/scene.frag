@@ -8,7 +8,7 @@
 
 layout(location = 0) in vec3 pointInWorld;
 layout(location = 1) in vec4 lightAndShare;
-layout(location = 2) flat in vec3 normal;
+layout(location = 2) in vec3 smoothNormal;
 layout(push_constant, scalar) uniform Push { SceneParams params; };
 layout(constant_id = 1) const bool kProjector = false;
 
@@ -20,6 +20,6 @@ void main() {
     vec3 towardsEye = params.eye - pointInWorld;
     float r2 = dot(towardsEye, towardsEye);
     // The share is zero below the grazing limit; this bound only keeps the quotient finite.
-    float cosine = max(dot(normal, towardsEye) * inversesqrt(r2), 0.05);
+    float cosine = max(dot(normalize(smoothNormal), towardsEye) * inversesqrt(r2), 0.05);
     colour.a = lightAndShare.a * r2 / (params.shownReflectance * cosine);
 }

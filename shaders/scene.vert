@@ -10,18 +10,19 @@ layout(location = 1) in vec3 normal;
 layout(location = 2) in vec3 reflectance;
 layout(location = 3) in vec3 light;
 layout(location = 4) in float share;
+layout(location = 5) in vec3 smoothNormal;
 layout(push_constant, scalar) uniform Push { SceneParams params; };
 layout(constant_id = 0) const bool kSun = false;
 
 invariant gl_Position;
 layout(location = 0) out vec3 pointInWorld;
 layout(location = 1) out vec4 lightAndShare; // the sun pass: reflected sun before glazing, and nothing
-layout(location = 2) flat out vec3 normalOut;
+layout(location = 2) out vec3 smoothNormalOut;
 
 void main() {
     gl_Position = clipFromPoint(params.clipFromWorld, vec4(position, 1));
     pointInWorld = position;
-    normalOut = normal;
+    smoothNormalOut = smoothNormal;
     lightAndShare = vec4(light, share);
     if (kSun) {
         float cosine = dot(normal, params.towardsSun);

@@ -26,7 +26,8 @@ DrawMesh drawMesh(const PatchMesh& mesh, const VertexLight& vertexLight) {
         for (uint32_t c = first + 1; c + 1 < mesh.firstCorner[p + 1]; ++c)
             for (uint32_t corner : {first, c, c + 1}) {
                 const uint32_t pair = vertexLight.ofCorner(corner);
-                out.corners.push_back({glm::vec3(mesh.vertices[mesh.corners[corner]]), normal, reflectance});
+                out.corners.push_back(
+                    {glm::vec3(mesh.vertices[mesh.corners[corner]]), normal, reflectance, normal});
                 out.light.push_back({{pair, pair, pair}, {1, 0, 0}});
             }
     }
@@ -43,7 +44,8 @@ std::vector<DrawCorner> drawSolids(const geometry::Occluders& occluders) {
         const double length = glm::length(normal);
         if (!(length > 0)) continue;
         for (const glm::dvec3& p : {a, b, c})
-            corners.push_back({glm::vec3(p), glm::vec3(normal / length), glm::vec3(0)});
+            corners.push_back(
+                {glm::vec3(p), glm::vec3(normal / length), glm::vec3(0), glm::vec3(normal / length)});
     }
     return corners;
 }
@@ -57,7 +59,7 @@ std::vector<DrawCorner> drawDisc(glm::dvec3 centre, double radius) {
     };
     for (int i = 0; i < kSides; ++i)
         for (const glm::vec3& p : {glm::vec3(centre), rim(i), rim(i + 1)})
-            corners.push_back({p, {0, 1, 0}, glm::vec3(0)});
+            corners.push_back({p, {0, 1, 0}, glm::vec3(0), {0, 1, 0}});
     return corners;
 }
 

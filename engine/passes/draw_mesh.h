@@ -16,6 +16,7 @@ namespace heliodon::passes {
 
 struct DrawCorner { // the vertex stream of shaders/scene.vert and solid.vert
     glm::vec3 position, normal, reflectance;
+    glm::vec3 smoothNormal; // of the physical surface: that of a curved wall turns steadily over its facets
 };
 
 struct LightMix {

@@ -1,8 +1,7 @@
-// Which projector shows which part of a surface, after M. Sheng et al., section 4.3, and R. Raskar et al.,
-// "Shader Lamps" (2001). A projector's share is non-zero at a mesh vertex only if it sees all triangles round
-// it, less steep than the grazing limit; between vertices shares run smoothly, and they sum to one.
-// Near the shadows of walls that rule leaves bands to nobody. There the triangles are divided along the
-// shadows' edges, down to `finestMetres`, and each piece goes to the projectors that see it.
+// The surfaces that projectors show, cut along the outlines of what each projector sees
+// (geometry/projector_visibility.h), with every projector's share of the picture. Shares run smoothly between
+// vertices and sum to one. Where the rule for vertices leaves a band to nobody (no projector sees all of the
+// triangles round a vertex), each triangle goes to those that see it.
 #pragma once
 
 #include "engine/passes/draw_mesh.h"
@@ -11,17 +10,8 @@
 
 namespace heliodon::passes {
 
-struct ShareOptions {
-    double grazingLimit = 0.2;    // cosine between the surface's normal and the ray to the projector
-    double finestMetres = 1.5e-3; // about a projector's pixel on the table
-    double borderPixels = 24;     // a projector's part fades out towards the edges of its picture
-};
-
-// The patches that physical surfaces show, with every projector's share. What stands in the way is
-// `occluders`, or where there are none the shown patches themselves. Cost: about 50 ms for 2000 patches and
-// four projectors.
+// Cost: that of the cut, about 20 us for each patch that an outline crosses.
 DrawMesh shownMesh(const geometry::PatchMesh& mesh, const VertexLight& vertexLight,
-                   const geometry::Occluders& occluders, const geometry::Rig& rig,
-                   const ShareOptions& options = {});
+                   const geometry::Occluders& occluders, const geometry::Rig& rig);
 
 } // namespace heliodon::passes

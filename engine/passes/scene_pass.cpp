@@ -23,7 +23,8 @@ const gpu::VertexStream kCornerStream{
     sizeof(DrawCorner),
     {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(DrawCorner, position)},
      {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(DrawCorner, normal)},
-     {2, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(DrawCorner, reflectance)}}};
+     {2, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(DrawCorner, reflectance)},
+     {5, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(DrawCorner, smoothNormal)}}};
 const gpu::VertexStream kLightStream{12, {{3, 0, VK_FORMAT_R32G32B32_SFLOAT, 0}}};
 const gpu::VertexStream kShareStream{4, {{4, 0, VK_FORMAT_R32_SFLOAT, 0}}};
 
@@ -89,7 +90,7 @@ gpu::GraphicsPipeline solidPipeline(gpu::Device& device, bool seeThrough) {
     gpu::GraphicsPipelineInfo info = surfaceInfo();
     info.stages = {solid_vert, solid_frag};
     info.streams = {kCornerStream};
-    info.streams[0].attributes.pop_back(); // no reflectance
+    info.streams[0].attributes.resize(2); // position and normal
     if (seeThrough) {
         info.depthWrite = false;
         info.blend = gpu::Blend::alpha;

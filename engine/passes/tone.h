@@ -7,8 +7,9 @@
 namespace heliodon::passes {
 
 enum class ToneMap {
-    linear,     // proportional, clipped: the default; equal light sums to equal light over several projectors
-    soft,       // compresses highlights (Reinhard): `whiteLux` is shown at about 0.6 of white, 20 times that as white
+    linear, // proportional, clipped: the default; equal light sums to equal light over several projectors
+    soft,   // compresses highlights (Reinhard): `whiteLux` is shown at about 0.6 of white, 20 times that as
+            // white
     falseColour // lux as colour, scale "viridis"
 };
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <map>
 #include <set>
 
 #include <glm/geometric.hpp>
@@ -89,13 +88,12 @@ Patches measure(const PatchMesh& mesh) {
 } // namespace
 
 VertexLight::VertexLight(const PatchMesh& mesh) : pairOfCorner_(mesh.corners.size()) {
-    std::map<std::pair<uint32_t, uint32_t>, uint32_t> pairs;
     std::vector<std::vector<uint32_t>> patchesAt; // per pair, the patches that touch it
     std::vector<uint32_t> vertexOf;
     for (uint32_t p = 0; p < mesh.patchCount(); ++p)
         for (uint32_t c = mesh.firstCorner[p]; c < mesh.firstCorner[p + 1]; ++c) {
-            const auto [entry, fresh] = pairs.try_emplace({mesh.corners[c], mesh.surface[p]},
-                                                          static_cast<uint32_t>(patchesAt.size()));
+            const auto [entry, fresh] = pairs_.try_emplace({mesh.corners[c], mesh.surface[p]},
+                                                           static_cast<uint32_t>(patchesAt.size()));
             if (fresh) {
                 patchesAt.emplace_back();
                 vertexOf.push_back(mesh.corners[c]);

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -24,11 +25,14 @@ public:
     size_t size() const { return first_.size() - 1; }
     // The pair that belongs to mesh.corners[corner].
     uint32_t ofCorner(size_t corner) const { return pairOfCorner_[corner]; }
+    // The pair of a vertex that some patch of the surface has as a corner.
+    uint32_t pairOf(uint32_t vertex, uint32_t surface) const { return pairs_.at({vertex, surface}); }
 
     // One value per pair, never negative. `patchValues` has one value per patch.
     std::vector<glm::vec3> evaluate(std::span<const glm::vec3> patchValues) const;
 
 private:
+    std::map<std::pair<uint32_t, uint32_t>, uint32_t> pairs_;
     std::vector<uint32_t> pairOfCorner_;
     std::vector<uint32_t> first_{0}, patch_; // pair i combines patch_[first_[i] .. first_[i + 1])
     std::vector<float> weight_;
