@@ -1,1 +1,50 @@
-int main() { return 0; }
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include <fmt/format.h>
+
+#include "engine/app/arguments.h"
+#include "engine/app/commands.h"
+#include "engine/app/run.h"
+#include "geometry/input_error.h"
+
+namespace {
+
+constexpr int kFailed = 1, kBadInput = 2;
+
+int complain(const std::string& text, int code) {
+    fmt::print(stderr, "heliodon: {}\n", text);
+    return code;
+}
+
+int perform(heliodon::app::Run& run, const heliodon::app::Command& command) {
+    std::string error;
+    int code = 0;
+    try {
+        std::visit([&](const auto& arguments) { heliodon::app::execute(run, arguments); }, command);
+    } catch (const heliodon::geometry::InputError& e) {
+        code = complain(error = e.what(), kBadInput);
+    } catch (const std::bad_alloc&) {
+        code = complain(error = "out of memory", kFailed);
+    } catch (const std::exception& e) {
+        code = complain(error = e.what(), kFailed);
+    }
+    run.finish(error);
+    return code;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    try {
+        const auto arguments = heliodon::app::parseArguments(argc, argv);
+        if (!arguments) return 0;
+        heliodon::app::Run run(*arguments);
+        return perform(run, arguments->command);
+    } catch (const heliodon::geometry::InputError& e) {
+        return complain(e.what(), kBadInput);
+    } catch (const std::exception& e) {
+        return complain(e.what(), kFailed);
+    }
+}

@@ -1,0 +1,54 @@
+# Sourced by ./run and ./check: installs what Debian packages are missing, builds a preset. Not a command of its own.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+build_packages=(
+    g++ cmake ninja-build pkg-config ccache
+    libvulkan-dev mesa-vulkan-drivers glslang-tools libglm-dev libglfw3-dev
+    libopencv-dev libcgal-dev libcli11-dev nlohmann-json3-dev libfmt-dev zlib1g-dev
+)
+test_packages=(
+    libgtest-dev libbenchmark-dev libembree-dev vulkan-validationlayers spirv-tools xvfb xauth
+)
+
+say() { printf '\n== %s\n' "$*"; }
+
+die() {
+    printf '\nFAILED: %s\n' "$*" >&2
+    exit 1
+}
+
+# install_packages NAME...: those that are not there yet, as root or through sudo.
+install_packages() {
+    local missing=() name
+    for name in "$@"; do
+        dpkg-query -W -f '${db:Status-Status}' "$name" 2>/dev/null | grep -qx installed || missing+=("$name")
+    done
+    [ ${#missing[@]} -eq 0 ] && return
+    say "Installing Debian packages: ${missing[*]}"
+    local as_root=()
+    if [ "$(id -u)" -ne 0 ]; then
+        command -v sudo >/dev/null || die "these packages are needed, and there is no sudo to install them with: ${missing[*]}"
+        as_root=(sudo)
+    fi
+    local log
+    log=$(mktemp)
+    "${as_root[@]}" apt-get update -qq >"$log" 2>&1 || { tail -5 "$log"; die "apt-get update did not work"; }
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" \
+        >"$log" 2>&1 || { tail -20 "$log"; die "apt-get could not install: ${missing[*]}"; }
+    rm -f "$log"
+}
+
+# build PRESET [TARGET...]: configures when needed and builds; a broken configuration is started afresh.
+build() {
+    local preset=$1 log
+    shift
+    mkdir -p "build/$preset"
+    log=build/$preset/configure.log
+    say "Building ($preset)"
+    cmake --preset "$preset" >"$log" 2>&1 || {
+        rm -rf "build/$preset/CMakeCache.txt" "build/$preset/CMakeFiles"
+        cmake --preset "$preset" >"$log" 2>&1 || { tail -20 "$log"; die "cmake could not configure, see $log"; }
+    }
+    cmake --build "build/$preset" --parallel "$(nproc)" ${1:+--target "$@"} || die "the $preset build"
+}

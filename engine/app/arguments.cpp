@@ -1,0 +1,188 @@
+#include "engine/app/arguments.h"
+
+#include <iostream>
+
+#include <CLI/CLI.hpp>
+
+#include "geometry/input_error.h"
+
+namespace heliodon::app {
+
+namespace {
+
+class Parser {
+public:
+    Parser() : app_("A virtual heliodon: from a sketch on a table to daylight on the model.", "heliodon") {
+        app_.set_version_flag("--version", HELIODON_VERSION);
+        app_.require_subcommand(1);
+        app_.footer("heliodon COMMAND --help says more, with an example.");
+        addDetect();
+        addModel();
+        addFormFactors();
+        addIlluminance();
+        addRender();
+        addTimelapse();
+        addDevices();
+    }
+
+    std::optional<Arguments> parse(int argc, const char* const* argv) {
+        try {
+            app_.parse(argc, argv);
+        } catch (const CLI::Success& success) { // --help, --version
+            app_.exit(success);
+            return std::nullopt;
+        } catch (const CLI::ParseError& error) {
+            throw geometry::InputError("command line", "", error.what());
+        }
+        for (auto& [sub, command] : commands_)
+            if (*sub) return Arguments{sub->get_name(), common_, command()};
+        return std::nullopt;
+    }
+
+private:
+    template<class T>
+    CLI::App* add(const std::string& name, const std::string& what, T& values, const std::string& example) {
+        CLI::App* sub = app_.add_subcommand(name, what);
+        sub->footer("Example:\n  heliodon " + name + " " + example);
+        sub->option_defaults()->always_capture_default(false);
+        sub->add_option("--device", common_.device,
+                        "Vulkan device: part of its name, or its index (heliodon devices)");
+        sub->add_option("--report", common_.report,
+                        "write everything worth knowing about the run to this JSON file");
+        sub->add_flag("--quiet", common_.quiet, "no progress and no notes");
+        commands_.emplace_back(sub, [&values] { return Command(values); });
+        return sub;
+    }
+
+    static void addScene(CLI::App* sub, SceneArguments& scene) {
+        sub->add_option("INPUT", scene.input,
+                        "photograph (.png .jpg .tif), sketch (.json) or model (.obj .gltf .glb)")
+            ->required();
+        sub->add_option("--rig", scene.rig,
+                        "calibrated camera and projectors (.json); a photograph needs it");
+        sub->add_option("--triangles", scene.triangles, "patches aimed at (default 2000)")
+            ->check(CLI::Range(4, 2000000));
+        sub->add_option("--up", scene.up, "up axis of a model: y or z (default y)")
+            ->check(CLI::IsMember({"y", "z"}));
+        sub->add_option("--north", scene.northDeg,
+                        "turn north by so many degrees, clockwise seen from above");
+    }
+
+    static void addMoment(CLI::App* sub, MomentArguments& moment, bool withTime) {
+        sub->add_option("--site", moment.site,
+                        "LAT,LON in degrees north and east (default: the rig's, else 42.73,-73.68)");
+        if (withTime)
+            sub->add_option("--time", moment.time,
+                            "2026-03-21T13:00-05:00, or ...T13:00solar for apparent solar time (default 21 "
+                            "March 13:00 solar)");
+        sub->add_option(
+            "--sky", moment.sky,
+            "clear, overcast, intermediate, cie:1..15, perez:DNI,DHI in W/m2, or a sky file (default clear)");
+    }
+
+    static void addPicture(CLI::App* sub, PictureArguments& picture) {
+        sub->add_option("--exposure", picture.exposure,
+                        "lux of exitance that shows as white (default: chosen from the picture)")
+            ->check(CLI::PositiveNumber);
+        sub->add_flag("--false-color", picture.falseColor, "lux as colours, with a legend");
+        sub->add_flag("--exr", picture.exr, "linear pictures too, as OpenEXR");
+    }
+
+    void addDetect() {
+        CLI::App* sub = add("detect", "find walls, windows, tokens and arrow in a photograph", detect_,
+                            "photo.png --rig rig.json -o sketch.json --overlay found.png");
+        sub->add_option("PHOTO", detect_.photo, "overhead photograph (.png .jpg .tif)")->required();
+        sub->add_option("--rig", detect_.rig, "calibrated camera (.json)")->required();
+        sub->add_option("-o,--output", detect_.output, "the sketch (.json)")->required();
+        sub->add_option("--overlay", detect_.overlay,
+                        "the photograph with everything that was found drawn on it (.png)");
+    }
+
+    void addModel() {
+        CLI::App* sub = add("model", "infer the closed rooms and mesh them", model_,
+                            "sketch.json --triangles 2000 -o room.obj");
+        addScene(sub, model_.scene);
+        sub->add_option("-o,--output", model_.output, "the model (.obj with .mtl, or .glb)")->required();
+    }
+
+    void addFormFactors() {
+        CLI::App* sub = add("formfactors", "the matrix of form factors", formFactors_,
+                            "room.obj --kernel hemicube --resolution 64 -o F.npy");
+        addScene(sub, formFactors_.scene);
+        sub->add_option("--kernel", formFactors_.kernel, "which kernel (default auto)");
+        auto* resolution = sub->add_option("--resolution", formFactors_.resolution,
+                                           "pixels along the top of the hemicube (default 64)")
+                               ->check(CLI::Range(4, 1024));
+        sub->add_option("--max-error", formFactors_.maxError,
+                        "wanted RMS of the rows' errors; picks kernel and resolution")
+            ->check(CLI::PositiveNumber)
+            ->excludes(resolution);
+        sub->add_option("--reference", formFactors_.reference,
+                        "compare with this matrix (.npy, or raw little-endian .f32) in the report");
+        sub->add_option("-o,--output", formFactors_.output, "n x n float32 (.npy)")->required();
+    }
+
+    void addIlluminance() {
+        CLI::App* sub = add("illuminance", "lux at sensors or patches", illuminance_,
+                            "room.obj --up z --sky sky.json --sensors desk.csv -o lux.csv");
+        addScene(sub, illuminance_.scene);
+        addMoment(sub, illuminance_.moment, true);
+        sub->add_option("--sensors", illuminance_.sensors,
+                        "points (.csv with x,y,z,nx,ny,nz); without: one row per patch");
+        sub->add_option("-o,--output", illuminance_.output, "the table (.csv)")->required();
+    }
+
+    void addRender() {
+        CLI::App* sub = add("render", "pictures for the projectors, and a preview", render_,
+                            "photo.png --rig rig.json --time 2026-03-21T13:00solar --false-color -o out");
+        addScene(sub, render_.scene);
+        addMoment(sub, render_.moment, true);
+        addPicture(sub, render_.picture);
+        sub->add_option("-o,--output", render_.output, "folder for the pictures; made when missing")
+            ->required();
+    }
+
+    void addTimelapse() {
+        CLI::App* sub = add(
+            "timelapse", "a day, or a year, as a film or as pictures", timelapse_,
+            "sketch.json --from 2026-06-21T07:00solar --to 2026-06-21T17:00solar --step PT10M -o day.mp4");
+        addScene(sub, timelapse_.scene);
+        addMoment(sub, timelapse_.moment, false);
+        addPicture(sub, timelapse_.picture);
+        sub->add_option("--from", timelapse_.from, "time of the first frame")->required();
+        sub->add_option("--to", timelapse_.to, "time of the last frame")->required();
+        sub->add_option("--step", timelapse_.step, "time between frames: PT10M, P1D")->required();
+        sub->add_option("--view", timelapse_.view,
+                        "preview or projectors (default: projectors with a rig, else preview)")
+            ->check(CLI::IsMember({"preview", "projectors"}));
+        sub->add_option("--fps", timelapse_.framesPerSecond, "frames a second of the film (default 24)")
+            ->check(CLI::Range(1.0, 240.0));
+        sub->add_flag("--resume", timelapse_.resume,
+                      "go on where an interrupted run into the same folder stopped");
+        sub->add_option("-o,--output", timelapse_.output, "film (.mp4), or folder for numbered pictures")
+            ->required();
+    }
+
+    void addDevices() {
+        add("devices", "list the Vulkan devices, with why one cannot be used", devices_, "");
+    }
+
+    CLI::App app_;
+    CommonArguments common_;
+    DetectArguments detect_;
+    ModelArguments model_;
+    FormFactorArguments formFactors_;
+    IlluminanceArguments illuminance_;
+    RenderArguments render_;
+    TimelapseArguments timelapse_;
+    DevicesArguments devices_;
+    std::vector<std::pair<CLI::App*, std::function<Command()>>> commands_;
+};
+
+} // namespace
+
+std::optional<Arguments> parseArguments(int argc, const char* const* argv) {
+    return Parser().parse(argc, argv);
+}
+
+} // namespace heliodon::app

@@ -1,0 +1,86 @@
+// The command line as plain values: one struct a command. `docs` of the options are in arguments.cpp, where
+// --help is made.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+
+namespace heliodon::app {
+
+struct CommonArguments {
+    std::string device; // name or index; empty: the default choice
+    std::filesystem::path report;
+    bool quiet = false;
+};
+
+// What to work on: a photograph, a sketch or a model; stages start where the input starts.
+struct SceneArguments {
+    std::filesystem::path input, rig;
+    std::optional<size_t> triangles;
+    std::string up = "y";
+    double northDeg = 0; // turns north clockwise seen from above
+};
+
+// Where, when and under which sky; empty: the default, which is printed.
+struct MomentArguments {
+    std::string site, time, sky;
+};
+
+struct PictureArguments {
+    std::optional<double> exposure;
+    bool falseColor = false, exr = false;
+};
+
+struct DetectArguments {
+    std::filesystem::path photo, rig, output, overlay;
+};
+struct ModelArguments {
+    SceneArguments scene;
+    std::filesystem::path output;
+};
+struct FormFactorArguments {
+    SceneArguments scene;
+    std::string kernel = "auto";
+    unsigned resolution = 64;
+    double maxError = 0;
+    std::filesystem::path reference, output;
+};
+struct IlluminanceArguments {
+    SceneArguments scene;
+    MomentArguments moment;
+    std::filesystem::path sensors, output;
+};
+struct RenderArguments {
+    SceneArguments scene;
+    MomentArguments moment;
+    PictureArguments picture;
+    std::filesystem::path output;
+};
+struct TimelapseArguments {
+    SceneArguments scene;
+    MomentArguments moment;
+    PictureArguments picture;
+    std::string from, to, step;
+    std::string view; // "preview", "projectors"; empty: projectors with a rig, else preview
+    double framesPerSecond = 24;
+    bool resume = false;
+    std::filesystem::path output;
+};
+struct DevicesArguments {};
+
+using Command = std::variant<DetectArguments, ModelArguments, FormFactorArguments, IlluminanceArguments,
+                             RenderArguments, TimelapseArguments, DevicesArguments>;
+
+struct Arguments {
+    std::string commandName;
+    CommonArguments common;
+    Command command;
+};
+
+// None when --help or --version was asked for and has been printed. Throws geometry::InputError on bad usage.
+std::optional<Arguments> parseArguments(int argc, const char* const* argv);
+
+} // namespace heliodon::app

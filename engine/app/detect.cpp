@@ -1,0 +1,23 @@
+#include "vision/detect.h"
+#include "engine/app/commands.h"
+#include "engine/app/scene_input.h"
+#include "geometry/input_error.h"
+#include "geometry/rig.h"
+#include "geometry/sketch.h"
+
+namespace heliodon::app {
+
+void execute(Run& run, const DetectArguments& arguments) {
+    SceneArguments scene;
+    scene.input = arguments.photo;
+    if (scene.input.extension() == ".json")
+        throw geometry::InputError(scene.input.string(), "",
+                                   "is a sketch already, expected a photograph (.png .jpg .tif)");
+    const geometry::Rig rig = geometry::readRig(arguments.rig);
+    const geometry::Sketch sketch = loadSketch(run, scene, rig);
+    if (!arguments.overlay.empty())
+        vision::drawOverlay(vision::readPhotograph(arguments.photo), rig, sketch, arguments.overlay);
+    geometry::writeSketch(sketch, arguments.output);
+}
+
+} // namespace heliodon::app

@@ -1,0 +1,25 @@
+#include <cstdio>
+
+#include <fmt/format.h>
+
+#include "engine/app/commands.h"
+
+namespace heliodon::app {
+
+void execute(Run& run, const DevicesArguments&) {
+    nlohmann::json& list = run.report()["devices"] = nlohmann::json::array();
+    const std::vector<gpu::DeviceInfo> devices = gpu::listDevices();
+    for (const gpu::DeviceInfo& d : devices) {
+        fmt::print("{}  {:<10}  {}  ({})\n   {}\n", d.index, d.type, d.name, d.driver,
+                   d.refused.empty() ? "usable" : "refused: " + d.refused);
+        list.push_back({{"index", d.index},
+                        {"name", d.name},
+                        {"type", d.type},
+                        {"driver", d.driver},
+                        {"refused", d.refused}});
+    }
+    if (devices.empty())
+        fmt::print("no Vulkan device: is a driver installed (mesa-vulkan-drivers has a software one)?\n");
+}
+
+} // namespace heliodon::app

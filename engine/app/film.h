@@ -1,0 +1,30 @@
+// A film (H.264 in .mp4), encoded in a thread of its own so that drawing does not wait for it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+namespace heliodon::app {
+
+class Film {
+public:
+    // Written beside `target` and renamed by close(): the film appears whole or not at all. Throws when no
+    // encoder is there.
+    Film(const std::filesystem::path& target, uint32_t width, uint32_t height, double framesPerSecond);
+    ~Film(); // without close(): stops and removes what was written
+    Film(const Film&) = delete;
+    Film& operator=(const Film&) = delete;
+
+    // `rgb`: width x height x 3 bytes, sRGB, first row at the top. Waits when the encoder is several frames
+    // behind, so that memory stays bounded.
+    void add(std::vector<uint8_t> rgb);
+    void close();
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace heliodon::app

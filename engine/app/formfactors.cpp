@@ -1,0 +1,72 @@
+#include <algorithm>
+#include <cmath>
+
+#include "compute/form_factors.h"
+#include "engine/app/commands.h"
+#include "engine/app/scene_input.h"
+#include "engine/app/table_file.h"
+
+namespace heliodon::app {
+
+namespace {
+
+geometry::PatchMesh loadPatches(Run& run, const SceneArguments& arguments) {
+    const std::string extension = arguments.input.extension().string();
+    const bool facesAsTheyAre = extension == ".obj" && !arguments.triangles;
+    if (!facesAsTheyAre) return loadScene(run, arguments).mesh;
+    const StageTimer timer(run, "read");
+    return geometry::readPatches(arguments.input, upAxisOf(arguments));
+}
+
+nlohmann::json errorAgainst(std::span<const float> reference, std::span<const float> values, size_t n) {
+    double sum = 0, worstRow = 0, worstEntry = 0;
+    for (size_t i = 0; i < n; ++i) {
+        double row = 0;
+        for (size_t j = 0; j < n; ++j) {
+            const double d =
+                static_cast<double>(values[i * n + j]) - static_cast<double>(reference[i * n + j]);
+            row += d * d;
+            worstEntry = std::max(worstEntry, std::abs(d));
+        }
+        sum += row;
+        worstRow = std::max(worstRow, std::sqrt(row));
+    }
+    return {{"row_l2_rms", std::sqrt(sum / static_cast<double>(n))},
+            {"row_l2_max", worstRow},
+            {"entry_rms", std::sqrt(sum) / static_cast<double>(n)},
+            {"entry_max", worstEntry}};
+}
+
+} // namespace
+
+void execute(Run& run, const FormFactorArguments& arguments) {
+    const geometry::PatchMesh mesh = loadPatches(run, arguments.scene);
+    gpu::Device& device = run.device();
+    compute::FormFactorOptions options;
+    options.kernel = arguments.kernel;
+    options.resolution = arguments.resolution;
+    options.maxError = arguments.maxError;
+    const compute::FormFactors factors = [&] {
+        const StageTimer timer(run, "formfactors");
+        return compute::computeFormFactors(device, mesh, options);
+    }();
+    const size_t n = factors.patchCount;
+    const std::vector<float> values = factors.values.download<float>(n * n);
+    const compute::FormFactorReport& r = factors.report;
+    run.report()["form_factors"] = {{"patches", n},
+                                    {"kernel", r.kernel},
+                                    {"why", r.why},
+                                    {"resolution", r.resolution},
+                                    {"points", r.points},
+                                    {"seconds", r.seconds},
+                                    {"closure_max", r.closureMax},
+                                    {"closure_rms", r.closureRms},
+                                    {"reciprocity_rms", r.reciprocityRms},
+                                    {"claimed_row_error", r.claimedRowError}};
+    for (const std::string& reason : r.skipped) run.skipped(reason);
+    if (!arguments.reference.empty())
+        run.report()["error"] = errorAgainst(readMatrix(arguments.reference, n, n), values, n);
+    writeNpy(arguments.output, n, n, values);
+}
+
+} // namespace heliodon::app

@@ -1,0 +1,86 @@
+#include "engine/app/light_report.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace heliodon::app {
+
+using nlohmann::json;
+
+std::unique_ptr<compute::DaylightTransport> makeTransport(Run& run, const geometry::PatchMesh& mesh) {
+    gpu::Device& device = run.device();
+    std::unique_ptr<compute::DaylightTransport> transport;
+    {
+        const StageTimer timer(run, "formfactors");
+        transport = std::make_unique<compute::DaylightTransport>(device, mesh);
+    }
+    const compute::TransportReport& t = transport->report();
+    const compute::FormFactorReport& f = t.formFactors;
+    run.report()["form_factors"] = {{"patches", mesh.patchCount()},
+                                    {"kernel", f.kernel},
+                                    {"why", f.why},
+                                    {"resolution", f.resolution},
+                                    {"points", f.points},
+                                    {"closure_max", f.closureMax},
+                                    {"closure_rms", f.closureRms},
+                                    {"reciprocity_rms", f.reciprocityRms},
+                                    {"claimed_row_error", f.claimedRowError},
+                                    {"sky_elements", t.skyElements},
+                                    {"sky_channels", t.channels}};
+    for (const std::string& reason : t.skipped) run.skipped(reason);
+    return transport;
+}
+
+std::vector<compute::Moment> solveLight(Run& run, compute::DaylightTransport& transport,
+                                        std::span<const daylight::Sky> skies) {
+    const StageTimer timer(run, "solve");
+    std::vector<compute::Moment> moments = transport.light(skies);
+    if (moments.empty()) return moments;
+    const compute::MomentReport& r = moments.back().report;
+    run.report()["radiosity"] = {{"passes", r.radiosity.passes},
+                                 {"residual", r.radiosity.residual},
+                                 {"bound", r.radiosity.bound},
+                                 {"converged", r.radiosity.converged},
+                                 {"lumens_in", r.lumensIn},
+                                 {"lumens_absorbed", r.lumensAbsorbed},
+                                 {"energy_imbalance", r.energyImbalance}};
+    for (const std::string& what : r.modelled) run.modelled(what);
+    for (const std::string& what : r.skipped) run.skipped(what);
+    if (!r.radiosity.converged)
+        run.warn("the radiosity solution did not reach its tolerance; see radiosity.bound in the report");
+    return moments;
+}
+
+LightFigures lightFigures(const geometry::PatchMesh& mesh, const compute::Moment& moment) {
+    struct Sample {
+        double exitance, area;
+    };
+    std::vector<Sample> samples;
+    LightFigures figures;
+    double areaSum = 0, fluxSum = 0;
+    for (size_t i = 0; i < mesh.patchCount(); ++i) {
+        if (mesh.role[i] != geometry::Role::projection || mesh.materials[mesh.material[i]].isOpening())
+            continue;
+        const double area = geometry::patchArea(mesh, i);
+        const double lux = compute::photometric(moment.patches[i].total());
+        samples.push_back({compute::photometric(moment.lighting.exitance[i]), area});
+        areaSum += area;
+        fluxSum += area * lux;
+        figures.maxLux = std::max(figures.maxLux, lux);
+    }
+    if (areaSum <= 0) return figures;
+    figures.meanLux = fluxSum / areaSum;
+    std::sort(samples.begin(), samples.end(),
+              [](const Sample& a, const Sample& b) { return a.exitance < b.exitance; });
+    auto percentile = [&](double share) {
+        double below = 0;
+        for (const Sample& s : samples)
+            if ((below += s.area) >= share * areaSum) return s.exitance;
+        return samples.back().exitance;
+    };
+    const double dark = percentile(0.05);
+    figures.glareRatio = dark > 0 ? percentile(0.95) / dark : 0;
+    return figures;
+}
+
+} // namespace heliodon::app

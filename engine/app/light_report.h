@@ -1,0 +1,25 @@
+// What the light solvers measured and decided, as fields of the report; and figures about one moment's light.
+#pragma once
+
+#include "compute/daylight_transport.h"
+#include "engine/app/run.h"
+#include "geometry/patch_mesh.h"
+
+namespace heliodon::app {
+
+// Form factors with the sky coefficients of a mesh; fills `stages.formfactors` and `form_factors`.
+std::unique_ptr<compute::DaylightTransport> makeTransport(Run& run, const geometry::PatchMesh& mesh);
+
+// Solves one sky or several at once; fills `stages.solve`, `radiosity`, `modelled` and `skipped` (the latter
+// three from the last call).
+std::vector<compute::Moment> solveLight(Run& run, compute::DaylightTransport& transport,
+                                        std::span<const daylight::Sky> skies);
+
+struct LightFigures {
+    double meanLux = 0, maxLux = 0; // of the illuminance on the surfaces that are shown, by area
+    double glareRatio =
+        0; // brightest over darkest exitance there, 95th over 5th percentile of area; 0 in the dark
+};
+LightFigures lightFigures(const geometry::PatchMesh& mesh, const compute::Moment& moment);
+
+} // namespace heliodon::app

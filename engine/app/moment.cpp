@@ -1,0 +1,62 @@
+#include "engine/app/moment.h"
+
+#include <charconv>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "geometry/input_error.h"
+
+namespace heliodon::app {
+
+namespace {
+
+daylight::Site parseSite(const std::string& text) {
+    daylight::Site site;
+    const char* const end = text.data() + text.size();
+    const auto latitude = std::from_chars(text.data(), end, site.latitudeDeg);
+    const bool comma = latitude.ec == std::errc() && latitude.ptr != end && *latitude.ptr == ',';
+    const auto longitude = comma ? std::from_chars(latitude.ptr + 1, end, site.longitudeDeg) : latitude;
+    if (!comma || longitude.ec != std::errc() || longitude.ptr != end ||
+        !(std::abs(site.latitudeDeg) <= 90) || !(std::abs(site.longitudeDeg) <= 180))
+        throw geometry::InputError(
+            "--site", "", fmt::format("'{}' is no place, expected LAT,LON in degrees north and east", text));
+    return site;
+}
+
+} // namespace
+
+SkySource::SkySource(Run& run, const MomentArguments& arguments, const Scene& scene)
+    : option_(arguments.sky.empty() ? "clear" : arguments.sky), up_(scene.up) {
+    setting_.northDeg = scene.northDeg;
+    std::string assumed;
+    auto assume = [&](const std::string& what) { assumed += (assumed.empty() ? "" : ", ") + what; };
+    if (!arguments.site.empty())
+        site_ = parseSite(arguments.site);
+    else if (scene.rig && scene.rig->site)
+        site_ = *scene.rig->site;
+    else
+        assume(fmt::format("site {},{}", site_.latitudeDeg, site_.longitudeDeg));
+    if (!arguments.time.empty())
+        moment_ = daylight::parseTime(arguments.time, "--time");
+    else
+        assume("time " + daylight::formatTime(moment_));
+    if (arguments.sky.empty()) assume("sky clear");
+    const bool matters = daylight::skyDependsOnTime(option_);
+    if (!assumed.empty() && matters) {
+        run.note("assumed: " + assumed);
+        run.report()["assumed"] = assumed;
+    }
+    run.report()["sky"] = {{"option", option_}, {"north_deg", scene.northDeg}};
+    if (matters) run.report()["site"] = {{"latitude", site_.latitudeDeg}, {"longitude", site_.longitudeDeg}};
+}
+
+daylight::SunPosition SkySource::sunAt(const daylight::Moment& moment) const {
+    return daylight::sunPosition(daylight::utcSeconds(moment, site_.longitudeDeg), site_);
+}
+
+daylight::Sky SkySource::skyAt(const daylight::Moment& moment) const {
+    return daylight::skyFromOption(option_, sunAt(moment), setting_, up_);
+}
+
+} // namespace heliodon::app

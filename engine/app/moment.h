@@ -1,0 +1,33 @@
+// Where, when and under which sky: the command line's words made into skies over one scene.
+#pragma once
+
+#include <string>
+
+#include "compute/daylight/sky.h"
+#include "compute/daylight/sun_position.h"
+#include "compute/daylight/time.h"
+#include "engine/app/arguments.h"
+#include "engine/app/run.h"
+#include "engine/app/scene_input.h"
+
+namespace heliodon::app {
+
+class SkySource {
+public:
+    // What the user left open is taken from the rig or the defaults, printed once and kept in the report.
+    SkySource(Run& run, const MomentArguments& arguments, const Scene& scene);
+
+    // `--time`, or its default.
+    const daylight::Moment& moment() const { return moment_; }
+    daylight::SunPosition sunAt(const daylight::Moment& moment) const;
+    daylight::Sky skyAt(const daylight::Moment& moment) const;
+
+private:
+    daylight::Site site_;
+    daylight::Moment moment_; // as constructed: 21 March, 13:00 apparent solar time
+    std::string option_;
+    geometry::UpAxis up_;
+    daylight::SkySetting setting_;
+};
+
+} // namespace heliodon::app

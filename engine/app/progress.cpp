@@ -1,0 +1,53 @@
+#include "engine/app/progress.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+namespace heliodon::app {
+
+namespace {
+
+std::string clockText(double seconds) {
+    const auto s = static_cast<long>(seconds + 0.5);
+    return s >= 3600 ? fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60)
+                     : fmt::format("{}:{:02}", s / 60, s % 60);
+}
+
+} // namespace
+
+Progress::Progress(std::string what, size_t total, bool shown)
+    : what_(std::move(what)), total_(total), shown_(shown), terminal_(::isatty(STDERR_FILENO) == 1),
+      start_(Clock::now()), last_(start_) {}
+
+Progress::~Progress() {
+    if (drawn_ && terminal_) fmt::print(stderr, "\n");
+}
+
+void Progress::advance(size_t done) {
+    if (!shown_ || total_ == 0) return;
+    const Clock::time_point now = Clock::now();
+    const double elapsed = std::chrono::duration<double>(now - start_).count();
+    const double since = std::chrono::duration<double>(now - last_).count();
+    const double pause = terminal_ ? 0.1 : 10;
+    const bool finished = done >= total_;
+    if (elapsed < 2 || (since < pause && !(finished && drawn_))) return;
+    last_ = now;
+    drawn_ = true;
+    const double fraction = static_cast<double>(done) / static_cast<double>(total_);
+    const std::string left = done > 0 ? clockText(elapsed / fraction - elapsed) : "?";
+    if (terminal_) {
+        constexpr int kWidth = 30;
+        const int filled = std::clamp(static_cast<int>(fraction * kWidth), 0, kWidth);
+        fmt::print(stderr, "\r{} [{}{}] {}/{}, {} left \x1b[K", what_,
+                   std::string(static_cast<size_t>(filled), '#'),
+                   std::string(static_cast<size_t>(kWidth - filled), '.'), done, total_, left);
+    } else {
+        fmt::print(stderr, "{}: {} of {}, {} left\n", what_, done, total_, left);
+    }
+    std::fflush(stderr);
+}
+
+} // namespace heliodon::app

@@ -1,0 +1,66 @@
+#include "engine/app/run.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include <fmt/format.h>
+
+#include "geometry/whole_file.h"
+
+namespace heliodon::app {
+
+using nlohmann::json;
+
+Run::Run(const Arguments& arguments)
+    : deviceName_(arguments.common.device), reportFile_(arguments.common.report),
+      quiet_(arguments.common.quiet), start_(std::chrono::steady_clock::now()) {
+    report_ = {{"program", "heliodon"},    {"version", HELIODON_VERSION}, {"command", arguments.commandName},
+               {"stages", json::object()}, {"modelled", json::array()},   {"skipped", json::array()},
+               {"warnings", json::array()}};
+}
+
+gpu::Device& Run::device() {
+    if (!device_) {
+        const StageTimer timer(*this, "device");
+        gpu::DeviceOptions options;
+        options.select = deviceName_;
+        device_ = std::make_unique<gpu::Device>(options);
+        const gpu::DeviceInfo& info = device_->info();
+        report_["device"] = {
+            {"name", info.name}, {"type", info.type}, {"driver", info.driver}, {"index", info.index}};
+    }
+    return *device_;
+}
+
+void Run::note(const std::string& text) {
+    if (!quiet_) fmt::print(stderr, "{}\n", text);
+}
+
+void Run::warn(const std::string& text) {
+    addOnce(report_["warnings"], text);
+    note("warning: " + text);
+}
+
+void Run::modelled(const std::string& what) {
+    report_["modelled"].push_back(what);
+}
+
+void Run::skipped(const std::string& whatAndWhy) {
+    addOnce(report_["skipped"], whatAndWhy);
+}
+
+void Run::addStageSeconds(const std::string& stage, double seconds) {
+    json& entry = report_["stages"][stage];
+    entry = (entry.is_number() ? entry.get<double>() : 0.0) + seconds;
+}
+
+void Run::finish(const std::string& error) {
+    if (reportFile_.empty()) return;
+    const std::chrono::duration<double> total = std::chrono::steady_clock::now() - start_;
+    report_["seconds"] = total.count();
+    if (!error.empty()) report_["error"] = error;
+    if (device_) report_["device"]["peak_bytes"] = device_->memory().peakBytesInUse();
+    geometry::writeWholeText(reportFile_, report_.dump(2) + "\n");
+}
+
+} // namespace heliodon::app

@@ -1,0 +1,60 @@
+// One run of one command: its device, its clock, its report and what it says on the way.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "compute/gpu/device.h"
+#include "engine/app/arguments.h"
+
+namespace heliodon::app {
+
+class Run {
+public:
+    Run(const Arguments& arguments);
+
+    // The Vulkan device, made at the first call: commands that need none start without one.
+    gpu::Device& device();
+
+    nlohmann::json& report() { return report_; } // fields of the command's own
+    void note(const std::string& text);          // to stderr unless --quiet
+    void warn(const std::string& text);          // to stderr unless --quiet, and to the report
+    void modelled(const std::string& what);
+    void skipped(const std::string& whatAndWhy);
+    bool showsProgress() const { return !quiet_; }
+    void addStageSeconds(const std::string& stage, double seconds); // adds up over several calls
+
+    // The report with total seconds, and `error` when the run failed; written whole, only with --report.
+    void finish(const std::string& error = "");
+
+private:
+    std::string deviceName_;
+    std::filesystem::path reportFile_;
+    bool quiet_;
+    nlohmann::json report_;
+    std::unique_ptr<gpu::Device> device_;
+    std::chrono::steady_clock::time_point start_;
+};
+
+// Measures from construction to destruction and adds to `stages` in the report.
+class StageTimer {
+public:
+    StageTimer(Run& run, std::string stage) : run_(run), stage_(std::move(stage)), start_(Clock::now()) {}
+    ~StageTimer() {
+        run_.addStageSeconds(stage_, std::chrono::duration<double>(Clock::now() - start_).count());
+    }
+    StageTimer(const StageTimer&) = delete;
+    StageTimer& operator=(const StageTimer&) = delete;
+
+private:
+    using Clock = std::chrono::steady_clock;
+    Run& run_;
+    std::string stage_;
+    Clock::time_point start_;
+};
+
+} // namespace heliodon::app

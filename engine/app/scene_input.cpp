@@ -1,0 +1,138 @@
+#include "engine/app/scene_input.h"
+
+#include <algorithm>
+#include <cctype>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "geometry/input_error.h"
+#include "geometry/mesher.h"
+#include "vision/detect.h"
+
+namespace heliodon::app {
+
+using geometry::InputError;
+using nlohmann::json;
+
+namespace {
+
+enum class InputKind { photograph, sketch, model };
+
+InputKind kindOf(const std::filesystem::path& input) {
+    std::string extension = input.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    if (!std::filesystem::exists(input)) throw InputError(input.string(), "", "does not exist");
+    if (extension == ".json") return InputKind::sketch;
+    if (extension == ".obj" || extension == ".gltf" || extension == ".glb") return InputKind::model;
+    for (const char* picture : {".png", ".jpg", ".jpeg", ".tif", ".tiff"})
+        if (extension == picture) return InputKind::photograph;
+    throw InputError(
+        input.string(), "",
+        fmt::format(
+            "'{}' is no known input, expected a photograph (.png .jpg .tif), a sketch (.json) or a model "
+            "(.obj .gltf .glb)",
+            extension));
+}
+
+const char* outcomeName(geometry::Outcome outcome) {
+    switch (outcome) {
+    case geometry::Outcome::ok:
+        return "ok";
+    case geometry::Outcome::warn:
+        return "warn";
+    case geometry::Outcome::refuse:
+        break;
+    }
+    return "refuse";
+}
+
+void reportClosure(Run& run, const geometry::ClosureReport& closure) {
+    json& report = run.report();
+    report["outcome"] = outcomeName(closure.outcome);
+    report["code"] = closure.code;
+    report["message"] = closure.message;
+    report["rooms"] = json::array();
+    for (const geometry::RoomReport& room : closure.rooms)
+        report["rooms"].push_back({{"floor_area", room.floorAreaFt2},
+                                   {"volume", room.volumeFt3},
+                                   {"ceiling", room.ceilingFt},
+                                   {"euler", room.euler},
+                                   {"closed", room.closed},
+                                   {"self_intersecting", room.selfIntersecting}});
+    report["n_rooms"] = closure.rooms.size();
+    report["n_windows"] = closure.windowCount;
+    report["n_skylight_panes"] = closure.skylightPaneCount;
+    report["walls"] = json::array();
+    for (const geometry::WallRole& wall : closure.walls)
+        report["walls"].push_back({{"id", wall.id}, {"role", wall.role}});
+}
+
+geometry::Building closeOrRefuse(Run& run, const SceneArguments& arguments, const geometry::Sketch& sketch) {
+    const StageTimer timer(run, "model");
+    geometry::Closure closure = geometry::closeSketch(sketch);
+    reportClosure(run, closure.report);
+    if (!closure.building)
+        throw InputError(arguments.input.string(), "", closure.report.code + ": " + closure.report.message);
+    if (closure.report.outcome == geometry::Outcome::warn)
+        run.warn(closure.report.code + ": " + closure.report.message);
+    return std::move(*closure.building);
+}
+
+} // namespace
+
+geometry::UpAxis upAxisOf(const SceneArguments& arguments) {
+    return arguments.up == "z" ? geometry::UpAxis::z : geometry::UpAxis::y;
+}
+
+geometry::Sketch loadSketch(Run& run, const SceneArguments& arguments,
+                            const std::optional<geometry::Rig>& rig) {
+    if (kindOf(arguments.input) == InputKind::sketch) return geometry::readSketch(arguments.input);
+    if (!rig)
+        throw InputError(arguments.input.string(), "",
+                         "a photograph needs the calibrated camera, expected --rig RIG.json");
+    const vision::Photograph photograph = [&] {
+        const StageTimer timer(run, "read");
+        return vision::readPhotograph(arguments.input);
+    }();
+    vision::DetectionResult found = [&] {
+        const StageTimer timer(run, "detect");
+        return vision::detectSketch(photograph, *rig);
+    }();
+    for (const std::string& warning : found.warnings) run.warn(warning);
+    const geometry::Sketch& s = found.sketch;
+    run.report()["detected"] = {{"walls", s.walls.size()},     {"arcs", s.arcs.size()},
+                                {"windows", s.windows.size()}, {"skylights", s.skylights.size()},
+                                {"tokens", s.tokens.size()},   {"north", s.north.has_value()}};
+    return std::move(found.sketch);
+}
+
+Scene loadScene(Run& run, const SceneArguments& arguments) {
+    Scene scene;
+    scene.up = upAxisOf(arguments);
+    const InputKind kind = kindOf(arguments.input);
+    if (!arguments.rig.empty()) scene.rig = geometry::readRig(arguments.rig);
+    geometry::Building building;
+    if (kind == InputKind::model) {
+        const StageTimer timer(run, "model");
+        building = geometry::importModel(arguments.input, scene.up);
+    } else {
+        scene.sketch = loadSketch(run, arguments, scene.rig);
+        building = closeOrRefuse(run, arguments, *scene.sketch);
+    }
+    {
+        const StageTimer timer(run, "model");
+        scene.mesh = geometry::meshBuilding(building, {arguments.triangles.value_or(kDefaultTriangles)});
+    }
+    scene.occluders = std::move(building.occluders);
+    scene.northDeg = building.northDeg - arguments.northDeg; // plan angles grow counter-clockwise
+    const geometry::MeshQuality quality = geometry::measureMesh(scene.mesh);
+    run.report()["triangles"] = quality.triangles;
+    run.report()["mesh"] = {{"triangles", quality.triangles},
+                            {"min_angle_deg", quality.minAngleDeg},
+                            {"area_deviation", quality.areaDeviation}};
+    return scene;
+}
+
+} // namespace heliodon::app

@@ -1,0 +1,40 @@
+// From whatever the user named to a mesh: photograph -> sketch -> building -> mesh, entered where the input
+// starts.
+#pragma once
+
+#include <optional>
+
+#include "engine/app/arguments.h"
+#include "engine/app/run.h"
+#include "geometry/building.h"
+#include "geometry/model_file.h"
+#include "geometry/patch_mesh.h"
+#include "geometry/rig.h"
+#include "geometry/sketch.h"
+
+namespace heliodon::app {
+
+constexpr size_t kDefaultTriangles = 2000;
+
+struct Scene {
+    std::optional<geometry::Rig> rig;
+    std::optional<geometry::Sketch> sketch; // none for models
+    geometry::UpAxis up = geometry::UpAxis::y;
+    geometry::Occluders occluders; // physical walls; none for models
+    double northDeg =
+        90; // direction of north in the plan: degrees counter-clockwise from +x, seen from above
+    geometry::PatchMesh mesh;
+};
+
+geometry::UpAxis upAxisOf(const SceneArguments& arguments);
+
+// The sketch in a file, or detected in a photograph (which needs a rig). Fills `stages.detect` and `detected`
+// of the report.
+geometry::Sketch loadSketch(Run& run, const SceneArguments& arguments,
+                            const std::optional<geometry::Rig>& rig);
+
+// Everything up to the mesh. A closure that is refused fills the report (`outcome`, `code`, `message`) and
+// throws InputError.
+Scene loadScene(Run& run, const SceneArguments& arguments);
+
+} // namespace heliodon::app

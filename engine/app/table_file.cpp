@@ -1,0 +1,141 @@
+#include "engine/app/table_file.h"
+
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+
+#include "geometry/input_error.h"
+#include "geometry/whole_file.h"
+
+namespace heliodon::app {
+
+using geometry::InputError;
+
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "binary tables are written as they lie in memory");
+
+std::vector<std::string> splitCsv(const std::string& line) {
+    std::vector<std::string> cells;
+    size_t start = 0;
+    while (true) {
+        const size_t comma = line.find(',', start);
+        std::string cell = line.substr(start, comma == std::string::npos ? std::string::npos : comma - start);
+        const size_t first = cell.find_first_not_of(" \t\""), last = cell.find_last_not_of(" \t\"");
+        cells.push_back(first == std::string::npos ? "" : cell.substr(first, last - first + 1));
+        if (comma == std::string::npos) return cells;
+        start = comma + 1;
+    }
+}
+
+double numberIn(const std::string& cell, const std::string& file, size_t line, const char* column) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+    if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value))
+        throw InputError(file, std::to_string(line),
+                         fmt::format("column {} is '{}', expected a number", column, cell));
+    return value;
+}
+
+bool getTextLine(std::istream& in, std::string& line) {
+    if (!std::getline(in, line)) return false;
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    return true;
+}
+
+} // namespace
+
+SensorTable readSensors(const std::filesystem::path& file, geometry::UpAxis up) {
+    std::ifstream in(file);
+    if (!in) throw InputError(file.string(), "", "cannot be read, expected a table of sensors (.csv)");
+    SensorTable table;
+    std::string line;
+    if (!getTextLine(in, line))
+        throw InputError(file.string(), "1", "is empty, expected a header with x,y,z,nx,ny,nz");
+    if (line.starts_with("\xef\xbb\xbf")) line.erase(0, 3);
+    table.header = line;
+    constexpr std::array<const char*, 6> kNames{"x", "y", "z", "nx", "ny", "nz"};
+    std::array<size_t, 6> column{};
+    const std::vector<std::string> header = splitCsv(line);
+    for (size_t k = 0; k < kNames.size(); ++k) {
+        const auto found = std::find(header.begin(), header.end(), kNames[k]);
+        if (found == header.end())
+            throw InputError(file.string(), "1",
+                             fmt::format("the header has no column {}, expected x,y,z,nx,ny,nz", kNames[k]));
+        column[k] = static_cast<size_t>(found - header.begin());
+    }
+    for (size_t number = 2; getTextLine(in, line); ++number) {
+        if (line.find_first_not_of(" \t") == std::string::npos) continue;
+        const std::vector<std::string> cells = splitCsv(line);
+        if (cells.size() != header.size())
+            throw InputError(file.string(), std::to_string(number),
+                             fmt::format("has {} columns, the header has {}", cells.size(), header.size()));
+        std::array<double, 6> v{};
+        for (size_t k = 0; k < v.size(); ++k)
+            v[k] = numberIn(cells[column[k]], file.string(), number, kNames[k]);
+        const glm::dvec3 normal{v[3], v[4], v[5]};
+        if (glm::length(normal) < 1e-12)
+            throw InputError(file.string(), std::to_string(number), "the normal nx,ny,nz has length zero");
+        table.rows.push_back(line);
+        table.points.push_back(geometry::worldFromModel({v[0], v[1], v[2]}, up));
+        table.normals.push_back(glm::normalize(geometry::worldFromModel(normal, up)));
+    }
+    if (table.rows.empty()) throw InputError(file.string(), "", "has a header but no sensors");
+    return table;
+}
+
+void writeNpy(const std::filesystem::path& file, size_t rowCount, size_t columnCount,
+              std::span<const float> values) {
+    std::string header =
+        fmt::format("{{'descr': '<f4', 'fortran_order': False, 'shape': ({}, {}), }}", rowCount, columnCount);
+    constexpr size_t kPreamble = 10,
+                     kAlignment = 64; // magic, version and length; numpy aligns the data to 64 bytes
+    header.append(kAlignment - 1 - (kPreamble + header.size()) % kAlignment, ' ');
+    header += '\n';
+    geometry::writeWhole(file, [&](const std::filesystem::path& aside) {
+        std::ofstream out(aside, std::ios::binary);
+        const auto length = static_cast<uint16_t>(header.size());
+        out.write("\x93NUMPY\x01\x00", 8);
+        out.write(reinterpret_cast<const char*>(&length), 2);
+        out << header;
+        out.write(reinterpret_cast<const char*>(values.data()),
+                  static_cast<std::streamsize>(values.size_bytes()));
+        if (!out.flush()) throw std::runtime_error(file.string() + ": could not be written (disk full?)");
+    });
+}
+
+std::vector<float> readMatrix(const std::filesystem::path& file, size_t rowCount, size_t columnCount) {
+    std::ifstream in(file, std::ios::binary);
+    if (!in) throw InputError(file.string(), "", "cannot be read, expected a matrix (.npy or .f32)");
+    if (file.extension() == ".npy") {
+        std::array<char, 10> preamble{};
+        in.read(preamble.data(), preamble.size());
+        uint16_t length = 0;
+        std::memcpy(&length, preamble.data() + 8, 2);
+        std::string header(length, ' ');
+        in.read(header.data(), length);
+        const std::string shape = fmt::format("({}, {})", rowCount, columnCount);
+        if (!in || std::memcmp(preamble.data(), "\x93NUMPY\x01", 7) != 0 ||
+            header.find("'<f4'") == std::string::npos ||
+            header.find("'fortran_order': False") == std::string::npos ||
+            header.find(shape) == std::string::npos)
+            throw InputError(file.string(), "",
+                             fmt::format("expected a NumPy array of float32 of shape {}", shape));
+    }
+    std::vector<float> values(rowCount * columnCount);
+    in.read(reinterpret_cast<char*>(values.data()),
+            static_cast<std::streamsize>(values.size() * sizeof(float)));
+    if (!in || in.peek() != std::ifstream::traits_type::eof())
+        throw InputError(
+            file.string(), "",
+            fmt::format("its size is not that of a {} x {} float32 matrix", rowCount, columnCount));
+    return values;
+}
+
+} // namespace heliodon::app

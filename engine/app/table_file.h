@@ -1,0 +1,35 @@
+// Tables as files: sensors in, CSV and NumPy arrays out.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "geometry/model_file.h"
+
+namespace heliodon::app {
+
+// A sensor table keeps every column that the file has, as text, so that results can be appended.
+struct SensorTable {
+    std::string header;
+    std::vector<std::string> rows;           // without line ends
+    std::vector<glm::dvec3> points, normals; // world axes, normals of unit length
+};
+
+// CSV with a header that names x,y,z,nx,ny,nz, in any order among other columns; model units and axes.
+// Throws InputError naming the line: missing columns, text or NaN where a number belongs, a normal of length
+// zero, no rows.
+SensorTable readSensors(const std::filesystem::path& file, geometry::UpAxis up);
+
+// NumPy .npy format 1.0, little-endian float32, C order. `rows` are written in turn so that large matrices
+// need no second copy.
+void writeNpy(const std::filesystem::path& file, size_t rowCount, size_t columnCount,
+              std::span<const float> values);
+
+// A float32 matrix of rowCount x columnCount from .npy (version 1, '<f4', C order) or raw little-endian .f32.
+std::vector<float> readMatrix(const std::filesystem::path& file, size_t rowCount, size_t columnCount);
+
+} // namespace heliodon::app

@@ -1,0 +1,122 @@
+// Bad input: one clear line that names file and place, exit code 2, nothing written.
+#include <algorithm>
+
+#include "tests/app/program.h"
+
+namespace heliodon::test {
+namespace {
+
+const std::string kRig = HELIODON_SOURCE "/examples/rig.json";
+const std::string kPhoto = HELIODON_SOURCE "/examples/i01_mixed.png";
+
+class BadInput : public InFolder {
+protected:
+    // Every word must be in the one line that is printed, and `out` must not have appeared.
+    void expectRefused(const std::string& arguments, const std::vector<std::string>& words) {
+        const Outcome outcome = heliodon(arguments);
+        EXPECT_EQ(outcome.exitCode, 2) << outcome.output;
+        EXPECT_TRUE(outcome.output.starts_with("heliodon: ")) << outcome.output;
+        EXPECT_EQ(std::count(outcome.output.begin(), outcome.output.end(), '\n'), 1) << outcome.output;
+        for (const std::string& word : words)
+            EXPECT_NE(outcome.output.find(word), std::string::npos) << word << " in " << outcome.output;
+        for (const auto& entry : std::filesystem::directory_iterator(folder))
+            EXPECT_EQ(entry.path().filename().string().find("out"), std::string::npos) << entry.path();
+    }
+};
+
+TEST_F(BadInput, a_missing_photograph) {
+    expectRefused("detect " + in("none.png") + " --rig " + kRig + " -o " + in("out.json"),
+                  {"none.png", "does not exist"});
+}
+
+TEST_F(BadInput, a_photograph_without_a_rig) {
+    expectRefused("model " + kPhoto + " -o " + in("out.obj"), {"i01_mixed.png", "--rig"});
+}
+
+TEST_F(BadInput, a_file_that_is_not_a_picture) {
+    writeText(in("text.png"), "not a picture");
+    expectRefused("detect " + in("text.png") + " --rig " + kRig + " -o " + in("out.json"), {"text.png"});
+}
+
+TEST_F(BadInput, json_that_is_cut_off) {
+    writeText(in("cut.json"), R"({"format": "vh-sketch/1", "walls": [)");
+    expectRefused("model " + in("cut.json") + " -o " + in("out.obj"), {"cut.json"});
+}
+
+TEST_F(BadInput, a_wrong_field_in_a_sketch) {
+    writeText(in("s.json"), R"({"format": "vh-sketch/1", "units": "inch", "walls": [
+        {"id": "w1", "a": [0, 0], "b": [5, 0], "thickness": "thin", "height_class": "red"}]})");
+    expectRefused("model " + in("s.json") + " -o " + in("out.obj"), {"s.json", "walls[0].thickness"});
+}
+
+TEST_F(BadInput, an_unknown_height_class) {
+    writeText(in("s.json"), R"({"format": "vh-sketch/1", "units": "inch", "walls": [
+        {"id": "w1", "a": [0, 0], "b": [5, 0], "thickness": 0.375, "height_class": "purple"}]})");
+    expectRefused("model " + in("s.json") + " -o " + in("out.obj"),
+                  {"s.json", "walls[0].height_class", "purple"});
+}
+
+TEST_F(BadInput, an_empty_table_is_refused_and_the_report_says_why) {
+    writeText(in("empty.json"), R"({"format": "vh-sketch/1", "units": "inch", "walls": [], "arcs": []})");
+    expectRefused("model " + in("empty.json") + " -o " + in("out.obj") + " --report " + in("report.json"),
+                  {"empty.json", "NO_WALLS"});
+    const std::string report = readText(folder / "report.json");
+    EXPECT_NE(report.find("\"outcome\": \"refuse\""), std::string::npos) << report;
+    EXPECT_NE(report.find("\"code\": \"NO_WALLS\""), std::string::npos) << report;
+}
+
+class BadModel : public BadInput {
+protected:
+    void writeModel(const std::string& lastFace, const std::string& reflectance) {
+        writeText(in("m.mtl"), "newmtl grey\nKd " + reflectance + "\n");
+        writeText(
+            in("m.obj"),
+            "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl grey\nf 1 2 3\nf 1 4 2\nf 1 3 4\n" +
+                lastFace + "\n");
+    }
+    std::string command() const { return "formfactors " + in("m.obj") + " -o " + in("out.npy"); }
+};
+
+TEST_F(BadModel, a_face_with_a_bad_index) {
+    writeModel("f 2 4 9", "0.5 0.5 0.5");
+    expectRefused(command(), {"m.obj:10", "9"});
+}
+
+TEST_F(BadModel, a_reflectance_that_is_not_a_number) {
+    writeModel("f 2 4 3", "nan 0.5 0.5");
+    expectRefused(command(), {"m.mtl:2"});
+}
+
+TEST_F(BadModel, a_reflectance_of_one) {
+    writeModel("f 2 4 3", "1 1 1");
+    expectRefused(command(), {"m.mtl:2"});
+}
+
+TEST_F(BadModel, a_folder_that_does_not_exist) {
+    writeModel("f 2 4 3", "0.5 0.5 0.5");
+    expectRefused("formfactors " + in("m.obj") + " -o " + in("none/F.npy"), {"none/F.npy", "folder"});
+}
+
+TEST_F(BadModel, an_unknown_kernel) {
+    writeModel("f 2 4 3", "0.5 0.5 0.5");
+    expectRefused(command() + " --kernel magic", {"magic", "hemicube"});
+}
+
+TEST_F(BadModel, sensors_with_text_where_a_number_belongs) {
+    writeModel("f 2 4 3", "0.5 0.5 0.5");
+    writeText(in("s.csv"), "x,y,z,nx,ny,nz\n0.1,0.1,0.1,0,1,0\n0.1,zero,0.1,0,1,0\n");
+    expectRefused("illuminance " + in("m.obj") + " --sensors " + in("s.csv") + " -o " + in("out.csv"),
+                  {"s.csv:3", "zero"});
+}
+
+TEST_F(BadInput, an_unknown_command_and_a_missing_option) {
+    expectRefused("paint", {"command line"});
+    expectRefused("detect " + kPhoto + " -o " + in("out.json"), {"--rig"});
+}
+
+TEST_F(BadInput, a_time_that_is_no_time) {
+    expectRefused("render " + kPhoto + " --rig " + kRig + " --time tomorrow -o " + in("out"), {"tomorrow"});
+}
+
+} // namespace
+} // namespace heliodon::test

@@ -1,0 +1,88 @@
+// The main job as a user does it: photograph in, pictures and a film out.
+#include <nlohmann/json.hpp>
+
+#include "tests/app/program.h"
+#include "vision/photograph.h"
+
+namespace heliodon::test {
+namespace {
+
+const std::string kRig = HELIODON_SOURCE "/examples/rig.json";
+const std::string kPhoto = HELIODON_SOURCE "/examples/i01_mixed.png";
+
+class MainJob : public InFolder {
+protected:
+    void run(const std::string& arguments) {
+        const Outcome outcome = heliodon(arguments);
+        ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
+    }
+    nlohmann::json report(const std::string& name) const { return nlohmann::json::parse(readText(folder / name)); }
+
+    // Mean over pixels of the largest channel, and the share of pixels that are exactly black.
+    struct Look {
+        double mean = 0, black = 0;
+    };
+    Look look(const std::string& name, int width, int height) const {
+        const vision::Photograph picture = vision::readPhotograph(folder / name);
+        EXPECT_EQ(picture.width, width);
+        EXPECT_EQ(picture.height, height);
+        Look result;
+        const double count = static_cast<double>(picture.rgb.size()) / 3;
+        for (size_t i = 0; i < picture.rgb.size(); i += 3) {
+            const int most = std::max({picture.rgb[i], picture.rgb[i + 1], picture.rgb[i + 2]});
+            result.mean += most / count;
+            result.black += (most == 0 ? 1 : 0) / count;
+        }
+        return result;
+    }
+};
+
+TEST_F(MainJob, a_photograph_becomes_a_sketch_that_gives_the_same_model) {
+    run("detect " + kPhoto + " --rig " + kRig + " -o " + in("sketch.json") + " --overlay " + in("found.png"));
+    run("model " + in("sketch.json") + " -o " + in("a.obj") + " --report " + in("a.json"));
+    run("model " + kPhoto + " --rig " + kRig + " -o " + in("b.obj") + " --report " + in("b.json"));
+    EXPECT_EQ(readText(folder / "a.obj"), readText(folder / "b.obj"));
+    const nlohmann::json a = report("a.json");
+    EXPECT_EQ(a["outcome"], "ok");
+    EXPECT_EQ(a["n_rooms"], 1);
+    EXPECT_EQ(a["rooms"][0]["closed"], true);
+    EXPECT_EQ(a["rooms"][0]["self_intersecting"], false);
+    EXPECT_NEAR(a["triangles"].get<double>(), 2000, 200);
+    for (const char* field : {"version", "stages", "modelled", "skipped", "warnings", "seconds"}) EXPECT_TRUE(a.contains(field));
+}
+
+TEST_F(MainJob, render_writes_four_projector_pictures_and_a_preview) {
+    run("render " + kPhoto + " --rig " + kRig + " --triangles 600 --time 2026-03-21T13:00solar --false-color -o " + in("out") +
+        " --report " + in("report.json"));
+    for (int p = 0; p < 4; ++p) {
+        const Look projector = look("out/projector-" + std::to_string(p) + ".png", 1024, 768);
+        EXPECT_GT(projector.mean, 5);     // something is shown,
+        EXPECT_GT(projector.black, 0.2);  // and outside the model there is nothing
+    }
+    const vision::Photograph preview = vision::readPhotograph(folder / "out/preview.png");
+    EXPECT_GT(preview.width, 600);
+    const nlohmann::json r = report("report.json");
+    for (const char* stage : {"detect", "model", "formfactors", "solve", "render"}) EXPECT_TRUE(r["stages"].contains(stage)) << stage;
+    EXPECT_TRUE(r["device"].contains("name"));
+}
+
+TEST_F(MainJob, the_same_command_gives_the_same_bits) {
+    for (const char* name : {"one", "two"})
+        run("render " + kPhoto + " --rig " + kRig + " --triangles 400 -o " + in(name));
+    for (const char* picture : {"projector-0.png", "projector-3.png", "preview.png"})
+        EXPECT_EQ(readText(folder / "one" / picture), readText(folder / "two" / picture)) << picture;
+}
+
+TEST_F(MainJob, a_timelapse_is_a_film_or_numbered_pictures) {
+    const std::string day = " --triangles 300 --from 2026-06-21T11:00solar --to 2026-06-21T12:00solar --step PT30M ";
+    run("timelapse " + kPhoto + " --rig " + kRig + day + "--view preview -o " + in("day.mp4"));
+    EXPECT_GT(std::filesystem::file_size(folder / "day.mp4"), 1000u);
+    run("timelapse " + kPhoto + " --rig " + kRig + day + "--view preview -o " + in("frames"));
+    EXPECT_TRUE(std::filesystem::exists(folder / "frames/00002.png"));
+    EXPECT_FALSE(std::filesystem::exists(folder / "frames/00003.png"));
+    const std::string table = readText(folder / "frames/frames.csv");
+    EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 4) << table;
+}
+
+} // namespace
+} // namespace heliodon::test

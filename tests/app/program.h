@@ -1,0 +1,58 @@
+// Runs the built program as a user would and keeps what it said.
+#pragma once
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <gtest/gtest.h>
+
+namespace heliodon::test {
+
+struct Outcome {
+    int exitCode = -1;
+    std::string output; // stdout and stderr together
+};
+
+inline Outcome heliodon(const std::string& arguments) {
+    FILE* pipe = popen((std::string(HELIODON_PROGRAM) + " " + arguments + " 2>&1").c_str(), "r");
+    Outcome outcome;
+    std::array<char, 4096> chunk{};
+    while (const size_t n = fread(chunk.data(), 1, chunk.size(), pipe))
+        outcome.output.append(chunk.data(), n);
+    const int status = pclose(pipe);
+    outcome.exitCode = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    return outcome;
+}
+
+inline void writeText(const std::filesystem::path& file, const std::string& text) {
+    std::ofstream(file) << text;
+}
+
+inline std::string readText(const std::filesystem::path& file) {
+    std::ostringstream text;
+    text << std::ifstream(file).rdbuf();
+    return text.str();
+}
+
+// A folder of its own for each test, removed at the end.
+class InFolder : public testing::Test {
+protected:
+    void SetUp() override {
+        const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+        folder = std::filesystem::temp_directory_path() /
+                 ("heliodon-" + std::to_string(getpid()) + "-" + info->name());
+        std::filesystem::create_directories(folder);
+    }
+    void TearDown() override { std::filesystem::remove_all(folder); }
+    std::string in(const std::string& name) const { return (folder / name).string(); }
+
+    std::filesystem::path folder;
+};
+
+} // namespace heliodon::test

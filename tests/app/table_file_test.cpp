@@ -1,0 +1,49 @@
+#include "engine/app/table_file.h"
+
+#include "geometry/input_error.h"
+#include "tests/app/program.h"
+
+namespace heliodon::app {
+namespace {
+
+using geometry::InputError;
+
+class TableFile : public test::InFolder {};
+
+TEST_F(TableFile, sensors_keep_other_columns_and_turn_with_the_up_axis) {
+    test::writeText(in("s.csv"), "id,x,y,z,nx,ny,nz,note\r\n7, 1,2,3, 0,0,2, desk\r\n\r\n");
+    const SensorTable table = readSensors(in("s.csv"), geometry::UpAxis::z);
+    ASSERT_EQ(table.rows.size(), 1u);
+    EXPECT_EQ(table.rows[0], "7, 1,2,3, 0,0,2, desk");
+    EXPECT_EQ(table.points[0], glm::dvec3(1, 3, -2));
+    EXPECT_EQ(table.normals[0], glm::dvec3(0, 1, 0));
+}
+
+TEST_F(TableFile, bad_sensors_are_refused_by_line) {
+    for (const char* text : {"", "x,y,z\n1,2,3\n", "x,y,z,nx,ny,nz\n", "x,y,z,nx,ny,nz\n1,2,3,0,0\n",
+                             "x,y,z,nx,ny,nz\n1,2,nan,0,0,1\n", "x,y,z,nx,ny,nz\n1,2,3,0,0,0\n"}) {
+        test::writeText(in("s.csv"), text);
+        EXPECT_THROW(readSensors(in("s.csv"), geometry::UpAxis::y), InputError) << text;
+    }
+}
+
+TEST_F(TableFile, matrices_come_back_as_they_were_written) {
+    const std::vector<float> values{1, 2, 3, 4, 5, 6};
+    writeNpy(in("m.npy"), 2, 3, values);
+    EXPECT_EQ(readMatrix(in("m.npy"), 2, 3), values);
+    EXPECT_EQ(std::filesystem::file_size(in("m.npy")) % 64, values.size() * sizeof(float) % 64);
+    EXPECT_THROW(readMatrix(in("m.npy"), 3, 2), InputError);
+}
+
+TEST_F(TableFile, a_cut_matrix_is_refused_at_every_length) {
+    const std::vector<float> values(4, 1.0f);
+    writeNpy(in("m.npy"), 2, 2, values);
+    const std::string whole = test::readText(in("m.npy"));
+    for (size_t length = 0; length < whole.size(); ++length) {
+        test::writeText(in("cut.npy"), whole.substr(0, length));
+        EXPECT_THROW(readMatrix(in("cut.npy"), 2, 2), InputError) << length;
+    }
+}
+
+} // namespace
+} // namespace heliodon::app
