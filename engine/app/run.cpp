@@ -11,6 +11,15 @@ namespace heliodon::app {
 
 using nlohmann::json;
 
+namespace {
+
+// Said once, however often a loop says it.
+void addOnce(json& list, const std::string& text) {
+    if (std::find(list.begin(), list.end(), text) == list.end()) list.push_back(text);
+}
+
+} // namespace
+
 Run::Run(const Arguments& arguments)
     : deviceName_(arguments.common.device), reportFile_(arguments.common.report),
       quiet_(arguments.common.quiet), start_(std::chrono::steady_clock::now()) {
@@ -42,7 +51,7 @@ void Run::warn(const std::string& text) {
 }
 
 void Run::modelled(const std::string& what) {
-    report_["modelled"].push_back(what);
+    addOnce(report_["modelled"], what);
 }
 
 void Run::skipped(const std::string& whatAndWhy) {
