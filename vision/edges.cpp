@@ -78,7 +78,7 @@ std::optional<Edge> findEdge(const PlanView& view, const EdgeProbe& probe) {
         return Levels{static_cast<size_t>(begin), static_cast<size_t>(end)};
     };
     const auto place = static_cast<size_t>(std::clamp(edge->offset, 0.0, static_cast<double>(n - 1)));
-    if (const auto closer = crossing(profile, within(-4, -2), within(2, 4), place)) edge = closer;
+    if (const auto closer = crossing(profile, within(-3.5, -2), within(2, 2.5), place)) edge = closer;
     edge->offset = edge->offset / perInch - probe.inside;
     return edge;
 }

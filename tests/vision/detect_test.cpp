@@ -181,10 +181,11 @@ TEST(Detect, reads_random_walls_under_random_poses_and_lamps) {
                             clear && glm::distance(a + s * (b - a), other.a + t * (other.b - other.a)) > 3.2;
             if (!clear) continue;
             const auto height = static_cast<geometry::HeightClass>(random() % 3);
-            const std::string id = "w" + std::to_string(sketch.walls.size() + 1);
+            const std::string id = fmt::format("w{}", sketch.walls.size() + 1);
             sketch.walls.push_back(wall(id.c_str(), a, b, height));
             if (length > 5)
-                sketch.windows.push_back(window(("win" + id).c_str(), id.c_str(), uniform(2, length - 2), 1.5,
+                sketch.windows.push_back(window(fmt::format("win{}", id).c_str(), id.c_str(),
+                                                uniform(2, length - 2), 1.5,
                                                 static_cast<geometry::WindowKind>(random() % 3)));
         }
         Lighting lamps;
