@@ -23,7 +23,7 @@ double cross(glm::dvec2 u, glm::dvec2 v) {
 
 class LoopCleaner {
 public:
-    explicit LoopCleaner(OutlineLoop& loop) : loop_(loop) {}
+    LoopCleaner(OutlineLoop& loop, double shortEdge) : loop_(loop), shortEdge_(shortEdge) {}
 
     void clean() {
         hideCracks();
@@ -72,7 +72,7 @@ private:
 
     bool dropShort() {
         size_t shortest = size();
-        double least = kShortEdge;
+        double least = shortEdge_;
         for (size_t i = 0; i < size(); ++i)
             if (const double length = glm::length(edge(i)); length < least) {
                 least = length;
@@ -92,7 +92,7 @@ private:
         const double sine = cross(before, after);
         if (std::abs(sine) > 0.1 * glm::length(before) * glm::length(after)) {
             const glm::dvec2 meet = point(i) + before * (cross(point(i + 1) - point(i), after) / sine);
-            if (glm::length(meet - middle) < 2 * kShortEdge) return meet;
+            if (glm::length(meet - middle) < 2 * shortEdge_) return meet;
         }
         return middle;
     }
@@ -111,6 +111,7 @@ private:
     }
 
     OutlineLoop& loop_;
+    double shortEdge_;
 };
 
 double loopArea(const OutlineLoop& loop) {
@@ -141,15 +142,63 @@ void separatePinches(std::vector<RoomPlan>& rooms) {
         }
 }
 
+// True when two edges of the room's outlines cross or touch where they do not follow one another.
+bool crosses(const RoomPlan& room) {
+    struct Segment {
+        glm::dvec2 a, b;
+        size_t loop, index;
+    };
+    std::vector<Segment> segments;
+    for (size_t l = 0; l < room.loops.size(); ++l)
+        for (size_t i = 0, n = room.loops[l].points.size(); i < n; ++i)
+            segments.push_back({room.loops[l].points[i], room.loops[l].points[(i + 1) % n], l, i});
+    const auto left = [](const Segment& s) { return std::min(s.a.x, s.b.x); };
+    std::ranges::sort(segments, {}, left);
+    const auto turn = [](glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) { return cross(b - a, c - a); };
+    for (size_t i = 0; i < segments.size(); ++i)
+        for (size_t k = i + 1;
+             k < segments.size() && left(segments[k]) <= std::max(segments[i].a.x, segments[i].b.x); ++k) {
+            const Segment &s = segments[i], &t = segments[k];
+            const size_t n = room.loops[s.loop].points.size();
+            if (s.loop == t.loop && ((s.index + 1) % n == t.index || (t.index + 1) % n == s.index)) continue;
+            if (std::max(s.a.y, s.b.y) < std::min(t.a.y, t.b.y) ||
+                std::max(t.a.y, t.b.y) < std::min(s.a.y, s.b.y))
+                continue;
+            if (turn(s.a, s.b, t.a) * turn(s.a, s.b, t.b) <= 0 &&
+                turn(t.a, t.b, s.a) * turn(t.a, t.b, s.b) <= 0)
+                return true;
+        }
+    return false;
+}
+
+std::vector<OutlineLoop> cleaned(std::vector<OutlineLoop> loops, double shortEdge) {
+    for (OutlineLoop& loop : loops) LoopCleaner(loop, shortEdge).clean();
+    std::erase_if(loops, [](const OutlineLoop& loop) {
+        return loop.points.size() < 3 || std::abs(loopArea(loop)) < 0.05;
+    });
+    return loops;
+}
+
 } // namespace
 
 void cleanOutlines(PlanRooms& plan) {
-    for (RoomPlan& room : plan.rooms) {
-        for (OutlineLoop& loop : room.loops) LoopCleaner(loop).clean();
-        std::erase_if(room.loops, [](const OutlineLoop& loop) { return std::abs(loopArea(loop)) < 0.05; });
+    const std::vector<RoomPlan> traced = plan.rooms;
+    // Where straightening makes outlines cross, less of it will do.
+    std::vector<double> shortEdge(plan.rooms.size(), kShortEdge);
+    for (int round = 0; round < 3; ++round) {
+        plan.rooms = traced;
+        for (size_t r = 0; r < plan.rooms.size(); ++r)
+            plan.rooms[r].loops = cleaned(traced[r].loops, shortEdge[r]);
+        separatePinches(plan.rooms);
+        bool good = true;
+        for (size_t r = 0; r < plan.rooms.size(); ++r)
+            if (crosses(plan.rooms[r])) {
+                shortEdge[r] /= 12;
+                good = false;
+            }
+        if (good) break;
     }
     std::erase_if(plan.rooms, [](const RoomPlan& room) { return room.loops.empty(); });
-    separatePinches(plan.rooms);
     for (RoomPlan& room : plan.rooms) {
         room.area = 0;
         for (const OutlineLoop& loop : room.loops) room.area += loopArea(loop);

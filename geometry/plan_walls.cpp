@@ -374,15 +374,19 @@ PlanSolid footprint(const WallPiece& piece, double chordError) {
         solid.sides = {SolidSide::right, SolidSide::end, SolidSide::left, SolidSide::end};
         return solid;
     }
-    const double sweep = piece.a1 - piece.a0, outer = piece.radius + half, inner = piece.radius - half;
+    // A full circle closes in the very same points, so that its seam cancels.
+    const bool full = piece.a1 - piece.a0 >= 2 * kPi - 1e-9;
+    const double sweep = full ? 2 * kPi : piece.a1 - piece.a0, outer = piece.radius + half,
+                 inner = piece.radius - half;
     const double step = std::clamp(2 * std::acos(1 - std::min(0.5, chordError / outer)), kPi / 180, kPi / 12);
     const int count = std::max(2, static_cast<int>(std::ceil(sweep / step)));
+    const auto angle = [&](int k) { return piece.a0 + sweep * (full && k == count ? 0 : k) / count; };
     for (int k = 0; k <= count; ++k) {
-        solid.outline.push_back(piece.center + outer * onCircle(piece.a0 + sweep * k / count));
+        solid.outline.push_back(piece.center + outer * onCircle(angle(k)));
         solid.sides.push_back(k < count ? SolidSide::right : SolidSide::end);
     }
     for (int k = count; k >= 0; --k) {
-        solid.outline.push_back(piece.center + inner * onCircle(piece.a0 + sweep * k / count));
+        solid.outline.push_back(piece.center + inner * onCircle(angle(k)));
         solid.sides.push_back(k > 0 ? SolidSide::left : SolidSide::end);
     }
     return solid;

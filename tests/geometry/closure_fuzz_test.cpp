@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
@@ -48,7 +49,7 @@ private:
 
     void addWall(glm::dvec2 a, glm::dvec2 b, HeightClass h) {
         Wall w;
-        w.id = "w" + std::to_string(sketch_.walls.size());
+        w.id = fmt::format("w{}", sketch_.walls.size());
         w.a = a;
         w.b = b;
         w.heightClass = h;
@@ -77,7 +78,7 @@ private:
         }
         for (int k = pick(4); k > 0 && count > 0; --k) {
             Arc arc;
-            arc.id = "a" + std::to_string(sketch_.arcs.size());
+            arc.id = fmt::format("a{}", sketch_.arcs.size());
             arc.center = point(10);
             arc.radius = real(0.2, 10);
             arc.a0Deg = real(-360, 360);
@@ -120,7 +121,7 @@ private:
     void decorate() {
         for (int k = pick(5); k > 0 && !sketch_.walls.empty(); --k) {
             WindowMarker w;
-            w.id = "win" + std::to_string(k);
+            w.id = fmt::format("win{}", k);
             w.wall = sketch_.walls[static_cast<size_t>(pick(static_cast<int>(sketch_.walls.size())))].id;
             w.pos = real(-1, 15);
             w.width = real(0.1, 8);
@@ -129,7 +130,7 @@ private:
         }
         for (int k = pick(4); k > 0; --k) {
             Skylight s;
-            s.id = "sky" + std::to_string(k);
+            s.id = fmt::format("sky{}", k);
             s.center = point(10);
             s.size = {real(0.1, 8), real(0.1, 8)};
             s.angleDeg = pick(2) ? 0 : real(0, 90);
@@ -174,10 +175,12 @@ TEST(ClosureFuzz, every_sketch_closes_proven_or_is_refused_with_a_reason) {
             ASSERT_TRUE(room.closed && !room.selfIntersecting) << "seed " << first + k;
             ASSERT_GT(room.volumeFt3, 0) << "seed " << first + k;
         }
-        if (k % 10 == 0) ASSERT_NO_THROW(meshBuilding(*closure.building, {500})) << "seed " << first + k;
+        if (k % 10 == 0) {
+            ASSERT_NO_THROW(meshBuilding(*closure.building, {500})) << "seed " << first + k;
+        }
     }
     printf("%d of %d closed, %d not proven; slowest %.1f ms (seed %u)\n", closed, kSketches, unproven,
            slowest, slowestSeed);
     EXPECT_GT(closed, kSketches / 4);
-    EXPECT_LE(unproven, kSketches / 50);
+    EXPECT_EQ(unproven, 0);
 }

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <set>
 
+#include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -150,13 +151,12 @@ std::string cube(double size, glm::dvec3 at, int firstVertex) {
     for (int z = 0; z < 2; ++z)
         for (int y = 0; y < 2; ++y)
             for (int x = 0; x < 2; ++x)
-                text += "v " + std::to_string(at.x + size * x) + " " + std::to_string(at.y + size * y) + " " +
-                        std::to_string(at.z + size * z) + "\n";
+                text += fmt::format("v {} {} {}\n", at.x + size * x, at.y + size * y, at.z + size * z);
     const int quads[6][4] = {{1, 3, 4, 2}, {5, 6, 8, 7}, {1, 2, 6, 5},
                              {3, 7, 8, 4}, {1, 5, 7, 3}, {2, 4, 8, 6}};
     for (const auto& q : quads) {
         text += "f";
-        for (const int v : q) text += " " + std::to_string(v + firstVertex - 1);
+        for (const int v : q) text += fmt::format(" {}", v + firstVertex - 1);
         text += "\n";
     }
     return text;
