@@ -26,7 +26,7 @@ const std::map<std::string, std::set<std::string>> kAllowed{
     {"vision", {"geometry"}},
     {"compute/daylight", {"geometry"}},
     {"compute/gpu", {"shaders/io"}},
-    {"compute/reference", {"compute", "geometry", "shaders/io"}},
+    {"compute/reference", {"compute", "compute/daylight", "geometry", "shaders/io"}},
     {"compute", {"compute/gpu", "compute/reference", "compute/daylight", "geometry", "shaders/io"}},
     {"engine/present", {"compute/gpu", "geometry", "shaders/io"}},
     {"engine/passes", {"compute", "compute/gpu", "compute/daylight", "geometry", "shaders/io"}},
