@@ -28,7 +28,7 @@ const std::map<std::string, std::set<std::string>> kAllowed{
     {"compute/gpu", {"shaders/io"}},
     {"compute/reference", {"compute", "compute/daylight", "geometry", "shaders/io"}},
     {"compute", {"compute/gpu", "compute/reference", "compute/daylight", "geometry", "shaders/io"}},
-    {"engine/present", {"compute/gpu", "geometry", "shaders/io"}},
+    {"engine/present", {"engine/passes", "compute/gpu", "geometry", "shaders/io"}},
     {"engine/passes", {"compute", "compute/gpu", "compute/daylight", "geometry", "shaders/io"}},
     {"engine/app",
      {"engine/present", "engine/passes", "compute", "compute/gpu", "compute/daylight", "compute/reference",
