@@ -29,7 +29,7 @@ namespace heliodon::compute {
 struct TransportOptions {
     FormFactorOptions formFactors;
     uint32_t skyDivision = 2;       // Reinhart's MF: 2 is 577 sky elements
-    uint32_t sensorResolution = 64; // of each sensor's two hemicubes
+    uint32_t sensorResolution = 96; // of each sensor's two hemicubes
     RadiosityOptions radiosity;
 };
 
@@ -84,12 +84,14 @@ public:
     // changed.
     void setMaterials(const std::vector<geometry::Material>& materials);
 
-    // About 0.3 ms a sensor at 64^2 with 2000 patches on two cores of a CPU device.
+    // About 1 ms a sensor with 2000 patches on two cores of a CPU device.
     void setSensors(std::vector<Sensor> sensors);
 
-    // Light of one sky. `error` of a part is the sum of: the solver's bound; light that the hemicube lost (1
-    // - row sum, times the mean exitance); for sensors, the difference between two independent hemicubes;
-    // and, for what patches give on, the row error of the form factors as far as it is known.
+    // Light of one sky. `error` is an estimate, meant to hold on most places, not a proven bound. It adds up:
+    // the solver's bound; twice the difference between a sensor's two hemicubes; for edges of sunlight inside
+    // patches, twice what their unresolved part can do at the sensor; light that the hemicube lost (1 - row
+    // sum, times the mean exitance); and fixed shares of reflected and of sky light for form factors,
+    // constant patches and sky elements (constants in the source).
     Moment light(const daylight::Sky& sky);
     // Several moments through shared passes over F; bits may differ from one at a time by the solver's
     // tolerance.
