@@ -5,7 +5,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 build_packages=(
     g++ cmake ninja-build pkg-config ccache
     libvulkan-dev mesa-vulkan-drivers glslang-tools libglm-dev libglfw3-dev
-    libopencv-dev libcgal-dev libcli11-dev nlohmann-json3-dev libfmt-dev zlib1g-dev
+    libopencv-dev libcgal-dev libcli11-dev nlohmann-json3-dev libfmt-dev libtinygltf-dev zlib1g-dev
 )
 test_packages=(
     libgtest-dev libbenchmark-dev libembree-dev vulkan-validationlayers spirv-tools xvfb xauth
@@ -39,16 +39,17 @@ install_packages() {
     rm -f "$log"
 }
 
-# build PRESET [TARGET...]: configures when needed and builds; a broken configuration is started afresh.
+# build PRESET ON|OFF [TARGET...]: configures with or without tests and benches, and builds; a broken configuration is started
+# afresh.
 build() {
-    local preset=$1 log
-    shift
+    local preset=$1 log options=(-DHELIODON_TESTS="$2" -DHELIODON_BENCHES="$2")
+    shift 2
     mkdir -p "build/$preset"
     log=build/$preset/configure.log
     say "Building ($preset)"
-    cmake --preset "$preset" >"$log" 2>&1 || {
+    cmake --preset "$preset" "${options[@]}" >"$log" 2>&1 || {
         rm -rf "build/$preset/CMakeCache.txt" "build/$preset/CMakeFiles"
-        cmake --preset "$preset" >"$log" 2>&1 || { tail -20 "$log"; die "cmake could not configure, see $log"; }
+        cmake --preset "$preset" "${options[@]}" >"$log" 2>&1 || { tail -20 "$log"; die "cmake could not configure, see $log"; }
     }
     cmake --build "build/$preset" --parallel "$(nproc)" ${1:+--target "$@"} || die "the $preset build"
 }
