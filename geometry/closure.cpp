@@ -192,24 +192,40 @@ private:
         return good;
     }
 
+    // By what the rooms see of this primitive's own part of the piece that it was merged into.
+    const char* roleOf(size_t piece, const std::string& id) const {
+        const WallPiece& merged = plan_.pieces[piece];
+        double from = 0, to = 1e9;
+        const auto wall = std::ranges::find(sketch_.walls, id, &Wall::id);
+        if (!merged.curved && wall != sketch_.walls.end()) {
+            const glm::dvec2 d = glm::normalize(merged.b - merged.a);
+            std::tie(from, to) =
+                std::minmax({glm::dot(wall->a - merged.a, d), glm::dot(wall->b - merged.a, d)});
+        }
+        double sum = 0, both = 0;
+        const auto& [right, left] = spaces_.seen[piece];
+        const auto common = [](double a, double b, double c, double d) {
+            return std::max(0.0, std::min(b, d) - std::max(a, c));
+        };
+        for (const auto& side : {right, left})
+            for (const auto& [a, b] : side) sum += common(a, b, from, to);
+        for (const auto& [a, b] : right)
+            for (const auto& [c, d] : left) both += common(std::max(a, c), std::min(b, d), from, to);
+        if (sum < 0.3) return "outside_extra";
+        return both > sum - 2 * both ? "interior" : "exterior";
+    }
+
     void roles(const std::vector<bool>& partitionUsed, const std::vector<double>& rooms) {
         std::vector<WallRole>& walls = out_.report.walls;
-        const auto add = [&](const WallPiece& piece, const char* role) {
-            for (const std::string& id : piece.ids) walls.push_back({id, role});
-        };
-        for (size_t i = 0; i < plan_.pieces.size(); ++i) {
-            const double one = rooms.empty() ? 0 : spaces_.oneSide[i],
-                         both = rooms.empty() ? 0 : spaces_.bothSides[i];
-            if (one + both < 0.3) {
-                add(plan_.pieces[i], "outside_extra");
-                if (!rooms.empty())
-                    outside_.insert(outside_.end(), plan_.pieces[i].ids.begin(), plan_.pieces[i].ids.end());
-            } else
-                add(plan_.pieces[i], both > one ? "interior" : "exterior");
-        }
+        for (size_t i = 0; i < plan_.pieces.size(); ++i)
+            for (const std::string& id : plan_.pieces[i].ids) {
+                walls.push_back({id, rooms.empty() ? "outside_extra" : roleOf(i, id)});
+                if (!rooms.empty() && walls.back().role == "outside_extra") outside_.push_back(id);
+            }
         for (size_t i = 0; i < plan_.partitions.size(); ++i)
-            add(plan_.partitions[i],
-                partitionUsed.empty() || !partitionUsed[i] ? "outside_extra" : "partition");
+            for (const std::string& id : plan_.partitions[i].ids)
+                walls.push_back(
+                    {id, partitionUsed.empty() || !partitionUsed[i] ? "outside_extra" : "partition"});
         for (const std::string& id : ignored_) walls.push_back({id, "ignored"});
         std::ranges::sort(walls, {}, [](const WallRole& w) { return std::pair(w.id.size(), w.id); });
     }

@@ -214,15 +214,10 @@ public:
             rest -= std::max(0.0, std::min(i.to, asked.to) - std::max(i.from, asked.from));
         return std::max(0.0, rest);
     }
-    double overlap(const Used& other) const {
-        double sum = 0;
-        for (const Interval& i : intervals_) sum += (i.to - i.from) - other.unused(i);
-        return sum;
-    }
-    double length() const {
-        double sum = 0;
-        for (const Interval& i : intervals_) sum += i.to - i.from;
-        return sum;
+    std::vector<std::pair<double, double>> stretches() const {
+        std::vector<std::pair<double, double>> out;
+        for (const Interval& i : intervals_) out.emplace_back(i.from, i.to);
+        return out;
     }
 
 private:
@@ -497,10 +492,7 @@ private:
                 sides[static_cast<size_t>(solid.piece)][side == SolidSide::left].add(stretch(h, solid.piece));
             }
         }
-        for (const auto& [right, left] : sides) {
-            out.bothSides.push_back(right.overlap(left));
-            out.oneSide.push_back(right.length() + left.length() - 2 * out.bothSides.back());
-        }
+        for (const auto& [right, left] : sides) out.seen.push_back({right.stretches(), left.stretches()});
     }
 
     const PlanWalls& plan_;

@@ -2,6 +2,8 @@
 // behind it.
 #pragma once
 
+#include <array>
+#include <utility>
 #include <vector>
 
 #include <glm/vec2.hpp>
@@ -31,8 +33,9 @@ struct RoomPlan {
 
 struct PlanRooms {
     std::vector<RoomPlan> rooms; // from left to right by their lowest point
-    // Per piece: length of its centre line with air of a room on one side, and on both.
-    std::vector<double> oneSide, bothSides;
+    // Per piece, for its right and its left face: stretches of its centre line, in inches from its end a,
+    // along which a room's air is there.
+    std::vector<std::array<std::vector<std::pair<double, double>>, 2>> seen;
 };
 
 PlanRooms findRooms(const PlanWalls& plan);
