@@ -79,6 +79,7 @@ ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh) {
             for (size_t k = first; k < std::min<size_t>(corner.size(), first + io::kExactPieceCorners - 1);
                  ++k)
                 corners.push_back(mesh.vertices[corner[k]]);
+            scene.mostCorners = std::max(scene.mostCorners, static_cast<uint32_t>(corners.size()));
             faces.add(corners, normal, mesh.room[i]);
             scene.area.push_back(faces.normal.back().w);
             scene.patchOfPiece.push_back(static_cast<uint32_t>(i));

@@ -13,6 +13,7 @@ struct ExactScene {
     uint32_t patchCount = 0;
     uint32_t pieceCount =
         0; // of convex pieces of at most kExactPieceCorners corners; patchCount when none was cut
+    uint32_t mostCorners = 3; // of a piece
     uint32_t blockerCount = 0;
     bool closed = false;
     std::vector<uint32_t> patchOfPiece;

@@ -109,24 +109,27 @@ float seen(Pair pair, vec2 at2) {
     return max(0.0, sum * 0.159154943092);
 }
 
-// x by the rule of degree 5, y by that of degree 2.
+// x by the rule of degree 5, y how far the farther of two rules of degree 2 is from it.
 vec2 overCell(Pair pair, vec2 a, vec2 b, vec2 c) {
     // Barycentric weight of the two lesser corners. Three points at (1 - 2 t, t, t) and the centre integrate quadratics when
-    // the three weigh 1/4 / (1 - 3 t)^2 together.
+    // the three weigh 1/4 / (1 - 3 t)^2 together; shadows make one such rule agree by accident, seldom both.
     const float kNear = 0.470142064105, kFar = 0.101286507323;
     const float kFarLow = 0.25 / ((1.0 - 3.0 * kFar) * (1.0 - 3.0 * kFar));
-    vec2 result = vec2(0.0);
+    const float kNearLow = 0.25 / ((1.0 - 3.0 * kNear) * (1.0 - 3.0 * kNear));
+    vec3 sums = vec3(0.0);
     // One call, so that drivers that inline everything compile it once.
     NO_UNROLL for (int k = 0; k < 7; ++k) {
         int turn = k % 3;
         vec2 corner = turn == 0 ? a : turn == 1 ? b : c;
         float t = k < 3 ? kNear : k < 6 ? kFar : 1.0 / 3.0;
         float f = seen(pair, t * (a + b + c) + (1.0 - 3.0 * t) * corner);
-        result += f * (k < 3   ? vec2(0.132394152788, 0.0)
-                       : k < 6 ? vec2(0.125939180545, kFarLow / 3.0)
-                               : vec2(0.225, 1.0 - kFarLow));
+        sums[k / 3] += f;
     }
-    return result;
+    float centre = sums.z;
+    float value = 0.132394152788 * sums.x + 0.125939180545 * sums.y + 0.225 * centre;
+    float byNear = kNearLow / 3.0 * sums.x + (1.0 - kNearLow) * centre;
+    float byFar = kFarLow / 3.0 * sums.y + (1.0 - kFarLow) * centre;
+    return vec2(value, max(abs(value - byNear), abs(value - byFar)));
 }
 
 float crossOf(vec2 a, vec2 b) { return a.x * b.y - a.y * b.x; }
@@ -164,13 +167,14 @@ float bendDistance(Pair pair, vec3 point) {
 }
 
 // Cells so large that two agreeing rules prove nothing: a bend or a shadow could hide between the points.
+const float kShadowShare = 250.0;
 bool tooLarge(Pair pair, vec2 a, vec2 b, vec2 c, float share) {
     vec3 middle = lift(pair.outerFrame, (a + b + c) / 3.0);
     float size = max(length(b - a), max(length(c - b), length(a - c)));
     if (size > 1.5 * bendDistance(pair, middle)) return share * pair.worst > 6.0 * params.tolerance;
     vec3 d = lift(pair.innerFrame, vec2(0.0)) - middle;
     float most = min(1.0, pair.innerArea * 0.318309886184 / max(dot(d, d) - innerSize * innerSize, 1e-30));
-    return pair.r.listed > 0u && share * pair.worst * most > 2000.0 * params.tolerance;
+    return pair.r.listed > 0u && share * pair.worst * most > kShadowShare * params.tolerance;
 }
 
 // x the contribution to the form factor, y its error; zero when the cell was split.
@@ -183,7 +187,7 @@ vec2 integrate(Pair pair, vec2 a, vec2 b, vec2 c) {
     float error = 0.0;
     if (!split) {
         both = overCell(pair, a, b, c);
-        error = share * abs(both.x - both.y);
+        error = share * both.y;
         // Errors of many small cells add up: the smaller the cell, the less it may add.
         split = mayBeSplit && error * pair.worst > params.tolerance * sqrt(share);
     }

@@ -34,10 +34,11 @@ struct ExactSidesParams {
 struct ExactClassifyParams {
     uint pieceCount;
     uint words;
-    uint firstRow; // tile of the matrix: rows [firstRow, +rowCount), columns [firstColumn, +columnCount)
-    uint rowCount;
+    uint firstRow; // where the two bound parts of the matrix begin
     uint firstColumn;
-    uint columnCount;
+    uint stripRow; // row of the first group; columns [stripColumn, columnEnd)
+    uint stripColumn;
+    uint columnEnd;
     uint recordCapacity;
     uint listCapacity;
     uint closed; // 1: the pieces bound a solid, so a ray that leaves a piece first meets a front
