@@ -24,6 +24,7 @@ namespace {
 constexpr uint32_t kTile = 2304;                      // rows and columns of the matrix handled at once
 constexpr uint32_t kStrip = 128;                      // rows classified by one dispatch
 constexpr uint32_t kBatch = 1u << 17;                 // records whose cells are refined together
+constexpr size_t kSumBytes = 12;                      // per record: form factor, its fraction, error
 constexpr uint32_t kMaxCells = 1u << 22;              // of one level of one batch
 constexpr uint32_t kChunk = 65535u * io::kExactGroup; // invocations of one dispatch
 // Tolerance of one form factor over that of a row. The finer the mesh, the more entries end far below their
@@ -116,7 +117,7 @@ private:
         records_ = gpu::Buffer(device_, static_cast<size_t>(recordCapacity_) * sizeof(io::ExactRecord),
                                "exact records");
         lists_ = gpu::Buffer(device_, static_cast<size_t>(listCapacity_) * 4, "exact lists");
-        sums_ = gpu::Buffer(device_, static_cast<size_t>(recordCapacity_) * 8, "exact sums");
+        sums_ = gpu::Buffer(device_, static_cast<size_t>(recordCapacity_) * kSumBytes, "exact sums");
         for (gpu::Buffer& cells : cells_)
             cells = gpu::Buffer(device_, static_cast<size_t>(cellCapacity_) * io::kExactCellWords * 4,
                                 "exact cells");
@@ -180,7 +181,7 @@ private:
         if (count == 0) return;
         Timer timer(statistics.cubatureSeconds);
         gpu::Commands zero(device_);
-        zero.fill(sums_, 0, static_cast<size_t>(first) * 8, static_cast<size_t>(count) * 8);
+        zero.fill(sums_, 0, static_cast<size_t>(first) * kSumBytes, static_cast<size_t>(count) * kSumBytes);
         device_.submitAndWait(std::move(zero));
         for (uint32_t done = 0; done < count; done += kBatch)
             refine(first + done, std::min(kBatch, count - done));
@@ -227,9 +228,9 @@ private:
     void collectErrors(uint32_t first, uint32_t count) {
         const auto records = records_.download<io::ExactRecord>(count, first * sizeof(io::ExactRecord));
         const auto sums =
-            sums_.download<uint32_t>(2 * static_cast<size_t>(count), static_cast<size_t>(first) * 8);
+            sums_.download<uint32_t>(3 * static_cast<size_t>(count), static_cast<size_t>(first) * kSumBytes);
         for (uint32_t k = 0; k < count; ++k) {
-            const double error = sums[2 * k + 1] / static_cast<double>(io::kExactOne);
+            const double error = sums[3 * k + 2] / static_cast<double>(io::kExactOne);
             const io::ExactRecord& r = records[k];
             const double back = error * scene_.area[r.outer] / scene_.area[r.inner];
             rowSquares_[r.outer] += error * error;

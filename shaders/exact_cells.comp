@@ -15,7 +15,7 @@ layout(set = 0, binding = 5, scalar) readonly buffer Records { ExactRecord recor
 layout(set = 0, binding = 6, scalar) readonly buffer Lists { uint lists[]; };
 layout(set = 0, binding = 7, scalar) readonly buffer Cells { uint cells[]; };
 layout(set = 0, binding = 8, scalar) buffer Counters { uint counters[]; };
-layout(set = 0, binding = 9, scalar) buffer Sums { uint sums[]; }; // per record: form factor, error
+layout(set = 0, binding = 9, scalar) buffer Sums { uint sums[]; }; // per record: form factor, its fraction, error
 layout(set = 0, binding = 10, scalar) writeonly buffer NextCells { uint nextCells[]; };
 layout(push_constant, scalar) uniform Push { ExactCellsParams params; };
 layout(constant_id = 0) const bool kFirstLevel = true; // whole pairs instead of cells
@@ -230,7 +230,11 @@ void main() {
     }
     if (piecesLost) atomicAdd(counters[kExactOverflowCount], 1u);
     // Whole numbers: the sum is the same in whatever order the cells finish.
-    uint value = uint(sum.x * kExactOne + 0.5), error = uint(min(sum.y, 1.0) * kExactOne);
-    if (value != 0u) atomicAdd(sums[2u * pair.record], value);
-    if (error != 0u) atomicAdd(sums[2u * pair.record + 1u], error);
+    // The fraction is summed apart: rounding a hundred thousand cells alike would show in the sixth digit.
+    float scaled = sum.x * kExactOne;
+    uint value = uint(scaled), rest = uint((scaled - float(value)) * kExactFraction);
+    uint error = uint(min(sum.y, 1.0) * kExactOne);
+    if (value != 0u) atomicAdd(sums[3u * pair.record], value);
+    if (rest != 0u) atomicAdd(sums[3u * pair.record + 1u], rest);
+    if (error != 0u) atomicAdd(sums[3u * pair.record + 2u], error);
 }

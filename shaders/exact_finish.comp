@@ -17,7 +17,7 @@ void main() {
     if (index >= params.count) return;
     index += params.firstRecord;
     ExactRecord r = records[index];
-    float fromOuter = float(sums[2u * index]) / kExactOne;
+    float fromOuter = (float(sums[3u * index]) + float(sums[3u * index + 1u]) / kExactFraction) / kExactOne;
     float fromInner =
         fromOuter * texelFetch(faceNormal, int(r.outer)).w / texelFetch(faceNormal, int(r.inner)).w;
     bool outerFirst = r.outer < r.inner;

@@ -8,6 +8,7 @@ const uint kExactPieceCorners = 6u;    // most corners of a radiating piece; lar
 const uint kExactBlockerCorners = 8u;  // of a blocker
 const uint kExactListed = 64u;         // blockers of one pair that classification can name
 const float kExactOne = 1073741824.0f; // a form factor of 1 in fixed point: sums do not depend on their order
+const float kExactFraction = 4096.0f;    // and of what is left over, for 2^20 cells a pair
 const uint kExactCellWords = 7u;       // a cell of cubature: record, three corners in the plane of the outer piece
 
 // Counters, one uint each.

@@ -33,10 +33,7 @@ TEST(ExactFormFactors, unoccluded_pairs_agree_with_closed_forms) {
             if (f.value == 0) {
                 EXPECT_EQ(value, 0.0f) << cases[k].name;
             }
-            // A gap of a thousandth and slivers of 1e4 sum many small cells in float32.
-            const bool extreme =
-                cases[k].name == "parallel_squares_LD_1000" || cases[k].name == "sliver_cross_1e4";
-            EXPECT_NEAR(value, f.value, extreme ? 6e-6 : 1e-6) << cases[k].name << " " << f.i << " " << f.j;
+            EXPECT_NEAR(value, f.value, 1e-6) << cases[k].name << " " << f.i << " " << f.j;
         }
     for (size_t i = 0; i < n; ++i)
         for (size_t j = 0; j < n; ++j)
@@ -59,8 +56,7 @@ TEST(ExactFormFactors, enclosures_close_without_normalisation) {
         const size_t n = c.polygons.size();
         const std::vector<float> F = matrixOf(test::meshOf(c.polygons), 3e-6);
         for (const auto& f : c.entries)
-            // 3e-6 asked of the row; gaps of a thousandth in float32 add 4e-6.
-            EXPECT_NEAR(F[f.i * n + f.j], f.value, 6e-6) << c.name << " " << f.i << " " << f.j;
+            EXPECT_NEAR(F[f.i * n + f.j], f.value, 3e-6) << c.name << " " << f.i << " " << f.j;
         for (size_t i = 0; i < n; ++i) {
             double sum = 0;
             for (size_t j = 0; j < n; ++j) sum += F[i * n + j];
