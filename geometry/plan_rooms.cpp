@@ -35,7 +35,7 @@ constexpr double kThinCell = 0.06;    // inches: cells thinner than this belong 
 constexpr double kThinRoom = 0.8;     // inches: twice the area over the perimeter; thinner spaces are cracks
 constexpr double kMostOpen = 0.4;     // of the perimeter; what is more open than this is not enclosed
 constexpr double kFewestWalls = 3;    // logical walls; an arc counts as one for each quarter turn
-constexpr std::array kPrices{0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9};
+constexpr std::array kPrices{0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.75};
 constexpr double kCapacityUnit = 1e6; // of a length of 1 in: exact integer flow
 constexpr int64_t kForever = int64_t{1} << 50;
 

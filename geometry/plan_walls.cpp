@@ -380,7 +380,11 @@ PlanSolid footprint(const WallPiece& piece, double chordError) {
                  inner = piece.radius - half;
     const double step = std::clamp(2 * std::acos(1 - std::min(0.5, chordError / outer)), kPi / 180, kPi / 12);
     const int count = std::max(2, static_cast<int>(std::ceil(sweep / step)));
-    const auto angle = [&](int k) { return piece.a0 + sweep * (full && k == count ? 0 : k) / count; };
+    // The last angle is that of wallEnd() to the last bit: fillings share these corners.
+    const auto angle = [&](int k) {
+        if (k == count) return piece.a0 + (full ? 0 : sweep);
+        return piece.a0 + sweep * k / count;
+    };
     for (int k = 0; k <= count; ++k) {
         solid.outline.push_back(piece.center + outer * onCircle(angle(k)));
         solid.sides.push_back(k < count ? SolidSide::right : SolidSide::end);

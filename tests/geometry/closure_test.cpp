@@ -197,6 +197,36 @@ TEST(Closure, garden_wall_encloses_nothing) {
     EXPECT_NE(c.report.message.find("garden"), std::string::npos);
 }
 
+TEST(Closure, curls_close_at_their_mouths) {
+    // Areas of the outlines that a person would draw round the inner faces; facets of arcs take 0.5 % at
+    // most.
+    struct Case {
+        const char* file;
+        double area;
+        int euler;
+    };
+    const double pi = 3.14159265358979;
+    for (const Case& c :
+         {Case{"spiral.json", net(20, 20) - 0.375 * (15 + 10 + 10 + 5) + 0.375 * 0.1875, 2},
+          Case{"s_curve.json", 16 * 12 - 0.375 * (12 + 8) + 0.375 * 0.1875 - 0.1875 * pi * 8, 2},
+          Case{"three_arcs.json", pi * 7.8125 * 7.8125, 2}}) {
+        const Closure closure = closeSketch(readSketch(kSketches / c.file));
+        expectProven(closure);
+        ASSERT_EQ(closure.report.rooms.size(), 1u) << c.file;
+        EXPECT_NEAR(closure.report.rooms[0].floorAreaFt2, c.area, 0.01 * c.area) << c.file;
+        EXPECT_EQ(closure.report.rooms[0].euler, c.euler) << c.file;
+    }
+}
+
+TEST(Closure, garden_wall_in_line_with_a_facade_stays_outside) {
+    const Closure c = closeSketch(readSketch(kSketches / "garden_l.json"));
+    expectProven(c);
+    EXPECT_EQ(c.report.rooms.size(), 1u);
+    EXPECT_EQ(roleOf(c.report, "g1"), "outside_extra");
+    EXPECT_EQ(roleOf(c.report, "g2"), "outside_extra");
+    EXPECT_EQ(roleOf(c.report, "n"), "exterior");
+}
+
 TEST(Closure, copies_and_nearly_collinear_pieces_are_one_wall) {
     Sketch s = box(-8, -6, 8, 6);
     s.walls.push_back(wall("copy", {-8.1, -6.08}, {8.1, -5.95}));
