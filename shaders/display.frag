@@ -11,6 +11,8 @@ layout(push_constant, scalar) uniform Push { DisplayParams params; };
 layout(constant_id = 0) const uint kTone = 0u;
 layout(constant_id = 1) const bool kProjector = false;
 layout(constant_id = 2) const int kSupersample = 1;
+// A constant, as software devices run both sides of a branch, and pow is dear.
+layout(constant_id = 3) const bool kGamma = false;
 
 layout(location = 0) out vec4 colour;
 
@@ -87,7 +89,7 @@ void main() {
     sum /= float(kSupersample * kSupersample);
     if (kTone != kToneRaw) {
         if (kProjector) sum = clamp((sum - params.blackLevel) / (1.0 - params.blackLevel), 0.0, 1.0);
-        if (params.gamma > 0.0) sum = pow(sum, vec3(1.0 / params.gamma));
+        if (kGamma) sum = pow(sum, vec3(1.0 / params.gamma));
     }
     colour = vec4(sum, 1);
 }

@@ -57,12 +57,14 @@ DisplayPass::~DisplayPass() {
 const gpu::GraphicsPipeline& DisplayPass::pipeline(const Key& key) {
     const auto found = pipelines_.find(key);
     if (found != pipelines_.end()) return found->second;
-    const auto& [format, tone, projector, supersample] = key;
+    const auto& [format, tone, projector, supersample, gamma] = key;
     gpu::GraphicsPipelineInfo info;
     info.stages = {display_vert, display_frag};
     info.colourFormats = {format};
-    info.specialization = {
-        {"kTone", tone}, {"kProjector", projector}, {"kSupersample", static_cast<uint32_t>(supersample)}};
+    info.specialization = {{"kTone", tone},
+                           {"kProjector", projector},
+                           {"kSupersample", static_cast<uint32_t>(supersample)},
+                           {"kGamma", gamma}};
     return pipelines_.emplace(key, gpu::GraphicsPipeline(*device_, info, "display")).first->second;
 }
 
@@ -70,8 +72,8 @@ void DisplayPass::record(gpu::Commands& commands, const gpu::Image& scene, const
                          const View& view, const DisplayTarget& target, uint32_t tone,
                          const io::DisplayParams& params) {
     using gpu::Stage;
-    const gpu::GraphicsPipeline& draw =
-        pipeline({target.picture.info().format, tone, !view.warp.empty(), view.supersample});
+    const gpu::GraphicsPipeline& draw = pipeline(
+        {target.picture.info().format, tone, !view.warp.empty(), view.supersample, params.gamma > 0});
     const VkCommandBuffer buffer = commands.handle();
     if (view.shown.width == 0 || view.shown.height == 0) return;
     commands.transition(target.picture, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,

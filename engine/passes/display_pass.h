@@ -37,7 +37,8 @@ public:
                 const DisplayTarget& target, uint32_t tone, const io::DisplayParams& params);
 
 private:
-    using Key = std::tuple<VkFormat, uint32_t, bool, int>; // format, tone, projector, supersample
+    using Key =
+        std::tuple<VkFormat, uint32_t, bool, int, bool>; // format, tone, projector, supersample, gamma
     const gpu::GraphicsPipeline& pipeline(const Key& key);
 
     gpu::Device* device_;

@@ -16,7 +16,8 @@ namespace heliodon::passes {
 
 namespace {
 
-constexpr VkFormat kColour = VK_FORMAT_R16G16B16A16_SFLOAT;
+// Adding to half floats takes a software device longer than to whole ones.
+constexpr VkFormat kColour = VK_FORMAT_R32G32B32A32_SFLOAT;
 constexpr VkFormat kDepth = VK_FORMAT_D32_SFLOAT_S8_UINT;
 
 const gpu::VertexStream kCornerStream{

@@ -3,7 +3,7 @@
 #endif
 #include "shaders/io/io.h"
 IO_BEGIN
-// Light in the scene picture is in kilolux, which half floats hold up to 65 million lux.
+// Light in the scene picture is in kilolux (in units of white where a preview is drawn for the eye).
 struct SceneParams {
     mat4 clipFromWorld;
     vec3 towardsSun;        // unit; zero when no sun is drawn

@@ -135,7 +135,7 @@ TEST(Projector, overlapping_projectors_together_show_the_simulated_light) {
                              geometry::patchNormal(scene.mesh, p), options.surfaceReflectance);
         const glm::dvec3 want = exposure * glm::dvec3(400, 300, 200);
         ++all;
-        // 2 %: the slope of the gain over half a pixel, and half floats.
+        // 2 %: the slope of the gain over half a pixel.
         right += glm::length(shown - want) < 0.02 * glm::length(want);
         dark += glm::length(shown) < 0.02 * glm::length(want);
     }

@@ -1,0 +1,95 @@
+// Few and small: whole pictures against kept ones, drawn by the software rasteriser. On failure the new
+// picture and the difference are left in the test's scratch folder. To renew: HELIODON_RENEW_GOLDEN=1 and
+// look at them.
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "engine/passes/frame_renderer.h"
+#include "engine/passes/image_file.h"
+#include "tests/gpu/test_device.h"
+#include "tests/passes/sketch_scene.h"
+
+namespace heliodon::passes {
+namespace {
+
+const std::filesystem::path kData = HELIODON_TEST_DATA "/passes";
+
+Image8 readPng(const std::filesystem::path& file) {
+    const cv::Mat bgr = cv::imread(file.string(), cv::IMREAD_COLOR);
+    Image8 picture{bgr.cols, bgr.rows, {}};
+    for (int y = 0; y < bgr.rows; ++y)
+        for (int x = 0; x < bgr.cols; ++x)
+            for (int c = 2; c >= 0; --c) picture.rgb.push_back(bgr.at<cv::Vec3b>(y, x)[c]);
+    return picture;
+}
+
+void expectLike(const std::string& name, const Image8& picture) {
+    const std::filesystem::path kept = kData / (name + ".png");
+    if (std::getenv("HELIODON_RENEW_GOLDEN")) writePng(picture, kept);
+    const Image8 want = readPng(kept);
+    ASSERT_EQ(picture.width, want.width) << kept;
+    ASSERT_EQ(picture.height, want.height);
+    const nlohmann::json tolerance = nlohmann::json::parse(std::ifstream(kData / "tolerance.json"));
+    Image8 difference = want;
+    size_t off = 0;
+    for (size_t i = 0; i < want.rgb.size(); ++i) {
+        const int d = std::abs(int(picture.rgb[i]) - int(want.rgb[i]));
+        off += d > tolerance["levels"].get<int>();
+        difference.rgb[i] = static_cast<uint8_t>(std::min(255, 8 * d));
+    }
+    const double share = double(off) / double(want.rgb.size());
+    EXPECT_LE(share, tolerance["share_beyond"].get<double>()) << name;
+    if (share <= tolerance["share_beyond"].get<double>()) return;
+    const std::filesystem::path folder = testing::TempDir();
+    writePng(picture, folder / (name + "-new.png"));
+    writePng(difference, folder / (name + "-difference.png"));
+    ADD_FAILURE() << "see " << folder / (name + "-new.png") << " and -difference.png";
+}
+
+TEST(Golden, preview_of_a_sunlit_room) {
+    const test::SketchScene scene = test::sketchScene(6);
+    FrameRenderer renderer(test::device(), scene.mesh, scene.occluders, nullptr);
+    PreviewOptions options;
+    options.width = 256;
+    options.height = 192;
+    expectLike("preview", renderer.preview(scene.light, options));
+    options.tone.map = ToneMap::falseColour;
+    options.tone.isoLux = {1000};
+    expectLike("false-colour", renderer.preview(scene.light, options));
+}
+
+TEST(Golden, picture_for_one_projector) {
+    geometry::Rig rig = geometry::readRig(HELIODON_SOURCE "/examples/rig.json");
+    rig.projectors.resize(2);
+    for (geometry::Projector& projector :
+         rig.projectors) { // a quarter of the panel's pixels in each direction
+        projector.width /= 4;
+        projector.height /= 4;
+        geometry::Lens& lens = projector.lens;
+        lens.fx /= 4, lens.fy /= 4, lens.cx = (lens.cx + 0.5) / 4 - 0.5, lens.cy = (lens.cy + 0.5) / 4 - 0.5;
+    }
+    const test::SketchScene scene = test::sketchScene(6);
+    FrameRenderer renderer(test::device(), scene.mesh, scene.occluders, &rig);
+    expectLike("projector", renderer.projectors(scene.light)[1]);
+}
+
+TEST(Golden, a_frame_without_sun_is_the_one_whose_sun_shines_on_nothing) {
+    // Skipping the sun pass must change nothing: here it is drawn, from below the floor, and adds nothing.
+    const test::SketchScene scene = test::sketchScene(6);
+    FrameRenderer renderer(test::device(), scene.mesh, scene.occluders, nullptr);
+    PreviewOptions options;
+    options.width = 160;
+    options.height = 120;
+    compute::Lighting night = scene.light, below = scene.light;
+    night.sunDirection = glm::dvec3(0);
+    below.sunDirection = glm::normalize(glm::dvec3(0.1, -1, 0.2));
+    EXPECT_EQ(renderer.preview(night, options).rgb, renderer.preview(below, options).rgb);
+}
+
+} // namespace
+} // namespace heliodon::passes
