@@ -163,7 +163,7 @@ std::optional<geometry::Arc> fitArc(const Chain& chain, const PlanView& view, co
     Rings rings{circle->centre, circle->radius - half, circle->radius + half};
     auto [low, high] = angularExtent(points, rings.centre);
     const double length = (high - low) * circle->radius;
-    if (length < 2 * options.wallThickness) return std::nullopt;
+    if (length < options.shortestWall - 2 * options.unpaintedEnd) return std::nullopt;
     const double pixel = 1 / view.pixelsPerInch(points.front(), height);
     const int n = std::max(8, static_cast<int>(length / (3 * pixel)));
     std::vector<glm::dvec2> inner, outer;
@@ -192,7 +192,7 @@ std::optional<geometry::Arc> fitArc(const Chain& chain, const PlanView& view, co
         if (pass > 0 && glm::distance(before, rings.centre) < 0.02) break;
     }
     const double thickness = rings.outer - rings.inner;
-    if (thickness < 0.65 * options.wallThickness || thickness > 1.4 * options.wallThickness)
+    if (thickness < 0.8 * options.wallThickness || thickness > 1.25 * options.wallThickness)
         return std::nullopt;
 
     const double radius = 0.5 * (rings.inner + rings.outer);

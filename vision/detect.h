@@ -18,12 +18,12 @@ namespace heliodon::vision {
 // Lengths are inches on the table. The defaults are those of the paper's walls and markers; hues are learned
 // from each picture.
 struct DetectOptions {
-    double gamma = 2.2;          // light = (value / 255) ^ gamma
-    double minSaturation = 0.33; // of P' after local white balance: below it a pixel is white (0..1)
-    double minBrightness =
-        0.09; // largest channel over local white: below it a pixel is floor or dark noise (0..1)
+    double gamma = 2.2;                 // light = (value / 255) ^ gamma
+    double minSaturation = 0.33;        // of P' after local white balance: below it a pixel is white (0..1)
+    double minBrightness = 0.09;        // largest channel over local white: darker is floor or noise (0..1)
     double minBrightnessOffTable = 0.2; // the same beyond the table's edge
     double wallThickness = 0.375;       // foam core
+    double shortestWall = 1.9;          // shorter ones are not made; what looks like one is a smear of colour
     double unpaintedEnd = 0.5;          // the paint of a wall stops so far before its end
     double markerThickness = 0.03;      // window markers and skylights: folded card
     double tokenSide = 1.5;             // outside of the coloured rim
@@ -34,10 +34,10 @@ struct DetectOptions {
 };
 
 struct DetectionResult {
-    geometry::Sketch sketch; // ids "w1", "a1", "win1", "sky1", "token1", ordered as they lie in the picture,
-                             // top left first
-    std::vector<std::string>
-        warnings; // what was seen and not understood, one line each; also when nothing was seen
+    // Ids "w1", "a1", "win1", "sky1", "token1", ordered as they lie in the picture, from the top.
+    geometry::Sketch sketch;
+    // What was seen and not understood, one line each; also when nothing was seen.
+    std::vector<std::string> warnings;
     double seconds = 0;
 };
 
@@ -46,7 +46,8 @@ struct DetectionResult {
 DetectionResult detectSketch(const Photograph& photo, const geometry::Rig& rig,
                              const DetectOptions& options = {});
 
-// The photograph, brightened, with the outline and the name of every primitive. Written whole or not at all.
+// The photograph, brightened, with the table's edge as the rig has it and the outline and the name of every
+// primitive. Written whole or not at all.
 void drawOverlay(const Photograph& photo, const geometry::Rig& rig, const geometry::Sketch& sketch,
                  const std::filesystem::path& png);
 

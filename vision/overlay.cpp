@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -31,6 +32,18 @@ cv::Scalar colorOf(geometry::WindowKind k) {
                                                 : bgr(255, 225, 40);
 }
 
+// Where a calibrated camera must see it: a rig that does not fit the picture shows.
+geometry::Detection tableEdge(const geometry::Rig& rig) {
+    geometry::Detection out;
+    for (int i = 0; i < 180; ++i) {
+        const double a = 2 * std::numbers::pi * i / 180;
+        const auto pixel =
+            rig.camera.pixelFromWorld({rig.tableRadius * std::cos(a), 0, rig.tableRadius * std::sin(a)});
+        if (pixel) out.outlinePx.push_back(*pixel);
+    }
+    return out;
+}
+
 class Canvas {
 public:
     explicit Canvas(const Photograph& photo) {
@@ -51,14 +64,14 @@ public:
         cv::addWeighted(color, 0.55 * 205 / white, grey, 0.45 * 205 / white, 0, picture_);
     }
 
-    void outline(const geometry::Detection& detection, const cv::Scalar& color) {
+    void outline(const geometry::Detection& detection, const cv::Scalar& color, int width = 2) {
         if (detection.outlinePx.size() < 2) return;
         std::vector<cv::Point> points;
         for (const auto& p : detection.outlinePx)
             points.emplace_back(static_cast<int>(std::lround(std::clamp(p.x, -1e4, 1e4) * (1 << kShift))),
                                 static_cast<int>(std::lround(std::clamp(p.y, -1e4, 1e4) * (1 << kShift))));
-        cv::polylines(picture_, points, true, bgr(15, 15, 20), 4, cv::LINE_AA, kShift);
-        cv::polylines(picture_, points, true, color, 2, cv::LINE_AA, kShift);
+        cv::polylines(picture_, points, true, bgr(15, 15, 20), width + 2, cv::LINE_AA, kShift);
+        cv::polylines(picture_, points, true, color, width, cv::LINE_AA, kShift);
     }
 
     // Beside the outline's middle, on the side away from the picture's middle.
@@ -98,8 +111,8 @@ private:
 
 void drawOverlay(const Photograph& photo, const geometry::Rig& rig, const geometry::Sketch& sketch,
                  const std::filesystem::path& png) {
-    (void)rig;
     Canvas canvas(photo);
+    canvas.outline(tableEdge(rig), bgr(235, 235, 215), 1);
     for (const auto& wall : sketch.walls) canvas.outline(wall.detection, colorOf(wall.heightClass));
     for (const auto& arc : sketch.arcs) canvas.outline(arc.detection, colorOf(arc.heightClass));
     for (const auto& window : sketch.windows) canvas.outline(window.detection, colorOf(window.kind));

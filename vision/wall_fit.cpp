@@ -220,7 +220,8 @@ std::optional<StraightWall> fitStraight(const Chain& chain, const PlanView& view
     const Pca pca = principalAxes(points);
     // A strip's standard deviation across is its width / sqrt(12).
     const double strip = options.wallThickness / std::sqrt(12.0);
-    if (pca.high - pca.low < options.wallThickness || pca.minor > 1.5 * strip) return std::nullopt;
+    if (pca.high - pca.low < options.shortestWall - 2 * options.unpaintedEnd || pca.minor > 1.5 * strip)
+        return std::nullopt;
 
     Axis axis = axisOf(pca);
     std::vector<Span> spans;
@@ -241,7 +242,7 @@ std::optional<StraightWall> fitStraight(const Chain& chain, const PlanView& view
         auto& widths = sides.widths;
         const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
         std::nth_element(widths.begin(), middle, widths.end());
-        if (*middle < 0.65 * thickness || *middle > 1.4 * thickness) return std::nullopt;
+        if (*middle < 0.8 * thickness || *middle > 1.25 * thickness) return std::nullopt;
     } else if (pca.minor > 1.25 * strip || pca.minor < 0.6 * strip ||
                pca.high - pca.low < 2 * options.wallThickness) {
         return std::nullopt; // neither sides nor shape speak for a wall
