@@ -16,7 +16,7 @@ using namespace heliodon::geometry;
 
 namespace {
 
-constexpr int kSketches = 1000;
+constexpr int kSketches = 400;
 
 class SketchMaker {
 public:
