@@ -242,7 +242,7 @@ Json jsonPoint(glm::dvec2 p) {
 }
 
 void writeDetection(Json& out, const Detection& detection) {
-    if (detection.confidence != 1) out["confidence"] = detection.confidence;
+    out["confidence"] = detection.confidence;
     if (detection.outlinePx.empty()) return;
     Json outline = Json::array();
     for (const glm::dvec2 p : detection.outlinePx) outline.push_back(jsonPoint(p));

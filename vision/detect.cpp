@@ -258,7 +258,7 @@ void Detector::nameAll() {
 DetectionResult detectSketch(const Photograph& photo, const geometry::Rig& rig,
                              const DetectOptions& options) {
     if (photo.width != rig.camera.width || photo.height != rig.camera.height)
-        throw geometry::InputError("photograph", "",
+        throw geometry::InputError(photo.name, "",
                                    fmt::format("{} x {} pixels, but the rig's camera has {} x {}",
                                                photo.width, photo.height, rig.camera.width,
                                                rig.camera.height));

@@ -26,7 +26,7 @@ Photograph readPhotograph(const std::filesystem::path& file) {
     if (bgr.empty())
         throw geometry::InputError(file.string(), "",
                                    "not an image that can be read, expected png, jpg or tif");
-    Photograph photo{bgr.cols, bgr.rows, {}};
+    Photograph photo{bgr.cols, bgr.rows, {}, file.string()};
     photo.rgb.resize(static_cast<size_t>(bgr.cols) * static_cast<size_t>(bgr.rows) * 3);
     cv::Mat rgb(bgr.rows, bgr.cols, CV_8UC3, photo.rgb.data());
     cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);

@@ -3,14 +3,15 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace heliodon::vision {
 
 struct Photograph {
     int width = 0, height = 0;
-    std::vector<uint8_t>
-        rgb; // row-major, 3 bytes a pixel, encoded with a gamma near 2.2 (sRGB is near enough)
+    std::vector<uint8_t> rgb; // row-major, 3 bytes a pixel, encoded with a gamma near 2.2 (sRGB is near)
+    std::string name = "photograph"; // the file, for messages
 };
 
 // Reads PNG, JPEG and TIFF, 8 or 16 bits, colour or grey; an alpha channel is dropped.

@@ -13,8 +13,7 @@ passes::FrameRenderer makeRenderer(Run& run, const Scene& scene) {
     return passes::FrameRenderer(device, scene.mesh, scene.occluders, scene.rig ? &*scene.rig : nullptr);
 }
 
-passes::Tone toneOf(const PictureArguments& arguments, bool falseColour) {
-    passes::Tone tone;
+passes::Tone toned(passes::Tone tone, const PictureArguments& arguments, bool falseColour) {
     if (falseColour) tone.map = passes::ToneMap::falseColour;
     tone.whiteLux = arguments.exposure;
     return tone;

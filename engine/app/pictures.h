@@ -14,7 +14,8 @@ namespace heliodon::app {
 
 passes::FrameRenderer makeRenderer(Run& run, const Scene& scene);
 
-passes::Tone toneOf(const PictureArguments& arguments, bool falseColour);
+// `tone` as the arguments want it: their exposure, and false colour in place of its map.
+passes::Tone toned(passes::Tone tone, const PictureArguments& arguments, bool falseColour);
 
 // Makes the folder when it is missing; throws InputError when it is a file or cannot be made or written to.
 void prepareFolder(const std::filesystem::path& folder);

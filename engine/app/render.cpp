@@ -14,20 +14,20 @@ namespace {
 void renderPreviews(Run& run, passes::FrameRenderer& renderer, const compute::Lighting& light,
                     const RenderArguments& arguments) {
     passes::PreviewOptions options;
-    options.tone = toneOf(arguments.picture, false);
+    options.tone = toned(options.tone, arguments.picture, false);
     const StageTimer timer(run, "render");
     passes::writePng(renderer.preview(light, options), arguments.output / "preview.png");
     if (arguments.picture.exr)
         passes::writeExr(renderer.previewHdr(light, options), arguments.output / "preview.exr");
     if (!arguments.picture.falseColor) return;
-    options.tone = toneOf(arguments.picture, true);
+    options.tone = toned(options.tone, arguments.picture, true);
     passes::writePng(renderer.preview(light, options), arguments.output / "false-color.png");
 }
 
 void renderProjectors(Run& run, passes::FrameRenderer& renderer, const compute::Lighting& light,
                       const RenderArguments& arguments) {
     passes::ProjectorOptions options;
-    options.tone = toneOf(arguments.picture, false);
+    options.tone = toned(options.tone, arguments.picture, false);
     const StageTimer timer(run, "render");
     const std::vector<passes::Image8> pictures = renderer.projectors(light, options);
     for (size_t p = 0; p < pictures.size(); ++p)

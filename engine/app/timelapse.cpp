@@ -147,9 +147,10 @@ void execute(Run& run, const TimelapseArguments& arguments) {
     passes::FrameRenderer renderer = makeRenderer(run, scene);
     passes::PreviewOptions preview;
     passes::ProjectorOptions projector;
-    preview.tone = toneOf(arguments.picture, arguments.picture.falseColor);
+    preview.tone = toned(preview.tone, arguments.picture, arguments.picture.falseColor);
+    projector.tone = toned(projector.tone, arguments.picture, arguments.picture.falseColor);
     if (!preview.tone.whiteLux) preview.tone.whiteLux = whiteForAll(run, source, times, *transport, renderer);
-    projector.tone = preview.tone;
+    projector.tone.whiteLux = preview.tone.whiteLux;
 
     const InterruptGuard guard;
     Progress progress("frames", times.size(), run.showsProgress());
