@@ -5,6 +5,7 @@
 #include <string>
 
 #include <fmt/format.h>
+#include <glm/geometric.hpp>
 
 #include "geometry/input_error.h"
 #include "geometry/mesher.h"
@@ -69,6 +70,43 @@ void reportClosure(Run& run, const geometry::ClosureReport& closure) {
         report["walls"].push_back({{"id", wall.id}, {"role", wall.role}});
 }
 
+// The same fields for a model: importModel has proven its rooms closed, or refused. A metre of the model is a
+// metre of building.
+void reportImport(Run& run, const geometry::PatchMesh& mesh, uint32_t roomCount) {
+    constexpr double kFoot = 0.3048;
+    std::vector<double> floorArea(roomCount), volume(roomCount);
+    for (size_t i = 0; i < mesh.patchCount(); ++i) {
+        const glm::dvec3 areaVector = 0.5 * geometry::patchAreaVector(mesh, i);
+        volume[mesh.room[i]] -=
+            glm::dot(areaVector, geometry::patchCentroid(mesh, i)) / 3; // normals point into the air
+        const double area = glm::length(areaVector);
+        if (areaVector.y > 0.999 * area) floorArea[mesh.room[i]] += area;
+    }
+    json& report = run.report();
+    report["outcome"] = "ok";
+    report["code"] = "OK";
+    report["message"] = roomCount == 1 ? "1 room" : fmt::format("{} rooms", roomCount);
+    report["n_rooms"] = roomCount;
+    report["rooms"] = json::array();
+    for (size_t r = 0; r < roomCount; ++r)
+        report["rooms"].push_back({{"floor_area", floorArea[r] / (kFoot * kFoot)},
+                                   {"volume", volume[r] / (kFoot * kFoot * kFoot)},
+                                   {"closed", true},
+                                   {"self_intersecting", false}});
+}
+
+geometry::Building importOrRefuse(Run& run, const SceneArguments& arguments, geometry::UpAxis up) {
+    const StageTimer timer(run, "model");
+    try {
+        return geometry::importModel(arguments.input, up);
+    } catch (const InputError& error) {
+        run.report()["outcome"] = "refuse";
+        run.report()["code"] = "BAD_MODEL";
+        run.report()["message"] = error.what();
+        throw;
+    }
+}
+
 geometry::Building closeOrRefuse(Run& run, const SceneArguments& arguments, const geometry::Sketch& sketch) {
     const StageTimer timer(run, "model");
     geometry::Closure closure = geometry::closeSketch(sketch);
@@ -115,8 +153,7 @@ Scene loadScene(Run& run, const SceneArguments& arguments) {
     if (!arguments.rig.empty()) scene.rig = geometry::readRig(arguments.rig);
     geometry::Building building;
     if (kind == InputKind::model) {
-        const StageTimer timer(run, "model");
-        building = geometry::importModel(arguments.input, scene.up);
+        building = importOrRefuse(run, arguments, scene.up);
     } else {
         scene.sketch = loadSketch(run, arguments, scene.rig);
         building = closeOrRefuse(run, arguments, *scene.sketch);
@@ -125,6 +162,7 @@ Scene loadScene(Run& run, const SceneArguments& arguments) {
         const StageTimer timer(run, "model");
         scene.mesh = geometry::meshBuilding(building, {arguments.triangles.value_or(kDefaultTriangles)});
     }
+    if (kind == InputKind::model) reportImport(run, scene.mesh, building.roomCount);
     scene.occluders = std::move(building.occluders);
     scene.northDeg = building.northDeg - arguments.northDeg; // plan angles grow counter-clockwise
     const geometry::MeshQuality quality = geometry::measureMesh(scene.mesh);

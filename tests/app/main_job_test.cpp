@@ -60,6 +60,15 @@ TEST_F(MainJob, a_photograph_becomes_a_sketch_that_gives_the_same_model) {
         EXPECT_TRUE(a.contains(field));
 }
 
+TEST_F(MainJob, a_model_is_reported_as_closed_rooms) {
+    run("model " HELIODON_TEST_DATA "/geometry/models/daylight_d/model.obj --up z -o " + in("m.glb") +
+        " --report " + in("m.json"));
+    const nlohmann::json m = report("m.json");
+    EXPECT_EQ(m["outcome"], "ok");
+    ASSERT_EQ(m["n_rooms"], 1);
+    EXPECT_NEAR(m["rooms"][0]["volume"].get<double>(), 4000 - 2, 0.01); // 400 ft2 x 10 ft less the partition
+}
+
 TEST_F(MainJob, render_writes_four_projector_pictures_and_a_preview) {
     run("render " + kPhoto + " --rig " + kRig +
         " --triangles 600 --time 2026-03-21T13:00solar --false-color -o " + in("out") + " --report " +
