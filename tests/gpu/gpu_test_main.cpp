@@ -34,6 +34,10 @@ gpu::Device& device() {
 
 } // namespace heliodon::test
 
+// What the validation layer keeps for the life of the process is its own business. Read by the leak checker, where there is one.
+extern "C" const char* __lsan_default_suppressions();
+extern "C" const char* __lsan_default_suppressions() { return "leak:libVkLayer_khronos_validation"; }
+
 int main(int argc, char** argv) {
     heliodon::test::keepDriversLoaded();
     testing::InitGoogleTest(&argc, argv);
