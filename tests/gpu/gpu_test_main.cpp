@@ -1,9 +1,8 @@
-#include <dlfcn.h>
-
 #include <memory>
 
 #include <gtest/gtest.h>
 
+#include "tests/gpu/drivers.h"
 #include "tests/gpu/test_device.h"
 
 namespace heliodon::test {
@@ -11,14 +10,6 @@ namespace heliodon::test {
 namespace {
 
 std::unique_ptr<gpu::Device> theDevice;
-
-// Drivers keep allocations until they are unloaded, where a leak checker can no longer name them: keep them
-// loaded.
-void keepDriversLoaded() {
-    for (const char* name :
-         {"libvulkan_lvp.so", "libVkLayer_MESA_device_select.so", "libVkLayer_khronos_validation.so"})
-        dlopen(name, RTLD_LAZY | RTLD_NODELETE);
-}
 
 } // namespace
 
@@ -33,10 +24,6 @@ gpu::Device& device() {
 }
 
 } // namespace heliodon::test
-
-// What the validation layer keeps for the life of the process is its own business. Read by the leak checker, where there is one.
-extern "C" const char* __lsan_default_suppressions();
-extern "C" const char* __lsan_default_suppressions() { return "leak:libVkLayer_khronos_validation"; }
 
 int main(int argc, char** argv) {
     heliodon::test::keepDriversLoaded();

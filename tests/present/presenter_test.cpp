@@ -1,6 +1,5 @@
 // Checklist 8 and 32: four sRGB swapchains in one process, by pixels read back from them. Needs a display
 // server: the one of $DISPLAY, else an Xvfb of its own.
-#include <dlfcn.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -16,6 +15,7 @@
 #include "compute/gpu/image.h"
 #include "engine/present/presenter.h"
 #include "geometry/input_error.h"
+#include "tests/gpu/drivers.h"
 
 namespace heliodon::present {
 namespace {
@@ -170,10 +170,7 @@ TEST_F(Windows, a_named_display_is_filled) {
 } // namespace heliodon::present
 
 int main(int argc, char** argv) {
-    // Drivers stay loaded, so that a leak checker can name what they keep.
-    for (const char* name :
-         {"libvulkan_lvp.so", "libVkLayer_MESA_device_select.so", "libVkLayer_khronos_validation.so"})
-        dlopen(name, RTLD_LAZY | RTLD_NODELETE);
+    heliodon::test::keepDriversLoaded();
     testing::InitGoogleTest(&argc, argv);
     return RUN_ALL_TESTS();
 }
