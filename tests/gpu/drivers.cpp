@@ -1,5 +1,7 @@
 #include "tests/gpu/drivers.h"
 
+#include <initializer_list>
+
 #include <dlfcn.h>
 
 // What the validation layer keeps for the life of the process is its own business. Read by the leak checker,
