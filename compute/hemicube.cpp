@@ -11,6 +11,7 @@
 #include "compute/daylight/glazing.h"
 #include "compute/daylight/sky_patches.h"
 #include "compute/gpu/device.h"
+#include "geometry/perpendicular.h"
 #include "shaders/io/fixed_to_float.io.h"
 #include "spirv/fixed_to_float_comp.h"
 #include "spirv/hemicube_comp.h"
@@ -37,11 +38,6 @@ glm::uvec4 texelOf(glm::dvec3 v, uint32_t w) {
     return {std::bit_cast<uint32_t>(static_cast<float>(v.x)),
             std::bit_cast<uint32_t>(static_cast<float>(v.y)),
             std::bit_cast<uint32_t>(static_cast<float>(v.z)), w};
-}
-
-glm::dvec3 perpendicular(glm::dvec3 n) {
-    const glm::dvec3 helper = std::abs(n.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
-    return glm::normalize(glm::cross(helper, n));
 }
 
 // Barycentric centroids of a regular subdivision into m^2 triangles: equal weights, so that the device sums
@@ -196,7 +192,7 @@ gpu::Buffer Hemicube::uploadViewpoints(const std::vector<Viewpoint>& viewpoints)
     std::vector<glm::uvec4> texels;
     texels.reserve(3 * viewpoints.size());
     for (const Viewpoint& v : viewpoints) {
-        const glm::dvec3 u = perpendicular(v.normal), w = glm::cross(v.normal, u);
+        const glm::dvec3 u = geometry::perpendicular(v.normal), w = glm::cross(v.normal, u);
         texels.push_back(texelOf(v.position - centre_, v.patch));
         texels.push_back(texelOf(v.normal, v.room));
         texels.push_back(texelOf(std::cos(v.turn) * u + std::sin(v.turn) * w, 0));

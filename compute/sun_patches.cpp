@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "compute/daylight/glazing.h"
+#include "geometry/perpendicular.h"
 
 namespace heliodon::compute {
 
@@ -81,8 +82,7 @@ bool inside(const Polygon& p, glm::dvec2 q) {
 
 SunPatches::SunPatches(const geometry::PatchMesh& mesh, glm::dvec3 towardsSun)
     : mesh_(&mesh), sun_(glm::normalize(towardsSun)) {
-    const glm::dvec3 helper = std::abs(sun_.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
-    across_ = glm::normalize(glm::cross(helper, sun_));
+    across_ = geometry::perpendicular(sun_);
     up_ = glm::cross(sun_, across_);
     glm::dvec3 low(1e300), high(-1e300);
     for (const glm::dvec3& v : mesh.vertices) low = glm::min(low, v), high = glm::max(high, v);

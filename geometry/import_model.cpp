@@ -13,6 +13,7 @@
 #include "geometry/face_soup.h"
 #include "geometry/input_error.h"
 #include "geometry/model_file.h"
+#include "geometry/perpendicular.h"
 #include "geometry/plan_arrangement.h"
 #include "geometry/plan_regions.h"
 #include "geometry/raw_model.h"
@@ -174,8 +175,7 @@ private:
             if (coplanar(building_.faces[f], loop)) under.push_back(f);
         if (under.empty()) return false;
         const glm::dvec3 n = normal(building_.faces[under[0]]), origin = building_.vertices[loop[0]];
-        const glm::dvec3 helper = std::abs(n.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
-        const glm::dvec3 u = glm::normalize(glm::cross(helper, n)), v = glm::cross(n, u);
+        const glm::dvec3 u = perpendicular(n), v = glm::cross(n, u);
         const auto flat = [&](uint32_t i) {
             const glm::dvec3 p = building_.vertices[i] - origin;
             return glm::dvec2(glm::dot(p, u), glm::dot(p, v));

@@ -15,6 +15,7 @@
 #include <glm/geometric.hpp>
 
 #include "geometry/cut_triangle.h"
+#include "geometry/perpendicular.h"
 #include "geometry/shadow_outline.h"
 
 namespace heliodon::geometry {
@@ -138,10 +139,9 @@ private:
 
     Plane viewPlane(glm::dvec3 normal, glm::dvec3 origin) const {
         Plane plane;
-        const glm::dvec3 helper = std::abs(normal.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
         plane.frame.origin = origin;
         plane.frame.normal = normal;
-        plane.frame.u = glm::normalize(glm::cross(helper, normal));
+        plane.frame.u = perpendicular(normal);
         plane.frame.v = glm::cross(normal, plane.frame.u);
         for (size_t p = 0; p < projectors_.size(); ++p) {
             PlaneView view;

@@ -3,6 +3,7 @@
 
 #include "compute/form_factors.h"
 #include "engine/app/commands.h"
+#include "engine/app/light_report.h"
 #include "engine/app/scene_input.h"
 #include "engine/app/table_file.h"
 
@@ -52,18 +53,7 @@ void execute(Run& run, const FormFactorArguments& arguments) {
     }();
     const size_t n = factors.patchCount;
     const std::vector<float> values = factors.values.download<float>(n * n);
-    const compute::FormFactorReport& r = factors.report;
-    run.report()["form_factors"] = {{"patches", n},
-                                    {"kernel", r.kernel},
-                                    {"why", r.why},
-                                    {"resolution", r.resolution},
-                                    {"points", r.points},
-                                    {"seconds", r.seconds},
-                                    {"closure_max", r.closureMax},
-                                    {"closure_rms", r.closureRms},
-                                    {"reciprocity_rms", r.reciprocityRms},
-                                    {"claimed_row_error", r.claimedRowError}};
-    for (const std::string& reason : r.skipped) run.skipped(reason);
+    reportFormFactors(run, n, factors.report);
     if (!arguments.reference.empty())
         run.report()["error"] = errorAgainst(readMatrix(arguments.reference, n, n), values, n);
     writeNpy(arguments.output, n, n, values);

@@ -7,6 +7,20 @@ namespace heliodon::app {
 
 using nlohmann::json;
 
+void reportFormFactors(Run& run, size_t patches, const compute::FormFactorReport& report) {
+    run.report()["form_factors"] = {{"patches", patches},
+                                    {"kernel", report.kernel},
+                                    {"why", report.why},
+                                    {"resolution", report.resolution},
+                                    {"points", report.points},
+                                    {"seconds", report.seconds},
+                                    {"closure_max", report.closureMax},
+                                    {"closure_rms", report.closureRms},
+                                    {"reciprocity_rms", report.reciprocityRms},
+                                    {"claimed_row_error", report.claimedRowError}};
+    for (const std::string& reason : report.skipped) run.skipped(reason);
+}
+
 std::unique_ptr<compute::DaylightTransport> makeTransport(Run& run, const geometry::PatchMesh& mesh) {
     gpu::Device& device = run.device();
     std::unique_ptr<compute::DaylightTransport> transport;
@@ -15,18 +29,9 @@ std::unique_ptr<compute::DaylightTransport> makeTransport(Run& run, const geomet
         transport = std::make_unique<compute::DaylightTransport>(device, mesh);
     }
     const compute::TransportReport& t = transport->report();
-    const compute::FormFactorReport& f = t.formFactors;
-    run.report()["form_factors"] = {{"patches", mesh.patchCount()},
-                                    {"kernel", f.kernel},
-                                    {"why", f.why},
-                                    {"resolution", f.resolution},
-                                    {"points", f.points},
-                                    {"closure_max", f.closureMax},
-                                    {"closure_rms", f.closureRms},
-                                    {"reciprocity_rms", f.reciprocityRms},
-                                    {"claimed_row_error", f.claimedRowError},
-                                    {"sky_elements", t.skyElements},
-                                    {"sky_channels", t.channels}};
+    reportFormFactors(run, mesh.patchCount(), t.formFactors);
+    run.report()["form_factors"]["sky_elements"] = t.skyElements;
+    run.report()["form_factors"]["sky_channels"] = t.channels;
     for (const std::string& reason : t.skipped) run.skipped(reason);
     return transport;
 }

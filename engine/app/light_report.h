@@ -7,6 +7,9 @@
 
 namespace heliodon::app {
 
+// What a form-factor kernel measured, as `form_factors` of the report, and what it skipped.
+void reportFormFactors(Run& run, size_t patches, const compute::FormFactorReport& report);
+
 // Form factors with the sky coefficients of a mesh; fills `stages.formfactors` and `form_factors`.
 std::unique_ptr<compute::DaylightTransport> makeTransport(Run& run, const geometry::PatchMesh& mesh);
 

@@ -1,0 +1,18 @@
+// A direction across another one.
+#pragma once
+
+#include <cmath>
+
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+
+namespace heliodon::geometry {
+
+// A unit vector at right angles to the unit vector `n`; horizontal where n is not nearly vertical. With it
+// and cross(n, it), in that order, n makes a right-handed frame.
+inline glm::dvec3 perpendicular(glm::dvec3 n) {
+    const glm::dvec3 across = std::abs(n.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
+    return glm::normalize(glm::cross(across, n));
+}
+
+} // namespace heliodon::geometry
