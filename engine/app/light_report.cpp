@@ -31,7 +31,7 @@ std::unique_ptr<compute::DaylightTransport> makeTransport(Run& run, const geomet
     const compute::TransportReport& t = transport->report();
     reportFormFactors(run, mesh.patchCount(), t.formFactors);
     run.report()["form_factors"]["sky_elements"] = t.skyElements;
-    run.report()["form_factors"]["sky_channels"] = t.channels;
+    run.report()["form_factors"]["channels"] = t.channels;
     for (const std::string& reason : t.skipped) run.skipped(reason);
     return transport;
 }
