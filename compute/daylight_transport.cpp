@@ -500,6 +500,25 @@ std::vector<Moment> DaylightTransport::light(std::span<const daylight::Sky> skie
     return moments;
 }
 
+TransportParts DaylightTransport::parts() {
+    State& state = *state_;
+    const auto mean = [](const std::vector<float>& a, const std::vector<float>& b) {
+        std::vector<float> result(a.size());
+        for (size_t i = 0; i < a.size(); ++i) result[i] = 0.5f * (a[i] + b[i]);
+        return result;
+    };
+    return {*state.solver,
+            *state.gather,
+            state.columnsPerMoment(),
+            state.patchSky.elements,
+            state.patchSky.channels,
+            state.patchSky.values,
+            mean(state.sensorSky[0].values, state.sensorSky[1].values),
+            mean(state.sensorFactors[0], state.sensorFactors[1]),
+            state.sensors,
+            state.skyPatches};
+}
+
 const geometry::PatchMesh& DaylightTransport::mesh() const {
     return state_->mesh;
 }

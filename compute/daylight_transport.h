@@ -19,6 +19,7 @@
 #include <glm/vec3.hpp>
 
 #include "compute/daylight/sky.h"
+#include "compute/daylight/sky_patches.h"
 #include "compute/form_factors.h"
 #include "compute/lighting.h"
 #include "compute/radiosity.h"
@@ -70,6 +71,19 @@ struct TransportReport {
     std::vector<std::string> skipped;
 };
 
+// The linear parts behind DaylightTransport::light, for products over many moments at once. They hold until
+// materials or sensors change.
+struct TransportParts {
+    RadiositySolver& solver;
+    RadiosityGather& gather;
+    uint32_t channels = 1;                       // of the solver: 1 where all materials are grey
+    uint32_t skyElements = 0, skyChannels = 1;   // sky coefficients; 0 elements without openings
+    std::span<const float> patchSky;             // patches x skyChannels x skyElements
+    std::vector<float> sensorSky, sensorFactors; // sensors x skyChannels x skyElements; sensors x patches
+    std::span<const Sensor> sensors;
+    const daylight::SkyPatches& sky;
+};
+
 class DaylightTransport {
 public:
     // Keeps a copy of the mesh. Throws geometry::InputError on an unknown kernel and on reflectances outside
@@ -97,6 +111,7 @@ public:
     // tolerance.
     std::vector<Moment> light(std::span<const daylight::Sky> skies);
 
+    TransportParts parts();
     const geometry::PatchMesh& mesh() const;
     const FormFactors& formFactors() const;
     const TransportReport& report() const;
