@@ -42,7 +42,7 @@ install_packages() {
 # build PRESET ON|OFF [TARGET...]: configures with or without tests and benches, and builds; a broken configuration is started
 # afresh.
 build() {
-    local preset=$1 log options=(-DHELIODON_TESTS="$2" -DHELIODON_BENCHES="$2")
+    local preset=$1 log options=(-DHELIODON_TESTS="$2" -DHELIODON_BENCHES="$2" -DHELIODON_PRECOMPILE=ON)
     shift 2
     mkdir -p "build/$preset"
     log=build/$preset/configure.log
