@@ -13,6 +13,7 @@
 #include "compute/daylight/sky_patches.h"
 #include "compute/gpu/device.h"
 #include "compute/hemicube.h"
+#include "compute/radiosity_gather.h"
 #include "compute/sun_patches.h"
 #include "geometry/input_error.h"
 

@@ -1,5 +1,6 @@
 #include "compute/form_factors.h"
 
+#include <array>
 #include <chrono>
 #include <cmath>
 
@@ -66,6 +67,11 @@ void measureFormFactors(const geometry::PatchMesh& mesh, const gpu::Buffer& valu
                 }
     const double pairs = 0.5 * static_cast<double>(n) * static_cast<double>(n - 1);
     report.reciprocityRms = std::sqrt(reciprocity / std::max(pairs, 1.0)) / (total / static_cast<double>(n));
+}
+
+std::span<const std::string_view> formFactorKernels() {
+    static constexpr std::array<std::string_view, 2> kNames{"exact", "hemicube"};
+    return kNames;
 }
 
 FormFactors computeFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,

@@ -5,7 +5,9 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "compute/gpu/buffer.h"
@@ -43,6 +45,9 @@ struct FormFactors {
 
 // Fills in closure and reciprocity of a matrix. About 15 ms for 2000 patches.
 void measureFormFactors(const geometry::PatchMesh& mesh, const gpu::Buffer& values, FormFactorReport& report);
+
+// Names that FormFactorOptions::kernel takes, without "auto".
+std::span<const std::string_view> formFactorKernels();
 
 // Throws geometry::InputError on an unknown kernel name.
 FormFactors computeFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,

@@ -88,8 +88,8 @@ struct RadiositySolver::Column {
     }
 };
 
-RadiositySolver::RadiositySolver(RadiosityGather& gather, std::vector<float> rowSums)
-    : gather_(&gather), rowSums_(std::move(rowSums)) {}
+RadiositySolver::RadiositySolver(FormFactorOperator& factors, std::vector<float> rowSums)
+    : factors_(&factors), rowSums_(std::move(rowSums)) {}
 
 void RadiositySolver::setMatter(RadiosityMatter matter) {
     matter_ = std::move(matter);
@@ -137,7 +137,7 @@ RadiosityReport RadiositySolver::solve(std::span<const float> emitted, std::span
         for (size_t c = 0; c < count; ++c)
             std::transform(columns[c].solution.begin(), columns[c].solution.end(), &radiosity[c * n],
                            [](double x) { return static_cast<float>(x); });
-        gather_->gather(radiosity, gathered, static_cast<uint32_t>(count));
+        factors_->gather(radiosity, gathered, static_cast<uint32_t>(count));
         ++report.passes;
         report.residual = report.bound = 0;
         for (size_t c = 0; c < count; ++c) {
@@ -164,7 +164,7 @@ RadiosityReport RadiositySolver::solve(std::span<const float> emitted, std::span
             for (size_t c = 0; c < count; ++c)
                 std::transform(columns[c].basis[k].begin(), columns[c].basis[k].end(), &in[c * n],
                                [](double x) { return static_cast<float>(x); });
-            gather_->gather(in, out, static_cast<uint32_t>(count));
+            factors_->gather(in, out, static_cast<uint32_t>(count));
             ++report.passes;
             growing = false;
             for (size_t c = 0; c < count; ++c) {

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "compute/radiosity_gather.h"
+#include "compute/form_factor_operator.h"
 
 namespace heliodon::compute {
 
@@ -35,8 +35,8 @@ struct RadiosityMatter {
 
 class RadiositySolver {
 public:
-    // `gather` must outlive this. `rowSums`: of F, for the bound.
-    RadiositySolver(RadiosityGather& gather, std::vector<float> rowSums);
+    // `factors` must outlive this. `rowSums`: of F, for the bound; FormFactorOperator::rowSums gives them.
+    RadiositySolver(FormFactorOperator& factors, std::vector<float> rowSums);
     void setMatter(RadiosityMatter matter);
 
     // emitted: columns x patches; channel[c] says which reflectance column c sees. On return `radiosity` is B
@@ -49,7 +49,7 @@ private:
     struct Column;
     void applyMatter(std::span<const float> illuminance, uint32_t channel, std::span<double> out) const;
 
-    RadiosityGather* gather_;
+    FormFactorOperator* factors_;
     std::vector<float> rowSums_;
     RadiosityMatter matter_;
     std::vector<double> contraction_; // per channel: max_i sum_j (K F)_ij

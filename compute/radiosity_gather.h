@@ -5,13 +5,14 @@
 #include <span>
 #include <vector>
 
+#include "compute/form_factor_operator.h"
 #include "compute/gpu/buffer.h"
 #include "compute/gpu/commands.h"
 #include "compute/gpu/kernel.h"
 
 namespace heliodon::compute {
 
-class RadiosityGather {
+class RadiosityGather : public FormFactorOperator {
 public:
     static constexpr uint32_t kMostColumns = 4;
 
@@ -19,10 +20,10 @@ public:
     // outlive this.
     RadiosityGather(gpu::Device& device, const gpu::Buffer& factors, uint32_t patchCount);
 
-    // out[c][i] = sum_j F(i, j) in[c][j], any number of columns, each of patchCount values. Waits for the
-    // device; the same bits for the same input. At n = 2000 about 1 ms for three columns on two cores; F is
-    // read once per four columns.
-    void gather(std::span<const float> in, std::span<float> out, uint32_t columns);
+    uint32_t patchCount() const override { return patchCount_; }
+
+    // At n = 2000 about 1 ms for three columns on two cores; F is read once per four columns.
+    void gather(std::span<const float> in, std::span<float> out, uint32_t columns) override;
 
     // `light` as io::RadiosityGatherParams describes it, `gathered` columns x patchCount floats; 1 to
     // kMostColumns columns.

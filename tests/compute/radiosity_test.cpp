@@ -8,6 +8,7 @@
 
 #include "compute/form_factors.h"
 #include "compute/gpu/device.h"
+#include "compute/radiosity_gather.h"
 #include "compute/reference/radiosity.h"
 #include "shaders/io/radiosity_gather.io.h"
 #include "tests/compute/rooms.h"
