@@ -75,7 +75,7 @@ struct TransportReport {
 // materials or sensors change.
 struct TransportParts {
     RadiositySolver& solver;
-    RadiosityGather& gather;
+    FormFactorOperator& gather;
     uint32_t channels = 1;                       // of the solver: 1 where all materials are grey
     uint32_t skyElements = 0, skyChannels = 1;   // sky coefficients; 0 elements without openings
     std::span<const float> patchSky;             // patches x skyChannels x skyElements
