@@ -54,12 +54,13 @@ public:
             n_ = scene_.pieceCount;
             tolerance_ = static_cast<float>(std::max(options.maxError, 1e-7) * entryShare(n_));
             chooseSizes();
-            sidesKernel_ = gpu::Kernel(device, exact_sides_comp, "exact_sides");
-            classifyKernel_ = gpu::Kernel(device, exact_classify_comp, "exact_classify",
-                                          {{"kCorners", scene_.mostCorners}});
-            firstKernel_ = gpu::Kernel(device, exact_cells_comp, "exact_cells first", {{"kFirstLevel", 1u}});
-            cellsKernel_ = gpu::Kernel(device, exact_cells_comp, "exact_cells", {{"kFirstLevel", 0u}});
-            finishKernel_ = gpu::Kernel(device, exact_finish_comp, "exact_finish");
+            gpu::KernelCache& kernels = device.kernels();
+            sidesKernel_ = &kernels.get(device, exact_sides_comp, "exact_sides");
+            classifyKernel_ = &kernels.get(device, exact_classify_comp, "exact_classify",
+                                           {{"kCorners", scene_.mostCorners}});
+            firstKernel_ = &kernels.get(device, exact_cells_comp, "exact_cells first", {{"kFirstLevel", 1u}});
+            cellsKernel_ = &kernels.get(device, exact_cells_comp, "exact_cells", {{"kFirstLevel", 0u}});
+            finishKernel_ = &kernels.get(device, exact_finish_comp, "exact_finish");
             makeBuffers();
         }
         statistics.blockers = scene_.blockerCount;
@@ -130,7 +131,7 @@ private:
         gpu::Commands commands(device_);
         commands.fill(matrix_, 0);
         const io::ExactSidesParams params{n_, scene_.blockerCount, words_};
-        commands.dispatch(sidesKernel_, {high(), low(), normal(), centre(), range(), sides_}, params,
+        commands.dispatch(*sidesKernel_, {high(), low(), normal(), centre(), range(), sides_}, params,
                           gpu::groupsFor(static_cast<size_t>(n_) * words_, io::kExactGroup));
         device_.submitAndWait(std::move(commands));
     }
@@ -167,7 +168,7 @@ private:
                                                  listCapacity_,
                                                  scene_.closed ? 1u : 0u,
                                                  tolerance_};
-            commands.dispatch(classifyKernel_,
+            commands.dispatch(*classifyKernel_,
                               {high(), low(), normal(), centre(), range(), sides_, counters_, records_,
                                lists_, rowsOf(row, rows), rowsOf(column, columns)},
                               params, gpu::groupsFor(column + columns - first, io::kExactGroup),
@@ -190,7 +191,7 @@ private:
         for (uint32_t done = 0; done < count; done += kChunk) {
             const uint32_t part = std::min(kChunk, count - done);
             const io::ExactFinishParams params{n_, first + done, part, row, column};
-            commands.dispatch(finishKernel_,
+            commands.dispatch(*finishKernel_,
                               {normal(), records_, sums_, rowsOf(row, rows), rowsOf(column, columns)}, params,
                               gpu::groupsFor(part, io::kExactGroup));
         }
@@ -209,7 +210,7 @@ private:
                 const uint32_t part = std::min(kChunk, count - done);
                 const io::ExactCellsParams params{
                     n_, first + done, part, cellCapacity_, depth >= options_.maxDepth, tolerance_};
-                commands.dispatch(firstLevel ? firstKernel_ : cellsKernel_,
+                commands.dispatch(firstLevel ? *firstKernel_ : *cellsKernel_,
                                   {high(), low(), normal(), centre(), range(), records_, lists_,
                                    cells_[depth % 2], counters_, sums_, cells_[(depth + 1) % 2]},
                                   params, gpu::groupsFor(part, io::kExactGroup));
@@ -243,7 +244,7 @@ private:
     uint32_t n_, tile_ = kTile, words_ = 1, recordCapacity_ = 1, listCapacity_ = 1, cellCapacity_ = 1;
     float tolerance_ = 0;
     ExactScene scene_;
-    gpu::Kernel sidesKernel_, classifyKernel_, firstKernel_, cellsKernel_, finishKernel_;
+    const gpu::Kernel *sidesKernel_, *classifyKernel_, *firstKernel_, *cellsKernel_, *finishKernel_;
     gpu::Buffer matrix_, sides_, counters_, records_, lists_, sums_, cells_[2];
     std::vector<double> rowSquares_;
 };

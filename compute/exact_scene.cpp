@@ -36,16 +36,10 @@ struct Faces {
         const dvec3 middleD = corners[0] + (total > 0 ? weighted / total : dvec3(0));
         double radius = 0;
         for (const dvec3& p : corners) {
-            const dvec3 relative = p - centre;
-            glm::vec4 h(0), l(0);
-            for (int c = 0; c < 3; ++c) {
-                // Through memory: GCC 12 at -O3 otherwise takes the float back to the double it came from.
-                volatile float rounded = static_cast<float>(relative[c]);
-                h[c] = rounded;
-                l[c] = static_cast<float>(relative[c] - static_cast<double>(rounded));
-            }
-            high.push_back(h);
-            low.push_back(l);
+            glm::vec3 h, l;
+            splitPosition(p - centre, h, l);
+            high.emplace_back(h, 0.0f);
+            low.emplace_back(l, 0.0f);
             radius = std::max(radius, glm::length(p - middleD));
         }
         normal.emplace_back(glm::vec3(total > 0 ? unitNormal : dvec3(0)), static_cast<float>(total));
@@ -54,6 +48,15 @@ struct Faces {
 };
 
 } // namespace
+
+void splitPosition(const dvec3& relative, glm::vec3& high, glm::vec3& low) {
+    for (int c = 0; c < 3; ++c) {
+        // Through memory: GCC 12 at -O3 otherwise takes the float back to the double it came from.
+        volatile float rounded = static_cast<float>(relative[c]);
+        high[c] = rounded;
+        low[c] = static_cast<float>(relative[c] - static_cast<double>(rounded));
+    }
+}
 
 ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh) {
     ExactScene scene;
@@ -65,7 +68,7 @@ ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh) {
             lowest = glm::min(lowest, p);
             highest = glm::max(highest, p);
         }
-        faces.centre = 0.5 * (lowest + highest);
+        scene.centre = faces.centre = 0.5 * (lowest + highest);
     }
     const auto normalOf = [](const dvec3& areaVector) {
         const double size = glm::length(areaVector);

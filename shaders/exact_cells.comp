@@ -37,30 +37,6 @@ struct Pair {
     float worst; // the larger of both form factors over that of the outer piece
 };
 
-Frame frameOf(Origin o, Face face) {
-    vec3 a = cornerFrom(o, face.first);
-    vec3 u = normalize(cornerFrom(o, face.first + 1u) - a);
-    u = normalize(u - dot(u, face.normal) * face.normal);
-    return Frame(a, u, cross(face.normal, u));
-}
-
-void loadPiece(Frame f, Origin o, Face face) {
-    pieceCorners = int(face.count);
-    NO_UNROLL for (int k = 0; k < pieceCorners; ++k) {
-        vec3 d = cornerFrom(o, face.first + uint(k)) - f.origin;
-        piece[k] = vec2(dot(d, f.u), dot(d, f.v));
-    }
-}
-
-// Cuts the piece by another face's plane unless the corners only touch it.
-void clipTo(Frame f, Origin o, Face plane) {
-    vec3 onPlane = cornerFrom(o, plane.first);
-    bool below = false;
-    NO_UNROLL for (int k = 0; k < pieceCorners; ++k)
-        below = below || heightOver(plane.normal, lift(f, piece[k]) - onPlane) < 0.0;
-    if (below) splitPiece(lineOf(f, plane.normal, onPlane));
-}
-
 Pair loadPair(uint record) {
     Pair pair;
     pair.record = record;
@@ -74,7 +50,7 @@ Pair loadPair(uint record) {
     pair.innerArea = face.area;
     pair.size = sqrt(pair.outer.area);
     loadPiece(pair.innerFrame, pair.origin, face);
-    clipTo(pair.innerFrame, pair.origin, pair.outer);
+    clipTo(pair.innerFrame, pair.outer.normal, cornerFrom(pair.origin, pair.outer.first));
     innerCorners = pieceCorners;
     innerSize = 0.0;
     NO_UNROLL for (int k = 0; k < pieceCorners; ++k) {
@@ -82,7 +58,7 @@ Pair loadPair(uint record) {
         innerSize = max(innerSize, length(piece[k]));
     }
     loadPiece(pair.outerFrame, pair.origin, pair.outer);
-    clipTo(pair.outerFrame, pair.origin, face);
+    clipTo(pair.outerFrame, face.normal, cornerFrom(pair.origin, face.first));
     return pair;
 }
 

@@ -11,6 +11,7 @@
 
 #include "compute/gpu/commands.h"
 #include "compute/gpu/error.h"
+#include "compute/gpu/kernel.h"
 
 namespace heliodon::gpu {
 
@@ -220,6 +221,7 @@ Device::Device(const DeviceOptions& options) : onMessage_(options.onMessage) {
     choosePhysical(options);
     createDevice(options);
     memory_ = std::make_unique<Memory>(physical_, device_);
+    kernels_ = std::make_unique<KernelCache>();
     VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
     pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
     pool.queueFamilyIndex = queueFamily_;
@@ -324,6 +326,7 @@ void Device::createDevice(const DeviceOptions& options) {
 Device::~Device() {
     if (device_) {
         vkDeviceWaitIdle(device_); // a lost device returns at once; what is left is freed all the same
+        kernels_.reset();
         for (Retired& retired : retired_) retired.release();
         retired_.clear();
         vkDestroySemaphore(device_, timeline_, nullptr);

@@ -36,6 +36,7 @@ struct DeviceInfo {
 std::vector<DeviceInfo> listDevices();
 
 class Commands;
+class KernelCache;
 
 class Device {
 public:
@@ -56,6 +57,7 @@ public:
     bool hasGeometryShader() const { return geometryShader_; }
     double timestampPeriodNs() const { return limits_.timestampPeriod; }
     Memory& memory() { return *memory_; }
+    KernelCache& kernels() { return *kernels_; } // for kernels that many objects share
 
     // Ends `commands` and hands it to the queue. The ticket grows with each submission.
     uint64_t submit(Commands&& commands);
@@ -111,6 +113,7 @@ private:
     bool geometryShader_ = false;
     Functions functions_;
     std::unique_ptr<Memory> memory_;
+    std::unique_ptr<KernelCache> kernels_;
     VkCommandPool pool_ = VK_NULL_HANDLE;
     VkSemaphore timeline_ = VK_NULL_HANDLE;
     uint64_t lastTicket_ = 0;

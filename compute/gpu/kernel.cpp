@@ -160,6 +160,14 @@ Kernel::Kernel(Device& device, std::span<const uint32_t> spirv, const std::strin
     device.setName(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<uint64_t>(pipeline_), name);
 }
 
+const Kernel& KernelCache::get(Device& device, std::span<const uint32_t> spirv, const std::string& name,
+                               const Specialization& values) {
+    const auto key = std::tuple(spirv.data(), values);
+    const auto found = kernels_.find(key);
+    if (found != kernels_.end()) return found->second;
+    return kernels_.emplace(key, Kernel(device, spirv, name, values)).first->second;
+}
+
 Kernel& Kernel::operator=(Kernel&& other) noexcept {
     std::swap(device_, other.device_);
     std::swap(module_, other.module_);

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <span>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -96,6 +98,17 @@ private:
     PipelineLayout layout_;
     VkPipeline pipeline_ = VK_NULL_HANDLE;
     std::string name_;
+};
+
+// Kernels made once for each device and kept: creating a pipeline and its first dispatch cost 10 to 100 ms.
+// Owned by the Device. `spirv` must be static: its address is the key, together with the specialization.
+class KernelCache {
+public:
+    const Kernel& get(Device& device, std::span<const uint32_t> spirv, const std::string& name,
+                      const Specialization& values = {});
+
+private:
+    std::map<std::tuple<const uint32_t*, Specialization>, Kernel> kernels_;
 };
 
 } // namespace heliodon::gpu

@@ -1,5 +1,5 @@
 // What of a convex polygon is visible from a point behind convex blockers, exactly: each blocker's cone of shadow is cut out of
-// the polygon, in the polygon's plane; what remains are convex pieces. // Needs shaders/lib/exact_scene.glsl and lambert.glsl.
+// the polygon, in the polygon's plane; what remains are convex pieces. Needs shaders/lib/exact_scene.glsl and lambert.glsl.
 #ifndef VISIBLE_POLYGON_GLSL
 #define VISIBLE_POLYGON_GLSL
 
@@ -73,6 +73,29 @@ int splitPiece(vec3 line) {
     return outside;
 }
 
+Frame frameOf(Origin o, Face face) {
+    vec3 a = cornerFrom(o, face.first);
+    vec3 u = normalize(cornerFrom(o, face.first + 1u) - a);
+    u = normalize(u - dot(u, face.normal) * face.normal);
+    return Frame(a, u, cross(face.normal, u));
+}
+
+void loadPiece(Frame f, Origin o, Face face) {
+    pieceCorners = int(face.count);
+    NO_UNROLL for (int k = 0; k < pieceCorners; ++k) {
+        vec3 d = cornerFrom(o, face.first + uint(k)) - f.origin;
+        piece[k] = vec2(dot(d, f.u), dot(d, f.v));
+    }
+}
+
+// Cuts the piece by a plane unless its corners only touch it.
+void clipTo(Frame f, vec3 normal, vec3 onPlane) {
+    bool below = false;
+    NO_UNROLL for (int k = 0; k < pieceCorners; ++k)
+        below = below || heightOver(normal, lift(f, piece[k]) - onPlane) < 0.0;
+    if (below) splitPiece(lineOf(f, normal, onPlane));
+}
+
 void await(int corners, uint next) {
     if (corners < 3) return;
     if (waitingCount == kPieceStack) {
@@ -109,10 +132,10 @@ bool cutShadow(Frame f, Origin o, Face blocker, vec3 point, uint next, float siz
     float side = -dot(blocker.normal, k0);
     if (abs(side) <= kFlat * length(k0)) return true;
     float sense = side > 0.0 ? -1.0 : 1.0;
-    // First see whether a wall of the shadow has all of the piece outside: most often.
+    // First see whether a wall of the shadow has all of the piece outside: most often. The blocker's own plane is the cheapest.
     uint needed = 0u;
-    NO_UNROLL for (uint c = 0u; c <= blocker.count; ++c) {
-        vec2 range = extent(shadowLine(f, o, blocker, point, sense, c), 2e-7 * size);
+    NO_UNROLL for (int c = int(blocker.count); c >= 0; --c) {
+        vec2 range = extent(shadowLine(f, o, blocker, point, sense, uint(c)), 2e-7 * size);
         if (range.y <= 0.0) return true;
         if (range.x < 0.0) needed |= 1u << c;
     }
