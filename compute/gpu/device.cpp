@@ -329,6 +329,7 @@ Device::~Device() {
         kernels_.reset();
         for (Retired& retired : retired_) retired.release();
         retired_.clear();
+        vkDestroyQueryPool(device_, timing_, nullptr);
         vkDestroySemaphore(device_, timeline_, nullptr);
         vkDestroyCommandPool(device_, pool_, nullptr);
         memory_.reset();
@@ -359,13 +360,63 @@ VkCommandBuffer Device::beginCommandBuffer() {
     begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
     check(vkBeginCommandBuffer(buffer, &begin), "vkBeginCommandBuffer");
     ++openRecordings_;
+    if (timing_) beginTimed(buffer);
     return buffer;
 }
 
 void Device::abandonCommandBuffer(VkCommandBuffer buffer) {
     closeRecording();
+    for (Timed& slot : timed_)
+        if (slot.buffer == buffer) slot = {};
     vkResetCommandBuffer(buffer, 0);
     freeCommandBuffers_.push_back(buffer);
+}
+
+void Device::startTiming() {
+    timedSeconds_ = 0;
+    if (timing_) return;
+    uint32_t count = 0;
+    vkGetPhysicalDeviceQueueFamilyProperties(physical_, &count, nullptr);
+    std::vector<VkQueueFamilyProperties> families(count);
+    vkGetPhysicalDeviceQueueFamilyProperties(physical_, &count, families.data());
+    if (families[queueFamily_].timestampValidBits == 0) return;
+    VkQueryPoolCreateInfo info{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
+    info.queryType = VK_QUERY_TYPE_TIMESTAMP;
+    info.queryCount = 2 * kTimedSlots;
+    check(vkCreateQueryPool(device_, &info, nullptr, &timing_), "vkCreateQueryPool");
+    timed_.resize(kTimedSlots);
+}
+
+double Device::timedSeconds() {
+    waitIdle();
+    return timedSeconds_;
+}
+
+void Device::beginTimed(VkCommandBuffer buffer) {
+    const auto slot = std::find_if(timed_.begin(), timed_.end(), [](const Timed& t) { return !t.busy; });
+    if (slot == timed_.end()) return;
+    *slot = {buffer, true};
+    const auto query = static_cast<uint32_t>(2 * (slot - timed_.begin()));
+    vkCmdResetQueryPool(buffer, timing_, query, 2);
+    vkCmdWriteTimestamp2(buffer, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, timing_, query);
+}
+
+void Device::endTimed(VkCommandBuffer buffer) {
+    const auto slot =
+        std::find_if(timed_.begin(), timed_.end(), [buffer](const Timed& t) { return t.buffer == buffer; });
+    if (slot == timed_.end()) return;
+    slot->buffer = VK_NULL_HANDLE;
+    const auto index = static_cast<uint32_t>(slot - timed_.begin());
+    vkCmdWriteTimestamp2(buffer, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, timing_, 2 * index + 1);
+    retire([this, index] { readTimed(index); });
+}
+
+void Device::readTimed(uint32_t slot) {
+    std::array<uint64_t, 2> ticks{};
+    if (vkGetQueryPoolResults(device_, timing_, 2 * slot, 2, sizeof ticks, ticks.data(), sizeof(uint64_t),
+                              VK_QUERY_RESULT_64_BIT) == VK_SUCCESS)
+        timedSeconds_ += 1e-9 * limits_.timestampPeriod * static_cast<double>(ticks[1] - ticks[0]);
+    timed_[slot].busy = false;
 }
 
 uint64_t Device::submit(Commands&& commands) {
@@ -375,6 +426,7 @@ uint64_t Device::submit(Commands&& commands) {
 uint64_t Device::submit(Commands&& commands, VkSemaphore waitFor, VkPipelineStageFlags2 waitStage,
                         VkSemaphore signal) {
     const VkCommandBuffer buffer = commands.buffer_;
+    if (timing_) endTimed(buffer);
     check(vkEndCommandBuffer(buffer), "vkEndCommandBuffer");
     VkCommandBufferSubmitInfo command{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
     command.commandBuffer = buffer;

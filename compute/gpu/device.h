@@ -77,6 +77,11 @@ public:
     uint64_t submit(Commands&& commands, VkSemaphore waitFor, VkPipelineStageFlags2 waitStage,
                     VkSemaphore signal);
 
+    // From now on the device's own clock is read at the begin and the end of every recording; the sum of the
+    // finished ones since the last call of startTiming. 0 where the queue has no clock. For benches.
+    void startTiming();
+    double timedSeconds();
+
     struct Functions { // extension entry points that the loader does not export
         PFN_vkCmdPushDescriptorSetKHR cmdPushDescriptorSet = nullptr;
         PFN_vkSetDebugUtilsObjectNameEXT setDebugUtilsObjectName = nullptr;
@@ -93,6 +98,9 @@ private:
     void closeRecording();
     VkCommandBuffer beginCommandBuffer(); // for Commands
     void abandonCommandBuffer(VkCommandBuffer buffer);
+    void beginTimed(VkCommandBuffer buffer);
+    void endTimed(VkCommandBuffer buffer);
+    void readTimed(uint32_t slot);
 
     static constexpr uint64_t kPending = UINT64_MAX;
     struct Retired {
@@ -118,6 +126,15 @@ private:
     VkSemaphore timeline_ = VK_NULL_HANDLE;
     uint64_t lastTicket_ = 0;
     uint64_t openRecordings_ = 0;
+
+    static constexpr uint32_t kTimedSlots = 256; // recordings under way at once that are timed
+    struct Timed {
+        VkCommandBuffer buffer = VK_NULL_HANDLE; // being recorded
+        bool busy = false;
+    };
+    VkQueryPool timing_ = VK_NULL_HANDLE;
+    std::vector<Timed> timed_;
+    double timedSeconds_ = 0;
     std::vector<VkCommandBuffer> freeCommandBuffers_;
     std::vector<Retired> retired_;
 };

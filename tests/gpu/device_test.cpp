@@ -1,5 +1,8 @@
 #include "compute/gpu/device.h"
 
+#include <algorithm>
+#include <chrono>
+
 #include <gtest/gtest.h>
 
 #include "compute/gpu/buffer.h"
@@ -64,6 +67,26 @@ TEST(Device, tickets_grow_and_finish_in_order) {
     EXPECT_LT(first, second);
     device.wait(second);
     EXPECT_TRUE(device.finished(first));
+}
+
+TEST(Device, its_clock_counts_submitted_work_and_nothing_else) {
+    Device& device = test::device();
+    device.startTiming();
+    EXPECT_EQ(device.timedSeconds(), 0.0);
+    Buffer target(device, 64 << 20, "target");
+    const auto start = std::chrono::steady_clock::now();
+    for (uint32_t k = 0; k < 3; ++k) {
+        Commands commands(device);
+        commands.fill(target, k);
+        const Commands dropped(device); // its slot is free again
+        device.submitAndWait(std::move(commands));
+    }
+    const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double seconds = device.timedSeconds();
+    EXPECT_GT(seconds, 0.0);
+    EXPECT_LE(seconds, 1.01 * wall); // two clocks
+    device.startTiming();
+    EXPECT_EQ(device.timedSeconds(), 0.0);
 }
 
 } // namespace
