@@ -9,6 +9,7 @@
 #include "compute/exact_form_factors.h"
 #include "compute/gpu/device.h"
 #include "compute/hemicube.h"
+#include "compute/monte_carlo.h"
 #include "geometry/input_error.h"
 
 namespace heliodon::compute {
@@ -29,6 +30,21 @@ FormFactors hemicubeFormFactors(gpu::Device& device, const geometry::PatchMesh& 
     result.report.resolution = options.resolution;
     result.report.points = views.pointsPerPatch;
     return result;
+}
+
+// Resolution R is that of a grid of R x R rays: as many as a hemicube's top has pixels.
+FormFactors monteCarloFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
+                                  const FormFactorOptions& options) {
+    const uint32_t side = std::min(options.resolution, 256u);
+    FormFactors result = MonteCarlo(device, mesh, {side * side}).run().factors;
+    result.report.resolution = options.resolution;
+    return result;
+}
+
+std::string kernelList() {
+    std::string names = "auto";
+    for (std::string_view name : formFactorKernels()) names += ", " + std::string(name);
+    return names;
 }
 
 } // namespace
@@ -70,7 +86,7 @@ void measureFormFactors(const geometry::PatchMesh& mesh, const gpu::Buffer& valu
 }
 
 std::span<const std::string_view> formFactorKernels() {
-    static constexpr std::array<std::string_view, 2> kNames{"exact", "hemicube"};
+    static constexpr std::array<std::string_view, 3> kNames{"exact", "hemicube", "montecarlo"};
     return kNames;
 }
 
@@ -85,8 +101,10 @@ FormFactors computeFormFactors(gpu::Device& device, const geometry::PatchMesh& m
         result = exactFormFactors(device, mesh, exact).factors;
     } else if (options.kernel == "auto" || options.kernel == "hemicube")
         result = hemicubeFormFactors(device, mesh, options);
+    else if (options.kernel == "montecarlo")
+        result = monteCarloFormFactors(device, mesh, options);
     else
-        throw geometry::InputError("--kernel", options.kernel, "unknown; expected auto, exact or hemicube");
+        throw geometry::InputError("--kernel", options.kernel, "unknown; expected " + kernelList());
     result.report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     measureFormFactors(mesh, result.values, result.report);
     return result;

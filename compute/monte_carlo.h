@@ -1,0 +1,61 @@
+// Kernel `montecarlo`: rays from random points on each patch, cosine-distributed, to what they meet first.
+// Host half of shaders/monte_carlo.comp. Unbiased and blind to nothing that a ray can hit, so an independent
+// check of the others and a fallback for scenes that suit none. Points are Owen-scrambled Sobol in four
+// dimensions (A. B. Owen, 1995; direction numbers of S. Joe and F. Kuo, 2008) under a random digital shift
+// for each patch; two independent halves give a standard error for each row.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <glm/vec4.hpp>
+
+#include "compute/bvh.h"
+#include "compute/form_factors.h"
+#include "compute/gpu/kernel.h"
+#include "shaders/io/monte_carlo.io.h"
+
+namespace heliodon::compute {
+
+struct MonteCarloOptions {
+    uint32_t rays = 4096; // a patch; taken to the next power of two in [64, 65536]
+};
+
+struct MonteCarloFormFactors {
+    FormFactors factors; // report.claimedRowError is set
+    std::vector<float>
+        rowError; // per patch: standard error of F_i, root of the sum over its entries' variances
+};
+
+class MonteCarlo {
+public:
+    MonteCarlo(gpu::Device& device, const geometry::PatchMesh& mesh, const MonteCarloOptions& options = {});
+
+    uint32_t rays() const { return 2 * params_.halfRays; }
+
+    // The whole matrix, both measurements of each pair combined: A_i F_ij = A_j F_ji. Rays cost about 0.1 us
+    // of one core each on a CPU device.
+    MonteCarloFormFactors run();
+
+    // Rows [first, first + count) alone, from their own rays; values: count x patchCount, rowError: count.
+    void rows(uint32_t first, uint32_t count, std::span<float> values, std::span<float> rowError);
+
+private:
+    void uploadEmitters(const geometry::PatchMesh& mesh);
+    void trace(const gpu::Buffer& counts, uint32_t firstInBuffer, uint32_t first, uint32_t count);
+    void combine(const gpu::Buffer& counts, const gpu::Buffer& variances);
+    uint32_t windowRows() const;
+
+    gpu::Device* device_;
+    Bvh bvh_;
+    gpu::Kernel trace_, combine_;
+    gpu::Buffer emitters_, points_, areas_;
+    io::MonteCarloParams params_{};
+};
+
+// Half the points of a patch: two coordinates of direction and two of place as fractions of 2^32. Any
+// 2^keptBits x 2^keptBits cells of directions hold equally many.
+std::vector<glm::uvec4> monteCarloPoints(uint32_t halfRays);
+uint32_t monteCarloKeptBits(uint32_t halfRays);
+
+} // namespace heliodon::compute

@@ -1,0 +1,65 @@
+// Counts of hits become form factors, in place. A_i F_ij = A_j F_ji: both counts of a pair measure the same exchange, with
+// variances in proportion to A_i and A_j, so that (c_ij + c_ji) A_j / (A_i + A_j) has the least. The difference between both
+// halves of the rays, which are independent, gives the variance of each. One group, one tile of pairs and its mirror image.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_control_flow_attributes : require
+#include "shaders/io/monte_carlo.io.h"
+
+layout(local_size_x = kMonteCarloTile) in;
+layout(set = 0, binding = 0) uniform samplerBuffer areas;
+layout(set = 0, binding = 1, scalar) buffer Rows { uint rows[]; };       // window of rows x patchCount
+layout(set = 0, binding = 2, scalar) buffer Columns { uint columns[]; }; // likewise; may be the same memory
+layout(set = 0, binding = 3, scalar) buffer Variances { float variances[]; }; // tiles x patchCount
+layout(push_constant, scalar) uniform Push { MonteCarloCombineParams params; };
+
+uint countOf(uint i, uint j) { return rows[(i - params.firstRow) * params.patchCount + j]; }
+uint mirrorOf(uint i, uint j) { return columns[(j - params.firstColumn) * params.patchCount + i]; }
+
+float areaOf(uint i) { return texelFetch(areas, int(i)).x; }
+
+float hitsOf(uint count) { return float((count & 0xffffu) + (count >> 16u)); }
+
+// Of the sum of both counts of a pair.
+float varianceOf(uint a, uint b) {
+    float da = float(a & 0xffffu) - float(a >> 16u), db = float(b & 0xffffu) - float(b >> 16u);
+    return da * da + db * db;
+}
+
+void main() {
+    uint lane = gl_LocalInvocationIndex, n = params.patchCount;
+    uint tileI = params.tileRow + gl_WorkGroupID.y, tileJ = params.tileColumn + gl_WorkGroupID.x;
+    if (tileJ < tileI) return;
+    uint i0 = tileI * kMonteCarloTile, j0 = tileJ * kMonteCarloTile;
+    uint iEnd = min(i0 + kMonteCarloTile, params.rowEnd), jEnd = min(j0 + kMonteCarloTile, params.columnEnd);
+
+    // Variances of rows i, then, beside the results, of rows j.
+    uint i = i0 + lane;
+    float area = i < iEnd ? areaOf(i) : 0.0, sum = 0.0;
+    if (i < iEnd) {
+        [[dont_unroll]] for (uint j = max(j0, i + 1u); j < jEnd; ++j) {
+            float w = areaOf(j) / (area + areaOf(j)) * params.inverseRays;
+            sum += w * w * varianceOf(countOf(i, j), mirrorOf(i, j));
+        }
+        variances[tileJ * n + i] = sum;
+    }
+    memoryBarrierBuffer();
+    barrier();
+    uint j = j0 + lane;
+    area = j < jEnd ? areaOf(j) : 0.0;
+    sum = 0.0;
+    if (j < jEnd) {
+        [[dont_unroll]] for (uint k = i0; k < min(iEnd, j); ++k) {
+            uint a = countOf(k, j), b = mirrorOf(k, j);
+            float areas_ = area + areaOf(k), w = areaOf(k) / areas_ * params.inverseRays;
+            float hits = areas_ > 0.0 ? (hitsOf(a) + hitsOf(b)) * params.inverseRays / areas_ : 0.0;
+            sum += w * w * varianceOf(a, b);
+            rows[(k - params.firstRow) * n + j] = floatBitsToUint(hits * area);
+            columns[(j - params.firstColumn) * n + k] = floatBitsToUint(hits * areaOf(k));
+        }
+        if (tileI != tileJ) variances[tileI * n + j] = sum;
+        // Of a tile on the diagonal, row j's other half was written above, by this lane.
+        else variances[tileI * n + j] += sum;
+    }
+}

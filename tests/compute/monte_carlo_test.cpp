@@ -1,0 +1,132 @@
+#include "compute/monte_carlo.h"
+
+#include <cmath>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "compute/reference/monte_carlo.h"
+#include "tests/compute/cases.h"
+#include "tests/compute/form_factor_cases.h"
+#include "tests/compute/rooms.h"
+#include "tests/gpu/test_device.h"
+
+namespace heliodon::compute {
+namespace {
+
+const std::string kData = std::string(HELIODON_TEST_DATA) + "/compute/formfactor/";
+
+TEST(MonteCarlo, directions_are_stratified_and_places_fill_the_square) {
+    const uint32_t half = 1024, side = 1u << monteCarloKeptBits(half);
+    const auto points = monteCarloPoints(half);
+    std::map<std::pair<uint32_t, uint32_t>, uint32_t> cells;
+    double x = 0, y = 0;
+    for (const glm::uvec4& p : points) {
+        ++cells[{p.x / (0x80000000u / side * 2), p.y / (0x80000000u / side * 2)}];
+        x += p.z * 0x1p-32, y += p.w * 0x1p-32;
+    }
+    ASSERT_EQ(cells.size(), side * side);
+    for (const auto& [cell, count] : cells) EXPECT_EQ(count, half / (side * side));
+    // Each coordinate is stratified into `half` intervals: the mean is off by less than half of one.
+    EXPECT_NEAR(x / half, 0.5, 0.5 / half);
+    EXPECT_NEAR(y / half, 0.5, 0.5 / half);
+}
+
+// Device and reference trace the same rays; float32 may send a ray that grazes an edge to the neighbour.
+void expectLikeReference(const geometry::PatchMesh& mesh, uint32_t rays) {
+    MonteCarlo kernel(test::device(), mesh, {rays});
+    const auto n = static_cast<uint32_t>(mesh.patchCount());
+    std::vector<float> values(size_t{n} * n), errors(n);
+    kernel.rows(0, n, values, errors);
+    for (uint32_t i = 0; i < n; ++i) {
+        const auto row = reference::monteCarloRow(mesh, i, kernel.rays());
+        double difference = 0, variance = 0;
+        for (uint32_t j = 0; j < n; ++j) {
+            const double a = row.hits[0][j], b = row.hits[1][j];
+            difference += std::abs(double{values[i * n + j]} * kernel.rays() - (a + b));
+            variance += (a - b) * (a - b);
+        }
+        EXPECT_LE(difference, 4) << "row " << i; // two rays of 256
+        EXPECT_NEAR(errors[i], std::sqrt(variance) / kernel.rays(), 4.0 / kernel.rays()) << "row " << i;
+    }
+}
+
+TEST(MonteCarlo, agrees_with_the_reference_in_rooms_of_quads_and_of_triangles) {
+    test::BoxRoom box;
+    expectLikeReference(test::boxRoom(box), 256);
+    box.triangles = false;
+    box.cells = {2, 1, 3};
+    geometry::PatchMesh mesh = test::boxRoom(box);
+    test::BoxRoom inner;
+    inner.low = {1, 1, 1}, inner.high = {3, 2, 3};
+    inner.cells = {1, 2, 1};
+    test::addBox(mesh, inner, 1); // lies inside the other, yet in a room of its own
+    expectLikeReference(mesh, 256);
+}
+
+double rowError(const std::vector<float>& values, const std::vector<float>& exact) {
+    double squares = 0;
+    for (size_t k = 0; k < values.size(); ++k) squares += std::pow(double{values[k]} - exact[k], 2);
+    return std::sqrt(squares / std::sqrt(static_cast<double>(values.size())));
+}
+
+// The claim is an estimate from two halves, summed over all entries of all rows; single rows scatter more.
+TEST(MonteCarlo, the_claimed_error_is_the_error_and_falls_with_the_rays) {
+    for (const char* name : {"cube_quads_4x4", "room3_672"}) {
+        const geometry::PatchMesh mesh = geometry::readPatches(kData + name + ".obj");
+        const std::vector<float> exact = test::readFloats(kData + name + ".f32");
+        double before = 1;
+        for (uint32_t rays : {256u, 1024u}) {
+            const MonteCarloFormFactors F = MonteCarlo(test::device(), mesh, {rays}).run();
+            const double error = rowError(F.factors.values.download<float>(exact.size()), exact);
+            EXPECT_NEAR(F.factors.report.claimedRowError, error, 0.12 * error) << name;
+            EXPECT_LT(error, 0.55 * before) << name; // plain random points: 0.5
+            before = error;
+        }
+    }
+}
+
+// Rooms with blockers, slots and hidden pairs: within four standard errors of a plain random count, which
+// low-discrepancy points do not exceed.
+TEST(MonteCarlo, occluded_and_free_pairs_have_their_exact_factors) {
+    for (const char* category : {"unoccluded", "occluded"})
+        for (const test::FormFactorCase& c : test::formFactorCases(category)) {
+            const geometry::PatchMesh mesh = test::meshOf(c.polygons);
+            MonteCarlo kernel(test::device(), mesh, {16384});
+            const size_t n = mesh.patchCount();
+            const auto values = kernel.run().factors.values.download<float>(n * n);
+            for (const auto& entry : c.entries) {
+                const double ratio = geometry::patchArea(mesh, entry.i) / geometry::patchArea(mesh, entry.j);
+                // Both directions are combined; the variance of either is F / rays times its area's share.
+                const double sigma =
+                    std::sqrt(std::max(entry.value, 1e-9) / (1 + ratio) / 16384) + 1.0 / 16384;
+                // 2e-6: planes nearer to the ray's start than the float32 grid of the scene are not seen.
+                EXPECT_NEAR(values[entry.i * n + entry.j], entry.value, 4 * sigma + 2e-6) << c.name;
+            }
+        }
+}
+
+TEST(MonteCarlo, pairs_are_reciprocal_and_every_run_gives_the_same_bits) {
+    const geometry::PatchMesh mesh = test::boxRoom({});
+    const size_t n = mesh.patchCount();
+    MonteCarlo kernel(test::device(), mesh, {512});
+    const auto first = kernel.run().factors.values.download<float>(n * n);
+    EXPECT_EQ(first, kernel.run().factors.values.download<float>(n * n));
+    for (size_t i = 0; i < n; ++i)
+        for (size_t j = 0; j < i; ++j) // one rounding each
+            EXPECT_NEAR(geometry::patchArea(mesh, i) * first[i * n + j],
+                        geometry::patchArea(mesh, j) * first[j * n + i], 1e-6);
+}
+
+TEST(MonteCarlo, empty_meshes_and_degenerate_patches_are_no_special_case) {
+    EXPECT_EQ(MonteCarlo(test::device(), test::polygons({})).run().factors.patchCount, 0u);
+    const auto mesh = test::polygons({{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}},
+                                      {{0, 1, 0}, {1, 1, 0}, {1, 1, 1}, {0, 1, 1}},
+                                      {{0, 0.5, 0}, {1, 0.5, 0}, {2, 0.5, 0}}});
+    const auto values = MonteCarlo(test::device(), mesh, {4096}).run().factors.values.download<float>(9);
+    EXPECT_NEAR(values[1], 0.199825, 0.01); // opposed unit squares, Howell C-11; 1/sqrt(8192)
+    for (size_t k : {0u, 2u, 4u, 5u, 6u, 7u, 8u}) EXPECT_EQ(values[k], 0.0f);
+}
+
+} // namespace
+} // namespace heliodon::compute
