@@ -1,0 +1,59 @@
+#include "compute/reference/form_factor_rows.h"
+
+#include <algorithm>
+
+#include <glm/geometric.hpp>
+
+#include "compute/convex_regions.h"
+
+namespace heliodon::compute::reference {
+
+FormFactorRows::FormFactorRows(const geometry::PatchMesh& mesh) : mesh_(&mesh) {
+    uint32_t rooms = 0;
+    for (size_t i = 0; i < mesh.patchCount(); ++i) {
+        polygons_.push_back(polygonOf(mesh, i));
+        areaVectors_.push_back(geometry::patchAreaVector(mesh, i));
+        rooms = std::max(rooms, mesh.room[i] + 1);
+    }
+    blockers_.resize(rooms);
+    constexpr uint32_t kMostCorners = 16;
+    for (ConvexRegion& region : blockingRegions(mesh, kMostCorners))
+        blockers_[region.room].push_back(std::move(region.corners));
+}
+
+// What lies in front of both patches and has them on different sides of its plane.
+std::vector<Polygon> FormFactorRows::between(size_t i, size_t j) const {
+    std::vector<Polygon> result;
+    const Polygon &from = polygons_[i], &to = polygons_[j];
+    for (const Polygon& blocker : blockers_[mesh_->room[i]]) {
+        Polygon part = clipped(blocker, from[0], areaVectors_[i]);
+        if (!part.empty()) part = clipped(part, to[0], areaVectors_[j]);
+        if (part.empty()) continue;
+        const glm::dvec3 plane = glm::cross(blocker[1] - blocker[0], blocker[2] - blocker[0]);
+        const auto reaches = [&](const Polygon& p, double side) {
+            return !clipped(p, blocker[0], side * plane).empty();
+        };
+        if ((reaches(from, 1) && reaches(to, -1)) || (reaches(from, -1) && reaches(to, 1)))
+            result.push_back(std::move(part));
+    }
+    return result;
+}
+
+std::vector<double> FormFactorRows::row(size_t i, double tolerance) const {
+    constexpr size_t kMostCells = 20000;
+    std::vector<double> result(polygons_.size(), 0.0);
+    const double area = 0.5 * glm::length(areaVectors_[i]);
+    if (area <= 0) return result;
+    for (size_t j = 0; j < polygons_.size(); ++j) {
+        if (j == i || mesh_->room[j] != mesh_->room[i] || glm::length(areaVectors_[j]) <= 0) continue;
+        const std::vector<Polygon> blockers = between(i, j);
+        const double exchange =
+            blockers.empty()
+                ? exchangeUnoccluded(polygons_[i], polygons_[j])
+                : exchangeOccluded(polygons_[i], polygons_[j], blockers, tolerance, kMostCells).value;
+        result[j] = exchange / area;
+    }
+    return result;
+}
+
+} // namespace heliodon::compute::reference
