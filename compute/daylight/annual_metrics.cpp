@@ -125,6 +125,25 @@ double mean(const std::vector<SensorMetrics>& sensors, Range SensorMetrics::*met
 
 } // namespace
 
+AnnualMetrics summarized(std::vector<SensorMetrics> sensors, std::span<const uint8_t> occupied,
+                         const AnnualOptions& options) {
+    AnnualMetrics result{std::move(sensors), {}};
+    const auto occupiedRecords =
+        std::count_if(occupied.begin(), occupied.end(), [](uint8_t o) { return o != 0; });
+    AnnualSummary& summary = result.summary;
+    summary.sensors = result.sensors.size();
+    summary.occupiedHours = static_cast<double>(occupiedRecords) * options.recordHours;
+    summary.sda = share(result.sensors, &SensorMetrics::da,
+                        [&](double da) { return da >= 100.0 * options.sdaShare - 1e-9; });
+    summary.ase = share(result.sensors, &SensorMetrics::sunHours,
+                        [&](double hours) { return hours > options.aseHours; });
+    summary.meanDa = mean(result.sensors, &SensorMetrics::da);
+    summary.meanCda = mean(result.sensors, &SensorMetrics::cda);
+    summary.meanUdiUseful = mean(result.sensors, &SensorMetrics::udiUseful);
+    summary.meanUdiAbove = mean(result.sensors, &SensorMetrics::udiAbove);
+    return result;
+}
+
 AnnualMetrics annualMetrics(std::span<const float> lux, std::span<const float> sunLux,
                             std::span<const uint8_t> occupied, const AnnualOptions& options,
                             std::span<const float> luxError) {
@@ -161,19 +180,9 @@ AnnualMetrics annualMetrics(std::span<const float> lux, std::span<const float> s
         result.sensors.back().luxHours = all * options.recordHours;
     }
 
-    AnnualSummary& summary = result.summary;
-    summary.sensors = sensors;
-    summary.occupiedHours = static_cast<double>(occupiedRecords) * options.recordHours;
-    summary.sda = share(result.sensors, &SensorMetrics::da,
-                        [&](double da) { return da >= 100.0 * options.sdaShare - 1e-9; });
-    summary.ase = share(result.sensors, &SensorMetrics::sunHours,
-                        [&](double hours) { return hours > options.aseHours; });
-    summary.meanDa = mean(result.sensors, &SensorMetrics::da);
-    summary.meanCda = mean(result.sensors, &SensorMetrics::cda);
-    summary.meanUdiUseful = mean(result.sensors, &SensorMetrics::udiUseful);
-    summary.meanUdiAbove = mean(result.sensors, &SensorMetrics::udiAbove);
+    result = summarized(std::move(result.sensors), occupied, options);
     if (occupiedRecords && sensors)
-        summary.meanLux = occupiedLux / static_cast<double>(occupiedRecords * sensors);
+        result.summary.meanLux = occupiedLux / static_cast<double>(occupiedRecords * sensors);
     return result;
 }
 

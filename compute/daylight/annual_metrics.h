@@ -59,4 +59,9 @@ AnnualMetrics annualMetrics(std::span<const float> lux, std::span<const float> s
                             std::span<const uint8_t> occupied, const AnnualOptions& options = {},
                             std::span<const float> luxError = {});
 
+// Summary of sensors whose metrics were made in several calls, all with the same `occupied` and options; its
+// meanLux is left 0.
+AnnualMetrics summarized(std::vector<SensorMetrics> sensors, std::span<const uint8_t> occupied,
+                         const AnnualOptions& options = {});
+
 } // namespace heliodon::daylight

@@ -22,6 +22,7 @@ public:
         addIlluminance();
         addRender();
         addTimelapse();
+        addAnnual();
         addDevices();
     }
 
@@ -163,6 +164,26 @@ private:
             ->required();
     }
 
+    void addAnnual() {
+        CLI::App* sub = add("annual", "a year of weather: hourly lux and what it says about the room",
+                            annual_, "room.obj --up z --weather chicago.epw --sensors desk.csv -o year");
+        addScene(sub, annual_.scene);
+        sub->add_option("--weather", annual_.weather, "hourly weather (.epw or .epw.gz); its site is used")
+            ->required();
+        sub->add_option(
+            "--sensors", annual_.sensors,
+            "points (.csv with x,y,z,nx,ny,nz); without: every 2 ft (0.61 m) over the floor, 0.76 m "
+            "above it");
+        sub->add_option("--occupied", annual_.occupied, "o'clock, every day (default 8-18)");
+        sub->add_option("--ground", annual_.groundAlbedo, "diffuse reflectance of the ground (default 0.2)")
+            ->check(CLI::Range(0.0, 1.0));
+        sub->add_option(
+               "-o,--output", annual_.output,
+               "folder for illuminance.npy (sensors x records), metrics.csv and summary.json; made when "
+               "missing")
+            ->required();
+    }
+
     void addDevices() {
         add("devices", "list the Vulkan devices, with why one cannot be used", devices_, "");
     }
@@ -175,6 +196,7 @@ private:
     IlluminanceArguments illuminance_;
     RenderArguments render_;
     TimelapseArguments timelapse_;
+    AnnualArguments annual_;
     DevicesArguments devices_;
     std::vector<std::pair<CLI::App*, std::function<Command()>>> commands_;
 };

@@ -69,10 +69,17 @@ struct TimelapseArguments {
     bool resume = false;
     std::filesystem::path output;
 };
+struct AnnualArguments {
+    SceneArguments scene;
+    std::filesystem::path weather, sensors;
+    std::string occupied = "8-18";
+    double groundAlbedo = 0.2;
+    std::filesystem::path output;
+};
 struct DevicesArguments {};
 
 using Command = std::variant<DetectArguments, ModelArguments, FormFactorArguments, IlluminanceArguments,
-                             RenderArguments, TimelapseArguments, DevicesArguments>;
+                             RenderArguments, TimelapseArguments, AnnualArguments, DevicesArguments>;
 
 struct Arguments {
     std::string commandName;

@@ -8,16 +8,12 @@
 #include "engine/app/moment.h"
 #include "engine/app/scene_input.h"
 #include "engine/app/table_file.h"
+#include "engine/app/work_plane.h"
 #include "geometry/whole_file.h"
 
 namespace heliodon::app {
 
 namespace {
-
-// World axes back to the model's.
-glm::dvec3 modelFromWorld(glm::dvec3 p, geometry::UpAxis up) {
-    return up == geometry::UpAxis::y ? p : glm::dvec3(p.x, -p.z, p.y);
-}
 
 std::string luxColumns(const compute::LightParts& parts) {
     return fmt::format("{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.4g}", compute::photometric(parts.total()),

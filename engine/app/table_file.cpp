@@ -2,6 +2,7 @@
 
 #include <array>
 #include <bit>
+#include <cassert>
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -90,8 +91,14 @@ SensorTable readSensors(const std::filesystem::path& file, geometry::UpAxis up) 
     return table;
 }
 
-void writeNpy(const std::filesystem::path& file, size_t rowCount, size_t columnCount,
-              std::span<const float> values) {
+void NpyWriter::write(std::span<const float> values) {
+    out_.write(reinterpret_cast<const char*>(values.data()),
+               static_cast<std::streamsize>(values.size_bytes()));
+    written_ += values.size();
+}
+
+void NpyWriter::writeWhole(const std::filesystem::path& file, size_t rowCount, size_t columnCount,
+                           const std::function<void(NpyWriter&)>& fill) {
     std::string header =
         fmt::format("{{'descr': '<f4', 'fortran_order': False, 'shape': ({}, {}), }}", rowCount, columnCount);
     constexpr size_t kPreamble = 10,
@@ -104,10 +111,16 @@ void writeNpy(const std::filesystem::path& file, size_t rowCount, size_t columnC
         out.write("\x93NUMPY\x01\x00", 8);
         out.write(reinterpret_cast<const char*>(&length), 2);
         out << header;
-        out.write(reinterpret_cast<const char*>(values.data()),
-                  static_cast<std::streamsize>(values.size_bytes()));
+        NpyWriter writer(out);
+        fill(writer);
+        assert(writer.written_ == rowCount * columnCount);
         if (!out.flush()) throw std::runtime_error(file.string() + ": could not be written (disk full?)");
     });
+}
+
+void writeNpy(const std::filesystem::path& file, size_t rowCount, size_t columnCount,
+              std::span<const float> values) {
+    NpyWriter::writeWhole(file, rowCount, columnCount, [&](NpyWriter& out) { out.write(values); });
 }
 
 std::vector<float> readMatrix(const std::filesystem::path& file, size_t rowCount, size_t columnCount) {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <iosfwd>
 #include <span>
 #include <string>
 #include <vector>
@@ -24,8 +26,21 @@ struct SensorTable {
 // zero, no rows.
 SensorTable readSensors(const std::filesystem::path& file, geometry::UpAxis up);
 
-// NumPy .npy format 1.0, little-endian float32, C order. `rows` are written in turn so that large matrices
-// need no second copy.
+// NumPy .npy format 1.0, little-endian float32, C order, in pieces: a matrix need never be whole in memory.
+class NpyWriter {
+public:
+    // `fill` hands over rowCount x columnCount values in any number of write()s; the file appears when all
+    // are there. Throws std::runtime_error when the disk is full.
+    static void writeWhole(const std::filesystem::path& file, size_t rowCount, size_t columnCount,
+                           const std::function<void(NpyWriter&)>& fill);
+    void write(std::span<const float> values);
+
+private:
+    explicit NpyWriter(std::ostream& out) : out_(out) {}
+    std::ostream& out_;
+    size_t written_ = 0;
+};
+
 void writeNpy(const std::filesystem::path& file, size_t rowCount, size_t columnCount,
               std::span<const float> values);
 

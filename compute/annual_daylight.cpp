@@ -1,0 +1,346 @@
+#include "compute/annual_daylight.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include <glm/geometric.hpp>
+
+#include "compute/daylight/glazing.h"
+#include "compute/parallel.h"
+#include "compute/sun_patches.h"
+
+namespace heliodon::compute {
+
+namespace {
+
+constexpr std::array<double, 3> kLuminous{0.2126, 0.7152, 0.0722};
+constexpr size_t kColumnsAtOnce = 48; // right-hand sides that share passes over F
+constexpr size_t kCheckedSunless = 3, kCheckedSunny = 6;
+// Shares of the whole work, for the bar: measured on 78 to 400 sensors.
+constexpr double kHourWork = 1.0, kSensorWork = 4.0;
+
+class Clock {
+public:
+    explicit Clock(double& sum) : sum_(sum) {}
+    ~Clock() { sum_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+    Clock(const Clock&) = delete;
+    Clock& operator=(const Clock&) = delete;
+
+private:
+    double& sum_;
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+// How patches give light on: K of B = E + K F B, per channel.
+struct Matter {
+    std::vector<std::vector<float>> rho, tau;
+    const std::vector<int32_t>& twin;
+
+    Matter(const geometry::PatchMesh& mesh, size_t channels) : twin(mesh.twin) {
+        for (size_t c = 0; c < channels; ++c) {
+            rho.emplace_back(mesh.patchCount());
+            tau.emplace_back(mesh.patchCount());
+            const auto axis = static_cast<int>(c);
+            for (size_t i = 0; i < mesh.patchCount(); ++i) {
+                const geometry::Material& m = mesh.materials[mesh.material[i]];
+                rho[c][i] = m.reflectance[axis];
+                if (twin[i] != geometry::kNoTwin)
+                    tau[c][i] =
+                        std::min(static_cast<float>(daylight::glazingOf(m).diffuseTransmittance()[axis]),
+                                 1 - rho[c][i]);
+            }
+        }
+    }
+    void apply(size_t channel, std::span<const float> in, std::span<float> out) const {
+        for (size_t i = 0; i < in.size(); ++i) {
+            out[i] = rho[channel][i] * in[i];
+            if (tau[channel][i] > 0) out[i] += tau[channel][i] * in[static_cast<size_t>(twin[i])];
+        }
+    }
+};
+
+bool isTinted(const geometry::PatchMesh& mesh) {
+    return std::any_of(mesh.materials.begin(), mesh.materials.end(), [](const geometry::Material& m) {
+        return m.transmittance.x != m.transmittance.y || m.transmittance.y != m.transmittance.z;
+    });
+}
+
+// `wanted` entries spread evenly over `all`.
+template<class T> std::vector<T> spread(const std::vector<T>& all, size_t wanted) {
+    std::vector<T> some;
+    const size_t count = std::min(wanted, all.size());
+    for (size_t k = 0; k < count; ++k) some.push_back(all[(2 * k + 1) * all.size() / (2 * count)]);
+    return some;
+}
+
+} // namespace
+
+// What the sensors at hand answer to sky elements, to sun on patches and to the room's own emission.
+struct AnnualDaylight::Responses {
+    size_t sensors = 0;
+    std::vector<float> sky; // sensors x elements, photometric
+    std::vector<float>
+        sun[3];             // patches x sensors, each times its channel's luminous share; one unless tinted
+    std::vector<float> own; // per sensor, lux
+};
+
+AnnualDaylight::AnnualDaylight(DaylightTransport& transport, std::vector<daylight::Sky> skies,
+                               size_t sensorCount, Tell tell)
+    : transport_(transport), skies_(std::move(skies)), sensorCount_(sensorCount), tell_(std::move(tell)),
+      tinted_(isTinted(transport.mesh())) {
+    report_.hours = skies_.size();
+    makeSkies();
+    makeSuns();
+}
+
+void AnnualDaylight::makeSkies() {
+    const Clock clock(report_.skySeconds);
+    const TransportParts parts = transport_.parts();
+    if (parts.skyElements == 0) return;
+    for (size_t h = 0; h < skies_.size(); ++h)
+        if (skies_[h].formula.scale > 0 || skies_[h].ground.luminance > 0)
+            lit_.push_back(static_cast<uint32_t>(h));
+    report_.lit = lit_.size();
+    luminance_ = Panels(parts.skyElements, lit_.size());
+    inParallel(lit_.size(), [&](size_t k) {
+        const std::vector<double> values = parts.sky.luminances(skies_[lit_[k]]);
+        for (size_t e = 0; e < values.size(); ++e)
+            luminance_.at(e, k) = static_cast<float>(std::numbers::pi * values[e]);
+    });
+}
+
+void AnnualDaylight::makeSuns() {
+    const Clock clock(report_.sunSeconds);
+    if (transport_.parts().skyElements == 0) return;
+    std::vector<uint32_t> hours;
+    for (size_t h = 0; h < skies_.size(); ++h)
+        if (skies_[h].hasSun()) hours.push_back(static_cast<uint32_t>(h));
+    report_.sunless =
+        lit_.size() - static_cast<size_t>(std::count_if(lit_.begin(), lit_.end(),
+                                                        [&](uint32_t h) { return skies_[h].hasSun(); }));
+    std::vector<Sunny> found(hours.size());
+    std::vector<uint8_t> enters(hours.size());
+    const auto work = [&](size_t k) {
+        const daylight::Sky& sky = skies_[hours[k]];
+        const SunPatches sun(transport_.mesh(), sky.sun.direction);
+        found[k].hour = hours[k];
+        if (!(enters[k] = sun.canEnter())) return;
+        const auto strength = static_cast<float>(sky.sun.normalIlluminance);
+        const std::vector<glm::vec3> lit = sun.onPatches();
+        for (size_t i = 0; i < lit.size(); ++i)
+            if (lit[i] != glm::vec3(0))
+                found[k].patches.push_back({static_cast<uint32_t>(i),
+                                            {strength * lit[i].x, strength * lit[i].y, strength * lit[i].z}});
+    };
+    const double total =
+        kHourWork * static_cast<double>(hours.size()) + kSensorWork * static_cast<double>(sensorCount_);
+    inParallel(hours.size(), work, [&](size_t k) { told(kHourWork * static_cast<double>(k) / total); });
+    for (size_t k = 0; k < hours.size(); ++k) {
+        if (!enters[k]) continue;
+        report_.sunlitPatches += found[k].patches.size();
+        sunny_.push_back(std::move(found[k]));
+    }
+    report_.withSun = sunny_.size();
+    report_.sunOutside = hours.size() - sunny_.size();
+}
+
+AnnualDaylight::Responses AnnualDaylight::respond(const TransportParts& parts) {
+    const geometry::PatchMesh& mesh = transport_.mesh();
+    const size_t n = mesh.patchCount(), sensors = parts.sensors.size(), channels = parts.channels;
+    const size_t beams = tinted_ ? 3 : 1;
+    Responses result;
+    result.sensors = sensors;
+    result.own.assign(sensors, 0);
+    for (size_t b = 0; b < beams; ++b) result.sun[b].assign(n * sensors, 0);
+    const size_t skies = parts.skyChannels;
+    std::vector<float> weights[3]; // sensors x patches: importance of what falls on patches from the sky
+    for (size_t c = 0; c < skies; ++c) weights[c].assign(sensors * n, 0);
+    const Matter matter(mesh, channels);
+    std::vector<float> area(n);
+    for (size_t i = 0; i < n; ++i) area[i] = static_cast<float>(geometry::patchArea(mesh, i));
+
+    const size_t atOnce = std::max<size_t>(1, kColumnsAtOnce / channels);
+    for (size_t first = 0; first < sensors; first += atOnce) {
+        const size_t count = std::min(atOnce, sensors - first), columns = count * channels;
+        std::vector<float> sent(columns * n), once(columns * n), twice(columns * n), perArea(n);
+        std::vector<uint32_t> channel;
+        for (size_t s = 0; s < count; ++s) {
+            const float* seen = &parts.sensorFactors[(first + s) * n];
+            for (size_t i = 0; i < n; ++i) perArea[i] = seen[i] / area[i];
+            for (size_t c = 0; c < channels; ++c) {
+                matter.apply(c, perArea, {&sent[(s * channels + c) * n], n});
+                channel.push_back(static_cast<uint32_t>(c));
+            }
+        }
+        // The first bounce apart: what remains to be solved is smooth, so that the solver's tolerance, a
+        // share of the largest value, is small everywhere.
+        parts.gather.gather(sent, once, static_cast<uint32_t>(columns));
+        for (size_t k = 0; k < columns; ++k) matter.apply(channel[k], {&once[k * n], n}, {&twice[k * n], n});
+        std::vector<float> importance, rest;
+        parts.solver.solve(twice, channel, importance, rest, {});
+
+        inParallel(count, [&](size_t s) {
+            const float* seen = &parts.sensorFactors[(first + s) * n];
+            double own = 0;
+            for (size_t c = 0; c < channels; ++c) {
+                const size_t at = (s * channels + c) * n;
+                for (size_t shown = c; shown < (channels == 1 ? 3 : c + 1); ++shown) {
+                    const auto share = static_cast<float>(kLuminous[shown]);
+                    float* sky = &weights[skies == 1 ? 0 : shown][(first + s) * n];
+                    float* sun = &result.sun[beams == 1 ? 0 : shown][first + s];
+                    for (size_t i = 0; i < n; ++i) {
+                        const float received = seen[i] + area[i] * (once[at + i] + rest[at + i]);
+                        sky[i] += share * area[i] * (sent[at + i] + importance[at + i]);
+                        sun[i * sensors] += share * matter.rho[c][i] * received;
+                        own += static_cast<double>(
+                            share * received *
+                            mesh.materials[mesh.material[i]].exitance[static_cast<int>(shown)]);
+                    }
+                }
+            }
+            result.own[first + s] = static_cast<float>(own);
+        });
+        told((kHourWork * static_cast<double>(report_.withSun + report_.sunOutside) +
+              kSensorWork * static_cast<double>(sensorsDone_ + first + count) * 0.8) /
+             (kHourWork * static_cast<double>(report_.withSun + report_.sunOutside) +
+              kSensorWork * static_cast<double>(sensorCount_)));
+    }
+
+    const size_t elements = parts.skyElements;
+    result.sky.assign(sensors * elements, 0);
+    std::vector<float> reflected(sensors * elements);
+    for (size_t c = 0; c < skies && elements > 0; ++c) {
+        Panels coefficients(n, elements);
+        for (size_t i = 0; i < n; ++i)
+            for (size_t e = 0; e < elements; ++e)
+                coefficients.at(i, e) = parts.patchSky[(i * skies + c) * elements + e];
+        multiply(weights[c], sensors, coefficients, reflected);
+        const auto share = static_cast<float>(skies == 1 ? 1.0 : kLuminous[c]);
+        for (size_t s = 0; s < sensors; ++s)
+            for (size_t e = 0; e < elements; ++e)
+                result.sky[s * elements + e] +=
+                    reflected[s * elements + e] + share * parts.sensorSky[(s * skies + c) * elements + e];
+    }
+    return result;
+}
+
+// reflected: sunny hours x sensors.
+void AnnualDaylight::addSun(const Responses& responses, std::span<float> reflected) const {
+    const size_t sensors = responses.sensors;
+    inParallel(sunny_.size(), [&](size_t k) {
+        float* row = &reflected[k * sensors];
+        for (const LitPatch& lit : sunny_[k].patches)
+            for (size_t b = 0; b < (tinted_ ? 3u : 1u); ++b) {
+                const float* answer = &responses.sun[b][lit.patch * sensors];
+                for (size_t s = 0; s < sensors; ++s) row[s] += lit.value[b] * answer[s];
+            }
+    });
+}
+
+void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> lux, std::span<float> sun,
+                             std::span<float> error) {
+    const size_t count = sensors.size(), hours = skies_.size();
+    if (lux.size() != count * hours || sun.size() != lux.size() || error.size() != lux.size())
+        throw std::invalid_argument("AnnualDaylight: arrays are not sensors x hours");
+    Responses responses;
+    std::vector<float> sky(count * lit_.size()), reflected(count * sunny_.size());
+    {
+        const Clock clock(report_.sensorSeconds);
+        transport_.setSensors({sensors.begin(), sensors.end()});
+        responses = respond(transport_.parts());
+    }
+    {
+        const Clock clock(report_.productSeconds);
+        multiply(responses.sky, count, luminance_, sky);
+        addSun(responses, reflected);
+        std::fill(sun.begin(), sun.end(), 0.0f);
+        inParallel(sunny_.size(), [&](size_t k) {
+            const daylight::Sky& of = skies_[sunny_[k].hour];
+            const SunPatches beam(transport_.mesh(), of.sun.direction);
+            for (size_t s = 0; s < count; ++s)
+                sun[s * hours + sunny_[k].hour] = static_cast<float>(
+                    of.sun.normalIlluminance *
+                    photometric(beam.atPoint(sensors[s].position, glm::normalize(sensors[s].normal))));
+        });
+        inParallel(count, [&](size_t s) {
+            float* row = &lux[s * hours];
+            std::fill_n(row, hours, responses.own[s]);
+            for (size_t k = 0; k < lit_.size(); ++k) row[lit_[k]] += sky[s * lit_.size() + k];
+            // Until errors are set below, `error` holds the part that the sun causes.
+            std::fill_n(&error[s * hours], hours, 0.0f);
+            for (size_t k = 0; k < sunny_.size(); ++k) {
+                const size_t at = s * hours + sunny_[k].hour;
+                error[at] = reflected[k * count + s] + sun[at];
+                lux[at] += error[at];
+            }
+        });
+    }
+    report_.bytes =
+        std::max(report_.bytes,
+                 luminance_.bytes() + report_.sunlitPatches * sizeof(LitPatch) +
+                     sizeof(float) * (sky.size() + reflected.size() + responses.sky.size() + 3 * lux.size() +
+                                      (tinted_ ? 4 : 2) * count * transport_.mesh().patchCount()));
+    checkAndSetErrors(lux, sun, error);
+    sensorsDone_ += count;
+    told((kHourWork * static_cast<double>(report_.withSun + report_.sunOutside) +
+          kSensorWork * static_cast<double>(sensorsDone_)) /
+         (kHourWork * static_cast<double>(report_.withSun + report_.sunOutside) +
+          kSensorWork * static_cast<double>(std::max<size_t>(sensorCount_, 1))));
+}
+
+std::vector<uint32_t> AnnualDaylight::checkedHours() const {
+    std::vector<uint32_t> sunless, sunny;
+    for (uint32_t h : lit_)
+        if (!skies_[h].hasSun()) sunless.push_back(h);
+    for (const Sunny& s : sunny_) sunny.push_back(s.hour);
+    std::vector<uint32_t> hours = spread(sunless, kCheckedSunless);
+    for (uint32_t h : spread(sunny, kCheckedSunny)) hours.push_back(h);
+    return hours;
+}
+
+// The transport states an error for each illuminance that it solves. Per sensor, its share of sky light (the
+// largest of the checked hours) and of what the sun adds (their mean, weighed by light) is taken for all
+// hours.
+void AnnualDaylight::checkAndSetErrors(std::span<const float> lux, std::span<const float> sun,
+                                       std::span<float> error) {
+    const Clock clock(report_.productSeconds);
+    const size_t hours = skies_.size(), count = hours ? lux.size() / hours : 0;
+    const std::vector<uint32_t> checked = checkedHours();
+    std::vector<daylight::Sky> skies;
+    for (uint32_t h : checked) skies.push_back(skies_[h]);
+    const std::vector<Moment> moments = transport_.light(skies);
+    report_.checkedHours = checked.size();
+    for (size_t s = 0; s < count; ++s) {
+        double ofSky = 0, sunError = 0, sunLight = 0;
+        for (size_t k = 0; k < checked.size(); ++k) {
+            const LightParts& full = moments[k].sensors[s];
+            const double there = photometric(full.total()), here = lux[s * hours + checked[k]];
+            const double bySun = error[s * hours + checked[k]];
+            const double mistake = static_cast<double>(full.error) + std::abs(here - there);
+            // Light of the sun's beam at the sensor itself is exact in both and would hide a difference.
+            const double indirect = there - photometric(full.sun);
+            if (indirect > 0) {
+                const double difference = (here - sun[s * hours + checked[k]]) / indirect - 1;
+                checkSquares_ += difference * difference;
+                ++checkCount_;
+            }
+            if (!skies_[checked[k]].hasSun())
+                ofSky = std::max(ofSky, there > 0 ? mistake / there : 0.0);
+            else
+                sunError += std::max(0.0, mistake - ofSky * (here - bySun)), sunLight += bySun;
+        }
+        const double ofSun = sunLight > 0 ? sunError / sunLight : 0;
+        for (size_t h = 0; h < hours; ++h) {
+            const size_t at = s * hours + h;
+            error[at] = static_cast<float>(ofSky * static_cast<double>(lux[at] - error[at]) +
+                                           ofSun * static_cast<double>(error[at]));
+        }
+    }
+    report_.checkRms = checkCount_ > 0 ? std::sqrt(checkSquares_ / checkCount_) : 0;
+}
+
+} // namespace heliodon::compute

@@ -1,0 +1,89 @@
+// A year of light at sensors, each hour with its own sky and its exact sun.
+//
+// Sensors see the room through importance (Smits, Arvo, Salesin: An Importance-Driven Radiosity Algorithm,
+// 1992): a sensor sends out what it receives, u = K f / A + K F u, and the light of any moment at it is
+//     E = pi sum_k (c_k + sum_i A_i u_i C_ik) L_k  +  sum_i rho_i y_i sun_i  +  sun at the sensor,
+// y_i = f_i + A_i (F u)_i, c and f what the sensor sees directly of sky and patches, C the patches' sky
+// coefficients, sun_i the sun's exactly clipped illuminance on patch i that hour. So a sensor costs one
+// solution of the radiosity system, an hour one row of luminances and one clipped sun, and the year their
+// product. Reciprocity (A_i F_ij = A_j F_ji) is used: where form factors keep it only to some error, results
+// differ from DaylightTransport::light by as much; `sensors` measures that on some hours of the year.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "compute/daylight/sky.h"
+#include "compute/daylight_transport.h"
+#include "compute/panel_product.h"
+
+namespace heliodon::compute {
+
+struct YearReport {
+    size_t hours = 0, lit = 0; // lit: with sky or ground
+    size_t withSun = 0;        // hours whose sun enters
+    size_t sunOutside = 0;     // sun in the sky, but on no opening from outside
+    size_t sunless = 0;        // lit, no sun
+    double skySeconds = 0, sunSeconds = 0, sensorSeconds = 0, productSeconds = 0;
+    size_t sunlitPatches = 0; // over all hours
+    size_t bytes = 0;         // most that was held at once, without the transport's own
+    // Against DaylightTransport::light on some hours: RMS of the relative difference over sensors.
+    size_t checkedHours = 0;
+    double checkRms = 0;
+};
+
+class AnnualDaylight {
+public:
+    // `share` of the whole work that is done, 0 to 1, of `sensorCount` sensors.
+    using Tell = std::function<void(double share)>;
+
+    // Luminances and sun of every sky. `transport` must outlive this. About 1 ms an hour and core.
+    AnnualDaylight(DaylightTransport& transport, std::vector<daylight::Sky> skies, size_t sensorCount,
+                   Tell tell = {});
+
+    // Photometric illuminance of these sensors, which become the transport's: arrays of sensors x hours.
+    // `sun` is the direct sun in it, `error` an estimate of the half-width of its interval, made from the
+    // errors that the transport states for some hours. To be called with a few hundred sensors at a time.
+    void sensors(std::span<const Sensor> sensors, std::span<float> lux, std::span<float> sun,
+                 std::span<float> error);
+
+    size_t hours() const { return skies_.size(); }
+    const YearReport& report() const { return report_; }
+
+private:
+    struct LitPatch {
+        uint32_t patch;
+        float value[3]; // lux per channel; all channels alike unless tinted_
+    };
+    struct Sunny {
+        uint32_t hour;
+        std::vector<LitPatch> patches;
+    };
+    struct Responses;
+    void makeSkies();
+    void makeSuns();
+    Responses respond(const TransportParts& parts);
+    void addSun(const Responses& responses, std::span<float> reflected) const;
+    void checkAndSetErrors(std::span<const float> lux, std::span<const float> sun, std::span<float> error);
+    std::vector<uint32_t> checkedHours() const;
+    void told(double share) const {
+        if (tell_) tell_(share);
+    }
+
+    DaylightTransport& transport_;
+    std::vector<daylight::Sky> skies_;
+    size_t sensorCount_, sensorsDone_ = 0;
+    Tell tell_;
+    bool tinted_ = false;
+    std::vector<uint32_t> lit_; // hours with sky or ground
+    Panels luminance_;          // elements x lit hours, times pi
+    std::vector<Sunny> sunny_;
+    double checkSquares_ = 0, checkCount_ = 0;
+    YearReport report_;
+};
+
+} // namespace heliodon::compute

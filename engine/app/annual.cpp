@@ -1,0 +1,224 @@
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include "compute/annual_daylight.h"
+#include "compute/daylight/annual_metrics.h"
+#include "compute/daylight/weather.h"
+#include "compute/parallel.h"
+#include "engine/app/commands.h"
+#include "engine/app/light_report.h"
+#include "engine/app/pictures.h"
+#include "engine/app/progress.h"
+#include "engine/app/scene_input.h"
+#include "engine/app/table_file.h"
+#include "engine/app/work_plane.h"
+#include "geometry/input_error.h"
+#include "geometry/whole_file.h"
+
+namespace heliodon::app {
+
+namespace {
+
+using daylight::Range;
+using nlohmann::json;
+
+constexpr size_t kSensorsAtOnce = 256; // bounds memory: three arrays of so many years of lux
+
+struct ClockHours {
+    double from = 8, to = 18;
+};
+
+ClockHours parseOccupied(const std::string& text) {
+    ClockHours hours;
+    const char* const end = text.data() + text.size();
+    const auto from = std::from_chars(text.data(), end, hours.from);
+    const bool dash = from.ec == std::errc() && from.ptr != end && *from.ptr == '-';
+    const auto to = dash ? std::from_chars(from.ptr + 1, end, hours.to) : from;
+    if (!dash || to.ec != std::errc() || to.ptr != end || !(hours.from >= 0) || !(hours.to <= 24) ||
+        !(hours.from < hours.to))
+        throw geometry::InputError(
+            "--occupied", "",
+            fmt::format("'{}' are no hours, expected FROM-TO within 0-24, such as 8-18", text));
+    return hours;
+}
+
+std::vector<daylight::Sky> skiesOf(const daylight::Weather& weather, const AnnualArguments& arguments,
+                                   double northDeg) {
+    daylight::WeatherSky options;
+    options.setting.northDeg = northDeg;
+    options.setting.groundAlbedo = arguments.groundAlbedo;
+    std::vector<daylight::Sky> skies(weather.hours.size());
+    compute::inParallel(skies.size(),
+                        [&](size_t h) { skies[h] = daylight::skyOfHour(weather.hours[h], options); });
+    return skies;
+}
+
+// Metrics of all sensors, block by block.
+struct Year {
+    std::vector<daylight::SensorMetrics> sensors;
+    std::vector<double> meanLux; // of every record over the sensors
+    double occupiedLux = 0;
+};
+
+void addMetrics(Year& year, daylight::AnnualMetrics&& block) {
+    const auto count = static_cast<double>(block.sensors.size());
+    year.occupiedLux += block.summary.meanLux * count;
+    std::move(block.sensors.begin(), block.sensors.end(), std::back_inserter(year.sensors));
+}
+
+json rangeJson(const Range& range) {
+    return {{"value", range.value}, {"low", range.low}, {"high", range.high}};
+}
+
+// `name,name_low,name_high` for each metric.
+std::string metricsTable(const SensorTable& sensors, const std::vector<daylight::SensorMetrics>& metrics) {
+    using daylight::SensorMetrics;
+    constexpr std::pair<const char*, Range SensorMetrics::*> kColumns[]{
+        {"DA300_pct", &SensorMetrics::da},
+        {"cDA300_pct", &SensorMetrics::cda},
+        {"UDI_lt100_pct", &SensorMetrics::udiBelow},
+        {"UDI_100_300_pct", &SensorMetrics::udiSupplementary},
+        {"UDI_300_3000_pct", &SensorMetrics::udiAutonomous},
+        {"UDI_100_3000_pct", &SensorMetrics::udiUseful},
+        {"UDI_gt3000_pct", &SensorMetrics::udiAbove},
+        {"direct_gt1000lx_hours", &SensorMetrics::sunHours}};
+    std::string text = sensors.header;
+    for (const auto& [name, member] : kColumns) text += fmt::format(",{}", name);
+    text += ",annual_lux_hours";
+    for (const auto& [name, member] : kColumns) text += fmt::format(",{0}_low,{0}_high", name);
+    text += '\n';
+    for (size_t s = 0; s < metrics.size(); ++s) {
+        text += sensors.rows[s];
+        for (const auto& [name, member] : kColumns)
+            text += fmt::format(",{:.4f}", (metrics[s].*member).value);
+        text += fmt::format(",{:.0f}", metrics[s].luxHours);
+        for (const auto& [name, member] : kColumns)
+            text += fmt::format(",{:.4f},{:.4f}", (metrics[s].*member).low, (metrics[s].*member).high);
+        text += '\n';
+    }
+    return text;
+}
+
+void reportYear(Run& run, const compute::YearReport& year) {
+    if (year.lit > 0) run.modelled(fmt::format("sky and ground: {} hours", year.lit));
+    if (year.withSun > 0)
+        run.modelled(fmt::format("sun at its exact place, clipped by the openings: {} hours", year.withSun));
+    const auto skip = [&](size_t hours, const char* what) {
+        if (hours > 0) run.skipped(fmt::format("{} hours: {}", hours, what));
+    };
+    skip(year.hours - year.lit, "sky and sun: no light outside, or no opening");
+    skip(year.sunless, "sun: behind cloud or below the horizon");
+    skip(year.sunOutside, "sun: shines on no opening from outside");
+    run.report()["year"] = {{"hours", year.hours},
+                            {"lit", year.lit},
+                            {"with_sun", year.withSun},
+                            {"sun_outside", year.sunOutside},
+                            {"without_sun", year.sunless},
+                            {"sky_seconds", year.skySeconds},
+                            {"sun_seconds", year.sunSeconds},
+                            {"sensor_seconds", year.sensorSeconds},
+                            {"product_seconds", year.productSeconds},
+                            {"bytes", year.bytes},
+                            {"checked_hours", year.checkedHours},
+                            {"check_rms", year.checkRms}};
+}
+
+json summaryJson(const daylight::AnnualMetrics& metrics, const daylight::Weather& weather,
+                 const ClockHours& occupied) {
+    const daylight::AnnualSummary& s = metrics.summary;
+    return {{"place", weather.place},
+            {"latitude", weather.site.latitudeDeg},
+            {"longitude", weather.site.longitudeDeg},
+            {"records", weather.hours.size()},
+            {"sensors", s.sensors},
+            {"occupied", {{"from", occupied.from}, {"to", occupied.to}, {"hours", s.occupiedHours}}},
+            {"sDA300/50", s.sda.value},
+            {"ASE1000,250", s.ase.value},
+            {"sDA300/50_interval", rangeJson(s.sda)},
+            {"ASE1000,250_interval", rangeJson(s.ase)},
+            {"mean_DA", s.meanDa},
+            {"mean_cDA", s.meanCda},
+            {"mean_UDI_100_3000", s.meanUdiUseful},
+            {"mean_UDI_above_3000", s.meanUdiAbove},
+            {"mean_lux", s.meanLux},
+            {"unit", "percent of sensors (sDA, ASE), percent of occupied hours (DA, cDA, UDI), lux"}};
+}
+
+SensorTable sensorsFor(Run& run, const AnnualArguments& arguments, const Scene& scene) {
+    WorkPlane plane;
+    if (scene.sketch) plane.worldPerBuilding = 1.0 / 12;
+    SensorTable table = workPlaneSensors(scene.mesh, scene.up, plane);
+    if (table.points.empty())
+        throw geometry::InputError(arguments.scene.input.string(), "",
+                                   "has no floor to put sensors over, expected --sensors S.csv");
+    run.note(
+        fmt::format("{} sensors on a work plane {} m above the floor", table.points.size(), plane.height));
+    return table;
+}
+
+} // namespace
+
+void execute(Run& run, const AnnualArguments& arguments) {
+    // Small files first: a typing error there should not cost the form factors.
+    const ClockHours occupied = parseOccupied(arguments.occupied);
+    std::optional<SensorTable> given;
+    if (!arguments.sensors.empty()) given = readSensors(arguments.sensors, upAxisOf(arguments.scene));
+    const daylight::Weather weather = [&] {
+        const StageTimer timer(run, "weather");
+        return daylight::readWeather(arguments.weather);
+    }();
+    for (const std::string& warning : weather.warnings) run.warn(warning);
+    prepareFolder(arguments.output);
+    const Scene scene = loadScene(run, arguments.scene);
+    const SensorTable sensors = given ? std::move(*given) : sensorsFor(run, arguments, scene);
+    const auto transport = makeTransport(run, scene.mesh);
+
+    const size_t records = weather.hours.size(), count = sensors.points.size();
+    std::vector<uint8_t> occupiedRecords(records);
+    for (size_t h = 0; h < records; ++h)
+        occupiedRecords[h] = daylight::isOccupied(weather.hours[h], occupied.from, occupied.to);
+    daylight::AnnualOptions options;
+    options.recordHours = weather.recordHours();
+
+    Progress progress("year", 1000, run.showsProgress());
+    Year year;
+    std::optional<compute::AnnualDaylight> annual;
+    {
+        const StageTimer timer(run, "sun");
+        annual.emplace(*transport, skiesOf(weather, arguments, scene.northDeg), count,
+                       [&](double share) { progress.advance(static_cast<size_t>(1000 * share)); });
+    }
+    NpyWriter::writeWhole(arguments.output / "illuminance.npy", count, records, [&](NpyWriter& out) {
+        std::vector<float> lux, sun, error;
+        for (size_t first = 0; first < count; first += kSensorsAtOnce) {
+            const size_t block = std::min(kSensorsAtOnce, count - first);
+            std::vector<compute::Sensor> points;
+            for (size_t s = first; s < first + block; ++s)
+                points.push_back({sensors.points[s], sensors.normals[s]});
+            for (auto* values : {&lux, &sun, &error}) values->resize(block * records);
+            {
+                const StageTimer timer(run, "solve");
+                annual->sensors(points, lux, sun, error);
+            }
+            const StageTimer timer(run, "metrics");
+            addMetrics(year, daylight::annualMetrics(lux, sun, occupiedRecords, options, error));
+            out.write(lux);
+        }
+    });
+    reportYear(run, annual->report());
+
+    daylight::AnnualMetrics all = daylight::summarized(std::move(year.sensors), occupiedRecords, options);
+    all.summary.meanLux = count ? year.occupiedLux / static_cast<double>(count) : 0;
+    geometry::writeWholeText(arguments.output / "metrics.csv", metricsTable(sensors, all.sensors));
+    const json summary = summaryJson(all, weather, occupied);
+    geometry::writeWholeText(arguments.output / "summary.json", summary.dump(2) + "\n");
+    run.report()["summary"] = summary;
+    run.note(fmt::format("sDA300/50 {:.1f} %, ASE1000,250 {:.1f} %, mean DA {:.1f} %", all.summary.sda.value,
+                         all.summary.ase.value, all.summary.meanDa));
+}
+
+} // namespace heliodon::app

@@ -1,0 +1,138 @@
+#include "compute/annual_daylight.h"
+
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "compute/daylight/frame.h"
+#include "tests/compute/rooms.h"
+#include "tests/gpu/test_device.h"
+
+namespace heliodon::compute {
+namespace {
+
+// A box with a window to -z.
+geometry::PatchMesh windowRoom(glm::vec3 wall, glm::vec3 glass) {
+    test::BoxRoom box;
+    box.wall.reflectance = wall;
+    box.isGlass = [](glm::dvec3 p) { return p.z < 1e-9 && p.x > 1 && p.x < 3 && p.y > 1 && p.y < 2; };
+    geometry::PatchMesh mesh = test::boxRoom(box);
+    for (geometry::Material& m : mesh.materials)
+        if (m.isOpening()) m.transmittance = glass;
+    return mesh;
+}
+
+daylight::Sky sunny(glm::dvec3 towards) {
+    daylight::Sky sky = daylight::cieClearSky(glm::normalize(towards), 3000);
+    sky.sun = {glm::normalize(towards), 80000};
+    daylight::lightGround(sky, 0.2);
+    return sky;
+}
+
+daylight::Sky overcast() {
+    daylight::Sky sky = daylight::cieGeneralSky(16, {0, 1, 0}, 5000);
+    daylight::lightGround(sky, 0.2);
+    return sky;
+}
+
+// Night, cloud, sun through the window from three sides, sun behind the room.
+const std::vector<daylight::Sky> kSkies{daylight::Sky{},          overcast(),
+                                        sunny({0.2, 0.5, -0.8}),  sunny({-0.6, 0.2, -0.4}),
+                                        sunny({0.1, 0.15, -0.9}), sunny({0, 0.5, 1})};
+const std::vector<Sensor> kSensors{{{2, 1, 2}, {0, 1, 0}}, {{1, 2, 3}, {0, 0, -1}}, {{3, 0.1, 1}, {0, 1, 0}}};
+
+struct Arrays {
+    std::vector<float> lux, sun, error;
+    YearReport report;
+};
+
+Arrays yearOf(DaylightTransport& transport, const std::vector<daylight::Sky>& skies,
+              const std::vector<Sensor>& sensors = kSensors) {
+    AnnualDaylight annual(transport, skies, sensors.size());
+    Arrays a;
+    for (auto* values : {&a.lux, &a.sun, &a.error}) values->resize(sensors.size() * skies.size());
+    annual.sensors(sensors, a.lux, a.sun, a.error);
+    a.report = annual.report();
+    return a;
+}
+
+void expectFull(const geometry::PatchMesh& mesh) {
+    DaylightTransport transport(test::device(), mesh);
+    const Arrays year = yearOf(transport, kSkies);
+    const std::vector<Moment> full = transport.light(kSkies);
+    for (size_t s = 0; s < kSensors.size(); ++s)
+        for (size_t h = 0; h < kSkies.size(); ++h) {
+            const LightParts& parts = full[h].sensors[s];
+            const double lux = photometric(parts.total());
+            // Form factors from one point a patch keep reciprocity to about 1 %.
+            EXPECT_NEAR(year.lux[s * kSkies.size() + h], lux, 0.01 * lux) << "sensor " << s << ", hour " << h;
+            EXPECT_NEAR(year.sun[s * kSkies.size() + h], photometric(parts.sun),
+                        1e-5 * photometric(parts.sun));
+            EXPECT_LE(std::abs(year.lux[s * kSkies.size() + h] - lux),
+                      year.error[s * kSkies.size() + h] + 1e-3 * lux);
+        }
+}
+
+TEST(AnnualDaylight, hours_are_what_the_full_computation_gives) {
+    expectFull(windowRoom(glm::vec3(0.6f), glm::vec3(0.8f)));
+}
+
+TEST(AnnualDaylight, coloured_walls_and_tinted_glass_too) {
+    expectFull(windowRoom({0.8f, 0.5f, 0.2f}, {0.8f, 0.7f, 0.5f}));
+}
+
+TEST(AnnualDaylight, surfaces_that_emit_light_the_night) {
+    geometry::PatchMesh mesh = windowRoom(glm::vec3(0.6f), glm::vec3(0.8f));
+    mesh.materials[0].exitance = glm::vec3(50);
+    expectFull(mesh);
+}
+
+TEST(AnnualDaylight, hours_that_need_no_sun_or_no_sky_are_counted) {
+    DaylightTransport transport(test::device(), windowRoom(glm::vec3(0.6f), glm::vec3(0.8f)));
+    const YearReport report = yearOf(transport, kSkies).report;
+    EXPECT_EQ(report.hours, 6u);
+    EXPECT_EQ(report.lit, 5u);
+    EXPECT_EQ(report.withSun, 3u);
+    EXPECT_EQ(report.sunOutside, 1u);
+    EXPECT_EQ(report.sunless, 1u);
+    EXPECT_EQ(report.checkedHours, 4u); // the overcast one and those with sun
+    EXPECT_LT(report.checkRms, 0.01);
+}
+
+TEST(AnnualDaylight, a_room_without_openings_is_dark_all_year) {
+    DaylightTransport transport(test::device(), test::boxRoom({}));
+    const Arrays year = yearOf(transport, kSkies);
+    for (float lux : year.lux) EXPECT_EQ(lux, 0);
+    EXPECT_EQ(year.report.lit, 0u);
+    EXPECT_EQ(year.report.withSun, 0u);
+}
+
+TEST(AnnualDaylight, no_hours_and_no_sensors_are_fine) {
+    DaylightTransport transport(test::device(), windowRoom(glm::vec3(0.6f), glm::vec3(0.8f)));
+    EXPECT_TRUE(yearOf(transport, {}).lux.empty());
+    EXPECT_TRUE(yearOf(transport, kSkies, {}).lux.empty());
+}
+
+TEST(PanelProduct, is_the_plain_sum) {
+    std::minstd_rand random(3);
+    std::uniform_real_distribution<float> value(-1, 1);
+    for (const auto [rows, depth, columns] :
+         {std::array<size_t, 3>{1, 1, 1}, {5, 37, 19}, {8, 64, 16}, {3, 0, 9}}) {
+        std::vector<float> a(rows * depth), out(rows * columns);
+        Panels panels(depth, columns);
+        std::vector<double> want(rows * columns);
+        for (float& x : a) x = value(random);
+        for (size_t k = 0; k < depth; ++k)
+            for (size_t c = 0; c < columns; ++c) {
+                panels.at(k, c) = value(random);
+                for (size_t r = 0; r < rows; ++r)
+                    want[r * columns + c] += double{a[r * depth + k]} * panels.at(k, c);
+            }
+        multiply(a, rows, panels, out);
+        for (size_t i = 0; i < out.size(); ++i) EXPECT_NEAR(out[i], want[i], 1e-5); // float sums of 64 terms
+    }
+}
+
+} // namespace
+} // namespace heliodon::compute
