@@ -1,3 +1,6 @@
+// Seeds on a hexagonal lattice after L. Freitag and C. Ollivier-Gooch, "Tetrahedral mesh improvement using
+// swapping and smoothing" (1997), in that many cheap smoothings are followed by few costly ones where angles
+// are still small.
 #include "geometry/planar_mesher.h"
 
 #include <algorithm>
@@ -6,35 +9,18 @@
 
 #include <glm/geometric.hpp>
 
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wconversion"
-#pragma GCC diagnostic ignored "-Wshadow"
-#include <CGAL/Constrained_Delaunay_triangulation_2.h>
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Triangulation_2.h>
-#include <CGAL/Triangulation_face_base_with_info_2.h>
-#include <CGAL/Triangulation_vertex_base_with_info_2.h>
-#pragma GCC diagnostic pop
+#include "geometry/planar_net.h"
 
 namespace heliodon::geometry {
 
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<uint32_t, Kernel>;
-using FaceBase =
-    CGAL::Triangulation_face_base_with_info_2<int, Kernel,
-                                              CGAL::Constrained_triangulation_face_base_2<Kernel>>;
-using Structure = CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>;
-using Triangulation =
-    CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure, CGAL::No_constraint_intersection_tag>;
-
-constexpr uint32_t kNone = 0xffffffffu;
 constexpr double kFromBoundary = 0.62; // of the edge length
-
-double cross(glm::dvec2 u, glm::dvec2 v) {
-    return u.x * v.y - u.y * v.x;
-}
+constexpr double kOnLattice = 0.9;     // of the edge length: where sizes are smaller there are no seeds
+constexpr int kSmoothings = 5;
+constexpr int kOptimisations = 8;
+const double kGoodCosine = std::cos(39 * 3.14159265358979 / 180);  // angles above 39 degrees are left alone
+const double kBadCosine = std::cos(36.5 * 3.14159265358979 / 180); // those below 36.5 are worth a point
 
 size_t loopCount(const PlanarDomain& domain) {
     return domain.loopStart.size() - 1;
@@ -135,210 +121,279 @@ glm::dvec2 mainDirection(const PlanarDomain& domain) {
     return best;
 }
 
-// Triangles with neighbours: neighbour k lies across the edge opposite corner k.
-struct Mesh {
-    std::vector<glm::dvec2> points;
-    uint32_t boundaryCount = 0;
-    std::vector<std::array<uint32_t, 3>> corner, neighbour;
-    std::vector<std::array<bool, 3>> fixed;
+PlanarNet triangulate(const PlanarDomain& domain, const std::vector<glm::dvec2>& seeds) {
+    PlanarNet net;
+    net.points = domain.boundary;
+    net.boundaryCount = static_cast<uint32_t>(domain.boundary.size());
+    net.points.insert(net.points.end(), seeds.begin(), seeds.end());
+    std::vector<std::pair<uint32_t, uint32_t>> edges;
+    for (size_t l = 0; l < loopCount(domain); ++l)
+        for (uint32_t i = domain.loopStart[l]; i < domain.loopStart[l + 1]; ++i)
+            edges.emplace_back(i, nextOnLoop(domain, l, i));
+    auto inside = constrainedDelaunay(net.points, edges);
+    if (!inside)
+        throw std::runtime_error("the outline of a face crosses or touches itself and cannot be meshed");
+    static_cast<TriangleNet&>(net) = std::move(*inside);
+    return net;
+}
 
-    double area(uint32_t a, uint32_t b, uint32_t c) const {
-        return cross(points[b] - points[a], points[c] - points[a]);
-    }
+// Adds circumcentres of triangles that are larger than the size wanted there. The boundary is not divided:
+// where it keeps a circumcentre out, the triangle stays.
+class Refiner {
+public:
+    Refiner(PlanarNet& net, const PlanarDomain& domain) : net_(net), domain_(domain) {}
 
-    // Turns the diagonal between triangle t and its neighbour k when Delaunay asks for it.
-    bool flip(uint32_t t, int k) {
-        const auto at = static_cast<size_t>(k);
-        const uint32_t u = neighbour[t][at];
-        if (u == kNone || fixed[t][at]) return false;
-        size_t m = 0;
-        while (neighbour[u][m] != t) ++m;
-        const uint32_t p = corner[t][at], a = corner[t][(at + 1) % 3], b = corner[t][(at + 2) % 3],
-                       q = corner[u][m];
-        if (!prefersFlip(p, a, b, q)) return false;
-        // p a b + q b a  ->  p a q + q b p
-        const uint32_t na = neighbour[t][(at + 1) % 3],
-                       nb = neighbour[t][(at + 2) % 3]; // across b-p, across p-a
-        const uint32_t ma = neighbour[u][(m + 2) % 3], mb = neighbour[u][(m + 1) % 3];
-        const bool fa = fixed[t][(at + 1) % 3], fb = fixed[t][(at + 2) % 3];
-        const bool ga = fixed[u][(m + 2) % 3], gb = fixed[u][(m + 1) % 3];
-        // In u the corners are q, b, a: (m+1) is b, (m+2) is a; across a-q lies the neighbour opposite b.
-        corner[t] = {p, a, q};
-        neighbour[t] = {mb, u, nb};
-        fixed[t] = {gb, false, fb};
-        corner[u] = {q, b, p};
-        neighbour[u] = {na, t, ma};
-        fixed[u] = {fa, false, ga};
-        relink(mb, u, t);
-        relink(na, t, u);
-        return true;
+    void refine() {
+        for (int round = 0; round < 40; ++round) {
+            bool any = false;
+            for (uint32_t t = 0; t < net_.corner.size(); ++t) any |= divide(t);
+            if (!any) return;
+        }
     }
 
 private:
-    void relink(uint32_t triangle, uint32_t from, uint32_t to) {
-        if (triangle == kNone) return;
-        for (uint32_t& n : neighbour[triangle])
-            if (n == from) {
-                n = to;
-                return;
-            }
+    bool divide(uint32_t t) {
+        const glm::dvec2 a = net_.points[net_.corner[t][0]], u = net_.points[net_.corner[t][1]] - a,
+                         v = net_.points[net_.corner[t][2]] - a;
+        const double twice = 2 * cross(u, v);
+        if (twice <= 0) return false;
+        const glm::dvec2 offset = glm::dvec2(v.y * glm::dot(u, u) - u.y * glm::dot(v, v),
+                                             u.x * glm::dot(v, v) - v.x * glm::dot(u, u)) /
+                                  twice;
+        // An equilateral triangle of the size wanted has a circumradius of 0.577 of it.
+        const double radius = glm::length(offset), size = domain_.sizeAt(a + offset);
+        if (radius < kLargest * size) return false;
+        const uint32_t target = net_.locate(t, a + offset);
+        if (target == kNoTriangle || nearFixedEdge(target, a + offset, kApart * size)) return false;
+        net_.insert(target, a + offset);
+        return true;
     }
 
-    bool prefersFlip(uint32_t p, uint32_t a, uint32_t b, uint32_t q) const {
-        const double least = 1e-9 * (std::abs(area(p, a, b)) + std::abs(area(q, b, a)));
-        if (area(p, a, q) <= least || area(q, b, p) <= least) return false;
-        // Angles opposite the diagonal add up to more than two right ones.
-        const glm::dvec2 pa = points[a] - points[p], pb = points[b] - points[p], qa = points[a] - points[q],
-                         qb = points[b] - points[q];
-        const double sum = cross(pa, pb) * glm::dot(qb, qa) + glm::dot(pa, pb) * cross(qb, qa);
-        return sum < -1e-12 * glm::dot(pa, pa) * glm::dot(qb, qb);
+    bool nearFixedEdge(uint32_t t, glm::dvec2 p, double distance) const {
+        for (size_t k = 0; k < 3; ++k) {
+            const glm::dvec2 a = net_.points[net_.corner[t][(k + 1) % 3]],
+                             d = net_.points[net_.corner[t][(k + 2) % 3]] - a;
+            const double height = cross(d, p - a) / glm::length(d);
+            if (height < (net_.fixed[t][k] ? distance : 0.1 * distance)) return true;
+        }
+        return false;
     }
+
+    static constexpr double kLargest = 0.95, kApart = 0.45;
+    PlanarNet& net_;
+    const PlanarDomain& domain_;
 };
 
-void markInside(Triangulation& t) {
-    for (auto f = t.all_faces_begin(); f != t.all_faces_end(); ++f) f->info() = -1;
-    std::vector<Triangulation::Face_handle> front{t.infinite_face()}, behind;
-    front[0]->info() = 0;
-    for (int depth = 0; !front.empty(); ++depth) {
-        behind.clear();
-        for (size_t i = 0; i < front.size(); ++i)
-            for (int k = 0; k < 3; ++k) {
-                const auto other = front[i]->neighbor(k);
-                if (other->info() >= 0) continue;
-                if (front[i]->is_constrained(k)) {
-                    behind.push_back(other);
-                } else {
-                    other->info() = depth;
-                    front.push_back(other);
-                }
-            }
-        front.clear();
-        for (const auto& f : behind)
-            if (f->info() < 0) {
-                f->info() = depth + 1;
-                front.push_back(f);
-            }
-    }
-}
-
-Mesh triangulate(const PlanarDomain& domain, const std::vector<glm::dvec2>& seeds) {
-    Mesh mesh;
-    mesh.points = domain.boundary;
-    mesh.boundaryCount = static_cast<uint32_t>(domain.boundary.size());
-    mesh.points.insert(mesh.points.end(), seeds.begin(), seeds.end());
-
-    Triangulation t;
-    std::vector<std::pair<Kernel::Point_2, uint32_t>> points;
-    for (uint32_t i = 0; i < mesh.points.size(); ++i)
-        points.emplace_back(Kernel::Point_2(mesh.points[i].x, mesh.points[i].y), i);
-    t.insert(points.begin(), points.end());
-    std::vector<Triangulation::Vertex_handle> handles(mesh.points.size());
-    for (auto v = t.finite_vertices_begin(); v != t.finite_vertices_end(); ++v) handles[v->info()] = v;
-    try {
-        for (size_t l = 0; l < loopCount(domain); ++l)
-            for (uint32_t i = domain.loopStart[l]; i < domain.loopStart[l + 1]; ++i) {
-                const auto a = handles[i], b = handles[nextOnLoop(domain, l, i)];
-                if (a == Triangulation::Vertex_handle() || b == Triangulation::Vertex_handle())
-                    throw std::runtime_error("a face touches itself in a corner and cannot be meshed");
-                t.insert_constraint(a, b);
-            }
-    } catch (const Triangulation::Intersection_of_constraints_exception&) {
-        throw std::runtime_error("the outline of a face crosses itself and cannot be meshed");
-    }
-    markInside(t);
-    std::vector<Triangulation::Face_handle> inside;
-    for (auto f = t.finite_faces_begin(); f != t.finite_faces_end(); ++f) {
-        const bool in = f->info() % 2 == 1;
-        f->info() = in ? static_cast<int>(inside.size()) : -1;
-        if (in) inside.push_back(f);
-    }
-    for (auto f = t.all_faces_begin(); f != t.all_faces_end(); ++f)
-        if (t.is_infinite(f)) f->info() = -1;
-    for (const auto& f : inside) {
-        std::array<uint32_t, 3> corner{}, neighbour{};
-        std::array<bool, 3> fixed{};
-        for (int k = 0; k < 3; ++k) {
-            const auto at = static_cast<size_t>(k);
-            corner[at] = f->vertex(k)->info();
-            neighbour[at] =
-                f->neighbor(k)->info() >= 0 ? static_cast<uint32_t>(f->neighbor(k)->info()) : kNone;
-            fixed[at] = f->is_constrained(k);
-        }
-        mesh.corner.push_back(corner);
-        mesh.neighbour.push_back(neighbour);
-        mesh.fixed.push_back(fixed);
-    }
-    return mesh;
-}
-
-void flipAll(Mesh& mesh) {
-    for (int round = 0; round < 10; ++round) {
-        bool flipped = false;
-        for (uint32_t t = 0; t < mesh.corner.size(); ++t)
-            for (int k = 0; k < 3; ++k) flipped |= mesh.flip(t, k);
-        if (!flipped) return;
-    }
-}
-
-// Moves each inner point to the area-weighted mean of its triangles' centroids, unless that turns one over.
-void smooth(Mesh& mesh) {
-    const size_t inner = mesh.points.size() - mesh.boundaryCount;
+// Moves each inner point to the mean of its triangles' centroids, weighted by their area in terms of the size
+// wanted, unless that turns one over.
+void smooth(PlanarNet& net, const PlanarDomain& domain) {
+    const size_t inner = net.points.size() - net.boundaryCount;
     std::vector<glm::dvec2> sum(inner, glm::dvec2(0));
     std::vector<double> weight(inner, 0);
-    for (const auto& c : mesh.corner) {
-        const double area = mesh.area(c[0], c[1], c[2]);
-        const glm::dvec2 middle = (mesh.points[c[0]] + mesh.points[c[1]] + mesh.points[c[2]]) / 3.0;
+    for (const auto& c : net.corner) {
+        const glm::dvec2 middle = (net.points[c[0]] + net.points[c[1]] + net.points[c[2]]) / 3.0;
+        double area = net.twiceArea(c[0], c[1], c[2]);
+        if (!domain.sources.empty()) {
+            const double size = domain.sizeAt(middle);
+            area /= size * size;
+        }
         for (const uint32_t v : c)
-            if (v >= mesh.boundaryCount) {
-                sum[v - mesh.boundaryCount] += area * middle;
-                weight[v - mesh.boundaryCount] += area;
+            if (net.inner(v)) {
+                sum[v - net.boundaryCount] += area * middle;
+                weight[v - net.boundaryCount] += area;
             }
     }
-    std::vector<glm::dvec2> old(mesh.points.begin() + mesh.boundaryCount, mesh.points.end());
+    std::vector<glm::dvec2> old(net.points.begin() + net.boundaryCount, net.points.end());
     for (size_t i = 0; i < inner; ++i)
-        if (weight[i] > 0) mesh.points[mesh.boundaryCount + i] = sum[i] / weight[i];
+        if (weight[i] > 0) net.points[net.boundaryCount + i] = sum[i] / weight[i];
     for (bool again = true; again;) {
         again = false;
-        for (const auto& c : mesh.corner) {
-            if (mesh.area(c[0], c[1], c[2]) > 0) continue;
+        for (const auto& c : net.corner) {
+            if (net.twiceArea(c[0], c[1], c[2]) > 0) continue;
             for (const uint32_t v : c)
-                if (v >= mesh.boundaryCount && mesh.points[v] != old[v - mesh.boundaryCount]) {
-                    mesh.points[v] = old[v - mesh.boundaryCount];
+                if (net.inner(v) && net.points[v] != old[v - net.boundaryCount]) {
+                    net.points[v] = old[v - net.boundaryCount];
                     again = true;
                 }
         }
     }
 }
 
+// Moves single points so that the smallest angle round them grows, and adds points where moving is not
+// enough.
+class Optimiser {
+public:
+    explicit Optimiser(PlanarNet& net) : net_(net) {}
+
+    void optimise(bool mayAdd) {
+        std::vector<bool> all(net_.points.size(), true);
+        movePoints(net_, all);
+        if (mayAdd) addPoints();
+    }
+
+private:
+    // Only the points that may move, of triangles with small angles.
+    static void movePoints(PlanarNet& net, const std::vector<bool>& mayMove) {
+        for (int round = 0; round < kOptimisations; ++round) {
+            std::vector<uint32_t> asked;
+            std::vector<bool> known(net.points.size());
+            for (uint32_t t = 0; t < net.corner.size(); ++t) {
+                if (net.worstCosine(t) < kGoodCosine) continue;
+                for (const uint32_t v : net.corner[t])
+                    if (net.inner(v) && mayMove[v] && !known[v]) {
+                        known[v] = true;
+                        asked.push_back(v);
+                    }
+            }
+            if (asked.empty()) return;
+            const Stars stars(net);
+            bool moved = false;
+            for (const uint32_t v : asked) moved |= move(net, v, stars);
+            if (!moved) return;
+            net.flipAll();
+        }
+    }
+
+    // One point in or beside each triangle that is still bad, where it helps.
+    void addPoints() {
+        int tries = 0;
+        for (uint32_t t = 0; t < net_.corner.size() && tries < kMostAdditions; ++t) {
+            if (net_.worstCosine(t) < kBadCosine) continue;
+            ++tries;
+            PlanarNet tried = net_;
+            const auto [target, p] = placeFor(t);
+            tried.insert(target, p);
+            const auto added = static_cast<uint32_t>(tried.points.size() - 1);
+            std::vector<bool> near(tried.points.size());
+            near[added] = true;
+            for (int ring = 0; ring < 2; ++ring) {
+                const std::vector<bool> last = near;
+                for (const auto& c : tried.corner)
+                    if (last[c[0]] || last[c[1]] || last[c[2]]) near[c[0]] = near[c[1]] = near[c[2]] = true;
+            }
+            movePoints(tried, near);
+            if (badness(tried) < badness(net_) - kWorthAPoint) net_ = std::move(tried);
+        }
+    }
+
+    // The middle of the triangle's longest side that is not on the boundary.
+    std::pair<uint32_t, glm::dvec2> placeFor(uint32_t t) const {
+        const auto& c = net_.corner[t];
+        double longest = 0;
+        glm::dvec2 place = (net_.points[c[0]] + net_.points[c[1]] + net_.points[c[2]]) / 3.0;
+        const glm::dvec2 middle = place;
+        for (size_t k = 0; k < 3; ++k) {
+            const glm::dvec2 a = net_.points[c[(k + 1) % 3]], b = net_.points[c[(k + 2) % 3]];
+            if (net_.fixed[t][k] || glm::length(b - a) <= longest) continue;
+            longest = glm::length(b - a);
+            place = 0.5 * (a + b) + 0.02 * (middle - 0.5 * (a + b)); // inside the triangle
+        }
+        return {t, place};
+    }
+
+    // Squared shortfalls of angles below the good one.
+    static double badness(const PlanarNet& net) {
+        double sum = 0;
+        for (uint32_t t = 0; t < net.corner.size(); ++t) {
+            const double cosine = net.worstCosine(t);
+            if (cosine > kGoodCosine) sum += (cosine - kGoodCosine) * (cosine - kGoodCosine);
+        }
+        return sum;
+    }
+
+    static double worst(const PlanarNet& net, uint32_t v, glm::dvec2 p, const Stars& stars) {
+        double cosine = -1;
+        for (uint32_t i = stars.first[v]; i < stars.first[v + 1]; ++i) {
+            const auto& c = net.corner[stars.triangles[i]];
+            const auto at = [&](size_t k) { return c[k] == v ? p : net.points[c[k]]; };
+            cosine = std::max(cosine, net.worstCosine(at(0), at(1), at(2)));
+        }
+        return cosine;
+    }
+
+    // A pattern search with shrinking steps.
+    static bool move(PlanarNet& net, uint32_t v, const Stars& stars) {
+        const glm::dvec2 start = net.points[v];
+        glm::dvec2 best = start;
+        double least = worst(net, v, best, stars), shortest = 1e300;
+        const double before = least;
+        for (uint32_t i = stars.first[v]; i < stars.first[v + 1]; ++i)
+            for (const uint32_t w : net.corner[stars.triangles[i]])
+                if (w != v) shortest = std::min(shortest, glm::length(net.points[w] - start));
+        for (double step = 0.25 * shortest; step > 0.01 * shortest;) {
+            bool better = false;
+            for (const glm::dvec2 d : kDirections) {
+                const glm::dvec2 p = best + step * d;
+                const double cosine = worst(net, v, p, stars);
+                if (cosine >= least - 1e-4) continue;
+                least = cosine;
+                best = p;
+                better = true;
+                break;
+            }
+            if (!better) step *= 0.5;
+        }
+        net.points[v] = best;
+        return least < before - 1e-3;
+    }
+
+    static constexpr int kMostAdditions = 24;
+    static constexpr double kWorthAPoint = 1e-4;
+    static constexpr double kHalf = 0.70710678;
+    static constexpr std::array<glm::dvec2, 8> kDirections{{{1, 0},
+                                                            {kHalf, kHalf},
+                                                            {0, 1},
+                                                            {-kHalf, kHalf},
+                                                            {-1, 0},
+                                                            {-kHalf, -kHalf},
+                                                            {0, -1},
+                                                            {kHalf, -kHalf}}};
+    PlanarNet& net_;
+};
+
 } // namespace
 
-std::vector<glm::dvec2> hexagonalSeeds(const PlanarDomain& domain, double edge) {
+double PlanarDomain::sizeAt(glm::dvec2 p) const {
+    double size = edge;
+    for (const SizeSource& source : sources)
+        size = std::min(size, source.size + growth * glm::length(p - source.at));
+    return size;
+}
+
+std::vector<glm::dvec2> hexagonalSeeds(const PlanarDomain& domain, double lattice) {
     const glm::dvec2 u = mainDirection(domain), v{-u.y, u.x};
     PlanarDomain turned = domain;
     for (glm::dvec2& p : turned.boundary) p = {glm::dot(p, u), glm::dot(p, v)};
-    const Inside inside(turned, edge);
+    const Inside inside(turned, lattice);
     const glm::dvec2 extent = inside.high() - inside.low();
     // Whole rows and columns between the sides.
-    const double row = extent.y / std::max(1.0, std::round(extent.y / (edge * std::sqrt(3.0) / 2)));
-    const double column = extent.x / std::max(1.0, std::round(extent.x / edge));
+    const double row = extent.y / std::max(1.0, std::round(extent.y / (lattice * std::sqrt(3.0) / 2)));
+    const double column = extent.x / std::max(1.0, std::round(extent.x / lattice));
     std::vector<glm::dvec2> seeds;
     for (int r = 1; r * row < extent.y - 0.25 * row; ++r)
         for (int c = 0; c * column < extent.x + column; ++c) {
             const glm::dvec2 p = inside.low() + glm::dvec2((c + (r % 2 ? 0.5 : 0.0)) * column, r * row);
-            if (p.x < inside.high().x && inside.contains(p) && !inside.nearBoundary(p, kFromBoundary * edge))
-                seeds.push_back(p.x * u + p.y * v);
+            if (p.x >= inside.high().x || !inside.contains(p) ||
+                inside.nearBoundary(p, kFromBoundary * lattice))
+                continue;
+            const glm::dvec2 seed = p.x * u + p.y * v;
+            if (domain.sources.empty() || domain.sizeAt(seed) > kOnLattice * domain.edge)
+                seeds.push_back(seed);
         }
     return seeds;
 }
 
-PlanarMesh meshPlanar(const PlanarDomain& domain, std::vector<glm::dvec2> seeds, int smoothings) {
-    Mesh mesh = triangulate(domain, seeds);
-    if (!seeds.empty())
-        for (int k = 0; k < smoothings; ++k) {
-            smooth(mesh);
-            flipAll(mesh);
+PlanarMesh meshPlanar(const PlanarDomain& domain, const std::vector<glm::dvec2>& seeds, bool improve) {
+    PlanarNet net = triangulate(domain, seeds);
+    Refiner(net, domain).refine();
+    if (improve && net.points.size() > net.boundaryCount) {
+        for (int k = 0; k < kSmoothings; ++k) {
+            smooth(net, domain);
+            net.flipAll();
         }
-    return {std::move(mesh.points), std::move(mesh.corner)};
+        Optimiser(net).optimise(std::isfinite(domain.growth));
+    }
+    return {std::move(net.points), std::move(net.corner)};
 }
 
 } // namespace heliodon::geometry

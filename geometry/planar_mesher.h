@@ -9,24 +9,37 @@
 
 namespace heliodon::geometry {
 
+// A boundary corner near which triangles are smaller than elsewhere.
+struct SizeSource {
+    glm::dvec2 at{};
+    double size = 0;
+};
+
 struct PlanarDomain {
     // Boundary points in loops: outline counter-clockwise, holes clockwise.
     std::vector<glm::dvec2> boundary;
     std::vector<uint32_t> loopStart{0}; // loop k is boundary[loopStart[k] .. loopStart[k + 1])
+    // Length of the edges wanted at p: min(edge, min over the sources of size + growth |p - at|).
+    double edge = 0, growth = 0;
+    std::vector<SizeSource> sources;
+
+    double sizeAt(glm::dvec2 p) const;
 };
 
-// Points of a hexagonal lattice of edge length `edge` inside the domain, turned along its longest straight
-// side and fitted to its extent, none nearer to the boundary than about half an edge.
-std::vector<glm::dvec2> hexagonalSeeds(const PlanarDomain& domain, double edge);
+// Points of a hexagonal lattice of edge length `lattice` inside the domain, turned along its longest straight
+// side and fitted to its extent, none nearer to the boundary than about half an edge and none where smaller
+// triangles are wanted.
+std::vector<glm::dvec2> hexagonalSeeds(const PlanarDomain& domain, double lattice);
 
 struct PlanarMesh {
     std::vector<glm::dvec2> points;                 // the boundary's first, then the inner ones
     std::vector<std::array<uint32_t, 3>> triangles; // counter-clockwise
 };
 
-// Constrained Delaunay triangulation of boundary and seeds, then `smoothings` rounds of moving inner points
-// to the mean of the triangles round them and flipping edges. Throws std::runtime_error when the boundary
-// crosses itself.
-PlanarMesh meshPlanar(const PlanarDomain& domain, std::vector<glm::dvec2> seeds, int smoothings);
+// Constrained Delaunay triangulation of boundary and seeds; further points at circumcentres where triangles
+// are too large for the size wanted (Ruppert 1995, boundaries left alone). With `improve`, inner points move
+// to the mean of the triangles round them, edges flip, and what still has a small angle is optimised by
+// itself. Throws std::runtime_error when the boundary crosses or touches itself.
+PlanarMesh meshPlanar(const PlanarDomain& domain, const std::vector<glm::dvec2>& seeds, bool improve);
 
 } // namespace heliodon::geometry

@@ -1,0 +1,356 @@
+#include "geometry/edge_sampling.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <glm/geometric.hpp>
+
+namespace heliodon::geometry {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kWorthGrading = 0.8; // of the edge length: sizes above make no difference
+// A strip w wide with its sides divided in steps of s, staggered by half a step, has angles atan(2 w / s) and
+// atan(s / 2 w): at least 36 degrees for w / s within these.
+constexpr double kNarrowStrip = 0.363, kWideStrip = 0.688;
+// A triangle may be so much longer along a strip than the strip is wide, beside what it may be at a short
+// edge.
+constexpr double kFacing = 1.6;
+constexpr double kFinestStrip = 0.45; // of the edge length
+constexpr double kUniformStrip = 0.9; // of the edge length: a strip this wide needs no staggering
+
+double distanceToSegment(glm::dvec2 p, glm::dvec2 a, glm::dvec2 b) {
+    const glm::dvec2 d = b - a;
+    const double t = std::clamp(glm::dot(p - a, d) / glm::dot(d, d), 0.0, 1.0);
+    return glm::length(p - a - t * d);
+}
+
+// The places that divide the way from the first to the last pair into n parts of as many steps each.
+void divideEvenly(const std::vector<std::pair<double, double>>& steps, double n, std::vector<double>& out) {
+    size_t i = 0;
+    for (double k = 1; k < n; ++k) {
+        const double wanted = steps.back().second * k / n;
+        while (steps[i + 1].second < wanted) ++i;
+        const auto [from, before] = steps[i];
+        const auto [to, after] = steps[i + 1];
+        out.push_back(from + (to - from) * (wanted - before) / (after - before));
+    }
+}
+
+} // namespace
+
+EdgeSampler::EdgeSampler(const Building& building, const std::vector<MeshDomain>& domains)
+    : building_(building), domains_(domains) {
+    collectEdges();
+    measureSurroundings();
+    pairTwins();
+    findStrips();
+}
+
+void EdgeSampler::collectEdges() {
+    for (uint32_t d = 0; d < domains_.size(); ++d) {
+        loopEdges_.emplace_back();
+        for (const auto& loop : domains_[d].loops) {
+            loopEdges_.back().emplace_back();
+            for (size_t k = 0; k < loop.size(); ++k) {
+                const auto [a, b] = std::minmax(loop[k], loop[(k + 1) % loop.size()]);
+                const auto [found, isNew] = edgeOf_.try_emplace({a, b}, static_cast<uint32_t>(edges_.size()));
+                if (isNew) edges_.push_back({a, b, glm::length(position(b) - position(a)), {}, {}});
+                edges_[found->second].domains.push_back(d);
+                loopEdges_.back().back().push_back(found->second);
+            }
+        }
+    }
+}
+
+// The distance from each corner to the nearest part of its domains' outlines that it does not belong to.
+void EdgeSampler::measureSurroundings() {
+    surroundings_.assign(building_.vertices.size(), kInfinity);
+    for (const SampledEdge& edge : edges_)
+        for (const uint32_t v : {edge.a, edge.b}) surroundings_[v] = std::min(surroundings_[v], edge.length);
+    for (const MeshDomain& domain : domains_)
+        for (size_t l = 0; l < domain.loops.size(); ++l)
+            for (size_t k = 0; k < domain.loops[l].size(); ++k) {
+                const uint32_t v = domain.loops[l][k];
+                const glm::dvec2 p = domain.planar[l][k];
+                for (size_t m = 0; m < domain.loops.size(); ++m)
+                    for (size_t i = 0, n = domain.loops[m].size(); i < n; ++i) {
+                        const size_t j = (i + 1) % n;
+                        if (domain.loops[m][i] == v || domain.loops[m][j] == v) continue;
+                        // The last edge of an unrolled facet ends where the next facet begins, in its own
+                        // frame.
+                        const glm::dvec2 end = domain.frames.size() == 1
+                                                   ? domain.planar[m][j]
+                                                   : domain.frames[domain.frameOf[m][i]].coordinates(
+                                                         position(domain.loops[m][j]));
+                        surroundings_[v] = std::min(surroundings_[v],
+                                                    kFacing * distanceToSegment(p, domain.planar[m][i], end));
+                    }
+            }
+}
+
+void EdgeSampler::pairTwins() {
+    std::map<uint32_t, size_t> domainOf;
+    for (size_t d = 0; d < domains_.size(); ++d) {
+        const Face& face = building_.faces[domains_[d].faces[0]];
+        if (face.twin < 0) continue;
+        domainOf[domains_[d].faces[0]] = d;
+        const auto other = domainOf.find(static_cast<uint32_t>(face.twin));
+        if (other == domainOf.end()) continue;
+        const auto middle = [&](size_t domain) {
+            glm::dvec3 low(1e300), high(-1e300);
+            for (const uint32_t v : domains_[domain].loops[0]) {
+                low = glm::min(low, position(v));
+                high = glm::max(high, position(v));
+            }
+            return 0.5 * (low + high);
+        };
+        const glm::dvec3 shift = middle(d) - middle(other->second);
+        for (const uint32_t e : loopEdges_[other->second][0]) {
+            const glm::dvec3 a = position(edges_[e].a) + shift, b = position(edges_[e].b) + shift;
+            const auto off = [&](uint32_t f, bool turned) {
+                return glm::length(position(turned ? edges_[f].b : edges_[f].a) - a) +
+                       glm::length(position(turned ? edges_[f].a : edges_[f].b) - b);
+            };
+            TwinEdge best{e, e, false};
+            double least = kInfinity;
+            for (const uint32_t f : loopEdges_[d][0])
+                for (const bool turned : {false, true})
+                    if (off(f, turned) < least) {
+                        least = off(f, turned);
+                        best = {e, f, turned};
+                    }
+            twins_.push_back(best);
+        }
+    }
+}
+
+double EdgeSampler::sizeOf(uint32_t corner) const {
+    const double size = grading_.first * surroundings_[corner];
+    return size < kWorthGrading * edge_ ? size : kInfinity;
+}
+
+void EdgeSampler::choose(double edge, const Grading& grading) {
+    edge_ = edge;
+    grading_ = grading;
+    small_.assign(domains_.size(), {});
+    for (size_t d = 0; d < domains_.size(); ++d)
+        for (const auto& loop : domains_[d].loops)
+            for (const uint32_t v : loop)
+                if (sizeOf(v) < kInfinity) small_[d].push_back(v);
+    for (SampledEdge& e : edges_) {
+        e.even = e.graded = false;
+        e.pins.clear();
+    }
+    if (std::isfinite(grading.growth))
+        for (const Strip& strip : strips_) stagger(strip);
+    for (SampledEdge& e : edges_)
+        if (!e.pins.empty())
+            fillBetweenPins(e);
+        else if (!e.even) {
+            const auto steps = stepsAlong(e, edge_);
+            e.graded = steps.size() > 2;
+            e.divisions.clear();
+            divideEvenly(steps, std::max(1.0, std::floor(steps.back().second + 0.5 + 1e-7)), e.divisions);
+        }
+    if (std::isfinite(grading.growth)) easeCorners();
+    for (const TwinEdge& twin : twins_) {
+        std::vector<double> divisions = edges_[twin.from].divisions;
+        if (twin.reversed) {
+            std::ranges::reverse(divisions);
+            for (double& t : divisions) t = 1 - t;
+        }
+        edges_[twin.to].divisions = std::move(divisions);
+    }
+}
+
+void EdgeSampler::findStrips() {
+    constexpr size_t kMostEdges = 400; // of a domain: pairs are looked at one by one
+    for (size_t d = 0; d < domains_.size(); ++d) {
+        const MeshDomain& domain = domains_[d];
+        if (domain.frames.size() != 1) continue;
+        struct Side {
+            uint32_t edge;
+            glm::dvec2 a, b;
+        };
+        std::vector<Side> sides;
+        for (size_t l = 0; l < domain.loops.size(); ++l)
+            for (size_t k = 0, n = domain.loops[l].size(); k < n; ++k)
+                sides.push_back({loopEdges_[d][l][k], domain.planar[l][k], domain.planar[l][(k + 1) % n]});
+        if (sides.size() > kMostEdges) continue;
+        for (const Side& s : sides)
+            for (const Side& o : sides)
+                if (edges_[s.edge].length < edges_[o.edge].length ||
+                    (edges_[s.edge].length == edges_[o.edge].length && s.edge < o.edge))
+                    considerStrip(d, s.edge, s.a, s.b, o.edge, o.a, o.b);
+    }
+    std::ranges::stable_sort(strips_, {}, &Strip::width);
+}
+
+// They run against one another, and the other one stands before all of the shorter one.
+void EdgeSampler::considerStrip(size_t domain, uint32_t side, glm::dvec2 a, glm::dvec2 b, uint32_t other,
+                                glm::dvec2 c, glm::dvec2 d) {
+    constexpr double kParallelCosine = -0.995;
+    const glm::dvec2 along = glm::normalize(b - a), back = glm::normalize(d - c);
+    if (glm::dot(along, back) > kParallelCosine) return;
+    const glm::dvec2 inward(-along.y, along.x);
+    const double width = 0.5 * (glm::dot(c - a, inward) + glm::dot(d - a, inward)),
+                 length = glm::length(b - a);
+    const double from = glm::dot(d - a, along), to = glm::dot(c - a, along);
+    if (width <= 0 || length < 1.5 * width || from > 0.3 * width || to < length - 0.3 * width) return;
+    // Nothing stands between.
+    for (const auto& loop : domains_[domain].planar)
+        for (const glm::dvec2 p : loop) {
+            const double s = glm::dot(p - a, along), h = glm::dot(p - a, inward);
+            if (s > 0.01 * width && s < length - 0.01 * width && h > 0.01 * width && h < 0.99 * width) return;
+        }
+    strips_.push_back({side, other, width});
+}
+
+void EdgeSampler::stagger(const Strip& strip) {
+    SampledEdge &side = edges_[strip.side], &other = edges_[strip.other];
+    const double longest = strip.width / kNarrowStrip,
+                 step = std::clamp(edge_, strip.width / kWideStrip, longest);
+    if (strip.width > kUniformStrip * edge_ || step < kFinestStrip * edge_) return;
+    if (!side.pins.empty() || other.even) return;
+    if (!side.even) {
+        const auto steps = stepsAlong(side, step);
+        const double least = std::ceil(side.length / longest - 0.05);
+        side.divisions.clear();
+        divideEvenly(steps, std::max({1.0, least, std::round(steps.back().second)}), side.divisions);
+        side.even = true;
+    }
+    const glm::dvec3 from = position(other.a), along = (position(other.b) - from) / other.length;
+    std::vector<double> at; // of the shorter side's points on the longer one
+    const glm::dvec3 a = position(side.a), d = position(side.b) - a;
+    at.push_back(glm::dot(a - from, along));
+    for (const double t : side.divisions) at.push_back(glm::dot(a + t * d - from, along));
+    at.push_back(glm::dot(a + d - from, along));
+    // Beyond the ends of the shorter side too, where the longer one goes on.
+    at.insert(at.begin(), 2 * at[0] - at[1]);
+    at.push_back(2 * at.back() - at[at.size() - 2]);
+    for (size_t k = 0; k + 1 < at.size(); ++k) {
+        const double middle = 0.5 * (at[k] + at[k + 1]), half = 0.5 * std::abs(at[k + 1] - at[k]);
+        if (middle > 0.5 * half && middle < other.length - 0.5 * half) other.pins.push_back(middle);
+    }
+}
+
+void EdgeSampler::fillBetweenPins(SampledEdge& edge) const {
+    std::ranges::sort(edge.pins);
+    std::vector<double> kept{0};
+    for (const double at : edge.pins) // pins of two strips that end side by side
+        if (at - kept.back() > 0.3 * edge_ || kept.size() == 1)
+            kept.push_back(at);
+        else
+            kept.back() = 0.5 * (kept.back() + at);
+    kept.push_back(edge.length);
+    const auto steps = stepsAlong(edge, edge_);
+    const auto countAt = [&](double fraction) {
+        size_t i = 0;
+        while (i + 2 < steps.size() && steps[i + 1].first < fraction) ++i;
+        const auto [from, before] = steps[i];
+        const auto [to, after] = steps[i + 1];
+        return before + (after - before) * (fraction - from) / (to - from);
+    };
+    edge.divisions.clear();
+    for (size_t i = 0; i + 1 < kept.size(); ++i) {
+        const double from = kept[i] / edge.length, to = kept[i + 1] / edge.length;
+        const double count = countAt(to) - countAt(from), n = std::max(1.0, std::floor(count + 0.4));
+        if (i > 0) edge.divisions.push_back(from);
+        std::vector<std::pair<double, double>> part{{from, 0.0}};
+        for (const auto& [at, before] : steps)
+            if (at > from + 1e-9 && at < to - 1e-9) part.emplace_back(at, before - countAt(from));
+        part.emplace_back(to, count);
+        divideEvenly(part, n, edge.divisions);
+    }
+}
+
+std::vector<std::pair<double, double>> EdgeSampler::stepsAlong(const SampledEdge& edge,
+                                                               double largest) const {
+    const glm::dvec3 a = position(edge.a), d = position(edge.b) - a;
+    std::vector<std::pair<glm::dvec3, double>> sources;
+    for (const uint32_t domain : edge.domains)
+        for (const uint32_t v : small_[domain]) {
+            const glm::dvec3 p = position(v);
+            const double t = std::clamp(glm::dot(p - a, d) / glm::dot(d, d), 0.0, 1.0);
+            if (sizeOf(v) + grading_.growth * glm::length(p - a - t * d) < largest)
+                sources.emplace_back(p, sizeOf(v));
+        }
+    if (sources.empty()) return {{0.0, 0.0}, {1.0, edge.length / largest}};
+    std::vector<std::pair<double, double>> steps{{0.0, 0.0}};
+    for (double s = 0, count = 0; s < edge.length;) {
+        double size = largest;
+        for (const auto& [p, own] : sources)
+            size = std::min(size, own + grading_.growth * glm::length(a + d * (s / edge.length) - p));
+        const double step = std::min(0.25 * size, edge.length - s);
+        s = edge.length - s - step < 1e-9 * edge.length ? edge.length : s + step;
+        count += step / size;
+        steps.emplace_back(s / edge.length, count);
+    }
+    return steps;
+}
+
+// A long step beside a short one at a right corner makes a sharp triangle: evenly divided edges take one step
+// more.
+void EdgeSampler::easeCorners() {
+    constexpr double kMostBeside = 1.42;
+    std::vector<bool> finer(edges_.size());
+    for (size_t d = 0; d < domains_.size(); ++d)
+        for (const auto& loop : loopEdges_[d])
+            for (size_t k = 0; k < loop.size(); ++k) {
+                const uint32_t e = loop[k], f = loop[(k + 1) % loop.size()];
+                const double own = edges_[e].length / static_cast<double>(edges_[e].divisions.size() + 1),
+                             next = edges_[f].length / static_cast<double>(edges_[f].divisions.size() + 1);
+                const auto mayGrow = [&](uint32_t edge) {
+                    return !edges_[edge].even && edges_[edge].pins.empty() && !edges_[edge].graded;
+                };
+                if (edges_[f].graded || edges_[e].graded) continue;
+                if (own > kMostBeside * next && mayGrow(e)) finer[e] = true;
+                if (next > kMostBeside * own && mayGrow(f)) finer[f] = true;
+            }
+    for (size_t e = 0; e < edges_.size(); ++e) {
+        if (!finer[e]) continue;
+        const auto n = static_cast<double>(edges_[e].divisions.size() + 2);
+        edges_[e].divisions.clear();
+        for (double k = 1; k < n; ++k) edges_[e].divisions.push_back(k / n);
+    }
+}
+
+std::vector<double> EdgeSampler::divisions(uint32_t a, uint32_t b) const {
+    const auto found = edgeOf_.find(std::minmax(a, b));
+    if (found == edgeOf_.end()) return {};
+    std::vector<double> out = edges_[found->second].divisions;
+    if (a > b) {
+        std::ranges::reverse(out);
+        for (double& t : out) t = 1 - t;
+    }
+    return out;
+}
+
+PlanarDomain EdgeSampler::planar(size_t d) const {
+    const MeshDomain& domain = domains_[d];
+    PlanarDomain plane;
+    plane.edge = edge_;
+    plane.growth = grading_.growth;
+    for (size_t l = 0; l < domain.loops.size(); ++l) {
+        const auto& loop = domain.loops[l];
+        for (size_t i = 0, n = loop.size(); i < n; ++i) {
+            const SampledEdge& edge = edges_[loopEdges_[d][l][i]];
+            const MeshDomain::Frame& frame = domain.frames[domain.frameOf[l][i]];
+            const glm::dvec2 from = domain.planar[l][i], to = frame.coordinates(position(loop[(i + 1) % n]));
+            if (sizeOf(loop[i]) < kInfinity) plane.sources.push_back({from, sizeOf(loop[i])});
+            plane.boundary.push_back(from);
+            const size_t count = edge.divisions.size();
+            for (size_t k = 0; k < count; ++k) {
+                const double t = loop[i] == edge.a ? edge.divisions[k] : 1 - edge.divisions[count - 1 - k];
+                plane.boundary.push_back(from + t * (to - from));
+            }
+        }
+        plane.loopStart.push_back(static_cast<uint32_t>(plane.boundary.size()));
+    }
+    return plane;
+}
+
+} // namespace heliodon::geometry

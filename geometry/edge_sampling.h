@@ -1,0 +1,81 @@
+// Where the edges of a building are divided: once for all faces that meet there, so that no T-vertices arise.
+// Uniformly at the mesh's edge length; finer only round corners with short edges or with another part of the
+// outline close by, growing away from them; the two sides of a narrow strip are divided staggered.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "geometry/mesh_domains.h"
+#include "geometry/planar_mesher.h"
+
+namespace heliodon::geometry {
+
+struct Grading {
+    double first = 1.4;  // edge length at a corner, in multiples of the size of its surroundings
+    double growth = 0.6; // and how fast it grows with the distance; both infinite: uniform
+};
+
+class EdgeSampler {
+public:
+    EdgeSampler(const Building& building, const std::vector<MeshDomain>& domains);
+
+    // Divides all edges anew for this edge length (metres).
+    void choose(double edge, const Grading& grading);
+
+    // The division points of the edge from a to b without its ends, as fractions of its length from a.
+    std::vector<double> divisions(uint32_t a, uint32_t b) const;
+
+    // The domain with its boundary so divided, and what is known about the size of its triangles.
+    PlanarDomain planar(size_t domain) const;
+
+private:
+    struct SampledEdge {
+        uint32_t a, b; // a < b
+        double length;
+        std::vector<uint32_t> domains;
+        std::vector<double> divisions;
+        // A side of a strip: in even steps, or with divisions pinned half a step off those of the other side.
+        bool even = false, graded = false;
+        std::vector<double> pins; // metres from a
+    };
+    // Two edges of a domain that run side by side, the shorter one first.
+    struct Strip {
+        uint32_t side, other;
+        double width;
+    };
+
+    void collectEdges();
+    void measureSurroundings();
+    void pairTwins();
+    void findStrips();
+    void considerStrip(size_t domain, uint32_t side, glm::dvec2 a, glm::dvec2 b, uint32_t other, glm::dvec2 c,
+                       glm::dvec2 d);
+    void stagger(const Strip& strip);
+    void fillBetweenPins(SampledEdge& edge) const;
+    void easeCorners();
+    // Pairs of a fraction of the edge's length and how many steps of the size wanted lie before it.
+    std::vector<std::pair<double, double>> stepsAlong(const SampledEdge& edge, double largest) const;
+    double sizeOf(uint32_t corner) const; // infinity where the surroundings ask for nothing
+    glm::dvec3 position(uint32_t corner) const { return building_.vertices[corner]; }
+
+    const Building& building_;
+    const std::vector<MeshDomain>& domains_;
+    std::vector<SampledEdge> edges_;
+    std::map<std::pair<uint32_t, uint32_t>, uint32_t> edgeOf_;
+    std::vector<std::vector<std::vector<uint32_t>>> loopEdges_; // per domain, loop, corner
+    std::vector<double> surroundings_;                          // per corner: metres to what is near
+    std::vector<std::vector<uint32_t>> small_;                  // per domain: its corners of small size
+    struct TwinEdge {
+        uint32_t from, to;
+        bool reversed;
+    };
+    std::vector<TwinEdge> twins_; // edges of glasses, that have the divisions of those on their other side
+    std::vector<Strip> strips_;   // narrow ones first
+    double edge_ = 0;
+    Grading grading_;
+};
+
+} // namespace heliodon::geometry

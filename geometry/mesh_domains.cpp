@@ -1,0 +1,277 @@
+#include "geometry/mesh_domains.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <tuple>
+
+#include <glm/geometric.hpp>
+
+namespace heliodon::geometry {
+
+namespace {
+
+using Edge = std::pair<uint32_t, uint32_t>;
+using Frame = MeshDomain::Frame;
+constexpr double kStraightSine = 1e-7;
+constexpr double kFlat = 1e-7; // of the domain's extent: how far corners of merged faces lie off their plane
+
+// Axes of a face: v up along the wall, or any axis of a level one.
+Frame frameOfFace(const Building& building, const Face& face) {
+    Frame frame;
+    const glm::dvec3 n = faceNormal(building, face);
+    frame.origin = building.vertices[face.loops[0][0]];
+    const glm::dvec3 helper = std::abs(n.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, -1);
+    frame.u = glm::normalize(glm::cross(helper, n));
+    frame.v = glm::cross(n, frame.u);
+    return frame;
+}
+
+// The boundary of several faces together: their edges without the seams, as loops.
+class BoundaryTracer {
+public:
+    BoundaryTracer(const Building& building, MeshDomain& domain) : building_(building), domain_(domain) {
+        for (uint32_t i = 0; i < domain.faces.size(); ++i)
+            for (const auto& loop : building.faces[domain.faces[i]].loops)
+                for (size_t k = 0; k < loop.size(); ++k)
+                    after_[{loop[k], loop[(k + 1) % loop.size()]}] = {loop[(k + 2) % loop.size()], i};
+    }
+
+    void trace(const std::set<Edge>& seams) {
+        std::set<Edge> seen;
+        for (const auto& [start, next] : after_) {
+            if (seams.contains(start) || seen.contains(start)) continue;
+            std::vector<uint32_t> loop, frames;
+            Edge at = start;
+            do {
+                seen.insert(at);
+                loop.push_back(at.first);
+                frames.push_back(domain_.frames.size() > 1 ? after_.at(at).second : 0);
+                at = {at.second, after_.at(at).first};
+                while (seams.contains(at)) at = {at.first, after_.at({at.second, at.first}).first};
+            } while (at != start);
+            domain_.loops.push_back(std::move(loop));
+            domain_.frameOf.push_back(std::move(frames));
+        }
+    }
+
+private:
+    const Building& building_;
+    MeshDomain& domain_;
+    std::map<Edge, std::pair<uint32_t, uint32_t>> after_; // edge -> corner that follows, facet
+};
+
+bool repeatsCorner(const MeshDomain& domain) {
+    std::set<uint32_t> seen;
+    for (const auto& loop : domain.loops)
+        for (const uint32_t v : loop)
+            if (!seen.insert(v).second) return true;
+    return false;
+}
+
+class DomainFinder {
+public:
+    explicit DomainFinder(const Building& building) : building_(building) {}
+
+    std::vector<MeshDomain> find() {
+        std::map<std::tuple<uint32_t, uint32_t, Role, uint32_t>, std::vector<uint32_t>> groups;
+        for (uint32_t f = 0; f < building_.faces.size(); ++f) {
+            const Face& face = building_.faces[f];
+            if (face.twin >= 0)
+                domains_.push_back(single(f));
+            else
+                groups[{face.surface, face.material, face.role, face.room}].push_back(f);
+        }
+        for (const auto& [key, faces] : groups)
+            if (faces.size() == 1)
+                domains_.push_back(single(faces[0]));
+            else
+                addConnected(faces);
+        dropStraightCorners();
+        for (MeshDomain& domain : domains_) place(domain);
+        return std::move(domains_);
+    }
+
+private:
+    MeshDomain single(uint32_t f) const {
+        MeshDomain domain;
+        domain.faces = {f};
+        domain.frames = {frameOfFace(building_, building_.faces[f])};
+        domain.loops = building_.faces[f].loops;
+        for (const auto& loop : domain.loops) domain.frameOf.emplace_back(loop.size(), 0u);
+        return domain;
+    }
+
+    void addConnected(const std::vector<uint32_t>& faces) {
+        std::map<Edge, uint32_t> faceOf;
+        for (const uint32_t f : faces)
+            for (const auto& loop : building_.faces[f].loops)
+                for (size_t i = 0; i < loop.size(); ++i) faceOf[{loop[i], loop[(i + 1) % loop.size()]}] = f;
+        std::set<uint32_t> seen;
+        for (const uint32_t start : faces) {
+            if (!seen.insert(start).second) continue;
+            std::vector<uint32_t> members{start};
+            for (size_t i = 0; i < members.size(); ++i)
+                for (const auto& loop : building_.faces[members[i]].loops)
+                    for (size_t k = 0; k < loop.size(); ++k)
+                        if (const auto other = faceOf.find({loop[(k + 1) % loop.size()], loop[k]});
+                            other != faceOf.end() && seen.insert(other->second).second)
+                            members.push_back(other->second);
+            if (members.size() == 1 || !(merge(members) || unroll(members, faceOf)))
+                for (const uint32_t f : members) domains_.push_back(single(f));
+        }
+    }
+
+    bool merge(const std::vector<uint32_t>& members) {
+        MeshDomain domain;
+        domain.faces = members;
+        domain.frames = {frameOfFace(building_, building_.faces[members[0]])};
+        const Frame& frame = domain.frames[0];
+        const glm::dvec3 n = glm::cross(frame.u, frame.v);
+        double extent = 0, off = 0;
+        std::set<Edge> edges, seams;
+        for (const uint32_t f : members)
+            for (const auto& loop : building_.faces[f].loops)
+                for (size_t k = 0; k < loop.size(); ++k) {
+                    const glm::dvec3 d = building_.vertices[loop[k]] - frame.origin;
+                    extent = std::max(extent, glm::length(d));
+                    off = std::max(off, std::abs(glm::dot(d, n)));
+                    edges.insert({loop[k], loop[(k + 1) % loop.size()]});
+                }
+        if (off > kFlat * extent) return false;
+        for (const Edge& edge : edges)
+            if (edges.contains({edge.second, edge.first})) seams.insert(edge);
+        BoundaryTracer(building_, domain).trace(seams);
+        if (repeatsCorner(domain)) return false;
+        domains_.push_back(std::move(domain));
+        return true;
+    }
+
+    // Upright facets that hang together along upright edges, laid out side by side.
+    bool unroll(const std::vector<uint32_t>& members, const std::map<Edge, uint32_t>& faceOf) {
+        for (const uint32_t f : members)
+            if (std::abs(faceNormal(building_, building_.faces[f]).y) > 1e-6) return false;
+        std::set<uint32_t> rest(members.begin(), members.end());
+        std::vector<MeshDomain> found;
+        while (!rest.empty()) {
+            MeshDomain domain;
+            std::set<Edge> seams;
+            layOut(*rest.begin(), faceOf, rest, domain, seams);
+            BoundaryTracer(building_, domain).trace(seams);
+            found.push_back(std::move(domain));
+        }
+        domains_.insert(domains_.end(), found.begin(), found.end());
+        return true;
+    }
+
+    void layOut(uint32_t start, const std::map<Edge, uint32_t>& faceOf, std::set<uint32_t>& rest,
+                MeshDomain& domain, std::set<Edge>& seams) const {
+        domain.faces = {start};
+        domain.frames = {frameOfFace(building_, building_.faces[start])};
+        rest.erase(start);
+        for (size_t i = 0; i < domain.faces.size(); ++i)
+            for (const auto& loop : building_.faces[domain.faces[i]].loops)
+                for (size_t k = 0; k < loop.size(); ++k) {
+                    const Edge edge{loop[k], loop[(k + 1) % loop.size()]};
+                    const auto other = faceOf.find({edge.second, edge.first});
+                    if (other == faceOf.end() || !rest.contains(other->second) || !upright(edge)) continue;
+                    Frame frame = frameOfFace(building_, building_.faces[other->second]);
+                    const glm::dvec3 p = building_.vertices[edge.first];
+                    frame.offset = domain.frames[i].coordinates(p).x;
+                    frame.origin = {p.x, domain.frames[i].origin.y, p.z};
+                    domain.faces.push_back(other->second);
+                    domain.frames.push_back(frame);
+                    rest.erase(other->second);
+                    seams.insert(edge);
+                    seams.insert({edge.second, edge.first});
+                }
+        for (size_t i = 0; i < domain.faces.size(); ++i)
+            measure(domain.frames[i], building_.faces[domain.faces[i]]);
+    }
+
+    void measure(Frame& frame, const Face& face) const {
+        frame.low = 1e300;
+        frame.high = -1e300;
+        for (const uint32_t v : face.loops[0]) {
+            const double x = frame.coordinates(building_.vertices[v]).x;
+            frame.low = std::min(frame.low, x);
+            frame.high = std::max(frame.high, x);
+        }
+    }
+
+    bool upright(Edge edge) const {
+        const glm::dvec3 d = building_.vertices[edge.second] - building_.vertices[edge.first];
+        return std::abs(d.x) + std::abs(d.z) < 1e-9 * glm::length(d) + 1e-12;
+    }
+
+    bool straight(uint32_t before, uint32_t at, uint32_t after) const {
+        const glm::dvec3 in = building_.vertices[at] - building_.vertices[before],
+                         out = building_.vertices[after] - building_.vertices[at];
+        return glm::dot(in, out) > 0 &&
+               glm::length(glm::cross(in, out)) < kStraightSine * glm::length(in) * glm::length(out);
+    }
+
+    void dropStraightCorners() {
+        std::vector<bool> needed(building_.vertices.size());
+        for (const MeshDomain& domain : domains_)
+            for (const auto& loop : domain.loops)
+                for (size_t k = 0, n = loop.size(); k < n; ++k)
+                    if (building_.faces[domain.faces[0]].twin >= 0 || n <= 3 ||
+                        !straight(loop[(k + n - 1) % n], loop[k], loop[(k + 1) % n]))
+                        needed[loop[k]] = true;
+        for (MeshDomain& domain : domains_)
+            for (size_t l = 0; l < domain.loops.size(); ++l) {
+                std::vector<uint32_t> loop, frames;
+                for (size_t k = 0; k < domain.loops[l].size(); ++k)
+                    if (needed[domain.loops[l][k]]) {
+                        loop.push_back(domain.loops[l][k]);
+                        frames.push_back(domain.frameOf[l][k]);
+                    }
+                domain.loops[l] = std::move(loop);
+                domain.frameOf[l] = std::move(frames);
+            }
+    }
+
+    void place(MeshDomain& domain) const {
+        for (size_t l = 0; l < domain.loops.size(); ++l) {
+            domain.planar.emplace_back();
+            for (size_t k = 0; k < domain.loops[l].size(); ++k)
+                domain.planar[l].push_back(
+                    domain.frames[domain.frameOf[l][k]].coordinates(building_.vertices[domain.loops[l][k]]));
+        }
+    }
+
+    const Building& building_;
+    std::vector<MeshDomain> domains_;
+};
+
+} // namespace
+
+glm::dvec2 MeshDomain::Frame::coordinates(glm::dvec3 p) const {
+    return {offset + glm::dot(p - origin, u), glm::dot(p - origin, v)};
+}
+
+glm::dvec3 MeshDomain::inSpace(glm::dvec2 p) const {
+    const auto beyond = [&](const Frame& frame) {
+        return std::max({0.0, frame.low - p.x, p.x - frame.high});
+    };
+    const Frame& frame = frames.size() == 1 ? frames[0] : *std::ranges::min_element(frames, {}, beyond);
+    return frame.origin + (p.x - frame.offset) * frame.u + p.y * frame.v;
+}
+
+glm::dvec3 faceNormal(const Building& building, const Face& face) {
+    glm::dvec3 sum{0};
+    const glm::dvec3 origin = building.vertices[face.loops[0][0]];
+    for (const auto& loop : face.loops)
+        for (size_t i = 0; i < loop.size(); ++i)
+            sum += glm::cross(building.vertices[loop[i]] - origin,
+                              building.vertices[loop[(i + 1) % loop.size()]] - origin);
+    return glm::normalize(sum);
+}
+
+std::vector<MeshDomain> findMeshDomains(const Building& building) {
+    return DomainFinder(building).find();
+}
+
+} // namespace heliodon::geometry

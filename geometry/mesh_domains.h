@@ -1,0 +1,39 @@
+// What is meshed in one go: faces of one plane that hang together, or the facets of a curved wall unrolled.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include "geometry/building.h"
+
+namespace heliodon::geometry {
+
+struct MeshDomain {
+    // Per facet: plane coordinates are (offset + along `u`, along `v`) from `origin`.
+    struct Frame {
+        glm::dvec3 origin{}, u{}, v{};
+        double offset = 0;        // of the origin
+        double low = 0, high = 0; // extent along u
+        glm::dvec2 coordinates(glm::dvec3 p) const;
+    };
+    std::vector<uint32_t> faces; // all of one material, role, surface and room
+    std::vector<Frame> frames;
+    std::vector<std::vector<uint32_t>> loops; // boundary corners, the domain on their left
+    std::vector<std::vector<uint32_t>>
+        frameOf; // per loop and corner: the facet that the edge from there is on
+    std::vector<std::vector<glm::dvec2>> planar; // per loop and corner: its place in the plane
+
+    // From the plane back on to the facet there.
+    glm::dvec3 inSpace(glm::dvec2 p) const;
+};
+
+glm::dvec3 faceNormal(const Building& building, const Face& face);
+
+// Corners in a straight line that no domain needs are left out of all of them, so that seams between faces of
+// one surface leave no trace. A face with a twin is a domain by itself.
+std::vector<MeshDomain> findMeshDomains(const Building& building);
+
+} // namespace heliodon::geometry

@@ -1,0 +1,53 @@
+// A triangulation of the plane that can be changed: edges flip, points enter and move.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <glm/vec2.hpp>
+
+#include "geometry/constrained_delaunay.h"
+
+namespace heliodon::geometry {
+
+inline double cross(glm::dvec2 u, glm::dvec2 v) {
+    return u.x * v.y - u.y * v.x;
+}
+
+struct PlanarNet : TriangleNet {
+    std::vector<glm::dvec2> points; // the first boundaryCount never move
+    uint32_t boundaryCount = 0;
+
+    bool inner(uint32_t v) const { return v >= boundaryCount; }
+    double twiceArea(uint32_t a, uint32_t b, uint32_t c) const {
+        return cross(points[b] - points[a], points[c] - points[a]);
+    }
+    double twiceArea(uint32_t t) const { return twiceArea(corner[t][0], corner[t][1], corner[t][2]); }
+    // Cosine of the smallest angle; 1 and more for triangles that are turned over.
+    double worstCosine(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) const;
+    double worstCosine(uint32_t t) const {
+        return worstCosine(points[corner[t][0]], points[corner[t][1]], points[corner[t][2]]);
+    }
+
+    // Turns the diagonal between triangle t and its neighbour k when Delaunay asks for it.
+    bool flip(uint32_t t, size_t k);
+    // Until nothing asks for it any more.
+    void flipAll();
+    // The triangle over p on a walk from triangle t; kNoTriangle when the boundary is in the way.
+    uint32_t locate(uint32_t t, glm::dvec2 p) const;
+    // Divides triangle t at p, which lies inside it, and flips round it.
+    void insert(uint32_t t, glm::dvec2 p);
+
+private:
+    void relink(uint32_t triangle, uint32_t from, uint32_t to);
+    bool prefersFlip(uint32_t p, uint32_t a, uint32_t b, uint32_t q) const;
+};
+
+// The triangles round each vertex, as lists one after the other.
+struct Stars {
+    explicit Stars(const PlanarNet& net);
+    std::vector<uint32_t> first, triangles; // of vertex v: triangles[first[v] .. first[v + 1])
+};
+
+} // namespace heliodon::geometry
