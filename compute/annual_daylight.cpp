@@ -122,11 +122,12 @@ void AnnualDaylight::makeSuns() {
     report_.sunless =
         lit_.size() - static_cast<size_t>(std::count_if(lit_.begin(), lit_.end(),
                                                         [&](uint32_t h) { return skies_[h].hasSun(); }));
+    const SunScene scene(transport_.mesh());
     std::vector<Sunny> found(hours.size());
     std::vector<uint8_t> enters(hours.size());
     const auto work = [&](size_t k) {
         const daylight::Sky& sky = skies_[hours[k]];
-        const SunPatches sun(transport_.mesh(), sky.sun.direction);
+        const SunPatches sun(scene, sky.sun.direction);
         found[k].hour = hours[k];
         if (!(enters[k] = sun.canEnter())) return;
         const auto strength = static_cast<float>(sky.sun.normalIlluminance);
@@ -258,9 +259,10 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
         multiply(responses.sky, count, luminance_, sky);
         addSun(responses, reflected);
         std::fill(sun.begin(), sun.end(), 0.0f);
+        const SunScene scene(transport_.mesh());
         inParallel(sunny_.size(), [&](size_t k) {
             const daylight::Sky& of = skies_[sunny_[k].hour];
-            const SunPatches beam(transport_.mesh(), of.sun.direction);
+            const SunPatches beam(scene, of.sun.direction);
             for (size_t s = 0; s < count; ++s)
                 sun[s * hours + sunny_[k].hour] = static_cast<float>(
                     of.sun.normalIlluminance *

@@ -2,6 +2,8 @@
 // and a wall of a thousand triangles blocks as one rectangle.
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -20,6 +22,10 @@ struct ConvexRegion {
 // (all of it on one side) are left out. At most `maxCorners` corners each (at least 4). Where patches of one
 // plane overlap, each is its own region. Cost about n log n for meshed walls, n m in the number m of planes.
 std::vector<ConvexRegion> blockingRegions(const geometry::PatchMesh& mesh, uint32_t maxCorners);
+
+// The same for some of the patches, and with the regions that cannot block.
+std::vector<ConvexRegion> flatRegions(const geometry::PatchMesh& mesh, std::span<const uint32_t> patches,
+                                      uint32_t maxCorners);
 
 // Whether each room's patches form closed surfaces (every edge used once in either direction) that do not
 // pass through one another, so that whoever stands in front of a patch meets a front first.

@@ -123,6 +123,7 @@ struct DaylightTransport::State {
     std::vector<float> sensorFactors[2]; // sensors x patches
     std::unique_ptr<RadiosityGather> gather;
     std::unique_ptr<RadiositySolver> solver;
+    std::unique_ptr<SunScene> sunScene; // where there are openings
     daylight::SkyPatches skyPatches;
     bool hasOpenings = false, grey = true, emits = false;
 
@@ -224,6 +225,7 @@ void DaylightTransport::State::makeSensors() {
 
 void DaylightTransport::State::readMaterials() {
     const size_t n = mesh.patchCount();
+    if (hasOpenings) sunScene = std::make_unique<SunScene>(mesh);
     grey = true, emits = false;
     for (const geometry::Material& m : mesh.materials) {
         for (int c = 0; c < 3; ++c)
@@ -289,7 +291,7 @@ Moment DaylightTransport::State::direct(const daylight::Sky& sky) const {
     } else if (!hasOpenings) {
         skipped.push_back("sun: no opening leads outside");
     } else {
-        const SunPatches sun(mesh, sky.sun.direction);
+        const SunPatches sun(*sunScene, sky.sun.direction);
         if (!sun.canEnter()) {
             skipped.push_back("sun: shines on no opening from outside");
         } else {

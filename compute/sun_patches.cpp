@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <glm/geometric.hpp>
 
+#include "compute/convex_regions.h"
 #include "compute/daylight/glazing.h"
 #include "geometry/perpendicular.h"
 
@@ -13,6 +15,8 @@ namespace heliodon::compute {
 namespace {
 
 using Polygon = std::vector<glm::dvec2>;
+
+constexpr double kEdgeOn = 1e-9; // cosine below which a face is neither lit nor in the way
 
 double cross2(glm::dvec2 a, glm::dvec2 b) {
     return a.x * b.y - a.y * b.x;
@@ -80,65 +84,107 @@ bool inside(const Polygon& p, glm::dvec2 q) {
 
 } // namespace
 
-SunPatches::SunPatches(const geometry::PatchMesh& mesh, glm::dvec3 towardsSun)
-    : mesh_(&mesh), sun_(glm::normalize(towardsSun)) {
-    across_ = geometry::perpendicular(sun_);
-    up_ = glm::cross(sun_, across_);
+SunScene::SunScene(const geometry::PatchMesh& mesh) : mesh_(&mesh) {
+    std::vector<uint32_t> opaque;
+    std::map<std::pair<uint32_t, bool>, std::vector<uint32_t>> panes; // by material; inside or outside
     glm::dvec3 low(1e300), high(-1e300);
     for (const glm::dvec3& v : mesh.vertices) low = glm::min(low, v), high = glm::max(high, v);
     scale_ = mesh.vertices.empty() ? 1 : glm::length(high - low);
     for (size_t i = 0; i < mesh.patchCount(); ++i) {
-        const double facing = glm::dot(geometry::patchNormal(mesh, i), sun_);
-        if (std::abs(facing) < 1e-9) continue; // edge-on: neither lit nor in the way
-        Face face;
-        face.patch = static_cast<uint32_t>(i);
-        for (uint32_t corner : mesh.patch(i)) face.outline.push_back(project(mesh.vertices[corner]));
-        if (facing < 0) std::reverse(face.outline.begin(), face.outline.end());
-        const Box box(face.outline);
-        face.low = box.low, face.high = box.high;
-        const geometry::Material& material = mesh.materials[mesh.material[i]];
-        if (facing > 0) receivers_.push_back(face);
-        if (!material.isOpening()) {
-            opaque_.push_back(std::move(face));
-        } else if (facing < 0) {
-            face.transmittance = daylight::glazingOf(material).transmittance(-facing);
-            openings_.push_back(std::move(face));
-        }
+        normals_.push_back(geometry::patchNormal(mesh, i));
+        const auto patch = static_cast<uint32_t>(i);
+        if (mesh.materials[mesh.material[i]].isOpening())
+            panes[{mesh.material[i], mesh.twin[i] != geometry::kNoTwin}].push_back(patch);
+        else
+            opaque.push_back(patch);
     }
-    if (std::all_of(openings_.begin(), openings_.end(),
-                    [&](const Face& f) { return mesh.twin[f.patch] != geometry::kNoTwin; }))
-        openings_.clear(); // interior glass alone lets no sun in
+    add(opaque, 0, false, opaque_);
+    for (const auto& [kind, patches] : panes) add(patches, kind.first, kind.second, panes_);
 }
 
-std::vector<glm::dvec2> SunPatches::inFrontOf(uint32_t patch, glm::dvec3 point, glm::dvec3 normal) const {
-    const auto corners = mesh_->patch(patch);
-    const double least = 1e-9 * scale_;
+void SunScene::add(const std::vector<uint32_t>& patches, uint32_t material, bool interior,
+                   std::vector<Region>& regions) const {
+    constexpr uint32_t kAnyCorners = 1u << 20;
+    for (ConvexRegion& region : flatRegions(*mesh_, patches, kAnyCorners)) {
+        glm::dvec3 twice(0);
+        const std::vector<glm::dvec3>& c = region.corners;
+        for (size_t k = 1; k + 1 < c.size(); ++k) twice += glm::cross(c[k] - c[0], c[k + 1] - c[0]);
+        regions.push_back({std::move(region.corners), glm::normalize(twice), material, interior});
+    }
+}
+
+SunPatches::SunPatches(const geometry::PatchMesh& mesh, glm::dvec3 towardsSun)
+    : SunPatches(std::make_shared<const SunScene>(mesh), towardsSun) {}
+
+SunPatches::SunPatches(std::shared_ptr<const SunScene> own, glm::dvec3 towardsSun)
+    : SunPatches(*own, towardsSun) {
+    own_ = std::move(own);
+}
+
+SunPatches::SunPatches(const SunScene& scene, glm::dvec3 towardsSun)
+    : scene_(&scene), mesh_(scene.mesh_), sun_(glm::normalize(towardsSun)) {
+    across_ = geometry::perpendicular(sun_);
+    up_ = glm::cross(sun_, across_);
+    bool outside = false;
+    for (const SunScene::Region& pane : scene.panes_) {
+        const double facing = glm::dot(pane.normal, sun_);
+        if (facing > -kEdgeOn) continue;
+        openings_.push_back(face(pane, facing));
+        openings_.back().transmittance =
+            daylight::glazingOf(mesh_->materials[pane.material]).transmittance(-facing);
+        outside |= !pane.interior;
+    }
+    if (!outside) openings_.clear(); // interior glass alone lets no sun in
+    for (const SunScene::Region& matter : scene.opaque_) {
+        const double facing = glm::dot(matter.normal, sun_);
+        if (!openings_.empty() && std::abs(facing) >= kEdgeOn) opaque_.push_back(face(matter, facing));
+    }
+}
+
+SunPatches::Face SunPatches::face(const SunScene::Region& region, double facing) const {
+    Face face;
+    face.region = &region;
+    for (const glm::dvec3& corner : region.corners) face.outline.push_back(project(corner));
+    if (facing < 0) std::reverse(face.outline.begin(), face.outline.end());
+    const Box box(face.outline);
+    face.low = box.low, face.high = box.high;
+    return face;
+}
+
+std::vector<glm::dvec2> SunPatches::inFrontOf(const Face& face, glm::dvec3 point, glm::dvec3 normal) const {
+    const std::vector<glm::dvec3>& corners = face.region->corners;
+    const double least = 1e-9 * scene_->scale_;
+    bool any = false, all = true;
+    for (const glm::dvec3& corner : corners) {
+        const double height = glm::dot(corner - point, normal);
+        any |= height > least;
+        all &= height >= 0;
+    }
+    if (!any) return {};
+    if (all) return face.outline;
     Polygon result;
-    bool any = false;
     for (size_t k = 0; k < corners.size(); ++k) {
-        const glm::dvec3 a = mesh_->vertices[corners[k]],
-                         b = mesh_->vertices[corners[(k + 1) % corners.size()]];
+        const glm::dvec3 a = corners[k], b = corners[(k + 1) % corners.size()];
         const double ha = glm::dot(a - point, normal), hb = glm::dot(b - point, normal);
-        any |= ha > least;
         if (ha >= 0) result.push_back(project(a));
         if ((ha > 0 && hb < 0) || (ha < 0 && hb > 0))
             result.push_back(project(a + (b - a) * (ha / (ha - hb))));
     }
-    if (!any || result.size() < 3) return {};
+    if (result.size() < 3) return {};
     if (area(result) < 0) std::reverse(result.begin(), result.end());
     return result;
 }
 
 // What the opaque patches in front of the receiver leave of a convex outline.
 double SunPatches::visibleArea(const Polygon& outline, uint32_t receiver) const {
-    const glm::dvec3 normal = geometry::patchNormal(*mesh_, receiver);
+    const glm::dvec3 normal = scene_->normals_[receiver];
     const glm::dvec3 point = mesh_->vertices[mesh_->patch(receiver)[0]];
     const Box box(outline);
     const double least = 1e-9 * area(outline);
     std::vector<Polygon> pieces{outline}, next;
     for (const Face& blocker : opaque_) {
-        if (apart(box.low, box.high, blocker.low, blocker.high) || blocker.patch == receiver) continue;
-        const Polygon front = inFrontOf(blocker.patch, point, normal);
+        if (apart(box.low, box.high, blocker.low, blocker.high)) continue;
+        const Polygon front = inFrontOf(blocker, point, normal);
         if (front.empty()) continue;
         next.clear();
         for (Polygon& piece : pieces) {
@@ -157,19 +203,18 @@ double SunPatches::visibleArea(const Polygon& outline, uint32_t receiver) const 
     return sum;
 }
 
-glm::dvec3 SunPatches::onPatch(const Face& receiver) const {
+glm::dvec3 SunPatches::onPatch(const Receiver& receiver) const {
     const uint32_t patch = receiver.patch;
-    const glm::dvec3 normal = geometry::patchNormal(*mesh_, patch);
+    const glm::dvec3 normal = scene_->normals_[patch];
     const glm::dvec3 point = mesh_->vertices[mesh_->patch(patch)[0]];
-    const double whole = area(receiver.outline), least = 1e-9 * whole;
-    if (whole <= 0) return glm::dvec3(0);
+    const double whole = receiver.area, least = 1e-9 * whole;
     // Pieces that leave by at least one pane, disjoint: pane by pane, what is new of it is added, and what
     // was there already is dimmed.
     std::vector<Piece> pieces, next;
     std::vector<Polygon> uncovered{receiver.outline}, rest;
     for (const Face& pane : openings_) {
-        if (apart(receiver.low, receiver.high, pane.low, pane.high) || pane.patch == patch) continue;
-        const Polygon front = inFrontOf(pane.patch, point, normal);
+        if (apart(receiver.low, receiver.high, pane.low, pane.high)) continue;
+        const Polygon front = inFrontOf(pane, point, normal);
         if (front.empty()) continue;
         next.clear();
         for (Piece& piece : pieces) {
@@ -204,26 +249,35 @@ glm::dvec3 SunPatches::onPatch(const Face& receiver) const {
 std::vector<glm::vec3> SunPatches::onPatches() const {
     std::vector<glm::vec3> result(mesh_->patchCount(), glm::vec3(0));
     if (!canEnter()) return result;
-    glm::dvec2 low(1e300), high(-1e300);
-    for (const Face& pane : openings_) low = glm::min(low, pane.low), high = glm::max(high, pane.high);
-    for (const Face& receiver : receivers_)
-        if (!apart(receiver.low, receiver.high, low, high))
-            result[receiver.patch] = glm::vec3(onPatch(receiver));
+    Receiver receiver;
+    for (size_t i = 0; i < mesh_->patchCount(); ++i) {
+        if (glm::dot(scene_->normals_[i], sun_) < kEdgeOn) continue;
+        receiver.patch = static_cast<uint32_t>(i);
+        receiver.outline.clear();
+        for (uint32_t corner : mesh_->patch(i)) receiver.outline.push_back(project(mesh_->vertices[corner]));
+        const Box box(receiver.outline);
+        receiver.low = box.low, receiver.high = box.high;
+        if (std::all_of(openings_.begin(), openings_.end(),
+                        [&](const Face& pane) { return apart(box.low, box.high, pane.low, pane.high); }))
+            continue;
+        receiver.area = area(receiver.outline);
+        if (receiver.area > 0) result[i] = glm::vec3(onPatch(receiver));
+    }
     return result;
 }
 
 glm::vec3 SunPatches::atPoint(glm::dvec3 position, glm::dvec3 normal) const {
     const double cosine = glm::dot(normal, sun_);
     if (cosine <= 0 || !canEnter()) return glm::vec3(0);
-    // Moved by less than any tolerance, off the common edges of triangles, which would count twice.
-    const glm::dvec2 q = project(position) + 1e-9 * scale_ * glm::dvec2(0.6180339887, 0.4142135623);
+    // Moved by less than any tolerance, off the common edges of faces, which would count twice.
+    const glm::dvec2 q = project(position) + 1e-9 * scene_->scale_ * glm::dvec2(0.6180339887, 0.4142135623);
     // Whether the ray towards the sun meets the face; its plane must lie ahead.
     const auto meets = [&](const Face& face) {
         if (q.x < face.low.x || q.x > face.high.x || q.y < face.low.y || q.y > face.high.y) return false;
         if (!inside(face.outline, q)) return false;
-        const glm::dvec3 faceNormal = geometry::patchNormal(*mesh_, face.patch);
-        const glm::dvec3 corner = mesh_->vertices[mesh_->patch(face.patch)[0]];
-        return glm::dot(corner - position, faceNormal) / glm::dot(sun_, faceNormal) > 1e-9 * scale_;
+        const glm::dvec3 normalOf = face.region->normal;
+        return glm::dot(face.region->corners[0] - position, normalOf) / glm::dot(sun_, normalOf) >
+               1e-9 * scene_->scale_;
     };
     glm::dvec3 through(1);
     bool leaves = false;
