@@ -176,7 +176,53 @@ private:
                     near.push_back(&shadow);
             for (const ConvexOutline* shadow : near) cutAlong(*shadow, near, piece);
             for (const auto& [n, offset] : view.borders) cutAcross(n, offset, piece);
+            cutAlongLimit(view, piece);
         }
+    }
+
+    // Where n . d has its least value: a circle round the projector's foot, as chords that end on the edges
+    // of the triangle and leave it by less than kChord.
+    void cutAlongLimit(const PlaneView& view, Piece& piece) const {
+        constexpr double kChord = 2e-4; // metres
+        const double c = options_.leastCosine;
+        if (c <= 0) return;
+        const double radius = view.height * std::sqrt(1 / (c * c) - 1);
+        std::vector<glm::dvec2> on;
+        for (size_t k = 0; k < 3; ++k) {
+            const glm::dvec2 a = piece.corner[k] - view.foot, e = piece.corner[(k + 1) % 3] - piece.corner[k];
+            // |a + t e| = radius
+            const double ee = glm::dot(e, e), ae = glm::dot(a, e), rest = glm::dot(a, a) - radius * radius,
+                         root = ae * ae - ee * rest;
+            if (root <= 0) continue;
+            for (const double sign : {-1.0, 1.0})
+                if (const double t = (-ae + sign * std::sqrt(root)) / ee; t > 0 && t < 1)
+                    on.push_back(view.foot + a + t * e);
+        }
+        if (on.size() < 2) return;
+        std::ranges::sort(on, {}, [&](glm::dvec2 p) { return angleFrom(view.foot, piece.corner, p); });
+        for (size_t k = 0; k + 1 < on.size(); ++k) {
+            const double from = angleFrom(view.foot, piece.corner, on[k]),
+                         turn = angleFrom(view.foot, piece.corner, on[k + 1]) - from;
+            const double parts =
+                std::max(1.0, std::ceil(turn / (2 * std::acos(1 - std::min(0.5, kChord / radius)))));
+            glm::dvec2 last = on[k];
+            for (double i = 1; i <= parts; ++i) {
+                const glm::dvec2 next =
+                    i == parts ? on[k + 1] : turned(on[k] - view.foot, turn * i / parts) + view.foot;
+                addCut({{last, next}}, piece); // leaves nothing of what lies outside the triangle
+                last = next;
+            }
+        }
+    }
+
+    // Round the foot, from the direction away from the triangle's middle.
+    static double angleFrom(glm::dvec2 foot, const std::array<glm::dvec2, 3>& corner, glm::dvec2 p) {
+        const glm::dvec2 middle = (corner[0] + corner[1] + corner[2]) / 3.0 - foot, q = p - foot;
+        return std::atan2(cross(middle, q), glm::dot(middle, q));
+    }
+
+    static glm::dvec2 turned(glm::dvec2 v, double angle) {
+        return {v.x * std::cos(angle) - v.y * std::sin(angle), v.x * std::sin(angle) + v.y * std::cos(angle)};
     }
 
     // False when the whole piece lies outside one border of the picture.

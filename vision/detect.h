@@ -5,9 +5,13 @@
 // vision/README.md says where ours goes further.
 #pragma once
 
+#include <array>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
+
+#include <glm/vec3.hpp>
 
 #include "geometry/rig.h"
 #include "geometry/sketch.h"
@@ -47,8 +51,9 @@ DetectionResult detectSketch(const Photograph& photo, const geometry::Rig& rig,
                              const DetectOptions& options = {});
 
 // The photograph, brightened, with the table's edge as the rig has it and the outline and the name of every
-// primitive. Written whole or not at all.
+// primitive. `dark`: triangles in the world, metres, that no projector reaches; hatched. Written whole or not
+// at all.
 void drawOverlay(const Photograph& photo, const geometry::Rig& rig, const geometry::Sketch& sketch,
-                 const std::filesystem::path& png);
+                 const std::filesystem::path& png, std::span<const std::array<glm::dvec3, 3>> dark = {});
 
 } // namespace heliodon::vision

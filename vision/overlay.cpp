@@ -74,6 +74,28 @@ public:
         cv::polylines(picture_, points, true, color, width, cv::LINE_AA, kShift);
     }
 
+    // Stripes over the triangles, all in one pattern so that neighbours show no seams.
+    void hatch(const geometry::OpticalDevice& camera, std::span<const std::array<glm::dvec3, 3>> triangles) {
+        if (triangles.empty()) return;
+        cv::Mat mask(picture_.size(), CV_8UC1, cv::Scalar(0));
+        for (const auto& triangle : triangles) {
+            std::vector<cv::Point> points;
+            for (const glm::dvec3& corner : triangle)
+                if (const auto p = camera.pixelFromWorld(corner))
+                    points.emplace_back(
+                        static_cast<int>(std::lround(std::clamp(p->x, -1e4, 1e4) * (1 << kShift))),
+                        static_cast<int>(std::lround(std::clamp(p->y, -1e4, 1e4) * (1 << kShift))));
+            if (points.size() == 3) cv::fillConvexPoly(mask, points, cv::Scalar(255), cv::LINE_8, kShift);
+        }
+        const cv::Vec3b ink(40, 150, 255), shade(30, 30, 30);
+        for (int y = 0; y < mask.rows; ++y)
+            for (int x = 0; x < mask.cols; ++x)
+                if (mask.at<uint8_t>(y, x)) {
+                    cv::Vec3b& pixel = picture_.at<cv::Vec3b>(y, x);
+                    pixel = (x + y) % 9 < 2 ? ink : pixel * 0.8 + shade * 0.2;
+                }
+    }
+
     // Beside the outline's middle, on the side away from the picture's middle.
     void label(const geometry::Detection& detection, const std::string& text, const cv::Scalar& color,
                double away) {
@@ -110,8 +132,9 @@ private:
 } // namespace
 
 void drawOverlay(const Photograph& photo, const geometry::Rig& rig, const geometry::Sketch& sketch,
-                 const std::filesystem::path& png) {
+                 const std::filesystem::path& png, std::span<const std::array<glm::dvec3, 3>> dark) {
     Canvas canvas(photo);
+    canvas.hatch(rig.camera, dark);
     canvas.outline(tableEdge(rig), bgr(235, 235, 215), 1);
     for (const auto& wall : sketch.walls) canvas.outline(wall.detection, colorOf(wall.heightClass));
     for (const auto& arc : sketch.arcs) canvas.outline(arc.detection, colorOf(arc.heightClass));

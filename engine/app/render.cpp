@@ -4,6 +4,7 @@
 #include "engine/app/light_report.h"
 #include "engine/app/moment.h"
 #include "engine/app/pictures.h"
+#include "engine/app/projector_reach.h"
 #include "engine/app/scene_input.h"
 #include "engine/passes/image_file.h"
 
@@ -55,9 +56,12 @@ void execute(Run& run, const RenderArguments& arguments) {
         {"glare_ratio", figures.glareRatio},
         {"white_lux", arguments.picture.exposure.value_or(renderer.autoWhite(moment.lighting))}};
     renderPreviews(run, renderer, moment.lighting, arguments);
-    if (scene.rig)
+    if (scene.rig) {
         renderProjectors(run, renderer, moment.lighting, arguments);
-    else
+        reportReach(run, scene);
+        if (isPhotograph(arguments.scene.input))
+            drawReachOverlay(scene, arguments.scene.input, arguments.output / "overlay.png");
+    } else
         run.skipped("projector pictures: no rig was given");
 }
 

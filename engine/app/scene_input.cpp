@@ -120,6 +120,10 @@ geometry::Building closeOrRefuse(Run& run, const SceneArguments& arguments, cons
 
 } // namespace
 
+bool isPhotograph(const std::filesystem::path& input) {
+    return kindOf(input) == InputKind::photograph;
+}
+
 geometry::UpAxis upAxisOf(const SceneArguments& arguments) {
     return arguments.up == "z" ? geometry::UpAxis::z : geometry::UpAxis::y;
 }
@@ -169,6 +173,8 @@ Scene loadScene(Run& run, const SceneArguments& arguments) {
     run.report()["triangles"] = quality.triangles;
     run.report()["mesh"] = {{"triangles", quality.triangles},
                             {"min_angle_deg", quality.minAngleDeg},
+                            {"min_angle_all_deg", quality.minAngleAllDeg},
+                            {"strip_triangles", quality.stripTriangles},
                             {"area_deviation", quality.areaDeviation}};
     return scene;
 }

@@ -26,6 +26,9 @@ struct Scene {
     geometry::PatchMesh mesh;
 };
 
+// True when the input is a picture: what the file's name says.
+bool isPhotograph(const std::filesystem::path& input);
+
 geometry::UpAxis upAxisOf(const SceneArguments& arguments);
 
 // The sketch in a file, or detected in a photograph (which needs a rig). Fills `stages.detect` and `detected`

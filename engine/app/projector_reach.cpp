@@ -1,0 +1,102 @@
+#include "engine/app/projector_reach.h"
+
+#include <map>
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+
+#include "geometry/projector_visibility.h"
+#include "vision/detect.h"
+
+namespace heliodon::app {
+
+using nlohmann::json;
+
+namespace {
+
+constexpr size_t kMostProjectors = 31; // one bit of the labels is the camera's
+
+std::vector<geometry::OpticalDevice> projectorsOf(const geometry::Rig& rig) {
+    const size_t count = std::min(rig.projectors.size(), kMostProjectors);
+    return {rig.projectors.begin(), rig.projectors.begin() + static_cast<std::ptrdiff_t>(count)};
+}
+
+// Which surface is meant, in the units of a sketch.
+json surfaceEntry(const geometry::SurfaceReach& reach, const std::string& material, glm::dvec3 middle) {
+    constexpr double kSquareInch = geometry::kMetresPerInch * geometry::kMetresPerInch;
+    const glm::dvec3 feet = middle / geometry::kMetresPerInch; // an inch on the table is a foot
+    return {{"surface", reach.surface},
+            {"material", material},
+            {"middle", {feet.x, -feet.z, feet.y}}, // as in a sketch: x right, y up the table, then height
+            {"area", reach.area / kSquareInch},
+            {"unreachable", reach.unreachable / kSquareInch}};
+}
+
+} // namespace
+
+void reportReach(Run& run, const Scene& scene) {
+    if (!scene.rig || scene.rig->projectors.empty()) return;
+    const StageTimer timer(run, "visibility");
+    const auto devices = projectorsOf(*scene.rig);
+    const geometry::ProjectorMesh split =
+        geometry::splitByProjectorVisibility(scene.mesh, scene.occluders, devices);
+    struct Place {
+        glm::dvec3 sum{0};
+        double area = 0;
+        uint32_t material = 0;
+    };
+    std::map<uint32_t, Place> places;
+    for (size_t i = 0; i < scene.mesh.patchCount(); ++i) {
+        Place& place = places[scene.mesh.surface[i]];
+        const double area = geometry::patchArea(scene.mesh, i);
+        place.sum += area * geometry::patchCentroid(scene.mesh, i);
+        place.area += area;
+        place.material = scene.mesh.material[i];
+    }
+    double area = 0, unreachable = 0;
+    json surfaces = json::array();
+    for (const geometry::SurfaceReach& reach : split.surfaces) {
+        const Place& place = places.at(reach.surface);
+        surfaces.push_back(
+            surfaceEntry(reach, scene.mesh.materials[place.material].name, place.sum / place.area));
+        area += surfaces.back()["area"].get<double>();
+        unreachable += surfaces.back()["unreachable"].get<double>();
+    }
+    run.report()["projector_reach"] = {{"triangles", split.triangleCount()},
+                                       {"area", area},
+                                       {"unreachable", unreachable},
+                                       {"surfaces", std::move(surfaces)}};
+    if (unreachable > 0.01 * area)
+        run.note(fmt::format("no projector reaches {:.0f} of {:.0f} ft2 of walls and floor ({:.0f} %)",
+                             unreachable, area, 100 * unreachable / area));
+}
+
+std::vector<std::array<glm::dvec3, 3>> unreachableTriangles(const Scene& scene) {
+    std::vector<std::array<glm::dvec3, 3>> out;
+    if (!scene.rig || scene.rig->projectors.empty()) return out;
+    std::vector<geometry::OpticalDevice> devices = projectorsOf(*scene.rig);
+    const uint32_t camera = 1u << devices.size();
+    devices.push_back(scene.rig->camera);
+    const geometry::ProjectorMesh split =
+        geometry::splitByProjectorVisibility(scene.mesh, scene.occluders, devices);
+    for (size_t t = 0; t < split.triangleCount(); ++t) {
+        if (split.visible[t] & (camera - 1)) continue;
+        const std::array<glm::dvec3, 3> corners{split.vertices[split.triangles[3 * t]],
+                                                split.vertices[split.triangles[3 * t + 1]],
+                                                split.vertices[split.triangles[3 * t + 2]]};
+        // The camera sees walls too, at angles at which a projector would not light them.
+        const glm::dvec3 d = glm::normalize(scene.rig->camera.centre() - corners[0]);
+        const double cosine = glm::dot(d, geometry::patchNormal(scene.mesh, split.sourcePatch[t]));
+        const bool grazing = cosine > 0 && cosine <= geometry::ProjectorOptions{}.leastCosine;
+        if (grazing || (split.visible[t] & camera)) out.push_back(corners);
+    }
+    return out;
+}
+
+void drawReachOverlay(const Scene& scene, const std::filesystem::path& photo,
+                      const std::filesystem::path& png) {
+    vision::drawOverlay(vision::readPhotograph(photo), *scene.rig, *scene.sketch, png,
+                        unreachableTriangles(scene));
+}
+
+} // namespace heliodon::app
