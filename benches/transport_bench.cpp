@@ -127,7 +127,7 @@ int main(int argc, char** argv) {
     std::setvbuf(stdout, nullptr, _IOLBF, 0);
     std::printf("device \"%s\"\n", device.info().name.c_str());
     const geometry::PatchMesh mesh = geometry::readPatches(argv[1]);
-    benchFormFactors(device, mesh, argc > 2 ? argv[2] : nullptr);
+    if (argc > 2) benchFormFactors(device, mesh, argv[2]);
     benchGather(device, mesh);
     benchRelight(device, mesh);
 }

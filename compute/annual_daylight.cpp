@@ -122,12 +122,12 @@ void AnnualDaylight::makeSuns() {
     report_.sunless =
         lit_.size() - static_cast<size_t>(std::count_if(lit_.begin(), lit_.end(),
                                                         [&](uint32_t h) { return skies_[h].hasSun(); }));
-    const SunScene scene(transport_.mesh());
     std::vector<Sunny> found(hours.size());
     std::vector<uint8_t> enters(hours.size());
+    const SunScene& panes = transport_.parts().sun;
     const auto work = [&](size_t k) {
         const daylight::Sky& sky = skies_[hours[k]];
-        const SunPatches sun(scene, sky.sun.direction);
+        const SunPatches sun(panes, sky.sun.direction);
         found[k].hour = hours[k];
         if (!(enters[k] = sun.canEnter())) return;
         const auto strength = static_cast<float>(sky.sun.normalIlluminance);
@@ -186,6 +186,7 @@ AnnualDaylight::Responses AnnualDaylight::respond(const TransportParts& parts) {
 
         inParallel(count, [&](size_t s) {
             const float* seen = &parts.sensorFactors[(first + s) * n];
+            const float* even = &parts.sensorEven[(first + s) * n];
             double own = 0;
             for (size_t c = 0; c < channels; ++c) {
                 const size_t at = (s * channels + c) * n;
@@ -194,9 +195,10 @@ AnnualDaylight::Responses AnnualDaylight::respond(const TransportParts& parts) {
                     float* sky = &weights[skies == 1 ? 0 : shown][(first + s) * n];
                     float* sun = &result.sun[beams == 1 ? 0 : shown][first + s];
                     for (size_t i = 0; i < n; ++i) {
-                        const float received = seen[i] + area[i] * (once[at + i] + rest[at + i]);
+                        const float later = area[i] * (once[at + i] + rest[at + i]),
+                                    received = seen[i] + later;
                         sky[i] += share * area[i] * (sent[at + i] + importance[at + i]);
-                        sun[i * sensors] += share * matter.rho[c][i] * received;
+                        sun[i * sensors] += share * matter.rho[c][i] * (even[i] + later);
                         own += static_cast<double>(
                             share * received *
                             mesh.materials[mesh.material[i]].exitance[static_cast<int>(shown)]);
@@ -259,14 +261,17 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
         multiply(responses.sky, count, luminance_, sky);
         addSun(responses, reflected);
         std::fill(sun.begin(), sun.end(), 0.0f);
-        const SunScene scene(transport_.mesh());
+        const SunScene& panes = transport_.parts().sun;
         inParallel(sunny_.size(), [&](size_t k) {
             const daylight::Sky& of = skies_[sunny_[k].hour];
-            const SunPatches beam(scene, of.sun.direction);
-            for (size_t s = 0; s < count; ++s)
+            const SunPatches beam(panes, of.sun.direction);
+            const std::vector<double> edges = transport_.sunEdgesAtSensors(beam, of.sun.normalIlluminance);
+            for (size_t s = 0; s < count; ++s) {
+                reflected[k * count + s] += static_cast<float>(edges[s]);
                 sun[s * hours + sunny_[k].hour] = static_cast<float>(
                     of.sun.normalIlluminance *
                     photometric(beam.atPoint(sensors[s].position, glm::normalize(sensors[s].normal))));
+            }
         });
         inParallel(count, [&](size_t s) {
             float* row = &lux[s * hours];

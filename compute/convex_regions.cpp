@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <set>
 
 #include <glm/geometric.hpp>
@@ -165,9 +164,9 @@ struct Plane {
 };
 
 // Patches of one room in one oriented plane, to within rounding.
-std::vector<Plane> planesOf(const geometry::PatchMesh& mesh, std::span<const uint32_t> patches, double size) {
+std::vector<Plane> planesOf(const geometry::PatchMesh& mesh, double size) {
     std::map<std::array<int64_t, 5>, Plane> planes;
-    for (size_t i : patches) {
+    for (size_t i = 0; i < mesh.patchCount(); ++i) {
         const dvec3 n = geometry::patchNormal(mesh, i);
         if (!(glm::length(n) > 0.5)) continue;
         const dvec3 p = mesh.vertices[mesh.patch(i)[0]];
@@ -209,6 +208,30 @@ bool separates(const geometry::PatchMesh& mesh, const Plane& plane, uint32_t roo
     return front && back;
 }
 
+// The plane's patches as convex regions.
+void mergePlane(const geometry::PatchMesh& mesh, const Plane& plane, double flat, uint32_t maxCorners,
+                uint32_t group, std::vector<ConvexRegion>& regions) {
+    std::vector<Flat> parts, convex;
+    for (size_t i : plane.patches) {
+        Flat part;
+        for (uint32_t corner : mesh.patch(i)) {
+            const dvec3 d = mesh.vertices[corner] - plane.origin;
+            part.push_back({glm::dot(d, plane.u), glm::dot(d, plane.v)});
+        }
+        parts.push_back(std::move(part));
+    }
+    convexParts(std::move(parts), flat, 64, convex);
+    for (const Flat& part : convex)
+        for (size_t first = 1; first + 1 < part.size(); first += maxCorners - 2) {
+            ConvexRegion region{{}, mesh.room[plane.patches[0]], group};
+            const auto lifted = [&](dvec2 p) { return plane.origin + p.x * plane.u + p.y * plane.v; };
+            region.corners.push_back(lifted(part[0]));
+            for (size_t k = first; k < std::min(part.size(), first + maxCorners - 1); ++k)
+                region.corners.push_back(lifted(part[k]));
+            regions.push_back(std::move(region));
+        }
+}
+
 bool pierces(const dvec3& a, const dvec3& b, const ConvexRegion& region, const dvec3& normal, double flat) {
     const double ha = glm::dot(a - region.corners[0], normal), hb = glm::dot(b - region.corners[0], normal);
     if (!((ha > flat && hb < -flat) || (ha < -flat && hb > flat))) return false;
@@ -223,50 +246,30 @@ bool pierces(const dvec3& a, const dvec3& b, const ConvexRegion& region, const d
 
 } // namespace
 
-namespace {
-
-void addRegions(const geometry::PatchMesh& mesh, const Plane& plane, double flat, uint32_t maxCorners,
-                std::vector<ConvexRegion>& regions) {
-    std::vector<Flat> parts, convex;
-    for (size_t i : plane.patches) {
-        Flat part;
-        for (uint32_t corner : mesh.patch(i)) {
-            const dvec3 d = mesh.vertices[corner] - plane.origin;
-            part.push_back({glm::dot(d, plane.u), glm::dot(d, plane.v)});
-        }
-        parts.push_back(std::move(part));
-    }
-    convexParts(std::move(parts), flat, 64, convex);
-    for (const Flat& part : convex)
-        for (size_t first = 1; first + 1 < part.size(); first += maxCorners - 2) {
-            ConvexRegion region{{}, mesh.room[plane.patches[0]]};
-            const auto lifted = [&](dvec2 p) { return plane.origin + p.x * plane.u + p.y * plane.v; };
-            region.corners.push_back(lifted(part[0]));
-            for (size_t k = first; k < std::min(part.size(), first + maxCorners - 1); ++k)
-                region.corners.push_back(lifted(part[k]));
-            regions.push_back(std::move(region));
-        }
-}
-
-} // namespace
-
 std::vector<ConvexRegion> blockingRegions(const geometry::PatchMesh& mesh, uint32_t maxCorners) {
     const double size = sizeOf(mesh);
-    std::vector<uint32_t> all(mesh.patchCount());
-    std::iota(all.begin(), all.end(), 0u);
     std::vector<ConvexRegion> regions;
-    for (const Plane& plane : planesOf(mesh, all, size))
+    for (const Plane& plane : planesOf(mesh, size))
         if (separates(mesh, plane, mesh.room[plane.patches[0]], 1e-7 * size))
-            addRegions(mesh, plane, 1e-9 * size, maxCorners, regions);
+            mergePlane(mesh, plane, 1e-9 * size, maxCorners, 0, regions);
     return regions;
 }
 
-std::vector<ConvexRegion> flatRegions(const geometry::PatchMesh& mesh, std::span<const uint32_t> patches,
-                                      uint32_t maxCorners) {
+std::vector<ConvexRegion> mergedRegions(const geometry::PatchMesh& mesh, std::span<const uint32_t> group,
+                                        uint32_t maxCorners) {
     const double size = sizeOf(mesh);
     std::vector<ConvexRegion> regions;
-    for (const Plane& plane : planesOf(mesh, patches, size))
-        addRegions(mesh, plane, 1e-9 * size, maxCorners, regions);
+    for (const Plane& plane : planesOf(mesh, size)) {
+        std::map<uint32_t, Plane> byGroup;
+        for (size_t i : plane.patches) {
+            if (group[i] == kNoGroup) continue;
+            Plane& part =
+                byGroup.try_emplace(group[i], Plane{plane.origin, plane.normal, plane.u, plane.v, {}})
+                    .first->second;
+            part.patches.push_back(i);
+        }
+        for (const auto& [id, part] : byGroup) mergePlane(mesh, part, 1e-9 * size, maxCorners, id, regions);
+    }
     return regions;
 }
 

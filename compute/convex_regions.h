@@ -16,6 +16,7 @@ struct ConvexRegion {
     std::vector<glm::dvec3>
         corners; // counter-clockwise about the patches' normal, no corner on a straight edge
     uint32_t room = 0;
+    uint32_t group = 0; // as given to mergedRegions
 };
 
 // Covers the patches of each plane and room; regions that cannot stand between any two points of their room
@@ -23,9 +24,10 @@ struct ConvexRegion {
 // plane overlap, each is its own region. Cost about n log n for meshed walls, n m in the number m of planes.
 std::vector<ConvexRegion> blockingRegions(const geometry::PatchMesh& mesh, uint32_t maxCorners);
 
-// The same for some of the patches, and with the regions that cannot block.
-std::vector<ConvexRegion> flatRegions(const geometry::PatchMesh& mesh, std::span<const uint32_t> patches,
-                                      uint32_t maxCorners);
+// Every patch whose group is not kNoGroup, merged with those of its plane, room and group.
+constexpr uint32_t kNoGroup = UINT32_MAX;
+std::vector<ConvexRegion> mergedRegions(const geometry::PatchMesh& mesh, std::span<const uint32_t> group,
+                                        uint32_t maxCorners);
 
 // Whether each room's patches form closed surfaces (every edge used once in either direction) that do not
 // pass through one another, so that whoever stands in front of a patch meets a front first.

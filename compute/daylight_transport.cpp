@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -12,8 +11,9 @@
 #include "compute/daylight/glazing.h"
 #include "compute/daylight/sky_patches.h"
 #include "compute/gpu/device.h"
-#include "compute/hemicube.h"
+#include "compute/parallel.h"
 #include "compute/radiosity_gather.h"
+#include "compute/sensor_gather.h"
 #include "compute/sun_patches.h"
 #include "geometry/input_error.h"
 
@@ -29,7 +29,6 @@ constexpr double kHemicubeRowError = 0.03; // reflected light: one-point form fa
 constexpr double kMeshError = 0.02;        // reflected light: constant patches alone
 constexpr double kPatchSkyError = 0.03;    // of a patch's mean from its middle
 constexpr double kSensorSkyError = 0.01;   // sky cut into elements
-constexpr double kSamplingSafety = 2;      // on the difference of two hemicubes
 
 class Clock {
 public:
@@ -76,34 +75,6 @@ struct SkyRows {
     }
 };
 
-// Room of a point: that of the first patch in some direction whose front it sees. Where nothing is seen, any.
-uint32_t roomOf(const geometry::PatchMesh& mesh, const Sensor& sensor) {
-    const glm::dvec3 directions[]{sensor.normal, glm::normalize(sensor.normal + glm::dvec3(0.31, 0.17, 0.23)),
-                                  glm::normalize(sensor.normal + glm::dvec3(-0.29, -0.13, 0.37))};
-    for (const glm::dvec3& direction : directions) {
-        double nearest = std::numeric_limits<double>::infinity();
-        uint32_t room = io::kHemicubeAnyRoom;
-        for (size_t i = 0; i < mesh.patchCount(); ++i) {
-            const auto corners = mesh.patch(i);
-            const glm::dvec3 normal = geometry::patchNormal(mesh, i);
-            const double slope = glm::dot(normal, direction);
-            if (slope >= 0) continue;
-            const double t = glm::dot(mesh.vertices[corners[0]] - sensor.position, normal) / slope;
-            if (t <= 0 || t >= nearest) continue;
-            const glm::dvec3 p = sensor.position + t * direction;
-            bool inside = true;
-            for (size_t k = 0; k < corners.size() && inside; ++k) {
-                const glm::dvec3 a = mesh.vertices[corners[k]];
-                inside = glm::dot(glm::cross(mesh.vertices[corners[(k + 1) % corners.size()]] - a, p - a),
-                                  normal) >= 0;
-            }
-            if (inside) nearest = t, room = mesh.room[i];
-        }
-        if (room != io::kHemicubeAnyRoom) return room;
-    }
-    return io::kHemicubeAnyRoom;
-}
-
 } // namespace
 
 double photometric(glm::vec3 rgb) {
@@ -118,12 +89,12 @@ struct DaylightTransport::State {
     FormFactors factors;
     std::vector<float> rowSums;
     std::vector<double> areas;
-    SkyRows patchSky, sensorSky[2];
-    std::vector<Sensor> sensors;
-    std::vector<float> sensorFactors[2]; // sensors x patches
+    std::unique_ptr<PointScene> points;
+    std::unique_ptr<SunScene> sunScene;
+    SkyRows patchSky;
+    SensorGather sensors;
     std::unique_ptr<RadiosityGather> gather;
     std::unique_ptr<RadiositySolver> solver;
-    std::unique_ptr<SunScene> sunScene; // where there are openings
     daylight::SkyPatches skyPatches;
     bool hasOpenings = false, grey = true, emits = false;
 
@@ -131,15 +102,17 @@ struct DaylightTransport::State {
         : device(d), mesh(m), options(o), skyPatches(static_cast<int>(o.skyDivision)) {}
 
     void makeFactors();
+    void findOpenings();
     void makeSky();
     void makeSensors();
     void readMaterials();
     Moment direct(const daylight::Sky& sky) const;
+    void skyAtSensors(Moment& moment, const daylight::Sky& sky) const;
+    void sunOn(Moment& moment, const daylight::SunDisc& disc) const;
     void solve(std::span<Moment> moments);
     void finish(Moment& moment, const std::vector<float>& exitance, const std::vector<float>& gathered,
                 size_t firstColumn) const;
     void atSensors(Moment& moment, const std::vector<float>& exitance, size_t firstColumn) const;
-    std::vector<float> spreadOfSun(const Moment& moment) const;
     double rowError() const {
         return factors.report.kernel == "hemicube" ? kHemicubeRowError
                                                    : factors.report.claimedRowError + kMeshError;
@@ -149,83 +122,49 @@ struct DaylightTransport::State {
 
 void DaylightTransport::State::makeFactors() {
     const size_t n = mesh.patchCount();
-    areas.resize(n);
-    for (size_t i = 0; i < n; ++i) {
-        areas[i] = geometry::patchArea(mesh, i);
-        hasOpenings |= mesh.twin[i] == geometry::kNoTwin && mesh.materials[mesh.material[i]].isOpening();
-    }
-    const FormFactorOptions& asked = options.formFactors;
-    const bool onePass = asked.kernel == "hemicube" || (asked.kernel == "auto" && asked.maxError <= 0);
-    if (onePass && hasOpenings) {
-        const Clock clock;
-        Hemicube hemicube(device, mesh, {options.formFactors.resolution, options.skyDivision});
-        const PatchViewpoints views = patchViewpoints(mesh, options.formFactors.points);
-        Hemicube::Result result = hemicube.run(views.viewpoints, views.pointsPerPatch);
-        factors.patchCount = static_cast<uint32_t>(n);
-        factors.values = std::move(result.factors);
-        patchSky = {
-            hemicube.skyElements(), hemicube.channels(),
-            result.sky.download<float>(size_t{result.rows} * hemicube.skyElements() * hemicube.channels())};
-        factors.report.kernel = "hemicube";
-        factors.report.why = "form factors and sky coefficients in one pass";
-        factors.report.resolution = options.formFactors.resolution;
-        factors.report.points = views.pointsPerPatch;
-        factors.report.seconds = clock.seconds();
-        measureFormFactors(mesh, factors.values, factors.report);
-    } else {
-        factors = computeFormFactors(device, mesh, options.formFactors);
-        if (hasOpenings) makeSky();
-    }
-    if (!hasOpenings) report.skipped.push_back("sky coefficients: no opening leads outside");
+    for (size_t i = 0; i < n; ++i) areas.push_back(geometry::patchArea(mesh, i));
+    factors = computeFormFactors(device, mesh, options.formFactors);
     report.formFactors = factors.report;
-    report.skyElements = patchSky.elements;
-    std::vector<float> copy;
-    const float* F = factors.values.mapped<float>();
-    if (!F) copy = factors.values.download<float>(n * n), F = copy.data();
-    const std::vector<float> ones(n, 1.0f);
-    rowSums.resize(n);
-    for (size_t i = 0; i < n; ++i) rowSums[i] = static_cast<float>(rowTimes(F + i * n, ones.data(), n));
     gather = std::make_unique<RadiosityGather>(device, factors.values, static_cast<uint32_t>(n));
+    rowSums = gather->rowSums();
     solver = std::make_unique<RadiositySolver>(*gather, rowSums);
 }
 
-// Sky coefficients alone, where another kernel made the form factors or the glass has changed.
+// What depends on which patches are glass.
+void DaylightTransport::State::findOpenings() {
+    hasOpenings = false;
+    for (size_t i = 0; i < mesh.patchCount(); ++i)
+        hasOpenings |= mesh.twin[i] == geometry::kNoTwin && mesh.materials[mesh.material[i]].isOpening();
+    points = std::make_unique<PointScene>(mesh);
+    sunScene = std::make_unique<SunScene>(mesh);
+    patchSky = {};
+    if (hasOpenings)
+        makeSky();
+    else
+        report.skipped.push_back("sky coefficients: no opening leads outside");
+    report.skyElements = patchSky.elements;
+}
+
 void DaylightTransport::State::makeSky() {
     const Clock clock;
-    Hemicube hemicube(device, mesh, {options.formFactors.resolution, options.skyDivision});
-    const PatchViewpoints views = patchViewpoints(mesh, options.formFactors.points);
-    const Hemicube::Result result = hemicube.run(views.viewpoints, views.pointsPerPatch);
-    patchSky = {
-        hemicube.skyElements(), hemicube.channels(),
-        result.sky.download<float>(size_t{result.rows} * hemicube.skyElements() * hemicube.channels())};
+    patchSky.elements = static_cast<uint32_t>(skyPatches.elementCount());
+    patchSky.channels = 1;
+    for (const geometry::Material& m : mesh.materials)
+        if (!isGrey(m.transmittance)) patchSky.channels = 3;
+    patchSky.values = patchSkyCoefficients(*points, skyPatches, patchSky.channels);
     report.skySeconds = clock.seconds();
 }
 
-// Two hemicubes for each sensor, their grids turned against each other: the mean is better than either, and
-// their difference tells how much sampling leaves open.
 void DaylightTransport::State::makeSensors() {
     const Clock clock;
-    const size_t n = mesh.patchCount();
-    Hemicube hemicube(device, mesh, {options.sensorResolution, options.skyDivision});
-    std::vector<Viewpoint> views;
-    for (const Sensor& sensor : sensors)
-        views.push_back(
-            {sensor.position, glm::normalize(sensor.normal), io::kHemicubeNoPatch, roomOf(mesh, sensor)});
-    for (size_t turn = 0; turn < 2; ++turn) {
-        for (size_t s = 0; s < views.size(); ++s)
-            views[s].turn = std::fmod(0.6180339887498949 * static_cast<double>(2 * s + turn), 1.0) * kPi / 2;
-        const Hemicube::Result result = hemicube.run(views);
-        sensorFactors[turn] = result.factors.download<float>(views.size() * n);
-        sensorSky[turn] = {
-            hemicube.skyElements(), hemicube.channels(),
-            result.sky.download<float>(views.size() * hemicube.skyElements() * hemicube.channels())};
-    }
+    sensors = gatherSensors(*points, std::move(sensors.sensors), skyPatches, patchSky.channels);
+    report.sensorsOutside =
+        static_cast<size_t>(std::count(sensors.room.begin(), sensors.room.end(), kNoRoom));
     report.sensorSeconds = clock.seconds();
 }
 
 void DaylightTransport::State::readMaterials() {
     const size_t n = mesh.patchCount();
-    if (hasOpenings) sunScene = std::make_unique<SunScene>(mesh);
     grey = true, emits = false;
     for (const geometry::Material& m : mesh.materials) {
         for (int c = 0; c < 3; ++c)
@@ -259,7 +198,7 @@ Moment DaylightTransport::State::direct(const daylight::Sky& sky) const {
     Moment moment;
     const size_t n = mesh.patchCount();
     moment.patches.resize(n);
-    moment.sensors.resize(sensors.size());
+    moment.sensors.resize(sensors.sensors.size());
     moment.lighting.sunIlluminance.assign(n, glm::vec3(0));
     auto& modelled = moment.report.modelled;
     auto& skipped = moment.report.skipped;
@@ -273,15 +212,7 @@ Moment DaylightTransport::State::direct(const daylight::Sky& sky) const {
         const std::vector<double> means = skyPatches.luminances(sky);
         const std::vector<float> luminance(means.begin(), means.end());
         for (size_t i = 0; i < n; ++i) patchSky.combine(i, luminance, moment.patches[i]);
-        for (size_t s = 0; s < sensors.size(); ++s) {
-            LightParts two[2];
-            for (size_t turn = 0; turn < 2; ++turn) sensorSky[turn].combine(s, luminance, two[turn]);
-            LightParts& parts = moment.sensors[s];
-            parts.sky = 0.5f * (two[0].sky + two[1].sky);
-            parts.ground = 0.5f * (two[0].ground + two[1].ground);
-            parts.error += static_cast<float>(
-                std::abs(photometric(two[0].sky + two[0].ground) - photometric(two[1].sky + two[1].ground)));
-        }
+        skyAtSensors(moment, sky);
     }
     moment.report.combineSeconds = combining.seconds();
 
@@ -291,24 +222,48 @@ Moment DaylightTransport::State::direct(const daylight::Sky& sky) const {
     } else if (!hasOpenings) {
         skipped.push_back("sun: no opening leads outside");
     } else {
-        const SunPatches sun(*sunScene, sky.sun.direction);
-        if (!sun.canEnter()) {
-            skipped.push_back("sun: shines on no opening from outside");
-        } else {
-            modelled.push_back("sun");
-            moment.lighting.sunDirection = glm::normalize(sky.sun.direction);
-            const auto strength = static_cast<float>(sky.sun.normalIlluminance);
-            moment.lighting.sunNormalIlluminance = glm::vec3(strength);
-            moment.lighting.sunIlluminance = sun.onPatches();
-            for (size_t i = 0; i < n; ++i)
-                moment.patches[i].sun = moment.lighting.sunIlluminance[i] *= strength;
-            for (size_t s = 0; s < sensors.size(); ++s)
-                moment.sensors[s].sun =
-                    strength * sun.atPoint(sensors[s].position, glm::normalize(sensors[s].normal));
-        }
+        sunOn(moment, sky.sun);
     }
     moment.report.sunSeconds = sunning.seconds();
     return moment;
+}
+
+// The sky's own formula in the directions of the samples: nothing is lost to sky elements.
+void DaylightTransport::State::skyAtSensors(Moment& moment, const daylight::Sky& sky) const {
+    inParallel(moment.sensors.size(), [&](size_t s) {
+        glm::dvec3 above(0), below(0);
+        for (const SkySample& sample : sensors.sky.of(s))
+            (sample.direction.y > 0 ? above : below) +=
+                glm::dvec3(sample.weight) * sky.luminance(glm::dvec3(sample.direction));
+        moment.sensors[s].sky = glm::vec3(above);
+        moment.sensors[s].ground = glm::vec3(below);
+    });
+}
+
+void DaylightTransport::State::sunOn(Moment& moment, const daylight::SunDisc& disc) const {
+    const size_t n = mesh.patchCount();
+    const SunPatches sun(*sunScene, disc.direction);
+    if (!sun.canEnter()) {
+        moment.report.skipped.push_back("sun: shines on no opening from outside");
+        return;
+    }
+    moment.report.modelled.push_back("sun");
+    moment.lighting.sunDirection = glm::normalize(disc.direction);
+    const auto strength = static_cast<float>(disc.normalIlluminance);
+    moment.lighting.sunNormalIlluminance = glm::vec3(strength);
+    std::vector<SunlitParts> partly;
+    moment.lighting.sunIlluminance = sun.onPatches(sensors.sensors.empty() ? nullptr : &partly);
+    std::vector<glm::vec3> firstBounce(n);
+    for (size_t i = 0; i < n; ++i) {
+        moment.patches[i].sun = moment.lighting.sunIlluminance[i] *= strength;
+        firstBounce[i] = mesh.materials[mesh.material[i]].reflectance * moment.patches[i].sun;
+    }
+    inParallel(sensors.sensors.size(), [&](size_t s) {
+        const Sensor& sensor = sensors.sensors[s];
+        if (sensors.room[s] == kNoRoom) return;
+        moment.sensors[s].sun = strength * sun.atPoint(sensor.position, sensor.normal);
+        moment.sensors[s].interreflected = sunEdges(*points, sensors, s, partly, strength, firstBounce);
+    });
 }
 
 void DaylightTransport::State::solve(std::span<Moment> moments) {
@@ -407,51 +362,41 @@ void DaylightTransport::State::finish(Moment& moment, const std::vector<float>& 
     moment.report.energyImbalance = in > 0 ? std::abs(in - absorbed) / in : 0;
 }
 
-// Standard deviation, within each patch, of the exitance that an edge of sunlight on it leaves; empty without
-// sun. The full sun is that of the brightest patch of the same surface.
-std::vector<float> DaylightTransport::State::spreadOfSun(const Moment& moment) const {
-    if (glm::length(moment.lighting.sunDirection) == 0) return {};
-    const size_t n = mesh.patchCount();
-    uint32_t surfaces = 0;
-    for (uint32_t surface : mesh.surface) surfaces = std::max(surfaces, surface + 1);
-    std::vector<double> full(surfaces);
-    for (size_t i = 0; i < n; ++i)
-        full[mesh.surface[i]] = std::max(full[mesh.surface[i]], photometric(moment.patches[i].sun));
-    std::vector<float> spread(n);
-    for (size_t i = 0; i < n; ++i) {
-        const double whole = full[mesh.surface[i]], sun = photometric(moment.patches[i].sun);
-        spread[i] = static_cast<float>(photometric(mesh.materials[mesh.material[i]].reflectance) *
-                                       std::sqrt(std::max(0.0, sun * (whole - sun))));
-    }
-    return spread;
-}
-
 void DaylightTransport::State::atSensors(Moment& moment, const std::vector<float>& exitance,
                                          size_t first) const {
     const Clock clock;
     const size_t n = mesh.patchCount();
     double most = 0;
     for (const glm::vec3& out : moment.lighting.exitance) most = std::max(most, photometric(out));
-    const std::vector<float> spread = spreadOfSun(moment);
-    for (size_t s = 0; s < sensors.size(); ++s) {
-        LightParts& parts = moment.sensors[s];
-        glm::vec3 two[2]{};
-        double edges = 0;
-        for (size_t turn = 0; turn < 2; ++turn) {
-            const float* row = &sensorFactors[turn][s * n];
-            for (int c = 0; c < 3; ++c)
-                two[turn][c] =
-                    grey && c > 0
-                        ? two[turn][0]
-                        : static_cast<float>(rowTimes(row, &exitance[first + static_cast<size_t>(c) * n], n));
-            for (size_t i = 0; i < n && !spread.empty(); ++i) edges += std::pow(row[i] * spread[i], 2);
+    // Sunlight has edges, and is even but for those (sunEdges has put them in already); all else runs on
+    // smoothly.
+    const bool sun = glm::length(moment.lighting.sunDirection) > 0;
+    std::vector<float> even[3], smooth[3];
+    for (int c = 0; c < (grey ? 1 : 3); ++c) {
+        smooth[c].assign(&exitance[first + static_cast<size_t>(c) * n],
+                         &exitance[first + static_cast<size_t>(c) * n] + n);
+        if (!sun) continue;
+        even[c].resize(n);
+        for (size_t i = 0; i < n; ++i) {
+            even[c][i] = mesh.materials[mesh.material[i]].reflectance[c] * moment.patches[i].sun[c];
+            smooth[c][i] -= even[c][i];
         }
-        parts.interreflected = 0.5f * (two[0] + two[1]);
-        parts.error = static_cast<float>(
-            kSamplingSafety * (parts.error + std::abs(photometric(two[0]) - photometric(two[1]))) +
-            moment.report.radiosity.bound * most + rowError() * photometric(parts.interreflected) +
-            kSensorSkyError * photometric(parts.sky + parts.ground) + 2 * std::sqrt(0.5 * edges));
     }
+    inParallel(moment.sensors.size(), [&](size_t s) {
+        LightParts& parts = moment.sensors[s];
+        for (int c = 0; c < 3; ++c) {
+            if (grey && c > 0) {
+                parts.interreflected[c] = parts.interreflected[0];
+                continue;
+            }
+            double lux = rowTimes(&sensors.smooth[s * n], smooth[c].data(), n);
+            if (sun) lux += rowTimes(&sensors.even[s * n], even[c].data(), n);
+            parts.interreflected[c] += static_cast<float>(lux);
+        }
+        parts.error = static_cast<float>(moment.report.radiosity.bound * most +
+                                         rowError() * photometric(parts.interreflected) +
+                                         kSensorSkyError * photometric(parts.sky + parts.ground));
+    });
     moment.report.sensorSeconds = clock.seconds();
 }
 
@@ -459,6 +404,7 @@ DaylightTransport::DaylightTransport(gpu::Device& device, const geometry::PatchM
                                      const TransportOptions& options)
     : state_(std::make_unique<State>(device, mesh, options)) {
     state_->makeFactors();
+    state_->findOpenings();
     state_->readMaterials();
 }
 
@@ -477,18 +423,14 @@ void DaylightTransport::setMaterials(const std::vector<geometry::Material>& mate
     }
     state_->mesh.materials = materials;
     if (glassChanged) {
-        state_->hasOpenings = false;
-        for (size_t i = 0; i < state_->mesh.patchCount(); ++i)
-            state_->hasOpenings |=
-                state_->mesh.twin[i] == geometry::kNoTwin && materials[state_->mesh.material[i]].isOpening();
-        if (state_->hasOpenings) state_->makeSky();
-        if (!state_->sensors.empty()) state_->makeSensors();
+        state_->findOpenings();
+        if (!state_->sensors.sensors.empty()) state_->makeSensors();
     }
     state_->readMaterials();
 }
 
 void DaylightTransport::setSensors(std::vector<Sensor> sensors) {
-    state_->sensors = std::move(sensors);
+    state_->sensors.sensors = std::move(sensors);
     state_->makeSensors();
 }
 
@@ -505,21 +447,33 @@ std::vector<Moment> DaylightTransport::light(std::span<const daylight::Sky> skie
 
 TransportParts DaylightTransport::parts() {
     State& state = *state_;
-    const auto mean = [](const std::vector<float>& a, const std::vector<float>& b) {
-        std::vector<float> result(a.size());
-        for (size_t i = 0; i < a.size(); ++i) result[i] = 0.5f * (a[i] + b[i]);
-        return result;
-    };
     return {*state.solver,
             *state.gather,
             state.columnsPerMoment(),
             state.patchSky.elements,
             state.patchSky.channels,
             state.patchSky.values,
-            mean(state.sensorSky[0].values, state.sensorSky[1].values),
-            mean(state.sensorFactors[0], state.sensorFactors[1]),
-            state.sensors,
-            state.skyPatches};
+            state.sensors.skyCoefficients,
+            state.sensors.smooth,
+            state.sensors.even,
+            state.sensors.sensors,
+            state.skyPatches,
+            *state.sunScene};
+}
+
+std::vector<double> DaylightTransport::sunEdgesAtSensors(const SunPatches& sun,
+                                                         double normalIlluminance) const {
+    const State& state = *state_;
+    std::vector<SunlitParts> partly;
+    std::vector<glm::vec3> firstBounce = sun.onPatches(&partly);
+    for (size_t i = 0; i < firstBounce.size(); ++i)
+        firstBounce[i] *=
+            state.mesh.materials[state.mesh.material[i]].reflectance * static_cast<float>(normalIlluminance);
+    std::vector<double> lux;
+    for (size_t s = 0; s < state.sensors.sensors.size(); ++s)
+        lux.push_back(
+            photometric(sunEdges(*state.points, state.sensors, s, partly, normalIlluminance, firstBounce)));
+    return lux;
 }
 
 const geometry::PatchMesh& DaylightTransport::mesh() const {

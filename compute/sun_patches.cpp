@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include <glm/geometric.hpp>
 
-#include "compute/convex_regions.h"
 #include "compute/daylight/glazing.h"
 #include "geometry/perpendicular.h"
 
@@ -15,8 +13,6 @@ namespace heliodon::compute {
 namespace {
 
 using Polygon = std::vector<glm::dvec2>;
-
-constexpr double kEdgeOn = 1e-9; // cosine below which a face is neither lit nor in the way
 
 double cross2(glm::dvec2 a, glm::dvec2 b) {
     return a.x * b.y - a.y * b.x;
@@ -85,136 +81,135 @@ bool inside(const Polygon& p, glm::dvec2 q) {
 } // namespace
 
 SunScene::SunScene(const geometry::PatchMesh& mesh) : mesh_(&mesh) {
-    std::vector<uint32_t> opaque;
-    std::map<std::pair<uint32_t, bool>, std::vector<uint32_t>> panes; // by material; inside or outside
+    constexpr uint32_t kMostCorners = 16;
+    std::vector<uint32_t> pane(mesh.patchCount(), kNoGroup), wall(mesh.patchCount(), kNoGroup);
+    for (size_t i = 0; i < mesh.patchCount(); ++i)
+        if (mesh.materials[mesh.material[i]].isOpening())
+            pane[i] = 2 * mesh.material[i] + (mesh.twin[i] != geometry::kNoTwin ? 1 : 0);
+        else
+            wall[i] = 0;
+    panes_ = mergedRegions(mesh, pane, kMostCorners);
+    walls_ = mergedRegions(mesh, wall, kMostCorners);
     glm::dvec3 low(1e300), high(-1e300);
     for (const glm::dvec3& v : mesh.vertices) low = glm::min(low, v), high = glm::max(high, v);
     scale_ = mesh.vertices.empty() ? 1 : glm::length(high - low);
-    for (size_t i = 0; i < mesh.patchCount(); ++i) {
-        normals_.push_back(geometry::patchNormal(mesh, i));
-        const auto patch = static_cast<uint32_t>(i);
-        if (mesh.materials[mesh.material[i]].isOpening())
-            panes[{mesh.material[i], mesh.twin[i] != geometry::kNoTwin}].push_back(patch);
-        else
-            opaque.push_back(patch);
-    }
-    add(opaque, 0, false, opaque_);
-    for (const auto& [kind, patches] : panes) add(patches, kind.first, kind.second, panes_);
 }
 
-void SunScene::add(const std::vector<uint32_t>& patches, uint32_t material, bool interior,
-                   std::vector<Region>& regions) const {
-    constexpr uint32_t kAnyCorners = 1u << 20;
-    for (ConvexRegion& region : flatRegions(*mesh_, patches, kAnyCorners)) {
-        glm::dvec3 twice(0);
-        const std::vector<glm::dvec3>& c = region.corners;
-        for (size_t k = 1; k + 1 < c.size(); ++k) twice += glm::cross(c[k] - c[0], c[k + 1] - c[0]);
-        regions.push_back({std::move(region.corners), glm::normalize(twice), material, interior});
-    }
+// A patch that faces the sun.
+struct SunPatches::Receiver {
+    uint32_t patch;
+    glm::dvec3 point, normal;
+    Polygon outline;
+};
+
+SunPatches::SunPatches(const SunScene& scene, glm::dvec3 towardsSun)
+    : mesh_(scene.mesh_), sun_(glm::normalize(towardsSun)) {
+    project(scene);
 }
 
 SunPatches::SunPatches(const geometry::PatchMesh& mesh, glm::dvec3 towardsSun)
-    : SunPatches(std::make_shared<const SunScene>(mesh), towardsSun) {}
-
-SunPatches::SunPatches(std::shared_ptr<const SunScene> own, glm::dvec3 towardsSun)
-    : SunPatches(*own, towardsSun) {
-    own_ = std::move(own);
+    : mesh_(&mesh), sun_(glm::normalize(towardsSun)), own_(std::make_unique<SunScene>(mesh)) {
+    project(*own_);
 }
 
-SunPatches::SunPatches(const SunScene& scene, glm::dvec3 towardsSun)
-    : scene_(&scene), mesh_(scene.mesh_), sun_(glm::normalize(towardsSun)) {
-    across_ = geometry::perpendicular(sun_);
-    up_ = glm::cross(sun_, across_);
-    bool outside = false;
-    for (const SunScene::Region& pane : scene.panes_) {
-        const double facing = glm::dot(pane.normal, sun_);
-        if (facing > -kEdgeOn) continue;
-        openings_.push_back(face(pane, facing));
-        openings_.back().transmittance =
-            daylight::glazingOf(mesh_->materials[pane.material]).transmittance(-facing);
-        outside |= !pane.interior;
-    }
-    if (!outside) openings_.clear(); // interior glass alone lets no sun in
-    for (const SunScene::Region& matter : scene.opaque_) {
-        const double facing = glm::dot(matter.normal, sun_);
-        if (!openings_.empty() && std::abs(facing) >= kEdgeOn) opaque_.push_back(face(matter, facing));
-    }
-}
-
-SunPatches::Face SunPatches::face(const SunScene::Region& region, double facing) const {
+SunPatches::Face SunPatches::faceOf(const ConvexRegion& region) const {
     Face face;
     face.region = &region;
     for (const glm::dvec3& corner : region.corners) face.outline.push_back(project(corner));
-    if (facing < 0) std::reverse(face.outline.begin(), face.outline.end());
+    for (size_t k = 1; k + 1 < region.corners.size(); ++k)
+        face.normal +=
+            glm::cross(region.corners[k] - region.corners[0], region.corners[k + 1] - region.corners[0]);
+    face.normal = glm::normalize(face.normal);
+    if (glm::dot(face.normal, sun_) < 0) std::reverse(face.outline.begin(), face.outline.end());
     const Box box(face.outline);
     face.low = box.low, face.high = box.high;
     return face;
 }
 
-std::vector<glm::dvec2> SunPatches::inFrontOf(const Face& face, glm::dvec3 point, glm::dvec3 normal) const {
-    const std::vector<glm::dvec3>& corners = face.region->corners;
-    const double least = 1e-9 * scene_->scale_;
-    bool any = false, all = true;
-    for (const glm::dvec3& corner : corners) {
-        const double height = glm::dot(corner - point, normal);
-        any |= height > least;
-        all &= height >= 0;
+void SunPatches::project(const SunScene& scene) {
+    constexpr double kEdgeOn = 1e-9; // neither lit nor in the way
+    across_ = geometry::perpendicular(sun_);
+    up_ = glm::cross(sun_, across_);
+    scale_ = scene.scale_;
+    bool fromOutside = false;
+    for (const ConvexRegion& region : scene.panes_) {
+        Face face = faceOf(region);
+        const double facing = glm::dot(face.normal, sun_);
+        if (facing > -kEdgeOn) continue;
+        fromOutside |= region.group % 2 == 0;
+        face.transmittance = daylight::glazingOf(mesh_->materials[region.group / 2]).transmittance(-facing);
+        panes_.push_back(std::move(face));
     }
-    if (!any) return {};
-    if (all) return face.outline;
+    if (!fromOutside) panes_.clear(); // interior glass alone lets no sun in
+    if (panes_.empty()) return;
+    for (const ConvexRegion& region : scene.walls_) {
+        Face face = faceOf(region);
+        if (std::abs(glm::dot(face.normal, sun_)) > kEdgeOn) walls_.push_back(std::move(face));
+    }
+}
+
+Polygon SunPatches::inFrontOf(const Face& face, const Receiver& receiver) const {
+    const auto& corners = face.region->corners;
+    const double least = 1e-9 * scale_;
     Polygon result;
+    bool any = false;
     for (size_t k = 0; k < corners.size(); ++k) {
         const glm::dvec3 a = corners[k], b = corners[(k + 1) % corners.size()];
-        const double ha = glm::dot(a - point, normal), hb = glm::dot(b - point, normal);
+        const double ha = glm::dot(a - receiver.point, receiver.normal),
+                     hb = glm::dot(b - receiver.point, receiver.normal);
+        any |= ha > least;
         if (ha >= 0) result.push_back(project(a));
         if ((ha > 0 && hb < 0) || (ha < 0 && hb > 0))
             result.push_back(project(a + (b - a) * (ha / (ha - hb))));
     }
-    if (result.size() < 3) return {};
+    if (!any || result.size() < 3) return {};
     if (area(result) < 0) std::reverse(result.begin(), result.end());
     return result;
 }
 
-// What the opaque patches in front of the receiver leave of a convex outline.
-double SunPatches::visibleArea(const Polygon& outline, uint32_t receiver) const {
-    const glm::dvec3 normal = scene_->normals_[receiver];
-    const glm::dvec3 point = mesh_->vertices[mesh_->patch(receiver)[0]];
-    const Box box(outline);
-    const double least = 1e-9 * area(outline);
-    std::vector<Polygon> pieces{outline}, next;
-    for (const Face& blocker : opaque_) {
-        if (apart(box.low, box.high, blocker.low, blocker.high)) continue;
-        const Polygon front = inFrontOf(blocker, point, normal);
+// What the walls in front of the receiver leave of each piece.
+void SunPatches::keepVisible(const Receiver& receiver, std::vector<Piece>& pieces) const {
+    if (pieces.empty()) return;
+    Box box(pieces[0].outline);
+    double whole = 0;
+    for (const Piece& piece : pieces) {
+        const Box one(piece.outline);
+        box.low = glm::min(box.low, one.low), box.high = glm::max(box.high, one.high);
+        whole += area(piece.outline);
+    }
+    std::vector<Piece> next;
+    std::vector<Polygon> rest;
+    for (const Face& wall : walls_) {
+        if (apart(box.low, box.high, wall.low, wall.high)) continue;
+        const Polygon front = inFrontOf(wall, receiver);
         if (front.empty()) continue;
         next.clear();
-        for (Polygon& piece : pieces) {
-            // Most blockers near by only touch: leave those pieces whole.
-            const Polygon common = intersection(piece, front);
-            if (common.empty() || area(common) <= least)
+        for (Piece& piece : pieces) {
+            // Most walls near by only touch: leave those pieces whole.
+            const Polygon common = intersection(piece.outline, front);
+            if (common.empty() || area(common) <= 1e-9 * whole) {
                 next.push_back(std::move(piece));
-            else
-                subtract(std::move(piece), front, least, next);
+                continue;
+            }
+            rest.clear();
+            subtract(std::move(piece.outline), front, 1e-9 * whole, rest);
+            for (Polygon& part : rest) next.push_back({std::move(part), piece.transmittance});
         }
         pieces.swap(next);
-        if (pieces.empty()) return 0;
+        if (pieces.empty()) return;
     }
-    double sum = 0;
-    for (const Polygon& piece : pieces) sum += area(piece);
-    return sum;
 }
 
-glm::dvec3 SunPatches::onPatch(const Receiver& receiver) const {
-    const uint32_t patch = receiver.patch;
-    const glm::dvec3 normal = scene_->normals_[patch];
-    const glm::dvec3 point = mesh_->vertices[mesh_->patch(patch)[0]];
-    const double whole = receiver.area, least = 1e-9 * whole;
-    // Pieces that leave by at least one pane, disjoint: pane by pane, what is new of it is added, and what
-    // was there already is dimmed.
+// Pieces of the receiver that leave by at least one pane, disjoint: pane by pane, what is new of it is added,
+// and what was there already is dimmed.
+std::vector<SunPatches::Piece> SunPatches::throughPanes(const Receiver& receiver) const {
+    const double least = 1e-9 * area(receiver.outline);
+    const Box box(receiver.outline);
     std::vector<Piece> pieces, next;
     std::vector<Polygon> uncovered{receiver.outline}, rest;
-    for (const Face& pane : openings_) {
-        if (apart(receiver.low, receiver.high, pane.low, pane.high)) continue;
-        const Polygon front = inFrontOf(pane, point, normal);
+    for (const Face& pane : panes_) {
+        if (apart(box.low, box.high, pane.low, pane.high)) continue;
+        const Polygon front = inFrontOf(pane, receiver);
         if (front.empty()) continue;
         next.clear();
         for (Piece& piece : pieces) {
@@ -241,27 +236,60 @@ glm::dvec3 SunPatches::onPatch(const Receiver& receiver) const {
         pieces.swap(next);
         uncovered.swap(rest);
     }
-    glm::dvec3 lit(0);
-    for (const Piece& piece : pieces) lit += visibleArea(piece.outline, patch) / whole * piece.transmittance;
-    return lit * glm::dot(normal, sun_);
+    return pieces;
 }
 
-std::vector<glm::vec3> SunPatches::onPatches() const {
+glm::vec3 SunPatches::onPatch(const Receiver& receiver, SunlitParts* partly) const {
+    const double whole = area(receiver.outline);
+    if (!(whole > 0)) return glm::vec3(0);
+    std::vector<Piece> pieces = throughPanes(receiver);
+    keepVisible(receiver, pieces);
+    if (pieces.empty()) return glm::vec3(0);
+    const double facing = glm::dot(receiver.normal, sun_);
+    glm::dvec3 lit(0);
+    double covered = 0;
+    bool even = true;
+    for (const Piece& piece : pieces) {
+        const double share = area(piece.outline) / whole;
+        covered += share;
+        lit += share * piece.transmittance;
+        even &= piece.transmittance == pieces[0].transmittance;
+    }
+    if (partly && !(even && covered > 1 - 1e-6)) {
+        partly->patch = receiver.patch;
+        for (const Piece& piece : pieces) {
+            SunlitParts::Part part{{}, glm::vec3(piece.transmittance * facing)};
+            for (const glm::dvec2& q : piece.outline) { // back along the sun on to the receiver's plane
+                const glm::dvec3 flat = q.x * across_ + q.y * up_;
+                part.polygon.push_back(flat +
+                                       sun_ * (glm::dot(receiver.point - flat, receiver.normal) / facing));
+            }
+            partly->parts.push_back(std::move(part));
+        }
+    }
+    return glm::vec3(lit * facing);
+}
+
+std::vector<glm::vec3> SunPatches::onPatches(std::vector<SunlitParts>* partly) const {
     std::vector<glm::vec3> result(mesh_->patchCount(), glm::vec3(0));
+    if (partly) partly->clear();
     if (!canEnter()) return result;
+    glm::dvec2 low(1e300), high(-1e300);
+    for (const Face& pane : panes_) low = glm::min(low, pane.low), high = glm::max(high, pane.high);
     Receiver receiver;
     for (size_t i = 0; i < mesh_->patchCount(); ++i) {
-        if (glm::dot(scene_->normals_[i], sun_) < kEdgeOn) continue;
-        receiver.patch = static_cast<uint32_t>(i);
+        const auto corners = mesh_->patch(i);
         receiver.outline.clear();
-        for (uint32_t corner : mesh_->patch(i)) receiver.outline.push_back(project(mesh_->vertices[corner]));
+        for (uint32_t corner : corners) receiver.outline.push_back(project(mesh_->vertices[corner]));
         const Box box(receiver.outline);
-        receiver.low = box.low, receiver.high = box.high;
-        if (std::all_of(openings_.begin(), openings_.end(),
-                        [&](const Face& pane) { return apart(box.low, box.high, pane.low, pane.high); }))
-            continue;
-        receiver.area = area(receiver.outline);
-        if (receiver.area > 0) result[i] = glm::vec3(onPatch(receiver));
+        if (apart(box.low, box.high, low, high)) continue;
+        receiver.patch = static_cast<uint32_t>(i);
+        receiver.point = mesh_->vertices[corners[0]];
+        receiver.normal = geometry::patchNormal(*mesh_, i);
+        if (!(glm::dot(receiver.normal, sun_) > 1e-9)) continue;
+        SunlitParts parts;
+        result[i] = onPatch(receiver, partly ? &parts : nullptr);
+        if (!parts.parts.empty()) partly->push_back(std::move(parts));
     }
     return result;
 }
@@ -269,21 +297,20 @@ std::vector<glm::vec3> SunPatches::onPatches() const {
 glm::vec3 SunPatches::atPoint(glm::dvec3 position, glm::dvec3 normal) const {
     const double cosine = glm::dot(normal, sun_);
     if (cosine <= 0 || !canEnter()) return glm::vec3(0);
-    // Moved by less than any tolerance, off the common edges of faces, which would count twice.
-    const glm::dvec2 q = project(position) + 1e-9 * scene_->scale_ * glm::dvec2(0.6180339887, 0.4142135623);
+    // Moved by less than any tolerance, off the common edges of polygons, which would count twice.
+    const glm::dvec2 q = project(position) + 1e-9 * scale_ * glm::dvec2(0.6180339887, 0.4142135623);
     // Whether the ray towards the sun meets the face; its plane must lie ahead.
     const auto meets = [&](const Face& face) {
         if (q.x < face.low.x || q.x > face.high.x || q.y < face.low.y || q.y > face.high.y) return false;
         if (!inside(face.outline, q)) return false;
-        const glm::dvec3 normalOf = face.region->normal;
-        return glm::dot(face.region->corners[0] - position, normalOf) / glm::dot(sun_, normalOf) >
-               1e-9 * scene_->scale_;
+        return glm::dot(face.region->corners[0] - position, face.normal) / glm::dot(sun_, face.normal) >
+               1e-9 * scale_;
     };
     glm::dvec3 through(1);
     bool leaves = false;
-    for (const Face& pane : openings_)
+    for (const Face& pane : panes_)
         if (meets(pane)) through *= pane.transmittance, leaves = true;
-    if (!leaves || std::any_of(opaque_.begin(), opaque_.end(), meets)) return glm::vec3(0);
+    if (!leaves || std::any_of(walls_.begin(), walls_.end(), meets)) return glm::vec3(0);
     return glm::vec3(through * cosine);
 }
 

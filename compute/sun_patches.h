@@ -11,82 +11,80 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include "compute/convex_regions.h"
 #include "geometry/patch_mesh.h"
 
 namespace heliodon::compute {
 
-// What does not depend on where the sun stands: glass and opaque matter as few large convex polygons, so that
-// the cost of a sun hardly depends on how finely they are meshed. About 10 ms for 2000 patches.
+// What does not change with the sun: panes and walls merged into few convex polygons.
 class SunScene {
 public:
-    explicit SunScene(const geometry::PatchMesh& mesh); // `mesh` must outlive this
+    explicit SunScene(const geometry::PatchMesh& mesh); // `mesh` must outlive this, unchanged
 
 private:
     friend class SunPatches;
-    struct Region {
-        std::vector<glm::dvec3> corners; // counter-clockwise about the normal
-        glm::dvec3 normal{0};
-        uint32_t material = 0;
-        bool interior = false; // glass between two rooms
-    };
-    void add(const std::vector<uint32_t>& patches, uint32_t material, bool interior,
-             std::vector<Region>& regions) const;
-
     const geometry::PatchMesh* mesh_;
-    std::vector<Region> panes_, opaque_;
-    std::vector<glm::dvec3> normals_; // of patches
-    double scale_ = 1;                // extent of the mesh
+    std::vector<ConvexRegion> panes_, walls_; // groups of panes: 2 material + (interior ? 1 : 0)
+    double scale_ = 1;                        // extent of the mesh
+};
+
+// A patch that the sun lights in part, or through several panes.
+struct SunlitParts {
+    struct Part {
+        std::vector<glm::dvec3> polygon; // convex, world
+        glm::vec3 light{0};              // as SunPatches::onPatches gives it, where this part is lit
+    };
+    uint32_t patch = 0;
+    std::vector<Part> parts; // disjoint
 };
 
 class SunPatches {
 public:
-    // `towardsSun` unit, world. About 0.1 ms for 2000 patches; `scene` must outlive this.
-    SunPatches(const SunScene& scene, glm::dvec3 towardsSun);
-    // Makes its own scene.
+    // `towardsSun` unit, world. O(n); the mesh must outlive this.
     SunPatches(const geometry::PatchMesh& mesh, glm::dvec3 towardsSun);
+    SunPatches(const SunScene& scene, glm::dvec3 towardsSun);
 
     // False when no opening faces the sun from outside: every result is zero then.
-    bool canEnter() const { return !openings_.empty(); }
+    bool canEnter() const { return !panes_.empty(); }
 
     // Per patch and channel: illuminance over the sun's normal illuminance, averaged over the patch: lit
-    // fraction times cosine times transmittance. About 1 ms for 2000 patches.
-    std::vector<glm::vec3> onPatches() const;
+    // fraction times cosine times transmittance. About 2 ms for 2000 patches. `partly`, when given, receives
+    // the lit parts of patches that are not lit evenly.
+    std::vector<glm::vec3> onPatches(std::vector<SunlitParts>* partly = nullptr) const;
 
-    // The same at a point of the air of room `room` with unit normal.
+    // The same at a point of the air of a room with unit normal.
     glm::vec3 atPoint(glm::dvec3 position, glm::dvec3 normal) const;
 
 private:
-    SunPatches(std::shared_ptr<const SunScene> own, glm::dvec3 towardsSun);
-    struct Face {                        // seen from the sun
+    struct Face { // seen from the sun
+        const ConvexRegion* region = nullptr;
+        glm::dvec3 normal{0};
         std::vector<glm::dvec2> outline; // counter-clockwise
-        glm::dvec2 low, high;
-        const SunScene::Region* region;
-        glm::dvec3 transmittance{0}; // at the sun's angle; glazing only
-    };
-    struct Receiver {
-        uint32_t patch;
-        std::vector<glm::dvec2> outline; // counter-clockwise
-        glm::dvec2 low, high;
-        double area;
+        glm::dvec2 low{0}, high{0};
+        glm::dvec3 transmittance{0}; // at the sun's angle; panes only
     };
     struct Piece {
         std::vector<glm::dvec2> outline;
         glm::dvec3 transmittance;
     };
+    struct Receiver;
+
+    void project(const SunScene& scene);
+    Face faceOf(const ConvexRegion& region) const;
     glm::dvec2 project(glm::dvec3 p) const { return {dot(p, across_), dot(p, up_)}; }
     static double dot(glm::dvec3 a, glm::dvec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-    Face face(const SunScene::Region& region, double facing) const;
-    // The part of a face in front of a plane, as the sun sees it; empty when there is none.
-    std::vector<glm::dvec2> inFrontOf(const Face& face, glm::dvec3 point, glm::dvec3 normal) const;
-    glm::dvec3 onPatch(const Receiver& receiver) const;
-    double visibleArea(const std::vector<glm::dvec2>& outline, uint32_t receiver) const;
+    // The part of a face in front of the receiver's plane, as the sun sees it; empty when there is none.
+    std::vector<glm::dvec2> inFrontOf(const Face& face, const Receiver& receiver) const;
+    std::vector<Piece> throughPanes(const Receiver& receiver) const;
+    void keepVisible(const Receiver& receiver, std::vector<Piece>& pieces) const;
+    glm::vec3 onPatch(const Receiver& receiver, SunlitParts* partly) const;
 
-    std::shared_ptr<const SunScene> own_; // when made from a mesh
-    const SunScene* scene_;
     const geometry::PatchMesh* mesh_;
-    glm::dvec3 sun_, across_, up_;
-    std::vector<Face> openings_; // glazing that a ray towards the sun leaves by
-    std::vector<Face> opaque_;
+    glm::dvec3 sun_, across_{0}, up_{0};
+    double scale_ = 1;
+    std::vector<Face> panes_; // glazing that a ray towards the sun leaves by
+    std::vector<Face> walls_;
+    std::unique_ptr<SunScene> own_; // where no scene was given
 };
 
 } // namespace heliodon::compute

@@ -75,6 +75,9 @@ void execute(Run& run, const IlluminanceArguments& arguments) {
             points.push_back({sensors->points[i], sensors->normals[i]});
         transport->setSensors(std::move(points));
     }
+    if (const size_t outside = transport->report().sensorsOutside; outside > 0)
+        run.warn(
+            fmt::format("{} of {} sensors lie in no room and stay dark", outside, sensors->points.size()));
     const std::vector<compute::Moment> moments = solveLight(run, *transport, std::span(&sky, 1));
     const std::vector<compute::LightParts>& parts = sensors ? moments[0].sensors : moments[0].patches;
     reportLux(run, parts);

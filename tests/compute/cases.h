@@ -85,27 +85,32 @@ inline DaylightCase readCase(const std::filesystem::path& folder) {
     return result;
 }
 
+// Relative, of the sensors that count. The reference is random itself, by lux_ref_stderr.
 struct Deviation {
-    double rms = 0, worst = 0, bias = 0; // relative, of sensors that count
-    double inside = 0;                   // share whose true error is within the claimed one
+    double rms = 0, worst = 0, bias = 0;
+    double rmsBeyondNoise = 0, worstBeyondNoise = 0; // its variance taken off; two standard errors taken off
+    double inside = 0; // share whose error is within the claimed one and two standard errors
 };
 
-// Relative deviation of lux from lux_ref over the sensors without direct sun (or all).
+// Deviation of lux from lux_ref over the sensors without direct sun (or all).
 inline Deviation deviation(const DaylightCase& room, const compute::Moment& moment, bool withSun = false) {
     Deviation d;
-    double count = 0;
-    const auto& ref = room.columns.at("lux_ref");
+    double count = 0, noise = 0;
+    const auto &ref = room.columns.at("lux_ref"), &stderrs = room.columns.at("lux_ref_stderr");
     for (size_t s = 0; s < ref.size(); ++s) {
         if (!withSun && room.columns.contains("lux_sun_direct") && room.columns.at("lux_sun_direct")[s] > 0)
             continue;
-        const double lux = compute::photometric(moment.sensors[s].total()), relative = lux / ref[s] - 1;
+        const double lux = compute::photometric(moment.sensors[s].total()), relative = lux / ref[s] - 1,
+                     random = stderrs[s] / ref[s];
         d.rms += relative * relative;
+        noise += random * random;
         d.bias += relative;
         d.worst = std::max(d.worst, std::abs(relative));
-        d.inside +=
-            std::abs(lux - ref[s]) <= moment.sensors[s].error + 2 * room.columns.at("lux_ref_stderr")[s];
+        d.worstBeyondNoise = std::max(d.worstBeyondNoise, std::abs(relative) - 2 * random);
+        d.inside += std::abs(lux - ref[s]) <= moment.sensors[s].error + 2 * stderrs[s];
         ++count;
     }
+    d.rmsBeyondNoise = std::sqrt(std::max(0.0, d.rms - noise) / count);
     d.rms = std::sqrt(d.rms / count);
     d.bias /= count;
     d.inside /= count;

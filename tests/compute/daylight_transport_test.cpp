@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "geometry/input_error.h"
+#include "geometry/mesher.h"
 #include "tests/compute/cases.h"
 #include "tests/compute/rooms.h"
 #include "tests/gpu/test_device.h"
@@ -17,44 +18,49 @@ struct Lit {
     Moment moment;
 };
 
-Lit lit(const std::string& name, double edge) {
+Lit lit(const std::string& name, size_t triangles) {
     Lit result{test::readCase(kCases + name), {}};
-    DaylightTransport transport(test::device(), test::subdivided(result.room.faces, edge));
+    const geometry::PatchMesh mesh = geometry::meshBuilding(
+        geometry::importModel(kCases + name + "/model.obj", geometry::UpAxis::z), {triangles});
+    DaylightTransport transport(test::device(), mesh);
     transport.setSensors(result.room.sensors);
     result.moment = transport.light(result.room.sky);
     return result;
 }
 
-// Rooms against Radiance: hemicubes of 64^2, patches of 0.5 m. Target of the first release: 5 % RMS.
+// Rooms against Radiance, which is good to about 0.5 % itself (1 % with sun) beside its random error. CIE
+// 171's rooms have no reflection: openings and glass alone, where Radiance cut the sky at 2 degrees.
 class Rooms : public testing::TestWithParam<std::tuple<const char*, double, double>> {};
 
-TEST_P(Rooms, sensors_are_within_the_stated_share_of_radiance) {
-    const auto [name, edge, rms] = GetParam();
-    const Lit result = lit(name, edge);
+TEST_P(Rooms, sensors_agree_with_radiance_to_within_its_own_error) {
+    const auto [name, rms, worst] = GetParam();
+    const Lit result = lit(name, 600);
     const test::Deviation d = test::deviation(result.room, result.moment);
-    EXPECT_LT(d.rms, rms) << "bias " << d.bias << ", worst " << d.worst;
-    EXPECT_LT(result.moment.report.energyImbalance, 0.01); // asymmetry of one-point form factors
+    EXPECT_LT(d.rmsBeyondNoise, rms) << "bias " << d.bias;
+    EXPECT_LT(d.worstBeyondNoise, worst);
+    EXPECT_GE(d.inside, 0.99);
+    EXPECT_LT(result.moment.report.energyImbalance, 0.002);
 }
 
-INSTANTIATE_TEST_SUITE_P(Radiance, Rooms,
-                         testing::Values(std::tuple("a0_furnace", 0.25, 1e-4),
-                                         std::tuple("a1_cube", 0.4, 0.03),
-                                         std::tuple("a2_cornell", 0.6, 0.03),
-                                         std::tuple("b_facade4x3_glass_overcast", 1.0, 0.015),
-                                         std::tuple("b_facade4x3_open_overcast", 1.0, 0.015),
-                                         std::tuple("b_roof1x1_glass_overcast", 1.0, 0.04),
-                                         std::tuple("b_roof1x1_open_overcast", 1.0, 0.04),
-                                         std::tuple("c_L_glass_overcast_mar21_13_g0.2", 0.6, 0.03),
-                                         std::tuple("c_L_unglazed_overcast_mar21_13_g0", 0.6, 0.03),
-                                         std::tuple("c_L_glass_clear_mar21_13_g0.2", 0.6, 0.03),
-                                         std::tuple("c_L_glass_perez_dec21_09_g0", 0.6, 0.03),
-                                         std::tuple("d_skylight_partition_overcast_mar21_13_g0.2", 0.6, 0.03),
-                                         std::tuple("g_white95_overcast_mar21_13_g0", 0.5, 0.03)),
-                         [](const auto& instance) {
-                             std::string name = std::get<0>(instance.param);
-                             std::replace(name.begin(), name.end(), '.', '_');
-                             return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Radiance, Rooms,
+    testing::Values(std::tuple("a0_furnace", 1e-4, 1e-4), std::tuple("a1_cube", 0.01, 0.05),
+                    std::tuple("a2_cornell", 0.01, 0.05),
+                    std::tuple("b_facade4x3_glass_overcast", 0.002, 0.003),
+                    std::tuple("b_facade4x3_open_overcast", 0.001, 0.002),
+                    std::tuple("b_roof1x1_glass_overcast", 0.003, 0.008),
+                    std::tuple("b_roof1x1_open_overcast", 0.001, 0.002),
+                    std::tuple("c_L_glass_overcast_mar21_13_g0.2", 0.01, 0.05),
+                    std::tuple("c_L_unglazed_overcast_mar21_13_g0", 0.01, 0.05),
+                    std::tuple("c_L_glass_clear_mar21_13_g0.2", 0.01, 0.05),
+                    std::tuple("c_L_glass_perez_dec21_09_g0", 0.01, 0.12),
+                    std::tuple("d_skylight_partition_overcast_mar21_13_g0.2", 0.01, 0.05),
+                    std::tuple("g_white95_overcast_mar21_13_g0", 0.01, 0.05)),
+    [](const auto& instance) {
+        std::string name = std::get<0>(instance.param);
+        std::replace(name.begin(), name.end(), '.', '_');
+        return name;
+    });
 
 geometry::PatchMesh windowRoom(glm::vec3 wall = glm::vec3(0.5f)) {
     test::BoxRoom box;

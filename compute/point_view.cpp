@@ -1,0 +1,197 @@
+// Lambert, Photometria, 1760, theorem XVI: the form factor of a polygon is a sum over its edges of the angle
+// that the edge spans times the cosine of its plane.
+#include "compute/point_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+
+#include "geometry/perpendicular.h"
+
+namespace heliodon::compute {
+
+using glm::dvec3;
+
+namespace {
+
+// The part of a convex polygon where dot(p, normal) >= offset (or <= with `sign` -1).
+void cut(std::span<const dvec3> polygon, dvec3 normal, double offset, double sign,
+         PointView::Polygon& result) {
+    result.clear();
+    const size_t n = polygon.size();
+    double before = sign * (glm::dot(polygon[n - 1], normal) - offset);
+    for (size_t k = 0; k < n; ++k) {
+        const dvec3 &p = polygon[k], &q = polygon[(k + n - 1) % n];
+        const double now = sign * (glm::dot(p, normal) - offset);
+        if ((before > 0 && now < 0) || (before < 0 && now > 0))
+            result.push_back(q + (p - q) * (before / (before - now)));
+        if (now >= 0) result.push_back(p);
+        before = now;
+    }
+    if (result.size() < 3) result.clear();
+}
+
+double areaOf(std::span<const dvec3> polygon) {
+    dvec3 twice(0);
+    for (size_t k = 1; k + 1 < polygon.size(); ++k)
+        twice += glm::cross(polygon[k] - polygon[0], polygon[k + 1] - polygon[0]);
+    return 0.5 * glm::length(twice);
+}
+
+bool allBelow(std::span<const dvec3> polygon, dvec3 normal, double offset) {
+    return std::all_of(polygon.begin(), polygon.end(),
+                       [&](const dvec3& p) { return glm::dot(p, normal) <= offset; });
+}
+
+} // namespace
+
+uint32_t roomOfPoint(const geometry::PatchMesh& mesh, dvec3 position, dvec3 normal) {
+    const dvec3 across = geometry::perpendicular(normal), other = glm::cross(normal, across);
+    double size = 0;
+    for (const dvec3& v : mesh.vertices) size = std::max(size, glm::length(v - mesh.vertices[0]));
+    // Slanted by odd amounts, so that rays along walls and into corners are rare.
+    for (const glm::dvec2 slant : {glm::dvec2(0.0137, 0.0071), glm::dvec2(0.31, 0.17),
+                                   glm::dvec2(-0.29, 0.53), glm::dvec2(0.7, -0.9)}) {
+        const dvec3 direction = glm::normalize(normal + slant.x * across + slant.y * other);
+        double nearest = std::numeric_limits<double>::infinity();
+        uint32_t room = kNoRoom;
+        for (size_t i = 0; i < mesh.patchCount(); ++i) {
+            const auto corners = mesh.patch(i);
+            const dvec3 area = geometry::patchAreaVector(mesh, i);
+            const double slope = glm::dot(area, direction);
+            if (slope == 0) continue;
+            const double t = glm::dot(mesh.vertices[corners[0]] - position, area) / slope;
+            if (t <= 1e-7 * size || t >= nearest) continue;
+            const dvec3 p = position + t * direction;
+            bool inside = true;
+            for (size_t k = 0; k < corners.size() && inside; ++k) {
+                const dvec3 a = mesh.vertices[corners[k]];
+                inside = glm::dot(glm::cross(mesh.vertices[corners[(k + 1) % corners.size()]] - a, p - a),
+                                  area) >= 0;
+            }
+            if (inside) nearest = t, room = slope < 0 ? mesh.room[i] : kNoRoom;
+        }
+        if (room != kNoRoom) return room;
+    }
+    return kNoRoom;
+}
+
+Blockers::Blockers(const geometry::PatchMesh& mesh) : regions_(blockingRegions(mesh, 16)) {
+    dvec3 low(1e300), high(-1e300);
+    for (const dvec3& v : mesh.vertices) low = glm::min(low, v), high = glm::max(high, v);
+    tolerance_ = mesh.vertices.empty() ? 0 : 1e-9 * glm::length(high - low);
+}
+
+PointView::PointView(const Blockers& blockers, dvec3 position, dvec3 normal, uint32_t room)
+    : position_(position), normal_(normal), least_(blockers.tolerance()) {
+    for (const ConvexRegion& region : blockers.regions()) {
+        if (region.room != room) continue;
+        Polygon corners;
+        for (const dvec3& corner : region.corners) corners.push_back(corner - position);
+        if (allBelow(corners, normal, least_)) continue;
+        Cone cone;
+        cone.normal = dvec3(0);
+        for (size_t k = 1; k + 1 < corners.size(); ++k)
+            cone.normal += glm::cross(corners[k] - corners[0], corners[k + 1] - corners[0]);
+        cone.normal = glm::normalize(cone.normal);
+        cone.distance = glm::dot(cone.normal, corners[0]);
+        if (std::abs(cone.distance) <= least_) continue; // edge-on, or the point lies on it
+        const double side = cone.distance > 0 ? 1 : -1;
+        cone.normal *= side, cone.distance *= side;
+        for (size_t k = 0; k < corners.size(); ++k)
+            cone.sides.push_back(
+                glm::normalize(side * glm::cross(corners[k], corners[(k + 1) % corners.size()])));
+        cones_.push_back(std::move(cone));
+    }
+}
+
+bool PointView::mayHide(const Cone& cone, std::span<const dvec3> polygon) const {
+    if (allBelow(polygon, cone.normal, cone.distance + least_)) return false;
+    return std::none_of(cone.sides.begin(), cone.sides.end(),
+                        [&](const dvec3& side) { return allBelow(polygon, side, least_); });
+}
+
+// Takes from convex parts what lies in the cone beyond the blocker; what remains is cut along the cone's
+// planes.
+void PointView::hide(const Cone& cone, double least, std::vector<Polygon>& parts) {
+    std::vector<Polygon> rest;
+    Polygon in, out;
+    const auto keep = [&](const Polygon& p) {
+        if (p.size() >= 3 && areaOf(p) > least * least) rest.push_back(p);
+    };
+    for (Polygon& part : parts) {
+        // Whole where the cone's planes only touch it.
+        if (allBelow(part, cone.normal, cone.distance + least) ||
+            std::any_of(cone.sides.begin(), cone.sides.end(),
+                        [&](const dvec3& side) { return allBelow(part, side, least); })) {
+            rest.push_back(std::move(part));
+            continue;
+        }
+        cut(part, cone.normal, cone.distance, -1, out);
+        keep(out);
+        cut(part, cone.normal, cone.distance, 1, in);
+        part.swap(in);
+        for (const dvec3& side : cone.sides) {
+            if (part.empty()) break;
+            cut(part, side, 0, -1, out);
+            keep(out);
+            cut(part, side, 0, 1, in);
+            part.swap(in);
+        }
+    }
+    parts.swap(rest);
+}
+
+double PointView::unhinderedFactor(std::span<const dvec3> polygon) const {
+    double sum = 0;
+    dvec3 a = polygon.back();
+    for (const dvec3& b : polygon) {
+        const dvec3 c = glm::cross(a, b - a); // a x b, exact for short edges
+        const double sine = glm::length(c);
+        if (sine > 0) sum += std::atan2(sine, glm::dot(a, b)) / sine * glm::dot(c, normal_);
+        a = b;
+    }
+    return std::abs(sum) / (2 * std::numbers::pi);
+}
+
+double PointView::factor(std::span<const dvec3> polygon) const {
+    constexpr size_t kMost = 16;
+    if (polygon.size() <= kMost) {
+        dvec3 local[kMost];
+        bool below = true, above = true;
+        for (size_t k = 0; k < polygon.size(); ++k) {
+            local[k] = polygon[k] - position_;
+            const double height = glm::dot(local[k], normal_);
+            below &= height <= 0, above &= height >= 0;
+        }
+        if (below) return 0;
+        const std::span<const dvec3> here(local, polygon.size());
+        if (above &&
+            std::none_of(cones_.begin(), cones_.end(), [&](const Cone& cone) { return mayHide(cone, here); }))
+            return unhinderedFactor(here);
+    }
+    std::vector<Polygon> parts;
+    return factor(polygon, parts);
+}
+
+double PointView::factor(std::span<const dvec3> polygon, std::vector<Polygon>& parts) const {
+    Polygon local, above;
+    for (const dvec3& p : polygon) local.push_back(p - position_);
+    cut(local, normal_, 0, 1, above);
+    parts.clear();
+    if (above.empty()) return 0;
+    parts.push_back(std::move(above));
+    for (const Cone& cone : cones_) {
+        if (parts.empty()) return 0;
+        hide(cone, least_, parts);
+    }
+    double sum = 0;
+    for (const Polygon& part : parts) sum += unhinderedFactor(part);
+    return sum;
+}
+
+} // namespace heliodon::compute

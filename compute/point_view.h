@@ -1,0 +1,70 @@
+// What a point of a room sees, exactly: convex polygons are cut at the point's horizon and by the shadow
+// cones of what stands before them, in double precision, and Lambert's formula gives what arrives from the
+// rest. Nothing is sampled, so nothing is noisy. Cost: about 0.1 us for an unhindered polygon, plus 10 ns a
+// blocker in the room.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "compute/convex_regions.h"
+#include "geometry/patch_mesh.h"
+
+namespace heliodon::compute {
+
+constexpr uint32_t kNoRoom = UINT32_MAX;
+
+// The room that a point with this normal is in: that of the patch met first by some ray in front of it, if
+// met from its front. kNoRoom outside of all rooms.
+uint32_t roomOfPoint(const geometry::PatchMesh& mesh, glm::dvec3 position, glm::dvec3 normal);
+
+// What can stand between two points of a room.
+class Blockers {
+public:
+    explicit Blockers(const geometry::PatchMesh& mesh);
+
+    double tolerance() const { return tolerance_; } // a length that does not matter in this mesh
+    std::span<const ConvexRegion> regions() const { return regions_; }
+
+private:
+    std::vector<ConvexRegion> regions_;
+    double tolerance_ = 0;
+};
+
+class PointView {
+public:
+    using Polygon = std::vector<glm::dvec3>; // convex; relative to the point
+
+    // `normal` unit. `blockers` must outlive this.
+    PointView(const Blockers& blockers, glm::dvec3 position, glm::dvec3 normal, uint32_t room);
+
+    // The form factor from the point to a convex polygon (world), whichever way the polygon faces.
+    double factor(std::span<const glm::dvec3> polygon) const;
+
+    // The same with the polygon's visible parts, relative to the point; `parts` is overwritten.
+    double factor(std::span<const glm::dvec3> polygon, std::vector<Polygon>& parts) const;
+
+    // Of a polygon relative to the point and above its horizon, regardless of blockers.
+    double unhinderedFactor(std::span<const glm::dvec3> polygon) const;
+
+    glm::dvec3 position() const { return position_; }
+    glm::dvec3 normal() const { return normal_; }
+
+private:
+    struct Cone {
+        std::vector<glm::dvec3> sides; // inward normals of the planes through the point and the edges
+        glm::dvec3 normal;             // of the blocker's plane, towards what it may hide
+        double distance;               // of that plane from the point
+    };
+    bool mayHide(const Cone& cone, std::span<const glm::dvec3> polygon) const;
+    static void hide(const Cone& cone, double least, std::vector<Polygon>& parts);
+
+    glm::dvec3 position_, normal_;
+    double least_; // length
+    std::vector<Cone> cones_;
+};
+
+} // namespace heliodon::compute

@@ -1,0 +1,106 @@
+#include "compute/point_view.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include <glm/geometric.hpp>
+
+#include "compute/sensor_gather.h"
+#include "tests/compute/rooms.h"
+
+namespace heliodon::compute {
+namespace {
+
+using glm::dvec3;
+
+// From a point to a parallel rectangle with one corner straight above it (Howell, B-3).
+double parallelCorner(double a, double b) {
+    const double ra = std::sqrt(1 + a * a), rb = std::sqrt(1 + b * b);
+    return (a / ra * std::atan(b / ra) + b / rb * std::atan(a / rb)) / (2 * std::numbers::pi);
+}
+
+std::vector<dvec3> rectangle(double x0, double x1, double z0, double z1, double y) {
+    return {{x0, y, z0}, {x1, y, z0}, {x1, y, z1}, {x0, y, z1}};
+}
+
+void addRectangle(geometry::PatchMesh& mesh, const std::vector<dvec3>& corners) {
+    std::vector<uint32_t> indices;
+    for (const dvec3& corner : corners) {
+        indices.push_back(static_cast<uint32_t>(mesh.vertices.size()));
+        mesh.vertices.push_back(corner);
+    }
+    mesh.addPatch(indices, 0, geometry::Role::projection, static_cast<uint32_t>(mesh.patchCount()), 0);
+}
+
+// A sheet of the given extent at height 1 between the floor's middle and a ceiling at height 2.
+geometry::PatchMesh roomWithSheet(double x0, double x1, double z0, double z1) {
+    geometry::PatchMesh mesh = test::boxRoom({.low = dvec3(-3, 0, -3), .high = dvec3(3, 2, 3)});
+    addRectangle(mesh, rectangle(x0, x1, z0, z1, 1));
+    return mesh;
+}
+
+TEST(PointView, open_rectangle_is_howells) {
+    const geometry::PatchMesh mesh = test::boxRoom({.low = dvec3(-3, 0, -3), .high = dvec3(3, 2, 3)});
+    const Blockers blockers(mesh);
+    const PointView view(blockers, {0, 0, 0}, {0, 1, 0}, 0);
+    EXPECT_NEAR(view.factor(rectangle(0, 1.5, 0, 0.7, 2)), parallelCorner(0.75, 0.35), 1e-14);
+}
+
+TEST(PointView, a_sheet_takes_its_shadow_and_no_more) {
+    const geometry::PatchMesh mesh = roomWithSheet(-0.5, 0.25, -0.5, 0.4);
+    const Blockers blockers(mesh);
+    const PointView view(blockers, {0, 0, 0}, {0, 1, 0}, 0);
+    const auto F = [](double x0, double x1, double z0, double z1) {
+        return parallelCorner(x1 / 2, z1 / 2) + parallelCorner(-x0 / 2, z1 / 2) +
+               parallelCorner(x1 / 2, -z0 / 2) + parallelCorner(-x0 / 2, -z0 / 2);
+    };
+    EXPECT_NEAR(view.factor(rectangle(-2, 2, -2, 2, 2)), F(-2, 2, -2, 2) - F(-1, 0.5, -1, 0.8), 1e-13);
+    std::vector<PointView::Polygon> parts;
+    EXPECT_EQ(view.factor(rectangle(-0.4, 0.4, -0.4, 0.4, 2), parts), 0); // wholly behind it
+    EXPECT_TRUE(parts.empty());
+}
+
+TEST(PointView, what_lies_below_the_horizon_is_cut_off) {
+    const geometry::PatchMesh mesh = test::boxRoom({});
+    const Blockers blockers(mesh);
+    // A wall at unit distance, half of it below: the upper half alone (Howell, B-4).
+    const PointView view(blockers, {2, 1, 2}, {0, 1, 0}, 0);
+    const std::vector<dvec3> wall{{1, 0, 3}, {3, 0, 3}, {3, 3, 3}, {1, 3, 3}};
+    const double r = std::sqrt(1 + 4.0);
+    EXPECT_NEAR(view.factor(wall), 2 * (std::atan(1.0) - std::atan(1 / r) / r) / (2 * std::numbers::pi),
+                1e-14);
+}
+
+TEST(PointView, a_box_seen_from_any_place_adds_up_to_one) {
+    const geometry::PatchMesh mesh = roomWithSheet(-1, 1, -0.7, 1.3);
+    const PointScene scene(mesh);
+    std::vector<Sensor> sensors;
+    for (double x : {-2.9, -1.0, 0.0, 0.123, 2.0})
+        for (double y : {0.0, 0.3, 1.4})
+            sensors.push_back({{x, y, 0.37 * x}, glm::normalize(dvec3(0.1 * x, 1, 0.2))});
+    const SensorGather gather = gatherSensors(scene, sensors, daylight::SkyPatches(1), 1);
+    for (size_t s = 0; s < sensors.size(); ++s) {
+        double even = 0, smooth = 0;
+        for (size_t j = 0; j < mesh.patchCount(); ++j) {
+            even += gather.even[s * mesh.patchCount() + j];
+            smooth += gather.smooth[s * mesh.patchCount() + j];
+        }
+        // The sheet's back gives nothing, and tilted places on the floor lose what dips below it.
+        EXPECT_LE(even, 1 + 1e-5);
+        EXPECT_NEAR(smooth, even, 1e-5); // slopes of constant light are zero
+    }
+}
+
+TEST(PointView, points_outside_are_in_no_room) {
+    const geometry::PatchMesh mesh = test::boxRoom({});
+    EXPECT_EQ(roomOfPoint(mesh, {2, 1, 2}, {0, 1, 0}), 0u);
+    EXPECT_EQ(roomOfPoint(mesh, {2, 0, 2}, {0, 1, 0}), 0u); // on the floor
+    EXPECT_EQ(roomOfPoint(mesh, {-1, 1, 2}, {1, 0, 0}), kNoRoom);
+    EXPECT_EQ(roomOfPoint(mesh, {2, -1, 2}, {0, 1, 0}), kNoRoom);
+    EXPECT_EQ(roomOfPoint(mesh, {9, 9, 9}, {0, 1, 0}), kNoRoom);
+}
+
+} // namespace
+} // namespace heliodon::compute
