@@ -116,6 +116,34 @@ void benchRelight(gpu::Device& device, const geometry::PatchMesh& mesh) {
     }
 }
 
+// A clear day, sun and sky moving on in steps of a quarter of a degree, eight moments at once: what a
+// time-lapse asks for. The first steps teach the solver.
+void benchSequence(gpu::Device& device, const geometry::PatchMesh& mesh, bool sun) {
+    compute::DaylightTransport transport(device, mesh);
+    constexpr size_t kTogether = 8, kRounds = 48;
+    for (size_t round = 0; round < kRounds; ++round) {
+        std::vector<daylight::Sky> skies;
+        for (size_t k = 0; k < kTogether; ++k) {
+            const double angle = 0.3 + 0.00436 * static_cast<double>(round * kTogether + k);
+            const glm::dvec3 at(-std::cos(angle), 0.8 * std::sin(angle), 0.6 * std::sin(angle));
+            skies.push_back(daylight::cieClearSky(at, 1700));
+            daylight::lightGround(skies.back(), 0.2);
+            if (sun) skies.back().sun = {at, 72000.0};
+        }
+        const std::clock_t cpu = std::clock();
+        const std::vector<compute::Moment> moments = transport.light(skies);
+        if (round % 8 != 0 && round + 1 != kRounds) continue;
+        const compute::MomentReport& r = moments.back().report;
+        std::printf(
+            "sequence n=%zu sun=%d round=%zu cpu_ms_each=%.2f combine_ms=%.2f sun_ms=%.2f solve_ms=%.2f "
+            "passes=%u bound=%.1e\n",
+            mesh.patchCount(), sun, round,
+            1e3 * static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC / kTogether,
+            1e3 * r.combineSeconds, 1e3 * r.sunSeconds, 1e3 * r.solveSeconds, r.radiosity.passes,
+            r.radiosity.bound);
+    }
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
@@ -126,8 +154,11 @@ int main(int argc, char** argv) {
     gpu::Device device;
     std::setvbuf(stdout, nullptr, _IOLBF, 0);
     std::printf("device \"%s\"\n", device.info().name.c_str());
-    const geometry::PatchMesh mesh = geometry::readPatches(argv[1]);
+    geometry::PatchMesh mesh = geometry::readPatches(argv[1]);
+    if (argc > 3) // colours
+        for (geometry::Material& m : mesh.materials) m.reflectance *= glm::vec3(1, 0.9f, 0.8f);
     if (argc > 2) benchFormFactors(device, mesh, argv[2]);
     benchGather(device, mesh);
     benchRelight(device, mesh);
+    for (bool sun : {false, true}) benchSequence(device, mesh, sun);
 }

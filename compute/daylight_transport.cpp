@@ -13,6 +13,7 @@
 #include "compute/gpu/device.h"
 #include "compute/parallel.h"
 #include "compute/radiosity_gather.h"
+#include "compute/relight_basis.h"
 #include "compute/sensor_gather.h"
 #include "compute/sun_patches.h"
 #include "geometry/input_error.h"
@@ -95,6 +96,7 @@ struct DaylightTransport::State {
     SensorGather sensors;
     std::unique_ptr<RadiosityGather> gather;
     std::unique_ptr<RadiositySolver> solver;
+    std::unique_ptr<RelightBasis> relight;
     daylight::SkyPatches skyPatches;
     bool hasOpenings = false, grey = true, emits = false;
 
@@ -128,6 +130,7 @@ void DaylightTransport::State::makeFactors() {
     gather = std::make_unique<RadiosityGather>(device, factors.values, static_cast<uint32_t>(n));
     rowSums = gather->rowSums();
     solver = std::make_unique<RadiositySolver>(*gather, rowSums);
+    relight = std::make_unique<RelightBasis>(*gather, *solver, rowSums);
 }
 
 // What depends on which patches are glass.
@@ -190,6 +193,7 @@ void DaylightTransport::State::readMaterials() {
         matter.transmittance.push_back(std::move(tau));
     }
     report.channels = grey ? 1 : 3;
+    relight->setMatter(matter);
     solver->setMatter(std::move(matter));
 }
 
@@ -300,7 +304,7 @@ void DaylightTransport::State::solve(std::span<Moment> moments) {
     std::vector<float> exitance, gathered;
     RadiosityReport solved;
     if (anyLight) {
-        solved = solver->solve(emitted, channel, exitance, gathered, options.radiosity);
+        solved = relight->solve(emitted, channel, exitance, gathered, options.radiosity);
     } else {
         exitance.assign(emitted.size(), 0), gathered.assign(emitted.size(), 0);
     }

@@ -116,6 +116,27 @@ TEST(DaylightTransport, moments_together_are_moments_alone) {
     }
 }
 
+TEST(DaylightTransport, a_day_of_moments_is_each_moment_alone) {
+    DaylightTransport day(test::device(), windowRoom({0.7f, 0.4f, 0.1f}));
+    uint32_t first = 0, last = 0;
+    for (int k = 0; k < 40; ++k) {
+        const daylight::Sky sky = sunny({-0.5 + 0.02 * k, 0.3 + 0.01 * k, -0.8});
+        const Moment moment = day.light(sky);
+        EXPECT_TRUE(moment.report.radiosity.converged);
+        EXPECT_LE(moment.report.radiosity.bound, 1e-4);
+        (k == 0 ? first : last) = moment.report.radiosity.passes;
+        if (k % 13 != 0) continue;
+        DaylightTransport fresh(test::device(), windowRoom({0.7f, 0.4f, 0.1f}));
+        const Moment alone = fresh.light(sky);
+        double most = 0;
+        for (const glm::vec3& b : alone.lighting.exitance) most = std::max(most, photometric(b));
+        for (size_t i = 0; i < alone.patches.size(); ++i) // two solutions, each within the tolerance
+            EXPECT_NEAR(photometric(moment.lighting.exitance[i]), photometric(alone.lighting.exitance[i]),
+                        2e-4 * most);
+    }
+    EXPECT_LT(last, first); // what was solved before is of use
+}
+
 TEST(DaylightTransport, what_a_moment_does_not_need_is_skipped_with_a_reason) {
     DaylightTransport transport(test::device(), windowRoom());
     const auto skips = [](const Moment& moment, const std::string& what) {

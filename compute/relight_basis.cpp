@@ -1,0 +1,151 @@
+#include "compute/relight_basis.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "compute/parallel.h"
+#include "geometry/patch_mesh.h"
+
+namespace heliodon::compute {
+
+namespace {
+
+// Sums in sixteen parts, so that they vectorise and are the same on every run.
+double dot(std::span<const float> a, std::span<const float> b) {
+    float parts[16]{};
+    size_t i = 0;
+    for (; i + 16 <= a.size(); i += 16)
+        for (size_t k = 0; k < 16; ++k) parts[k] += a[i + k] * b[i + k];
+    for (; i < a.size(); ++i) parts[0] += a[i] * b[i];
+    double sum = 0;
+    for (float part : parts) sum += double{part};
+    return sum;
+}
+
+void subtract(std::span<float> from, double times, std::span<const float> what) {
+    const auto t = static_cast<float>(times);
+    for (size_t i = 0; i < from.size(); ++i) from[i] -= t * what[i];
+}
+
+double largest(std::span<const float> a) {
+    float most = 0;
+    for (float x : a) most = std::max(most, std::abs(x));
+    return double{most};
+}
+
+} // namespace
+
+RelightBasis::RelightBasis(FormFactorOperator& factors, RadiositySolver& solver, std::vector<float> rowSums)
+    : factors_(&factors), solver_(&solver), rowSums_(std::move(rowSums)) {}
+
+void RelightBasis::setMatter(RadiosityMatter matter) {
+    matter_ = std::move(matter);
+    const size_t channels = matter_.reflectance.size();
+    basis_.assign(channels, {});
+    slack_.clear();
+    std::vector<float> reflected(matter_.patchCount);
+    for (uint32_t c = 0; c < channels; ++c) {
+        reflect(rowSums_, c, reflected);
+        slack_.push_back(std::max(1 - largest(reflected), 1e-6));
+    }
+}
+
+size_t RelightBasis::size() const {
+    size_t sum = 0;
+    for (const auto& vectors : basis_) sum += vectors.size();
+    return sum;
+}
+
+void RelightBasis::reflect(std::span<const float> illuminance, uint32_t channel, std::span<float> out) const {
+    const auto &rho = matter_.reflectance[channel], &tau = matter_.transmittance[channel];
+    for (size_t i = 0; i < out.size(); ++i) {
+        out[i] = rho[i] * illuminance[i];
+        if (tau[i] > 0) out[i] += tau[i] * illuminance[static_cast<size_t>(matter_.twin[i])];
+    }
+}
+
+// Takes from the residual what the basis answers, and adds the answers' illuminance.
+void RelightBasis::project(uint32_t channel, std::span<float> residual, std::span<float> gathered) const {
+    for (const Vector& v : basis_[channel]) {
+        const double share = dot(v.image, residual);
+        subtract(residual, share, v.image);
+        subtract(gathered, -share, v.gathered);
+    }
+}
+
+void RelightBasis::learn(uint32_t channel, std::vector<float> image, std::vector<float> gathered) {
+    if (basis_[channel].size() >= kMostVectors) return;
+    const double before = std::sqrt(dot(image, image));
+    if (!(before > 0)) return;
+    for (int twice = 0; twice < 2; ++twice)
+        for (const Vector& v : basis_[channel]) {
+            const double along = dot(v.image, image);
+            subtract(image, along, v.image);
+            subtract(gathered, along, v.gathered);
+        }
+    const double length = std::sqrt(dot(image, image));
+    if (length < 1e-3 * before) return; // nothing new, or mostly rounding
+    const auto scale = static_cast<float>(1 / length);
+    for (float& x : image) x *= scale;
+    for (float& x : gathered) x *= scale;
+    basis_[channel].push_back({std::move(image), std::move(gathered)});
+}
+
+RadiosityReport RelightBasis::solve(std::span<const float> emitted, std::span<const uint32_t> channel,
+                                    std::vector<float>& radiosity, std::vector<float>& gathered,
+                                    const RadiosityOptions& options) {
+    const size_t n = matter_.patchCount, count = channel.size();
+    RadiosityReport report;
+    radiosity.resize(n * count);
+    gathered.assign(n * count, 0);
+    // Beyond the first bounce: (I - K F) w = K F E.
+    factors_->gather(emitted, gathered, static_cast<uint32_t>(count));
+    report.passes = 1;
+    std::vector<float> residual(n * count);
+    std::vector<double> scale(count), left(count);
+    inParallel(count, [&](size_t c) {
+        const std::span<float> r(&residual[c * n], n), h(&gathered[c * n], n);
+        reflect(h, channel[c], r);
+        scale[c] = std::max(largest({&emitted[c * n], n}), 1e-30);
+        project(channel[c], r, h);
+        left[c] = largest(r) / scale[c];
+    });
+    std::vector<uint32_t> open, openChannel;
+    double tolerance = 0.5;
+    for (uint32_t c = 0; c < count; ++c) {
+        const double allowed = options.tolerance * slack_[channel[c]];
+        if (left[c] <= allowed) continue;
+        open.push_back(c), openChannel.push_back(channel[c]);
+        tolerance = std::min(tolerance, allowed / left[c]);
+    }
+    if (!open.empty()) {
+        std::vector<float> right, answer, seen;
+        for (uint32_t c : open) right.insert(right.end(), &residual[c * n], &residual[c * n] + n);
+        RadiosityOptions rest = options;
+        rest.tolerance = tolerance;
+        report.passes += solver_->solve(right, openChannel, answer, seen, rest).passes;
+        for (size_t k = 0; k < open.size(); ++k) {
+            const size_t at = open[k] * n;
+            std::vector<float> image(n);
+            reflect({&seen[k * n], n}, openChannel[k], image);
+            for (size_t i = 0; i < n; ++i) {
+                image[i] = answer[k * n + i] - image[i];
+                residual[at + i] -= image[i];
+                gathered[at + i] += seen[k * n + i];
+            }
+            left[open[k]] = largest({&residual[at], n}) / scale[open[k]];
+            learn(openChannel[k], std::move(image), {&seen[k * n], &seen[k * n] + n});
+        }
+    }
+    for (size_t c = 0; c < count; ++c) {
+        reflect({&gathered[c * n], n}, channel[c], {&radiosity[c * n], n});
+        for (size_t i = 0; i < n; ++i) radiosity[c * n + i] += emitted[c * n + i];
+        // B = E + K F (E + w): what is left of the residual is bounced once more.
+        report.residual = std::max(report.residual, left[c]);
+        report.bound = std::max(report.bound, left[c] / slack_[channel[c]]);
+        report.converged &= left[c] <= options.tolerance * slack_[channel[c]];
+    }
+    return report;
+}
+
+} // namespace heliodon::compute

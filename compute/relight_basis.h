@@ -1,0 +1,52 @@
+// Radiosity of one moment after another: what was solved before spans most of what comes next. The first
+// bounce takes one pass over F; the rest, smooth by then, is projected on to the answers so far (as in
+// Galerkin recycling: Parks et al., Recycling Krylov subspaces for sequences of linear systems, 2006), whose
+// images under F are kept, so that the residual costs no further pass. Only what exceeds the tolerance is
+// solved, and its answer joins the basis: a sky alone, or the sun a few degrees on, soon takes one pass in
+// place of ten.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "compute/radiosity.h"
+
+namespace heliodon::compute {
+
+class RelightBasis {
+public:
+    static constexpr size_t kMostVectors = 160; // per channel: 16 bytes each per patch and vector
+
+    // Both must outlive this; `rowSums` of F.
+    RelightBasis(FormFactorOperator& factors, RadiositySolver& solver, std::vector<float> rowSums);
+
+    // Forgets everything; for new materials.
+    void setMatter(RadiosityMatter matter);
+
+    // As RadiositySolver::solve, to the same tolerance, measured by residual. Results depend on what was
+    // solved before, within the tolerance; the same sequence gives the same bits.
+    RadiosityReport solve(std::span<const float> emitted, std::span<const uint32_t> channel,
+                          std::vector<float>& radiosity, std::vector<float>& gathered,
+                          const RadiosityOptions& options = {});
+
+    size_t size() const; // vectors of all channels
+
+private:
+    struct Vector {
+        std::vector<float> image;    // (I - K F) u, of unit length and at right angles to the others
+        std::vector<float> gathered; // F u
+    };
+    void reflect(std::span<const float> illuminance, uint32_t channel, std::span<float> out) const;
+    void project(uint32_t channel, std::span<float> residual, std::span<float> gathered) const;
+    void learn(uint32_t channel, std::vector<float> image, std::vector<float> gathered);
+
+    FormFactorOperator* factors_;
+    RadiositySolver* solver_;
+    std::vector<float> rowSums_;
+    RadiosityMatter matter_;
+    std::vector<double> slack_;              // per channel: 1 - max_i sum_j (K F)_ij
+    std::vector<std::vector<Vector>> basis_; // per channel
+};
+
+} // namespace heliodon::compute
