@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -164,9 +165,23 @@ private:
     void noteSkylights(const RoomFaces& faces) {
         for (size_t i = 0; i < sketch_.skylights.size(); ++i)
             if (!faces.skylightUsed[i])
-                notes_.push_back(
-                    {"SKYLIGHT_OUTSIDE",
-                     fmt::format("skylight {} lies over no room and is ignored", sketch_.skylights[i].id)});
+                notes_.push_back(coveredSkylight(i)
+                                     ? PlanNote{"SKYLIGHT_COVERED",
+                                                fmt::format("skylight {} lies under others and adds nothing",
+                                                            sketch_.skylights[i].id)}
+                                     : PlanNote{"SKYLIGHT_OUTSIDE",
+                                                fmt::format("skylight {} lies over no room and is ignored",
+                                                            sketch_.skylights[i].id)});
+    }
+
+    bool coveredSkylight(size_t i) const {
+        const glm::dvec2 p = sketch_.skylights[i].center;
+        return std::ranges::any_of(sketch_.skylights, [&](const Skylight& other) {
+            const double angle = other.angleDeg * std::numbers::pi / 180;
+            const glm::dvec2 d = p - other.center, u{std::cos(angle), std::sin(angle)};
+            return &other != &sketch_.skylights[i] && std::abs(glm::dot(d, u)) < other.size.x / 2 &&
+                   std::abs(d.y * u.x - d.x * u.y) < other.size.y / 2;
+        });
     }
 
     bool prove(const Building& building, const RoomFaces& faces, const std::vector<double>& ceilings) {

@@ -35,6 +35,7 @@ constexpr double kThinCell = 0.06;    // inches: cells thinner than this belong 
 constexpr double kThinRoom = 0.8;     // inches: twice the area over the perimeter; thinner spaces are cracks
 constexpr double kMostOpen = 0.4;     // of the perimeter; what is more open than this is not enclosed
 constexpr double kFewestWalls = 3;    // logical walls; an arc counts as one for each quarter turn
+constexpr double kTight = 0.1;        // of the perimeter: with less of it open, an arc and its chord will do
 constexpr std::array kPrices{0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.75};
 constexpr double kCapacityUnit = 1e6; // of a length of 1 in: exact integer flow
 constexpr int64_t kForever = int64_t{1} << 50;
@@ -428,8 +429,8 @@ private:
             if (!space.grows) continue;
             const bool thin = 2 * space.area < kThinRoom * space.perimeter;
             allThick = allThick && !thin;
-            if (!thin && (space.gap > kMostOpen * space.perimeter || wallCount(space.walls) < kFewestWalls))
-                continue;
+            const bool tooFew = space.gap > kTight * space.perimeter && wallCount(space.walls) < kFewestWalls;
+            if (!thin && (space.gap > kMostOpen * space.perimeter || tooFew)) continue;
             for (uint32_t c = 0; c < map_.cellCount; ++c)
                 if (proposed[c] && root[c] == id) (thin ? forbidden_ : inside_)[c] = !thin || !inside_[c];
         }
