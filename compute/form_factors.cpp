@@ -9,6 +9,7 @@
 #include "compute/exact_form_factors.h"
 #include "compute/gpu/device.h"
 #include "compute/hemicube.h"
+#include "compute/hierarchical.h"
 #include "compute/monte_carlo.h"
 #include "geometry/input_error.h"
 
@@ -38,6 +39,22 @@ FormFactors monteCarloFormFactors(gpu::Device& device, const geometry::PatchMesh
     const uint32_t side = std::min(options.resolution, 256u);
     FormFactors result = MonteCarlo(device, mesh, {side * side}).run().factors;
     result.report.resolution = options.resolution;
+    return result;
+}
+
+FormFactors hierarchicalFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
+                                    const FormFactorOptions& options) {
+    HierarchicalOptions hierarchical;
+    if (options.maxError > 0) hierarchical.maxError = options.maxError;
+    const HierarchicalFormFactors compressed(device, mesh, hierarchical);
+    const uint32_t n = compressed.patchCount();
+    std::vector<float> values(size_t{n} * n);
+    compressed.rows(0, n, values);
+    FormFactors result;
+    result.patchCount = n;
+    result.report = compressed.report();
+    result.values = gpu::Buffer(device, (values.size() * sizeof(float) + 15) / 16 * 16, "form factors");
+    result.values.upload(values);
     return result;
 }
 
@@ -86,7 +103,8 @@ void measureFormFactors(const geometry::PatchMesh& mesh, const gpu::Buffer& valu
 }
 
 std::span<const std::string_view> formFactorKernels() {
-    static constexpr std::array<std::string_view, 3> kNames{"exact", "hemicube", "montecarlo"};
+    static constexpr std::array<std::string_view, 4> kNames{"exact", "hemicube", "hierarchical",
+                                                            "montecarlo"};
     return kNames;
 }
 
@@ -101,6 +119,8 @@ FormFactors computeFormFactors(gpu::Device& device, const geometry::PatchMesh& m
         result = exactFormFactors(device, mesh, exact).factors;
     } else if (options.kernel == "auto" || options.kernel == "hemicube")
         result = hemicubeFormFactors(device, mesh, options);
+    else if (options.kernel == "hierarchical")
+        result = hierarchicalFormFactors(device, mesh, options);
     else if (options.kernel == "montecarlo")
         result = monteCarloFormFactors(device, mesh, options);
     else

@@ -23,14 +23,14 @@ BvhRay bvhRay(vec3 origin, vec3 direction, uint nodeCount) {
     return BvhRay(origin, direction, 1.0 / d, octant * nodeCount, nodeCount);
 }
 
-// Goes on from `node` to the next leaf nearer than `reach`; returns its triangles, 0 at the end.
-uint nextLeaf(BvhRay ray, float reach, inout uint node) {
+// Goes on from `node` to the next leaf nearer than `reach`, of boxes grown by `radius`; returns its triangles, 0 at the end.
+uint nextLeafWithin(BvhRay ray, float radius, float reach, inout uint node) {
     uint leaf = 0u;
     [[dont_unroll]] while (node < ray.end && leaf == 0u) {
         uvec4 low = texelFetch(bvhNodes, int(2u * (ray.first + node))),
               high = texelFetch(bvhNodes, int(2u * (ray.first + node) + 1u));
-        vec3 a = (uintBitsToFloat(low.xyz) - ray.origin) * ray.inverse,
-             b = (uintBitsToFloat(high.xyz) - ray.origin) * ray.inverse;
+        vec3 a = (uintBitsToFloat(low.xyz) - radius - ray.origin) * ray.inverse,
+             b = (uintBitsToFloat(high.xyz) + radius - ray.origin) * ray.inverse;
         vec3 enter = min(a, b), leave = max(a, b);
         bool inside = max(max(enter.x, enter.y), max(enter.z, 0.0)) <= min(min(leave.x, leave.y), min(leave.z, reach));
         leaf = inside ? high.w : 0u;
@@ -38,6 +38,8 @@ uint nextLeaf(BvhRay ray, float reach, inout uint node) {
     }
     return leaf;
 }
+
+uint nextLeaf(BvhRay ray, float reach, inout uint node) { return nextLeafWithin(ray, 0.0, reach, node); }
 
 // The nearest patch that a ray meets, times two, plus one seen from behind; kBvhNothing when there is none. Patches of other
 // rooms, `self`, and planes nearer to the origin than `flatness` are not there.
@@ -63,5 +65,61 @@ uint nearestPatch(BvhRay ray, uint self, uint room, float flatness) {
         } while (k < count);
     }
     return result;
+}
+
+// Whether a triangle of `room` stands between two points. Planes that hold either point, to within `flatness`, do not block.
+bool blockedBetween(vec3 from, vec3 to, uint room, uint nodeCount, float flatness) {
+    BvhRay ray = bvhRay(from, to - from, nodeCount);
+    bool blocked = false;
+    uint node = 0u;
+    [[dont_unroll]] while (node < ray.end) {
+        uint leaf = nextLeaf(ray, 1.0, node);
+        uint at = 3u * (leaf / (2u * kBvhLeafMost)), count = leaf % (2u * kBvhLeafMost), k = 0u;
+        [[dont_unroll]] do {
+            uvec4 t0 = texelFetch(bvhTriangles, int(at)), t1 = texelFetch(bvhTriangles, int(at + 1u)),
+                  t2 = texelFetch(bvhTriangles, int(at + 2u));
+            vec3 e = uintBitsToFloat(t1.xyz), f = uintBitsToFloat(t2.xyz), s = ray.origin - uintBitsToFloat(t0.xyz);
+            vec3 p = cross(ray.direction, f), q = cross(s, e);
+            float determinant = dot(e, p), inverse = 1.0 / determinant, flat_ = flatness / uintBitsToFloat(t2.w);
+            float u = dot(s, p) * inverse, v = dot(ray.direction, q) * inverse, height = dot(f, q), t = height * inverse;
+            blocked = blocked || (k < count && t1.w == room && min(u, v) >= -kBvhEdge && u + v <= 1.0 + kBvhEdge &&
+                                  t > 0.0 && t < 1.0 && abs(height) > flat_ && abs(height - determinant) > flat_);
+            at += 3u;
+            ++k;
+        } while (k < count);
+        node = blocked ? ray.end : node;
+    }
+    return blocked;
+}
+
+// Whether a triangle might stand between two discs: it may reach into the capsule about both, and its plane does not have both
+// on one side. Never false where one does.
+bool maybeBlocked(vec3 from, vec3 fromNormal, float fromRadius, vec3 to, vec3 toNormal, float toRadius, uint nodeCount) {
+    float radius = max(fromRadius, toRadius);
+    vec3 along = to - from;
+    float size = length(along);
+    // From the one disc's far border to the other's.
+    BvhRay ray = bvhRay(from, along, nodeCount);
+    bool maybe = false;
+    uint node = 0u;
+    [[dont_unroll]] while (node < ray.end) {
+        uint leaf = nextLeafWithin(ray, radius, 1.0, node);
+        uint at = 3u * (leaf / (2u * kBvhLeafMost)), count = leaf % (2u * kBvhLeafMost), k = 0u;
+        [[dont_unroll]] do {
+            uvec4 t0 = texelFetch(bvhTriangles, int(at)), t1 = texelFetch(bvhTriangles, int(at + 1u)),
+                  t2 = texelFetch(bvhTriangles, int(at + 2u));
+            vec3 n = cross(uintBitsToFloat(t1.xyz), uintBitsToFloat(t2.xyz)) * uintBitsToFloat(t2.w);
+            vec3 corner = uintBitsToFloat(t0.xyz);
+            float a = dot(n, from - corner), b = dot(n, to - corner), slack = 1e-6 * (size + radius + abs(a));
+            float extentA = fromRadius * length(cross(n, fromNormal)) - slack,
+                  extentB = toRadius * length(cross(n, toNormal)) - slack;
+            bool oneSide = (a >= extentA && b >= extentB) || (a <= -extentA && b <= -extentB);
+            maybe = maybe || (k < count && !oneSide);
+            at += 3u;
+            ++k;
+        } while (k < count);
+        node = maybe ? ray.end : node;
+    }
+    return maybe;
 }
 #endif

@@ -1,0 +1,72 @@
+// Kernel `hierarchical`: form factors as links between clusters of coplanar triangles, at the level where
+// what they exchange varies little. Host half of shaders/hierarchical_*.comp. Memory and time grow about as n
+// log n; A_i F_ij = A_j F_ji by construction. P. Hanrahan, D. Salzman, L. Aupperle, "A Rapid Hierarchical
+// Radiosity Algorithm", 1991; here links vary linearly over both ends. Visibility is that of rays between
+// both ends against the merged blockers of compute/convex_regions.h.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "compute/bvh.h"
+#include "compute/form_factor_operator.h"
+#include "compute/form_factors.h"
+#include "compute/gpu/kernel.h"
+#include "compute/patch_tree.h"
+#include "shaders/io/hierarchical.io.h"
+
+namespace heliodon::compute {
+
+struct HierarchicalOptions {
+    double maxError = 5e-3; // wanted RMS over rows of ||F_i - true||, about; see claimedRowError
+};
+
+struct HierarchicalStatistics {
+    uint64_t links = 0, leafLinks = 0; // once for each pair; those between two triangles
+    uint64_t pairs = 0;                // of clusters that were looked at
+    uint32_t nodes = 0, blockers = 0;
+    size_t bytes = 0; // of the links, as kept on the device
+};
+
+class HierarchicalFormFactors : public FormFactorOperator {
+public:
+    HierarchicalFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
+                            const HierarchicalOptions& options = {});
+
+    uint32_t patchCount() const override { return patchCount_; }
+
+    // About 4 ns a link and column on two cores of a CPU device.
+    void gather(std::span<const float> in, std::span<float> out, uint32_t columns) override;
+
+    // Rows [first, first + count) as a dense matrix would have them: count x patchCount.
+    void rows(uint32_t first, uint32_t count, std::span<float> values) const;
+
+    const HierarchicalStatistics& statistics() const { return statistics_; }
+    const FormFactorReport& report() const { return report_; }
+
+private:
+    struct Work; // buffers and pairs while links are made
+    void uploadTree();
+    void makeLinks(const HierarchicalOptions& options);
+    void runNodes(Work& work, uint32_t count);
+    void runLeaves(Work& work);
+    void makeEntries(std::vector<io::HierarchicalLink> links);
+    void makeOperator();
+
+    gpu::Device* device_;
+    uint32_t patchCount_ = 0;
+    PatchTree tree_;
+    Bvh blockers_;
+    HierarchicalStatistics statistics_;
+    FormFactorReport report_;
+    std::vector<uint32_t> firstEntry_, firstLeaf_,
+        leafNodes_; // per node; per patch; nodes of each patch's triangles
+    std::vector<double> patchArea_;
+    gpu::Kernel links_, leaves_, moments_, spread_, patches_;
+    std::vector<gpu::Kernel> gathers_; // by columns - 1
+    gpu::Buffer nodeTexels_, leafTexels_, family_, frames_, parents_, firstEntryTexels_, entries_,
+        firstLeafTexels_, leafNodeTexels_, momentTexels_, received_, light_, gathered_;
+};
+
+} // namespace heliodon::compute

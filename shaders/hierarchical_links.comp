@@ -1,0 +1,93 @@
+// One pair of clusters: dropped where they do not face or every ray between them is stopped and little could be missed, linked
+// where what they exchange varies little over both and is wholly visible or small, else handed on as pairs of their children.
+// P. Hanrahan, D. Salzman, L. Aupperle, "A Rapid Hierarchical Radiosity Algorithm", 1991, with links that vary linearly over
+// both ends, so that their error falls with the square of size over distance.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_control_flow_attributes : require
+#include "shaders/io/hierarchical.io.h"
+
+layout(local_size_x = kHierarchicalGroup) in;
+layout(set = 0, binding = 0) uniform usamplerBuffer nodes;
+layout(set = 0, binding = 1) uniform usamplerBuffer leaves;
+layout(set = 0, binding = 2) uniform usamplerBuffer bvhNodes; // of blockers
+layout(set = 0, binding = 3) uniform usamplerBuffer bvhTriangles;
+layout(set = 0, binding = 4, scalar) readonly buffer Pairs { uvec2 pairs[]; };
+layout(set = 0, binding = 5, scalar) buffer Counters { uint counters[]; };
+layout(set = 0, binding = 6, scalar) writeonly buffer Next { uvec2 next[]; };           // four for each pair
+layout(set = 0, binding = 7, scalar) writeonly buffer LeafPairs { uvec2 leafPairs[]; }; // four for each pair
+layout(set = 0, binding = 8, scalar) writeonly buffer Links { HierarchicalLink links[]; };
+layout(push_constant, scalar) uniform Push { HierarchicalLinksParams params; };
+
+#include "shaders/lib/cluster.glsl"
+#include "shaders/lib/pair_exchange.glsl"
+
+void handOn(uint i, uint j, bool leafI, bool leafJ) {
+    if (leafI && leafJ)
+        leafPairs[atomicAdd(counters[kHierarchicalLeaves], 1u)] = uvec2(i, j);
+    else
+        next[atomicAdd(counters[kHierarchicalPairs], 1u)] = uvec2(i, j);
+}
+
+bool isLeaf(uint index) { return texelFetch(nodes, int(5u * index + 4u)).x == 0u; }
+
+void split(uint i, uint j, Cluster p, Cluster q) {
+    bool both = p.child != 0u && q.child != 0u && max(p.radius, q.radius) < 1.5 * min(p.radius, q.radius);
+    bool splitP = both || (p.child != 0u && (q.child == 0u || p.radius >= q.radius)), splitQ = both || !splitP;
+    [[dont_unroll]] for (uint k = 0u; k < (splitP ? 2u : 1u); ++k)
+        [[dont_unroll]] for (uint l = 0u; l < (splitQ ? 2u : 1u); ++l) {
+            uint a = splitP ? p.child + k : i, b = splitQ ? q.child + l : j;
+            handOn(a, b, isLeaf(a), isLeaf(b));
+        }
+}
+
+void main() {
+    uint index = gl_GlobalInvocationID.x;
+    if (index >= params.pairCount) return;
+    uint i = pairs[index].x, j = pairs[index].y;
+    Cluster p = clusterAt(i), q = clusterAt(j);
+    vec3 d = q.centre - p.centre;
+    float tilt = length(cross(p.normal, q.normal)), heightQ = dot(p.normal, d), heightP = -dot(q.normal, d);
+    float flat_ = kPairFlat * (length(d) + p.radius + q.radius);
+    if (p.room != q.room || heightQ + q.radius * tilt <= flat_ || heightP + p.radius * tilt <= flat_) return;
+    bool wholly = heightQ > q.radius * tilt && heightP > p.radius * tilt;
+
+    // The kernel at the centres and one standard deviation off along each axis.
+    float middle = kernelBetween(p.centre, p.normal, q.centre, q.normal);
+    vec4 up = vec4(kernelBetween(p.centre + p.axisU, p.normal, q.centre, q.normal),
+                   kernelBetween(p.centre + p.axisV, p.normal, q.centre, q.normal),
+                   kernelBetween(p.centre, p.normal, q.centre + q.axisU, q.normal),
+                   kernelBetween(p.centre, p.normal, q.centre + q.axisV, q.normal));
+    vec4 down = vec4(kernelBetween(p.centre - p.axisU, p.normal, q.centre, q.normal),
+                     kernelBetween(p.centre - p.axisV, p.normal, q.centre, q.normal),
+                     kernelBetween(p.centre, p.normal, q.centre - q.axisU, q.normal),
+                     kernelBetween(p.centre, p.normal, q.centre - q.axisV, q.normal));
+    vec4 bend = up + down - 2.0 * middle, slope = 0.5 * (up - down);
+    float larger = max(p.area, q.area), density = middle + 0.5 * dot(bend, vec4(1.0));
+    // Bends along both ends at once, which the nine values do not show, are about as large as those that they do.
+    float error = larger * dot(abs(bend), vec4(1.0));
+    // Clusters end about two standard deviations from their centre: no entry becomes negative.
+    bool smooth_ = wholly && p.radius + q.radius < 0.8 * length(d) && error <= params.tolerance &&
+                   density > 2.0 * dot(abs(slope), vec4(1.0));
+
+    // Few pairs need rays: most are proven clear. What rays may have missed: half where they disagree, and where all agree but
+    // there are more triangles than rays, some of those.
+    bool maybe = smooth_ && params.nodeCount > 0u &&
+                 maybeBlocked(p.centre, p.normal, p.radius, q.centre, q.normal, q.radius, params.nodeCount);
+    uint rays = maybe ? kHierarchicalRays : 0u, blocked = 0u;
+    [[dont_unroll]] for (uint k = 0u; k < rays; ++k)
+        blocked += castRay(p, q, hashOf(i * 0x9e3779b9u ^ hashOf(j)), k, params.nodeCount, params.flatness).x > 0.0 ? 0u : 1u;
+    float visible = rays > 0u ? 1.0 - float(blocked) / float(rays) : 1.0;
+    float doubt = rays == 0u                       ? 0.0
+                  : blocked > 0u && blocked < rays ? 0.5
+                                                   : min(0.5, float(max(p.leafCount, q.leafCount)) / float(2u * rays));
+    if (!smooth_ || doubt * density * larger > params.visibilityTolerance) {
+        split(i, j, p, q);
+        return;
+    }
+    if (blocked == rays && rays > 0u) return;
+    slope /= density;
+    links[atomicAdd(counters[kHierarchicalLinks], 1u)] =
+        HierarchicalLink(i, j, density * visible, packHalf2x16(slope.xy), packHalf2x16(slope.zw));
+}

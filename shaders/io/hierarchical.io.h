@@ -1,0 +1,40 @@
+#ifdef __cplusplus
+#pragma once
+#endif
+#include "shaders/io/io.h"
+IO_BEGIN
+const uint kHierarchicalGroup = 64u;
+const uint kHierarchicalRays = 8u; // between two clusters
+// A node takes five texels (uvec4; floats by their bits):
+//   centre.xyz, radius | normal.xyz, area | axis U.xyz, first leaf | axis V.xyz, count of leaves | child, room, -, -
+// A leaf takes three: its corners, the first with its node. Axes are as long as the standard deviation of area along them.
+// A link says what both nodes exchange per area of either: density * (1 + a.x u + a.y v + b.x u' + b.y v'), with u, v the
+// coordinates along the axes of the first node and u', v' those of the second.
+struct HierarchicalLink {
+    uint first;
+    uint second;
+    float density;
+    uint firstSlope;  // a and b as two halves
+    uint secondSlope;
+};
+// Counters.
+const uint kHierarchicalLinks = 0u;
+const uint kHierarchicalPairs = 1u;  // to go on with
+const uint kHierarchicalLeaves = 2u; // pairs of leaves
+const uint kHierarchicalRaysCast = 3u;
+const uint kHierarchicalCounters = 4u;
+struct HierarchicalLinksParams {
+    uint pairCount;
+    uint nodeCount; // of the hierarchy of blockers; 0: nothing can stand between
+    float flatness; // metres
+    float tolerance; // of one form factor between clusters
+    float visibilityTolerance;
+    uint leafRays; // at most, between two triangles
+};
+struct HierarchicalSweepParams {
+    uint firstNode;
+    uint nodeCount;
+    uint columns;
+    uint patchCount;
+};
+IO_END

@@ -1,0 +1,42 @@
+// Clusters of coplanar triangles, and rays between them. Before this: uniform usamplerBuffer nodes, leaves, and those of bvh.glsl.
+#ifndef CLUSTER_GLSL
+#define CLUSTER_GLSL
+#include "shaders/lib/bvh.glsl"
+#include "shaders/lib/monte_carlo_points.glsl"
+
+struct Cluster {
+    vec3 centre, normal, axisU, axisV;
+    float radius, area;
+    uint firstLeaf, leafCount, child, room;
+};
+
+Cluster clusterAt(uint index) {
+    uvec4 t0 = texelFetch(nodes, int(5u * index)), t1 = texelFetch(nodes, int(5u * index + 1u)),
+          t2 = texelFetch(nodes, int(5u * index + 2u)), t3 = texelFetch(nodes, int(5u * index + 3u)),
+          t4 = texelFetch(nodes, int(5u * index + 4u));
+    return Cluster(uintBitsToFloat(t0.xyz), uintBitsToFloat(t1.xyz), uintBitsToFloat(t2.xyz), uintBitsToFloat(t3.xyz),
+                   uintBitsToFloat(t0.w), uintBitsToFloat(t1.w), t2.w, t3.w, t4.x, t4.y);
+}
+
+// A point of the cluster from three numbers; the first picks the triangle.
+vec3 pointOn(Cluster c, float pick, vec2 place) {
+    uint leaf = c.firstLeaf + min(uint(pick * float(c.leafCount)), c.leafCount - 1u);
+    vec3 a = uintBitsToFloat(texelFetch(leaves, int(3u * leaf)).xyz),
+         b = uintBitsToFloat(texelFetch(leaves, int(3u * leaf + 1u)).xyz),
+         d = uintBitsToFloat(texelFetch(leaves, int(3u * leaf + 2u)).xyz);
+    vec2 w = squareToTriangle(place);
+    return a + w.x * (b - a) + w.y * (d - a);
+}
+
+// Ray `k`, stratified by a rank-1 lattice with a random shift for each pair: x what passes along it, y what would in the open.
+vec2 castRay(Cluster p, Cluster q, uint seed, uint k, uint nodeCount, float flatness) {
+    vec3 shiftP = vec3(unitOf(hashOf(seed)), unitOf(hashOf(seed + 1u)), unitOf(hashOf(seed + 2u)));
+    vec3 shiftQ = vec3(unitOf(hashOf(seed + 3u)), unitOf(hashOf(seed + 4u)), unitOf(hashOf(seed + 5u)));
+    // Powers of the root of x^7 = x + 1: Roberts' generalised golden ratio in six dimensions.
+    vec3 up = fract(shiftP + float(k) * vec3(0.898653712, 0.807578494, 0.725733412)),
+         uq = fract(shiftQ + float(k) * vec3(0.652183025, 0.586086695, 0.526688868));
+    vec3 from = pointOn(p, up.x, up.yz), to = pointOn(q, uq.x, uq.yz), d = to - from;
+    float r2 = dot(d, d), open_ = max(0.0, dot(p.normal, d)) * max(0.0, -dot(q.normal, d)) / max(r2 * r2, 1e-30);
+    return vec2(blockedBetween(from, to, p.room, nodeCount, flatness) ? 0.0 : open_, open_);
+}
+#endif

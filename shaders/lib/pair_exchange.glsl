@@ -1,0 +1,164 @@
+// What two triangles exchange when nothing stands between: A_p F_pq = 1/pi int int cos cos / r^2, parts behind either's plane
+// cut away. Near pairs by the double integral round both borders (E. M. Sparrow, "A New and Simpler Formulation for Radiative
+// Angle Factors", 1963), the inner one in closed form, the outer one by Gauss' rule under a substitution that smooths its
+// ends, where borders touch; others by a product rule.
+#ifndef PAIR_EXCHANGE_GLSL
+#define PAIR_EXCHANGE_GLSL
+#include "shaders/lib/lambert.glsl"
+
+const float kPairPi = 3.14159265359;
+const float kPairFlat = 1e-6; // heights below this share of the distance are rounding errors
+const float kPairNear = 0.15;  // sizes over distance from which the product rule is left
+
+struct Triangle {
+    vec3 a, b, c;
+    vec3 normal;
+    float area;
+};
+
+float kernelBetween(vec3 x, vec3 nx, vec3 y, vec3 ny) {
+    vec3 d = y - x;
+    float r2 = dot(d, d);
+    return max(0.0, dot(nx, d)) * max(0.0, -dot(ny, d)) / (kPairPi * r2 * r2);
+}
+
+// int ln |p - x| along a segment that begins at `from` relative to p.
+float logAlong(vec3 from, vec3 unit, float size) {
+    float t0 = dot(from, unit), t1 = t0 + size;
+    vec3 across = from - t0 * unit;
+    float d2 = dot(across, across), d = sqrt(d2);
+    float turn = d2 + t0 * t1, rise = d * size;
+    float angle = d > 0.0 ? angleOf(rise, turn) : 0.0;
+    return 0.5 * (t1 * log(max(d2 + t1 * t1, 1e-30)) - t0 * log(max(d2 + t0 * t0, 1e-30))) - size + d * angle;
+}
+
+// The part of a triangle over a plane through the origin, as four corners, some of which may coincide.
+void cutAtPlane(vec3 corner[3], vec3 normal, out vec3 part[4]) {
+    vec3 h;
+    for (int k = 0; k < 3; ++k) {
+        float height = dot(corner[k], normal);
+        h[k] = abs(height) <= kPairFlat * length(corner[k]) ? 0.0 : height;
+    }
+    // Turned so that the corner that lies alone on its side comes first.
+    bvec3 over = greaterThanEqual(h, vec3(0.0));
+    int alone = over.x == over.y ? (over.x == over.z ? 0 : 2) : over.x == over.z ? 1 : 0;
+    vec3 a = alone == 0 ? corner[0] : alone == 1 ? corner[1] : corner[2];
+    vec3 b = alone == 0 ? corner[1] : alone == 1 ? corner[2] : corner[0];
+    vec3 c = alone == 0 ? corner[2] : alone == 1 ? corner[0] : corner[1];
+    vec3 g = alone == 0 ? h : alone == 1 ? h.yzx : h.zxy;
+    vec3 ab = a + (b - a) * (g.x / (g.x - g.y)), ac = a + (c - a) * (g.x / (g.x - g.z));
+    if (all(over) || !any(over)) {
+        part[0] = a, part[1] = b, part[2] = c, part[3] = c;
+        if (!any(over)) part[1] = a, part[2] = a, part[3] = a;
+    } else if (g.x >= 0.0) {
+        part[0] = a, part[1] = ab, part[2] = ac, part[3] = ac;
+    } else {
+        part[0] = ab, part[1] = b, part[2] = c, part[3] = ac;
+    }
+}
+
+// Gauss and Legendre's rule of eight points, its positive half.
+const vec4 kPairNodes = vec4(0.183434642496, 0.525532409916, 0.796666477414, 0.960289856498);
+const vec4 kPairWeights = vec4(0.362683783378, 0.313706645878, 0.222381034453, 0.101228536290);
+
+float bordersIntegral(vec3 p[4], vec3 q[4], bool wanted) {
+    float sum = 0.0;
+    uint end = wanted ? 32u : 0u; // a loop that may run no turn: software devices do not skip an `if`
+    [[dont_unroll]] for (uint k = 0u; k < end; ++k) {
+        uint edge = k / 8u, node = k % 4u;
+        vec3 from = edge == 0u ? p[0] : edge == 1u ? p[1] : edge == 2u ? p[2] : p[3];
+        vec3 along = (edge == 0u ? p[1] : edge == 1u ? p[2] : edge == 2u ? p[3] : p[0]) - from;
+        float x = kPairNodes[node], w = kPairWeights[node];
+        float t = 0.5 + 0.5 * ((k & 4u) == 0u ? -x : x);
+        vec3 at = from + along * (t * t * (3.0 - 2.0 * t));
+        float line = 0.0;
+        for (int e = 0; e < 4; ++e) {
+            vec3 start = q[e], edge_ = q[(e + 1) % 4] - start;
+            float size = length(edge_);
+            vec3 unit = size > 0.0 ? edge_ / size : vec3(0.0);
+            line += size > 0.0 ? dot(along, unit) * logAlong(start - at, unit, size) : 0.0;
+        }
+        sum += 0.5 * w * 6.0 * t * (1.0 - t) * line;
+    }
+    return sum / (2.0 * kPairPi);
+}
+
+// Twice pi times the factor from a point of a plane to a polygon wholly over it, corners relative to the point: Lambert's formula.
+float lambertSum(vec3 corner[4], vec3 normal) {
+    float sum = 0.0;
+    for (int e = 0; e < 4; ++e) sum += lambertEdge(corner[e], corner[(e + 1) % 4], normal);
+    return abs(sum);
+}
+
+// Factor from a small triangle, by Radon's rule of degree 5 with seven points, to a polygon over its plane.
+float lambertMean(vec3 a, vec3 b, vec3 c, vec3 normal, vec3 q[4], bool wanted) {
+    vec3 middle = (a + b + c) / 3.0;
+    float sum = 0.0;
+    uint end = wanted ? 7u : 0u;
+    [[dont_unroll]] for (uint k = 0u; k < end; ++k) {
+        vec3 corner = k % 3u == 0u ? a : k % 3u == 1u ? b : c;
+        float out_ = k == 6u ? 0.0 : k < 3u ? 0.696140478028 : -0.410426192314;
+        vec3 at = middle + out_ * (corner - middle);
+        float weight = k == 6u ? 0.225 : k < 3u ? 0.125939180545 : 0.132394152788;
+        vec3 moved[4] = vec3[](q[0] - at, q[1] - at, q[2] - at, q[3] - at);
+        sum += weight * lambertSum(moved, normal);
+    }
+    return sum / (2.0 * kPairPi);
+}
+
+const float kPairUneven = 3000.0; // ratio of areas from which a point stands for the smaller one
+
+// A_p F_pq.
+float pairExchange(Triangle p, Triangle q) {
+    vec3 cp[3] = vec3[](vec3(0.0), p.b - p.a, p.c - p.a);
+    vec3 cq[3] = vec3[](q.a - p.a, q.b - p.a, q.c - p.a);
+    vec3 d = (cq[0] + cq[1] + cq[2] - cp[1] - cp[2]) / 3.0;
+    vec2 overP = vec2(1e30, -1e30), overQ = overP;
+    for (int k = 0; k < 3; ++k) {
+        float h = dot(p.normal, cq[k]), g = dot(q.normal, cp[k] - cq[0]);
+        h = abs(h) <= kPairFlat * length(cq[k]) ? 0.0 : h;
+        g = abs(g) <= kPairFlat * length(cp[k] - cq[0]) ? 0.0 : g;
+        overP = vec2(min(overP.x, h), max(overP.y, h));
+        overQ = vec2(min(overQ.x, g), max(overQ.y, g));
+    }
+    bool facing = overP.y > 0.0 && overQ.y > 0.0;
+    float size = sqrt(p.area) + sqrt(q.area), distance_ = length(d);
+    bool near = facing && (overP.x < 0.0 || overQ.x < 0.0 || size > kPairNear * 2.0 * distance_ ||
+                           max(max(length(cp[1]), length(cp[2])), max(length(cq[1] - cq[0]), length(cq[2] - cq[0]))) >
+                               2.0 * kPairNear * distance_);
+    // Both in units of their size, so that logarithms stay small.
+    float unit = 1.0 / max(distance_, size);
+    for (int k = 0; k < 3; ++k) {
+        cp[k] *= unit;
+        cq[k] *= unit;
+    }
+    vec3 partP[4], partQ[4];
+    vec3 shifted[3] = vec3[](cp[0] - cq[0], cp[1] - cq[0], cp[2] - cq[0]);
+    cutAtPlane(cq, p.normal, partQ);
+    cutAtPlane(shifted, q.normal, partP);
+    for (int k = 0; k < 4; ++k) partP[k] += cq[0];
+    bool pSmall = p.area * kPairUneven < q.area, qSmall = q.area * kPairUneven < p.area;
+    float result = max(0.0, bordersIntegral(partP, partQ, near && !pSmall && !qSmall)) / (unit * unit);
+    vec3 small[4], large[4];
+    for (int k = 0; k < 4; ++k) {
+        small[k] = pSmall ? partP[k] : partQ[k];
+        large[k] = pSmall ? partQ[k] : partP[k];
+    }
+    vec3 normal = pSmall ? p.normal : q.normal;
+    float mean = lambertMean(small[0], small[1], small[2], normal, large, near && (pSmall || qSmall));
+    float other = lambertMean(small[0], small[2], small[3], normal, large, near && (pSmall || qSmall));
+    float areaA = 0.5 * length(cross(small[1] - small[0], small[2] - small[0])),
+          areaB = 0.5 * length(cross(small[2] - small[0], small[3] - small[0]));
+    if (near && (pSmall || qSmall)) result = (areaA * mean + areaB * other) / (unit * unit);
+    if (!near) {
+        float sum = 0.0;
+        for (int k = 0; k < 3; ++k) {
+            vec3 x = (cp[0] + cp[1] + cp[2]) / 6.0 + 0.5 * cp[k];
+            for (int l = 0; l < 3; ++l)
+                sum += kernelBetween(x, p.normal, (cq[0] + cq[1] + cq[2]) / 6.0 + 0.5 * cq[l], q.normal);
+        }
+        result = facing ? sum * p.area * q.area * unit * unit / 9.0 : 0.0;
+    }
+    return result;
+}
+#endif
