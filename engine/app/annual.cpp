@@ -2,6 +2,8 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <map>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -12,9 +14,11 @@
 #include "engine/app/commands.h"
 #include "engine/app/light_report.h"
 #include "engine/app/pictures.h"
+#include "engine/app/plan_chart.h"
 #include "engine/app/progress.h"
 #include "engine/app/scene_input.h"
 #include "engine/app/table_file.h"
+#include "engine/app/temporal_chart.h"
 #include "engine/app/work_plane.h"
 #include "geometry/input_error.h"
 #include "geometry/whole_file.h"
@@ -60,7 +64,8 @@ std::vector<daylight::Sky> skiesOf(const daylight::Weather& weather, const Annua
 // Metrics of all sensors, block by block.
 struct Year {
     std::vector<daylight::SensorMetrics> sensors;
-    std::vector<double> meanLux; // of every record over the sensors
+    std::vector<float> meanLux;                // of every record over the sensors
+    std::map<size_t, std::vector<float>> rows; // of sensors that get a map of their own
     double occupiedLux = 0;
 };
 
@@ -68,6 +73,81 @@ void addMetrics(Year& year, daylight::AnnualMetrics&& block) {
     const auto count = static_cast<double>(block.sensors.size());
     year.occupiedLux += block.summary.meanLux * count;
     std::move(block.sensors.begin(), block.sensors.end(), std::back_inserter(year.sensors));
+}
+
+// Sensors of `--temporal`.
+std::vector<size_t> temporalRows(const std::string& text, size_t count) {
+    std::vector<size_t> rows;
+    if (text == "all") {
+        rows.resize(count);
+        std::iota(rows.begin(), rows.end(), size_t{0});
+        return rows;
+    }
+    for (size_t from = 0; from < text.size();) {
+        const size_t comma = std::min(text.find(',', from), text.size());
+        size_t row = 0;
+        const auto end = std::from_chars(text.data() + from, text.data() + comma, row);
+        if (end.ec != std::errc() || end.ptr != text.data() + comma || row >= count)
+            throw geometry::InputError(
+                "--temporal", "",
+                fmt::format("'{}' is no row of the {} sensors, expected all or rows such as "
+                            "0,5,17",
+                            text.substr(from, comma - from), count));
+        rows.push_back(row);
+        from = comma + 1;
+    }
+    return rows;
+}
+
+// Lines `month day hour lux lux ...`, the hour at the record's middle.
+class IllWriter {
+public:
+    IllWriter(const daylight::Weather& weather, size_t sensors) : weather_(weather), sensors_(sensors) {
+        values_.reserve(weather.hours.size() * sensors);
+    }
+    void add(std::span<const float> block) { values_.insert(values_.end(), block.begin(), block.end()); }
+    void write(const std::filesystem::path& file) const {
+        geometry::writeWhole(file, [&](const std::filesystem::path& aside) {
+            std::ofstream out(aside, std::ios::binary);
+            const size_t records = weather_.hours.size();
+            std::string line;
+            for (size_t h = 0; h < records; ++h) {
+                const daylight::WeatherHour& hour = weather_.hours[h];
+                line = fmt::format("{} {} {:.3f}", hour.date.month, hour.date.day, hour.clockHour);
+                for (size_t s = 0; s < sensors_; ++s)
+                    fmt::format_to(std::back_inserter(line), " {:.0f}", values_[s * records + h]);
+                out << line << '\n';
+            }
+            if (!out.flush()) throw std::runtime_error(file.string() + ": could not be written (disk full?)");
+        });
+    }
+
+private:
+    const daylight::Weather& weather_;
+    size_t sensors_;
+    std::vector<float> values_; // sensors x records: text goes the other way round
+};
+
+void drawYear(Run& run, const AnnualArguments& arguments, const Scene& scene,
+              const daylight::Weather& weather, const SensorTable& sensors, const Year& year) {
+    const StageTimer timer(run, "draw");
+    const std::string extension = arguments.svg ? ".svg" : ".png";
+    const ValueScale lux = luxScale({year.meanLux.begin(), year.meanLux.end()});
+    temporalChart(weather, year.meanLux, lux,
+                  "Illuminance, mean of " + std::to_string(sensors.points.size()) + " sensors")
+        .write(arguments.output / ("temporal-mean" + extension));
+    for (const auto& [row, values] : year.rows)
+        temporalChart(weather, values, lux, fmt::format("Illuminance at sensor {}", row))
+            .write(arguments.output / fmt::format("temporal-{:04}{}", row, extension));
+    const auto plan = [&](const char* name, const std::string& title,
+                          Range daylight::SensorMetrics::*metric) {
+        std::vector<double> values;
+        for (const daylight::SensorMetrics& m : year.sensors) values.push_back((m.*metric).value);
+        planChart(scene, sensors.points, sensors.normals, values, percentScale(), title)
+            .write(arguments.output / (name + extension));
+    };
+    plan("plan-da", "Daylight autonomy, 300 lux", &daylight::SensorMetrics::da);
+    plan("plan-udi", "Useful daylight, 100 to 3000 lux", &daylight::SensorMetrics::udiUseful);
 }
 
 json rangeJson(const Range& range) {
@@ -150,7 +230,7 @@ json summaryJson(const daylight::AnnualMetrics& metrics, const daylight::Weather
 
 SensorTable sensorsFor(Run& run, const AnnualArguments& arguments, const Scene& scene) {
     WorkPlane plane;
-    if (scene.sketch) plane.worldPerBuilding = 1.0 / 12;
+    plane.worldPerBuilding = worldPerBuilding(scene);
     SensorTable table = workPlaneSensors(scene.mesh, scene.up, plane);
     if (table.points.empty())
         throw geometry::InputError(arguments.scene.input.string(), "",
@@ -175,9 +255,10 @@ void execute(Run& run, const AnnualArguments& arguments) {
     prepareFolder(arguments.output);
     const Scene scene = loadScene(run, arguments.scene);
     const SensorTable sensors = given ? std::move(*given) : sensorsFor(run, arguments, scene);
+    const size_t records = weather.hours.size(), count = sensors.points.size();
+    const std::vector<size_t> mapped = temporalRows(arguments.temporal, count);
     const auto transport = makeTransport(run, scene.mesh);
 
-    const size_t records = weather.hours.size(), count = sensors.points.size();
     std::vector<uint8_t> occupiedRecords(records);
     for (size_t h = 0; h < records; ++h)
         occupiedRecords[h] = daylight::isOccupied(weather.hours[h], occupied.from, occupied.to);
@@ -186,6 +267,9 @@ void execute(Run& run, const AnnualArguments& arguments) {
 
     Progress progress("year", 1000, run.showsProgress());
     Year year;
+    year.meanLux.assign(records, 0);
+    std::optional<IllWriter> ill;
+    if (arguments.ill) ill.emplace(weather, count);
     std::optional<compute::AnnualDaylight> annual;
     {
         const StageTimer timer(run, "sun");
@@ -206,11 +290,21 @@ void execute(Run& run, const AnnualArguments& arguments) {
             }
             const StageTimer timer(run, "metrics");
             addMetrics(year, daylight::annualMetrics(lux, sun, occupiedRecords, options, error));
+            for (size_t s = 0; s < block; ++s)
+                for (size_t h = 0; h < records; ++h)
+                    year.meanLux[h] += lux[s * records + h] / static_cast<float>(count);
+            for (size_t row : mapped)
+                if (row >= first && row < first + block)
+                    year.rows[row].assign(&lux[(row - first) * records],
+                                          &lux[(row - first) * records] + records);
             out.write(lux);
+            if (ill) ill->add(lux);
         }
     });
     reportYear(run, annual->report());
 
+    if (ill) ill->write(arguments.output / "illuminance.ill");
+    drawYear(run, arguments, scene, weather, sensors, year);
     daylight::AnnualMetrics all = daylight::summarized(std::move(year.sensors), occupiedRecords, options);
     all.summary.meanLux = count ? year.occupiedLux / static_cast<double>(count) : 0;
     geometry::writeWholeText(arguments.output / "metrics.csv", metricsTable(sensors, all.sensors));

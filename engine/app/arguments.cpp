@@ -130,6 +130,10 @@ private:
         addMoment(sub, illuminance_.moment, true);
         sub->add_option("--sensors", illuminance_.sensors,
                         "points (.csv with x,y,z,nx,ny,nz); without: one row per patch");
+        sub->add_option(
+            "--plan", illuminance_.plan,
+            "draw a plan with iso-lux lines (.png or .svg) of the sensors, or without of a work plane "
+            "0.76 m above the floor");
         sub->add_option("-o,--output", illuminance_.output, "the table (.csv)")->required();
     }
 
@@ -177,6 +181,10 @@ private:
         sub->add_option("--occupied", annual_.occupied, "o'clock, every day (default 8-18)");
         sub->add_option("--ground", annual_.groundAlbedo, "diffuse reflectance of the ground (default 0.2)")
             ->check(CLI::Range(0.0, 1.0));
+        sub->add_option("--temporal", annual_.temporal,
+                        "maps of hour by day for these sensors too: all, or rows counted from 0 (5,17)");
+        sub->add_flag("--ill", annual_.ill, "illuminance.ill too: a line of text a record, as Daysim has it");
+        sub->add_flag("--svg", annual_.svg, "drawings as .svg instead of .png");
         sub->add_option(
                "-o,--output", annual_.output,
                "folder for illuminance.npy (sensors x records), metrics.csv and summary.json; made when "

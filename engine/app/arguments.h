@@ -51,7 +51,7 @@ struct FormFactorArguments {
 struct IlluminanceArguments {
     SceneArguments scene;
     MomentArguments moment;
-    std::filesystem::path sensors, output;
+    std::filesystem::path sensors, plan, output;
 };
 struct RenderArguments {
     SceneArguments scene;
@@ -74,6 +74,8 @@ struct AnnualArguments {
     std::filesystem::path weather, sensors;
     std::string occupied = "8-18";
     double groundAlbedo = 0.2;
+    std::string temporal; // rows of sensors that get a map of their own, or "all"
+    bool ill = false, svg = false;
     std::filesystem::path output;
 };
 struct DevicesArguments {};

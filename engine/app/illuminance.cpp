@@ -6,9 +6,11 @@
 #include "engine/app/commands.h"
 #include "engine/app/light_report.h"
 #include "engine/app/moment.h"
+#include "engine/app/plan_chart.h"
 #include "engine/app/scene_input.h"
 #include "engine/app/table_file.h"
 #include "engine/app/work_plane.h"
+#include "geometry/input_error.h"
 #include "geometry/whole_file.h"
 
 namespace heliodon::app {
@@ -62,12 +64,22 @@ void reportLux(Run& run, const std::vector<compute::LightParts>& parts) {
 
 void execute(Run& run, const IlluminanceArguments& arguments) {
     // Small files first: a typing error there should not cost the form factors.
+    if (!arguments.plan.empty() && arguments.plan.extension() != ".png" &&
+        arguments.plan.extension() != ".svg")
+        throw geometry::InputError(arguments.plan.string(), "",
+                                   "is no kind of drawing, expected .png or .svg");
     std::optional<SensorTable> sensors;
     if (!arguments.sensors.empty()) sensors = readSensors(arguments.sensors, upAxisOf(arguments.scene));
     const Scene scene = loadScene(run, arguments.scene);
     const SkySource source(run, arguments.moment, scene);
     const daylight::Sky sky = source.skyAt(source.moment());
     const auto transport = makeTransport(run, scene.mesh);
+    const bool perPatch = !sensors;
+    if (perPatch && !arguments.plan.empty()) {
+        WorkPlane plane;
+        plane.worldPerBuilding = worldPerBuilding(scene);
+        sensors = workPlaneSensors(scene.mesh, scene.up, plane);
+    }
     if (sensors) {
         const StageTimer timer(run, "sensors");
         std::vector<compute::Sensor> points;
@@ -79,10 +91,17 @@ void execute(Run& run, const IlluminanceArguments& arguments) {
         run.warn(
             fmt::format("{} of {} sensors lie in no room and stay dark", outside, sensors->points.size()));
     const std::vector<compute::Moment> moments = solveLight(run, *transport, std::span(&sky, 1));
-    const std::vector<compute::LightParts>& parts = sensors ? moments[0].sensors : moments[0].patches;
+    const std::vector<compute::LightParts>& parts = perPatch ? moments[0].patches : moments[0].sensors;
     reportLux(run, parts);
     geometry::writeWholeText(arguments.output,
-                             sensors ? sensorTable(*sensors, parts) : patchTable(scene, parts));
+                             perPatch ? patchTable(scene, parts) : sensorTable(*sensors, parts));
+    if (!arguments.plan.empty()) {
+        std::vector<double> lux;
+        for (const compute::LightParts& p : moments[0].sensors)
+            lux.push_back(compute::photometric(p.total()));
+        planChart(scene, sensors->points, sensors->normals, lux, luxScale(lux), "Illuminance")
+            .write(arguments.plan);
+    }
 }
 
 } // namespace heliodon::app

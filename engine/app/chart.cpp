@@ -1,0 +1,210 @@
+#include "engine/app/chart.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <opencv2/imgproc.hpp>
+
+#include "engine/passes/false_colour.h"
+#include "engine/passes/image_file.h"
+#include "geometry/input_error.h"
+#include "geometry/whole_file.h"
+
+namespace heliodon::app {
+
+namespace {
+
+constexpr double kPngScale = 2;
+constexpr int kShift = 4; // fractional bits of OpenCV's polygon corners
+
+std::string hex(Ink ink) {
+    return fmt::format("#{:02x}{:02x}{:02x}", ink[0], ink[1], ink[2]);
+}
+
+std::string escaped(const std::string& words) {
+    std::string result;
+    for (char letter : words)
+        result += letter == '&' ? "&amp;" : letter == '<' ? "&lt;" : std::string(1, letter);
+    return result;
+}
+
+std::string number(double value) {
+    return value >= 1000 ? fmt::format("{:.3g}k", value / 1000) : fmt::format("{:.3g}", value);
+}
+
+} // namespace
+
+void Chart::fill(std::vector<glm::dvec2> outline, Ink ink) {
+    items_.push_back({Item::Kind::fill, std::move(outline), ink, 0, {}, Anchor::start, false});
+}
+
+void Chart::rectangle(double x, double y, double width, double height, Ink ink) {
+    fill({{x, y}, {x + width, y}, {x + width, y + height}, {x, y + height}}, ink);
+}
+
+void Chart::line(std::vector<glm::dvec2> points, Ink ink, double thickness) {
+    items_.push_back({Item::Kind::line, std::move(points), ink, thickness, {}, Anchor::start, false});
+}
+
+void Chart::text(glm::dvec2 at, const std::string& words, double size, Anchor anchor, Ink ink, bool halo) {
+    items_.push_back({Item::Kind::text, {at}, ink, size, words, anchor, halo});
+}
+
+void Chart::write(const std::filesystem::path& file) const {
+    if (file.extension() == ".svg")
+        geometry::writeWholeText(file, svg());
+    else if (file.extension() == ".png")
+        writePng(file);
+    else
+        throw geometry::InputError(file.string(), "", "is no kind of drawing, expected .png or .svg");
+}
+
+std::string Chart::svg() const {
+    std::string text =
+        fmt::format("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:g}\" height=\"{1:g}\" "
+                    "viewBox=\"0 0 {0:g} {1:g}\" font-family=\"sans-serif\">\n"
+                    "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
+                    width_, height_);
+    for (const Item& item : items_) {
+        std::string points;
+        for (glm::dvec2 p : item.points) points += fmt::format("{:.2f},{:.2f} ", p.x, p.y);
+        if (!points.empty()) points.pop_back();
+        switch (item.kind) {
+        case Item::Kind::fill: // a hairline of its own colour closes the seams between neighbours
+            text +=
+                fmt::format("<polygon points=\"{0}\" fill=\"{1}\" stroke=\"{1}\" stroke-width=\"0.3\"/>\n",
+                            points, hex(item.ink));
+            break;
+        case Item::Kind::line:
+            text += fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{:g}\" "
+                                "stroke-linecap=\"round\"/>\n",
+                                points, hex(item.ink), item.size);
+            break;
+        case Item::Kind::text:
+            text += fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"{:g}\" text-anchor=\"{}\" "
+                                "fill=\"{}\"{}>{}</text>\n",
+                                item.points[0].x, item.points[0].y, item.size,
+                                item.anchor == Anchor::start    ? "start"
+                                : item.anchor == Anchor::middle ? "middle"
+                                                                : "end",
+                                hex(item.ink),
+                                item.halo ? " stroke=\"#fff\" stroke-width=\"3\" paint-order=\"stroke\"" : "",
+                                escaped(item.words));
+            break;
+        }
+    }
+    return text + "</svg>\n";
+}
+
+void Chart::writePng(const std::filesystem::path& file) const {
+    cv::Mat canvas(static_cast<int>(std::lround(kPngScale * height_)),
+                   static_cast<int>(std::lround(kPngScale * width_)), CV_8UC3, cv::Scalar(255, 255, 255));
+    const auto scalar = [](Ink ink) { return cv::Scalar(ink[0], ink[1], ink[2]); };
+    const auto fixed = [](glm::dvec2 p) {
+        return cv::Point(static_cast<int>(std::lround(p.x * kPngScale * (1 << kShift))),
+                         static_cast<int>(std::lround(p.y * kPngScale * (1 << kShift))));
+    };
+    for (const Item& item : items_) {
+        std::vector<cv::Point> points;
+        for (glm::dvec2 p : item.points) points.push_back(fixed(p));
+        const int thickness = std::max(1, static_cast<int>(std::lround(item.size * kPngScale)));
+        if (item.kind == Item::Kind::fill) {
+            cv::fillConvexPoly(canvas, points, scalar(item.ink), cv::LINE_8, kShift);
+        } else if (item.kind == Item::Kind::line) {
+            cv::polylines(canvas, std::vector{points}, false, scalar(item.ink), thickness, cv::LINE_AA,
+                          kShift);
+        } else {
+            constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
+            const double scale = item.size * kPngScale / 30; // its capitals are 22 pixels tall at scale 1
+            const int pen = item.size > 13 ? 2 : 1;
+            int below = 0;
+            const cv::Size box = cv::getTextSize(item.words, kFont, scale, pen, &below);
+            cv::Point at(static_cast<int>(std::lround(item.points[0].x * kPngScale)),
+                         static_cast<int>(std::lround(item.points[0].y * kPngScale)));
+            at.x -= item.anchor == Anchor::middle ? box.width / 2
+                    : item.anchor == Anchor::end  ? box.width
+                                                  : 0;
+            if (item.halo)
+                cv::putText(canvas, item.words, at, kFont, scale, cv::Scalar(255, 255, 255), pen + 5,
+                            cv::LINE_AA);
+            cv::putText(canvas, item.words, at, kFont, scale, scalar(item.ink), pen, cv::LINE_AA);
+        }
+    }
+    passes::Image8 image{canvas.cols, canvas.rows, {}};
+    image.rgb.assign(canvas.datastart, canvas.dataend);
+    passes::writePng(image, file);
+}
+
+double ValueScale::share(double value) const {
+    if (logarithmic) {
+        if (value <= low) return 0;
+        return std::min(1.0, std::log(value / low) / std::log(high / low));
+    }
+    return std::clamp((value - low) / (high - low), 0.0, 1.0);
+}
+
+Ink ValueScale::ink(double value) const {
+    const glm::vec3 colour = passes::viridis(share(value));
+    Ink ink;
+    for (int c = 0; c < 3; ++c) ink[static_cast<size_t>(c)] = static_cast<uint8_t>(255 * colour[c] + 0.5f);
+    return ink;
+}
+
+ValueScale luxScale(std::vector<double> lux) {
+    std::erase_if(lux, [](double v) { return !(v > 0); });
+    std::sort(lux.begin(), lux.end());
+    const auto quantile = [&](double q) {
+        return lux.empty() ? 100.0 : lux[static_cast<size_t>(q * static_cast<double>(lux.size() - 1))];
+    };
+    ValueScale scale;
+    scale.logarithmic = true;
+    scale.unit = "lux";
+    // From and to the next of 1, 2, 5 times a power of ten.
+    const auto step = [](double v, bool up) {
+        const double decade = std::pow(10, std::floor(std::log10(v) + 1e-9));
+        double best = up ? 10 * decade : decade;
+        for (double lead : {1.0, 2.0, 5.0, 10.0})
+            if (up ? lead * decade >= v * (1 - 1e-9) && lead * decade < best : lead * decade <= v)
+                best = lead * decade;
+        return best;
+    };
+    scale.low = step(std::max(quantile(0.01), 0.1), false);
+    scale.high = step(std::max(quantile(0.995), 1.0), true);
+    if (scale.high < 5 * scale.low) scale.high = step(5 * scale.low, true);
+    for (double decade = std::pow(10, std::floor(std::log10(scale.low) + 1e-9)); decade <= scale.high * 1.001;
+         decade *= 10)
+        for (double lead : {1.0, 2.0, 5.0}) {
+            const double v = lead * decade;
+            if (v >= scale.low * 0.999 && v <= scale.high * 1.001 &&
+                (scale.high / scale.low < 3000 || lead == 1))
+                scale.ticks.push_back(v);
+        }
+    return scale;
+}
+
+ValueScale percentScale() {
+    ValueScale scale;
+    for (int v = 0; v <= 100; v += 10) scale.ticks.push_back(v);
+    return scale;
+}
+
+void drawScale(Chart& chart, const ValueScale& scale, glm::dvec2 at, double height) {
+    constexpr double kWidth = 16;
+    constexpr int kSteps = 128;
+    for (int k = 0; k < kSteps; ++k) {
+        const double t = (k + 0.5) / kSteps;
+        const double value = scale.logarithmic ? scale.low * std::pow(scale.high / scale.low, t)
+                                               : scale.low + t * (scale.high - scale.low);
+        chart.rectangle(at.x, at.y + height * (1 - (k + 1.0) / kSteps), kWidth, height / kSteps + 0.3,
+                        scale.ink(value));
+    }
+    for (double tick : scale.ticks) {
+        const double y = at.y + height * (1 - scale.share(tick));
+        chart.line({{at.x + kWidth, y}, {at.x + kWidth + 4, y}}, kBlack, 0.8);
+        chart.text({at.x + kWidth + 7, y + 4}, number(tick), 11);
+    }
+    chart.text({at.x, at.y - 8}, scale.unit, 12);
+}
+
+} // namespace heliodon::app

@@ -1,0 +1,73 @@
+// Flat drawings for reports: polygons, lines and words, written as SVG or, drawn twice as large, as PNG.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <glm/vec2.hpp>
+
+namespace heliodon::app {
+
+using Ink = std::array<uint8_t, 3>; // sRGB
+inline constexpr Ink kBlack{20, 20, 20}, kGrey{130, 130, 130}, kPaper{255, 255, 255};
+
+enum class Anchor { start, middle, end };
+
+class Chart {
+public:
+    Chart(double width, double height) : width_(width), height_(height) {}
+
+    // Coordinates in pixels of the SVG, y down. What is drawn later lies on top.
+    void fill(std::vector<glm::dvec2> outline, Ink ink);
+    void rectangle(double x, double y, double width, double height, Ink ink);
+    void line(std::vector<glm::dvec2> points, Ink ink, double thickness);
+    // `at`: left end, middle or right end of the baseline; letters about `size` pixels tall. ASCII. With a
+    // halo, words stay legible on any colour.
+    void text(glm::dvec2 at, const std::string& words, double size, Anchor anchor = Anchor::start,
+              Ink ink = kBlack, bool halo = false);
+
+    double width() const { return width_; }
+    double height() const { return height_; }
+
+    // By extension, .svg or .png; whole or not at all.
+    void write(const std::filesystem::path& file) const;
+
+private:
+    struct Item {
+        enum class Kind { fill, line, text } kind;
+        std::vector<glm::dvec2> points;
+        Ink ink;
+        double size = 0;
+        std::string words;
+        Anchor anchor = Anchor::start;
+        bool halo = false;
+    };
+    std::string svg() const;
+    void writePng(const std::filesystem::path& file) const;
+
+    double width_, height_;
+    std::vector<Item> items_;
+};
+
+// A scale of colours with what its numbers mean.
+struct ValueScale {
+    double low = 0, high = 100;
+    bool logarithmic = false;
+    std::string unit = "%";
+    std::vector<double> ticks; // numbers beside the bar, and lines of equal value in plans
+
+    double share(double value) const; // 0 at low, 1 at high, clamped
+    Ink ink(double value) const;      // viridis
+};
+
+// Whole decades (1, 2, 5 as ticks) that hold nearly all of the positive values.
+ValueScale luxScale(std::vector<double> lux);
+ValueScale percentScale();
+
+// A bar with numbers, `height` tall, its left edge at `at`.
+void drawScale(Chart& chart, const ValueScale& scale, glm::dvec2 at, double height);
+
+} // namespace heliodon::app

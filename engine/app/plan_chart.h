@@ -1,0 +1,20 @@
+// A plan of the rooms seen from above with values of sensors as colours and lines of equal value.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "engine/app/chart.h"
+#include "engine/app/scene_input.h"
+
+namespace heliodon::app {
+
+// Sensors that look up and stand over a floor are shown, the first of several at one place; between them the
+// value is linear over Delaunay triangles of each room, out to the walls that of the nearest sensor.
+Chart planChart(const Scene& scene, std::span<const glm::dvec3> points, std::span<const glm::dvec3> normals,
+                std::span<const double> values, const ValueScale& scale, const std::string& title);
+
+// World metres a metre of building: a sketch's model is 12 times smaller than what it stands for.
+double worldPerBuilding(const Scene& scene);
+
+} // namespace heliodon::app

@@ -1,0 +1,93 @@
+// `heliodon annual` and the plans as a user runs them.
+#include <nlohmann/json.hpp>
+
+#include "engine/app/table_file.h"
+#include "tests/app/program.h"
+
+namespace heliodon::test {
+namespace {
+
+const std::string kOffice = HELIODON_TEST_DATA "/compute/office/model.obj --up z --triangles 300";
+
+class Annual : public InFolder {
+protected:
+    void SetUp() override {
+        InFolder::SetUp();
+        // Two days of March, one record missing its irradiance, and a leap day between them.
+        std::string text = "LOCATION,Somewhere,-,-,TEST,0,41.98,-87.92,-6.0,201.0\n"
+                           "DESIGN CONDITIONS,0\nTYPICAL/EXTREME PERIODS,0\nGROUND TEMPERATURES,0\n"
+                           "HOLIDAYS/DAYLIGHT SAVINGS,Yes,0,0,0\nCOMMENTS 1,\nCOMMENTS 2,\n"
+                           "DATA PERIODS,1,1,Data,Wednesday,2/28,3/1\n";
+        for (const auto& [month, day] : {std::pair{2, 28}, {2, 29}, {3, 1}})
+            for (int hour = 1; hour <= 24; ++hour) {
+                const bool lit = hour >= 8 && hour <= 17, missing = day == 29 && hour == 12;
+                text += "2024," + std::to_string(month) + "," + std::to_string(day) + "," +
+                        std::to_string(hour) + ",0,,5.0,1.0,75,99500,0,1415,300," +
+                        (missing    ? "9999,9999,9999"
+                         : !lit     ? "0,0,0"
+                         : day == 1 ? "100,0,100"
+                                    : "400,500,120") +
+                        ",0,0,0,0,180,3,5,5,16,77777,9,0,10,0.1,0,88,0.2,0,0\r\n";
+            }
+        writeText(folder / "days.epw", text);
+    }
+};
+
+TEST_F(Annual, a_folder_of_results_appears) {
+    const Outcome outcome =
+        heliodon("annual " + kOffice + " --weather " + in("days.epw") + " --ill --temporal 0 -o " +
+                 in("year") + " --report " + in("report.json"));
+    ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
+    const auto summary = nlohmann::json::parse(readText(folder / "year/summary.json"));
+    const size_t sensors = summary["sensors"], records = 72;
+    EXPECT_EQ(summary["records"], records);
+    EXPECT_EQ(summary["occupied"]["hours"], 30);
+    EXPECT_GT(sensors, 50u); // 29.5 m2 of floor, one for 0.37 m2
+    EXPECT_LT(sensors, 100u);
+    for (const char* name : {"sDA300/50", "ASE1000,250"}) {
+        EXPECT_GE(summary[name].get<double>(), 0);
+        EXPECT_LE(summary[name].get<double>(), 100);
+    }
+    const std::vector<float> lux = app::readMatrix(folder / "year/illuminance.npy", sensors, records);
+    for (size_t h = 0; h < records; ++h) EXPECT_EQ(lux[h] > 0, h % 24 >= 7 && h % 24 < 17) << "record " << h;
+    EXPECT_GT(lux[24 + 11], 0.5f * lux[11]); // the missing hour was filled from the day before
+    const std::string metrics = readText(folder / "year/metrics.csv");
+    EXPECT_EQ(static_cast<size_t>(std::count(metrics.begin(), metrics.end(), '\n')), sensors + 1);
+    EXPECT_TRUE(metrics.starts_with("x,y,z,nx,ny,nz,DA300_pct,cDA300_pct,UDI_lt100_pct"))
+        << metrics.substr(0, 80);
+    const std::string ill = readText(folder / "year/illuminance.ill");
+    EXPECT_EQ(static_cast<size_t>(std::count(ill.begin(), ill.end(), '\n')), records);
+    for (const char* picture : {"temporal-mean.png", "temporal-0000.png", "plan-da.png", "plan-udi.png"})
+        EXPECT_GT(std::filesystem::file_size(folder / "year" / picture), 2000u) << picture;
+    const auto report = nlohmann::json::parse(readText(folder / "report.json"));
+    EXPECT_EQ(report["year"]["hours"], records);
+    EXPECT_FALSE(report["skipped"].empty());
+    EXPECT_FALSE(report["warnings"].empty()); // the missing hour
+}
+
+TEST_F(Annual, a_plan_of_illuminance_is_a_drawing) {
+    const std::string command =
+        "illuminance " + kOffice + " --sky overcast --quiet -o " + in("lux.csv") + " --plan ";
+    ASSERT_EQ(heliodon(command + in("plan.svg")).exitCode, 0);
+    const std::string svg = readText(folder / "plan.svg");
+    EXPECT_TRUE(svg.starts_with("<svg")) << svg.substr(0, 40);
+    EXPECT_NE(svg.find("<polyline"), std::string::npos);
+    EXPECT_TRUE(svg.ends_with("</svg>\n"));
+    EXPECT_EQ(heliodon(command + in("plan.gif")).exitCode, 2);
+}
+
+TEST_F(Annual, wrong_words_are_named) {
+    const auto said = [&](const std::string& options) {
+        const Outcome outcome = heliodon("annual " + kOffice + " --weather " + in("days.epw") + " -o " +
+                                         in("bad") + " " + options);
+        EXPECT_EQ(outcome.exitCode, 2);
+        return outcome.output;
+    };
+    EXPECT_NE(said("--occupied 18-8").find("--occupied: '18-8'"), std::string::npos);
+    EXPECT_NE(said("--temporal 5000").find("--temporal: '5000'"), std::string::npos);
+    EXPECT_NE(said("--sensors nowhere.csv").find("nowhere.csv"), std::string::npos);
+    EXPECT_NE(said("--weather nowhere.epw").find("nowhere.epw"), std::string::npos);
+}
+
+} // namespace
+} // namespace heliodon::test
