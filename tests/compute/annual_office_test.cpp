@@ -100,14 +100,16 @@ TEST(Office, hours_of_the_year_are_those_of_radiance) {
             if (reference < 50) continue; // stored as whole lux
             const size_t at = s * skies.size() + h;
             (skies[h].hasSun() ? sunny : sunless).push_back(lux[at] / reference - 1);
-            inside += std::abs(lux[at] - reference) <= error[at] + 0.02 * reference; // Radiance's noise
+            // Radiance's noise; with sun what smearing it over sky patches costs, as found below.
+            const double own = skies[h].hasSun() ? 0.04 : 0.015;
+            inside += std::abs(lux[at] - reference) <= error[at] + own * reference;
         }
     }
     ASSERT_GT(sunless.size(), 500u);
     ASSERT_GT(sunny.size(), 3000u);
     EXPECT_LT(rms(sunless), 0.02);
     EXPECT_LT(rms(sunny), 0.05); // the reference reflects the sun from the four nearest of 577 sky patches
-    EXPECT_GT(static_cast<double>(inside), 0.93 * static_cast<double>(sunny.size() + sunless.size()));
+    EXPECT_GT(static_cast<double>(inside), 0.95 * static_cast<double>(sunny.size() + sunless.size()));
     std::printf("RMS without sun %.2f %%, with sun %.2f %%; %zu of %zu inside their error\n",
                 100 * rms(sunless), 100 * rms(sunny), inside, sunny.size() + sunless.size());
 }
