@@ -86,7 +86,9 @@ TEST_F(Annual, wrong_words_are_named) {
     EXPECT_NE(said("--occupied 18-8").find("--occupied: '18-8'"), std::string::npos);
     EXPECT_NE(said("--temporal 5000").find("--temporal: '5000'"), std::string::npos);
     EXPECT_NE(said("--sensors nowhere.csv").find("nowhere.csv"), std::string::npos);
-    EXPECT_NE(said("--weather nowhere.epw").find("nowhere.epw"), std::string::npos);
+    const Outcome noWeather = heliodon("annual " + kOffice + " --weather nowhere.epw -o " + in("bad"));
+    EXPECT_EQ(noWeather.exitCode, 2);
+    EXPECT_NE(noWeather.output.find("nowhere.epw"), std::string::npos);
 }
 
 } // namespace
