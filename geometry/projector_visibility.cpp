@@ -36,6 +36,7 @@ double cross(glm::dvec2 u, glm::dvec2 v) {
 struct PlaneView {
     bool front = false;
     double height = 0; // of the projector over the plane
+    double reach = 0;  // round the foot: beyond it n . d is too small
     glm::dvec2 foot{};
     std::vector<ConvexOutline> shadows;
     std::vector<std::pair<glm::dvec2, double>> borders; // inside where dot(first, p) > second
@@ -150,6 +151,10 @@ private:
             view.front = view.height > 0;
             if (view.front) {
                 view.foot = plane.frame.flat(centre);
+                view.reach =
+                    options_.leastCosine > 0
+                        ? view.height * std::sqrt(1 / (options_.leastCosine * options_.leastCosine) - 1)
+                        : std::numeric_limits<double>::infinity();
                 for (const ConvexSolid& solid : solids_) {
                     ConvexOutline shadow = shadowOnPlane(solid, centre, plane.frame, kSkin);
                     if (!shadow.points.empty()) view.shadows.push_back(std::move(shadow));
@@ -167,13 +172,20 @@ private:
     void findCuts(Piece& piece) const {
         const glm::dvec2 low = glm::min(piece.corner[0], glm::min(piece.corner[1], piece.corner[2]));
         const glm::dvec2 high = glm::max(piece.corner[0], glm::max(piece.corner[1], piece.corner[2]));
+        std::vector<const ConvexOutline*> near;
         for (const PlaneView& view : planes_[piece.plane].views) {
             if (!view.front || !mayReach(view, piece)) continue;
-            std::vector<const ConvexOutline*> near;
-            for (const ConvexOutline& shadow : view.shadows)
-                if (shadow.low.x < high.x && shadow.low.y < high.y && shadow.high.x > low.x &&
-                    shadow.high.y > low.y)
-                    near.push_back(&shadow);
+            near.clear();
+            bool dark = false;
+            for (const ConvexOutline& shadow : view.shadows) {
+                if (shadow.low.x >= high.x || shadow.low.y >= high.y || shadow.high.x <= low.x ||
+                    shadow.high.y <= low.y)
+                    continue;
+                dark = std::ranges::all_of(piece.corner, [&](glm::dvec2 p) { return shadow.contains(p); });
+                if (dark) break;
+                near.push_back(&shadow);
+            }
+            if (dark) continue;
             for (const ConvexOutline* shadow : near) cutAlong(*shadow, near, piece);
             for (const auto& [n, offset] : view.borders) cutAcross(n, offset, piece);
             cutAlongLimit(view, piece);
@@ -184,9 +196,11 @@ private:
     // of the triangle and leave it by less than kChord.
     void cutAlongLimit(const PlaneView& view, Piece& piece) const {
         constexpr double kChord = 2e-4; // metres
-        const double c = options_.leastCosine;
-        if (c <= 0) return;
-        const double radius = view.height * std::sqrt(1 / (c * c) - 1);
+        const double radius = view.reach;
+        if (!std::isfinite(radius)) return;
+        const bool inside = std::ranges::all_of(
+            piece.corner, [&](glm::dvec2 p) { return glm::length(p - view.foot) <= radius; });
+        if (inside) return;
         std::vector<glm::dvec2> on;
         for (size_t k = 0; k < 3; ++k) {
             const glm::dvec2 a = piece.corner[k] - view.foot, e = piece.corner[(k + 1) % 3] - piece.corner[k];
@@ -225,12 +239,21 @@ private:
         return {v.x * std::cos(angle) - v.y * std::sin(angle), v.x * std::sin(angle) + v.y * std::cos(angle)};
     }
 
-    // False when the whole piece lies outside one border of the picture.
+    // The circle of the least n . d may cut a side between two corners that lie outside it.
+    static bool nearCircle(const PlaneView& view, const Piece& piece) {
+        const double size = std::max(glm::length(piece.corner[1] - piece.corner[0]),
+                                     glm::length(piece.corner[2] - piece.corner[0]));
+        return glm::length(piece.corner[0] - view.foot) < view.reach + size;
+    }
+
+    // False when the whole piece lies outside one border of the picture, or is lit too flatly.
     static bool mayReach(const PlaneView& view, const Piece& piece) {
         for (const auto& [n, offset] : view.borders)
             if (std::ranges::all_of(piece.corner, [&](glm::dvec2 p) { return glm::dot(n, p) <= offset; }))
                 return false;
-        return true;
+        return std::ranges::any_of(piece.corner,
+                                   [&](glm::dvec2 p) { return glm::length(p - view.foot) < view.reach; }) ||
+               nearCircle(view, piece);
     }
 
     void cutAcross(glm::dvec2 n, double offset, Piece& piece) const {
@@ -248,6 +271,11 @@ private:
         for (size_t i = 0; i < shadow.points.size(); ++i) {
             Cut cut{{shadow.points[i], shadow.points[(i + 1) % shadow.points.size()]}};
             const glm::dvec2 d = cut.end[1] - cut.end[0];
+            // Most outlines pass by: all corners on one side.
+            const double s0 = cross(d, piece.corner[0] - cut.end[0]),
+                         s1 = cross(d, piece.corner[1] - cut.end[0]),
+                         s2 = cross(d, piece.corner[2] - cut.end[0]);
+            if ((s0 > 0 && s1 > 0 && s2 > 0) || (s0 < 0 && s1 < 0 && s2 < 0)) continue;
             if (!clipToTriangle(piece.corner, cut)) continue;
             const glm::dvec2 outward = kNudge * glm::normalize(glm::dvec2(d.y, -d.x));
             std::vector<double> at{0, 1};

@@ -240,6 +240,7 @@ private:
     struct Break {
         double at; // inches along the run
         glm::dvec2 point;
+        bool corner = false; // of the outline: floor and ceiling turn there, if by ever so little
     };
     struct RunGrid {
         std::vector<Break> columns;
@@ -298,7 +299,7 @@ private:
         grid.rows = {0, ceiling};
         for (size_t k = 0; k <= run.count; ++k) {
             const glm::dvec2 p = loop.points[(run.first + k) % loop.points.size()];
-            addBreak(grid.columns, {along(run, p), p});
+            addBreak(grid.columns, {along(run, p), p, true});
             const double height = loop.edges[(run.first + k) % loop.points.size()].height;
             if (k < run.count && height > 0 && height < ceiling) addRow(grid.rows, height);
         }
@@ -386,6 +387,9 @@ private:
                          {size_t{row} * (columns + 1) + column, size_t{row + 1} * (columns + 1) + column})
                         keep[at] = keep[at + 1] = true;
             }
+        for (uint32_t column = 0; column <= columns; ++column)
+            for (uint32_t row = 0; grid.columns[column].corner && row <= rows; ++row)
+                keep[size_t{row} * (columns + 1) + column] = true;
         const uint32_t wallSurface = surfaceOfRun(r);
         std::map<int, uint32_t> glassSurface;
         for (const GridFace& gridFace : gridFaces(columns, rows, labels, keep)) {
