@@ -1,15 +1,14 @@
 #include "geometry/cut_triangle.h"
 
+#include <algorithm>
 #include <cmath>
 
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wconversion"
-#pragma GCC diagnostic ignored "-Wshadow"
+#include <glm/geometric.hpp>
+
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangulation_face_base_with_info_2.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
-#pragma GCC diagnostic pop
 
 namespace heliodon::geometry {
 
@@ -56,9 +55,119 @@ void markOutside(Triangulation& t, int borderCount) {
         }
 }
 
+// Where all segments run from border to border: convex cells, divided by one segment after the other.
+class ChordCutter {
+public:
+    explicit ChordCutter(const std::vector<glm::dvec2>& border) {
+        out_.points = border;
+        cells_.emplace_back(border.size());
+        for (uint32_t i = 0; i < border.size(); ++i) cells_[0][i] = i;
+    }
+
+    void cut(int from, int to) {
+        const glm::dvec2 a = out_.points[static_cast<size_t>(from)],
+                         d = out_.points[static_cast<size_t>(to)] - a;
+        crossings_.clear();
+        for (size_t c = 0, n = cells_.size(); c < n; ++c) divide(c, a, d / glm::length(d));
+    }
+
+    // Ears of the largest smallest angle first: points on one side of the border make flat ones.
+    CutResult triangles() {
+        for (std::vector<uint32_t>& cell : cells_)
+            while (cell.size() >= 3) {
+                const size_t n = cell.size();
+                size_t best = n;
+                double most = kFlat;
+                for (size_t i = 0; i < n; ++i) {
+                    const double sine =
+                        smallestSine(corner(cell, i + n - 1), corner(cell, i), corner(cell, i + 1));
+                    if (sine <= most || (n > 3 && flatWithout(cell, i))) continue;
+                    most = sine;
+                    best = i;
+                }
+                if (best == n) break; // nothing but a line is left
+                out_.triangles.push_back({cell[(best + n - 1) % n], cell[best], cell[(best + 1) % n]});
+                cell.erase(cell.begin() + static_cast<std::ptrdiff_t>(best));
+            }
+        return std::move(out_);
+    }
+
+private:
+    static constexpr double kFlat = 1e-9;
+    static constexpr double kOnLine = 1e-8; // metres
+
+    static double cross(glm::dvec2 u, glm::dvec2 v) { return u.x * v.y - u.y * v.x; }
+    glm::dvec2 corner(const std::vector<uint32_t>& cell, size_t i) const {
+        return out_.points[cell[i % cell.size()]];
+    }
+
+    // All corners but i lie on a line: what is left would have no area, and its points no triangle.
+    bool flatWithout(const std::vector<uint32_t>& cell, size_t i) const {
+        const size_t n = cell.size();
+        const glm::dvec2 a = corner(cell, i + 1), d = corner(cell, i + n - 1) - a;
+        for (size_t k = 2; k + 1 < n; ++k)
+            if (std::abs(cross(d, corner(cell, i + k) - a)) > kFlat * glm::dot(d, d)) return false;
+        return true;
+    }
+
+    static double smallestSine(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {
+        const double u = glm::length(b - a), v = glm::length(c - b), w = glm::length(a - c);
+        return cross(b - a, c - a) / std::max({u * v, v * w, w * u});
+    }
+
+    void divide(size_t c, glm::dvec2 a, glm::dvec2 direction) {
+        const std::vector<uint32_t> cell = cells_[c];
+        side_.clear();
+        bool left = false, right = false;
+        for (const uint32_t i : cell) {
+            const double s = cross(direction, out_.points[i] - a);
+            side_.push_back(std::abs(s) < kOnLine ? 0 : s);
+            left = left || side_.back() > 0;
+            right = right || side_.back() < 0;
+        }
+        if (!left || !right) return;
+        std::vector<uint32_t> more, less;
+        for (size_t i = 0, n = cell.size(); i < n; ++i) {
+            const size_t j = (i + 1) % n;
+            if (side_[i] >= 0) more.push_back(cell[i]);
+            if (side_[i] <= 0) less.push_back(cell[i]);
+            if (side_[i] * side_[j] < 0) {
+                const uint32_t x = crossing(cell[i], cell[j], side_[i] / (side_[i] - side_[j]));
+                more.push_back(x);
+                less.push_back(x);
+            }
+        }
+        cells_[c] = std::move(more);
+        cells_.push_back(std::move(less));
+    }
+
+    // Shared by the two cells on either side.
+    uint32_t crossing(uint32_t i, uint32_t j, double t) {
+        const std::pair<uint32_t, uint32_t> key = std::minmax(i, j);
+        for (const auto& [edge, point] : crossings_)
+            if (edge == key) return point;
+        crossings_.emplace_back(key, static_cast<uint32_t>(out_.points.size()));
+        out_.points.push_back(out_.points[i] + t * (out_.points[j] - out_.points[i]));
+        return crossings_.back().second;
+    }
+
+    CutResult out_;
+    std::vector<std::vector<uint32_t>> cells_;
+    std::vector<std::pair<std::pair<uint32_t, uint32_t>, uint32_t>> crossings_;
+    std::vector<double> side_;
+};
+
 } // namespace
 
 CutResult cutTriangle(const std::vector<glm::dvec2>& border, const std::vector<CutSegment>& segments) {
+    const bool chords = std::ranges::all_of(
+        segments, [](const CutSegment& s) { return s.border[0] >= 0 && s.border[1] >= 0; });
+    if (chords) {
+        ChordCutter cutter(border);
+        for (const CutSegment& s : segments)
+            if (s.border[0] != s.border[1]) cutter.cut(s.border[0], s.border[1]);
+        return cutter.triangles();
+    }
     Triangulation t;
     std::vector<Triangulation::Vertex_handle> handles;
     for (const glm::dvec2 p : border) {

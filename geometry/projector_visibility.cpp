@@ -11,6 +11,7 @@
 #include <set>
 #include <stdexcept>
 #include <tuple>
+#include <unordered_map>
 
 #include <glm/geometric.hpp>
 
@@ -319,7 +320,19 @@ private:
 
     struct EdgeKey {
         uint32_t a, b;
-        auto operator<=>(const EdgeKey&) const = default;
+        bool operator==(const EdgeKey&) const = default;
+    };
+
+    struct Hash {
+        template<size_t N> size_t operator()(const std::array<uint32_t, N>& key) const {
+            uint64_t hash = 0;
+            for (const uint32_t value : key) {
+                hash = (hash ^ value) * 0x9E3779B97F4A7C15ull;
+                hash ^= hash >> 32;
+            }
+            return hash;
+        }
+        size_t operator()(const EdgeKey& key) const { return (*this)(std::array<uint32_t, 2>{key.a, key.b}); }
     };
 
     static EdgeKey edgeKey(const Piece& piece, int k) {
@@ -362,8 +375,9 @@ private:
     }
 
     uint32_t edgeVertex(EdgeKey edge, size_t index, uint32_t surface) {
-        const auto [place, isNew] = edgeVertices_.try_emplace({edge.a, edge.b, index, surface},
-                                                              static_cast<uint32_t>(out_.vertices.size()));
+        const auto [place, isNew] =
+            edgeVertices_.try_emplace({edge.a, edge.b, static_cast<uint32_t>(index), surface},
+                                      static_cast<uint32_t>(out_.vertices.size()));
         if (isNew) {
             const double t = edgeCuts_.at(edge)[index];
             addVertex(mesh_.vertices[edge.a] + t * (mesh_.vertices[edge.b] - mesh_.vertices[edge.a]),
@@ -458,6 +472,7 @@ private:
                      const std::array<glm::dvec2, 3>& corner) {
         out_.triangles.insert(out_.triangles.end(), {a, b, c});
         out_.sourcePatch.push_back(static_cast<uint32_t>(piece.patch));
+        planeOf_.push_back(static_cast<uint32_t>(piece.plane));
         const glm::dvec2 middle = (corner[0] + corner[1] + corner[2]) / 3.0;
         uint32_t seen = 0;
         for (size_t p = 0; p < projectors_.size(); ++p)
@@ -489,9 +504,10 @@ private:
         std::vector<glm::dvec3> normal(out_.vertices.size());
         for (size_t t = 0; t < out_.triangleCount(); ++t)
             for (size_t k = 0; k < 3; ++k)
-                normal[out_.triangles[3 * t + k]] = patchNormal(mesh_, out_.sourcePatch[t]);
+                normal[out_.triangles[3 * t + k]] = planes_[planeOf_[t]].frame.normal;
+        const Neighbours around = neighbours();
         for (size_t p = 0; p < count; ++p) {
-            const std::vector<double> distance = distanceFromDark(common, p);
+            const std::vector<double> distance = distanceFromDark(common, p, around);
             for (size_t v = 0; v < out_.vertices.size(); ++v) {
                 if (common[v] == 0xffffffffu || !(common[v] >> p & 1u)) continue;
                 const glm::dvec3 d = projectors_[p].centre() - out_.vertices[v];
@@ -526,16 +542,33 @@ private:
             }
     }
 
-    // Along edges of the mesh (Dijkstra with the fade's length as limit), from vertices of a surface that p
-    // does not see.
-    std::vector<double> distanceFromDark(const std::vector<uint32_t>& common, size_t p) const {
-        std::vector<double> distance(out_.vertices.size(), std::numeric_limits<double>::infinity());
-        std::vector<std::vector<uint32_t>> around(out_.vertices.size());
+    // The vertices at the other ends of visible triangles' edges, as lists one after the other.
+    struct Neighbours {
+        std::vector<uint32_t> first, vertices;
+    };
+
+    Neighbours neighbours() const {
+        Neighbours out;
+        out.first.assign(out_.vertices.size() + 1, 0);
+        for (size_t t = 0; t < out_.triangleCount(); ++t)
+            for (size_t k = 0; k < 3 && out_.visible[t]; ++k) out.first[out_.triangles[3 * t + k] + 1] += 2;
+        for (size_t v = 1; v < out.first.size(); ++v) out.first[v] += out.first[v - 1];
+        out.vertices.resize(out.first.back());
+        std::vector<uint32_t> at(out.first.begin(), out.first.end() - 1);
         for (size_t t = 0; t < out_.triangleCount(); ++t)
             for (size_t k = 0; k < 3 && out_.visible[t]; ++k) {
-                around[out_.triangles[3 * t + k]].push_back(out_.triangles[3 * t + (k + 1) % 3]);
-                around[out_.triangles[3 * t + (k + 1) % 3]].push_back(out_.triangles[3 * t + k]);
+                const uint32_t v = out_.triangles[3 * t + k];
+                out.vertices[at[v]++] = out_.triangles[3 * t + (k + 1) % 3];
+                out.vertices[at[v]++] = out_.triangles[3 * t + (k + 2) % 3];
             }
+        return out;
+    }
+
+    // Along edges of the mesh (Dijkstra with the fade's length as limit), from vertices of a surface that p
+    // does not see.
+    std::vector<double> distanceFromDark(const std::vector<uint32_t>& common, size_t p,
+                                         const Neighbours& around) const {
+        std::vector<double> distance(out_.vertices.size(), std::numeric_limits<double>::infinity());
         std::set<std::pair<double, uint32_t>> front;
         for (uint32_t v = 0; v < out_.vertices.size(); ++v)
             if (common[v] != 0xffffffffu && !(common[v] >> p & 1u)) {
@@ -546,7 +579,8 @@ private:
             const auto [d, v] = *front.begin();
             front.erase(front.begin());
             if (d > options_.falloff) break;
-            for (const uint32_t w : around[v]) {
+            for (uint32_t i = around.first[v]; i < around.first[v + 1]; ++i) {
+                const uint32_t w = around.vertices[i];
                 const double through = d + glm::length(out_.vertices[w] - out_.vertices[v]);
                 if (through >= distance[w]) continue;
                 front.erase({distance[w], w});
@@ -579,9 +613,10 @@ private:
     std::vector<std::array<glm::dvec3, 4>> borders_;
     std::vector<Plane> planes_;
     std::vector<Piece> pieces_;
-    std::map<EdgeKey, std::vector<double>> edgeCuts_;
-    std::map<std::pair<uint32_t, uint32_t>, uint32_t> corners_;
-    std::map<std::tuple<uint32_t, uint32_t, size_t, uint32_t>, uint32_t> edgeVertices_;
+    std::unordered_map<EdgeKey, std::vector<double>, Hash> edgeCuts_;
+    std::unordered_map<std::array<uint32_t, 2>, uint32_t, Hash> corners_;
+    std::unordered_map<std::array<uint32_t, 4>, uint32_t, Hash> edgeVertices_;
+    std::vector<uint32_t> planeOf_; // per triangle
     ProjectorMesh out_;
 };
 

@@ -16,6 +16,8 @@ using namespace heliodon::geometry;
 
 namespace {
 
+constexpr int kRays = 100000;
+
 // Looks from `from` at `to`, without lens errors.
 OpticalDevice lookingAt(glm::dvec3 from, glm::dvec3 to, double focal = 900) {
     OpticalDevice device;
@@ -44,11 +46,20 @@ Building buildingOf(const std::string& name) {
     return std::move(*closure.building);
 }
 
-// Moeller and Trumbore, front and back; the segment's first `skip` metres are left out.
-bool blocked(const Occluders& occluders, glm::dvec3 from, glm::dvec3 to, double skip) {
+// Moeller and Trumbore, front and back. A solid that rises less than 2.5 mm over the plane at `from` casts no
+// shadow on it: it is the wall that the plane is the face of (outlines are straightened by up to 0.1 in).
+bool blocked(const Occluders& occluders, glm::dvec3 from, glm::dvec3 normal, glm::dvec3 to) {
+    constexpr size_t kIndicesOfPrism = 36;
     const glm::dvec3 d = to - from;
-    const double least = skip / glm::length(d);
+    double highest = 0;
     for (size_t i = 0; i < occluders.triangles.size(); i += 3) {
+        if (i % kIndicesOfPrism == 0) {
+            highest = -1e9;
+            for (size_t k = i; k < i + kIndicesOfPrism; ++k)
+                highest =
+                    std::max(highest, glm::dot(normal, occluders.vertices[occluders.triangles[k]] - from));
+        }
+        if (highest <= 0.0025) continue;
         const glm::dvec3 a = occluders.vertices[occluders.triangles[i]],
                          e1 = occluders.vertices[occluders.triangles[i + 1]] - a,
                          e2 = occluders.vertices[occluders.triangles[i + 2]] - a;
@@ -57,7 +68,7 @@ bool blocked(const Occluders& occluders, glm::dvec3 from, glm::dvec3 to, double 
         if (std::abs(det) < 1e-15) continue;
         const glm::dvec3 s = from - a, q = glm::cross(s, e1);
         const double u = glm::dot(s, p) / det, v = glm::dot(d, q) / det, t = glm::dot(e2, q) / det;
-        if (u >= 0 && v >= 0 && u + v <= 1 && t > least && t < 1) return true;
+        if (u >= 0 && v >= 0 && u + v <= 1 && t > 0 && t < 1) return true;
     }
     return false;
 }
@@ -71,7 +82,8 @@ double areaOf(const ProjectorMesh& mesh, size_t t) {
 } // namespace
 
 TEST(ProjectorVisibility, labels_agree_with_random_rays) {
-    for (const char* name : {"p04_L.json", "i01_mixed.sketch.json"}) {
+    for (const char* name :
+         {"p04_L.json", "p08_cubicle.json", "i01_mixed.sketch.json", "i02_pinwheel.sketch.json"}) {
         const Building building = buildingOf(name);
         const PatchMesh mesh = meshBuilding(building);
         const auto projectors = fourProjectors();
@@ -82,7 +94,7 @@ TEST(ProjectorVisibility, labels_agree_with_random_rays) {
         std::mt19937 random(5);
         std::uniform_real_distribution<double> uniform(0, 1);
         int wrong = 0, asked = 0;
-        for (int k = 0; k < 20000; ++k) {
+        for (int k = 0; k < kRays; ++k) {
             const auto t = static_cast<size_t>(std::ranges::lower_bound(cumulative, uniform(random) * total) -
                                                cumulative.begin());
             double u = uniform(random), v = uniform(random);
@@ -96,19 +108,17 @@ TEST(ProjectorVisibility, labels_agree_with_random_rays) {
             const glm::dvec3 p = a + u * (b - a) + v * (c - a), n = patchNormal(mesh, split.sourcePatch[t]);
             const size_t which = static_cast<size_t>(k) % 4;
             const glm::dvec3 d = glm::normalize(projectors[which].centre() - p);
-            if (std::abs(glm::dot(n, d) - 0.2) < 0.02) continue; // that limit is by triangle, on purpose
             const auto pixel = projectors[which].pixelFromWorld(p);
             const bool inPicture =
                 pixel && pixel->x > -0.5 && pixel->y > -0.5 && pixel->x < 1023.5 && pixel->y < 767.5;
-            // The wall behind a surface begins at the surface itself, or 0.1 in off where outlines were
-            // straightened.
             const bool sees = glm::dot(n, d) > 0.2 && inPicture &&
-                              !blocked(building.occluders, p + 0.003 * n, projectors[which].centre(), 0);
+                              !blocked(building.occluders, p, n, projectors[which].centre());
             ++asked;
             wrong += sees != ((split.visible[t] >> which & 1u) != 0);
         }
-        // 0.1 % is the aim. Points are lifted by 3 mm for the ray, which alone moves shadow edges by as much.
-        EXPECT_LT(wrong, 0.01 * asked) << name << " " << wrong << " of " << asked;
+        printf("%s: %d of %d rays disagree\n", name, wrong, asked);
+        EXPECT_LE(wrong, 0.001 * asked)
+            << name; // of the area: what the paper's meshes leave to a pixel or two
     }
 }
 
@@ -160,7 +170,7 @@ TEST(ProjectorVisibility, area_is_kept_and_triangles_grow_little) {
     double after = 0;
     for (size_t t = 0; t < split.triangleCount(); ++t) after += areaOf(split, t);
     EXPECT_NEAR(after, before, 1e-9 * before);
-    EXPECT_LT(static_cast<double>(split.triangleCount()), 2.2 * static_cast<double>(patches));
+    EXPECT_LT(static_cast<double>(split.triangleCount()), 1.7 * static_cast<double>(patches));
     RecordProperty("milliseconds", std::to_string(ms));
     RecordProperty("growth",
                    std::to_string(static_cast<double>(split.triangleCount()) / static_cast<double>(patches)));
