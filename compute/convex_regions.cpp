@@ -246,6 +246,16 @@ bool pierces(const dvec3& a, const dvec3& b, const ConvexRegion& region, const d
 
 } // namespace
 
+std::vector<uint32_t> planeNumbers(const geometry::PatchMesh& mesh) {
+    std::vector<uint32_t> number(mesh.patchCount(), 0);
+    uint32_t next = 1; // 0: degenerate
+    for (const Plane& plane : planesOf(mesh, sizeOf(mesh))) {
+        for (size_t i : plane.patches) number[i] = next;
+        ++next;
+    }
+    return number;
+}
+
 std::vector<ConvexRegion> blockingRegions(const geometry::PatchMesh& mesh, uint32_t maxCorners) {
     const double size = sizeOf(mesh);
     std::vector<ConvexRegion> regions;

@@ -19,6 +19,9 @@ struct ConvexRegion {
     uint32_t group = 0; // as given to mergedRegions
 };
 
+// A number for each patch; patches of one room and one oriented plane (to within rounding) share it.
+std::vector<uint32_t> planeNumbers(const geometry::PatchMesh& mesh);
+
 // Covers the patches of each plane and room; regions that cannot stand between any two points of their room
 // (all of it on one side) are left out. At most `maxCorners` corners each (at least 4). Where patches of one
 // plane overlap, each is its own region. Cost about n log n for meshed walls, n m in the number m of planes.

@@ -9,24 +9,24 @@
 #include "compute/exact_scene.h"
 #include "compute/gpu/commands.h"
 #include "compute/gpu/device.h"
-#include "compute/gpu/error.h"
 #include "compute/gpu/kernel.h"
 #include "shaders/io/exact_form_factors.io.h"
+#include "spirv/exact_blocks_comp.h"
 #include "spirv/exact_cells_comp.h"
-#include "spirv/exact_classify_comp.h"
 #include "spirv/exact_finish_comp.h"
+#include "spirv/exact_pairs_comp.h"
 #include "spirv/exact_sides_comp.h"
 
 namespace heliodon::compute {
 
 namespace {
 
-constexpr uint32_t kTile = 2304;                      // rows and columns of the matrix handled at once
-constexpr uint32_t kStrip = 128;                      // rows classified by one dispatch
+constexpr uint32_t kTile = 2304;                      // pieces along a side of what is handled at once
 constexpr uint32_t kBatch = 1u << 17;                 // records whose cells are refined together
 constexpr size_t kSumBytes = 12;                      // per record: form factor, its fraction, error
 constexpr uint32_t kMaxCells = 1u << 22;              // of one level of one batch
 constexpr uint32_t kChunk = 65535u * io::kExactGroup; // invocations of one dispatch
+constexpr uint32_t kMostGroups = 65535;
 // Tolerance of one form factor over that of a row. The finer the mesh, the more entries end far below their
 // tolerance (calibrated on rooms of 672 and 2088 patches with partitions; measured errors stay below what is
 // asked).
@@ -47,37 +47,48 @@ private:
 class Solver {
 public:
     Solver(gpu::Device& device, const geometry::PatchMesh& mesh, const ExactOptions& options)
-        : device_(device), options_(options), n_(0) {
-        {
-            Timer timer(statistics.setupSeconds);
-            scene_ = exactScene(device, mesh);
-            n_ = scene_.pieceCount;
-            tolerance_ = static_cast<float>(std::max(options.maxError, 1e-7) * entryShare(n_));
-            chooseSizes();
-            gpu::KernelCache& kernels = device.kernels();
-            sidesKernel_ = &kernels.get(device, exact_sides_comp, "exact_sides");
-            classifyKernel_ = &kernels.get(device, exact_classify_comp, "exact_classify",
-                                           {{"kCorners", scene_.mostCorners}});
-            firstKernel_ = &kernels.get(device, exact_cells_comp, "exact_cells first", {{"kFirstLevel", 1u}});
-            cellsKernel_ = &kernels.get(device, exact_cells_comp, "exact_cells", {{"kFirstLevel", 0u}});
-            finishKernel_ = &kernels.get(device, exact_finish_comp, "exact_finish");
-            makeBuffers();
-        }
+        : device_(device), options_(options) {
+        Timer timer(statistics.setupSeconds);
+        const uint64_t storage = device_.limits().maxStorageBufferRange;
+        const auto side = static_cast<uint32_t>(std::sqrt(static_cast<double>(storage) / 4));
+        scene_ = exactScene(device, mesh, std::min(kTile, side));
+        tolerance_ = static_cast<float>(std::max(options.maxError, 1e-7) * entryShare(scene_.pieceCount));
+        words_ = std::max(1u, (scene_.blockerCount + 31) / 32);
+        gpu::KernelCache& kernels = device.kernels();
+        sidesKernel_ = &kernels.get(device, exact_sides_comp, "exact_sides");
+        blocksKernel_ = &kernels.get(device, exact_blocks_comp, "exact_blocks", {{"kCorners", 4u}});
+        for (uint32_t clear : {0u, 1u})
+            pairsKernel_[clear] = &kernels.get(device, exact_pairs_comp, "exact_pairs",
+                                               {{"kCorners", scene_.mostCorners}, {"kClear", clear}});
+        firstKernel_ = &kernels.get(device, exact_cells_comp, "exact_cells first", {{"kFirstLevel", 1u}});
+        cellsKernel_ = &kernels.get(device, exact_cells_comp, "exact_cells", {{"kFirstLevel", 0u}});
+        finishKernel_ = &kernels.get(device, exact_finish_comp, "exact_finish");
+        makeBuffers(storage);
         statistics.blockers = scene_.blockerCount;
         statistics.closed = scene_.closed;
         statistics.pairs = static_cast<uint64_t>(mesh.patchCount()) * (mesh.patchCount() - 1) / 2;
-        rowSquares_.assign(n_, 0.0);
-    }
-
-    void run() {
-        findSides();
-        for (uint32_t row = 0; row < n_; row += tile_)
-            for (uint32_t column = row; column < n_; column += tile_) runTile(row, column);
+        rowSquares_.assign(scene_.pieceCount, 0.0);
     }
 
     const ExactScene& scene() const { return scene_; }
-    gpu::Buffer takeMatrix() { return std::move(matrix_); }
     const std::vector<double>& rowSquares() const { return rowSquares_; }
+    // The only tile's values; pieces stand in patch order.
+    gpu::Buffer takeMatrix() { return std::move(there_); }
+
+    // Calls `done(a, b)` after each pair of tiles.
+    template<class Done> void run(const Done& done) {
+        for (const ExactTileRange& a : scene_.tiles) {
+            findSides(a, sidesA_);
+            for (const ExactTileRange* b = &a; b < scene_.tiles.data() + scene_.tiles.size(); ++b) {
+                if (b != &a) findSides(*b, sidesB_);
+                runTile(a, *b);
+                done(a, *b);
+            }
+        }
+    }
+
+    const gpu::Buffer& there() const { return there_; }
+    const gpu::Buffer& back() const { return back_; }
 
     ExactStatistics statistics;
 
@@ -87,33 +98,29 @@ private:
     gpu::Binding normal() const { return gpu::texel(scene_.faceNormal, VK_FORMAT_R32G32B32A32_SFLOAT); }
     gpu::Binding centre() const { return gpu::texel(scene_.faceCentre, VK_FORMAT_R32G32B32A32_SFLOAT); }
     gpu::Binding range() const { return gpu::texel(scene_.faceRange, VK_FORMAT_R32G32B32A32_UINT); }
-    gpu::Binding rowsOf(uint32_t first, uint32_t count) const {
-        return gpu::part(matrix_, static_cast<size_t>(first) * n_ * 4, static_cast<size_t>(count) * n_ * 4);
-    }
+    gpu::Binding clusters() const { return gpu::texel(scene_.clusters, VK_FORMAT_R32G32B32A32_UINT); }
+    const gpu::Buffer& sidesOf(bool diagonal) const { return diagonal ? sidesA_ : sidesB_; }
+    const gpu::Buffer& backOf(bool diagonal) const { return diagonal ? there_ : back_; }
 
-    void chooseSizes() {
-        const uint64_t storage = device_.limits().maxStorageBufferRange;
-        tile_ = kTile;
-        // Multiples of 64 rows keep every offset aligned.
-        while (tile_ > 64 && static_cast<uint64_t>(tile_) * n_ * 4 > storage) tile_ -= 64;
-        if (static_cast<uint64_t>(tile_) * n_ * 4 > storage)
-            throw gpu::Error(
-                fmt::format("exact form factors of {} patches: a storage range of {} bytes is too "
-                            "small for 64 rows",
-                            n_, storage));
-        const uint64_t side = std::min(tile_, n_);
-        const uint64_t pairs = n_ <= tile_ ? side * (side - 1) / 2 : side * side;
+    void makeBuffers(uint64_t storage) {
+        uint64_t pieces = 0, mostClusters = 1;
+        for (const ExactTileRange& tile : scene_.tiles) {
+            pieces = std::max<uint64_t>(pieces, tile.pieces);
+            mostClusters = std::max<uint64_t>(mostClusters, tile.clusters);
+        }
+        const bool oneTile = scene_.tiles.size() == 1;
+        const uint64_t pairs = oneTile ? pieces * (pieces - 1) / 2 : pieces * pieces;
         recordCapacity_ =
             static_cast<uint32_t>(std::clamp<uint64_t>(pairs, 1, storage / sizeof(io::ExactRecord)));
         listCapacity_ = static_cast<uint32_t>(std::min<uint64_t>(storage / 4, 1u << 25));
         cellCapacity_ =
             static_cast<uint32_t>(std::min<uint64_t>(storage / (4 * io::kExactCellWords), kMaxCells));
-        words_ = std::max(1u, (scene_.blockerCount + 31) / 32);
-    }
-
-    void makeBuffers() {
-        matrix_ = gpu::Buffer(device_, static_cast<size_t>(n_) * n_ * 4, "form factors");
-        sides_ = gpu::Buffer(device_, static_cast<size_t>(n_) * words_ * 12, "exact sides");
+        there_ = gpu::Buffer(device_, pieces * pieces * 4, "form factors");
+        if (!oneTile) back_ = gpu::Buffer(device_, pieces * pieces * 4, "exact mirror tile");
+        for (gpu::Buffer* sides : {&sidesA_, &sidesB_})
+            *sides = gpu::Buffer(device_, (pieces + mostClusters) * words_ * 12, "exact sides");
+        blocks_ = gpu::Buffer(device_, mostClusters * mostClusters * 4, "exact blocks");
+        masks_ = gpu::Buffer(device_, mostClusters * mostClusters * words_ * 4, "exact masks");
         counters_ = gpu::Buffer(device_, io::kExactCounters * 4, "exact counters", gpu::Place::host);
         records_ = gpu::Buffer(device_, static_cast<size_t>(recordCapacity_) * sizeof(io::ExactRecord),
                                "exact records");
@@ -126,59 +133,84 @@ private:
 
     uint32_t& counter(uint32_t index) { return counters_.mapped<uint32_t>()[index]; }
 
-    void findSides() {
-        Timer timer(statistics.sidesSeconds);
+    void findSides(const ExactTileRange& tile, const gpu::Buffer& sides) {
+        Timer timer(statistics.classifySeconds);
         gpu::Commands commands(device_);
-        commands.fill(matrix_, 0);
-        const io::ExactSidesParams params{n_, scene_.blockerCount, words_};
-        commands.dispatch(*sidesKernel_, {high(), low(), normal(), centre(), range(), sides_}, params,
-                          gpu::groupsFor(static_cast<size_t>(n_) * words_, io::kExactGroup));
+        const io::ExactSidesParams params{scene_.pieceCount, scene_.blockerCount, words_,
+                                          tile.firstPiece,   tile.pieces,         tile.firstCluster,
+                                          tile.clusters};
+        const size_t count = static_cast<size_t>(tile.pieces + tile.clusters) * words_;
+        commands.dispatch(*sidesKernel_, {high(), low(), normal(), centre(), range(), sides}, params,
+                          gpu::groupsFor(count, io::kExactGroup));
+        commands.barrier(gpu::Stage::compute, gpu::Stage::compute);
         device_.submitAndWait(std::move(commands));
     }
 
-    void runTile(uint32_t row, uint32_t column) {
-        const uint32_t rows = std::min(tile_, n_ - row), columns = std::min(tile_, n_ - column);
-        classify(row, rows, column, columns);
+    void runTile(const ExactTileRange& a, const ExactTileRange& b) {
+        classify(a, b);
         const uint32_t visible = std::min(counter(io::kExactVisibleCount), recordCapacity_);
         const uint32_t partial = std::min(counter(io::kExactPartialCount), recordCapacity_ - visible);
         statistics.overflows += counter(io::kExactOverflowCount);
         counter(io::kExactOverflowCount) = 0;
         statistics.visible += visible;
         statistics.partial += partial;
-        integrate(0, visible, row, column);
-        integrate(recordCapacity_ - partial, partial, row, column);
+        integrate(0, visible, a, b);
+        integrate(recordCapacity_ - partial, partial, a, b);
     }
 
-    void classify(uint32_t row, uint32_t rows, uint32_t column, uint32_t columns) {
+    void classify(const ExactTileRange& a, const ExactTileRange& b) {
         Timer timer(statistics.classifySeconds);
+        const bool diagonal = &a == &b;
         for (uint32_t k = 0; k < io::kExactCounters; ++k) counter(k) = 0;
+        gpu::Commands find(device_);
+        find.fill(there_, 0, 0, static_cast<size_t>(a.pieces) * b.pieces * 4);
+        if (!diagonal) find.fill(back_, 0, 0, static_cast<size_t>(a.pieces) * b.pieces * 4);
+        const io::ExactBlocksParams params{scene_.pieceCount, words_,         a.pieces,
+                                           b.pieces,          a.firstCluster, a.clusters,
+                                           b.firstCluster,    b.clusters,     scene_.closed ? 1u : 0u};
+        find.dispatch(*blocksKernel_,
+                      {high(), low(), normal(), centre(), range(), clusters(), sidesA_, sidesOf(diagonal),
+                       counters_, blocks_, masks_},
+                      params, gpu::groupsFor(b.clusters, io::kExactGroup), a.clusters);
+        find.barrier(gpu::Stage::compute, gpu::Stage::any);
+        device_.submitAndWait(std::move(find));
+        const uint32_t clear = counter(io::kExactClearCount), mixed = counter(io::kExactMixedCount);
+        statistics.clearBlocks += clear;
+        statistics.mixedBlocks += mixed;
         gpu::Commands commands(device_);
-        // In strips that begin at the diagonal: idle groups are not free.
-        for (uint32_t strip = row; strip < row + rows; strip += kStrip) {
-            const uint32_t first = std::max(column, strip / io::kExactGroup * io::kExactGroup);
-            if (first >= column + columns) break;
-            const io::ExactClassifyParams params{n_,
-                                                 words_,
-                                                 row,
-                                                 column,
-                                                 strip,
-                                                 first,
-                                                 column + columns,
-                                                 recordCapacity_,
-                                                 listCapacity_,
-                                                 scene_.closed ? 1u : 0u,
-                                                 tolerance_};
-            commands.dispatch(*classifyKernel_,
-                              {high(), low(), normal(), centre(), range(), sides_, counters_, records_,
-                               lists_, rowsOf(row, rows), rowsOf(column, columns)},
-                              params, gpu::groupsFor(column + columns - first, io::kExactGroup),
-                              std::min(kStrip, row + rows - strip));
-        }
-        commands.barrier(gpu::Stage::compute, gpu::Stage::host);
+        recordPairs(commands, a, b, 0, clear, true);
+        recordPairs(commands, a, b, a.clusters * b.clusters - mixed, mixed, false);
+        commands.barrier(gpu::Stage::compute, gpu::Stage::any);
         device_.submitAndWait(std::move(commands));
     }
 
-    void integrate(uint32_t first, uint32_t count, uint32_t row, uint32_t column) {
+    void recordPairs(gpu::Commands& commands, const ExactTileRange& a, const ExactTileRange& b,
+                     uint32_t first, uint32_t count, bool clear) {
+        const bool diagonal = &a == &b;
+        for (uint32_t done = 0; done < count; done += kMostGroups) {
+            const io::ExactPairsParams params{scene_.pieceCount,
+                                              words_,
+                                              first + done,
+                                              a.firstPiece,
+                                              b.firstPiece,
+                                              a.firstCluster,
+                                              b.firstCluster,
+                                              b.clusters,
+                                              a.pieces,
+                                              b.pieces,
+                                              recordCapacity_,
+                                              listCapacity_,
+                                              scene_.closed ? 1u : 0u,
+                                              tolerance_};
+            commands.dispatch(*pairsKernel_[clear ? 1 : 0],
+                              {high(), low(), normal(), centre(), range(), clusters(), sidesA_,
+                               sidesOf(diagonal), counters_, blocks_, masks_, records_, lists_, there_,
+                               backOf(diagonal)},
+                              params, io::kExactStrips, std::min(kMostGroups, count - done));
+        }
+    }
+
+    void integrate(uint32_t first, uint32_t count, const ExactTileRange& a, const ExactTileRange& b) {
         if (count == 0) return;
         Timer timer(statistics.cubatureSeconds);
         gpu::Commands zero(device_);
@@ -187,13 +219,11 @@ private:
         for (uint32_t done = 0; done < count; done += kBatch)
             refine(first + done, std::min(kBatch, count - done));
         gpu::Commands commands(device_);
-        const uint32_t rows = std::min(tile_, n_ - row), columns = std::min(tile_, n_ - column);
         for (uint32_t done = 0; done < count; done += kChunk) {
             const uint32_t part = std::min(kChunk, count - done);
-            const io::ExactFinishParams params{n_, first + done, part, row, column};
-            commands.dispatch(*finishKernel_,
-                              {normal(), records_, sums_, rowsOf(row, rows), rowsOf(column, columns)}, params,
-                              gpu::groupsFor(part, io::kExactGroup));
+            const io::ExactFinishParams params{first + done, part, a.pieces, b.pieces};
+            commands.dispatch(*finishKernel_, {normal(), range(), records_, sums_, there_, backOf(&a == &b)},
+                              params, gpu::groupsFor(part, io::kExactGroup));
         }
         commands.barrier(gpu::Stage::compute, gpu::Stage::host);
         device_.submitAndWait(std::move(commands));
@@ -209,7 +239,8 @@ private:
             for (uint32_t done = 0; done < count; done += kChunk) {
                 const uint32_t part = std::min(kChunk, count - done);
                 const io::ExactCellsParams params{
-                    n_, first + done, part, cellCapacity_, depth >= options_.maxDepth, tolerance_};
+                    scene_.pieceCount,          first + done, part, cellCapacity_,
+                    depth >= options_.maxDepth, tolerance_};
                 commands.dispatch(firstLevel ? *firstKernel_ : *cellsKernel_,
                                   {high(), low(), normal(), centre(), range(), records_, lists_,
                                    cells_[depth % 2], counters_, sums_, cells_[(depth + 1) % 2]},
@@ -241,67 +272,116 @@ private:
 
     gpu::Device& device_;
     ExactOptions options_;
-    uint32_t n_, tile_ = kTile, words_ = 1, recordCapacity_ = 1, listCapacity_ = 1, cellCapacity_ = 1;
+    uint32_t words_ = 1, recordCapacity_ = 1, listCapacity_ = 1, cellCapacity_ = 1;
     float tolerance_ = 0;
     ExactScene scene_;
-    const gpu::Kernel *sidesKernel_, *classifyKernel_, *firstKernel_, *cellsKernel_, *finishKernel_;
-    gpu::Buffer matrix_, sides_, counters_, records_, lists_, sums_, cells_[2];
+    const gpu::Kernel *sidesKernel_, *blocksKernel_, *pairsKernel_[2], *firstKernel_, *cellsKernel_,
+        *finishKernel_;
+    gpu::Buffer there_, back_; // the tile and its mirror image
+    gpu::Buffer sidesA_, sidesB_, blocks_, masks_, counters_, records_, lists_, sums_, cells_[2];
     std::vector<double> rowSquares_;
 };
 
-// Patches that were cut into pieces: F_IJ = sum_i A_i / A_I sum_j F_ij. Rare and small, so on the host.
-gpu::Buffer mergePieces(gpu::Device& device, const ExactScene& scene, const gpu::Buffer& pieces) {
-    const size_t n = scene.patchCount, m = scene.pieceCount;
-    std::vector<double> sums(n * n, 0.0), area(n, 0.0);
-    const std::vector<float> all = pieces.download<float>(m * m);
-    for (size_t i = 0; i < m; ++i) {
-        area[scene.patchOfPiece[i]] += scene.area[i];
-        for (size_t j = 0; j < m; ++j)
-            sums[scene.patchOfPiece[i] * n + scene.patchOfPiece[j]] +=
-                static_cast<double>(scene.area[i]) * static_cast<double>(all[i * m + j]);
+// Hands over one half of a pair of tiles: rows of `a`, columns of `b`. Where patches were cut into pieces,
+// F_IJ = sum_i A_i / A_I sum_j F_ij.
+void handOver(const ExactScene& scene, const ExactTileRange& a, const ExactTileRange& b,
+              const gpu::Buffer& values, const std::function<void(const ExactTile&)>& take) {
+    ExactTile tile{a.firstPatch, a.patches, b.firstPatch, b.patches, values.mapped<float>()};
+    std::vector<float> copy;
+    if (!tile.values) {
+        copy = values.download<float>(static_cast<size_t>(a.pieces) * b.pieces);
+        tile.values = copy.data();
     }
-    std::vector<float> result(n * n);
-    for (size_t k = 0; k < n * n; ++k)
-        result[k] = area[k / n] > 0 ? static_cast<float>(sums[k] / area[k / n]) : 0.0f;
-    return gpu::Buffer::from(device, result, "form factors");
+    std::vector<float> merged;
+    if (a.pieces != a.patches || b.pieces != b.patches) {
+        std::vector<double> sums(static_cast<size_t>(a.patches) * b.patches, 0.0), area(a.patches, 0.0);
+        std::vector<uint32_t> column(b.pieces);
+        for (uint32_t k = b.firstPiece; k < b.firstPiece + b.pieces; ++k)
+            column[scene.placeOfPiece[k]] = scene.patchOfPiece[k] - b.firstPatch;
+        for (uint32_t k = a.firstPiece; k < a.firstPiece + a.pieces; ++k) {
+            const size_t row = scene.patchOfPiece[k] - a.firstPatch;
+            const float* from = tile.values + static_cast<size_t>(scene.placeOfPiece[k]) * b.pieces;
+            area[row] += double{scene.area[k]};
+            for (size_t j = 0; j < b.pieces; ++j)
+                sums[row * b.patches + column[j]] += double{scene.area[k]} * double{from[j]};
+        }
+        for (size_t k = 0; k < sums.size(); ++k)
+            merged.push_back(area[k / b.patches] > 0 ? static_cast<float>(sums[k] / area[k / b.patches])
+                                                     : 0.0f);
+        tile.values = merged.data();
+    }
+    take(tile);
 }
 
-} // namespace
-
-ExactFormFactors exactFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
-                                  const ExactOptions& options) {
-    ExactFormFactors result;
+void report(const Solver& solver, const ExactOptions& options, ExactFormFactors& result) {
+    const ExactScene& scene = solver.scene();
     FormFactorReport& report = result.factors.report;
-    report.kernel = "exact";
-    result.factors.patchCount = static_cast<uint32_t>(mesh.patchCount());
-    result.rowError.assign(mesh.patchCount(), 0.0f);
-    if (mesh.patchCount() == 0) {
-        result.factors.values = gpu::Buffer(device, 0, "form factors");
-        return result;
+    const ExactStatistics& s = result.statistics = solver.statistics;
+    double squares = 0;
+    for (size_t i = 0; i < scene.pieceCount; ++i) {
+        float& error = result.rowError[scene.patchOfPiece[i]];
+        error = std::max(error, static_cast<float>(std::sqrt(solver.rowSquares()[i])));
+        squares += solver.rowSquares()[i];
     }
-    {
-        Timer timer(report.seconds);
-        Solver solver(device, mesh, options);
-        solver.run();
-        const ExactScene& scene = solver.scene();
-        result.statistics = solver.statistics;
-        result.factors.values = solver.takeMatrix();
-        if (scene.pieceCount != scene.patchCount)
-            result.factors.values = mergePieces(device, scene, result.factors.values);
-        double squares = 0;
-        for (size_t i = 0; i < scene.pieceCount; ++i) {
-            float& error = result.rowError[scene.patchOfPiece[i]];
-            error = std::max(error, static_cast<float>(std::sqrt(solver.rowSquares()[i])));
-            squares += solver.rowSquares()[i];
-        }
-        report.claimedRowError = std::sqrt(squares / static_cast<double>(scene.pieceCount));
-    }
-    const ExactStatistics& s = result.statistics;
+    report.claimedRowError = std::sqrt(squares / std::max(1.0, static_cast<double>(scene.pieceCount)));
     report.why = fmt::format("row error {:g} asked; {} blockers, {} pairs partly hidden, {} cells",
                              options.maxError, s.blockers, s.partial, s.cells);
     if (s.blockers == 0) report.skipped.push_back("occlusion: nothing can stand between two patches");
     if (s.overflows > 0)
         report.skipped.push_back(fmt::format("refinement in {} places where a buffer was full", s.overflows));
+}
+
+ExactFormFactors emptyResult(const geometry::PatchMesh& mesh) {
+    ExactFormFactors result;
+    result.factors.report.kernel = "exact";
+    result.factors.patchCount = static_cast<uint32_t>(mesh.patchCount());
+    result.rowError.assign(mesh.patchCount(), 0.0f);
+    return result;
+}
+
+} // namespace
+
+ExactFormFactors exactFormFactorTiles(gpu::Device& device, const geometry::PatchMesh& mesh,
+                                      const ExactOptions& options,
+                                      const std::function<void(const ExactTile&)>& take) {
+    ExactFormFactors result = emptyResult(mesh);
+    if (mesh.patchCount() == 0) return result;
+    Timer timer(result.factors.report.seconds);
+    Solver solver(device, mesh, options);
+    solver.run([&](const ExactTileRange& a, const ExactTileRange& b) {
+        handOver(solver.scene(), a, b, solver.there(), take);
+        if (&a != &b) handOver(solver.scene(), b, a, solver.back(), take);
+    });
+    report(solver, options, result);
+    return result;
+}
+
+ExactFormFactors exactFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
+                                  const ExactOptions& options) {
+    ExactFormFactors result = emptyResult(mesh);
+    const size_t n = mesh.patchCount();
+    Timer timer(result.factors.report.seconds);
+    Solver solver(device, mesh, options);
+    if (solver.scene().tiles.size() == 1 && solver.scene().pieceCount == n) {
+        solver.run([](const ExactTileRange&, const ExactTileRange&) {});
+        result.factors.values = solver.takeMatrix();
+    } else {
+        gpu::Buffer& matrix = result.factors.values = gpu::Buffer(device, n * n * 4, "form factors");
+        std::vector<float> copy(matrix.mapped() ? 0 : n * n);
+        float* all = matrix.mapped() ? matrix.mapped<float>() : copy.data();
+        std::fill(all, all + n * n, 0.0f);
+        const auto place = [&](const ExactTile& tile) {
+            for (size_t i = 0; i < tile.rows; ++i)
+                std::copy_n(tile.values + i * tile.columns, tile.columns,
+                            all + (tile.firstRow + i) * n + tile.firstColumn);
+        };
+        solver.run([&](const ExactTileRange& a, const ExactTileRange& b) {
+            handOver(solver.scene(), a, b, solver.there(), place);
+            if (&a != &b) handOver(solver.scene(), b, a, solver.back(), place);
+        });
+        if (!copy.empty()) matrix.upload(copy);
+    }
+    report(solver, options, result);
     return result;
 }
 

@@ -1,10 +1,11 @@
 // Kernel `exact`: pairs are proven not facing, hidden or visible, or their visible part is found exactly at
 // cubature points. No sampling of visibility, so no noise: errors are those of cubature across the edges of
-// shadows. The plan: coplanar patches merge into large convex blockers; per pair a shaft leaves few of them;
-// far pairs by a product rule, near ones by Lambert's formula over adaptively split cells, computed once per
-// pair, so reciprocal by construction.
+// shadows. The plan: coplanar patches merge into large convex blockers; pairs of clusters, then of patches,
+// are sorted out by shafts that leave few of them; far pairs by a product rule, near ones by Lambert's
+// formula over adaptively split cells, computed once per pair, so reciprocal by construction.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -24,8 +25,9 @@ struct ExactStatistics {
     uint64_t cells = 0;     // of cubature beyond one per pair
     uint64_t overflows = 0; // places where a capacity ran out; results there are less exact than claimed
     uint32_t blockers = 0;
-    bool closed = false; // rooms are closed solids: only fronts block
-    double setupSeconds = 0, sidesSeconds = 0, classifySeconds = 0, cubatureSeconds = 0;
+    bool closed = false;                       // rooms are closed solids: only fronts block
+    uint64_t clearBlocks = 0, mixedBlocks = 0; // pairs of clusters that face one another and are not hidden
+    double setupSeconds = 0, classifySeconds = 0, cubatureSeconds = 0;
 };
 
 struct ExactFormFactors {
@@ -34,10 +36,22 @@ struct ExactFormFactors {
     ExactStatistics statistics;
 };
 
-// Every patch of a room blocks from both sides; patches of different rooms exchange nothing. Needs a storage
-// range of 64 x 4 n bytes at least. Patches must be planar and convex; degenerate ones have zero rows and
-// columns.
+// Part of the matrix: F of rows [firstRow, firstRow + rows) and columns [firstColumn, firstColumn + columns).
+struct ExactTile {
+    uint32_t firstRow = 0, rows = 0, firstColumn = 0, columns = 0;
+    const float* values = nullptr; // rows x columns, row-major; valid during the call
+};
+
+// Every patch of a room blocks from both sides; patches of different rooms exchange nothing. Patches must be
+// planar and convex; degenerate ones have zero rows and columns. Memory: the dense matrix and about 0.5 GB.
 ExactFormFactors exactFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
                                   const ExactOptions& options = {});
+
+// For matrices that do not fit: hands over every entry once, in tiles of at most about 2300 x 2300 in no set
+// order (F of both halves comes from one computation, so a tile and its mirror image follow one another).
+// Memory: about 0.5 GB, however many patches. `factors.values` of the result is empty.
+ExactFormFactors exactFormFactorTiles(gpu::Device& device, const geometry::PatchMesh& mesh,
+                                      const ExactOptions& options,
+                                      const std::function<void(const ExactTile&)>& take);
 
 } // namespace heliodon::compute

@@ -58,7 +58,7 @@ struct ExactPointFactors::State {
 };
 
 ExactPointFactors::ExactPointFactors(gpu::Device& device, const geometry::PatchMesh& mesh)
-    : state_(new State{device, exactScene(device, mesh),
+    : state_(new State{device, exactScene(device, mesh, UINT32_MAX),
                        &device.kernels().get(device, exact_points_comp, "exact_points")}) {}
 
 ExactPointFactors::~ExactPointFactors() = default;

@@ -6,6 +6,7 @@
 #include <glm/vec4.hpp>
 
 #include "compute/convex_regions.h"
+#include "compute/exact_clusters.h"
 #include "compute/gpu/device.h"
 #include "shaders/io/exact_form_factors.io.h"
 
@@ -21,9 +22,9 @@ struct Faces {
     std::vector<glm::uvec4> range;
 
     // `normal` and the first corner fix the plane; zero area makes a face that faces nothing.
-    void add(const std::vector<dvec3>& corners, const dvec3& unitNormal, uint32_t room) {
+    void add(const std::vector<dvec3>& corners, const dvec3& unitNormal, uint32_t room, uint32_t place = 0) {
         range.push_back(
-            {static_cast<uint32_t>(high.size()), static_cast<uint32_t>(corners.size()), room, 0u});
+            {static_cast<uint32_t>(high.size()), static_cast<uint32_t>(corners.size()), room, place});
         dvec3 area{0}, weighted{0};
         double total = 0;
         for (size_t k = 1; k + 1 < corners.size(); ++k) {
@@ -58,7 +59,58 @@ void splitPosition(const dvec3& relative, glm::vec3& high, glm::vec3& low) {
     }
 }
 
-ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh) {
+namespace {
+
+dvec3 unitOrZero(const dvec3& v) {
+    const double size = glm::length(v);
+    return size > 0 ? v / size : dvec3(0);
+}
+
+// Patches of many corners are cut into fans.
+std::vector<RadiatingPiece> piecesOf(const geometry::PatchMesh& mesh) {
+    const std::vector<uint32_t> planes = planeNumbers(mesh);
+    std::vector<RadiatingPiece> pieces;
+    for (size_t i = 0; i < mesh.patchCount(); ++i) {
+        const auto corner = mesh.patch(i);
+        const dvec3 normal = unitOrZero(geometry::patchAreaVector(mesh, i));
+        for (size_t first = 1; first + 1 < corner.size(); first += io::kExactPieceCorners - 2) {
+            std::vector<dvec3> corners{mesh.vertices[corner[0]]};
+            for (size_t k = first; k < std::min<size_t>(corner.size(), first + io::kExactPieceCorners - 1);
+                 ++k)
+                corners.push_back(mesh.vertices[corner[k]]);
+            pieces.push_back(
+                {std::move(corners), normal, static_cast<uint32_t>(i), mesh.room[i], planes[i], 0});
+        }
+    }
+    return pieces;
+}
+
+std::vector<ExactTileRange> tilesOf(std::vector<RadiatingPiece>& pieces, uint32_t most, uint32_t patchCount) {
+    std::vector<ExactTileRange> tiles;
+    for (uint32_t begin = 0; begin < pieces.size();) {
+        uint32_t end = begin;
+        while (end < pieces.size()) { // patch by patch
+            uint32_t next = end + 1;
+            while (next < pieces.size() && pieces[next].patch == pieces[end].patch) ++next;
+            if (end > begin && next - begin > most) break;
+            end = next;
+        }
+        for (uint32_t k = begin; k < end; ++k) pieces[k].place = k - begin;
+        tiles.push_back({pieces[begin].patch, 0, begin, end - begin, 0, 0});
+        begin = end;
+    }
+    // Patches without pieces (fewer than three corners) belong to a neighbour.
+    for (size_t k = 0; k < tiles.size(); ++k) {
+        tiles[k].firstPatch = k == 0 ? 0 : tiles[k].firstPatch;
+        const uint32_t next = k + 1 < tiles.size() ? tiles[k + 1].firstPatch : patchCount;
+        tiles[k].patches = next - tiles[k].firstPatch;
+    }
+    return tiles;
+}
+
+} // namespace
+
+ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh, uint32_t tilePieces) {
     ExactScene scene;
     scene.patchCount = static_cast<uint32_t>(mesh.patchCount());
     Faces faces;
@@ -70,40 +122,47 @@ ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh) {
         }
         scene.centre = faces.centre = 0.5 * (lowest + highest);
     }
-    const auto normalOf = [](const dvec3& areaVector) {
-        const double size = glm::length(areaVector);
-        return size > 0 ? areaVector / size : dvec3(0);
-    };
-    for (size_t i = 0; i < mesh.patchCount(); ++i) {
-        const auto corner = mesh.patch(i);
-        const dvec3 normal = normalOf(geometry::patchAreaVector(mesh, i));
-        for (size_t first = 1; first + 1 < corner.size(); first += io::kExactPieceCorners - 2) {
-            std::vector<dvec3> corners{mesh.vertices[corner[0]]};
-            for (size_t k = first; k < std::min<size_t>(corner.size(), first + io::kExactPieceCorners - 1);
-                 ++k)
-                corners.push_back(mesh.vertices[corner[k]]);
-            scene.mostCorners = std::max(scene.mostCorners, static_cast<uint32_t>(corners.size()));
-            faces.add(corners, normal, mesh.room[i]);
-            scene.area.push_back(faces.normal.back().w);
-            scene.patchOfPiece.push_back(static_cast<uint32_t>(i));
-        }
+    std::vector<RadiatingPiece> pieces = piecesOf(mesh);
+    scene.pieceCount = static_cast<uint32_t>(pieces.size());
+    scene.tiles = tilesOf(pieces, tilePieces, scene.patchCount);
+    std::vector<PieceCluster> clusters;
+    for (ExactTileRange& tile : scene.tiles) {
+        tile.firstCluster = static_cast<uint32_t>(clusters.size());
+        for (PieceCluster& cluster :
+             clusterPieces(std::span(pieces).subspan(tile.firstPiece, tile.pieces), tile.firstPiece))
+            clusters.push_back(std::move(cluster));
+        tile.clusters = static_cast<uint32_t>(clusters.size()) - tile.firstCluster;
     }
-    scene.pieceCount = static_cast<uint32_t>(faces.range.size());
+    for (const RadiatingPiece& piece : pieces) {
+        scene.mostCorners = std::max(scene.mostCorners, static_cast<uint32_t>(piece.corners.size()));
+        faces.add(piece.corners, piece.normal, piece.room, piece.place);
+        scene.area.push_back(faces.normal.back().w);
+        scene.patchOfPiece.push_back(piece.patch);
+        scene.placeOfPiece.push_back(piece.place);
+    }
     const std::vector<ConvexRegion> regions = blockingRegions(mesh, io::kExactBlockerCorners);
     for (const ConvexRegion& region : regions) {
         dvec3 areaVector{0};
         for (size_t k = 1; k + 1 < region.corners.size(); ++k)
             areaVector +=
                 glm::cross(region.corners[k] - region.corners[0], region.corners[k + 1] - region.corners[0]);
-        faces.add(region.corners, normalOf(areaVector), region.room);
+        faces.add(region.corners, unitOrZero(areaVector), region.room);
     }
     scene.blockerCount = static_cast<uint32_t>(regions.size());
     scene.closed = isClosedSolid(mesh, regions);
+    std::vector<glm::uvec4> clusterData;
+    for (const PieceCluster& cluster : clusters) {
+        clusterData.emplace_back(cluster.first, cluster.count, faces.range.size(), cluster.flat ? 1u : 0u);
+        const std::vector<dvec3> point(3, pieces[cluster.first].corners[0]);
+        faces.add(cluster.flat ? cluster.rectangle : point, cluster.normal, cluster.room);
+    }
+    scene.clusterCount = static_cast<uint32_t>(clusters.size());
     scene.cornerHigh = gpu::Buffer::from(device, faces.high, "exact corners, high");
     scene.cornerLow = gpu::Buffer::from(device, faces.low, "exact corners, low");
     scene.faceNormal = gpu::Buffer::from(device, faces.normal, "exact normals");
     scene.faceCentre = gpu::Buffer::from(device, faces.middle, "exact centres");
     scene.faceRange = gpu::Buffer::from(device, faces.range, "exact ranges");
+    scene.clusters = gpu::Buffer::from(device, clusterData, "exact clusters");
     return scene;
 }
 

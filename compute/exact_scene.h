@@ -1,5 +1,5 @@
-// What the `exact` kernels read: radiating pieces, then blockers, as faces with corners in two floats a
-// coordinate.
+// What the `exact` kernels read: radiating pieces, blockers and clusters of pieces, as faces with corners in
+// two floats a coordinate.
 #pragma once
 
 #include <vector>
@@ -11,23 +11,31 @@
 
 namespace heliodon::compute {
 
+// Successive patches whose rows are worked on together; their pieces stand together, in the clusters' order.
+struct ExactTileRange {
+    uint32_t firstPatch = 0, patches = 0, firstPiece = 0, pieces = 0, firstCluster = 0, clusters = 0;
+};
+
 struct ExactScene {
     uint32_t patchCount = 0;
-    uint32_t pieceCount =
-        0; // of convex pieces of at most kExactPieceCorners corners; patchCount when none was cut
+    uint32_t pieceCount = 0;  // of convex pieces of at most kExactPieceCorners corners
     uint32_t mostCorners = 3; // of a piece
-    uint32_t blockerCount = 0;
+    uint32_t blockerCount = 0, clusterCount = 0;
     bool closed = false;
     glm::dvec3 centre{0}; // device coordinates are relative to it
+    std::vector<ExactTileRange> tiles;
     std::vector<uint32_t> patchOfPiece;
-    std::vector<float> area; // per piece
+    std::vector<uint32_t> placeOfPiece; // in its tile, in patch order
+    std::vector<float> area;            // per piece
     gpu::Buffer cornerHigh, cornerLow, faceNormal, faceCentre,
-        faceRange; // as in shaders/lib/exact_scene.glsl
+        faceRange;        // as in shaders/lib/exact_scene.glsl
+    gpu::Buffer clusters; // as in shaders/io/exact_form_factors.io.h
 };
 
 // A position from the scene's centre in two floats a coordinate.
 void splitPosition(const glm::dvec3& relative, glm::vec3& high, glm::vec3& low);
 
-ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh);
+// At most `tilePieces` pieces a tile, but whole patches.
+ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh, uint32_t tilePieces);
 
 } // namespace heliodon::compute

@@ -20,9 +20,8 @@ layout(set = 0, binding = 10, scalar) writeonly buffer NextCells { uint nextCell
 layout(push_constant, scalar) uniform Push { ExactCellsParams params; };
 layout(constant_id = 0) const bool kFirstLevel = true; // whole pairs instead of cells
 
-const int kInnerCap = int(kExactPieceCorners) + 2;
-vec2 inner[kInnerCap]; // the inner piece above the outer one's plane
-int innerCorners;
+vec2 outer[kPieceCap]; // the outer piece above the inner one's plane; `piece` is the inner above the outer one's
+int outerCorners;
 float innerSize;
 
 struct Pair {
@@ -49,40 +48,29 @@ Pair loadPair(uint record) {
     pair.worst = max(1.0, pair.outer.area / face.area);
     pair.innerArea = face.area;
     pair.size = sqrt(pair.outer.area);
+    NO_UNROLL for (bool once = kFirstLevel; once; once = false) {
+        loadPiece(pair.outerFrame, pair.origin, pair.outer);
+        clipTo(pair.outerFrame, face.normal, cornerFrom(pair.origin, face.first));
+        outerCorners = pieceCorners;
+        NO_UNROLL for (int k = 0; k < pieceCorners; ++k) outer[k] = piece[k];
+    }
     loadPiece(pair.innerFrame, pair.origin, face);
     clipTo(pair.innerFrame, pair.outer.normal, cornerFrom(pair.origin, pair.outer.first));
-    innerCorners = pieceCorners;
-    innerSize = 0.0;
-    NO_UNROLL for (int k = 0; k < pieceCorners; ++k) {
-        inner[k] = piece[k];
-        innerSize = max(innerSize, length(piece[k]));
-    }
-    loadPiece(pair.outerFrame, pair.origin, pair.outer);
-    clipTo(pair.outerFrame, face.normal, cornerFrom(pair.origin, face.first));
+    innerSize = pieceSize();
     return pair;
 }
 
 // Form factor from a point of the outer piece to what it sees of the inner one.
 float seen(Pair pair, vec2 at2) {
     vec3 point = lift(pair.outerFrame, at2);
-    float sum = 0.0;
-    waitingCount = 0;
-    pieceCorners = innerCorners;
-    NO_UNROLL for (int k = 0; k < innerCorners; ++k) piece[k] = inner[k];
-    uint next = 0u;
-    NO_UNROLL while (true) {
-        bool remains = pieceCorners >= 3;
-        NO_UNROLL for (; next < pair.r.listed && remains; ++next)
-            remains = cutShadow(pair.innerFrame, pair.origin, faceAt(lists[pair.r.firstListed + next]), point, next + 1u,
-                                innerSize);
-        if (remains) sum += lambertPiece(pair.innerFrame, point, pair.outer.normal);
-        if (waitingCount == 0) break;
-        --waitingCount;
-        pieceCorners = waitingCorners[waitingCount];
-        NO_UNROLL for (int k = 0; k < pieceCorners; ++k) piece[k] = waiting[waitingCount * kPieceCap + k];
-        next = waitingNext[waitingCount];
-    }
-    return max(0.0, sum * 0.159154943092);
+    lineCount = 0;
+    bool hidden = false;
+    NO_UNROLL for (uint m = 0u; m < pair.r.listed && !hidden; ++m)
+        hidden = castShadow(pair.innerFrame, pair.origin, faceAt(lists[pair.r.firstListed + m]), point, m, innerSize);
+    float factor = 0.0;
+    NO_UNROLL for (bool once = !hidden; once; once = false)
+        factor = litFactor(pair.innerFrame, point, pair.outer.normal, innerSize);
+    return max(0.0, factor);
 }
 
 // x by the rule of degree 5, y how far the farther of two rules of degree 2 is from it.
@@ -131,10 +119,10 @@ float segmentDistance(vec3 p, vec3 a, vec3 b) {
 // piece's own plane bends it only at its ends.
 float bendDistance(Pair pair, vec3 point) {
     float nearest = 1e30;
-    vec3 a = lift(pair.innerFrame, inner[innerCorners - 1]);
+    vec3 a = lift(pair.innerFrame, piece[pieceCorners - 1]);
     float flat_ = 1e-6 * (innerSize + pair.size);
-    NO_UNROLL for (int k = 0; k < innerCorners; ++k) {
-        vec3 b = lift(pair.innerFrame, inner[k]);
+    NO_UNROLL for (int k = 0; k < pieceCorners; ++k) {
+        vec3 b = lift(pair.innerFrame, piece[k]);
         bool inPlane = abs(dot(pair.outer.normal, a - point)) <= flat_ && abs(dot(pair.outer.normal, b - point)) <= flat_;
         nearest = min(nearest, inPlane ? min(length(a - point), length(b - point)) : segmentDistance(point, a, b));
         a = b;
@@ -191,11 +179,8 @@ void main() {
     Pair pair;
     if (kFirstLevel) {
         pair = loadPair(index);
-        int corners = pieceCorners;
-        vec2 outer[kInnerCap];
-        NO_UNROLL for (int k = 0; k < corners; ++k) outer[k] = piece[k];
-        if (innerCorners >= 3)
-            NO_UNROLL for (int k = 1; k + 1 < corners; ++k)
+        if (pieceCorners >= 3)
+            NO_UNROLL for (int k = 1; k + 1 < outerCorners; ++k)
                 sum += integrate(pair, outer[0], outer[k], outer[k + 1]);
     } else {
         uint w = index * kExactCellWords;
@@ -204,7 +189,7 @@ void main() {
                         vec2(uintBitsToFloat(cells[w + 3u]), uintBitsToFloat(cells[w + 4u])),
                         vec2(uintBitsToFloat(cells[w + 5u]), uintBitsToFloat(cells[w + 6u])));
     }
-    if (piecesLost) atomicAdd(counters[kExactOverflowCount], 1u);
+    if (linesLost) atomicAdd(counters[kExactOverflowCount], 1u);
     // Whole numbers: the sum is the same in whatever order the cells finish.
     // The fraction is summed apart: rounding a hundred thousand cells alike would show in the sixth digit.
     float scaled = sum.x * kExactOne;

@@ -1,4 +1,4 @@
-// Sums of the records into both entries of the matrix: reciprocal by construction.
+// Sums of the records into both entries of the tile: reciprocal by construction.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -6,10 +6,11 @@
 
 layout(local_size_x = kExactGroup) in;
 layout(set = 0, binding = 0) uniform samplerBuffer faceNormal; // w area
-layout(set = 0, binding = 1, scalar) readonly buffer Records { ExactRecord records[]; };
-layout(set = 0, binding = 2, scalar) readonly buffer Sums { uint sums[]; };
-layout(set = 0, binding = 3, scalar) writeonly buffer Rows { float rows[]; };
-layout(set = 0, binding = 4, scalar) writeonly buffer Columns { float columns[]; };
+layout(set = 0, binding = 1) uniform usamplerBuffer faceRange; // w place in its tile
+layout(set = 0, binding = 2, scalar) readonly buffer Records { ExactRecord records[]; };
+layout(set = 0, binding = 3, scalar) readonly buffer Sums { uint sums[]; };
+layout(set = 0, binding = 4, scalar) writeonly buffer There { float there[]; }; // [row][column] of the tile
+layout(set = 0, binding = 5, scalar) writeonly buffer Back { float back[]; };   // [column][row]
 layout(push_constant, scalar) uniform Push { ExactFinishParams params; };
 
 void main() {
@@ -21,7 +22,7 @@ void main() {
     float fromInner =
         fromOuter * texelFetch(faceNormal, int(r.outer)).w / texelFetch(faceNormal, int(r.inner)).w;
     bool outerFirst = r.outer < r.inner;
-    uint i = outerFirst ? r.outer : r.inner, j = outerFirst ? r.inner : r.outer;
-    rows[(i - params.firstRow) * params.pieceCount + j] = outerFirst ? fromOuter : fromInner;
-    columns[(j - params.firstColumn) * params.pieceCount + i] = outerFirst ? fromInner : fromOuter;
+    uint row = texelFetch(faceRange, int(min(r.outer, r.inner))).w, column = texelFetch(faceRange, int(max(r.outer, r.inner))).w;
+    there[row * params.columns + column] = outerFirst ? fromOuter : fromInner;
+    back[column * params.rows + row] = outerFirst ? fromInner : fromOuter;
 }

@@ -38,24 +38,15 @@ bool mayBlock(uint b, uint room) {
     return texelFetch(faceRange, int(params.pieceCount + b)).z == room;
 }
 
-// Lambert's sum over what is visible of the piece already loaded and clipped.
-float visibleSum(ExactPoint point, Origin o, Frame f, float size) {
-    float sum = 0.0;
-    waitingCount = 0;
-    uint next = 0u;
-    NO_UNROLL while (true) {
-        bool remains = pieceCorners >= 3;
-        NO_UNROLL for (; next < params.blockerCount && remains; ++next)
-            if (mayBlock(next, point.room))
-                remains = cutShadow(f, o, faceAt(params.pieceCount + next), vec3(0.0), next + 1u, size);
-        if (remains) sum += lambertPiece(f, vec3(0.0), point.normal);
-        if (waitingCount == 0) break;
-        --waitingCount;
-        pieceCorners = waitingCorners[waitingCount];
-        NO_UNROLL for (int k = 0; k < pieceCorners; ++k) piece[k] = waiting[waitingCount * kPieceCap + k];
-        next = waitingNext[waitingCount];
-    }
-    return sum;
+// Form factor to what is lit of the piece already loaded and clipped.
+float seen(ExactPoint point, Origin o, Frame f) {
+    float size = pieceSize();
+    lineCount = 0;
+    bool hidden = false;
+    NO_UNROLL for (uint b = 0u; b < params.blockerCount && !hidden; ++b)
+        NO_UNROLL for (bool once = mayBlock(b, point.room); once; once = false)
+            hidden = castShadow(f, o, faceAt(params.pieceCount + b), vec3(0.0), b, size);
+    return hidden ? 0.0 : litFactor(f, vec3(0.0), point.normal, size);
 }
 
 void main() {
@@ -64,16 +55,15 @@ void main() {
     Origin o = Origin(point.high, point.low);
     findRisen(point, o);
     if (column >= params.pieceCount) return;
-    float sum = 0.0;
+    float factor = 0.0;
     Face face = faceAt(column);
-    if (face.area > 0.0 && face.room == point.room && heightOver(face.normal, -cornerFrom(o, face.first)) > 0.0) {
+    bool faces = face.area > 0.0 && face.room == point.room && heightOver(face.normal, -cornerFrom(o, face.first)) > 0.0;
+    NO_UNROLL for (; faces; faces = false) {
         Frame f = frameOf(o, face);
         loadPiece(f, o, face);
         clipTo(f, point.normal, vec3(0.0));
-        float size = 0.0;
-        NO_UNROLL for (int k = 0; k < pieceCorners; ++k) size = max(size, length(piece[k]));
-        if (pieceCorners >= 3) sum = visibleSum(point, o, f, size);
+        NO_UNROLL for (bool once = pieceCorners >= 3; once; once = false) factor = seen(point, o, f);
     }
-    if (piecesLost) atomicAdd(lost, 1u);
-    factors[row * params.pieceCount + column] = max(0.0, sum * 0.159154943092);
+    if (linesLost) atomicAdd(lost, 1u);
+    factors[row * params.pieceCount + column] = max(0.0, factor);
 }

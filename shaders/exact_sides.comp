@@ -1,4 +1,5 @@
-// For each piece, one bit per blocker: piece wholly in front of its plane, wholly behind, blocker wholly behind the piece.
+// For each piece and cluster, one bit per blocker: piece wholly in front of its plane, wholly behind, blocker wholly behind the
+// piece.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -7,25 +8,28 @@
 #include "shaders/lib/exact_scene.glsl"
 
 layout(local_size_x = kExactGroup) in;
-layout(set = 0, binding = 5, scalar) writeonly buffer Sides { uint sides[]; }; // [piece][word][front, back, below]
+layout(set = 0, binding = 5, scalar) writeonly buffer Sides { uvec3 sides[]; }; // [row][word]
 layout(push_constant, scalar) uniform Push { ExactSidesParams params; };
 
 void main() {
     uint index = gl_GlobalInvocationID.x;
-    if (index >= params.pieceCount * params.words) return;
-    uint piece = index / params.words, word = index % params.words;
-    Face self = faceAt(piece);
-    uint front = 0u, back = 0u, below = 0u;
+    if (index >= (params.pieces + params.clusters) * params.words) return;
+    uint row = index / params.words, word = index % params.words;
+    Face self = faceAt(row < params.pieces
+                           ? params.firstPiece + row
+                           : params.pieceCount + params.blockerCount + params.firstCluster + row - params.pieces);
+    uvec3 bits = uvec3(0u);
     [[dont_unroll]] for (uint bit = 0u; bit < 32u && word * 32u + bit < params.blockerCount; ++bit) {
         Face blocker = faceAt(params.pieceCount + word * 32u + bit);
         vec2 own = heightsOver(blocker, self);
         vec2 its = heightsOver(self, blocker);
-        if (own.x >= 0.0) front |= 1u << bit;
-        if (own.y <= 0.0) back |= 1u << bit;
+        if (own.x >= 0.0) bits.x |= 1u << bit;
+        if (own.y <= 0.0) bits.y |= 1u << bit;
         // Rooms do not see one another: as good as below.
-        if (its.y <= 0.0 || blocker.room != self.room) below |= 1u << bit;
+        if (its.y <= 0.0 || blocker.room != self.room) bits.z |= 1u << bit;
     }
-    sides[3u * index] = front;
-    sides[3u * index + 1u] = back;
-    sides[3u * index + 2u] = below;
+    // Past the last blocker everything is below.
+    uint known = params.blockerCount - min(params.blockerCount, word * 32u);
+    if (known < 32u) bits.z |= ~((1u << known) - 1u);
+    sides[index] = bits;
 }

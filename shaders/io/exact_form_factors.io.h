@@ -10,6 +10,7 @@ const uint kExactListed = 64u;         // blockers of one pair that classificati
 const float kExactOne = 1073741824.0f; // a form factor of 1 in fixed point: sums do not depend on their order
 const float kExactFraction = 4096.0f;    // and of what is left over, for 2^20 cells a pair
 const uint kExactCellWords = 7u;       // a cell of cubature: record, three corners in the plane of the outer piece
+const uint kExactStrips = 1u;          // groups that share the pairs of one block
 
 // Counters, one uint each.
 const uint kExactVisibleCount = 0u;
@@ -17,8 +18,12 @@ const uint kExactPartialCount = 1u; // filled from the end of the records
 const uint kExactListCount = 2u;
 const uint kExactCellCount = 3u;
 const uint kExactOverflowCount = 4u; // of any capacity: results are less exact than claimed
+const uint kExactClearCount = 5u;    // blocks that nothing can stand in
+const uint kExactMixedCount = 6u;    // and others, filled from the end of the blocks
 const uint kExactCounters = 8u;
 
+// Faces come in this order: pieces, blockers, clusters. A cluster (uvec4) is: first piece, pieces, face of the rectangle that
+// holds them, 1 where it lies in one plane.
 struct ExactRecord {
     uint outer; // the piece that carries the points
     uint inner;
@@ -26,23 +31,45 @@ struct ExactRecord {
     uint listed;
 };
 
+// One tile's pieces, then its clusters.
 struct ExactSidesParams {
-    uint pieceCount;
+    uint pieceCount; // of the scene
     uint blockerCount;
     uint words; // of 32 blockers
+    uint firstPiece;
+    uint pieces;
+    uint firstCluster;
+    uint clusters;
 };
 
-struct ExactClassifyParams {
+// Two tiles, or one twice: clusters [firstA, firstA + countA) against [firstB, firstB + countB). A block is one pair of
+// clusters, numbered (a - firstA) * countB + b - firstB.
+struct ExactBlocksParams {
     uint pieceCount;
     uint words;
-    uint firstRow; // where the two bound parts of the matrix begin
-    uint firstColumn;
-    uint stripRow; // row of the first group; columns [stripColumn, columnEnd)
-    uint stripColumn;
-    uint columnEnd;
+    uint piecesA; // of the tiles
+    uint piecesB;
+    uint firstA;
+    uint countA;
+    uint firstB;
+    uint countB;
+    uint closed; // 1: the pieces bound a solid, so a ray that leaves a piece first meets a front
+};
+
+struct ExactPairsParams {
+    uint pieceCount;
+    uint words;
+    uint firstBlock; // in the list of blocks
+    uint firstPieceA;
+    uint firstPieceB;
+    uint firstA;
+    uint firstB;
+    uint countB;
+    uint rows; // of the tile in pieces: strides of its two halves
+    uint columns;
     uint recordCapacity;
     uint listCapacity;
-    uint closed; // 1: the pieces bound a solid, so a ray that leaves a piece first meets a front
+    uint closed;
     float tolerance; // of one form factor
 };
 
@@ -56,10 +83,9 @@ struct ExactCellsParams {
 };
 
 struct ExactFinishParams {
-    uint pieceCount;
     uint firstRecord;
     uint count;
-    uint firstRow;
-    uint firstColumn;
+    uint rows; // strides of the tile's halves
+    uint columns;
 };
 IO_END

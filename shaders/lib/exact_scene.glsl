@@ -6,7 +6,7 @@ layout(set = 0, binding = 0) uniform samplerBuffer cornerHigh;
 layout(set = 0, binding = 1) uniform samplerBuffer cornerLow;
 layout(set = 0, binding = 2) uniform samplerBuffer faceNormal; // xyz unit normal, w area
 layout(set = 0, binding = 3) uniform samplerBuffer faceCentre; // xyz centroid from the first corner, w radius about it
-layout(set = 0, binding = 4) uniform usamplerBuffer faceRange; // x first corner, y corner count, z room
+layout(set = 0, binding = 4) uniform usamplerBuffer faceRange; // first corner, corners, room, place in its tile
 
 struct Face {
     uint first;

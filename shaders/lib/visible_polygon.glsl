@@ -1,24 +1,25 @@
-// What of a convex polygon is visible from a point behind convex blockers, exactly: each blocker's cone of shadow is cut out of
-// the polygon, in the polygon's plane; what remains are convex pieces. Needs shaders/lib/exact_scene.glsl and lambert.glsl.
+// How much of a convex polygon is seen from a point behind convex blockers, exactly. In the polygon's plane each blocker's shadow is
+// bounded by lines. The lit part's form factor is the whole's less that of the union of shadows, which is a sum over the union's
+// border of triangles with one corner of the polygon: no polygon is ever cut, rounding moves a border but cannot tear it open.
+// Needs exact_scene.glsl and lambert.glsl.
 #ifndef VISIBLE_POLYGON_GLSL
 #define VISIBLE_POLYGON_GLSL
 
 // Loops over private arrays: drivers that unroll them by the array's length take minutes to compile.
 #define NO_UNROLL [[dont_unroll]]
 
-const int kPieceCap = 20;  // corners of a piece
-const int kPieceStack = 16; // pieces waiting
+const int kPieceCap = 8;  // corners of a piece: kExactPieceCorners and one for each of two cuts
+const int kLineCap = 48;  // lines of shadows that cross a piece
 
-vec2 piece[kPieceCap];
+vec2 piece[kPieceCap]; // counter-clockwise
 int pieceCorners;
-vec2 kept[kPieceCap], scratch[kPieceCap];
-vec2 waiting[kPieceStack * kPieceCap];
-int waitingCorners[kPieceStack];
-uint waitingNext[kPieceStack];
-int waitingCount;
-bool piecesLost = false;
+vec2 kept[kPieceCap];
+vec3 lines[kLineCap]; // positive inside the shadow; xy unit
+uint owner[kLineCap]; // rank of the blocker; in ascending order
+int lineCount;
+bool linesLost = false;
 
-// The plane of the polygon, relative to the origin of the pair.
+// The plane of the piece, relative to the origin of the pair.
 struct Frame {
     vec3 origin;
     vec3 u;
@@ -48,31 +49,6 @@ vec2 extent(vec3 line, float flatness) {
     return range;
 }
 
-// Keeps the side of `line` in the piece; the other side is left in `scratch`, its corner count returned.
-int splitPiece(vec3 line) {
-    int inside = 0, outside = 0;
-    vec2 previous = piece[pieceCorners - 1];
-    float dp = at(line, previous);
-    NO_UNROLL for (int k = 0; k < pieceCorners; ++k) {
-        vec2 p = piece[k];
-        float d = at(line, p);
-        if ((d >= 0.0) != (dp >= 0.0)) {
-            vec2 cut = previous + dp / (dp - d) * (p - previous);
-            if (outside < kPieceCap) scratch[outside++] = cut;
-            if (inside < kPieceCap) kept[inside++] = cut;
-        }
-        if (d >= 0.0) {
-            if (inside < kPieceCap) kept[inside++] = p;
-        } else if (outside < kPieceCap)
-            scratch[outside++] = p;
-        previous = p;
-        dp = d;
-    }
-    NO_UNROLL for (int k = 0; k < inside; ++k) piece[k] = kept[k];
-    pieceCorners = inside;
-    return outside;
-}
-
 Frame frameOf(Origin o, Face face) {
     vec3 a = cornerFrom(o, face.first);
     vec3 u = normalize(cornerFrom(o, face.first + 1u) - a);
@@ -88,34 +64,32 @@ void loadPiece(Frame f, Origin o, Face face) {
     }
 }
 
-// Cuts the piece by a plane unless its corners only touch it.
+float pieceSize() {
+    float size = 0.0;
+    NO_UNROLL for (int k = 0; k < pieceCorners; ++k) size = max(size, length(piece[k]));
+    return size;
+}
+
+// Keeps what lies in front of a plane, unless its corners only touch it.
 void clipTo(Frame f, vec3 normal, vec3 onPlane) {
     bool below = false;
     NO_UNROLL for (int k = 0; k < pieceCorners; ++k)
         below = below || heightOver(normal, lift(f, piece[k]) - onPlane) < 0.0;
-    if (below) splitPiece(lineOf(f, normal, onPlane));
-}
-
-void await(int corners, uint next) {
-    if (corners < 3) return;
-    if (waitingCount == kPieceStack) {
-        piecesLost = true;
-        return;
-    }
-    NO_UNROLL for (int k = 0; k < corners; ++k) waiting[waitingCount * kPieceCap + k] = scratch[k];
-    waitingCorners[waitingCount] = corners;
-    waitingNext[waitingCount++] = next;
-}
-
-float lambertPiece(Frame f, vec3 point, vec3 normal) {
-    float sum = 0.0;
-    vec3 a = lift(f, piece[pieceCorners - 1]) - point;
+    if (!below) return;
+    vec3 line = lineOf(f, normal, onPlane);
+    int inside = 0;
+    vec2 previous = piece[pieceCorners - 1];
+    float dp = at(line, previous);
     NO_UNROLL for (int k = 0; k < pieceCorners; ++k) {
-        vec3 b = lift(f, piece[k]) - point;
-        sum -= lambertEdge(a, b, normal); // clockwise seen from the point
-        a = b;
+        vec2 p = piece[k];
+        float d = at(line, p);
+        if ((d >= 0.0) != (dp >= 0.0) && inside < kPieceCap) kept[inside++] = previous + dp / (dp - d) * (p - previous);
+        if (d >= 0.0 && inside < kPieceCap) kept[inside++] = p;
+        previous = p;
+        dp = d;
     }
-    return sum;
+    NO_UNROLL for (int k = 0; k < inside; ++k) piece[k] = kept[k];
+    pieceCorners = inside;
 }
 
 // Wall number c of the shadow of a blocker as a line, positive inside the shadow; the last wall is the blocker's own plane.
@@ -126,24 +100,139 @@ vec3 shadowLine(Frame f, Origin o, Face blocker, vec3 point, float sense, uint c
     return lineOf(f, sense * normal, point + a);
 }
 
-// Cuts the shadow of one blocker out of the piece; what is left over beside it waits. False when nothing remains in `piece`.
-bool cutShadow(Frame f, Origin o, Face blocker, vec3 point, uint next, float size) {
+// Lists the lines of a blocker's shadow that cross the piece. True when all of the piece lies in the shadow.
+bool castShadow(Frame f, Origin o, Face blocker, vec3 point, uint rank, float size) {
     vec3 k0 = cornerFrom(o, blocker.first) - point;
     float side = -dot(blocker.normal, k0);
-    if (abs(side) <= kFlat * length(k0)) return true;
+    if (abs(side) <= kFlat * length(k0)) return false;
     float sense = side > 0.0 ? -1.0 : 1.0;
-    // First see whether a wall of the shadow has all of the piece outside: most often. The blocker's own plane is the cheapest.
-    uint needed = 0u;
-    NO_UNROLL for (int c = int(blocker.count); c >= 0; --c) {
-        vec2 range = extent(shadowLine(f, o, blocker, point, sense, uint(c)), 2e-7 * size);
-        if (range.y <= 0.0) return true;
-        if (range.x < 0.0) needed |= 1u << c;
+    int before = lineCount;
+    bool outside = false;
+    // The blocker's own plane is the cheapest and most often has all of the piece outside.
+    NO_UNROLL for (int c = int(blocker.count); c >= 0 && !outside; --c) {
+        vec3 line = shadowLine(f, o, blocker, point, sense, uint(c));
+        vec2 range = extent(line, 2e-7 * size);
+        outside = range.y <= 0.0;
+        if (outside || range.x >= 0.0) continue;
+        if (lineCount < kLineCap) {
+            lines[lineCount] = line;
+            owner[lineCount++] = rank;
+        } else
+            linesLost = true;
     }
-    NO_UNROLL while (needed != 0u && pieceCorners >= 3) {
-        uint c = findLSB(needed);
-        needed &= needed - 1u;
-        await(splitPiece(shadowLine(f, o, blocker, point, sense, c)), next);
+    if (outside) lineCount = before;
+    return !outside && lineCount == before;
+}
+
+// Twice pi times the form factor of a triangle of the piece's plane, relative to the point.
+float lambertTriangle(vec3 a, vec3 b, vec3 c, vec3 normal) {
+    return -lambertEdge(a, b, normal) - lambertEdge(b, c, normal) - lambertEdge(c, a, normal);
+}
+
+// A stretch of a border: from + t along.
+struct Stretch {
+    vec2 from;
+    vec2 along;
+    vec2 range;
+    vec2 inward; // unit, to the side of the shadow or of the piece
+    uint rank;   // of the blocker; above all others for the piece itself
+};
+
+const uint kPiece = 0xffffffffu;
+const float kLeft = 2e-6; // a smaller share of a piece is what rounding leaves over
+
+// Narrows `range` to where a line is positive. Where a stretch runs along the line, whoever comes first counts it when both
+// shadows lie on one side of it, nobody when they meet there.
+vec2 narrow(vec2 range, Stretch s, vec3 line, uint rank, float near) {
+    float d = at(line, s.from), slope = dot(line.xy, s.along);
+    vec2 ends = d + slope * s.range;
+    if (max(abs(ends.x), abs(ends.y)) <= near) {
+        bool sameSide = dot(line.xy, s.inward) > 0.0;
+        bool inside = s.rank == kPiece ? sameSide : !sameSide || rank < s.rank;
+        return inside ? range : vec2(1e30, -1e30);
     }
-    return false;
+    float t = -d / slope; // infinite, or no number where d is zero too, which `near` has caught
+    if (slope > 0.0) range.x = max(range.x, t);
+    if (slope < 0.0) range.y = min(range.y, t);
+    return slope == 0.0 && d < 0.0 ? vec2(1e30, -1e30) : range;
+}
+
+// Sums the triangles over those parts of a stretch that other shadows cover, or leave free.
+float sweep(Frame f, vec3 point, vec3 normal, Stretch s, bool covered, float near) {
+    float sum = 0.0, t = s.range.x;
+    vec3 apex = lift(f, piece[0]) - point;
+    NO_UNROLL while (t < s.range.y) {
+        float reach = t, next = s.range.y;
+        vec2 range = s.range;
+        NO_UNROLL for (int w = 0; w < lineCount; ++w) {
+            uint rank = owner[w];
+            range = narrow(range, s, lines[w], rank, near);
+            if (w + 1 == lineCount || owner[w + 1] != rank) { // all lines of this blocker seen
+                bool filled = rank != s.rank && range.x < range.y;
+                if (filled && range.x <= t) reach = max(reach, range.y);
+                if (filled && range.x > t) next = min(next, range.x);
+                range = s.range;
+            }
+        }
+        bool inShadow = reach > t;
+        float end = min(inShadow ? reach : next, s.range.y);
+        NO_UNROLL for (bool counts = inShadow == covered; counts; counts = false)
+            sum += lambertTriangle(apex, lift(f, s.from + t * s.along) - point, lift(f, s.from + end * s.along) - point, normal);
+        t = end;
+    }
+    return sum;
+}
+
+// Twice pi times the form factor of the union of the listed shadows within the piece.
+float shadowSum(Frame f, vec3 point, vec3 normal, float size) {
+    float sum = 0.0;
+    // Angles are good to about 1e-7, so lines to that share of the distance.
+    float near = 5e-7 * (length(f.origin - point) + size);
+    // The piece's own border; edges at the first corner span no triangle with it.
+    NO_UNROLL for (int k = 1; k + 1 < pieceCorners; ++k) {
+        vec2 along = piece[k + 1] - piece[k];
+        float reach = length(along);
+        Stretch s = Stretch(piece[k], along / reach, vec2(0.0, reach), vec2(-along.y, along.x) / reach, kPiece);
+        sum += sweep(f, point, normal, s, true, near);
+    }
+    NO_UNROLL for (int w = 0; w < lineCount; ++w) {
+        vec3 line = lines[w];
+        Stretch s = Stretch(-line.z * line.xy, vec2(line.y, -line.x), vec2(-size, size), line.xy, owner[w]);
+        vec2 range = s.range;
+        vec2 a = piece[pieceCorners - 1];
+        NO_UNROLL for (int k = 0; k < pieceCorners; ++k) {
+            vec2 b = piece[k], edge = b - a, inward = vec2(-edge.y, edge.x);
+            float d = dot(inward, s.from - a), slope = dot(inward, s.along), t = -d / slope;
+            if (slope > 0.0) range.x = max(range.x, t);
+            if (slope < 0.0) range.y = min(range.y, t);
+            if (slope == 0.0 && d < 0.0) range = vec2(1e30, -1e30);
+            a = b;
+        }
+        NO_UNROLL for (int m = 0; m < lineCount; ++m)
+            if (m != w && owner[m] == s.rank) {
+                float d = at(lines[m], s.from), slope = dot(lines[m].xy, s.along), t = -d / slope;
+                if (slope > 0.0) range.x = max(range.x, t);
+                if (slope < 0.0) range.y = min(range.y, t);
+                if (slope == 0.0 && d < 0.0) range = vec2(1e30, -1e30);
+            }
+        s.range = range;
+        sum += sweep(f, point, normal, s, false, near);
+    }
+    return sum;
+}
+
+// Form factor from a point to what is lit of the piece behind the listed shadows.
+float litFactor(Frame f, vec3 point, vec3 normal, float size) {
+    float whole = 0.0;
+    vec3 a = lift(f, piece[pieceCorners - 1]) - point;
+    NO_UNROLL for (int k = 0; k < pieceCorners; ++k) {
+        vec3 b = lift(f, piece[k]) - point;
+        whole -= lambertEdge(a, b, normal); // clockwise seen from the point
+        a = b;
+    }
+    float shadow = 0.0;
+    NO_UNROLL for (bool once = lineCount > 0; once; once = false) shadow = shadowSum(f, point, normal, size);
+    float lit = whole - shadow;
+    return lit > kLeft * whole ? 0.159154943092 * lit : 0.0;
 }
 #endif

@@ -1,0 +1,153 @@
+// Pairs of pieces of one block: not facing and proven hidden stay zero; far and visible is integrated here by a product rule;
+// the rest becomes a record, with the blockers that may stand between. Software devices run both sides of every branch but
+// leave a loop when no lane is in it: costly steps are loops of one turn.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_control_flow_attributes : require
+#include "shaders/io/exact_form_factors.io.h"
+#include "shaders/lib/exact_scene.glsl"
+#include "shaders/lib/exact_shaft.glsl"
+
+layout(local_size_x = kExactGroup) in;
+layout(set = 0, binding = 5) uniform usamplerBuffer clusters;
+layout(set = 0, binding = 6, scalar) readonly buffer SidesA { uvec3 sidesA[]; };
+layout(set = 0, binding = 7, scalar) readonly buffer SidesB { uvec3 sidesB[]; };
+layout(set = 0, binding = 8, scalar) buffer Counters { uint counters[]; };
+layout(set = 0, binding = 9, scalar) readonly buffer Blocks { uint blocks[]; };
+layout(set = 0, binding = 10, scalar) readonly buffer Masks { uint masks[]; };
+layout(set = 0, binding = 11, scalar) writeonly buffer Records { ExactRecord records[]; };
+layout(set = 0, binding = 12, scalar) writeonly buffer Lists { uint lists[]; };
+layout(set = 0, binding = 13, scalar) writeonly buffer There { float there[]; }; // [row][column] of the tile
+layout(set = 0, binding = 14, scalar) writeonly buffer Back { float back[]; };   // [column][row]
+layout(push_constant, scalar) uniform Push { ExactPairsParams params; };
+layout(constant_id = 1) const bool kClear = true; // nothing can stand in any of these blocks
+
+const float kInversePi = 0.318309886184;
+
+uint listed[kExactListed];
+uint listedCount;
+
+// Lists blockers of the block's mask that may stand between; true when one hides the pair.
+bool listBlockers(uint i, uint j, Origin o, uint block) {
+    bool hidden = false, built = false;
+    [[dont_unroll]] for (uint w = 0u; w < params.words && !hidden; ++w) {
+        uvec3 si = sidesA[(i - params.firstPieceA) * params.words + w];
+        uvec3 sj = sidesB[(j - params.firstPieceB) * params.words + w];
+        uint bits = between(si, sj, params.closed != 0u) & masks[block * params.words + w], wholes = wholesBetween(si, sj);
+        [[dont_unroll]] for (bool build = bits != 0u && !built; build; build = false) {
+            buildShaft();
+            built = true;
+        }
+        [[dont_unroll]] while (bits != 0u && !hidden) {
+            uint bit = bits & (~bits + 1u);
+            bits &= bits - 1u;
+            uint face = params.pieceCount + 32u * w + uint(findLSB(bit));
+            uvec4 range = texelFetch(faceRange, int(face));
+            bool keep = !outsideShaft(o, range);
+            if (keep && listedCount < kExactListed) listed[listedCount] = face;
+            if (keep) ++listedCount;
+            [[dont_unroll]] for (bool proof = keep && (bit & wholes) != 0u; proof; proof = false)
+                hidden = hides(o, range, (si.x & bit) != 0u ? -1.0 : 1.0);
+        }
+    }
+    return hidden;
+}
+
+// Three points of degree 2 in each triangle of a fan.
+vec3 gaussPoint(vec3 a, vec3 b, vec3 c, int k) {
+    vec3 sum = (a + b + c) / 6.0;
+    return sum + 0.5 * (k == 0 ? a : k == 1 ? b : c);
+}
+
+// A_i F_ij by a product of rules; for pairs whose distance exceeds their size.
+float productRule(vec3 normalA, vec3 normalB) {
+    float sum = 0.0;
+    [[unroll]] for (int p = 1; p + 1 < kCorners; ++p) {
+        float areaA = length(cross(ca[p] - ca[0], ca[p + 1] - ca[0])) / 6.0;
+        [[unroll]] for (int q = 1; q + 1 < kCorners; ++q) {
+            float weight = areaA * length(cross(cb[q] - cb[0], cb[q + 1] - cb[0])) / 6.0;
+            [[unroll]] for (int k = 0; k < 3; ++k) {
+                vec3 x = gaussPoint(ca[0], ca[p], ca[p + 1], k);
+                [[unroll]] for (int l = 0; l < 3; ++l) {
+                    vec3 d = gaussPoint(cb[0], cb[q], cb[q + 1], l) - x;
+                    float r2 = dot(d, d);
+                    sum += weight * max(0.0, dot(normalA, d)) * max(0.0, -dot(normalB, d)) / (r2 * r2);
+                }
+            }
+        }
+    }
+    return sum * kInversePi;
+}
+
+void addPartial(uint i, uint j, Origin o, float areaI, float areaJ) {
+    // Points lie on the side farther from the blockers' planes, where shadows are blurred; but not on a much larger piece.
+    vec3 ci = centreFrom(o, i), cj = centreFrom(o, j);
+    float clearI = 1e30, clearJ = 1e30;
+    uint count = min(listedCount, kExactListed);
+    [[dont_unroll]] for (uint m = 0u; m < count; ++m) {
+        vec3 n = texelFetch(faceNormal, int(listed[m])).xyz;
+        vec3 k = cornerFrom(o, texelFetch(faceRange, int(listed[m])).x);
+        clearI = min(clearI, abs(dot(n, ci - k)));
+        clearJ = min(clearJ, abs(dot(n, cj - k)));
+    }
+    bool iIsOuter = clearI * sqrt(areaJ) >= clearJ * sqrt(areaI);
+    uint first = atomicAdd(counters[kExactListCount], count);
+    uint slot = atomicAdd(counters[kExactPartialCount], 1u);
+    bool fits = first + count <= params.listCapacity && slot < params.recordCapacity;
+    if (!fits || listedCount > kExactListed) atomicAdd(counters[kExactOverflowCount], 1u);
+    if (!fits) return;
+    [[dont_unroll]] for (uint m = 0u; m < count; ++m) lists[first + m] = listed[m];
+    records[params.recordCapacity - 1u - slot] = ExactRecord(iIsOuter ? i : j, iIsOuter ? j : i, first, count);
+}
+
+void addNear(uint i, uint j, float areaI, float areaJ) {
+    uint slot = atomicAdd(counters[kExactVisibleCount], 1u);
+    bool iIsOuter = areaI <= areaJ;
+    if (slot < params.recordCapacity)
+        records[slot] = ExactRecord(iIsOuter ? i : j, iIsOuter ? j : i, 0u, 0u);
+    else
+        atomicAdd(counters[kExactOverflowCount], 1u);
+}
+
+// Whether the product rule is good enough: its error falls with the cube of size over distance.
+bool isFar(uint i, uint j, Origin o, float areaI, float areaJ) {
+    vec4 ci = texelFetch(faceCentre, int(i)), cj = texelFetch(faceCentre, int(j));
+    vec3 d = cb[0] + cj.xyz - ci.xyz;
+    float r2 = dot(d, d), q = (ci.w + cj.w) * inversesqrt(r2);
+    return q < 0.6 && max(areaI, areaJ) * kInversePi / r2 * 0.5 * q * q * q < params.tolerance;
+}
+
+void classify(uint i, uint j, uint block) {
+    Face a = faceAt(i), b = faceAt(j);
+    Origin o = originAt(a.first);
+    loadCorners(o, a, b);
+    vec4 heights = mutualHeights(a.normal, b.normal);
+    bool facing = heights.y > 0.0 && heights.w > 0.0, straddles = heights.x < 0.0 || heights.z < 0.0;
+    bool hidden = false;
+    listedCount = 0u;
+    if (!kClear) {
+        [[dont_unroll]] for (bool once = facing; once; once = false) hidden = listBlockers(i, j, o, block);
+        [[dont_unroll]] for (bool once = facing && !hidden && listedCount > 0u; once; once = false)
+            addPartial(i, j, o, a.area, b.area);
+    }
+    bool visible = facing && !hidden && listedCount == 0u;
+    bool far = visible && !straddles && isFar(i, j, o, a.area, b.area);
+    [[dont_unroll]] for (bool once = far; once; once = false) {
+        float exchange = productRule(a.normal, b.normal);
+        uint row = texelFetch(faceRange, int(i)).w, column = texelFetch(faceRange, int(j)).w;
+        there[row * params.columns + column] = exchange / a.area;
+        back[column * params.rows + row] = exchange / b.area;
+    }
+    if (visible && !far) addNear(i, j, a.area, b.area);
+}
+
+void main() {
+    uint block = blocks[params.firstBlock + gl_WorkGroupID.y];
+    uvec4 a = texelFetch(clusters, int(params.firstA + block / params.countB));
+    uvec4 b = texelFetch(clusters, int(params.firstB + block % params.countB));
+    [[dont_unroll]] for (uint p = gl_GlobalInvocationID.x; p < a.y * b.y; p += kExactStrips * kExactGroup) {
+        uint i = a.x + p / b.y, j = b.x + p % b.y;
+        [[dont_unroll]] for (bool once = i < j; once; once = false) classify(i, j, block);
+    }
+}
