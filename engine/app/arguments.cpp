@@ -134,6 +134,9 @@ private:
             "--plan", illuminance_.plan,
             "draw a plan with iso-lux lines (.png or .svg) of the sensors, or without of a work plane "
             "0.76 m above the floor");
+        sub->add_option("--max-error", illuminance_.maxError,
+                        "wanted lux_error over lux, on 95 of 100 places; picks mesh, kernel and solution")
+            ->check(CLI::Range(1e-4, 1.0));
         sub->add_option("-o,--output", illuminance_.output, "the table (.csv)")->required();
     }
 
@@ -143,6 +146,14 @@ private:
         addScene(sub, render_.scene);
         addMoment(sub, render_.moment, true);
         addPicture(sub, render_.picture);
+        auto* sheet = sub->add_flag("--contact-sheet", render_.contactSheet,
+                                    "one picture with previews of several days and hours too");
+        sub->add_option("--days", render_.days,
+                        "of the contact sheet, as 06-21,03-21,12-21 (the default) in the year of --time")
+            ->needs(sheet);
+        sub->add_option("--hours", render_.hours,
+                        "of the contact sheet, apparent solar time, as 7,9,11,13,15,17 (the default)")
+            ->needs(sheet);
         sub->add_option("-o,--output", render_.output, "folder for the pictures; made when missing")
             ->required();
     }
@@ -158,12 +169,17 @@ private:
         sub->add_option("--to", timelapse_.to, "time of the last frame")->required();
         sub->add_option("--step", timelapse_.step, "time between frames: PT10M, P1D")->required();
         sub->add_option("--view", timelapse_.view,
-                        "preview or projectors (default: projectors with a rig, else preview)")
-            ->check(CLI::IsMember({"preview", "projectors"}));
+                        "preview, projectors, or none for frames.csv alone (default: projectors with a rig, "
+                        "else preview)")
+            ->check(CLI::IsMember({"preview", "projectors", "none"}));
+        sub->add_option("--weather", timelapse_.moment.weather,
+                        "hourly weather (.epw or .epw.gz) in place of a sky; its site is used")
+            ->excludes("--sky");
         sub->add_option("--fps", timelapse_.framesPerSecond, "frames a second of the film (default 24)")
             ->check(CLI::Range(1.0, 240.0));
         sub->add_flag("--resume", timelapse_.resume,
-                      "go on where an interrupted run into the same folder stopped");
+                      "go on where an interrupted run with --resume stopped; a film's frames are kept in "
+                      "OUT.frames until it is whole");
         sub->add_option("-o,--output", timelapse_.output, "film (.mp4), or folder for numbered pictures")
             ->required();
     }

@@ -27,6 +27,7 @@ struct SceneArguments {
 // Where, when and under which sky; empty: the default, which is printed.
 struct MomentArguments {
     std::string site, time, sky;
+    std::filesystem::path weather; // in place of `sky`
 };
 
 struct PictureArguments {
@@ -52,11 +53,14 @@ struct IlluminanceArguments {
     SceneArguments scene;
     MomentArguments moment;
     std::filesystem::path sensors, plan, output;
+    double maxError = 0; // of each sensor's lux, relative; 0: no bound asked for
 };
 struct RenderArguments {
     SceneArguments scene;
     MomentArguments moment;
     PictureArguments picture;
+    bool contactSheet = false;
+    std::string days, hours; // of the contact sheet; empty: the paper's
     std::filesystem::path output;
 };
 struct TimelapseArguments {
@@ -64,7 +68,7 @@ struct TimelapseArguments {
     MomentArguments moment;
     PictureArguments picture;
     std::string from, to, step;
-    std::string view; // "preview", "projectors"; empty: projectors with a rig, else preview
+    std::string view; // "preview", "projectors", "none"; empty: projectors with a rig, else preview
     double framesPerSecond = 24;
     bool resume = false;
     std::filesystem::path output;

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 #include <unistd.h>
@@ -17,6 +18,16 @@
 namespace heliodon::app {
 
 namespace fs = std::filesystem;
+
+passes::Image8 readPicture(const fs::path& file) {
+    const cv::Mat bgr = cv::imread(file.string(), cv::IMREAD_COLOR);
+    if (bgr.empty()) throw std::runtime_error(file.string() + ": cannot be read as a picture");
+    passes::Image8 image;
+    image.width = bgr.cols, image.height = bgr.rows;
+    image.rgb.resize(static_cast<size_t>(bgr.cols) * static_cast<size_t>(bgr.rows) * 3);
+    cv::cvtColor(bgr, cv::Mat(bgr.rows, bgr.cols, CV_8UC3, image.rgb.data()), cv::COLOR_BGR2RGB);
+    return image;
+}
 
 struct Film::Impl {
     static constexpr size_t kMostWaiting = 8; // frames

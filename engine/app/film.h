@@ -6,7 +6,12 @@
 #include <memory>
 #include <vector>
 
+#include "engine/passes/picture.h"
+
 namespace heliodon::app {
+
+// A picture file as it was written by passes::writePng.
+passes::Image8 readPicture(const std::filesystem::path& file);
 
 class Film {
 public:

@@ -40,8 +40,11 @@ std::vector<compute::Moment> solveLight(Run& run, compute::DaylightTransport& tr
                                         std::span<const daylight::Sky> skies) {
     const StageTimer timer(run, "solve");
     std::vector<compute::Moment> moments = transport.light(skies);
-    if (moments.empty()) return moments;
-    const compute::MomentReport& r = moments.back().report;
+    if (!moments.empty()) reportMoment(run, moments.back().report);
+    return moments;
+}
+
+void reportMoment(Run& run, const compute::MomentReport& r) {
     run.report()["radiosity"] = {{"passes", r.radiosity.passes},
                                  {"residual", r.radiosity.residual},
                                  {"bound", r.radiosity.bound},
@@ -53,7 +56,6 @@ std::vector<compute::Moment> solveLight(Run& run, compute::DaylightTransport& tr
     for (const std::string& what : r.skipped) run.skipped(what);
     if (!r.radiosity.converged)
         run.warn("the radiosity solution did not reach its tolerance; see radiosity.bound in the report");
-    return moments;
 }
 
 LightFigures lightFigures(const geometry::PatchMesh& mesh, const compute::Moment& moment) {

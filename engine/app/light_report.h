@@ -18,6 +18,9 @@ std::unique_ptr<compute::DaylightTransport> makeTransport(Run& run, const geomet
 std::vector<compute::Moment> solveLight(Run& run, compute::DaylightTransport& transport,
                                         std::span<const daylight::Sky> skies);
 
+// What one moment's solution measured: `radiosity`, `modelled` and `skipped`.
+void reportMoment(Run& run, const compute::MomentReport& report);
+
 struct LightFigures {
     double meanLux = 0, maxLux = 0; // of the illuminance on the surfaces that are shown, by area
     double glareRatio =

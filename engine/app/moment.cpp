@@ -29,10 +29,18 @@ daylight::Site parseSite(const std::string& text) {
 SkySource::SkySource(Run& run, const MomentArguments& arguments, const Scene& scene)
     : option_(arguments.sky.empty() ? "clear" : arguments.sky), up_(scene.up) {
     setting_.northDeg = scene.northDeg;
+    if (!arguments.weather.empty()) {
+        const StageTimer timer(run, "weather");
+        weather_ = daylight::readWeather(arguments.weather);
+        for (const std::string& warning : weather_->warnings) run.warn(warning);
+        run.report()["weather"] = {{"file", arguments.weather.string()}, {"place", weather_->place}};
+    }
     std::string assumed;
     auto assume = [&](const std::string& what) { assumed += (assumed.empty() ? "" : ", ") + what; };
     if (!arguments.site.empty())
         site_ = parseSite(arguments.site);
+    else if (weather_)
+        site_ = weather_->site;
     else if (scene.rig && scene.rig->site)
         site_ = *scene.rig->site;
     else
@@ -41,13 +49,13 @@ SkySource::SkySource(Run& run, const MomentArguments& arguments, const Scene& sc
         moment_ = daylight::parseTime(arguments.time, "--time");
     else
         assume("time " + daylight::formatTime(moment_));
-    if (arguments.sky.empty()) assume("sky clear");
-    const bool matters = daylight::skyDependsOnTime(option_);
+    if (arguments.sky.empty() && !weather_) assume("sky clear");
+    const bool matters = weather_ || daylight::skyDependsOnTime(option_);
     if (!assumed.empty() && matters) {
         run.note("assumed: " + assumed);
         run.report()["assumed"] = assumed;
     }
-    run.report()["sky"] = {{"option", option_}, {"north_deg", scene.northDeg}};
+    run.report()["sky"] = {{"option", weather_ ? "weather" : option_}, {"north_deg", scene.northDeg}};
     if (matters) run.report()["site"] = {{"latitude", site_.latitudeDeg}, {"longitude", site_.longitudeDeg}};
 }
 
@@ -56,7 +64,27 @@ daylight::SunPosition SkySource::sunAt(const daylight::Moment& moment) const {
 }
 
 daylight::Sky SkySource::skyAt(const daylight::Moment& moment) const {
-    return daylight::skyFromOption(option_, sunAt(moment), setting_, up_);
+    if (!weather_) return daylight::skyFromOption(option_, sunAt(moment), setting_, up_);
+    daylight::WeatherSky options;
+    options.setting = setting_;
+    const std::optional<daylight::Sky> sky =
+        daylight::skyAt(*weather_, daylight::utcSeconds(moment, site_.longitudeDeg), options);
+    if (!sky)
+        throw geometry::InputError("--weather", "",
+                                   fmt::format("the file does not cover {}", daylight::formatTime(moment)));
+    return *sky;
+}
+
+bool sameLight(const daylight::Sky& a, const daylight::Sky& b) {
+    if (a.isDark() && b.isDark()) return true;
+    const daylight::SkyFormula &f = a.formula, &g = b.formula;
+    const bool sameSun = (!a.hasSun() && !b.hasSun()) || (a.sun.direction == b.sun.direction &&
+                                                          a.sun.normalIlluminance == b.sun.normalIlluminance);
+    const bool roundSun = f.c != 0 || f.e != 0 || f.intermediate; // else the shape's direction is idle
+    return sameSun && f.scale == g.scale && f.g0 == g.g0 && f.g1 == g.g1 && f.a == g.a && f.b == g.b &&
+           f.zFloor == g.zFloor && f.i0 == g.i0 && f.c == g.c && f.d == g.d && f.e == g.e &&
+           f.intermediate == g.intermediate && (!roundSun || a.shapeDirection == b.shapeDirection) &&
+           a.ground.luminance == b.ground.luminance;
 }
 
 } // namespace heliodon::app

@@ -1,11 +1,13 @@
 // Where, when and under which sky: the command line's words made into skies over one scene.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "compute/daylight/sky.h"
 #include "compute/daylight/sun_position.h"
 #include "compute/daylight/time.h"
+#include "compute/daylight/weather.h"
 #include "engine/app/arguments.h"
 #include "engine/app/run.h"
 #include "engine/app/scene_input.h"
@@ -20,6 +22,7 @@ public:
     // `--time`, or its default.
     const daylight::Moment& moment() const { return moment_; }
     daylight::SunPosition sunAt(const daylight::Moment& moment) const;
+    // Throws InputError for moments that the weather file does not cover.
     daylight::Sky skyAt(const daylight::Moment& moment) const;
 
 private:
@@ -28,6 +31,10 @@ private:
     std::string option_;
     geometry::UpAxis up_;
     daylight::SkySetting setting_;
+    std::optional<daylight::Weather> weather_;
 };
+
+// Whether two skies give the same light: nothing need be solved or drawn again.
+bool sameLight(const daylight::Sky& a, const daylight::Sky& b);
 
 } // namespace heliodon::app

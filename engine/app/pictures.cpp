@@ -7,8 +7,8 @@
 
 namespace heliodon::app {
 
-passes::FrameRenderer makeRenderer(Run& run, const Scene& scene) {
-    gpu::Device& device = run.device();
+passes::FrameRenderer makeRenderer(Run& run, const Scene& scene, gpu::Device* other) {
+    gpu::Device& device = other ? *other : run.device();
     const StageTimer timer(run, "prepare");
     return passes::FrameRenderer(device, scene.mesh, scene.occluders, scene.rig ? &*scene.rig : nullptr);
 }

@@ -12,7 +12,8 @@
 
 namespace heliodon::app {
 
-passes::FrameRenderer makeRenderer(Run& run, const Scene& scene);
+// On the run's device, or on another one.
+passes::FrameRenderer makeRenderer(Run& run, const Scene& scene, gpu::Device* device = nullptr);
 
 // `tone` as the arguments want it: their exposure, and false colour in place of its map.
 passes::Tone toned(passes::Tone tone, const PictureArguments& arguments, bool falseColour);

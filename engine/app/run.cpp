@@ -36,14 +36,18 @@ Run::Run(const Arguments& arguments)
 gpu::Device& Run::device() {
     if (!device_) {
         const StageTimer timer(*this, "device");
-        gpu::DeviceOptions options;
-        options.select = deviceName_;
-        device_ = std::make_unique<gpu::Device>(options);
+        device_ = anotherDevice();
         const gpu::DeviceInfo& info = device_->info();
         report_["device"] = {
             {"name", info.name}, {"type", info.type}, {"driver", info.driver}, {"index", info.index}};
     }
     return *device_;
+}
+
+std::unique_ptr<gpu::Device> Run::anotherDevice() const {
+    gpu::DeviceOptions options;
+    options.select = deviceName_;
+    return std::make_unique<gpu::Device>(options);
 }
 
 void Run::note(const std::string& text) {

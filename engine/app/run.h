@@ -20,6 +20,9 @@ public:
     // The Vulkan device, made at the first call: commands that need none start without one.
     gpu::Device& device();
 
+    // One more on the same hardware, for work in another thread.
+    std::unique_ptr<gpu::Device> anotherDevice() const;
+
     nlohmann::json& report() { return report_; } // fields of the command's own
     void note(const std::string& text);          // to stderr unless --quiet
     void warn(const std::string& text);          // to stderr unless --quiet, and to the report

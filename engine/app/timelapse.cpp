@@ -1,18 +1,18 @@
 #include <algorithm>
+#include <chrono>
 #include <csignal>
-#include <fstream>
-#include <sstream>
+#include <exception>
 
 #include <fmt/format.h>
+#include <sys/resource.h>
 
 #include "engine/app/commands.h"
-#include "engine/app/film.h"
+#include "engine/app/frame_sink.h"
 #include "engine/app/light_report.h"
 #include "engine/app/moment.h"
 #include "engine/app/pictures.h"
 #include "engine/app/progress.h"
 #include "engine/app/scene_input.h"
-#include "engine/passes/image_file.h"
 #include "geometry/input_error.h"
 #include "geometry/whole_file.h"
 
@@ -20,9 +20,8 @@ namespace heliodon::app {
 
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr size_t kSolvedTogether = 8; // moments that share passes over the form factors
+constexpr size_t kSolvedAhead = 16;   // moments that may wait to be drawn
 
 volatile std::sig_atomic_t interrupted = 0;
 
@@ -42,82 +41,174 @@ private:
     void (*before_)(int);
 };
 
-// The views of one frame, as films or as numbered pictures. Pictures of several views have the view in their
-// names.
-class FrameSink {
+using Solved = std::shared_ptr<const compute::Moment>; // the frame before's where its light is the same
+
+// Solves moments in a thread of its own, ahead of whoever draws them.
+class MomentStream {
 public:
-    FrameSink(const TimelapseArguments& arguments, std::vector<std::string> views)
-        : arguments_(arguments), views_(std::move(views)), asFilm_(arguments.output.extension() == ".mp4") {
-        if (!asFilm_)
-            prepareFolder(arguments.output);
-        else if (arguments.resume)
-            throw geometry::InputError("--resume", "", "goes on into a folder of pictures, not into a film");
-        else if (arguments.picture.exr)
-            throw geometry::InputError("--exr", "", "goes into a folder of pictures, not into a film");
+    MomentStream(const SkySource& source, const std::vector<daylight::Moment>& times,
+                 compute::DaylightTransport& transport)
+        : source_(source), times_(times), transport_(transport), thread_([this] { run(); }) {}
+    ~MomentStream() { stop(); }
+    MomentStream(const MomentStream&) = delete;
+    MomentStream& operator=(const MomentStream&) = delete;
+
+    // Of the next frame. Throws what the thread threw.
+    Solved next() {
+        std::optional<Solved> solved = queue_.pop();
+        if (solved) return *solved;
+        stop();
+        if (failure_) std::rethrow_exception(failure_);
+        throw std::logic_error("more frames asked for than there are");
+    }
+    void stop() {
+        queue_.close();
+        if (thread_.joinable()) thread_.join();
+    }
+    // After stop().
+    double seconds() const { return seconds_; }
+    size_t repeated() const { return repeated_; }
+
+private:
+    void run() {
+        try {
+            for (size_t first = 0; first < times_.size(); first += kSolvedTogether)
+                if (!solve(first, std::min(kSolvedTogether, times_.size() - first))) break;
+        } catch (...) {
+            failure_ = std::current_exception();
+        }
+        queue_.close();
     }
 
-    fs::path picture(size_t view, size_t frame, const char* extension) const {
-        const std::string name = views_.size() == 1
-                                     ? fmt::format("{:05}{}", frame, extension)
-                                     : fmt::format("{}-{:05}{}", views_[view], frame, extension);
-        return arguments_.output / name;
-    }
-
-    // Pictures appear whole or not at all, so one that is there is done.
-    bool done(size_t frame) const {
-        if (!arguments_.resume) return false;
-        for (size_t v = 0; v < views_.size(); ++v)
-            if (!fs::exists(picture(v, frame, ".png")) ||
-                (arguments_.picture.exr && !fs::exists(picture(v, frame, ".exr"))))
-                return false;
+    bool solve(size_t first, size_t count) {
+        const auto start = std::chrono::steady_clock::now();
+        std::vector<daylight::Sky> skies;
+        std::vector<bool> fresh;
+        for (size_t k = 0; k < count; ++k) {
+            const daylight::Sky sky = source_.skyAt(times_[first + k]);
+            fresh.push_back(!before_ || !sameLight(*before_, sky));
+            if (fresh.back()) skies.push_back(sky);
+            before_ = sky;
+        }
+        std::vector<compute::Moment> moments = transport_.light(skies);
+        seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        size_t next = 0;
+        for (size_t k = 0; k < count; ++k) {
+            if (fresh[k])
+                last_ = std::make_shared<compute::Moment>(std::move(moments[next++]));
+            else
+                ++repeated_;
+            if (!queue_.push(last_)) return false;
+        }
         return true;
     }
 
-    void add(size_t view, size_t frame, passes::Image8&& image) {
-        if (!asFilm_) {
-            passes::writePng(image, picture(view, frame, ".png"));
-            return;
-        }
-        while (films_.size() <= view) {
-            fs::path file = arguments_.output;
-            if (views_.size() > 1)
-                file.replace_filename(fmt::format("{}-{}.mp4", file.stem().string(), views_[films_.size()]));
-            films_.push_back(std::make_unique<Film>(file, static_cast<uint32_t>(image.width),
-                                                    static_cast<uint32_t>(image.height),
-                                                    arguments_.framesPerSecond));
-        }
-        films_[view]->add(std::move(image.rgb));
+    const SkySource& source_;
+    const std::vector<daylight::Moment>& times_;
+    compute::DaylightTransport& transport_;
+    BoundedQueue<Solved> queue_{kSolvedAhead};
+    std::optional<daylight::Sky> before_;
+    Solved last_;
+    std::exception_ptr failure_;
+    double seconds_ = 0;
+    size_t repeated_ = 0;
+    std::thread thread_; // last: it uses all of the above
+};
+
+// What is drawn of each frame.
+class FramePainter {
+public:
+    FramePainter(Run& run, const Scene& scene, const TimelapseArguments& arguments, bool projectors)
+        : run_(run), projectors_(projectors), exr_(arguments.picture.exr), device_(run.anotherDevice()),
+          renderer_(makeRenderer(run, scene, device_.get())) {
+        preview_.tone = toned(preview_.tone, arguments.picture, arguments.picture.falseColor);
+        projector_.tone = toned(projector_.tone, arguments.picture, arguments.picture.falseColor);
     }
 
-    void close() {
-        for (auto& film : films_) film->close();
+    // One exposure for the whole film: the brightest that one of a few moments spread over it asks for.
+    double settleWhite(const SkySource& source, const std::vector<daylight::Moment>& times,
+                       compute::DaylightTransport& transport) {
+        if (!preview_.tone.whiteLux) {
+            constexpr size_t kSamples = 5;
+            const size_t count = std::min(kSamples, times.size());
+            std::vector<daylight::Sky> skies;
+            for (size_t k = 0; k < count; ++k)
+                skies.push_back(source.skyAt(times[k * (times.size() - 1) / std::max<size_t>(1, count - 1)]));
+            double white = 0;
+            for (const compute::Moment& moment : solveLight(run_, transport, skies))
+                white = std::max(white, renderer_.autoWhite(moment.lighting));
+            preview_.tone.whiteLux = white;
+        }
+        projector_.tone.whiteLux = preview_.tone.whiteLux;
+        return *preview_.tone.whiteLux;
+    }
+
+    // Frames of the same light are drawn once.
+    void paint(size_t frame, const Solved& solved, FrameSink& sink) {
+        if (solved != drawn_) {
+            const StageTimer timer(run_, "render");
+            drawn_ = solved;
+            const compute::Lighting& light = solved->lighting;
+            pictures_ = projectors_ ? renderer_.projectors(light, projector_)
+                                    : std::vector{renderer_.preview(light, preview_)};
+            if (exr_)
+                linear_ = projectors_ ? renderer_.projectorsHdr(light, projector_)
+                                      : std::vector{renderer_.previewHdr(light, preview_)};
+        }
+        const StageTimer timer(run_, "hand_over"); // long where the encoder is slower than everything else
+        sink.add(frame, pictures_, linear_);
     }
 
 private:
-    const TimelapseArguments& arguments_;
-    std::vector<std::string> views_;
-    bool asFilm_;
-    std::vector<std::unique_ptr<Film>> films_;
+    Run& run_;
+    bool projectors_, exr_;
+    std::unique_ptr<gpu::Device> device_;
+    passes::FrameRenderer renderer_;
+    passes::PreviewOptions preview_;
+    passes::ProjectorOptions projector_;
+    Solved drawn_;
+    std::vector<passes::Image8> pictures_;
+    std::vector<passes::ImageF> linear_;
 };
 
-// One exposure for the whole film: the brightest that one of a few moments spread over it asks for.
-double whiteForAll(Run& run, const SkySource& source, const std::vector<daylight::Moment>& times,
-                   compute::DaylightTransport& transport, const passes::FrameRenderer& renderer) {
-    constexpr size_t kSamples = 5;
-    std::vector<daylight::Sky> skies;
-    for (size_t k = 0; k < std::min(kSamples, times.size()); ++k)
-        skies.push_back(source.skyAt(
-            times[k * (times.size() - 1) / std::max<size_t>(1, std::min(kSamples, times.size()) - 1)]));
-    double white = 0;
-    for (const compute::Moment& moment : solveLight(run, transport, skies))
-        white = std::max(white, renderer.autoWhite(moment.lighting));
-    return white;
+// Steadiness of a long run, from each frame's time.
+nlohmann::json frameTimes(std::vector<float> milliseconds) {
+    if (milliseconds.empty()) return {};
+    const auto rank = [](std::vector<float> values, double share) {
+        const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+        std::nth_element(values.begin(), values.begin() + at, values.end());
+        return values[static_cast<size_t>(at)];
+    };
+    const auto quarter = static_cast<std::ptrdiff_t>((milliseconds.size() + 3) / 4);
+    rusage usage{};
+    ::getrusage(RUSAGE_SELF, &usage);
+    return {{"median_ms", rank(milliseconds, 0.5)},
+            {"p99_ms", rank(milliseconds, 0.99)},
+            {"first_quarter_median_ms", rank({milliseconds.begin(), milliseconds.begin() + quarter}, 0.5)},
+            {"last_quarter_median_ms", rank({milliseconds.end() - quarter, milliseconds.end()}, 0.5)},
+            {"peak_memory_bytes", 1024 * static_cast<int64_t>(usage.ru_maxrss)}};
 }
 
 std::string tableRow(const daylight::Moment& time, const daylight::SunPosition& sun,
                      const LightFigures& figures) {
     return fmt::format("{},{:.3f},{:.3f},{:.2f},{:.2f},{:.3f}\n", daylight::formatTime(time), sun.azimuthDeg,
                        sun.altitudeDeg, figures.meanLux, figures.maxLux, figures.glareRatio);
+}
+
+std::vector<std::string> viewsOf(const TimelapseArguments& arguments, const Scene& scene) {
+    const std::string view =
+        !arguments.view.empty() ? arguments.view : (scene.rig ? "projectors" : "preview");
+    if (view == "none") {
+        if (arguments.output.extension() == ".mp4")
+            throw geometry::InputError("--view", "", "none draws nothing, expected a folder for frames.csv");
+        return {};
+    }
+    if (view == "preview") return {"preview"};
+    if (!scene.rig)
+        throw geometry::InputError("--view", "", "projectors need a rig, expected --rig RIG.json");
+    std::vector<std::string> views;
+    for (size_t p = 0; p < scene.rig->projectors.size(); ++p) views.push_back(fmt::format("projector-{}", p));
+    return views;
 }
 
 } // namespace
@@ -128,75 +219,60 @@ void execute(Run& run, const TimelapseArguments& arguments) {
     const std::vector<daylight::Moment> times = daylight::timeSeries(
         from, to, daylight::parseDuration(arguments.step, "--step"), "--from, --to, --step");
     const Scene scene = loadScene(run, arguments.scene);
-    const bool projectors = arguments.view.empty() ? scene.rig.has_value() : arguments.view == "projectors";
-    if (projectors && !scene.rig)
-        throw geometry::InputError("--view", "", "projectors need a rig, expected --rig RIG.json");
     MomentArguments moment = arguments.moment;
     moment.time = arguments.from;
     const SkySource source(run, moment, scene);
-
-    std::vector<std::string> views;
-    if (projectors)
-        for (size_t p = 0; p < scene.rig->projectors.size(); ++p)
-            views.push_back(fmt::format("projector-{}", p));
-    else
-        views.push_back("preview");
-    FrameSink sink(arguments, views);
+    const std::vector<std::string> views = viewsOf(arguments, scene);
+    FrameSink sink(
+        {arguments.output, views, arguments.framesPerSecond, arguments.picture.exr, arguments.resume});
 
     const auto transport = makeTransport(run, scene.mesh);
-    passes::FrameRenderer renderer = makeRenderer(run, scene);
-    passes::PreviewOptions preview;
-    passes::ProjectorOptions projector;
-    preview.tone = toned(preview.tone, arguments.picture, arguments.picture.falseColor);
-    projector.tone = toned(projector.tone, arguments.picture, arguments.picture.falseColor);
-    if (!preview.tone.whiteLux) preview.tone.whiteLux = whiteForAll(run, source, times, *transport, renderer);
-    projector.tone.whiteLux = preview.tone.whiteLux;
+    std::optional<FramePainter> painter;
+    double white = 0;
+    if (!views.empty()) {
+        painter.emplace(run, scene, arguments, views[0] != "preview");
+        white = painter->settleWhite(source, times, *transport);
+    } else {
+        run.skipped("pictures: --view none");
+    }
 
     const InterruptGuard guard;
     Progress progress("frames", times.size(), run.showsProgress());
     std::string table = "time,sun_azimuth_deg,sun_altitude_deg,mean_lux,max_lux,glare_ratio\n";
     size_t drawn = 0;
-    for (size_t first = 0; first < times.size(); first += kSolvedTogether) {
-        const size_t count = std::min(kSolvedTogether, times.size() - first);
-        std::vector<daylight::Sky> skies;
-        for (size_t k = 0; k < count; ++k) skies.push_back(source.skyAt(times[first + k]));
-        const std::vector<compute::Moment> moments = solveLight(run, *transport, skies);
-        for (size_t k = 0; k < count; ++k) {
-            const size_t frame = first + k;
-            table += tableRow(times[frame], source.sunAt(times[frame]), lightFigures(scene.mesh, moments[k]));
-            progress.advance(frame + 1);
-            if (sink.done(frame)) continue;
-            const StageTimer timer(run, "render");
-            const compute::Lighting& light = moments[k].lighting;
-            if (projectors) {
-                std::vector<passes::Image8> pictures = renderer.projectors(light, projector);
-                for (size_t v = 0; v < pictures.size(); ++v) sink.add(v, frame, std::move(pictures[v]));
-            } else {
-                sink.add(0, frame, renderer.preview(light, preview));
-            }
-            if (arguments.picture.exr) {
-                const std::vector<passes::ImageF> linear =
-                    projectors ? renderer.projectorsHdr(light, projector)
-                               : std::vector{renderer.previewHdr(light, preview)};
-                for (size_t v = 0; v < linear.size(); ++v)
-                    passes::writeExr(linear[v], sink.picture(v, frame, ".exr"));
-            }
+    std::vector<float> frameMs;
+    MomentStream stream(source, times, *transport);
+    Solved before;
+    LightFigures figures;
+    for (size_t frame = 0; frame < times.size(); ++frame) {
+        const auto start = std::chrono::steady_clock::now();
+        const Solved solved = stream.next();
+        if (solved != before) figures = lightFigures(scene.mesh, *solved);
+        before = solved;
+        table += tableRow(times[frame], source.sunAt(times[frame]), figures);
+        if (painter && !sink.done(frame)) {
+            painter->paint(frame, solved, sink);
             ++drawn;
-            if (interrupted)
-                throw std::runtime_error(
-                    fmt::format("interrupted after frame {} of {}", frame + 1, times.size()));
         }
+        progress.advance(frame + 1);
+        frameMs.push_back(
+            std::chrono::duration<float, std::milli>(std::chrono::steady_clock::now() - start).count());
+        if (interrupted && frame + 1 < times.size())
+            throw std::runtime_error(
+                fmt::format("interrupted after frame {} of {}", frame + 1, times.size()));
     }
+    stream.stop();
+    run.addStageSeconds("solve", stream.seconds());
+    if (before) reportMoment(run, before->report);
+    if (stream.repeated() > 0)
+        run.skipped(fmt::format("{} frames: the same light as the frame before", stream.repeated()));
     {
-        const StageTimer timer(run, "encode");
+        const StageTimer timer(run, "encode"); // what is left of it
         sink.close();
     }
-    fs::path tableFile = arguments.output / "frames.csv";
-    if (arguments.output.extension() == ".mp4")
-        tableFile = fs::path(arguments.output).replace_extension(".csv");
-    geometry::writeWholeText(tableFile, table);
-    run.report()["frames"] = {
-        {"count", times.size()}, {"drawn", drawn}, {"white_lux", *preview.tone.whiteLux}};
+    geometry::writeWholeText(sink.table(), table);
+    run.report()["frames"] = frameTimes(frameMs);
+    run.report()["frames"].update({{"count", times.size()}, {"drawn", drawn}, {"white_lux", white}});
 }
 
 } // namespace heliodon::app

@@ -1,0 +1,51 @@
+#include "engine/app/contact_sheet.h"
+
+#include <cassert>
+
+#include <opencv2/imgproc.hpp>
+
+namespace heliodon::app {
+
+namespace {
+
+constexpr int kGap = 8, kTop = 84, kLeft = 150, kTextHeight = 12;
+const cv::Scalar kPaper(24, 24, 26), kInk(225, 225, 225);
+
+void label(cv::Mat& sheet, const std::string& text, cv::Point middle, double scale) {
+    int below = 0;
+    const cv::Size size = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, scale, 1, &below);
+    cv::putText(sheet, text, middle + cv::Point(-size.width / 2, size.height / 2), cv::FONT_HERSHEY_SIMPLEX,
+                scale, kInk, 1, cv::LINE_AA);
+}
+
+} // namespace
+
+passes::Image8 contactSheet(std::span<const passes::Image8> cells, const std::vector<std::string>& rows,
+                            const std::vector<std::string>& columns, const std::string& title) {
+    assert(cells.size() == rows.size() * columns.size() && !cells.empty());
+    const int width = cells[0].width, height = cells[0].height;
+    const auto across = static_cast<int>(columns.size()), down = static_cast<int>(rows.size());
+    passes::Image8 image;
+    image.width = kLeft + across * (width + kGap);
+    image.height = kTop + down * (height + kGap);
+    image.rgb.resize(3 * static_cast<size_t>(image.width) * static_cast<size_t>(image.height));
+    cv::Mat sheet(image.height, image.width, CV_8UC3, image.rgb.data());
+    sheet = kPaper;
+    label(sheet, title, {image.width / 2, kTop / 3 - 4}, 0.6);
+    for (int c = 0; c < across; ++c)
+        label(sheet, columns[static_cast<size_t>(c)],
+              {kLeft + c * (width + kGap) + width / 2, kTop - kTextHeight - kGap}, 0.6);
+    for (int r = 0; r < down; ++r) {
+        const int top = kTop + r * (height + kGap);
+        label(sheet, rows[static_cast<size_t>(r)], {kLeft / 2, top + height / 2}, 0.6);
+        for (int c = 0; c < across; ++c) {
+            const passes::Image8& cell =
+                cells[static_cast<size_t>(r) * columns.size() + static_cast<size_t>(c)];
+            const cv::Mat from(height, width, CV_8UC3, const_cast<uint8_t*>(cell.rgb.data()));
+            from.copyTo(sheet(cv::Rect(kLeft + c * (width + kGap), top, width, height)));
+        }
+    }
+    return image;
+}
+
+} // namespace heliodon::app

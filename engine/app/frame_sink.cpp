@@ -1,0 +1,129 @@
+#include "engine/app/frame_sink.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "engine/app/pictures.h"
+#include "engine/passes/image_file.h"
+#include "geometry/input_error.h"
+
+namespace heliodon::app {
+
+namespace fs = std::filesystem;
+
+FrameSink::FrameSink(FrameSinkOptions options)
+    : options_(std::move(options)), isFilm_(options_.output.extension() == ".mp4") {
+    if (isFilm_ && options_.exr)
+        throw geometry::InputError("--exr", "", "goes into a folder of pictures, not into a film");
+    if (!isFilm_)
+        folder_ = options_.output;
+    else if (options_.resume)
+        folder_ = fs::path(options_.output).replace_extension(".frames");
+    const fs::path parent = options_.output.parent_path();
+    if (isFilm_ && !parent.empty() && !fs::is_directory(parent))
+        throw geometry::InputError(options_.output.string(), "", "its folder does not exist");
+    if (!folder_.empty()) prepareFolder(folder_);
+    writer_ = std::thread([this] { work(); });
+}
+
+FrameSink::~FrameSink() {
+    endThread();
+}
+
+fs::path FrameSink::table() const {
+    return isFilm_ ? fs::path(options_.output).replace_extension(".csv") : options_.output / "frames.csv";
+}
+
+fs::path FrameSink::picture(size_t view, size_t frame, const char* extension) const {
+    return folder_ / (options_.views.size() == 1
+                          ? fmt::format("{:05}{}", frame, extension)
+                          : fmt::format("{}-{:05}{}", options_.views[view], frame, extension));
+}
+
+fs::path FrameSink::filmOf(size_t view) const {
+    if (options_.views.size() == 1) return options_.output;
+    fs::path file = options_.output;
+    return file.replace_filename(fmt::format("{}-{}.mp4", file.stem().string(), options_.views[view]));
+}
+
+bool FrameSink::done(size_t frame) const {
+    if (!options_.resume) return false;
+    for (size_t v = 0; v < options_.views.size(); ++v)
+        if (!fs::exists(picture(v, frame, ".png")) ||
+            (options_.exr && !fs::exists(picture(v, frame, ".exr"))))
+            return false;
+    return true;
+}
+
+Film& FrameSink::film(size_t view, int width, int height) {
+    while (films_.size() <= view)
+        films_.push_back(std::make_unique<Film>(filmOf(films_.size()), static_cast<uint32_t>(width),
+                                                static_cast<uint32_t>(height), options_.framesPerSecond));
+    return *films_[view];
+}
+
+void FrameSink::addToFilms(std::vector<passes::Image8>&& pictures) {
+    for (size_t v = 0; v < pictures.size(); ++v)
+        film(v, pictures[v].width, pictures[v].height).add(std::move(pictures[v].rgb));
+}
+
+void FrameSink::add(size_t frame, std::vector<passes::Image8> pictures, std::vector<passes::ImageF> linear) {
+    throwFailure();
+    frames_ = std::max(frames_, frame + 1);
+    if (folder_.empty()) {
+        addToFilms(std::move(pictures));
+        return;
+    }
+    // std::function copies what it holds; the pictures are many megabytes.
+    const auto shared = std::make_shared<std::vector<passes::Image8>>(std::move(pictures));
+    const auto floats = std::make_shared<std::vector<passes::ImageF>>(std::move(linear));
+    writing_.push([this, frame, shared, floats] {
+        for (size_t v = 0; v < floats->size(); ++v) passes::writeExr((*floats)[v], picture(v, frame, ".exr"));
+        for (size_t v = 0; v < shared->size(); ++v) passes::writePng((*shared)[v], picture(v, frame, ".png"));
+    });
+}
+
+void FrameSink::work() {
+    while (const auto job = writing_.pop()) {
+        try {
+            (*job)();
+        } catch (...) {
+            const std::scoped_lock lock(mutex_);
+            if (!failure_) failure_ = std::current_exception();
+            writing_.close(true);
+        }
+    }
+}
+
+void FrameSink::throwFailure() {
+    const std::scoped_lock lock(mutex_);
+    if (failure_) std::rethrow_exception(failure_);
+}
+
+void FrameSink::endThread() {
+    writing_.close();
+    if (writer_.joinable()) writer_.join();
+}
+
+void FrameSink::filmsFromPictures() {
+    for (size_t frame = 0; done(frame); ++frame)
+        for (size_t v = 0; v < options_.views.size(); ++v) {
+            passes::Image8 image = readPicture(picture(v, frame, ".png"));
+            film(v, image.width, image.height).add(std::move(image.rgb));
+        }
+}
+
+void FrameSink::close() {
+    endThread();
+    throwFailure();
+    if (!isFilm_) return;
+    if (options_.resume) filmsFromPictures();
+    for (auto& film : films_) film->close();
+    std::error_code ignored;
+    if (options_.resume) fs::remove_all(folder_, ignored);
+}
+
+} // namespace heliodon::app

@@ -1,0 +1,67 @@
+// Frames to disk, as numbered pictures or as films, in threads of their own: whoever draws does not wait for
+// encoders unless they fall far behind.
+#pragma once
+
+#include <exception>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "engine/app/bounded_queue.h"
+#include "engine/app/film.h"
+#include "engine/passes/picture.h"
+
+namespace heliodon::app {
+
+struct FrameSinkOptions {
+    std::filesystem::path output; // OUT.mp4, or a folder
+    std::vector<std::string> views;
+    double framesPerSecond = 24;
+    bool exr = false;    // linear pictures too; folders only
+    bool resume = false; // keep what is there; a film's frames stay in OUT.frames/ until the film is whole
+};
+
+class FrameSink {
+public:
+    // Throws geometry::InputError on outputs that cannot be.
+    explicit FrameSink(FrameSinkOptions options);
+    ~FrameSink(); // without close(): finishes the pictures at hand; no film appears
+    FrameSink(const FrameSink&) = delete;
+    FrameSink& operator=(const FrameSink&) = delete;
+
+    bool isFilm() const { return isFilm_; }
+    // Where `frames.csv` goes: into the folder, or beside the film under its name.
+    std::filesystem::path table() const;
+    // Pictures appear whole or not at all, so one that is there is done.
+    bool done(size_t frame) const;
+
+    // In order of frames; one picture a view. Errors of the threads are thrown by the next call.
+    void add(size_t frame, std::vector<passes::Image8> pictures, std::vector<passes::ImageF> linear = {});
+    void close();
+
+private:
+    std::filesystem::path picture(size_t view, size_t frame, const char* extension) const;
+    std::filesystem::path filmOf(size_t view) const;
+    Film& film(size_t view, int width, int height);
+    void addToFilms(std::vector<passes::Image8>&& pictures);
+    void filmsFromPictures();
+    void throwFailure();
+    void work();
+    void endThread();
+
+    FrameSinkOptions options_;
+    bool isFilm_;
+    std::filesystem::path folder_; // of pictures; empty for a film that does not keep its frames
+    size_t frames_ = 0;            // highest frame number + 1
+    std::vector<std::unique_ptr<Film>> films_;
+    BoundedQueue<std::function<void()>> writing_{8};
+    std::mutex mutex_;
+    std::exception_ptr failure_;
+    std::thread writer_;
+};
+
+} // namespace heliodon::app
