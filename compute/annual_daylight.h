@@ -20,6 +20,7 @@
 #include "compute/daylight/sky.h"
 #include "compute/daylight_transport.h"
 #include "compute/panel_product.h"
+#include "compute/sun_patches.h"
 
 namespace heliodon::compute {
 
@@ -59,15 +60,30 @@ private:
         uint32_t patch;
         float value[3]; // lux per channel; all channels alike unless tinted_
     };
+    // A patch that the sun lights in part: its exitance stands where the light is, not all over the patch.
+    struct Edge {
+        struct Part {
+            std::vector<glm::dvec3> polygon;
+            float exitance; // photometric
+        };
+        uint32_t patch;
+        glm::dvec3 middle; // of the light
+        float exitance;    // photometric mean over the patch
+        std::vector<Part> parts;
+    };
     struct Sunny {
         uint32_t hour;
         std::vector<LitPatch> patches;
+        std::vector<Edge> edges;
     };
     struct Responses;
     void makeSkies();
     void makeSuns();
     Responses respond(const TransportParts& parts);
+    std::vector<Edge> edgesOf(const std::vector<SunlitParts>& partly, double strength) const;
     void addSun(const Responses& responses, std::span<float> reflected) const;
+    void addEdges(const TransportParts& parts, std::span<float> reflected) const;
+    void addBeams(std::span<const Sensor> sensors, std::span<float> sun) const;
     void checkAndSetErrors(std::span<const float> lux, std::span<const float> sun, std::span<float> error);
     std::vector<uint32_t> checkedHours() const;
     void told(double share) const {

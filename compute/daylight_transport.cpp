@@ -465,19 +465,11 @@ TransportParts DaylightTransport::parts() {
             *state.sunScene};
 }
 
-std::vector<double> DaylightTransport::sunEdgesAtSensors(const SunPatches& sun,
-                                                         double normalIlluminance) const {
-    const State& state = *state_;
-    std::vector<SunlitParts> partly;
-    std::vector<glm::vec3> firstBounce = sun.onPatches(&partly);
-    for (size_t i = 0; i < firstBounce.size(); ++i)
-        firstBounce[i] *=
-            state.mesh.materials[state.mesh.material[i]].reflectance * static_cast<float>(normalIlluminance);
-    std::vector<double> lux;
-    for (size_t s = 0; s < state.sensors.sensors.size(); ++s)
-        lux.push_back(
-            photometric(sunEdges(*state.points, state.sensors, s, partly, normalIlluminance, firstBounce)));
-    return lux;
+std::optional<PointView> DaylightTransport::viewOfSensor(size_t sensor) const {
+    const SensorGather& sensors = state_->sensors;
+    if (sensors.room[sensor] == kNoRoom) return std::nullopt;
+    return PointView(state_->points->blockers(), sensors.sensors[sensor].position,
+                     glm::normalize(sensors.sensors[sensor].normal), sensors.room[sensor]);
 }
 
 const geometry::PatchMesh& DaylightTransport::mesh() const {

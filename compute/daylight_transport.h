@@ -115,9 +115,9 @@ public:
     std::vector<Moment> light(std::span<const daylight::Sky> skies);
 
     TransportParts parts();
-    // What edges of sunlight within patches add to each sensor beyond TransportParts::sensorEven, photometric
-    // lux; `sun` of this transport's mesh. Safe to call from several threads.
-    std::vector<double> sunEdgesAtSensors(const SunPatches& sun, double normalIlluminance) const;
+    // What a sensor sees, for exact form factors of further polygons; none outside of all rooms. Safe to call
+    // from several threads.
+    std::optional<PointView> viewOfSensor(size_t sensor) const;
     const geometry::PatchMesh& mesh() const;
     const FormFactors& formFactors() const;
     const TransportReport& report() const;
