@@ -27,11 +27,14 @@ constexpr size_t kSumBytes = 12;                      // per record: form factor
 constexpr uint32_t kMaxCells = 1u << 22;              // of one level of one batch
 constexpr uint32_t kChunk = 65535u * io::kExactGroup; // invocations of one dispatch
 constexpr uint32_t kMostGroups = 65535;
-// Tolerance of one form factor over that of a row. The finer the mesh, the more entries end far below their
-// tolerance (calibrated on rooms of 672 and 2088 patches with partitions; measured errors stay below what is
-// asked).
-double entryShare(uint32_t pieces) {
-    return std::clamp(0.02 * std::sqrt(static_cast<double>(pieces)), 0.2, 1.0);
+constexpr double kQuickFrom = 3e-5; // row error from which four points settle most pairs
+// Tolerance of one form factor over that of a row. The finer the mesh and the looser the tolerance, the more
+// entries end far below it (calibrated on rooms of 672 and 2088 patches with partitions: measured errors stay
+// below what is asked).
+double entryTolerance(double rowError, uint32_t pieces) {
+    const double asked = std::max(rowError, 1e-7);
+    return asked * std::clamp(0.02 * std::sqrt(static_cast<double>(pieces)), 0.2, 1.0) *
+           std::clamp(std::pow(asked / 1e-4, 0.3), 0.2, 1.0);
 }
 
 class Timer {
@@ -52,7 +55,7 @@ public:
         const uint64_t storage = device_.limits().maxStorageBufferRange;
         const auto side = static_cast<uint32_t>(std::sqrt(static_cast<double>(storage) / 4));
         scene_ = exactScene(device, mesh, std::min(kTile, side));
-        tolerance_ = static_cast<float>(std::max(options.maxError, 1e-7) * entryShare(scene_.pieceCount));
+        tolerance_ = static_cast<float>(entryTolerance(options.maxError, scene_.pieceCount));
         words_ = std::max(1u, (scene_.blockerCount + 31) / 32);
         gpu::KernelCache& kernels = device.kernels();
         sidesKernel_ = &kernels.get(device, exact_sides_comp, "exact_sides");
@@ -238,9 +241,13 @@ private:
             gpu::Commands commands(device_);
             for (uint32_t done = 0; done < count; done += kChunk) {
                 const uint32_t part = std::min(kChunk, count - done);
-                const io::ExactCellsParams params{
-                    scene_.pieceCount,          first + done, part, cellCapacity_,
-                    depth >= options_.maxDepth, tolerance_};
+                const io::ExactCellsParams params{scene_.pieceCount,
+                                                  first + done,
+                                                  part,
+                                                  cellCapacity_,
+                                                  depth >= options_.maxDepth,
+                                                  options_.maxError >= kQuickFrom ? 1u : 0u,
+                                                  tolerance_};
                 commands.dispatch(firstLevel ? *firstKernel_ : *cellsKernel_,
                                   {high(), low(), normal(), centre(), range(), records_, lists_,
                                    cells_[depth % 2], counters_, sums_, cells_[(depth + 1) % 2]},
@@ -248,7 +255,7 @@ private:
             }
             commands.barrier(gpu::Stage::compute, gpu::Stage::any);
             device_.submitAndWait(std::move(commands));
-            count = std::min(counter(io::kExactCellCount), cellCapacity_ / 4 * 4);
+            count = std::min(counter(io::kExactCellCount), cellCapacity_);
             statistics.cells += count;
             statistics.overflows += counter(io::kExactOverflowCount);
             counter(io::kExactOverflowCount) = 0;

@@ -80,16 +80,27 @@ float productRule(vec3 normalA, vec3 normalB) {
     return sum * kInversePi;
 }
 
+// How far a point is from a blocker, nearly: beside its plane and beyond its edges.
+float distanceTo(Origin o, vec3 point, uint face) {
+    uvec4 range = texelFetch(faceRange, int(face));
+    vec3 n = texelFetch(faceNormal, int(face)).xyz, k0 = cornerFrom(o, range.x + range.y - 1u);
+    float height = dot(n, point - k0), beyond = 0.0;
+    [[dont_unroll]] for (uint c = 0u; c < range.y; ++c) {
+        vec3 k1 = cornerFrom(o, range.x + c);
+        beyond = max(beyond, dot(normalize(cross(k1 - k0, n)), point - k0));
+        k0 = k1;
+    }
+    return length(vec2(height, beyond));
+}
+
 void addPartial(uint i, uint j, Origin o, float areaI, float areaJ) {
-    // Points lie on the side farther from the blockers' planes, where shadows are blurred; but not on a much larger piece.
+    // Points lie on the side farther from the blockers, where shadows are blurred; but not on a much larger piece.
     vec3 ci = centreFrom(o, i), cj = centreFrom(o, j);
     float clearI = 1e30, clearJ = 1e30;
     uint count = min(listedCount, kExactListed);
     [[dont_unroll]] for (uint m = 0u; m < count; ++m) {
-        vec3 n = texelFetch(faceNormal, int(listed[m])).xyz;
-        vec3 k = cornerFrom(o, texelFetch(faceRange, int(listed[m])).x);
-        clearI = min(clearI, abs(dot(n, ci - k)));
-        clearJ = min(clearJ, abs(dot(n, cj - k)));
+        clearI = min(clearI, distanceTo(o, ci, listed[m]));
+        clearJ = min(clearJ, distanceTo(o, cj, listed[m]));
     }
     bool iIsOuter = clearI * sqrt(areaJ) >= clearJ * sqrt(areaI);
     uint first = atomicAdd(counters[kExactListCount], count);

@@ -79,6 +79,7 @@ struct ExactCellsParams {
     uint count;
     uint cellCapacity;
     uint maxDepthReached; // 1: do not split any more
+    uint quick;           // 1: look at four points of a partly hidden pair first
     float tolerance;
 };
 

@@ -208,13 +208,10 @@ float shadowSum(Frame f, vec3 point, vec3 normal, float size) {
             if (slope == 0.0 && d < 0.0) range = vec2(1e30, -1e30);
             a = b;
         }
+        Stretch mate = s; // of two lines of one shadow that coincide (a blocker that stands on the piece) one counts
+        mate.rank = uint(w);
         NO_UNROLL for (int m = 0; m < lineCount; ++m)
-            if (m != w && owner[m] == s.rank) {
-                float d = at(lines[m], s.from), slope = dot(lines[m].xy, s.along), t = -d / slope;
-                if (slope > 0.0) range.x = max(range.x, t);
-                if (slope < 0.0) range.y = min(range.y, t);
-                if (slope == 0.0 && d < 0.0) range = vec2(1e30, -1e30);
-            }
+            if (m != w && owner[m] == s.rank) range = narrow(range, mate, lines[m], uint(m), near);
         s.range = range;
         sum += sweep(f, point, normal, s, false, near);
     }
