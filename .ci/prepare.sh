@@ -5,10 +5,10 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 build_packages=(
     g++ cmake ninja-build pkg-config ccache
     libvulkan-dev mesa-vulkan-drivers glslang-tools libglm-dev libglfw3-dev
-    libopencv-dev libcgal-dev libcli11-dev nlohmann-json3-dev libfmt-dev libtinygltf-dev zlib1g-dev
+    libopencv-dev libcgal-dev libcli11-dev nlohmann-json3-dev libfmt-dev libtinygltf-dev zlib1g-dev libembree-dev
 )
 test_packages=(
-    libgtest-dev libbenchmark-dev libembree-dev vulkan-validationlayers spirv-tools xvfb xauth
+    libgtest-dev libbenchmark-dev vulkan-validationlayers spirv-tools xvfb xauth
 )
 
 say() { printf '\n== %s\n' "$*"; }

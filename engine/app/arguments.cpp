@@ -23,6 +23,7 @@ public:
         addRender();
         addTimelapse();
         addAnnual();
+        addBench();
         addDevices();
     }
 
@@ -208,6 +209,30 @@ private:
             ->required();
     }
 
+    void addBench() {
+        CLI::App* sub = add("bench", "error against time of every form-factor kernel, beside other programs",
+                            bench_, "--scenes partitions,room.obj --sizes 500,2000 -o bench");
+        sub->add_option("--kernels", bench_.kernels, "kernels, with commas between (default all)")
+            ->delimiter(',');
+        sub->add_option("--scenes", bench_.scenes,
+                        "box, ell, partitions, blocks, slot, louvres, all, or .obj files, whose faces are "
+                        "taken as they are "
+                        "(default partitions)")
+            ->delimiter(',');
+        sub->add_option("--sizes", bench_.sizes, "triangles of the built-in scenes (default 500,2000)")
+            ->delimiter(',')
+            ->check(CLI::Range(12, 200000));
+        sub->add_option("--runs", bench_.runs, "counted runs of each setting; the median is kept (default 3)")
+            ->check(CLI::Range(1, 1000));
+        sub->add_option("--reference-rows", bench_.referenceRows,
+                        "rows of double precision to compare with (default 16)")
+            ->check(CLI::Range(1, 100000));
+        sub->add_flag("!--no-peers", bench_.peers, "leave other programs out");
+        sub->add_option("-o,--output", bench_.output,
+                        "folder for bench.csv, .json and .svg; made when missing")
+            ->required();
+    }
+
     void addDevices() {
         add("devices", "list the Vulkan devices, with why one cannot be used", devices_, "");
     }
@@ -221,6 +246,7 @@ private:
     RenderArguments render_;
     TimelapseArguments timelapse_;
     AnnualArguments annual_;
+    BenchArguments bench_;
     DevicesArguments devices_;
     std::vector<std::pair<CLI::App*, std::function<Command()>>> commands_;
 };

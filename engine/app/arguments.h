@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 namespace heliodon::app {
 
@@ -82,10 +83,19 @@ struct AnnualArguments {
     bool ill = false, svg = false;
     std::filesystem::path output;
 };
+struct BenchArguments {
+    std::vector<std::string> kernels{"all"}, scenes{"partitions"};
+    std::vector<size_t> sizes{500, 2000};
+    int runs = 3;
+    size_t referenceRows = 16;
+    bool peers = true;
+    std::filesystem::path output;
+};
 struct DevicesArguments {};
 
-using Command = std::variant<DetectArguments, ModelArguments, FormFactorArguments, IlluminanceArguments,
-                             RenderArguments, TimelapseArguments, AnnualArguments, DevicesArguments>;
+using Command =
+    std::variant<DetectArguments, ModelArguments, FormFactorArguments, IlluminanceArguments, RenderArguments,
+                 TimelapseArguments, AnnualArguments, BenchArguments, DevicesArguments>;
 
 struct Arguments {
     std::string commandName;

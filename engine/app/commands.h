@@ -14,6 +14,7 @@ void execute(Run& run, const IlluminanceArguments& arguments);
 void execute(Run& run, const RenderArguments& arguments);
 void execute(Run& run, const TimelapseArguments& arguments);
 void execute(Run& run, const AnnualArguments& arguments);
+void execute(Run& run, const BenchArguments& arguments);
 void execute(Run& run, const DevicesArguments& arguments);
 
 } // namespace heliodon::app

@@ -1,0 +1,52 @@
+// What a bench found, as a table (CSV), as JSON and as a plot of error against time.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace heliodon::app {
+
+struct BenchResult {
+    std::string scene;
+    size_t patches = 0;
+    std::string kernel, setting;
+    bool peer = false;          // another program
+    double wallSeconds = 0;     // submit to wait, median of the runs
+    double cpuSeconds = 0;      // all threads
+    double deviceSeconds = 0;   // by the device's own clock; 0 for peers
+    double rowError = 0;        // RMS over the reference rows of ||F_i - reference||_2
+    double rowErrorMax = 0;     // worst of them
+    double entryMax = 0;        // worst entry there
+    double claimedRowError = 0; // what the kernel says itself; 0 when it says nothing
+    double closureMax = 0, closureRms = 0, reciprocityRms = 0; // before any normalisation
+    double pairsPerSecond = 0, raysPerSecond = 0, bytesPerSecond = 0;
+    double peakBytes = 0; // of the process while it ran
+    double rooflineFraction =
+        0;                // least time for the work that no method can leave out, over the device's time
+    bool onFront = false; // no other result of the scene has less error in less time
+};
+
+struct GatherResult {
+    std::string scene;
+    size_t patches = 0;
+    unsigned columns = 1;
+    double wallSeconds = 0, nativeSeconds = 0; // ours; vector instructions on all cores of the processor
+    double bytesPerSecond = 0, rooflineFraction = 0;
+    double error = 0; // worst relative deviation from sums in double precision
+};
+
+// Marks, scene by scene, what is on the Pareto front of error against time.
+void markFront(std::vector<BenchResult>& results);
+
+std::string csvOf(const std::vector<BenchResult>& results);
+std::string csvOf(const std::vector<GatherResult>& results);
+nlohmann::ordered_json jsonOf(const BenchResult& result);
+nlohmann::ordered_json jsonOf(const GatherResult& result);
+
+// One panel for each scene and size, both axes logarithmic; filled marks are on the front, which a line
+// joins.
+std::string plotOf(const std::vector<BenchResult>& results, const std::string& device);
+
+} // namespace heliodon::app
