@@ -1,6 +1,7 @@
 #include "compute/reference/form_factor_rows.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <glm/geometric.hpp>
 
@@ -39,20 +40,22 @@ std::vector<Polygon> FormFactorRows::between(size_t i, size_t j) const {
     return result;
 }
 
-std::vector<double> FormFactorRows::row(size_t i, double tolerance) const {
-    constexpr size_t kMostCells = 20000;
-    std::vector<double> result(polygons_.size(), 0.0);
+FormFactorRows::Row FormFactorRows::row(size_t i, double tolerance, size_t maxCells) const {
+    Row result;
+    result.factors.assign(polygons_.size(), 0.0);
     const double area = 0.5 * glm::length(areaVectors_[i]);
     if (area <= 0) return result;
+    double squares = 0;
     for (size_t j = 0; j < polygons_.size(); ++j) {
         if (j == i || mesh_->room[j] != mesh_->room[i] || glm::length(areaVectors_[j]) <= 0) continue;
         const std::vector<Polygon> blockers = between(i, j);
-        const double exchange =
-            blockers.empty()
-                ? exchangeUnoccluded(polygons_[i], polygons_[j])
-                : exchangeOccluded(polygons_[i], polygons_[j], blockers, tolerance, kMostCells).value;
-        result[j] = exchange / area;
+        const Estimate exchange =
+            blockers.empty() ? Estimate{exchangeUnoccluded(polygons_[i], polygons_[j]), 0}
+                             : exchangeOccluded(polygons_[i], polygons_[j], blockers, tolerance, maxCells);
+        result.factors[j] = exchange.value / area;
+        squares += exchange.error * exchange.error / (area * area);
     }
+    result.error = std::sqrt(squares);
     return result;
 }
 

@@ -225,7 +225,7 @@ private:
         sub->add_option("--runs", bench_.runs, "counted runs of each setting; the median is kept (default 3)")
             ->check(CLI::Range(1, 1000));
         sub->add_option("--reference-rows", bench_.referenceRows,
-                        "rows of double precision to compare with (default 16)")
+                        "rows of double precision to compare with (default 12)")
             ->check(CLI::Range(1, 100000));
         sub->add_flag("!--no-peers", bench_.peers, "leave other programs out");
         sub->add_option("-o,--output", bench_.output,

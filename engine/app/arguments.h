@@ -87,7 +87,7 @@ struct BenchArguments {
     std::vector<std::string> kernels{"all"}, scenes{"partitions"};
     std::vector<size_t> sizes{500, 2000};
     int runs = 3;
-    size_t referenceRows = 16;
+    size_t referenceRows = 12;
     bool peers = true;
     std::filesystem::path output;
 };

@@ -56,7 +56,7 @@ std::vector<Setting> settingsOf(const std::string& kernel) {
 // Rows of the double-precision oracle, spread evenly over the patches.
 struct Reference {
     std::vector<size_t> rows;
-    std::vector<std::vector<double>> values;
+    std::vector<compute::reference::FormFactorRows::Row> values;
 };
 
 Reference referenceOf(Run& run, const BenchScene& scene, size_t count) {
@@ -84,11 +84,12 @@ Reference referenceOf(Run& run, const BenchScene& scene, size_t count) {
 
 void judge(const std::vector<float>& F, const Reference& reference, BenchResult& result) {
     const size_t n = result.patches;
-    double squares = 0;
+    double squares = 0, uncertain = 0;
     for (size_t k = 0; k < reference.rows.size(); ++k) {
         double row = 0;
+        uncertain += reference.values[k].error * reference.values[k].error;
         for (size_t j = 0; j < n; ++j) {
-            const double d = double{F[reference.rows[k] * n + j]} - reference.values[k][j];
+            const double d = double{F[reference.rows[k] * n + j]} - reference.values[k].factors[j];
             row += d * d;
             result.entryMax = std::max(result.entryMax, std::abs(d));
         }
@@ -96,6 +97,7 @@ void judge(const std::vector<float>& F, const Reference& reference, BenchResult&
         result.rowErrorMax = std::max(result.rowErrorMax, std::sqrt(row));
     }
     result.rowError = std::sqrt(squares / static_cast<double>(reference.rows.size()));
+    result.referenceError = std::sqrt(uncertain / static_cast<double>(reference.rows.size()));
 }
 
 // The process's own peak from now on, where the system keeps one.
@@ -368,6 +370,7 @@ BenchArguments completed(BenchArguments arguments) {
 
 void execute(Run& run, const BenchArguments& given) {
     const BenchArguments arguments = completed(given);
+    checkBenchScenes(arguments.scenes);
     prepareFolder(arguments.output);
     const std::vector<BenchScene> scenes = [&] {
         const StageTimer timer(run, "scenes");

@@ -142,11 +142,17 @@ private:
         std::string text;
         for (const BenchResult* r : order) {
             const std::string words = r->kernel + " " + r->setting;
-            Place place{x(logSeconds(*r)) + 9, y(logError(*r)) + 4, 5.6 * static_cast<double>(words.size())};
-            for (const Place& other : placed)
-                if (place.x < other.x + other.width && other.x < place.x + place.width &&
-                    std::abs(place.y - other.y) < 12)
-                    place.y = other.y + 12;
+            Place place{x(logSeconds(*r)) + 9, y(logError(*r)) + 4, 6 * static_cast<double>(words.size())};
+            const auto covers = [&](const Place& other) {
+                return place.x < other.x + other.width && other.x < place.x + place.width &&
+                       std::abs(place.y - other.y) < 12;
+            };
+            for (auto other = placed.begin(); other != placed.end();)
+                if (covers(*other)) {
+                    place.y = other->y + 12;
+                    other = placed.begin();
+                } else
+                    ++other;
             placed.push_back(place);
             text += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" font-size=\"11\" fill=\"{}\">{}</text>\n",
                                 place.x, place.y, colourOf(r->kernel), words);
@@ -198,6 +204,7 @@ nlohmann::ordered_json jsonOf(const BenchResult& r) {
             {"row_error", r.rowError},
             {"row_error_max", r.rowErrorMax},
             {"entry_error_max", r.entryMax},
+            {"reference_error", r.referenceError},
             {"claimed_row_error", r.claimedRowError},
             {"closure_max", r.closureMax},
             {"closure_rms", r.closureRms},

@@ -19,6 +19,7 @@ struct BenchResult {
     double rowError = 0;        // RMS over the reference rows of ||F_i - reference||_2
     double rowErrorMax = 0;     // worst of them
     double entryMax = 0;        // worst entry there
+    double referenceError = 0;  // RMS of what the reference rows say of their own error
     double claimedRowError = 0; // what the kernel says itself; 0 when it says nothing
     double closureMax = 0, closureRms = 0, reciprocityRms = 0; // before any normalisation
     double pairsPerSecond = 0, raysPerSecond = 0, bytesPerSecond = 0;

@@ -130,6 +130,11 @@ std::string knownNames() {
     return names;
 }
 
+auto recipeOf(const std::string& name) {
+    return std::find_if(recipes().begin(), recipes().end(),
+                        [&](const Recipe& r) { return r.scene.name == name; });
+}
+
 void addUserScene(const std::filesystem::path& file, std::vector<BenchScene>& scenes) {
     scenes.push_back({file.stem().string(), geometry::readPatches(file)});
     if (scenes.back().mesh.patchCount() == 0) throw geometry::InputError(file.string(), "", "has no faces");
@@ -146,15 +151,17 @@ std::span<const BuiltInScene> builtInScenes() {
     return scenes;
 }
 
+void checkBenchScenes(const std::vector<std::string>& names) {
+    for (const std::string& name : names) {
+        if (recipeOf(name) != recipes().end()) continue;
+        if (std::filesystem::path(name).extension() != ".obj")
+            throw geometry::InputError("--scenes", name, "unknown; expected a .obj file or " + knownNames());
+        if (!std::filesystem::exists(name)) throw geometry::InputError(name, "", "does not exist");
+    }
+}
+
 std::vector<BenchScene> benchScenes(const std::vector<std::string>& names, const std::vector<size_t>& sizes,
                                     const std::filesystem::path& folder) {
-    const auto recipeOf = [](const std::string& name) {
-        return std::find_if(recipes().begin(), recipes().end(),
-                            [&](const Recipe& r) { return r.scene.name == name; });
-    };
-    for (const std::string& name : names) // before any work
-        if (recipeOf(name) == recipes().end() && std::filesystem::path(name).extension() != ".obj")
-            throw geometry::InputError("--scenes", name, "unknown; expected a .obj file or " + knownNames());
     std::filesystem::create_directories(folder / "scenes");
     std::vector<BenchScene> scenes;
     for (const std::string& name : names) {

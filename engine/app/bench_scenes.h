@@ -21,9 +21,12 @@ struct BuiltInScene {
 };
 std::span<const BuiltInScene> builtInScenes();
 
-// `names`: built-in scenes, each meshed to every one of `sizes` (triangles), or .obj files, whose faces are
-// taken as they are. The meshes are kept as models in `folder`/scenes, so that other programs can be run on
-// them. Throws InputError on a name that is neither.
+// Throws InputError on a name that is neither a built-in scene nor an .obj file that exists.
+void checkBenchScenes(const std::vector<std::string>& names);
+
+// `names`, checked: built-in scenes, each meshed to every one of `sizes` (triangles), or .obj files, whose
+// faces are taken as they are. The meshes are kept as models in `folder`/scenes, so that other programs can
+// be run on them.
 std::vector<BenchScene> benchScenes(const std::vector<std::string>& names, const std::vector<size_t>& sizes,
                                     const std::filesystem::path& folder);
 

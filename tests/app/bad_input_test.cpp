@@ -114,6 +114,12 @@ TEST_F(BadInput, an_unknown_command_and_a_missing_option) {
     expectRefused("detect " + kPhoto + " -o " + in("out.json"), {"--rig"});
 }
 
+TEST_F(BadInput, scenes_and_kernels_that_no_bench_knows) {
+    expectRefused("bench --scenes castle -o " + in("out"), {"--scenes", "castle", "partitions"});
+    expectRefused("bench --scenes " + in("none.obj") + " -o " + in("out"), {"none.obj", "does not exist"});
+    expectRefused("bench --kernels guess -o " + in("out"), {"--kernels", "guess", "exact"});
+}
+
 TEST_F(BadInput, a_time_that_is_no_time) {
     expectRefused("render " + kPhoto + " --rig " + kRig + " --time tomorrow -o " + in("out"), {"tomorrow"});
 }

@@ -69,7 +69,7 @@ TEST(ExactReference, rows_of_a_room_with_partitions_agree_and_close) {
         std::vector<float> expected(n);
         file.read(reinterpret_cast<char*>(expected.data()), static_cast<std::streamsize>(n * sizeof(float)));
         ASSERT_TRUE(file);
-        const std::vector<double> row = rows.row(i, 1e-6);
+        const std::vector<double> row = rows.row(i, 1e-6).factors;
         double squares = 0, sum = 0;
         for (size_t j = 0; j < n; ++j) {
             squares += std::pow(row[j] - double{expected[j]}, 2);

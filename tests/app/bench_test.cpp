@@ -1,0 +1,48 @@
+// The bench as a user runs it: a table whose errors are those that the methods have.
+#include <algorithm>
+#include <map>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/app/program.h"
+
+namespace heliodon::test {
+namespace {
+
+class Bench : public InFolder {};
+
+TEST_F(Bench, a_convex_room_by_two_kernels) {
+    const Outcome outcome = heliodon(
+        "bench --quiet --kernels exact,montecarlo --scenes box --sizes 60 --runs 1 --reference-rows 4 "
+        "--no-peers -o " +
+        in("out"));
+    ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
+    const auto json = nlohmann::json::parse(readText(in("out/bench.json")));
+    EXPECT_GT(json["flops_per_second"].get<double>(), 0);
+    std::map<std::string, double> rowError;
+    for (const auto& row : json["form_factors"]) {
+        EXPECT_EQ(row["scene"], "box");
+        EXPECT_GT(row["seconds"].get<double>(), 0);
+        EXPECT_GT(row["device_seconds"].get<double>(), 0);
+        EXPECT_LE(row["row_error"].get<double>(), row["row_error_max"].get<double>());
+        rowError[row["kernel"].get<std::string>() + " " + row["setting"].get<std::string>()] =
+            row["row_error"];
+    }
+    EXPECT_LT(rowError.at("exact 0.0001"), 1e-4); // what it was asked for
+    // 1 / sqrt(rays) at most, by variance; and rays are no oracle.
+    EXPECT_LT(rowError.at("montecarlo 4096 rays"), 1.0 / 64);
+    EXPECT_GT(rowError.at("montecarlo 4096 rays"), rowError.at("exact 0.0001"));
+    for (const auto& row : json["gather"]) EXPECT_LT(row["error"].get<double>(), 1e-5);
+    // One line a row, as many columns everywhere; a plot with a mark for each row; meshes to run other
+    // programs on.
+    const std::string csv = readText(in("out/bench.csv"));
+    EXPECT_EQ(static_cast<size_t>(std::count(csv.begin(), csv.end(), '\n')), json["form_factors"].size() + 1);
+    const std::string svg = readText(in("out/bench.svg"));
+    size_t marks = 0;
+    for (size_t at = svg.find("<circle"); at != std::string::npos; at = svg.find("<circle", at + 1)) ++marks;
+    EXPECT_EQ(marks, json["form_factors"].size());
+    EXPECT_TRUE(std::filesystem::exists(in("out/scenes/box-60.obj")));
+}
+
+} // namespace
+} // namespace heliodon::test
