@@ -46,6 +46,7 @@ struct Building {
     std::vector<Material> materials;
     uint32_t roomCount = 0;
     Occluders occluders;
+    std::vector<std::string> repairs; // what importModel mended, one sentence each
     double northDeg = 90; // direction of north in the plan, degrees counter-clockwise from +x seen from above
                           // (x right, -z up)
 };

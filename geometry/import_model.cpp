@@ -2,6 +2,7 @@
 // edges that another face's corner divides, boxes that stand on a face without it being cut, faces turned
 // over. Everything else is refused with the faces named.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -23,6 +24,8 @@ namespace heliodon::geometry {
 namespace {
 
 constexpr double kWeldOfExtent = 2e-6; // files hold 6 or 7 digits
+// Where that leaves the model open: gaps that nobody sees, 0.5 mm in a room of 5 m.
+constexpr std::array kGapsOfExtent{kWeldOfExtent, 2e-5, 1e-4};
 constexpr double kPlanarOfExtent = 1e-5;
 using Edge = std::pair<uint32_t, uint32_t>;
 
@@ -42,6 +45,7 @@ public:
 
     Building import() {
         weld();
+        closeGaps();
         cutFootprints();
         orient();
         nestShells();
@@ -49,6 +53,9 @@ public:
         findSurfaces();
         pairGlasses();
         building_.materials = model_.materials;
+        if (turnedOver_ > 0)
+            building_.repairs.push_back(
+                fmt::format("{} face{} turned over", turnedOver_, turnedOver_ == 1 ? " was" : "s were"));
         prove();
         return std::move(building_);
     }
@@ -70,7 +77,36 @@ private:
         return model_.groups[model_.group[face]].ends_with("_fill-in") ? Role::fillIn : Role::projection;
     }
 
+    // A wider tolerance, only when the model is open without it and closed with it.
+    void closeGaps() {
+        for (const double gap : kGapsOfExtent) {
+            if (gap > kWeldOfExtent && !weldsWithin(gap)) continue;
+            const auto edges = facesOfEdges();
+            if (!building_.faces.empty() &&
+                std::ranges::none_of(edges, [](const auto& entry) { return entry.second.size() == 1; })) {
+                if (gap > kWeldOfExtent)
+                    building_.repairs.push_back(
+                        fmt::format("gaps of up to {:.2g} between corners were closed", gap * extent_));
+                return;
+            }
+        }
+        // Open whatever the tolerance: it may stand uncut on another face, or be refused by name.
+        weldOfExtent_ = kWeldOfExtent;
+        weld();
+    }
+
+    bool weldsWithin(double gap) {
+        weldOfExtent_ = gap;
+        try {
+            weld();
+            return true;
+        } catch (const InputError&) { // a face that this bends too far
+            return false;
+        }
+    }
+
     void weld() {
+        source_.clear();
         std::vector<SoupFace> soup;
         for (size_t i = 0; i < model_.faceCount(); ++i) {
             SoupFace face;
@@ -81,14 +117,18 @@ private:
             face.surface = static_cast<uint32_t>(i); // carries the number of the face through the welding
             soup.push_back(std::move(face));
         }
-        building_ = weldFaces(soup, 1, kWeldOfExtent * extent_);
+        building_ = weldFaces(soup, 1, weldOfExtent_ * extent_);
         std::set<std::vector<uint32_t>> known;
-        std::erase_if(building_.faces, [&](const Face& face) {
+        const size_t dropped = std::erase_if(building_.faces, [&](const Face& face) {
             std::vector<uint32_t> corners = face.loops[0];
             std::ranges::sort(corners);
             const double size = glm::length(areaVector(face.loops[0]));
             return size < 1e-12 * extent_ * extent_ || !known.insert(corners).second; // no area, or a copy
         });
+        if (dropped > 0)
+            building_.repairs.push_back(fmt::format("{} face{} without area or drawn twice {} left out",
+                                                    dropped, dropped == 1 ? "" : "s",
+                                                    dropped == 1 ? "was" : "were"));
         for (const Face& face : building_.faces) {
             source_.push_back(face.surface);
             checkPlanar(face);
@@ -97,8 +137,9 @@ private:
 
     void checkPlanar(const Face& face) const {
         const glm::dvec3 n = normal(face), origin = building_.vertices[face.loops[0][0]];
+        const double most = std::max(kPlanarOfExtent, 2 * weldOfExtent_) * extent_;
         for (const uint32_t v : face.loops[0])
-            if (std::abs(glm::dot(building_.vertices[v] - origin, n)) > kPlanarOfExtent * extent_)
+            if (std::abs(glm::dot(building_.vertices[v] - origin, n)) > most)
                 throw InputError(model_.file, model_.place(face.surface), "the face is not planar");
     }
 
@@ -171,8 +212,18 @@ private:
     // Takes the polygon out of the faces in its plane that it lies over.
     bool subtract(std::vector<uint32_t> loop) {
         std::vector<uint32_t> under;
+        // Not the faces whose own open edges the loop is: a sheet does not stand on itself.
+        const std::set<uint32_t> corners(loop.begin(), loop.end());
+        const auto owns = [&](const Face& face) {
+            return std::ranges::any_of(face.loops, [&](const auto& ring) {
+                for (size_t i = 0; i < ring.size(); ++i)
+                    if (corners.contains(ring[i]) && corners.contains(ring[(i + 1) % ring.size()]))
+                        return true;
+                return false;
+            });
+        };
         for (uint32_t f = 0; f < building_.faces.size(); ++f)
-            if (coplanar(building_.faces[f], loop)) under.push_back(f);
+            if (coplanar(building_.faces[f], loop) && !owns(building_.faces[f])) under.push_back(f);
         if (under.empty()) return false;
         const glm::dvec3 n = normal(building_.faces[under[0]]), origin = building_.vertices[loop[0]];
         const glm::dvec3 u = perpendicular(n), v = glm::cross(n, u);
@@ -256,7 +307,9 @@ private:
             face.surface = source_[f];
             soup.push_back(std::move(face));
         }
-        building_ = weldFaces(soup, 1, kWeldOfExtent * extent_);
+        std::vector<std::string> repairs = std::move(building_.repairs);
+        building_ = weldFaces(soup, 1, weldOfExtent_ * extent_);
+        building_.repairs = std::move(repairs);
         source_.clear();
         for (const Face& face : building_.faces) source_.push_back(face.surface);
     }
@@ -300,6 +353,7 @@ private:
 
     // Within a shell all faces look the same way: the way of most of its area.
     void orient() {
+        if (building_.faces.empty()) throw InputError(model_.file, "", "no face of the model has an area");
         const auto edges = facesOfEdges();
         std::vector<uint32_t> open, crowded;
         for (const auto& [edge, faces] : edges) {
@@ -334,7 +388,10 @@ private:
                     }
             }
             for (const uint32_t f : queue)
-                if ((turned[f] == 1) == (over <= asIs)) turnOver(building_.faces[f]);
+                if ((turned[f] == 1) == (over <= asIs)) {
+                    turnOver(building_.faces[f]);
+                    ++turnedOver_;
+                }
             ++shells;
         }
         shellCount_ = shells;
@@ -498,7 +555,8 @@ private:
     Building building_;
     std::vector<uint32_t> source_, shell_; // per face
     uint32_t shellCount_ = 0;
-    double extent_ = 0;
+    size_t turnedOver_ = 0; // against the others of their shell
+    double extent_ = 0, weldOfExtent_ = kWeldOfExtent;
 };
 
 } // namespace

@@ -183,11 +183,26 @@ private:
                     domain.faces.push_back(other->second);
                     domain.frames.push_back(frame);
                     rest.erase(other->second);
-                    seams.insert(edge);
-                    seams.insert({edge.second, edge.first});
                 }
+        findSeams(domain, seams);
         for (size_t i = 0; i < domain.faces.size(); ++i)
             measure(domain.frames[i], building_.faces[domain.faces[i]]);
+    }
+
+    // Edges that lie in one place as seen from both of their facets: all but those where a ring was cut open.
+    void findSeams(const MeshDomain& domain, std::set<Edge>& seams) const {
+        std::map<Edge, size_t> facetOf;
+        for (size_t i = 0; i < domain.faces.size(); ++i)
+            for (const auto& loop : building_.faces[domain.faces[i]].loops)
+                for (size_t k = 0; k < loop.size(); ++k) facetOf[{loop[k], loop[(k + 1) % loop.size()]}] = i;
+        for (const auto& [edge, facet] : facetOf) {
+            const auto other = facetOf.find({edge.second, edge.first});
+            if (other == facetOf.end()) continue;
+            const glm::dvec3 a = building_.vertices[edge.first], b = building_.vertices[edge.second];
+            const glm::dvec2 own = domain.frames[facet].coordinates(0.5 * (a + b)),
+                             its = domain.frames[other->second].coordinates(0.5 * (a + b));
+            if (glm::length(own - its) < 1e-6 * glm::length(b - a) + 1e-12) seams.insert(edge);
+        }
     }
 
     void measure(Frame& frame, const Face& face) const {

@@ -72,7 +72,8 @@ void reportClosure(Run& run, const geometry::ClosureReport& closure) {
 
 // The same fields for a model: importModel has proven its rooms closed, or refused. A metre of the model is a
 // metre of building.
-void reportImport(Run& run, const geometry::PatchMesh& mesh, uint32_t roomCount) {
+void reportImport(Run& run, const geometry::PatchMesh& mesh, const geometry::Building& building) {
+    const uint32_t roomCount = building.roomCount;
     constexpr double kFoot = 0.3048;
     std::vector<double> floorArea(roomCount), volume(roomCount);
     for (size_t i = 0; i < mesh.patchCount(); ++i) {
@@ -85,7 +86,10 @@ void reportImport(Run& run, const geometry::PatchMesh& mesh, uint32_t roomCount)
     json& report = run.report();
     report["outcome"] = "ok";
     report["code"] = "OK";
-    report["message"] = roomCount == 1 ? "1 room" : fmt::format("{} rooms", roomCount);
+    std::string message = roomCount == 1 ? "1 room" : fmt::format("{} rooms", roomCount);
+    for (const std::string& repair : building.repairs) message += "; " + repair;
+    report["message"] = message;
+    report["repairs"] = building.repairs;
     report["n_rooms"] = roomCount;
     report["rooms"] = json::array();
     for (size_t r = 0; r < roomCount; ++r)
@@ -166,7 +170,7 @@ Scene loadScene(Run& run, const SceneArguments& arguments) {
         const StageTimer timer(run, "model");
         scene.mesh = geometry::meshBuilding(building, {arguments.triangles.value_or(kDefaultTriangles)});
     }
-    if (kind == InputKind::model) reportImport(run, scene.mesh, building.roomCount);
+    if (kind == InputKind::model) reportImport(run, scene.mesh, building);
     scene.occluders = std::move(building.occluders);
     scene.northDeg = building.northDeg - arguments.northDeg; // plan angles grow counter-clockwise
     const geometry::MeshQuality quality = geometry::measureMesh(scene.mesh);

@@ -179,6 +179,16 @@ TEST(Mesher, glasses_of_an_interior_window_have_mirrored_triangles) {
     EXPECT_GT(twins, 10u);
 }
 
+// Partitions against it divide the edges between its facets; six rooms, a door, walls that cross.
+TEST(Mesher, curved_wall_with_partitions_against_it_is_meshed) {
+    const Building building = buildingOf("arc_with_partitions.json");
+    const PatchMesh mesh = meshBuilding(building, {3000});
+    expectNoTVertices(mesh);
+    double area = 0;
+    for (size_t i = 0; i < mesh.patchCount(); ++i) area += patchArea(mesh, i);
+    EXPECT_NEAR(area, faceArea(building), 1e-3 * area); // folds, as above
+}
+
 TEST(Mesher, facets_of_one_arc_are_one_surface) {
     const Building building = buildingOf("p09_D_curved.json");
     const PatchMesh mesh = meshBuilding(building);

@@ -1,0 +1,187 @@
+// Models as they come: each is closed as it was meant, or refused with a face named; never silently wrong.
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <random>
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include "geometry/input_error.h"
+#include "geometry/mesher.h"
+#include "geometry/model_file.h"
+
+using namespace heliodon::geometry;
+
+namespace {
+
+struct Polygons {
+    std::vector<glm::dvec3> vertices;
+    std::vector<std::vector<uint32_t>> faces;
+
+    void add(const Polygons& other, bool turned = false) {
+        const auto first = static_cast<uint32_t>(vertices.size());
+        vertices.insert(vertices.end(), other.vertices.begin(), other.vertices.end());
+        for (std::vector<uint32_t> face : other.faces) {
+            for (uint32_t& v : face) v += first;
+            if (turned) std::ranges::reverse(face);
+            faces.push_back(face);
+        }
+    }
+};
+
+// Normals inwards.
+Polygons box(glm::dvec3 low, glm::dvec3 high) {
+    Polygons out;
+    for (int i = 0; i < 8; ++i)
+        out.vertices.emplace_back(i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z);
+    out.faces = {{0, 4, 5, 1}, {2, 3, 7, 6}, {0, 1, 3, 2}, {4, 6, 7, 5}, {0, 2, 6, 4}, {1, 5, 7, 3}};
+    return out;
+}
+
+Polygons room() {
+    return box({0, 0, 0}, {4, 2.5, 3});
+}
+
+Polygons triangles(const Polygons& in) {
+    Polygons out{in.vertices, {}};
+    for (const auto& f : in.faces)
+        for (size_t k = 1; k + 1 < f.size(); ++k) out.faces.push_back({f[0], f[k], f[k + 1]});
+    return out;
+}
+
+// Every face with corners of its own, off by up to `off`.
+Polygons apart(const Polygons& in, double off) {
+    std::mt19937 random(4);
+    std::uniform_real_distribution<double> shift(-off, off);
+    Polygons out;
+    for (const auto& f : in.faces) {
+        out.faces.emplace_back();
+        for (const uint32_t v : f) {
+            out.faces.back().push_back(static_cast<uint32_t>(out.vertices.size()));
+            out.vertices.push_back(in.vertices[v] + glm::dvec3(shift(random), shift(random), shift(random)));
+        }
+    }
+    return out;
+}
+
+std::string written(const Polygons& model) {
+    const std::string file = testing::TempDir() + "dirty.obj";
+    std::ofstream out(file);
+    for (const glm::dvec3& v : model.vertices) out << fmt::format("v {:.9g} {:.9g} {:.9g}\n", v.x, v.y, v.z);
+    for (const auto& f : model.faces) {
+        out << "f";
+        for (const uint32_t v : f) out << ' ' << v + 1;
+        out << '\n';
+    }
+    return file;
+}
+
+// Of the air, from a mesh: positive only when it is closed and its normals point inwards.
+double volume(const PatchMesh& mesh) {
+    double sum = 0;
+    for (size_t i = 0; i < mesh.patchCount(); ++i)
+        sum -= glm::dot(0.5 * patchAreaVector(mesh, i), patchCentroid(mesh, i)) / 3;
+    return sum;
+}
+
+void expectRooms(const Polygons& model, uint32_t rooms, double cubicMetres, const std::string& repair = "") {
+    const Building building = importModel(written(model));
+    EXPECT_EQ(building.roomCount, rooms);
+    EXPECT_NEAR(volume(meshBuilding(building, {500})), cubicMetres, 1e-3 * cubicMetres);
+    if (repair.empty()) return;
+    std::string all;
+    for (const std::string& r : building.repairs) all += r + "; ";
+    EXPECT_NE(all.find(repair), std::string::npos) << all;
+}
+
+void expectRefused(const Polygons& model, const std::string& why) {
+    try {
+        const Building building = importModel(written(model));
+        ADD_FAILURE() << "taken as " << building.roomCount << " rooms of " << building.faces.size()
+                      << " faces";
+    } catch (const InputError& error) {
+        const std::string text = error.what();
+        EXPECT_NE(text.find(why), std::string::npos) << text;
+        EXPECT_NE(text.find("dirty.obj:"), std::string::npos) << text; // the line of a face
+    }
+}
+
+} // namespace
+
+TEST(DirtyModel, faces_that_share_no_corners_are_welded) {
+    expectRooms(apart(room(), 0), 1, 30);
+    expectRooms(apart(triangles(room()), 1e-6), 1, 30);
+}
+
+TEST(DirtyModel, gaps_that_nobody_sees_are_closed_and_reported) {
+    expectRooms(apart(triangles(room()), 1e-4), 1, 30, "gaps of up to");
+    expectRefused(apart(triangles(room()), 5e-3), "not closed");
+}
+
+TEST(DirtyModel, flipped_faces_are_turned_and_counted) {
+    Polygons some = triangles(room());
+    for (const size_t f : {3u, 7u}) std::ranges::reverse(some.faces[f]);
+    expectRooms(some, 1, 30, "2 faces were turned over");
+    Polygons all;
+    all.add(room(), true);
+    expectRooms(all, 1, 30);
+}
+
+TEST(DirtyModel, faces_drawn_twice_or_without_area_are_left_out) {
+    Polygons twice = room();
+    twice.faces.push_back({1, 5, 4, 0});
+    expectRooms(twice, 1, 30, "left out");
+    Polygons line = room();
+    line.vertices.emplace_back(2, 0, 0);
+    line.faces.push_back({0, 8, 1});
+    expectRooms(line, 1, 30, "left out");
+}
+
+TEST(DirtyModel, a_corner_on_another_faces_edge_divides_it) {
+    Polygons model = room();
+    model.vertices.emplace_back(2, 0, 0);
+    model.faces[0] = {0, 4, 5, 1, 8};
+    expectRooms(model, 1, 30);
+}
+
+TEST(DirtyModel, solids_in_the_room_are_cut_out_of_its_air) {
+    for (const bool turned : {false, true}) {
+        Polygons floating = room();
+        floating.add(box({1, 0.5, 1}, {2, 1.5, 2}), turned);
+        expectRooms(floating, 1, 29);
+    }
+    Polygons standing = room();
+    standing.add(box({1, 0, 1}, {2, 1, 2}), true);
+    expectRooms(standing, 1, 29);
+}
+
+TEST(DirtyModel, what_has_no_one_answer_is_refused_by_name) {
+    Polygons open = room();
+    open.faces.pop_back();
+    expectRefused(open, "not closed");
+    Polygons hole = triangles(room());
+    hole.faces.pop_back();
+    expectRefused(hole, "not closed");
+    Polygons sheet = room();
+    sheet.faces.resize(1);
+    expectRefused(sheet, "not closed"); // it does not stand on itself
+    Polygons screen = room();           // a wall without thickness in the middle of the room
+    for (const double y : {0.0, 2.0})
+        for (const double z : {0.5, 2.0}) screen.vertices.emplace_back(2, y, z);
+    screen.faces.push_back({8, 9, 11, 10});
+    expectRefused(screen, "not closed");
+    Polygons through = room();
+    through.add(box({1, -0.2, 1}, {2, 1, 2}), true);
+    expectRefused(through, "crosses another face");
+    Polygons crossing = room();
+    crossing.add(box({2, 0, 1}, {6, 2.5, 4}));
+    expectRefused(crossing, "");
+    Polygons bent = room();
+    bent.vertices[7].y += 0.3;
+    expectRefused(bent, "not planar");
+    Polygons shared = room(); // two rooms with one wall between them that has no thickness
+    shared.add(box({4, 0, 0}, {8, 2.5, 3}));
+    expectRefused(shared, "more than two faces");
+}
