@@ -35,7 +35,13 @@ double areaOf(const Flat& polygon) {
 Flat hullOf(const std::vector<Flat>& parts, double flat) {
     Flat points;
     for (const Flat& part : parts) points.insert(points.end(), part.begin(), part.end());
-    const auto less = [](dvec2 a, dvec2 b) { return a.x < b.x || (a.x == b.x && a.y < b.y); };
+    // An upright edge is climbed from its foot, however rounding scatters its points: else the chain would
+    // turn back along it and lose the corner.
+    const auto column = [flat](dvec2 p) { return std::floor(p.x / (1e3 * flat) + 0.31); };
+    const auto less = [&](dvec2 a, dvec2 b) {
+        const double i = column(a), j = column(b);
+        return i < j || (i == j && (a.y < b.y || (a.y == b.y && a.x < b.x)));
+    };
     std::sort(points.begin(), points.end(), less);
     points.erase(std::unique(points.begin(), points.end(),
                              [flat](dvec2 a, dvec2 b) { return glm::length(a - b) <= flat; }),

@@ -104,11 +104,10 @@ public:
     // (report().sensorsOutside).
     void setSensors(std::vector<Sensor> sensors);
 
-    // Light of one sky. `error` is an estimate, meant to hold on most places, not a proven bound. It adds up:
-    // the solver's bound; twice the difference between a sensor's two hemicubes; for edges of sunlight inside
-    // patches, twice what their unresolved part can do at the sensor; light that the hemicube lost (1 - row
-    // sum, times the mean exitance); and fixed shares of reflected and of sky light for form factors,
-    // constant patches and sky elements (constants in the source).
+    // Light of one sky. `error` is an estimate, meant to hold on 99 of 100 places, not a proven bound. It
+    // adds up: the solver's bound; a share of how much light varies within the patches that a sensor sees
+    // (what the mesh leaves open: falls as the mesh gets finer); and small shares of reflected light for form
+    // factors and earlier bounces, and of sky light for its cubature (constants in the source).
     Moment light(const daylight::Sky& sky);
     // Several moments through shared passes over F; bits may differ from one at a time by the solver's
     // tolerance.

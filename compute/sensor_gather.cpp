@@ -10,7 +10,6 @@
 #include "compute/daylight/glazing.h"
 #include "compute/hemicube.h"
 #include "compute/parallel.h"
-#include "compute/patch_slopes.h"
 
 namespace heliodon::compute {
 
@@ -216,11 +215,10 @@ std::vector<float> patchSkyCoefficients(const PointScene& scene, const daylight:
     return rows;
 }
 
-SensorGather gatherSensors(const PointScene& scene, std::vector<Sensor> sensors,
+SensorGather gatherSensors(const PointScene& scene, const PatchSlopes& slopes, std::vector<Sensor> sensors,
                            const daylight::SkyPatches& sky, uint32_t channels) {
     const geometry::PatchMesh& mesh = scene.mesh();
     const size_t n = mesh.patchCount(), count = sensors.size();
-    const PatchSlopes slopes(mesh);
     SensorGather gather;
     gather.room.resize(count);
     gather.even.assign(count * n, 0);

@@ -10,6 +10,7 @@
 #include <glm/vec3.hpp>
 
 #include "compute/daylight/sky_patches.h"
+#include "compute/patch_slopes.h"
 #include "compute/point_view.h"
 #include "compute/sun_patches.h"
 #include "geometry/patch_mesh.h"
@@ -77,7 +78,7 @@ struct SensorGather {
     SkyView sky;
     std::vector<float> skyCoefficients; // sensors x channels x elements, for products over many skies
 };
-SensorGather gatherSensors(const PointScene& scene, std::vector<Sensor> sensors,
+SensorGather gatherSensors(const PointScene& scene, const PatchSlopes& slopes, std::vector<Sensor> sensors,
                            const daylight::SkyPatches& sky, uint32_t channels);
 
 // What sunlit parts of patches send to a sensor beyond what their mean light would, lux. `strength`: the

@@ -21,12 +21,13 @@ void reportFormFactors(Run& run, size_t patches, const compute::FormFactorReport
     for (const std::string& reason : report.skipped) run.skipped(reason);
 }
 
-std::unique_ptr<compute::DaylightTransport> makeTransport(Run& run, const geometry::PatchMesh& mesh) {
+std::unique_ptr<compute::DaylightTransport> makeTransport(Run& run, const geometry::PatchMesh& mesh,
+                                                          const compute::TransportOptions& options) {
     gpu::Device& device = run.device();
     std::unique_ptr<compute::DaylightTransport> transport;
     {
         const StageTimer timer(run, "formfactors");
-        transport = std::make_unique<compute::DaylightTransport>(device, mesh);
+        transport = std::make_unique<compute::DaylightTransport>(device, mesh, options);
     }
     const compute::TransportReport& t = transport->report();
     reportFormFactors(run, mesh.patchCount(), t.formFactors);

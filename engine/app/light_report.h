@@ -11,7 +11,8 @@ namespace heliodon::app {
 void reportFormFactors(Run& run, size_t patches, const compute::FormFactorReport& report);
 
 // Form factors with the sky coefficients of a mesh; fills `stages.formfactors` and `form_factors`.
-std::unique_ptr<compute::DaylightTransport> makeTransport(Run& run, const geometry::PatchMesh& mesh);
+std::unique_ptr<compute::DaylightTransport> makeTransport(Run& run, const geometry::PatchMesh& mesh,
+                                                          const compute::TransportOptions& options = {});
 
 // Solves one sky or several at once; fills `stages.solve`, `radiosity`, `modelled` and `skipped` (the latter
 // three from the last call).

@@ -8,6 +8,8 @@
 #include <glm/geometric.hpp>
 
 #include "compute/sensor_gather.h"
+#include "geometry/mesher.h"
+#include "geometry/model_file.h"
 #include "tests/compute/rooms.h"
 
 namespace heliodon::compute {
@@ -80,7 +82,7 @@ TEST(PointView, a_box_seen_from_any_place_adds_up_to_one) {
     for (double x : {-2.9, -1.0, 0.0, 0.123, 2.0})
         for (double y : {0.0, 0.3, 1.4})
             sensors.push_back({{x, y, 0.37 * x}, glm::normalize(dvec3(0.1 * x, 1, 0.2))});
-    const SensorGather gather = gatherSensors(scene, sensors, daylight::SkyPatches(1), 1);
+    const SensorGather gather = gatherSensors(scene, PatchSlopes(mesh), sensors, daylight::SkyPatches(1), 1);
     for (size_t s = 0; s < sensors.size(); ++s) {
         double even = 0, smooth = 0;
         for (size_t j = 0; j < mesh.patchCount(); ++j) {
@@ -91,6 +93,13 @@ TEST(PointView, a_box_seen_from_any_place_adds_up_to_one) {
         EXPECT_LE(even, 1 + 1e-5);
         EXPECT_NEAR(smooth, even, 1e-5); // slopes of constant light are zero
     }
+}
+
+TEST(PointView, meshed_walls_block_as_few_polygons_however_rounding_scatters_their_edges) {
+    const geometry::Building cornell = geometry::importModel(
+        HELIODON_TEST_DATA "/compute/daylight/a2_cornell/model.obj", geometry::UpAxis::z);
+    for (size_t triangles : {500, 1000, 1500, 2000, 2500, 3000}) // five faces on each of two boxes
+        EXPECT_EQ(Blockers(geometry::meshBuilding(cornell, {triangles})).regions().size(), 10u) << triangles;
 }
 
 TEST(PointView, points_outside_are_in_no_room) {
