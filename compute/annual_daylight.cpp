@@ -362,9 +362,16 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
             }
         });
     }
+    size_t edgeBytes = 0;
+    for (const Sunny& sunny : sunny_)
+        for (const Edge& edge : sunny.edges) {
+            edgeBytes += sizeof(Edge);
+            for (const Edge::Part& part : edge.parts)
+                edgeBytes += sizeof(part) + part.polygon.size() * sizeof(glm::dvec3);
+        }
     report_.bytes =
         std::max(report_.bytes,
-                 luminance_.bytes() + report_.sunlitPatches * sizeof(LitPatch) +
+                 luminance_.bytes() + report_.sunlitPatches * sizeof(LitPatch) + edgeBytes +
                      sizeof(float) * (sky.size() + reflected.size() + responses.sky.size() + 3 * lux.size() +
                                       (tinted_ ? 4 : 2) * count * transport_.mesh().patchCount()));
     checkAndSetErrors(lux, sun, error);

@@ -87,6 +87,8 @@ private:
                         "lux of exitance that shows as white (default: chosen from the picture)")
             ->check(CLI::PositiveNumber);
         sub->add_flag("--false-color", picture.falseColor, "lux as colours, with a legend");
+        sub->add_flag("--sky-color", picture.skyColour,
+                      "light in the colours of sun and sky, not white; lux stay as they are");
         sub->add_flag("--exr", picture.exr, "linear pictures too, as OpenEXR");
     }
 

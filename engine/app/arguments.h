@@ -33,7 +33,7 @@ struct MomentArguments {
 
 struct PictureArguments {
     std::optional<double> exposure;
-    bool falseColor = false, exr = false;
+    bool falseColor = false, exr = false, skyColour = false;
 };
 
 struct DetectArguments {

@@ -10,6 +10,7 @@
 #include "engine/app/pictures.h"
 #include "engine/app/projector_reach.h"
 #include "engine/app/scene_input.h"
+#include "engine/app/sky_tint.h"
 #include "engine/passes/image_file.h"
 
 namespace heliodon::app {
@@ -69,7 +70,8 @@ void renderSheet(Run& run, passes::FrameRenderer& renderer, compute::DaylightTra
                 source.skyAt(daylight::parseTime(date + "T" + clock + "solar", "--days, --hours")));
             if (columns.size() < hours.size()) columns.push_back(clock);
         }
-    const std::vector<compute::Moment> moments = solveLight(run, transport, skies);
+    std::vector<compute::Moment> moments = solveLight(run, transport, skies);
+    if (arguments.picture.skyColour) tintLight(transport, skies, moments);
     const StageTimer timer(run, "render");
     passes::PreviewOptions options;
     options.width = 400, options.height = 300;
@@ -96,7 +98,8 @@ void execute(Run& run, const RenderArguments& arguments) {
     const daylight::Sky sky = source.skyAt(source.moment());
     prepareFolder(arguments.output);
     const auto transport = makeTransport(run, scene.mesh);
-    const compute::Moment moment = std::move(solveLight(run, *transport, std::span(&sky, 1))[0]);
+    compute::Moment moment = std::move(solveLight(run, *transport, std::span(&sky, 1))[0]);
+    if (arguments.picture.skyColour) tintLight(*transport, std::span(&sky, 1), std::span(&moment, 1));
     passes::FrameRenderer renderer = makeRenderer(run, scene);
     const LightFigures figures = lightFigures(scene.mesh, moment);
     run.report()["light"] = {

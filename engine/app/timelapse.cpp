@@ -13,6 +13,7 @@
 #include "engine/app/pictures.h"
 #include "engine/app/progress.h"
 #include "engine/app/scene_input.h"
+#include "engine/app/sky_tint.h"
 #include "geometry/input_error.h"
 #include "geometry/whole_file.h"
 
@@ -47,8 +48,9 @@ using Solved = std::shared_ptr<const compute::Moment>; // the frame before's whe
 class MomentStream {
 public:
     MomentStream(const SkySource& source, const std::vector<daylight::Moment>& times,
-                 compute::DaylightTransport& transport)
-        : source_(source), times_(times), transport_(transport), thread_([this] { run(); }) {}
+                 compute::DaylightTransport& transport, bool tinted)
+        : source_(source), times_(times), transport_(transport), tinted_(tinted), thread_([this] { run(); }) {
+    }
     ~MomentStream() { stop(); }
     MomentStream(const MomentStream&) = delete;
     MomentStream& operator=(const MomentStream&) = delete;
@@ -91,6 +93,7 @@ private:
             before_ = sky;
         }
         std::vector<compute::Moment> moments = transport_.light(skies);
+        if (tinted_) tintLight(transport_, skies, moments);
         seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         size_t next = 0;
         for (size_t k = 0; k < count; ++k) {
@@ -106,6 +109,7 @@ private:
     const SkySource& source_;
     const std::vector<daylight::Moment>& times_;
     compute::DaylightTransport& transport_;
+    bool tinted_;
     BoundedQueue<Solved> queue_{kSolvedAhead};
     std::optional<daylight::Sky> before_;
     Solved last_;
@@ -241,7 +245,7 @@ void execute(Run& run, const TimelapseArguments& arguments) {
     std::string table = "time,sun_azimuth_deg,sun_altitude_deg,mean_lux,max_lux,glare_ratio\n";
     size_t drawn = 0;
     std::vector<float> frameMs;
-    MomentStream stream(source, times, *transport);
+    MomentStream stream(source, times, *transport, arguments.picture.skyColour);
     Solved before;
     LightFigures figures;
     for (size_t frame = 0; frame < times.size(); ++frame) {
