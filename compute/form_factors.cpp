@@ -6,55 +6,117 @@
 
 #include <fmt/format.h>
 
+#include "compute/convex_regions.h"
 #include "compute/exact_form_factors.h"
 #include "compute/gpu/device.h"
 #include "compute/hemicube.h"
+#include "compute/hemicube_refined.h"
 #include "compute/hierarchical.h"
 #include "compute/monte_carlo.h"
+#include "compute/parallel.h"
 #include "geometry/input_error.h"
 
 namespace heliodon::compute {
 
 namespace {
 
-FormFactors hemicubeFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
-                                const FormFactorOptions& options) {
-    FormFactors result;
-    result.patchCount = static_cast<uint32_t>(mesh.patchCount());
-    HemicubeOptions hemicubeOptions;
-    hemicubeOptions.resolution = options.resolution;
-    Hemicube hemicube(device, mesh, hemicubeOptions);
-    const PatchViewpoints views = patchViewpoints(mesh, options.points);
-    result.values = hemicube.run(views.viewpoints, views.pointsPerPatch).factors;
-    result.report.kernel = "hemicube";
-    result.report.why = options.kernel == "auto" ? "the default kernel" : "as asked";
-    result.report.resolution = options.resolution;
-    result.report.points = views.pointsPerPatch;
-    return result;
+constexpr double kDefaultError = 1e-3;
+constexpr double kLinksPay =
+    2e-3; // from this row error on, links between clusters cost less than exact pairs
+constexpr uint32_t kMostResolution = 512, kMostRays = 65536;
+constexpr uint32_t kStreamedRows = 256;
+
+// What `auto` stands for, and why; the other names stay.
+struct Choice {
+    std::string kernel, why;
+    double maxError = 0;
+};
+
+Choice chosen(const geometry::PatchMesh& mesh, const FormFactorOptions& options) {
+    Choice choice{options.kernel, "", options.maxError};
+    if (options.maxRadiosityError > 0) {
+        const double rho = std::clamp(options.reflectance, 0.01, 0.999);
+        choice.maxError = options.maxRadiosityError * (1 - rho) / rho;
+    }
+    if (options.kernel != "auto") return choice;
+    const double asked = choice.maxError > 0 ? choice.maxError : kDefaultError;
+    choice.maxError = asked;
+    choice.kernel = asked >= kLinksPay ? "hierarchical" : "exact";
+    choice.why = fmt::format("auto: row error {:g} {}", asked,
+                             asked >= kLinksPay ? "is reached soonest by links between clusters"
+                                                : "asks for visible polygons, not for samples of visibility");
+    if (mesh.patchCount() > 0 && blockingRegions(mesh, 8).empty())
+        choice.why += ", and nothing can stand between two patches";
+    return choice;
 }
 
-// Resolution R is that of a grid of R x R rays: as many as a hemicube's top has pixels.
+// Until the kernel's own claim is below what is asked: its error falls about with the 0.6th power of the
+// rays.
 FormFactors monteCarloFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
-                                  const FormFactorOptions& options) {
+                                  const FormFactorOptions& options, double maxError) {
     const uint32_t side = std::min(options.resolution, 256u);
-    FormFactors result = MonteCarlo(device, mesh, {side * side}).run().factors;
-    result.report.resolution = options.resolution;
-    return result;
+    uint32_t rays = maxError > 0 ? 1024 : side * side;
+    for (;;) {
+        MonteCarlo kernel(device, mesh, {rays});
+        FormFactors result = kernel.run().factors;
+        const double claimed = result.report.claimedRowError;
+        result.report.resolution = static_cast<uint32_t>(std::lround(std::sqrt(kernel.rays())));
+        if (!(maxError > 0) || claimed <= maxError) return result;
+        if (kernel.rays() >= kMostRays) {
+            result.report.why += fmt::format("; the most there are, {:.1e} remains", claimed);
+            return result;
+        }
+        const double factor = std::pow(claimed / maxError, 1 / 0.6);
+        rays =
+            static_cast<uint32_t>(std::clamp(kernel.rays() * factor, 2.0 * kernel.rays(), 1.0 * kMostRays));
+    }
 }
 
-FormFactors hierarchicalFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
-                                    const FormFactorOptions& options) {
-    HierarchicalOptions hierarchical;
-    if (options.maxError > 0) hierarchical.maxError = options.maxError;
-    const HierarchicalFormFactors compressed(device, mesh, hierarchical);
+FormFactors hemicubeFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
+                                const FormFactorOptions& options, double maxError) {
+    RefinedHemicubeOptions hemicube{options.resolution, options.points};
+    if (maxError > 0) hemicube.resolution = 32;
+    for (;;) {
+        FormFactors result = refinedHemicubeFormFactors(device, mesh, hemicube);
+        if (!(maxError > 0) || result.report.claimedRowError <= maxError) return result;
+        if (hemicube.resolution >= kMostResolution) {
+            result.report.why += fmt::format("; {:.1e} remains", result.report.claimedRowError);
+            return result;
+        }
+        hemicube.resolution *= 2;
+    }
+}
+
+HierarchicalFormFactors links(gpu::Device& device, const geometry::PatchMesh& mesh, double maxError) {
+    HierarchicalOptions options;
+    if (maxError > 0) options.maxError = maxError;
+    return HierarchicalFormFactors(device, mesh, options);
+}
+
+// Rows [0, n) in blocks, each block's on all cores.
+void takeRows(const HierarchicalFormFactors& factors,
+              const std::function<void(const FormFactorTile&)>& take) {
+    const uint32_t n = factors.patchCount();
+    std::vector<float> values(size_t{std::min(n, kStreamedRows)} * n);
+    for (uint32_t first = 0; first < n; first += kStreamedRows) {
+        const uint32_t count = std::min(kStreamedRows, n - first);
+        inParallel(count, [&](size_t k) {
+            factors.rows(first + static_cast<uint32_t>(k), 1, std::span(values).subspan(k * n, n));
+        });
+        take({first, count, 0, n, std::span(values).first(size_t{count} * n)});
+    }
+}
+
+FormFactors hierarchicalFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh, double maxError) {
+    const HierarchicalFormFactors compressed = links(device, mesh, maxError);
     const uint32_t n = compressed.patchCount();
-    std::vector<float> values(size_t{n} * n);
-    compressed.rows(0, n, values);
     FormFactors result;
     result.patchCount = n;
     result.report = compressed.report();
-    result.values = gpu::Buffer(device, (values.size() * sizeof(float) + 15) / 16 * 16, "form factors");
-    result.values.upload(values);
+    result.values = gpu::Buffer(device, (size_t{n} * n * sizeof(float) + 15) / 16 * 16, "form factors");
+    takeRows(compressed, [&](const FormFactorTile& tile) {
+        result.values.upload(tile.values, size_t{tile.firstRow} * n * sizeof(float));
+    });
     return result;
 }
 
@@ -62,6 +124,14 @@ std::string kernelList() {
     std::string names = "auto";
     for (std::string_view name : formFactorKernels()) names += ", " + std::string(name);
     return names;
+}
+
+[[noreturn]] void refuse(const std::string& kernel) {
+    throw geometry::InputError("--kernel", kernel, "unknown; expected " + kernelList());
+}
+
+void explain(FormFactorReport& report, const Choice& choice) {
+    if (!choice.why.empty()) report.why = choice.why + "; " + report.why;
 }
 
 } // namespace
@@ -111,23 +181,92 @@ std::span<const std::string_view> formFactorKernels() {
 FormFactors computeFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
                                const FormFactorOptions& options) {
     const auto start = std::chrono::steady_clock::now();
+    const Choice choice = chosen(mesh, options);
     FormFactors result;
-    // A hemicube's error has a floor of about 2e-2 whatever its resolution: an error bound asks for `exact`.
-    if (options.kernel == "exact" || (options.kernel == "auto" && options.maxError > 0)) {
+    if (choice.kernel == "exact") {
         ExactOptions exact;
-        if (options.maxError > 0) exact.maxError = options.maxError;
+        if (choice.maxError > 0) exact.maxError = choice.maxError;
         result = exactFormFactors(device, mesh, exact).factors;
-    } else if (options.kernel == "auto" || options.kernel == "hemicube")
-        result = hemicubeFormFactors(device, mesh, options);
-    else if (options.kernel == "hierarchical")
-        result = hierarchicalFormFactors(device, mesh, options);
-    else if (options.kernel == "montecarlo")
-        result = monteCarloFormFactors(device, mesh, options);
-    else
-        throw geometry::InputError("--kernel", options.kernel, "unknown; expected " + kernelList());
+    } else if (choice.kernel == "hemicube") {
+        result = hemicubeFormFactors(device, mesh, options, choice.maxError);
+    } else if (choice.kernel == "hierarchical") {
+        result = hierarchicalFormFactors(device, mesh, choice.maxError);
+    } else if (choice.kernel == "montecarlo") {
+        result = monteCarloFormFactors(device, mesh, options, choice.maxError);
+    } else {
+        refuse(choice.kernel);
+    }
+    explain(result.report, choice);
     result.report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     measureFormFactors(mesh, result.values, result.report);
     return result;
+}
+
+FormFactorReport streamFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
+                                   const FormFactorOptions& options,
+                                   const std::function<void(const FormFactorTile&)>& take) {
+    const auto start = std::chrono::steady_clock::now();
+    const Choice choice = chosen(mesh, options);
+    const auto n = static_cast<uint32_t>(mesh.patchCount());
+    std::vector<double> sums(n, 0.0);
+    const auto taken = [&](const FormFactorTile& tile) {
+        for (size_t i = 0; i < tile.rows; ++i)
+            for (size_t j = 0; j < tile.columns; ++j)
+                sums[tile.firstRow + i] += double{tile.values[i * tile.columns + j]};
+        take(tile);
+    };
+    FormFactorReport report;
+    if (choice.kernel == "exact") {
+        ExactOptions exact;
+        if (choice.maxError > 0) exact.maxError = choice.maxError;
+        const auto takeTile = [&](const ExactTile& t) {
+            taken({t.firstRow, t.rows, t.firstColumn, t.columns, {t.values, size_t{t.rows} * t.columns}});
+        };
+        report = exactFormFactorTiles(device, mesh, exact, takeTile).factors.report;
+    } else if (choice.kernel == "hierarchical") {
+        const HierarchicalFormFactors factors = links(device, mesh, choice.maxError);
+        report = factors.report();
+        takeRows(factors, taken);
+    } else if (choice.kernel == "hemicube") {
+        Hemicube hemicube(device, mesh, {options.resolution, 0});
+        for (uint32_t first = 0; first < n; first += kStreamedRows) {
+            const uint32_t count = std::min(kStreamedRows, n - first);
+            const PatchViewpoints views = patchViewpoints(mesh, options.points, first, count);
+            const auto values = hemicube.run(views.viewpoints, views.pointsPerPatch)
+                                    .factors.download<float>(size_t{count} * n);
+            taken({first, count, 0, n, values});
+            report.points = views.pointsPerPatch;
+        }
+        report.kernel = "hemicube";
+        report.why = "rows as their points see them";
+        report.resolution = options.resolution;
+    } else if (choice.kernel == "montecarlo") {
+        const uint32_t side = std::min(options.resolution, 256u);
+        MonteCarlo kernel(device, mesh, {side * side});
+        std::vector<float> values(size_t{std::min(n, kStreamedRows)} * n), errors(kStreamedRows);
+        double squares = 0;
+        for (uint32_t first = 0; first < n; first += kStreamedRows) {
+            const uint32_t count = std::min(kStreamedRows, n - first);
+            kernel.rows(first, count, values, errors);
+            for (uint32_t k = 0; k < count; ++k) squares += double{errors[k]} * double{errors[k]};
+            taken({first, count, 0, n, std::span(values).first(size_t{count} * n)});
+        }
+        report.kernel = "montecarlo";
+        report.why = "each row from its own rays";
+        report.points = kernel.rays();
+        report.claimedRowError = std::sqrt(squares / std::max(n, 1u));
+    } else {
+        refuse(choice.kernel);
+    }
+    explain(report, choice);
+    double squares = 0;
+    for (double sum : sums) {
+        report.closureMax = std::max(report.closureMax, std::abs(sum - 1));
+        squares += (sum - 1) * (sum - 1);
+    }
+    report.closureRms = std::sqrt(squares / std::max(n, 1u));
+    report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return report;
 }
 
 } // namespace heliodon::compute

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -20,10 +21,18 @@ class Device;
 namespace heliodon::compute {
 
 struct FormFactorOptions {
-    std::string kernel = "auto"; // "auto", "hemicube", "exact", ...
-    uint32_t resolution = 64;    // of the hemicube's top face, pixels along one side; even
-    uint32_t points = 1;         // per patch, for kernels that sample the patch
-    double maxError = 0;         // wanted RMS over rows of ||F_i - true||; 0: as resolution says
+    std::string kernel = "auto"; // "auto" or one of formFactorKernels()
+    // Of `hemicube`: pixels along one side of the top face, even. Of `montecarlo`: R x R rays a patch, to the
+    // next power of two up to 65536. Others have none.
+    uint32_t resolution = 64;
+    uint32_t points = 1; // viewpoints a patch, of `hemicube`
+    // Wanted RMS over rows of ||F_i - true||; 0: as resolution says, or 1e-3. Kernels with a resolution raise
+    // it until the error that they claim is below; the others refine until theirs is.
+    double maxError = 0;
+    // Wanted relative error of radiosity (largest B), for rooms whose largest reflectance is this; used when
+    // positive, in place of maxError. An error dF of rows gives at most about ||dF|| sqrt(n) rho / (1 - rho)
+    // of the largest B, if all errors had one sign; independent ones, as these kernels leave, sqrt(n) less.
+    double maxRadiosityError = 0, reflectance = 0.8;
 };
 
 // Measured on the finished matrix, before any normalisation.
@@ -48,6 +57,19 @@ void measureFormFactors(const geometry::PatchMesh& mesh, const gpu::Buffer& valu
 
 // Names that FormFactorOptions::kernel takes, without "auto".
 std::span<const std::string_view> formFactorKernels();
+
+// Rows of entries or a part of them, as they come.
+struct FormFactorTile {
+    uint32_t firstRow = 0, rows = 0, firstColumn = 0, columns = 0;
+    std::span<const float> values; // rows x columns, row-major; valid during the call
+};
+
+// Every entry once, in tiles in no set order: for matrices that need not fit into memory, which stays below
+// about 1 GB however many patches. `hemicube` gives its rows without the averaging of both ends. Reciprocity
+// is not measured. Throws as computeFormFactors.
+FormFactorReport streamFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
+                                   const FormFactorOptions& options,
+                                   const std::function<void(const FormFactorTile&)>& take);
 
 // Throws geometry::InputError on an unknown kernel name.
 FormFactors computeFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,

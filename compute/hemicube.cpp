@@ -100,11 +100,17 @@ std::vector<double> hemicubeDeltas(uint32_t R) {
 }
 
 PatchViewpoints patchViewpoints(const geometry::PatchMesh& mesh, uint32_t points) {
+    return patchViewpoints(mesh, points, 0, static_cast<uint32_t>(mesh.patchCount()));
+}
+
+PatchViewpoints patchViewpoints(const geometry::PatchMesh& mesh, uint32_t points, uint32_t first,
+                                uint32_t count) {
     const auto m = static_cast<uint32_t>(std::ceil(std::sqrt(std::max(points, 1u))));
     PatchViewpoints result;
     result.pointsPerPatch = m * m;
-    result.viewpoints.reserve(mesh.patchCount() * m * m);
-    for (size_t i = 0; i < mesh.patchCount(); ++i) {
+    result.viewpoints.reserve(size_t{count} * m * m);
+    size_t number = size_t{first} * m * m;
+    for (size_t i = first; i < size_t{first} + count; ++i) {
         Viewpoint view;
         view.normal = geometry::patchNormal(mesh, i);
         view.patch = static_cast<uint32_t>(i);
@@ -112,8 +118,7 @@ PatchViewpoints patchViewpoints(const geometry::PatchMesh& mesh, uint32_t points
         for (const glm::dvec3& position : pointsOnPatch(mesh, i, m)) {
             view.position = position;
             // Golden-ratio turns: grids that line up with the walls would alias all in the same way.
-            view.turn = std::fmod(0.6180339887498949 * static_cast<double>(result.viewpoints.size()), 1.0) *
-                        (kPi / 2);
+            view.turn = std::fmod(0.6180339887498949 * static_cast<double>(number++), 1.0) * (kPi / 2);
             result.viewpoints.push_back(view);
         }
     }

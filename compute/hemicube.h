@@ -38,6 +38,9 @@ struct PatchViewpoints {
     std::vector<Viewpoint> viewpoints;
 };
 PatchViewpoints patchViewpoints(const geometry::PatchMesh& mesh, uint32_t points);
+// The same of patches [first, first + count).
+PatchViewpoints patchViewpoints(const geometry::PatchMesh& mesh, uint32_t points, uint32_t first,
+                                uint32_t count);
 
 class Hemicube {
 public:

@@ -11,11 +11,9 @@
 #include <glm/packing.hpp>
 #include <glm/vec4.hpp>
 
-#include "compute/convex_regions.h"
 #include "compute/gpu/commands.h"
 #include "compute/gpu/device.h"
 #include "spirv/hierarchical_gather_comp.h"
-#include "spirv/hierarchical_leaves_comp.h"
 #include "spirv/hierarchical_links_comp.h"
 #include "spirv/hierarchical_moments_comp.h"
 #include "spirv/hierarchical_patches_comp.h"
@@ -27,25 +25,10 @@ namespace {
 
 constexpr uint32_t kBatch = 1u << 16; // pairs of one dispatch
 constexpr uint32_t kMostColumns = 4;
-constexpr uint32_t kBlockerCorners = 8;
 constexpr VkFormat kUvec4 = VK_FORMAT_R32G32B32A32_UINT, kVec4 = VK_FORMAT_R32G32B32A32_SFLOAT;
-
-glm::uvec4 texelOf(const glm::dvec3& v, uint32_t w) {
-    return {std::bit_cast<uint32_t>(static_cast<float>(v.x)),
-            std::bit_cast<uint32_t>(static_cast<float>(v.y)),
-            std::bit_cast<uint32_t>(static_cast<float>(v.z)), w};
-}
 
 uint32_t bitsOf(double x) {
     return std::bit_cast<uint32_t>(static_cast<float>(x));
-}
-
-std::vector<BvhTriangle> blockingTriangles(const std::vector<ConvexRegion>& regions) {
-    std::vector<BvhTriangle> result;
-    for (const ConvexRegion& region : regions)
-        for (size_t k = 1; k + 1 < region.corners.size(); ++k)
-            result.push_back({{region.corners[0], region.corners[k], region.corners[k + 1]}, 0, region.room});
-    return result;
 }
 
 glm::dvec3 middleOf(const PatchTree::Leaf& leaf) {
@@ -75,17 +58,14 @@ struct HierarchicalFormFactors::Work {
 
 HierarchicalFormFactors::HierarchicalFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
                                                  const HierarchicalOptions& options)
-    : device_(&device), patchCount_(static_cast<uint32_t>(mesh.patchCount())), tree_(buildPatchTree(mesh)),
+    : device_(&device), patchCount_(static_cast<uint32_t>(mesh.patchCount())), scene_(device, mesh),
       links_(device, hierarchical_links_comp, "hierarchical links"),
-      leaves_(device, hierarchical_leaves_comp, "hierarchical leaves"),
       moments_(device, hierarchical_moments_comp, "hierarchical moments"),
       spread_(device, hierarchical_spread_comp, "hierarchical spread"),
       patches_(device, hierarchical_patches_comp, "hierarchical patches") {
     const auto start = std::chrono::steady_clock::now();
-    const std::vector<ConvexRegion> regions = blockingRegions(mesh, kBlockerCorners);
-    blockers_ = buildBvh(device, blockingTriangles(regions));
-    statistics_.blockers = static_cast<uint32_t>(regions.size());
-    statistics_.nodes = static_cast<uint32_t>(tree_.nodes.size());
+    statistics_.blockers = scene_.blockerCount;
+    statistics_.nodes = static_cast<uint32_t>(scene_.tree.nodes.size());
     for (size_t i = 0; i < mesh.patchCount(); ++i) patchArea_.push_back(geometry::patchArea(mesh, i));
     uploadTree();
     makeLinks(options);
@@ -96,41 +76,29 @@ HierarchicalFormFactors::HierarchicalFormFactors(gpu::Device& device, const geom
     report_.why = fmt::format(
         "{} links between {} clusters, {:.1f} MB instead of {:.1f} MB", statistics_.links, statistics_.nodes,
         static_cast<double>(statistics_.bytes) * 1e-6, static_cast<double>(patchCount_) * patchCount_ * 4e-6);
-    if (regions.empty()) report_.skipped.push_back("occlusion: nothing can stand between two patches");
+    if (scene_.blockerCount == 0)
+        report_.skipped.push_back("occlusion: nothing can stand between two patches");
 }
 
 void HierarchicalFormFactors::uploadTree() {
-    const size_t n = tree_.nodes.size();
-    std::vector<glm::uvec4> nodes, family, leaves;
+    std::vector<glm::uvec4> family;
     std::vector<glm::vec4> frames;
     std::vector<uint32_t> parents;
-    nodes.reserve(5 * n), frames.reserve(2 * n);
-    // Positions relative to the same centre as the blockers'.
-    for (const PatchTree::Node& node : tree_.nodes) {
-        nodes.push_back(texelOf(node.centre - blockers_.centre, bitsOf(node.radius)));
-        nodes.push_back(texelOf(node.normal, bitsOf(node.area)));
-        nodes.push_back(texelOf(node.axisU, node.firstLeaf));
-        nodes.push_back(texelOf(node.axisV, node.leafCount));
-        nodes.push_back({node.child, node.room, 0, 0});
-        const uint32_t patch = node.child == 0 ? tree_.leaves[node.firstLeaf].patch : 0;
+    for (const PatchTree::Node& node : scene_.tree.nodes) {
+        const uint32_t patch = node.child == 0 ? scene_.tree.leaves[node.firstLeaf].patch : 0;
         family.push_back({node.child, patch, bitsOf(node.area), 0});
         parents.push_back(node.parent);
         if (node.parent == PatchTree::kNone) {
             frames.insert(frames.end(), 2, glm::vec4(0));
             continue;
         }
-        const PatchTree::Node& parent = tree_.nodes[node.parent];
+        const PatchTree::Node& parent = scene_.tree.nodes[node.parent];
         const auto centre = PatchTree::coordinates(parent, node.centre),
                    u = PatchTree::coordinates(parent, parent.centre + node.axisU),
                    v = PatchTree::coordinates(parent, parent.centre + node.axisV);
         frames.push_back(glm::vec4(glm::dvec4(centre[0], centre[1], 0, 0)));
         frames.push_back(glm::vec4(glm::dvec4(u[0], u[1], v[0], v[1])));
     }
-    for (const PatchTree::Leaf& leaf : tree_.leaves)
-        for (const glm::dvec3& corner : leaf.corner)
-            leaves.push_back(texelOf(corner - blockers_.centre, leaf.node));
-    nodeTexels_ = gpu::Buffer::from(*device_, nodes, "hierarchical nodes");
-    leafTexels_ = gpu::Buffer::from(*device_, leaves, "hierarchical leaves");
     family_ = gpu::Buffer::from(*device_, family, "hierarchical family");
     frames_ = gpu::Buffer::from(*device_, frames, "hierarchical frames");
     parents_ = gpu::Buffer::from(*device_, parents, "hierarchical parents");
@@ -138,12 +106,13 @@ void HierarchicalFormFactors::uploadTree() {
 
 void HierarchicalFormFactors::makeLinks(const HierarchicalOptions& options) {
     Work work;
-    const double tolerance = std::max(options.maxError, 1e-6);
-    work.params.nodeCount = blockers_.nodeCount;
-    work.params.flatness = static_cast<float>(5e-7 * blockers_.diagonal);
+    // Errors of many links add up to about twice the tolerance of one (measured in rooms of 672 and 2088
+    // patches).
+    const double tolerance = 0.45 * std::max(options.maxError, 1e-6);
+    work.params.nodeCount = scene_.blockers.nodeCount;
+    work.params.flatness = static_cast<float>(5e-7 * scene_.blockers.diagonal);
     work.params.tolerance = static_cast<float>(tolerance);
     work.params.visibilityTolerance = static_cast<float>(tolerance);
-    work.params.leafRays = 512;
     work.pairs = gpu::Buffer(*device_, kBatch * sizeof(glm::uvec2), "hierarchical pairs");
     work.counters = gpu::Buffer(*device_, io::kHierarchicalCounters * sizeof(uint32_t),
                                 "hierarchical counters", gpu::Place::host);
@@ -152,17 +121,26 @@ void HierarchicalFormFactors::makeLinks(const HierarchicalOptions& options) {
         gpu::Buffer(*device_, 4 * kBatch * sizeof(glm::uvec2), "hierarchical leaf pairs", gpu::Place::host);
     work.newLinks = gpu::Buffer(*device_, kBatch * sizeof(io::HierarchicalLink), "hierarchical new links",
                                 gpu::Place::host);
-    const uint32_t roots = tree_.nodes.empty() ? 0 : tree_.levelFirst[1];
+    LeafExchanges exchanges(*device_, scene_);
+    const auto takeLeaves = [&] {
+        const size_t before = work.links.size();
+        exchanges.run(work.leafPairs, tolerance, work.links);
+        statistics_.leafLinks += work.links.size() - before;
+        work.leafPairs.clear();
+    };
+    const uint32_t roots = scene_.tree.nodes.empty() ? 0 : scene_.tree.levelFirst[1];
     for (;;) {
         while (work.pending.size() < kBatch && work.root + 1 < roots) {
-            work.pending.push_back({work.root, work.partner});
+            const bool leaves =
+                scene_.tree.nodes[work.root].child == 0 && scene_.tree.nodes[work.partner].child == 0;
+            (leaves ? work.leafPairs : work.pending).push_back({work.root, work.partner});
             if (++work.partner == roots) work.partner = ++work.root + 1;
         }
         if (work.pending.empty()) break;
         runNodes(work, static_cast<uint32_t>(std::min<size_t>(work.pending.size(), kBatch)));
-        while (work.leafPairs.size() >= kBatch) runLeaves(work);
+        if (work.leafPairs.size() >= kBatch) takeLeaves();
     }
-    while (!work.leafPairs.empty()) runLeaves(work);
+    takeLeaves();
     statistics_.links = work.links.size();
     makeEntries(std::move(work.links));
 }
@@ -176,9 +154,10 @@ void HierarchicalFormFactors::runNodes(Work& work, uint32_t count) {
     commands.fill(work.counters, 0);
     commands.barrier(gpu::Stage::transfer, gpu::Stage::compute);
     commands.dispatch(links_,
-                      {gpu::texel(nodeTexels_, kUvec4), gpu::texel(leafTexels_, kUvec4),
-                       gpu::texel(blockers_.nodes, kUvec4), gpu::texel(blockers_.triangles, kUvec4),
-                       work.pairs, work.counters, work.next, work.nextLeaves, work.newLinks},
+                      {gpu::texel(scene_.nodes, kUvec4), gpu::texel(scene_.leaves, kUvec4),
+                       gpu::texel(scene_.blockers.nodes, kUvec4),
+                       gpu::texel(scene_.blockers.triangles, kUvec4), work.pairs, work.counters, work.next,
+                       work.nextLeaves, work.newLinks},
                       work.params, gpu::groupsFor(count, io::kHierarchicalGroup));
     commands.barrier(gpu::Stage::compute, gpu::Stage::host);
     device_->submitAndWait(std::move(commands));
@@ -188,29 +167,9 @@ void HierarchicalFormFactors::runNodes(Work& work, uint32_t count) {
     Work::append(work.links, work.newLinks, counters[io::kHierarchicalLinks]);
 }
 
-void HierarchicalFormFactors::runLeaves(Work& work) {
-    const auto count = static_cast<uint32_t>(std::min<size_t>(work.leafPairs.size(), kBatch));
-    work.pairs.upload(std::span<const glm::uvec2>(work.leafPairs).last(count));
-    work.leafPairs.resize(work.leafPairs.size() - count);
-    work.params.pairCount = count;
-    gpu::Commands commands(*device_);
-    commands.fill(work.counters, 0);
-    commands.barrier(gpu::Stage::transfer, gpu::Stage::compute);
-    commands.dispatch(leaves_,
-                      {gpu::texel(nodeTexels_, kUvec4), gpu::texel(leafTexels_, kUvec4),
-                       gpu::texel(blockers_.nodes, kUvec4), gpu::texel(blockers_.triangles, kUvec4),
-                       work.pairs, work.counters, work.newLinks},
-                      work.params, gpu::groupsFor(count, io::kHierarchicalGroup));
-    commands.barrier(gpu::Stage::compute, gpu::Stage::host);
-    device_->submitAndWait(std::move(commands));
-    const uint32_t made = work.counters.mapped<uint32_t>()[io::kHierarchicalLinks];
-    Work::append(work.links, work.newLinks, made);
-    statistics_.leafLinks += made;
-}
-
 // Both ends' lists, each in the order of the other end, whatever order the device found the links in.
 void HierarchicalFormFactors::makeEntries(std::vector<io::HierarchicalLink> links) {
-    const size_t n = tree_.nodes.size();
+    const size_t n = scene_.tree.nodes.size();
     firstEntry_.assign(n + 1, 0);
     for (const io::HierarchicalLink& link : links)
         ++firstEntry_[link.first + 1], ++firstEntry_[link.second + 1];
@@ -235,12 +194,12 @@ void HierarchicalFormFactors::makeOperator() {
         gathers_.emplace_back(*device_, hierarchical_gather_comp, "hierarchical gather",
                               gpu::Specialization{{"kColumns", columns}});
     firstLeaf_.assign(patchCount_ + 1, 0);
-    for (const PatchTree::Leaf& leaf : tree_.leaves) ++firstLeaf_[leaf.patch + 1];
+    for (const PatchTree::Leaf& leaf : scene_.tree.leaves) ++firstLeaf_[leaf.patch + 1];
     for (size_t i = 0; i < patchCount_; ++i) firstLeaf_[i + 1] += firstLeaf_[i];
     std::vector<uint32_t> at(firstLeaf_.begin(), firstLeaf_.end());
-    leafNodes_.resize(tree_.leaves.size());
-    std::vector<glm::uvec4> shares(tree_.leaves.size());
-    for (const PatchTree::Leaf& leaf : tree_.leaves) {
+    leafNodes_.resize(scene_.tree.leaves.size());
+    std::vector<glm::uvec4> shares(scene_.tree.leaves.size());
+    for (const PatchTree::Leaf& leaf : scene_.tree.leaves) {
         const uint32_t place = at[leaf.patch]++;
         leafNodes_[place] = leaf.node;
         shares[place] = {leaf.node, bitsOf(leaf.area / patchArea_[leaf.patch]), 0, 0};
@@ -248,7 +207,7 @@ void HierarchicalFormFactors::makeOperator() {
     firstEntryTexels_ = gpu::Buffer::from(*device_, firstEntry_, "hierarchical first entries");
     firstLeafTexels_ = gpu::Buffer::from(*device_, firstLeaf_, "hierarchical first leaves");
     leafNodeTexels_ = gpu::Buffer::from(*device_, shares, "hierarchical leaf nodes");
-    const size_t sweep = tree_.nodes.size() * kMostColumns * sizeof(glm::vec4);
+    const size_t sweep = scene_.tree.nodes.size() * kMostColumns * sizeof(glm::vec4);
     momentTexels_ = gpu::Buffer(*device_, sweep, "hierarchical moments");
     received_ = gpu::Buffer(*device_, sweep, "hierarchical received");
     const size_t columns = size_t{kMostColumns} * patchCount_ * sizeof(float);
@@ -259,12 +218,12 @@ void HierarchicalFormFactors::makeOperator() {
 void HierarchicalFormFactors::gather(std::span<const float> in, std::span<float> out, uint32_t columns) {
     constexpr gpu::Stage kCompute = gpu::Stage::compute;
     constexpr VkFormat kUint = VK_FORMAT_R32_UINT;
-    if (patchCount_ == 0 || tree_.nodes.empty()) {
+    if (patchCount_ == 0 || scene_.tree.nodes.empty()) {
         std::fill(out.begin(), out.end(), 0.0f);
         return;
     }
-    const auto& level = tree_.levelFirst;
-    const auto nodes = static_cast<uint32_t>(tree_.nodes.size());
+    const auto& level = scene_.tree.levelFirst;
+    const auto nodes = static_cast<uint32_t>(scene_.tree.nodes.size());
     // Windows of nodes whose entries fit the device's limit on texels.
     const uint32_t mostEntries = device_->limits().maxTexelBufferElements;
     const uint32_t nodesPerGroup = io::kHierarchicalGroup / std::max(1u, device_->subgroupSize());
@@ -328,12 +287,12 @@ void HierarchicalFormFactors::rows(uint32_t first, uint32_t count, std::span<flo
     for (uint32_t i = first; i < first + count; ++i) {
         std::fill(row.begin(), row.end(), 0.0);
         for (uint32_t k = firstLeaf_[i]; k < firstLeaf_[i + 1]; ++k) {
-            const PatchTree::Leaf& own = tree_.leaves[tree_.nodes[leafNodes_[k]].firstLeaf];
+            const PatchTree::Leaf& own = scene_.tree.leaves[scene_.tree.nodes[leafNodes_[k]].firstLeaf];
             const double share = own.area / patchArea_[i];
-            for (uint32_t p = leafNodes_[k]; p != PatchTree::kNone; p = tree_.nodes[p].parent) {
-                const auto at = PatchTree::coordinates(tree_.nodes[p], middleOf(own));
+            for (uint32_t p = leafNodes_[k]; p != PatchTree::kNone; p = scene_.tree.nodes[p].parent) {
+                const auto at = PatchTree::coordinates(scene_.tree.nodes[p], middleOf(own));
                 for (uint32_t e = firstEntry_[p]; e < firstEntry_[p + 1]; ++e) {
-                    const PatchTree::Node& q = tree_.nodes[entries[e].x];
+                    const PatchTree::Node& q = scene_.tree.nodes[entries[e].x];
                     const double density = share * double{std::bit_cast<float>(entries[e].y)};
                     const glm::vec2 a = glm::unpackHalf2x16(entries[e].z),
                                     b = glm::unpackHalf2x16(entries[e].w);
@@ -342,7 +301,7 @@ void HierarchicalFormFactors::rows(uint32_t first, uint32_t count, std::span<flo
                     const glm::dvec3 slope = double{b.x} * q.axisU / glm::dot(q.axisU, q.axisU) +
                                              double{b.y} * q.axisV / glm::dot(q.axisV, q.axisV);
                     for (uint32_t l = q.firstLeaf; l < q.firstLeaf + q.leafCount; ++l) {
-                        const PatchTree::Leaf& leaf = tree_.leaves[l];
+                        const PatchTree::Leaf& leaf = scene_.tree.leaves[l];
                         row[leaf.patch] +=
                             density * leaf.area * (here + glm::dot(slope, middleOf(leaf) - q.centre));
                     }

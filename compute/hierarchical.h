@@ -9,11 +9,10 @@
 #include <span>
 #include <vector>
 
-#include "compute/bvh.h"
+#include "compute/cluster_scene.h"
 #include "compute/form_factor_operator.h"
 #include "compute/form_factors.h"
 #include "compute/gpu/kernel.h"
-#include "compute/patch_tree.h"
 #include "shaders/io/hierarchical.io.h"
 
 namespace heliodon::compute {
@@ -50,23 +49,21 @@ private:
     void uploadTree();
     void makeLinks(const HierarchicalOptions& options);
     void runNodes(Work& work, uint32_t count);
-    void runLeaves(Work& work);
     void makeEntries(std::vector<io::HierarchicalLink> links);
     void makeOperator();
 
     gpu::Device* device_;
     uint32_t patchCount_ = 0;
-    PatchTree tree_;
-    Bvh blockers_;
+    ClusterScene scene_;
     HierarchicalStatistics statistics_;
     FormFactorReport report_;
     std::vector<uint32_t> firstEntry_, firstLeaf_,
         leafNodes_; // per node; per patch; nodes of each patch's triangles
     std::vector<double> patchArea_;
-    gpu::Kernel links_, leaves_, moments_, spread_, patches_;
+    gpu::Kernel links_, moments_, spread_, patches_;
     std::vector<gpu::Kernel> gathers_; // by columns - 1
-    gpu::Buffer nodeTexels_, leafTexels_, family_, frames_, parents_, firstEntryTexels_, entries_,
-        firstLeafTexels_, leafNodeTexels_, momentTexels_, received_, light_, gathered_;
+    gpu::Buffer family_, frames_, parents_, firstEntryTexels_, entries_, firstLeafTexels_, leafNodeTexels_,
+        momentTexels_, received_, light_, gathered_;
 };
 
 } // namespace heliodon::compute

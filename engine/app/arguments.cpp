@@ -113,12 +113,16 @@ private:
         CLI::App* sub = add("formfactors", "the matrix of form factors", formFactors_,
                             "room.obj --kernel hemicube --resolution 64 -o F.npy");
         addScene(sub, formFactors_.scene);
-        sub->add_option("--kernel", formFactors_.kernel, "which kernel (default auto)");
-        auto* resolution = sub->add_option("--resolution", formFactors_.resolution,
-                                           "pixels along the top of the hemicube (default 64)")
-                               ->check(CLI::Range(4, 1024));
+        sub->add_option("--kernel", formFactors_.kernel,
+                        "auto, exact, hemicube, hierarchical or montecarlo (default auto)");
+        auto* resolution =
+            sub->add_option("--resolution", formFactors_.resolution,
+                            "hemicube: pixels along its top; montecarlo: R x R rays a patch (default 64)")
+                ->check(CLI::Range(4, 1024));
+        sub->add_option("--points", formFactors_.points, "hemicube: viewpoints a patch (default 1)")
+            ->check(CLI::Range(1, 1024));
         sub->add_option("--max-error", formFactors_.maxError,
-                        "wanted RMS of the rows' errors; picks kernel and resolution")
+                        "wanted RMS of the rows' errors; auto picks the kernel by it")
             ->check(CLI::PositiveNumber)
             ->excludes(resolution);
         sub->add_option("--reference", formFactors_.reference,

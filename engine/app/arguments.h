@@ -46,7 +46,7 @@ struct ModelArguments {
 struct FormFactorArguments {
     SceneArguments scene;
     std::string kernel = "auto";
-    unsigned resolution = 64;
+    unsigned resolution = 64, points = 1;
     double maxError = 0;
     std::filesystem::path reference, output;
 };

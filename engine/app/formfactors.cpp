@@ -1,15 +1,20 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "compute/form_factors.h"
 #include "engine/app/commands.h"
 #include "engine/app/light_report.h"
 #include "engine/app/scene_input.h"
 #include "engine/app/table_file.h"
+#include "geometry/input_error.h"
 
 namespace heliodon::app {
 
 namespace {
+
+constexpr size_t kLargestDense = 16000; // patches, 1 GB; larger matrices go to the file as they are made
 
 geometry::PatchMesh loadPatches(Run& run, const SceneArguments& arguments) {
     const std::string extension = arguments.input.extension().string();
@@ -46,17 +51,33 @@ void execute(Run& run, const FormFactorArguments& arguments) {
     compute::FormFactorOptions options;
     options.kernel = arguments.kernel;
     options.resolution = arguments.resolution;
+    options.points = arguments.points;
     options.maxError = arguments.maxError;
-    const compute::FormFactors factors = [&] {
-        const StageTimer timer(run, "formfactors");
-        return compute::computeFormFactors(device, mesh, options);
-    }();
-    const size_t n = factors.patchCount;
-    const std::vector<float> values = factors.values.download<float>(n * n);
-    reportFormFactors(run, n, factors.report);
-    if (!arguments.reference.empty())
-        run.report()["error"] = errorAgainst(readMatrix(arguments.reference, n, n), values, n);
-    writeNpy(arguments.output, n, n, values);
+    const size_t n = mesh.patchCount();
+    if (n > kLargestDense && !arguments.reference.empty())
+        throw geometry::InputError("--reference", "",
+                                   fmt::format("is for at most {} patches", kLargestDense));
+    // The file is opened before the work: a folder that cannot be written to is named at once.
+    writeNpyTiles(arguments.output, n, n, [&](const PutTile& put) {
+        if (n > kLargestDense) {
+            const StageTimer timer(run, "formfactors");
+            const auto report =
+                compute::streamFormFactors(device, mesh, options, [&](const compute::FormFactorTile& tile) {
+                    put(tile.firstRow, tile.rows, tile.firstColumn, tile.columns, tile.values);
+                });
+            reportFormFactors(run, n, report);
+            return;
+        }
+        const compute::FormFactors factors = [&] {
+            const StageTimer timer(run, "formfactors");
+            return compute::computeFormFactors(device, mesh, options);
+        }();
+        const std::vector<float> values = factors.values.download<float>(n * n);
+        reportFormFactors(run, n, factors.report);
+        if (!arguments.reference.empty())
+            run.report()["error"] = errorAgainst(readMatrix(arguments.reference, n, n), values, n);
+        put(0, n, 0, n, values);
+    });
 }
 
 } // namespace heliodon::app

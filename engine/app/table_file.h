@@ -44,6 +44,14 @@ private:
 void writeNpy(const std::filesystem::path& file, size_t rowCount, size_t columnCount,
               std::span<const float> values);
 
+// The same for matrices that need not fit into memory: `fill` is called with a function that puts a tile of
+// rows x columns values (row-major) at its place, in any order; what is never put is zero. Throws InputError
+// before `fill` is called where the file cannot be written.
+using PutTile = std::function<void(size_t firstRow, size_t rows, size_t firstColumn, size_t columns,
+                                   std::span<const float> values)>;
+void writeNpyTiles(const std::filesystem::path& file, size_t rowCount, size_t columnCount,
+                   const std::function<void(const PutTile&)>& fill);
+
 // A float32 matrix of rowCount x columnCount from .npy (version 1, '<f4', C order) or raw little-endian .f32.
 std::vector<float> readMatrix(const std::filesystem::path& file, size_t rowCount, size_t columnCount);
 

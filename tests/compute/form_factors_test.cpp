@@ -4,6 +4,7 @@
 
 #include "compute/gpu/device.h"
 #include "tests/compute/cases.h"
+#include "tests/compute/rooms.h"
 #include "tests/gpu/test_device.h"
 
 namespace heliodon::compute {
@@ -16,11 +17,16 @@ struct Enclosure {
     double rowL2; // RMS over rows of ||F_i - reference_i||, one point for each patch
 };
 
+double rowError(const std::vector<float>& values, const std::vector<float>& exact) {
+    double squares = 0;
+    for (size_t k = 0; k < values.size(); ++k) squares += std::pow(double{values[k]} - exact[k], 2);
+    return std::sqrt(squares / std::sqrt(static_cast<double>(values.size())));
+}
+
 class Enclosures : public testing::TestWithParam<Enclosure> {};
 
-// A hemicube at one point: rows close by construction, entries of patches that touch are off by what one
-// point misses.
-TEST_P(Enclosures, rows_close_and_entries_are_as_near_as_one_point_can_be) {
+// Near pairs in closed form, the others from both ends: what pixels of 64 x 64 leave.
+TEST_P(Enclosures, near_pairs_in_closed_form_leave_only_the_error_of_pixels) {
     const geometry::PatchMesh mesh = geometry::readPatches(kData + GetParam().name + ".obj");
     const size_t n = mesh.patchCount();
     const std::vector<float> exact = test::readFloats(kData + GetParam().name + ".f32");
@@ -28,13 +34,13 @@ TEST_P(Enclosures, rows_close_and_entries_are_as_near_as_one_point_can_be) {
     FormFactorOptions options;
     options.kernel = "hemicube";
     const FormFactors F = computeFormFactors(test::device(), mesh, options);
-    const auto values = F.values.download<float>(n * n);
-    double squares = 0;
-    for (size_t k = 0; k < values.size(); ++k) squares += std::pow(double{values[k]} - exact[k], 2);
-    const double rowL2 = std::sqrt(squares / static_cast<double>(n));
+    const double rowL2 = rowError(F.values.download<float>(n * n), exact);
     RecordProperty("rowL2", std::to_string(rowL2));
-    EXPECT_LT(F.report.closureMax, 0.005); // the target: rows within 0.5 %
+    EXPECT_LT(F.report.closureMax, 0.02); // no longer by construction: errors of single entries remain
+    EXPECT_LT(F.report.reciprocityRms, 1e-7);
     EXPECT_LT(rowL2, GetParam().rowL2);
+    // What both ends disagree by is an honest measure of what pixels leave, where there are far pairs.
+    if (n > 100) EXPECT_NEAR(F.report.claimedRowError, rowL2, 0.5 * rowL2);
 }
 
 // Bounds: 1.2 times what was measured when the kernel agreed with its double-precision reference.
@@ -50,21 +56,63 @@ INSTANTIATE_TEST_SUITE_P(Hemicube, Enclosures,
                              return name;
                          });
 
-TEST(FormFactors, points_on_the_patch_lower_the_error) {
-    const geometry::PatchMesh mesh = geometry::readPatches(kData + "cube_quads_4x4.obj");
+FormFactorOptions asking(const char* kernel, double maxError) {
+    FormFactorOptions options;
+    options.kernel = kernel;
+    options.maxError = maxError;
+    return options;
+}
+
+TEST(FormFactors, every_kernel_reaches_the_error_asked_or_says_what_remains) {
+    const geometry::PatchMesh mesh = geometry::readPatches(kData + "room3_672.obj");
+    const std::vector<float> exact = test::readFloats(kData + "room3_672.f32");
+    for (const char* kernel : {"auto", "exact", "hemicube", "hierarchical", "montecarlo"})
+        for (double asked : {1e-2, 4e-3}) {
+            const FormFactors F = computeFormFactors(test::device(), mesh, asking(kernel, asked));
+            const double error = rowError(F.values.download<float>(exact.size()), exact);
+            EXPECT_LE(error, 1.1 * asked) << kernel; // claims are estimates
+            EXPECT_FALSE(F.report.why.empty());
+        }
+}
+
+TEST(FormFactors, auto_takes_links_for_coarse_and_visible_polygons_for_fine_errors) {
+    const geometry::PatchMesh mesh = test::boxRoom({});
+    const FormFactorReport coarse = computeFormFactors(test::device(), mesh, asking("auto", 1e-2)).report;
+    EXPECT_EQ(coarse.kernel, "hierarchical");
+    EXPECT_NE(coarse.why.find("nothing can stand between"), std::string::npos);
+    EXPECT_EQ(computeFormFactors(test::device(), mesh, asking("auto", 1e-4)).report.kernel, "exact");
+    EXPECT_EQ(computeFormFactors(test::device(), mesh).report.kernel, "exact");
+}
+
+TEST(FormFactors, tiles_make_up_the_matrix) {
+    test::BoxRoom box;
+    box.cells = {9, 7, 8}; // more rows than one block of a stream
+    const geometry::PatchMesh mesh = test::boxRoom(box);
     const size_t n = mesh.patchCount();
-    const std::vector<float> exact = test::readFloats(kData + "cube_quads_4x4.f32");
-    double before = 1;
-    for (uint32_t points : {1u, 4u, 16u}) {
+    for (std::string_view kernel : formFactorKernels()) {
         FormFactorOptions options;
-        options.kernel = "hemicube";
-        options.points = points;
-        const auto values = computeFormFactors(test::device(), mesh, options).values.download<float>(n * n);
-        double squares = 0;
-        for (size_t k = 0; k < values.size(); ++k) squares += std::pow(double{values[k]} - exact[k], 2);
-        EXPECT_LT(squares,
-                  0.25 * before); // second order in the points' distance, the square of the error fourth
-        before = squares;
+        options.kernel = kernel;
+        options.resolution = 16;
+        std::vector<float> values(n * n, -1.0f);
+        const FormFactorReport report =
+            streamFormFactors(test::device(), mesh, options, [&](const FormFactorTile& tile) {
+                for (size_t i = 0; i < tile.rows; ++i)
+                    for (size_t j = 0; j < tile.columns; ++j) {
+                        float& place = values[(tile.firstRow + i) * n + tile.firstColumn + j];
+                        EXPECT_EQ(place, -1.0f);
+                        place = tile.values[i * tile.columns + j];
+                    }
+            });
+        EXPECT_EQ(report.kernel, kernel);
+        if (kernel == "exact" ||
+            kernel == "hierarchical") // the others' rows are not averaged with their columns
+            EXPECT_EQ(values,
+                      computeFormFactors(test::device(), mesh, options).values.download<float>(n * n));
+        for (size_t i = 0; i < n; ++i) {
+            double sum = 0;
+            for (size_t j = 0; j < n; ++j) sum += double{values[i * n + j]};
+            EXPECT_NEAR(sum, 1, 0.05) << kernel;
+        }
     }
 }
 

@@ -53,7 +53,8 @@ TEST(PatchTree, clusters_hold_their_triangles_and_every_triangle_is_a_leaf) {
 }
 
 TEST(Hierarchical, rooms_without_blockers_reach_the_error_asked) {
-    for (const char* name : {"cube_quads_4x4", "cylinder24", "cube_quads_1x1", "thin_slab_1_1_0.001"}) {
+    for (const char* name :
+         {"cube_quads_4x4", "cylinder24", "cube_quads_1x1", "tetra_regular", "thin_slab_1_1_0.001"}) {
         const geometry::PatchMesh mesh = geometry::readPatches(kData + name + ".obj");
         const std::vector<float> exact = test::readFloats(kData + name + ".f32");
         for (double asked : {1e-2, 1e-3, 2e-4}) {

@@ -1,0 +1,21 @@
+// Kernel `hemicube` as a matrix: rows of hemicubes, the entries of near pairs, which one point cannot see
+// right, in closed form, and both measurements of each other pair averaged.
+#pragma once
+
+#include "compute/form_factors.h"
+
+namespace heliodon::compute {
+
+struct RefinedHemicubeOptions {
+    uint32_t resolution = 64;
+    uint32_t points = 1; // viewpoints a patch
+    // Pairs whose sizes (roots of area) together exceed this share of their distance count as near. Lower
+    // costs time and hardly lowers the error, since pixels are what is left.
+    double near = 0.7;
+};
+
+// A_i F_ij = A_j F_ji. Rows then close to about the error of their entries, no longer by construction.
+FormFactors refinedHemicubeFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
+                                       const RefinedHemicubeOptions& options);
+
+} // namespace heliodon::compute
