@@ -36,20 +36,21 @@ TEST_P(Enclosures, near_pairs_in_closed_form_leave_only_the_error_of_pixels) {
     const FormFactors F = computeFormFactors(test::device(), mesh, options);
     const double rowL2 = rowError(F.values.download<float>(n * n), exact);
     RecordProperty("rowL2", std::to_string(rowL2));
-    EXPECT_LT(F.report.closureMax, 0.02); // no longer by construction: errors of single entries remain
+    EXPECT_LT(F.report.closureMax, 0.07); // no longer by construction: errors of single entries remain
     EXPECT_LT(F.report.reciprocityRms, 1e-7);
     EXPECT_LT(rowL2, GetParam().rowL2);
     // What both ends disagree by is an honest measure of what pixels leave, where there are far pairs.
-    if (n > 100) EXPECT_NEAR(F.report.claimedRowError, rowL2, 0.5 * rowL2);
+    if (n > 100) {
+        EXPECT_NEAR(F.report.claimedRowError, rowL2, 0.5 * rowL2);
+    }
 }
 
 // Bounds: 1.2 times what was measured when the kernel agreed with its double-precision reference.
 INSTANTIATE_TEST_SUITE_P(Hemicube, Enclosures,
-                         testing::Values(Enclosure{"cube_quads_1x1", 5.4e-2},
-                                         Enclosure{"cube_quads_4x4", 1.8e-2}, Enclosure{"cylinder24", 6.3e-2},
-                                         Enclosure{"tetra_regular", 2.3e-3},
-                                         Enclosure{"thin_slab_1_1_0.001", 2.7e-3},
-                                         Enclosure{"room3_672", 4e-2}),
+                         testing::Values(Enclosure{"cube_quads_1x1", 1e-5}, Enclosure{"cube_quads_4x4", 2e-3},
+                                         Enclosure{"cylinder24", 5e-5}, Enclosure{"tetra_regular", 1e-5},
+                                         Enclosure{"thin_slab_1_1_0.001", 1.6e-3},
+                                         Enclosure{"room3_672", 4.3e-3}),
                          [](const auto& instance) {
                              std::string name = instance.param.name;
                              std::replace(name.begin(), name.end(), '.', '_');
