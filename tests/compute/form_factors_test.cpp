@@ -105,10 +105,11 @@ TEST(FormFactors, tiles_make_up_the_matrix) {
                     }
             });
         EXPECT_EQ(report.kernel, kernel);
-        if (kernel == "exact" ||
-            kernel == "hierarchical") // the others' rows are not averaged with their columns
+        // The others' rows are not averaged with their columns.
+        if (kernel == "exact" || kernel == "hierarchical") {
             EXPECT_EQ(values,
                       computeFormFactors(test::device(), mesh, options).values.download<float>(n * n));
+        }
         for (size_t i = 0; i < n; ++i) {
             double sum = 0;
             for (size_t j = 0; j < n; ++j) sum += double{values[i * n + j]};
