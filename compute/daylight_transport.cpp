@@ -131,6 +131,20 @@ void DaylightTransport::State::makeFactors() {
     const size_t n = mesh.patchCount();
     for (size_t i = 0; i < n; ++i) areas.push_back(geometry::patchArea(mesh, i));
     factors = computeFormFactors(device, mesh, options.formFactors);
+    // Rows of a closed room sum to one; where they do not, a second kernel tells whether it is the room's
+    // doing.
+    constexpr double kLostLight = 0.05;
+    if (factors.report.kernel == "exact" && factors.report.closureMax > kLostLight) {
+        FormFactorOptions other = options.formFactors;
+        other.kernel = "hemicube", other.maxError = 0;
+        FormFactors hemicube = computeFormFactors(device, mesh, other);
+        if (hemicube.report.closureRms < 0.2 * factors.report.closureRms) {
+            hemicube.report.why =
+                fmt::format("rows of kernel exact miss up to {:.2g} of their sum, the hemicube's {:.2g}",
+                            factors.report.closureMax, hemicube.report.closureMax);
+            factors = std::move(hemicube);
+        }
+    }
     report.formFactors = factors.report;
     gather = std::make_unique<RadiosityGather>(device, factors.values, static_cast<uint32_t>(n));
     rowSums = gather->rowSums();
