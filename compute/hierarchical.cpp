@@ -25,6 +25,10 @@ namespace {
 
 constexpr uint32_t kBatch = 1u << 16; // pairs of one dispatch
 constexpr uint32_t kMostColumns = 4;
+// Tolerance of a link over the row error asked: errors of many add up (measured in rooms of 672 and 2088
+// patches).
+constexpr double kShare = 0.45;
+constexpr double kLeastHidden = 5e-4; // row error that samples of visibility reach in useful time
 constexpr VkFormat kUvec4 = VK_FORMAT_R32G32B32A32_UINT, kVec4 = VK_FORMAT_R32G32B32A32_SFLOAT;
 
 uint32_t bitsOf(double x) {
@@ -71,7 +75,8 @@ HierarchicalFormFactors::HierarchicalFormFactors(gpu::Device& device, const geom
     makeLinks(options);
     makeOperator();
     report_.kernel = "hierarchical";
-    report_.claimedRowError = options.maxError;
+    report_.claimedRowError =
+        scene_.blockerCount > 0 ? std::max(options.maxError, kLeastHidden) : options.maxError;
     report_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     report_.why = fmt::format(
         "{} links between {} clusters, {:.1f} MB instead of {:.1f} MB", statistics_.links, statistics_.nodes,
@@ -106,13 +111,12 @@ void HierarchicalFormFactors::uploadTree() {
 
 void HierarchicalFormFactors::makeLinks(const HierarchicalOptions& options) {
     Work work;
-    // Errors of many links add up to about twice the tolerance of one (measured in rooms of 672 and 2088
-    // patches).
-    const double tolerance = 0.45 * std::max(options.maxError, 1e-6);
+    const double tolerance = kShare * std::max(options.maxError, 1e-6);
     work.params.nodeCount = scene_.blockers.nodeCount;
     work.params.flatness = static_cast<float>(5e-7 * scene_.blockers.diagonal);
     work.params.tolerance = static_cast<float>(tolerance);
-    work.params.visibilityTolerance = static_cast<float>(tolerance);
+    const double visibility = std::max(tolerance, kShare * kLeastHidden);
+    work.params.visibilityTolerance = static_cast<float>(visibility);
     work.pairs = gpu::Buffer(*device_, kBatch * sizeof(glm::uvec2), "hierarchical pairs");
     work.counters = gpu::Buffer(*device_, io::kHierarchicalCounters * sizeof(uint32_t),
                                 "hierarchical counters", gpu::Place::host);
@@ -124,7 +128,7 @@ void HierarchicalFormFactors::makeLinks(const HierarchicalOptions& options) {
     LeafExchanges exchanges(*device_, scene_);
     const auto takeLeaves = [&] {
         const size_t before = work.links.size();
-        exchanges.run(work.leafPairs, tolerance, work.links);
+        exchanges.run(work.leafPairs, visibility, work.links);
         statistics_.leafLinks += work.links.size() - before;
         work.leafPairs.clear();
     };
@@ -245,11 +249,10 @@ void HierarchicalFormFactors::gather(std::span<const float> in, std::span<float>
         }
         for (uint32_t begin = 0; begin < nodes;) {
             uint32_t end = begin + 1;
-            // Windows begin at multiples of 256 bytes: 16 entries; so a window may have to begin a little
-            // early.
-            while (end < nodes && firstEntry_[end + 1] - firstEntry_[begin] <= mostEntries) ++end;
-            const size_t offset = size_t{firstEntry_[begin]} * sizeof(glm::uvec4),
-                         bytes = size_t{firstEntry_[end] - firstEntry_[begin]} * sizeof(glm::uvec4);
+            const uint32_t firstEntry = firstEntry_[begin] / io::kHierarchicalAlign * io::kHierarchicalAlign;
+            while (end < nodes && firstEntry_[end + 1] - firstEntry <= mostEntries) ++end;
+            const size_t offset = size_t{firstEntry} * sizeof(glm::uvec4),
+                         bytes = size_t{firstEntry_[end] - firstEntry} * sizeof(glm::uvec4);
             commands.dispatch(
                 gathers_[count - 1],
                 {gpu::texel(firstEntryTexels_, kUint),

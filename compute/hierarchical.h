@@ -18,7 +18,8 @@
 namespace heliodon::compute {
 
 struct HierarchicalOptions {
-    double maxError = 5e-3; // wanted RMS over rows of ||F_i - true||, about; see claimedRowError
+    double maxError = 5e-3; // wanted RMS over rows of ||F_i - true||, about; 5e-4 at least where pairs
+                            // may be partly hidden: `exact` goes on from there
 };
 
 struct HierarchicalStatistics {

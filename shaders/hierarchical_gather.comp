@@ -18,7 +18,7 @@ layout(push_constant, scalar) uniform Push { HierarchicalSweepParams params; };
 void main() {
     uint k = gl_WorkGroupID.x * gl_NumSubgroups + gl_SubgroupID;
     if (k >= params.nodeCount) return;
-    uint node = params.firstNode + k, base = texelFetch(firstEntry, int(params.firstNode)).x;
+    uint node = params.firstNode + k, base = texelFetch(firstEntry, int(params.firstNode)).x / kHierarchicalAlign * kHierarchicalAlign;
     uint begin = texelFetch(firstEntry, int(node)).x - base, end = texelFetch(firstEntry, int(node + 1u)).x - base;
     vec3 sums[4];
     for (uint c = 0u; c < kColumns; ++c) sums[c] = vec3(0.0);

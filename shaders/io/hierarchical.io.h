@@ -5,6 +5,7 @@
 IO_BEGIN
 const uint kHierarchicalGroup = 64u;
 const uint kHierarchicalRays = 8u; // between two clusters
+const uint kHierarchicalAlign = 16u; // windows of entries begin at multiples of this: 256 bytes
 // A node takes five texels (uvec4; floats by their bits):
 //   centre.xyz, radius | normal.xyz, area | axis U.xyz, first leaf | axis V.xyz, count of leaves | child, room, -, -
 // A leaf takes three: its corners, the first with its node. Axes are as long as the standard deviation of area along them.
