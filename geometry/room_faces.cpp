@@ -240,7 +240,8 @@ private:
     struct Break {
         double at; // inches along the run
         glm::dvec2 point;
-        bool corner = false; // of the outline: floor and ceiling turn there, if by ever so little
+        bool corner =
+            false; // of the outline, within the run: floor and ceiling turn there, if by next to nothing
     };
     struct RunGrid {
         std::vector<Break> columns;
@@ -299,7 +300,7 @@ private:
         grid.rows = {0, ceiling};
         for (size_t k = 0; k <= run.count; ++k) {
             const glm::dvec2 p = loop.points[(run.first + k) % loop.points.size()];
-            addBreak(grid.columns, {along(run, p), p, true});
+            addBreak(grid.columns, {along(run, p), p, k > 0 && k < run.count});
             const double height = loop.edges[(run.first + k) % loop.points.size()].height;
             if (k < run.count && height > 0 && height < ceiling) addRow(grid.rows, height);
         }
