@@ -155,6 +155,46 @@ private:
     std::vector<uint32_t> corners_, rooms_;
 };
 
+// The two glasses of a window have equal corners on their outlines: what a neighbour's corner adds to one is
+// added to the other. True when anything was.
+bool shareTwinCorners(Building& building, double tolerance) {
+    const auto middle = [&](const Face& face) {
+        glm::dvec3 low(1e300), high(-1e300);
+        for (const uint32_t v : face.loops[0]) {
+            low = glm::min(low, building.vertices[v]);
+            high = glm::max(high, building.vertices[v]);
+        }
+        return 0.5 * (low + high);
+    };
+    bool any = false;
+    for (Face& face : building.faces) {
+        if (face.twin < 0) continue;
+        const Face& other = building.faces[static_cast<size_t>(face.twin)];
+        const glm::dvec3 shift = middle(face) - middle(other);
+        for (const uint32_t v : other.loops[0]) {
+            const glm::dvec3 p = building.vertices[v] + shift;
+            auto& loop = face.loops[0];
+            // Far more than rounding may put between the two sides, far less than an edge is long.
+            const double near = 100 * tolerance;
+            if (std::ranges::any_of(loop,
+                                    [&](uint32_t w) { return glm::length(building.vertices[w] - p) < near; }))
+                continue;
+            for (size_t i = 0; i < loop.size(); ++i) {
+                const glm::dvec3 a = building.vertices[loop[i]],
+                                 d = building.vertices[loop[(i + 1) % loop.size()]] - a;
+                const double t = glm::dot(p - a, d) / glm::dot(d, d);
+                if (t <= 0 || t >= 1 || glm::length(p - a - t * d) > near) continue;
+                building.vertices.push_back(a + t * d);
+                loop.insert(loop.begin() + static_cast<std::ptrdiff_t>(i) + 1,
+                            static_cast<uint32_t>(building.vertices.size() - 1));
+                any = true;
+                break;
+            }
+        }
+    }
+    return any;
+}
+
 } // namespace
 
 Building weldFaces(const std::vector<SoupFace>& soup, uint32_t roomCount, double tolerance) {
@@ -189,6 +229,8 @@ Building weldFaces(const std::vector<SoupFace>& soup, uint32_t roomCount, double
         building.faces.push_back(std::move(face));
     }
     EdgeSplitter(building, tolerance).split();
+    for (int round = 0; round < 4 && shareTwinCorners(building, tolerance); ++round)
+        EdgeSplitter(building, tolerance).split();
     return building;
 }
 

@@ -64,6 +64,11 @@ private:
                         "calibrated camera and projectors (.json); a photograph needs it");
         sub->add_option("--triangles", scene.triangles, "patches aimed at (default 2000)")
             ->check(CLI::Range(4, 2000000));
+        sub->add_option(
+               "--chord-error", scene.chordError,
+               "how far facets of curved walls may lie off the arc, in inches on the table (default 0.02, "
+               "more where so many facets would exceed --triangles)")
+            ->check(CLI::Range(0.001, 0.5));
         sub->add_option("--up", scene.up, "up axis of a model: y or z (default y)")
             ->check(CLI::IsMember({"y", "z"}));
         sub->add_option("--north", scene.northDeg,

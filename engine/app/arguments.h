@@ -21,6 +21,7 @@ struct CommonArguments {
 struct SceneArguments {
     std::filesystem::path input, rig;
     std::optional<size_t> triangles;
+    std::optional<double> chordError; // inches on the table
     std::string up = "y";
     double northDeg = 0; // turns north clockwise seen from above
 };

@@ -111,15 +111,26 @@ geometry::Building importOrRefuse(Run& run, const SceneArguments& arguments, geo
     }
 }
 
-geometry::Building closeOrRefuse(Run& run, const SceneArguments& arguments, const geometry::Sketch& sketch) {
+geometry::Building closeOrRefuse(Run& run, const SceneArguments& arguments, const geometry::Sketch& sketch,
+                                 const geometry::ClosureOptions& options) {
     const StageTimer timer(run, "model");
-    geometry::Closure closure = geometry::closeSketch(sketch);
+    geometry::Closure closure = geometry::closeSketch(sketch, options);
     reportClosure(run, closure.report);
     if (!closure.building)
         throw InputError(arguments.input.string(), "", closure.report.code + ": " + closure.report.message);
     if (closure.report.outcome == geometry::Outcome::warn)
         run.warn(closure.report.code + ": " + closure.report.message);
     return std::move(*closure.building);
+}
+
+constexpr double kCoarsestChord = 0.3; // inches
+
+// More triangles than were asked for, or so few to an arc that they are slivers.
+bool tooManyFacets(const geometry::PatchMesh& mesh, size_t wanted) {
+    const geometry::MeshQuality quality = geometry::measureMesh(mesh);
+    constexpr double kSliver = 20; // degrees
+    return static_cast<double>(quality.triangles) > 1.03 * static_cast<double>(wanted) ||
+           quality.minAngleDeg < kSliver;
 }
 
 } // namespace
@@ -160,15 +171,28 @@ Scene loadScene(Run& run, const SceneArguments& arguments) {
     const InputKind kind = kindOf(arguments.input);
     if (!arguments.rig.empty()) scene.rig = geometry::readRig(arguments.rig);
     geometry::Building building;
+    geometry::ClosureOptions closure;
+    closure.chordError = arguments.chordError.value_or(closure.chordError);
     if (kind == InputKind::model) {
         building = importOrRefuse(run, arguments, scene.up);
     } else {
         scene.sketch = loadSketch(run, arguments, scene.rig);
-        building = closeOrRefuse(run, arguments, *scene.sketch);
+        building = closeOrRefuse(run, arguments, *scene.sketch, closure);
     }
     {
         const StageTimer timer(run, "model");
-        scene.mesh = geometry::meshBuilding(building, {arguments.triangles.value_or(kDefaultTriangles)});
+        const size_t wanted = arguments.triangles.value_or(kDefaultTriangles);
+        scene.mesh = geometry::meshBuilding(building, {wanted});
+        // Curved walls of many facets need many triangles; with few, coarser facets serve better.
+        const bool mayCoarsen = scene.sketch && !scene.sketch->arcs.empty() && !arguments.chordError;
+        while (mayCoarsen && closure.chordError < kCoarsestChord && tooManyFacets(scene.mesh, wanted)) {
+            closure.chordError *= 4;
+            geometry::Closure coarser = geometry::closeSketch(*scene.sketch, closure);
+            if (!coarser.building) break;
+            building = std::move(*coarser.building);
+            reportClosure(run, coarser.report);
+            scene.mesh = geometry::meshBuilding(building, {wanted});
+        }
     }
     if (kind == InputKind::model) reportImport(run, scene.mesh, building);
     scene.occluders = std::move(building.occluders);
