@@ -32,9 +32,9 @@ constexpr double kQuickFrom = 3e-5; // row error from which four points settle m
 // entries end far below it (calibrated on rooms of 672 and 2088 patches with partitions: measured errors stay
 // below what is asked).
 double entryTolerance(double rowError, uint32_t pieces) {
-    const double asked = std::max(rowError, 1e-7);
-    return asked * std::clamp(0.02 * std::sqrt(static_cast<double>(pieces)), 0.2, 1.0) *
-           std::clamp(std::pow(asked / 1e-4, 0.3), 0.2, 1.0);
+    const double share = std::clamp(0.02 * std::sqrt(static_cast<double>(pieces)), 0.2, 1.0) *
+                         std::clamp(std::pow(rowError / 1e-4, 0.3), 0.2, 1.0);
+    return std::max(rowError * share, 1e-7); // below lies the rounding of float32
 }
 
 class Timer {

@@ -28,11 +28,13 @@ struct Frame {
 
 vec3 lift(Frame f, vec2 p) { return f.origin + p.x * f.u + p.y * f.v; }
 
-// A plane through space as a line in the frame: positive inside; xy unit.
+// A plane through space (unit normal) as a line in the frame: positive inside; xy unit. A plane parallel to the frame's, to
+// within the rounding of normals, is all in or all out; out where both are one.
 vec3 lineOf(Frame f, vec3 normal, vec3 onPlane) {
-    vec3 line = vec3(dot(normal, f.u), dot(normal, f.v), dot(normal, f.origin - onPlane));
+    vec3 d = f.origin - onPlane, line = vec3(dot(normal, f.u), dot(normal, f.v), dot(normal, d));
     float size = length(line.xy);
-    return size > 1e-12 ? line / size : vec3(0.0, 0.0, sign(line.z) * 1e30);
+    if (size > 1e-6) return line / size;
+    return vec3(0.0, 0.0, abs(line.z) <= 1e-6 * length(d) ? 0.0 : sign(line.z) * 1e30);
 }
 
 float at(vec3 line, vec2 p) { return dot(line.xy, p) + line.z; }
