@@ -15,6 +15,7 @@
 #include "geometry/plan_rooms.h"
 #include "geometry/plan_windows.h"
 #include "geometry/room_faces.h"
+#include "geometry/twin_faces.h"
 
 namespace heliodon::geometry {
 
@@ -23,6 +24,8 @@ namespace {
 constexpr double kWideOpening = 8; // inches: a bridged opening this wide is worth a warning
 constexpr size_t kMostWalls = 500; // the paper's table holds about twenty
 constexpr double kWeld = 1e-9;     // metres
+constexpr double kTwinOff =
+    0.1 * kMetresPerInch; // of corners of twins: the two faces of a wall are not quite parallel
 constexpr double kCubicInch = kMetresPerInch * kMetresPerInch * kMetresPerInch;
 
 std::string joined(const std::vector<std::string>& ids) {
@@ -184,9 +187,17 @@ private:
         });
     }
 
+    // What passes an interior window arrives on its other side: no glass there is without a twin.
+    static bool glassesCorrespond(const Building& building, const RoomFaces& faces) {
+        const auto drawn =
+            std::ranges::count_if(faces.faces, [](const SoupFace& f) { return f.twinKey >= 0; });
+        const auto paired = std::ranges::count_if(building.faces, [](const Face& f) { return f.twin >= 0; });
+        return drawn == paired && twinsMirror(building, kTwinOff);
+    }
+
     bool prove(const Building& building, const RoomFaces& faces, const std::vector<double>& ceilings) {
         const std::vector<ShellProof> proofs = proveShells(building);
-        bool good = true;
+        bool good = glassesCorrespond(building, faces);
         for (size_t r = 0; r < proofs.size(); ++r) {
             RoomReport room;
             room.floorAreaFt2 = faces.floorArea[r];

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include <glm/geometric.hpp>
+
+#include "geometry/twin_faces.h"
 
 namespace heliodon::geometry {
 
@@ -93,38 +96,68 @@ void EdgeSampler::measureSurroundings() {
 
 void EdgeSampler::pairTwins() {
     std::map<uint32_t, size_t> domainOf;
+    std::vector<std::vector<TwinEdge>> opposite(edges_.size());
     for (size_t d = 0; d < domains_.size(); ++d) {
         const Face& face = building_.faces[domains_[d].faces[0]];
         if (face.twin < 0) continue;
         domainOf[domains_[d].faces[0]] = d;
-        const auto other = domainOf.find(static_cast<uint32_t>(face.twin));
-        if (other == domainOf.end()) continue;
-        const auto middle = [&](size_t domain) {
-            glm::dvec3 low(1e300), high(-1e300);
-            for (const uint32_t v : domains_[domain].loops[0]) {
-                low = glm::min(low, position(v));
-                high = glm::max(high, position(v));
-            }
-            return 0.5 * (low + high);
-        };
-        const glm::dvec3 shift = middle(d) - middle(other->second);
-        for (const uint32_t e : loopEdges_[other->second][0]) {
-            const glm::dvec3 a = position(edges_[e].a) + shift, b = position(edges_[e].b) + shift;
-            const auto off = [&](uint32_t f, bool turned) {
-                return glm::length(position(turned ? edges_[f].b : edges_[f].a) - a) +
-                       glm::length(position(turned ? edges_[f].a : edges_[f].b) - b);
-            };
-            TwinEdge best{e, e, false};
-            double least = kInfinity;
-            for (const uint32_t f : loopEdges_[d][0])
-                for (const bool turned : {false, true})
-                    if (off(f, turned) < least) {
-                        least = off(f, turned);
-                        best = {e, f, turned};
-                    }
-            twins_.push_back(best);
+        if (const auto other = domainOf.find(static_cast<uint32_t>(face.twin)); other != domainOf.end())
+            matchTwins(other->second, d, opposite);
+    }
+    std::vector<bool> seen(edges_.size(), false);
+    for (uint32_t start = 0; start < edges_.size(); ++start)
+        if (!opposite[start].empty() && !seen[start]) collectTwins(start, opposite, seen);
+}
+
+void EdgeSampler::matchTwins(size_t from, size_t to, std::vector<std::vector<TwinEdge>>& opposite) const {
+    const auto loops = oppositeLoops(building_, building_.faces[domains_[from].faces[0]],
+                                     building_.faces[domains_[to].faces[0]], kInfinity);
+    if (!loops) throw std::runtime_error("the two sides of an interior window differ");
+    for (size_t l = 0; l < loops->size(); ++l) {
+        const auto &loop = domains_[from].loops[l], &other = domains_[to].loops[(*loops)[l].loop];
+        for (size_t k = 0, n = loop.size(); k < n; ++k) {
+            const size_t start = (*loops)[l].corner(k, n), end = (*loops)[l].corner(k + 1, n);
+            const uint32_t e = loopEdges_[from][l][k], f = loopEdges_[to][(*loops)[l].loop][end];
+            const uint32_t oppositeA = loop[k] == edges_[e].a ? other[start] : other[end];
+            const bool reversed = edges_[f].a != oppositeA;
+            opposite[e].push_back({f, reversed});
+            opposite[f].push_back({e, reversed});
         }
     }
+}
+
+// An edge may belong to glasses of several windows, and so have several others opposite.
+void EdgeSampler::collectTwins(uint32_t start, const std::vector<std::vector<TwinEdge>>& opposite,
+                               std::vector<bool>& seen) {
+    TwinEdges group{{{start, false}}, false};
+    std::map<uint32_t, bool> reversed{{start, false}};
+    seen[start] = true;
+    for (size_t i = 0; i < group.edges.size(); ++i)
+        for (const TwinEdge& next : opposite[group.edges[i].edge]) {
+            const bool turned = group.edges[i].reversed != next.reversed;
+            const auto [place, isNew] = reversed.try_emplace(next.edge, turned);
+            if (isNew) {
+                group.edges.push_back({next.edge, turned});
+                seen[next.edge] = true;
+            } else if (place->second != turned) // only what is symmetric fits both ways
+                group.even = true;
+        }
+    twins_.push_back(std::move(group));
+}
+
+// The finest of the divisions that were chosen for the edges one by one.
+void EdgeSampler::shareDivisions(const TwinEdges& group) {
+    const auto finest = std::ranges::max_element(
+        group.edges, {}, [&](const TwinEdge& e) { return edges_[e.edge].divisions.size(); });
+    std::vector<double> forth = edges_[finest->edge].divisions;
+    if (group.even)
+        for (size_t k = 0; k < forth.size(); ++k)
+            forth[k] = static_cast<double>(k + 1) / static_cast<double>(forth.size() + 1);
+    std::vector<double> back = forth;
+    std::ranges::reverse(back);
+    for (double& t : back) t = 1 - t;
+    for (const TwinEdge& e : group.edges)
+        edges_[e.edge].divisions = e.reversed == finest->reversed ? forth : back;
 }
 
 double EdgeSampler::sizeOf(uint32_t corner) const {
@@ -156,14 +189,7 @@ void EdgeSampler::choose(double edge, const Grading& grading) {
             divideEvenly(steps, std::max(1.0, std::floor(steps.back().second + 0.5 + 1e-7)), e.divisions);
         }
     if (std::isfinite(grading.growth)) easeCorners();
-    for (const TwinEdge& twin : twins_) {
-        std::vector<double> divisions = edges_[twin.from].divisions;
-        if (twin.reversed) {
-            std::ranges::reverse(divisions);
-            for (double& t : divisions) t = 1 - t;
-        }
-        edges_[twin.to].divisions = std::move(divisions);
-    }
+    for (const TwinEdges& group : twins_) shareDivisions(group);
 }
 
 void EdgeSampler::findStrips() {

@@ -46,10 +46,23 @@ private:
         uint32_t side, other;
         double width;
     };
+    struct TwinEdge {
+        uint32_t edge;
+        bool reversed;
+    };
+    // Edges of glasses that stand opposite one another: they have equal divisions.
+    struct TwinEdges {
+        std::vector<TwinEdge> edges;
+        bool even = false;
+    };
 
     void collectEdges();
     void measureSurroundings();
     void pairTwins();
+    void matchTwins(size_t from, size_t to, std::vector<std::vector<TwinEdge>>& opposite) const;
+    void collectTwins(uint32_t start, const std::vector<std::vector<TwinEdge>>& opposite,
+                      std::vector<bool>& seen);
+    void shareDivisions(const TwinEdges& group);
     void findStrips();
     void considerStrip(size_t domain, uint32_t side, glm::dvec2 a, glm::dvec2 b, uint32_t other, glm::dvec2 c,
                        glm::dvec2 d);
@@ -68,12 +81,8 @@ private:
     std::vector<std::vector<std::vector<uint32_t>>> loopEdges_; // per domain, loop, corner
     std::vector<double> surroundings_;                          // per corner: metres to what is near
     std::vector<std::vector<uint32_t>> small_;                  // per domain: its corners of small size
-    struct TwinEdge {
-        uint32_t from, to;
-        bool reversed;
-    };
-    std::vector<TwinEdge> twins_; // edges of glasses, that have the divisions of those on their other side
-    std::vector<Strip> strips_;   // narrow ones first
+    std::vector<TwinEdges> twins_;
+    std::vector<Strip> strips_; // narrow ones first
     double edge_ = 0;
     Grading grading_;
 };

@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <unordered_map>
 
 #include <glm/geometric.hpp>
+
+#include "geometry/mesh_domains.h"
+#include "geometry/twin_faces.h"
 
 namespace heliodon::geometry {
 
@@ -155,42 +159,59 @@ private:
     std::vector<uint32_t> corners_, rooms_;
 };
 
+// An opening may show as several pieces, where others overlap it: those opposite one another are twins.
+void pairTwins(Building& building, const std::map<int, std::vector<uint32_t>>& pieces) {
+    for (const auto& [key, faces] : pieces)
+        for (const uint32_t f : faces) {
+            Face& face = building.faces[f];
+            if (face.twin >= 0) continue;
+            const glm::dvec3 n = faceNormal(building, face);
+            double least = std::numeric_limits<double>::infinity();
+            for (const uint32_t g : faces) {
+                const Face& other = building.faces[g];
+                if (other.twin >= 0 || glm::dot(n, faceNormal(building, other)) > -0.5) continue;
+                const glm::dvec3 shift = shiftBetween(building, face, other);
+                const double aside = glm::length(shift - glm::dot(shift, n) * n);
+                if (aside >= least) continue;
+                least = aside;
+                face.twin = static_cast<int32_t>(g);
+            }
+            if (face.twin >= 0) building.faces[static_cast<size_t>(face.twin)].twin = static_cast<int32_t>(f);
+        }
+}
+
+// Adds the point to the edge of the face that it lies on, when it is no corner yet.
+bool addCorner(Building& building, Face& face, glm::dvec3 p, double near) {
+    for (const auto& loop : face.loops)
+        for (const uint32_t v : loop)
+            if (glm::length(building.vertices[v] - p) < near) return false;
+    for (auto& loop : face.loops)
+        for (size_t i = 0; i < loop.size(); ++i) {
+            const glm::dvec3 a = building.vertices[loop[i]],
+                             d = building.vertices[loop[(i + 1) % loop.size()]] - a;
+            const double t = glm::dot(p - a, d) / glm::dot(d, d);
+            if (t <= 0 || t >= 1 || glm::length(p - a - t * d) > near) continue;
+            building.vertices.push_back(a + t * d);
+            loop.insert(loop.begin() + static_cast<std::ptrdiff_t>(i) + 1,
+                        static_cast<uint32_t>(building.vertices.size() - 1));
+            return true;
+        }
+    return false;
+}
+
 // The two glasses of a window have equal corners on their outlines: what a neighbour's corner adds to one is
 // added to the other. True when anything was.
 bool shareTwinCorners(Building& building, double tolerance) {
-    const auto middle = [&](const Face& face) {
-        glm::dvec3 low(1e300), high(-1e300);
-        for (const uint32_t v : face.loops[0]) {
-            low = glm::min(low, building.vertices[v]);
-            high = glm::max(high, building.vertices[v]);
-        }
-        return 0.5 * (low + high);
-    };
+    // Far more than rounding may put between the two sides, far less than an edge is long.
+    const double near = 100 * tolerance;
     bool any = false;
     for (Face& face : building.faces) {
         if (face.twin < 0) continue;
         const Face& other = building.faces[static_cast<size_t>(face.twin)];
-        const glm::dvec3 shift = middle(face) - middle(other);
-        for (const uint32_t v : other.loops[0]) {
-            const glm::dvec3 p = building.vertices[v] + shift;
-            auto& loop = face.loops[0];
-            // Far more than rounding may put between the two sides, far less than an edge is long.
-            const double near = 100 * tolerance;
-            if (std::ranges::any_of(loop,
-                                    [&](uint32_t w) { return glm::length(building.vertices[w] - p) < near; }))
-                continue;
-            for (size_t i = 0; i < loop.size(); ++i) {
-                const glm::dvec3 a = building.vertices[loop[i]],
-                                 d = building.vertices[loop[(i + 1) % loop.size()]] - a;
-                const double t = glm::dot(p - a, d) / glm::dot(d, d);
-                if (t <= 0 || t >= 1 || glm::length(p - a - t * d) > near) continue;
-                building.vertices.push_back(a + t * d);
-                loop.insert(loop.begin() + static_cast<std::ptrdiff_t>(i) + 1,
-                            static_cast<uint32_t>(building.vertices.size() - 1));
-                any = true;
-                break;
-            }
-        }
+        const glm::dvec3 shift = shiftBetween(building, other, face);
+        for (const auto& loop : other.loops)
+            for (const uint32_t v : loop)
+                any |= addCorner(building, face, building.vertices[v] + shift, near);
     }
     return any;
 }
@@ -201,7 +222,7 @@ Building weldFaces(const std::vector<SoupFace>& soup, uint32_t roomCount, double
     Building building;
     building.roomCount = roomCount;
     Welder welder(building.vertices, tolerance);
-    std::map<int, uint32_t> twins;
+    std::map<int, std::vector<uint32_t>> pieces;
     for (const SoupFace& in : soup) {
         Face face;
         face.material = in.material;
@@ -219,15 +240,10 @@ Building weldFaces(const std::vector<SoupFace>& soup, uint32_t roomCount, double
         }
         if (face.loops.empty()) continue;
         const auto id = static_cast<uint32_t>(building.faces.size());
-        if (in.twinKey >= 0) {
-            const auto [other, isNew] = twins.try_emplace(in.twinKey, id);
-            if (!isNew) {
-                face.twin = static_cast<int32_t>(other->second);
-                building.faces[other->second].twin = static_cast<int32_t>(id);
-            }
-        }
+        if (in.twinKey >= 0) pieces[in.twinKey].push_back(id);
         building.faces.push_back(std::move(face));
     }
+    pairTwins(building, pieces);
     EdgeSplitter(building, tolerance).split();
     for (int round = 0; round < 4 && shareTwinCorners(building, tolerance); ++round)
         EdgeSplitter(building, tolerance).split();

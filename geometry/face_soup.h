@@ -18,11 +18,12 @@ struct SoupFace {
     uint32_t material = 0;
     Role role = Role::projection;
     uint32_t surface = 0, room = 0;
-    int twinKey = -1; // two faces with one key are the two sides of a window
+    int twinKey = -1; // faces with one key are the pieces of one window, on either side of its wall
 };
 
 // Welds corners of one room that are nearer than `tolerance` (metres) and puts corners that lie on another
 // face's edge into that edge. Drops edges and loops that collapse; faces without an outline vanish.
+// Pieces of a window become twins of those opposite, with equal corners.
 Building weldFaces(const std::vector<SoupFace>& soup, uint32_t roomCount, double tolerance);
 
 struct ShellProof {

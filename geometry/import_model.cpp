@@ -18,6 +18,7 @@
 #include "geometry/plan_arrangement.h"
 #include "geometry/plan_regions.h"
 #include "geometry/raw_model.h"
+#include "geometry/twin_faces.h"
 
 namespace heliodon::geometry {
 
@@ -524,13 +525,7 @@ private:
                 if (glm::dot(n, normal(b)) > -1 + 1e-9 || apart < 0 || apart > kThickestWall * extent_)
                     continue;
                 if (glm::length(shift + apart * n) > kPlanarOfExtent * extent_) continue;
-                const bool alike = std::ranges::all_of(a.loops[0], [&](uint32_t v) {
-                    return std::ranges::any_of(b.loops[0], [&](uint32_t w) {
-                        return glm::length(building_.vertices[v] + shift - building_.vertices[w]) <
-                               kPlanarOfExtent * extent_;
-                    });
-                });
-                if (!alike) continue;
+                if (!oppositeLoops(building_, a, b, kPlanarOfExtent * extent_)) continue;
                 a.twin = static_cast<int32_t>(g);
                 b.twin = static_cast<int32_t>(f);
             }

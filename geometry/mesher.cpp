@@ -13,10 +13,12 @@
 #include <stdexcept>
 
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 
 #include "geometry/edge_sampling.h"
 #include "geometry/mesh_domains.h"
 #include "geometry/planar_mesher.h"
+#include "geometry/twin_faces.h"
 
 namespace heliodon::geometry {
 
@@ -177,14 +179,22 @@ private:
         return out;
     }
 
+    std::vector<uint32_t> loopVertices(const std::vector<uint32_t>& loop) {
+        std::vector<uint32_t> out;
+        for (size_t i = 0; i < loop.size(); ++i) {
+            out.push_back(loop[i]);
+            const auto inner = edgeVertices(loop[i], loop[(i + 1) % loop.size()]);
+            out.insert(out.end(), inner.begin(), inner.end());
+        }
+        return out;
+    }
+
     std::vector<uint32_t> boundaryVertices(const MeshDomain& domain) {
         std::vector<uint32_t> out;
-        for (const auto& loop : domain.loops)
-            for (size_t i = 0; i < loop.size(); ++i) {
-                out.push_back(loop[i]);
-                const auto inner = edgeVertices(loop[i], loop[(i + 1) % loop.size()]);
-                out.insert(out.end(), inner.begin(), inner.end());
-            }
+        for (const auto& loop : domain.loops) {
+            const auto vertices = loopVertices(loop);
+            out.insert(out.end(), vertices.begin(), vertices.end());
+        }
         return out;
     }
 
@@ -226,28 +236,40 @@ private:
         for (const auto& t : flat.triangles) addTriangle(d, {vertices[t[0]], vertices[t[1]], vertices[t[2]]});
     }
 
+    // Per vertex on the border of a glass the one that stands opposite.
+    std::map<uint32_t, uint32_t> oppositeVertices(size_t from, size_t to) {
+        const auto loops = oppositeLoops(building_, faceOf(from), faceOf(to), kUniform);
+        std::map<uint32_t, uint32_t> image;
+        for (size_t l = 0; loops && l < loops->size(); ++l) {
+            const auto& other = domains_[to].loops[(*loops)[l].loop];
+            const auto own = loopVertices(domains_[from].loops[l]);
+            auto its = loopVertices(other);
+            if (own.size() != its.size())
+                throw std::runtime_error("the two sides of an interior window differ");
+            std::ranges::reverse(its);
+            std::ranges::rotate(its, std::ranges::find(its, other[(*loops)[l].first]));
+            for (size_t k = 0; k < own.size(); ++k) image[own[k]] = its[k];
+        }
+        return image;
+    }
+
+    // From the plane of one glass to that of the other, by least squares of what is opposite: the two faces
+    // of a wall need not be quite parallel.
+    glm::dmat3 planeMap(size_t from, size_t to, const std::map<uint32_t, uint32_t>& image) const {
+        glm::dmat3 own(0), both(0);
+        for (const auto& [v, w] : image) {
+            const glm::dvec3 p(domains_[from].frames[0].coordinates(mesh_.vertices[v]), 1),
+                q(domains_[to].frames[0].coordinates(mesh_.vertices[w]), 1);
+            own += glm::outerProduct(p, p);
+            both += glm::outerProduct(q, p);
+        }
+        return both * glm::inverse(own);
+    }
+
     // The other glass of an interior window gets the same triangles, seen from its own side.
     void mirror(size_t from, size_t to) {
-        const auto middle = [&](size_t d) {
-            glm::dvec3 low(1e300), high(-1e300);
-            for (const uint32_t v : domains_[d].loops[0]) {
-                low = glm::min(low, building_.vertices[v]);
-                high = glm::max(high, building_.vertices[v]);
-            }
-            return 0.5 * (low + high);
-        };
-        const glm::dvec3 shift = middle(to) - middle(from), n = faceNormal(building_, faceOf(to));
-        const glm::dvec3 onPlane = building_.vertices[domains_[to].loops[0][0]];
-        const std::vector<uint32_t> border = boundaryVertices(domains_[to]);
-        std::map<uint32_t, uint32_t> image;
-        for (const uint32_t v : boundaryVertices(domains_[from])) {
-            const glm::dvec3 p = mesh_.vertices[v] + shift;
-            const auto nearest = std::ranges::min_element(
-                border, {}, [&](uint32_t b) { return glm::length(mesh_.vertices[b] - p); });
-            image[v] = *nearest;
-        }
-        if (image.size() != border.size())
-            throw std::runtime_error("the two sides of an interior window differ");
+        std::map<uint32_t, uint32_t> image = oppositeVertices(from, to);
+        const glm::dmat3 onPlane = planeMap(from, to, image);
         const std::vector<uint32_t> triangles = trianglesOf_[from];
         for (const uint32_t patch : triangles) {
             std::array<uint32_t, 3> corner{};
@@ -256,8 +278,8 @@ private:
                 const auto [place, isNew] =
                     image.try_emplace(v, static_cast<uint32_t>(mesh_.vertices.size()));
                 if (isNew) {
-                    const glm::dvec3 p = mesh_.vertices[v] + shift;
-                    mesh_.vertices.push_back(p - glm::dot(p - onPlane, n) * n);
+                    const glm::dvec2 p = domains_[from].frames[0].coordinates(mesh_.vertices[v]);
+                    mesh_.vertices.push_back(domains_[to].inSpace(glm::dvec2(onPlane * glm::dvec3(p, 1))));
                 }
                 corner[2 - k] = place->second;
             }

@@ -344,28 +344,35 @@ private:
     }
 
     // The two glasses of an interior window have equal corners on their borders, so that their meshes mirror.
+    // A wall may have windows into several rooms, so that breaks travel on until no grid gets a new one.
     void shareTwinBreaks() {
-        for (size_t i = 0; i < in_.holes.size(); ++i)
-            for (size_t j = i + 1; j < in_.holes.size(); ++j) {
-                const WindowHole &a = in_.holes[i], &b = in_.holes[j];
-                if (a.opening != b.opening) continue;
-                for (const auto& [from, to] : {std::pair(&a, &b), std::pair(&b, &a)}) shareBreaks(*from, *to);
-            }
+        constexpr int kMostRounds = 16;
+        bool any = true;
+        for (int round = 0; any && round < kMostRounds; ++round) {
+            any = false;
+            for (const WindowHole& a : in_.holes)
+                for (const WindowHole& b : in_.holes)
+                    if (&a != &b && a.opening == b.opening) any |= shareBreaks(a, b);
+        }
     }
 
-    void shareBreaks(const WindowHole& from, const WindowHole& to) {
+    // True when the grid of `to` got a new one.
+    bool shareBreaks(const WindowHole& from, const WindowHole& to) {
         const WallRun& run = in_.runs[to.run];
+        RunGrid& grid = grids_[to.run];
+        const size_t before = grid.columns.size() + grid.rows.size();
         const glm::dvec2 d = glm::normalize(run.to - run.from);
         const std::vector<Break> columns = grids_[from.run].columns;
         for (const Break& b : columns)
             if (b.at > from.from + 1e-7 && b.at < from.to - 1e-7) {
                 const double at =
                     to.to - (b.at - from.from); // runs on either side of a wall run against one another
-                addBreak(grids_[to.run].columns, {at, run.from + at * d});
+                addBreak(grid.columns, {at, run.from + at * d});
             }
         const std::vector<double> rows = grids_[from.run].rows;
         for (const double row : rows)
-            if (row > sillOf(from) && row < from.head) addRow(grids_[to.run].rows, row);
+            if (row > sillOf(from) && row < from.head) addRow(grid.rows, row);
+        return grid.columns.size() + grid.rows.size() > before;
     }
 
     // Labels of a grid: 0 wall that stands there, 1 fill-in, 2 + k the k-th hole of this run.

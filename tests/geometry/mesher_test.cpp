@@ -1,5 +1,6 @@
 #include "geometry/mesher.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
@@ -177,6 +178,39 @@ TEST(Mesher, glasses_of_an_interior_window_have_mirrored_triangles) {
         EXPECT_NEAR(glm::dot(patchNormal(mesh, i), patchNormal(mesh, j)), -1, 1e-12);
     }
     EXPECT_GT(twins, 10u);
+}
+
+// A picture window (1 to 8 ft) with a standard one (3 to 7 ft) over it, narrower or wider: a ring, or a piece
+// above and a piece below.
+TEST(Mesher, windows_over_one_another_in_an_interior_wall_are_mirrored_piece_by_piece) {
+    for (const double width : {2.0, 6.0}) {
+        Sketch sketch = readSketch(HELIODON_TEST_DATA "/geometry/sketches/p05_T_two_rooms.json");
+        const auto inner = std::ranges::find(sketch.windows, "w5", &WindowMarker::wall);
+        ASSERT_NE(inner, sketch.windows.end());
+        WindowMarker picture = *inner, standard = picture;
+        picture.id = "picture";
+        picture.kind = WindowKind::picture;
+        picture.width = 4;
+        standard.id = "standard";
+        standard.kind = WindowKind::standard;
+        standard.width = width;
+        sketch.windows = {picture, standard};
+        const Closure closure = closeSketch(sketch);
+        ASSERT_TRUE(closure.building) << closure.report.message;
+        const PatchMesh mesh = meshBuilding(*closure.building);
+        double area = 0;
+        for (size_t i = 0; i < mesh.patchCount(); ++i) {
+            if (mesh.twin[i] == kNoTwin) continue;
+            area += patchArea(mesh, i);
+            EXPECT_NEAR(
+                glm::length(patchCentroid(mesh, i) - patchCentroid(mesh, static_cast<size_t>(mesh.twin[i]))),
+                0.375 * kMetresPerInch, 1e-9);
+        }
+        // Both sides; the picture window and what the standard one has beside it.
+        EXPECT_NEAR(area / (kMetresPerInch * kMetresPerInch), 2 * (4 * 7 + std::max(0.0, width - 4) * 4),
+                    1e-6);
+        expectNoTVertices(mesh);
+    }
 }
 
 // Partitions against it divide the edges between its facets; six rooms, a door, walls that cross.
