@@ -28,12 +28,12 @@ constexpr double kWeldOfExtent = 2e-6; // files hold 6 or 7 digits
 // Where that leaves the model open: gaps that nobody sees, 0.5 mm in a room of 5 m.
 constexpr std::array kGapsOfExtent{kWeldOfExtent, 2e-5, 1e-4};
 constexpr double kPlanarOfExtent = 1e-5;
+constexpr double kLeastRoomOfExtent = 1e-15; // of its cube: less is what rounding leaves
 using Edge = std::pair<uint32_t, uint32_t>;
 
 class ModelImporter {
 public:
     ModelImporter(const std::filesystem::path& file, UpAxis up) : model_(readRawModel(file)) {
-        if (model_.faceCount() == 0) throw InputError(model_.file, "", "holds no faces");
         glm::dvec3 low(1e300), high(-1e300);
         for (glm::dvec3& p : model_.vertices) p = worldFromModel(p, up);
         for (const uint32_t v : model_.corners) {
@@ -41,7 +41,7 @@ public:
             high = glm::max(high, model_.vertices[v]);
         }
         extent_ = glm::length(high - low);
-        if (!(extent_ > 0)) throw InputError(model_.file, "", "all faces lie in one point");
+        if (!(extent_ > 0)) throw InputError(model_.file, model_.place(0), "all faces lie in one point");
     }
 
     Building import() {
@@ -354,7 +354,8 @@ private:
 
     // Within a shell all faces look the same way: the way of most of its area.
     void orient() {
-        if (building_.faces.empty()) throw InputError(model_.file, "", "no face of the model has an area");
+        if (building_.faces.empty())
+            throw InputError(model_.file, model_.place(0), "no face of the model has an area");
         const auto edges = facesOfEdges();
         std::vector<uint32_t> open, crowded;
         for (const auto& [edge, faces] : edges) {
@@ -531,12 +532,24 @@ private:
             }
     }
 
+    std::vector<uint32_t> facesOfRoom(uint32_t room) const {
+        std::vector<uint32_t> out;
+        for (uint32_t f = 0; f < building_.faces.size(); ++f)
+            if (building_.faces[f].room == room) out.push_back(f);
+        return out;
+    }
+
     void prove() {
-        for (const ShellProof& proof : proveShells(building_)) {
+        const std::vector<ShellProof> proofs = proveShells(building_);
+        if (proofs.empty()) refuse({0}, "the model encloses no room");
+        for (const ShellProof& proof : proofs) {
             if (!proof.closed)
                 refuse(proof.badFaces,
                        "the model is not closed: the faces round a corner form no single fan");
             if (proof.selfIntersecting) refuse(proof.badFaces, "the face crosses another face");
+            if (!(proof.volume > kLeastRoomOfExtent * extent_ * extent_ * extent_))
+                refuse(facesOfRoom(static_cast<uint32_t>(&proof - proofs.data())),
+                       "the faces enclose no room");
         }
         if (building_.roomCount < 2) return;
         Building together = building_; // rooms must not cross each other either

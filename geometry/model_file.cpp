@@ -112,7 +112,6 @@ glm::dvec3 worldFromModel(glm::dvec3 p, UpAxis up) {
 
 PatchMesh readPatches(const std::filesystem::path& file, UpAxis up) {
     const RawModel model = readRawModel(file);
-    if (model.faceCount() == 0) throw InputError(model.file, "", "holds no faces");
     PatchMesh mesh;
     for (const glm::dvec3& p : model.vertices) mesh.vertices.push_back(worldFromModel(p, up));
     mesh.materials = model.materials;

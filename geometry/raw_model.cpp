@@ -33,12 +33,39 @@ void checkMaterial(const Material& material, const std::string& file, const std:
     }
 }
 
-RawModel readRawModel(const std::filesystem::path& file) {
+namespace {
+
+// Metres. Beyond it, as in a file in the wrong unit, single precision no longer tells the parts of a room
+// apart.
+constexpr double kFarthest = 1e7;
+
+void checkReach(const RawModel& model) {
+    for (size_t i = 0; i < model.faceCount(); ++i)
+        for (const uint32_t v : model.face(i))
+            for (int c = 0; c < 3; ++c)
+                if (!(std::abs(model.vertices[v][c]) <= kFarthest))
+                    throw InputError(
+                        model.file, model.place(i),
+                        fmt::format("a corner of the face has the coordinate {:.3g}, expected -{:g} "
+                                    "to {:g} (metres)",
+                                    model.vertices[v][c], kFarthest, kFarthest));
+}
+
+RawModel readByExtension(const std::filesystem::path& file) {
     std::string extension = file.extension().string();
     std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
     if (extension == ".obj") return readObj(file);
     if (extension == ".gltf" || extension == ".glb") return readGltf(file);
     throw InputError(file.string(), "", "is no model, expected .obj, .gltf or .glb");
+}
+
+} // namespace
+
+RawModel readRawModel(const std::filesystem::path& file) {
+    RawModel model = readByExtension(file);
+    if (model.faceCount() == 0) throw InputError(model.file, "", "holds no faces");
+    checkReach(model);
+    return model;
 }
 
 } // namespace heliodon::geometry

@@ -40,7 +40,8 @@ struct RawModel {
 // Both throw InputError naming the line or the field. Unknown keys are ignored.
 RawModel readObj(const std::filesystem::path& file);
 RawModel readGltf(const std::filesystem::path& file);
-// By extension; throws InputError for others.
+// By extension; throws InputError for others, for a model without faces, and for one that names a face with a
+// corner more than 1e7 m from the origin along an axis.
 RawModel readRawModel(const std::filesystem::path& file);
 
 // Throws InputError(file, place, ...) unless the material's values are physical.

@@ -185,3 +185,33 @@ TEST(DirtyModel, what_has_no_one_answer_is_refused_by_name) {
     shared.add(box({4, 0, 0}, {8, 2.5, 3}));
     expectRefused(shared, "more than two faces");
 }
+
+TEST(DirtyModel, what_holds_no_room_is_refused_by_name) {
+    Polygons far = room();
+    far.vertices[0].x = 1e30;
+    expectRefused(far, "1e+30");
+    Polygons wrongUnit = room();
+    for (glm::dvec3& p : wrongUnit.vertices) p *= 1e8;
+    expectRefused(wrongUnit, "metres");
+    Polygons line = room();
+    for (glm::dvec3& p : line.vertices) p.y = p.z = 0;
+    expectRefused(line, "area");
+    Polygons point = room();
+    for (glm::dvec3& p : point.vertices) p = {1, 2, 3};
+    expectRefused(point, "one point");
+    Polygons flat; // a tetrahedron pressed flat
+    flat.vertices = {{0, 0, 0}, {4, 0, 0}, {4, 0, 3}, {0, 0, 3}};
+    flat.faces = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}};
+    expectRefused(flat, "");
+    Polygons twoSides; // a sheet that is drawn from either side
+    twoSides.vertices = flat.vertices;
+    twoSides.faces = {{0, 1, 2, 3}, {3, 2, 1, 0}};
+    expectRefused(twoSides, "");
+}
+
+// Corners that no face uses mean nothing.
+TEST(DirtyModel, stray_corners_far_away_do_not_matter) {
+    Polygons model = room();
+    model.vertices.emplace_back(1e30, 0, 0);
+    expectRooms(model, 1, 30);
+}
