@@ -188,7 +188,22 @@ std::vector<Plane> planesOf(const geometry::PatchMesh& mesh, double size) {
         plane.patches.push_back(i);
     }
     std::vector<Plane> result;
-    for (auto& [key, plane] : planes) result.push_back(std::move(plane));
+    for (auto& [key, plane] : planes) {
+        // The first patch may be small and its normal rough: the plane is that of all of them.
+        dvec3 sum{0}, weighted{0};
+        double total = 0;
+        for (size_t i : plane.patches) {
+            const double area = geometry::patchArea(mesh, i);
+            sum += geometry::patchAreaVector(mesh, i);
+            weighted += area * geometry::patchCentroid(mesh, i);
+            total += area;
+        }
+        plane.origin = weighted / total;
+        plane.normal = glm::normalize(sum);
+        plane.u = glm::normalize(plane.u - glm::dot(plane.u, plane.normal) * plane.normal);
+        plane.v = glm::cross(plane.normal, plane.u);
+        result.push_back(std::move(plane));
+    }
     return result;
 }
 

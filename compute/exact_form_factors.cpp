@@ -141,7 +141,7 @@ private:
         gpu::Commands commands(device_);
         const io::ExactSidesParams params{scene_.pieceCount, scene_.blockerCount, words_,
                                           tile.firstPiece,   tile.pieces,         tile.firstCluster,
-                                          tile.clusters};
+                                          tile.clusters,     scene_.samePlane};
         const size_t count = static_cast<size_t>(tile.pieces + tile.clusters) * words_;
         commands.dispatch(*sidesKernel_, {high(), low(), normal(), centre(), range(), sides}, params,
                           gpu::groupsFor(count, io::kExactGroup));

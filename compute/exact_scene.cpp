@@ -121,6 +121,7 @@ ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh, uint
             highest = glm::max(highest, p);
         }
         scene.centre = faces.centre = 0.5 * (lowest + highest);
+        scene.samePlane = static_cast<float>(kSamePlane * glm::length(highest - lowest));
     }
     std::vector<RadiatingPiece> pieces = piecesOf(mesh);
     scene.pieceCount = static_cast<uint32_t>(pieces.size());

@@ -1,5 +1,5 @@
 // For each piece and cluster, one bit per blocker: piece wholly in front of its plane, wholly behind, blocker wholly behind the
-// piece.
+// piece. A blocker in the piece's own plane counts as behind: rounding must not let a wall hide its own patches.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -23,10 +23,11 @@ void main() {
         Face blocker = faceAt(params.pieceCount + word * 32u + bit);
         vec2 own = heightsOver(blocker, self);
         vec2 its = heightsOver(self, blocker);
+        bool same = max(abs(own.x), abs(own.y)) <= params.samePlane && abs(dot(blocker.normal, self.normal)) > 0.99999;
         if (own.x >= 0.0) bits.x |= 1u << bit;
         if (own.y <= 0.0) bits.y |= 1u << bit;
         // Rooms do not see one another: as good as below.
-        if (its.y <= 0.0 || blocker.room != self.room) bits.z |= 1u << bit;
+        if (its.y <= 0.0 || same || blocker.room != self.room) bits.z |= 1u << bit;
     }
     // Past the last blocker everything is below.
     uint known = params.blockerCount - min(params.blockerCount, word * 32u);

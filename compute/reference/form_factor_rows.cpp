@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "compute/convex_regions.h"
@@ -16,10 +17,26 @@ FormFactorRows::FormFactorRows(const geometry::PatchMesh& mesh) : mesh_(&mesh) {
         areaVectors_.push_back(geometry::patchAreaVector(mesh, i));
         rooms = std::max(rooms, mesh.room[i] + 1);
     }
+    glm::dvec3 low(INFINITY), high(-INFINITY);
+    for (const glm::dvec3& v : mesh.vertices) {
+        low = glm::min(low, v);
+        high = glm::max(high, v);
+    }
+    samePlane_ = mesh.vertices.empty() ? 0 : kSamePlane * glm::length(high - low);
     blockers_.resize(rooms);
     constexpr uint32_t kMostCorners = 16;
     for (ConvexRegion& region : blockingRegions(mesh, kMostCorners))
         blockers_[region.room].push_back(std::move(region.corners));
+}
+
+// A wall must not hide its own patches, however rounding bends it.
+bool FormFactorRows::inPlaneOf(size_t patch, const Polygon& blocker) const {
+    const glm::dvec3 normal = glm::normalize(glm::cross(blocker[1] - blocker[0], blocker[2] - blocker[0]));
+    double farthest = 0;
+    for (const glm::dvec3& p : polygons_[patch])
+        farthest = std::max(farthest, std::abs(glm::dot(p - blocker[0], normal)));
+    return farthest <= samePlane_ &&
+           std::abs(glm::dot(normal, areaVectors_[patch])) > 0.99999 * glm::length(areaVectors_[patch]);
 }
 
 // What lies in front of both patches and has them on different sides of its plane.
@@ -27,6 +44,7 @@ std::vector<Polygon> FormFactorRows::between(size_t i, size_t j) const {
     std::vector<Polygon> result;
     const Polygon &from = polygons_[i], &to = polygons_[j];
     for (const Polygon& blocker : blockers_[mesh_->room[i]]) {
+        if (inPlaneOf(i, blocker) || inPlaneOf(j, blocker)) continue;
         Polygon part = clipped(blocker, from[0], areaVectors_[i]);
         if (!part.empty()) part = clipped(part, to[0], areaVectors_[j]);
         if (part.empty()) continue;

@@ -25,11 +25,13 @@ public:
 
 private:
     std::vector<Polygon> between(size_t i, size_t j) const;
+    bool inPlaneOf(size_t patch, const Polygon& blocker) const;
 
     const geometry::PatchMesh* mesh_;
     std::vector<Polygon> polygons_;
     std::vector<glm::dvec3> areaVectors_;
     std::vector<std::vector<Polygon>> blockers_; // per room
+    double samePlane_ = 0;                       // kSamePlane of this mesh, metres
 };
 
 } // namespace heliodon::compute::reference

@@ -40,6 +40,7 @@ struct ExactSidesParams {
     uint pieces;
     uint firstCluster;
     uint clusters;
+    float samePlane; // a length: blockers no farther from a piece's plane, and parallel, are its own wall
 };
 
 // Two tiles, or one twice: clusters [firstA, firstA + countA) against [firstB, firstB + countB). A block is one pair of
