@@ -169,44 +169,6 @@ struct Plane {
     std::vector<size_t> patches;
 };
 
-// Patches of one room in one oriented plane, to within rounding.
-std::vector<Plane> planesOf(const geometry::PatchMesh& mesh, double size) {
-    std::map<std::array<int64_t, 5>, Plane> planes;
-    for (size_t i = 0; i < mesh.patchCount(); ++i) {
-        const dvec3 n = geometry::patchNormal(mesh, i);
-        if (!(glm::length(n) > 0.5)) continue;
-        const dvec3 p = mesh.vertices[mesh.patch(i)[0]];
-        const double offset = glm::dot(n, p - mesh.vertices[0]) / size;
-        // The half shifts the borders of the cells away from the common values 0 and 1.
-        const auto cell = [](double x) { return std::llround(x * 1e7 + 0.31); };
-        Plane& plane = planes[{mesh.room[i], cell(n.x), cell(n.y), cell(n.z), cell(offset)}];
-        if (plane.patches.empty()) {
-            const dvec3 other = std::abs(n.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
-            const dvec3 u = glm::normalize(glm::cross(other, n));
-            plane = {p, n, u, glm::cross(n, u), {}};
-        }
-        plane.patches.push_back(i);
-    }
-    std::vector<Plane> result;
-    for (auto& [key, plane] : planes) {
-        // The first patch may be small and its normal rough: the plane is that of all of them.
-        dvec3 sum{0}, weighted{0};
-        double total = 0;
-        for (size_t i : plane.patches) {
-            const double area = geometry::patchArea(mesh, i);
-            sum += geometry::patchAreaVector(mesh, i);
-            weighted += area * geometry::patchCentroid(mesh, i);
-            total += area;
-        }
-        plane.origin = weighted / total;
-        plane.normal = glm::normalize(sum);
-        plane.u = glm::normalize(plane.u - glm::dot(plane.u, plane.normal) * plane.normal);
-        plane.v = glm::cross(plane.normal, plane.u);
-        result.push_back(std::move(plane));
-    }
-    return result;
-}
-
 double sizeOf(const geometry::PatchMesh& mesh) {
     dvec3 low{INFINITY}, high{-INFINITY};
     for (const dvec3& p : mesh.vertices) {
@@ -214,6 +176,59 @@ double sizeOf(const geometry::PatchMesh& mesh) {
         high = glm::max(high, p);
     }
     return mesh.vertices.empty() ? 1.0 : std::max(glm::length(high - low), 1e-300);
+}
+
+// Patches of one room in one oriented plane, to within kSamePlane: large patches first, whose normals are
+// sure; files round the corners of small ones.
+std::vector<Plane> planesOf(const geometry::PatchMesh& mesh, double size) {
+    std::vector<double> area(mesh.patchCount());
+    std::vector<size_t> order;
+    for (size_t i = 0; i < mesh.patchCount(); ++i)
+        if ((area[i] = geometry::patchArea(mesh, i)) > 0) order.push_back(i);
+    std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return area[a] > area[b]; });
+    std::vector<Plane> result;
+    // Planes by room and coarse direction, listed under all neighbouring cells of their normal.
+    std::map<std::array<int64_t, 4>, std::vector<size_t>> byDirection;
+    const auto cell = [](double x) { return std::llround(8 * x); };
+    for (size_t i : order) {
+        const dvec3 n = geometry::patchNormal(mesh, i);
+        const std::array<int64_t, 4> key{mesh.room[i], cell(n.x), cell(n.y), cell(n.z)};
+        const auto holds = [&](size_t k) {
+            if (glm::dot(result[k].normal, n) < 0.999) return false;
+            for (uint32_t corner : mesh.patch(i))
+                if (std::abs(glm::dot(mesh.vertices[corner] - result[k].origin, result[k].normal)) >
+                    kSamePlane * size)
+                    return false;
+            return true;
+        };
+        const std::vector<size_t>& near = byDirection[key];
+        if (const auto found = std::find_if(near.begin(), near.end(), holds); found != near.end()) {
+            result[*found].patches.push_back(i);
+            continue;
+        }
+        for (int64_t dx = -1; dx <= 1; ++dx)
+            for (int64_t dy = -1; dy <= 1; ++dy)
+                for (int64_t dz = -1; dz <= 1; ++dz)
+                    byDirection[{key[0], key[1] + dx, key[2] + dy, key[3] + dz}].push_back(result.size());
+        const dvec3 other = std::abs(n.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
+        const dvec3 u = glm::normalize(glm::cross(other, n));
+        result.push_back({geometry::patchCentroid(mesh, i), n, u, glm::cross(n, u), {i}});
+    }
+    for (Plane& plane : result) { // the plane of all of them
+        dvec3 sum{0}, weighted{0};
+        double total = 0;
+        for (size_t i : plane.patches) {
+            sum += geometry::patchAreaVector(mesh, i);
+            weighted += area[i] * geometry::patchCentroid(mesh, i);
+            total += area[i];
+        }
+        plane.origin = weighted / total;
+        plane.normal = glm::normalize(sum);
+        plane.u = glm::normalize(plane.u - glm::dot(plane.u, plane.normal) * plane.normal);
+        plane.v = glm::cross(plane.normal, plane.u);
+        std::sort(plane.patches.begin(), plane.patches.end());
+    }
+    return result;
 }
 
 bool separates(const geometry::PatchMesh& mesh, const Plane& plane, uint32_t room, double flat) {
@@ -281,7 +296,7 @@ std::vector<ConvexRegion> blockingRegions(const geometry::PatchMesh& mesh, uint3
     const double size = sizeOf(mesh);
     std::vector<ConvexRegion> regions;
     for (const Plane& plane : planesOf(mesh, size))
-        if (separates(mesh, plane, mesh.room[plane.patches[0]], 1e-7 * size))
+        if (separates(mesh, plane, mesh.room[plane.patches[0]], kSamePlane * size))
             mergePlane(mesh, plane, 1e-9 * size, maxCorners, 0, regions);
     return regions;
 }

@@ -8,6 +8,7 @@
 
 const uint kBvhNothing = 0xffffffffu;
 const float kBvhEdge = 2e-6; // barycentric slack, so that no ray slips between neighbours
+const float kBvhTie = 1e-5;  // share of the distance: of two patches back to back, without thickness, the front is met
 
 struct BvhRay {
     vec3 origin;
@@ -47,7 +48,7 @@ uint nearestPatch(BvhRay ray, uint self, uint room, float flatness) {
     float reach = 1e30;
     uint result = kBvhNothing, node = 0u;
     [[dont_unroll]] while (node < ray.end) {
-        uint leaf = nextLeaf(ray, reach, node);
+        uint leaf = nextLeaf(ray, reach * (1.0 + kBvhTie), node);
         uint at = 3u * (leaf / (2u * kBvhLeafMost)), count = leaf % (2u * kBvhLeafMost), k = 0u;
         [[dont_unroll]] do {
             uvec4 t0 = texelFetch(bvhTriangles, int(at)), t1 = texelFetch(bvhTriangles, int(at + 1u)),
@@ -55,9 +56,11 @@ uint nearestPatch(BvhRay ray, uint self, uint room, float flatness) {
             vec3 e = uintBitsToFloat(t1.xyz), f = uintBitsToFloat(t2.xyz), s = ray.origin - uintBitsToFloat(t0.xyz);
             vec3 p = cross(ray.direction, f), q = cross(s, e);
             float determinant = dot(e, p), inverse = 1.0 / determinant;
+            float isBack = determinant > 0.0 ? 0.0 : 1.0, wasBack = float(result & 1u);
             float u = dot(s, p) * inverse, v = dot(ray.direction, q) * inverse, height = dot(f, q), t = height * inverse;
             bool hit = k < count && t0.w != self && t1.w == room && min(u, v) >= -kBvhEdge && u + v <= 1.0 + kBvhEdge &&
-                       t > 0.0 && t < reach && abs(height) * uintBitsToFloat(t2.w) > flatness;
+                       t > 0.0 && t < reach * (1.0 + kBvhTie * (wasBack - isBack)) &&
+                       abs(height) * uintBitsToFloat(t2.w) > flatness;
             reach = hit ? t : reach;
             result = hit ? 2u * t0.w + (determinant > 0.0 ? 0u : 1u) : result;
             at += 3u;

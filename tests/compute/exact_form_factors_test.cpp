@@ -6,6 +6,7 @@
 
 #include "geometry/model_file.h"
 #include "tests/compute/form_factor_cases.h"
+#include "tests/compute/rooms.h"
 #include "tests/gpu/test_device.h"
 
 namespace heliodon::compute {
@@ -95,6 +96,21 @@ TEST(ExactFormFactors, room_with_partitions_agrees_with_reference_rows) {
             const double there = F[i * n + j] * geometry::patchArea(mesh, i);
             const double back = F[j * n + i] * geometry::patchArea(mesh, j);
             ASSERT_NEAR(there, back, 1e-6 * there); // float32 rounding of areas and factors
+        }
+    }
+}
+
+// A wall must not hide its own patches, nor one side of a screen the other's light: every row sums to 1.
+// Errors of single entries add up to some times the row error that was asked for.
+TEST(ExactFormFactors, tilted_screens_without_thickness_that_cross_lose_no_light) {
+    for (uint32_t cells : {1u, 5u}) {
+        const geometry::PatchMesh mesh = test::crossingScreens(cells);
+        const size_t n = mesh.patchCount();
+        const std::vector<float> F = matrixOf(mesh, 1e-3);
+        for (size_t i = 0; i < n; ++i) {
+            double sum = 0;
+            for (size_t j = 0; j < n; ++j) sum += F[i * n + j];
+            EXPECT_NEAR(sum, 1, 1e-2) << cells << " cells, row " << i;
         }
     }
 }

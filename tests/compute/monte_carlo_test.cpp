@@ -106,6 +106,19 @@ TEST(MonteCarlo, occluded_and_free_pairs_have_their_exact_factors) {
         }
 }
 
+// Of two patches back to back the front is met: no ray is lost, and the sum of a row scatters as 1 /
+// sqrt(rays).
+TEST(MonteCarlo, screens_without_thickness_lose_no_rays) {
+    const geometry::PatchMesh mesh = test::crossingScreens(1);
+    const size_t n = mesh.patchCount();
+    const auto F = MonteCarlo(test::device(), mesh, {16384}).run().factors.values.download<float>(n * n);
+    for (size_t i = 0; i < n; ++i) {
+        double sum = 0;
+        for (size_t j = 0; j < n; ++j) sum += F[i * n + j];
+        EXPECT_NEAR(sum, 1, 4.0 / 128) << "row " << i;
+    }
+}
+
 TEST(MonteCarlo, pairs_are_reciprocal_and_every_run_gives_the_same_bits) {
     const geometry::PatchMesh mesh = test::boxRoom({});
     const size_t n = mesh.patchCount();

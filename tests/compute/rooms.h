@@ -79,4 +79,28 @@ inline geometry::PatchMesh polygons(const std::vector<std::vector<glm::dvec3>>& 
     return mesh;
 }
 
+// A closed box with two screens without thickness that cross, patches on both sides, divided into `cells` x
+// `cells`; corners are rounded to float, so that patches lie in the planes of their walls only nearly.
+inline geometry::PatchMesh crossingScreens(uint32_t cells) {
+    std::vector<std::vector<glm::dvec3>> faces;
+    const auto add = [&](glm::dvec3 corner, glm::dvec3 u, glm::dvec3 v) {
+        const auto at = [&](uint32_t i, uint32_t j) {
+            return glm::dvec3(glm::vec3(corner + u * (double(i) / cells) + v * (double(j) / cells)));
+        };
+        for (uint32_t i = 0; i < cells; ++i)
+            for (uint32_t j = 0; j < cells; ++j)
+                faces.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+    };
+    const glm::dvec3 x(3, 0, 0), y(0, 3, 0), z(0, 0, 3), o(0);
+    add(o, y, x), add(z, x, y), add(o, x, z), add(y, z, x), add(o, z, y), add(x, y, z);
+    for (auto& face : faces) std::reverse(face.begin(), face.end()); // to look inwards
+    const auto screen = [&](glm::dvec3 corner, glm::dvec3 u, glm::dvec3 v) {
+        add(corner, u, v);
+        add(corner, v, u);
+    };
+    screen({1.5, 0, 0.5}, {0, 2, 0}, {0, 0, 2});
+    screen({0.5, 0.5, 1.5}, {2, 0.3, 0}, {0, 2, 0.2});
+    return polygons(faces);
+}
+
 } // namespace heliodon::test
