@@ -15,6 +15,7 @@ namespace {
 constexpr double kShortEdge = 0.12;  // inches: shorter steps are noise
 constexpr double kNarrowCrack = 0.5; // inches
 constexpr double kOnLine = 1e-6;     // inches off the line that two edges share
+constexpr double kTouches = 1e-5;    // inches
 constexpr double kPinchGap = 0.01;   // inches between outlines that would touch in a point
 
 double cross(glm::dvec2 u, glm::dvec2 v) {
@@ -121,18 +122,36 @@ double loopArea(const OutlineLoop& loop) {
     return sum;
 }
 
-// Corners that coincide are drawn a hair into their own side's air.
+// Whether the corner lies within an edge: there a straight run of the outline passes the corner by.
+bool onAnEdge(const std::vector<OutlineLoop>& loops, glm::dvec2 p) {
+    for (const OutlineLoop& loop : loops)
+        for (size_t i = 0, n = loop.points.size(); i < n; ++i) {
+            const glm::dvec2 a = loop.points[i], b = loop.points[(i + 1) % n];
+            const auto beyond = [&](int c) {
+                return p[c] < std::min(a[c], b[c]) - kTouches || p[c] > std::max(a[c], b[c]) + kTouches;
+            };
+            if (beyond(0) || beyond(1)) continue;
+            const glm::dvec2 d = glm::normalize(b - a);
+            const double t = glm::dot(p - a, d);
+            if (t > kTouches && t < glm::length(b - a) - kTouches && std::abs(cross(d, p - a)) < kTouches)
+                return true;
+        }
+    return false;
+}
+
+// Corners that coincide, or lie on another edge, are drawn a hair into their own side's air.
 void separatePinches(std::vector<RoomPlan>& rooms) {
     std::map<std::pair<long long, long long>, int> count;
     const auto key = [](glm::dvec2 p) { return std::pair(std::llround(p.x * 1e5), std::llround(p.y * 1e5)); };
     for (const RoomPlan& room : rooms)
         for (const OutlineLoop& loop : room.loops)
             for (const glm::dvec2 p : loop.points) ++count[key(p)];
-    for (RoomPlan& room : rooms)
+    for (RoomPlan& room : rooms) {
+        const std::vector<OutlineLoop> before = room.loops;
         for (OutlineLoop& loop : room.loops) {
             const std::vector<glm::dvec2> old = loop.points;
             for (size_t i = 0; i < old.size(); ++i) {
-                if (count[key(old[i])] < 2) continue;
+                if (count[key(old[i])] < 2 && !onAnEdge(before, old[i])) continue;
                 const glm::dvec2 in = glm::normalize(old[i] - old[(i + old.size() - 1) % old.size()]);
                 const glm::dvec2 out = glm::normalize(old[(i + 1) % old.size()] - old[i]);
                 glm::dvec2 inward = glm::dvec2(-in.y - out.y, in.x + out.x);
@@ -140,6 +159,7 @@ void separatePinches(std::vector<RoomPlan>& rooms) {
                 loop.points[i] = old[i] + kPinchGap * glm::normalize(inward);
             }
         }
+    }
 }
 
 // True when two edges of the room's outlines cross or touch where they do not follow one another.

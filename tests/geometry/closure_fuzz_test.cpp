@@ -194,6 +194,16 @@ TEST(ClosureFuzz, sketches_that_once_closed_but_could_not_be_meshed) {
     }
 }
 
+// Outlines that touch themselves where a straight run passes a corner by.
+TEST(ClosureFuzz, sketches_that_once_could_not_be_proven) {
+    for (const unsigned seed : {11000049u, 40000105u, 40000375u}) {
+        SCOPED_TRACE(seed);
+        const Closure closure = closeSketch(SketchMaker(seed).make());
+        ASSERT_TRUE(closure.building) << closure.report.message;
+        expectMeshed(*closure.building);
+    }
+}
+
 TEST(ClosureFuzz, every_sketch_closes_proven_or_is_refused_with_a_reason) {
     static unsigned run = 0;
     static Tally tally;
