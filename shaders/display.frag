@@ -22,6 +22,8 @@ float luxAt(vec4 texel) {
     return 1000.0 * dot(texel.rgb, kLuminance);
 }
 
+const float kUnknownGrey = 0.22;
+
 // Fraction of white that stands for the light of one scene texel.
 vec3 toned(vec3 light) {
     vec3 x = light / params.white;
@@ -33,6 +35,7 @@ vec3 toned(vec3 light) {
     }
     if (kTone == kToneFalseColour) {
         float lux = 1000.0 * dot(light, kLuminance);
+        if (lux < 0.0) return vec3(kUnknownGrey); // glazing
         float value = params.falseLinear != 0u ? lux : log(max(lux, 1e-6)) / log(10.0);
         float t = clamp((value - params.falseLow) / (params.falseHigh - params.falseLow), 0.0, 1.0);
         return linearFromSrgb(clamp(viridis(t), 0.0, 1.0));
@@ -48,6 +51,7 @@ bool onIsoLine(ivec2 at, vec4 texel) {
         vec4 other = texelFetch(scene, min(at + step, last), 0);
         if (!kProjector && other.a != 1.0) continue;
         float there = luxAt(other);
+        if (here < 0.0 || there < 0.0) continue;
         for (uint i = 0u; i < params.isoCount; ++i) {
             float level = params.iso[i / 4u][i % 4u];
             if ((here < level) != (there < level)) return true;

@@ -216,7 +216,8 @@ std::vector<DeviceInfo> listDevices() {
     return list;
 }
 
-Device::Device(const DeviceOptions& options) : onMessage_(options.onMessage) {
+Device::Device(const DeviceOptions& options)
+    : onMessage_(options.onMessage), beforeSubmit_(options.beforeSubmit) {
     createInstance(options);
     choosePhysical(options);
     createDevice(options);
@@ -425,6 +426,7 @@ uint64_t Device::submit(Commands&& commands) {
 
 uint64_t Device::submit(Commands&& commands, VkSemaphore waitFor, VkPipelineStageFlags2 waitStage,
                         VkSemaphore signal) {
+    if (beforeSubmit_) beforeSubmit_();
     const VkCommandBuffer buffer = commands.buffer_;
     if (timing_) endTimed(buffer);
     check(vkEndCommandBuffer(buffer), "vkEndCommandBuffer");

@@ -22,7 +22,10 @@ struct DeviceOptions {
     bool validation = false; // core and synchronization validation; the layer must be installed
     std::function<void(std::string_view)> onMessage; // validation messages; may be called from any thread
     std::vector<std::string> instanceExtensions;     // for windows, as the window library asks for
-    bool swapchains = false;                         // VK_KHR_swapchain is needed
+    // Called by submit() before anything is handed over; what it throws, submit throws. For long work that
+    // someone may want to end.
+    std::function<void()> beforeSubmit;
+    bool swapchains = false; // VK_KHR_swapchain is needed
 };
 
 struct DeviceInfo {
@@ -111,6 +114,7 @@ private:
     VkInstance instance_ = VK_NULL_HANDLE;
     VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
     std::function<void(std::string_view)> onMessage_;
+    std::function<void()> beforeSubmit_;
     VkPhysicalDevice physical_ = VK_NULL_HANDLE;
     VkDevice device_ = VK_NULL_HANDLE;
     VkQueue queue_ = VK_NULL_HANDLE;

@@ -12,8 +12,9 @@
 #include "compute/daylight/weather.h"
 #include "compute/parallel.h"
 #include "engine/app/commands.h"
+#include "engine/app/interrupt.h"
 #include "engine/app/light_report.h"
-#include "engine/app/pictures.h"
+#include "engine/app/output_folder.h"
 #include "engine/app/plan_chart.h"
 #include "engine/app/progress.h"
 #include "engine/app/scene_input.h"
@@ -252,7 +253,7 @@ void execute(Run& run, const AnnualArguments& arguments) {
         return daylight::readWeather(arguments.weather);
     }();
     for (const std::string& warning : weather.warnings) run.warn(warning);
-    prepareFolder(arguments.output);
+    const OutputFolder folder(arguments.output);
     const Scene scene = loadScene(run, arguments.scene);
     const SensorTable sensors = given ? std::move(*given) : sensorsFor(run, arguments, scene);
     const size_t records = weather.hours.size(), count = sensors.points.size();
@@ -279,6 +280,7 @@ void execute(Run& run, const AnnualArguments& arguments) {
     NpyWriter::writeWhole(arguments.output / "illuminance.npy", count, records, [&](NpyWriter& out) {
         std::vector<float> lux, sun, error;
         for (size_t first = 0; first < count; first += kSensorsAtOnce) {
+            throwIfInterrupted();
             const size_t block = std::min(kSensorsAtOnce, count - first);
             std::vector<compute::Sensor> points;
             for (size_t s = first; s < first + block; ++s)

@@ -91,7 +91,8 @@ private:
         sub->add_option("--exposure", picture.exposure,
                         "lux of exitance that shows as white (default: chosen from the picture)")
             ->check(CLI::PositiveNumber);
-        sub->add_flag("--false-color", picture.falseColor, "lux as colours, with a legend");
+        sub->add_flag("--false-color", picture.falseColor,
+                      "lux as colours, with a legend; one scale for a whole film or contact sheet");
         sub->add_flag("--sky-color", picture.skyColour,
                       "light in the colours of sun and sky, not white; lux stay as they are");
         sub->add_flag("--exr", picture.exr, "linear pictures too, as OpenEXR");
@@ -189,9 +190,10 @@ private:
             ->excludes("--sky");
         sub->add_option("--fps", timelapse_.framesPerSecond, "frames a second of the film (default 24)")
             ->check(CLI::Range(1.0, 240.0));
-        sub->add_flag("--resume", timelapse_.resume,
-                      "go on where an interrupted run with --resume stopped; a film's frames are kept in "
-                      "OUT.frames until it is whole");
+        sub->add_flag(
+            "--resume", timelapse_.resume,
+            "go on where an interrupted run of the same options stopped; a film's frames are kept in "
+            "OUT.frames until it is whole, if it had --resume too");
         sub->add_option("-o,--output", timelapse_.output, "film (.mp4), or folder for numbered pictures")
             ->required();
     }

@@ -15,7 +15,8 @@
 #include "engine/app/bench_results.h"
 #include "engine/app/bench_scenes.h"
 #include "engine/app/commands.h"
-#include "engine/app/pictures.h"
+#include "engine/app/interrupt.h"
+#include "engine/app/output_folder.h"
 #include "engine/app/progress.h"
 #include "geometry/input_error.h"
 #include "geometry/whole_file.h"
@@ -145,9 +146,12 @@ public:
 private:
     // One setting that fails (memory, say) is a row less, not the end.
     void guarded(const std::string& kernel, const std::string& setting, const std::function<void()>& work) {
+        throwIfInterrupted();
         try {
             work();
         } catch (const geometry::InputError&) {
+            throw;
+        } catch (const Interrupted&) {
             throw;
         } catch (const std::exception& error) {
             run_.warn(fmt::format("{}, {} patches: {} {}: {}", scene_->name, scene_->mesh.patchCount(),
@@ -371,7 +375,7 @@ BenchArguments completed(BenchArguments arguments) {
 void execute(Run& run, const BenchArguments& given) {
     const BenchArguments arguments = completed(given);
     checkBenchScenes(arguments.scenes);
-    prepareFolder(arguments.output);
+    const OutputFolder folder(arguments.output);
     const std::vector<BenchScene> scenes = [&] {
         const StageTimer timer(run, "scenes");
         return benchScenes(arguments.scenes, arguments.sizes, arguments.output);

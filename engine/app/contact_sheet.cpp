@@ -21,17 +21,19 @@ void label(cv::Mat& sheet, const std::string& text, cv::Point middle, double sca
 } // namespace
 
 passes::Image8 contactSheet(std::span<const passes::Image8> cells, const std::vector<std::string>& rows,
-                            const std::vector<std::string>& columns, const std::string& title) {
+                            const std::vector<std::string>& columns, const std::string& title,
+                            const std::optional<passes::FalseScale>& legend) {
     assert(cells.size() == rows.size() * columns.size() && !cells.empty());
     const int width = cells[0].width, height = cells[0].height;
     const auto across = static_cast<int>(columns.size()), down = static_cast<int>(rows.size());
     passes::Image8 image;
-    image.width = kLeft + across * (width + kGap);
     image.height = kTop + down * (height + kGap);
+    const int cellsWidth = kLeft + across * (width + kGap);
+    image.width = cellsWidth + (legend ? passes::legendWidth(image.height) : 0);
     image.rgb.resize(3 * static_cast<size_t>(image.width) * static_cast<size_t>(image.height));
     cv::Mat sheet(image.height, image.width, CV_8UC3, image.rgb.data());
     sheet = kPaper;
-    label(sheet, title, {image.width / 2, kTop / 3 - 4}, 0.6);
+    label(sheet, title, {cellsWidth / 2, kTop / 3 - 4}, 0.6);
     for (int c = 0; c < across; ++c)
         label(sheet, columns[static_cast<size_t>(c)],
               {kLeft + c * (width + kGap) + width / 2, kTop - kTextHeight - kGap}, 0.6);
@@ -45,6 +47,7 @@ passes::Image8 contactSheet(std::span<const passes::Image8> cells, const std::ve
             from.copyTo(sheet(cv::Rect(kLeft + c * (width + kGap), top, width, height)));
         }
     }
+    if (legend) passes::drawLegend(image, *legend);
     return image;
 }
 

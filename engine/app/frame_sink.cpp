@@ -6,13 +6,36 @@
 
 #include <fmt/format.h>
 
-#include "engine/app/pictures.h"
 #include "engine/passes/image_file.h"
 #include "geometry/input_error.h"
 
 namespace heliodon::app {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kJobFile = "frames.json";
+
+// Pictures in the folder that a job may have written, by their names.
+std::vector<fs::path> picturesOf(const FrameJob& job, const fs::path& folder) {
+    std::vector<fs::path> found;
+    std::error_code missing;
+    for (const auto& entry : fs::directory_iterator(folder, missing)) {
+        const std::string extension = entry.path().extension().string();
+        std::string number = entry.path().stem().string();
+        if (extension != ".png" && extension != ".exr") continue;
+        if (job.views.size() > 1)
+            for (const std::string& view : job.views)
+                if (number.starts_with(view + "-")) number.erase(0, view.size() + 1);
+        const bool digits = number.find_first_not_of("0123456789") == std::string::npos;
+        if (digits && number.size() >= 5 && number.size() < 12 && std::stoull(number) < job.frames)
+            found.push_back(entry.path());
+    }
+    return found;
+}
+
+} // namespace
 
 FrameSink::FrameSink(FrameSinkOptions options)
     : options_(std::move(options)), isFilm_(options_.output.extension() == ".mp4") {
@@ -25,8 +48,34 @@ FrameSink::FrameSink(FrameSinkOptions options)
     const fs::path parent = options_.output.parent_path();
     if (isFilm_ && !parent.empty() && !fs::is_directory(parent))
         throw geometry::InputError(options_.output.string(), "", "its folder does not exist");
-    if (!folder_.empty()) prepareFolder(folder_);
+    if (options_.resume) refuseOtherJob();
+    if (!folder_.empty()) made_.emplace(folder_);
     writer_ = std::thread([this] { work(); });
+}
+
+void FrameSink::refuseOtherJob() const {
+    const std::optional<FrameJob> there = readFrameJob(folder_ / kJobFile);
+    const auto refuse = [&](const std::string& why) {
+        throw geometry::InputError(
+            "--resume", "",
+            fmt::format("{} holds frames of another job: {}; expected the same options, or another output",
+                        folder_.string(), why));
+    };
+    if (there) {
+        if (const auto why = difference(*there, options_.job)) refuse(*why);
+    } else if (!picturesOf(options_.job, folder_).empty()) {
+        refuse(fmt::format("it has pictures but no {} that says whose", kJobFile));
+    }
+}
+
+// What an earlier job left would pass for frames of this one.
+void FrameSink::startFolder() {
+    started_ = true;
+    const fs::path file = folder_ / kJobFile;
+    if (!options_.resume)
+        if (const std::optional<FrameJob> before = readFrameJob(file))
+            for (const fs::path& old : picturesOf(*before, folder_)) fs::remove(old);
+    writeFrameJob(options_.job, file);
 }
 
 FrameSink::~FrameSink() {
@@ -38,20 +87,20 @@ fs::path FrameSink::table() const {
 }
 
 fs::path FrameSink::picture(size_t view, size_t frame, const char* extension) const {
-    return folder_ / (options_.views.size() == 1
+    return folder_ / (options_.job.views.size() == 1
                           ? fmt::format("{:05}{}", frame, extension)
-                          : fmt::format("{}-{:05}{}", options_.views[view], frame, extension));
+                          : fmt::format("{}-{:05}{}", options_.job.views[view], frame, extension));
 }
 
 fs::path FrameSink::filmOf(size_t view) const {
-    if (options_.views.size() == 1) return options_.output;
+    if (options_.job.views.size() == 1) return options_.output;
     fs::path file = options_.output;
-    return file.replace_filename(fmt::format("{}-{}.mp4", file.stem().string(), options_.views[view]));
+    return file.replace_filename(fmt::format("{}-{}.mp4", file.stem().string(), options_.job.views[view]));
 }
 
 bool FrameSink::done(size_t frame) const {
     if (!options_.resume) return false;
-    for (size_t v = 0; v < options_.views.size(); ++v)
+    for (size_t v = 0; v < options_.job.views.size(); ++v)
         if (!fs::exists(picture(v, frame, ".png")) ||
             (options_.exr && !fs::exists(picture(v, frame, ".exr"))))
             return false;
@@ -72,11 +121,11 @@ void FrameSink::addToFilms(std::vector<passes::Image8>&& pictures) {
 
 void FrameSink::add(size_t frame, std::vector<passes::Image8> pictures, std::vector<passes::ImageF> linear) {
     throwFailure();
-    frames_ = std::max(frames_, frame + 1);
     if (folder_.empty()) {
         addToFilms(std::move(pictures));
         return;
     }
+    if (!started_) startFolder();
     // std::function copies what it holds; the pictures are many megabytes.
     const auto shared = std::make_shared<std::vector<passes::Image8>>(std::move(pictures));
     const auto floats = std::make_shared<std::vector<passes::ImageF>>(std::move(linear));
@@ -110,7 +159,7 @@ void FrameSink::endThread() {
 
 void FrameSink::filmsFromPictures() {
     for (size_t frame = 0; done(frame); ++frame)
-        for (size_t v = 0; v < options_.views.size(); ++v) {
+        for (size_t v = 0; v < options_.job.views.size(); ++v) {
             passes::Image8 image = readPicture(picture(v, frame, ".png"));
             film(v, image.width, image.height).add(std::move(image.rgb));
         }

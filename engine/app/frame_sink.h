@@ -7,27 +7,31 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "engine/app/bounded_queue.h"
 #include "engine/app/film.h"
+#include "engine/app/frame_job.h"
+#include "engine/app/output_folder.h"
 #include "engine/passes/picture.h"
 
 namespace heliodon::app {
 
 struct FrameSinkOptions {
     std::filesystem::path output; // OUT.mp4, or a folder
-    std::vector<std::string> views;
     double framesPerSecond = 24;
     bool exr = false;    // linear pictures too; folders only
     bool resume = false; // keep what is there; a film's frames stay in OUT.frames/ until the film is whole
+    FrameJob job;        // goes into the folder of pictures as frames.json
 };
 
 class FrameSink {
 public:
-    // Throws geometry::InputError on outputs that cannot be.
+    // Throws geometry::InputError on outputs that cannot be, and where frames that are to be kept come from
+    // another job.
     explicit FrameSink(FrameSinkOptions options);
     ~FrameSink(); // without close(): finishes the pictures at hand; no film appears
     FrameSink(const FrameSink&) = delete;
@@ -44,6 +48,8 @@ public:
     void close();
 
 private:
+    void refuseOtherJob() const;
+    void startFolder();
     std::filesystem::path picture(size_t view, size_t frame, const char* extension) const;
     std::filesystem::path filmOf(size_t view) const;
     Film& film(size_t view, int width, int height);
@@ -56,7 +62,8 @@ private:
     FrameSinkOptions options_;
     bool isFilm_;
     std::filesystem::path folder_; // of pictures; empty for a film that does not keep its frames
-    size_t frames_ = 0;            // highest frame number + 1
+    std::optional<OutputFolder> made_;
+    bool started_ = false; // the folder says whose frames it holds
     std::vector<std::unique_ptr<Film>> films_;
     BoundedQueue<std::function<void()>> writing_{8};
     std::mutex mutex_;

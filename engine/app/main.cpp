@@ -6,6 +6,7 @@
 
 #include "engine/app/arguments.h"
 #include "engine/app/commands.h"
+#include "engine/app/interrupt.h"
 #include "engine/app/run.h"
 #include "geometry/input_error.h"
 
@@ -22,6 +23,7 @@ int perform(heliodon::app::Run& run, const heliodon::app::Command& command) {
     std::string error;
     int code = 0;
     try {
+        const heliodon::app::InterruptGuard guard;
         std::visit([&](const auto& arguments) { heliodon::app::execute(run, arguments); }, command);
     } catch (const heliodon::geometry::InputError& e) {
         code = complain(error = e.what(), kBadInput);

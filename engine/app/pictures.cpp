@@ -1,9 +1,8 @@
 #include "engine/app/pictures.h"
 
-#include <system_error>
-#include <unistd.h>
+#include <algorithm>
 
-#include "geometry/input_error.h"
+#include "engine/passes/false_colour.h"
 
 namespace heliodon::app {
 
@@ -19,13 +18,25 @@ passes::Tone toned(passes::Tone tone, const PictureArguments& arguments, bool fa
     return tone;
 }
 
-void prepareFolder(const std::filesystem::path& folder) {
-    std::error_code error;
-    std::filesystem::create_directories(folder, error);
-    if (!std::filesystem::is_directory(folder))
-        throw geometry::InputError(folder.string(), "", "is not a folder and cannot be made one");
-    if (::access(folder.c_str(), W_OK) != 0)
-        throw geometry::InputError(folder.string(), "", "cannot be written to");
+void settle(passes::Tone& tone, const passes::FrameRenderer& renderer,
+            std::span<const compute::Moment> moments) {
+    if (!tone.whiteLux) {
+        double white = 0;
+        for (const compute::Moment& moment : moments)
+            white = std::max(white, renderer.autoWhite(moment.lighting));
+        tone.whiteLux = white;
+    }
+    if (tone.map != passes::ToneMap::falseColour) return;
+    std::vector<float> lux;
+    for (const compute::Moment& moment : moments) {
+        const std::vector<float> shown = renderer.shownLux(moment.lighting);
+        lux.insert(lux.end(), shown.begin(), shown.end());
+    }
+    const passes::FalseScale scale = passes::falseScale(tone, lux);
+    constexpr double kMost = 10'000; // darker moments would flatten the others
+    if (!tone.lowLux)
+        tone.lowLux = scale.linear ? scale.lowLux : std::max(scale.lowLux, scale.highLux / kMost);
+    if (!tone.highLux) tone.highLux = scale.highLux;
 }
 
 } // namespace heliodon::app

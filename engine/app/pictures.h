@@ -1,10 +1,9 @@
 // Light to pictures on disk, for single moments and for frames of a time-lapse.
 #pragma once
 
-#include <filesystem>
-#include <string>
-#include <vector>
+#include <span>
 
+#include "compute/daylight_transport.h"
 #include "engine/app/arguments.h"
 #include "engine/app/run.h"
 #include "engine/app/scene_input.h"
@@ -18,7 +17,9 @@ passes::FrameRenderer makeRenderer(Run& run, const Scene& scene, gpu::Device* de
 // `tone` as the arguments want it: their exposure, and false colour in place of its map.
 passes::Tone toned(passes::Tone tone, const PictureArguments& arguments, bool falseColour);
 
-// Makes the folder when it is missing; throws InputError when it is a file or cannot be made or written to.
-void prepareFolder(const std::filesystem::path& folder);
+// What `tone` leaves open, one for all of these moments: white is the brightest that one of them asks for; a
+// false-colour scale has the decades that hold the light of all, the brightest four where there are more.
+void settle(passes::Tone& tone, const passes::FrameRenderer& renderer,
+            std::span<const compute::Moment> moments);
 
 } // namespace heliodon::app

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "engine/app/interrupt.h"
+
 namespace heliodon::app {
 
 namespace {
@@ -27,6 +29,7 @@ Progress::~Progress() {
 }
 
 void Progress::advance(size_t done) {
+    throwIfInterrupted();
     if (!shown_ || total_ == 0) return;
     const Clock::time_point now = Clock::now();
     const double elapsed = std::chrono::duration<double>(now - start_).count();

@@ -16,6 +16,7 @@ public:
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
 
+    // Throws Interrupted after Ctrl-C.
     void advance(size_t done);
 
 private:

@@ -7,11 +7,14 @@
 #include "engine/app/contact_sheet.h"
 #include "engine/app/light_report.h"
 #include "engine/app/moment.h"
+#include "engine/app/output_folder.h"
 #include "engine/app/pictures.h"
 #include "engine/app/projector_reach.h"
 #include "engine/app/scene_input.h"
 #include "engine/app/sky_tint.h"
+#include "engine/passes/false_colour.h"
 #include "engine/passes/image_file.h"
+#include "geometry/input_error.h"
 
 namespace heliodon::app {
 
@@ -48,55 +51,90 @@ std::vector<std::string> listOf(const std::string& text) {
     std::vector<std::string> items;
     std::istringstream in(text);
     for (std::string item; std::getline(in, item, ',');) items.push_back(item);
+    if (text.ends_with(',')) items.emplace_back(); // refused as an item, not passed over
     return items;
 }
 
-// Hours of apparent solar time on a few days of the year, as in figure 11 of the paper; one exposure for all.
+// Hours of apparent solar time on a few days of the year, as in figure 11 of the paper.
+struct Sheet {
+    std::vector<std::string> rows, columns; // days, hours
+    std::vector<daylight::Moment> moments;  // row by row
+};
+
+std::string clockOf(const std::string& hour) {
+    const size_t digits = std::min(hour.find(':'), hour.size());
+    return (digits == 1 ? "0" : "") + hour + (digits == hour.size() ? ":00" : "");
+}
+
+void refuseUnless(const std::string& option, const std::string& item, const std::string& what,
+                  const std::string& time) {
+    try {
+        daylight::parseTime(time + "solar", option);
+    } catch (const geometry::InputError&) {
+        throw geometry::InputError(option, "", fmt::format("'{}' is no {}", item, what));
+    }
+}
+
+// Throws InputError on what is no day or no hour.
+Sheet sheetOf(const RenderArguments& arguments) {
+    const daylight::Moment moment = arguments.moment.time.empty()
+                                        ? daylight::Moment{}
+                                        : daylight::parseTime(arguments.moment.time, "--time");
+    Sheet sheet;
+    sheet.rows = listOf(arguments.days.empty() ? "06-21,03-21,12-21" : arguments.days);
+    const std::vector<std::string> hours =
+        listOf(arguments.hours.empty() ? "7,9,11,13,15,17" : arguments.hours);
+    for (const std::string& hour : hours) {
+        sheet.columns.push_back(clockOf(hour));
+        refuseUnless("--hours", hour, "hour, expected such as 9 or 13:30",
+                     "2000-01-01T" + sheet.columns.back());
+    }
+    for (const std::string& day : sheet.rows) {
+        const std::string date = day.size() <= 5 ? fmt::format("{:04}-{}", moment.date.year, day) : day;
+        refuseUnless("--days", day, fmt::format("day of {}, expected such as 06-21", date.substr(0, 4)),
+                     date + "T12:00");
+        for (const std::string& clock : sheet.columns)
+            sheet.moments.push_back(daylight::parseTime(date + "T" + clock + "solar", "--days, --hours"));
+    }
+    return sheet;
+}
+
+// One exposure, or one false-colour scale, for all.
 void renderSheet(Run& run, passes::FrameRenderer& renderer, compute::DaylightTransport& transport,
-                 const SkySource& source, const RenderArguments& arguments) {
-    const std::vector<std::string> days =
-                                       listOf(arguments.days.empty() ? "06-21,03-21,12-21" : arguments.days),
-                                   hours =
-                                       listOf(arguments.hours.empty() ? "7,9,11,13,15,17" : arguments.hours);
+                 const SkySource& source, const Sheet& sheet, const RenderArguments& arguments) {
     std::vector<daylight::Sky> skies;
-    std::vector<std::string> columns;
-    for (const std::string& day : days)
-        for (const std::string& hour : hours) {
-            const std::string clock =
-                (hour.size() == 1 ? "0" + hour : hour) + (hour.size() <= 2 ? ":00" : "");
-            const std::string date =
-                day.size() <= 5 ? fmt::format("{:04}-{}", source.moment().date.year, day) : day;
-            skies.push_back(
-                source.skyAt(daylight::parseTime(date + "T" + clock + "solar", "--days, --hours")));
-            if (columns.size() < hours.size()) columns.push_back(clock);
-        }
+    for (const daylight::Moment& moment : sheet.moments) skies.push_back(source.skyAt(moment));
     std::vector<compute::Moment> moments = solveLight(run, transport, skies);
     if (arguments.picture.skyColour) tintLight(transport, skies, moments);
     const StageTimer timer(run, "render");
     passes::PreviewOptions options;
     options.width = 400, options.height = 300;
     options.tone = toned(options.tone, arguments.picture, arguments.picture.falseColor);
-    if (!options.tone.whiteLux) {
-        double white = 0;
-        for (const compute::Moment& moment : moments)
-            white = std::max(white, renderer.autoWhite(moment.lighting));
-        options.tone.whiteLux = white;
-    }
+    options.tone.legend = false; // one for the sheet
+    settle(options.tone, renderer, moments);
     std::vector<passes::Image8> cells;
     for (const compute::Moment& moment : moments) cells.push_back(renderer.preview(moment.lighting, options));
-    passes::writePng(
-        contactSheet(cells, days, columns,
-                     fmt::format("apparent solar time; white is {:.0f} lux", *options.tone.whiteLux)),
-        arguments.output / "contact-sheet.png");
+    const passes::Tone& tone = options.tone;
+    std::string title = "apparent solar time";
+    std::optional<passes::FalseScale> legend;
+    if (arguments.picture.falseColor)
+        legend = passes::falseScale(tone, {});
+    else
+        title += fmt::format("; white is {:.0f} lux", *tone.whiteLux);
+    passes::writePng(contactSheet(cells, sheet.rows, sheet.columns, title, legend),
+                     arguments.output / "contact-sheet.png");
 }
 
 } // namespace
 
 void execute(Run& run, const RenderArguments& arguments) {
+    // A typing error there should not cost the form factors.
+    const std::optional<Sheet> sheet =
+        arguments.contactSheet ? std::optional(sheetOf(arguments)) : std::nullopt;
     const Scene scene = loadScene(run, arguments.scene);
     const SkySource source(run, arguments.moment, scene);
     const daylight::Sky sky = source.skyAt(source.moment());
-    prepareFolder(arguments.output);
+    const OutputFolder folder(arguments.output);
     const auto transport = makeTransport(run, scene.mesh);
     compute::Moment moment = std::move(solveLight(run, *transport, std::span(&sky, 1))[0]);
     if (arguments.picture.skyColour) tintLight(*transport, std::span(&sky, 1), std::span(&moment, 1));
@@ -108,7 +146,7 @@ void execute(Run& run, const RenderArguments& arguments) {
         {"glare_ratio", figures.glareRatio},
         {"white_lux", arguments.picture.exposure.value_or(renderer.autoWhite(moment.lighting))}};
     renderPreviews(run, renderer, moment.lighting, arguments);
-    if (arguments.contactSheet) renderSheet(run, renderer, *transport, source, arguments);
+    if (sheet) renderSheet(run, renderer, *transport, source, *sheet, arguments);
     if (scene.rig) {
         renderProjectors(run, renderer, moment.lighting, arguments);
         reportReach(run, scene);

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/app/interrupt.h"
 #include "geometry/input_error.h"
 #include "geometry/whole_file.h"
 
@@ -47,6 +48,7 @@ gpu::Device& Run::device() {
 std::unique_ptr<gpu::Device> Run::anotherDevice() const {
     gpu::DeviceOptions options;
     options.select = deviceName_;
+    options.beforeSubmit = throwIfInterrupted;
     return std::make_unique<gpu::Device>(options);
 }
 

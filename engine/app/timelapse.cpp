@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <chrono>
-#include <csignal>
 #include <exception>
 
 #include <fmt/format.h>
@@ -23,24 +22,6 @@ namespace {
 
 constexpr size_t kSolvedTogether = 8; // moments that share passes over the form factors
 constexpr size_t kSolvedAhead = 16;   // moments that may wait to be drawn
-
-volatile std::sig_atomic_t interrupted = 0;
-
-// Ctrl-C ends after the frame at hand, so that what is on disk is whole; a second one ends at once.
-class InterruptGuard {
-public:
-    InterruptGuard()
-        : before_(std::signal(SIGINT, [](int) {
-              interrupted = 1;
-              std::signal(SIGINT, SIG_DFL);
-          })) {}
-    ~InterruptGuard() { std::signal(SIGINT, before_); }
-    InterruptGuard(const InterruptGuard&) = delete;
-    InterruptGuard& operator=(const InterruptGuard&) = delete;
-
-private:
-    void (*before_)(int);
-};
 
 using Solved = std::shared_ptr<const compute::Moment>; // the frame before's where its light is the same
 
@@ -119,6 +100,23 @@ private:
     std::thread thread_; // last: it uses all of the above
 };
 
+// Skies of a few moments spread over the film, and of the one that is brightest outside.
+std::vector<daylight::Sky> brightAndSpread(const SkySource& source,
+                                           const std::vector<daylight::Moment>& times) {
+    constexpr size_t kSpread = 7;
+    std::vector<daylight::Sky> skies;
+    const size_t count = std::min(kSpread, times.size());
+    for (size_t k = 0; k < count; ++k)
+        skies.push_back(source.skyAt(times[k * (times.size() - 1) / std::max<size_t>(1, count - 1)]));
+    constexpr size_t kLooked = 2000;
+    const size_t stride = (times.size() + kLooked - 1) / kLooked;
+    std::pair<double, size_t> brightest{-1, 0};
+    for (size_t k = 0; k < times.size(); k += stride)
+        brightest = std::max(brightest, {daylight::globalHorizontalIlluminance(source.skyAt(times[k])), k});
+    skies.push_back(source.skyAt(times[brightest.second]));
+    return skies;
+}
+
 // What is drawn of each frame.
 class FramePainter {
 public:
@@ -129,22 +127,20 @@ public:
         projector_.tone = toned(projector_.tone, arguments.picture, arguments.picture.falseColor);
     }
 
-    // One exposure for the whole film: the brightest that one of a few moments spread over it asks for.
-    double settleWhite(const SkySource& source, const std::vector<daylight::Moment>& times,
-                       compute::DaylightTransport& transport) {
-        if (!preview_.tone.whiteLux) {
-            constexpr size_t kSamples = 5;
-            const size_t count = std::min(kSamples, times.size());
-            std::vector<daylight::Sky> skies;
-            for (size_t k = 0; k < count; ++k)
-                skies.push_back(source.skyAt(times[k * (times.size() - 1) / std::max<size_t>(1, count - 1)]));
-            double white = 0;
-            for (const compute::Moment& moment : solveLight(run_, transport, skies))
-                white = std::max(white, renderer_.autoWhite(moment.lighting));
-            preview_.tone.whiteLux = white;
+    // One exposure and one false-colour scale for the whole film: the brightest exposure that one of a few of
+    // its moments asks for, and a scale that holds their light.
+    double settleTone(const SkySource& source, const std::vector<daylight::Moment>& times,
+                      compute::DaylightTransport& transport) {
+        passes::Tone& tone = preview_.tone;
+        const bool falseColour = tone.map == passes::ToneMap::falseColour;
+        if (!tone.whiteLux || falseColour) {
+            const std::vector<compute::Moment> samples =
+                solveLight(run_, transport, brightAndSpread(source, times));
+            settle(tone, renderer_, samples);
         }
-        projector_.tone.whiteLux = preview_.tone.whiteLux;
-        return *preview_.tone.whiteLux;
+        projector_.tone.whiteLux = tone.whiteLux;
+        projector_.tone.lowLux = tone.lowLux, projector_.tone.highLux = tone.highLux;
+        return *tone.whiteLux;
     }
 
     // Frames of the same light are drawn once.
@@ -227,20 +223,21 @@ void execute(Run& run, const TimelapseArguments& arguments) {
     moment.time = arguments.from;
     const SkySource source(run, moment, scene);
     const std::vector<std::string> views = viewsOf(arguments, scene);
-    FrameSink sink(
-        {arguments.output, views, arguments.framesPerSecond, arguments.picture.exr, arguments.resume});
+    FrameJob job;
+    if (!views.empty()) job = frameJobOf(run, arguments, scene, views, times.size());
+    FrameSink sink({arguments.output, arguments.framesPerSecond, arguments.picture.exr, arguments.resume,
+                    std::move(job)});
 
     const auto transport = makeTransport(run, scene.mesh);
     std::optional<FramePainter> painter;
     double white = 0;
     if (!views.empty()) {
         painter.emplace(run, scene, arguments, views[0] != "preview");
-        white = painter->settleWhite(source, times, *transport);
+        white = painter->settleTone(source, times, *transport);
     } else {
         run.skipped("pictures: --view none");
     }
 
-    const InterruptGuard guard;
     Progress progress("frames", times.size(), run.showsProgress());
     std::string table = "time,sun_azimuth_deg,sun_altitude_deg,mean_lux,max_lux,glare_ratio\n";
     size_t drawn = 0;
@@ -261,9 +258,6 @@ void execute(Run& run, const TimelapseArguments& arguments) {
         progress.advance(frame + 1);
         frameMs.push_back(
             std::chrono::duration<float, std::milli>(std::chrono::steady_clock::now() - start).count());
-        if (interrupted && frame + 1 < times.size())
-            throw std::runtime_error(
-                fmt::format("interrupted after frame {} of {}", frame + 1, times.size()));
     }
     stream.stop();
     run.addStageSeconds("solve", stream.seconds());

@@ -124,12 +124,24 @@ glm::vec3 viridis(double t) {
     return glm::vec3(glm::clamp(value, 0.0, 1.0));
 }
 
+namespace {
+
+int legendUnit(int height) {
+    return std::max(1, height / 400);
+}
+
+} // namespace
+
+int legendWidth(int height) {
+    return 72 * legendUnit(height);
+}
+
 void drawLegend(Image8& picture, const FalseScale& scale) {
-    const int size = std::max(1, picture.height / 400), barWidth = 12 * size, margin = 10 * size;
-    const int right = picture.width - margin, left = right - barWidth - 40 * size;
+    const int size = legendUnit(picture.height), barWidth = 12 * size, margin = 10 * size;
+    const int right = picture.width - margin, left = picture.width - legendWidth(picture.height);
     const int top = margin + 14 * size, bottom = picture.height - margin;
     if (left < 0 || bottom - top < 20) return;
-    fill(picture, left - 4 * size, margin - 4 * size, right + 4 * size, bottom + 4 * size, {24, 24, 24});
+    fill(picture, left, 0, picture.width, picture.height, {24, 24, 24});
     drawText(picture, right - barWidth - 6 * size, margin, size, "lux");
     const auto position = [&](double lux) {
         const double t = scale.linear ? (lux - scale.lowLux) / (scale.highLux - scale.lowLux)

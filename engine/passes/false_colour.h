@@ -21,7 +21,11 @@ FalseScale falseScale(const Tone& tone, std::span<const float> lux);
 // Colour at t in 0..1, sRGB-encoded, as shaders/lib/viridis.glsl.
 glm::vec3 viridis(double t);
 
-// A bar with numbers along the right edge, on a dark ground.
+// Columns that the legend of a picture so high takes.
+int legendWidth(int height);
+
+// A bar with numbers over the last legendWidth() columns, on a dark ground; nothing where the picture is too
+// small for it.
 void drawLegend(Image8& picture, const FalseScale& scale);
 
 } // namespace heliodon::passes

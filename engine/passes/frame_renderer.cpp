@@ -141,6 +141,15 @@ ImageF floatsOf(const Output& output) {
     return picture;
 }
 
+// Black columns added at the right.
+Image8 widened(const Image8& picture, int columns) {
+    Image8 wide{picture.width + columns, picture.height, {}};
+    wide.rgb.resize(3 * static_cast<size_t>(wide.width) * static_cast<size_t>(wide.height));
+    for (int y = 0; y < picture.height; ++y)
+        std::copy_n(picture.pixel(0, y), 3 * picture.width, wide.pixel(0, y));
+    return wide;
+}
+
 // What a picture is drawn from.
 enum class Quantity { exitance, illuminance, picture }; // picture: exitance, and openings as bright panes
 
@@ -208,6 +217,8 @@ struct FrameRenderer::State {
     // Exitance to draw, lux per patch: openings, which reflect nothing, are shown as the pale sky behind
     // them.
     std::vector<glm::vec3> pictureLight(const compute::Lighting& light) const;
+    std::vector<float> shownLux(const compute::Lighting& light) const; // total illuminance, per shown patch
+    void markOpenings(std::vector<glm::vec3>& perVertex) const;        // below zero: not known
     io::DisplayParams displayParams(const compute::Lighting& light, const Tone& tone) const;
     SceneInputs projectorInputs(size_t i, const std::optional<SunDraw>& sun, bool illuminance) const;
     SceneInputs previewInputs(const View& view, const std::optional<SunDraw>& sun, Quantity quantity) const;
@@ -268,13 +279,23 @@ std::vector<glm::vec3> FrameRenderer::State::pictureLight(const compute::Lightin
     return values;
 }
 
+void FrameRenderer::State::markOpenings(std::vector<glm::vec3>& perVertex) const {
+    constexpr float kUnknown = -1e7f; // lux; below zero with any sun on it
+    for (size_t p = 0; p < mesh.patchCount(); ++p)
+        if (mesh.materials[mesh.material[p]].isOpening())
+            for (uint32_t c = mesh.firstCorner[p]; c < mesh.firstCorner[p + 1]; ++c)
+                perVertex[vertexLight.ofCorner(c)] = glm::vec3(kUnknown);
+}
+
 std::optional<SunDraw> FrameRenderer::State::prepareLight(DeviceMesh& target, const compute::Lighting& light,
                                                           Quantity quantity, float scale) {
     const std::vector<glm::vec3> perPatch = quantity == Quantity::picture ? pictureLight(light)
                                             : quantity == Quantity::illuminance
                                                 ? indirectIlluminance(mesh, light)
                                                 : indirectExitance(mesh, light);
-    target.mixLight(*device, vertexLight.evaluate(perPatch), scale);
+    std::vector<glm::vec3> perVertex = vertexLight.evaluate(perPatch);
+    if (quantity == Quantity::illuminance) markOpenings(perVertex);
+    target.mixLight(*device, perVertex, scale);
     const bool sunny = glm::length(light.sunDirection) > 0.5 && panes.size() > 0 &&
                        glm::dot(light.sunNormalIlluminance, glm::vec3(1)) > 0;
     if (!sunny) return std::nullopt;
@@ -292,13 +313,7 @@ std::optional<SunDraw> FrameRenderer::State::prepareLight(DeviceMesh& target, co
     return sun;
 }
 
-io::DisplayParams FrameRenderer::State::displayParams(const compute::Lighting& light,
-                                                      const Tone& tone) const {
-    io::DisplayParams params{};
-    params.white = static_cast<float>(1e-3 * tone.whiteLux.value_or(white(light)));
-    params.fullScale = 1;
-    params.background = glm::vec3(0.62f, 0.64f, 0.67f);
-    if (tone.map != ToneMap::falseColour) return params;
+std::vector<float> FrameRenderer::State::shownLux(const compute::Lighting& light) const {
     std::vector<float> lux;
     const std::vector<glm::vec3> indirect = indirectIlluminance(mesh, light);
     for (size_t p = 0; p < indirect.size(); ++p)
@@ -306,7 +321,17 @@ io::DisplayParams FrameRenderer::State::displayParams(const compute::Lighting& l
             lux.push_back(glm::dot(
                 indirect[p] + (light.sunIlluminance.empty() ? glm::vec3(0) : light.sunIlluminance[p]),
                 kLuminance));
-    const FalseScale scale = falseScale(tone, lux);
+    return lux;
+}
+
+io::DisplayParams FrameRenderer::State::displayParams(const compute::Lighting& light,
+                                                      const Tone& tone) const {
+    io::DisplayParams params{};
+    params.white = static_cast<float>(1e-3 * tone.whiteLux.value_or(white(light)));
+    params.fullScale = 1;
+    params.background = glm::vec3(0.62f, 0.64f, 0.67f);
+    if (tone.map != ToneMap::falseColour) return params;
+    const FalseScale scale = falseScale(tone, shownLux(light));
     params.falseLinear = scale.linear;
     params.falseLow = static_cast<float>(scale.linear ? scale.lowLux : std::log10(scale.lowLux));
     params.falseHigh = static_cast<float>(scale.linear ? scale.highLux : std::log10(scale.highLux));
@@ -430,13 +455,23 @@ double FrameRenderer::autoWhite(const compute::Lighting& light) const {
     return state_->white(light);
 }
 
+std::vector<float> FrameRenderer::shownLux(const compute::Lighting& light) const {
+    return state_->shownLux(light);
+}
+
 double FrameRenderer::reachLux() const {
     return state_->reach;
 }
 
 Image8 FrameRenderer::preview(const compute::Lighting& light, const PreviewOptions& options) {
-    Image8 picture = bytesOf(state_->drawView(light, state_->previewView(options), options.tone, false));
-    if (options.tone.map == ToneMap::falseColour && options.tone.legend) {
+    const int strip = legendWidth(options.height);
+    const bool legend =
+        options.tone.map == ToneMap::falseColour && options.tone.legend && options.width > 2 * strip;
+    PreviewOptions room = options;
+    if (legend) room.width -= strip;
+    Image8 picture = bytesOf(state_->drawView(light, state_->previewView(room), options.tone, false));
+    if (legend) {
+        picture = widened(picture, strip);
         const io::DisplayParams params = state_->displayParams(light, options.tone);
         const auto lux = [&](float end) { return params.falseLinear ? end : std::pow(10.0, end); };
         drawLegend(picture, {lux(params.falseLow), lux(params.falseHigh), params.falseLinear != 0});

@@ -57,9 +57,13 @@ public:
     // below, lux: what is shown as white unless told otherwise. So a room is readable while its sun patch is
     // as bright as the display can. A time-lapse takes one value for all its frames.
     double autoWhite(const compute::Lighting& light) const;
+    // Lux on each patch that projectors show, sun included: what false-colour scales are chosen from.
+    std::vector<float> shownLux(const compute::Lighting& light) const;
     // Physical exitance of white, lux; 1000 without a rig. Exposure = reachLux() / white.
     double reachLux() const;
 
+    // A false-colour legend takes columns at the right: it hides nothing. Glazing is grey, as no lux are
+    // known there.
     Image8 preview(const compute::Lighting& light, const PreviewOptions& options = {});
     // One picture per projector, in the rig's order, each for its own panel and response.
     std::vector<Image8> projectors(const compute::Lighting& light, const ProjectorOptions& options = {});

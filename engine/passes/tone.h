@@ -22,7 +22,7 @@ struct Tone {
     std::optional<double> lowLux, highLux;
     bool linearScale = false;   // default: logarithmic
     std::vector<double> isoLux; // lines of equal illuminance, at most eight
-    bool legend = true;         // scale with numbers in previews
+    bool legend = true;         // scale with numbers, at the right of previews
 };
 
 } // namespace heliodon::passes

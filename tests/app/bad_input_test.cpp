@@ -124,5 +124,14 @@ TEST_F(BadInput, a_time_that_is_no_time) {
     expectRefused("render " + kPhoto + " --rig " + kRig + " --time tomorrow -o " + in("out"), {"tomorrow"});
 }
 
+TEST_F(BadInput, days_and_hours_of_a_contact_sheet_that_are_none) {
+    const std::string command =
+        "render " + kPhoto + " --rig " + kRig + " --contact-sheet -o " + in("out/deep");
+    expectRefused(command + " --days 06-21,02-30", {"--days", "02-30"});
+    expectRefused(command + " --days 02-29 --time 2026-03-21T13:00solar", {"--days", "02-29"});
+    expectRefused(command + " --hours 9,25", {"--hours", "25"});
+    expectRefused(command + " --hours 9,", {"--hours"});
+}
+
 } // namespace
 } // namespace heliodon::test

@@ -1,0 +1,29 @@
+#include "engine/app/output_folder.h"
+
+#include <system_error>
+#include <unistd.h>
+
+#include "geometry/input_error.h"
+
+namespace heliodon::app {
+
+namespace fs = std::filesystem;
+
+OutputFolder::OutputFolder(const fs::path& folder) {
+    std::error_code error;
+    for (fs::path at = folder; !at.empty() && !fs::exists(at, error); at = at.parent_path())
+        made_.push_back(at);
+    fs::create_directories(folder, error);
+    if (!fs::is_directory(folder))
+        throw geometry::InputError(folder.string(), "", "is not a folder and cannot be made one");
+    if (::access(folder.c_str(), W_OK) != 0)
+        throw geometry::InputError(folder.string(), "", "cannot be written to");
+}
+
+OutputFolder::~OutputFolder() {
+    std::error_code notEmpty;
+    for (const fs::path& folder : made_)
+        if (!fs::remove(folder, notEmpty)) break;
+}
+
+} // namespace heliodon::app
