@@ -34,13 +34,30 @@ std::map<GroupKey, std::vector<size_t>> groups(const PatchMesh& mesh) {
     return out;
 }
 
+// Unchanged when it is UTF-8 already, as JSON asks; else its bytes are taken for Latin-1.
+std::string asUtf8(const std::string& text) {
+    try {
+        (void)nlohmann::json(text).dump();
+        return text;
+    } catch (const nlohmann::json::type_error&) {
+        std::string out;
+        for (const char c : text) {
+            const auto code = static_cast<unsigned char>(c);
+            if (code >= 0x80) out += static_cast<char>(0xC0 | (code >> 6));
+            out += static_cast<char>(code >= 0x80 ? 0x80 | (code & 0x3F) : code);
+        }
+        return out;
+    }
+}
+
 // Names of materials must differ and hold no blanks at their ends.
-std::vector<std::string> materialNames(const PatchMesh& mesh) {
+std::vector<std::string> materialNames(const PatchMesh& mesh, bool utf8 = false) {
     std::vector<std::string> names;
     for (const Material& material : mesh.materials) {
         std::string name = material.name.empty() ? "material" : material.name;
         std::ranges::replace_if(
             name, [](unsigned char c) { return c <= ' ' || c == '#'; }, '_');
+        if (utf8) name = asUtf8(name);
         const std::string base = name;
         for (int copy = 2; std::ranges::find(names, name) != names.end(); ++copy)
             name = base + "_" + std::to_string(copy);
@@ -139,15 +156,17 @@ private:
     // The reader's rule backwards: what is transmitted is tinted by the base colour, the rest of it
     // reflected.
     void addMaterials() {
-        const std::vector<std::string> names = materialNames(mesh_);
+        const std::vector<std::string> names = materialNames(mesh_, true);
         for (size_t i = 0; i < names.size(); ++i) {
             const Material& material = mesh_.materials[i];
-            const glm::vec3 base = material.reflectance + material.transmittance;
+            // Files may hold sums that rounding has put above 1.
+            const glm::vec3 base = glm::min(material.reflectance + material.transmittance, glm::vec3(1));
             const float sum = base.x + base.y + base.z;
-            const float through =
-                sum > 0
-                    ? (material.transmittance.x + material.transmittance.y + material.transmittance.z) / sum
-                    : 0;
+            const float through = sum > 0
+                                      ? std::min(1.0f, (material.transmittance.x + material.transmittance.y +
+                                                        material.transmittance.z) /
+                                                           sum)
+                                      : 0;
             nlohmann::ordered_json out{{"name", names[i]},
                                        {"pbrMetallicRoughness",
                                         {{"baseColorFactor", {base.x, base.y, base.z, 1}},
@@ -228,6 +247,7 @@ private:
 } // namespace
 
 void writeModel(const PatchMesh& mesh, const std::filesystem::path& file) {
+    if (mesh.patchCount() == 0) throw InputError(file.string(), "", "would hold no faces");
     if (file.extension() == ".obj") return writeObj(mesh, file);
     if (file.extension() == ".glb") return writeWholeText(file, GlbWriter(mesh).bytes());
     throw InputError(file.string(), "", "is no model to write, expected .obj or .glb");
