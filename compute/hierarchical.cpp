@@ -49,6 +49,7 @@ struct HierarchicalFormFactors::Work {
     gpu::Buffer pairs, counters, next, nextLeaves, newLinks;
 
     template<class T> static void append(std::vector<T>& to, const gpu::Buffer& from, uint32_t count) {
+        if (count == 0) return;
         const size_t at = to.size();
         to.resize(at + count);
         if (const T* mapped = from.mapped<T>())

@@ -1,5 +1,8 @@
 #include "engine/app/arguments.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <iostream>
 
 #include <CLI/CLI.hpp>
@@ -28,6 +31,9 @@ public:
     }
 
     std::optional<Arguments> parse(int argc, const char* const* argv) {
+        const auto isNamed = [&](const auto& command) { return command.first->get_name() == argv[1]; };
+        if (argc > 1 && argv[1][0] != '-' && std::none_of(commands_.begin(), commands_.end(), isNamed))
+            throw geometry::InputError("command line", argv[1], "is no command; heliodon --help lists them");
         try {
             app_.parse(argc, argv);
         } catch (const CLI::Success& success) { // --help, --version
@@ -36,12 +42,25 @@ public:
         } catch (const CLI::ParseError& error) {
             throw geometry::InputError("command line", "", error.what());
         }
-        for (auto& [sub, command] : commands_)
-            if (*sub) return Arguments{sub->get_name(), common_, command()};
+        for (auto& [sub, command] : commands_) {
+            if (!*sub) continue;
+            refuseInfinite(*sub);
+            return Arguments{sub->get_name(), common_, command()};
+        }
         return std::nullopt;
     }
 
 private:
+    // "nan" and "inf" are numbers to the parser, and within every range.
+    static void refuseInfinite(const CLI::App& sub) {
+        for (const CLI::Option* option : sub.get_options()) {
+            if (option->get_type_name().find("FLOAT") == std::string::npos) continue;
+            for (const std::string& text : option->results())
+                if (!std::isfinite(std::strtod(text.c_str(), nullptr)))
+                    throw geometry::InputError(option->get_name(), text, "is no finite number");
+        }
+    }
+
     template<class T>
     CLI::App* add(const std::string& name, const std::string& what, T& values, const std::string& example) {
         CLI::App* sub = app_.add_subcommand(name, what);
@@ -129,7 +148,7 @@ private:
             ->check(CLI::Range(1, 1024));
         sub->add_option("--max-error", formFactors_.maxError,
                         "wanted RMS of the rows' errors; auto picks the kernel by it")
-            ->check(CLI::PositiveNumber)
+            ->check(CLI::Range(1e-7, 1.0))
             ->excludes(resolution);
         sub->add_option("--reference", formFactors_.reference,
                         "compare with this matrix (.npy, or raw little-endian .f32) in the report");

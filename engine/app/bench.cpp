@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <atomic>
+#include <cstring>
 #include <fstream>
 #include <functional>
 #include <thread>
@@ -269,7 +270,7 @@ private:
 };
 
 // F B as the processor itself does it best: eight floats at a time, four sums, rows spread over all cores.
-typedef float Float8 __attribute__((vector_size(32), aligned(4), may_alias));
+typedef float Float8 __attribute__((vector_size(32)));
 
 #if defined(__x86_64__)
 __attribute__((target("avx2,fma")))
@@ -278,12 +279,14 @@ void multiplyRows(const float* F, const float* B, float* out, size_t n, size_t c
     for (size_t i = first; i < last; ++i)
         for (size_t c = 0; c < columns; ++c) {
             const float *row = F + i * n, *light = B + c * n;
-            Float8 sums[4]{};
+            Float8 sums[4]{}, f, b;
             size_t j = 0;
             for (; j + 32 <= n; j += 32)
-                for (size_t k = 0; k < 4; ++k)
-                    sums[k] += *reinterpret_cast<const Float8*>(row + j + 8 * k) *
-                               *reinterpret_cast<const Float8*>(light + j + 8 * k);
+                for (size_t k = 0; k < 4; ++k) {
+                    std::memcpy(&f, row + j + 8 * k, sizeof f);
+                    std::memcpy(&b, light + j + 8 * k, sizeof b);
+                    sums[k] += f * b;
+                }
             float sum = 0;
             for (; j < n; ++j) sum += row[j] * light[j];
             for (const Float8& part : sums)

@@ -57,6 +57,13 @@ void execute(Run& run, const FormFactorArguments& arguments) {
     if (n > kLargestDense && !arguments.reference.empty())
         throw geometry::InputError("--reference", "",
                                    fmt::format("is for at most {} patches", kLargestDense));
+    const auto finish = [&](const compute::FormFactorReport& report) {
+        reportFormFactors(run, n, report);
+        // Estimates are cautious: a little above is within what they are good for.
+        if (options.maxError > 0 && report.claimedRowError > 1.5 * options.maxError)
+            run.warn(fmt::format("the row error is estimated as {:.2g}, above the {:.2g} asked for",
+                                 report.claimedRowError, options.maxError));
+    };
     // The file is opened before the work: a folder that cannot be written to is named at once.
     writeNpyTiles(arguments.output, n, n, [&](const PutTile& put) {
         if (n > kLargestDense) {
@@ -65,7 +72,7 @@ void execute(Run& run, const FormFactorArguments& arguments) {
                 compute::streamFormFactors(device, mesh, options, [&](const compute::FormFactorTile& tile) {
                     put(tile.firstRow, tile.rows, tile.firstColumn, tile.columns, tile.values);
                 });
-            reportFormFactors(run, n, report);
+            finish(report);
             return;
         }
         const compute::FormFactors factors = [&] {
@@ -73,7 +80,7 @@ void execute(Run& run, const FormFactorArguments& arguments) {
             return compute::computeFormFactors(device, mesh, options);
         }();
         const std::vector<float> values = factors.values.download<float>(n * n);
-        reportFormFactors(run, n, factors.report);
+        finish(factors.report);
         if (!arguments.reference.empty())
             run.report()["error"] = errorAgainst(readMatrix(arguments.reference, n, n), values, n);
         put(0, n, 0, n, values);

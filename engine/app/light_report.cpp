@@ -34,6 +34,11 @@ std::unique_ptr<compute::DaylightTransport> makeTransport(Run& run, const geomet
     run.report()["form_factors"]["sky_elements"] = t.skyElements;
     run.report()["form_factors"]["channels"] = t.channels;
     for (const std::string& reason : t.skipped) run.skipped(reason);
+    const auto gives = [&](uint32_t m) {
+        return mesh.materials[m].isOpening() || mesh.materials[m].exitance != glm::vec3(0);
+    };
+    if (std::none_of(mesh.material.begin(), mesh.material.end(), gives))
+        run.warn("there is no window, no skylight and nothing that emits light: everything is dark");
     return transport;
 }
 

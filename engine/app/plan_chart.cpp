@@ -271,7 +271,14 @@ void drawNorthAndScale(Chart& chart, const Scene& scene, const PlanDrawing& plan
 } // namespace
 
 double worldPerBuilding(const Scene& scene) {
-    return scene.sketch ? 1.0 / 12 : 1.0;
+    if (scene.sketch) return 1.0 / 12;
+    double low = INFINITY, high = -INFINITY;
+    for (const glm::dvec3& v : scene.mesh.vertices) {
+        low = std::min(low, v.y);
+        high = std::max(high, v.y);
+    }
+    constexpr double kLowestRoom = 1.0; // metres: nobody works in less
+    return high - low < kLowestRoom ? 1.0 / 12 : 1.0;
 }
 
 Chart planChart(const Scene& scene, std::span<const glm::dvec3> points, std::span<const glm::dvec3> normals,

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "compute/gpu/error.h"
 #include "engine/app/interrupt.h"
 #include "geometry/input_error.h"
 #include "geometry/whole_file.h"
@@ -49,7 +50,14 @@ std::unique_ptr<gpu::Device> Run::anotherDevice() const {
     gpu::DeviceOptions options;
     options.select = deviceName_;
     options.beforeSubmit = throwIfInterrupted;
-    return std::make_unique<gpu::Device>(options);
+    try {
+        return std::make_unique<gpu::Device>(options);
+    } catch (const gpu::Error& error) {
+        if (deviceName_.empty()) throw;
+        std::string why = error.what(); // a name that fits no device: which there are, in one line
+        for (size_t at; (at = why.find('\n')) != std::string::npos;) why.replace(at, 1, "");
+        throw geometry::InputError("--device", deviceName_, why);
+    }
 }
 
 void Run::note(const std::string& text) {

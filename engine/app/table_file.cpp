@@ -71,6 +71,8 @@ SensorTable readSensors(const std::filesystem::path& file, geometry::UpAxis up) 
                              fmt::format("the header has no column {}, expected x,y,z,nx,ny,nz", kNames[k]));
         column[k] = static_cast<size_t>(found - header.begin());
     }
+    if (std::find(header.begin(), header.end(), "lux") != header.end())
+        throw InputError(file.string(), "1", "has a column lux already, expected sensors without results");
     for (size_t number = 2; getTextLine(in, line); ++number) {
         if (line.find_first_not_of(" \t") == std::string::npos) continue;
         const std::vector<std::string> cells = splitCsv(line);

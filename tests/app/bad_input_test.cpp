@@ -120,6 +120,16 @@ TEST_F(BadInput, scenes_and_kernels_that_no_bench_knows) {
     expectRefused("bench --kernels guess -o " + in("out"), {"--kernels", "guess", "exact"});
 }
 
+TEST_F(BadInput, numbers_that_are_none_and_devices_that_are_not_there) {
+    const std::string sketch = HELIODON_TEST_DATA "/geometry/sketches/p04_L.json";
+    expectRefused("illuminance " + sketch + " --north nan -o " + in("out.csv"), {"--north", "nan", "finite"});
+    expectRefused("illuminance " + sketch +
+                      " --triangles 100 --time 2026-03-21T13:00solar --site 42,-73 --sky "
+                      "clear --quiet --device none -o " +
+                      in("out.csv"),
+                  {"--device", "none"});
+}
+
 TEST_F(BadInput, a_time_that_is_no_time) {
     expectRefused("render " + kPhoto + " --rig " + kRig + " --time tomorrow -o " + in("out"), {"tomorrow"});
 }

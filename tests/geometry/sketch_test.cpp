@@ -126,5 +126,5 @@ TEST(Sketch, every_public_sketch_reads) {
         EXPECT_NO_THROW(readSketch(entry.path())) << entry.path();
         ++count;
     }
-    EXPECT_EQ(count, 18u);
+    EXPECT_GE(count, 18u);
 }
