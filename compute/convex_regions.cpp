@@ -248,11 +248,15 @@ bool separates(const geometry::PatchMesh& mesh, const Plane& plane, uint32_t roo
 void mergePlane(const geometry::PatchMesh& mesh, const Plane& plane, double flat, uint32_t maxCorners,
                 uint32_t group, std::vector<ConvexRegion>& regions) {
     std::vector<Flat> parts, convex;
+    // Corners that survive are given back as they were, to the last bit: a wall that stands on a floor shares
+    // its edge.
+    std::map<std::array<double, 2>, dvec3> vertex;
     for (size_t i : plane.patches) {
         Flat part;
         for (uint32_t corner : mesh.patch(i)) {
             const dvec3 d = mesh.vertices[corner] - plane.origin;
             part.push_back({glm::dot(d, plane.u), glm::dot(d, plane.v)});
+            vertex[{part.back().x, part.back().y}] = mesh.vertices[corner];
         }
         parts.push_back(std::move(part));
     }
@@ -260,7 +264,10 @@ void mergePlane(const geometry::PatchMesh& mesh, const Plane& plane, double flat
     for (const Flat& part : convex)
         for (size_t first = 1; first + 1 < part.size(); first += maxCorners - 2) {
             ConvexRegion region{{}, mesh.room[plane.patches[0]], group};
-            const auto lifted = [&](dvec2 p) { return plane.origin + p.x * plane.u + p.y * plane.v; };
+            const auto lifted = [&](dvec2 p) {
+                const auto found = vertex.find({p.x, p.y});
+                return found != vertex.end() ? found->second : plane.origin + p.x * plane.u + p.y * plane.v;
+            };
             region.corners.push_back(lifted(part[0]));
             for (size_t k = first; k < std::min(part.size(), first + maxCorners - 1); ++k)
                 region.corners.push_back(lifted(part[k]));

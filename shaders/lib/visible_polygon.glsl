@@ -39,6 +39,10 @@ vec3 lineOf(Frame f, vec3 normal, vec3 onPlane) {
 
 float at(vec3 line, vec2 p) { return dot(line.xy, p) + line.z; }
 
+// How far lines may be from where they should be: angles are good to about 1e-7, so lines to that share of the distance. A
+// line this near to the piece's border does not cross it.
+float nearness(Frame f, vec3 point, float size) { return 5e-7 * (length(f.origin - point) + size); }
+
 // Extent of the piece across a line; rounding errors count as touching.
 vec2 extent(vec3 line, float flatness) {
     vec2 range = vec2(1e30, -1e30);
@@ -110,10 +114,11 @@ bool castShadow(Frame f, Origin o, Face blocker, vec3 point, uint rank, float si
     float sense = side > 0.0 ? -1.0 : 1.0;
     int before = lineCount;
     bool outside = false;
+    float near = nearness(f, point, size);
     // The blocker's own plane is the cheapest and most often has all of the piece outside.
     NO_UNROLL for (int c = int(blocker.count); c >= 0 && !outside; --c) {
         vec3 line = shadowLine(f, o, blocker, point, sense, uint(c));
-        vec2 range = extent(line, 2e-7 * size);
+        vec2 range = extent(line, near);
         outside = range.y <= 0.0;
         if (outside || range.x >= 0.0) continue;
         if (lineCount < kLineCap) {
@@ -188,8 +193,7 @@ float sweep(Frame f, vec3 point, vec3 normal, Stretch s, bool covered, float nea
 // Twice pi times the form factor of the union of the listed shadows within the piece.
 float shadowSum(Frame f, vec3 point, vec3 normal, float size) {
     float sum = 0.0;
-    // Angles are good to about 1e-7, so lines to that share of the distance.
-    float near = 5e-7 * (length(f.origin - point) + size);
+    float near = nearness(f, point, size);
     // The piece's own border; edges at the first corner span no triangle with it.
     NO_UNROLL for (int k = 1; k + 1 < pieceCorners; ++k) {
         vec2 along = piece[k + 1] - piece[k];
