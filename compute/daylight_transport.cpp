@@ -27,7 +27,7 @@ constexpr double kPi = std::numbers::pi;
 
 // Shares of light by which errors are estimated. The first is of what is measured: how much light varies
 // within the patches that a sensor sees. Set so that rooms of 600 to 2000 triangles stay inside on 99 of 100
-// sensors, against Radiance and against finer meshes.
+// sensors, against Radiance.
 constexpr double kSpreadShare = 0.10;  // of light's variation within patches, after its slope is allowed for
 constexpr double kBounceError = 0.006; // of reflected light: what earlier bounces between patches leave
 constexpr double kSensorSkyError = 0.008; // of sky light, from its cubature and that of glass
