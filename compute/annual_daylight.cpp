@@ -337,7 +337,7 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
         throw std::invalid_argument("AnnualDaylight: arrays are not sensors x hours");
     Responses responses;
     std::vector<float> sky(count * lit_.size()), reflected(count * sunny_.size());
-    if (hours == 0) return;
+    if (lux.empty()) return;
     {
         const Clock clock(report_.sensorSeconds);
         transport_.setSensors({sensors.begin(), sensors.end()});
