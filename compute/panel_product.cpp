@@ -33,7 +33,7 @@ void multiply(std::span<const float> a, size_t rows, const Panels& panels, std::
         float sums[kRows][Panels::kWidth];
         for (size_t row = 0; row < rows; row += kRows) {
             const float* from[kRows];
-            for (size_t r = 0; r < kRows; ++r) from[r] = &a[std::min(row + r, rows - 1) * depth];
+            for (size_t r = 0; r < kRows; ++r) from[r] = a.data() + std::min(row + r, rows - 1) * depth;
             tile(from, panels.panel(p), depth, sums);
             for (size_t r = 0; r < kRows && row + r < rows; ++r)
                 std::copy_n(sums[r], width, &out[(row + r) * columns + first]);
