@@ -9,6 +9,8 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
+#include "geometry/bounds.h"
+
 namespace heliodon::compute {
 
 using glm::dvec2;
@@ -170,12 +172,7 @@ struct Plane {
 };
 
 double sizeOf(const geometry::PatchMesh& mesh) {
-    dvec3 low{INFINITY}, high{-INFINITY};
-    for (const dvec3& p : mesh.vertices) {
-        low = glm::min(low, p);
-        high = glm::max(high, p);
-    }
-    return mesh.vertices.empty() ? 1.0 : std::max(glm::length(high - low), 1e-300);
+    return std::max(geometry::boundsOf(mesh.vertices).diagonal(), 1e-300);
 }
 
 // Patches of one room in one oriented plane, to within kSamePlane: large patches first, whose normals are

@@ -8,6 +8,7 @@
 #include "compute/convex_regions.h"
 #include "compute/exact_clusters.h"
 #include "compute/gpu/device.h"
+#include "geometry/bounds.h"
 #include "shaders/io/exact_form_factors.io.h"
 
 namespace heliodon::compute {
@@ -114,15 +115,9 @@ ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh, uint
     ExactScene scene;
     scene.patchCount = static_cast<uint32_t>(mesh.patchCount());
     Faces faces;
-    if (!mesh.vertices.empty()) {
-        dvec3 lowest = mesh.vertices[0], highest = lowest;
-        for (const dvec3& p : mesh.vertices) {
-            lowest = glm::min(lowest, p);
-            highest = glm::max(highest, p);
-        }
-        scene.centre = faces.centre = 0.5 * (lowest + highest);
-        scene.samePlane = static_cast<float>(kSamePlane * glm::length(highest - lowest));
-    }
+    const geometry::Bounds box = geometry::boundsOf(mesh.vertices);
+    scene.centre = faces.centre = box.centre();
+    scene.samePlane = static_cast<float>(kSamePlane * box.diagonal());
     std::vector<RadiatingPiece> pieces = piecesOf(mesh);
     scene.pieceCount = static_cast<uint32_t>(pieces.size());
     scene.tiles = tilesOf(pieces, tilePieces, scene.patchCount);

@@ -11,6 +11,7 @@
 #include "compute/daylight/glazing.h"
 #include "compute/daylight/sky_patches.h"
 #include "compute/gpu/device.h"
+#include "geometry/bounds.h"
 #include "geometry/perpendicular.h"
 #include "shaders/io/fixed_to_float.io.h"
 #include "spirv/fixed_to_float_comp.h"
@@ -152,10 +153,9 @@ Hemicube::Hemicube(gpu::Device& device, const geometry::PatchMesh& mesh, const H
 
 void Hemicube::uploadMesh(const geometry::PatchMesh& mesh) {
     const size_t n = mesh.patchCount();
-    glm::dvec3 low(1e300), high(-1e300);
-    for (const glm::dvec3& v : mesh.vertices) low = glm::min(low, v), high = glm::max(high, v);
-    centre_ = mesh.vertices.empty() ? glm::dvec3(0) : 0.5 * (low + high);
-    const double diagonal = mesh.vertices.empty() ? 1 : std::max(glm::length(high - low), 1e-30);
+    const geometry::Bounds box = geometry::boundsOf(mesh.vertices);
+    centre_ = box.centre();
+    const double diagonal = std::max(box.diagonal(), 1e-30);
 
     std::vector<glm::uvec4> triangles, openings;
     for (size_t i = 0; i < n; ++i) {

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
 #include <glm/geometric.hpp>
 
+#include "geometry/bounds.h"
 #include "geometry/perpendicular.h"
 
 namespace heliodon::compute {
@@ -125,9 +125,7 @@ std::array<double, 2> PatchTree::coordinates(const Node& node, const dvec3& poin
 
 PatchTree buildPatchTree(const geometry::PatchMesh& mesh) {
     PatchTree tree;
-    dvec3 low(std::numeric_limits<double>::infinity()), high(-std::numeric_limits<double>::infinity());
-    for (const dvec3& p : mesh.vertices) low = glm::min(low, p), high = glm::max(high, p);
-    const double size = mesh.vertices.empty() ? 1 : std::max(glm::length(high - low), 1e-300);
+    const double size = std::max(geometry::boundsOf(mesh.vertices).diagonal(), 1e-300);
     struct Plane {
         dvec3 normal{0};
         std::vector<PatchTree::Leaf> leaves;

@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
+#include "geometry/bounds.h"
 #include "geometry/perpendicular.h"
 
 namespace heliodon::compute {
@@ -81,9 +82,7 @@ uint32_t roomOfPoint(const geometry::PatchMesh& mesh, dvec3 position, dvec3 norm
 }
 
 Blockers::Blockers(const geometry::PatchMesh& mesh) : regions_(blockingRegions(mesh, 16)) {
-    dvec3 low(1e300), high(-1e300);
-    for (const dvec3& v : mesh.vertices) low = glm::min(low, v), high = glm::max(high, v);
-    tolerance_ = mesh.vertices.empty() ? 0 : 1e-9 * glm::length(high - low);
+    tolerance_ = 1e-9 * geometry::boundsOf(mesh.vertices).diagonal();
 }
 
 PointView::PointView(const Blockers& blockers, dvec3 position, dvec3 normal, uint32_t room)

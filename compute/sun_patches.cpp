@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "compute/daylight/glazing.h"
+#include "geometry/bounds.h"
 #include "geometry/perpendicular.h"
 
 namespace heliodon::compute {
@@ -90,9 +91,7 @@ SunScene::SunScene(const geometry::PatchMesh& mesh) : mesh_(&mesh) {
             wall[i] = 0;
     panes_ = mergedRegions(mesh, pane, kMostCorners);
     walls_ = mergedRegions(mesh, wall, kMostCorners);
-    glm::dvec3 low(1e300), high(-1e300);
-    for (const glm::dvec3& v : mesh.vertices) low = glm::min(low, v), high = glm::max(high, v);
-    scale_ = mesh.vertices.empty() ? 1 : glm::length(high - low);
+    scale_ = geometry::boundsOf(mesh.vertices).diagonal();
 }
 
 // A patch that faces the sun.

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "compute/convex_regions.h"
+#include "geometry/bounds.h"
 
 namespace heliodon::compute::reference {
 
@@ -17,12 +18,7 @@ FormFactorRows::FormFactorRows(const geometry::PatchMesh& mesh) : mesh_(&mesh) {
         areaVectors_.push_back(geometry::patchAreaVector(mesh, i));
         rooms = std::max(rooms, mesh.room[i] + 1);
     }
-    glm::dvec3 low(INFINITY), high(-INFINITY);
-    for (const glm::dvec3& v : mesh.vertices) {
-        low = glm::min(low, v);
-        high = glm::max(high, v);
-    }
-    samePlane_ = mesh.vertices.empty() ? 0 : kSamePlane * glm::length(high - low);
+    samePlane_ = kSamePlane * geometry::boundsOf(mesh.vertices).diagonal();
     blockers_.resize(rooms);
     constexpr uint32_t kMostCorners = 16;
     for (ConvexRegion& region : blockingRegions(mesh, kMostCorners))

@@ -7,6 +7,7 @@
 
 #include "compute/daylight/glazing.h"
 #include "compute/daylight/sky_patches.h"
+#include "geometry/bounds.h"
 
 namespace heliodon::compute::reference {
 
@@ -48,9 +49,7 @@ Hit trace(const geometry::PatchMesh& mesh, const Viewpoint& view, glm::dvec3 dir
 
 HemicubeRow hemicubeRow(const geometry::PatchMesh& mesh, const Viewpoint& view, uint32_t R,
                         uint32_t skyDivision, uint32_t channels) {
-    glm::dvec3 low(1e300), high(-1e300);
-    for (const glm::dvec3& v : mesh.vertices) low = glm::min(low, v), high = glm::max(high, v);
-    const double flatness = 1e-6 * glm::length(high - low);
+    const double flatness = 1e-6 * geometry::boundsOf(mesh.vertices).diagonal();
     HemicubeRow row;
     row.factors.assign(mesh.patchCount(), 0);
     const daylight::SkyPatches sky(static_cast<int>(std::max(skyDivision, 1u)));

@@ -18,6 +18,7 @@
 #include <unistd.h>
 
 #include "engine/app/bench_clock.h"
+#include "geometry/bounds.h"
 #include "geometry/perpendicular.h"
 #ifdef HELIODON_WITH_EMBREE
 #include <embree3/rtcore.h>
@@ -87,12 +88,7 @@ public:
                 triangles.push_back({mesh.patch(i)[0], mesh.patch(i)[k], mesh.patch(i)[k + 1]});
                 patchOf_.push_back(static_cast<uint32_t>(i));
             }
-        glm::dvec3 low(INFINITY), high(-INFINITY);
-        for (const glm::dvec3& v : mesh.vertices) {
-            low = glm::min(low, v);
-            high = glm::max(high, v);
-        }
-        nearest_ = static_cast<float>(1e-6 * glm::length(high - low));
+        nearest_ = static_cast<float>(1e-6 * geometry::boundsOf(mesh.vertices).diagonal());
         RTCGeometry shape = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
         auto* corners = static_cast<float*>(rtcSetNewGeometryBuffer(
             shape, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.vertices.size()));

@@ -1,0 +1,30 @@
+// The box round points.
+#pragma once
+
+#include <span>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+
+namespace heliodon::geometry {
+
+struct Bounds {
+    glm::dvec3 low{0}, high{0};
+
+    glm::dvec3 centre() const { return 0.5 * (low + high); }
+    double diagonal() const { return glm::length(high - low); }
+};
+
+// Of no points: a point at the origin.
+inline Bounds boundsOf(std::span<const glm::dvec3> points) {
+    if (points.empty()) return {};
+    Bounds box{points[0], points[0]};
+    for (const glm::dvec3& p : points) {
+        box.low = glm::min(box.low, p);
+        box.high = glm::max(box.high, p);
+    }
+    return box;
+}
+
+} // namespace heliodon::geometry
