@@ -9,7 +9,6 @@
 
 #include <glm/geometric.hpp>
 
-#include "compute/daylight/glazing.h"
 #include "compute/parallel.h"
 #include "compute/sun_patches.h"
 
@@ -23,8 +22,9 @@ constexpr size_t kColumnsAtOnce = 48; // right-hand sides that share passes over
 // seen exactly.
 constexpr double kFarEdge = 2e-4, kNearEdge = 0.02, kMostNearer = 3;
 constexpr size_t kCheckedSunless = 3, kCheckedSunny = 6;
-// Shares of the whole work, for the bar: measured on 78 to 400 sensors.
-constexpr double kHourWork = 1.0, kSensorWork = 4.0;
+// Work of an hour with sun and of a sensor, whose responses are the largest part, for the bar: measured on 78
+// to 400 sensors.
+constexpr double kHourWork = 1.0, kSensorWork = 4.0, kResponseShare = 0.8;
 
 class Clock {
 public:
@@ -37,40 +37,6 @@ private:
     double& sum_;
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
-
-// How patches give light on: K of B = E + K F B, per channel.
-struct Matter {
-    std::vector<std::vector<float>> rho, tau;
-    const std::vector<int32_t>& twin;
-
-    Matter(const geometry::PatchMesh& mesh, size_t channels) : twin(mesh.twin) {
-        for (size_t c = 0; c < channels; ++c) {
-            rho.emplace_back(mesh.patchCount());
-            tau.emplace_back(mesh.patchCount());
-            const auto axis = static_cast<int>(c);
-            for (size_t i = 0; i < mesh.patchCount(); ++i) {
-                const geometry::Material& m = mesh.materials[mesh.material[i]];
-                rho[c][i] = m.reflectance[axis];
-                if (twin[i] != geometry::kNoTwin)
-                    tau[c][i] =
-                        std::min(static_cast<float>(daylight::glazingOf(m).diffuseTransmittance()[axis]),
-                                 1 - rho[c][i]);
-            }
-        }
-    }
-    void apply(size_t channel, std::span<const float> in, std::span<float> out) const {
-        for (size_t i = 0; i < in.size(); ++i) {
-            out[i] = rho[channel][i] * in[i];
-            if (tau[channel][i] > 0) out[i] += tau[channel][i] * in[static_cast<size_t>(twin[i])];
-        }
-    }
-};
-
-bool isTinted(const geometry::PatchMesh& mesh) {
-    return std::any_of(mesh.materials.begin(), mesh.materials.end(), [](const geometry::Material& m) {
-        return m.transmittance.x != m.transmittance.y || m.transmittance.y != m.transmittance.z;
-    });
-}
 
 // `wanted` entries spread evenly over `all`.
 template<class T> std::vector<T> spread(const std::vector<T>& all, size_t wanted) {
@@ -94,10 +60,16 @@ struct AnnualDaylight::Responses {
 AnnualDaylight::AnnualDaylight(DaylightTransport& transport, std::vector<daylight::Sky> skies,
                                size_t sensorCount, Tell tell)
     : transport_(transport), skies_(std::move(skies)), sensorCount_(sensorCount), tell_(std::move(tell)),
-      tinted_(isTinted(transport.mesh())) {
+      tinted_(transport.parts().skyChannels == 3) {
     report_.hours = skies_.size();
     makeSkies();
     makeSuns();
+}
+
+void AnnualDaylight::told(size_t hours, double sensors) const {
+    if (!tell_) return;
+    const auto work = [](size_t h, double s) { return kHourWork * static_cast<double>(h) + kSensorWork * s; };
+    tell_(work(hours, sensors) / work(sunHours_, static_cast<double>(std::max<size_t>(sensorCount_, 1))));
 }
 
 void AnnualDaylight::makeSkies() {
@@ -142,9 +114,8 @@ void AnnualDaylight::makeSuns() {
                 found[k].patches.push_back({static_cast<uint32_t>(i),
                                             {strength * lit[i].x, strength * lit[i].y, strength * lit[i].z}});
     };
-    const double total =
-        kHourWork * static_cast<double>(hours.size()) + kSensorWork * static_cast<double>(sensorCount_);
-    inParallel(hours.size(), work, [&](size_t k) { told(kHourWork * static_cast<double>(k) / total); });
+    sunHours_ = hours.size();
+    inParallel(hours.size(), work, [&](size_t k) { told(k, 0); });
     for (size_t k = 0; k < hours.size(); ++k) {
         if (!enters[k]) continue;
         report_.sunlitPatches += found[k].patches.size();
@@ -165,7 +136,7 @@ AnnualDaylight::Responses AnnualDaylight::respond(const TransportParts& parts) {
     const size_t skies = parts.skyChannels;
     std::vector<float> weights[3]; // sensors x patches: importance of what falls on patches from the sky
     for (size_t c = 0; c < skies; ++c) weights[c].assign(sensors * n, 0);
-    const Matter matter(mesh, channels);
+    const RadiosityMatter& matter = parts.solver.matter();
     std::vector<float> area(n);
     for (size_t i = 0; i < n; ++i) area[i] = static_cast<float>(geometry::patchArea(mesh, i));
 
@@ -177,15 +148,16 @@ AnnualDaylight::Responses AnnualDaylight::respond(const TransportParts& parts) {
         for (size_t s = 0; s < count; ++s) {
             const float* seen = &parts.sensorFactors[(first + s) * n];
             for (size_t i = 0; i < n; ++i) perArea[i] = seen[i] / area[i];
-            for (size_t c = 0; c < channels; ++c) {
-                matter.apply(c, perArea, {&sent[(s * channels + c) * n], n});
-                channel.push_back(static_cast<uint32_t>(c));
+            for (uint32_t c = 0; c < channels; ++c) {
+                matter.reflect<float>(c, perArea, {&sent[(s * channels + c) * n], n});
+                channel.push_back(c);
             }
         }
         // The first bounce apart: what remains to be solved is smooth, so that the solver's tolerance, a
         // share of the largest value, is small everywhere.
         parts.gather.gather(sent, once, static_cast<uint32_t>(columns));
-        for (size_t k = 0; k < columns; ++k) matter.apply(channel[k], {&once[k * n], n}, {&twice[k * n], n});
+        for (size_t k = 0; k < columns; ++k)
+            matter.reflect<float>(channel[k], {&once[k * n], n}, {&twice[k * n], n});
         std::vector<float> importance, rest;
         parts.solver.solve(twice, channel, importance, rest, {});
 
@@ -203,7 +175,7 @@ AnnualDaylight::Responses AnnualDaylight::respond(const TransportParts& parts) {
                         const float later = area[i] * (once[at + i] + rest[at + i]),
                                     received = seen[i] + later;
                         sky[i] += share * area[i] * (sent[at + i] + importance[at + i]);
-                        sun[i * sensors] += share * matter.rho[c][i] * (even[i] + later);
+                        sun[i * sensors] += share * matter.reflectance[c][i] * (even[i] + later);
                         own += static_cast<double>(
                             share * received *
                             mesh.materials[mesh.material[i]].exitance[static_cast<int>(shown)]);
@@ -212,10 +184,7 @@ AnnualDaylight::Responses AnnualDaylight::respond(const TransportParts& parts) {
             }
             result.own[first + s] = static_cast<float>(own);
         });
-        told((kHourWork * static_cast<double>(report_.withSun + report_.sunOutside) +
-              kSensorWork * static_cast<double>(sensorsDone_ + first + count) * 0.8) /
-             (kHourWork * static_cast<double>(report_.withSun + report_.sunOutside) +
-              kSensorWork * static_cast<double>(sensorCount_)));
+        told(sunHours_, kResponseShare * static_cast<double>(sensorsDone_ + first + count));
     }
 
     const size_t elements = parts.skyElements;
@@ -377,10 +346,7 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
                                       (tinted_ ? 4 : 2) * count * transport_.mesh().patchCount()));
     checkAndSetErrors(lux, sun, error);
     sensorsDone_ += count;
-    told((kHourWork * static_cast<double>(report_.withSun + report_.sunOutside) +
-          kSensorWork * static_cast<double>(sensorsDone_)) /
-         (kHourWork * static_cast<double>(report_.withSun + report_.sunOutside) +
-          kSensorWork * static_cast<double>(std::max<size_t>(sensorCount_, 1))));
+    told(sunHours_, static_cast<double>(sensorsDone_));
 }
 
 std::vector<uint32_t> AnnualDaylight::checkedHours() const {

@@ -86,13 +86,11 @@ private:
     void addBeams(std::span<const Sensor> sensors, std::span<float> sun) const;
     void checkAndSetErrors(std::span<const float> lux, std::span<const float> sun, std::span<float> error);
     std::vector<uint32_t> checkedHours() const;
-    void told(double share) const {
-        if (tell_) tell_(share);
-    }
+    void told(size_t hours, double sensors) const; // hours with sun and sensors that are done
 
     DaylightTransport& transport_;
     std::vector<daylight::Sky> skies_;
-    size_t sensorCount_, sensorsDone_ = 0;
+    size_t sensorCount_, sensorsDone_ = 0, sunHours_ = 0;
     Tell tell_;
     bool tinted_ = false;
     std::vector<uint32_t> lit_; // hours with sky or ground

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
-#include "compute/daylight/glazing.h"
 #include "compute/daylight/sky_patches.h"
+#include "compute/float_dot.h"
 #include "compute/gpu/device.h"
 #include "compute/parallel.h"
 #include "compute/patch_slopes.h"
@@ -49,19 +49,6 @@ bool isGrey(glm::vec3 v) {
     return v.x == v.y && v.y == v.z;
 }
 
-// Dense rows on the host (sky coefficients, sensors' factors) times a vector: eight partial sums, so that it
-// vectorises and is the same on every run.
-double rowTimes(const float* row, const float* x, size_t n) {
-    float parts[16]{};
-    size_t i = 0;
-    for (; i + 16 <= n; i += 16)
-        for (size_t k = 0; k < 16; ++k) parts[k] += row[i + k] * x[i + k];
-    for (; i < n; ++i) parts[0] += row[i] * x[i];
-    double sum = 0;
-    for (float part : parts) sum += part;
-    return sum;
-}
-
 // Illuminance coefficients of rows of viewpoints for the outside.
 struct SkyRows {
     uint32_t elements = 0, channels = 1;
@@ -72,9 +59,8 @@ struct SkyRows {
         for (uint32_t c = 0; c < 3 && elements > 0; ++c) {
             const float* from = &values[(row * channels + std::min(c, channels - 1)) * elements];
             const int axis = static_cast<int>(c);
-            parts.sky[axis] = c >= channels
-                                  ? parts.sky[0]
-                                  : static_cast<float>(kPi * rowTimes(from, luminance.data(), elements - 1));
+            parts.sky[axis] =
+                c >= channels ? parts.sky[0] : static_cast<float>(kPi * dot({from, elements - 1}, luminance));
             parts.ground[axis] = static_cast<float>(kPi * from[elements - 1] * luminance[elements - 1]);
         }
     }
@@ -103,7 +89,7 @@ struct DaylightTransport::State {
     std::unique_ptr<RadiositySolver> solver;
     std::unique_ptr<RelightBasis> relight;
     daylight::SkyPatches skyPatches;
-    bool hasOpenings = false, grey = true, emits = false;
+    bool hasOpenings = false, grey = true;
 
     State(gpu::Device& d, const geometry::PatchMesh& m, const TransportOptions& o)
         : device(d), mesh(m), options(o), skyPatches(static_cast<int>(o.skyDivision)) {}
@@ -187,8 +173,7 @@ void DaylightTransport::State::makeSensors() {
 }
 
 void DaylightTransport::State::readMaterials() {
-    const size_t n = mesh.patchCount();
-    grey = true, emits = false;
+    grey = true;
     for (const geometry::Material& m : mesh.materials) {
         for (int c = 0; c < 3; ++c)
             if (!(m.reflectance[c] >= 0 && m.reflectance[c] < 1))
@@ -196,25 +181,9 @@ void DaylightTransport::State::readMaterials() {
                                            fmt::format("reflectance {} is outside [0, 1)", m.reflectance[c]));
         grey &= isGrey(m.reflectance) && isGrey(m.transmittance) && isGrey(m.exitance);
     }
-    for (size_t i = 0; i < n; ++i) emits |= glm::length(mesh.materials[mesh.material[i]].exitance) > 0;
-    RadiosityMatter matter;
-    matter.patchCount = static_cast<uint32_t>(n);
-    matter.twin = mesh.twin;
-    for (int c = 0; c < (grey ? 1 : 3); ++c) {
-        std::vector<float> rho(n), tau(n);
-        for (size_t i = 0; i < n; ++i) {
-            const geometry::Material& m = mesh.materials[mesh.material[i]];
-            rho[i] = m.reflectance[c];
-            if (mesh.twin[i] != geometry::kNoTwin)
-                tau[i] = std::min(static_cast<float>(daylight::glazingOf(m).diffuseTransmittance()[c]),
-                                  1 - rho[i]);
-        }
-        matter.reflectance.push_back(std::move(rho));
-        matter.transmittance.push_back(std::move(tau));
-    }
     report.channels = grey ? 1 : 3;
-    relight->setMatter(matter);
-    solver->setMatter(std::move(matter));
+    solver->setMatter(radiosityMatter(mesh, report.channels));
+    relight->restart();
 }
 
 // What arrives straight from outside, on patches and at sensors.
@@ -294,6 +263,7 @@ void DaylightTransport::State::solve(std::span<Moment> moments) {
     const Clock clock;
     const size_t n = mesh.patchCount();
     const uint32_t perMoment = columnsPerMoment();
+    const RadiosityMatter& matter = solver->matter();
     std::vector<float> emitted;
     std::vector<uint32_t> channel;
     bool anyLight = false;
@@ -301,21 +271,16 @@ void DaylightTransport::State::solve(std::span<Moment> moments) {
         for (uint32_t c = 0; c < perMoment; ++c) {
             const auto axis = static_cast<int>(c);
             channel.push_back(c);
-            std::vector<float> tau(n), arriving(n);
+            const auto &rho = matter.reflectance[c], &tau = matter.transmittance[c];
             for (size_t i = 0; i < n; ++i) {
                 const LightParts& parts = moment.patches[i];
-                arriving[i] = parts.sun[axis] + parts.sky[axis] + parts.ground[axis];
-            }
-            for (size_t i = 0; i < n; ++i) {
-                const geometry::Material& m = mesh.materials[mesh.material[i]];
-                float out = m.exitance[axis] + m.reflectance[axis] * arriving[i];
-                if (mesh.twin[i] != geometry::kNoTwin) {
+                float out = mesh.materials[mesh.material[i]].exitance[axis] +
+                            rho[i] * (parts.sun[axis] + parts.sky[axis] + parts.ground[axis]);
+                if (tau[i] > 0) {
                     // The sun goes through clear glass as a beam (SunPatches); sky light that falls on it
                     // goes on diffusely.
                     const LightParts& other = moment.patches[static_cast<size_t>(mesh.twin[i])];
-                    out += std::min(static_cast<float>(daylight::glazingOf(m).diffuseTransmittance()[axis]),
-                                    1 - m.reflectance[axis]) *
-                           (other.sky[axis] + other.ground[axis]);
+                    out += tau[i] * (other.sky[axis] + other.ground[axis]);
                 }
                 anyLight |= out > 0;
                 emitted.push_back(out);
@@ -352,23 +317,18 @@ void DaylightTransport::State::finish(Moment& moment, const std::vector<float>& 
     for (size_t i = 0; i < n; ++i) {
         LightParts& parts = moment.patches[i];
         const geometry::Material& m = mesh.materials[mesh.material[i]];
-        glm::vec3 out(0);
+        glm::vec3 out(0), tau(0);
         for (int c = 0; c < 3; ++c) {
-            const size_t at = first + static_cast<size_t>(grey ? 0 : c) * n + i;
+            const size_t channel = static_cast<size_t>(grey ? 0 : c), at = first + channel * n + i;
             out[c] = exitance[at];
             parts.interreflected[c] = gathered[at];
+            tau[c] = solver->matter().transmittance[channel][i];
         }
         moment.lighting.exitance[i] = out;
         const glm::vec3 direct = parts.sun + parts.sky + parts.ground;
         in += areas[i] * photometric(m.exitance + direct);
-        glm::vec3 kept = glm::vec3(1) - m.reflectance;
-        if (mesh.twin[i] != geometry::kNoTwin) {
-            const glm::vec3 tau = glm::min(glm::vec3(daylight::glazingOf(m).diffuseTransmittance()), kept);
-            in -= areas[i] * photometric(tau * parts.sun); // goes on as a beam, counted where it lands
-            absorbed += areas[i] * (photometric((kept - tau) * parts.total()));
-        } else {
-            absorbed += areas[i] * photometric(kept * parts.total());
-        }
+        in -= areas[i] * photometric(tau * parts.sun); // goes on as a beam, counted where it lands
+        absorbed += areas[i] * photometric((glm::vec3(1) - m.reflectance - tau) * parts.total());
         mean += areas[i] * photometric(out);
         total += areas[i];
         most = std::max(most, photometric(out));
@@ -429,12 +389,12 @@ void DaylightTransport::State::atSensors(Moment& moment, const std::vector<float
                 parts.interreflected[c] = parts.interreflected[0];
                 continue;
             }
-            double lux = rowTimes(&sensors.smooth[s * n], smooth[c].data(), n);
-            if (sun) lux += rowTimes(&sensors.even[s * n], even[c].data(), n);
+            double lux = dot({&sensors.smooth[s * n], n}, smooth[c]);
+            if (sun) lux += dot({&sensors.even[s * n], n}, even[c]);
             parts.interreflected[c] += static_cast<float>(lux);
         }
         parts.error = static_cast<float>(moment.report.radiosity.bound * most +
-                                         kSpreadShare * rowTimes(&sensors.even[s * n], spread.data(), n) +
+                                         kSpreadShare * dot({&sensors.even[s * n], n}, spread) +
                                          (rowError() + kBounceError) * photometric(parts.interreflected) +
                                          kSensorSkyError * photometric(parts.sky + parts.ground));
     });

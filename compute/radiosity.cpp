@@ -4,7 +4,9 @@
 #include <cassert>
 #include <cmath>
 
-#include "geometry/patch_mesh.h"
+#include <glm/common.hpp>
+
+#include "compute/daylight/glazing.h"
 
 namespace heliodon::compute {
 
@@ -88,6 +90,27 @@ struct RadiositySolver::Column {
     }
 };
 
+RadiosityMatter radiosityMatter(const geometry::PatchMesh& mesh, uint32_t channels) {
+    const size_t n = mesh.patchCount();
+    RadiosityMatter matter;
+    matter.patchCount = static_cast<uint32_t>(n);
+    matter.twin = mesh.twin;
+    std::vector<glm::vec3> through; // diffusely, by material
+    for (const geometry::Material& m : mesh.materials)
+        through.push_back(
+            glm::min(glm::vec3(daylight::glazingOf(m).diffuseTransmittance()), 1.0f - m.reflectance));
+    for (int c = 0; c < static_cast<int>(channels); ++c) {
+        std::vector<float> rho(n), tau(n);
+        for (size_t i = 0; i < n; ++i) {
+            rho[i] = mesh.materials[mesh.material[i]].reflectance[c];
+            if (mesh.twin[i] != geometry::kNoTwin) tau[i] = through[mesh.material[i]][c];
+        }
+        matter.reflectance.push_back(std::move(rho));
+        matter.transmittance.push_back(std::move(tau));
+    }
+    return matter;
+}
+
 RadiositySolver::RadiositySolver(FormFactorOperator& factors, std::vector<float> rowSums)
     : factors_(&factors), rowSums_(std::move(rowSums)) {}
 
@@ -104,16 +127,6 @@ void RadiositySolver::setMatter(RadiosityMatter matter) {
             most = std::max(most, sum);
         }
         contraction_.push_back(most);
-    }
-}
-
-void RadiositySolver::applyMatter(std::span<const float> illuminance, uint32_t channel,
-                                  std::span<double> out) const {
-    const auto& rho = matter_.reflectance[channel];
-    const auto& tau = matter_.transmittance[channel];
-    for (size_t i = 0; i < out.size(); ++i) {
-        out[i] = double{rho[i]} * illuminance[i];
-        if (tau[i] > 0) out[i] += double{tau[i]} * illuminance[static_cast<size_t>(matter_.twin[i])];
     }
 }
 
@@ -142,7 +155,7 @@ RadiosityReport RadiositySolver::solve(std::span<const float> emitted, std::span
         report.residual = report.bound = 0;
         for (size_t c = 0; c < count; ++c) {
             Column& column = columns[c];
-            applyMatter({&gathered[c * n], n}, channel[c], given);
+            matter_.reflect<double>(channel[c], {&gathered[c * n], n}, given);
             column.residual.resize(n);
             for (size_t i = 0; i < n; ++i)
                 column.residual[i] = emitted[c * n + i] + given[i] - radiosity[c * n + i];
@@ -168,7 +181,7 @@ RadiosityReport RadiositySolver::solve(std::span<const float> emitted, std::span
             ++report.passes;
             growing = false;
             for (size_t c = 0; c < count; ++c) {
-                applyMatter({&out[c * n], n}, channel[c], given);
+                matter_.reflect<double>(channel[c], {&out[c * n], n}, given);
                 std::vector<double> w(n);
                 for (size_t i = 0; i < n; ++i) w[i] = columns[c].basis[k][i] - given[i];
                 // A 2-norm spread over n patches; the true residual decides above, whatever is guessed here.

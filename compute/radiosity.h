@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "compute/form_factor_operator.h"
+#include "geometry/patch_mesh.h"
 
 namespace heliodon::compute {
 
@@ -25,19 +26,34 @@ struct RadiosityReport {
     bool converged = true;
 };
 
-// How patches give light on; constant over a set of materials. Layout of columns: [column][patch].
+// How patches give light on, the K of B = E + K F B; constant over a set of materials. Layout of columns:
+// [column][patch].
 struct RadiosityMatter {
     uint32_t patchCount = 0;
     std::vector<std::vector<float>> reflectance;   // per channel, in [0, 1)
     std::vector<std::vector<float>> transmittance; // per channel, diffuse, of interior glass; 0 elsewhere
     std::vector<int32_t> twin;                     // of interior glass, else geometry::kNoTwin
+
+    // out = K illuminance, in one channel. T: float or double, of the sums too.
+    template<class T>
+    void reflect(uint32_t channel, std::span<const float> illuminance, std::span<T> out) const {
+        const auto &rho = reflectance[channel], &tau = transmittance[channel];
+        for (size_t i = 0; i < out.size(); ++i) {
+            out[i] = T{rho[i]} * illuminance[i];
+            if (tau[i] > 0) out[i] += T{tau[i]} * illuminance[static_cast<size_t>(twin[i])];
+        }
+    }
 };
+
+// Of the mesh's materials: channel 0 alone where one stands for three, else all three.
+RadiosityMatter radiosityMatter(const geometry::PatchMesh& mesh, uint32_t channels);
 
 class RadiositySolver {
 public:
     // `factors` must outlive this. `rowSums`: of F, for the bound; FormFactorOperator::rowSums gives them.
     RadiositySolver(FormFactorOperator& factors, std::vector<float> rowSums);
     void setMatter(RadiosityMatter matter);
+    const RadiosityMatter& matter() const { return matter_; }
 
     // emitted: columns x patches; channel[c] says which reflectance column c sees. On return `radiosity` is B
     // and `gathered` is F B. `radiosity` may hold a first guess (same size) or be empty.
@@ -47,7 +63,6 @@ public:
 
 private:
     struct Column;
-    void applyMatter(std::span<const float> illuminance, uint32_t channel, std::span<double> out) const;
 
     FormFactorOperator* factors_;
     std::vector<float> rowSums_;

@@ -3,24 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "compute/float_dot.h"
 #include "compute/parallel.h"
-#include "geometry/patch_mesh.h"
 
 namespace heliodon::compute {
 
 namespace {
-
-// Sums in sixteen parts, so that they vectorise and are the same on every run.
-double dot(std::span<const float> a, std::span<const float> b) {
-    float parts[16]{};
-    size_t i = 0;
-    for (; i + 16 <= a.size(); i += 16)
-        for (size_t k = 0; k < 16; ++k) parts[k] += a[i + k] * b[i + k];
-    for (; i < a.size(); ++i) parts[0] += a[i] * b[i];
-    double sum = 0;
-    for (float part : parts) sum += double{part};
-    return sum;
-}
 
 void subtract(std::span<float> from, double times, std::span<const float> what) {
     const auto t = static_cast<float>(times);
@@ -38,14 +26,14 @@ double largest(std::span<const float> a) {
 RelightBasis::RelightBasis(FormFactorOperator& factors, RadiositySolver& solver, std::vector<float> rowSums)
     : factors_(&factors), solver_(&solver), rowSums_(std::move(rowSums)) {}
 
-void RelightBasis::setMatter(RadiosityMatter matter) {
-    matter_ = std::move(matter);
-    const size_t channels = matter_.reflectance.size();
+void RelightBasis::restart() {
+    const RadiosityMatter& matter = solver_->matter();
+    const size_t channels = matter.reflectance.size();
     basis_.assign(channels, {});
     slack_.clear();
-    std::vector<float> reflected(matter_.patchCount);
+    std::vector<float> reflected(matter.patchCount);
     for (uint32_t c = 0; c < channels; ++c) {
-        reflect(rowSums_, c, reflected);
+        matter.reflect<float>(c, rowSums_, reflected);
         slack_.push_back(std::max(1 - largest(reflected), 1e-6));
     }
 }
@@ -54,14 +42,6 @@ size_t RelightBasis::size() const {
     size_t sum = 0;
     for (const auto& vectors : basis_) sum += vectors.size();
     return sum;
-}
-
-void RelightBasis::reflect(std::span<const float> illuminance, uint32_t channel, std::span<float> out) const {
-    const auto &rho = matter_.reflectance[channel], &tau = matter_.transmittance[channel];
-    for (size_t i = 0; i < out.size(); ++i) {
-        out[i] = rho[i] * illuminance[i];
-        if (tau[i] > 0) out[i] += tau[i] * illuminance[static_cast<size_t>(matter_.twin[i])];
-    }
 }
 
 // Takes from the residual what the basis answers, and adds the answers' illuminance.
@@ -94,7 +74,8 @@ void RelightBasis::learn(uint32_t channel, std::vector<float> image, std::vector
 RadiosityReport RelightBasis::solve(std::span<const float> emitted, std::span<const uint32_t> channel,
                                     std::vector<float>& radiosity, std::vector<float>& gathered,
                                     const RadiosityOptions& options) {
-    const size_t n = matter_.patchCount, count = channel.size();
+    const RadiosityMatter& matter = solver_->matter();
+    const size_t n = matter.patchCount, count = channel.size();
     RadiosityReport report;
     radiosity.resize(n * count);
     gathered.assign(n * count, 0);
@@ -105,7 +86,7 @@ RadiosityReport RelightBasis::solve(std::span<const float> emitted, std::span<co
     std::vector<double> scale(count), left(count);
     inParallel(count, [&](size_t c) {
         const std::span<float> r(&residual[c * n], n), h(&gathered[c * n], n);
-        reflect(h, channel[c], r);
+        matter.reflect<float>(channel[c], h, r);
         scale[c] = std::max(largest({&emitted[c * n], n}), 1e-30);
         project(channel[c], r, h);
         left[c] = largest(r) / scale[c];
@@ -127,7 +108,7 @@ RadiosityReport RelightBasis::solve(std::span<const float> emitted, std::span<co
         for (size_t k = 0; k < open.size(); ++k) {
             const size_t at = open[k] * n;
             std::vector<float> image(n);
-            reflect({&seen[k * n], n}, openChannel[k], image);
+            matter.reflect<float>(openChannel[k], {&seen[k * n], n}, image);
             for (size_t i = 0; i < n; ++i) {
                 image[i] = answer[k * n + i] - image[i];
                 residual[at + i] -= image[i];
@@ -138,7 +119,7 @@ RadiosityReport RelightBasis::solve(std::span<const float> emitted, std::span<co
         }
     }
     for (size_t c = 0; c < count; ++c) {
-        reflect({&gathered[c * n], n}, channel[c], {&radiosity[c * n], n});
+        matter.reflect<float>(channel[c], {&gathered[c * n], n}, {&radiosity[c * n], n});
         for (size_t i = 0; i < n; ++i) radiosity[c * n + i] += emitted[c * n + i];
         // B = E + K F (E + w): what is left of the residual is bounced once more.
         report.residual = std::max(report.residual, left[c]);

@@ -21,8 +21,8 @@ public:
     // Both must outlive this; `rowSums` of F.
     RelightBasis(FormFactorOperator& factors, RadiositySolver& solver, std::vector<float> rowSums);
 
-    // Forgets everything; for new materials.
-    void setMatter(RadiosityMatter matter);
+    // Forgets everything: after the solver got new matter.
+    void restart();
 
     // As RadiositySolver::solve, to the same tolerance, measured by residual. Results depend on what was
     // solved before, within the tolerance; the same sequence gives the same bits.
@@ -37,14 +37,12 @@ private:
         std::vector<float> image;    // (I - K F) u, of unit length and at right angles to the others
         std::vector<float> gathered; // F u
     };
-    void reflect(std::span<const float> illuminance, uint32_t channel, std::span<float> out) const;
     void project(uint32_t channel, std::span<float> residual, std::span<float> gathered) const;
     void learn(uint32_t channel, std::vector<float> image, std::vector<float> gathered);
 
     FormFactorOperator* factors_;
     RadiositySolver* solver_;
     std::vector<float> rowSums_;
-    RadiosityMatter matter_;
     std::vector<double> slack_;              // per channel: 1 - max_i sum_j (K F)_ij
     std::vector<std::vector<Vector>> basis_; // per channel
 };
