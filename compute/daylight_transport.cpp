@@ -147,10 +147,8 @@ void DaylightTransport::State::findOpenings() {
     if (!slopes) slopes = std::make_unique<PatchSlopes>(mesh);
     sunScene = std::make_unique<SunScene>(mesh);
     patchSky = {};
-    if (hasOpenings)
-        makeSky();
-    else
-        report.skipped.push_back("sky coefficients: no opening leads outside");
+    if (hasOpenings || options.skipNothing) makeSky();
+    if (!hasOpenings) report.skipped.push_back("sky coefficients: no opening leads outside");
     report.skyElements = patchSky.elements;
 }
 
@@ -173,7 +171,7 @@ void DaylightTransport::State::makeSensors() {
 }
 
 void DaylightTransport::State::readMaterials() {
-    grey = true;
+    grey = !options.skipNothing;
     for (const geometry::Material& m : mesh.materials) {
         for (int c = 0; c < 3; ++c)
             if (!(m.reflectance[c] >= 0 && m.reflectance[c] < 1))
@@ -196,9 +194,10 @@ Moment DaylightTransport::State::direct(const daylight::Sky& sky) const {
     auto& modelled = moment.report.modelled;
     auto& skipped = moment.report.skipped;
     const Clock combining;
-    if (!hasOpenings) {
+    const bool all = options.skipNothing;
+    if (!hasOpenings && !all) {
         skipped.push_back("sky and ground: no opening leads outside");
-    } else if (sky.formula.scale <= 0 && sky.ground.luminance <= 0) {
+    } else if (sky.formula.scale <= 0 && sky.ground.luminance <= 0 && !all) {
         skipped.push_back("sky and ground: dark");
     } else {
         modelled.push_back("sky and ground");
@@ -210,9 +209,9 @@ Moment DaylightTransport::State::direct(const daylight::Sky& sky) const {
     moment.report.combineSeconds = combining.seconds();
 
     const Clock sunning;
-    if (!sky.hasSun()) {
+    if (!sky.hasSun() && !all) {
         skipped.push_back("sun: below the horizon or behind cloud");
-    } else if (!hasOpenings) {
+    } else if (!hasOpenings && !all) {
         skipped.push_back("sun: no opening leads outside");
     } else {
         sunOn(moment, sky.sun);
@@ -235,8 +234,8 @@ void DaylightTransport::State::skyAtSensors(Moment& moment, const daylight::Sky&
 
 void DaylightTransport::State::sunOn(Moment& moment, const daylight::SunDisc& disc) const {
     const size_t n = mesh.patchCount();
-    const SunPatches sun(*sunScene, disc.direction);
-    if (!sun.canEnter()) {
+    const SunPatches sun(*sunScene, disc.direction, options.skipNothing);
+    if (!sun.canEnter() && !options.skipNothing) {
         moment.report.skipped.push_back("sun: shines on no opening from outside");
         return;
     }
@@ -266,7 +265,7 @@ void DaylightTransport::State::solve(std::span<Moment> moments) {
     const RadiosityMatter& matter = solver->matter();
     std::vector<float> emitted;
     std::vector<uint32_t> channel;
-    bool anyLight = false;
+    bool anyLight = options.skipNothing;
     for (const Moment& moment : moments)
         for (uint32_t c = 0; c < perMoment; ++c) {
             const auto axis = static_cast<int>(c);

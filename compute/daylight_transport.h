@@ -34,6 +34,10 @@ struct TransportOptions {
     FormFactorOptions formFactors{.maxError = 1e-3};
     uint32_t skyDivision = 2; // Reinhart's MF: 2 is 577 sky elements
     RadiosityOptions radiosity;
+    // Computes in full what is known to give nothing, or the same: dark skies, suns that cannot enter, light
+    // where there is none, three channels of grey, the sky of rooms without openings. To check the rules that
+    // skip these.
+    bool skipNothing = false;
 };
 
 // Illuminance by where it comes from, lux per channel.

@@ -101,14 +101,14 @@ struct SunPatches::Receiver {
     Polygon outline;
 };
 
-SunPatches::SunPatches(const SunScene& scene, glm::dvec3 towardsSun)
+SunPatches::SunPatches(const SunScene& scene, glm::dvec3 towardsSun, bool clipAnyway)
     : mesh_(scene.mesh_), sun_(glm::normalize(towardsSun)) {
-    project(scene);
+    project(scene, clipAnyway);
 }
 
 SunPatches::SunPatches(const geometry::PatchMesh& mesh, glm::dvec3 towardsSun)
     : mesh_(&mesh), sun_(glm::normalize(towardsSun)), own_(std::make_unique<SunScene>(mesh)) {
-    project(*own_);
+    project(*own_, false);
 }
 
 SunPatches::Face SunPatches::faceOf(const ConvexRegion& region) const {
@@ -125,21 +125,20 @@ SunPatches::Face SunPatches::faceOf(const ConvexRegion& region) const {
     return face;
 }
 
-void SunPatches::project(const SunScene& scene) {
+void SunPatches::project(const SunScene& scene, bool clipAnyway) {
     constexpr double kEdgeOn = 1e-9; // neither lit nor in the way
     across_ = geometry::perpendicular(sun_);
     up_ = glm::cross(sun_, across_);
     scale_ = scene.scale_;
-    bool fromOutside = false;
     for (const ConvexRegion& region : scene.panes_) {
         Face face = faceOf(region);
         const double facing = glm::dot(face.normal, sun_);
         if (facing > -kEdgeOn) continue;
-        fromOutside |= region.group % 2 == 0;
+        canEnter_ |= region.group % 2 == 0;
         face.transmittance = daylight::glazingOf(mesh_->materials[region.group / 2]).transmittance(-facing);
         panes_.push_back(std::move(face));
     }
-    if (!fromOutside) panes_.clear(); // interior glass alone lets no sun in
+    if (!canEnter_ && !clipAnyway) panes_.clear(); // interior glass alone lets no sun in
     if (panes_.empty()) return;
     for (const ConvexRegion& region : scene.walls_) {
         Face face = faceOf(region);
@@ -272,7 +271,7 @@ glm::vec3 SunPatches::onPatch(const Receiver& receiver, SunlitParts* partly) con
 std::vector<glm::vec3> SunPatches::onPatches(std::vector<SunlitParts>* partly) const {
     std::vector<glm::vec3> result(mesh_->patchCount(), glm::vec3(0));
     if (partly) partly->clear();
-    if (!canEnter()) return result;
+    if (panes_.empty()) return result;
     glm::dvec2 low(1e300), high(-1e300);
     for (const Face& pane : panes_) low = glm::min(low, pane.low), high = glm::max(high, pane.high);
     Receiver receiver;
@@ -295,7 +294,7 @@ std::vector<glm::vec3> SunPatches::onPatches(std::vector<SunlitParts>* partly) c
 
 glm::vec3 SunPatches::atPoint(glm::dvec3 position, glm::dvec3 normal) const {
     const double cosine = glm::dot(normal, sun_);
-    if (cosine <= 0 || !canEnter()) return glm::vec3(0);
+    if (cosine <= 0 || panes_.empty()) return glm::vec3(0);
     // Moved by less than any tolerance, off the common edges of polygons, which would count twice.
     const glm::dvec2 q = project(position) + 1e-9 * scale_ * glm::dvec2(0.6180339887, 0.4142135623);
     // Whether the ray towards the sun meets the face; its plane must lie ahead.

@@ -50,6 +50,53 @@ TEST_F(Timelapse, a_new_job_leaves_no_frame_of_the_old_one) {
     EXPECT_TRUE(has("notes.png"));
 }
 
+// mean_lux of every frame.
+std::vector<double> meanLux(const std::filesystem::path& file) {
+    std::istringstream table(readText(file));
+    std::vector<double> lux;
+    std::string line, field;
+    for (std::getline(table, line); std::getline(table, line);) {
+        std::istringstream fields(line);
+        for (int k = 0; k < 4; ++k) std::getline(fields, field, ',');
+        lux.push_back(std::stod(field));
+    }
+    return lux;
+}
+
+TEST_F(Timelapse, polar_day_and_polar_night) {
+    const auto day = [&](const std::string& date) {
+        const Outcome outcome =
+            heliodon("timelapse " + kOffice + " --site 78.2,15.6 --sky clear --view none --quiet --from " +
+                     date + "T00:00solar --to " + date + "T23:00solar --step PT1H -o " + in("polar") +
+                     " --report " + in("report.json"));
+        EXPECT_EQ(outcome.exitCode, 0) << outcome.output;
+        return meanLux(folder / "polar/frames.csv");
+    };
+    for (const double lux : day("2026-12-21")) EXPECT_EQ(lux, 0);
+    EXPECT_NE(readText(folder / "report.json").find("23 frames: the same light"), std::string::npos);
+    const std::vector<double> summer = day("2026-06-21");
+    EXPECT_EQ(summer.size(), 24u);
+    for (const double lux : summer) EXPECT_GT(lux, 0); // at midnight too
+}
+
+TEST_F(Timelapse, frames_of_the_same_light_are_what_each_alone_is) {
+    writeText(folder / "sky.json", R"({"format": "vh-sky/1", "model": "cie_overcast",
+        "zenith_luminance_cdm2": 5000, "ground": {"albedo": 0.2}})");
+    const std::string sky = kOffice + " --quiet --sky " + in("sky.json") + " --report " + in("report.json");
+    ASSERT_EQ(heliodon("timelapse " + sky +
+                       " --view none --from 2026-06-21T10:00solar --to "
+                       "2026-06-21T14:00solar --step PT1H -o " +
+                       in("day"))
+                  .exitCode,
+              0);
+    EXPECT_NE(readText(folder / "report.json").find("4 frames: the same light"), std::string::npos);
+    ASSERT_EQ(heliodon("render " + sky + " --time 2026-06-21T14:00solar -o " + in("one")).exitCode, 0);
+    const double alone = nlohmann::json::parse(readText(folder / "report.json"))["light"]["mean_lux"];
+    const std::vector<double> frames = meanLux(folder / "day/frames.csv");
+    ASSERT_EQ(frames.size(), 5u);
+    for (const double lux : frames) EXPECT_NEAR(lux, alone, 2e-4 * alone + 0.005); // two digits in the table
+}
+
 TEST_F(Timelapse, an_interrupted_run_says_so_and_leaves_nothing) {
     const std::string program = HELIODON_PROGRAM;
     // In the foreground, or the whole group would get the signal: the second one ends the program at once.

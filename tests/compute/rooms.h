@@ -1,8 +1,12 @@
 // Simple closed rooms for tests: boxes with their walls divided, windows cut out along the grid.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
+
+#include <glm/geometric.hpp>
 
 #include "geometry/patch_mesh.h"
 
@@ -61,6 +65,26 @@ inline void addBox(geometry::PatchMesh& mesh, const BoxRoom& box, uint32_t room 
 inline geometry::PatchMesh boxRoom(const BoxRoom& box) {
     geometry::PatchMesh mesh;
     addBox(mesh, box);
+    return mesh;
+}
+
+// Two rooms side by side along z, 4 x 3 x 5 m each, glass all over the wall between them at z = 5 and, if
+// wanted, over the outer wall at z = 0.
+inline geometry::PatchMesh twoRooms(bool outerGlass, glm::vec3 wall = glm::vec3(0.5f)) {
+    const auto at = [](double z) { return [z](glm::dvec3 p) { return std::abs(p.z - z) < 1e-9; }; };
+    BoxRoom box;
+    box.wall.reflectance = wall;
+    box.isGlass = [&](glm::dvec3 p) { return (outerGlass && at(0)(p)) || at(5)(p); };
+    geometry::PatchMesh mesh = boxRoom(box);
+    BoxRoom inner = box;
+    inner.low.z = 5, inner.high.z = 10;
+    inner.isGlass = at(5);
+    addBox(mesh, inner, 1);
+    for (size_t i = 0; i < mesh.patchCount(); ++i)
+        for (size_t j = i + 1; j < mesh.patchCount(); ++j)
+            if (mesh.room[i] != mesh.room[j] && mesh.materials[mesh.material[j]].isOpening() &&
+                glm::length(geometry::patchCentroid(mesh, i) - geometry::patchCentroid(mesh, j)) < 1e-9)
+                mesh.twin[i] = static_cast<int32_t>(j), mesh.twin[j] = static_cast<int32_t>(i);
     return mesh;
 }
 

@@ -63,22 +63,9 @@ TEST(SunPatches, agrees_with_rays_in_an_L_shaped_room_with_a_partition) {
 }
 
 TEST(SunPatches, an_interior_window_counts_once_and_each_pane_on_the_way_counts) {
-    // Two rooms side by side along z; glass in the outer wall at z = 0 and between them at z = 5.
-    test::BoxRoom box;
-    const auto band = [](double z) { return [z](glm::dvec3 p) { return std::abs(p.z - z) < 1e-9; }; };
-    box.isGlass = [&](glm::dvec3 p) { return band(0)(p) || band(5)(p); };
-    geometry::PatchMesh mesh = test::boxRoom(box);
-    test::BoxRoom inner = box;
-    inner.low.z = 5, inner.high.z = 10;
-    inner.isGlass = band(5);
-    test::addBox(mesh, inner, 1);
-    for (size_t i = 0; i < mesh.patchCount(); ++i)
-        for (size_t j = i + 1; j < mesh.patchCount(); ++j)
-            if (mesh.room[i] != mesh.room[j] && mesh.materials[mesh.material[j]].isOpening() &&
-                glm::length(geometry::patchCentroid(mesh, i) - geometry::patchCentroid(mesh, j)) < 1e-9)
-                mesh.twin[i] = static_cast<int32_t>(j), mesh.twin[j] = static_cast<int32_t>(i);
+    const geometry::PatchMesh mesh = test::twoRooms(true);
     const glm::dvec3 sun = glm::normalize(glm::dvec3(0, 0.05, -1));
-    const double pane = daylight::glazingOf(box.glass).transmittance(-sun.z).y;
+    const double pane = daylight::glazingOf(test::BoxRoom{}.glass).transmittance(-sun.z).y;
     const SunPatches patches(mesh, sun);
     ASSERT_TRUE(patches.canEnter());
     const glm::vec3 outer = patches.atPoint({2.1, 1.2, 4.9}, sun),
