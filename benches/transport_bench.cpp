@@ -3,7 +3,6 @@
 // exact float32 matrix. CPU seconds (all threads of the process) stand beside wall seconds, since machines
 // are shared.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
@@ -16,6 +15,7 @@
 #include "compute/form_factors.h"
 #include "compute/gpu/device.h"
 #include "compute/radiosity_gather.h"
+#include "compute/stopwatch.h"
 #include "geometry/model_file.h"
 
 using namespace heliodon;
@@ -31,11 +31,10 @@ Time timed(int runs, const std::function<void()>& work) {
     work();
     std::vector<Time> times;
     for (int k = 0; k < runs; ++k) {
-        const auto start = std::chrono::steady_clock::now();
+        const compute::Stopwatch watch;
         const std::clock_t cpu = std::clock();
         work();
-        times.push_back({std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
-                         static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC});
+        times.push_back({watch.seconds(), static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC});
     }
     std::sort(times.begin(), times.end(), [](const Time& a, const Time& b) { return a.wall < b.wall; });
     return times[times.size() / 2];

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -10,6 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "compute/parallel.h"
+#include "compute/stopwatch.h"
 #include "compute/sun_patches.h"
 
 namespace heliodon::compute {
@@ -25,18 +25,6 @@ constexpr size_t kCheckedSunless = 3, kCheckedSunny = 6;
 // Work of an hour with sun and of a sensor, whose responses are the largest part, for the bar: measured on 78
 // to 400 sensors.
 constexpr double kHourWork = 1.0, kSensorWork = 4.0, kResponseShare = 0.8;
-
-class Clock {
-public:
-    explicit Clock(double& sum) : sum_(sum) {}
-    ~Clock() { sum_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-    Clock(const Clock&) = delete;
-    Clock& operator=(const Clock&) = delete;
-
-private:
-    double& sum_;
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 // `wanted` entries spread evenly over `all`.
 template<class T> std::vector<T> spread(const std::vector<T>& all, size_t wanted) {
@@ -73,7 +61,7 @@ void AnnualDaylight::told(size_t hours, double sensors) const {
 }
 
 void AnnualDaylight::makeSkies() {
-    const Clock clock(report_.skySeconds);
+    const SecondsAdded clock(report_.skySeconds);
     const TransportParts parts = transport_.parts();
     if (parts.skyElements == 0) return;
     for (size_t h = 0; h < skies_.size(); ++h)
@@ -89,7 +77,7 @@ void AnnualDaylight::makeSkies() {
 }
 
 void AnnualDaylight::makeSuns() {
-    const Clock clock(report_.sunSeconds);
+    const SecondsAdded clock(report_.sunSeconds);
     if (transport_.parts().skyElements == 0) return;
     std::vector<uint32_t> hours;
     for (size_t h = 0; h < skies_.size(); ++h)
@@ -308,12 +296,12 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
     std::vector<float> sky(count * lit_.size()), reflected(count * sunny_.size());
     if (lux.empty()) return;
     {
-        const Clock clock(report_.sensorSeconds);
+        const SecondsAdded clock(report_.sensorSeconds);
         transport_.setSensors({sensors.begin(), sensors.end()});
         responses = respond(transport_.parts());
     }
     {
-        const Clock clock(report_.productSeconds);
+        const SecondsAdded clock(report_.productSeconds);
         multiply(responses.sky, count, luminance_, sky);
         addSun(responses, reflected);
         addEdges(transport_.parts(), reflected);
@@ -364,7 +352,7 @@ std::vector<uint32_t> AnnualDaylight::checkedHours() const {
 // hours.
 void AnnualDaylight::checkAndSetErrors(std::span<const float> lux, std::span<const float> sun,
                                        std::span<float> error) {
-    const Clock clock(report_.productSeconds);
+    const SecondsAdded clock(report_.productSeconds);
     const size_t hours = skies_.size(), count = hours ? lux.size() / hours : 0;
     const std::vector<uint32_t> checked = checkedHours();
     std::vector<daylight::Sky> skies;

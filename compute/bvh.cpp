@@ -7,6 +7,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "compute/texel.h"
 #include "shaders/io/bvh.io.h"
 
 namespace heliodon::compute {
@@ -131,12 +132,6 @@ private:
     std::vector<Box> boxes_;
     std::vector<dvec3> middles_;
 };
-
-glm::uvec4 texelOf(const dvec3& v, uint32_t w) {
-    return {std::bit_cast<uint32_t>(static_cast<float>(v.x)),
-            std::bit_cast<uint32_t>(static_cast<float>(v.y)),
-            std::bit_cast<uint32_t>(static_cast<float>(v.z)), w};
-}
 
 // Depth first with the near child first for directions of one octant (bit a set: negative along axis a).
 class Flattener {

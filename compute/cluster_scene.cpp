@@ -1,13 +1,13 @@
 #include "compute/cluster_scene.h"
 
 #include <algorithm>
-#include <bit>
 
 #include <glm/vec4.hpp>
 
 #include "compute/convex_regions.h"
 #include "compute/gpu/commands.h"
 #include "compute/gpu/device.h"
+#include "compute/texel.h"
 #include "spirv/hierarchical_leaves_comp.h"
 
 namespace heliodon::compute {
@@ -18,16 +18,6 @@ constexpr uint32_t kBatch = 1u << 16; // pairs of one dispatch
 constexpr uint32_t kBlockerCorners = 8;
 constexpr uint32_t kLeafRays = 512; // at most: loops of one invocation stay far below 65535 turns
 constexpr VkFormat kUvec4 = VK_FORMAT_R32G32B32A32_UINT;
-
-glm::uvec4 texelOf(const glm::dvec3& v, uint32_t w) {
-    return {std::bit_cast<uint32_t>(static_cast<float>(v.x)),
-            std::bit_cast<uint32_t>(static_cast<float>(v.y)),
-            std::bit_cast<uint32_t>(static_cast<float>(v.z)), w};
-}
-
-uint32_t bitsOf(double x) {
-    return std::bit_cast<uint32_t>(static_cast<float>(x));
-}
 
 } // namespace
 

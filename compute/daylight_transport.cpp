@@ -1,7 +1,6 @@
 #include "compute/daylight_transport.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numbers>
 
@@ -16,6 +15,7 @@
 #include "compute/radiosity_gather.h"
 #include "compute/relight_basis.h"
 #include "compute/sensor_gather.h"
+#include "compute/stopwatch.h"
 #include "compute/sun_patches.h"
 #include "geometry/input_error.h"
 
@@ -34,16 +34,6 @@ constexpr double kSensorSkyError = 0.008; // of sky light, from its cubature and
 constexpr double kPatchSkyError = 0.01;   // the same for four points a patch and sky elements
 constexpr double kPatchError = 0.02;      // of reflected light on a patch
 constexpr double kHemicubeRowError = 0.02;
-
-class Clock {
-public:
-    double seconds() const {
-        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    }
-
-private:
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 bool isGrey(glm::vec3 v) {
     return v.x == v.y && v.y == v.z;
@@ -153,7 +143,7 @@ void DaylightTransport::State::findOpenings() {
 }
 
 void DaylightTransport::State::makeSky() {
-    const Clock clock;
+    const Stopwatch clock;
     patchSky.elements = static_cast<uint32_t>(skyPatches.elementCount());
     patchSky.channels = 1;
     for (const geometry::Material& m : mesh.materials)
@@ -163,7 +153,7 @@ void DaylightTransport::State::makeSky() {
 }
 
 void DaylightTransport::State::makeSensors() {
-    const Clock clock;
+    const Stopwatch clock;
     sensors = gatherSensors(*points, *slopes, std::move(sensors.sensors), skyPatches, patchSky.channels);
     report.sensorsOutside =
         static_cast<size_t>(std::count(sensors.room.begin(), sensors.room.end(), kNoRoom));
@@ -193,7 +183,7 @@ Moment DaylightTransport::State::direct(const daylight::Sky& sky) const {
     moment.lighting.sunIlluminance.assign(n, glm::vec3(0));
     auto& modelled = moment.report.modelled;
     auto& skipped = moment.report.skipped;
-    const Clock combining;
+    const Stopwatch combining;
     const bool all = options.skipNothing;
     if (!hasOpenings && !all) {
         skipped.push_back("sky and ground: no opening leads outside");
@@ -208,7 +198,7 @@ Moment DaylightTransport::State::direct(const daylight::Sky& sky) const {
     }
     moment.report.combineSeconds = combining.seconds();
 
-    const Clock sunning;
+    const Stopwatch sunning;
     if (!sky.hasSun() && !all) {
         skipped.push_back("sun: below the horizon or behind cloud");
     } else if (!hasOpenings && !all) {
@@ -259,7 +249,7 @@ void DaylightTransport::State::sunOn(Moment& moment, const daylight::SunDisc& di
 }
 
 void DaylightTransport::State::solve(std::span<Moment> moments) {
-    const Clock clock;
+    const Stopwatch clock;
     const size_t n = mesh.patchCount();
     const uint32_t perMoment = columnsPerMoment();
     const RadiosityMatter& matter = solver->matter();
@@ -362,7 +352,7 @@ std::vector<float> DaylightTransport::State::spreadWithin(const std::vector<floa
 
 void DaylightTransport::State::atSensors(Moment& moment, const std::vector<float>& exitance,
                                          size_t first) const {
-    const Clock clock;
+    const Stopwatch clock;
     const size_t n = mesh.patchCount();
     double most = 0;
     for (const glm::vec3& out : moment.lighting.exitance) most = std::max(most, photometric(out));

@@ -1,7 +1,6 @@
 #include "compute/form_factors.h"
 
 #include <array>
-#include <chrono>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -14,6 +13,7 @@
 #include "compute/hierarchical.h"
 #include "compute/monte_carlo.h"
 #include "compute/parallel.h"
+#include "compute/stopwatch.h"
 #include "geometry/input_error.h"
 
 namespace heliodon::compute {
@@ -130,6 +130,16 @@ std::string kernelList() {
     throw geometry::InputError("--kernel", kernel, "unknown; expected " + kernelList());
 }
 
+void measureClosure(std::span<const double> rowSums, FormFactorReport& report) {
+    double squares = 0;
+    report.closureMax = 0;
+    for (double sum : rowSums) {
+        report.closureMax = std::max(report.closureMax, std::abs(sum - 1));
+        squares += (sum - 1) * (sum - 1);
+    }
+    report.closureRms = std::sqrt(squares / static_cast<double>(std::max<size_t>(rowSums.size(), 1)));
+}
+
 void explain(FormFactorReport& report, const Choice& choice) {
     if (!choice.why.empty()) report.why = choice.why + "; " + report.why;
 }
@@ -147,17 +157,12 @@ void measureFormFactors(const geometry::PatchMesh& mesh, const gpu::Buffer& valu
         F = copy.data();
     }
     std::vector<double> area(n);
-    double total = 0, squares = 0;
-    report.closureMax = 0;
+    double total = 0;
     for (size_t i = 0; i < n; ++i) total += area[i] = geometry::patchArea(mesh, i);
-    for (size_t i = 0; i < n; ++i) {
-        double sum = 0;
-        for (size_t j = 0; j < n; ++j) sum += F[i * n + j];
-        const double gap = std::abs(sum - 1);
-        report.closureMax = std::max(report.closureMax, gap);
-        squares += gap * gap;
-    }
-    report.closureRms = std::sqrt(squares / static_cast<double>(n));
+    std::vector<double> sums(n, 0.0);
+    for (size_t i = 0; i < n; ++i)
+        for (size_t j = 0; j < n; ++j) sums[i] += double{F[i * n + j]};
+    measureClosure(sums, report);
     // In blocks, since one of the two walks down columns.
     constexpr size_t kBlock = 64;
     double reciprocity = 0;
@@ -180,7 +185,7 @@ std::span<const std::string_view> formFactorKernels() {
 
 FormFactors computeFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
                                const FormFactorOptions& options) {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     const Choice choice = chosen(mesh, options);
     FormFactors result;
     if (choice.kernel == "exact") {
@@ -197,7 +202,7 @@ FormFactors computeFormFactors(gpu::Device& device, const geometry::PatchMesh& m
         refuse(choice.kernel);
     }
     explain(result.report, choice);
-    result.report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    result.report.seconds = watch.seconds();
     measureFormFactors(mesh, result.values, result.report);
     return result;
 }
@@ -205,7 +210,7 @@ FormFactors computeFormFactors(gpu::Device& device, const geometry::PatchMesh& m
 FormFactorReport streamFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
                                    const FormFactorOptions& options,
                                    const std::function<void(const FormFactorTile&)>& take) {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     const Choice choice = chosen(mesh, options);
     const auto n = static_cast<uint32_t>(mesh.patchCount());
     std::vector<double> sums(n, 0.0);
@@ -259,13 +264,8 @@ FormFactorReport streamFormFactors(gpu::Device& device, const geometry::PatchMes
         refuse(choice.kernel);
     }
     explain(report, choice);
-    double squares = 0;
-    for (double sum : sums) {
-        report.closureMax = std::max(report.closureMax, std::abs(sum - 1));
-        squares += (sum - 1) * (sum - 1);
-    }
-    report.closureRms = std::sqrt(squares / std::max(n, 1u));
-    report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    measureClosure(sums, report);
+    report.seconds = watch.seconds();
     return report;
 }
 

@@ -11,6 +11,7 @@
 #include "compute/daylight/glazing.h"
 #include "compute/daylight/sky_patches.h"
 #include "compute/gpu/device.h"
+#include "compute/texel.h"
 #include "geometry/bounds.h"
 #include "geometry/perpendicular.h"
 #include "shaders/io/fixed_to_float.io.h"
@@ -33,12 +34,6 @@ double parallelCorner(double a, double b) {
 double uprightCorner(double y, double z) {
     const double r = std::sqrt(1 + z * z);
     return (std::atan(y) - std::atan(y / r) / r) / (2 * kPi);
-}
-
-glm::uvec4 texelOf(glm::dvec3 v, uint32_t w) {
-    return {std::bit_cast<uint32_t>(static_cast<float>(v.x)),
-            std::bit_cast<uint32_t>(static_cast<float>(v.y)),
-            std::bit_cast<uint32_t>(static_cast<float>(v.z)), w};
 }
 
 // Barycentric centroids of a regular subdivision into m^2 triangles: equal weights, so that the device sums

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <chrono>
 #include <cmath>
 #include <cstring>
 
@@ -13,6 +12,8 @@
 
 #include "compute/gpu/commands.h"
 #include "compute/gpu/device.h"
+#include "compute/stopwatch.h"
+#include "compute/texel.h"
 #include "spirv/hierarchical_gather_comp.h"
 #include "spirv/hierarchical_links_comp.h"
 #include "spirv/hierarchical_moments_comp.h"
@@ -30,10 +31,6 @@ constexpr uint32_t kMostColumns = 4;
 constexpr double kShare = 0.45;
 constexpr double kLeastHidden = 5e-4; // row error that samples of visibility reach in useful time
 constexpr VkFormat kUvec4 = VK_FORMAT_R32G32B32A32_UINT, kVec4 = VK_FORMAT_R32G32B32A32_SFLOAT;
-
-uint32_t bitsOf(double x) {
-    return std::bit_cast<uint32_t>(static_cast<float>(x));
-}
 
 glm::dvec3 middleOf(const PatchTree::Leaf& leaf) {
     return (leaf.corner[0] + leaf.corner[1] + leaf.corner[2]) / 3.0;
@@ -68,7 +65,7 @@ HierarchicalFormFactors::HierarchicalFormFactors(gpu::Device& device, const geom
       moments_(device, hierarchical_moments_comp, "hierarchical moments"),
       spread_(device, hierarchical_spread_comp, "hierarchical spread"),
       patches_(device, hierarchical_patches_comp, "hierarchical patches") {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     statistics_.blockers = scene_.blockerCount;
     statistics_.nodes = static_cast<uint32_t>(scene_.tree.nodes.size());
     for (size_t i = 0; i < mesh.patchCount(); ++i) patchArea_.push_back(geometry::patchArea(mesh, i));
@@ -78,7 +75,7 @@ HierarchicalFormFactors::HierarchicalFormFactors(gpu::Device& device, const geom
     report_.kernel = "hierarchical";
     report_.claimedRowError =
         scene_.blockerCount > 0 ? std::max(options.maxError, kLeastHidden) : options.maxError;
-    report_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    report_.seconds = watch.seconds();
     report_.why = fmt::format(
         "{} links between {} clusters, {:.1f} MB instead of {:.1f} MB", statistics_.links, statistics_.nodes,
         static_cast<double>(statistics_.bytes) * 1e-6, static_cast<double>(patchCount_) * patchCount_ * 4e-6);

@@ -10,6 +10,7 @@
 
 #include "compute/gpu/commands.h"
 #include "compute/gpu/device.h"
+#include "compute/texel.h"
 #include "geometry/perpendicular.h"
 #include "spirv/monte_carlo_combine_comp.h"
 #include "spirv/monte_carlo_comp.h"
@@ -58,12 +59,6 @@ std::array<uint32_t, 32> directionNumbers(uint32_t s, uint32_t a, std::array<uin
         }
     }
     return v;
-}
-
-glm::uvec4 texelOf(const glm::dvec3& v, uint32_t w) {
-    return {std::bit_cast<uint32_t>(static_cast<float>(v.x)),
-            std::bit_cast<uint32_t>(static_cast<float>(v.y)),
-            std::bit_cast<uint32_t>(static_cast<float>(v.z)), w};
 }
 
 } // namespace

@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include <glm/geometric.hpp>
 
-#include "geometry/bounds.h"
+#include "compute/convex_regions.h"
 #include "geometry/perpendicular.h"
 
 namespace heliodon::compute {
@@ -115,6 +114,19 @@ private:
     PatchTree& tree_;
 };
 
+void addLeaves(const geometry::PatchMesh& mesh, size_t patch, std::vector<PatchTree::Leaf>& leaves) {
+    const auto c = mesh.patch(patch);
+    for (size_t k = 1; k + 1 < c.size(); ++k) {
+        PatchTree::Leaf leaf{{mesh.vertices[c[0]], mesh.vertices[c[k]], mesh.vertices[c[k + 1]]},
+                             static_cast<uint32_t>(patch),
+                             0,
+                             0};
+        leaf.area =
+            0.5 * glm::length(glm::cross(leaf.corner[1] - leaf.corner[0], leaf.corner[2] - leaf.corner[0]));
+        if (leaf.area > 0) leaves.push_back(leaf);
+    }
+}
+
 } // namespace
 
 std::array<double, 2> PatchTree::coordinates(const Node& node, const dvec3& point) {
@@ -125,34 +137,23 @@ std::array<double, 2> PatchTree::coordinates(const Node& node, const dvec3& poin
 
 PatchTree buildPatchTree(const geometry::PatchMesh& mesh) {
     PatchTree tree;
-    const double size = std::max(geometry::boundsOf(mesh.vertices).diagonal(), 1e-300);
-    struct Plane {
-        dvec3 normal{0};
-        std::vector<PatchTree::Leaf> leaves;
-    };
-    std::map<std::array<int64_t, 5>, Plane> planes;
+    const std::vector<uint32_t> plane = planeNumbers(mesh);
+    std::vector<std::vector<size_t>> patches; // of each plane
     for (size_t i = 0; i < mesh.patchCount(); ++i) {
-        const dvec3 n = geometry::patchNormal(mesh, i);
-        if (!(glm::length(n) > 0.5)) continue;
-        const auto c = mesh.patch(i);
-        const double offset = glm::dot(n, mesh.vertices[c[0]] - mesh.vertices[0]) / size;
-        const auto cell = [](double x) { return std::llround(x * 1e6 + 0.31); };
-        Plane& plane = planes[{mesh.room[i], cell(n.x), cell(n.y), cell(n.z), cell(offset)}];
-        if (plane.leaves.empty()) plane.normal = n;
-        for (size_t k = 1; k + 1 < c.size(); ++k) {
-            PatchTree::Leaf leaf{{mesh.vertices[c[0]], mesh.vertices[c[k]], mesh.vertices[c[k + 1]]},
-                                 static_cast<uint32_t>(i),
-                                 0,
-                                 0};
-            leaf.area = 0.5 * glm::length(glm::cross(leaf.corner[1] - leaf.corner[0],
-                                                     leaf.corner[2] - leaf.corner[0]));
-            if (leaf.area > 0) plane.leaves.push_back(leaf);
-        }
+        if (plane[i] >= patches.size()) patches.resize(plane[i] + 1);
+        patches[plane[i]].push_back(i);
     }
     Builder builder(tree);
-    for (auto& [key, plane] : planes)
-        if (!plane.leaves.empty())
-            builder.addRoot(std::move(plane.leaves), plane.normal, static_cast<uint32_t>(key[0]));
+    for (size_t k = 1; k < patches.size(); ++k) { // the first has no area
+        dvec3 sum{0};
+        std::vector<PatchTree::Leaf> leaves;
+        for (size_t i : patches[k]) {
+            sum += geometry::patchAreaVector(mesh, i);
+            addLeaves(mesh, i, leaves);
+        }
+        if (!leaves.empty())
+            builder.addRoot(std::move(leaves), glm::normalize(sum), mesh.room[patches[k][0]]);
+    }
     builder.split();
     return tree;
 }

@@ -1,13 +1,13 @@
 #include "compute/roofline.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "compute/gpu/buffer.h"
 #include "compute/gpu/commands.h"
 #include "compute/gpu/error.h"
 #include "compute/gpu/kernel.h"
+#include "compute/stopwatch.h"
 #include "shaders/io/roofline.io.h"
 #include "spirv/roofline_comp.h"
 
@@ -38,10 +38,9 @@ public:
             commands.dispatch(kernel_, {gpu::texel(source_, VK_FORMAT_R32G32B32A32_SFLOAT), sums_}, params_,
                               kInvocations / io::kRooflineGroup);
             commands.barrier(gpu::Stage::compute, gpu::Stage::host);
-            const auto start = std::chrono::steady_clock::now();
+            const Stopwatch watch;
             device_->submitAndWait(std::move(commands));
-            best = std::min(best,
-                            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+            best = std::min(best, watch.seconds());
         }
         // Every sum of four is counted up by ones, here and in the source.
         const float expected = 4.0f * static_cast<float>(params_.rounds) *

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <atomic>
 #include <cstring>
 #include <fstream>
 #include <functional>
@@ -8,9 +7,11 @@
 #include <fmt/format.h>
 
 #include "compute/form_factors.h"
+#include "compute/parallel.h"
 #include "compute/radiosity_gather.h"
 #include "compute/reference/form_factor_rows.h"
 #include "compute/roofline.h"
+#include "compute/stopwatch.h"
 #include "engine/app/bench_clock.h"
 #include "engine/app/bench_peers.h"
 #include "engine/app/bench_results.h"
@@ -69,18 +70,9 @@ Reference referenceOf(Run& run, const BenchScene& scene, size_t count) {
     result.values.resize(result.rows.size());
     const compute::reference::FormFactorRows oracle(scene.mesh);
     Progress progress("reference of " + scene.name, result.rows.size(), run.showsProgress());
-    std::atomic<size_t> next = 0, done = 0;
-    const auto work = [&](bool shows) {
-        for (size_t k = next++; k < result.rows.size(); k = next++) {
-            result.values[k] = oracle.row(result.rows[k]);
-            ++done;
-            if (shows) progress.advance(done);
-        }
-    };
-    std::vector<std::jthread> threads;
-    for (unsigned w = 1; w < std::max(1u, std::thread::hardware_concurrency()); ++w)
-        threads.emplace_back(work, false);
-    work(true);
+    compute::inParallel(
+        result.rows.size(), [&](size_t k) { result.values[k] = oracle.row(result.rows[k]); },
+        [&](size_t done) { progress.advance(done); });
     return result;
 }
 
@@ -299,18 +291,12 @@ double nativeSeconds(const std::vector<float>& F, const std::vector<float>& B, s
     std::vector<float> out(n * columns);
     const size_t workers = std::max(1u, std::thread::hardware_concurrency());
     const auto repeats = std::max<size_t>(3, 400'000'000 / (n * n * columns));
-    const auto start = std::chrono::steady_clock::now();
-    {
-        std::vector<std::jthread> threads;
-        for (size_t w = 0; w < workers; ++w)
-            threads.emplace_back([&, w] {
-                for (size_t k = 0; k < repeats; ++k)
-                    multiplyRows(F.data(), B.data(), out.data(), n, columns, w * n / workers,
-                                 (w + 1) * n / workers);
-            });
-    }
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() /
-           static_cast<double>(repeats);
+    const compute::Stopwatch watch;
+    compute::inParallel(workers, [&](size_t w) {
+        for (size_t k = 0; k < repeats; ++k)
+            multiplyRows(F.data(), B.data(), out.data(), n, columns, w * n / workers, (w + 1) * n / workers);
+    });
+    return watch.seconds() / static_cast<double>(repeats);
 }
 
 void Bench::gather() {
@@ -327,11 +313,9 @@ void Bench::gather() {
         for (size_t k = 0; k < B.size(); ++k) B[k] = 1 + static_cast<float>(k % 17) / 16;
         std::vector<double> seconds;
         for (int k = 0; k < 22; ++k) {
-            const auto start = std::chrono::steady_clock::now();
+            const compute::Stopwatch watch;
             gather.gather(B, out, columns);
-            if (k > 0)
-                seconds.push_back(
-                    std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+            if (k > 0) seconds.push_back(watch.seconds());
         }
         GatherResult result{scene_->name, n, columns, median(seconds), nativeSeconds(matrix, B, n, columns)};
         result.bytesPerSecond = 4.0 * n * n / result.wallSeconds;

@@ -1,22 +1,21 @@
 // Wall and processor seconds of this process and the programs that it has waited for, all threads.
 #pragma once
 
-#include <chrono>
-
 #include <sys/resource.h>
+
+#include "compute/stopwatch.h"
 
 namespace heliodon::app {
 
 class BenchClock {
 public:
-    BenchClock() : wall_(Clock::now()), cpu_(cpuNow()) {}
+    BenchClock() : cpu_(cpuNow()) {}
     void stop(double& wallSeconds, double& cpuSeconds) const {
-        wallSeconds = std::chrono::duration<double>(Clock::now() - wall_).count();
+        wallSeconds = wall_.seconds();
         cpuSeconds = cpuNow() - cpu_;
     }
 
 private:
-    using Clock = std::chrono::steady_clock;
     static double cpuNow() {
         double sum = 0;
         for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
@@ -28,7 +27,7 @@ private:
         return sum;
     }
 
-    Clock::time_point wall_;
+    compute::Stopwatch wall_;
     double cpu_;
 };
 

@@ -6,17 +6,16 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <numbers>
 #include <span>
 #include <sstream>
 #include <stdexcept>
-#include <thread>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <unistd.h>
 
+#include "compute/parallel.h"
 #include "engine/app/bench_clock.h"
 #include "geometry/bounds.h"
 #include "geometry/perpendicular.h"
@@ -110,16 +109,6 @@ public:
     }
     EmbreeScene(const EmbreeScene&) = delete;
     EmbreeScene& operator=(const EmbreeScene&) = delete;
-
-    // Calls work(patch) for all patches, spread over all cores.
-    void onAllCores(const std::function<void(size_t)>& work) const {
-        const size_t n = mesh_.patchCount(), workers = std::max(1u, std::thread::hardware_concurrency());
-        std::vector<std::jthread> threads;
-        for (size_t w = 0; w < workers; ++w)
-            threads.emplace_back([&, w] {
-                for (size_t i = w; i < n; i += workers) work(i);
-            });
-    }
 
     // Shoots one packet of the bundle from `x, y, z` and adds what it hits on the front to `row`.
     void shoot(const Bundle& bundle, size_t packet, const Frame& frame, const Lanes& x, const Lanes& y,
@@ -223,7 +212,7 @@ PeerResult embreeHemicube(const geometry::PatchMesh& mesh, uint32_t resolution) 
     const Bundle bundle = hemicubeBundle(resolution);
     result.rays = static_cast<double>(n) * static_cast<double>(bundle.rays);
     const compute::PatchViewpoints views = compute::patchViewpoints(mesh, 1);
-    scene.onAllCores([&](size_t i) {
+    compute::inParallel(n, [&](size_t i) {
         const compute::Viewpoint& view = views.viewpoints[i];
         const Frame frame = frameOf(view.normal, view.turn);
         const Lanes x = everywhere(view.position.x), y = everywhere(view.position.y),
@@ -289,7 +278,7 @@ PeerResult embreeRays(const geometry::PatchMesh& mesh, uint32_t raysPerPatch) {
         bundle.add({sine * std::cos(turn), sine * std::sin(turn), std::sqrt(1 - sine * sine)},
                    1.0 / raysPerPatch);
     }
-    scene.onAllCores([&](size_t i) {
+    compute::inParallel(n, [&](size_t i) {
         const double shift = std::fmod(0.6180339887498949 * static_cast<double>(i), 1.0);
         const Starts places(mesh, i, shift);
         const Frame frame = frameOf(geometry::patchNormal(mesh, i), 2 * std::numbers::pi * shift);

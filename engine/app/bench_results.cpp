@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "engine/app/chart.h"
+
 namespace heliodon::app {
 
 namespace {
@@ -175,12 +177,6 @@ std::vector<std::vector<BenchResult>> panels(const std::vector<BenchResult>& res
         group->push_back(r);
     }
     return groups;
-}
-
-std::string escaped(const std::string& text) {
-    std::string result;
-    for (const char c : text) result += c == '&' ? "&amp;" : c == '<' ? "&lt;" : std::string(1, c);
-    return result;
 }
 
 } // namespace

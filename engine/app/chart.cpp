@@ -22,18 +22,18 @@ std::string hex(Ink ink) {
     return fmt::format("#{:02x}{:02x}{:02x}", ink[0], ink[1], ink[2]);
 }
 
+std::string number(double value) {
+    return value >= 1000 ? fmt::format("{:.3g}k", value / 1000) : fmt::format("{:.3g}", value);
+}
+
+} // namespace
+
 std::string escaped(const std::string& words) {
     std::string result;
     for (char letter : words)
         result += letter == '&' ? "&amp;" : letter == '<' ? "&lt;" : std::string(1, letter);
     return result;
 }
-
-std::string number(double value) {
-    return value >= 1000 ? fmt::format("{:.3g}k", value / 1000) : fmt::format("{:.3g}", value);
-}
-
-} // namespace
 
 void Chart::fill(std::vector<glm::dvec2> outline, Ink ink) {
     items_.push_back({Item::Kind::fill, std::move(outline), ink, 0, {}, Anchor::start, false});

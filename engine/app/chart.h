@@ -14,6 +14,9 @@ namespace heliodon::app {
 using Ink = std::array<uint8_t, 3>; // sRGB
 inline constexpr Ink kBlack{20, 20, 20}, kGrey{130, 130, 130}, kPaper{255, 255, 255};
 
+// Words as they may stand in SVG.
+std::string escaped(const std::string& words);
+
 enum class Anchor { start, middle, end };
 
 class Chart {

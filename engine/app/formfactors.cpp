@@ -64,13 +64,12 @@ void execute(Run& run, const FormFactorArguments& arguments) {
             run.warn(fmt::format("the row error is estimated as {:.2g}, above the {:.2g} asked for",
                                  report.claimedRowError, options.maxError));
     };
-    // The file is opened before the work: a folder that cannot be written to is named at once.
-    writeNpyTiles(arguments.output, n, n, [&](const PutTile& put) {
+    NpyWriter::writeWhole(arguments.output, n, n, [&](NpyWriter& out) {
         if (n > kLargestDense) {
             const StageTimer timer(run, "formfactors");
             const auto report =
                 compute::streamFormFactors(device, mesh, options, [&](const compute::FormFactorTile& tile) {
-                    put(tile.firstRow, tile.rows, tile.firstColumn, tile.columns, tile.values);
+                    out.put(tile.firstRow, tile.rows, tile.firstColumn, tile.columns, tile.values);
                 });
             finish(report);
             return;
@@ -83,7 +82,7 @@ void execute(Run& run, const FormFactorArguments& arguments) {
         finish(factors.report);
         if (!arguments.reference.empty())
             run.report()["error"] = errorAgainst(readMatrix(arguments.reference, n, n), values, n);
-        put(0, n, 0, n, values);
+        out.write(values);
     });
 }
 

@@ -25,7 +25,7 @@ void addOnce(json& list, const std::string& text) {
 
 Run::Run(const Arguments& arguments)
     : deviceName_(arguments.common.device), reportFile_(arguments.common.report),
-      quiet_(arguments.common.quiet), start_(std::chrono::steady_clock::now()) {
+      quiet_(arguments.common.quiet) {
     report_ = {{"program", "heliodon"},    {"version", HELIODON_VERSION}, {"command", arguments.commandName},
                {"stages", json::object()}, {"modelled", json::array()},   {"skipped", json::array()},
                {"warnings", json::array()}};
@@ -84,8 +84,7 @@ void Run::addStageSeconds(const std::string& stage, double seconds) {
 
 void Run::finish(const std::string& error) {
     if (reportFile_.empty()) return;
-    const std::chrono::duration<double> total = std::chrono::steady_clock::now() - start_;
-    report_["seconds"] = total.count();
+    report_["seconds"] = watch_.seconds();
     if (!error.empty()) report_["error"] = error;
     if (device_) report_["device"]["peak_bytes"] = device_->memory().peakBytesInUse();
     geometry::writeWholeText(reportFile_, report_.dump(2) + "\n");

@@ -1,7 +1,6 @@
 // One run of one command: its device, its clock, its report and what it says on the way.
 #pragma once
 
-#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -9,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "compute/gpu/device.h"
+#include "compute/stopwatch.h"
 #include "engine/app/arguments.h"
 
 namespace heliodon::app {
@@ -40,24 +40,21 @@ private:
     bool quiet_;
     nlohmann::json report_;
     std::unique_ptr<gpu::Device> device_;
-    std::chrono::steady_clock::time_point start_;
+    compute::Stopwatch watch_;
 };
 
 // Measures from construction to destruction and adds to `stages` in the report.
 class StageTimer {
 public:
-    StageTimer(Run& run, std::string stage) : run_(run), stage_(std::move(stage)), start_(Clock::now()) {}
-    ~StageTimer() {
-        run_.addStageSeconds(stage_, std::chrono::duration<double>(Clock::now() - start_).count());
-    }
+    StageTimer(Run& run, std::string stage) : run_(run), stage_(std::move(stage)) {}
+    ~StageTimer() { run_.addStageSeconds(stage_, watch_.seconds()); }
     StageTimer(const StageTimer&) = delete;
     StageTimer& operator=(const StageTimer&) = delete;
 
 private:
-    using Clock = std::chrono::steady_clock;
     Run& run_;
     std::string stage_;
-    Clock::time_point start_;
+    compute::Stopwatch watch_;
 };
 
 } // namespace heliodon::app

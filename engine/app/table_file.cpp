@@ -2,7 +2,6 @@
 
 #include <array>
 #include <bit>
-#include <cassert>
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -93,10 +92,29 @@ SensorTable readSensors(const std::filesystem::path& file, geometry::UpAxis up) 
     return table;
 }
 
-void NpyWriter::write(std::span<const float> values) {
+void NpyWriter::flush() {
+    if (!out_.flush()) throw std::runtime_error(name_ + ": could not be written (disk full?)");
+}
+
+void NpyWriter::writeAt(size_t place, std::span<const float> values) {
+    out_.seekp(static_cast<std::streamoff>(begin_ + place * sizeof(float)));
     out_.write(reinterpret_cast<const char*>(values.data()),
                static_cast<std::streamsize>(values.size_bytes()));
+}
+
+void NpyWriter::write(std::span<const float> values) {
+    writeAt(written_, values);
     written_ += values.size();
+    flush();
+}
+
+void NpyWriter::put(size_t firstRow, size_t rows, size_t firstColumn, size_t columns,
+                    std::span<const float> values) {
+    // Whole rows in one go; parts of rows one by one.
+    const size_t step = columns == columnCount_ ? rows : 1;
+    for (size_t row = 0; row < rows; row += step)
+        writeAt((firstRow + row) * columnCount_ + firstColumn, values.subspan(row * columns, step * columns));
+    flush();
 }
 
 void NpyWriter::writeWhole(const std::filesystem::path& file, size_t rowCount, size_t columnCount,
@@ -113,52 +131,10 @@ void NpyWriter::writeWhole(const std::filesystem::path& file, size_t rowCount, s
         out.write("\x93NUMPY\x01\x00", 8);
         out.write(reinterpret_cast<const char*>(&length), 2);
         out << header;
-        NpyWriter writer(out);
+        NpyWriter writer(out, file.string(), kPreamble + header.size(), columnCount);
+        writer.flush();
+        std::filesystem::resize_file(aside, writer.begin_ + rowCount * columnCount * sizeof(float));
         fill(writer);
-        assert(writer.written_ == rowCount * columnCount);
-        if (!out.flush()) throw std::runtime_error(file.string() + ": could not be written (disk full?)");
-    });
-}
-
-void writeNpy(const std::filesystem::path& file, size_t rowCount, size_t columnCount,
-              std::span<const float> values) {
-    writeNpyTiles(file, rowCount, columnCount,
-                  [&](const PutTile& put) { put(0, rowCount, 0, columnCount, values); });
-}
-
-void writeNpyTiles(const std::filesystem::path& file, size_t rowCount, size_t columnCount,
-                   const std::function<void(const PutTile&)>& fill) {
-    std::string header =
-        fmt::format("{{'descr': '<f4', 'fortran_order': False, 'shape': ({}, {}), }}", rowCount, columnCount);
-    constexpr size_t kPreamble = 10,
-                     kAlignment = 64; // magic, version and length; numpy aligns the data to 64 bytes
-    header.append(kAlignment - 1 - (kPreamble + header.size()) % kAlignment, ' ');
-    header += '\n';
-    geometry::writeWhole(file, [&](const std::filesystem::path& aside) {
-        std::ofstream out(aside, std::ios::binary);
-        const auto check = [&] {
-            if (!out.flush()) throw std::runtime_error(file.string() + ": could not be written (disk full?)");
-        };
-        const auto length = static_cast<uint16_t>(header.size());
-        out.write("\x93NUMPY\x01\x00", 8);
-        out.write(reinterpret_cast<const char*>(&length), 2);
-        out << header;
-        check();
-        const size_t begin = kPreamble + header.size();
-        std::filesystem::resize_file(aside, begin + rowCount * columnCount * sizeof(float));
-        fill([&](size_t firstRow, size_t rows, size_t firstColumn, size_t columns,
-                 std::span<const float> values) {
-            // Whole rows in one go; parts of rows one by one.
-            const size_t step = columns == columnCount ? rows : 1;
-            for (size_t row = 0; row < rows; row += step) {
-                const size_t at = (firstRow + row) * columnCount + firstColumn;
-                out.seekp(static_cast<std::streamoff>(begin + at * sizeof(float)));
-                out.write(reinterpret_cast<const char*>(values.data() + row * columns),
-                          static_cast<std::streamsize>(step * columns * sizeof(float)));
-            }
-            check();
-        });
-        check();
     });
 }
 

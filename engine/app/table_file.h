@@ -27,30 +27,31 @@ struct SensorTable {
 SensorTable readSensors(const std::filesystem::path& file, geometry::UpAxis up);
 
 // NumPy .npy format 1.0, little-endian float32, C order, in pieces: a matrix need never be whole in memory.
+// What is never written is zero.
 class NpyWriter {
 public:
-    // `fill` hands over rowCount x columnCount values in any number of write()s; the file appears when all
-    // are there. Throws std::runtime_error when the disk is full.
+    // The file is opened before `fill` is called, so that no work is lost to a folder that cannot be written
+    // to, and appears under its name when `fill` returns. Throws InputError where it cannot be written,
+    // std::runtime_error when the disk is full.
     static void writeWhole(const std::filesystem::path& file, size_t rowCount, size_t columnCount,
                            const std::function<void(NpyWriter&)>& fill);
+
+    // The next values, in order.
     void write(std::span<const float> values);
+    // A tile of rows x columns values, row-major, at its place.
+    void put(size_t firstRow, size_t rows, size_t firstColumn, size_t columns, std::span<const float> values);
 
 private:
-    explicit NpyWriter(std::ostream& out) : out_(out) {}
+    NpyWriter(std::ostream& out, std::string name, size_t begin, size_t columnCount)
+        : out_(out), name_(std::move(name)), begin_(begin), columnCount_(columnCount) {}
+    void writeAt(size_t place, std::span<const float> values);
+    void flush();
+
     std::ostream& out_;
+    std::string name_;
+    size_t begin_, columnCount_; // byte of the first value
     size_t written_ = 0;
 };
-
-void writeNpy(const std::filesystem::path& file, size_t rowCount, size_t columnCount,
-              std::span<const float> values);
-
-// The same for matrices that need not fit into memory: `fill` is called with a function that puts a tile of
-// rows x columns values (row-major) at its place, in any order; what is never put is zero. Throws InputError
-// before `fill` is called where the file cannot be written.
-using PutTile = std::function<void(size_t firstRow, size_t rows, size_t firstColumn, size_t columns,
-                                   std::span<const float> values)>;
-void writeNpyTiles(const std::filesystem::path& file, size_t rowCount, size_t columnCount,
-                   const std::function<void(const PutTile&)>& fill);
 
 // A float32 matrix of rowCount x columnCount from .npy (version 1, '<f4', C order) or raw little-endian .f32.
 std::vector<float> readMatrix(const std::filesystem::path& file, size_t rowCount, size_t columnCount);

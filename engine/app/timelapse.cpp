@@ -1,10 +1,10 @@
 #include <algorithm>
-#include <chrono>
 #include <exception>
 
 #include <fmt/format.h>
 #include <sys/resource.h>
 
+#include "compute/stopwatch.h"
 #include "engine/app/commands.h"
 #include "engine/app/frame_sink.h"
 #include "engine/app/light_report.h"
@@ -64,7 +64,7 @@ private:
     }
 
     bool solve(size_t first, size_t count) {
-        const auto start = std::chrono::steady_clock::now();
+        const compute::Stopwatch watch;
         std::vector<daylight::Sky> skies;
         std::vector<bool> fresh;
         for (size_t k = 0; k < count; ++k) {
@@ -75,7 +75,7 @@ private:
         }
         std::vector<compute::Moment> moments = transport_.light(skies);
         if (tinted_) tintLight(transport_, skies, moments);
-        seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        seconds_ += watch.seconds();
         size_t next = 0;
         for (size_t k = 0; k < count; ++k) {
             if (fresh[k])
@@ -246,7 +246,7 @@ void execute(Run& run, const TimelapseArguments& arguments) {
     Solved before;
     LightFigures figures;
     for (size_t frame = 0; frame < times.size(); ++frame) {
-        const auto start = std::chrono::steady_clock::now();
+        const compute::Stopwatch watch;
         const Solved solved = stream.next();
         if (solved != before) figures = lightFigures(scene.mesh, *solved);
         before = solved;
@@ -256,8 +256,7 @@ void execute(Run& run, const TimelapseArguments& arguments) {
             ++drawn;
         }
         progress.advance(frame + 1);
-        frameMs.push_back(
-            std::chrono::duration<float, std::milli>(std::chrono::steady_clock::now() - start).count());
+        frameMs.push_back(static_cast<float>(1e3 * watch.seconds()));
     }
     stream.stop();
     run.addStageSeconds("solve", stream.seconds());

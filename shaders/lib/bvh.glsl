@@ -42,6 +42,27 @@ uint nextLeafWithin(BvhRay ray, float radius, float reach, inout uint node) {
 
 uint nextLeaf(BvhRay ray, float reach, inout uint node) { return nextLeafWithin(ray, 0.0, reach, node); }
 
+// Where a ray's line crosses the plane of the triangle at texel `at` (T. Moeller, B. Trumbore, 1997).
+struct BvhCrossing {
+    uint patch_, room;
+    float inverseTwiceArea;
+    float determinant; // positive: from the front
+    float height;      // of the origin over the plane, times twice the area
+    float t;
+    bool inside; // within the triangle, as widened by kBvhEdge
+};
+
+BvhCrossing crossingOf(BvhRay ray, uint at) {
+    uvec4 t0 = texelFetch(bvhTriangles, int(at)), t1 = texelFetch(bvhTriangles, int(at + 1u)),
+          t2 = texelFetch(bvhTriangles, int(at + 2u));
+    vec3 e = uintBitsToFloat(t1.xyz), f = uintBitsToFloat(t2.xyz), s = ray.origin - uintBitsToFloat(t0.xyz);
+    vec3 p = cross(ray.direction, f), q = cross(s, e);
+    float determinant = dot(e, p), inverse = 1.0 / determinant;
+    float u = dot(s, p) * inverse, v = dot(ray.direction, q) * inverse, height = dot(f, q);
+    return BvhCrossing(t0.w, t1.w, uintBitsToFloat(t2.w), determinant, height, height * inverse,
+                       min(u, v) >= -kBvhEdge && u + v <= 1.0 + kBvhEdge);
+}
+
 // The nearest patch that a ray meets, times two, plus one seen from behind; kBvhNothing when there is none. Patches of other
 // rooms, `self`, and planes nearer to the origin than `flatness` are not there.
 uint nearestPatch(BvhRay ray, uint self, uint room, float flatness) {
@@ -51,18 +72,12 @@ uint nearestPatch(BvhRay ray, uint self, uint room, float flatness) {
         uint leaf = nextLeaf(ray, reach * (1.0 + kBvhTie), node);
         uint at = 3u * (leaf / (2u * kBvhLeafMost)), count = leaf % (2u * kBvhLeafMost), k = 0u;
         [[dont_unroll]] do {
-            uvec4 t0 = texelFetch(bvhTriangles, int(at)), t1 = texelFetch(bvhTriangles, int(at + 1u)),
-                  t2 = texelFetch(bvhTriangles, int(at + 2u));
-            vec3 e = uintBitsToFloat(t1.xyz), f = uintBitsToFloat(t2.xyz), s = ray.origin - uintBitsToFloat(t0.xyz);
-            vec3 p = cross(ray.direction, f), q = cross(s, e);
-            float determinant = dot(e, p), inverse = 1.0 / determinant;
-            float isBack = determinant > 0.0 ? 0.0 : 1.0, wasBack = float(result & 1u);
-            float u = dot(s, p) * inverse, v = dot(ray.direction, q) * inverse, height = dot(f, q), t = height * inverse;
-            bool hit = k < count && t0.w != self && t1.w == room && min(u, v) >= -kBvhEdge && u + v <= 1.0 + kBvhEdge &&
-                       t > 0.0 && t < reach * (1.0 + kBvhTie * (wasBack - isBack)) &&
-                       abs(height) * uintBitsToFloat(t2.w) > flatness;
-            reach = hit ? t : reach;
-            result = hit ? 2u * t0.w + (determinant > 0.0 ? 0u : 1u) : result;
+            BvhCrossing c = crossingOf(ray, at);
+            float isBack = c.determinant > 0.0 ? 0.0 : 1.0, wasBack = float(result & 1u);
+            bool hit = k < count && c.patch_ != self && c.room == room && c.inside && c.t > 0.0 &&
+                       c.t < reach * (1.0 + kBvhTie * (wasBack - isBack)) && abs(c.height) * c.inverseTwiceArea > flatness;
+            reach = hit ? c.t : reach;
+            result = hit ? 2u * c.patch_ + (c.determinant > 0.0 ? 0u : 1u) : result;
             at += 3u;
             ++k;
         } while (k < count);
@@ -79,14 +94,10 @@ bool blockedBetween(vec3 from, vec3 to, uint room, uint nodeCount, float flatnes
         uint leaf = nextLeaf(ray, 1.0, node);
         uint at = 3u * (leaf / (2u * kBvhLeafMost)), count = leaf % (2u * kBvhLeafMost), k = 0u;
         [[dont_unroll]] do {
-            uvec4 t0 = texelFetch(bvhTriangles, int(at)), t1 = texelFetch(bvhTriangles, int(at + 1u)),
-                  t2 = texelFetch(bvhTriangles, int(at + 2u));
-            vec3 e = uintBitsToFloat(t1.xyz), f = uintBitsToFloat(t2.xyz), s = ray.origin - uintBitsToFloat(t0.xyz);
-            vec3 p = cross(ray.direction, f), q = cross(s, e);
-            float determinant = dot(e, p), inverse = 1.0 / determinant, flat_ = flatness / uintBitsToFloat(t2.w);
-            float u = dot(s, p) * inverse, v = dot(ray.direction, q) * inverse, height = dot(f, q), t = height * inverse;
-            blocked = blocked || (k < count && t1.w == room && min(u, v) >= -kBvhEdge && u + v <= 1.0 + kBvhEdge &&
-                                  t > 0.0 && t < 1.0 && abs(height) > flat_ && abs(height - determinant) > flat_);
+            BvhCrossing c = crossingOf(ray, at);
+            float flat_ = flatness / c.inverseTwiceArea;
+            blocked = blocked || (k < count && c.room == room && c.inside && c.t > 0.0 && c.t < 1.0 &&
+                                  abs(c.height) > flat_ && abs(c.height - c.determinant) > flat_);
             at += 3u;
             ++k;
         } while (k < count);

@@ -10,6 +10,11 @@ using geometry::InputError;
 
 class TableFile : public test::InFolder {};
 
+void writeNpy(const std::filesystem::path& file, size_t rows, size_t columns,
+              const std::vector<float>& values) {
+    NpyWriter::writeWhole(file, rows, columns, [&](NpyWriter& out) { out.write(values); });
+}
+
 TEST_F(TableFile, sensors_keep_other_columns_and_turn_with_the_up_axis) {
     test::writeText(in("s.csv"), "id,x,y,z,nx,ny,nz,note\r\n7, 1,2,3, 0,0,2, desk\r\n\r\n");
     const SensorTable table = readSensors(in("s.csv"), geometry::UpAxis::z);
@@ -31,8 +36,22 @@ TEST_F(TableFile, matrices_come_back_as_they_were_written) {
     const std::vector<float> values{1, 2, 3, 4, 5, 6};
     writeNpy(in("m.npy"), 2, 3, values);
     EXPECT_EQ(readMatrix(in("m.npy"), 2, 3), values);
+    NpyWriter::writeWhole(in("parts.npy"), 2, 3, [](NpyWriter& out) {
+        out.write(std::vector<float>{1, 2});
+        out.write(std::vector<float>{3, 4, 5, 6});
+    });
+    EXPECT_EQ(test::readText(in("parts.npy")), test::readText(in("m.npy")));
     EXPECT_EQ(std::filesystem::file_size(in("m.npy")) % 64, values.size() * sizeof(float) % 64);
     EXPECT_THROW(readMatrix(in("m.npy"), 3, 2), InputError);
+}
+
+TEST_F(TableFile, tiles_lie_at_their_places_and_what_is_never_put_is_zero) {
+    NpyWriter::writeWhole(in("m.npy"), 3, 4, [](NpyWriter& out) {
+        out.put(1, 2, 2, 2, std::vector<float>{7, 8, 11, 12});
+        out.put(0, 1, 0, 4, std::vector<float>{1, 2, 3, 4});
+    });
+    EXPECT_EQ(readMatrix(in("m.npy"), 3, 4), (std::vector<float>{1, 2, 3, 4, 0, 0, 7, 8, 0, 0, 11, 12}));
+    EXPECT_THROW(NpyWriter::writeWhole(in("none") / "m.npy", 3, 4, [](NpyWriter&) { FAIL(); }), InputError);
 }
 
 TEST_F(TableFile, a_cut_matrix_is_refused_at_every_length) {
