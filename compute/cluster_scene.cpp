@@ -41,9 +41,13 @@ ClusterScene::ClusterScene(gpu::Device& device, const geometry::PatchMesh& mesh)
         nodeTexels.push_back(texelOf(node.axisV, node.leafCount));
         nodeTexels.push_back({node.child, node.room, 0, 0});
     }
-    for (const PatchTree::Leaf& leaf : tree.leaves)
-        for (const glm::dvec3& corner : leaf.corner)
-            leafTexels.push_back(texelOf(corner - blockers.centre, leaf.node));
+    for (const PatchTree::Leaf& leaf : tree.leaves) {
+        const glm::dvec3 corner = leaf.corner[0] - blockers.centre,
+                         rest = corner - glm::dvec3(glm::vec3(corner));
+        leafTexels.push_back(texelOf(corner, bitsOf(rest.x)));
+        leafTexels.push_back(texelOf(leaf.corner[1] - leaf.corner[0], bitsOf(rest.y)));
+        leafTexels.push_back(texelOf(leaf.corner[2] - leaf.corner[0], bitsOf(rest.z)));
+    }
     nodes = gpu::Buffer::from(device, nodeTexels, "cluster nodes");
     leaves = gpu::Buffer::from(device, leafTexels, "cluster leaves");
 }

@@ -22,10 +22,10 @@ Cluster clusterAt(uint index) {
 vec3 pointOn(Cluster c, float pick, vec2 place) {
     uint leaf = c.firstLeaf + min(uint(pick * float(c.leafCount)), c.leafCount - 1u);
     vec3 a = uintBitsToFloat(texelFetch(leaves, int(3u * leaf)).xyz),
-         b = uintBitsToFloat(texelFetch(leaves, int(3u * leaf + 1u)).xyz),
-         d = uintBitsToFloat(texelFetch(leaves, int(3u * leaf + 2u)).xyz);
+         ab = uintBitsToFloat(texelFetch(leaves, int(3u * leaf + 1u)).xyz),
+         ac = uintBitsToFloat(texelFetch(leaves, int(3u * leaf + 2u)).xyz);
     vec2 w = squareToTriangle(place);
-    return a + w.x * (b - a) + w.y * (d - a);
+    return a + w.x * ab + w.y * ac;
 }
 
 // Ray `k`, stratified by a rank-1 lattice with a random shift for each pair: x what passes along it, y what would in the open.

@@ -11,7 +11,8 @@ const float kPairFlat = 1e-6; // heights below this share of the distance are ro
 const float kPairNear = 0.15;  // sizes over distance from which the product rule is left
 
 struct Triangle {
-    vec3 a, b, c;
+    vec3 a, rest; // a corner, and what of it float32 leaves out
+    vec3 ab, ac;
     vec3 normal;
     float area;
 };
@@ -32,13 +33,8 @@ float logAlong(vec3 from, vec3 unit, float size) {
     return 0.5 * (t1 * log(max(d2 + t1 * t1, 1e-30)) - t0 * log(max(d2 + t0 * t0, 1e-30))) - size + d * angle;
 }
 
-// The part of a triangle over a plane through the origin, as four corners, some of which may coincide.
-void cutAtPlane(vec3 corner[3], vec3 normal, out vec3 part[4]) {
-    vec3 h;
-    for (int k = 0; k < 3; ++k) {
-        float height = dot(corner[k], normal);
-        h[k] = abs(height) <= kPairFlat * length(corner[k]) ? 0.0 : height;
-    }
+// The part of a triangle over a plane, as four corners, some of which may coincide. h: heights of its corners.
+void cutAtPlane(vec3 corner[3], vec3 h, out vec3 part[4]) {
     // Turned so that the corner that lies alone on its side comes first.
     bvec3 over = greaterThanEqual(h, vec3(0.0));
     int alone = over.x == over.y ? (over.x == over.z ? 0 : 2) : over.x == over.z ? 1 : 0;
@@ -108,24 +104,26 @@ float lambertMean(vec3 a, vec3 b, vec3 c, vec3 normal, vec3 q[4], bool wanted) {
 
 const float kPairUneven = 3000.0; // ratio of areas from which a point stands for the smaller one
 
-// A_p F_pq.
-float pairExchange(Triangle p, Triangle q) {
-    vec3 cp[3] = vec3[](vec3(0.0), p.b - p.a, p.c - p.a);
-    vec3 cq[3] = vec3[](q.a - p.a, q.b - p.a, q.c - p.a);
+// A_p F_pq. Corners are relative to one of the smaller triangle, so that it keeps its digits however large the other is.
+float pairExchange(Triangle one, Triangle other) {
+    bool swapped = other.area < one.area;
+    Triangle p = one, q = other;
+    if (swapped) p = other, q = one;
+    vec3 first = (q.a - p.a) + (q.rest - p.rest);
+    vec3 cp[3] = vec3[](vec3(0.0), p.ab, p.ac);
+    vec3 cq[3] = vec3[](first, first + q.ab, first + q.ac);
     vec3 d = (cq[0] + cq[1] + cq[2] - cp[1] - cp[2]) / 3.0;
-    vec2 overP = vec2(1e30, -1e30), overQ = overP;
+    vec3 overP, overQ; // heights of the other's corners
     for (int k = 0; k < 3; ++k) {
-        float h = dot(p.normal, cq[k]), g = dot(q.normal, cp[k] - cq[0]);
-        h = abs(h) <= kPairFlat * length(cq[k]) ? 0.0 : h;
-        g = abs(g) <= kPairFlat * length(cp[k] - cq[0]) ? 0.0 : g;
-        overP = vec2(min(overP.x, h), max(overP.y, h));
-        overQ = vec2(min(overQ.x, g), max(overQ.y, g));
+        float h = dot(p.normal, cq[k]), g = dot(q.normal, cp[k] - first);
+        overP[k] = abs(h) <= kPairFlat * length(cq[k]) ? 0.0 : h;
+        overQ[k] = abs(g) <= kPairFlat * length(cp[k] - first) ? 0.0 : g;
     }
-    bool facing = overP.y > 0.0 && overQ.y > 0.0;
+    vec2 lowest = vec2(min(overP.x, min(overP.y, overP.z)), min(overQ.x, min(overQ.y, overQ.z)));
+    bool facing = max(overP.x, max(overP.y, overP.z)) > 0.0 && max(overQ.x, max(overQ.y, overQ.z)) > 0.0;
     float size = sqrt(p.area) + sqrt(q.area), distance_ = length(d);
-    bool near = facing && (overP.x < 0.0 || overQ.x < 0.0 || size > kPairNear * 2.0 * distance_ ||
-                           max(max(length(cp[1]), length(cp[2])), max(length(cq[1] - cq[0]), length(cq[2] - cq[0]))) >
-                               2.0 * kPairNear * distance_);
+    float longest = max(max(length(p.ab), length(p.ac)), max(length(q.ab), length(q.ac)));
+    bool near = facing && (min(lowest.x, lowest.y) < 0.0 || max(size, longest) > 2.0 * kPairNear * distance_);
     // Both in units of their size, so that logarithms stay small.
     float unit = 1.0 / max(distance_, size);
     for (int k = 0; k < 3; ++k) {
@@ -133,23 +131,15 @@ float pairExchange(Triangle p, Triangle q) {
         cq[k] *= unit;
     }
     vec3 partP[4], partQ[4];
-    vec3 shifted[3] = vec3[](cp[0] - cq[0], cp[1] - cq[0], cp[2] - cq[0]);
-    cutAtPlane(cq, p.normal, partQ);
-    cutAtPlane(shifted, q.normal, partP);
-    for (int k = 0; k < 4; ++k) partP[k] += cq[0];
-    bool pSmall = p.area * kPairUneven < q.area, qSmall = q.area * kPairUneven < p.area;
-    float result = max(0.0, bordersIntegral(partP, partQ, near && !pSmall && !qSmall)) / (unit * unit);
-    vec3 small[4], large[4];
-    for (int k = 0; k < 4; ++k) {
-        small[k] = pSmall ? partP[k] : partQ[k];
-        large[k] = pSmall ? partQ[k] : partP[k];
-    }
-    vec3 normal = pSmall ? p.normal : q.normal;
-    float mean = lambertMean(small[0], small[1], small[2], normal, large, near && (pSmall || qSmall));
-    float other = lambertMean(small[0], small[2], small[3], normal, large, near && (pSmall || qSmall));
-    float areaA = 0.5 * length(cross(small[1] - small[0], small[2] - small[0])),
-          areaB = 0.5 * length(cross(small[2] - small[0], small[3] - small[0]));
-    if (near && (pSmall || qSmall)) result = (areaA * mean + areaB * other) / (unit * unit);
+    cutAtPlane(cq, overP, partQ);
+    cutAtPlane(cp, overQ, partP);
+    bool uneven = p.area * kPairUneven < q.area;
+    float result = max(0.0, bordersIntegral(partP, partQ, near && !uneven)) / (unit * unit);
+    float mean = lambertMean(partP[0], partP[1], partP[2], p.normal, partQ, near && uneven),
+          rest = lambertMean(partP[0], partP[2], partP[3], p.normal, partQ, near && uneven);
+    float areaA = 0.5 * length(cross(partP[1] - partP[0], partP[2] - partP[0])),
+          areaB = 0.5 * length(cross(partP[2] - partP[0], partP[3] - partP[0]));
+    if (near && uneven) result = (areaA * mean + areaB * rest) / (unit * unit);
     if (!near) {
         float sum = 0.0;
         for (int k = 0; k < 3; ++k) {
