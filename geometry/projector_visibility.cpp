@@ -1,368 +1,244 @@
 // Where the paper casts a ray from each centroid of a mesh cut along silhouettes, we keep the shadow of every
-// convex solid on every plane as a polygon: it is both the line to cut along and, exactly, the test whether a
-// piece is dark. Cuts meet the edges of the mesh in points that both neighbours share, so that no T-vertices
-// arise.
+// convex solid on every plane as a polygon: it is both the line to mesh along and, exactly, the test whether
+// a piece is dark. Lines meet the border of a flat piece of surface in points that both neighbours share, so
+// that no T-vertices arise.
 #include "geometry/projector_visibility.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
-#include <set>
 #include <stdexcept>
-#include <tuple>
 #include <unordered_map>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "geometry/cut_triangle.h"
 #include "geometry/perpendicular.h"
-#include "geometry/shadow_outline.h"
+#include "geometry/plane_view.h"
+#include "geometry/projector_blend.h"
+#include "geometry/region_mesh.h"
 
 namespace heliodon::geometry {
 
 namespace {
 
-constexpr double kSkin =
-    0.0025; // metres: outlines are straightened by up to 0.1 in against the walls behind them
-constexpr double kOnEdge = 1e-6;  // metres: nearer to an edge is on it
-constexpr double kSameCut = 2e-5; // of an edge's length: cuts nearer than this are one
-constexpr double kNudge = 1e-7;   // metres
-
 double cross(glm::dvec2 u, glm::dvec2 v) {
     return u.x * v.y - u.y * v.x;
 }
 
-// What one projector sees of a plane.
-struct PlaneView {
-    bool front = false;
-    double height = 0; // of the projector over the plane
-    double reach = 0;  // round the foot: beyond it n . d is too small
-    glm::dvec2 foot{};
-    std::vector<ConvexOutline> shadows;
-    std::vector<std::pair<glm::dvec2, double>> borders; // inside where dot(first, p) > second
+struct Hash {
+    template<size_t N> size_t operator()(const std::array<int64_t, N>& key) const {
+        uint64_t hash = 0;
+        for (const int64_t value : key) {
+            hash = (hash ^ static_cast<uint64_t>(value)) * 0x9E3779B97F4A7C15ull;
+            hash ^= hash >> 32;
+        }
+        return hash;
+    }
 };
 
-struct Plane {
-    PlaneFrame frame;
-    std::vector<PlaneView> views;
-};
-
-// A cut through a triangle: its ends in the plane, and the edge of the triangle that each lies on (-1:
-// inside).
-struct Cut {
-    std::array<glm::dvec2, 2> end{};
-    std::array<int, 2> edge{-1, -1};
-};
-
+// A triangle of the mesh.
 struct Piece {
     std::array<glm::dvec2, 3> corner{};
     std::array<uint32_t, 3> vertex{};
-    size_t patch = 0, plane = 0;
-    std::vector<Cut> cuts;
+    uint32_t patch = 0;
+
+    glm::dvec3 barycentric(glm::dvec2 p) const {
+        const double whole = cross(corner[1] - corner[0], corner[2] - corner[0]);
+        const double b = cross(p - corner[0], corner[2] - corner[0]) / whole,
+                     c = cross(corner[1] - corner[0], p - corner[0]) / whole;
+        return {1 - b - c, b, c};
+    }
 };
 
-// Clips the segment to the triangle; the edges that cut it are noted.
-bool clipToTriangle(const std::array<glm::dvec2, 3>& corner, Cut& cut) {
-    double from = 0, to = 1;
-    int fromEdge = -1, toEdge = -1;
-    const glm::dvec2 a = cut.end[0], d = cut.end[1] - cut.end[0];
-    for (int k = 0; k < 3; ++k) {
-        const glm::dvec2 p = corner[static_cast<size_t>(k)], e = corner[static_cast<size_t>((k + 1) % 3)] - p;
-        const double size = glm::length(e), start = cross(e, a - p) / size, slope = cross(e, d) / size;
-        if (std::abs(slope) < 1e-15) {
-            if (start <= kOnEdge) return false;
-            continue;
+// Which piece a point lies in, by a grid of boxes.
+class PieceFinder {
+public:
+    PieceFinder(const std::vector<Piece>& pieces, glm::dvec2 low, glm::dvec2 high, double cell)
+        : pieces_(pieces), low_(low), cell_(cell) {
+        columns_ = static_cast<int>((high.x - low.x) / cell_) + 1;
+        rows_ = static_cast<int>((high.y - low.y) / cell_) + 1;
+        first_.assign(static_cast<size_t>(columns_) * static_cast<size_t>(rows_) + 1, 0);
+        for (const Piece& piece : pieces) eachCell(piece, [&](size_t c) { ++first_[c + 1]; });
+        for (size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
+        items_.resize(first_.back());
+        std::vector<uint32_t> at(first_.begin(), first_.end() - 1);
+        for (uint32_t i = 0; i < pieces.size(); ++i)
+            eachCell(pieces[i], [&](size_t c) { items_[at[c]++] = i; });
+    }
+
+    // The piece that it lies in, or, by a rounding error beside all, the nearest.
+    uint32_t at(glm::dvec2 p) const {
+        const auto cell = static_cast<size_t>(row(p.y) * columns_ + column(p.x));
+        uint32_t best = 0;
+        double most = -1e300;
+        for (uint32_t k = first_[cell]; k < first_[cell + 1]; ++k) {
+            const glm::dvec3 w = pieces_[items_[k]].barycentric(p);
+            const double least = std::min({w.x, w.y, w.z});
+            if (least <= most) continue;
+            most = least;
+            best = items_[k];
+            if (most >= 0) break;
         }
-        const double t = -start / slope;
-        if (slope > 0 && t > from) {
-            from = t;
-            fromEdge = k;
-        } else if (slope < 0 && t < to) {
-            to = t;
-            toEdge = k;
+        return best;
+    }
+
+private:
+    int column(double x) const { return std::clamp(static_cast<int>((x - low_.x) / cell_), 0, columns_ - 1); }
+    int row(double y) const { return std::clamp(static_cast<int>((y - low_.y) / cell_), 0, rows_ - 1); }
+
+    template<class Visit> void eachCell(const Piece& piece, Visit visit) const {
+        const glm::dvec2 low = glm::min(piece.corner[0], glm::min(piece.corner[1], piece.corner[2])) -
+                               1e-3 * cell_,
+                         high = glm::max(piece.corner[0], glm::max(piece.corner[1], piece.corner[2])) +
+                                1e-3 * cell_;
+        for (int r = row(low.y); r <= row(high.y); ++r)
+            for (int c = column(low.x); c <= column(high.x); ++c)
+                visit(static_cast<size_t>(r * columns_ + c));
+    }
+
+    const std::vector<Piece>& pieces_;
+    glm::dvec2 low_;
+    double cell_;
+    int columns_ = 1, rows_ = 1;
+    std::vector<uint32_t> first_, items_;
+};
+
+// All pieces of one surface in one plane.
+struct FlatPart {
+    PlaneFrame frame;
+    uint32_t surface = 0;
+    std::vector<Piece> pieces;
+    glm::dvec2 low{}, high{};
+    std::vector<PlaneView> views;
+    std::vector<Cut> cuts;
+    std::vector<std::array<uint32_t, 2>> borderEdges; // vertices, the pieces on their left
+    std::vector<Segment> border;                      // the same in the plane
+
+    void bound() {
+        low = high = pieces[0].corner[0];
+        for (const Piece& piece : pieces)
+            for (const glm::dvec2 p : piece.corner) {
+                low = glm::min(low, p);
+                high = glm::max(high, p);
+            }
+    }
+
+    // Edge length of a regular triangle of the mean area.
+    double spacing() const {
+        double twice = 0;
+        for (const Piece& p : pieces) twice += cross(p.corner[1] - p.corner[0], p.corner[2] - p.corner[0]);
+        return std::sqrt(2 / std::sqrt(3.0) * twice / static_cast<double>(pieces.size()));
+    }
+
+    // Edges that only one piece has.
+    void findBorder() {
+        struct Side {
+            uint32_t low, high, piece, k;
+        };
+        std::vector<Side> sides;
+        for (uint32_t i = 0; i < pieces.size(); ++i)
+            for (uint32_t k = 0; k < 3; ++k) {
+                const auto [a, b] = std::minmax(pieces[i].vertex[k], pieces[i].vertex[(k + 1) % 3]);
+                sides.push_back({a, b, i, k});
+            }
+        std::ranges::sort(sides, {}, [](const Side& s) { return std::tuple(s.low, s.high, s.piece); });
+        const auto same = [](const Side& s, const Side& o) { return s.low == o.low && s.high == o.high; };
+        for (size_t i = 0; i < sides.size(); ++i) {
+            if ((i > 0 && same(sides[i - 1], sides[i])) ||
+                (i + 1 < sides.size() && same(sides[i + 1], sides[i])))
+                continue;
+            const Piece& piece = pieces[sides[i].piece];
+            const size_t k = sides[i].k, next = (k + 1) % 3;
+            borderEdges.push_back({piece.vertex[k], piece.vertex[next]});
+            border.push_back({piece.corner[k], piece.corner[next]});
         }
     }
-    if ((to - from) * glm::length(d) < kOnEdge) return false;
-    cut.end = {a + from * d, a + to * d};
-    cut.edge = {fromEdge, toEdge};
-    for (size_t end = 0; end < 2; ++end)
-        for (int k = 0; k < 3 && cut.edge[end] < 0; ++k) {
-            const glm::dvec2 p = corner[static_cast<size_t>(k)],
-                             e = corner[static_cast<size_t>((k + 1) % 3)] - p;
-            if (cross(e, cut.end[end] - p) < kOnEdge * glm::length(e)) cut.edge[end] = k;
-        }
-    return cut.edge[0] < 0 || cut.edge[0] != cut.edge[1];
-}
+};
 
 class VisibilitySplitter {
 public:
     VisibilitySplitter(const PatchMesh& mesh, const Occluders& occluders,
                        std::span<const OpticalDevice> projectors, const ProjectorOptions& options)
-        : mesh_(mesh), projectors_(projectors), options_(options), solids_(convexSolids(occluders)) {
+        : mesh_(mesh), projectors_(projectors), options_(options) {
+        for (ConvexSolid& solid : convexSolids(occluders)) casters_.emplace_back(std::move(solid));
         for (const OpticalDevice& device : projectors) borders_.push_back(pictureBorders(device));
         out_.projectorCount = projectors.size();
     }
 
     ProjectorMesh split() {
-        collectPieces();
-        for (Piece& piece : pieces_) findCuts(piece);
-        for (const Piece& piece : pieces_) shareCuts(piece);
-        for (auto& [edge, cuts] : edgeCuts_) tidy(cuts);
-        for (const Piece& piece : pieces_) buildPiece(piece);
-        blend();
+        corners_.reserve(2 * mesh_.vertices.size());
+        collectParts();
+        for (FlatPart& part : parts_) findCuts(part);
+        for (auto& [edge, cuts] : edgeCuts_) tidy(edge, cuts);
+        for (FlatPart& part : parts_) build(part);
+        blendProjectors(out_, projectors_, normals_, options_.falloff);
         measureReach();
         return std::move(out_);
     }
 
 private:
-    void collectPieces() {
-        std::map<std::tuple<uint32_t, long long, long long, long long, long long>, size_t> planes;
-        for (size_t i = 0; i < mesh_.patchCount(); ++i) {
+    using EdgeKey = std::array<int64_t, 2>; // vertices, the lower number first
+
+    void collectParts() {
+        std::unordered_map<std::array<int64_t, 5>, size_t, Hash> planes;
+        for (uint32_t i = 0; i < mesh_.patchCount(); ++i) {
             if (mesh_.role[i] != Role::projection) continue;
             const glm::dvec3 n = patchNormal(mesh_, i), p = mesh_.vertices[mesh_.patch(i)[0]];
             const auto [place, isNew] =
                 planes.try_emplace({mesh_.surface[i], std::llround(n.x * 1e7), std::llround(n.y * 1e7),
                                     std::llround(n.z * 1e7), std::llround(glm::dot(n, p) * 1e7)},
-                                   planes_.size());
-            if (isNew) planes_.push_back(viewPlane(n, p));
+                                   parts_.size());
+            if (isNew) {
+                FlatPart& part = parts_.emplace_back();
+                const glm::dvec3 u = perpendicular(n);
+                part.frame = {p, u, glm::cross(n, u), n};
+                part.surface = mesh_.surface[i];
+            }
+            FlatPart& part = parts_[place->second];
             const auto corner = mesh_.patch(i);
             for (size_t k = 1; k + 1 < corner.size(); ++k) {
-                Piece piece;
+                Piece& piece = part.pieces.emplace_back();
                 piece.vertex = {corner[0], corner[k], corner[k + 1]};
                 for (size_t c = 0; c < 3; ++c)
-                    piece.corner[c] = planes_[place->second].frame.flat(mesh_.vertices[piece.vertex[c]]);
+                    piece.corner[c] = part.frame.flat(mesh_.vertices[piece.vertex[c]]);
                 piece.patch = i;
-                piece.plane = place->second;
-                pieces_.push_back(std::move(piece));
             }
         }
     }
 
-    Plane viewPlane(glm::dvec3 normal, glm::dvec3 origin) const {
-        Plane plane;
-        plane.frame.origin = origin;
-        plane.frame.normal = normal;
-        plane.frame.u = perpendicular(normal);
-        plane.frame.v = glm::cross(normal, plane.frame.u);
+    void findCuts(FlatPart& part) {
+        part.bound();
+        std::vector<glm::dvec2> hull{
+            part.low, {part.high.x, part.low.y}, part.high, {part.low.x, part.high.y}};
+        if (part.pieces.size() == 1) hull.assign(part.pieces[0].corner.begin(), part.pieces[0].corner.end());
+        std::vector<Segment> outline;
         for (size_t p = 0; p < projectors_.size(); ++p) {
-            PlaneView view;
-            const glm::dvec3 centre = projectors_[p].centre();
-            view.height = glm::dot(centre - origin, normal);
-            view.front = view.height > 0;
-            if (view.front) {
-                view.foot = plane.frame.flat(centre);
-                view.reach =
-                    options_.leastCosine > 0
-                        ? view.height * std::sqrt(1 / (options_.leastCosine * options_.leastCosine) - 1)
-                        : std::numeric_limits<double>::infinity();
-                for (const ConvexSolid& solid : solids_) {
-                    ConvexOutline shadow = shadowOnPlane(solid, centre, plane.frame, kSkin);
-                    if (!shadow.points.empty()) view.shadows.push_back(std::move(shadow));
+            part.views.push_back(viewOfPlane(part.frame, hull, projectors_[p].centre(), borders_[p],
+                                             options_.leastCosine, casters_));
+            appendOutline(part.views.back(), part.low, part.high, outline);
+        }
+        if (outline.empty()) return;
+        part.findBorder();
+        part.cuts = clipToRegion(outline, part.border);
+        for (const Cut& cut : part.cuts)
+            for (const CutEnd& end : cut)
+                if (end.edge >= 0 && end.t > 0 && end.t < 1) {
+                    const auto& [a, b] = part.borderEdges[static_cast<size_t>(end.edge)];
+                    edgeCuts_[keyOf(a, b)].push_back(a < b ? end.t : 1 - end.t);
                 }
-                for (const glm::dvec3& n : borders_[p])
-                    view.borders.emplace_back(
-                        glm::dvec2(glm::dot(n, plane.frame.u), glm::dot(n, plane.frame.v)),
-                        glm::dot(n, centre - origin));
-            }
-            plane.views.push_back(std::move(view));
-        }
-        return plane;
     }
 
-    void findCuts(Piece& piece) const {
-        const glm::dvec2 low = glm::min(piece.corner[0], glm::min(piece.corner[1], piece.corner[2]));
-        const glm::dvec2 high = glm::max(piece.corner[0], glm::max(piece.corner[1], piece.corner[2]));
-        std::vector<const ConvexOutline*> near;
-        for (const PlaneView& view : planes_[piece.plane].views) {
-            if (!view.front || !mayReach(view, piece)) continue;
-            near.clear();
-            bool dark = false;
-            for (const ConvexOutline& shadow : view.shadows) {
-                if (shadow.low.x >= high.x || shadow.low.y >= high.y || shadow.high.x <= low.x ||
-                    shadow.high.y <= low.y)
-                    continue;
-                dark = std::ranges::all_of(piece.corner, [&](glm::dvec2 p) { return shadow.contains(p); });
-                if (dark) break;
-                near.push_back(&shadow);
-            }
-            if (dark) continue;
-            for (const ConvexOutline* shadow : near) cutAlong(*shadow, near, piece);
-            for (const auto& [n, offset] : view.borders) cutAcross(n, offset, piece);
-            cutAlongLimit(view, piece);
-        }
-    }
+    static EdgeKey keyOf(uint32_t a, uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
-    // Where n . d has its least value: a circle round the projector's foot, as chords that end on the edges
-    // of the triangle and leave it by less than kChord.
-    void cutAlongLimit(const PlaneView& view, Piece& piece) const {
-        constexpr double kChord = 2e-4; // metres
-        const double radius = view.reach;
-        if (!std::isfinite(radius)) return;
-        const bool inside = std::ranges::all_of(
-            piece.corner, [&](glm::dvec2 p) { return glm::length(p - view.foot) <= radius; });
-        if (inside) return;
-        std::vector<glm::dvec2> on;
-        for (size_t k = 0; k < 3; ++k) {
-            const glm::dvec2 a = piece.corner[k] - view.foot, e = piece.corner[(k + 1) % 3] - piece.corner[k];
-            // |a + t e| = radius
-            const double ee = glm::dot(e, e), ae = glm::dot(a, e), rest = glm::dot(a, a) - radius * radius,
-                         root = ae * ae - ee * rest;
-            if (root <= 0) continue;
-            for (const double sign : {-1.0, 1.0})
-                if (const double t = (-ae + sign * std::sqrt(root)) / ee; t > 0 && t < 1)
-                    on.push_back(view.foot + a + t * e);
-        }
-        if (on.size() < 2) return;
-        std::ranges::sort(on, {}, [&](glm::dvec2 p) { return angleFrom(view.foot, piece.corner, p); });
-        for (size_t k = 0; k + 1 < on.size(); ++k) {
-            const double from = angleFrom(view.foot, piece.corner, on[k]),
-                         turn = angleFrom(view.foot, piece.corner, on[k + 1]) - from;
-            const double parts =
-                std::max(1.0, std::ceil(turn / (2 * std::acos(1 - std::min(0.5, kChord / radius)))));
-            glm::dvec2 last = on[k];
-            for (double i = 1; i <= parts; ++i) {
-                const glm::dvec2 next =
-                    i == parts ? on[k + 1] : turned(on[k] - view.foot, turn * i / parts) + view.foot;
-                addCut({{last, next}}, piece); // leaves nothing of what lies outside the triangle
-                last = next;
-            }
-        }
-    }
-
-    // Round the foot, from the direction away from the triangle's middle.
-    static double angleFrom(glm::dvec2 foot, const std::array<glm::dvec2, 3>& corner, glm::dvec2 p) {
-        const glm::dvec2 middle = (corner[0] + corner[1] + corner[2]) / 3.0 - foot, q = p - foot;
-        return std::atan2(cross(middle, q), glm::dot(middle, q));
-    }
-
-    static glm::dvec2 turned(glm::dvec2 v, double angle) {
-        return {v.x * std::cos(angle) - v.y * std::sin(angle), v.x * std::sin(angle) + v.y * std::cos(angle)};
-    }
-
-    // The circle of the least n . d may cut a side between two corners that lie outside it.
-    static bool nearCircle(const PlaneView& view, const Piece& piece) {
-        const double size = std::max(glm::length(piece.corner[1] - piece.corner[0]),
-                                     glm::length(piece.corner[2] - piece.corner[0]));
-        return glm::length(piece.corner[0] - view.foot) < view.reach + size;
-    }
-
-    // False when the whole piece lies outside one border of the picture, or is lit too flatly.
-    static bool mayReach(const PlaneView& view, const Piece& piece) {
-        for (const auto& [n, offset] : view.borders)
-            if (std::ranges::all_of(piece.corner, [&](glm::dvec2 p) { return glm::dot(n, p) <= offset; }))
-                return false;
-        return std::ranges::any_of(piece.corner,
-                                   [&](glm::dvec2 p) { return glm::length(p - view.foot) < view.reach; }) ||
-               nearCircle(view, piece);
-    }
-
-    void cutAcross(glm::dvec2 n, double offset, Piece& piece) const {
-        const double size = glm::length(n);
-        if (size < 1e-12) return;
-        const glm::dvec2 middle = (piece.corner[0] + piece.corner[1] + piece.corner[2]) / 3.0;
-        const glm::dvec2 onLine = middle + n * ((offset - glm::dot(n, middle)) / (size * size));
-        const glm::dvec2 along = glm::dvec2(-n.y, n.x) * (10 / size);
-        addCut({{onLine - along, onLine + along}}, piece);
-    }
-
-    // Only where it is the outline of all shadows together.
-    void cutAlong(const ConvexOutline& shadow, const std::vector<const ConvexOutline*>& all,
-                  Piece& piece) const {
-        for (size_t i = 0; i < shadow.points.size(); ++i) {
-            Cut cut{{shadow.points[i], shadow.points[(i + 1) % shadow.points.size()]}};
-            const glm::dvec2 d = cut.end[1] - cut.end[0];
-            // Most outlines pass by: all corners on one side.
-            const double s0 = cross(d, piece.corner[0] - cut.end[0]),
-                         s1 = cross(d, piece.corner[1] - cut.end[0]),
-                         s2 = cross(d, piece.corner[2] - cut.end[0]);
-            if ((s0 > 0 && s1 > 0 && s2 > 0) || (s0 < 0 && s1 < 0 && s2 < 0)) continue;
-            if (!clipToTriangle(piece.corner, cut)) continue;
-            const glm::dvec2 outward = kNudge * glm::normalize(glm::dvec2(d.y, -d.x));
-            std::vector<double> at{0, 1};
-            for (const ConvexOutline* other : all)
-                if (other != &shadow) addCrossings(cut, *other, at);
-            std::ranges::sort(at);
-            for (size_t k = 0; k + 1 < at.size(); ++k) {
-                const glm::dvec2 whole = cut.end[1] - cut.end[0];
-                if ((at[k + 1] - at[k]) * glm::length(whole) < kOnEdge) continue;
-                const glm::dvec2 middle = cut.end[0] + 0.5 * (at[k] + at[k + 1]) * whole + outward;
-                if (std::ranges::any_of(
-                        all, [&](const ConvexOutline* o) { return o != &shadow && o->contains(middle); }))
-                    continue;
-                Cut part;
-                part.end = {cut.end[0] + at[k] * whole, cut.end[0] + at[k + 1] * whole};
-                part.edge = {k == 0 ? cut.edge[0] : -1, k + 2 == at.size() ? cut.edge[1] : -1};
-                addCut(part, piece);
-            }
-        }
-    }
-
-    static void addCrossings(const Cut& cut, const ConvexOutline& other, std::vector<double>& at) {
-        const glm::dvec2 d = cut.end[1] - cut.end[0];
-        for (size_t i = 0; i < other.points.size(); ++i) {
-            const glm::dvec2 p = other.points[i], e = other.points[(i + 1) % other.points.size()] - p;
-            const double turn = cross(d, e);
-            if (std::abs(turn) < 1e-15) continue;
-            const double t = cross(p - cut.end[0], e) / turn, u = cross(p - cut.end[0], d) / turn;
-            if (t > 0 && t < 1 && u >= 0 && u <= 1) at.push_back(t);
-        }
-    }
-
-    static void addCut(Cut cut, Piece& piece) {
-        const std::array<int, 2> known = cut.edge;
-        if (!clipToTriangle(piece.corner, cut)) return;
-        for (size_t k = 0; k < 2; ++k)
-            if (cut.edge[k] < 0) cut.edge[k] = known[k];
-        if (cut.edge[0] >= 0 && cut.edge[0] == cut.edge[1]) return;
-        piece.cuts.push_back(cut);
-    }
-
-    struct EdgeKey {
-        uint32_t a, b;
-        bool operator==(const EdgeKey&) const = default;
-    };
-
-    struct Hash {
-        template<size_t N> size_t operator()(const std::array<uint32_t, N>& key) const {
-            uint64_t hash = 0;
-            for (const uint32_t value : key) {
-                hash = (hash ^ value) * 0x9E3779B97F4A7C15ull;
-                hash ^= hash >> 32;
-            }
-            return hash;
-        }
-        size_t operator()(const EdgeKey& key) const { return (*this)(std::array<uint32_t, 2>{key.a, key.b}); }
-    };
-
-    static EdgeKey edgeKey(const Piece& piece, int k) {
-        const uint32_t a = piece.vertex[static_cast<size_t>(k)],
-                       b = piece.vertex[static_cast<size_t>((k + 1) % 3)];
-        return {std::min(a, b), std::max(a, b)};
-    }
-
-    // Where on the edge, from the vertex with the lower number.
-    static double onEdge(const Piece& piece, int k, glm::dvec2 p) {
-        const auto i = static_cast<size_t>(k), j = (i + 1) % 3;
-        const glm::dvec2 e = piece.corner[j] - piece.corner[i];
-        const double t = std::clamp(glm::dot(p - piece.corner[i], e) / glm::dot(e, e), 0.0, 1.0);
-        return piece.vertex[i] < piece.vertex[j] ? t : 1 - t;
-    }
-
-    void shareCuts(const Piece& piece) {
-        for (const Cut& cut : piece.cuts)
-            for (size_t end = 0; end < 2; ++end)
-                if (cut.edge[end] >= 0)
-                    edgeCuts_[edgeKey(piece, cut.edge[end])].push_back(
-                        onEdge(piece, cut.edge[end], cut.end[end]));
-    }
-
-    static void tidy(std::vector<double>& cuts) {
+    // Both surfaces at the edge cut it, each by its own reckoning.
+    void tidy(const EdgeKey& edge, std::vector<double>& cuts) const {
         std::ranges::sort(cuts);
+        const double same = kSameInRegion / glm::length(mesh_.vertices[static_cast<size_t>(edge[1])] -
+                                                        mesh_.vertices[static_cast<size_t>(edge[0])]);
         std::vector<double> kept;
         for (const double t : cuts)
-            if (t > kSameCut && t < 1 - kSameCut && (kept.empty() || t - kept.back() > kSameCut))
-                kept.push_back(t);
+            if (t > same && t < 1 - same && (kept.empty() || t - kept.back() > same)) kept.push_back(t);
         cuts = std::move(kept);
     }
 
@@ -374,14 +250,15 @@ private:
         return place->second;
     }
 
-    uint32_t edgeVertex(EdgeKey edge, size_t index, uint32_t surface) {
+    uint32_t edgeVertex(const EdgeKey& edge, size_t index, uint32_t surface) {
         const auto [place, isNew] =
-            edgeVertices_.try_emplace({edge.a, edge.b, static_cast<uint32_t>(index), surface},
+            edgeVertices_.try_emplace({edge[0], edge[1], static_cast<int64_t>(index), surface},
                                       static_cast<uint32_t>(out_.vertices.size()));
         if (isNew) {
             const double t = edgeCuts_.at(edge)[index];
-            addVertex(mesh_.vertices[edge.a] + t * (mesh_.vertices[edge.b] - mesh_.vertices[edge.a]),
-                      {edge.a, edge.b, edge.a}, {1 - t, t, 0});
+            const auto a = static_cast<uint32_t>(edge[0]), b = static_cast<uint32_t>(edge[1]);
+            addVertex(mesh_.vertices[a] + t * (mesh_.vertices[b] - mesh_.vertices[a]), {a, b, a},
+                      {1 - t, t, 0});
         }
         return place->second;
     }
@@ -392,203 +269,130 @@ private:
         out_.sourceWeight.emplace_back(weight);
     }
 
-    void buildPiece(const Piece& piece) {
-        const uint32_t surface = mesh_.surface[piece.patch];
-        const PlaneFrame& frame = planes_[piece.plane].frame;
-        std::vector<glm::dvec2> border;
-        std::vector<uint32_t> vertices;
-        std::array<std::map<size_t, int>, 3> borderOf; // per edge: index of the cut -> border point
-        std::array<int, 3> cornerBorder{};
-        for (int k = 0; k < 3; ++k) {
-            const auto i = static_cast<size_t>(k);
-            cornerBorder[i] = static_cast<int>(border.size());
-            border.push_back(piece.corner[i]);
-            vertices.push_back(cornerVertex(piece.vertex[i], surface));
-            const EdgeKey key = edgeKey(piece, k);
-            const auto cuts = edgeCuts_.find(key);
-            if (cuts == edgeCuts_.end()) continue;
-            const size_t n = cuts->second.size();
-            const bool forward = piece.vertex[i] == key.a;
-            for (size_t c = 0; c < n; ++c) {
-                const size_t index = forward ? c : n - 1 - c;
-                const uint32_t vertex = edgeVertex(key, index, surface);
-                borderOf[i][index] = static_cast<int>(border.size());
-                border.push_back(frame.flat(out_.vertices[vertex]));
-                vertices.push_back(vertex);
-            }
-        }
-        if (border.size() == 3 && piece.cuts.empty())
-            return addTriangle(vertices[0], vertices[1], vertices[2], piece, piece.corner);
-
-        std::vector<CutSegment> segments;
-        for (const Cut& cut : piece.cuts) {
-            CutSegment segment;
-            segment.point = cut.end;
-            for (size_t end = 0; end < 2; ++end)
-                if (cut.edge[end] >= 0)
-                    segment.border[end] =
-                        nearestBorder(piece, cut.edge[end], cut.end[end], borderOf, cornerBorder);
-            segments.push_back(segment);
-        }
-        const CutResult result = cutTriangle(border, segments);
-        for (size_t i = border.size(); i < result.points.size(); ++i) {
-            vertices.push_back(static_cast<uint32_t>(out_.vertices.size()));
-            addVertex(frame.inSpace(result.points[i]), piece.vertex,
-                      barycentric(piece.corner, result.points[i]));
-        }
-        for (const auto& t : result.triangles)
-            addTriangle(vertices[t[0]], vertices[t[1]], vertices[t[2]], piece,
-                        {result.points[t[0]], result.points[t[1]], result.points[t[2]]});
-    }
-
-    int nearestBorder(const Piece& piece, int k, glm::dvec2 p,
-                      const std::array<std::map<size_t, int>, 3>& borderOf,
-                      const std::array<int, 3>& cornerBorder) const {
-        const auto i = static_cast<size_t>(k), j = (i + 1) % 3;
-        const double t = onEdge(piece, k, p);
-        const bool forward = piece.vertex[i] < piece.vertex[j];
-        int best = cornerBorder[forward ? i : j];
-        double least = t;
-        if (1 - t < least) {
-            least = 1 - t;
-            best = cornerBorder[forward ? j : i];
-        }
-        const auto cuts = edgeCuts_.find(edgeKey(piece, k));
-        for (size_t c = 0; cuts != edgeCuts_.end() && c < cuts->second.size(); ++c)
-            if (std::abs(cuts->second[c] - t) < least) {
-                least = std::abs(cuts->second[c] - t);
-                best = borderOf[i].at(c);
-            }
-        return best;
-    }
-
-    static glm::dvec3 barycentric(const std::array<glm::dvec2, 3>& c, glm::dvec2 p) {
-        const double whole = cross(c[1] - c[0], c[2] - c[0]);
-        const double b = cross(p - c[0], c[2] - c[0]) / whole, d = cross(c[1] - c[0], p - c[0]) / whole;
-        return {1 - b - d, b, d};
-    }
-
-    void addTriangle(uint32_t a, uint32_t b, uint32_t c, const Piece& piece,
-                     const std::array<glm::dvec2, 3>& corner) {
-        out_.triangles.insert(out_.triangles.end(), {a, b, c});
-        out_.sourcePatch.push_back(static_cast<uint32_t>(piece.patch));
-        planeOf_.push_back(static_cast<uint32_t>(piece.plane));
-        const glm::dvec2 middle = (corner[0] + corner[1] + corner[2]) / 3.0;
+    void addTriangle(const std::array<uint32_t, 3>& vertex, const std::array<glm::dvec2, 3>& corner,
+                     uint32_t patch, const FlatPart& part) {
+        out_.triangles.insert(out_.triangles.end(), vertex.begin(), vertex.end());
+        out_.sourcePatch.push_back(patch);
+        normals_.push_back(part.frame.normal);
         uint32_t seen = 0;
-        for (size_t p = 0; p < projectors_.size(); ++p)
-            if (reaches(planes_[piece.plane].views[p], middle)) seen |= 1u << p;
+        for (size_t p = 0; p < part.views.size(); ++p)
+            if (part.views[p].reaches((corner[0] + corner[1] + corner[2]) / 3.0)) seen |= 1u << p;
         out_.visible.push_back(seen);
     }
 
-    bool reaches(const PlaneView& view, glm::dvec2 p) const {
-        if (!view.front) return false;
-        const double cosine =
-            view.height / std::sqrt(view.height * view.height + glm::dot(p - view.foot, p - view.foot));
-        if (cosine <= options_.leastCosine) return false;
-        for (const auto& [n, offset] : view.borders)
-            if (glm::dot(n, p) <= offset) return false;
-        return std::ranges::none_of(view.shadows, [&](const ConvexOutline& s) { return s.contains(p); });
-    }
-
-    // Shares: a projector counts at a vertex when it sees every reachable triangle of the surface round it;
-    // it fades in with the distance from the vertices where it does not, and counts for more where its light
-    // falls steeper.
-    void blend() {
-        const size_t count = out_.projectorCount, vertices = out_.vertices.size();
-        std::vector<uint32_t> common(vertices, 0xffffffffu);
-        for (size_t t = 0; t < out_.triangleCount(); ++t)
-            if (out_.visible[t])
-                for (size_t k = 0; k < 3; ++k) common[out_.triangles[3 * t + k]] &= out_.visible[t];
-        splitSeams(common);
-        out_.weights.assign(out_.vertices.size() * count, 0);
-        std::vector<glm::dvec3> normal(out_.vertices.size());
-        for (size_t t = 0; t < out_.triangleCount(); ++t)
+    bool bordersOnCuts(const FlatPart& part) const {
+        return std::ranges::any_of(part.pieces, [&](const Piece& piece) {
             for (size_t k = 0; k < 3; ++k)
-                normal[out_.triangles[3 * t + k]] = planes_[planeOf_[t]].frame.normal;
-        const Neighbours around = neighbours();
-        for (size_t p = 0; p < count; ++p) {
-            const std::vector<double> distance = distanceFromDark(common, p, around);
-            for (size_t v = 0; v < out_.vertices.size(); ++v) {
-                if (common[v] == 0xffffffffu || !(common[v] >> p & 1u)) continue;
-                const glm::dvec3 d = projectors_[p].centre() - out_.vertices[v];
-                const double square = glm::dot(d, d), cosine = glm::dot(d, normal[v]) / std::sqrt(square);
-                const double fade = std::clamp(distance[v] / options_.falloff, 0.02, 1.0);
-                out_.weights[v * count + p] =
-                    static_cast<float>(fade * fade * (3 - 2 * fade) * std::max(cosine, 1e-3) / square);
-            }
-        }
-        for (size_t v = 0; v < out_.vertices.size(); ++v) {
-            float sum = 0;
-            for (size_t p = 0; p < count; ++p) sum += out_.weights[v * count + p];
-            for (size_t p = 0; p < count && sum > 0; ++p) out_.weights[v * count + p] /= sum;
+                if (edgeCuts_.contains(keyOf(piece.vertex[k], piece.vertex[(k + 1) % 3]))) return true;
+            return false;
+        });
+    }
+
+    void build(FlatPart& part) {
+        if (!part.cuts.empty() || bordersOnCuts(part)) return rebuild(part);
+        for (const Piece& piece : part.pieces) {
+            std::array<uint32_t, 3> vertex{};
+            for (size_t k = 0; k < 3; ++k) vertex[k] = cornerVertex(piece.vertex[k], part.surface);
+            addTriangle(vertex, piece.corner, piece.patch, part);
         }
     }
 
-    // Where no projector sees all triangles round a vertex, each set of projectors gets its own copy of it:
-    // better a seam between them than a dark spot.
-    void splitSeams(std::vector<uint32_t>& common) {
-        std::map<std::pair<uint32_t, uint32_t>, uint32_t> copies;
-        for (size_t t = 0; t < out_.triangleCount(); ++t)
-            for (size_t k = 0; k < 3 && out_.visible[t]; ++k) {
-                uint32_t& v = out_.triangles[3 * t + k];
-                if (common[v] != 0) continue;
-                const auto [place, isNew] =
-                    copies.try_emplace({v, out_.visible[t]}, static_cast<uint32_t>(out_.vertices.size()));
-                if (isNew) {
-                    addVertex(out_.vertices[v], out_.sourceVertex[v], glm::dvec3(out_.sourceWeight[v]));
-                    common.push_back(out_.visible[t]);
-                }
-                v = place->second;
-            }
-    }
-
-    // The vertices at the other ends of visible triangles' edges, as lists one after the other.
-    struct Neighbours {
-        std::vector<uint32_t> first, vertices;
+    // A border edge with the points that cuts have made on it, as indices of the region's border points.
+    struct Chain {
+        std::vector<uint32_t> points;
+        std::vector<double> places; // 0 .. 1
     };
 
-    Neighbours neighbours() const {
-        Neighbours out;
-        out.first.assign(out_.vertices.size() + 1, 0);
-        for (size_t t = 0; t < out_.triangleCount(); ++t)
-            for (size_t k = 0; k < 3 && out_.visible[t]; ++k) out.first[out_.triangles[3 * t + k] + 1] += 2;
-        for (size_t v = 1; v < out.first.size(); ++v) out.first[v] += out.first[v - 1];
-        out.vertices.resize(out.first.back());
-        std::vector<uint32_t> at(out.first.begin(), out.first.end() - 1);
-        for (size_t t = 0; t < out_.triangleCount(); ++t)
-            for (size_t k = 0; k < 3 && out_.visible[t]; ++k) {
-                const uint32_t v = out_.triangles[3 * t + k];
-                out.vertices[at[v]++] = out_.triangles[3 * t + (k + 1) % 3];
-                out.vertices[at[v]++] = out_.triangles[3 * t + (k + 2) % 3];
+    void rebuild(FlatPart& part) {
+        if (part.border.empty()) part.findBorder();
+        Region region;
+        region.spacing = part.spacing();
+        std::vector<uint32_t> vertices; // of the result, per point of the region
+        std::unordered_map<uint32_t, uint32_t> onBorder;
+        std::vector<Chain> chains;
+        const auto borderCorner = [&](uint32_t v, glm::dvec2 p) {
+            const auto [place, isNew] = onBorder.try_emplace(v, static_cast<uint32_t>(region.border.size()));
+            if (isNew) {
+                region.border.push_back(p);
+                vertices.push_back(cornerVertex(v, part.surface));
             }
-        return out;
+            return place->second;
+        };
+        for (size_t e = 0; e < part.border.size(); ++e) {
+            const auto [a, b] = part.borderEdges[e];
+            Chain chain;
+            chain.points.push_back(borderCorner(a, part.border[e][0]));
+            chain.places.push_back(0);
+            const EdgeKey key = keyOf(a, b);
+            const auto cuts = edgeCuts_.find(key);
+            const size_t n = cuts == edgeCuts_.end() ? 0 : cuts->second.size();
+            for (size_t c = 0; c < n; ++c) {
+                const size_t index = a < b ? c : n - 1 - c;
+                chain.points.push_back(static_cast<uint32_t>(region.border.size()));
+                chain.places.push_back(a < b ? cuts->second[index] : 1 - cuts->second[index]);
+                vertices.push_back(edgeVertex(key, index, part.surface));
+                region.border.push_back(part.frame.flat(out_.vertices[vertices.back()]));
+            }
+            chain.points.push_back(borderCorner(b, part.border[e][1]));
+            chain.places.push_back(1);
+            for (size_t k = 0; k + 1 < chain.points.size(); ++k)
+                region.borderEdges.emplace_back(chain.points[k], chain.points[k + 1]);
+            chains.push_back(std::move(chain));
+        }
+        for (const Cut& cut : part.cuts) {
+            RegionLine line;
+            for (size_t k = 0; k < 2; ++k) {
+                line.point[k] = cut[k].point;
+                if (cut[k].edge >= 0)
+                    line.border[k] =
+                        static_cast<int>(nearest(chains[static_cast<size_t>(cut[k].edge)], cut[k].t));
+            }
+            region.lines.push_back(line);
+        }
+        const std::vector<uint32_t> seeds = addSeeds(part, onBorder, region);
+        const RegionMesh mesh = meshRegion(region);
+        for (const uint32_t s : mesh.keptSeeds) vertices.push_back(cornerVertex(seeds[s], part.surface));
+        const PieceFinder finder(part.pieces, part.low, part.high, 1.5 * region.spacing);
+        for (size_t i = vertices.size(); i < mesh.points.size(); ++i) {
+            const Piece& piece = part.pieces[finder.at(mesh.points[i])];
+            vertices.push_back(static_cast<uint32_t>(out_.vertices.size()));
+            addVertex(part.frame.inSpace(mesh.points[i]), piece.vertex, piece.barycentric(mesh.points[i]));
+        }
+        for (const auto& t : mesh.triangles)
+            addTriangle({vertices[t[0]], vertices[t[1]], vertices[t[2]]},
+                        {mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]}, part.pieces[0].patch,
+                        part);
     }
 
-    // Along edges of the mesh (Dijkstra with the fade's length as limit), from vertices of a surface that p
-    // does not see.
-    std::vector<double> distanceFromDark(const std::vector<uint32_t>& common, size_t p,
-                                         const Neighbours& around) const {
-        std::vector<double> distance(out_.vertices.size(), std::numeric_limits<double>::infinity());
-        std::set<std::pair<double, uint32_t>> front;
-        for (uint32_t v = 0; v < out_.vertices.size(); ++v)
-            if (common[v] != 0xffffffffu && !(common[v] >> p & 1u)) {
-                distance[v] = 0;
-                front.emplace(0, v);
+    static uint32_t nearest(const Chain& chain, double t) {
+        size_t best = 0;
+        for (size_t k = 1; k < chain.points.size(); ++k)
+            if (std::abs(chain.places[k] - t) < std::abs(chain.places[best] - t)) best = k;
+        return chain.points[best];
+    }
+
+    // The vertices inside the part, with the mean length of the edges there.
+    static std::vector<uint32_t>
+    addSeeds(const FlatPart& part, const std::unordered_map<uint32_t, uint32_t>& onBorder, Region& region) {
+        std::vector<uint32_t> seeds;
+        std::unordered_map<uint32_t, uint32_t> known;
+        std::vector<double> count;
+        for (const Piece& piece : part.pieces)
+            for (size_t k = 0; k < 3; ++k) {
+                const uint32_t v = piece.vertex[k];
+                if (onBorder.contains(v)) continue;
+                const auto [place, isNew] = known.try_emplace(v, static_cast<uint32_t>(seeds.size()));
+                if (isNew) {
+                    seeds.push_back(v);
+                    region.seeds.push_back(piece.corner[k]);
+                    region.seedSpacing.push_back(0);
+                    count.push_back(0);
+                }
+                region.seedSpacing[place->second] += glm::length(piece.corner[(k + 1) % 3] - piece.corner[k]);
+                ++count[place->second];
             }
-        while (!front.empty()) {
-            const auto [d, v] = *front.begin();
-            front.erase(front.begin());
-            if (d > options_.falloff) break;
-            for (uint32_t i = around.first[v]; i < around.first[v + 1]; ++i) {
-                const uint32_t w = around.vertices[i];
-                const double through = d + glm::length(out_.vertices[w] - out_.vertices[v]);
-                if (through >= distance[w]) continue;
-                front.erase({distance[w], w});
-                distance[w] = through;
-                front.emplace(through, w);
-            }
-        }
-        return distance;
+        for (size_t s = 0; s < seeds.size(); ++s) region.seedSpacing[s] /= count[s];
+        return seeds;
     }
 
     void measureReach() {
@@ -609,14 +413,13 @@ private:
     const PatchMesh& mesh_;
     std::span<const OpticalDevice> projectors_;
     ProjectorOptions options_;
-    std::vector<ConvexSolid> solids_;
+    std::vector<ShadowCaster> casters_;
     std::vector<std::array<glm::dvec3, 4>> borders_;
-    std::vector<Plane> planes_;
-    std::vector<Piece> pieces_;
+    std::vector<FlatPart> parts_;
     std::unordered_map<EdgeKey, std::vector<double>, Hash> edgeCuts_;
-    std::unordered_map<std::array<uint32_t, 2>, uint32_t, Hash> corners_;
-    std::unordered_map<std::array<uint32_t, 4>, uint32_t, Hash> edgeVertices_;
-    std::vector<uint32_t> planeOf_; // per triangle
+    std::unordered_map<std::array<int64_t, 2>, uint32_t, Hash> corners_;
+    std::unordered_map<std::array<int64_t, 4>, uint32_t, Hash> edgeVertices_;
+    std::vector<glm::dvec3> normals_; // per triangle
     ProjectorMesh out_;
 };
 

@@ -17,7 +17,8 @@ double cross(glm::dvec2 u, glm::dvec2 v) {
 
 // Andrew's monotone chain.
 std::vector<glm::dvec2> convexHull(std::vector<glm::dvec2> points) {
-    std::ranges::sort(points, {}, [](glm::dvec2 p) { return std::pair(p.x, p.y); });
+    std::ranges::sort(points,
+                      [](glm::dvec2 p, glm::dvec2 q) { return p.x < q.x || (p.x == q.x && p.y < q.y); });
     std::vector<glm::dvec2> hull(2 * points.size());
     size_t n = 0;
     const auto grow = [&](glm::dvec2 p, size_t base) {
@@ -74,28 +75,44 @@ std::vector<ConvexSolid> convexSolids(const Occluders& occluders) {
     return solids;
 }
 
-ConvexOutline shadowOnPlane(const ConvexSolid& solid, glm::dvec3 light, const PlaneFrame& plane,
-                            double skin) {
+ConvexOutline shadowOnPlane(const ConvexSolid& solid, glm::dvec3 light, const PlaneFrame& plane, double skin,
+                            const FlatBox& within) {
     ConvexOutline outline;
     const double lightHeight = glm::dot(light - plane.origin, plane.normal);
     if (lightHeight <= 0) return outline;
     const double top = 0.999 * lightHeight; // what is level with the light throws its shadow to infinity
-    std::vector<double> height;
-    for (const glm::dvec3& p : solid.corners) height.push_back(glm::dot(p - plane.origin, plane.normal));
-    if (*std::ranges::max_element(height) <= skin || *std::ranges::min_element(height) >= top) return outline;
+    const auto heightOf = [&](const glm::dvec3& p) { return glm::dot(p - plane.origin, plane.normal); };
+    const auto shadowOf = [&](const glm::dvec3& p, double h) {
+        return plane.flat(light + (p - light) * (lightHeight / (lightHeight - h)));
+    };
+    double lowest = 1e300, highest = -1e300;
+    glm::dvec2 low(1e300), high(-1e300);
+    for (const glm::dvec3& p : solid.corners) {
+        const double h = heightOf(p);
+        lowest = std::min(lowest, h);
+        highest = std::max(highest, h);
+        if (h > top) continue;
+        const glm::dvec2 s = shadowOf(p, h);
+        low = glm::min(low, s);
+        high = glm::max(high, s);
+    }
+    if (highest <= skin || lowest >= top) return outline;
+    // Most shadows fall elsewhere.
+    const auto misses = [&](int c) { return low[c] >= within.high[c] || high[c] <= within.low[c]; };
+    if (highest <= top && (misses(0) || misses(1))) return outline;
 
     std::vector<glm::dvec2> points;
-    const auto cast = [&](glm::dvec3 p, double h) {
-        points.push_back(plane.flat(light + (p - light) * (lightHeight / (lightHeight - h))));
-    };
-    for (size_t i = 0; i < height.size(); ++i)
-        if (height[i] >= 0 && height[i] <= top) cast(solid.corners[i], height[i]);
-    for (const auto& [a, b] : solid.edges)
-        for (const double level : {0.0, top})
-            if ((height[a] < level) != (height[b] < level)) {
-                const double t = (level - height[a]) / (height[b] - height[a]);
-                cast(solid.corners[a] + t * (solid.corners[b] - solid.corners[a]), level);
-            }
+    points.reserve(solid.corners.size() + 2 * solid.edges.size());
+    for (const glm::dvec3& p : solid.corners)
+        if (const double h = heightOf(p); h >= 0 && h <= top) points.push_back(shadowOf(p, h));
+    if (lowest < 0 || highest > top)
+        for (const auto& [a, b] : solid.edges) {
+            const glm::dvec3 p = solid.corners[a], q = solid.corners[b];
+            const double from = heightOf(p), to = heightOf(q);
+            for (const double level : {0.0, top})
+                if ((from < level) != (to < level))
+                    points.push_back(shadowOf(p + (level - from) / (to - from) * (q - p), level));
+        }
     if (points.size() < 3) return outline;
     outline.points = convexHull(std::move(points));
     if (outline.points.size() < 3) return {};
@@ -104,6 +121,8 @@ ConvexOutline shadowOnPlane(const ConvexSolid& solid, glm::dvec3 light, const Pl
         outline.low = glm::min(outline.low, p);
         outline.high = glm::max(outline.high, p);
     }
+    for (int c = 0; c < 2; ++c)
+        if (outline.low[c] >= within.high[c] || outline.high[c] <= within.low[c]) return {};
     return outline;
 }
 

@@ -35,10 +35,16 @@ struct ConvexOutline {
     bool contains(glm::dvec2 p) const; // strictly
 };
 
-// What the solid hides of the front of the plane from a light at `light`; empty when nothing. The part of the
+struct FlatBox {
+    glm::dvec2 low{}, high{};
+};
+
+// What the solid hides of the front of the plane from a light at `light`; empty when nothing of it lies in
+// the box. The part of the
 // solid that lies less than `skin` in front of the plane casts none, so that a wall does not shadow its own
 // face.
-ConvexOutline shadowOnPlane(const ConvexSolid& solid, glm::dvec3 light, const PlaneFrame& plane, double skin);
+ConvexOutline shadowOnPlane(const ConvexSolid& solid, glm::dvec3 light, const PlaneFrame& plane, double skin,
+                            const FlatBox& within);
 
 // Inward normals of the four planes through the device's centre that bound its picture, from the inside.
 std::array<glm::dvec3, 4> pictureBorders(const OpticalDevice& device);

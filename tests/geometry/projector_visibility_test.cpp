@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <map>
 #include <random>
 
@@ -82,8 +82,8 @@ double areaOf(const ProjectorMesh& mesh, size_t t) {
 } // namespace
 
 TEST(ProjectorVisibility, labels_agree_with_random_rays) {
-    for (const char* name :
-         {"p04_L.json", "p08_cubicle.json", "i01_mixed.sketch.json", "i02_pinwheel.sketch.json"}) {
+    for (const char* name : {"p04_L.json", "p08_cubicle.json", "i01_mixed.sketch.json",
+                             "i02_pinwheel.sketch.json", "three_arcs.json", "walls20.json"}) {
         const Building building = buildingOf(name);
         const PatchMesh mesh = meshBuilding(building);
         const auto projectors = fourProjectors();
@@ -123,65 +123,76 @@ TEST(ProjectorVisibility, labels_agree_with_random_rays) {
 }
 
 TEST(ProjectorVisibility, no_t_vertices_within_or_between_surfaces) {
-    const Building building = buildingOf("i01_mixed.sketch.json");
-    const PatchMesh mesh = meshBuilding(building);
-    const ProjectorMesh split = splitByProjectorVisibility(mesh, building.occluders, fourProjectors());
-    // By position: copies of a vertex on different surfaces are alike bit for bit.
-    const auto key = [&](uint32_t v) {
-        const glm::dvec3 p = split.vertices[v];
-        return std::array<double, 3>{p.x, p.y, p.z};
-    };
-    std::map<std::pair<std::array<double, 3>, std::array<double, 3>>, int> edges;
-    for (size_t t = 0; t < split.triangleCount(); ++t)
-        for (size_t k = 0; k < 3; ++k)
-            ++edges[{key(split.triangles[3 * t + k]), key(split.triangles[3 * t + (k + 1) % 3])}];
-    // An edge without its opposite must be on the rim towards patches that are not shown.
-    std::map<std::array<double, 3>, bool> rim;
-    for (size_t i = 0; i < mesh.patchCount(); ++i)
-        if (mesh.role[i] != Role::projection)
-            for (const uint32_t v : mesh.patch(i))
-                rim[{mesh.vertices[v].x, mesh.vertices[v].y, mesh.vertices[v].z}] = true;
-    int loose = 0, twice = 0;
-    for (const auto& [edge, count] : edges) {
-        twice += count != 1;
-        if (edges.contains({edge.second, edge.first})) continue;
-        loose += !(rim.contains(edge.first) || rim.contains(edge.second));
+    for (const char* name : {"i01_mixed.sketch.json", "arc_with_partitions.json", "walls20.json"}) {
+        const Building building = buildingOf(name);
+        const PatchMesh mesh = meshBuilding(building);
+        const ProjectorMesh split = splitByProjectorVisibility(mesh, building.occluders, fourProjectors());
+        // By position: copies of a vertex on different surfaces are alike bit for bit.
+        const auto key = [&](uint32_t v) {
+            const glm::dvec3 p = split.vertices[v];
+            return std::array<double, 3>{p.x, p.y, p.z};
+        };
+        std::map<std::pair<std::array<double, 3>, std::array<double, 3>>, int> edges;
+        for (size_t t = 0; t < split.triangleCount(); ++t)
+            for (size_t k = 0; k < 3; ++k)
+                ++edges[{key(split.triangles[3 * t + k]), key(split.triangles[3 * t + (k + 1) % 3])}];
+        // An edge without its opposite must be on the rim towards patches that are not shown.
+        std::map<std::array<double, 3>, bool> rim;
+        for (size_t i = 0; i < mesh.patchCount(); ++i)
+            if (mesh.role[i] != Role::projection)
+                for (const uint32_t v : mesh.patch(i))
+                    rim[{mesh.vertices[v].x, mesh.vertices[v].y, mesh.vertices[v].z}] = true;
+        int loose = 0, twice = 0;
+        for (const auto& [edge, count] : edges) {
+            twice += count != 1;
+            if (edges.contains({edge.second, edge.first})) continue;
+            loose += !(rim.contains(edge.first) || rim.contains(edge.second));
+        }
+        // Rim edges that cuts divide have inner ends that are no mesh vertices; they are few.
+        EXPECT_EQ(twice, 0) << name;
+        EXPECT_LT(loose, 0.02 * static_cast<double>(edges.size())) << name;
     }
-    // Rim edges that cuts divide have inner ends that are no mesh vertices; they are few.
-    EXPECT_EQ(twice, 0);
-    EXPECT_LT(loose, 0.02 * static_cast<double>(edges.size()));
 }
 
 TEST(ProjectorVisibility, area_is_kept_and_triangles_grow_little) {
-    const Building building = buildingOf("p04_L.json");
-    const PatchMesh mesh = meshBuilding(building);
-    double before = 0;
-    size_t patches = 0;
-    for (size_t i = 0; i < mesh.patchCount(); ++i)
-        if (mesh.role[i] == Role::projection) {
-            before += patchArea(mesh, i);
-            ++patches;
+    for (const char* name : {"p04_L.json", "p06_U.json", "i01_mixed.sketch.json", "i02_pinwheel.sketch.json",
+                             "arc_with_partitions.json", "walls20.json"}) {
+        const Building building = buildingOf(name);
+        const PatchMesh mesh = meshBuilding(building);
+        double before = 0;
+        size_t patches = 0;
+        for (size_t i = 0; i < mesh.patchCount(); ++i)
+            if (mesh.role[i] == Role::projection) {
+                before += patchArea(mesh, i);
+                ++patches;
+            }
+        const auto projectors = fourProjectors();
+        double best = 1e300;
+        ProjectorMesh split;
+        for (int run = 0; run < 5; ++run) {
+            const std::clock_t start = std::clock();
+            split = splitByProjectorVisibility(mesh, building.occluders, projectors);
+            best = std::min(best, 1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
         }
-    const auto projectors = fourProjectors();
-    const auto start = std::chrono::steady_clock::now();
-    const ProjectorMesh split = splitByProjectorVisibility(mesh, building.occluders, projectors);
-    const double ms =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    double after = 0;
-    for (size_t t = 0; t < split.triangleCount(); ++t) after += areaOf(split, t);
-    EXPECT_NEAR(after, before, 1e-9 * before);
-    EXPECT_LT(static_cast<double>(split.triangleCount()), 1.7 * static_cast<double>(patches));
-    RecordProperty("milliseconds", std::to_string(ms));
-    RecordProperty("growth",
-                   std::to_string(static_cast<double>(split.triangleCount()) / static_cast<double>(patches)));
-    double reached = 0, total = 0;
-    for (const SurfaceReach& s : split.surfaces) {
-        EXPECT_LE(s.unreachable, s.area * (1 + 1e-12));
-        total += s.area;
-        reached += s.area - s.unreachable;
+        const double growth = static_cast<double>(split.triangleCount()) / static_cast<double>(patches);
+        printf("%s: %zu occluders, %.2f times the triangles, %.1f ms\n", name,
+               building.occluders.triangles.size() / 36, growth, best);
+        EXPECT_LT(growth, 1.7) << name;
+        double after = 0;
+        for (size_t t = 0; t < split.triangleCount(); ++t) {
+            ASSERT_GT(areaOf(split, t), 0);
+            after += areaOf(split, t);
+        }
+        EXPECT_NEAR(after, before, 1e-9 * before) << name;
+        double reached = 0, total = 0;
+        for (const SurfaceReach& s : split.surfaces) {
+            EXPECT_LE(s.unreachable, s.area * (1 + 1e-12));
+            total += s.area;
+            reached += s.area - s.unreachable;
+        }
+        EXPECT_NEAR(total, before, 1e-9 * before);
+        EXPECT_GT(reached, 0.5 * total); // four projectors round the table
     }
-    EXPECT_NEAR(total, before, 1e-9 * before);
-    EXPECT_GT(reached, 0.7 * total); // four projectors round the table
 }
 
 TEST(ProjectorVisibility, weights_are_shares_and_vanish_where_a_neighbour_is_dark) {
