@@ -208,6 +208,7 @@ private:
         for (uint32_t c = 0; c < map.cellCount; ++c)
             if (labels[c] >= 0 && labels[c] % 2 && overlay.shape[c] >= 0)
                 out_.skylightUsed[static_cast<size_t>(overlay.shape[c])] = true;
+        std::vector<std::set<int>> panes; // by the skylights that each is made of
         for (const PlanRegion& region : traceRegions(map, labels)) {
             const auto room = static_cast<uint32_t>(region.label / 2);
             const bool pane = region.label % 2;
@@ -216,8 +217,30 @@ private:
             face.role = Role::fillIn;
             face.surface = pane ? nextSurface_++ : firstSurface + room;
             face.material = pane ? in_.materials[room].glazing : in_.materials[room].ceiling;
-            out_.skylightPanes += pane;
+            if (pane) addPane(panes, skylightsOf(map, overlay, region, room));
         }
+        out_.skylightPanes = static_cast<int>(panes.size());
+    }
+
+    // One number a skylight and room.
+    std::set<int> skylightsOf(const PlanArrangement& map, const Overlay& overlay, const PlanRegion& region,
+                              uint32_t room) const {
+        std::set<int> out;
+        for (const auto& loop : region.loops)
+            for (const uint32_t h : loop)
+                if (const int sky = overlay.shape[map.cell[h]]; sky >= 0)
+                    out.insert(sky + static_cast<int>(room * in_.skylights.size()));
+        return out;
+    }
+
+    // Glass of one skylight in one room is one pane, even where a wall that reaches the ceiling parts it.
+    static void addPane(std::vector<std::set<int>>& panes, std::set<int> skylights) {
+        for (size_t i = panes.size(); i-- > 0;)
+            if (std::ranges::any_of(skylights, [&](int sky) { return panes[i].contains(sky); })) {
+                skylights.merge(panes[i]);
+                panes.erase(panes.begin() + static_cast<std::ptrdiff_t>(i));
+            }
+        panes.push_back(std::move(skylights));
     }
 
     static void dropSmallPanes(const PlanArrangement& map, std::vector<int>& labels) {
