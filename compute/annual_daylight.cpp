@@ -40,8 +40,8 @@ template<class T> std::vector<T> spread(const std::vector<T>& all, size_t wanted
 struct AnnualDaylight::Responses {
     size_t sensors = 0;
     std::vector<float> sky; // sensors x elements, photometric
-    std::vector<float>
-        sun[3];             // patches x sensors, each times its channel's luminous share; one unless tinted
+    // (patches, then those of blinds) x sensors, each times its channel's luminous share; one unless tinted
+    std::vector<float> sun[3];
     std::vector<float> own; // per sensor, lux
 };
 
@@ -88,6 +88,7 @@ void AnnualDaylight::makeSuns() {
     std::vector<Sunny> found(hours.size());
     std::vector<uint8_t> enters(hours.size());
     const SunScene& panes = transport_.parts().sun;
+    const GlowingBlinds& blinds = transport_.parts().blinds;
     const auto work = [&](size_t k) {
         const daylight::Sky& sky = skies_[hours[k]];
         const SunPatches sun(panes, sky.sun.direction);
@@ -101,6 +102,13 @@ void AnnualDaylight::makeSuns() {
             if (lit[i] != glm::vec3(0))
                 found[k].patches.push_back({static_cast<uint32_t>(i),
                                             {strength * lit[i].x, strength * lit[i].y, strength * lit[i].z}});
+        auto slot = static_cast<uint32_t>(lit.size());
+        for (size_t g = 0; g < blinds.groups().size(); ++g)
+            for (const uint32_t patch : blinds.groups()[g].patches) {
+                const glm::vec3 glow = strength * blinds.bySun(g, patch, sun, sky.sun.direction);
+                if (glow != glm::vec3(0)) found[k].patches.push_back({slot, {glow.x, glow.y, glow.z}});
+                ++slot;
+            }
     };
     sunHours_ = hours.size();
     inParallel(hours.size(), work, [&](size_t k) { told(k, 0); });
@@ -120,7 +128,10 @@ AnnualDaylight::Responses AnnualDaylight::respond(const TransportParts& parts) {
     Responses result;
     result.sensors = sensors;
     result.own.assign(sensors, 0);
-    for (size_t b = 0; b < beams; ++b) result.sun[b].assign(n * sensors, 0);
+    std::vector<uint32_t> glowing; // patches of blinds, in the order of their groups
+    for (const GlowingBlinds::Group& group : parts.blinds.groups())
+        glowing.insert(glowing.end(), group.patches.begin(), group.patches.end());
+    for (size_t b = 0; b < beams; ++b) result.sun[b].assign((n + glowing.size()) * sensors, 0);
     const size_t skies = parts.skyChannels;
     std::vector<float> weights[3]; // sensors x patches: importance of what falls on patches from the sky
     for (size_t c = 0; c < skies; ++c) weights[c].assign(sensors * n, 0);
@@ -168,6 +179,10 @@ AnnualDaylight::Responses AnnualDaylight::respond(const TransportParts& parts) {
                             share * received *
                             mesh.materials[mesh.material[i]].exitance[static_cast<int>(shown)]);
                     }
+                    for (size_t k = 0; k < glowing.size(); ++k) {
+                        const size_t i = glowing[k];
+                        sun[(n + k) * sensors] += share * (seen[i] + area[i] * (once[at + i] + rest[at + i]));
+                    }
                 }
             }
             result.own[first + s] = static_cast<float>(own);
@@ -190,7 +205,26 @@ AnnualDaylight::Responses AnnualDaylight::respond(const TransportParts& parts) {
                 result.sky[s * elements + e] +=
                     reflected[s * elements + e] + share * parts.sensorSky[(s * skies + c) * elements + e];
     }
+    addGlow(parts, result);
     return result;
+}
+
+// The sky's part of what blinds scatter.
+void AnnualDaylight::addGlow(const TransportParts& parts, Responses& responses) const {
+    const size_t elements = parts.skyElements, sensors = responses.sensors;
+    size_t slot = transport_.mesh().patchCount();
+    for (size_t g = 0; g < parts.blinds.groups().size() && elements > 0; ++g) {
+        const size_t count = parts.blinds.groups()[g].patches.size();
+        const std::vector<float> coefficients = parts.blinds.coefficients(g, parts.sky, parts.skyChannels);
+        for (size_t b = 0; b < (tinted_ ? 3u : 1u); ++b)
+            for (size_t s = 0; s < sensors; ++s) {
+                float answer = 0;
+                for (size_t k = slot; k < slot + count; ++k) answer += responses.sun[b][k * sensors + s];
+                for (size_t e = 0; e < elements; ++e)
+                    responses.sky[s * elements + e] += answer * coefficients[b * elements + e];
+            }
+        slot += count;
+    }
 }
 
 // reflected: sunny hours x sensors.

@@ -57,7 +57,7 @@ public:
 
 private:
     struct LitPatch {
-        uint32_t patch;
+        uint32_t patch; // from patchCount() on: the patches of blinds, whose value is their glow
         float value[3]; // lux per channel; all channels alike unless tinted_
     };
     // A patch that the sun lights in part: its exitance stands where the light is, not all over the patch.
@@ -81,6 +81,7 @@ private:
     void makeSuns();
     Responses respond(const TransportParts& parts);
     std::vector<Edge> edgesOf(const std::vector<SunlitParts>& partly, double strength) const;
+    void addGlow(const TransportParts& parts, Responses& responses) const;
     void addSun(const Responses& responses, std::span<float> reflected) const;
     void addEdges(const TransportParts& parts, std::span<float> reflected) const;
     void addBeams(std::span<const Sensor> sensors, std::span<float> sun) const;

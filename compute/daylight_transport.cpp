@@ -72,6 +72,7 @@ struct DaylightTransport::State {
     std::vector<double> areas;
     std::unique_ptr<PointScene> points;
     std::unique_ptr<SunScene> sunScene;
+    std::unique_ptr<GlowingBlinds> blinds;
     std::unique_ptr<PatchSlopes> slopes;
     SkyRows patchSky;
     SensorGather sensors;
@@ -92,6 +93,7 @@ struct DaylightTransport::State {
     Moment direct(const daylight::Sky& sky) const;
     void skyAtSensors(Moment& moment, const daylight::Sky& sky) const;
     void sunOn(Moment& moment, const daylight::SunDisc& disc) const;
+    template<class Light> void glow(Moment& moment, const Light& light) const;
     void solve(std::span<Moment> moments);
     void finish(Moment& moment, const std::vector<float>& exitance, const std::vector<float>& gathered,
                 size_t firstColumn) const;
@@ -136,6 +138,7 @@ void DaylightTransport::State::findOpenings() {
     points = std::make_unique<PointScene>(mesh);
     if (!slopes) slopes = std::make_unique<PatchSlopes>(mesh);
     sunScene = std::make_unique<SunScene>(mesh);
+    blinds = std::make_unique<GlowingBlinds>(mesh);
     patchSky = {};
     if (hasOpenings || options.skipNothing) makeSky();
     if (!hasOpenings) report.skipped.push_back("sky coefficients: no opening leads outside");
@@ -174,6 +177,17 @@ void DaylightTransport::State::readMaterials() {
     relight->restart();
 }
 
+// Adds light(group, patch), what blinds scatter, and says so.
+template<class Light> void DaylightTransport::State::glow(Moment& moment, const Light& light) const {
+    if (blinds->empty()) return;
+    if (moment.glow.empty()) {
+        moment.glow.assign(mesh.patchCount(), glm::vec3(0));
+        moment.report.modelled.push_back("blinds: what they scatter");
+    }
+    for (size_t g = 0; g < blinds->groups().size(); ++g)
+        for (uint32_t patch : blinds->groups()[g].patches) moment.glow[patch] += light(g, patch);
+}
+
 // What arrives straight from outside, on patches and at sensors.
 Moment DaylightTransport::State::direct(const daylight::Sky& sky) const {
     Moment moment;
@@ -195,6 +209,9 @@ Moment DaylightTransport::State::direct(const daylight::Sky& sky) const {
         const std::vector<float> luminance(means.begin(), means.end());
         for (size_t i = 0; i < n; ++i) patchSky.combine(i, luminance, moment.patches[i]);
         skyAtSensors(moment, sky);
+        std::vector<glm::vec3> bySky;
+        for (size_t g = 0; g < blinds->groups().size(); ++g) bySky.push_back(blinds->bySky(g, sky));
+        glow(moment, [&](size_t g, uint32_t) { return bySky[g]; });
     }
     moment.report.combineSeconds = combining.seconds();
 
@@ -235,6 +252,8 @@ void DaylightTransport::State::sunOn(Moment& moment, const daylight::SunDisc& di
     moment.lighting.sunNormalIlluminance = glm::vec3(strength);
     std::vector<SunlitParts> partly;
     moment.lighting.sunIlluminance = sun.onPatches(sensors.sensors.empty() ? nullptr : &partly);
+    glow(moment,
+         [&](size_t g, uint32_t patch) { return strength * blinds->bySun(g, patch, sun, disc.direction); });
     std::vector<glm::vec3> firstBounce(n);
     for (size_t i = 0; i < n; ++i) {
         moment.patches[i].sun = moment.lighting.sunIlluminance[i] *= strength;
@@ -265,6 +284,7 @@ void DaylightTransport::State::solve(std::span<Moment> moments) {
                 const LightParts& parts = moment.patches[i];
                 float out = mesh.materials[mesh.material[i]].exitance[axis] +
                             rho[i] * (parts.sun[axis] + parts.sky[axis] + parts.ground[axis]);
+                if (!moment.glow.empty()) out += moment.glow[i][axis];
                 if (tau[i] > 0) {
                     // The sun goes through clear glass as a beam (SunPatches); sky light that falls on it
                     // goes on diffusely.
@@ -316,6 +336,7 @@ void DaylightTransport::State::finish(Moment& moment, const std::vector<float>& 
         moment.lighting.exitance[i] = out;
         const glm::vec3 direct = parts.sun + parts.sky + parts.ground;
         in += areas[i] * photometric(m.exitance + direct);
+        if (!moment.glow.empty()) in += areas[i] * photometric(moment.glow[i]);
         in -= areas[i] * photometric(tau * parts.sun); // goes on as a beam, counted where it lands
         absorbed += areas[i] * photometric((glm::vec3(1) - m.reflectance - tau) * parts.total());
         mean += areas[i] * photometric(out);
@@ -408,8 +429,8 @@ void DaylightTransport::setMaterials(const std::vector<geometry::Material>& mate
     bool glassChanged = false;
     for (size_t k = 0; k < materials.size(); ++k) {
         const geometry::Material &before = state_->mesh.materials[k], &now = materials[k];
-        glassChanged |=
-            before.transmittance != now.transmittance || before.refractiveIndex != now.refractiveIndex;
+        glassChanged |= before.transmittance != now.transmittance ||
+                        before.refractiveIndex != now.refractiveIndex || before.blind != now.blind;
     }
     state_->mesh.materials = materials;
     if (glassChanged) {
@@ -448,7 +469,8 @@ TransportParts DaylightTransport::parts() {
             state.sensors.even,
             state.sensors.sensors,
             state.skyPatches,
-            *state.sunScene};
+            *state.sunScene,
+            *state.blinds};
 }
 
 std::optional<PointView> DaylightTransport::viewOfSensor(size_t sensor) const {

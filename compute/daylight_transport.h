@@ -21,6 +21,7 @@
 #include "compute/daylight/sky.h"
 #include "compute/daylight/sky_patches.h"
 #include "compute/form_factors.h"
+#include "compute/glowing_blinds.h"
 #include "compute/lighting.h"
 #include "compute/radiosity.h"
 #include "compute/sensor_gather.h"
@@ -43,7 +44,7 @@ struct TransportOptions {
 // Illuminance by where it comes from, lux per channel.
 struct LightParts {
     glm::vec3 sun{0}, sky{0}, ground{0}; // direct, through openings
-    glm::vec3 interreflected{0};         // from surfaces of the room, their own emission included
+    glm::vec3 interreflected{0}; // from surfaces of the room, with their own emission and the glow of blinds
     float error = 0; // estimate of the error of the photometric total, lux; see DaylightTransport::light
 
     glm::vec3 total() const { return sun + sky + ground + interreflected; }
@@ -62,6 +63,7 @@ struct Moment {
     Lighting lighting;
     std::vector<LightParts> patches; // averages over patches
     std::vector<LightParts> sensors; // in setSensors' order
+    std::vector<glm::vec3> glow; // per patch: exitance of blinds by light from outside; empty without blinds
     MomentReport report;
 };
 
@@ -88,6 +90,7 @@ struct TransportParts {
     std::span<const Sensor> sensors;
     const daylight::SkyPatches& sky;
     const SunScene& sun; // for SunPatches of many hours
+    const GlowingBlinds& blinds;
 };
 
 class DaylightTransport {

@@ -7,7 +7,6 @@
 
 #include <glm/geometric.hpp>
 
-#include "compute/daylight/glazing.h"
 #include "compute/hemicube.h"
 #include "compute/parallel.h"
 
@@ -130,6 +129,7 @@ PointScene::PointScene(const geometry::PatchMesh& mesh) : mesh_(&mesh), blockers
             group[i] = mesh.material[i];
     }
     openings_ = mergedRegions(mesh, group, 16);
+    for (const geometry::Material& material : mesh.materials) windows_.emplace_back(material);
 }
 
 void PointScene::seeSky(const PointView& view, uint32_t room, double angle,
@@ -137,14 +137,15 @@ void PointScene::seeSky(const PointView& view, uint32_t room, double angle,
     std::vector<PointView::Polygon> parts;
     PointView::Polygon halves[2];
     for (const ConvexRegion& opening : openings_) {
-        if (opening.room != room) continue;
+        if (opening.room != room || !windows_[opening.group].passesStraight()) continue;
         const dvec3 normal = glm::normalize(
             glm::cross(opening.corners[1] - opening.corners[0], opening.corners[2] - opening.corners[0]));
         if (glm::dot(view.position() - opening.corners[0], normal) <= blockers_.tolerance()) continue;
         if (view.factor(opening.corners, parts) <= 0) continue;
-        const daylight::Glazing glazing = daylight::glazingOf(mesh_->materials[opening.group]);
+        const daylight::Window& window = windows_[opening.group];
+        const daylight::Glazing& glazing = window.glazing();
         const glm::dvec3 t = glazing.transmissivity;
-        const bool grey = t.x == t.y && t.y == t.z;
+        const bool greyGlass = t.x == t.y && t.y == t.z && !glazing.isHole() && !window.hasBlind();
         for (const PointView::Polygon& part : parts) {
             splitAtHorizon(part, halves[0], halves[1]);
             for (size_t half = 0; half < 2; ++half) {
@@ -154,11 +155,10 @@ void PointScene::seeSky(const PointView& view, uint32_t room, double angle,
                 double weights = 0;
                 forCells(halves[half], view.normal(), angle, [&](dvec3 centre, double weight) {
                     const dvec3 direction = glm::normalize(centre);
-                    const double cosine = -glm::dot(direction, normal);
                     const dvec3 through =
-                        grey && !glazing.isHole()
-                            ? dvec3(daylight::slabTransmittance(cosine, t.x, glazing.refractiveIndex))
-                            : glazing.transmittance(cosine);
+                        greyGlass ? dvec3(daylight::slabTransmittance(-glm::dot(direction, normal), t.x,
+                                                                      glazing.refractiveIndex))
+                                  : window.straight(direction, normal);
                     samples.push_back({glm::vec3(direction), glm::vec3(weight * through)});
                     weights += weight;
                 });

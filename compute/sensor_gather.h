@@ -10,6 +10,7 @@
 #include <glm/vec3.hpp>
 
 #include "compute/daylight/sky_patches.h"
+#include "compute/daylight/window.h"
 #include "compute/patch_slopes.h"
 #include "compute/point_view.h"
 #include "compute/sun_patches.h"
@@ -62,7 +63,8 @@ private:
     const geometry::PatchMesh* mesh_;
     Blockers blockers_;
     std::vector<Patch> patches_;
-    std::vector<ConvexRegion> openings_; // groups: materials
+    std::vector<ConvexRegion> openings_;    // groups: materials
+    std::vector<daylight::Window> windows_; // by material
 };
 
 // Means of the outside's coefficients over patches (patches x channels x elements), from four points on each.

@@ -5,7 +5,6 @@
 
 #include <glm/geometric.hpp>
 
-#include "compute/daylight/glazing.h"
 #include "geometry/bounds.h"
 #include "geometry/perpendicular.h"
 
@@ -89,6 +88,7 @@ SunScene::SunScene(const geometry::PatchMesh& mesh) : mesh_(&mesh) {
             pane[i] = 2 * mesh.material[i] + (mesh.twin[i] != geometry::kNoTwin ? 1 : 0);
         else
             wall[i] = 0;
+    for (const geometry::Material& material : mesh.materials) windows_.emplace_back(material);
     panes_ = mergedRegions(mesh, pane, kMostCorners);
     walls_ = mergedRegions(mesh, wall, kMostCorners);
     scale_ = geometry::boundsOf(mesh.vertices).diagonal();
@@ -135,7 +135,7 @@ void SunPatches::project(const SunScene& scene, bool clipAnyway) {
         const double facing = glm::dot(face.normal, sun_);
         if (facing > -kEdgeOn) continue;
         canEnter_ |= region.group % 2 == 0;
-        face.transmittance = daylight::glazingOf(mesh_->materials[region.group / 2]).transmittance(-facing);
+        face.transmittance = scene.windows_[region.group / 2].straight(sun_, face.normal);
         panes_.push_back(std::move(face));
     }
     if (!canEnter_ && !clipAnyway) panes_.clear(); // interior glass alone lets no sun in
@@ -241,6 +241,7 @@ glm::vec3 SunPatches::onPatch(const Receiver& receiver, SunlitParts* partly) con
     const double whole = area(receiver.outline);
     if (!(whole > 0)) return glm::vec3(0);
     std::vector<Piece> pieces = throughPanes(receiver);
+    std::erase_if(pieces, [](const Piece& piece) { return piece.transmittance == glm::dvec3(0); });
     keepVisible(receiver, pieces);
     if (pieces.empty()) return glm::vec3(0);
     const double facing = glm::dot(receiver.normal, sun_);
@@ -290,6 +291,25 @@ std::vector<glm::vec3> SunPatches::onPatches(std::vector<SunlitParts>* partly) c
         if (!parts.parts.empty()) partly->push_back(std::move(parts));
     }
     return result;
+}
+
+double SunPatches::onOutside(size_t patch) const {
+    Receiver receiver;
+    receiver.patch = static_cast<uint32_t>(patch);
+    receiver.normal = -geometry::patchNormal(*mesh_, patch);
+    const double facing = glm::dot(receiver.normal, sun_);
+    if (!(facing > 1e-9)) return 0;
+    const auto corners = mesh_->patch(patch);
+    receiver.point = mesh_->vertices[corners[0]];
+    for (uint32_t corner : corners) receiver.outline.push_back(project(mesh_->vertices[corner]));
+    std::reverse(receiver.outline.begin(), receiver.outline.end()); // seen from outside
+    const double whole = area(receiver.outline);
+    if (!(whole > 0)) return 0;
+    std::vector<Piece> pieces{{receiver.outline, glm::dvec3(1)}};
+    keepVisible(receiver, pieces);
+    double lit = 0;
+    for (const Piece& piece : pieces) lit += area(piece.outline);
+    return facing * std::min(1.0, lit / whole);
 }
 
 glm::vec3 SunPatches::atPoint(glm::dvec3 position, glm::dvec3 normal) const {

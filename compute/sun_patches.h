@@ -12,6 +12,7 @@
 #include <glm/vec3.hpp>
 
 #include "compute/convex_regions.h"
+#include "compute/daylight/window.h"
 #include "geometry/patch_mesh.h"
 
 namespace heliodon::compute {
@@ -25,6 +26,7 @@ private:
     friend class SunPatches;
     const geometry::PatchMesh* mesh_;
     std::vector<ConvexRegion> panes_, walls_; // groups of panes: 2 material + (interior ? 1 : 0)
+    std::vector<daylight::Window> windows_;   // by material
     double scale_ = 1;                        // extent of the mesh
 };
 
@@ -52,6 +54,10 @@ public:
     // fraction times cosine times transmittance. About 2 ms for 2000 patches. `partly`, when given, receives
     // the lit parts of patches that are not lit evenly.
     std::vector<glm::vec3> onPatches(std::vector<SunlitParts>* partly = nullptr) const;
+
+    // The same on the outside of an opening, before its glass: lit fraction times cosine. Walls of the building
+    // shade it; so do those behind its other openings.
+    double onOutside(size_t patch) const;
 
     // The same at a point of the air of a room with unit normal.
     glm::vec3 atPoint(glm::dvec3 position, glm::dvec3 normal) const;

@@ -49,6 +49,18 @@ double slabTransmittance(double cosine, double t, double n) {
     return polarised((c - n * c2) / (c + n * c2)) + polarised((c2 - n * c) / (c2 + n * c));
 }
 
+double slabReflectance(double cosine, double t, double n) {
+    const double c = std::min(std::abs(cosine), 1.0);
+    if (c <= 0) return 1;
+    const double c2 = std::sqrt(1.0 - (1.0 - c * c) / (n * n));
+    const double d = t <= 0 ? 0.0 : t >= 1.0 ? 1.0 : std::pow(t, 1.0 / c2);
+    const auto polarised = [&](double amplitude) {
+        const double r = amplitude * amplitude;
+        return 0.5 * (r + r * (1.0 - r) * (1.0 - r) * d * d / (1.0 - r * r * d * d));
+    };
+    return polarised((c - n * c2) / (c + n * c2)) + polarised((c2 - n * c) / (c2 + n * c));
+}
+
 glm::dvec3 Glazing::transmittance(double cosine) const {
     if (isHole()) return transmissivity;
     return perChannel(transmissivity,

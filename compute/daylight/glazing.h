@@ -36,5 +36,7 @@ bool isPossible(const geometry::Material& material);
 double maximumTransmittance(double refractiveIndex);
 double transmissivityFromNormal(double normalTransmittance, double refractiveIndex);
 double slabTransmittance(double cosine, double transmissivity, double refractiveIndex);
+// Of the same slab, by both faces: per polarisation r + r (1 - r)^2 d^2 / (1 - r^2 d^2).
+double slabReflectance(double cosine, double transmissivity, double refractiveIndex);
 
 } // namespace heliodon::daylight

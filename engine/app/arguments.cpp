@@ -94,6 +94,15 @@ private:
                         "turn north by so many degrees, clockwise seen from above");
     }
 
+    static void addBlinds(CLI::App* sub, SceneArguments& scene) {
+        sub->add_option(
+               "--blinds", scene.blinds,
+               "[MATERIAL=]STATE of windows: open, fabric:T[,R] (diffuse transmittance, reflectance) "
+               "or slats:ANGLE[,R[,SPACING]] (degrees, outer edges down; reflectance 0.7; spacing over "
+               "width 0.8); may be given several times")
+            ->allow_extra_args(false);
+    }
+
     static void addMoment(CLI::App* sub, MomentArguments& moment, bool withTime) {
         sub->add_option("--site", moment.site,
                         "LAT,LON in degrees north and east (default: the rig's, else 42.73,-73.68)");
@@ -159,6 +168,7 @@ private:
         CLI::App* sub = add("illuminance", "lux at sensors or patches", illuminance_,
                             "room.obj --up z --sky sky.json --sensors desk.csv -o lux.csv");
         addScene(sub, illuminance_.scene);
+        addBlinds(sub, illuminance_.scene);
         addMoment(sub, illuminance_.moment, true);
         sub->add_option("--sensors", illuminance_.sensors,
                         "points (.csv with x,y,z,nx,ny,nz); without: one row per patch");
@@ -176,6 +186,7 @@ private:
         CLI::App* sub = add("render", "pictures for the projectors, and a preview", render_,
                             "photo.png --rig rig.json --time 2026-03-21T13:00solar --false-color -o out");
         addScene(sub, render_.scene);
+        addBlinds(sub, render_.scene);
         addMoment(sub, render_.moment, true);
         addPicture(sub, render_.picture);
         auto* sheet = sub->add_flag("--contact-sheet", render_.contactSheet,
@@ -195,6 +206,7 @@ private:
             "timelapse", "a day, or a year, as a film or as pictures", timelapse_,
             "sketch.json --from 2026-06-21T07:00solar --to 2026-06-21T17:00solar --step PT10M -o day.mp4");
         addScene(sub, timelapse_.scene);
+        addBlinds(sub, timelapse_.scene);
         addMoment(sub, timelapse_.moment, false);
         addPicture(sub, timelapse_.picture);
         sub->add_option("--from", timelapse_.from, "time of the first frame")->required();
@@ -221,6 +233,7 @@ private:
         CLI::App* sub = add("annual", "a year of weather: hourly lux and what it says about the room",
                             annual_, "room.obj --up z --weather chicago.epw --sensors desk.csv -o year");
         addScene(sub, annual_.scene);
+        addBlinds(sub, annual_.scene);
         sub->add_option("--weather", annual_.weather, "hourly weather (.epw or .epw.gz); its site is used")
             ->required();
         sub->add_option(

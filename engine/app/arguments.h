@@ -23,7 +23,8 @@ struct SceneArguments {
     std::optional<size_t> triangles;
     std::optional<double> chordError; // inches on the table
     std::string up = "y";
-    double northDeg = 0; // turns north clockwise seen from above
+    double northDeg = 0;             // turns north clockwise seen from above
+    std::vector<std::string> blinds; // [MATERIAL=]STATE, see blinds.h
 };
 
 // Where, when and under which sky; empty: the default, which is printed.

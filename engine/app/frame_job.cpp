@@ -58,6 +58,11 @@ std::string hashOfScene(const Scene& scene) {
         for (const glm::vec3* colour : {&material.reflectance, &material.transmittance, &material.exitance})
             hash.add(colour, sizeof *colour);
         hash.add(&material.refractiveIndex, sizeof material.refractiveIndex);
+        const geometry::Blind& blind = material.blind;
+        hash.add(&blind.kind, sizeof blind.kind);
+        for (const float& value :
+             {blind.transmittance, blind.reflectance, blind.slatAngleDeg, blind.slatSpacing})
+            hash.add(&value, sizeof value);
     }
     hash.add(scene.occluders.vertices), hash.add(scene.occluders.triangles);
     hash.add(&scene.northDeg, sizeof scene.northDeg);
@@ -90,6 +95,7 @@ FrameJob frameJobOf(Run& run, const TimelapseArguments& arguments, const Scene& 
         {"--chord-error", orDefault(input.chordError)},
         {"--up", input.up},
         {"--north", input.northDeg},
+        {"--blinds", input.blinds.empty() ? "open" : fmt::format("{}", fmt::join(input.blinds, " "))},
         {"the model made of INPUT", hashOfScene(scene)},
         {"--site", orDefault(arguments.moment.site)},
         {"--sky", hashIfFile(orDefault(arguments.moment.sky))},

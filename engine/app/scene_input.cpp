@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include "engine/app/blinds.h"
 #include "geometry/input_error.h"
 #include "geometry/mesher.h"
 #include "vision/detect.h"
@@ -168,6 +169,7 @@ geometry::Sketch loadSketch(Run& run, const SceneArguments& arguments,
 Scene loadScene(Run& run, const SceneArguments& arguments) {
     Scene scene;
     scene.up = upAxisOf(arguments);
+    for (const std::string& state : arguments.blinds) parseWindowState(state); // now, not after the meshing
     const InputKind kind = kindOf(arguments.input);
     if (!arguments.rig.empty()) scene.rig = geometry::readRig(arguments.rig);
     geometry::Building building;
@@ -195,6 +197,7 @@ Scene loadScene(Run& run, const SceneArguments& arguments) {
         }
     }
     if (kind == InputKind::model) reportImport(run, scene.mesh, building);
+    drawBlinds(run, arguments.blinds, scene.mesh);
     scene.occluders = std::move(building.occluders);
     scene.northDeg = building.northDeg - arguments.northDeg; // plan angles grow counter-clockwise
     const geometry::MeshQuality quality = geometry::measureMesh(scene.mesh);

@@ -275,7 +275,9 @@ std::vector<glm::vec3> FrameRenderer::State::pictureLight(const compute::Lightin
     if (!day) return values;
     const glm::vec3 sky = static_cast<float>(white(light)) * glm::vec3(0.75f, 0.88f, 1.0f);
     for (size_t p = 0; p < values.size(); ++p)
-        if (mesh.materials[mesh.material[p]].isOpening()) values[p] = glm::max(values[p], sky);
+        if (const geometry::Material& m = mesh.materials[mesh.material[p]];
+            m.isOpening() && m.blind.kind == geometry::Blind::Kind::none)
+            values[p] = glm::max(values[p], sky);
     return values;
 }
 

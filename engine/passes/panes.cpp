@@ -75,8 +75,7 @@ std::vector<glm::dvec3> outline(const PatchMesh& mesh, const std::vector<uint32_
 } // namespace
 
 Panes::Panes(const PatchMesh& mesh) : closed_(everyRoomIsClosed(mesh)) {
-    for (const geometry::Material& material : mesh.materials)
-        glazing_.push_back(daylight::glazingOf(material));
+    for (const geometry::Material& material : mesh.materials) windows_.emplace_back(material);
     // Patches of one glass lie in one plane; a bent one is taken apart.
     std::map<std::tuple<uint32_t, uint32_t, uint32_t, bool>, std::vector<uint32_t>> groups;
     for (uint32_t p = 0; p < mesh.patchCount(); ++p)
@@ -125,7 +124,8 @@ SunPaneData Panes::seenFromSun(glm::dvec3 towardsSun) const {
         io::SunPane out{};
         out.normal = pane.normal / cosine;
         out.offset = static_cast<float>(glm::dot(pane.normal, pane.point) / cosine);
-        out.transmittance = glazing_[pane.material].transmittance(std::abs(cosine));
+        out.transmittance =
+            windows_[pane.material].straight(towardsSun, cosine < 0 ? pane.normal : -pane.normal);
         out.firstEdge = static_cast<uint32_t>(data.edges.size());
         out.edgeCount = static_cast<uint32_t>(pane.edges.size() / 2);
         out.leaves = cosine < 0;

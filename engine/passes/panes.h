@@ -10,7 +10,7 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
-#include "compute/daylight/glazing.h"
+#include "compute/daylight/window.h"
 #include "geometry/patch_mesh.h"
 #include "shaders/io/scene.io.h"
 
@@ -43,7 +43,7 @@ private:
     void addPane(const geometry::PatchMesh& mesh, const std::vector<uint32_t>& patches);
 
     std::vector<Pane> panes_;
-    std::vector<daylight::Glazing> glazing_; // per material
+    std::vector<daylight::Window> windows_; // per material
     bool closed_ = false; // every room is closed: a ray that passes no pane has slipped through an edge
 };
 

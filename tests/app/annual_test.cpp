@@ -65,6 +65,32 @@ TEST_F(Annual, a_folder_of_results_appears) {
     EXPECT_FALSE(report["warnings"].empty()); // the missing hour
 }
 
+TEST_F(Annual, blinds_dim_every_command_that_computes_light) {
+    const auto ran = [&](const std::string& arguments) {
+        const Outcome outcome = heliodon(arguments + " --quiet --report " + in("report.json"));
+        EXPECT_EQ(outcome.exitCode, 0) << outcome.output;
+        return nlohmann::json::parse(readText(folder / "report.json"));
+    };
+    const std::string year = "annual " + kOffice + " --weather " + in("days.epw") + " -o " + in("year"),
+                      lux = "illuminance " + kOffice + " --sky overcast -o " + in("lux.csv"),
+                      picture = "render " + kOffice + " --sky overcast -o " + in("pictures"),
+                      film = "timelapse " + kOffice +
+                             " --from 2026-06-21T10:00solar --to 2026-06-21T11:00solar "
+                             "--step PT1H --view none -o " +
+                             in("film");
+    for (const std::string blinds : {" --blinds fabric:0.2", " --blinds slats:60"}) {
+        EXPECT_LT(ran(year + blinds)["summary"]["mean_lux"].get<double>(),
+                  0.7 * ran(year)["summary"]["mean_lux"].get<double>());
+        EXPECT_LT(ran(lux + blinds)["lux"]["mean"].get<double>(),
+                  0.7 * ran(lux)["lux"]["mean"].get<double>());
+        EXPECT_LT(ran(picture + blinds)["light"]["mean_lux"].get<double>(),
+                  0.7 * ran(picture)["light"]["mean_lux"].get<double>());
+        const nlohmann::json report = ran(film + blinds);
+        EXPECT_EQ(report["blinds"].size(), 1u);
+        EXPECT_LT(report["blinds"][0]["diffuse_transmittance"].get<double>(), 0.3);
+    }
+}
+
 TEST_F(Annual, a_plan_of_illuminance_is_a_drawing) {
     const std::string command =
         "illuminance " + kOffice + " --sky overcast --quiet -o " + in("lux.csv") + " --plan ";

@@ -130,6 +130,17 @@ TEST_F(BadInput, numbers_that_are_none_and_devices_that_are_not_there) {
                   {"--device", "none"});
 }
 
+TEST_F(BadInput, windows_in_a_state_that_is_none) {
+    const std::string command = "illuminance " HELIODON_TEST_DATA "/compute/office/model.obj --up z --sky " +
+                                std::string("overcast --quiet --triangles 100 -o ") + in("out.csv") +
+                                " --blinds ";
+    expectRefused(command + "shut", {"--blinds", "shut", "fabric", "slats"});
+    expectRefused(command + "slats:ninety", {"--blinds", "angle", "ninety"});
+    expectRefused(command + "fabric:0.8,0.5", {"--blinds", "more than 1"});
+    expectRefused(command + "slats:45,0.5,0.8,2", {"--blinds", "'2'"});
+    expectRefused(command + "door=slats:45", {"--blinds", "door", "expected one of"});
+}
+
 TEST_F(BadInput, a_time_that_is_no_time) {
     expectRefused("render " + kPhoto + " --rig " + kRig + " --time tomorrow -o " + in("out"), {"tomorrow"});
 }

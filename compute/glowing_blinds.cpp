@@ -1,0 +1,101 @@
+#include "compute/glowing_blinds.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <glm/geometric.hpp>
+
+namespace heliodon::compute {
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr int kBands = 90, kAround = 180; // cells of the whole sphere: 2 degrees
+
+// work(direction, what arrives from the cell on the plane per unit of luminance) for cells before the window.
+template<class Work> void forDirections(glm::dvec3 normal, const Work& work) {
+    double sum = 0; // of the hemisphere: pi, but for the cells that the plane cuts
+    for (const bool first : {true, false})
+        for (int band = 0; band < kBands; ++band) {
+            const double low = kPi * (double(band) / kBands - 0.5), high = low + kPi / kBands,
+                         middle = 0.5 * (low + high);
+            const double area = 2 * kPi / kAround * (std::sin(high) - std::sin(low));
+            for (int k = 0; k < kAround; ++k) {
+                const double turn = 2 * kPi * (k + 0.5) / kAround;
+                const glm::dvec3 direction(std::cos(middle) * std::sin(turn), std::sin(middle),
+                                           -std::cos(middle) * std::cos(turn));
+                const double cosine = -glm::dot(direction, normal);
+                if (cosine <= 0) continue;
+                if (first)
+                    sum += area * cosine;
+                else
+                    work(direction, area * cosine * kPi / sum);
+            }
+        }
+}
+
+} // namespace
+
+GlowingBlinds::GlowingBlinds(const geometry::PatchMesh& mesh) {
+    std::vector<uint32_t> materials; // of the groups
+    for (size_t i = 0; i < mesh.patchCount(); ++i) {
+        const geometry::Material& material = mesh.materials[mesh.material[i]];
+        if (mesh.twin[i] != geometry::kNoTwin || !material.isOpening() ||
+            material.blind.kind == geometry::Blind::Kind::none)
+            continue;
+        const glm::dvec3 normal = geometry::patchNormal(mesh, i);
+        size_t g = 0;
+        while (g < groups_.size() &&
+               (materials[g] != mesh.material[i] || glm::dot(groups_[g].normal, normal) < 1 - 1e-9))
+            ++g;
+        if (g == groups_.size()) {
+            groups_.push_back({daylight::Window(material), normal, {}});
+            materials.push_back(mesh.material[i]);
+        }
+        groups_[g].patches.push_back(static_cast<uint32_t>(i));
+    }
+    for (const Group& group : groups_) {
+        std::vector<Sample>& samples = sky_.emplace_back();
+        glm::dvec3& ground = ground_.emplace_back(0);
+        forDirections(group.normal, [&](glm::dvec3 direction, double arriving) {
+            const glm::dvec3 weight = arriving * group.window.scattered(direction, group.normal);
+            if (direction.y > 0)
+                samples.push_back({glm::vec3(direction), glm::vec3(weight)});
+            else
+                ground += weight;
+        });
+    }
+}
+
+glm::vec3 GlowingBlinds::bySky(size_t group, const daylight::Sky& sky) const {
+    glm::dvec3 sum = ground_[group] * sky.ground.luminance;
+    if (sky.formula.scale > 0)
+        for (const Sample& sample : sky_[group])
+            sum += glm::dvec3(sample.weight) * sky.luminance(glm::dvec3(sample.direction));
+    return glm::vec3(sum);
+}
+
+std::vector<float> GlowingBlinds::coefficients(size_t group, const daylight::SkyPatches& sky,
+                                               uint32_t channels) const {
+    const size_t elements = sky.elementCount();
+    std::vector<double> sums(channels * elements);
+    for (const Sample& sample : sky_[group])
+        for (uint32_t c = 0; c < channels; ++c)
+            sums[c * elements + sky.elementOf(glm::dvec3(sample.direction))] +=
+                double{sample.weight[static_cast<int>(c)]} / kPi;
+    for (uint32_t c = 0; c < channels; ++c)
+        sums[c * elements + sky.groundElement()] = ground_[group][static_cast<int>(c)] / kPi;
+    std::vector<float> values;
+    for (const double sum : sums) values.push_back(static_cast<float>(sum));
+    return values;
+}
+
+glm::vec3 GlowingBlinds::bySun(size_t group, uint32_t patch, const SunPatches& sun,
+                               glm::dvec3 towardsSun) const {
+    const Group& g = groups_[group];
+    const glm::dvec3 scattered = g.window.scattered(glm::normalize(towardsSun), g.normal);
+    if (scattered == glm::dvec3(0)) return glm::vec3(0);
+    return glm::vec3(scattered * sun.onOutside(patch));
+}
+
+} // namespace heliodon::compute

@@ -1,0 +1,185 @@
+// Blinds before windows, from what falls on them to light in the room and to the year.
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "compute/annual_daylight.h"
+#include "compute/daylight_transport.h"
+#include "tests/compute/rooms.h"
+#include "tests/gpu/test_device.h"
+
+namespace heliodon::compute {
+namespace {
+
+using geometry::Blind;
+
+constexpr Blind kFabric{Blind::Kind::fabric, 0.3f, 0.5f};
+constexpr Blind kSlats{Blind::Kind::slats, 0, 0.6f, 30};
+
+// A box with a window of 2 m2 to -z.
+geometry::PatchMesh windowRoom(const Blind& blind, bool glass = true, glm::vec3 wall = glm::vec3(0.5f),
+                               glm::vec3 tint = glm::vec3(0.88f)) {
+    test::BoxRoom box;
+    box.wall.reflectance = wall;
+    box.glass.transmittance = glass ? tint : glm::vec3(1);
+    if (!glass) box.glass.refractiveIndex = 1;
+    box.glass = daylight::withBlind(box.glass, blind);
+    box.isGlass = [](glm::dvec3 p) { return p.z < 1e-9 && p.x > 1 && p.x < 3 && p.y > 1 && p.y < 2; };
+    return test::boxRoom(box);
+}
+
+daylight::Sky uniform(double luminance) {
+    daylight::Sky sky = daylight::cieGeneralSky(5, {0, 1, 0}, luminance);
+    sky.ground.luminance = luminance;
+    return sky;
+}
+
+daylight::Sky sunny(glm::dvec3 direction) {
+    direction = glm::normalize(direction);
+    daylight::Sky sky = daylight::cieClearSky(direction, 3000);
+    sky.sun = {direction, 80000};
+    daylight::lightGround(sky, 0.2);
+    return sky;
+}
+
+daylight::Sky overcast() {
+    daylight::Sky sky = daylight::cieGeneralSky(16, {0, 1, 0}, 5000);
+    daylight::lightGround(sky, 0.2);
+    return sky;
+}
+
+const std::vector<Sensor> kSensors{{{2, 1, 2}, {0, 1, 0}}, {{1, 2, 3}, {0, 0, -1}}, {{3, 0.1, 1}, {0, 1, 0}}};
+
+Moment lightOf(const geometry::PatchMesh& mesh, const daylight::Sky& sky) {
+    DaylightTransport transport(test::device(), mesh);
+    transport.setSensors(kSensors);
+    return transport.light(sky);
+}
+
+TEST(Blinds, a_fabric_under_an_even_sky_is_a_lamp) {
+    const double luminance = 2000, glow = 0.3 * std::numbers::pi * luminance;
+    const Moment blind = lightOf(windowRoom(kFabric, false), uniform(luminance));
+    geometry::PatchMesh lamp = windowRoom({}, false);
+    lamp.materials[1].transmittance = glm::vec3(0);
+    lamp.materials[1].reflectance = glm::vec3(0.5f);
+    lamp.materials[1].exitance = glm::vec3(static_cast<float>(glow));
+    const Moment lit = lightOf(lamp, daylight::Sky{});
+    for (size_t s = 0; s < kSensors.size(); ++s) {
+        const double lux = photometric(lit.sensors[s].total());
+        EXPECT_NEAR(photometric(blind.sensors[s].total()), lux, 1e-3 * lux);
+        EXPECT_EQ(photometric(blind.sensors[s].sky), 0); // nothing passes straight
+    }
+    EXPECT_NEAR(blind.report.lumensIn, 2 * glow, 1e-3 * glow);
+}
+
+TEST(Blinds, what_the_sun_gives_a_blind_enters_or_is_absorbed) {
+    const glm::dvec3 sun = glm::normalize(glm::dvec3(0.2, 0.5, -0.8));
+    daylight::Sky sky;
+    sky.sun = {sun, 80000};
+    for (const Blind& blind : {kFabric, kSlats}) {
+        const geometry::PatchMesh mesh = windowRoom(blind);
+        const daylight::Window window(mesh.materials[1]);
+        const Moment moment = lightOf(mesh, sky);
+        const glm::dvec3 inwards(0, 0, 1);
+        const double enters = window.straight(sun, inwards).y + window.scattered(sun, inwards).y;
+        EXPECT_NEAR(moment.report.lumensIn, 2 * 80000 * -sun.z * enters, 1e-4 * moment.report.lumensIn);
+        EXPECT_LT(moment.report.energyImbalance, 1e-3);
+    }
+}
+
+TEST(Blinds, slats_wide_apart_are_hardly_there) {
+    const Moment open = lightOf(windowRoom({}), overcast());
+    Blind wide = kSlats;
+    wide.slatAngleDeg = 0, wide.slatSpacing = 10, wide.reflectance = 0;
+    const Moment slats = lightOf(windowRoom(wide), overcast());
+    for (size_t s = 0; s < kSensors.size(); ++s) {
+        const double share = photometric(slats.sensors[s].total()) / photometric(open.sensors[s].total());
+        EXPECT_GT(share, 0.85); // F = 0.905 for light from everywhere
+        EXPECT_LT(share, 1);
+    }
+}
+
+TEST(Blinds, another_wing_shades_the_outside_of_a_window) {
+    geometry::PatchMesh mesh = windowRoom(kFabric);
+    const size_t own = mesh.patchCount();
+    test::BoxRoom wing; // in front of the left half of the window
+    wing.low = {-4, 0, -10}, wing.high = {2, 3, -6};
+    test::addBox(mesh, wing, 1);
+    const glm::dvec3 sun = glm::normalize(glm::dvec3(0, 0.01, -1));
+    const SunPatches patches(mesh, sun);
+    double lit = 0, whole = 0;
+    for (size_t i = 0; i < own; ++i) {
+        if (!mesh.materials[mesh.material[i]].isOpening()) continue;
+        lit += geometry::patchArea(mesh, i) * patches.onOutside(i);
+        whole += geometry::patchArea(mesh, i) * -sun.z;
+    }
+    EXPECT_NEAR(lit, 0.5 * whole, 1e-9 * whole);
+}
+
+TEST(Blinds, sky_elements_stand_for_the_sky) {
+    const GlowingBlinds blinds(windowRoom(kSlats));
+    ASSERT_EQ(blinds.groups().size(), 1u);
+    const daylight::SkyPatches patches(2);
+    const std::vector<float> coefficients = blinds.coefficients(0, patches, 1);
+    for (const daylight::Sky& sky : {overcast(), uniform(1000), sunny({0.2, 0.5, 0.8})}) {
+        const std::vector<double> luminances = patches.luminances(sky);
+        double sum = 0;
+        for (size_t e = 0; e < luminances.size(); ++e)
+            sum += std::numbers::pi * double{coefficients[e]} * luminances[e];
+        EXPECT_NEAR(sum, double{blinds.bySky(0, sky).y}, 0.01 * sum); // what cutting the sky costs
+    }
+    // An even sky: what the window passes of light from everywhere, scattered or straight.
+    const daylight::Window& window = blinds.groups()[0].window;
+    double straight = 0;
+    const int n = 400;
+    for (int a = 0; a < n; ++a)
+        for (int b = 0; b < n; ++b) {
+            const double sine = std::sqrt((a + 0.5) / n), turn = 2 * std::numbers::pi * (b + 0.5) / n;
+            straight +=
+                window
+                    .straight({sine * std::cos(turn), sine * std::sin(turn), -std::sqrt(1 - sine * sine)},
+                              {0, 0, 1})
+                    .y /
+                (n * n);
+        }
+    EXPECT_NEAR(double{blinds.bySky(0, uniform(1000)).y} / (1000 * std::numbers::pi) + straight,
+                window.diffuseTransmittance().y, 1e-3);
+}
+
+TEST(Blinds, hours_of_a_year_are_what_the_full_computation_gives) {
+    const std::vector<daylight::Sky> skies{overcast(), sunny({0.2, 0.3, -0.8}), sunny({-0.6, 0.2, -0.4}),
+                                           sunny({0, 0.5, 1})};
+    for (const auto& mesh : {windowRoom(kFabric), windowRoom(kSlats),
+                             windowRoom(kSlats, true, {0.8f, 0.5f, 0.2f}, {0.8f, 0.7f, 0.5f})}) {
+        DaylightTransport transport(test::device(), mesh);
+        AnnualDaylight annual(transport, skies, kSensors.size());
+        std::vector<float> lux(kSensors.size() * skies.size()), sun(lux.size()), error(lux.size());
+        annual.sensors(kSensors, lux, sun, error);
+        const std::vector<Moment> full = transport.light(skies);
+        for (size_t s = 0; s < kSensors.size(); ++s)
+            for (size_t h = 0; h < skies.size(); ++h) {
+                const double there = photometric(full[h].sensors[s].total());
+                EXPECT_NEAR(lux[s * skies.size() + h], there, 0.01 * there)
+                    << "sensor " << s << ", hour " << h;
+            }
+    }
+}
+
+TEST(Blinds, drawn_and_opened_again_the_light_is_what_it_was) {
+    const geometry::PatchMesh open = windowRoom({}), shut = windowRoom(kSlats);
+    DaylightTransport transport(test::device(), open);
+    transport.setSensors(kSensors);
+    const Moment before = transport.light(overcast());
+    transport.setMaterials(shut.materials);
+    const Moment drawn = transport.light(overcast()), fresh = lightOf(shut, overcast());
+    transport.setMaterials(open.materials);
+    const Moment after = transport.light(overcast());
+    for (size_t s = 0; s < kSensors.size(); ++s) {
+        EXPECT_EQ(drawn.sensors[s].total(), fresh.sensors[s].total());
+        EXPECT_EQ(after.sensors[s].total(), before.sensors[s].total());
+        EXPECT_LT(photometric(drawn.sensors[s].total()), photometric(before.sensors[s].total()));
+    }
+}
+
+} // namespace
+} // namespace heliodon::compute

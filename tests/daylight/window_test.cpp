@@ -1,0 +1,180 @@
+#include "compute/daylight/window.h"
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include "compute/daylight/frame.h"
+
+namespace heliodon::daylight {
+namespace {
+
+struct Shares {
+    double straight = 0, scattered = 0, reflected = 0;
+};
+
+// Rays through a stack of slats, one by one, Lambertian and in three dimensions; shares no code with Slats.
+// Slats are the segments with middles at (0, k spacing), x outwards, y up, z along; a ray starts on the plane
+// through the outer edges at a random height.
+Shares traced(double angleDeg, double spacing, double rho, double profile, double along, int rays) {
+    std::minstd_rand random(7);
+    std::uniform_real_distribution<double> unit(0, 1);
+    const double a = radians(angleDeg);
+    const glm::dvec3 outer(0.5 * std::cos(a), -0.5 * std::sin(a), 0), normal(std::sin(a), std::cos(a), 0);
+    Shares shares;
+    for (int n = 0; n < rays; ++n) {
+        glm::dvec3 at(outer.x, spacing * (n + unit(random)) / rays + outer.y, 0);
+        glm::dvec3 towards = -glm::dvec3(std::cos(profile), std::sin(profile), along);
+        bool touched = false;
+        int on = -1000000; // the slat that it starts from
+        for (;;) {
+            // Heights over slat planes: plane k is normal . p = k spacing cos a.
+            const double rise = glm::dot(towards, normal),
+                         height = glm::dot(at, normal) / (spacing * std::cos(a));
+            double nearest = 1e300;
+            int hit = on;
+            const int first = static_cast<int>(std::floor(height)) - 40;
+            for (int k = first; k < first + 81 && std::abs(rise) > 1e-12; ++k) {
+                if (k == on) continue;
+                const double t = (k * spacing * std::cos(a) - glm::dot(at, normal)) / rise;
+                if (t <= 0 || t >= nearest) continue;
+                const glm::dvec3 p = at + t * towards - glm::dvec3(0, k * spacing, 0);
+                if (std::abs(glm::dot(p, outer)) < 0.25) nearest = t, hit = k; // |outer|^2
+            }
+            if (nearest > 1e299) {
+                (towards.x < 0 ? (touched ? shares.scattered : shares.straight) : shares.reflected) +=
+                    1.0 / rays;
+                break;
+            }
+            if (unit(random) >= rho) break;
+            touched = true;
+            at += nearest * towards;
+            on = hit;
+            const glm::dvec3 up = rise < 0 ? normal : -normal;
+            const double sine = std::sqrt(unit(random)), turn = 2 * std::numbers::pi * unit(random);
+            const glm::dvec3 across(up.y, -up.x, 0);
+            towards = sine * std::cos(turn) * across + glm::dvec3(0, 0, sine * std::sin(turn)) +
+                      std::sqrt(1 - sine * sine) * up;
+        }
+    }
+    return shares;
+}
+
+TEST(Slats, agree_with_traced_rays) {
+    for (const auto& [angle, spacing, rho] :
+         {std::tuple(0.0, 0.8, 0.5), {45.0, 0.8, 0.7}, {-30.0, 1.2, 0.9}, {70.0, 0.8, 0.8}, {20.0, 0.4, 0.3}})
+        for (const double profileDeg : {-50.0, 0.0, 10.0, 35.0, 70.0})
+            for (const double along : {0.0, 0.8}) {
+                const Slats slats(angle, spacing, rho);
+                const double profile = radians(profileDeg);
+                const int rays = 100'000; // shares are random to 0.0016 at most
+                const Shares s = traced(angle, spacing, rho, profile, along, rays);
+                EXPECT_NEAR(slats.straight(profile), s.straight, 5e-5) << angle << ' ' << profileDeg;
+                EXPECT_NEAR(slats.scattered(profile), s.scattered, 0.006) << angle << ' ' << profileDeg;
+                EXPECT_NEAR(slats.reflected(profile), s.reflected, 0.006) << angle << ' ' << profileDeg;
+            }
+}
+
+TEST(Slats, light_from_everywhere_is_the_mean_of_light_from_each_direction) {
+    for (const double angle : {0.0, 30.0, -60.0}) {
+        const Slats slats(angle, 0.8, 0.6);
+        double through = 0, back = 0;
+        const int n = 20'000; // by the sine of the profile angle: what arrives there is even in it
+        for (int k = 0; k < n; ++k) {
+            const double profile = std::asin(2 * (k + 0.5) / n - 1);
+            through += (slats.straight(profile) + slats.scattered(profile)) / n;
+            back += slats.reflected(profile) / n;
+        }
+        EXPECT_NEAR(through, slats.diffuseTransmittance(), 5e-4); // strips of constant light
+        EXPECT_NEAR(back, slats.diffuseReflectance(), 5e-4);
+    }
+}
+
+TEST(Slats, keep_all_energy) {
+    // Nothing is absorbed where (nearly) all is reflected; black slats scatter nothing.
+    for (const double angle : {0.0, 45.0, -80.0})
+        for (const double profile : {-1.2, 0.0, 0.3, 1.0}) {
+            const Slats white(angle, 0.8, 0.999999), black(angle, 0.8, 0);
+            EXPECT_NEAR(white.straight(profile) + white.scattered(profile) + white.reflected(profile), 1,
+                        1e-3);
+            EXPECT_NEAR(white.diffuseTransmittance() + white.diffuseReflectance(), 1, 1e-3);
+            EXPECT_EQ(black.scattered(profile) + black.reflected(profile), 0);
+            const Slats grey(angle, 0.8, 0.5);
+            EXPECT_LE(grey.straight(profile) + grey.scattered(profile) + grey.reflected(profile), 1);
+        }
+}
+
+TEST(Slats, open_and_closed_are_the_limits) {
+    // Level slats and level light: nothing in the way. Light along tilted slats too.
+    EXPECT_EQ(Slats(0, 0.8, 0.5).straight(0), 1);
+    EXPECT_NEAR(Slats(40, 0.8, 0.5).straight(radians(-40)), 1, 1e-12);
+    // Wide apart: as if they were not there. All but shut: nearly nothing passes.
+    EXPECT_GT(Slats(0, 10, 0).diffuseTransmittance(), 0.9);
+    EXPECT_EQ(Slats(85, 0.8, 0.5).straight(0.5), 0);
+    EXPECT_LT(Slats(85, 0.8, 0.5).diffuseTransmittance(), 0.02);
+    // Black: the closed form of two parallel strips, F = sqrt(1 + (w/s)^2) - w/s.
+    const double ratio = 1 / 0.8;
+    EXPECT_NEAR(Slats(0, 0.8, 0).diffuseTransmittance(), std::sqrt(1 + ratio * ratio) - ratio, 1e-12);
+    // Cut-off of level slats: tan(profile) = spacing / width.
+    EXPECT_EQ(Slats(0, 0.8, 0).straight(std::atan(0.8) + 1e-9), 0);
+    EXPECT_GT(Slats(0, 0.8, 0).straight(std::atan(0.8) - 1e-3), 0);
+}
+
+geometry::Material glass(float refractiveIndex = 1.52f) {
+    geometry::Material m;
+    m.transmittance = glm::vec3(refractiveIndex == 1 ? 1.0f : 0.88f);
+    m.refractiveIndex = refractiveIndex;
+    return m;
+}
+
+const glm::dvec3 kInwards(0, 0, 1);
+
+TEST(Window, without_a_blind_is_its_glass) {
+    const Window window(glass());
+    const glm::dvec3 sun = glm::normalize(glm::dvec3(0.3, 0.5, -0.8));
+    EXPECT_EQ(window.straight(sun, kInwards), glazingOf(glass()).transmittance(-sun.z));
+    EXPECT_EQ(window.scattered(sun, kInwards), glm::dvec3(0));
+    EXPECT_EQ(window.straight(-sun, kInwards), glm::dvec3(0)); // from inside
+    EXPECT_EQ(window.diffuseTransmittance(), glazingOf(glass()).diffuseTransmittance());
+}
+
+TEST(Window, a_fabric_in_a_hole_passes_and_reflects_what_it_says) {
+    geometry::Blind fabric{geometry::Blind::Kind::fabric, 0.3f, 0.5f};
+    const geometry::Material m = withBlind(glass(1), fabric);
+    const Window window(m);
+    EXPECT_NEAR(window.scattered(glm::normalize(glm::dvec3(0.3, 0.5, -0.8)), kInwards).y, 0.3, 1e-7);
+    EXPECT_EQ(window.straight({0, 0, -1}, kInwards), glm::dvec3(0));
+    EXPECT_NEAR(window.diffuseTransmittance().y, 0.3, 1e-7);
+    EXPECT_NEAR(m.reflectance.y, 0.5, 1e-7);
+}
+
+TEST(Window, glass_and_blind_keep_all_energy) {
+    // Glass that absorbs nothing and a blind that absorbs nothing: what falls in from everywhere is passed or
+    // sent back; from the room all returns but what the same path lets out.
+    geometry::Material clear = glass();
+    clear.transmittance = glm::vec3(static_cast<float>(maximumTransmittance(1.52)));
+    for (const geometry::Blind& blind : {geometry::Blind{geometry::Blind::Kind::fabric, 0.4f, 0.6f},
+                                         geometry::Blind{geometry::Blind::Kind::slats, 0, 0.999999f, 30}}) {
+        const Window window(withBlind(clear, blind));
+        // By reciprocity the diffuse transmittance is the same both ways, but for the glass's direction
+        // dependence, which the blind's scatter levels out.
+        EXPECT_NEAR(window.roomReflectance().y + window.diffuseTransmittance().y, 1, 0.01);
+    }
+    for (const double c : {0.1, 0.5, 1.0})
+        EXPECT_NEAR(slabReflectance(c, 1, 1.52) + slabTransmittance(c, 1, 1.52), 1, 1e-12);
+}
+
+TEST(Window, slats_of_skylights_run_along_x) {
+    geometry::Blind slats{geometry::Blind::Kind::slats, 0, 0.5f, 0};
+    const Window window(withBlind(glass(1), slats));
+    const glm::dvec3 down(0, -1, 0);
+    EXPECT_EQ(window.straight({0, 1, 0}, down).y, 1);
+    EXPECT_NEAR(window.straight(glm::normalize(glm::dvec3(1, 1, 0)), down).y, 1, 1e-12); // along them
+    EXPECT_LT(window.straight(glm::normalize(glm::dvec3(0, 1, 1)), down).y, 0.01);       // across
+}
+
+} // namespace
+} // namespace heliodon::daylight
