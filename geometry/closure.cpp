@@ -195,8 +195,30 @@ private:
         return drawn == paired && twinsMirror(building, kTwinOff);
     }
 
+    // Per room, of the coordinates as they are stored: the sum over floor and partition tops of area times
+    // the height to the ceiling, in cubic metres.
+    static std::vector<double> columnVolumes(const Building& building, const std::vector<double>& ceilings) {
+        std::vector<double> volumes(building.roomCount, 0);
+        for (const Face& face : building.faces) {
+            double twice = 0; // of the area seen from above
+            for (const auto& loop : face.loops) {
+                const glm::dvec3 origin = building.vertices[loop[0]];
+                for (size_t i = 1; i + 1 < loop.size(); ++i) {
+                    const glm::dvec3 a = building.vertices[loop[i]] - origin,
+                                     b = building.vertices[loop[i + 1]] - origin;
+                    twice += a.z * b.x - a.x * b.z;
+                }
+            }
+            const double top = kMetresPerInch * ceilings[face.room],
+                         y = building.vertices[face.loops[0][0]].y;
+            if (twice > 0) volumes[face.room] += 0.5 * twice * (top - y);
+        }
+        return volumes;
+    }
+
     bool prove(const Building& building, const RoomFaces& faces, const std::vector<double>& ceilings) {
         const std::vector<ShellProof> proofs = proveShells(building);
+        const std::vector<double> columns = columnVolumes(building, ceilings);
         bool good = glassesCorrespond(building, faces);
         for (size_t r = 0; r < proofs.size(); ++r) {
             RoomReport room;
@@ -209,7 +231,9 @@ private:
             out_.report.rooms.push_back(room);
             const double expected = (faces.floorArea[r] + faces.lowArea[r]) * ceilings[r] -
                                     faces.lowArea[r] * heightInches(HeightClass::green);
-            const bool volumeFits = std::abs(room.volumeFt3 - expected) <= 1e-6 * expected;
+            // As planned, but for the welding; as built, but for rounding.
+            const bool volumeFits = std::abs(room.volumeFt3 - expected) <= 1e-6 * expected &&
+                                    std::abs(proofs[r].volume - columns[r]) <= 1e-9 * columns[r];
             good = good && room.closed && !room.selfIntersecting && volumeFits;
         }
         if (!good)
