@@ -44,6 +44,7 @@ double slabTransmittance(double cosine, double t, double n) {
     const double d = t >= 1.0 ? 1.0 : std::pow(t, 1.0 / c2);
     const auto polarised = [&](double amplitude) {
         const double r = amplitude * amplitude;
+        if (r >= 1) return 0.0; // grazing, to the last bit
         return 0.5 * (1.0 - r) * (1.0 - r) * d / (1.0 - r * r * d * d);
     };
     return polarised((c - n * c2) / (c + n * c2)) + polarised((c2 - n * c) / (c2 + n * c));
@@ -56,6 +57,7 @@ double slabReflectance(double cosine, double t, double n) {
     const double d = t <= 0 ? 0.0 : t >= 1.0 ? 1.0 : std::pow(t, 1.0 / c2);
     const auto polarised = [&](double amplitude) {
         const double r = amplitude * amplitude;
+        if (r >= 1) return 0.5;
         return 0.5 * (r + r * (1.0 - r) * (1.0 - r) * d * d / (1.0 - r * r * d * d));
     };
     return polarised((c - n * c2) / (c + n * c2)) + polarised((c2 - n * c) / (c2 + n * c));

@@ -7,10 +7,14 @@
 
 #include "compute/daylight/frame.h"
 #include "tests/compute/rooms.h"
+#include "tests/compute/skies.h"
 #include "tests/gpu/test_device.h"
 
 namespace heliodon::compute {
 namespace {
+
+using test::overcast;
+using test::sunny;
 
 // A box with a window to -z.
 geometry::PatchMesh windowRoom(glm::vec3 wall, glm::vec3 glass) {
@@ -21,19 +25,6 @@ geometry::PatchMesh windowRoom(glm::vec3 wall, glm::vec3 glass) {
     for (geometry::Material& m : mesh.materials)
         if (m.isOpening()) m.transmittance = glass;
     return mesh;
-}
-
-daylight::Sky sunny(glm::dvec3 towards) {
-    daylight::Sky sky = daylight::cieClearSky(glm::normalize(towards), 3000);
-    sky.sun = {glm::normalize(towards), 80000};
-    daylight::lightGround(sky, 0.2);
-    return sky;
-}
-
-daylight::Sky overcast() {
-    daylight::Sky sky = daylight::cieGeneralSky(16, {0, 1, 0}, 5000);
-    daylight::lightGround(sky, 0.2);
-    return sky;
 }
 
 // Night, cloud, sun through the window from three sides, sun behind the room.

@@ -6,10 +6,14 @@
 #include "compute/annual_daylight.h"
 #include "compute/daylight_transport.h"
 #include "tests/compute/rooms.h"
+#include "tests/compute/skies.h"
 #include "tests/gpu/test_device.h"
 
 namespace heliodon::compute {
 namespace {
+
+using test::overcast;
+using test::sunny;
 
 using geometry::Blind;
 
@@ -31,20 +35,6 @@ geometry::PatchMesh windowRoom(const Blind& blind, bool glass = true, glm::vec3 
 daylight::Sky uniform(double luminance) {
     daylight::Sky sky = daylight::cieGeneralSky(5, {0, 1, 0}, luminance);
     sky.ground.luminance = luminance;
-    return sky;
-}
-
-daylight::Sky sunny(glm::dvec3 direction) {
-    direction = glm::normalize(direction);
-    daylight::Sky sky = daylight::cieClearSky(direction, 3000);
-    sky.sun = {direction, 80000};
-    daylight::lightGround(sky, 0.2);
-    return sky;
-}
-
-daylight::Sky overcast() {
-    daylight::Sky sky = daylight::cieGeneralSky(16, {0, 1, 0}, 5000);
-    daylight::lightGround(sky, 0.2);
     return sky;
 }
 

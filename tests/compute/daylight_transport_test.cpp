@@ -6,10 +6,13 @@
 #include "geometry/mesher.h"
 #include "tests/compute/cases.h"
 #include "tests/compute/rooms.h"
+#include "tests/compute/skies.h"
 #include "tests/gpu/test_device.h"
 
 namespace heliodon::compute {
 namespace {
+
+using test::sunny;
 
 const std::string kCases = std::string(HELIODON_TEST_DATA) + "/compute/daylight/";
 
@@ -67,13 +70,6 @@ geometry::PatchMesh windowRoom(glm::vec3 wall = glm::vec3(0.5f)) {
     box.wall.reflectance = wall;
     box.isGlass = [](glm::dvec3 p) { return p.z < 1e-9 && p.x > 1 && p.x < 3 && p.y > 1 && p.y < 2; };
     return test::boxRoom(box);
-}
-
-daylight::Sky sunny(glm::dvec3 direction = {0.2, 0.5, -0.8}) {
-    daylight::Sky sky = daylight::cieClearSky(glm::normalize(direction), 3000);
-    sky.sun = {glm::normalize(direction), 80000};
-    daylight::lightGround(sky, 0.2);
-    return sky;
 }
 
 TEST(DaylightTransport, parts_sum_to_what_patches_reflect) {

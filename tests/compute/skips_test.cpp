@@ -9,29 +9,19 @@
 #include "compute/reference/form_factor_rows.h"
 #include "compute/reference/sun.h"
 #include "tests/compute/rooms.h"
+#include "tests/compute/skies.h"
 #include "tests/gpu/test_device.h"
 
 namespace heliodon::compute {
 namespace {
 
+using test::overcast;
+using test::sunny;
+
 geometry::PatchMesh windowRoom() {
     test::BoxRoom box;
     box.isGlass = [](glm::dvec3 p) { return p.z < 1e-9 && p.x > 1 && p.x < 3 && p.y > 1 && p.y < 2; };
     return test::boxRoom(box);
-}
-
-daylight::Sky sunny(glm::dvec3 direction, double sun = 80000) {
-    direction = glm::normalize(direction);
-    daylight::Sky sky = daylight::cieClearSky(direction, 3000);
-    sky.sun = {direction, sun};
-    daylight::lightGround(sky, 0.2);
-    return sky;
-}
-
-daylight::Sky overcast() {
-    daylight::Sky sky = daylight::cieGeneralSky(16, {0, 1, 0}, 5000);
-    daylight::lightGround(sky, 0.2);
-    return sky;
 }
 
 const std::vector<Sensor> kSensors{{{2, 1, 2}, {0, 1, 0}}, {{1, 2, 3}, {0, 0, -1}}, {{3, 0.1, 4}, {0, 1, 0}}};
