@@ -36,6 +36,9 @@ struct FormFactorOptions {
 };
 
 // Measured on the finished matrix, before any normalisation.
+// Rows of closed rooms whose sums are off by more are worth a warning.
+constexpr double kClosureBound = 0.05;
+
 struct FormFactorReport {
     std::string kernel, why; // what was chosen and why
     uint32_t resolution = 0, points = 0;
@@ -44,6 +47,7 @@ struct FormFactorReport {
     double reciprocityRms = 0;             // RMS over pairs of |A_i F_ij - A_j F_ji| / mean patch area
     double claimedRowError = 0;       // the kernel's own estimate of the RMS row error; 0 when it makes none
     std::vector<std::string> skipped; // what was not modelled, with the reason
+    std::vector<std::string> warnings;
 };
 
 struct FormFactors {

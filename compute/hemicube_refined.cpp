@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
-#include "compute/cluster_scene.h"
 #include "compute/hemicube.h"
+#include "compute/link_maker.h"
 
 namespace heliodon::compute {
 
@@ -80,14 +80,13 @@ void setNearPairs(gpu::Device& device, const geometry::PatchMesh& mesh, std::spa
     const size_t n = mesh.patchCount();
     std::vector<std::vector<uint32_t>> leavesOf(n);
     for (const PatchTree::Leaf& leaf : scene.tree.leaves) leavesOf[leaf.patch].push_back(leaf.node);
-    std::vector<glm::uvec2> leafPairs;
+    LinkMaker maker(device, scene, {kPairTolerance, kPairTolerance});
     for (const glm::uvec2& pair : pairs) {
         F[pair.x * n + pair.y] = F[pair.y * n + pair.x] = 0;
         for (uint32_t a : leavesOf[pair.x])
-            for (uint32_t b : leavesOf[pair.y]) leafPairs.push_back({std::min(a, b), std::max(a, b)});
+            for (uint32_t b : leavesOf[pair.y]) maker.add(std::min(a, b), std::max(a, b));
     }
-    std::vector<io::HierarchicalLink> links;
-    LeafExchanges(device, scene).run(leafPairs, kPairTolerance, links);
+    std::vector<io::HierarchicalLink> links = maker.finish();
     // Patches of several triangles sum several links: in one order, whatever the device's.
     std::sort(links.begin(), links.end(), [](const auto& a, const auto& b) {
         return a.first < b.first || (a.first == b.first && a.second < b.second);

@@ -12,10 +12,10 @@
 
 #include "compute/gpu/commands.h"
 #include "compute/gpu/device.h"
+#include "compute/link_maker.h"
 #include "compute/stopwatch.h"
 #include "compute/texel.h"
 #include "spirv/hierarchical_gather_comp.h"
-#include "spirv/hierarchical_links_comp.h"
 #include "spirv/hierarchical_moments_comp.h"
 #include "spirv/hierarchical_patches_comp.h"
 #include "spirv/hierarchical_spread_comp.h"
@@ -24,13 +24,18 @@ namespace heliodon::compute {
 
 namespace {
 
-constexpr uint32_t kBatch = 1u << 16; // pairs of one dispatch
 constexpr uint32_t kMostColumns = 4;
-// Tolerance of a link over the row error asked: errors of many add up (measured in rooms of 672 and 2088
-// patches).
-constexpr double kShare = 0.45;
+constexpr uint32_t kAttempts = 3;
+constexpr double kRowCaution = 1.4; // of single rows over their estimates, so that 99 of 100 hold (measured)
 constexpr double kLeastHidden = 5e-4; // row error that samples of visibility reach in useful time
 constexpr VkFormat kUvec4 = VK_FORMAT_R32G32B32A32_UINT, kVec4 = VK_FORMAT_R32G32B32A32_SFLOAT;
+
+// Of a link over the row error asked: errors of many add up, and the finer they are, the more there are
+// (measured in rooms of 672 and 2088 patches). What may be hidden costs most and errs most.
+LinkTolerance toleranceFor(double asked) {
+    const double hidden = std::max(asked, kLeastHidden);
+    return {0.6 * asked, 0.4 * hidden * std::pow(hidden / 5e-3, 0.35)};
+}
 
 glm::dvec3 middleOf(const PatchTree::Leaf& leaf) {
     return (leaf.corner[0] + leaf.corner[1] + leaf.corner[2]) / 3.0;
@@ -38,30 +43,9 @@ glm::dvec3 middleOf(const PatchTree::Leaf& leaf) {
 
 } // namespace
 
-struct HierarchicalFormFactors::Work {
-    io::HierarchicalLinksParams params{};
-    uint32_t root = 0, partner = 1; // the next pair of roots
-    std::vector<glm::uvec2> pending, leafPairs;
-    std::vector<io::HierarchicalLink> links;
-    gpu::Buffer pairs, counters, next, nextLeaves, newLinks;
-
-    template<class T> static void append(std::vector<T>& to, const gpu::Buffer& from, uint32_t count) {
-        if (count == 0) return;
-        const size_t at = to.size();
-        to.resize(at + count);
-        if (const T* mapped = from.mapped<T>())
-            std::memcpy(to.data() + at, mapped, count * sizeof(T));
-        else {
-            const std::vector<T> values = from.download<T>(count);
-            std::copy(values.begin(), values.end(), to.begin() + static_cast<std::ptrdiff_t>(at));
-        }
-    }
-};
-
 HierarchicalFormFactors::HierarchicalFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
                                                  const HierarchicalOptions& options)
     : device_(&device), patchCount_(static_cast<uint32_t>(mesh.patchCount())), scene_(device, mesh),
-      links_(device, hierarchical_links_comp, "hierarchical links"),
       moments_(device, hierarchical_moments_comp, "hierarchical moments"),
       spread_(device, hierarchical_spread_comp, "hierarchical spread"),
       patches_(device, hierarchical_patches_comp, "hierarchical patches") {
@@ -73,8 +57,6 @@ HierarchicalFormFactors::HierarchicalFormFactors(gpu::Device& device, const geom
     makeLinks(options);
     makeOperator();
     report_.kernel = "hierarchical";
-    report_.claimedRowError =
-        scene_.blockerCount > 0 ? std::max(options.maxError, kLeastHidden) : options.maxError;
     report_.seconds = watch.seconds();
     report_.why = fmt::format(
         "{} links between {} clusters, {:.1f} MB instead of {:.1f} MB", statistics_.links, statistics_.nodes,
@@ -107,70 +89,59 @@ void HierarchicalFormFactors::uploadTree() {
     parents_ = gpu::Buffer::from(*device_, parents, "hierarchical parents");
 }
 
+// Again with less tolerance where the error that the links are found to have is above what was asked.
 void HierarchicalFormFactors::makeLinks(const HierarchicalOptions& options) {
-    Work work;
-    const double tolerance = kShare * std::max(options.maxError, 1e-6);
-    work.params.nodeCount = scene_.blockers.nodeCount;
-    work.params.flatness = static_cast<float>(5e-7 * scene_.blockers.diagonal);
-    work.params.tolerance = static_cast<float>(tolerance);
-    const double visibility = std::max(tolerance, kShare * kLeastHidden);
-    work.params.visibilityTolerance = static_cast<float>(visibility);
-    work.pairs = gpu::Buffer(*device_, kBatch * sizeof(glm::uvec2), "hierarchical pairs");
-    work.counters = gpu::Buffer(*device_, io::kHierarchicalCounters * sizeof(uint32_t),
-                                "hierarchical counters", gpu::Place::host);
-    work.next = gpu::Buffer(*device_, 4 * kBatch * sizeof(glm::uvec2), "hierarchical next", gpu::Place::host);
-    work.nextLeaves =
-        gpu::Buffer(*device_, 4 * kBatch * sizeof(glm::uvec2), "hierarchical leaf pairs", gpu::Place::host);
-    work.newLinks = gpu::Buffer(*device_, kBatch * sizeof(io::HierarchicalLink), "hierarchical new links",
-                                gpu::Place::host);
-    LeafExchanges exchanges(*device_, scene_);
-    const auto takeLeaves = [&] {
-        const size_t before = work.links.size();
-        exchanges.run(work.leafPairs, visibility, work.links);
-        statistics_.leafLinks += work.links.size() - before;
-        work.leafPairs.clear();
-    };
-    const uint32_t roots = scene_.tree.nodes.empty() ? 0 : scene_.tree.levelFirst[1];
-    for (;;) {
-        while (work.pending.size() < kBatch && work.root + 1 < roots) {
-            const bool leaves =
-                scene_.tree.nodes[work.root].child == 0 && scene_.tree.nodes[work.partner].child == 0;
-            (leaves ? work.leafPairs : work.pending).push_back({work.root, work.partner});
-            if (++work.partner == roots) work.partner = ++work.root + 1;
-        }
-        if (work.pending.empty()) break;
-        runNodes(work, static_cast<uint32_t>(std::min<size_t>(work.pending.size(), kBatch)));
-        if (work.leafPairs.size() >= kBatch) takeLeaves();
+    double asked = std::max(options.maxError, 1e-6);
+    std::vector<io::HierarchicalLink> links;
+    for (uint32_t attempt = 0; attempt < kAttempts; ++attempt) {
+        LinkMaker maker(*device_, scene_, toleranceFor(asked));
+        const uint32_t roots = scene_.tree.nodes.empty() ? 0 : scene_.tree.levelFirst[1];
+        for (uint32_t a = 0; a < roots; ++a)
+            for (uint32_t b = a + 1; b < roots; ++b) maker.add(a, b);
+        links = maker.finish();
+        statistics_.pairs += maker.pairs();
+        estimateErrors(links);
+        const double excess = report_.claimedRowError / std::max(options.maxError, 1e-6);
+        if (excess <= 1.1 || asked <= kLeastHidden) break;
+        asked = std::max(asked * std::pow(0.9 / excess, 1.5), std::min(asked, kLeastHidden));
     }
-    takeLeaves();
-    statistics_.links = work.links.size();
-    makeEntries(std::move(work.links));
+    std::erase_if(links, [](const io::HierarchicalLink& link) { return link.density == 0; });
+    statistics_.links = links.size();
+    makeEntries(links);
 }
 
-void HierarchicalFormFactors::runNodes(Work& work, uint32_t count) {
-    work.pairs.upload(std::span<const glm::uvec2>(work.pending).last(count));
-    work.pending.resize(work.pending.size() - count);
-    work.params.pairCount = count;
-    statistics_.pairs += count;
-    gpu::Commands commands(*device_);
-    commands.fill(work.counters, 0);
-    commands.barrier(gpu::Stage::transfer, gpu::Stage::compute);
-    commands.dispatch(links_,
-                      {gpu::texel(scene_.nodes, kUvec4), gpu::texel(scene_.leaves, kUvec4),
-                       gpu::texel(scene_.blockers.nodes, kUvec4),
-                       gpu::texel(scene_.blockers.triangles, kUvec4), work.pairs, work.counters, work.next,
-                       work.nextLeaves, work.newLinks},
-                      work.params, gpu::groupsFor(count, io::kHierarchicalGroup));
-    commands.barrier(gpu::Stage::compute, gpu::Stage::host);
-    device_->submitAndWait(std::move(commands));
-    const auto* counters = work.counters.mapped<uint32_t>();
-    Work::append(work.pending, work.next, counters[io::kHierarchicalPairs]);
-    Work::append(work.leafPairs, work.nextLeaves, counters[io::kHierarchicalLeaves]);
-    Work::append(work.links, work.newLinks, counters[io::kHierarchicalLinks]);
+// Links' errors are independent of one another: variances add up, from the roots down to the patches.
+void HierarchicalFormFactors::estimateErrors(std::span<const io::HierarchicalLink> links) {
+    const PatchTree& tree = scene_.tree;
+    // Entries are those of patches: triangles of one patch err alike.
+    std::vector<double> squares(tree.nodes.size(), 0.0), variance(tree.nodes.size(), 0.0);
+    for (size_t k = tree.nodes.size(); k-- > 0;) {
+        const PatchTree::Node& node = tree.nodes[k];
+        squares[k] = node.child == 0
+                         ? node.area * patchArea_[tree.leaves[node.firstLeaf].patch]
+                         : squares[node.child] + squares[node.child + 1]; // children come after their parents
+    }
+    for (const io::HierarchicalLink& link : links) {
+        const double v = double{link.error} * double{link.error};
+        variance[link.first] += v * squares[link.second];
+        variance[link.second] += v * squares[link.first];
+    }
+    for (size_t k = 0; k < tree.nodes.size(); ++k)
+        if (tree.nodes[k].parent != PatchTree::kNone) variance[k] += variance[tree.nodes[k].parent];
+    std::vector<double> rows(patchCount_, 0.0);
+    for (const PatchTree::Leaf& leaf : tree.leaves)
+        rows[leaf.patch] += leaf.area / patchArea_[leaf.patch] * variance[leaf.node];
+    double sum = 0;
+    rowError_.clear();
+    for (double v : rows) {
+        sum += v;
+        rowError_.push_back(static_cast<float>(kRowCaution * std::sqrt(v)));
+    }
+    report_.claimedRowError = std::sqrt(sum / std::max<double>(patchCount_, 1));
 }
 
 // Both ends' lists, each in the order of the other end, whatever order the device found the links in.
-void HierarchicalFormFactors::makeEntries(std::vector<io::HierarchicalLink> links) {
+void HierarchicalFormFactors::makeEntries(std::span<const io::HierarchicalLink> links) {
     const size_t n = scene_.tree.nodes.size();
     firstEntry_.assign(n + 1, 0);
     for (const io::HierarchicalLink& link : links)

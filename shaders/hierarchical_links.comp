@@ -1,5 +1,5 @@
-// One pair of clusters: dropped where they do not face or every ray between them is stopped and little could be missed, linked
-// where what they exchange varies little over both and is wholly visible or small, else handed on as pairs of their children.
+// One pair of clusters: dropped where they do not face, linked where what they exchange varies little over both, left to rays
+// where something may stand between and little could be missed by them, else handed on as pairs of their children.
 // P. Hanrahan, D. Salzman, L. Aupperle, "A Rapid Hierarchical Radiosity Algorithm", 1991, with links that vary linearly over
 // both ends, so that their error falls with the square of size over distance.
 #version 460
@@ -18,29 +18,12 @@ layout(set = 0, binding = 5, scalar) buffer Counters { uint counters[]; };
 layout(set = 0, binding = 6, scalar) writeonly buffer Next { uvec2 next[]; };           // four for each pair
 layout(set = 0, binding = 7, scalar) writeonly buffer LeafPairs { uvec2 leafPairs[]; }; // four for each pair
 layout(set = 0, binding = 8, scalar) writeonly buffer Links { HierarchicalLink links[]; };
+layout(set = 0, binding = 9, scalar) writeonly buffer Doubts { HierarchicalDoubt doubts[]; };
 layout(push_constant, scalar) uniform Push { HierarchicalLinksParams params; };
 
 #include "shaders/lib/cluster.glsl"
+#include "shaders/lib/link_queues.glsl"
 #include "shaders/lib/pair_exchange.glsl"
-
-void handOn(uint i, uint j, bool leafI, bool leafJ) {
-    if (leafI && leafJ)
-        leafPairs[atomicAdd(counters[kHierarchicalLeaves], 1u)] = uvec2(i, j);
-    else
-        next[atomicAdd(counters[kHierarchicalPairs], 1u)] = uvec2(i, j);
-}
-
-bool isLeaf(uint index) { return texelFetch(nodes, int(5u * index + 4u)).x == 0u; }
-
-void split(uint i, uint j, Cluster p, Cluster q) {
-    bool both = p.child != 0u && q.child != 0u && max(p.radius, q.radius) < 1.5 * min(p.radius, q.radius);
-    bool splitP = both || (p.child != 0u && (q.child == 0u || p.radius >= q.radius)), splitQ = both || !splitP;
-    [[dont_unroll]] for (uint k = 0u; k < (splitP ? 2u : 1u); ++k)
-        [[dont_unroll]] for (uint l = 0u; l < (splitQ ? 2u : 1u); ++l) {
-            uint a = splitP ? p.child + k : i, b = splitQ ? q.child + l : j;
-            handOn(a, b, isLeaf(a), isLeaf(b));
-        }
-}
 
 void main() {
     uint index = gl_GlobalInvocationID.x;
@@ -71,23 +54,19 @@ void main() {
     bool smooth_ = wholly && p.radius + q.radius < 0.8 * length(d) && error <= params.tolerance &&
                    density > 2.0 * dot(abs(slope), vec4(1.0));
 
-    // Few pairs need rays: most are proven clear. What rays may have missed: half where they disagree, and where all agree but
-    // there are more triangles than rays, some of those.
+    // Few pairs need rays: most are proven clear, or too large to be left to so few.
     bool maybe = smooth_ && params.nodeCount > 0u &&
                  maybeBlocked(p.centre, p.normal, p.radius, q.centre, q.normal, q.radius, params.nodeCount);
-    uint rays = maybe ? kHierarchicalRays : 0u, blocked = 0u;
-    [[dont_unroll]] for (uint k = 0u; k < rays; ++k)
-        blocked += castRay(p, q, hashOf(i * 0x9e3779b9u ^ hashOf(j)), k, params.nodeCount, params.flatness).x > 0.0 ? 0u : 1u;
-    float visible = rays > 0u ? 1.0 - float(blocked) / float(rays) : 1.0;
-    float doubt = rays == 0u                       ? 0.0
-                  : blocked > 0u && blocked < rays ? 0.5
-                                                   : min(0.5, float(max(p.leafCount, q.leafCount)) / float(2u * rays));
-    if (!smooth_ || doubt * density * larger > params.visibilityTolerance) {
+    if (!smooth_ || (maybe && doubtOfAgreement(p, q) * density * larger > params.visibilityTolerance)) {
         split(i, j, p, q);
         return;
     }
-    if (blocked == rays && rays > 0u) return;
     slope /= density;
-    links[atomicAdd(counters[kHierarchicalLinks], 1u)] =
-        HierarchicalLink(i, j, density * visible, packHalf2x16(slope.xy), packHalf2x16(slope.zw));
+    // What a straight line through the bends leaves (u^2 - 1 has a mean square of 0.8 over a rectangle), and
+    // bends along both ends at once.
+    HierarchicalLink link = HierarchicalLink(i, j, density, packHalf2x16(slope.xy), packHalf2x16(slope.zw), 0.8 * length(bend));
+    if (maybe)
+        doubts[atomicAdd(counters[kHierarchicalDoubts], 1u)] = HierarchicalDoubt(link, 0u, 0.0, 0.0, 0.0, 0.0);
+    else
+        links[atomicAdd(counters[kHierarchicalLinks], 1u)] = link;
 }

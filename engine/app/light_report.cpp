@@ -19,6 +19,7 @@ void reportFormFactors(Run& run, size_t patches, const compute::FormFactorReport
                                     {"reciprocity_rms", report.reciprocityRms},
                                     {"claimed_row_error", report.claimedRowError}};
     for (const std::string& reason : report.skipped) run.skipped(reason);
+    for (const std::string& warning : report.warnings) run.warn(warning);
 }
 
 std::unique_ptr<compute::DaylightTransport> makeTransport(Run& run, const geometry::PatchMesh& mesh,

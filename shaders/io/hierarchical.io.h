@@ -4,7 +4,9 @@
 #include "shaders/io/io.h"
 IO_BEGIN
 const uint kHierarchicalGroup = 64u;
-const uint kHierarchicalRays = 8u; // between two clusters
+const uint kHierarchicalRays = 8u;      // between two clusters
+const uint kHierarchicalFewRays = 4u;   // first between two triangles, then as many again as there were
+const uint kHierarchicalRoundRays = 64u; // at most, of one invocation
 const uint kHierarchicalAlign = 16u; // windows of entries begin at multiples of this: 256 bytes
 // A node takes five texels (uvec4; floats by their bits):
 //   centre.xyz, radius | normal.xyz, area | axis U.xyz, first leaf | axis V.xyz, count of leaves | child, room, -, -
@@ -17,12 +19,23 @@ struct HierarchicalLink {
     float density;
     uint firstSlope;  // a and b as two halves
     uint secondSlope;
+    float error; // of the density between two of their triangles, RMS, estimated
+};
+// A link that something may stand in the way of, and the rays between its ends so far: sums of what they would carry in the
+// open and of what passes, and of the squares of both.
+struct HierarchicalDoubt {
+    HierarchicalLink link; // in the open
+    uint rays;
+    float open;
+    float passed;
+    float openSquares;
+    float passedSquares;
 };
 // Counters.
 const uint kHierarchicalLinks = 0u;
 const uint kHierarchicalPairs = 1u;  // to go on with
 const uint kHierarchicalLeaves = 2u; // pairs of leaves
-const uint kHierarchicalRaysCast = 3u;
+const uint kHierarchicalDoubts = 3u;
 const uint kHierarchicalCounters = 4u;
 struct HierarchicalLinksParams {
     uint pairCount;
@@ -30,7 +43,7 @@ struct HierarchicalLinksParams {
     float flatness; // metres
     float tolerance; // of one form factor between clusters
     float visibilityTolerance;
-    uint leafRays; // at most, between two triangles
+    uint mostRays; // between two triangles
 };
 struct HierarchicalSweepParams {
     uint firstNode;

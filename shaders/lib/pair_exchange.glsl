@@ -104,8 +104,9 @@ float lambertMean(vec3 a, vec3 b, vec3 c, vec3 normal, vec3 q[4], bool wanted) {
 
 const float kPairUneven = 3000.0; // ratio of areas from which a point stands for the smaller one
 
-// A_p F_pq. Corners are relative to one of the smaller triangle, so that it keeps its digits however large the other is.
-float pairExchange(Triangle one, Triangle other) {
+// A_p F_pq and, in y, its error, estimated: of sums round borders that cancel, or of the product rule, which falls with the cube
+// of size over distance. Corners are relative to one of the smaller triangle, so that it keeps its digits however large the other is.
+vec2 pairExchange(Triangle one, Triangle other) {
     bool swapped = other.area < one.area;
     Triangle p = one, q = other;
     if (swapped) p = other, q = one;
@@ -149,6 +150,7 @@ float pairExchange(Triangle one, Triangle other) {
         }
         result = facing ? sum * p.area * q.area * unit * unit / 9.0 : 0.0;
     }
-    return result;
+    float relative = longest / max(distance_, 1e-30);
+    return vec2(result, result * (near ? 3e-4 : 0.005 * relative * relative * relative));
 }
 #endif

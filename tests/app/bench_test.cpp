@@ -1,10 +1,16 @@
 // The bench as a user runs it: a table whose errors are those that the methods have.
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include <nlohmann/json.hpp>
 
+#include "compute/form_factors.h"
+#include "compute/parallel.h"
+#include "compute/reference/form_factor_rows.h"
+#include "engine/app/bench_scenes.h"
 #include "tests/app/program.h"
+#include "tests/gpu/test_device.h"
 
 namespace heliodon::test {
 namespace {
@@ -42,6 +48,40 @@ TEST_F(Bench, a_convex_room_by_two_kernels) {
     for (size_t at = svg.find("<circle"); at != std::string::npos; at = svg.find("<circle", at + 1)) ++marks;
     EXPECT_EQ(marks, json["form_factors"].size());
     EXPECT_TRUE(std::filesystem::exists(in("out/scenes/box-60.obj")));
+}
+
+// Partitions' edges are where light is lost: closure of every row, and rows spread over the patches against
+// the oracle.
+TEST_F(Bench, partitions_close_and_agree_with_the_oracle) {
+    const geometry::PatchMesh mesh = app::benchScenes({"partitions"}, {1000}, in("out"))[0].mesh;
+    const size_t n = mesh.patchCount();
+    const compute::reference::FormFactorRows oracle(mesh);
+    constexpr size_t kRows = 8;
+    std::vector<compute::reference::FormFactorRows::Row> truth(kRows);
+    compute::inParallel(kRows, [&](size_t k) { truth[k] = oracle.row((2 * k + 1) * n / (2 * kRows)); });
+    struct Asked {
+        const char* kernel;
+        double error, closure;
+    };
+    for (const Asked& asked : {Asked{"exact", 1e-4, 3e-3}, Asked{"exact", 1e-5, 3e-4},
+                               Asked{"hierarchical", 5e-3, 0.1}, Asked{"hierarchical", 1e-3, 0.02}}) {
+        compute::FormFactorOptions options;
+        options.kernel = asked.kernel;
+        options.maxError = asked.error;
+        const compute::FormFactors F = compute::computeFormFactors(test::device(), mesh, options);
+        const auto values = F.values.download<float>(n * n);
+        double squares = 0;
+        for (size_t k = 0; k < kRows; ++k)
+            for (size_t j = 0; j < n; ++j) {
+                const size_t i = (2 * k + 1) * n / (2 * kRows);
+                ASSERT_GE(values[i * n + j], 0.0f);
+                squares += std::pow(double{values[i * n + j]} - truth[k].factors[j], 2);
+            }
+        // Eight rows of a thousand stand for all.
+        EXPECT_LE(std::sqrt(squares / kRows), 1.2 * asked.error) << asked.kernel;
+        EXPECT_LE(F.report.closureMax, asked.closure) << asked.kernel << " " << asked.error;
+        EXPECT_LE(F.report.claimedRowError, 6 * asked.error) << asked.kernel; // `exact` is cautious
+    }
 }
 
 } // namespace

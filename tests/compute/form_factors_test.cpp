@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "compute/exact_form_factors.h"
 #include "compute/gpu/device.h"
+#include "compute/monte_carlo.h"
 #include "tests/compute/cases.h"
 #include "tests/compute/rooms.h"
 #include "tests/gpu/test_device.h"
@@ -83,6 +85,65 @@ TEST(FormFactors, auto_takes_links_for_coarse_and_visible_polygons_for_fine_erro
     EXPECT_NE(coarse.why.find("nothing can stand between"), std::string::npos);
     EXPECT_EQ(computeFormFactors(test::device(), mesh, asking("auto", 1e-4)).report.kernel, "exact");
     EXPECT_EQ(computeFormFactors(test::device(), mesh).report.kernel, "exact");
+}
+
+size_t heldOf(const std::vector<float>& values, const std::vector<float>& exact,
+              std::span<const float> claimed) {
+    size_t held = 0;
+    const size_t n = claimed.size();
+    for (size_t i = 0; i < n; ++i) {
+        double squares = 0;
+        for (size_t j = 0; j < n; ++j)
+            squares += std::pow(double{values[i * n + j]} - double{exact[i * n + j]}, 2);
+        held += std::sqrt(squares) <= double{claimed[i]};
+    }
+    return held;
+}
+
+// Claims of single rows; those of `hierarchical` are tested beside its links.
+TEST(FormFactors, rows_keep_the_errors_that_are_claimed_for_them) {
+    for (const char* name : {"room3_672", "cube_quads_4x4"}) {
+        const geometry::PatchMesh mesh = geometry::readPatches(kData + name + ".obj");
+        const std::vector<float> exact = test::readFloats(kData + name + ".f32");
+        const auto n = static_cast<double>(mesh.patchCount());
+        for (double asked : {1e-3, 1e-4}) {
+            const ExactFormFactors F = exactFormFactors(test::device(), mesh, {asked});
+            const auto values = F.factors.values.download<float>(exact.size());
+            EXPECT_GE(static_cast<double>(heldOf(values, exact, F.rowError)), 0.99 * n) << name << asked;
+            EXPECT_LE(rowError(values, exact), F.factors.report.claimedRowError) << name << asked;
+        }
+        for (uint32_t rays : {1024u, 4096u}) {
+            MonteCarloFormFactors F = MonteCarlo(test::device(), mesh, {rays}).run();
+            const auto values = F.factors.values.download<float>(exact.size());
+            // Standard errors: rows sum the squares of many entries, and stay within 1.6 of them on 99 of 100.
+            for (float& error : F.rowError) error *= 1.6f;
+            EXPECT_GE(static_cast<double>(heldOf(values, exact, F.rowError)), 0.99 * n) << name << rays;
+        }
+        for (uint32_t resolution : {32u, 64u}) {
+            FormFactorOptions options;
+            options.kernel = "hemicube";
+            options.resolution = resolution;
+            const FormFactors F = computeFormFactors(test::device(), mesh, options);
+            // An estimate of the RMS over all rows.
+            EXPECT_LE(rowError(F.values.download<float>(exact.size()), exact), 1.2 * F.report.claimedRowError)
+                << name << resolution;
+        }
+    }
+}
+
+TEST(FormFactors, light_lost_in_closed_rooms_is_warned_of) {
+    const geometry::PatchMesh room = geometry::readPatches(kData + "room3_672.obj");
+    const FormFactorReport coarse =
+        computeFormFactors(test::device(), room, asking("hierarchical", 2e-2)).report;
+    ASSERT_GT(coarse.closureMax, kClosureBound);
+    ASSERT_EQ(coarse.warnings.size(), 1u);
+    EXPECT_NE(coarse.warnings[0].find("closed"), std::string::npos);
+    EXPECT_TRUE(computeFormFactors(test::device(), room, asking("exact", 1e-3)).report.warnings.empty());
+    // Two squares in the open: most light goes elsewhere, and should.
+    const geometry::PatchMesh open = test::polygons(
+        {{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}, {{0, 1, 0}, {1, 1, 0}, {1, 1, 1}, {0, 1, 1}}});
+    EXPECT_TRUE(
+        computeFormFactors(test::device(), open, asking("hierarchical", 1e-2)).report.warnings.empty());
 }
 
 TEST(FormFactors, tiles_make_up_the_matrix) {

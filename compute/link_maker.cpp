@@ -1,0 +1,117 @@
+#include "compute/link_maker.h"
+
+#include <algorithm>
+#include <cstring>
+#include <span>
+
+#include "compute/gpu/commands.h"
+#include "compute/gpu/device.h"
+#include "spirv/hierarchical_leaves_comp.h"
+#include "spirv/hierarchical_links_comp.h"
+#include "spirv/hierarchical_rays_comp.h"
+
+namespace heliodon::compute {
+
+namespace {
+
+constexpr uint32_t kBatch = 1u << 16;    // pairs of one dispatch
+constexpr uint32_t kMostRays = 1u << 14; // between two triangles
+constexpr VkFormat kUvec4 = VK_FORMAT_R32G32B32A32_UINT;
+
+template<class T> void append(std::vector<T>& to, const gpu::Buffer& from, uint32_t count) {
+    if (count == 0) return;
+    const size_t at = to.size();
+    to.resize(at + count);
+    if (const T* mapped = from.mapped<T>())
+        std::memcpy(to.data() + at, mapped, count * sizeof(T));
+    else {
+        const std::vector<T> values = from.download<T>(count);
+        std::copy(values.begin(), values.end(), to.begin() + static_cast<std::ptrdiff_t>(at));
+    }
+}
+
+// Moves the last of `from`, at most a batch, to the device.
+template<class T> uint32_t takeBatch(std::vector<T>& from, gpu::Buffer& to) {
+    const size_t count = std::min<size_t>(from.size(), kBatch);
+    to.upload(std::span<const T>(from).last(count));
+    from.resize(from.size() - count);
+    return static_cast<uint32_t>(count);
+}
+
+} // namespace
+
+LinkMaker::LinkMaker(gpu::Device& device, const ClusterScene& scene, const LinkTolerance& tolerance)
+    : device_(&device), scene_(&scene), clusters_(device, hierarchical_links_comp, "hierarchical links"),
+      triangles_(device, hierarchical_leaves_comp, "hierarchical leaves"),
+      rays_(device, hierarchical_rays_comp, "hierarchical rays"),
+      pairs_(device, kBatch * sizeof(glm::uvec2), "link pairs"),
+      doubted_(device, kBatch * sizeof(io::HierarchicalDoubt), "doubted links"),
+      counters_(device, io::kHierarchicalCounters * sizeof(uint32_t), "link counters", gpu::Place::host),
+      next_(device, 4 * kBatch * sizeof(glm::uvec2), "next pairs", gpu::Place::host),
+      newLeafPairs_(device, 4 * kBatch * sizeof(glm::uvec2), "leaf pairs", gpu::Place::host),
+      newLinks_(device, kBatch * sizeof(io::HierarchicalLink), "new links", gpu::Place::host),
+      newDoubts_(device, kBatch * sizeof(io::HierarchicalDoubt), "new doubts", gpu::Place::host) {
+    params_.nodeCount = scene.blockers.nodeCount;
+    params_.flatness = static_cast<float>(5e-7 * scene.blockers.diagonal);
+    params_.tolerance = static_cast<float>(tolerance.open);
+    params_.visibilityTolerance = static_cast<float>(tolerance.visible);
+    params_.mostRays = kMostRays;
+}
+
+void LinkMaker::add(uint32_t first, uint32_t second) {
+    const bool triangles = scene_->tree.nodes[first].child == 0 && scene_->tree.nodes[second].child == 0;
+    (triangles ? leafPairs_ : pending_).push_back({first, second});
+    if (pending_.size() >= kBatch || leafPairs_.size() >= kBatch) work(kBatch);
+}
+
+std::vector<io::HierarchicalLink> LinkMaker::finish() {
+    work(1);
+    return std::move(links_);
+}
+
+// Until fewer than that many of a kind are left: full dispatches, unless these are the last.
+void LinkMaker::work(size_t least) {
+    for (;;) {
+        // Depth first, so that little waits.
+        if (doubts_.size() >= std::max<size_t>(least, kBatch))
+            run(rays_, doubted_, takeBatch(doubts_, doubted_), true);
+        else if (leafPairs_.size() >= std::max<size_t>(least, kBatch))
+            run(triangles_, pairs_, takeBatch(leafPairs_, pairs_), false);
+        else if (pending_.size() >= least) {
+            const uint32_t count = takeBatch(pending_, pairs_);
+            pairCount_ += count;
+            run(clusters_, pairs_, count, true);
+        } else if (leafPairs_.size() >= least)
+            run(triangles_, pairs_, takeBatch(leafPairs_, pairs_), false);
+        else if (doubts_.size() >= least)
+            run(rays_, doubted_, takeBatch(doubts_, doubted_), true);
+        else
+            return;
+    }
+}
+
+void LinkMaker::run(const gpu::Kernel& kernel, const gpu::Buffer& in, uint32_t count, bool splits) {
+    params_.pairCount = count;
+    std::vector<gpu::Binding> bindings{gpu::texel(scene_->nodes, kUvec4),
+                                       gpu::texel(scene_->leaves, kUvec4),
+                                       gpu::texel(scene_->blockers.nodes, kUvec4),
+                                       gpu::texel(scene_->blockers.triangles, kUvec4),
+                                       in,
+                                       counters_};
+    if (splits) bindings.insert(bindings.end(), {next_, newLeafPairs_});
+    bindings.insert(bindings.end(), {newLinks_, newDoubts_});
+    gpu::Commands commands(*device_);
+    commands.fill(counters_, 0);
+    commands.barrier(gpu::Stage::transfer, gpu::Stage::compute);
+    commands.dispatchBytes(kernel, bindings, &params_, sizeof params_,
+                           {gpu::groupsFor(count, io::kHierarchicalGroup), 1, 1});
+    commands.barrier(gpu::Stage::compute, gpu::Stage::host);
+    device_->submitAndWait(std::move(commands));
+    const auto* counters = counters_.mapped<uint32_t>();
+    append(pending_, next_, counters[io::kHierarchicalPairs]);
+    append(leafPairs_, newLeafPairs_, counters[io::kHierarchicalLeaves]);
+    append(links_, newLinks_, counters[io::kHierarchicalLinks]);
+    append(doubts_, newDoubts_, counters[io::kHierarchicalDoubts]);
+}
+
+} // namespace heliodon::compute
