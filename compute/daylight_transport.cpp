@@ -322,7 +322,7 @@ void DaylightTransport::State::finish(Moment& moment, const std::vector<float>& 
                                       const std::vector<float>& gathered, size_t first) const {
     const size_t n = mesh.patchCount();
     moment.lighting.exitance.resize(n);
-    double in = 0, absorbed = 0, mean = 0, total = 0, most = 0;
+    double in = 0, absorbed = 0, lost = 0, mean = 0, total = 0, most = 0;
     for (size_t i = 0; i < n; ++i) {
         LightParts& parts = moment.patches[i];
         const geometry::Material& m = mesh.materials[mesh.material[i]];
@@ -339,6 +339,7 @@ void DaylightTransport::State::finish(Moment& moment, const std::vector<float>& 
         if (!moment.glow.empty()) in += areas[i] * photometric(moment.glow[i]);
         in -= areas[i] * photometric(tau * parts.sun); // goes on as a beam, counted where it lands
         absorbed += areas[i] * photometric((glm::vec3(1) - m.reflectance - tau) * parts.total());
+        lost += areas[i] * (1 - double{rowSums[i]}) * photometric(out);
         mean += areas[i] * photometric(out);
         total += areas[i];
         most = std::max(most, photometric(out));
@@ -353,7 +354,8 @@ void DaylightTransport::State::finish(Moment& moment, const std::vector<float>& 
     }
     moment.report.lumensIn = in;
     moment.report.lumensAbsorbed = absorbed;
-    moment.report.energyImbalance = in > 0 ? std::abs(in - absorbed) / in : 0;
+    moment.report.lumensLost = lost;
+    moment.report.energyImbalance = in > 0 ? std::abs(in - absorbed - lost) / in : 0;
 }
 
 // How much the light that runs on smoothly changes across each patch, photometric; `smooth` per channel.

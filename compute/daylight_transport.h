@@ -53,8 +53,9 @@ struct LightParts {
 struct MomentReport {
     RadiosityReport radiosity;
     double combineSeconds = 0, sunSeconds = 0, solveSeconds = 0, sensorSeconds = 0;
-    double lumensIn = 0, lumensAbsorbed = 0;    // photometric; absorbed includes what leaves through openings
-    double energyImbalance = 0;                 // |in - absorbed| / in
+    double lumensIn = 0, lumensAbsorbed = 0; // photometric; absorbed includes what leaves through openings
+    double lumensLost = 0;      // to the open, or by rows of F that do not sum to one; negative: made by them
+    double energyImbalance = 0; // |in - absorbed - lost| / in: what residual and rounding leave
     std::vector<std::string> modelled, skipped; // with reasons
 };
 

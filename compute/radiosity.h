@@ -5,6 +5,7 @@
 // reciprocal F.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -24,6 +25,14 @@ struct RadiosityReport {
     double residual = 0; // max |E + K F B - B| / max B, worst column
     double bound = 0;    // on max |B - exact| / max B for this F: residual / (1 - max_i sum_j (K F)_ij)
     bool converged = true;
+};
+
+// Where the light of one column goes: emitted = absorbed + lost, but for residual and rounding.
+struct EnergyBalance {
+    double emitted = 0, absorbed = 0;
+    double lost = 0; // what rows of F that do not sum to one leave over: out of open scenes, else F's error
+
+    double imbalance() const { return emitted > 0 ? std::abs(emitted - absorbed - lost) / emitted : 0; }
 };
 
 // How patches give light on, the K of B = E + K F B; constant over a set of materials. Layout of columns:
@@ -60,6 +69,10 @@ public:
     RadiosityReport solve(std::span<const float> emitted, std::span<const uint32_t> channel,
                           std::vector<float>& radiosity, std::vector<float>& gathered,
                           const RadiosityOptions& options = {});
+
+    // Of one column of a solution, each of patchCount values; needs A_i F_ij = A_j F_ji.
+    EnergyBalance balance(std::span<const double> area, uint32_t channel, std::span<const float> emitted,
+                          std::span<const float> radiosity, std::span<const float> gathered) const;
 
 private:
     struct Column;

@@ -44,7 +44,7 @@ void RadiosityGather::record(gpu::Commands& commands, const gpu::Buffer& light, 
         commands.dispatch(kernels_[columns - 1],
                           {gpu::texel(*factors_, kVec4, first * rowBytes, bytes / 16 * 16),
                            gpu::texel(light, kVec4), gathered},
-                          params, gpu::groupsFor(4 * gpu::groupsFor(rows, 16), blocksPerGroup));
+                          params, gpu::groupsFor(4 * gpu::groupsFor(rows, 4 * io::kGatherRows), blocksPerGroup));
     }
 }
 

@@ -58,6 +58,7 @@ void reportMoment(Run& run, const compute::MomentReport& r) {
                                  {"converged", r.radiosity.converged},
                                  {"lumens_in", r.lumensIn},
                                  {"lumens_absorbed", r.lumensAbsorbed},
+                                 {"lumens_lost", r.lumensLost},
                                  {"energy_imbalance", r.energyImbalance}};
     for (const std::string& what : r.modelled) run.modelled(what);
     for (const std::string& what : r.skipped) run.skipped(what);

@@ -127,6 +127,124 @@ TEST(Radiosity, a_bright_closed_box_converges_in_few_passes) {
     EXPECT_LT(s.report.passes, 60u); // plain gathering: ln(1e-4) / ln(0.99) = 916
 }
 
+// A closed room that is known to the last digit at any size: patches that all see one another as in a sphere,
+// F_ij = A_j / A, but for a part that pairs of patches of equal area turn to either sign. Reciprocal, closed,
+// of rank two: B = E + rho (p 1 + q g) with two unknowns.
+class SignedSphere {
+public:
+    explicit SignedSphere(size_t n) : area(n), sign(n) {
+        std::mt19937 random(17);
+        std::uniform_real_distribution<double> at(0, 1);
+        for (size_t i = 0; i < n; i += 2) {
+            area[i] = area[i + 1] = std::pow(10.0, 3 * at(random) - 3); // three decades
+            sign[i] = at(random), sign[i + 1] = -sign[i];
+        }
+        total = std::accumulate(area.begin(), area.end(), 0.0);
+    }
+    double factor(size_t i, size_t j) const { return area[j] / total * (1 + 0.9 * sign[i] * sign[j]); }
+
+    std::vector<double> solution(const std::vector<float>& rho, const std::vector<float>& emitted) const {
+        // p = sum A B / total, q = 0.9 sum A g B / total, B put in.
+        double e0 = 0, e1 = 0, k00 = 0, k01 = 0, k11 = 0;
+        for (size_t i = 0; i < area.size(); ++i) {
+            const double a = area[i] / total, g = sign[i];
+            e0 += a * emitted[i], e1 += 0.9 * a * g * emitted[i];
+            k00 += a * rho[i], k01 += a * rho[i] * g, k11 += a * rho[i] * g * g;
+        }
+        const double m00 = 1 - k00, m01 = -k01, m10 = -0.9 * k01, m11 = 1 - 0.9 * k11;
+        const double determinant = m00 * m11 - m01 * m10;
+        const double p = (e0 * m11 - m01 * e1) / determinant, q = (m00 * e1 - m10 * e0) / determinant;
+        std::vector<double> B(area.size());
+        for (size_t i = 0; i < B.size(); ++i) B[i] = emitted[i] + rho[i] * (p + q * sign[i]);
+        return B;
+    }
+
+    std::vector<double> area, sign;
+    double total = 0;
+};
+
+TEST(Radiosity, ten_thousand_patches_stay_within_1e_5_of_double_precision) {
+    const size_t n = 10'000;
+    const SignedSphere room(n);
+    gpu::Buffer factors(test::device(), n * n * sizeof(float), "factors");
+    std::vector<float> row(n);
+    for (size_t i = 0; i < n; ++i) {
+        for (size_t j = 0; j < n; ++j) row[j] = static_cast<float>(room.factor(i, j));
+        factors.upload(std::span<const float>(row), i * n * sizeof(float));
+    }
+    std::mt19937 random(5);
+    std::uniform_real_distribution<float> at(0, 1);
+    RadiosityGather gather(test::device(), factors, static_cast<uint32_t>(n));
+    // One gather: sums of ten thousand terms, and the same bits again.
+    std::vector<float> in(3 * n), out(3 * n), again(3 * n);
+    for (float& x : in) x = 1000 * at(random);
+    gather.gather(in, out, 3);
+    gather.gather(in, again, 3);
+    EXPECT_EQ(std::memcmp(out.data(), again.data(), out.size() * sizeof(float)), 0);
+    for (size_t c = 0; c < 3; ++c) {
+        double sum = 0, turned = 0;
+        for (size_t j = 0; j < n; ++j) {
+            sum += room.area[j] / room.total * double{in[c * n + j]};
+            turned += 0.9 * room.sign[j] * room.area[j] / room.total * double{in[c * n + j]};
+        }
+        for (size_t i = 0; i < n; ++i) {
+            const double expected = sum + room.sign[i] * turned;
+            ASSERT_NEAR(out[c * n + i], expected, 1e-5 * expected);
+        }
+    }
+    // The solution, of one lamp and walls of any reflectance to 0.99, and where its light ends.
+    std::vector<float> rho(n), emitted(n);
+    for (float& r : rho) r = 0.99f * std::sqrt(at(random));
+    emitted[7] = 1e6;
+    RadiositySolver solver(gather, gather.rowSums());
+    solver.setMatter({static_cast<uint32_t>(n),
+                      {rho},
+                      {std::vector<float>(n, 0)},
+                      std::vector<int32_t>(n, geometry::kNoTwin)});
+    RadiosityOptions options;
+    options.tolerance = 1e-6;
+    std::vector<float> B, H;
+    const uint32_t channel[]{0};
+    EXPECT_TRUE(solver.solve(emitted, channel, B, H, options).converged);
+    const std::vector<double> exact = room.solution(rho, emitted);
+    for (size_t i = 0; i < n; ++i)
+        if (i != 7) {
+            ASSERT_NEAR(B[i], exact[i], 1e-5 * exact[i]) << i; // each of its own light, not of the lamp's
+        }
+    const EnergyBalance balance = solver.balance(room.area, 0, emitted, B, H);
+    EXPECT_NEAR(balance.emitted, 1e6 * room.area[7], 1e-3 * balance.emitted);
+    EXPECT_LT(balance.imbalance(), 1e-5);
+    EXPECT_LT(std::abs(balance.lost), 1e-5 * balance.emitted); // the room is closed
+}
+
+// Rows that let a tenth of the light out: absorbed and lost make up what was emitted.
+TEST(Radiosity, light_is_emitted_absorbed_and_lost_in_balance) {
+    const geometry::PatchMesh mesh = test::boxRoom({});
+    const size_t n = mesh.patchCount();
+    std::vector<float> F = computeFormFactors(test::device(), mesh).values.download<float>(n * n);
+    for (float& f : F) f *= 0.9f;
+    const gpu::Buffer factors = padded(F);
+    RadiosityGather gather(test::device(), factors, static_cast<uint32_t>(n));
+    RadiositySolver solver(gather, gather.rowSums());
+    solver.setMatter({static_cast<uint32_t>(n),
+                      {std::vector<float>(n, 0.5f)},
+                      {std::vector<float>(n, 0)},
+                      std::vector<int32_t>(n, geometry::kNoTwin)});
+    std::vector<float> emitted(n), B, H;
+    emitted[11] = 1000;
+    std::vector<double> area;
+    for (size_t i = 0; i < n; ++i) area.push_back(geometry::patchArea(mesh, i));
+    const uint32_t channel[]{0};
+    RadiosityOptions options;
+    options.tolerance = 1e-5;
+    solver.solve(emitted, channel, B, H, options);
+    const EnergyBalance balance = solver.balance(area, 0, emitted, B, H);
+    EXPECT_LT(balance.imbalance(), 1e-5);
+    // Of what leaves patches, a tenth is lost, and half of the rest absorbed: 2 of 11 and 9 of 11.
+    EXPECT_NEAR(balance.lost / balance.emitted, 2.0 / 11, 1e-3);
+    EXPECT_NEAR(balance.absorbed / balance.emitted, 9.0 / 11, 1e-3);
+}
+
 TEST(Radiosity, a_pass_limit_is_reported_not_hidden) {
     RadiosityOptions options;
     options.maxPasses = 2;
