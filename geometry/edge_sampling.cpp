@@ -160,6 +160,12 @@ void EdgeSampler::shareDivisions(const TwinEdges& group) {
         edges_[e.edge].divisions = e.reversed == finest->reversed ? forth : back;
 }
 
+bool EdgeSampler::hasSmallParts(double edge) const {
+    const double least = kWorthGrading * edge / Grading{}.first;
+    return std::ranges::any_of(strips_, [&](const Strip& s) { return s.width < kUniformStrip * edge; }) ||
+           std::ranges::any_of(surroundings_, [&](double size) { return size < least; });
+}
+
 double EdgeSampler::sizeOf(uint32_t corner) const {
     const double size = grading_.first * surroundings_[corner];
     return size < kWorthGrading * edge_ ? size : kInfinity;
@@ -319,8 +325,14 @@ std::vector<std::pair<double, double>> EdgeSampler::stepsAlong(const SampledEdge
 }
 
 // A long step beside a short one at a right corner makes a sharp triangle: evenly divided edges take one step
-// more.
+// more, and, where that made their own too short for the next ones, those too.
 void EdgeSampler::easeCorners() {
+    constexpr int kRounds = 3;
+    for (int round = 0; round < kRounds && easeOnce(); ++round) {
+    }
+}
+
+bool EdgeSampler::easeOnce() {
     constexpr double kMostBeside = 1.42;
     std::vector<bool> finer(edges_.size());
     for (size_t d = 0; d < domains_.size(); ++d)
@@ -336,12 +348,15 @@ void EdgeSampler::easeCorners() {
                 if (own > kMostBeside * next && mayGrow(e)) finer[e] = true;
                 if (next > kMostBeside * own && mayGrow(f)) finer[f] = true;
             }
+    bool any = false;
     for (size_t e = 0; e < edges_.size(); ++e) {
         if (!finer[e]) continue;
+        any = true;
         const auto n = static_cast<double>(edges_[e].divisions.size() + 2);
         edges_[e].divisions.clear();
         for (double k = 1; k < n; ++k) edges_[e].divisions.push_back(k / n);
     }
+    return any;
 }
 
 std::vector<double> EdgeSampler::divisions(uint32_t a, uint32_t b) const {

@@ -25,6 +25,9 @@ public:
     // Divides all edges anew for this edge length (metres).
     void choose(double edge, const Grading& grading);
 
+    // Strips or corners that want edges shorter than this (metres).
+    bool hasSmallParts(double edge) const;
+
     // The division points of the edge from a to b without its ends, as fractions of its length from a.
     std::vector<double> divisions(uint32_t a, uint32_t b) const;
 
@@ -69,6 +72,7 @@ private:
     void stagger(const Strip& strip);
     void fillBetweenPins(SampledEdge& edge) const;
     void easeCorners();
+    bool easeOnce(); // whether it changed anything
     // Pairs of a fraction of the edge's length and how many steps of the size wanted lie before it.
     std::vector<std::pair<double, double>> stepsAlong(const SampledEdge& edge, double largest) const;
     double sizeOf(uint32_t corner) const; // infinity where the surroundings ask for nothing

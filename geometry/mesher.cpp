@@ -25,8 +25,10 @@ namespace heliodon::geometry {
 namespace {
 
 constexpr double kCountTolerance = 0.012;
-constexpr double kCountReached = 0.025; // of the count that was asked for
+constexpr double kCountReached = 0.028; // of the count that was asked for
 constexpr int kAttempts = 3;
+// Optimisation may add so many points, at most that share of the count; each makes two triangles.
+constexpr double kMostAdditions = 40, kAdditionsOfCount = 0.016;
 constexpr double kUniform = std::numeric_limits<double>::infinity();
 // From the gentlest growth of sizes round small parts to none at all, for when triangles are few.
 constexpr std::array kGradings{Grading{1.4, 0.6}, Grading{2.0, 1.0}, Grading{kUniform, kUniform}};
@@ -45,10 +47,14 @@ public:
         for (const Grading& grading : kGradings) {
             grading_ = grading;
             edge_ = 0;
-            double aim = wanted_;
+            const bool graded = std::isfinite(grading.growth);
+            const double additions = graded ? std::min(kMostAdditions, kAdditionsOfCount * wanted_) : 0;
+            double aim = wanted_; // half of them are expected
+            if (sampler_.hasSmallParts(uniformEdge(wanted_))) aim -= additions;
             for (int attempt = 0; attempt < kAttempts; ++attempt) {
                 // Without grading there is no way but this one.
-                if (!chooseSizes(aim) && std::isfinite(grading.growth)) break;
+                if (!chooseSizes(aim) && graded) break;
+                additions_ = static_cast<size_t>(additions);
                 PatchMesh made = meshOnce();
                 const double count = static_cast<double>(made.patchCount()), off = std::abs(count - wanted_);
                 if (off < least) {
@@ -76,6 +82,9 @@ private:
         return 0.5 * twice;
     }
 
+    // Of regular triangles, so many.
+    double uniformEdge(double count) const { return std::sqrt(4 / std::sqrt(3.0) * totalArea() / count); }
+
     // How many triangles the domain has without those that refinement adds.
     double countOf(size_t d, double lattice) const {
         const PlanarDomain plane = sampler_.planar(d);
@@ -99,7 +108,7 @@ private:
             const PlanarDomain plane = sampler_.planar(d);
             if (plane.sources.empty()) continue;
             const std::vector<glm::dvec2> seeds = hexagonalSeeds(plane, lattices_[d]);
-            const PlanarMesh mesh = meshPlanar(plane, seeds, false);
+            const PlanarMesh mesh = meshPlanar(plane, seeds);
             added += 2 * static_cast<double>(mesh.points.size() - plane.boundary.size() - seeds.size());
         }
         return added;
@@ -112,7 +121,7 @@ private:
             if (!chooseEdge(wanted - added) && std::isfinite(grading_.growth)) return false;
             chooseLattices(wanted - added);
             // A few triangles more change the edge length, and so their own number, by next to nothing.
-            if (added > 0 && added < 0.1 * wanted_) break;
+            if (added > 0 && added < 0.02 * wanted_) break;
             const double now = addedTriangles();
             if (std::abs(now - added) < 0.01 * wanted_) break;
             added = now;
@@ -124,7 +133,7 @@ private:
 
     // False when even the longest edges leave many more.
     bool chooseEdge(double wanted) {
-        double edge = edge_ > 0 ? edge_ : std::sqrt(4 / std::sqrt(3.0) * totalArea() / wanted);
+        double edge = edge_ > 0 ? edge_ : uniformEdge(wanted);
         double least = 1e300;
         double low = 0, high = 0; // edges that give too many, too few
         for (int round = 0; round < 9; ++round) {
@@ -228,7 +237,8 @@ private:
     void meshDomain(size_t d) {
         const PlanarDomain plane = sampler_.planar(d);
         std::vector<uint32_t> vertices = boundaryVertices(domains_[d]);
-        const PlanarMesh flat = meshPlanar(plane, hexagonalSeeds(plane, lattices_[d]), true);
+        const PlanarMesh flat = meshPlanar(plane, hexagonalSeeds(plane, lattices_[d]), additions_);
+        additions_ -= flat.added;
         for (size_t i = vertices.size(); i < flat.points.size(); ++i) {
             vertices.push_back(static_cast<uint32_t>(mesh_.vertices.size()));
             mesh_.vertices.push_back(domains_[d].inSpace(flat.points[i]));
@@ -307,6 +317,7 @@ private:
 
     const Building& building_;
     double wanted_, edge_ = 0;
+    size_t additions_ = 0;         // points that optimisation may still add
     std::vector<double> lattices_; // per domain
     Grading grading_;
     std::vector<MeshDomain> domains_;

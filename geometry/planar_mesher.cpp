@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 #include <glm/geometric.hpp>
@@ -17,8 +18,8 @@ namespace {
 
 constexpr double kFromBoundary = 0.62; // of the edge length
 constexpr double kOnLattice = 0.9;     // of the edge length: where sizes are smaller there are no seeds
-constexpr int kSmoothings = 5;
-constexpr int kOptimisations = 8;
+constexpr int kSmoothings = 8;
+constexpr int kOptimisations = 8, kTrials = 6;
 const double kGoodCosine = std::cos(39 * 3.14159265358979 / 180);  // angles above 39 degrees are left alone
 const double kBadCosine = std::cos(36.5 * 3.14159265358979 / 180); // those below 36.5 are worth a point
 
@@ -223,68 +224,88 @@ void smooth(PlanarNet& net, const PlanarDomain& domain) {
 // enough.
 class Optimiser {
 public:
-    explicit Optimiser(PlanarNet& net) : net_(net) {}
+    Optimiser(PlanarNet& net, double edge) : net_(net), edge_(edge) {}
 
-    void optimise(bool mayAdd) {
-        std::vector<bool> all(net_.points.size(), true);
-        movePoints(net_, all);
-        if (mayAdd) addPoints();
+    // Returns how many points it added, at most `mostAdded`.
+    size_t optimise(size_t mostAdded) {
+        movePoints(net_, kOptimisations);
+        return addPoints(mostAdded);
     }
 
 private:
-    // Only the points that may move, of triangles with small angles.
-    static void movePoints(PlanarNet& net, const std::vector<bool>& mayMove) {
-        for (int round = 0; round < kOptimisations; ++round) {
+    // Only those of triangles with small angles, and again only where something near has moved.
+    static void movePoints(PlanarNet& net, int rounds) {
+        std::vector<bool> stirred(net.points.size(), true);
+        for (int round = 0; round < rounds; ++round) {
             std::vector<uint32_t> asked;
             std::vector<bool> known(net.points.size());
             for (uint32_t t = 0; t < net.corner.size(); ++t) {
                 if (net.worstCosine(t) < kGoodCosine) continue;
                 for (const uint32_t v : net.corner[t])
-                    if (net.inner(v) && mayMove[v] && !known[v]) {
+                    if (net.inner(v) && stirred[v] && !known[v]) {
                         known[v] = true;
                         asked.push_back(v);
                     }
             }
             if (asked.empty()) return;
             const Stars stars(net);
+            stirred.assign(net.points.size(), false);
             bool moved = false;
-            for (const uint32_t v : asked) moved |= move(net, v, stars);
+            for (const uint32_t v : asked) {
+                if (!move(net, v, stars)) continue;
+                moved = true;
+                for (uint32_t i = stars.first[v]; i < stars.first[v + 1]; ++i)
+                    for (const uint32_t w : net.corner[stars.triangles[i]]) stirred[w] = true;
+            }
             if (!moved) return;
             net.flipAll();
         }
     }
 
-    // One point in or beside each triangle that is still bad, where it helps.
-    void addPoints() {
-        int tries = 0;
-        for (uint32_t t = 0; t < net_.corner.size() && tries < kMostAdditions; ++t) {
-            if (net_.worstCosine(t) < kBadCosine) continue;
+    // One point in or beside each triangle that is still bad, where it helps. Tried on the surroundings
+    // alone.
+    size_t addPoints(size_t mostAdded) {
+        // Where many are bad the parts are small beside the edges, and points would only crowd them.
+        const size_t most = kFewAdditions + net_.corner.size() / kTrianglesAnAddition;
+        size_t tries = 0, added = 0;
+        std::optional<Stars> stars;
+        for (uint32_t t = 0; t < net_.corner.size() && tries < most && added < mostAdded; ++t) {
+            if (net_.worstCosine(t) < kBadCosine || inStrip(t)) continue;
             ++tries;
-            PlanarNet tried = net_;
-            const auto [target, p] = placeFor(t);
-            tried.insert(target, p);
-            const auto added = static_cast<uint32_t>(tried.points.size() - 1);
-            std::vector<bool> near(tried.points.size());
-            near[added] = true;
-            for (int ring = 0; ring < 2; ++ring) {
-                const std::vector<bool> last = near;
-                for (const auto& c : tried.corner)
-                    if (last[c[0]] || last[c[1]] || last[c[2]]) near[c[0]] = near[c[1]] = near[c[2]] = true;
-            }
-            movePoints(tried, near);
-            if (badness(tried) < badness(net_) - kWorthAPoint) net_ = std::move(tried);
+            if (!stars) stars.emplace(net_);
+            NetPart part(net_, *stars, t, kRings);
+            const double before = badness(part.net);
+            const auto [target, p] = placeFor(part.net, 0);
+            part.net.insert(target, p);
+            movePoints(part.net, kTrials);
+            if (badness(part.net) >= before - kWorthAPoint) continue;
+            part.putBack(net_);
+            stars.reset();
+            ++added;
         }
+        return added;
+    }
+
+    // From border to border where those are near: no point has room there.
+    bool inStrip(uint32_t t) const {
+        double longest = 0;
+        for (size_t k = 0; k < 3; ++k) {
+            if (net_.inner(net_.corner[t][k])) return false;
+            longest = std::max(longest, glm::length(net_.points[net_.corner[t][(k + 1) % 3]] -
+                                                    net_.points[net_.corner[t][k]]));
+        }
+        return net_.twiceArea(t) < kStrip * edge_ * longest;
     }
 
     // The middle of the triangle's longest side that is not on the boundary.
-    std::pair<uint32_t, glm::dvec2> placeFor(uint32_t t) const {
-        const auto& c = net_.corner[t];
+    static std::pair<uint32_t, glm::dvec2> placeFor(const PlanarNet& net, uint32_t t) {
+        const auto& c = net.corner[t];
         double longest = 0;
-        glm::dvec2 place = (net_.points[c[0]] + net_.points[c[1]] + net_.points[c[2]]) / 3.0;
+        glm::dvec2 place = (net.points[c[0]] + net.points[c[1]] + net.points[c[2]]) / 3.0;
         const glm::dvec2 middle = place;
         for (size_t k = 0; k < 3; ++k) {
-            const glm::dvec2 a = net_.points[c[(k + 1) % 3]], b = net_.points[c[(k + 2) % 3]];
-            if (net_.fixed[t][k] || glm::length(b - a) <= longest) continue;
+            const glm::dvec2 a = net.points[c[(k + 1) % 3]], b = net.points[c[(k + 2) % 3]];
+            if (net.fixed[t][k] || glm::length(b - a) <= longest) continue;
             longest = glm::length(b - a);
             place = 0.5 * (a + b) + 0.02 * (middle - 0.5 * (a + b)); // inside the triangle
         }
@@ -301,9 +322,10 @@ private:
         return sum;
     }
 
-    static double worst(const PlanarNet& net, uint32_t v, glm::dvec2 p, const Stars& stars) {
+    // Cosine of the smallest angle round v if it were at p; anything from `limit` on when it is that much.
+    static double worst(const PlanarNet& net, uint32_t v, glm::dvec2 p, const Stars& stars, double limit) {
         double cosine = -1;
-        for (uint32_t i = stars.first[v]; i < stars.first[v + 1]; ++i) {
+        for (uint32_t i = stars.first[v]; i < stars.first[v + 1] && cosine < limit; ++i) {
             const auto& c = net.corner[stars.triangles[i]];
             const auto at = [&](size_t k) { return c[k] == v ? p : net.points[c[k]]; };
             cosine = std::max(cosine, net.worstCosine(at(0), at(1), at(2)));
@@ -315,7 +337,7 @@ private:
     static bool move(PlanarNet& net, uint32_t v, const Stars& stars) {
         const glm::dvec2 start = net.points[v];
         glm::dvec2 best = start;
-        double least = worst(net, v, best, stars), shortest = 1e300;
+        double least = worst(net, v, best, stars, 1), shortest = 1e300;
         const double before = least;
         for (uint32_t i = stars.first[v]; i < stars.first[v + 1]; ++i)
             for (const uint32_t w : net.corner[stars.triangles[i]])
@@ -324,7 +346,7 @@ private:
             bool better = false;
             for (const glm::dvec2 d : kDirections) {
                 const glm::dvec2 p = best + step * d;
-                const double cosine = worst(net, v, p, stars);
+                const double cosine = worst(net, v, p, stars, least - 1e-4);
                 if (cosine >= least - 1e-4) continue;
                 least = cosine;
                 best = p;
@@ -337,8 +359,9 @@ private:
         return least < before - 1e-3;
     }
 
-    static constexpr int kMostAdditions = 24;
-    static constexpr double kWorthAPoint = 1e-4;
+    static constexpr size_t kFewAdditions = 5, kTrianglesAnAddition = 40;
+    static constexpr int kRings = 3;
+    static constexpr double kWorthAPoint = 1e-4, kStrip = 0.4; // of the edge length
     static constexpr double kHalf = 0.70710678;
     static constexpr std::array<glm::dvec2, 8> kDirections{{{1, 0},
                                                             {kHalf, kHalf},
@@ -349,6 +372,7 @@ private:
                                                             {0, -1},
                                                             {kHalf, -kHalf}}};
     PlanarNet& net_;
+    double edge_;
 };
 
 } // namespace
@@ -383,17 +407,19 @@ std::vector<glm::dvec2> hexagonalSeeds(const PlanarDomain& domain, double lattic
     return seeds;
 }
 
-PlanarMesh meshPlanar(const PlanarDomain& domain, const std::vector<glm::dvec2>& seeds, bool improve) {
+PlanarMesh meshPlanar(const PlanarDomain& domain, const std::vector<glm::dvec2>& seeds,
+                      std::optional<size_t> mostAdded) {
     PlanarNet net = triangulate(domain, seeds);
     Refiner(net, domain).refine();
-    if (improve && net.points.size() > net.boundaryCount) {
-        for (int k = 0; k < kSmoothings; ++k) {
+    size_t added = 0;
+    if (mostAdded) {
+        for (int k = 0; k < kSmoothings && net.points.size() > net.boundaryCount; ++k) {
             smooth(net, domain);
             net.flipAll();
         }
-        Optimiser(net).optimise(std::isfinite(domain.growth));
+        added = Optimiser(net, domain.edge).optimise(*mostAdded);
     }
-    return {std::move(net.points), std::move(net.corner)};
+    return {std::move(net.points), std::move(net.corner), added};
 }
 
 } // namespace heliodon::geometry

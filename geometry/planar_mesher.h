@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <glm/vec2.hpp>
@@ -34,12 +35,15 @@ std::vector<glm::dvec2> hexagonalSeeds(const PlanarDomain& domain, double lattic
 struct PlanarMesh {
     std::vector<glm::dvec2> points;                 // the boundary's first, then the inner ones
     std::vector<std::array<uint32_t, 3>> triangles; // counter-clockwise
+    size_t added = 0;                               // points, by optimisation
 };
 
 // Constrained Delaunay triangulation of boundary and seeds; further points at circumcentres where triangles
-// are too large for the size wanted (Ruppert 1995, boundaries left alone). With `improve`, inner points move
-// to the mean of the triangles round them, edges flip, and what still has a small angle is optimised by
-// itself. Throws std::runtime_error when the boundary crosses or touches itself.
-PlanarMesh meshPlanar(const PlanarDomain& domain, const std::vector<glm::dvec2>& seeds, bool improve);
+// are too large for the size wanted (Ruppert 1995, boundaries left alone). With `mostAdded` the mesh is
+// improved: inner points move to the mean of the triangles round them, edges flip, and what still has a small
+// angle is optimised by itself, with at most so many further points. Throws std::runtime_error when the
+// boundary crosses or touches itself.
+PlanarMesh meshPlanar(const PlanarDomain& domain, const std::vector<glm::dvec2>& seeds,
+                      std::optional<size_t> mostAdded = std::nullopt);
 
 } // namespace heliodon::geometry

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
 
 #include <glm/geometric.hpp>
 
@@ -126,6 +127,91 @@ Stars::Stars(const PlanarNet& net) : first(net.points.size() + 1, 0) {
     std::vector<uint32_t> at(first.begin(), first.end() - 1);
     for (uint32_t t = 0; t < net.corner.size(); ++t)
         for (const uint32_t v : net.corner[t]) triangles[at[v]++] = t;
+}
+
+NetPart::NetPart(const PlanarNet& whole, const Stars& stars, uint32_t triangle, int rings)
+    : triangles_{triangle} {
+    std::unordered_map<uint32_t, uint32_t> place{{triangle, 0}}; // of triangles
+    for (size_t from = 0, ring = 0; ring < static_cast<size_t>(rings); ++ring) {
+        const size_t to = triangles_.size();
+        for (; from < to; ++from)
+            for (const uint32_t v : whole.corner[triangles_[from]])
+                for (uint32_t i = stars.first[v]; i < stars.first[v + 1]; ++i)
+                    if (place.try_emplace(stars.triangles[i], static_cast<uint32_t>(triangles_.size()))
+                            .second)
+                        triangles_.push_back(stars.triangles[i]);
+    }
+    std::unordered_map<uint32_t, uint32_t> local; // of points
+    const auto add = [&](uint32_t v) {
+        if (local.try_emplace(v, static_cast<uint32_t>(points_.size())).second) points_.push_back(v);
+    };
+    for (const uint32_t t : triangles_)
+        for (size_t k = 0; k < 3; ++k) {
+            if (!whole.inner(whole.corner[t][k])) add(whole.corner[t][k]);
+            if (place.contains(whole.neighbour[t][k])) continue;
+            add(whole.corner[t][(k + 1) % 3]);
+            add(whole.corner[t][(k + 2) % 3]);
+        }
+    net.boundaryCount = static_cast<uint32_t>(points_.size());
+    for (const uint32_t t : triangles_)
+        for (const uint32_t v : whole.corner[t]) add(v);
+    for (const uint32_t v : points_) net.points.push_back(whole.points[v]);
+    for (const uint32_t t : triangles_) {
+        std::array<uint32_t, 3> corner{}, neighbour{};
+        std::array<bool, 3> fixed = whole.fixed[t];
+        for (size_t k = 0; k < 3; ++k) corner[k] = local.at(whole.corner[t][k]);
+        for (size_t k = 0; k < 3; ++k) {
+            const auto inside = place.find(whole.neighbour[t][k]);
+            neighbour[k] = inside == place.end() ? kNoTriangle : inside->second;
+            if (inside != place.end()) continue;
+            rims_.push_back({corner[(k + 1) % 3], corner[(k + 2) % 3], whole.neighbour[t][k], fixed[k]});
+            fixed[k] = true;
+        }
+        net.corner.push_back(corner);
+        net.neighbour.push_back(neighbour);
+        net.fixed.push_back(fixed);
+    }
+    std::ranges::sort(rims_, {}, [](const Rim& r) { return std::pair(r.a, r.b); });
+}
+
+const NetPart::Rim& NetPart::rim(uint32_t a, uint32_t b) const {
+    return *std::ranges::lower_bound(rims_, std::pair(a, b), {},
+                                     [](const Rim& r) { return std::pair(r.a, r.b); });
+}
+
+void NetPart::putBack(PlanarNet& whole) const {
+    std::vector<uint32_t> triangles = triangles_, points = points_;
+    for (size_t t = triangles.size(); t < net.corner.size(); ++t) {
+        triangles.push_back(static_cast<uint32_t>(whole.corner.size()));
+        whole.corner.emplace_back();
+        whole.neighbour.emplace_back();
+        whole.fixed.emplace_back();
+    }
+    for (size_t v = points.size(); v < net.points.size(); ++v) {
+        points.push_back(static_cast<uint32_t>(whole.points.size()));
+        whole.points.emplace_back();
+    }
+    for (size_t v = net.boundaryCount; v < points.size(); ++v) whole.points[points[v]] = net.points[v];
+    for (size_t t = 0; t < triangles.size(); ++t) {
+        const uint32_t own = triangles[t];
+        for (size_t k = 0; k < 3; ++k) {
+            const uint32_t a = net.corner[t][(k + 1) % 3], b = net.corner[t][(k + 2) % 3];
+            whole.corner[own][k] = points[net.corner[t][k]];
+            whole.fixed[own][k] = net.fixed[t][k];
+            if (net.neighbour[t][k] != kNoTriangle) {
+                whole.neighbour[own][k] = triangles[net.neighbour[t][k]];
+                continue;
+            }
+            const Rim& edge = rim(a, b);
+            whole.neighbour[own][k] = edge.outside;
+            whole.fixed[own][k] = edge.fixed;
+            if (edge.outside == kNoTriangle) continue;
+            for (size_t m = 0; m < 3; ++m)
+                if (whole.corner[edge.outside][(m + 1) % 3] == points[b] &&
+                    whole.corner[edge.outside][(m + 2) % 3] == points[a])
+                    whole.neighbour[edge.outside][m] = own;
+        }
+    }
 }
 
 } // namespace heliodon::geometry

@@ -50,4 +50,26 @@ struct Stars {
     std::vector<uint32_t> first, triangles; // of vertex v: triangles[first[v] .. first[v + 1])
 };
 
+// The surroundings of a triangle as a net of their own, whose outer points do not move.
+class NetPart {
+public:
+    // The triangle, which is the part's first, and `rings` times all that touch those there are.
+    NetPart(const PlanarNet& whole, const Stars& stars, uint32_t triangle, int rings);
+
+    PlanarNet net;
+
+    // Points may have moved or been added and edges flipped since.
+    void putBack(PlanarNet& whole) const;
+
+private:
+    struct Rim { // an edge of the part, from a to b with the part on its left
+        uint32_t a, b, outside;
+        bool fixed;
+    };
+    const Rim& rim(uint32_t a, uint32_t b) const;
+
+    std::vector<uint32_t> triangles_, points_; // of the whole
+    std::vector<Rim> rims_;                    // in the part's numbers, by a and b
+};
+
 } // namespace heliodon::geometry
