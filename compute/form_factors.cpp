@@ -31,21 +31,36 @@ constexpr uint32_t kStreamedRows = 256;
 struct Choice {
     std::string kernel, why;
     double maxError = 0;
+    double amplification = 0; // of rows' errors into radiosity; 0: not asked
 };
+
+// Of what leaves a patch, a share rho is handed on at most, again and again.
+double amplificationIn(const geometry::PatchMesh& mesh, const FormFactorOptions& options) {
+    double rho = options.reflectance;
+    if (rho <= 0)
+        for (uint32_t m : mesh.material)
+            for (int c = 0; c < 3; ++c) rho = std::max(rho, double{mesh.materials[m].reflectance[c]});
+    rho = std::clamp(rho, 0.01, 0.999);
+    return rho / (1 - rho);
+}
 
 Choice chosen(const geometry::PatchMesh& mesh, const FormFactorOptions& options) {
     Choice choice{options.kernel, "", options.maxError};
     if (options.maxRadiosityError > 0) {
-        const double rho = std::clamp(options.reflectance, 0.01, 0.999);
-        choice.maxError = options.maxRadiosityError * (1 - rho) / rho;
+        choice.amplification = amplificationIn(mesh, options);
+        choice.maxError = std::clamp(options.maxRadiosityError / choice.amplification, 1e-7, 1.0);
+        choice.why = fmt::format("radiosity within {:.2g} asks for rows within {:.2g}",
+                                 options.maxRadiosityError, choice.maxError);
     }
     if (options.kernel != "auto") return choice;
     const double asked = choice.maxError > 0 ? choice.maxError : kDefaultError;
     choice.maxError = asked;
     choice.kernel = asked >= kLinksPay ? "hierarchical" : "exact";
-    choice.why = fmt::format("auto: row error {:g} {}", asked,
-                             asked >= kLinksPay ? "is reached soonest by links between clusters"
-                                                : "asks for visible polygons, not for samples of visibility");
+    if (!choice.why.empty()) choice.why += "; ";
+    choice.why +=
+        fmt::format("auto: row error {:.2g} {}", asked,
+                    asked >= kLinksPay ? "is reached soonest by links between clusters"
+                                       : "asks for visible polygons, not for samples of visibility");
     if (mesh.patchCount() > 0 && blockingRegions(mesh, 8).empty())
         choice.why += ", and nothing can stand between two patches";
     return choice;
@@ -153,8 +168,14 @@ void warnOfLostLight(const geometry::PatchMesh& mesh, FormFactorReport& report) 
         report.closureMax, report.closureRms));
 }
 
-void explain(FormFactorReport& report, const Choice& choice) {
+void explain(FormFactorReport& report, const FormFactorOptions& options, const Choice& choice) {
     if (!choice.why.empty()) report.why = choice.why + "; " + report.why;
+    report.claimedRadiosityError = choice.amplification * report.claimedRowError;
+    // Estimates are cautious: a little above is within what they are good for.
+    if (report.claimedRadiosityError > 1.5 * options.maxRadiosityError)
+        report.warnings.push_back(
+            fmt::format("the error of radiosity is estimated as {:.2g}, above the {:.2g} asked for",
+                        report.claimedRadiosityError, options.maxRadiosityError));
 }
 
 } // namespace
@@ -214,7 +235,7 @@ FormFactors computeFormFactors(gpu::Device& device, const geometry::PatchMesh& m
     } else {
         refuse(choice.kernel);
     }
-    explain(result.report, choice);
+    explain(result.report, options, choice);
     result.report.seconds = watch.seconds();
     measureFormFactors(mesh, result.values, result.report);
     warnOfLostLight(mesh, result.report);
@@ -277,7 +298,7 @@ FormFactorReport streamFormFactors(gpu::Device& device, const geometry::PatchMes
     } else {
         refuse(choice.kernel);
     }
-    explain(report, choice);
+    explain(report, options, choice);
     measureClosure(sums, report);
     warnOfLostLight(mesh, report);
     report.seconds = watch.seconds();

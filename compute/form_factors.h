@@ -29,10 +29,10 @@ struct FormFactorOptions {
     // Wanted RMS over rows of ||F_i - true||; 0: as resolution says, or 1e-3. Kernels with a resolution raise
     // it until the error that they claim is below; the others refine until theirs is.
     double maxError = 0;
-    // Wanted relative error of radiosity (largest B), for rooms whose largest reflectance is this; used when
-    // positive, in place of maxError. An error dF of rows gives at most about ||dF|| sqrt(n) rho / (1 - rho)
-    // of the largest B, if all errors had one sign; independent ones, as these kernels leave, sqrt(n) less.
-    double maxRadiosityError = 0, reflectance = 0.8;
+    // Wanted error of radiosity over its largest value, for rooms whose largest reflectance is `reflectance`
+    // (0: that of the mesh's materials, of any channel); used when positive, in place of maxError: rows are
+    // asked to be within e (1 - rho) / rho. What errors of one sign do (rows that do not close) is more.
+    double maxRadiosityError = 0, reflectance = 0;
 };
 
 // Measured on the finished matrix, before any normalisation.
@@ -45,6 +45,7 @@ struct FormFactorReport {
     double seconds = 0;
     double closureMax = 0, closureRms = 0; // |sum_j F_ij - 1| over rows of closed rooms
     double reciprocityRms = 0;             // RMS over pairs of |A_i F_ij - A_j F_ji| / mean patch area
+    double claimedRadiosityError = 0;      // what that gives of radiosity, when asked for
     double claimedRowError = 0;       // the kernel's own estimate of the RMS row error; 0 when it makes none
     std::vector<std::string> skipped; // what was not modelled, with the reason
     std::vector<std::string> warnings;

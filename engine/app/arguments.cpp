@@ -143,6 +143,15 @@ private:
         sub->add_option("-o,--output", model_.output, "the model (.obj with .mtl, or .glb)")->required();
     }
 
+    static CLI::Option* addRadiosityError(CLI::App* sub, double& value) {
+        return sub
+            ->add_option(
+                "--max-radiosity-error", value,
+                "wanted error of radiosity over its largest value, from form factors and solution, for the "
+                "reflectances of this model; picks kernel and row error")
+            ->check(CLI::Range(1e-6, 1.0));
+    }
+
     void addFormFactors() {
         CLI::App* sub = add("formfactors", "the matrix of form factors", formFactors_,
                             "room.obj --kernel hemicube --resolution 64 -o F.npy");
@@ -155,10 +164,11 @@ private:
                 ->check(CLI::Range(4, 1024));
         sub->add_option("--points", formFactors_.points, "hemicube: viewpoints a patch (default 1)")
             ->check(CLI::Range(1, 1024));
-        sub->add_option("--max-error", formFactors_.maxError,
-                        "wanted RMS of the rows' errors; auto picks the kernel by it")
-            ->check(CLI::Range(1e-7, 1.0))
-            ->excludes(resolution);
+        auto* maxError = sub->add_option("--max-error", formFactors_.maxError,
+                                         "wanted RMS of the rows' errors; auto picks the kernel by it")
+                             ->check(CLI::Range(1e-7, 1.0))
+                             ->excludes(resolution);
+        addRadiosityError(sub, formFactors_.maxRadiosityError)->excludes(resolution)->excludes(maxError);
         sub->add_option("--reference", formFactors_.reference,
                         "compare with this matrix (.npy, or raw little-endian .f32) in the report");
         sub->add_option("-o,--output", formFactors_.output, "n x n float32 (.npy)")->required();
@@ -197,6 +207,7 @@ private:
         sub->add_option("--hours", render_.hours,
                         "of the contact sheet, apparent solar time, as 7,9,11,13,15,17 (the default)")
             ->needs(sheet);
+        addRadiosityError(sub, render_.maxRadiosityError);
         sub->add_option("-o,--output", render_.output, "folder for the pictures; made when missing")
             ->required();
     }

@@ -49,7 +49,7 @@ struct FormFactorArguments {
     SceneArguments scene;
     std::string kernel = "auto";
     unsigned resolution = 64, points = 1;
-    double maxError = 0;
+    double maxError = 0, maxRadiosityError = 0;
     std::filesystem::path reference, output;
 };
 struct IlluminanceArguments {
@@ -64,6 +64,7 @@ struct RenderArguments {
     PictureArguments picture;
     bool contactSheet = false;
     std::string days, hours; // of the contact sheet; empty: the paper's
+    double maxRadiosityError = 0;
     std::filesystem::path output;
 };
 struct TimelapseArguments {

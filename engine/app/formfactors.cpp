@@ -53,6 +53,7 @@ void execute(Run& run, const FormFactorArguments& arguments) {
     options.resolution = arguments.resolution;
     options.points = arguments.points;
     options.maxError = arguments.maxError;
+    options.maxRadiosityError = arguments.maxRadiosityError;
     const size_t n = mesh.patchCount();
     if (n > kLargestDense && !arguments.reference.empty())
         throw geometry::InputError("--reference", "",

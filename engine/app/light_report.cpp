@@ -18,6 +18,8 @@ void reportFormFactors(Run& run, size_t patches, const compute::FormFactorReport
                                     {"closure_rms", report.closureRms},
                                     {"reciprocity_rms", report.reciprocityRms},
                                     {"claimed_row_error", report.claimedRowError}};
+    if (report.claimedRadiosityError > 0)
+        run.report()["form_factors"]["claimed_radiosity_error"] = report.claimedRadiosityError;
     for (const std::string& reason : report.skipped) run.skipped(reason);
     for (const std::string& warning : report.warnings) run.warn(warning);
 }
@@ -52,14 +54,10 @@ std::vector<compute::Moment> solveLight(Run& run, compute::DaylightTransport& tr
 }
 
 void reportMoment(Run& run, const compute::MomentReport& r) {
-    run.report()["radiosity"] = {{"passes", r.radiosity.passes},
-                                 {"residual", r.radiosity.residual},
-                                 {"bound", r.radiosity.bound},
-                                 {"converged", r.radiosity.converged},
-                                 {"lumens_in", r.lumensIn},
-                                 {"lumens_absorbed", r.lumensAbsorbed},
-                                 {"lumens_lost", r.lumensLost},
-                                 {"energy_imbalance", r.energyImbalance}};
+    run.report()["radiosity"] = {{"passes", r.radiosity.passes}, {"residual", r.radiosity.residual},
+                                 {"bound", r.radiosity.bound},   {"converged", r.radiosity.converged},
+                                 {"lumens_in", r.lumensIn},      {"lumens_absorbed", r.lumensAbsorbed},
+                                 {"lumens_lost", r.lumensLost},  {"energy_imbalance", r.energyImbalance}};
     for (const std::string& what : r.modelled) run.modelled(what);
     for (const std::string& what : r.skipped) run.skipped(what);
     if (!r.radiosity.converged)

@@ -135,7 +135,12 @@ void execute(Run& run, const RenderArguments& arguments) {
     const SkySource source(run, arguments.moment, scene);
     const daylight::Sky sky = source.skyAt(source.moment());
     const OutputFolder folder(arguments.output);
-    const auto transport = makeTransport(run, scene.mesh);
+    compute::TransportOptions options;
+    if (arguments.maxRadiosityError > 0) { // most of it for the form factors, which cost more
+        options.formFactors.maxRadiosityError = 0.9 * arguments.maxRadiosityError;
+        options.radiosity.tolerance = 0.1 * arguments.maxRadiosityError;
+    }
+    const auto transport = makeTransport(run, scene.mesh, options);
     compute::Moment moment = std::move(solveLight(run, *transport, std::span(&sky, 1))[0]);
     if (arguments.picture.skyColour) tintLight(*transport, std::span(&sky, 1), std::span(&moment, 1));
     passes::FrameRenderer renderer = makeRenderer(run, scene);

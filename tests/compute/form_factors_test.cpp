@@ -5,6 +5,7 @@
 #include "compute/exact_form_factors.h"
 #include "compute/gpu/device.h"
 #include "compute/monte_carlo.h"
+#include "compute/reference/radiosity.h"
 #include "tests/compute/cases.h"
 #include "tests/compute/rooms.h"
 #include "tests/gpu/test_device.h"
@@ -115,7 +116,8 @@ TEST(FormFactors, rows_keep_the_errors_that_are_claimed_for_them) {
         for (uint32_t rays : {1024u, 4096u}) {
             MonteCarloFormFactors F = MonteCarlo(test::device(), mesh, {rays}).run();
             const auto values = F.factors.values.download<float>(exact.size());
-            // Standard errors: rows sum the squares of many entries, and stay within 1.6 of them on 99 of 100.
+            // Standard errors: rows sum the squares of many entries, and stay within 1.6 of them on 99 of
+            // 100.
             for (float& error : F.rowError) error *= 1.6f;
             EXPECT_GE(static_cast<double>(heldOf(values, exact, F.rowError)), 0.99 * n) << name << rays;
         }
@@ -129,6 +131,45 @@ TEST(FormFactors, rows_keep_the_errors_that_are_claimed_for_them) {
                 << name << resolution;
         }
     }
+}
+
+// Radiosity by Gaussian elimination in double precision, with the kernel's matrix and with the exact one:
+// walls of which each glows by itself, and one lamp.
+TEST(FormFactors, radiosity_keeps_the_error_asked_of_it) {
+    const geometry::PatchMesh mesh = geometry::readPatches(kData + "room3_672.obj");
+    const std::vector<float> exact = test::readFloats(kData + "room3_672.f32");
+    const size_t n = mesh.patchCount();
+    std::vector<float> rho(n), glow(n), lamp(n);
+    for (size_t i = 0; i < n; ++i) {
+        rho[i] = i % 3 == 0 ? 0.8f : 0.5f;
+        glow[i] = static_cast<float>(i * 7919 % 101);
+    }
+    lamp[n / 2] = 1000;
+    for (double asked : {3e-2, 3e-3}) {
+        FormFactorOptions options;
+        options.maxRadiosityError = asked;
+        options.reflectance = 0.8;
+        const FormFactors F = computeFormFactors(test::device(), mesh, options);
+        EXPECT_NE(F.report.why.find("radiosity within"), std::string::npos);
+        EXPECT_GT(F.report.claimedRadiosityError, 0);
+        EXPECT_LE(F.report.claimedRadiosityError, 2 * asked); // `exact` is cautious
+        EXPECT_NEAR(F.report.claimedRadiosityError, 4 * F.report.claimedRowError, 1e-12);
+        const std::vector<float> values = F.values.download<float>(n * n);
+        for (const std::vector<float>& emitted : {glow, lamp}) {
+            const std::vector<double> B = reference::radiosity(values, rho, emitted),
+                                      truth = reference::radiosity(exact, rho, emitted);
+            double worst = 0;
+            for (size_t i = 0; i < n; ++i) worst = std::max(worst, std::abs(B[i] - truth[i]));
+            EXPECT_LE(worst, asked * *std::max_element(truth.begin(), truth.end())) << asked;
+        }
+    }
+    // Where no reflectance is named, the materials' counts; dark walls need little.
+    geometry::PatchMesh dark = mesh;
+    for (geometry::Material& m : dark.materials) m.reflectance = glm::vec3(0.1f);
+    FormFactorOptions options;
+    options.maxRadiosityError = 1e-3;
+    const FormFactorReport report = computeFormFactors(test::device(), dark, options).report;
+    EXPECT_NE(report.why.find("rows within 0.009"), std::string::npos) << report.why;
 }
 
 TEST(FormFactors, light_lost_in_closed_rooms_is_warned_of) {
