@@ -17,7 +17,8 @@ namespace heliodon::compute {
 namespace {
 
 constexpr std::array<double, 3> kLuminous{0.2126, 0.7152, 0.0722};
-constexpr size_t kColumnsAtOnce = 48; // right-hand sides that share passes over F
+constexpr size_t kColumnsAtOnce = 48;     // right-hand sides that share passes over F
+constexpr size_t kMostHostPatches = 8000; // 256 MB of form factors once more
 // Form factors of patches at a sensor: below kFarEdge edges of sunlight average out, from kNearEdge they are
 // seen exactly.
 constexpr double kFarEdge = 2e-4, kNearEdge = 0.02, kMostNearer = 3;
@@ -97,7 +98,7 @@ void AnnualDaylight::makeSuns() {
         const auto strength = static_cast<float>(sky.sun.normalIlluminance);
         std::vector<SunlitParts> partly;
         const std::vector<glm::vec3> lit = sun.onPatches(&partly);
-        found[k].edges = edgesOf(partly, sky.sun.normalIlluminance);
+        addEdgesTo(found[k], partly, sky.sun.normalIlluminance);
         for (size_t i = 0; i < lit.size(); ++i)
             if (lit[i] != glm::vec3(0))
                 found[k].patches.push_back({static_cast<uint32_t>(i),
@@ -121,6 +122,16 @@ void AnnualDaylight::makeSuns() {
     report_.sunOutside = hours.size() - sunny_.size();
 }
 
+// Where F lies in the host's memory: sensors are many columns.
+void AnnualDaylight::takeFactors(const TransportParts& parts) {
+    const size_t n = transport_.mesh().patchCount();
+    const float* values = transport_.formFactors().values.mapped<float>();
+    if (gather_ || !values || n > kMostHostPatches) return;
+    gather_.emplace(std::span(values, n * n), static_cast<uint32_t>(n));
+    solver_.emplace(*gather_, parts.solver.rowSums());
+    solver_->setMatter(parts.solver.matter());
+}
+
 AnnualDaylight::Responses AnnualDaylight::respond(const TransportParts& parts) {
     const geometry::PatchMesh& mesh = transport_.mesh();
     const size_t n = mesh.patchCount(), sensors = parts.sensors.size(), channels = parts.channels;
@@ -135,6 +146,9 @@ AnnualDaylight::Responses AnnualDaylight::respond(const TransportParts& parts) {
     const size_t skies = parts.skyChannels;
     std::vector<float> weights[3]; // sensors x patches: importance of what falls on patches from the sky
     for (size_t c = 0; c < skies; ++c) weights[c].assign(sensors * n, 0);
+    takeFactors(parts);
+    FormFactorOperator& gather = gather_ ? static_cast<FormFactorOperator&>(*gather_) : parts.gather;
+    RadiositySolver& solver = solver_ ? *solver_ : parts.solver;
     const RadiosityMatter& matter = parts.solver.matter();
     std::vector<float> area(n);
     for (size_t i = 0; i < n; ++i) area[i] = static_cast<float>(geometry::patchArea(mesh, i));
@@ -154,11 +168,11 @@ AnnualDaylight::Responses AnnualDaylight::respond(const TransportParts& parts) {
         }
         // The first bounce apart: what remains to be solved is smooth, so that the solver's tolerance, a
         // share of the largest value, is small everywhere.
-        parts.gather.gather(sent, once, static_cast<uint32_t>(columns));
+        gather.gather(sent, once, static_cast<uint32_t>(columns));
         for (size_t k = 0; k < columns; ++k)
             matter.reflect<float>(channel[k], {&once[k * n], n}, {&twice[k * n], n});
         std::vector<float> importance, rest;
-        parts.solver.solve(twice, channel, importance, rest, {});
+        solver.solve(twice, channel, importance, rest, {});
 
         inParallel(count, [&](size_t s) {
             const float* seen = &parts.sensorFactors[(first + s) * n];
@@ -240,13 +254,12 @@ void AnnualDaylight::addSun(const Responses& responses, std::span<float> reflect
     });
 }
 
-std::vector<AnnualDaylight::Edge> AnnualDaylight::edgesOf(const std::vector<SunlitParts>& partly,
-                                                          double strength) const {
+void AnnualDaylight::addEdgesTo(Sunny& sunny, const std::vector<SunlitParts>& partly, double strength) const {
     const geometry::PatchMesh& mesh = transport_.mesh();
-    std::vector<Edge> edges;
     for (const SunlitParts& lit : partly) {
         const glm::vec3 rho = mesh.materials[mesh.material[lit.patch]].reflectance;
-        Edge edge{lit.patch, glm::dvec3(0), 0, {}};
+        std::vector<EdgePart> parts;
+        glm::dvec3 middle(0);
         double flux = 0;
         for (const SunlitParts::Part& part : lit.parts) {
             const auto exitance = static_cast<float>(strength * photometric(rho * part.light));
@@ -254,16 +267,15 @@ std::vector<AnnualDaylight::Edge> AnnualDaylight::edgesOf(const std::vector<Sunl
                 const glm::dvec3 a = part.polygon[0], b = part.polygon[k], c = part.polygon[k + 1];
                 const double share = 0.5 * glm::length(glm::cross(b - a, c - a)) * double{exitance};
                 flux += share;
-                edge.middle += share / 3 * (a + b + c);
+                middle += share / 3 * (a + b + c);
             }
-            edge.parts.push_back({part.polygon, exitance});
+            parts.push_back({part.polygon, exitance});
         }
         if (!(flux > 0)) continue;
-        edge.middle /= flux;
-        edge.exitance = static_cast<float>(flux / geometry::patchArea(mesh, lit.patch));
-        edges.push_back(std::move(edge));
+        sunny.edges.push_back({lit.patch, static_cast<float>(flux / geometry::patchArea(mesh, lit.patch)),
+                               glm::vec3(middle / flux)});
+        sunny.parts.push_back(std::move(parts));
     }
-    return edges;
 }
 
 // Where sunlight ends within a patch: exactly for patches that loom large at the sensor, for others by how
@@ -286,21 +298,27 @@ void AnnualDaylight::addEdges(const TransportParts& parts, std::span<float> refl
             return std::max(0.0, glm::dot(d, up)) * std::max(0.0, -glm::dot(d, normals[patch])) /
                    std::max(square * square, 1e-30);
         };
+        std::vector<double> whole(n); // nearness of whole patches, which many hours ask for
+        for (size_t i = 0; i < n; ++i)
+            if (even[i] >= kFarEdge && even[i] < kNearEdge)
+                whole[i] = nearness(middles[i], static_cast<uint32_t>(i));
         const std::optional<PointView> view = transport_.viewOfSensor(s);
         for (size_t k = 0; k < sunny_.size() && view; ++k) {
             double more = 0;
-            for (const Edge& edge : sunny_[k].edges) {
+            for (size_t e = 0; e < sunny_[k].edges.size(); ++e) {
+                const Edge& edge = sunny_[k].edges[e];
                 const double share = even[edge.patch];
                 if (share < kFarEdge) continue;
                 if (share >= kNearEdge) {
-                    for (const Edge::Part& part : edge.parts)
+                    for (const EdgePart& part : sunny_[k].parts[e])
                         more += double{part.exitance} * view->factor(part.polygon);
                     more -= share * double{edge.exitance};
                 } else {
-                    const double whole = nearness(middles[edge.patch], edge.patch);
-                    if (whole > 0)
-                        more += share * double{edge.exitance} *
-                                (std::min(nearness(edge.middle, edge.patch) / whole, kMostNearer) - 1);
+                    const double mean = whole[edge.patch];
+                    if (mean > 0)
+                        more +=
+                            share * double{edge.exitance} *
+                            (std::min(nearness(glm::dvec3(edge.middle), edge.patch) / mean, kMostNearer) - 1);
                 }
             }
             reflected[k * count + s] += static_cast<float>(more);
@@ -356,14 +374,15 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
     }
     size_t edgeBytes = 0;
     for (const Sunny& sunny : sunny_)
-        for (const Edge& edge : sunny.edges) {
-            edgeBytes += sizeof(Edge);
-            for (const Edge::Part& part : edge.parts)
+        for (const std::vector<EdgePart>& parts : sunny.parts) {
+            edgeBytes += sizeof(Edge) + sizeof parts;
+            for (const EdgePart& part : parts)
                 edgeBytes += sizeof(part) + part.polygon.size() * sizeof(glm::dvec3);
         }
     report_.bytes =
         std::max(report_.bytes,
-                 luminance_.bytes() + report_.sunlitPatches * sizeof(LitPatch) + edgeBytes +
+                 luminance_.bytes() + (gather_ ? gather_->bytes() : 0) +
+                     report_.sunlitPatches * sizeof(LitPatch) + edgeBytes +
                      sizeof(float) * (sky.size() + reflected.size() + responses.sky.size() + 3 * lux.size() +
                                       (tinted_ ? 4 : 2) * count * transport_.mesh().patchCount()));
     checkAndSetErrors(lux, sun, error);

@@ -13,12 +13,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "compute/daylight/sky.h"
 #include "compute/daylight_transport.h"
+#include "compute/host_gather.h"
 #include "compute/panel_product.h"
 #include "compute/sun_patches.h"
 
@@ -42,7 +44,8 @@ public:
     // `share` of the whole work that is done, 0 to 1, of `sensorCount` sensors.
     using Tell = std::function<void(double share)>;
 
-    // Luminances and sun of every sky. `transport` must outlive this. About 1 ms an hour and core.
+    // Luminances and sun of every sky. `transport` must outlive this and keep its materials. About 1 ms an
+    // hour and core.
     AnnualDaylight(DaylightTransport& transport, std::vector<daylight::Sky> skies, size_t sensorCount,
                    Tell tell = {});
 
@@ -61,26 +64,27 @@ private:
         float value[3]; // lux per channel; all channels alike unless tinted_
     };
     // A patch that the sun lights in part: its exitance stands where the light is, not all over the patch.
-    struct Edge {
-        struct Part {
-            std::vector<glm::dvec3> polygon;
-            float exitance; // photometric
-        };
+    struct Edge { // small: every sensor reads those of the whole year
         uint32_t patch;
-        glm::dvec3 middle; // of the light
-        float exitance;    // photometric mean over the patch
-        std::vector<Part> parts;
+        float exitance;   // photometric mean over the patch
+        glm::vec3 middle; // of the light
+    };
+    struct EdgePart {
+        std::vector<glm::dvec3> polygon;
+        float exitance; // photometric
     };
     struct Sunny {
         uint32_t hour;
         std::vector<LitPatch> patches;
         std::vector<Edge> edges;
+        std::vector<std::vector<EdgePart>> parts; // of each edge
     };
     struct Responses;
     void makeSkies();
     void makeSuns();
+    void takeFactors(const TransportParts& parts);
     Responses respond(const TransportParts& parts);
-    std::vector<Edge> edgesOf(const std::vector<SunlitParts>& partly, double strength) const;
+    void addEdgesTo(Sunny& sunny, const std::vector<SunlitParts>& partly, double strength) const;
     void addGlow(const TransportParts& parts, Responses& responses) const;
     void addSun(const Responses& responses, std::span<float> reflected) const;
     void addEdges(const TransportParts& parts, std::span<float> reflected) const;
@@ -97,6 +101,8 @@ private:
     std::vector<uint32_t> lit_; // hours with sky or ground
     Panels luminance_;          // elements x lit hours, times pi
     std::vector<Sunny> sunny_;
+    std::optional<HostGather> gather_; // none where the device gathers faster
+    std::optional<RadiositySolver> solver_;
     double checkSquares_ = 0, checkCount_ = 0;
     YearReport report_;
 };

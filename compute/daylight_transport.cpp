@@ -127,7 +127,7 @@ void DaylightTransport::State::makeFactors() {
     gather = std::make_unique<RadiosityGather>(device, factors.values, static_cast<uint32_t>(n));
     rowSums = gather->rowSums();
     solver = std::make_unique<RadiositySolver>(*gather, rowSums);
-    relight = std::make_unique<RelightBasis>(*gather, *solver, rowSums);
+    relight = std::make_unique<RelightBasis>(*gather, *solver);
 }
 
 // What depends on which patches are glass.

@@ -9,11 +9,13 @@ namespace heliodon::compute {
 
 namespace {
 
-constexpr size_t kRows =
-    4; // x 8 columns: as many sums as 16 registers of four floats hold beside their operands
+constexpr size_t kMostRows = 8; // of a tile
 
-// `rows` at most kRows; rows beyond are computed from the last and not stored.
-void tile(const float* const a[kRows], const float* panel, size_t depth, float sums[kRows][Panels::kWidth]) {
+using Tile = void (*)(const float* const* a, const float* panel, size_t depth, float (*sums)[Panels::kWidth]);
+
+template<size_t kRows>
+[[gnu::always_inline]] inline void addProducts(const float* const* a, const float* panel, size_t depth,
+                                               float (*sums)[Panels::kWidth]) {
     float s[kRows][Panels::kWidth]{};
     for (size_t k = 0; k < depth; ++k, panel += Panels::kWidth)
         for (size_t r = 0; r < kRows; ++r) {
@@ -23,19 +25,43 @@ void tile(const float* const a[kRows], const float* panel, size_t depth, float s
     for (size_t r = 0; r < kRows; ++r) std::copy_n(s[r], Panels::kWidth, sums[r]);
 }
 
+struct Shape {
+    size_t rows; // x 8 columns: as many sums as the registers hold beside their operands
+    Tile tile;
+};
+
+void narrowTile(const float* const* a, const float* panel, size_t depth, float (*sums)[Panels::kWidth]) {
+    addProducts<4>(a, panel, depth, sums);
+}
+
+#if defined(__x86_64__)
+[[gnu::target("avx2,fma")]] void wideTile(const float* const* a, const float* panel, size_t depth,
+                                          float (*sums)[Panels::kWidth]) {
+    addProducts<8>(a, panel, depth, sums);
+}
+#endif
+
+Shape shapeOfThisProcessor() {
+#if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return {8, wideTile};
+#endif
+    return {4, narrowTile};
+}
+
 } // namespace
 
 void multiply(std::span<const float> a, size_t rows, const Panels& panels, std::span<float> out) {
     const size_t depth = panels.depth(), columns = panels.columns();
     assert(a.size() >= rows * depth && out.size() >= rows * columns);
+    const Shape shape = shapeOfThisProcessor();
     inParallel(panels.count(), [&](size_t p) {
         const size_t first = p * Panels::kWidth, width = std::min(Panels::kWidth, columns - first);
-        float sums[kRows][Panels::kWidth];
-        for (size_t row = 0; row < rows; row += kRows) {
-            const float* from[kRows];
-            for (size_t r = 0; r < kRows; ++r) from[r] = a.data() + std::min(row + r, rows - 1) * depth;
-            tile(from, panels.panel(p), depth, sums);
-            for (size_t r = 0; r < kRows && row + r < rows; ++r)
+        float sums[kMostRows][Panels::kWidth];
+        for (size_t row = 0; row < rows; row += shape.rows) {
+            const float* from[kMostRows]; // rows beyond the last are computed from the last and not stored
+            for (size_t r = 0; r < shape.rows; ++r) from[r] = a.data() + std::min(row + r, rows - 1) * depth;
+            shape.tile(from, panels.panel(p), depth, sums);
+            for (size_t r = 0; r < shape.rows && row + r < rows; ++r)
                 std::copy_n(sums[r], width, &out[(row + r) * columns + first]);
         }
     });

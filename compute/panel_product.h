@@ -30,8 +30,8 @@ private:
     std::vector<float> values_;
 };
 
-// out(r, c) = sum_k a(r, k) panels(k, c), row-major, `rows` rows; the order of every sum is fixed. On all
-// cores; about 5e9 multiplications a second and core.
+// out(r, c) = sum_k a(r, k) panels(k, c), row-major, `rows` rows; the order of every sum is fixed on
+// one kind of processor. On all cores; about 4e9 multiplications a second and core, 2.5e10 with AVX2.
 void multiply(std::span<const float> a, size_t rows, const Panels& panels, std::span<float> out);
 
 } // namespace heliodon::compute

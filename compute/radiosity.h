@@ -63,6 +63,7 @@ public:
     RadiositySolver(FormFactorOperator& factors, std::vector<float> rowSums);
     void setMatter(RadiosityMatter matter);
     const RadiosityMatter& matter() const { return matter_; }
+    const std::vector<float>& rowSums() const { return rowSums_; }
 
     // emitted: columns x patches; channel[c] says which reflectance column c sees. On return `radiosity` is B
     // and `gathered` is F B. `radiosity` may hold a first guess (same size) or be empty.

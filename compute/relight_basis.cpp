@@ -23,9 +23,6 @@ double largest(std::span<const float> a) {
 
 } // namespace
 
-RelightBasis::RelightBasis(FormFactorOperator& factors, RadiositySolver& solver, std::vector<float> rowSums)
-    : factors_(&factors), solver_(&solver), rowSums_(std::move(rowSums)) {}
-
 void RelightBasis::restart() {
     const RadiosityMatter& matter = solver_->matter();
     const size_t channels = matter.reflectance.size();
@@ -33,7 +30,7 @@ void RelightBasis::restart() {
     slack_.clear();
     std::vector<float> reflected(matter.patchCount);
     for (uint32_t c = 0; c < channels; ++c) {
-        matter.reflect<float>(c, rowSums_, reflected);
+        matter.reflect<float>(c, solver_->rowSums(), reflected);
         slack_.push_back(std::max(1 - largest(reflected), 1e-6));
     }
 }

@@ -18,10 +18,11 @@ class RelightBasis {
 public:
     static constexpr size_t kMostVectors = 160; // per channel: 16 bytes each per patch and vector
 
-    // Both must outlive this; `rowSums` of F.
-    RelightBasis(FormFactorOperator& factors, RadiositySolver& solver, std::vector<float> rowSums);
+    // Both must outlive this, about the same F.
+    RelightBasis(FormFactorOperator& factors, RadiositySolver& solver)
+        : factors_(&factors), solver_(&solver) {}
 
-    // Forgets everything: after the solver got new matter.
+    // Forgets everything: to be called first, and after the solver got new matter.
     void restart();
 
     // As RadiositySolver::solve, to the same tolerance, measured by residual. Results depend on what was
@@ -42,7 +43,6 @@ private:
 
     FormFactorOperator* factors_;
     RadiositySolver* solver_;
-    std::vector<float> rowSums_;
     std::vector<double> slack_;              // per channel: 1 - max_i sum_j (K F)_ij
     std::vector<std::vector<Vector>> basis_; // per channel
 };

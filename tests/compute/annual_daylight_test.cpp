@@ -105,6 +105,24 @@ TEST(AnnualDaylight, no_hours_and_no_sensors_are_fine) {
     EXPECT_TRUE(yearOf(transport, kSkies, {}).lux.empty());
 }
 
+TEST(HostGather, is_the_plain_product) {
+    std::minstd_rand random(5);
+    std::uniform_real_distribution<float> value(0, 1);
+    for (const uint32_t n : {1u, 8u, 37u})
+        for (const uint32_t columns : {0u, 1u, 11u}) {
+            std::vector<float> factors(n * n), in(columns * n), out(in.size());
+            for (float& x : factors) x = value(random);
+            for (float& x : in) x = value(random);
+            HostGather(factors, n).gather(in, out, columns);
+            for (uint32_t c = 0; c < columns; ++c)
+                for (uint32_t i = 0; i < n; ++i) {
+                    double want = 0;
+                    for (uint32_t j = 0; j < n; ++j) want += double{factors[i * n + j]} * in[c * n + j];
+                    EXPECT_NEAR(out[c * n + i], want, 1e-5); // float sums of up to 37 terms below 1
+                }
+        }
+}
+
 TEST(PanelProduct, is_the_plain_sum) {
     std::minstd_rand random(3);
     std::uniform_real_distribution<float> value(-1, 1);
