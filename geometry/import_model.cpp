@@ -12,13 +12,13 @@
 #include <glm/geometric.hpp>
 
 #include "geometry/face_soup.h"
+#include "geometry/glass_pairs.h"
 #include "geometry/input_error.h"
 #include "geometry/model_file.h"
 #include "geometry/perpendicular.h"
 #include "geometry/plan_arrangement.h"
 #include "geometry/plan_regions.h"
 #include "geometry/raw_model.h"
-#include "geometry/twin_faces.h"
 
 namespace heliodon::geometry {
 
@@ -52,8 +52,9 @@ public:
         nestShells();
         splitSharedCorners();
         findSurfaces();
-        pairGlasses();
         building_.materials = model_.materials;
+        for (const auto& [a, b] : pairGlasses(building_, kPlanarOfExtent * extent_, extent_))
+            refuse({a, b}, "the glass has another shape than that on the other side of its wall");
         if (turnedOver_ > 0)
             building_.repairs.push_back(
                 fmt::format("{} face{} turned over", turnedOver_, turnedOver_ == 1 ? " was" : "s were"));
@@ -503,33 +504,6 @@ private:
         for (uint32_t f = 0; f < building_.faces.size(); ++f)
             building_.faces[f].surface =
                 ids.try_emplace(find(f), static_cast<uint32_t>(ids.size())).first->second;
-    }
-
-    glm::dvec3 middle(const Face& face) const {
-        glm::dvec3 sum{0};
-        for (const uint32_t v : face.loops[0]) sum += building_.vertices[v];
-        return sum / static_cast<double>(face.loops[0].size());
-    }
-
-    // Two glasses of equal shape back to back, nearer than any room is wide, are one interior window.
-    void pairGlasses() {
-        constexpr double kThickestWall = 0.05; // of the model's extent
-        for (uint32_t f = 0; f < building_.faces.size(); ++f)
-            for (uint32_t g = f + 1; g < building_.faces.size(); ++g) {
-                Face &a = building_.faces[f], &b = building_.faces[g];
-                if (a.twin >= 0 || b.twin >= 0 || a.loops[0].size() != b.loops[0].size() ||
-                    a.loops.size() != 1 || b.loops.size() != 1 || !model_.materials[a.material].isOpening() ||
-                    !model_.materials[b.material].isOpening())
-                    continue;
-                const glm::dvec3 n = normal(a), shift = middle(b) - middle(a);
-                const double apart = -glm::dot(shift, n);
-                if (glm::dot(n, normal(b)) > -1 + 1e-9 || apart < 0 || apart > kThickestWall * extent_)
-                    continue;
-                if (glm::length(shift + apart * n) > kPlanarOfExtent * extent_) continue;
-                if (!oppositeLoops(building_, a, b, kPlanarOfExtent * extent_)) continue;
-                a.twin = static_cast<int32_t>(g);
-                b.twin = static_cast<int32_t>(f);
-            }
     }
 
     std::vector<uint32_t> facesOfRoom(uint32_t room) const {

@@ -231,7 +231,7 @@ json summaryJson(const daylight::AnnualMetrics& metrics, const daylight::Weather
 
 SensorTable sensorsFor(Run& run, const AnnualArguments& arguments, const Scene& scene) {
     WorkPlane plane;
-    plane.worldPerBuilding = worldPerBuilding(scene);
+    plane.worldPerBuilding = scene.worldPerBuilding;
     SensorTable table = workPlaneSensors(scene.mesh, scene.up, plane);
     if (table.points.empty())
         throw geometry::InputError(arguments.scene.input.string(), "",

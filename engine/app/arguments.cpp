@@ -90,6 +90,11 @@ private:
             ->check(CLI::Range(0.001, 0.5));
         sub->add_option("--up", scene.up, "up axis of a model: y or z (default y)")
             ->check(CLI::IsMember({"y", "z"}));
+        sub->add_option(
+               "--model-scale", scene.modelScale,
+               "how many times larger than a model (.obj .gltf .glb) its building is (default 12 for "
+               "models under 1 m high, as on the table, else 1)")
+            ->check(CLI::PositiveNumber);
         sub->add_option("--north", scene.northDeg,
                         "turn north by so many degrees, clockwise seen from above");
     }

@@ -23,8 +23,9 @@ struct SceneArguments {
     std::optional<size_t> triangles;
     std::optional<double> chordError; // inches on the table
     std::string up = "y";
-    double northDeg = 0;             // turns north clockwise seen from above
-    std::vector<std::string> blinds; // [MATERIAL=]STATE, see blinds.h
+    double northDeg = 0;              // turns north clockwise seen from above
+    std::optional<double> modelScale; // how many times larger than a model from a file its building is
+    std::vector<std::string> blinds;  // [MATERIAL=]STATE, see blinds.h
 };
 
 // Where, when and under which sky; empty: the default, which is printed.

@@ -94,6 +94,7 @@ FrameJob frameJobOf(Run& run, const TimelapseArguments& arguments, const Scene& 
         {"--triangles", orDefault(input.triangles)},
         {"--chord-error", orDefault(input.chordError)},
         {"--up", input.up},
+        {"--model-scale", orDefault(input.modelScale)},
         {"--north", input.northDeg},
         {"--blinds", input.blinds.empty() ? "open" : fmt::format("{}", fmt::join(input.blinds, " "))},
         {"the model made of INPUT", hashOfScene(scene)},

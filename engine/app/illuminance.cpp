@@ -99,7 +99,7 @@ Solution solveOn(Run& run, const IlluminanceArguments& arguments, size_t triangl
     const auto transport = makeTransport(run, s.scene.mesh, options);
     if (!s.sensors && !arguments.plan.empty()) {
         WorkPlane plane;
-        plane.worldPerBuilding = worldPerBuilding(s.scene);
+        plane.worldPerBuilding = s.scene.worldPerBuilding;
         s.sensors = workPlaneSensors(s.scene.mesh, s.scene.up, plane);
     }
     if (s.sensors) {

@@ -53,7 +53,7 @@ SkySource::SkySource(Run& run, const MomentArguments& arguments, const Scene& sc
     const bool matters = weather_ || daylight::skyDependsOnTime(option_);
     if (!assumed.empty() && matters) {
         run.note("assumed: " + assumed);
-        run.report()["assumed"] = assumed;
+        run.assume(assumed);
     }
     run.report()["sky"] = {{"option", weather_ ? "weather" : option_}, {"north_deg", scene.northDeg}};
     if (matters) run.report()["site"] = {{"latitude", site_.latitudeDeg}, {"longitude", site_.longitudeDeg}};

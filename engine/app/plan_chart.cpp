@@ -250,7 +250,7 @@ private:
 };
 
 void drawNorthAndScale(Chart& chart, const Scene& scene, const PlanDrawing& plan) {
-    const double metre = plan.pixelsPerWorld() * worldPerBuilding(scene);
+    const double metre = plan.pixelsPerWorld() * scene.worldPerBuilding;
     double length = 1; // building metres, about a fifth of the plan
     while (length * metre > 220) length /= 2;
     while (length * metre < 70) length *= 2;
@@ -269,17 +269,6 @@ void drawNorthAndScale(Chart& chart, const Scene& scene, const PlanDrawing& plan
 }
 
 } // namespace
-
-double worldPerBuilding(const Scene& scene) {
-    if (scene.sketch) return 1.0 / 12;
-    double low = INFINITY, high = -INFINITY;
-    for (const glm::dvec3& v : scene.mesh.vertices) {
-        low = std::min(low, v.y);
-        high = std::max(high, v.y);
-    }
-    constexpr double kLowestRoom = 1.0; // metres: nobody works in less
-    return high - low < kLowestRoom ? 1.0 / 12 : 1.0;
-}
 
 Chart planChart(const Scene& scene, std::span<const glm::dvec3> points, std::span<const glm::dvec3> normals,
                 std::span<const double> values, const ValueScale& scale, const std::string& title) {

@@ -14,8 +14,4 @@ namespace heliodon::app {
 Chart planChart(const Scene& scene, std::span<const glm::dvec3> points, std::span<const glm::dvec3> normals,
                 std::span<const double> values, const ValueScale& scale, const std::string& title);
 
-// World metres a metre of building: a sketch's model is 12 times smaller than what it stands for, and so is a
-// model from a file whose rooms are less than a metre high.
-double worldPerBuilding(const Scene& scene);
-
 } // namespace heliodon::app

@@ -21,15 +21,16 @@ std::vector<geometry::OpticalDevice> projectorsOf(const geometry::Rig& rig) {
     return {rig.projectors.begin(), rig.projectors.begin() + static_cast<std::ptrdiff_t>(count)};
 }
 
-// Which surface is meant, in the units of a sketch.
-json surfaceEntry(const geometry::SurfaceReach& reach, const std::string& material, glm::dvec3 middle) {
-    constexpr double kSquareInch = geometry::kMetresPerInch * geometry::kMetresPerInch;
-    const glm::dvec3 feet = middle / geometry::kMetresPerInch; // an inch on the table is a foot
+// Which surface is meant, in feet of building.
+json surfaceEntry(const geometry::SurfaceReach& reach, const std::string& material, glm::dvec3 middle,
+                  double worldPerBuilding) {
+    const double foot = 0.3048 * worldPerBuilding; // an inch on the table
+    const glm::dvec3 feet = middle / foot;
     return {{"surface", reach.surface},
             {"material", material},
             {"middle", {feet.x, -feet.z, feet.y}}, // as in a sketch: x right, y up the table, then height
-            {"area", reach.area / kSquareInch},
-            {"unreachable", reach.unreachable / kSquareInch}};
+            {"area", reach.area / (foot * foot)},
+            {"unreachable", reach.unreachable / (foot * foot)}};
 }
 
 } // namespace
@@ -57,8 +58,8 @@ void reportReach(Run& run, const Scene& scene) {
     json surfaces = json::array();
     for (const geometry::SurfaceReach& reach : split.surfaces) {
         const Place& place = places.at(reach.surface);
-        surfaces.push_back(
-            surfaceEntry(reach, scene.mesh.materials[place.material].name, place.sum / place.area));
+        surfaces.push_back(surfaceEntry(reach, scene.mesh.materials[place.material].name,
+                                        place.sum / place.area, scene.worldPerBuilding));
         area += surfaces.back()["area"].get<double>();
         unreachable += surfaces.back()["unreachable"].get<double>();
     }

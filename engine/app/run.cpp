@@ -69,6 +69,11 @@ void Run::warn(const std::string& text) {
     note("warning: " + text);
 }
 
+void Run::assume(const std::string& what) {
+    const std::string before = report_.value("assumed", "");
+    report_["assumed"] = before.empty() ? what : before + ", " + what;
+}
+
 void Run::modelled(const std::string& what) {
     addOnce(report_["modelled"], what);
 }

@@ -26,6 +26,7 @@ public:
     nlohmann::json& report() { return report_; } // fields of the command's own
     void note(const std::string& text);          // to stderr unless --quiet
     void warn(const std::string& text);          // to stderr unless --quiet, and to the report
+    void assume(const std::string& what);        // to the report: what stands in for options not given
     void modelled(const std::string& what);
     void skipped(const std::string& whatAndWhy);
     bool showsProgress() const { return !quiet_; }

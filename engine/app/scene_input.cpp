@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "engine/app/blinds.h"
+#include "geometry/bounds.h"
 #include "geometry/input_error.h"
 #include "geometry/mesher.h"
 #include "vision/detect.h"
@@ -71,11 +72,25 @@ void reportClosure(Run& run, const geometry::ClosureReport& closure) {
         report["walls"].push_back({{"id", wall.id}, {"role", wall.role}});
 }
 
-// The same fields for a model: importModel has proven its rooms closed, or refused. A metre of the model is a
-// metre of building.
-void reportImport(Run& run, const geometry::PatchMesh& mesh, const geometry::Building& building) {
+// World metres a metre of building: a model whose rooms are less than a metre high is taken for one of the
+// table's size, 12 times smaller than what it stands for.
+double modelScale(Run& run, const std::optional<double>& given, const geometry::Building& building) {
+    if (given) return 1 / *given;
+    constexpr double kLowestRoom = 1.0; // metres: nobody works in less
+    const geometry::Bounds box = geometry::boundsOf(building.vertices);
+    const bool small = box.high.y - box.low.y < kLowestRoom;
+    const std::string what =
+        small ? "model 12 times smaller than its building" : "model as large as its building";
+    if (small) run.note("assumed: " + what);
+    run.assume(what);
+    return small ? 1.0 / 12 : 1.0;
+}
+
+// The same fields for a model: importModel has proven its rooms closed, or refused.
+void reportImport(Run& run, const geometry::PatchMesh& mesh, const geometry::Building& building,
+                  double worldPerBuilding) {
     const uint32_t roomCount = building.roomCount;
-    constexpr double kFoot = 0.3048;
+    const double foot = 0.3048 * worldPerBuilding;
     std::vector<double> floorArea(roomCount), volume(roomCount);
     for (size_t i = 0; i < mesh.patchCount(); ++i) {
         const glm::dvec3 areaVector = 0.5 * geometry::patchAreaVector(mesh, i);
@@ -94,8 +109,8 @@ void reportImport(Run& run, const geometry::PatchMesh& mesh, const geometry::Bui
     report["n_rooms"] = roomCount;
     report["rooms"] = json::array();
     for (size_t r = 0; r < roomCount; ++r)
-        report["rooms"].push_back({{"floor_area", floorArea[r] / (kFoot * kFoot)},
-                                   {"volume", volume[r] / (kFoot * kFoot * kFoot)},
+        report["rooms"].push_back({{"floor_area", floorArea[r] / (foot * foot)},
+                                   {"volume", volume[r] / (foot * foot * foot)},
                                    {"closed", true},
                                    {"self_intersecting", false}});
 }
@@ -171,12 +186,16 @@ Scene loadScene(Run& run, const SceneArguments& arguments) {
     scene.up = upAxisOf(arguments);
     for (const std::string& state : arguments.blinds) parseWindowState(state); // now, not after the meshing
     const InputKind kind = kindOf(arguments.input);
+    if (arguments.modelScale && kind != InputKind::model)
+        throw InputError("--model-scale", "",
+                         "is for models from files, what lies on the table is 12 times smaller");
     if (!arguments.rig.empty()) scene.rig = geometry::readRig(arguments.rig);
     geometry::Building building;
     geometry::ClosureOptions closure;
     closure.chordError = arguments.chordError.value_or(closure.chordError);
     if (kind == InputKind::model) {
         building = importOrRefuse(run, arguments, scene.up);
+        scene.worldPerBuilding = modelScale(run, arguments.modelScale, building);
     } else {
         scene.sketch = loadSketch(run, arguments, scene.rig);
         building = closeOrRefuse(run, arguments, *scene.sketch, closure);
@@ -196,7 +215,7 @@ Scene loadScene(Run& run, const SceneArguments& arguments) {
             scene.mesh = geometry::meshBuilding(building, {wanted});
         }
     }
-    if (kind == InputKind::model) reportImport(run, scene.mesh, building);
+    if (kind == InputKind::model) reportImport(run, scene.mesh, building, scene.worldPerBuilding);
     drawBlinds(run, arguments.blinds, scene.mesh);
     scene.occluders = std::move(building.occluders);
     scene.northDeg = building.northDeg - arguments.northDeg; // plan angles grow counter-clockwise

@@ -23,6 +23,7 @@ struct Scene {
     geometry::Occluders occluders; // physical walls; none for models
     double northDeg =
         90; // direction of north in the plan: degrees counter-clockwise from +x, seen from above
+    double worldPerBuilding = 1.0 / 12; // world metres a metre of building
     geometry::PatchMesh mesh;
 };
 

@@ -69,6 +69,17 @@ TEST_F(MainJob, a_model_is_reported_as_closed_rooms) {
     EXPECT_NEAR(m["rooms"][0]["volume"].get<double>(), 4000 - 2, 0.01); // 400 ft2 x 10 ft less the partition
 }
 
+TEST_F(MainJob, a_model_is_taken_at_the_scale_that_is_given_or_assumed) {
+    const std::string model = "model " HELIODON_TEST_DATA "/geometry/models/daylight_d/model.obj --up z -o " +
+                              in("m.glb") + " --report " + in("r.json");
+    run(model);
+    const double area = report("r.json")["rooms"][0]["floor_area"];
+    EXPECT_EQ(report("r.json")["assumed"], "model as large as its building");
+    run(model + " --model-scale 12");
+    EXPECT_FALSE(report("r.json").contains("assumed"));
+    EXPECT_NEAR(report("r.json")["rooms"][0]["floor_area"].get<double>(), 144 * area, 1e-6 * area);
+}
+
 TEST_F(MainJob, render_writes_four_projector_pictures_and_a_preview) {
     run("render " + kPhoto + " --rig " + kRig +
         " --triangles 600 --time 2026-03-21T13:00solar --false-color -o " + in("out") + " --report " +

@@ -221,6 +221,7 @@ TEST(ClosureFuzz, every_sketch_closes_proven_or_is_refused_with_a_reason) {
         }
         ++tally.sketches;
         ++tally.codes[closure.report.code];
+        if (closure.report.code == "NOT_PROVEN") printf("seed %u could not be proven\n", first + k);
         ASSERT_FALSE(closure.report.code.empty());
         ASSERT_FALSE(closure.report.message.empty());
         ASSERT_EQ(closure.building.has_value(), closure.report.outcome != Outcome::refuse);

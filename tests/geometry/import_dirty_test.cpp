@@ -108,7 +108,67 @@ void expectRefused(const Polygons& model, const std::string& why) {
     }
 }
 
+// Two rooms 0.2 m apart with a pane in the wall between, 1 m wide and `height` high on the far side; there
+// the wall under it is in two parts.
+std::string twoRoomsWithPane(double height) {
+    const std::string file = testing::TempDir() + "dirty.obj";
+    std::ofstream(std::string(testing::TempDir()) + "dirty.mtl")
+        << "newmtl wall\nKd 0.5 0.5 0.5\nnewmtl glass\nKd 0 0 0\nTf 0.8 0.8 0.8\nNi 1.52\n";
+    std::ofstream out(file);
+    out << "mtllib dirty.mtl\n";
+    int next = 1;
+    const auto face = [&](const char* material, const std::vector<glm::dvec3>& corners) {
+        for (const glm::dvec3& p : corners) out << fmt::format("v {:.9g} {:.9g} {:.9g}\n", p.x, p.y, p.z);
+        out << "usemtl " << material << "\nf";
+        for (size_t k = 0; k < corners.size(); ++k) out << ' ' << next++;
+        out << '\n';
+    };
+    for (const bool far : {false, true}) {
+        const double x = far ? 4.2 : 4, end = far ? 8 : 0, top = far ? 0.8 + height : 2;
+        const auto wall = [&](double y0, double y1, double z0, double z1, const char* material = "wall") {
+            face(material, {{x, y0, z0}, {x, y1, z0}, {x, y1, z1}, {x, y0, z1}});
+        };
+        wall(0, 0.8, 0, far ? 1.5 : 3);
+        if (far) wall(0, 0.8, 1.5, 3);
+        wall(0.8, top, 0, 1);
+        wall(0.8, top, 2, 3);
+        wall(top, 2.5, 0, 3);
+        wall(0.8, top, 1, 2, "glass");
+        face("wall", {{end, 0, 0}, {end, 2.5, 0}, {end, 2.5, 3}, {end, 0, 3}});
+        for (const double y : {0.0, 2.5}) face("wall", {{x, y, 0}, {end, y, 0}, {end, y, 3}, {x, y, 3}});
+        for (const double z : {0.0, 3.0}) face("wall", {{x, 0, z}, {end, 0, z}, {end, 2.5, z}, {x, 2.5, z}});
+    }
+    return file;
+}
+
 } // namespace
+
+TEST(DirtyModel, panes_are_twins_though_only_one_has_a_corner_in_an_edge) {
+    const Building building = importModel(twoRoomsWithPane(1.2));
+    EXPECT_EQ(building.roomCount, 2u);
+    const PatchMesh mesh = meshBuilding(building, {800});
+    double area = 0;
+    for (size_t i = 0; i < mesh.patchCount(); ++i) {
+        if (mesh.twin[i] == kNoTwin) continue;
+        const auto j = static_cast<size_t>(mesh.twin[i]);
+        area += patchArea(mesh, i);
+        EXPECT_NEAR(glm::length(patchCentroid(mesh, i) - patchCentroid(mesh, j)), 0.2, 1e-9);
+    }
+    EXPECT_NEAR(area, 2 * 1.2, 1e-9);
+    EXPECT_NEAR(volume(mesh), (4 + 3.8) * 2.5 * 3, 1e-9 * 58.5);
+}
+
+TEST(DirtyModel, panes_of_different_shapes_in_one_wall_are_refused_by_name) {
+    try {
+        importModel(twoRoomsWithPane(1.0));
+        ADD_FAILURE() << "light would be lost between the panes";
+    } catch (const InputError& error) {
+        const std::string text = error.what();
+        EXPECT_NE(text.find("other side of its wall"), std::string::npos) << text;
+        EXPECT_NE(text.find("dirty.obj:"), std::string::npos) << text;
+        EXPECT_NE(text.find("also"), std::string::npos) << text; // both panes
+    }
+}
 
 TEST(DirtyModel, faces_that_share_no_corners_are_welded) {
     expectRooms(apart(room(), 0), 1, 30);

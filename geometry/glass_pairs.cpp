@@ -1,0 +1,178 @@
+#include "geometry/glass_pairs.h"
+
+#include <algorithm>
+#include <limits>
+
+#include <glm/geometric.hpp>
+
+#include "geometry/perpendicular.h"
+#include "geometry/twin_faces.h"
+
+namespace heliodon::geometry {
+
+namespace {
+
+constexpr double kThickestWall = 0.05; // of the model's extent
+
+class GlassPairer {
+public:
+    GlassPairer(Building& building, double tolerance, double extent)
+        : building_(building), tolerance_(tolerance), thickest_(kThickestWall * extent) {
+        for (uint32_t f = 0; f < building.faces.size(); ++f) {
+            const Face& face = building.faces[f];
+            if (!building.materials[face.material].isOpening()) continue;
+            Glass glass{f, {}, {}};
+            const auto& loop = face.loops[0];
+            const glm::dvec3 origin = building.vertices[loop[0]];
+            for (size_t i = 0; i < loop.size(); ++i)
+                glass.normal += glm::cross(building.vertices[loop[i]] - origin,
+                                           building.vertices[loop[(i + 1) % loop.size()]] - origin);
+            glass.normal = glm::normalize(glass.normal);
+            glass.origin = origin;
+            glasses_.push_back(glass);
+        }
+    }
+
+    std::vector<std::pair<uint32_t, uint32_t>> pair() {
+        for (size_t i = 0; i < glasses_.size(); ++i)
+            for (size_t j = i + 1; j < glasses_.size(); ++j)
+                if (backToBack(glasses_[i], glasses_[j])) match(glasses_[i], glasses_[j]);
+        std::vector<std::pair<uint32_t, uint32_t>> odd;
+        for (size_t i = 0; i < glasses_.size(); ++i)
+            for (size_t j = i + 1; j < glasses_.size(); ++j) {
+                const Glass &a = glasses_[i], &b = glasses_[j];
+                if (lone(a) && lone(b) && backToBack(a, b) && (holdsMiddle(a, b) || holdsMiddle(b, a)))
+                    odd.emplace_back(a.face, b.face);
+            }
+        return odd;
+    }
+
+private:
+    struct Glass {
+        uint32_t face;
+        glm::dvec3 origin, normal;
+    };
+
+    Face& faceOf(const Glass& glass) const { return building_.faces[glass.face]; }
+    bool lone(const Glass& glass) const { return faceOf(glass).twin < 0; }
+
+    // Each behind the other, and nearer than any room is wide.
+    bool backToBack(const Glass& a, const Glass& b) const {
+        const double apart = -glm::dot(b.origin - a.origin, a.normal);
+        return glm::dot(a.normal, b.normal) < -1 + 1e-9 && apart >= 0 && apart <= thickest_;
+    }
+
+    void match(const Glass& a, const Glass& b) {
+        Face &face = faceOf(a), &other = faceOf(b);
+        if (face.twin >= 0 || other.twin >= 0 || face.loops.size() != 1 || other.loops.size() != 1) return;
+        if (!oppositeLoops(building_, face, other, tolerance_)) {
+            const std::vector<Put> there = missing(a, b), here = missing(b, a);
+            if (there.empty() && here.empty()) return;
+            // Only where that is all that tells them apart.
+            if (face.loops[0].size() + here.size() != other.loops[0].size() + there.size()) return;
+            if (!outlinesAgree(a, b) || !outlinesAgree(b, a)) return;
+            for (const Put& put : there) divide(put);
+            for (const Put& put : here) divide(put);
+            if (!oppositeLoops(building_, face, other, tolerance_)) return;
+        }
+        face.twin = static_cast<int32_t>(b.face);
+        other.twin = static_cast<int32_t>(a.face);
+    }
+
+    struct Put { // a new corner on the edge from a to b
+        uint32_t a, b;
+        glm::dvec3 place;
+    };
+
+    // The corner of one glass in the plane of the other.
+    glm::dvec3 across(const Glass& other, uint32_t v) const {
+        const glm::dvec3 p = building_.vertices[v];
+        return p - glm::dot(p - other.origin, other.normal) * other.normal;
+    }
+
+    // Corners of `from` that stand opposite the middle of an edge of `to`.
+    std::vector<Put> missing(const Glass& from, const Glass& to) const {
+        std::vector<Put> out;
+        for (const uint32_t v : faceOf(from).loops[0]) {
+            const glm::dvec3 p = across(to, v);
+            const auto& loop = faceOf(to).loops[0];
+            Put best{};
+            double least = tolerance_;
+            bool corner = false;
+            for (size_t i = 0; i < loop.size(); ++i) {
+                const uint32_t a = loop[i], b = loop[(i + 1) % loop.size()];
+                const glm::dvec3 q = building_.vertices[a], d = building_.vertices[b] - q;
+                corner = corner || glm::length(p - q) <= tolerance_;
+                const double t = glm::dot(p - q, d) / glm::dot(d, d);
+                const double off = glm::length(p - q - t * d);
+                if (t <= 0 || t >= 1 || off > least) continue;
+                least = off;
+                best = {a, b, q + t * d};
+            }
+            if (!corner && best.a != best.b) out.push_back(best);
+        }
+        return out;
+    }
+
+    // Every corner of `from` stands opposite the outline of `to`.
+    bool outlinesAgree(const Glass& from, const Glass& to) const {
+        return std::ranges::all_of(faceOf(from).loops[0], [&](uint32_t v) {
+            const glm::dvec3 p = across(to, v);
+            const auto& loop = faceOf(to).loops[0];
+            double least = std::numeric_limits<double>::infinity();
+            for (size_t i = 0; i < loop.size(); ++i) {
+                const glm::dvec3 q = building_.vertices[loop[i]],
+                                 d = building_.vertices[loop[(i + 1) % loop.size()]] - q;
+                const double t = std::clamp(glm::dot(p - q, d) / glm::dot(d, d), 0.0, 1.0);
+                least = std::min(least, glm::length(p - q - t * d));
+            }
+            return least <= tolerance_;
+        });
+    }
+
+    // In the edge's two faces. An edge that was divided before is by then another one.
+    void divide(const Put& put) {
+        const auto added = static_cast<uint32_t>(building_.vertices.size());
+        bool used = false;
+        for (Face& face : building_.faces)
+            for (auto& loop : face.loops)
+                for (size_t i = 0; i < loop.size(); ++i) {
+                    const uint32_t a = loop[i], b = loop[(i + 1) % loop.size()];
+                    if (std::minmax(a, b) != std::minmax(put.a, put.b)) continue;
+                    loop.insert(loop.begin() + static_cast<std::ptrdiff_t>(i + 1), added);
+                    used = true;
+                    break;
+                }
+        if (used) building_.vertices.push_back(put.place);
+    }
+
+    // The middle of b's corners, moved on to a's plane, lies in a's outline.
+    bool holdsMiddle(const Glass& a, const Glass& b) const {
+        glm::dvec3 sum{0};
+        for (const uint32_t v : faceOf(b).loops[0]) sum += building_.vertices[v];
+        const glm::dvec3 u = perpendicular(a.normal), v = glm::cross(a.normal, u);
+        const glm::dvec3 p = sum / static_cast<double>(faceOf(b).loops[0].size()) - a.origin;
+        const double x = glm::dot(p, u), y = glm::dot(p, v);
+        bool in = false;
+        const auto& loop = faceOf(a).loops[0];
+        for (size_t i = 0; i < loop.size(); ++i) {
+            const glm::dvec3 q = building_.vertices[loop[i]] - a.origin,
+                             r = building_.vertices[loop[(i + 1) % loop.size()]] - a.origin;
+            const double qx = glm::dot(q, u), qy = glm::dot(q, v), rx = glm::dot(r, u), ry = glm::dot(r, v);
+            if ((qy > y) != (ry > y) && x < (rx - qx) * (y - qy) / (ry - qy) + qx) in = !in;
+        }
+        return in;
+    }
+
+    Building& building_;
+    double tolerance_, thickest_;
+    std::vector<Glass> glasses_;
+};
+
+} // namespace
+
+std::vector<std::pair<uint32_t, uint32_t>> pairGlasses(Building& building, double tolerance, double extent) {
+    return GlassPairer(building, tolerance, extent).pair();
+}
+
+} // namespace heliodon::geometry
