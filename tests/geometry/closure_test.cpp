@@ -297,3 +297,38 @@ TEST(Closure, chips_are_srgb_and_never_reach_one) {
     EXPECT_NEAR(found->reflectance.y, 0.50289f, 1e-5); // sRGB 188, IEC 61966-2-1
     EXPECT_EQ(found->reflectance.z, 0.0f);
 }
+
+TEST(Closure, facets_of_a_curved_wall_stay_within_the_chord_error) {
+    const Sketch sketch = readSketch(kSketches / "p09_D_curved.json");
+    const double radius =
+        sketch.arcs[0].radius - sketch.arcs[0].thickness / 2; // of the face that the room sees
+    size_t last = 1000000;
+    for (const double error : {0.002, 0.02, 0.2}) {
+        ClosureOptions options;
+        options.chordError = error;
+        const Closure closure = closeSketch(sketch, options);
+        ASSERT_TRUE(closure.building);
+        size_t facets = 0;
+        double farthest = 0;
+        for (const Face& face : closure.building->faces) {
+            const auto& loop = face.loops[0];
+            for (size_t i = 0; i < loop.size(); ++i) {
+                const glm::dvec3 a = closure.building->vertices[loop[i]] / kMetresPerInch,
+                                 b = closure.building->vertices[loop[(i + 1) % loop.size()]] / kMetresPerInch;
+                const auto fromCentre = [&](glm::dvec3 p) {
+                    return glm::length(glm::dvec2(p.x, -p.z) - sketch.arcs[0].center);
+                };
+                // Edges on the floor with both ends on the arc.
+                if (a.y > 0 || b.y > 0 || std::min(a.x, b.x) < sketch.arcs[0].center.x - 1e-6 ||
+                    std::abs(fromCentre(a) - radius) > error || std::abs(fromCentre(b) - radius) > error)
+                    continue;
+                ++facets;
+                farthest = std::max(farthest, std::abs(fromCentre(0.5 * (a + b)) - radius));
+            }
+        }
+        EXPECT_GT(facets, 0u);
+        EXPECT_LE(farthest, error) << facets;
+        EXPECT_LT(facets, last); // coarser facets are fewer
+        last = facets;
+    }
+}

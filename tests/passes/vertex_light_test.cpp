@@ -1,9 +1,14 @@
 #include "engine/passes/vertex_light.h"
 
+#include <algorithm>
+#include <cmath>
 #include <random>
 
+#include <glm/trigonometric.hpp>
 #include <gtest/gtest.h>
 
+#include "engine/passes/projector_share.h"
+#include "geometry/mesher.h"
 #include "tests/passes/room_builder.h"
 
 namespace heliodon::passes {
@@ -94,6 +99,39 @@ TEST(VertexLight, indirect_light_leaves_out_the_first_bounce_of_the_sun) {
     EXPECT_NEAR(illuminance.x, 100, 1e-3);
     EXPECT_NEAR(illuminance.y, 100, 1e-3);
     EXPECT_NEAR(illuminance.z, 100, 1e-3); // reflects nothing: the mean of the others
+}
+
+// The room's curved wall, radius 6 - 0.1875 in: facets turn by several degrees, what is drawn turns steadily.
+TEST(ShownMesh, normals_of_a_curved_wall_turn_steadily_over_its_facets) {
+    const geometry::Closure closure = geometry::closeSketch(
+        geometry::readSketch(HELIODON_TEST_DATA "/geometry/sketches/p09_D_curved.json"));
+    const geometry::PatchMesh mesh = geometry::meshBuilding(*closure.building);
+    const DrawMesh shown = shownMesh(mesh, VertexLight(mesh), closure.building->occluders,
+                                     geometry::readRig(HELIODON_SOURCE "/examples/rig.json"));
+    constexpr double inch = geometry::kMetresPerInch, radius = (6 - 0.1875) * inch;
+    const glm::dvec3 centre(3 * inch, 0, 0);
+    double worstFacet = 0, worstSmooth = 0, facets = 0, smooth = 0; // degrees from the radius, and their sums
+    size_t corners = 0;
+    for (const DrawCorner& corner : shown.corners) {
+        glm::dvec3 inward = centre - glm::dvec3(corner.position);
+        inward.y = 0;
+        const bool onArc = inward.x < -0.5 * inch && std::abs(glm::length(inward) - radius) < 0.05 * inch &&
+                           std::abs(corner.normal.y) < 0.1;
+        if (!onArc) continue;
+        ++corners;
+        inward = glm::normalize(inward);
+        const auto off = [&](glm::vec3 n) {
+            return glm::degrees(std::acos(std::min(1.0, glm::dot(inward, glm::dvec3(n)))));
+        };
+        facets += off(corner.normal);
+        smooth += off(corner.smoothNormal);
+        worstFacet = std::max(worstFacet, off(corner.normal));
+        worstSmooth = std::max(worstSmooth, off(corner.smoothNormal));
+    }
+    EXPECT_GT(corners, 300u);
+    EXPECT_GT(worstFacet, 4);
+    EXPECT_LT(worstSmooth, 3.5); // at the wall's ends, where facets are on one side alone
+    EXPECT_LT(smooth, 0.4 * facets);
 }
 
 } // namespace
