@@ -19,6 +19,7 @@
 #include "geometry/plan_arrangement.h"
 #include "geometry/plan_regions.h"
 #include "geometry/raw_model.h"
+#include "geometry/shell_nesting.h"
 
 namespace heliodon::geometry {
 
@@ -407,64 +408,21 @@ private:
         return false;
     }
 
-    struct Triangle {
-        glm::dvec3 a, b, c;
-    };
-
-    // How many times a ray from p passes through the shell; the direction is no one's normal or edge.
-    static int crossings(const std::vector<Triangle>& shell, glm::dvec3 p) {
-        const glm::dvec3 d = glm::normalize(glm::dvec3(0.5773, 0.6491, 0.4963));
-        int count = 0;
-        for (const Triangle& t : shell) {
-            const glm::dvec3 e1 = t.b - t.a, e2 = t.c - t.a, q = glm::cross(d, e2), s = p - t.a;
-            const double det = glm::dot(e1, q);
-            if (det == 0) continue;
-            const double u = glm::dot(s, q) / det;
-            const glm::dvec3 r = glm::cross(s, e1);
-            const double v = glm::dot(d, r) / det;
-            count += u >= 0 && v >= 0 && u + v <= 1 && glm::dot(e2, r) / det > 0;
-        }
-        return count;
-    }
-
-    // The outermost shell bounds a room, a shell within it is a solid that stands in the room's air, and so
-    // on inwards.
     void nestShells() {
-        std::vector<std::vector<Triangle>> triangles(shellCount_);
-        std::vector<double> volume(shellCount_, 0);
-        std::vector<glm::dvec3> corner(shellCount_);
+        std::vector<std::vector<ShellTriangle>> shells(shellCount_);
         for (uint32_t f = 0; f < building_.faces.size(); ++f) {
             const auto pieces = triangulateFace(building_, building_.faces[f]);
             if (pieces.empty()) refuse({f}, "the outline of the face crosses itself");
-            for (const auto& t : pieces) {
-                const Triangle triangle{building_.vertices[t[0]], building_.vertices[t[1]],
-                                        building_.vertices[t[2]]};
-                triangles[shell_[f]].push_back(triangle);
-                corner[shell_[f]] = triangle.a;
-            }
+            for (const auto& t : pieces)
+                shells[shell_[f]].push_back(
+                    {building_.vertices[t[0]], building_.vertices[t[1]], building_.vertices[t[2]]});
         }
-        for (uint32_t s = 0; s < shellCount_; ++s)
-            for (const Triangle& t : triangles[s])
-                volume[s] -= glm::dot(t.a - corner[s], glm::cross(t.b - corner[s], t.c - corner[s])) / 6;
-        std::vector<std::vector<uint32_t>> around(shellCount_);
-        for (uint32_t s = 0; s < shellCount_; ++s)
-            for (uint32_t o = 0; o < shellCount_; ++o)
-                if (s != o && crossings(triangles[o], corner[s]) % 2 == 1) around[s].push_back(o);
-        std::vector<uint32_t> room(shellCount_);
-        uint32_t rooms = 0;
-        for (uint32_t s = 0; s < shellCount_; ++s)
-            if (around[s].size() % 2 == 0) room[s] = rooms++;
-        for (uint32_t s = 0; s < shellCount_; ++s)
-            if (around[s].size() % 2 == 1)
-                room[s] = room[*std::ranges::max_element(around[s], {},
-                                                         [&](uint32_t o) { return around[o].size(); })];
+        const ShellNesting nesting = geometry::nestShells(shells);
         for (uint32_t f = 0; f < building_.faces.size(); ++f) {
-            const uint32_t s = shell_[f];
-            // Air is inside the shells of rooms and outside those of solids.
-            if ((volume[s] > 0) != (around[s].size() % 2 == 0)) turnOver(building_.faces[f]);
-            building_.faces[f].room = room[s];
+            if (nesting.inverted[shell_[f]]) turnOver(building_.faces[f]);
+            building_.faces[f].room = nesting.room[shell_[f]];
         }
-        building_.roomCount = rooms;
+        building_.roomCount = nesting.rooms;
     }
 
     // Rooms that touch in a corner must not share the vertex.

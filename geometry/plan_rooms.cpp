@@ -12,17 +12,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numbers>
 #include <numeric>
 #include <set>
-#include <tuple>
 
 #include <glm/geometric.hpp>
 
 #include "geometry/min_cut.h"
 #include "geometry/plan_arrangement.h"
+#include "geometry/plan_lines.h"
 #include "geometry/plan_regions.h"
 
 namespace heliodon::geometry {
@@ -30,166 +29,14 @@ namespace heliodon::geometry {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kLongestBridge = 18; // inches
-constexpr double kThinCell = 0.06;    // inches: cells thinner than this belong to a neighbour
-constexpr double kThinRoom = 0.8;     // inches: twice the area over the perimeter; thinner spaces are cracks
-constexpr double kMostOpen = 0.4;     // of the perimeter; what is more open than this is not enclosed
-constexpr double kFewestWalls = 3;    // logical walls; an arc counts as one for each quarter turn
-constexpr double kTight = 0.1;        // of the perimeter: with less of it open, an arc and its chord will do
+constexpr double kThinCell = 0.06; // inches: cells thinner than this belong to a neighbour
+constexpr double kThinRoom = 0.8;  // inches: twice the area over the perimeter; thinner spaces are cracks
+constexpr double kMostOpen = 0.4;  // of the perimeter; what is more open than this is not enclosed
+constexpr double kFewestWalls = 3; // logical walls; an arc counts as one for each quarter turn
+constexpr double kTight = 0.1;     // of the perimeter: with less of it open, an arc and its chord will do
 constexpr std::array kPrices{0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.75};
 constexpr double kCapacityUnit = 1e6; // of a length of 1 in: exact integer flow
 constexpr int64_t kForever = int64_t{1} << 50;
-
-// What a segment of the arrangement is: an edge of a solid, or a line along which a gap may be bridged.
-struct Line {
-    int solid = -1, edge = 0; // of the solid
-    double weight = 1;        // of a bridge: what an inch costs at its start
-    double growth = 0;        // and how that grows along it
-    glm::dvec2 start{};
-};
-
-// The segments to arrange: solids, and extensions from the ends of walls that touch nothing.
-class LineBuilder {
-public:
-    explicit LineBuilder(const PlanWalls& plan) : plan_(plan) {}
-
-    void build() {
-        for (size_t s = 0; s < plan_.solids.size(); ++s) {
-            const PlanSolid& solid = plan_.solids[s];
-            for (size_t k = 0; k < solid.outline.size(); ++k) {
-                Line line;
-                line.solid = static_cast<int>(s);
-                line.edge = static_cast<int>(k);
-                add(solid.outline[k], solid.outline[(k + 1) % solid.outline.size()], line);
-            }
-        }
-        findFreeEnds();
-        bridgeAlongSides();
-        for (const WallEnd& end : freeEnds_) extend(end);
-        bridgeEnds();
-    }
-
-    std::vector<PlanSegment> segments;
-    std::vector<Line> lines;
-
-private:
-    void add(glm::dvec2 a, glm::dvec2 b, Line line) {
-        if (a == b) return;
-        segments.push_back({a, b, static_cast<int32_t>(lines.size())});
-        lines.push_back(line);
-    }
-
-    const WallPiece& piece(const WallEnd& end) const { return plan_.pieces[static_cast<size_t>(end.piece)]; }
-
-    void findFreeEnds() {
-        for (size_t i = 0; i < plan_.pieces.size(); ++i) {
-            const WallPiece& p = plan_.pieces[i];
-            if (p.curved && p.a1 - p.a0 >= 2 * kPi - 1e-9) continue;
-            for (const bool atB : {false, true}) {
-                const WallEnd end = wallEnd(p, static_cast<int>(i), atB);
-                if (!touches(plan_.solids, end)) freeEnds_.push_back(end);
-            }
-        }
-    }
-
-    // From piece to piece of one straight side, face to face.
-    void bridgeAlongSides() {
-        for (const WallEnd& e : freeEnds_)
-            for (const WallEnd& f : freeEnds_) {
-                if (e.piece >= f.piece || piece(e).line < 0 || piece(e).line != piece(f).line) continue;
-                const double apart = glm::dot(f.middle - e.middle, e.out);
-                if (apart <= 0 || glm::dot(e.out, f.out) > 0 || apart > kLongestBridge) continue;
-                int hit = -1;
-                firstHit(plan_.solids, e.middle, e.out, e.piece, &hit);
-                if (hit < 0 || plan_.solids[static_cast<size_t>(hit)].piece != f.piece) continue;
-                add(e.right, f.left, {.start = e.right});
-                add(e.left, f.right, {.start = e.left});
-                alongSide_.insert({e.piece, e.atB});
-                alongSide_.insert({f.piece, f.atB});
-            }
-    }
-
-    void ray(glm::dvec2 from, glm::dvec2 direction, int own, double weight) {
-        const double t = std::min(firstHit(plan_.solids, from, direction, own) + 0.02, kLongestBridge);
-        if (t > 0.025) add(from, from + t * direction, {.weight = weight, .growth = 1.0 / 16, .start = from});
-    }
-
-    void extend(const WallEnd& end) {
-        const glm::dvec2 side = glm::normalize(end.left - end.right);
-        if (!alongSide_.contains({end.piece, end.atB})) {
-            ray(end.right, end.out, end.piece, 1.0);
-            ray(end.left, end.out, end.piece, 1.0);
-        }
-        if (piece(end).curved) continueArc(end);
-        ray(end.right, -side, end.piece, 1.5);
-        ray(end.left, side, end.piece, 1.5);
-    }
-
-    // Round the rest of the circle until something solid is met. Both ends walk over the same points.
-    void continueArc(const WallEnd& end) {
-        const WallPiece& p = piece(end);
-        const double rest = 2 * kPi - (p.a1 - p.a0);
-        const int count = std::max(2, static_cast<int>(std::ceil(rest / (kPi / 18))));
-        for (const double radius : {p.radius - p.thickness / 2, p.radius + p.thickness / 2}) {
-            const auto at = [&](int k) {
-                const glm::dvec2 corner = wallEnd(p, 0, k == 0).right, other = wallEnd(p, 0, k == 0).left;
-                if (k == 0) return radius > p.radius ? corner : other;
-                if (k == count) return radius > p.radius ? other : corner;
-                const double angle = p.a1 + rest * k / count;
-                return p.center + radius * glm::dvec2(std::cos(angle), std::sin(angle));
-            };
-            double length = 0;
-            for (int i = 0; i < count && length < kLongestBridge; ++i) {
-                const int k = end.atB ? i : count - 1 - i;
-                const glm::dvec2 a = at(end.atB ? k : k + 1), b = at(end.atB ? k + 1 : k);
-                const double step = glm::length(b - a);
-                const double hit = i + 1 < count ? firstHit(plan_.solids, a, (b - a) / step, -2) : step;
-                length += step;
-                const bool stops = hit < step && hit > 1e-6;
-                if (arcSteps_.insert({end.piece, radius, k}).second || stops)
-                    add(a, stops ? a + (hit + 0.02) / step * (b - a) : b,
-                        {.weight = 1 + length / 16, .start = end.middle});
-                if (stops) break;
-            }
-        }
-    }
-
-    // Straight from a free end to the two free ends nearest to it, where nothing stands between.
-    void bridgeEnds() {
-        std::set<std::pair<size_t, size_t>> done;
-        for (size_t i = 0; i < freeEnds_.size(); ++i) {
-            std::vector<std::pair<double, size_t>> others;
-            for (size_t j = 0; j < freeEnds_.size(); ++j)
-                if (freeEnds_[i].piece != freeEnds_[j].piece)
-                    others.emplace_back(glm::length(freeEnds_[i].middle - freeEnds_[j].middle), j);
-            std::ranges::sort(others);
-            for (size_t k = 0; k < others.size() && k < 2; ++k)
-                if (others[k].first < kLongestBridge && done.insert(std::minmax(i, others[k].second)).second)
-                    bridge(freeEnds_[i], freeEnds_[others[k].second]);
-        }
-    }
-
-    void bridge(const WallEnd& e, const WallEnd& f) {
-        glm::dvec2 from{}, to{};
-        double shortest = std::numeric_limits<double>::infinity();
-        for (const glm::dvec2 a : {e.right, e.left})
-            for (const glm::dvec2 b : {f.right, f.left})
-                if (glm::length(b - a) < shortest) {
-                    shortest = glm::length(b - a);
-                    from = a;
-                    to = b;
-                }
-        if (shortest < 1e-6) return;
-        const glm::dvec2 direction = (to - from) / shortest;
-        if (firstHit(plan_.solids, from + 1e-4 * direction, direction, -2) < shortest - 2e-4) return;
-        add(from, to, {.weight = 1.6, .start = from});
-    }
-
-    const PlanWalls& plan_;
-    std::vector<WallEnd> freeEnds_;
-    std::set<std::pair<int, bool>> alongSide_;
-    std::set<std::tuple<int, double, int>> arcSteps_;
-};
 
 struct Interval {
     double from, to;
@@ -227,8 +74,7 @@ private:
 
 class RoomFinder {
 public:
-    explicit RoomFinder(const PlanWalls& plan) : plan_(plan), lines_(plan) {
-        lines_.build();
+    explicit RoomFinder(const PlanWalls& plan) : plan_(plan), lines_(planLines(plan)) {
         map_ = arrange(lines_.segments);
         measureCells();
         findSolids();
@@ -300,7 +146,7 @@ private:
         const glm::dvec2 middle = 0.5 * (map_.points[map_.source(half)] + map_.points[map_.target[half]]);
         double least = 3;
         for (const PlanArrangement::Tag& tag : map_.tags[half / 2]) {
-            const Line& line = lines_.lines[static_cast<size_t>(tag.tag)];
+            const PlanLine& line = lines_.lines[static_cast<size_t>(tag.tag)];
             if (line.solid < 0)
                 least = std::min(least, line.weight + line.growth * glm::length(middle - line.start));
         }
@@ -312,7 +158,7 @@ private:
 
     int wallOf(uint32_t half, bool endsToo) const {
         for (const PlanArrangement::Tag& tag : map_.tags[half / 2]) {
-            const Line& line = lines_.lines[static_cast<size_t>(tag.tag)];
+            const PlanLine& line = lines_.lines[static_cast<size_t>(tag.tag)];
             if (line.solid < 0 || tag.forward == (half % 2 == 0)) continue;
             const PlanSolid& solid = plan_.solids[static_cast<size_t>(line.solid)];
             const bool isEnd = solid.sides[static_cast<size_t>(line.edge)] == SolidSide::end;
@@ -485,7 +331,7 @@ private:
         for (uint32_t h = 0; h < map_.cell.size(); ++h) {
             if (!isBoundary(h)) continue;
             for (const PlanArrangement::Tag& tag : map_.tags[h / 2]) {
-                const Line& line = lines_.lines[static_cast<size_t>(tag.tag)];
+                const PlanLine& line = lines_.lines[static_cast<size_t>(tag.tag)];
                 if (line.solid < 0 || tag.forward == (h % 2 == 0)) continue;
                 const PlanSolid& solid = plan_.solids[static_cast<size_t>(line.solid)];
                 const SolidSide side = solid.sides[static_cast<size_t>(line.edge)];
@@ -497,7 +343,7 @@ private:
     }
 
     const PlanWalls& plan_;
-    LineBuilder lines_;
+    PlanLines lines_;
     PlanArrangement map_;
     std::vector<double> area_, perimeter_;
     std::vector<bool> solid_, inside_, forbidden_;

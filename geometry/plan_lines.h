@@ -1,0 +1,29 @@
+// The lines from which rooms are made: the edges of the walls and, from ends of walls that touch nothing, the
+// lines along which a gap may be bridged.
+#pragma once
+
+#include <vector>
+
+#include <glm/vec2.hpp>
+
+#include "geometry/plan_arrangement.h"
+#include "geometry/plan_walls.h"
+
+namespace heliodon::geometry {
+
+// What a segment of the arrangement is: an edge of a solid, or a line along which a gap may be bridged.
+struct PlanLine {
+    int solid = -1, edge = 0; // of the solid
+    double weight = 1;        // of a bridge: what an inch costs at its start
+    double growth = 0;        // and how that grows along it
+    glm::dvec2 start{};
+};
+
+struct PlanLines {
+    std::vector<PlanSegment> segments; // their tags are indices into `lines`
+    std::vector<PlanLine> lines;
+};
+
+PlanLines planLines(const PlanWalls& plan);
+
+} // namespace heliodon::geometry

@@ -1,0 +1,60 @@
+#include "geometry/shell_nesting.h"
+
+#include <algorithm>
+
+#include <glm/geometric.hpp>
+
+namespace heliodon::geometry {
+
+namespace {
+
+// How many times a ray from p passes through the shell; the direction is no one's normal or edge.
+int crossings(const std::vector<ShellTriangle>& shell, glm::dvec3 p) {
+    const glm::dvec3 d = glm::normalize(glm::dvec3(0.5773, 0.6491, 0.4963));
+    int count = 0;
+    for (const ShellTriangle& t : shell) {
+        const glm::dvec3 e1 = t.b - t.a, e2 = t.c - t.a, q = glm::cross(d, e2), s = p - t.a;
+        const double det = glm::dot(e1, q);
+        if (det == 0) continue;
+        const double u = glm::dot(s, q) / det;
+        const glm::dvec3 r = glm::cross(s, e1);
+        const double v = glm::dot(d, r) / det;
+        count += u >= 0 && v >= 0 && u + v <= 1 && glm::dot(e2, r) / det > 0;
+    }
+    return count;
+}
+
+// Of what triangles that look inwards enclose.
+double volume(const std::vector<ShellTriangle>& shell) {
+    double sum = 0;
+    const glm::dvec3 origin = shell.empty() ? glm::dvec3(0) : shell.back().a;
+    for (const ShellTriangle& t : shell)
+        sum -= glm::dot(t.a - origin, glm::cross(t.b - origin, t.c - origin)) / 6;
+    return sum;
+}
+
+} // namespace
+
+ShellNesting nestShells(const std::vector<std::vector<ShellTriangle>>& shells) {
+    ShellNesting out;
+    const auto count = static_cast<uint32_t>(shells.size());
+    std::vector<std::vector<uint32_t>> around(count);
+    for (uint32_t s = 0; s < count; ++s)
+        for (uint32_t o = 0; o < count; ++o)
+            if (s != o && !shells[s].empty() && crossings(shells[o], shells[s].back().a) % 2 == 1)
+                around[s].push_back(o);
+    out.room.assign(count, 0);
+    for (uint32_t s = 0; s < count; ++s)
+        if (around[s].size() % 2 == 0) out.room[s] = out.rooms++;
+    for (uint32_t s = 0; s < count; ++s) {
+        const bool solid = around[s].size() % 2 == 1;
+        if (solid)
+            out.room[s] = out.room[*std::ranges::max_element(around[s], {},
+                                                             [&](uint32_t o) { return around[o].size(); })];
+        // Air is inside the shells of rooms and outside those of solids.
+        out.inverted.push_back((volume(shells[s]) > 0) == solid);
+    }
+    return out;
+}
+
+} // namespace heliodon::geometry

@@ -1,0 +1,26 @@
+// Which of several closed shells bound rooms, and which are solids that stand in their air.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+namespace heliodon::geometry {
+
+struct ShellTriangle {
+    glm::dvec3 a, b, c;
+};
+
+struct ShellNesting {
+    std::vector<uint32_t> room; // per shell: the room that it bounds or stands in
+    std::vector<bool> inverted; // per shell: its triangles look away from the air
+    uint32_t rooms = 0;
+};
+
+// The outermost shell bounds a room, a shell within it is a solid that stands in the room's air, and so on
+// inwards. Each shell is closed, its triangles look to one side; shells do not cross. Cost: shells times
+// triangles.
+ShellNesting nestShells(const std::vector<std::vector<ShellTriangle>>& shells);
+
+} // namespace heliodon::geometry
