@@ -314,8 +314,11 @@ std::vector<std::pair<double, double>> EdgeSampler::stepsAlong(const SampledEdge
     std::vector<std::pair<double, double>> steps{{0.0, 0.0}};
     for (double s = 0, count = 0; s < edge.length;) {
         double size = largest;
-        for (const auto& [p, own] : sources)
-            size = std::min(size, own + grading_.growth * glm::length(a + d * (s / edge.length) - p));
+        const glm::dvec3 at = a + d * (s / edge.length);
+        for (const auto& [p, own] : sources) { // most are too far away to matter
+            const double reach = (size - own) / grading_.growth, square = glm::dot(at - p, at - p);
+            if (reach > 0 && square < reach * reach) size = own + grading_.growth * std::sqrt(square);
+        }
         const double step = std::min(0.25 * size, edge.length - s);
         s = edge.length - s - step < 1e-9 * edge.length ? edge.length : s + step;
         count += step / size;

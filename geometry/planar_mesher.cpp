@@ -379,8 +379,11 @@ private:
 
 double PlanarDomain::sizeAt(glm::dvec2 p) const {
     double size = edge;
-    for (const SizeSource& source : sources)
-        size = std::min(size, source.size + growth * glm::length(p - source.at));
+    for (const SizeSource& source : sources) { // most are too far away to matter
+        const glm::dvec2 d = p - source.at;
+        const double reach = (size - source.size) / growth, square = glm::dot(d, d);
+        if (reach > 0 && square < reach * reach) size = source.size + growth * std::sqrt(square);
+    }
     return size;
 }
 
