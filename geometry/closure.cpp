@@ -2,6 +2,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <set>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -145,12 +146,19 @@ private:
         for (const RoomPlan& room : spaces_.rooms) ceilings.push_back(ceilingOf(room));
         const std::vector<WallRun> runs = wallRuns(plan_, spaces_.rooms);
         const PlanMaterials materials = planMaterials(sketch_, plan_, spaces_.rooms, runs, options_);
-        const PlanWindows windows = placeWindows(sketch_, plan_, runs, ceilings);
+        PlanWindows windows = placeWindows(sketch_, plan_, runs, ceilings);
         notes_.insert(notes_.end(), windows.notes.begin(), windows.notes.end());
-        const RoomFaces faces =
-            roomFaces({plan_, spaces_.rooms, runs, sketch_.skylights, ceilings, materials.rooms,
-                       materials.runs, materials.partitions, windows.holes, options_.chordError});
-        Building building = weldFaces(faces.faces, static_cast<uint32_t>(spaces_.rooms.size()), kWeld);
+        const auto make = [&](const std::vector<WindowHole>& holes) {
+            Shells made{roomFaces({plan_, spaces_.rooms, runs, sketch_.skylights, ceilings, materials.rooms,
+                                   materials.runs, materials.partitions, holes, options_.chordError}),
+                        {}};
+            made.building = weldFaces(made.faces.faces, static_cast<uint32_t>(spaces_.rooms.size()), kWeld);
+            return made;
+        };
+        Shells made = make(windows.holes);
+        if (!glassesCorrespond(made)) made = leaveOutOddWindows(windows, make);
+        const RoomFaces& faces = made.faces;
+        Building& building = made.building;
         building.materials = materials.materials;
         building.occluders = occluderSolids(plan_, options_.chordError);
         if (sketch_.north) building.northDeg = sketch_.north->dirDeg;
@@ -159,7 +167,7 @@ private:
         out_.report.skylightPaneCount = faces.skylightPanes;
         noteSkylights(faces);
         roles(faces.partitionUsed, faces.floorArea);
-        if (prove(building, faces, ceilings)) {
+        if (prove(made, ceilings)) {
             out_.building = std::move(building);
             conclude();
         }
@@ -187,12 +195,46 @@ private:
         });
     }
 
+    struct Shells {
+        RoomFaces faces;
+        Building building;
+    };
+
     // What passes an interior window arrives on its other side: no glass there is without a twin.
-    static bool glassesCorrespond(const Building& building, const RoomFaces& faces) {
+    static bool glassesCorrespond(const Shells& made) {
         const auto drawn =
-            std::ranges::count_if(faces.faces, [](const SoupFace& f) { return f.twinKey >= 0; });
-        const auto paired = std::ranges::count_if(building.faces, [](const Face& f) { return f.twin >= 0; });
-        return drawn == paired && twinsMirror(building, kTwinOff);
+            std::ranges::count_if(made.faces.faces, [](const SoupFace& f) { return f.twinKey >= 0; });
+        const auto paired =
+            std::ranges::count_if(made.building.faces, [](const Face& f) { return f.twin >= 0; });
+        return drawn == paired && twinsMirror(made.building, kTwinOff);
+    }
+
+    // Where walls cross at a small angle the two sides of an interior window may have different shapes. The
+    // one window that is at fault, or all of them, are left out.
+    template<class Make> Shells leaveOutOddWindows(PlanWindows& windows, Make make) {
+        std::set<int> interior;
+        for (const WindowHole& hole : windows.holes)
+            if (hole.twin) interior.insert(hole.opening);
+        std::vector<std::set<int>> tries;
+        for (const int opening : interior) tries.push_back({opening});
+        tries.push_back(interior);
+        for (const std::set<int>& odd : tries) {
+            std::vector<WindowHole> kept;
+            std::set<std::string> ids;
+            for (const WindowHole& hole : windows.holes)
+                if (odd.contains(hole.opening))
+                    ids.insert(hole.id);
+                else
+                    kept.push_back(hole);
+            Shells made = make(kept);
+            if (!glassesCorrespond(made) && odd != interior) continue;
+            windows.openings -= static_cast<int>(odd.size());
+            for (const std::string& id : ids)
+                notes_.push_back({"WINDOW_SIDES_DIFFER",
+                                  fmt::format("window {} is ignored: the two sides of its wall differ", id)});
+            return made;
+        }
+        return make(windows.holes);
     }
 
     // Per room, of the coordinates as they are stored: the sum over floor and partition tops of area times
@@ -216,10 +258,11 @@ private:
         return volumes;
     }
 
-    bool prove(const Building& building, const RoomFaces& faces, const std::vector<double>& ceilings) {
+    bool prove(const Shells& made, const std::vector<double>& ceilings) {
+        const auto& [faces, building] = made;
         const std::vector<ShellProof> proofs = proveShells(building);
         const std::vector<double> columns = columnVolumes(building, ceilings);
-        bool good = glassesCorrespond(building, faces);
+        bool good = glassesCorrespond(made);
         for (size_t r = 0; r < proofs.size(); ++r) {
             RoomReport room;
             room.floorAreaFt2 = faces.floorArea[r];

@@ -5,9 +5,13 @@
 
 #include <glm/geometric.hpp>
 
+#include "geometry/mesh_domains.h"
+
 namespace heliodon::geometry {
 
 namespace {
+
+constexpr double kBackToBack = -0.992; // cosine: 7 degrees off parallel
 
 glm::dvec3 middleOf(const Building& building, const Face& face) {
     glm::dvec3 low(1e300), high(-1e300);
@@ -61,6 +65,7 @@ bool twinsMirror(const Building& building, double tolerance) {
         if (face.twin < 0) return true;
         const Face& other = building.faces[static_cast<size_t>(face.twin)];
         return other.twin >= 0 && &building.faces[static_cast<size_t>(other.twin)] == &face &&
+               glm::dot(faceNormal(building, face), faceNormal(building, other)) < kBackToBack &&
                oppositeLoops(building, face, other, tolerance).has_value();
     });
 }

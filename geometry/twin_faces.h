@@ -23,7 +23,7 @@ glm::dvec3 shiftBetween(const Building& building, const Face& from, const Face& 
 std::optional<std::vector<OppositeLoop>> oppositeLoops(const Building& building, const Face& face,
                                                        const Face& other, double tolerance);
 
-// Whether all glasses that have a twin are its mirror image.
+// Whether all glasses that have a twin are its mirror image and nearly parallel to it.
 bool twinsMirror(const Building& building, double tolerance);
 
 } // namespace heliodon::geometry
