@@ -1,6 +1,7 @@
 #include "compute/link_maker.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <span>
 
@@ -14,7 +15,10 @@ namespace heliodon::compute {
 
 namespace {
 
-constexpr uint32_t kBatch = 1u << 16;    // pairs of one dispatch
+constexpr uint32_t kBatch = 1u << 16; // pairs of one dispatch
+// Rays of one invocation: loops take its longest lane's time, so few; but where few pairs are left, rounds
+// cost more than lanes (and 512 keep its loops far below 65535 turns).
+constexpr uint32_t kRoundRays = 64, kLastRays = 512, kFewDoubts = 2048;
 constexpr uint32_t kMostRays = 1u << 14; // between two triangles
 constexpr VkFormat kUvec4 = VK_FORMAT_R32G32B32A32_UINT;
 
@@ -42,7 +46,8 @@ template<class T> uint32_t takeBatch(std::vector<T>& from, gpu::Buffer& to) {
 
 LinkMaker::LinkMaker(gpu::Device& device, const ClusterScene& scene, const LinkTolerance& tolerance)
     : device_(&device), scene_(&scene), clusters_(device, hierarchical_links_comp, "hierarchical links"),
-      triangles_(device, hierarchical_leaves_comp, "hierarchical leaves"),
+      triangles_(device, hierarchical_leaves_comp, "hierarchical leaves", {{"kNear", 0u}}),
+      nearTriangles_(device, hierarchical_leaves_comp, "hierarchical near leaves", {{"kNear", 1u}}),
       rays_(device, hierarchical_rays_comp, "hierarchical rays"),
       pairs_(device, kBatch * sizeof(glm::uvec2), "link pairs"),
       doubted_(device, kBatch * sizeof(io::HierarchicalDoubt), "doubted links"),
@@ -69,36 +74,41 @@ std::vector<io::HierarchicalLink> LinkMaker::finish() {
     return std::move(links_);
 }
 
-// Until fewer than that many of a kind are left: full dispatches, unless these are the last.
+// Until fewer than `least` wait in each queue: full dispatches of the last stages first, so that little
+// waits, else the first stage that has enough.
 void LinkMaker::work(size_t least) {
     for (;;) {
-        // Depth first, so that little waits.
-        if (doubts_.size() >= std::max<size_t>(least, kBatch))
-            run(rays_, doubted_, takeBatch(doubts_, doubted_), true);
-        else if (leafPairs_.size() >= std::max<size_t>(least, kBatch))
-            run(triangles_, pairs_, takeBatch(leafPairs_, pairs_), false);
-        else if (pending_.size() >= least) {
+        const std::array waiting{pending_.size(), leafPairs_.size(), nearPairs_.size(), doubts_.size()};
+        const auto full =
+            std::find_if(waiting.rbegin(), waiting.rend(), [](size_t n) { return n >= kBatch; });
+        const auto enough =
+            std::find_if(waiting.begin(), waiting.end(), [&](size_t n) { return n >= least; });
+        if (full == waiting.rend() && enough == waiting.end()) return;
+        const auto stage = full != waiting.rend() ? waiting.rend() - full - 1 : enough - waiting.begin();
+        if (stage == 0) {
             const uint32_t count = takeBatch(pending_, pairs_);
             pairCount_ += count;
             run(clusters_, pairs_, count, true);
-        } else if (leafPairs_.size() >= least)
+        } else if (stage == 1)
             run(triangles_, pairs_, takeBatch(leafPairs_, pairs_), false);
-        else if (doubts_.size() >= least)
-            run(rays_, doubted_, takeBatch(doubts_, doubted_), true);
+        else if (stage == 2)
+            run(nearTriangles_, pairs_, takeBatch(nearPairs_, pairs_), false);
         else
-            return;
+            run(rays_, doubted_, takeBatch(doubts_, doubted_), true);
     }
 }
 
 void LinkMaker::run(const gpu::Kernel& kernel, const gpu::Buffer& in, uint32_t count, bool splits) {
     params_.pairCount = count;
+    params_.roundRays = count < kFewDoubts ? kLastRays : kRoundRays;
     std::vector<gpu::Binding> bindings{gpu::texel(scene_->nodes, kUvec4),
                                        gpu::texel(scene_->leaves, kUvec4),
                                        gpu::texel(scene_->blockers.nodes, kUvec4),
                                        gpu::texel(scene_->blockers.triangles, kUvec4),
                                        in,
-                                       counters_};
-    if (splits) bindings.insert(bindings.end(), {next_, newLeafPairs_});
+                                       counters_,
+                                       next_};
+    if (splits) bindings.push_back(newLeafPairs_);
     bindings.insert(bindings.end(), {newLinks_, newDoubts_});
     gpu::Commands commands(*device_);
     commands.fill(counters_, 0);
@@ -108,8 +118,8 @@ void LinkMaker::run(const gpu::Kernel& kernel, const gpu::Buffer& in, uint32_t c
     commands.barrier(gpu::Stage::compute, gpu::Stage::host);
     device_->submitAndWait(std::move(commands));
     const auto* counters = counters_.mapped<uint32_t>();
-    append(pending_, next_, counters[io::kHierarchicalPairs]);
-    append(leafPairs_, newLeafPairs_, counters[io::kHierarchicalLeaves]);
+    append(splits ? pending_ : nearPairs_, next_, counters[io::kHierarchicalPairs]);
+    if (splits) append(leafPairs_, newLeafPairs_, counters[io::kHierarchicalLeaves]);
     append(links_, newLinks_, counters[io::kHierarchicalLinks]);
     append(doubts_, newDoubts_, counters[io::kHierarchicalDoubts]);
 }

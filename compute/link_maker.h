@@ -35,14 +35,14 @@ public:
     uint64_t pairs() const { return pairCount_; } // of clusters that were looked at
 
 private:
-    void work(size_t leastPending);
+    void work(size_t least);
     void run(const gpu::Kernel& kernel, const gpu::Buffer& in, uint32_t count, bool splits);
 
     gpu::Device* device_;
     const ClusterScene* scene_;
     io::HierarchicalLinksParams params_{};
-    gpu::Kernel clusters_, triangles_, rays_;
-    std::vector<glm::uvec2> pending_, leafPairs_;
+    gpu::Kernel clusters_, triangles_, nearTriangles_, rays_;
+    std::vector<glm::uvec2> pending_, leafPairs_, nearPairs_;
     std::vector<io::HierarchicalDoubt> doubts_;
     std::vector<io::HierarchicalLink> links_;
     uint64_t pairCount_ = 0;

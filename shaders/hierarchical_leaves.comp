@@ -1,4 +1,5 @@
-// One pair of triangles: what they exchange in the open; left to rays where something may stand between.
+// One pair of triangles: what they exchange in the open; left to rays where something may stand between. Near pairs, which take
+// ten times the work, are handed on to a dispatch of their own.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -6,14 +7,16 @@
 #include "shaders/io/hierarchical.io.h"
 
 layout(local_size_x = kHierarchicalGroup) in;
+layout(constant_id = 0) const bool kNear = false;
 layout(set = 0, binding = 0) uniform usamplerBuffer nodes;
 layout(set = 0, binding = 1) uniform usamplerBuffer leaves;
 layout(set = 0, binding = 2) uniform usamplerBuffer bvhNodes; // of blockers
 layout(set = 0, binding = 3) uniform usamplerBuffer bvhTriangles;
 layout(set = 0, binding = 4, scalar) readonly buffer Pairs { uvec2 pairs[]; };
 layout(set = 0, binding = 5, scalar) buffer Counters { uint counters[]; };
-layout(set = 0, binding = 6, scalar) writeonly buffer Links { HierarchicalLink links[]; };
-layout(set = 0, binding = 7, scalar) writeonly buffer Doubts { HierarchicalDoubt doubts[]; };
+layout(set = 0, binding = 6, scalar) writeonly buffer Near { uvec2 nearPairs[]; };
+layout(set = 0, binding = 7, scalar) writeonly buffer Links { HierarchicalLink links[]; };
+layout(set = 0, binding = 8, scalar) writeonly buffer Doubts { HierarchicalDoubt doubts[]; };
 layout(push_constant, scalar) uniform Push { HierarchicalLinksParams params; };
 
 #include "shaders/lib/cluster.glsl"
@@ -31,7 +34,12 @@ void main() {
     if (index >= params.pairCount) return;
     uint i = pairs[index].x, j = pairs[index].y;
     Cluster p = clusterAt(i), q = clusterAt(j);
-    vec2 exchange = pairExchange(triangleOf(p), triangleOf(q));
+    bool near;
+    vec2 exchange = pairExchange(triangleOf(p), triangleOf(q), kNear, near);
+    if (!kNear && near) {
+        nearPairs[atomicAdd(counters[kHierarchicalPairs], 1u)] = uvec2(i, j);
+        return;
+    }
     if (p.room != q.room || exchange.x <= 0.0) return;
     exchange /= p.area * q.area;
     HierarchicalLink link = HierarchicalLink(i, j, exchange.x, 0u, 0u, exchange.y);

@@ -30,11 +30,10 @@ vec3 pointOn(Cluster c, float pick, vec2 place) {
 
 // Ray `k`, stratified by a rank-1 lattice with a random shift for each pair: x what passes along it, y what would in the open.
 vec2 castRay(Cluster p, Cluster q, uint seed, uint k, uint nodeCount, float flatness) {
-    vec3 shiftP = vec3(unitOf(hashOf(seed)), unitOf(hashOf(seed + 1u)), unitOf(hashOf(seed + 2u)));
-    vec3 shiftQ = vec3(unitOf(hashOf(seed + 3u)), unitOf(hashOf(seed + 4u)), unitOf(hashOf(seed + 5u)));
-    // Powers of the root of x^7 = x + 1: Roberts' generalised golden ratio in six dimensions.
-    vec3 up = fract(shiftP + float(k) * vec3(0.898653712, 0.807578494, 0.725733412)),
-         uq = fract(shiftQ + float(k) * vec3(0.652183025, 0.586086695, 0.526688868));
+    // Powers of the root of x^7 = x + 1, as fractions of 2^32: Roberts' generalised golden ratio in six dimensions.
+    uvec3 bitsP = uvec3(hashOf(seed), hashOf(seed + 1u), hashOf(seed + 2u)) + k * uvec3(3859688306u, 3468523226u, 3117001274u),
+          bitsQ = uvec3(hashOf(seed + 3u), hashOf(seed + 4u), hashOf(seed + 5u)) + k * uvec3(2801104767u, 2517223199u, 2262111973u);
+    vec3 up = vec3(unitOf(bitsP.x), unitOf(bitsP.y), unitOf(bitsP.z)), uq = vec3(unitOf(bitsQ.x), unitOf(bitsQ.y), unitOf(bitsQ.z));
     vec3 from = pointOn(p, up.x, up.yz), to = pointOn(q, uq.x, uq.yz), d = to - from;
     float r2 = dot(d, d), open_ = max(0.0, dot(p.normal, d)) * max(0.0, -dot(q.normal, d)) / max(r2 * r2, 1e-30);
     return vec2(blockedBetween(from, to, p.room, nodeCount, flatness) ? 0.0 : open_, open_);

@@ -57,10 +57,9 @@ void cutAtPlane(vec3 corner[3], vec3 h, out vec3 part[4]) {
 const vec4 kPairNodes = vec4(0.183434642496, 0.525532409916, 0.796666477414, 0.960289856498);
 const vec4 kPairWeights = vec4(0.362683783378, 0.313706645878, 0.222381034453, 0.101228536290);
 
-float bordersIntegral(vec3 p[4], vec3 q[4], bool wanted) {
+float bordersIntegral(vec3 p[4], vec3 q[4]) {
     float sum = 0.0;
-    uint end = wanted ? 32u : 0u; // a loop that may run no turn: software devices do not skip an `if`
-    [[dont_unroll]] for (uint k = 0u; k < end; ++k) {
+    [[dont_unroll]] for (uint k = 0u; k < 32u; ++k) {
         uint edge = k / 8u, node = k % 4u;
         vec3 from = edge == 0u ? p[0] : edge == 1u ? p[1] : edge == 2u ? p[2] : p[3];
         vec3 along = (edge == 0u ? p[1] : edge == 1u ? p[2] : edge == 2u ? p[3] : p[0]) - from;
@@ -90,7 +89,7 @@ float lambertSum(vec3 corner[4], vec3 normal) {
 float lambertMean(vec3 a, vec3 b, vec3 c, vec3 normal, vec3 q[4], bool wanted) {
     vec3 middle = (a + b + c) / 3.0;
     float sum = 0.0;
-    uint end = wanted ? 7u : 0u;
+    uint end = wanted ? 7u : 0u; // a loop that may run no turn: software devices do not skip an `if`
     [[dont_unroll]] for (uint k = 0u; k < end; ++k) {
         vec3 corner = k % 3u == 0u ? a : k % 3u == 1u ? b : c;
         float out_ = k == 6u ? 0.0 : k < 3u ? 0.696140478028 : -0.410426192314;
@@ -105,8 +104,9 @@ float lambertMean(vec3 a, vec3 b, vec3 c, vec3 normal, vec3 q[4], bool wanted) {
 const float kPairUneven = 3000.0; // ratio of areas from which a point stands for the smaller one
 
 // A_p F_pq and, in y, its error, estimated: of sums round borders that cancel, or of the product rule, which falls with the cube
-// of size over distance. Corners are relative to one of the smaller triangle, so that it keeps its digits however large the other is.
-vec2 pairExchange(Triangle one, Triangle other) {
+// of size over distance. Corners are relative to one of the smaller triangle, so that it keeps its digits however large the other is. Of pairs that are `near` only with
+// `nearOnes`, of others only without: a constant, so that a pipeline has the code of one kind.
+vec2 pairExchange(Triangle one, Triangle other, const bool nearOnes, out bool near) {
     bool swapped = other.area < one.area;
     Triangle p = one, q = other;
     if (swapped) p = other, q = one;
@@ -124,33 +124,35 @@ vec2 pairExchange(Triangle one, Triangle other) {
     bool facing = max(overP.x, max(overP.y, overP.z)) > 0.0 && max(overQ.x, max(overQ.y, overQ.z)) > 0.0;
     float size = sqrt(p.area) + sqrt(q.area), distance_ = length(d);
     float longest = max(max(length(p.ab), length(p.ac)), max(length(q.ab), length(q.ac)));
-    bool near = facing && (min(lowest.x, lowest.y) < 0.0 || max(size, longest) > 2.0 * kPairNear * distance_);
+    near = facing && (min(lowest.x, lowest.y) < 0.0 || max(size, longest) > 2.0 * kPairNear * distance_);
     // Both in units of their size, so that logarithms stay small.
     float unit = 1.0 / max(distance_, size);
     for (int k = 0; k < 3; ++k) {
         cp[k] *= unit;
         cq[k] *= unit;
     }
-    vec3 partP[4], partQ[4];
-    cutAtPlane(cq, overP, partQ);
-    cutAtPlane(cp, overQ, partP);
-    bool uneven = p.area * kPairUneven < q.area;
-    float result = max(0.0, bordersIntegral(partP, partQ, near && !uneven)) / (unit * unit);
-    float mean = lambertMean(partP[0], partP[1], partP[2], p.normal, partQ, near && uneven),
-          rest = lambertMean(partP[0], partP[2], partP[3], p.normal, partQ, near && uneven);
-    float areaA = 0.5 * length(cross(partP[1] - partP[0], partP[2] - partP[0])),
-          areaB = 0.5 * length(cross(partP[2] - partP[0], partP[3] - partP[0]));
-    if (near && uneven) result = (areaA * mean + areaB * rest) / (unit * unit);
-    if (!near) {
+    float result;
+    if (nearOnes) {
+        vec3 partP[4], partQ[4];
+        cutAtPlane(cq, overP, partQ);
+        cutAtPlane(cp, overQ, partP);
+        bool uneven = p.area * kPairUneven < q.area;
+        float mean = lambertMean(partP[0], partP[1], partP[2], p.normal, partQ, uneven),
+              rest = lambertMean(partP[0], partP[2], partP[3], p.normal, partQ, uneven);
+        float areaA = 0.5 * length(cross(partP[1] - partP[0], partP[2] - partP[0])),
+              areaB = 0.5 * length(cross(partP[2] - partP[0], partP[3] - partP[0]));
+        result = uneven ? areaA * mean + areaB * rest : max(0.0, bordersIntegral(partP, partQ));
+    } else {
         float sum = 0.0;
         for (int k = 0; k < 3; ++k) {
             vec3 x = (cp[0] + cp[1] + cp[2]) / 6.0 + 0.5 * cp[k];
             for (int l = 0; l < 3; ++l)
                 sum += kernelBetween(x, p.normal, (cq[0] + cq[1] + cq[2]) / 6.0 + 0.5 * cq[l], q.normal);
         }
-        result = facing ? sum * p.area * q.area * unit * unit / 9.0 : 0.0;
+        result = sum * p.area * q.area * unit * unit * unit * unit / 9.0;
     }
+    result = facing ? result / (unit * unit) : 0.0;
     float relative = longest / max(distance_, 1e-30);
-    return vec2(result, result * (near ? 3e-4 : 0.005 * relative * relative * relative));
+    return vec2(result, result * (nearOnes ? 3e-4 : 0.005 * relative * relative * relative));
 }
 #endif
