@@ -118,7 +118,8 @@ private:
     bool chooseSizes(double wanted) {
         double added = 0;
         for (int round = 0; round < 4; ++round) {
-            if (!chooseEdge(wanted - added) && std::isfinite(grading_.growth)) return false;
+            if (!chooseEdge(wanted - added, round == 0 ? 9 : 4) && std::isfinite(grading_.growth))
+                return false;
             chooseLattices(wanted - added);
             // A few triangles more change the edge length, and so their own number, by next to nothing.
             if (added > 0 && added < 0.02 * wanted_) break;
@@ -132,11 +133,11 @@ private:
     }
 
     // False when even the longest edges leave many more.
-    bool chooseEdge(double wanted) {
+    bool chooseEdge(double wanted, int rounds) {
         double edge = edge_ > 0 ? edge_ : uniformEdge(wanted);
         double least = 1e300;
         double low = 0, high = 0; // edges that give too many, too few
-        for (int round = 0; round < 9; ++round) {
+        for (int round = 0; round < rounds; ++round) {
             const double count = countFor(edge), off = std::abs(count - wanted);
             if (off < least) {
                 least = off;
