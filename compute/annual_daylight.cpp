@@ -405,7 +405,7 @@ std::vector<uint32_t> AnnualDaylight::checkedHours() const {
 // hours.
 void AnnualDaylight::checkAndSetErrors(std::span<const float> lux, std::span<const float> sun,
                                        std::span<float> error) {
-    const SecondsAdded clock(report_.productSeconds);
+    const SecondsAdded clock(report_.checkSeconds);
     const size_t hours = skies_.size(), count = hours ? lux.size() / hours : 0;
     const std::vector<uint32_t> checked = checkedHours();
     std::vector<daylight::Sky> skies;

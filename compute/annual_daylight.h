@@ -31,7 +31,7 @@ struct YearReport {
     size_t withSun = 0;        // hours whose sun enters
     size_t sunOutside = 0;     // sun in the sky, but on no opening from outside
     size_t sunless = 0;        // lit, no sun
-    double skySeconds = 0, sunSeconds = 0, sensorSeconds = 0, productSeconds = 0;
+    double skySeconds = 0, sunSeconds = 0, sensorSeconds = 0, productSeconds = 0, checkSeconds = 0;
     size_t sunlitPatches = 0; // over all hours
     size_t bytes = 0;         // most that was held at once, without the transport's own
     // Against DaylightTransport::light on some hours: RMS of the relative difference over sensors.

@@ -140,11 +140,12 @@ void drawYear(Run& run, const AnnualArguments& arguments, const Scene& scene,
     for (const auto& [row, values] : year.rows)
         temporalChart(weather, values, lux, fmt::format("Illuminance at sensor {}", row))
             .write(arguments.output / fmt::format("temporal-{:04}{}", row, extension));
+    const std::string when = fmt::format("{} o'clock, weather of {}", arguments.occupied, weather.place);
     const auto plan = [&](const char* name, const std::string& title,
                           Range daylight::SensorMetrics::*metric) {
         std::vector<double> values;
         for (const daylight::SensorMetrics& m : year.sensors) values.push_back((m.*metric).value);
-        planChart(scene, sensors.points, sensors.normals, values, percentScale(), title)
+        planChart(scene, sensors.points, sensors.normals, values, percentScale(), title, when)
             .write(arguments.output / (name + extension));
     };
     plan("plan-da", "Daylight autonomy, 300 lux", &daylight::SensorMetrics::da);
@@ -203,6 +204,7 @@ void reportYear(Run& run, const compute::YearReport& year) {
                             {"sun_seconds", year.sunSeconds},
                             {"sensor_seconds", year.sensorSeconds},
                             {"product_seconds", year.productSeconds},
+                            {"check_seconds", year.checkSeconds},
                             {"bytes", year.bytes},
                             {"checked_hours", year.checkedHours},
                             {"check_rms", year.checkRms}};

@@ -80,6 +80,7 @@ struct Solution {
     Scene scene;
     std::optional<SensorTable> sensors; // given, or of the work plane
     compute::Moment moment;
+    std::string title; // when, under which sky
 };
 
 Solution solveOn(Run& run, const IlluminanceArguments& arguments, size_t triangles) {
@@ -91,6 +92,7 @@ Solution solveOn(Run& run, const IlluminanceArguments& arguments, size_t triangl
     s.scene = loadScene(run, meshed);
     const SkySource source(run, arguments.moment, s.scene);
     const daylight::Sky sky = source.skyAt(source.moment());
+    s.title = source.title();
     compute::TransportOptions options;
     if (arguments.maxError > 0) {
         options.formFactors.maxError = std::clamp(arguments.maxError / 10, 1e-5, 2e-3);
@@ -171,7 +173,7 @@ void execute(Run& run, const IlluminanceArguments& arguments) {
     if (!arguments.plan.empty()) {
         std::vector<double> lux;
         for (const compute::LightParts& p : moment.sensors) lux.push_back(compute::photometric(p.total()));
-        planChart(scene, sensors->points, sensors->normals, lux, luxScale(lux), "Illuminance")
+        planChart(scene, sensors->points, sensors->normals, lux, luxScale(lux), "Illuminance", solution.title)
             .write(arguments.plan);
     }
 }

@@ -27,6 +27,7 @@ void reportFormFactors(Run& run, size_t patches, const compute::FormFactorReport
 std::unique_ptr<compute::DaylightTransport> makeTransport(Run& run, const geometry::PatchMesh& mesh,
                                                           const compute::TransportOptions& options) {
     gpu::Device& device = run.device();
+    run.noteAssumed();
     std::unique_ptr<compute::DaylightTransport> transport;
     {
         const StageTimer timer(run, "formfactors");

@@ -51,12 +51,16 @@ SkySource::SkySource(Run& run, const MomentArguments& arguments, const Scene& sc
         assume("time " + daylight::formatTime(moment_));
     if (arguments.sky.empty() && !weather_) assume("sky clear");
     const bool matters = weather_ || daylight::skyDependsOnTime(option_);
-    if (!assumed.empty() && matters) {
-        run.note("assumed: " + assumed);
-        run.assume(assumed);
-    }
+    if (!assumed.empty() && matters) run.assume(assumed);
     run.report()["sky"] = {{"option", weather_ ? "weather" : option_}, {"north_deg", scene.northDeg}};
     if (matters) run.report()["site"] = {{"latitude", site_.latitudeDeg}, {"longitude", site_.longitudeDeg}};
+}
+
+std::string SkySource::title() const {
+    const std::string time = daylight::formatTime(moment_);
+    if (weather_) return fmt::format("{}, {}", time, weather_->place);
+    if (!daylight::skyDependsOnTime(option_)) return std::filesystem::path(option_).filename().string();
+    return fmt::format("{}, sky {}", time, option_);
 }
 
 daylight::SunPosition SkySource::sunAt(const daylight::Moment& moment) const {

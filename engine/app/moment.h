@@ -19,6 +19,8 @@ public:
     // What the user left open is taken from the rig or the defaults, printed once and kept in the report.
     SkySource(Run& run, const MomentArguments& arguments, const Scene& scene);
 
+    // Of `moment()`, for drawings: "2026-03-21T13:00solar, sky clear".
+    std::string title() const;
     // `--time`, or its default.
     const daylight::Moment& moment() const { return moment_; }
     daylight::SunPosition sunAt(const daylight::Moment& moment) const;

@@ -271,7 +271,8 @@ void drawNorthAndScale(Chart& chart, const Scene& scene, const PlanDrawing& plan
 } // namespace
 
 Chart planChart(const Scene& scene, std::span<const glm::dvec3> points, std::span<const glm::dvec3> normals,
-                std::span<const double> values, const ValueScale& scale, const std::string& title) {
+                std::span<const double> values, const ValueScale& scale, const std::string& title,
+                const std::string& subtitle) {
     const std::vector<Floor> floors = floorsOf(scene.mesh);
     std::vector<std::vector<Sample>> samples(floors.size());
     std::set<std::pair<int64_t, int64_t>> taken;
@@ -296,7 +297,8 @@ Chart planChart(const Scene& scene, std::span<const glm::dvec3> points, std::spa
             const glm::dvec2 p = plan.pixel(s.at);
             chart.rectangle(p.x - 0.8, p.y - 0.8, 1.6, 1.6, {90, 90, 90});
         }
-    chart.text({kMargin, 26}, title, 15);
+    chart.text({kMargin, 22}, title, 15);
+    chart.text({kMargin, 38}, subtitle, 11);
     drawScale(chart, scale, {chart.width() - kLegend, kHead + 10}, std::max(plan.size().y, 260.0) - 20);
     drawNorthAndScale(chart, scene, plan);
     return chart;

@@ -12,6 +12,7 @@ namespace heliodon::app {
 // Sensors that look up and stand over a floor are shown, the first of several at one place; between them the
 // value is linear over Delaunay triangles of each room, out to the walls that of the nearest sensor.
 Chart planChart(const Scene& scene, std::span<const glm::dvec3> points, std::span<const glm::dvec3> normals,
-                std::span<const double> values, const ValueScale& scale, const std::string& title);
+                std::span<const double> values, const ValueScale& scale, const std::string& title,
+                const std::string& subtitle);
 
 } // namespace heliodon::app

@@ -64,14 +64,21 @@ void Run::note(const std::string& text) {
     if (!quiet_) fmt::print(stderr, "{}\n", text);
 }
 
+void Run::assume(const std::string& what, bool aloud) {
+    const std::string before = report_.value("assumed", "");
+    if (before.find(what) != std::string::npos) return; // a finer mesh of the same input
+    report_["assumed"] = before.empty() ? what : before + ", " + what;
+    if (aloud) assumed_ += (assumed_.empty() ? "" : ", ") + what;
+}
+
+void Run::noteAssumed() {
+    if (!assumed_.empty()) note("assumed: " + assumed_);
+    assumed_.clear();
+}
+
 void Run::warn(const std::string& text) {
     addOnce(report_["warnings"], text);
     note("warning: " + text);
-}
-
-void Run::assume(const std::string& what) {
-    const std::string before = report_.value("assumed", "");
-    report_["assumed"] = before.empty() ? what : before + ", " + what;
 }
 
 void Run::modelled(const std::string& what) {
@@ -88,6 +95,7 @@ void Run::addStageSeconds(const std::string& stage, double seconds) {
 }
 
 void Run::finish(const std::string& error) {
+    if (error.empty()) noteAssumed(); // commands without light
     if (reportFile_.empty()) return;
     report_["seconds"] = watch_.seconds();
     if (!error.empty()) report_["error"] = error;

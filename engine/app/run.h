@@ -26,7 +26,10 @@ public:
     nlohmann::json& report() { return report_; } // fields of the command's own
     void note(const std::string& text);          // to stderr unless --quiet
     void warn(const std::string& text);          // to stderr unless --quiet, and to the report
-    void assume(const std::string& what);        // to the report: what stands in for options not given
+    // What stands in for options not given, said once: to the report and, if `aloud`, to noteAssumed, which
+    // is called when all input has been read: errors of input stand alone.
+    void assume(const std::string& what, bool aloud = true);
+    void noteAssumed();
     void modelled(const std::string& what);
     void skipped(const std::string& whatAndWhy);
     bool showsProgress() const { return !quiet_; }
@@ -40,6 +43,7 @@ private:
     std::filesystem::path reportFile_;
     bool quiet_;
     nlohmann::json report_;
+    std::string assumed_; // not yet noted
     std::unique_ptr<gpu::Device> device_;
     compute::Stopwatch watch_;
 };

@@ -81,8 +81,7 @@ double modelScale(Run& run, const std::optional<double>& given, const geometry::
     const bool small = box.high.y - box.low.y < kLowestRoom;
     const std::string what =
         small ? "model 12 times smaller than its building" : "model as large as its building";
-    if (small) run.note("assumed: " + what);
-    run.assume(what);
+    run.assume(what, small);
     return small ? 1.0 / 12 : 1.0;
 }
 

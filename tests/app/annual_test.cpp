@@ -91,11 +91,54 @@ TEST_F(Annual, blinds_dim_every_command_that_computes_light) {
     }
 }
 
+TEST_F(Annual, slightly_negative_irradiance_is_none_and_nonsense_is_named) {
+    const std::string text = readText(folder / "days.epw");
+    const auto ran = [&](const std::string& from, const std::string& to) {
+        std::string changed = text;
+        changed.replace(changed.find(from), from.size(), to);
+        writeText(folder / "odd.epw", changed);
+        return heliodon("annual " + kOffice + " --weather " + in("odd.epw") + " --quiet -o " + in("odd"));
+    };
+    // Instruments read a little below zero at night; DNI of the first lit hour, 2/28 8:00, is line 16.
+    const Outcome negative = ran(",400,500,120,", ",400,-3,120,");
+    EXPECT_EQ(negative.exitCode, 0) << negative.output;
+    const size_t sensors = nlohmann::json::parse(readText(folder / "odd/summary.json"))["sensors"];
+    for (const float lux : app::readMatrix(folder / "odd/illuminance.npy", sensors, 72)) EXPECT_GE(lux, 0);
+    const Outcome nonsense = ran(",400,500,120,", ",400,-300,120,");
+    EXPECT_EQ(nonsense.exitCode, 2);
+    EXPECT_NE(nonsense.output.find("odd.epw:16"), std::string::npos) << nonsense.output;
+    const Outcome cut = ran(",400,500,120,0,0,0,0,180,3,5,5,16,77777,9,0,10,0.1,0,88,0.2,0,0", ",400");
+    EXPECT_EQ(cut.exitCode, 2);
+    EXPECT_NE(cut.output.find("odd.epw:16"), std::string::npos) << cut.output;
+}
+
+TEST_F(Annual, illuminance_to_a_wanted_error_says_how_it_got_there) {
+    const std::string command = "illuminance " HELIODON_TEST_DATA
+                                "/compute/office/model.obj --up z --sky overcast "
+                                "--sensors " HELIODON_TEST_DATA "/compute/office/sensors.csv --quiet -o " +
+                                in("lux.csv") + " --report " + in("report.json");
+    const auto accuracy = [&](const std::string& more) {
+        const Outcome outcome = heliodon(command + more);
+        EXPECT_EQ(outcome.exitCode, 0) << outcome.output;
+        return nlohmann::json::parse(readText(folder / "report.json"));
+    };
+    const nlohmann::json loose = accuracy(" --max-error 0.06"), tight = accuracy(" --max-error 0.03");
+    EXPECT_LE(loose["accuracy"]["reached"].get<double>(), 0.06);
+    EXPECT_LE(tight["accuracy"]["reached"].get<double>(), 0.03);
+    EXPECT_GE(tight["triangles"].get<int>(), loose["triangles"].get<int>());
+    EXPECT_EQ(tight["accuracy"]["rounds"].back()["error"], tight["accuracy"]["reached"]);
+    const nlohmann::json given = accuracy(" --max-error 0.001 --triangles 300");
+    EXPECT_GT(given["accuracy"]["reached"].get<double>(), 0.001);
+    EXPECT_EQ(given["accuracy"]["why"], "the mesh was given by --triangles");
+    EXPECT_FALSE(given["warnings"].empty());
+}
+
 TEST_F(Annual, a_plan_of_illuminance_is_a_drawing) {
     const std::string command =
         "illuminance " + kOffice + " --sky overcast --quiet -o " + in("lux.csv") + " --plan ";
     ASSERT_EQ(heliodon(command + in("plan.svg")).exitCode, 0);
     const std::string svg = readText(folder / "plan.svg");
+    EXPECT_NE(svg.find("solar, sky overcast"), std::string::npos); // when, and under which sky
     EXPECT_TRUE(svg.starts_with("<svg")) << svg.substr(0, 40);
     EXPECT_NE(svg.find("<polyline"), std::string::npos);
     EXPECT_TRUE(svg.ends_with("</svg>\n"));

@@ -141,6 +141,17 @@ TEST_F(BadInput, windows_in_a_state_that_is_none) {
     expectRefused(command + "door=slats:45", {"--blinds", "door", "expected one of"});
 }
 
+TEST_F(BadInput, what_was_assumed_is_not_said_before_what_is_wrong) {
+    const std::string sketch = HELIODON_TEST_DATA "/geometry/sketches/p04_L.json --triangles 100 ";
+    expectRefused("illuminance " + sketch + "--sky cie:99 -o " + in("out.csv"), {"--sky", "cie:99"});
+    expectRefused("timelapse " + sketch +
+                      "--from 2026-03-21T10:00solar --to 2026-03-21T11:00solar --step PT1H --view "
+                      "projectors -o " +
+                      in("out"),
+                  {"--view"});
+    expectRefused("illuminance " + sketch + "--device none -o " + in("out.csv"), {"--device", "none"});
+}
+
 TEST_F(BadInput, a_time_that_is_no_time) {
     expectRefused("render " + kPhoto + " --rig " + kRig + " --time tomorrow -o " + in("out"), {"tomorrow"});
 }

@@ -1,6 +1,7 @@
 // Time-lapses that go on where another stopped, and runs that are interrupted, as a user meets them.
 #include <nlohmann/json.hpp>
 
+#include "engine/app/film.h"
 #include "tests/app/program.h"
 
 namespace heliodon::test {
@@ -95,6 +96,54 @@ TEST_F(Timelapse, frames_of_the_same_light_are_what_each_alone_is) {
     const std::vector<double> frames = meanLux(folder / "day/frames.csv");
     ASSERT_EQ(frames.size(), 5u);
     for (const double lux : frames) EXPECT_NEAR(lux, alone, 2e-4 * alone + 0.005); // two digits in the table
+}
+
+// An interrupted film leaves its frames in OUT.frames, as a folder of pictures of the same job.
+TEST_F(Timelapse, a_film_goes_on_from_its_frames) {
+    const auto film = [&](const std::string& output, const std::string& more) {
+        return heliodon("timelapse " + kOffice +
+                        " --sky overcast --from 2026-06-21T10:00solar --to "
+                        "2026-06-21T13:00solar --step PT1H --quiet -o " +
+                        in(output) + " --report " + in("report.json") + more);
+    };
+    ASSERT_EQ(film("whole.mp4", " --resume").exitCode, 0);
+    EXPECT_EQ(drawn(), 4u);
+    EXPECT_FALSE(std::filesystem::exists(folder / "whole.frames")); // the film is whole
+    ASSERT_EQ(film("part.frames", "").exitCode, 0);
+    for (const char* missing : {"00002.png", "00003.png"})
+        std::filesystem::remove(folder / "part.frames" / missing);
+    ASSERT_EQ(film("part.mp4", " --resume").exitCode, 0);
+    EXPECT_EQ(drawn(), 2u);
+    EXPECT_FALSE(std::filesystem::exists(folder / "part.frames"));
+    EXPECT_GT(std::filesystem::file_size(folder / "part.mp4"), 1000u);
+    EXPECT_EQ(readText(folder / "part.mp4"), readText(folder / "whole.mp4"));
+}
+
+TEST_F(Timelapse, a_contact_sheet_has_a_cell_for_every_day_and_hour) {
+    const auto sheet = [&](const std::string& hours) {
+        const Outcome outcome = heliodon("render " + kOffice +
+                                         " --site 42,-88 --contact-sheet --days 06-21,12-21 "
+                                         "--hours " +
+                                         hours + " --quiet -o " + in("sheet"));
+        EXPECT_EQ(outcome.exitCode, 0) << outcome.output;
+        return app::readPicture(folder / "sheet/contact-sheet.png");
+    };
+    const passes::Image8 two = sheet("0,12"), three = sheet("0,9,12");
+    const int cell = three.width - two.width; // one column more
+    EXPECT_GE(cell, 400);
+    EXPECT_EQ(three.height, two.height);
+    // Midnight is dark, noon is not, in both rows; within the cells, away from titles.
+    const auto mean = [&](double x, double y) {
+        double sum = 0;
+        for (int j = -40; j < 40; ++j)
+            for (int i = -40; i < 40; ++i)
+                sum += two.rgb[3 * (static_cast<size_t>(y + j) * static_cast<size_t>(two.width) +
+                                    static_cast<size_t>(x + i)) +
+                               1];
+        return sum / 6400;
+    };
+    for (const double y : {0.3 * two.height, 0.78 * two.height})
+        EXPECT_GT(mean(two.width - 0.5 * cell, y), mean(two.width - 1.5 * cell, y) + 20);
 }
 
 TEST_F(Timelapse, an_interrupted_run_says_so_and_leaves_nothing) {
