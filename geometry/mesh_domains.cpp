@@ -16,6 +16,7 @@ using Edge = std::pair<uint32_t, uint32_t>;
 using Frame = MeshDomain::Frame;
 constexpr double kStraightSine = 1e-7;
 constexpr double kFlat = 1e-7; // of the domain's extent: how far corners of merged faces lie off their plane
+constexpr double kMostTurn = 0.7; // radians along an edge of a triangle
 
 // Axes of a face: v up along the wall, or any axis of a level one.
 Frame frameOfFace(const Building& building, const Face& face) {
@@ -72,7 +73,7 @@ bool repeatsCorner(const MeshDomain& domain) {
 
 class DomainFinder {
 public:
-    explicit DomainFinder(const Building& building) : building_(building) {}
+    DomainFinder(const Building& building, double edge) : building_(building), edge_(edge) {}
 
     std::vector<MeshDomain> find() {
         std::map<std::tuple<uint32_t, uint32_t, Role, uint32_t>, std::vector<uint32_t>> groups;
@@ -152,6 +153,7 @@ private:
     bool unroll(const std::vector<uint32_t>& members, const std::map<Edge, uint32_t>& faceOf) {
         for (const uint32_t f : members)
             if (std::abs(faceNormal(building_, building_.faces[f]).y) > 1e-6) return false;
+        if (turnsSharply(members, faceOf)) return false;
         std::set<uint32_t> rest(members.begin(), members.end());
         std::vector<MeshDomain> found;
         while (!rest.empty()) {
@@ -163,6 +165,26 @@ private:
         }
         domains_.insert(domains_.end(), found.begin(), found.end());
         return true;
+    }
+
+    // Within the length of a triangle's edge: triangles over several facets would cut off too much.
+    bool turnsSharply(const std::vector<uint32_t>& members, const std::map<Edge, uint32_t>& faceOf) const {
+        for (const uint32_t f : members) {
+            const glm::dvec3 normal = faceNormal(building_, building_.faces[f]);
+            Frame frame = frameOfFace(building_, building_.faces[f]);
+            measure(frame, building_.faces[f]);
+            for (const auto& loop : building_.faces[f].loops)
+                for (size_t k = 0; k < loop.size(); ++k) {
+                    const Edge edge{loop[k], loop[(k + 1) % loop.size()]};
+                    const auto other = faceOf.find({edge.second, edge.first});
+                    if (other == faceOf.end() || !upright(edge)) continue;
+                    const double cosine =
+                        glm::dot(normal, faceNormal(building_, building_.faces[other->second]));
+                    const double turn = std::acos(std::clamp(cosine, -1.0, 1.0));
+                    if (turn * edge_ > kMostTurn * (frame.high - frame.low)) return true;
+                }
+        }
+        return false;
     }
 
     void layOut(uint32_t start, const std::map<Edge, uint32_t>& faceOf, std::set<uint32_t>& rest,
@@ -258,6 +280,7 @@ private:
     }
 
     const Building& building_;
+    double edge_;
     std::vector<MeshDomain> domains_;
 };
 
@@ -285,8 +308,8 @@ glm::dvec3 faceNormal(const Building& building, const Face& face) {
     return glm::normalize(sum);
 }
 
-std::vector<MeshDomain> findMeshDomains(const Building& building) {
-    return DomainFinder(building).find();
+std::vector<MeshDomain> findMeshDomains(const Building& building, double edge) {
+    return DomainFinder(building, edge).find();
 }
 
 } // namespace heliodon::geometry

@@ -34,6 +34,7 @@ glm::dvec3 faceNormal(const Building& building, const Face& face);
 
 // Corners in a straight line that no domain needs are left out of all of them, so that seams between faces of
 // one surface leave no trace. A face with a twin is a domain by itself.
-std::vector<MeshDomain> findMeshDomains(const Building& building);
+// `edge`: length that triangles will have, metres; a wall that turns too far within it stays in facets.
+std::vector<MeshDomain> findMeshDomains(const Building& building, double edge);
 
 } // namespace heliodon::geometry

@@ -34,11 +34,25 @@ constexpr double kUniform = std::numeric_limits<double>::infinity();
 constexpr std::array kGradings{Grading{1.4, 0.6}, Grading{2.0, 1.0}, Grading{kUniform, kUniform}};
 constexpr double kMostForGrading = 0.3; // of the triangles that were asked for
 
+// Of regular triangles, so many, over all faces.
+double regularEdge(const Building& building, double count) {
+    double twice = 0;
+    for (const Face& face : building.faces) {
+        glm::dvec3 sum{0};
+        for (const auto& loop : face.loops)
+            for (size_t i = 1; i + 1 < loop.size(); ++i)
+                sum += glm::cross(building.vertices[loop[i]] - building.vertices[loop[0]],
+                                  building.vertices[loop[i + 1]] - building.vertices[loop[0]]);
+        twice += glm::length(sum);
+    }
+    return std::sqrt(2 / std::sqrt(3.0) * twice / count);
+}
+
 class BuildingMesher {
 public:
     BuildingMesher(const Building& building, size_t wanted)
-        : building_(building), wanted_(static_cast<double>(wanted)), domains_(findMeshDomains(building)),
-          sampler_(building, domains_) {}
+        : building_(building), wanted_(static_cast<double>(wanted)),
+          domains_(findMeshDomains(building, regularEdge(building, wanted_))), sampler_(building, domains_) {}
 
     // The count is known before only to within what optimisation adds; where triangles are few that matters.
     PatchMesh mesh() {
@@ -50,7 +64,7 @@ public:
             const bool graded = std::isfinite(grading.growth);
             const double additions = graded ? std::min(kMostAdditions, kAdditionsOfCount * wanted_) : 0;
             double aim = wanted_; // half of them are expected
-            if (sampler_.hasSmallParts(uniformEdge(wanted_))) aim -= additions;
+            if (sampler_.hasSmallParts(regularEdge(building_, wanted_))) aim -= additions;
             for (int attempt = 0; attempt < kAttempts; ++attempt) {
                 // Without grading there is no way but this one.
                 if (!chooseSizes(aim) && graded) break;
@@ -70,20 +84,6 @@ public:
 
 private:
     const Face& faceOf(size_t domain) const { return building_.faces[domains_[domain].faces[0]]; }
-
-    double totalArea() const {
-        double twice = 0;
-        for (const MeshDomain& domain : domains_)
-            for (const auto& loop : domain.planar)
-                for (size_t i = 0; i < loop.size(); ++i) {
-                    const glm::dvec2 a = loop[i], b = loop[(i + 1) % loop.size()];
-                    twice += a.x * b.y - b.x * a.y;
-                }
-        return 0.5 * twice;
-    }
-
-    // Of regular triangles, so many.
-    double uniformEdge(double count) const { return std::sqrt(4 / std::sqrt(3.0) * totalArea() / count); }
 
     // How many triangles the domain has without those that refinement adds.
     double countOf(size_t d, double lattice) const {
@@ -134,7 +134,7 @@ private:
 
     // False when even the longest edges leave many more.
     bool chooseEdge(double wanted, int rounds) {
-        double edge = edge_ > 0 ? edge_ : uniformEdge(wanted);
+        double edge = edge_ > 0 ? edge_ : regularEdge(building_, wanted);
         double least = 1e300;
         double low = 0, high = 0; // edges that give too many, too few
         for (int round = 0; round < rounds; ++round) {

@@ -223,6 +223,28 @@ TEST(Mesher, curved_wall_with_partitions_against_it_is_meshed) {
     EXPECT_NEAR(area, faceArea(building), 1e-3 * area); // folds, as above
 }
 
+// A round column in the room, 0.79 in of radius where triangles have edges of 1.2 and 2.4 in: none may cut
+// through it.
+TEST(Mesher, a_column_thinner_than_the_triangles_keeps_its_shape) {
+    Sketch sketch = readSketch(HELIODON_TEST_DATA "/geometry/sketches/p01_rect_tight.json");
+    Arc column;
+    column.id = "column";
+    column.radius = 0.6;
+    column.a1Deg = 360;
+    sketch.arcs = {column};
+    const Closure closure = closeSketch(sketch);
+    ASSERT_TRUE(closure.building) << closure.report.message;
+    for (const size_t wanted : {500u, 2000u}) {
+        const PatchMesh mesh = meshBuilding(*closure.building, {wanted});
+        expectNoTVertices(mesh);
+        double volume = 0;
+        for (size_t i = 0; i < mesh.patchCount(); ++i)
+            volume -= glm::dot(0.5 * patchAreaVector(mesh, i), patchCentroid(mesh, i)) / 3;
+        const double whole = closure.report.rooms[0].volumeFt3;
+        EXPECT_NEAR(volume / std::pow(kMetresPerInch, 3), whole, 1e-6 * whole) << wanted;
+    }
+}
+
 TEST(Mesher, facets_of_one_arc_are_one_surface) {
     const Building building = buildingOf("p09_D_curved.json");
     const PatchMesh mesh = meshBuilding(building);
