@@ -1,4 +1,4 @@
-// The surfaces that projectors show, cut along the outlines of what each projector sees
+// The surfaces that projectors show, meshed along the outlines of what each projector sees
 // (geometry/projector_visibility.h), with every projector's share of the picture. Shares run smoothly between
 // vertices and sum to one. Where the rule for vertices leaves a band to nobody (no projector sees all of the
 // triangles round a vertex), each triangle goes to those that see it.
@@ -10,7 +10,7 @@
 
 namespace heliodon::passes {
 
-// Cost: that of the cut, about 20 us for each patch that an outline crosses.
+// Cost: that of splitByProjectorVisibility, and 1 us a triangle.
 DrawMesh shownMesh(const geometry::PatchMesh& mesh, const VertexLight& vertexLight,
                    const geometry::Occluders& occluders, const geometry::Rig& rig);
 
