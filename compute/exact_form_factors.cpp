@@ -13,6 +13,7 @@
 #include "shaders/io/exact_form_factors.io.h"
 #include "spirv/exact_blocks_comp.h"
 #include "spirv/exact_cells_comp.h"
+#include "spirv/exact_few_comp.h"
 #include "spirv/exact_finish_comp.h"
 #include "spirv/exact_pairs_comp.h"
 #include "spirv/exact_sides_comp.h"
@@ -22,9 +23,9 @@ namespace heliodon::compute {
 namespace {
 
 constexpr uint32_t kTile = 2304;                      // pieces along a side of what is handled at once
-constexpr uint32_t kBatch = 1u << 17;                 // records whose cells are refined together
+constexpr uint32_t kBatch = 1u << 16;                 // records whose cells are refined together
 constexpr size_t kSumBytes = 12;                      // per record: form factor, its fraction, error
-constexpr uint32_t kMaxCells = 1u << 22;              // of one level of one batch
+constexpr uint32_t kMaxCells = 1u << 21;              // of one level of one batch
 constexpr uint32_t kChunk = 65535u * io::kExactGroup; // invocations of one dispatch
 constexpr uint32_t kMostGroups = 65535;
 constexpr double kQuickFrom = 3e-5; // row error from which four points settle most pairs
@@ -63,8 +64,11 @@ public:
         for (uint32_t clear : {0u, 1u})
             pairsKernel_[clear] = &kernels.get(device, exact_pairs_comp, "exact_pairs",
                                                {{"kCorners", scene_.mostCorners}, {"kClear", clear}});
-        firstKernel_ = &kernels.get(device, exact_cells_comp, "exact_cells first", {{"kFirstLevel", 1u}});
-        cellsKernel_ = &kernels.get(device, exact_cells_comp, "exact_cells", {{"kFirstLevel", 0u}});
+        const uint32_t corners = std::min(scene_.mostCorners, io::kExactFewCorners);
+        manyKernel_ = &kernels.get(device, exact_cells_comp, "exact_cells");
+        for (uint32_t blockers : {0u, 1u, 2u})
+            fewKernel_[blockers] = &kernels.get(device, exact_few_comp, "exact_few",
+                                                {{"kCorners", corners}, {"kBlockers", blockers}});
         finishKernel_ = &kernels.get(device, exact_finish_comp, "exact_finish");
         makeBuffers(storage);
         statistics.blockers = scene_.blockerCount;
@@ -125,8 +129,9 @@ private:
         blocks_ = gpu::Buffer(device_, mostClusters * mostClusters * 4, "exact blocks");
         masks_ = gpu::Buffer(device_, mostClusters * mostClusters * words_ * 4, "exact masks");
         counters_ = gpu::Buffer(device_, io::kExactCounters * 4, "exact counters", gpu::Place::host);
-        records_ = gpu::Buffer(device_, static_cast<size_t>(recordCapacity_) * sizeof(io::ExactRecord),
-                               "exact records");
+        for (gpu::Buffer* records : {&records_, &fewRecords_})
+            *records = gpu::Buffer(device_, static_cast<size_t>(recordCapacity_) * sizeof(io::ExactRecord),
+                                   "exact records");
         lists_ = gpu::Buffer(device_, static_cast<size_t>(listCapacity_) * 4, "exact lists");
         sums_ = gpu::Buffer(device_, static_cast<size_t>(recordCapacity_) * kSumBytes, "exact sums");
         for (gpu::Buffer& cells : cells_)
@@ -151,14 +156,18 @@ private:
 
     void runTile(const ExactTileRange& a, const ExactTileRange& b) {
         classify(a, b);
-        const uint32_t visible = std::min(counter(io::kExactVisibleCount), recordCapacity_);
-        const uint32_t partial = std::min(counter(io::kExactPartialCount), recordCapacity_ - visible);
+        const uint32_t open = std::min(counter(io::kExactOpenCount), recordCapacity_);
+        const uint32_t one = std::min(counter(io::kExactOneCount), recordCapacity_);
+        const uint32_t two = std::min(counter(io::kExactTwoCount), recordCapacity_ - one);
+        const uint32_t many = std::min(counter(io::kExactManyCount), recordCapacity_ - open);
         statistics.overflows += counter(io::kExactOverflowCount);
         counter(io::kExactOverflowCount) = 0;
-        statistics.visible += visible;
-        statistics.partial += partial;
-        integrate(0, visible, a, b);
-        integrate(recordCapacity_ - partial, partial, a, b);
+        statistics.partial += counter(io::kExactPartialCount);
+        statistics.visible += open + one + two + many - counter(io::kExactPartialCount);
+        integrate(*fewKernel_[0], records_, 0, open, a, b);
+        integrate(*fewKernel_[1], fewRecords_, 0, one, a, b);
+        integrate(*fewKernel_[2], fewRecords_, recordCapacity_ - two, two, a, b);
+        integrate(*manyKernel_, records_, recordCapacity_ - many, many, a, b);
     }
 
     void classify(const ExactTileRange& a, const ExactTileRange& b) {
@@ -208,33 +217,31 @@ private:
             commands.dispatch(*pairsKernel_[clear ? 1 : 0],
                               {high(), low(), normal(), centre(), range(), clusters(), sidesA_,
                                sidesOf(diagonal), counters_, blocks_, masks_, records_, lists_, there_,
-                               backOf(diagonal)},
+                               backOf(diagonal), fewRecords_},
                               params, io::kExactStrips, std::min(kMostGroups, count - done));
         }
     }
 
-    void integrate(uint32_t first, uint32_t count, const ExactTileRange& a, const ExactTileRange& b) {
+    void integrate(const gpu::Kernel& kernel, const gpu::Buffer& records, uint32_t first, uint32_t count,
+                   const ExactTileRange& a, const ExactTileRange& b) {
         if (count == 0) return;
         Timer timer(statistics.cubatureSeconds);
-        gpu::Commands zero(device_);
-        zero.fill(sums_, 0, static_cast<size_t>(first) * kSumBytes, static_cast<size_t>(count) * kSumBytes);
-        device_.submitAndWait(std::move(zero));
         for (uint32_t done = 0; done < count; done += kBatch)
-            refine(first + done, std::min(kBatch, count - done));
+            refine(kernel, records, first + done, std::min(kBatch, count - done));
         gpu::Commands commands(device_);
         for (uint32_t done = 0; done < count; done += kChunk) {
             const uint32_t part = std::min(kChunk, count - done);
             const io::ExactFinishParams params{first + done, part, a.pieces, b.pieces};
-            commands.dispatch(*finishKernel_, {normal(), range(), records_, sums_, there_, backOf(&a == &b)},
+            commands.dispatch(*finishKernel_, {normal(), range(), records, sums_, there_, backOf(&a == &b)},
                               params, gpu::groupsFor(part, io::kExactGroup));
         }
         commands.barrier(gpu::Stage::compute, gpu::Stage::host);
         device_.submitAndWait(std::move(commands));
-        collectErrors(first, count);
+        collectErrors(records, first, count);
     }
 
     // Level by level: cells that are not good enough come back as four.
-    void refine(uint32_t first, uint32_t count) {
+    void refine(const gpu::Kernel& kernel, const gpu::Buffer& records, uint32_t first, uint32_t count) {
         bool firstLevel = true;
         for (uint32_t depth = 0; count > 0; ++depth) {
             counter(io::kExactCellCount) = 0;
@@ -245,11 +252,12 @@ private:
                                                   first + done,
                                                   part,
                                                   cellCapacity_,
+                                                  firstLevel ? 1u : 0u,
                                                   depth >= options_.maxDepth,
                                                   options_.maxError >= kQuickFrom ? 1u : 0u,
                                                   tolerance_};
-                commands.dispatch(firstLevel ? *firstKernel_ : *cellsKernel_,
-                                  {high(), low(), normal(), centre(), range(), records_, lists_,
+                commands.dispatch(kernel,
+                                  {high(), low(), normal(), centre(), range(), records, lists_,
                                    cells_[depth % 2], counters_, sums_, cells_[(depth + 1) % 2]},
                                   params, gpu::groupsFor(part, io::kExactGroup));
             }
@@ -264,8 +272,8 @@ private:
         }
     }
 
-    void collectErrors(uint32_t first, uint32_t count) {
-        const auto records = records_.download<io::ExactRecord>(count, first * sizeof(io::ExactRecord));
+    void collectErrors(const gpu::Buffer& list, uint32_t first, uint32_t count) {
+        const auto records = list.download<io::ExactRecord>(count, first * sizeof(io::ExactRecord));
         const auto sums =
             sums_.download<uint32_t>(3 * static_cast<size_t>(count), static_cast<size_t>(first) * kSumBytes);
         for (uint32_t k = 0; k < count; ++k) {
@@ -282,10 +290,10 @@ private:
     uint32_t words_ = 1, recordCapacity_ = 1, listCapacity_ = 1, cellCapacity_ = 1;
     float tolerance_ = 0;
     ExactScene scene_;
-    const gpu::Kernel *sidesKernel_, *blocksKernel_, *pairsKernel_[2], *firstKernel_, *cellsKernel_,
+    const gpu::Kernel *sidesKernel_, *blocksKernel_, *pairsKernel_[2], *fewKernel_[3], *manyKernel_,
         *finishKernel_;
     gpu::Buffer there_, back_; // the tile and its mirror image
-    gpu::Buffer sidesA_, sidesB_, blocks_, masks_, counters_, records_, lists_, sums_, cells_[2];
+    gpu::Buffer sidesA_, sidesB_, blocks_, masks_, counters_, records_, fewRecords_, lists_, sums_, cells_[2];
     std::vector<double> rowSquares_;
 };
 

@@ -4,6 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
+#extension GL_KHR_shader_subgroup_vote : require
 #include "shaders/io/exact_form_factors.io.h"
 #include "shaders/lib/exact_scene.glsl"
 #include "shaders/lib/exact_shaft.glsl"
@@ -27,20 +28,24 @@ bool findBlockers(uint a, uint b, Origin o, uint block, out bool hidden) {
     bool clear = true;
     hidden = false;
     buildShaft();
-    [[dont_unroll]] for (uint w = 0u; w < params.words && !hidden; ++w) {
+    uint w = 0u;
+    [[dont_unroll]] do {
         uvec3 sa = sidesA[(params.piecesA + a - params.firstA) * params.words + w];
         uvec3 sb = sidesB[(params.piecesB + b - params.firstB) * params.words + w];
         uint bits = between(sa, sb, params.closed != 0u), wholes = wholesBetween(sa, sb), mask = 0u;
-        [[dont_unroll]] while (bits != 0u && !hidden) {
+        [[dont_unroll]] do {
             uint bit = bits & (~bits + 1u);
-            bits &= bits - 1u;
-            uvec4 range = texelFetch(faceRange, int(params.pieceCount + 32u * w) + findLSB(bit));
-            if (!outsideShaft(o, range)) mask |= bit;
-            hidden = (mask & bit & wholes) != 0u && hides(o, range, (sa.x & bit) != 0u ? -1.0 : 1.0);
-        }
+            bits &= ~bit;
+            uvec4 range = texelFetch(faceRange, int(params.pieceCount + 32u * w) + max(findLSB(bit), 0));
+            if (bit != 0u && !hidden && !outsideShaft(o, range)) {
+                mask |= bit;
+                if ((bit & wholes) != 0u) hidden = hides(o, range, (sa.x & bit) != 0u ? -1.0 : 1.0);
+            }
+        } while (subgroupAny(bits != 0u && !hidden));
         masks[block * params.words + w] = mask;
         clear = clear && mask == 0u;
-    }
+        ++w;
+    } while (w < params.words);
     return clear;
 }
 

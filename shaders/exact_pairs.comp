@@ -1,10 +1,10 @@
 // Pairs of pieces of one block: not facing and proven hidden stay zero; far and visible is integrated here by a product rule;
-// the rest becomes a record, with the blockers that may stand between. Software devices run both sides of every branch but
-// leave a loop when no lane is in it: costly steps are loops of one turn.
+// the rest becomes a record, with the blockers that may stand between.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_control_flow_attributes : require
+#extension GL_KHR_shader_subgroup_vote : require
 #include "shaders/io/exact_form_factors.io.h"
 #include "shaders/lib/exact_scene.glsl"
 #include "shaders/lib/exact_shaft.glsl"
@@ -20,6 +20,7 @@ layout(set = 0, binding = 11, scalar) writeonly buffer Records { ExactRecord rec
 layout(set = 0, binding = 12, scalar) writeonly buffer Lists { uint lists[]; };
 layout(set = 0, binding = 13, scalar) writeonly buffer There { float there[]; }; // [row][column] of the tile
 layout(set = 0, binding = 14, scalar) writeonly buffer Back { float back[]; };   // [column][row]
+layout(set = 0, binding = 15, scalar) writeonly buffer FewRecords { ExactRecord fewRecords[]; };
 layout(push_constant, scalar) uniform Push { ExactPairsParams params; };
 layout(constant_id = 1) const bool kClear = true; // nothing can stand in any of these blocks
 
@@ -27,30 +28,39 @@ const float kInversePi = 0.318309886184;
 
 uint listed[kExactListed];
 uint listedCount;
+bool few; // exact_few.comp can do the pair
+
+uint betweenOf(uint i, uint j, uint block, uint w, out uint front, out uint wholes) {
+    uvec3 si = sidesA[(i - params.firstPieceA) * params.words + w];
+    uvec3 sj = sidesB[(j - params.firstPieceB) * params.words + w];
+    front = si.x;
+    wholes = wholesBetween(si, sj);
+    return between(si, sj, params.closed != 0u) & masks[block * params.words + w];
+}
 
 // Lists blockers of the block's mask that may stand between; true when one hides the pair.
 bool listBlockers(uint i, uint j, Origin o, uint block) {
-    bool hidden = false, built = false;
-    [[dont_unroll]] for (uint w = 0u; w < params.words && !hidden; ++w) {
-        uvec3 si = sidesA[(i - params.firstPieceA) * params.words + w];
-        uvec3 sj = sidesB[(j - params.firstPieceB) * params.words + w];
-        uint bits = between(si, sj, params.closed != 0u) & masks[block * params.words + w], wholes = wholesBetween(si, sj);
-        [[dont_unroll]] for (bool build = bits != 0u && !built; build; build = false) {
-            buildShaft();
-            built = true;
+    buildShaft();
+    uint w = 0u, front, wholes;
+    uint bits = betweenOf(i, j, block, w, front, wholes);
+    bool hidden = false;
+    [[dont_unroll]] do {
+        bool more;
+        [[dont_unroll]] do { // to the next blocker
+            more = bits == 0u && w + 1u < params.words;
+            if (more) bits = betweenOf(i, j, block, ++w, front, wholes);
+        } while (subgroupAny(more));
+        uint bit = bits & (~bits + 1u);
+        bits &= ~bit;
+        uint face = params.pieceCount + 32u * w + uint(max(findLSB(bit), 0));
+        uvec4 range = texelFetch(faceRange, int(face));
+        if (bit != 0u && !hidden && !outsideShaft(o, range)) {
+            if (listedCount < kExactListed) listed[listedCount] = face;
+            ++listedCount;
+            few = few && range.y <= kExactFewCorners;
+            if ((bit & wholes) != 0u) hidden = hides(o, range, (front & bit) != 0u ? -1.0 : 1.0);
         }
-        [[dont_unroll]] while (bits != 0u && !hidden) {
-            uint bit = bits & (~bits + 1u);
-            bits &= bits - 1u;
-            uint face = params.pieceCount + 32u * w + uint(findLSB(bit));
-            uvec4 range = texelFetch(faceRange, int(face));
-            bool keep = !outsideShaft(o, range);
-            if (keep && listedCount < kExactListed) listed[listedCount] = face;
-            if (keep) ++listedCount;
-            [[dont_unroll]] for (bool proof = keep && (bit & wholes) != 0u; proof; proof = false)
-                hidden = hides(o, range, (si.x & bit) != 0u ? -1.0 : 1.0);
-        }
-    }
+    } while (subgroupAny(!hidden && (bits != 0u || w + 1u < params.words)));
     return hidden;
 }
 
@@ -85,12 +95,27 @@ float distanceTo(Origin o, vec3 point, uint face) {
     uvec4 range = texelFetch(faceRange, int(face));
     vec3 n = texelFetch(faceNormal, int(face)).xyz, k0 = cornerFrom(o, range.x + range.y - 1u);
     float height = dot(n, point - k0), beyond = 0.0;
-    [[dont_unroll]] for (uint c = 0u; c < range.y; ++c) {
-        vec3 k1 = cornerFrom(o, range.x + c);
-        beyond = max(beyond, dot(normalize(cross(k1 - k0, n)), point - k0));
+    uint c = 0u;
+    [[dont_unroll]] do {
+        vec3 k1 = cornerFrom(o, range.x + min(c, range.y - 1u));
+        if (c < range.y) beyond = max(beyond, dot(normalize(cross(k1 - k0, n)), point - k0));
         k0 = k1;
-    }
+        ++c;
+    } while (subgroupAny(c < range.y));
     return length(vec2(height, beyond));
+}
+
+void addRecord(uint outer, uint inner, uint firstListed, uint count) {
+    uint kind = !few ? kExactManyCount : count == 0u ? kExactOpenCount : count == 1u ? kExactOneCount : kExactTwoCount;
+    bool fromEnd = kind == kExactManyCount || kind == kExactTwoCount;
+    uint slot = atomicAdd(counters[kind], 1u), place = fromEnd ? params.recordCapacity - 1u - slot : slot;
+    ExactRecord record = ExactRecord(outer, inner, firstListed, count);
+    if (slot >= params.recordCapacity)
+        atomicAdd(counters[kExactOverflowCount], 1u);
+    else if (few && count > 0u)
+        fewRecords[place] = record;
+    else
+        records[place] = record;
 }
 
 void addPartial(uint i, uint j, Origin o, float areaI, float areaJ) {
@@ -98,27 +123,31 @@ void addPartial(uint i, uint j, Origin o, float areaI, float areaJ) {
     vec3 ci = centreFrom(o, i), cj = centreFrom(o, j);
     float clearI = 1e30, clearJ = 1e30;
     uint count = min(listedCount, kExactListed);
-    [[dont_unroll]] for (uint m = 0u; m < count; ++m) {
-        clearI = min(clearI, distanceTo(o, ci, listed[m]));
-        clearJ = min(clearJ, distanceTo(o, cj, listed[m]));
-    }
+    uint m = 0u;
+    [[dont_unroll]] do {
+        uint face = listed[min(m, count - 1u)];
+        clearI = min(clearI, distanceTo(o, ci, face));
+        clearJ = min(clearJ, distanceTo(o, cj, face));
+        ++m;
+    } while (subgroupAny(m < count));
     bool iIsOuter = clearI * sqrt(areaJ) >= clearJ * sqrt(areaI);
     uint first = atomicAdd(counters[kExactListCount], count);
-    uint slot = atomicAdd(counters[kExactPartialCount], 1u);
-    bool fits = first + count <= params.listCapacity && slot < params.recordCapacity;
+    atomicAdd(counters[kExactPartialCount], 1u);
+    bool fits = first + count <= params.listCapacity;
     if (!fits || listedCount > kExactListed) atomicAdd(counters[kExactOverflowCount], 1u);
     if (!fits) return;
-    [[dont_unroll]] for (uint m = 0u; m < count; ++m) lists[first + m] = listed[m];
-    records[params.recordCapacity - 1u - slot] = ExactRecord(iIsOuter ? i : j, iIsOuter ? j : i, first, count);
+    m = 0u;
+    [[dont_unroll]] do {
+        if (m < count) lists[first + m] = listed[m];
+        ++m;
+    } while (subgroupAny(m < count));
+    few = few && count <= kExactFew;
+    addRecord(iIsOuter ? i : j, iIsOuter ? j : i, first, count);
 }
 
 void addNear(uint i, uint j, float areaI, float areaJ) {
-    uint slot = atomicAdd(counters[kExactVisibleCount], 1u);
     bool iIsOuter = areaI <= areaJ;
-    if (slot < params.recordCapacity)
-        records[slot] = ExactRecord(iIsOuter ? i : j, iIsOuter ? j : i, 0u, 0u);
-    else
-        atomicAdd(counters[kExactOverflowCount], 1u);
+    addRecord(iIsOuter ? i : j, iIsOuter ? j : i, 0u, 0u);
 }
 
 // Whether the product rule is good enough: its error falls with the cube of size over distance.
@@ -137,14 +166,14 @@ void classify(uint i, uint j, uint block) {
     bool facing = heights.y > 0.0 && heights.w > 0.0, straddles = heights.x < 0.0 || heights.z < 0.0;
     bool hidden = false;
     listedCount = 0u;
-    if (!kClear) {
-        [[dont_unroll]] for (bool once = facing; once; once = false) hidden = listBlockers(i, j, o, block);
-        [[dont_unroll]] for (bool once = facing && !hidden && listedCount > 0u; once; once = false)
-            addPartial(i, j, o, a.area, b.area);
+    few = max(a.count, b.count) <= kExactFewCorners;
+    if (!kClear && facing) {
+        hidden = listBlockers(i, j, o, block);
+        if (!hidden && listedCount > 0u) addPartial(i, j, o, a.area, b.area);
     }
     bool visible = facing && !hidden && listedCount == 0u;
     bool far = visible && !straddles && isFar(i, j, o, a.area, b.area);
-    [[dont_unroll]] for (bool once = far; once; once = false) {
+    if (far) {
         float exchange = productRule(a.normal, b.normal);
         uint row = texelFetch(faceRange, int(i)).w, column = texelFetch(faceRange, int(j)).w;
         there[row * params.columns + column] = exchange / a.area;
@@ -157,8 +186,10 @@ void main() {
     uint block = blocks[params.firstBlock + gl_WorkGroupID.y];
     uvec4 a = texelFetch(clusters, int(params.firstA + block / params.countB));
     uvec4 b = texelFetch(clusters, int(params.firstB + block % params.countB));
-    [[dont_unroll]] for (uint p = gl_GlobalInvocationID.x; p < a.y * b.y; p += kExactStrips * kExactGroup) {
+    uint count = a.y * b.y, p = gl_GlobalInvocationID.x;
+    [[dont_unroll]] do {
         uint i = a.x + p / b.y, j = b.x + p % b.y;
-        [[dont_unroll]] for (bool once = i < j; once; once = false) classify(i, j, block);
-    }
+        if (p < count && i < j) classify(i, j, block);
+        p += kExactStrips * kExactGroup;
+    } while (subgroupAny(p < count));
 }

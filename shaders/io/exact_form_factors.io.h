@@ -10,17 +10,22 @@ const uint kExactListed = 64u;         // blockers of one pair that classificati
 const float kExactOne = 1073741824.0f; // a form factor of 1 in fixed point: sums do not depend on their order
 const float kExactFraction = 4096.0f;    // and of what is left over, for 2^20 cells a pair
 const uint kExactCellWords = 7u;       // a cell of cubature: record, three corners in the plane of the outer piece
+const uint kExactFew = 2u;             // so many blockers are quickly done, when no face has more corners than these
+const uint kExactFewCorners = 4u;
 const uint kExactStrips = 1u;          // groups that share the pairs of one block
 
 // Counters, one uint each.
-const uint kExactVisibleCount = 0u;
-const uint kExactPartialCount = 1u; // filled from the end of the records
+const uint kExactOpenCount = 0u; // pairs that nothing can stand between, exact_few.comp
+const uint kExactManyCount = 1u; // for exact_cells.comp; filled from the end of the same records
 const uint kExactListCount = 2u;
 const uint kExactCellCount = 3u;
 const uint kExactOverflowCount = 4u; // of any capacity: results are less exact than claimed
 const uint kExactClearCount = 5u;    // blocks that nothing can stand in
 const uint kExactMixedCount = 6u;    // and others, filled from the end of the blocks
-const uint kExactCounters = 8u;
+const uint kExactOneCount = 7u;     // pairs with one blocker, in records of their own, exact_few.comp too
+const uint kExactTwoCount = 8u;     // with two; filled from their end
+const uint kExactPartialCount = 9u; // pairs with blockers
+const uint kExactCounters = 10u;
 
 // Faces come in this order: pieces, blockers, clusters. A cluster (uvec4) is: first piece, pieces, face of the rectangle that
 // holds them, 1 where it lies in one plane.
@@ -79,6 +84,7 @@ struct ExactCellsParams {
     uint first; // record (first level) or cell
     uint count;
     uint cellCapacity;
+    uint firstLevel;      // 1: whole pairs, 0: cells
     uint maxDepthReached; // 1: do not split any more
     uint quick;           // 1: look at four points of a partly hidden pair first
     float tolerance;

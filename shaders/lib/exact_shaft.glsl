@@ -1,4 +1,6 @@
 // What may stand between two convex faces: their shaft, and blockers that hide one from the other. Needs exact_scene.glsl.
+// Loops end when no lane of the subgroup needs them: software devices run a loop's body once more than its condition holds
+// when it is asked at the top, and what lanes that left a loop take out of it is not safe there.
 // Shafts: E. A. Haines, J. R. Wallace, "Shaft culling for efficient ray-cast radiosity", 1991.
 #ifndef EXACT_SHAFT_GLSL
 #define EXACT_SHAFT_GLSL
@@ -63,13 +65,15 @@ void buildShaft() {
 bool outsideShaft(Origin o, uvec4 range) {
     uint outside = 0u;
     [[unroll]] for (int w = 0; w < 2 * kCorners; ++w) outside |= wall[w] != vec3(0.0) ? 1u << w : 0u;
-    [[dont_unroll]] for (uint c = 0u; c < range.y && outside != 0u; ++c) {
-        vec3 p = cornerFrom(o, range.x + c);
+    uint c = 0u;
+    [[dont_unroll]] do {
+        vec3 p = cornerFrom(o, range.x + min(c, range.y - 1u)); // the last one again does no harm
         [[unroll]] for (int w = 0; w < 2 * kCorners; ++w) {
             vec3 d = p - foot[w];
             if (dot(wall[w], d) > kFlat * (abs(d.x) + abs(d.y) + abs(d.z))) outside &= ~(1u << w);
         }
-    }
+        ++c;
+    } while (subgroupAny(c < range.y && outside != 0u));
     return outside != 0u;
 }
 
@@ -77,8 +81,9 @@ bool outsideShaft(Origin o, uvec4 range) {
 bool hides(Origin o, uvec4 range, float sense) {
     vec3 k0 = cornerFrom(o, range.x + range.y - 1u);
     bool all = true;
-    [[dont_unroll]] for (uint c = 0u; c < range.y && all; ++c) {
-        vec3 k1 = cornerFrom(o, range.x + c);
+    uint c = 0u;
+    [[dont_unroll]] do {
+        vec3 k1 = cornerFrom(o, range.x + min(c, range.y - 1u)); // an edge without length at the end crosses nothing
         [[unroll]] for (int p = 0; p < kCorners; ++p) {
             vec3 n = sense * cross(k0 - ca[p], k1 - k0);
             float slack = -kFlat * length(n);
@@ -88,7 +93,8 @@ bool hides(Origin o, uvec4 range, float sense) {
             }
         }
         k0 = k1;
-    }
+        ++c;
+    } while (subgroupAny(c < range.y && all));
     return all;
 }
 

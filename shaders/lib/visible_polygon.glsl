@@ -1,7 +1,7 @@
 // How much of a convex polygon is seen from a point behind convex blockers, exactly. In the polygon's plane each blocker's shadow is
 // bounded by lines. The lit part's form factor is the whole's less that of the union of shadows, which is a sum over the union's
 // border of triangles with one corner of the polygon: no polygon is ever cut, rounding moves a border but cannot tear it open.
-// Needs exact_scene.glsl and lambert.glsl.
+// Needs exact_scene.glsl and lambert.glsl. Loops: see exact_shaft.glsl.
 #ifndef VISIBLE_POLYGON_GLSL
 #define VISIBLE_POLYGON_GLSL
 
@@ -46,10 +46,12 @@ float nearness(Frame f, vec3 point, float size) { return 5e-7 * (length(f.origin
 // Extent of the piece across a line; rounding errors count as touching.
 vec2 extent(vec3 line, float flatness) {
     vec2 range = vec2(1e30, -1e30);
-    NO_UNROLL for (int k = 0; k < pieceCorners; ++k) {
-        float d = at(line, piece[k]);
+    int k = 0;
+    NO_UNROLL do {
+        float d = at(line, piece[clamp(k, 0, max(pieceCorners - 1, 0))]);
         range = vec2(min(range.x, d), max(range.y, d));
-    }
+        ++k;
+    } while (subgroupAny(k < pieceCorners));
     if (range.x >= -flatness) range.x = max(range.x, 0.0);
     if (range.y <= flatness) range.y = min(range.y, 0.0);
     return range;
@@ -116,17 +118,20 @@ bool castShadow(Frame f, Origin o, Face blocker, vec3 point, uint rank, float si
     bool outside = false;
     float near = nearness(f, point, size);
     // The blocker's own plane is the cheapest and most often has all of the piece outside.
-    NO_UNROLL for (int c = int(blocker.count); c >= 0 && !outside; --c) {
-        vec3 line = shadowLine(f, o, blocker, point, sense, uint(c));
+    int c = int(blocker.count);
+    NO_UNROLL do {
+        vec3 line = shadowLine(f, o, blocker, point, sense, uint(max(c, 0)));
         vec2 range = extent(line, near);
-        outside = range.y <= 0.0;
-        if (outside || range.x >= 0.0) continue;
-        if (lineCount < kLineCap) {
-            lines[lineCount] = line;
-            owner[lineCount++] = rank;
-        } else
-            linesLost = true;
-    }
+        outside = outside || range.y <= 0.0;
+        if (c >= 0 && range.x < 0.0 && !outside) {
+            if (lineCount < kLineCap) {
+                lines[lineCount] = line;
+                owner[lineCount++] = rank;
+            } else
+                linesLost = true;
+        }
+        --c;
+    } while (subgroupAny(c >= 0 && !outside));
     if (outside) lineCount = before;
     return !outside && lineCount == before;
 }
@@ -168,73 +173,93 @@ vec2 narrow(vec2 range, Stretch s, vec3 line, uint rank, float near) {
 float sweep(Frame f, vec3 point, vec3 normal, Stretch s, bool covered, float near) {
     float sum = 0.0, t = s.range.x;
     vec3 apex = lift(f, piece[0]) - point;
-    NO_UNROLL while (t < s.range.y) {
+    bool going = t < s.range.y;
+    NO_UNROLL do {
         float reach = t, next = s.range.y;
         vec2 range = s.range;
-        NO_UNROLL for (int w = 0; w < lineCount; ++w) {
+        int w = 0;
+        NO_UNROLL do {
             uint rank = owner[w];
             range = narrow(range, s, lines[w], rank, near);
-            if (w + 1 == lineCount || owner[w + 1] != rank) { // all lines of this blocker seen
+            if (w < lineCount && (w + 1 == lineCount || owner[w + 1] != rank)) { // all lines of this blocker seen
                 bool filled = rank != s.rank && range.x < range.y;
                 if (filled && range.x <= t) reach = max(reach, range.y);
                 if (filled && range.x > t) next = min(next, range.x);
                 range = s.range;
             }
-        }
+            ++w;
+        } while (subgroupAny(w < lineCount));
         bool inShadow = reach > t;
         float end = min(inShadow ? reach : next, s.range.y);
-        NO_UNROLL for (bool counts = inShadow == covered; counts; counts = false)
+        if (going && inShadow == covered)
             sum += lambertTriangle(apex, lift(f, s.from + t * s.along) - point, lift(f, s.from + end * s.along) - point, normal);
-        t = end;
-    }
+        if (going) t = end;
+        going = going && t < s.range.y;
+    } while (subgroupAny(going));
     return sum;
 }
+
+const vec2 kEmpty = vec2(1e30, -1e30);
 
 // Twice pi times the form factor of the union of the listed shadows within the piece.
 float shadowSum(Frame f, vec3 point, vec3 normal, float size) {
     float sum = 0.0;
     float near = nearness(f, point, size);
     // The piece's own border; edges at the first corner span no triangle with it.
-    NO_UNROLL for (int k = 1; k + 1 < pieceCorners; ++k) {
-        vec2 along = piece[k + 1] - piece[k];
+    int k = 1;
+    NO_UNROLL do {
+        vec2 along = piece[min(k + 1, kPieceCap - 1)] - piece[k];
         float reach = length(along);
-        Stretch s = Stretch(piece[k], along / reach, vec2(0.0, reach), vec2(-along.y, along.x) / reach, kPiece);
+        vec2 range = k + 1 < pieceCorners ? vec2(0.0, reach) : kEmpty;
+        Stretch s = Stretch(piece[k], along / reach, range, vec2(-along.y, along.x) / reach, kPiece);
         sum += sweep(f, point, normal, s, true, near);
-    }
-    NO_UNROLL for (int w = 0; w < lineCount; ++w) {
+        ++k;
+    } while (subgroupAny(k + 1 < pieceCorners));
+    int w = 0;
+    NO_UNROLL do {
         vec3 line = lines[w];
         Stretch s = Stretch(-line.z * line.xy, vec2(line.y, -line.x), vec2(-size, size), line.xy, owner[w]);
-        vec2 range = s.range;
-        vec2 a = piece[pieceCorners - 1];
-        NO_UNROLL for (int k = 0; k < pieceCorners; ++k) {
+        vec2 range = w < lineCount ? s.range : kEmpty;
+        vec2 a = piece[max(pieceCorners - 1, 0)];
+        k = 0;
+        NO_UNROLL do {
             vec2 b = piece[k], edge = b - a, inward = vec2(-edge.y, edge.x);
             float d = dot(inward, s.from - a), slope = dot(inward, s.along), t = -d / slope;
-            if (slope > 0.0) range.x = max(range.x, t);
-            if (slope < 0.0) range.y = min(range.y, t);
-            if (slope == 0.0 && d < 0.0) range = vec2(1e30, -1e30);
+            if (k < pieceCorners) {
+                if (slope > 0.0) range.x = max(range.x, t);
+                if (slope < 0.0) range.y = min(range.y, t);
+                if (slope == 0.0 && d < 0.0) range = kEmpty;
+            }
             a = b;
-        }
+            ++k;
+        } while (subgroupAny(k < pieceCorners));
         Stretch mate = s; // of two lines of one shadow that coincide (a blocker that stands on the piece) one counts
         mate.rank = uint(w);
-        NO_UNROLL for (int m = 0; m < lineCount; ++m)
-            if (m != w && owner[m] == s.rank) range = narrow(range, mate, lines[m], uint(m), near);
+        int m = 0;
+        NO_UNROLL do {
+            if (m < lineCount && m != w && owner[m] == s.rank) range = narrow(range, mate, lines[m], uint(m), near);
+            ++m;
+        } while (subgroupAny(m < lineCount));
         s.range = range;
         sum += sweep(f, point, normal, s, false, near);
-    }
+        ++w;
+    } while (subgroupAny(w < lineCount));
     return sum;
 }
 
 // Form factor from a point to what is lit of the piece behind the listed shadows.
 float litFactor(Frame f, vec3 point, vec3 normal, float size) {
     float whole = 0.0;
-    vec3 a = lift(f, piece[pieceCorners - 1]) - point;
-    NO_UNROLL for (int k = 0; k < pieceCorners; ++k) {
+    vec3 a = lift(f, piece[max(pieceCorners - 1, 0)]) - point;
+    int k = 0;
+    NO_UNROLL do {
         vec3 b = lift(f, piece[k]) - point;
-        whole -= lambertEdge(a, b, normal); // clockwise seen from the point
+        if (k < pieceCorners) whole -= lambertEdge(a, b, normal); // clockwise seen from the point
         a = b;
-    }
+        ++k;
+    } while (subgroupAny(k < pieceCorners));
     float shadow = 0.0;
-    NO_UNROLL for (bool once = lineCount > 0; once; once = false) shadow = shadowSum(f, point, normal, size);
+    if (lineCount > 0) shadow = shadowSum(f, point, normal, size);
     float lit = whole - shadow;
     return lit > kLeft * whole ? 0.159154943092 * lit : 0.0;
 }

@@ -1,0 +1,163 @@
+// Cubature over one cell of a pair: Lambert's formula of what is visible from seven points of the outer piece. Cells whose two
+// rules disagree are split in four for the next round. The shader that includes this declares what is seen, from a point given
+// in the plane of the outer piece:
+//   void loadPair(uint record);        sets `pair` and, at the first level, `outer`
+//   float seen(vec2 at);               form factor from the point to what it sees of the inner piece
+//   vec3 fromInner(vec2 at);           the point, relative to a corner of the inner piece
+//   float bendDistance(vec2 at);       how far it is from where that bends: the border of the inner piece
+//   bool accuracyLost();
+// Rule: J. Radon, "Zur mechanischen Kubatur", 1948 (degree 5), with the degree-2 rule on four of its points.
+// Needs shaders/io/exact_form_factors.io.h. Loops: see exact_shaft.glsl.
+#ifndef EXACT_CUBATURE_GLSL
+#define EXACT_CUBATURE_GLSL
+
+layout(local_size_x = kExactGroup) in;
+layout(set = 0, binding = 5, scalar) readonly buffer Records { ExactRecord records[]; };
+layout(set = 0, binding = 6, scalar) readonly buffer Lists { uint lists[]; };
+layout(set = 0, binding = 7, scalar) readonly buffer Cells { uint cells[]; };
+layout(set = 0, binding = 8, scalar) buffer Counters { uint counters[]; };
+layout(set = 0, binding = 9, scalar) buffer Sums { uvec3 sums[]; }; // per record: form factor, its fraction, error
+layout(set = 0, binding = 10, scalar) writeonly buffer NextCells { uint nextCells[]; };
+layout(push_constant, scalar) uniform Push { ExactCellsParams params; };
+
+const int kOuterCap = int(kExactPieceCorners) + 2; // one more corner for each of two cuts
+
+struct Pair {
+    uint record;
+    ExactRecord r;
+    float outerArea;
+    float innerArea;
+    float innerSize; // farthest corner from the first
+    float worst;     // the larger of both form factors over that of the outer piece
+};
+Pair pair;
+vec2 outer[kOuterCap]; // what of the outer piece lies above the inner one's plane
+int outerCorners;
+
+void loadPair(uint record);
+float seen(vec2 at);
+vec3 fromInner(vec2 at);
+float bendDistance(vec2 at);
+bool accuracyLost();
+
+const float kQuickError = 2.0; // four points agree by accident more often than seven
+
+// x by the rule of degree 5, y how far the farther of two rules of degree 2 is from it.
+// A quick look takes the centre and the far three alone.
+vec2 overCell(vec2 a, vec2 b, vec2 c, bool quick) {
+    // Barycentric weight of the two lesser corners. Three points at (1 - 2 t, t, t) and the centre integrate quadratics when
+    // the three weigh 1/4 / (1 - 3 t)^2 together; shadows make one such rule agree by accident, seldom both.
+    const float kNear = 0.470142064105, kFar = 0.101286507323;
+    const float kFarLow = 0.25 / ((1.0 - 3.0 * kFar) * (1.0 - 3.0 * kFar));
+    const float kNearLow = 0.25 / ((1.0 - 3.0 * kNear) * (1.0 - 3.0 * kNear));
+    vec3 sums = vec3(0.0);
+    // One call, so that drivers that inline everything compile it once.
+    int points = quick ? 4 : 7, k = 0;
+    [[dont_unroll]] do {
+        int turn = k % 4;
+        vec2 corner = turn == 0 ? a : turn == 1 ? b : c;
+        float t = k == 3 ? 1.0 / 3.0 : k < 3 ? kFar : kNear;
+        float f = seen(t * (a + b + c) + (1.0 - 3.0 * t) * corner);
+        if (k < points) sums += k < 3 ? vec3(0.0, f, 0.0) : k > 3 ? vec3(f, 0.0, 0.0) : vec3(0.0, 0.0, f);
+        ++k;
+    } while (subgroupAny(k < points));
+    float centre = sums.z;
+    float byFar = kFarLow / 3.0 * sums.y + (1.0 - kFarLow) * centre;
+    if (quick) return vec2(byFar, kQuickError * abs(byFar - centre));
+    float value = 0.132394152788 * sums.x + 0.125939180545 * sums.y + 0.225 * centre;
+    float byNear = kNearLow / 3.0 * sums.x + (1.0 - kNearLow) * centre;
+    return vec2(value, max(abs(value - byNear), abs(value - byFar)));
+}
+
+float crossOf(vec2 a, vec2 b) { return a.x * b.y - a.y * b.x; }
+
+void storeCell(uint slot, vec2 a, vec2 b, vec2 c) {
+    uint w = slot * kExactCellWords;
+    nextCells[w] = pair.record;
+    nextCells[w + 1u] = floatBitsToUint(a.x);
+    nextCells[w + 2u] = floatBitsToUint(a.y);
+    nextCells[w + 3u] = floatBitsToUint(b.x);
+    nextCells[w + 4u] = floatBitsToUint(b.y);
+    nextCells[w + 5u] = floatBitsToUint(c.x);
+    nextCells[w + 6u] = floatBitsToUint(c.y);
+}
+
+// Cells so large that two agreeing rules prove nothing: a bend or a shadow could hide between the points.
+const float kShadowShare = 250.0;
+bool tooLarge(vec2 a, vec2 b, vec2 c, float share) {
+    vec2 middle = (a + b + c) / 3.0;
+    float size = max(length(b - a), max(length(c - b), length(a - c)));
+    if (size > 1.5 * bendDistance(middle)) return share * pair.worst > 6.0 * params.tolerance;
+    vec3 d = fromInner(middle);
+    float most = min(1.0, pair.innerArea * 0.318309886184 / max(dot(d, d) - pair.innerSize * pair.innerSize, 1e-30));
+    return pair.r.listed > 0u && share * pair.worst * most > kShadowShare * params.tolerance;
+}
+
+// Puts cells on the list of the next round: this one again, or its four quarters. False where the list is full.
+bool refine(vec2 a, vec2 b, vec2 c, bool quarters) {
+    uint count = quarters ? 4u : 1u;
+    uint slot = atomicAdd(counters[kExactCellCount], count);
+    bool fits = slot + count <= params.cellCapacity;
+    vec2 ab = 0.5 * (a + b), bc = 0.5 * (b + c), ca = 0.5 * (c + a);
+    uint k = 0u;
+    [[dont_unroll]] do {
+        vec2 p = quarters ? k == 0u ? a : k == 1u ? b : k == 2u ? c : bc : a;
+        vec2 q = quarters ? k == 0u ? ab : k == 1u ? bc : ca : b;
+        vec2 r = quarters ? k == 0u ? ca : k == 1u ? ab : k == 2u ? bc : ab : c;
+        if (fits && k < count) storeCell(slot + k, p, q, r);
+        ++k;
+    } while (subgroupAny(k < count));
+    if (!fits) atomicAdd(counters[kExactOverflowCount], 1u);
+    return fits;
+}
+
+// x the contribution to the form factor, y its error; zero when the cell was split.
+vec2 integrate(vec2 a, vec2 b, vec2 c) {
+    float share = 0.5 * abs(crossOf(b - a, c - a)) / pair.outerArea;
+    bool mayBeSplit = params.maxDepthReached == 0u && share > 0.0;
+    bool quick = params.firstLevel != 0u && params.quick != 0u && pair.r.listed > 0u;
+    bool split = mayBeSplit && tooLarge(a, b, c, share), again = false;
+    vec2 result = vec2(0.0, split ? share : 0.0);
+    if (!split && share > 0.0) {
+        result = share * overCell(a, b, c, quick);
+        // Errors of many small cells add up: the smaller the cell, the less it may add.
+        bool bad = mayBeSplit && result.y * pair.worst > params.tolerance * sqrt(share);
+        split = bad && !quick;
+        again = bad && quick; // all seven points in the next round
+    }
+    if (split || again) result = refine(a, b, c, split) ? vec2(0.0) : result;
+    return result;
+}
+
+void main() {
+    uint index = gl_GlobalInvocationID.x;
+    if (index >= params.count) return;
+    index += params.first;
+    uint w = index * kExactCellWords;
+    loadPair(params.firstLevel != 0u ? index : cells[w]);
+    if (params.firstLevel == 0u) {
+        outerCorners = outerCorners == 0 ? 0 : 3;
+        [[unroll]] for (uint k = 0u; k < 3u; ++k)
+            outer[k] = vec2(uintBitsToFloat(cells[w + 1u + 2u * k]), uintBitsToFloat(cells[w + 2u + 2u * k]));
+    }
+    vec2 sum = vec2(0.0);
+    int k = 1;
+    [[dont_unroll]] do {
+        if (k + 1 < outerCorners) sum += integrate(outer[0], outer[k], outer[k + 1]);
+        ++k;
+    } while (subgroupAny(k + 1 < outerCorners));
+    if (accuracyLost()) atomicAdd(counters[kExactOverflowCount], 1u);
+    // Whole numbers: the sum is the same in whatever order the cells finish.
+    // The fraction is summed apart: rounding a hundred thousand cells alike would show in the sixth digit.
+    float scaled = sum.x * kExactOne;
+    uint value = uint(scaled), rest = uint((scaled - float(value)) * kExactFraction);
+    uint error = uint(min(sum.y, 1.0) * kExactOne);
+    bool only = params.firstLevel != 0u; // of this record so far
+    if (only) sums[pair.record] = uvec3(value, rest, error);
+    if (!only && (value | rest | error) != 0u) {
+        atomicAdd(sums[pair.record].x, value);
+        atomicAdd(sums[pair.record].y, rest);
+        atomicAdd(sums[pair.record].z, error);
+    }
+}
+#endif
