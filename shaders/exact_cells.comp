@@ -7,14 +7,16 @@
 #include "shaders/io/exact_form_factors.io.h"
 #include "shaders/lib/lambert.glsl"
 #include "shaders/lib/exact_scene.glsl"
-#include "shaders/lib/visible_polygon.glsl"
 #include "shaders/lib/exact_cubature.glsl"
+#include "shaders/lib/visible_polygon.glsl"
 
 // `piece` is what of the inner piece lies above the outer one's plane.
 Face outerFace;
 Frame outerFrame;
 Frame innerFrame;
 Origin origin;
+vec3 innerNormal;
+bool bySampling = false;
 
 void loadPair(uint record) {
     pair.record = record;
@@ -24,6 +26,7 @@ void loadPair(uint record) {
     origin = originAt(outerFace.first);
     outerFrame = frameOf(origin, outerFace);
     innerFrame = frameOf(origin, face);
+    innerNormal = face.normal;
     pair.outerArea = outerFace.area;
     pair.innerArea = face.area;
     pair.worst = max(1.0, outerFace.area / face.area);
@@ -43,14 +46,17 @@ void loadPair(uint record) {
 float seen(vec2 at) {
     vec3 point = lift(outerFrame, at);
     lineCount = 0;
+    linesLost = false;
     bool hidden = false;
-    uint m = 0u;
-    NO_UNROLL do {
-        if (m < pair.r.listed && !hidden)
-            hidden = castShadow(innerFrame, origin, faceAt(lists[pair.r.firstListed + m]), point, m, pair.innerSize);
-        ++m;
-    } while (subgroupAny(m < pair.r.listed && !hidden));
-    return hidden ? 0.0 : max(0.0, litFactor(innerFrame, point, outerFace.normal, pair.innerSize));
+    NO_UNROLL for (uint m = 0u; m < pair.r.listed && !hidden; ++m)
+        hidden = castShadow(innerFrame, origin, faceAt(lists[pair.r.firstListed + m]), point, m, pair.innerSize);
+    float share = 1.0;
+    NO_UNROLL for (bool once = linesLost && !hidden; once; once = false) {
+        share = litShareByRays(innerFrame, origin, point, outerFace.normal, innerNormal, pair.r.firstListed, pair.r.listed);
+        bySampling = true;
+        lineCount = 0;
+    }
+    return hidden ? 0.0 : share * max(0.0, litFactor(innerFrame, point, outerFace.normal, pair.innerSize));
 }
 
 vec3 fromInner(vec2 at) { return lift(outerFrame, at) - innerFrame.origin; }
@@ -65,18 +71,15 @@ float segmentDistance(vec3 p, vec3 a, vec3 b) {
 float bendDistance(vec2 at) {
     vec3 point = lift(outerFrame, at), normal = outerFace.normal;
     float nearest = 1e30;
-    vec3 a = lift(innerFrame, piece[max(pieceCorners - 1, 0)]);
+    vec3 a = lift(innerFrame, piece[pieceCorners - 1]);
     float flat_ = 1e-6 * (pair.innerSize + sqrt(pair.outerArea));
-    int k = 0;
-    NO_UNROLL do {
+    NO_UNROLL for (int k = 0; k < pieceCorners; ++k) {
         vec3 b = lift(innerFrame, piece[k]);
         bool inPlane = abs(dot(normal, a - point)) <= flat_ && abs(dot(normal, b - point)) <= flat_;
-        float distance_ = inPlane ? min(length(a - point), length(b - point)) : segmentDistance(point, a, b);
-        if (k < pieceCorners) nearest = min(nearest, distance_);
+        nearest = min(nearest, inPlane ? min(length(a - point), length(b - point)) : segmentDistance(point, a, b));
         a = b;
-        ++k;
-    } while (subgroupAny(k < pieceCorners));
+    }
     return nearest;
 }
 
-bool accuracyLost() { return linesLost; }
+bool sampled() { return bySampling; }

@@ -143,4 +143,4 @@ float bendDistance(vec2 at) {
     return nearest;
 }
 
-bool accuracyLost() { return false; }
+bool sampled() { return false; }

@@ -5,7 +5,7 @@
 //   float seen(vec2 at);               form factor from the point to what it sees of the inner piece
 //   vec3 fromInner(vec2 at);           the point, relative to a corner of the inner piece
 //   float bendDistance(vec2 at);       how far it is from where that bends: the border of the inner piece
-//   bool accuracyLost();
+//   bool sampled();                    what was seen holds noise, which splitting does not take away
 // Rule: J. Radon, "Zur mechanischen Kubatur", 1948 (degree 5), with the degree-2 rule on four of its points.
 // Needs shaders/io/exact_form_factors.io.h. Loops: see exact_shaft.glsl.
 #ifndef EXACT_CUBATURE_GLSL
@@ -38,7 +38,7 @@ void loadPair(uint record);
 float seen(vec2 at);
 vec3 fromInner(vec2 at);
 float bendDistance(vec2 at);
-bool accuracyLost();
+bool sampled();
 
 const float kQuickError = 2.0; // four points agree by accident more often than seven
 
@@ -122,7 +122,7 @@ vec2 integrate(vec2 a, vec2 b, vec2 c) {
         result = share * overCell(a, b, c, quick);
         // Errors of many small cells add up: the smaller the cell, the less it may add.
         bool bad = mayBeSplit && result.y * pair.worst > params.tolerance * sqrt(share);
-        split = bad && !quick;
+        split = bad && !quick && !sampled();
         again = bad && quick; // all seven points in the next round
     }
     if (split || again) result = refine(a, b, c, split) ? vec2(0.0) : result;
@@ -146,7 +146,6 @@ void main() {
         if (k + 1 < outerCorners) sum += integrate(outer[0], outer[k], outer[k + 1]);
         ++k;
     } while (subgroupAny(k + 1 < outerCorners));
-    if (accuracyLost()) atomicAdd(counters[kExactOverflowCount], 1u);
     // Whole numbers: the sum is the same in whatever order the cells finish.
     // The fraction is summed apart: rounding a hundred thousand cells alike would show in the sixth digit.
     float scaled = sum.x * kExactOne;

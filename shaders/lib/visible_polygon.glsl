@@ -1,7 +1,7 @@
 // How much of a convex polygon is seen from a point behind convex blockers, exactly. In the polygon's plane each blocker's shadow is
 // bounded by lines. The lit part's form factor is the whole's less that of the union of shadows, which is a sum over the union's
 // border of triangles with one corner of the polygon: no polygon is ever cut, rounding moves a border but cannot tear it open.
-// Needs exact_scene.glsl and lambert.glsl. Loops: see exact_shaft.glsl.
+// Needs exact_scene.glsl, lambert.glsl and the buffer `lists`.
 #ifndef VISIBLE_POLYGON_GLSL
 #define VISIBLE_POLYGON_GLSL
 
@@ -10,6 +10,7 @@
 
 const int kPieceCap = 8;  // corners of a piece: kExactPieceCorners and one for each of two cuts
 const int kLineCap = 48;  // lines of shadows that cross a piece
+const int kStride = 4;    // lines in one turn of a loop: lavapipe ends every loop when an invocation has made 65535 turns in all
 
 vec2 piece[kPieceCap]; // counter-clockwise
 int pieceCorners;
@@ -17,7 +18,7 @@ vec2 kept[kPieceCap];
 vec3 lines[kLineCap]; // positive inside the shadow; xy unit
 uint owner[kLineCap]; // rank of the blocker; in ascending order
 int lineCount;
-bool linesLost = false;
+bool linesLost = false; // more lines than that: the shadows are not known
 
 // The plane of the piece, relative to the origin of the pair.
 struct Frame {
@@ -46,12 +47,10 @@ float nearness(Frame f, vec3 point, float size) { return 5e-7 * (length(f.origin
 // Extent of the piece across a line; rounding errors count as touching.
 vec2 extent(vec3 line, float flatness) {
     vec2 range = vec2(1e30, -1e30);
-    int k = 0;
-    NO_UNROLL do {
-        float d = at(line, piece[clamp(k, 0, max(pieceCorners - 1, 0))]);
+    NO_UNROLL for (int k = 0; k < pieceCorners; ++k) {
+        float d = at(line, piece[k]);
         range = vec2(min(range.x, d), max(range.y, d));
-        ++k;
-    } while (subgroupAny(k < pieceCorners));
+    }
     if (range.x >= -flatness) range.x = max(range.x, 0.0);
     if (range.y <= flatness) range.y = min(range.y, 0.0);
     return range;
@@ -115,25 +114,23 @@ bool castShadow(Frame f, Origin o, Face blocker, vec3 point, uint rank, float si
     if (abs(side) <= kFlat * length(k0)) return false;
     float sense = side > 0.0 ? -1.0 : 1.0;
     int before = lineCount;
-    bool outside = false;
+    bool outside = false, crossed = false;
     float near = nearness(f, point, size);
     // The blocker's own plane is the cheapest and most often has all of the piece outside.
-    int c = int(blocker.count);
-    NO_UNROLL do {
-        vec3 line = shadowLine(f, o, blocker, point, sense, uint(max(c, 0)));
+    NO_UNROLL for (int c = int(blocker.count); c >= 0 && !outside; --c) {
+        vec3 line = shadowLine(f, o, blocker, point, sense, uint(c));
         vec2 range = extent(line, near);
-        outside = outside || range.y <= 0.0;
-        if (c >= 0 && range.x < 0.0 && !outside) {
-            if (lineCount < kLineCap) {
-                lines[lineCount] = line;
-                owner[lineCount++] = rank;
-            } else
-                linesLost = true;
-        }
-        --c;
-    } while (subgroupAny(c >= 0 && !outside));
+        outside = range.y <= 0.0;
+        if (outside || range.x >= 0.0) continue;
+        crossed = true;
+        if (lineCount < kLineCap) {
+            lines[lineCount] = line;
+            owner[lineCount++] = rank;
+        } else
+            linesLost = true;
+    }
     if (outside) lineCount = before;
-    return !outside && lineCount == before;
+    return !outside && !crossed;
 }
 
 // Twice pi times the form factor of a triangle of the piece's plane, relative to the point.
@@ -173,94 +170,128 @@ vec2 narrow(vec2 range, Stretch s, vec3 line, uint rank, float near) {
 float sweep(Frame f, vec3 point, vec3 normal, Stretch s, bool covered, float near) {
     float sum = 0.0, t = s.range.x;
     vec3 apex = lift(f, piece[0]) - point;
-    bool going = t < s.range.y;
-    NO_UNROLL do {
+    NO_UNROLL while (t < s.range.y) {
         float reach = t, next = s.range.y;
         vec2 range = s.range;
-        int w = 0;
-        NO_UNROLL do {
-            uint rank = owner[w];
-            range = narrow(range, s, lines[w], rank, near);
-            if (w < lineCount && (w + 1 == lineCount || owner[w + 1] != rank)) { // all lines of this blocker seen
-                bool filled = rank != s.rank && range.x < range.y;
-                if (filled && range.x <= t) reach = max(reach, range.y);
-                if (filled && range.x > t) next = min(next, range.x);
-                range = s.range;
+        NO_UNROLL for (int first = 0; first < lineCount; first += kStride)
+            [[unroll]] for (int q = 0; q < kStride; ++q) {
+                int w = first + q;
+                if (w >= lineCount) continue;
+                uint rank = owner[w];
+                range = narrow(range, s, lines[w], rank, near);
+                if (w + 1 == lineCount || owner[w + 1] != rank) { // all lines of this blocker seen
+                    bool filled = rank != s.rank && range.x < range.y;
+                    if (filled && range.x <= t) reach = max(reach, range.y);
+                    if (filled && range.x > t) next = min(next, range.x);
+                    range = s.range;
+                }
             }
-            ++w;
-        } while (subgroupAny(w < lineCount));
         bool inShadow = reach > t;
         float end = min(inShadow ? reach : next, s.range.y);
-        if (going && inShadow == covered)
+        NO_UNROLL for (bool counts = inShadow == covered; counts; counts = false)
             sum += lambertTriangle(apex, lift(f, s.from + t * s.along) - point, lift(f, s.from + end * s.along) - point, normal);
-        if (going) t = end;
-        going = going && t < s.range.y;
-    } while (subgroupAny(going));
+        t = end;
+    }
     return sum;
 }
-
-const vec2 kEmpty = vec2(1e30, -1e30);
 
 // Twice pi times the form factor of the union of the listed shadows within the piece.
 float shadowSum(Frame f, vec3 point, vec3 normal, float size) {
     float sum = 0.0;
     float near = nearness(f, point, size);
     // The piece's own border; edges at the first corner span no triangle with it.
-    int k = 1;
-    NO_UNROLL do {
-        vec2 along = piece[min(k + 1, kPieceCap - 1)] - piece[k];
+    NO_UNROLL for (int k = 1; k + 1 < pieceCorners; ++k) {
+        vec2 along = piece[k + 1] - piece[k];
         float reach = length(along);
-        vec2 range = k + 1 < pieceCorners ? vec2(0.0, reach) : kEmpty;
-        Stretch s = Stretch(piece[k], along / reach, range, vec2(-along.y, along.x) / reach, kPiece);
+        Stretch s = Stretch(piece[k], along / reach, vec2(0.0, reach), vec2(-along.y, along.x) / reach, kPiece);
         sum += sweep(f, point, normal, s, true, near);
-        ++k;
-    } while (subgroupAny(k + 1 < pieceCorners));
-    int w = 0;
-    NO_UNROLL do {
+    }
+    NO_UNROLL for (int w = 0; w < lineCount; ++w) {
         vec3 line = lines[w];
         Stretch s = Stretch(-line.z * line.xy, vec2(line.y, -line.x), vec2(-size, size), line.xy, owner[w]);
-        vec2 range = w < lineCount ? s.range : kEmpty;
-        vec2 a = piece[max(pieceCorners - 1, 0)];
-        k = 0;
-        NO_UNROLL do {
+        vec2 range = s.range;
+        vec2 a = piece[pieceCorners - 1];
+        NO_UNROLL for (int k = 0; k < pieceCorners; ++k) {
             vec2 b = piece[k], edge = b - a, inward = vec2(-edge.y, edge.x);
             float d = dot(inward, s.from - a), slope = dot(inward, s.along), t = -d / slope;
-            if (k < pieceCorners) {
-                if (slope > 0.0) range.x = max(range.x, t);
-                if (slope < 0.0) range.y = min(range.y, t);
-                if (slope == 0.0 && d < 0.0) range = kEmpty;
-            }
+            if (slope > 0.0) range.x = max(range.x, t);
+            if (slope < 0.0) range.y = min(range.y, t);
+            if (slope == 0.0 && d < 0.0) range = vec2(1e30, -1e30);
             a = b;
-            ++k;
-        } while (subgroupAny(k < pieceCorners));
+        }
         Stretch mate = s; // of two lines of one shadow that coincide (a blocker that stands on the piece) one counts
         mate.rank = uint(w);
-        int m = 0;
-        NO_UNROLL do {
-            if (m < lineCount && m != w && owner[m] == s.rank) range = narrow(range, mate, lines[m], uint(m), near);
-            ++m;
-        } while (subgroupAny(m < lineCount));
+        NO_UNROLL for (int first = 0; first < lineCount; first += kStride)
+            [[unroll]] for (int q = 0; q < kStride; ++q) {
+                int m = first + q;
+                if (m < lineCount && m != w && owner[m] == s.rank) range = narrow(range, mate, lines[m], uint(m), near);
+            }
         s.range = range;
         sum += sweep(f, point, normal, s, false, near);
-        ++w;
-    } while (subgroupAny(w < lineCount));
+    }
     return sum;
 }
 
 // Form factor from a point to what is lit of the piece behind the listed shadows.
 float litFactor(Frame f, vec3 point, vec3 normal, float size) {
     float whole = 0.0;
-    vec3 a = lift(f, piece[max(pieceCorners - 1, 0)]) - point;
-    int k = 0;
-    NO_UNROLL do {
+    vec3 a = lift(f, piece[pieceCorners - 1]) - point;
+    NO_UNROLL for (int k = 0; k < pieceCorners; ++k) {
         vec3 b = lift(f, piece[k]) - point;
-        if (k < pieceCorners) whole -= lambertEdge(a, b, normal); // clockwise seen from the point
+        whole -= lambertEdge(a, b, normal); // clockwise seen from the point
         a = b;
-        ++k;
-    } while (subgroupAny(k < pieceCorners));
+    }
     float shadow = 0.0;
-    if (lineCount > 0) shadow = shadowSum(f, point, normal, size);
+    NO_UNROLL for (bool once = lineCount > 0; once; once = false) shadow = shadowSum(f, point, normal, size);
     float lit = whole - shadow;
     return lit > kLeft * whole ? 0.159154943092 * lit : 0.0;
+}
+
+// A convex blocker between two points.
+bool stops(Origin o, Face blocker, vec3 from, vec3 to) {
+    vec3 k0 = cornerFrom(o, blocker.first + blocker.count - 1u), d = to - from;
+    float here = dot(blocker.normal, from - k0), there = dot(blocker.normal, to - k0);
+    bool inside = here * there < 0.0;
+    [[unroll]] for (uint c = 0u; c < kExactBlockerCorners; ++c) {
+        vec3 k1 = cornerFrom(o, blocker.first + min(c, blocker.count - 1u));
+        inside = inside && dot(cross(k0 - from, k1 - k0), d) * there >= 0.0;
+        k0 = k1;
+    }
+    return inside;
+}
+
+uint scrambled(uint x) { // C. Wellons, "Prospecting for hash functions", 2018: lowbias32
+    x = (x ^ (x >> 16)) * 0x7feb352du;
+    x = (x ^ (x >> 15)) * 0x846ca68bu;
+    return x ^ (x >> 16);
+}
+
+float unitOf(uint x) { return float(x >> 8) * 5.9604644775390625e-8; }
+
+const uint kStrata = 4u; // a side
+
+// Where shadows are too many for the lines above: the share of the piece that jittered rays reach, by what they would carry.
+// Blockers: lists[firstListed...]. One standard deviation is at most half over kStrata for each triangle of the piece.
+float litShareByRays(Frame f, Origin o, vec3 point, vec3 normal, vec3 pieceNormal, uint firstListed, uint listed) {
+    float all = 0.0, lit = 0.0;
+    uint seed = scrambled(floatBitsToUint(point.x) ^ scrambled(floatBitsToUint(point.y) ^ scrambled(floatBitsToUint(point.z))));
+    NO_UNROLL for (int t = 1; t + 1 < pieceCorners; ++t) {
+        vec2 u = piece[t] - piece[0], v = piece[t + 1] - piece[0];
+        float area = abs(u.x * v.y - u.y * v.x);
+        NO_UNROLL for (uint k = 0u; k < kStrata * kStrata; ++k) {
+            seed = scrambled(seed + k);
+            float x = (float(k % kStrata) + unitOf(seed)) / float(kStrata);
+            float y = (float(k / kStrata) + unitOf(scrambled(seed))) / float(kStrata);
+            float root = sqrt(x);
+            vec3 to = lift(f, piece[0] + root * ((1.0 - y) * u + y * v)), d = to - point;
+            float r2 = dot(d, d);
+            float weight = area * max(dot(normal, d), 0.0) * abs(dot(pieceNormal, d)) / max(r2 * r2, 1e-30);
+            bool open = true;
+            NO_UNROLL for (uint m = 0u; m < listed && open; ++m) open = !stops(o, faceAt(lists[firstListed + m]), point, to);
+            all += weight;
+            lit += open ? weight : 0.0;
+        }
+    }
+    return all > 0.0 ? lit / all : 0.0;
 }
 #endif
