@@ -289,6 +289,11 @@ private:
                         "rows of double precision to compare with (default 12)")
             ->check(CLI::Range(1, 100000));
         sub->add_flag("!--no-peers", bench_.peers, "leave other programs out");
+        sub->add_option(
+               "--clock", bench_.clock,
+               "time to compare by: wall (default), or CPU, of all threads, where the machine has other "
+               "work and the device is the processor")
+            ->check(CLI::IsMember({"wall", "CPU"}));
         sub->add_option("-o,--output", bench_.output,
                         "folder for bench.csv, .json and .svg; made when missing")
             ->required();

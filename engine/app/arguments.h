@@ -93,6 +93,7 @@ struct BenchArguments {
     int runs = 3;
     size_t referenceRows = 12;
     bool peers = true;
+    std::string clock = "wall"; // or "CPU": the time that is compared
     std::filesystem::path output;
 };
 struct DevicesArguments {};

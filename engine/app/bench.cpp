@@ -244,6 +244,7 @@ private:
         result.pairsPerSecond = n * n / result.wallSeconds;
         result.bytesPerSecond = 4 * n * n / result.wallSeconds;
         judge(F, reference_, result);
+        result.comparedSeconds = arguments_.clock == "CPU" ? result.cpuSeconds : result.wallSeconds;
         run_.note(fmt::format(
             "{:<12} {:>6} patches  {:<16} {:<16} {:9.4f} s  {:9.4f} CPU s  row error {:.2e}  closure "
             "{:.1e}",
@@ -379,9 +380,11 @@ void execute(Run& run, const BenchArguments& given) {
         // After every scene, so that a long bench that is stopped has something to show.
         geometry::writeWholeText(arguments.output / "bench.csv", csvOf(bench.results));
         geometry::writeWholeText(arguments.output / "gather.csv", csvOf(bench.gathers));
-        geometry::writeWholeText(arguments.output / "bench.svg", plotOf(bench.results, device));
+        geometry::writeWholeText(arguments.output / "bench.svg",
+                                 plotOf(bench.results, device, arguments.clock));
         const nlohmann::ordered_json all{{"version", HELIODON_VERSION},
                                          {"device", device},
+                                         {"compared_by", arguments.clock + " time"},
                                          {"flops_per_second", bench.roofline().flopsPerSecond},
                                          {"bytes_per_second", bench.roofline().bytesPerSecond},
                                          {"reference_rows", arguments.referenceRows},

@@ -55,7 +55,8 @@ class Panel {
 public:
     static constexpr double kWidth = 760, kHeight = 420;
 
-    Panel(std::vector<BenchResult> results, double top) : results_(std::move(results)), top_(top) {
+    Panel(std::vector<BenchResult> results, double top, std::string clock)
+        : results_(std::move(results)), top_(top), clock_(std::move(clock)) {
         double x0 = INFINITY, x1 = -INFINITY, y0 = INFINITY, y1 = -INFINITY;
         for (const BenchResult& r : results_) {
             x0 = std::min(x0, logSeconds(r));
@@ -79,7 +80,7 @@ public:
     }
 
 private:
-    static double logSeconds(const BenchResult& r) { return std::log10(std::max(r.wallSeconds, 1e-6)); }
+    static double logSeconds(const BenchResult& r) { return std::log10(std::max(r.comparedSeconds, 1e-6)); }
     static double logError(const BenchResult& r) { return std::log10(std::max(r.rowError, 1e-8)); }
     double x(double logValue) const {
         return 70 + (kWidth - 240) * (logValue - firstX_) / (lastX_ - firstX_);
@@ -99,17 +100,19 @@ private:
                                 "<text x=\"{0:.1f}\" y=\"{3:.1f}\" text-anchor=\"middle\">{4}</text>\n",
                                 x(e), y(lastY_), y(firstY_), y(firstY_) + 16, secondsText(e));
         return text +
-               fmt::format("<text x=\"{:.0f}\" y=\"{:.0f}\" text-anchor=\"middle\">wall time</text>\n"
+               fmt::format("<text x=\"{:.0f}\" y=\"{:.0f}\" text-anchor=\"middle\">{} time</text>\n"
                            "<text transform=\"translate(18 {:.0f}) rotate(-90)\" text-anchor=\"middle\">RMS "
                            "row error</text>\n",
-                           0.5 * (x(firstX_) + x(lastX_)), y(firstY_) + 34, 0.5 * (y(firstY_) + y(lastY_)));
+                           0.5 * (x(firstX_) + x(lastX_)), y(firstY_) + 34, clock_,
+                           0.5 * (y(firstY_) + y(lastY_)));
     }
 
     std::string front() const {
         std::vector<const BenchResult*> best;
         for (const BenchResult& r : results_)
             if (r.onFront) best.push_back(&r);
-        std::sort(best.begin(), best.end(), [](auto* a, auto* b) { return a->wallSeconds < b->wallSeconds; });
+        std::sort(best.begin(), best.end(),
+                  [](auto* a, auto* b) { return a->comparedSeconds < b->comparedSeconds; });
         std::string path;
         for (const BenchResult* r : best)
             path +=
@@ -122,7 +125,7 @@ private:
         const char* colour = colourOf(r.kernel);
         const char* fill = r.onFront ? colour : "white";
         const std::string title = fmt::format("<title>{} {}: error {:.2g} in {:.3g} s</title>", r.kernel,
-                                              r.setting, r.rowError, r.wallSeconds);
+                                              r.setting, r.rowError, r.comparedSeconds);
         if (r.peer)
             return fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"8\" height=\"8\" stroke=\"{}\" "
                                "fill=\"{}\">{}</rect>\n",
@@ -164,6 +167,7 @@ private:
 
     std::vector<BenchResult> results_;
     double top_;
+    std::string clock_;
     int firstX_ = 0, lastX_ = 0, firstY_ = 0, lastY_ = 0; // decades
 };
 
@@ -184,7 +188,8 @@ std::vector<std::vector<BenchResult>> panels(const std::vector<BenchResult>& res
 void markFront(std::vector<BenchResult>& results) {
     for (BenchResult& r : results)
         r.onFront = std::none_of(results.begin(), results.end(), [&](const BenchResult& o) {
-            return panelName(o) == panelName(r) && o.wallSeconds < r.wallSeconds && o.rowError < r.rowError;
+            return panelName(o) == panelName(r) && o.comparedSeconds < r.comparedSeconds &&
+                   o.rowError < r.rowError;
         });
 }
 
@@ -232,7 +237,8 @@ std::string csvOf(const std::vector<GatherResult>& results) {
     return csv(results);
 }
 
-std::string plotOf(const std::vector<BenchResult>& results, const std::string& device) {
+std::string plotOf(const std::vector<BenchResult>& results, const std::string& device,
+                   const std::string& clock) {
     const auto groups = panels(results);
     const double height = 40 + Panel::kHeight * static_cast<double>(groups.size());
     std::string svg = fmt::format(
@@ -243,7 +249,7 @@ std::string plotOf(const std::vector<BenchResult>& results, const std::string& d
         "is both faster and better</text>\n",
         Panel::kWidth, height, escaped(device));
     for (size_t k = 0; k < groups.size(); ++k)
-        svg += Panel(groups[k], 30 + Panel::kHeight * static_cast<double>(k)).svg();
+        svg += Panel(groups[k], 30 + Panel::kHeight * static_cast<double>(k), clock).svg();
     return svg + "</svg>\n";
 }
 

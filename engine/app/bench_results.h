@@ -15,6 +15,7 @@ struct BenchResult {
     bool peer = false;          // another program
     double wallSeconds = 0;     // submit to wait, median of the runs
     double cpuSeconds = 0;      // all threads
+    double comparedSeconds = 0; // either of them: by which plot and front go
     double deviceSeconds = 0;   // by the device's own clock; 0 for peers
     double rowError = 0;        // RMS over the reference rows of ||F_i - reference||_2
     double rowErrorMax = 0;     // worst of them
@@ -47,7 +48,8 @@ nlohmann::ordered_json jsonOf(const BenchResult& result);
 nlohmann::ordered_json jsonOf(const GatherResult& result);
 
 // One panel for each scene and size, both axes logarithmic; filled marks are on the front, which a line
-// joins.
-std::string plotOf(const std::vector<BenchResult>& results, const std::string& device);
+// joins. `clock` names the time that is compared.
+std::string plotOf(const std::vector<BenchResult>& results, const std::string& device,
+                   const std::string& clock);
 
 } // namespace heliodon::app
