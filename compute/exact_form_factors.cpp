@@ -64,11 +64,6 @@ public:
         for (uint32_t clear : {0u, 1u})
             pairsKernel_[clear] = &kernels.get(device, exact_pairs_comp, "exact_pairs",
                                                {{"kCorners", scene_.mostCorners}, {"kClear", clear}});
-        const uint32_t corners = std::min(scene_.mostCorners, io::kExactFewCorners);
-        manyKernel_ = &kernels.get(device, exact_cells_comp, "exact_cells");
-        for (uint32_t blockers : {0u, 1u, 2u})
-            fewKernel_[blockers] = &kernels.get(device, exact_few_comp, "exact_few",
-                                                {{"kCorners", corners}, {"kBlockers", blockers}});
         finishKernel_ = &kernels.get(device, exact_finish_comp, "exact_finish");
         makeBuffers(storage);
         statistics.blockers = scene_.blockerCount;
@@ -164,10 +159,21 @@ private:
         counter(io::kExactOverflowCount) = 0;
         statistics.partial += counter(io::kExactPartialCount);
         statistics.visible += open + one + two + many - counter(io::kExactPartialCount);
-        integrate(*fewKernel_[0], records_, 0, open, a, b);
-        integrate(*fewKernel_[1], fewRecords_, 0, one, a, b);
-        integrate(*fewKernel_[2], fewRecords_, recordCapacity_ - two, two, a, b);
-        integrate(*manyKernel_, records_, recordCapacity_ - many, many, a, b);
+        // Kernels take long to make: only those with work.
+        if (open) integrate(fewKernel(0), records_, 0, open, a, b);
+        if (one) integrate(fewKernel(1), fewRecords_, 0, one, a, b);
+        if (two) integrate(fewKernel(2), fewRecords_, recordCapacity_ - two, two, a, b);
+        if (many) integrate(manyKernel(), records_, recordCapacity_ - many, many, a, b);
+    }
+
+    const gpu::Kernel& fewKernel(uint32_t blockers) {
+        const uint32_t corners = std::min(scene_.mostCorners, io::kExactFewCorners);
+        return device_.kernels().get(device_, exact_few_comp, "exact_few",
+                                     {{"kCorners", corners}, {"kBlockers", blockers}});
+    }
+
+    const gpu::Kernel& manyKernel() {
+        return device_.kernels().get(device_, exact_cells_comp, "exact_cells");
     }
 
     void classify(const ExactTileRange& a, const ExactTileRange& b) {
@@ -224,7 +230,6 @@ private:
 
     void integrate(const gpu::Kernel& kernel, const gpu::Buffer& records, uint32_t first, uint32_t count,
                    const ExactTileRange& a, const ExactTileRange& b) {
-        if (count == 0) return;
         Timer timer(statistics.cubatureSeconds);
         for (uint32_t done = 0; done < count; done += kBatch)
             refine(kernel, records, first + done, std::min(kBatch, count - done));
@@ -290,8 +295,7 @@ private:
     uint32_t words_ = 1, recordCapacity_ = 1, listCapacity_ = 1, cellCapacity_ = 1;
     float tolerance_ = 0;
     ExactScene scene_;
-    const gpu::Kernel *sidesKernel_, *blocksKernel_, *pairsKernel_[2], *fewKernel_[3], *manyKernel_,
-        *finishKernel_;
+    const gpu::Kernel *sidesKernel_, *blocksKernel_, *pairsKernel_[2], *finishKernel_;
     gpu::Buffer there_, back_; // the tile and its mirror image
     gpu::Buffer sidesA_, sidesB_, blocks_, masks_, counters_, records_, fewRecords_, lists_, sums_, cells_[2];
     std::vector<double> rowSquares_;
