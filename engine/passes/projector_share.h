@@ -10,7 +10,7 @@
 
 namespace heliodon::passes {
 
-// Cost: that of splitByProjectorVisibility, and 1 us a triangle.
+// Cost: mostly that of splitByProjectorVisibility.
 DrawMesh shownMesh(const geometry::PatchMesh& mesh, const VertexLight& vertexLight,
                    const geometry::Occluders& occluders, const geometry::Rig& rig);
 
