@@ -1,7 +1,6 @@
 #include "compute/exact_form_factors.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -10,6 +9,7 @@
 #include "compute/gpu/commands.h"
 #include "compute/gpu/device.h"
 #include "compute/gpu/kernel.h"
+#include "compute/stopwatch.h"
 #include "shaders/io/exact_form_factors.io.h"
 #include "spirv/exact_blocks_comp.h"
 #include "spirv/exact_cells_comp.h"
@@ -38,21 +38,11 @@ double entryTolerance(double rowError, uint32_t pieces) {
     return std::max(rowError * share, 1e-7); // below lies the rounding of float32
 }
 
-class Timer {
-public:
-    explicit Timer(double& seconds) : seconds_(seconds) {}
-    ~Timer() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-
-private:
-    double& seconds_;
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
 class Solver {
 public:
     Solver(gpu::Device& device, const geometry::PatchMesh& mesh, const ExactOptions& options)
         : device_(device), options_(options) {
-        Timer timer(statistics.setupSeconds);
+        SecondsAdded timer(statistics.setupSeconds);
         const uint64_t storage = device_.limits().maxStorageBufferRange;
         const auto side = static_cast<uint32_t>(std::sqrt(static_cast<double>(storage) / 4));
         scene_ = exactScene(device, mesh, std::min(kTile, side));
@@ -137,7 +127,7 @@ private:
     uint32_t& counter(uint32_t index) { return counters_.mapped<uint32_t>()[index]; }
 
     void findSides(const ExactTileRange& tile, const gpu::Buffer& sides) {
-        Timer timer(statistics.classifySeconds);
+        SecondsAdded timer(statistics.classifySeconds);
         gpu::Commands commands(device_);
         const io::ExactSidesParams params{scene_.pieceCount, scene_.blockerCount, words_,
                                           tile.firstPiece,   tile.pieces,         tile.firstCluster,
@@ -177,7 +167,7 @@ private:
     }
 
     void classify(const ExactTileRange& a, const ExactTileRange& b) {
-        Timer timer(statistics.classifySeconds);
+        SecondsAdded timer(statistics.classifySeconds);
         const bool diagonal = &a == &b;
         for (uint32_t k = 0; k < io::kExactCounters; ++k) counter(k) = 0;
         gpu::Commands find(device_);
@@ -230,7 +220,7 @@ private:
 
     void integrate(const gpu::Kernel& kernel, const gpu::Buffer& records, uint32_t first, uint32_t count,
                    const ExactTileRange& a, const ExactTileRange& b) {
-        Timer timer(statistics.cubatureSeconds);
+        SecondsAdded timer(statistics.cubatureSeconds);
         for (uint32_t done = 0; done < count; done += kBatch)
             refine(kernel, records, first + done, std::min(kBatch, count - done));
         gpu::Commands commands(device_);
@@ -365,7 +355,7 @@ ExactFormFactors exactFormFactorTiles(gpu::Device& device, const geometry::Patch
                                       const std::function<void(const ExactTile&)>& take) {
     ExactFormFactors result = emptyResult(mesh);
     if (mesh.patchCount() == 0) return result;
-    Timer timer(result.factors.report.seconds);
+    SecondsAdded timer(result.factors.report.seconds);
     Solver solver(device, mesh, options);
     solver.run([&](const ExactTileRange& a, const ExactTileRange& b) {
         handOver(solver.scene(), a, b, solver.there(), take);
@@ -379,7 +369,7 @@ ExactFormFactors exactFormFactors(gpu::Device& device, const geometry::PatchMesh
                                   const ExactOptions& options) {
     ExactFormFactors result = emptyResult(mesh);
     const size_t n = mesh.patchCount();
-    Timer timer(result.factors.report.seconds);
+    SecondsAdded timer(result.factors.report.seconds);
     Solver solver(device, mesh, options);
     if (solver.scene().tiles.size() == 1 && solver.scene().pieceCount == n) {
         solver.run([](const ExactTileRange&, const ExactTileRange&) {});
