@@ -6,12 +6,32 @@
 #include <iostream>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include "geometry/input_error.h"
 
 namespace heliodon::app {
 
 namespace {
+
+// As CLI::Range and positive(), whose messages spell limits with six or three hundred digits.
+CLI::Validator within(double low, double high) {
+    const auto check = [=](std::string& text) {
+        double value = 0;
+        const bool fits = CLI::detail::lexical_cast(text, value) && value >= low && value <= high;
+        return fits ? std::string() : fmt::format("'{}' is not a number from {} to {}", text, low, high);
+    };
+    return {check, fmt::format("from {} to {}", low, high)};
+}
+
+CLI::Validator positive() {
+    const auto check = [](std::string& text) {
+        double value = 0;
+        const bool fits = CLI::detail::lexical_cast(text, value) && value > 0 && std::isfinite(value);
+        return fits ? std::string() : fmt::format("'{}' is not a number above 0", text);
+    };
+    return {check, "above 0"};
+}
 
 class Parser {
 public:
@@ -82,19 +102,19 @@ private:
         sub->add_option("--rig", scene.rig,
                         "calibrated camera and projectors (.json); a photograph needs it");
         sub->add_option("--triangles", scene.triangles, "patches aimed at (default 2000)")
-            ->check(CLI::Range(4, 2000000));
+            ->check(within(4, 2000000));
         sub->add_option(
                "--chord-error", scene.chordError,
                "how far facets of curved walls may lie off the arc, in inches on the table (default 0.02, "
                "more where so many facets would exceed --triangles)")
-            ->check(CLI::Range(0.001, 0.5));
+            ->check(within(0.001, 0.5));
         sub->add_option("--up", scene.up, "up axis of a model: y or z (default y)")
             ->check(CLI::IsMember({"y", "z"}));
         sub->add_option(
                "--model-scale", scene.modelScale,
                "how many times larger than a model (.obj .gltf .glb) its building is (default 12 for "
                "models under 1 m high, as on the table, else 1)")
-            ->check(CLI::PositiveNumber);
+            ->check(positive());
         sub->add_option("--north", scene.northDeg,
                         "turn north by so many degrees, clockwise seen from above");
     }
@@ -123,7 +143,7 @@ private:
     static void addPicture(CLI::App* sub, PictureArguments& picture) {
         sub->add_option("--exposure", picture.exposure,
                         "lux of exitance that shows as white (default: chosen from the picture)")
-            ->check(CLI::PositiveNumber);
+            ->check(positive());
         sub->add_flag("--false-color", picture.falseColor,
                       "lux as colours, with a legend; one scale for a whole film or contact sheet");
         sub->add_flag("--sky-color", picture.skyColour,
@@ -154,7 +174,7 @@ private:
                 "--max-radiosity-error", value,
                 "wanted error of radiosity over its largest value, from form factors and solution, for the "
                 "reflectances of this model; picks kernel and row error")
-            ->check(CLI::Range(1e-6, 1.0));
+            ->check(within(1e-6, 1.0));
     }
 
     void addFormFactors() {
@@ -166,12 +186,12 @@ private:
         auto* resolution =
             sub->add_option("--resolution", formFactors_.resolution,
                             "hemicube: pixels along its top; montecarlo: R x R rays a patch (default 64)")
-                ->check(CLI::Range(4, 1024));
+                ->check(within(4, 1024));
         sub->add_option("--points", formFactors_.points, "hemicube: viewpoints a patch (default 1)")
-            ->check(CLI::Range(1, 1024));
+            ->check(within(1, 1024));
         auto* maxError = sub->add_option("--max-error", formFactors_.maxError,
                                          "wanted RMS of the rows' errors; auto picks the kernel by it")
-                             ->check(CLI::Range(1e-7, 1.0))
+                             ->check(within(1e-7, 1.0))
                              ->excludes(resolution);
         addRadiosityError(sub, formFactors_.maxRadiosityError)->excludes(resolution)->excludes(maxError);
         sub->add_option("--reference", formFactors_.reference,
@@ -193,7 +213,7 @@ private:
             "0.76 m above the floor");
         sub->add_option("--max-error", illuminance_.maxError,
                         "wanted lux_error over lux, on 95 of 100 places; picks mesh, kernel and solution")
-            ->check(CLI::Range(1e-4, 1.0));
+            ->check(within(1e-4, 1.0));
         sub->add_option("-o,--output", illuminance_.output, "the table (.csv)")->required();
     }
 
@@ -236,7 +256,7 @@ private:
                         "hourly weather (.epw or .epw.gz) in place of a sky; its site is used")
             ->excludes("--sky");
         sub->add_option("--fps", timelapse_.framesPerSecond, "frames a second of the film (default 24)")
-            ->check(CLI::Range(1.0, 240.0));
+            ->check(within(1.0, 240.0));
         sub->add_flag(
             "--resume", timelapse_.resume,
             "go on where an interrupted run of the same options stopped; a film's frames are kept in "
@@ -258,7 +278,7 @@ private:
             "above it");
         sub->add_option("--occupied", annual_.occupied, "o'clock, every day (default 8-18)");
         sub->add_option("--ground", annual_.groundAlbedo, "diffuse reflectance of the ground (default 0.2)")
-            ->check(CLI::Range(0.0, 1.0));
+            ->check(within(0.0, 1.0));
         sub->add_option("--temporal", annual_.temporal,
                         "maps of hour by day for these sensors too: all, or rows counted from 0 (5,17)");
         sub->add_flag("--ill", annual_.ill, "illuminance.ill too: a line of text a record, as Daysim has it");
@@ -282,12 +302,12 @@ private:
             ->delimiter(',');
         sub->add_option("--sizes", bench_.sizes, "triangles of the built-in scenes (default 500,2000)")
             ->delimiter(',')
-            ->check(CLI::Range(12, 200000));
+            ->check(within(12, 200000));
         sub->add_option("--runs", bench_.runs, "counted runs of each setting; the median is kept (default 3)")
-            ->check(CLI::Range(1, 1000));
+            ->check(within(1, 1000));
         sub->add_option("--reference-rows", bench_.referenceRows,
                         "rows of double precision to compare with (default 12)")
-            ->check(CLI::Range(1, 100000));
+            ->check(within(1, 100000));
         sub->add_flag("!--no-peers", bench_.peers, "leave other programs out");
         sub->add_option(
                "--clock", bench_.clock,
