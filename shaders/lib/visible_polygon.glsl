@@ -10,7 +10,7 @@
 
 const int kPieceCap = 8;  // corners of a piece: kExactPieceCorners and one for each of two cuts
 const int kLineCap = 48;  // lines of shadows that cross a piece
-const int kStride = 4;    // lines in one turn of a loop: lavapipe ends every loop when an invocation has made 65535 turns in all
+const int kStride = 4;    // lines in one turn of a loop: lavapipe seems to end all loops after 65535 turns of an invocation
 
 vec2 piece[kPieceCap]; // counter-clockwise
 int pieceCorners;
