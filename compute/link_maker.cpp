@@ -45,10 +45,13 @@ template<class T> uint32_t takeBatch(std::vector<T>& from, gpu::Buffer& to) {
 } // namespace
 
 LinkMaker::LinkMaker(gpu::Device& device, const ClusterScene& scene, const LinkTolerance& tolerance)
-    : device_(&device), scene_(&scene), clusters_(device, hierarchical_links_comp, "hierarchical links"),
-      triangles_(device, hierarchical_leaves_comp, "hierarchical leaves", {{"kNear", 0u}}),
-      nearTriangles_(device, hierarchical_leaves_comp, "hierarchical near leaves", {{"kNear", 1u}}),
-      rays_(device, hierarchical_rays_comp, "hierarchical rays"),
+    : device_(&device), scene_(&scene),
+      clusters_(device.kernels().get(device, hierarchical_links_comp, "hierarchical links")),
+      triangles_(
+          device.kernels().get(device, hierarchical_leaves_comp, "hierarchical leaves", {{"kNear", 0u}})),
+      nearTriangles_(device.kernels().get(device, hierarchical_leaves_comp, "hierarchical near leaves",
+                                          {{"kNear", 1u}})),
+      rays_(device.kernels().get(device, hierarchical_rays_comp, "hierarchical rays")),
       pairs_(device, kBatch * sizeof(glm::uvec2), "link pairs"),
       doubted_(device, kBatch * sizeof(io::HierarchicalDoubt), "doubted links"),
       counters_(device, io::kHierarchicalCounters * sizeof(uint32_t), "link counters", gpu::Place::host),

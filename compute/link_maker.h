@@ -41,7 +41,7 @@ private:
     gpu::Device* device_;
     const ClusterScene* scene_;
     io::HierarchicalLinksParams params_{};
-    gpu::Kernel clusters_, triangles_, nearTriangles_, rays_;
+    const gpu::Kernel &clusters_, &triangles_, &nearTriangles_, &rays_; // of the device's cache
     std::vector<glm::uvec2> pending_, leafPairs_, nearPairs_;
     std::vector<io::HierarchicalDoubt> doubts_;
     std::vector<io::HierarchicalLink> links_;

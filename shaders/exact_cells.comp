@@ -15,7 +15,6 @@ Face outerFace;
 Frame outerFrame;
 Frame innerFrame;
 Origin origin;
-vec3 innerNormal;
 bool bySampling = false;
 
 void loadPair(uint record) {
@@ -26,7 +25,6 @@ void loadPair(uint record) {
     origin = originAt(outerFace.first);
     outerFrame = frameOf(origin, outerFace);
     innerFrame = frameOf(origin, face);
-    innerNormal = face.normal;
     pair.outerArea = outerFace.area;
     pair.innerArea = face.area;
     pair.worst = max(1.0, outerFace.area / face.area);
@@ -52,7 +50,7 @@ float seen(vec2 at) {
         hidden = castShadow(innerFrame, origin, faceAt(lists[pair.r.firstListed + m]), point, m, pair.innerSize);
     float share = 1.0;
     NO_UNROLL for (bool once = linesLost && !hidden; once; once = false) {
-        share = litShareByRays(innerFrame, origin, point, outerFace.normal, innerNormal, pair.r.firstListed, pair.r.listed);
+        share = litShareByRays(innerFrame, origin, point, outerFace.normal, innerFrame.n, pair.r.firstListed, pair.r.listed);
         bySampling = true;
         lineCount = 0;
     }

@@ -20,23 +20,9 @@ vec3 outerU;
 vec3 outerV;
 Blocker blocker[kExactFew];
 
-struct Axes {
-    vec3 origin;
-    vec3 u;
-    vec3 v;
-    vec3 n;
-};
+vec3 turned(Frame f, vec3 v) { return vec3(dot(v, f.u), dot(v, f.v), dot(v, f.n)); }
 
-Axes axesOf(Origin o, Face face) {
-    vec3 a = cornerFrom(o, face.first);
-    vec3 u = normalize(cornerFrom(o, face.first + 1u) - a);
-    u = normalize(u - dot(u, face.normal) * face.normal);
-    return Axes(a, u, cross(face.normal, u), face.normal);
-}
-
-vec3 turned(Axes f, vec3 v) { return vec3(dot(v, f.u), dot(v, f.v), dot(v, f.n)); }
-
-Blocker blockerAt(Axes f, Origin o, uint index) {
+Blocker blockerAt(Frame f, Origin o, uint index) {
     Face face = faceAt(index);
     Blocker b;
     b.normal = turned(f, face.normal);
@@ -61,7 +47,7 @@ void loadPair(uint record) {
     pair.r = records[record];
     Face outerFace = faceAt(pair.r.outer), face = faceAt(pair.r.inner);
     Origin origin = originAt(outerFace.first);
-    Axes own = axesOf(origin, outerFace), frame = axesOf(origin, face);
+    Frame own = frameOf(origin, outerFace), frame = frameOf(origin, face);
     pair.outerArea = outerFace.area;
     pair.innerArea = face.area;
     pair.worst = max(1.0, outerFace.area / face.area);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <functional>
 #include <iostream>
 
 #include <CLI/CLI.hpp>
@@ -14,23 +15,23 @@ namespace heliodon::app {
 
 namespace {
 
-// As CLI::Range and positive(), whose messages spell limits with six or three hundred digits.
-CLI::Validator within(double low, double high) {
+// CLI::Range and CLI::PositiveNumber spell limits with six and three hundred digits.
+CLI::Validator number(const std::function<bool(double)>& fits, const std::string& wanted) {
     const auto check = [=](std::string& text) {
         double value = 0;
-        const bool fits = CLI::detail::lexical_cast(text, value) && value >= low && value <= high;
-        return fits ? std::string() : fmt::format("'{}' is not a number from {} to {}", text, low, high);
+        return CLI::detail::lexical_cast(text, value) && fits(value)
+                   ? std::string()
+                   : fmt::format("'{}' is not a number {}", text, wanted);
     };
-    return {check, fmt::format("from {} to {}", low, high)};
+    return {check, wanted};
+}
+
+CLI::Validator within(double low, double high) {
+    return number([=](double x) { return x >= low && x <= high; }, fmt::format("from {} to {}", low, high));
 }
 
 CLI::Validator positive() {
-    const auto check = [](std::string& text) {
-        double value = 0;
-        const bool fits = CLI::detail::lexical_cast(text, value) && value > 0 && std::isfinite(value);
-        return fits ? std::string() : fmt::format("'{}' is not a number above 0", text);
-    };
-    return {check, "above 0"};
+    return number([](double x) { return x > 0 && std::isfinite(x); }, "above 0");
 }
 
 class Parser {

@@ -50,6 +50,21 @@ vec3 centreFrom(Origin o, uint face) {
     return cornerFrom(o, texelFetch(faceRange, int(face)).x) + texelFetch(faceCentre, int(face)).xyz;
 }
 
+// A face's first corner, two directions in its plane and its normal.
+struct Frame {
+    vec3 origin;
+    vec3 u;
+    vec3 v;
+    vec3 n;
+};
+
+Frame frameOf(Origin o, Face face) {
+    vec3 a = cornerFrom(o, face.first);
+    vec3 u = normalize(cornerFrom(o, face.first + 1u) - a);
+    u = normalize(u - dot(u, face.normal) * face.normal);
+    return Frame(a, u, cross(face.normal, u), face.normal);
+}
+
 // x lowest, y highest height of a face's corners over the plane of another face.
 vec2 heightsOver(Face plane, Face face) {
     Origin o = originAt(plane.first);

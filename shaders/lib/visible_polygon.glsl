@@ -20,13 +20,6 @@ uint owner[kLineCap]; // rank of the blocker; in ascending order
 int lineCount;
 bool linesLost = false; // more lines than that: the shadows are not known
 
-// The plane of the piece, relative to the origin of the pair.
-struct Frame {
-    vec3 origin;
-    vec3 u;
-    vec3 v;
-};
-
 vec3 lift(Frame f, vec2 p) { return f.origin + p.x * f.u + p.y * f.v; }
 
 // A plane through space (unit normal) as a line in the frame: positive inside; xy unit. A plane parallel to the frame's, to
@@ -54,13 +47,6 @@ vec2 extent(vec3 line, float flatness) {
     if (range.x >= -flatness) range.x = max(range.x, 0.0);
     if (range.y <= flatness) range.y = min(range.y, 0.0);
     return range;
-}
-
-Frame frameOf(Origin o, Face face) {
-    vec3 a = cornerFrom(o, face.first);
-    vec3 u = normalize(cornerFrom(o, face.first + 1u) - a);
-    u = normalize(u - dot(u, face.normal) * face.normal);
-    return Frame(a, u, cross(face.normal, u));
 }
 
 void loadPiece(Frame f, Origin o, Face face) {
