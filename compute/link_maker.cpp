@@ -4,6 +4,7 @@
 #include <array>
 #include <cstring>
 #include <span>
+#include <utility>
 
 #include "compute/gpu/commands.h"
 #include "compute/gpu/device.h"
@@ -16,9 +17,6 @@ namespace heliodon::compute {
 namespace {
 
 constexpr uint32_t kBatch = 1u << 16; // pairs of one dispatch
-// Rays of one invocation: loops take its longest lane's time, so few; but where few pairs are left, rounds
-// cost more than lanes (and 512 keep its loops far below 65535 turns).
-constexpr uint32_t kRoundRays = 64, kLastRays = 512, kFewDoubts = 2048;
 constexpr uint32_t kMostRays = 1u << 14; // between two triangles
 constexpr VkFormat kUvec4 = VK_FORMAT_R32G32B32A32_UINT;
 
@@ -74,6 +72,9 @@ void LinkMaker::add(uint32_t first, uint32_t second) {
 
 std::vector<io::HierarchicalLink> LinkMaker::finish() {
     work(1);
+    std::sort(links_.begin(), links_.end(), [](const io::HierarchicalLink& a, const io::HierarchicalLink& b) {
+        return std::pair(a.first, a.second) < std::pair(b.first, b.second);
+    });
     return std::move(links_);
 }
 
@@ -103,7 +104,6 @@ void LinkMaker::work(size_t least) {
 
 void LinkMaker::run(const gpu::Kernel& kernel, const gpu::Buffer& in, uint32_t count, bool splits) {
     params_.pairCount = count;
-    params_.roundRays = count < kFewDoubts ? kLastRays : kRoundRays;
     std::vector<gpu::Binding> bindings{gpu::texel(scene_->nodes, kUvec4),
                                        gpu::texel(scene_->leaves, kUvec4),
                                        gpu::texel(scene_->blockers.nodes, kUvec4),

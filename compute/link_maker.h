@@ -29,7 +29,8 @@ public:
     // is looked at, 0.5 us for each of triangles, 0.1 us a ray.
     void add(uint32_t first, uint32_t second);
 
-    // All pairs' links, in no set order; some carry nothing and have an error only.
+    // All pairs' links, by first and second node, the same on every run; some carry nothing and have an error
+    // only.
     std::vector<io::HierarchicalLink> finish();
 
     uint64_t pairs() const { return pairCount_; } // of clusters that were looked at

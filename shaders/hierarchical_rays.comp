@@ -38,7 +38,7 @@ void main() {
     uint i = d.link.first, j = d.link.second, seed = hashOf(i * 0x9e3779b9u ^ hashOf(j));
     Cluster p = clusterAt(i), q = clusterAt(j);
     bool triangles = p.child == 0u && q.child == 0u;
-    uint end = d.rays + (triangles ? clamp(d.rays, kHierarchicalFewRays, params.roundRays) : kHierarchicalRays);
+    uint end = d.rays + (triangles ? clamp(d.rays, kHierarchicalFewRays, kHierarchicalRoundRays) : kHierarchicalRays);
     uint blocked = 0u;
     [[dont_unroll]] for (uint k = d.rays; k < end; ++k) {
         vec2 light = castRay(p, q, seed, k, params.nodeCount, params.flatness);

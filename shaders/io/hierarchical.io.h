@@ -6,6 +6,7 @@ IO_BEGIN
 const uint kHierarchicalGroup = 64u;
 const uint kHierarchicalRays = 8u;      // between two clusters
 const uint kHierarchicalFewRays = 4u;   // first between two triangles, then as many again as there were
+const uint kHierarchicalRoundRays = 512u; // of one invocation, at most: loops are far from 65535 turns
 const uint kHierarchicalAlign = 16u; // windows of entries begin at multiples of this: 256 bytes
 // A node takes five texels (uvec4; floats by their bits):
 //   centre.xyz, radius | normal.xyz, area | axis U.xyz, first leaf | axis V.xyz, count of leaves | child, room, -, -
@@ -42,7 +43,6 @@ struct HierarchicalLinksParams {
     float flatness; // metres
     float tolerance; // of one form factor between clusters
     float visibilityTolerance;
-    uint roundRays; // of one invocation, at most
     uint mostRays;  // between two triangles
 };
 struct HierarchicalSweepParams {
