@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "geometry/picture_file.h"
 #include "geometry/whole_file.h"
 #include "vision/detect.h"
 
@@ -159,8 +159,10 @@ void drawOverlay(const Photograph& photo, const geometry::Rig& rig, const geomet
                      bgr(255, 255, 255), 30);
     }
     if (sketch.north) canvas.label(sketch.north->detection, "N", bgr(255, 150, 40), 34);
+    cv::Mat rgb;
+    cv::cvtColor(canvas.picture(), rgb, cv::COLOR_BGR2RGB);
     geometry::writeWhole(png, [&](const std::filesystem::path& file) {
-        if (!cv::imwrite(file.string(), canvas.picture()))
+        if (!geometry::writePngFile(file, rgb.cols, rgb.rows, rgb.data))
             throw std::runtime_error(fmt::format("{}: the overlay could not be written", png.string()));
     });
 }

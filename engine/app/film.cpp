@@ -8,33 +8,26 @@
 #include <thread>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
 #include <unistd.h>
 
 #include "geometry/input_error.h"
+#include "geometry/picture_file.h"
 
 namespace heliodon::app {
 
 namespace fs = std::filesystem;
 
 passes::Image8 readPicture(const fs::path& file) {
-    const cv::Mat bgr = cv::imread(file.string(), cv::IMREAD_COLOR);
-    if (bgr.empty()) throw std::runtime_error(file.string() + ": cannot be read as a picture");
-    passes::Image8 image;
-    image.width = bgr.cols, image.height = bgr.rows;
-    image.rgb.resize(static_cast<size_t>(bgr.cols) * static_cast<size_t>(bgr.rows) * 3);
-    cv::cvtColor(bgr, cv::Mat(bgr.rows, bgr.cols, CV_8UC3, image.rgb.data()), cv::COLOR_BGR2RGB);
-    return image;
+    auto picture = geometry::readPictureFile(file);
+    if (!picture) throw std::runtime_error(file.string() + ": cannot be read as a picture");
+    return {picture->width, picture->height, std::move(picture->rgb)};
 }
 
 struct Film::Impl {
     static constexpr size_t kMostWaiting = 8; // frames
 
     fs::path target, aside;
-    int width = 0, height = 0;
-    cv::VideoWriter writer;
+    std::unique_ptr<geometry::FilmEncoder> encoder;
     std::mutex mutex;
     std::condition_variable changed;
     std::deque<std::vector<uint8_t>> waiting;
@@ -42,9 +35,6 @@ struct Film::Impl {
     std::thread thread;
 
     void encode() {
-        cv::Mat padded(height + height % 2, width + width % 2, CV_8UC3,
-                       cv::Scalar::all(0)); // 4:2:0 needs even sizes
-        cv::Mat inside = padded(cv::Rect(0, 0, width, height));
         while (true) {
             std::vector<uint8_t> rgb;
             {
@@ -55,8 +45,7 @@ struct Film::Impl {
                 waiting.pop_front();
             }
             changed.notify_all();
-            cv::cvtColor(cv::Mat(height, width, CV_8UC3, rgb.data()), inside, cv::COLOR_RGB2BGR);
-            writer.write(padded);
+            encoder->add(rgb.data());
         }
     }
 
@@ -67,7 +56,7 @@ struct Film::Impl {
         }
         changed.notify_all();
         if (thread.joinable()) thread.join();
-        writer.release();
+        encoder.reset(); // the file is complete
     }
 };
 
@@ -79,11 +68,9 @@ Film::Film(const fs::path& target, uint32_t width, uint32_t height, double frame
     impl_->target = target;
     impl_->aside =
         folder / fmt::format(".{}.{}{}", target.stem().string(), ::getpid(), target.extension().string());
-    impl_->width = static_cast<int>(width);
-    impl_->height = static_cast<int>(height);
-    const cv::Size size(impl_->width + impl_->width % 2, impl_->height + impl_->height % 2);
-    if (!impl_->writer.open(impl_->aside.string(), cv::CAP_FFMPEG,
-                            cv::VideoWriter::fourcc('a', 'v', 'c', '1'), framesPerSecond, size))
+    impl_->encoder = geometry::openFilmFile(impl_->aside, static_cast<int>(width), static_cast<int>(height),
+                                            framesPerSecond);
+    if (!impl_->encoder)
         throw std::runtime_error(target.string() +
                                  ": no H.264 encoder could be opened (OpenCV with FFmpeg is needed)");
     impl_->thread = std::thread([impl = impl_.get()] { impl->encode(); });

@@ -7,8 +7,7 @@
 #include <string>
 #include <vector>
 
-#include <opencv2/imgcodecs.hpp>
-
+#include "geometry/picture_file.h"
 #include "geometry/whole_file.h"
 
 namespace heliodon::passes {
@@ -75,14 +74,8 @@ Bytes exrHeader(int32_t width, int32_t height) {
 } // namespace
 
 void writePng(const Image8& picture, const std::filesystem::path& file) {
-    cv::Mat bgr(picture.height, picture.width, CV_8UC3);
-    for (int y = 0; y < picture.height; ++y)
-        for (int x = 0; x < picture.width; ++x) {
-            const uint8_t* p = picture.pixel(x, y);
-            bgr.at<cv::Vec3b>(y, x) = {p[2], p[1], p[0]};
-        }
     geometry::writeWhole(file, [&](const std::filesystem::path& path) {
-        if (!cv::imwrite(path.string(), bgr, {cv::IMWRITE_PNG_COMPRESSION, 3}))
+        if (!geometry::writePngFile(path, picture.width, picture.height, picture.rgb.data()))
             throw std::runtime_error(path.string() + ": the PNG could not be written");
     });
 }

@@ -1,0 +1,82 @@
+// The module behind picture_file.h. Nothing is thrown out of it.
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
+
+#include "geometry/picture_file.h"
+
+namespace heliodon::geometry {
+
+namespace {
+
+constexpr int kPngCompression = 3;
+
+cv::Mat bgrOf(int width, int height, const uint8_t* rgb) {
+    cv::Mat bgr;
+    cv::cvtColor(cv::Mat(height, width, CV_8UC3, const_cast<uint8_t*>(rgb)), bgr, cv::COLOR_RGB2BGR);
+    return bgr;
+}
+
+std::optional<PicturePixels> read(const std::filesystem::path& file) {
+    try {
+        const cv::Mat bgr = cv::imread(file.string(), cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+        if (bgr.empty()) return std::nullopt;
+        PicturePixels picture{bgr.cols, bgr.rows, {}};
+        picture.rgb.resize(static_cast<size_t>(bgr.cols) * static_cast<size_t>(bgr.rows) * 3);
+        cv::cvtColor(bgr, cv::Mat(bgr.rows, bgr.cols, CV_8UC3, picture.rgb.data()), cv::COLOR_BGR2RGB);
+        return picture;
+    } catch (const cv::Exception&) { // a header that promises more than OpenCV is willing to allocate
+        return std::nullopt;
+    }
+}
+
+bool writePng(const std::filesystem::path& file, int width, int height, const uint8_t* rgb) {
+    try {
+        return cv::imwrite(file.string(), bgrOf(width, height, rgb),
+                           {cv::IMWRITE_PNG_COMPRESSION, kPngCompression});
+    } catch (const cv::Exception&) {
+        return false;
+    }
+}
+
+class Encoder : public FilmEncoder {
+public:
+    Encoder(int width, int height)
+        : width_(width), height_(height),
+          // 4:2:0 needs even sizes
+          padded_(height + height % 2, width + width % 2, CV_8UC3, cv::Scalar::all(0)) {}
+
+    bool open(const std::filesystem::path& file, double framesPerSecond) {
+        return writer_.open(file.string(), cv::CAP_FFMPEG, cv::VideoWriter::fourcc('a', 'v', 'c', '1'),
+                            framesPerSecond, padded_.size());
+    }
+
+    void add(const uint8_t* rgb) override {
+        bgrOf(width_, height_, rgb).copyTo(padded_(cv::Rect(0, 0, width_, height_)));
+        writer_.write(padded_);
+    }
+
+private:
+    int width_, height_;
+    cv::Mat padded_;
+    cv::VideoWriter writer_;
+};
+
+std::unique_ptr<FilmEncoder> openFilm(const std::filesystem::path& file, int width, int height,
+                                      double framesPerSecond) {
+    try {
+        auto encoder = std::make_unique<Encoder>(width, height);
+        if (!encoder->open(file, framesPerSecond)) return nullptr;
+        return encoder;
+    } catch (const cv::Exception&) {
+        return nullptr;
+    }
+}
+
+} // namespace
+
+} // namespace heliodon::geometry
+
+extern "C" const heliodon::geometry::PictureCodecs heliodonPictureCodecs;
+const heliodon::geometry::PictureCodecs heliodonPictureCodecs{
+    heliodon::geometry::read, heliodon::geometry::writePng, heliodon::geometry::openFilm};

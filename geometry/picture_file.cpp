@@ -1,0 +1,43 @@
+#include "geometry/picture_file.h"
+
+#include <stdexcept>
+#include <string>
+
+#include <dlfcn.h>
+
+namespace heliodon::geometry {
+
+namespace {
+
+const PictureCodecs& load() {
+    // By its place: a search path of the program's own is not followed under the address sanitizer.
+    const std::filesystem::path file =
+        std::filesystem::read_symlink("/proc/self/exe").replace_filename(HELIODON_PICTURE_CODECS);
+    void* module = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL); // never closed: the libraries stay in use
+    const void* codecs = module ? dlsym(module, "heliodonPictureCodecs") : nullptr;
+    if (!codecs)
+        throw std::runtime_error(std::string("the part that reads and writes pictures: ") + dlerror());
+    return *static_cast<const PictureCodecs*>(codecs);
+}
+
+const PictureCodecs& codecs() {
+    static const PictureCodecs& loaded = load();
+    return loaded;
+}
+
+} // namespace
+
+std::optional<PicturePixels> readPictureFile(const std::filesystem::path& file) {
+    return codecs().read(file);
+}
+
+bool writePngFile(const std::filesystem::path& file, int width, int height, const uint8_t* rgb) {
+    return codecs().writePng(file, width, height, rgb);
+}
+
+std::unique_ptr<FilmEncoder> openFilmFile(const std::filesystem::path& file, int width, int height,
+                                          double framesPerSecond) {
+    return codecs().openFilm(file, width, height, framesPerSecond);
+}
+
+} // namespace heliodon::geometry

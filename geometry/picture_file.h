@@ -1,0 +1,45 @@
+// Pictures and films as files. What is behind them (OpenCV with some two hundred libraries of formats, a
+// tenth of a second to load) is a module beside the program, loaded when first used. Throws
+// std::runtime_error where that module is missing.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace heliodon::geometry {
+
+// Three bytes a pixel, R G B, row-major from the top, tightly packed.
+struct PicturePixels {
+    int width = 0, height = 0;
+    std::vector<uint8_t> rgb;
+};
+
+// PNG, JPEG and TIFF, 8 or 16 bits, colour or grey; an alpha channel is dropped, EXIF's orientation ignored.
+// Nothing where the file cannot be read as a picture.
+std::optional<PicturePixels> readPictureFile(const std::filesystem::path& file);
+
+// False where it could not be written. `rgb`: width x height x 3 bytes.
+bool writePngFile(const std::filesystem::path& file, int width, int height, const uint8_t* rgb);
+
+// H.264 in .mp4. The file is complete when the encoder is destroyed.
+class FilmEncoder {
+public:
+    virtual ~FilmEncoder() = default;
+    virtual void add(const uint8_t* rgb) = 0; // width x height x 3 bytes
+};
+
+// Odd sizes get a black line more. Null where no encoder is there.
+std::unique_ptr<FilmEncoder> openFilmFile(const std::filesystem::path& file, int width, int height,
+                                          double framesPerSecond);
+
+// What the module exports, by the name `heliodonPictureCodecs`.
+struct PictureCodecs {
+    std::optional<PicturePixels> (*read)(const std::filesystem::path&);
+    bool (*writePng)(const std::filesystem::path&, int, int, const uint8_t*);
+    std::unique_ptr<FilmEncoder> (*openFilm)(const std::filesystem::path&, int, int, double);
+};
+
+} // namespace heliodon::geometry
