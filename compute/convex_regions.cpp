@@ -33,28 +33,20 @@ double areaOf(const Flat& polygon) {
     return 0.5 * sum;
 }
 
-// Andrew's monotone chain; corners nearer than `flat` to a straight edge are dropped.
+// Andrew's monotone chain over points in strict order; then, going round from a corner that is sure, corners
+// nearer than `flat` to a straight edge are dropped.
 Flat hullOf(const std::vector<Flat>& parts, double flat) {
     Flat points;
     for (const Flat& part : parts) points.insert(points.end(), part.begin(), part.end());
-    // An upright edge is climbed from its foot, however rounding scatters its points: else the chain would
-    // turn back along it and lose the corner.
-    const auto column = [flat](dvec2 p) { return std::floor(p.x / (1e3 * flat) + 0.31); };
-    const auto less = [&](dvec2 a, dvec2 b) {
-        const double i = column(a), j = column(b);
-        return i < j || (i == j && (a.y < b.y || (a.y == b.y && a.x < b.x)));
-    };
+    const auto less = [](dvec2 a, dvec2 b) { return a.x < b.x || (a.x == b.x && a.y < b.y); };
     std::sort(points.begin(), points.end(), less);
-    points.erase(std::unique(points.begin(), points.end(),
-                             [flat](dvec2 a, dvec2 b) { return glm::length(a - b) <= flat; }),
-                 points.end());
     Flat hull;
     const auto chain = [&](auto begin, auto end) {
         const size_t base = hull.size();
         for (auto p = begin; p != end; ++p) {
             while (hull.size() >= base + 2) {
                 const dvec2 a = hull[hull.size() - 2], b = hull.back();
-                if (crossOf(b - a, *p - a) > flat * glm::length(*p - a)) break;
+                if (crossOf(b - a, *p - a) > 0) break;
                 hull.pop_back();
             }
             hull.push_back(*p);
@@ -64,7 +56,27 @@ Flat hullOf(const std::vector<Flat>& parts, double flat) {
     if (points.size() < 3) return {};
     chain(points.begin(), points.end());
     chain(points.rbegin(), points.rend());
-    return hull.size() >= 3 ? hull : Flat{};
+    const auto farther = [&](dvec2 a, dvec2 b) {
+        return glm::length(a - points.front()) < glm::length(b - points.front());
+    };
+    std::rotate(hull.begin(), std::max_element(hull.begin(), hull.end(), farther), hull.end());
+    Flat corners;
+    hull.push_back(hull.front());
+    for (dvec2 p : hull) {
+        while (!corners.empty()) {
+            const dvec2 b = corners.back();
+            if (corners.size() == 1) {
+                if (glm::length(p - b) > flat) break;
+            } else {
+                const dvec2 a = corners[corners.size() - 2];
+                if (crossOf(b - a, p - a) > flat * glm::length(p - a)) break;
+            }
+            corners.pop_back();
+        }
+        corners.push_back(p);
+    }
+    corners.pop_back();
+    return corners.size() >= 3 ? corners : Flat{};
 }
 
 Flat half(const Flat& polygon, dvec2 point, dvec2 direction, double sign, double flat) {
