@@ -48,13 +48,7 @@ public:
         scene_ = exactScene(device, mesh, std::min(kTile, side));
         tolerance_ = static_cast<float>(entryTolerance(options.maxError, scene_.pieceCount));
         words_ = std::max(1u, (scene_.blockerCount + 31) / 32);
-        gpu::KernelCache& kernels = device.kernels();
-        sidesKernel_ = &kernels.get(device, exact_sides_comp, "exact_sides");
-        blocksKernel_ = &kernels.get(device, exact_blocks_comp, "exact_blocks", {{"kCorners", 4u}});
-        for (uint32_t clear : {0u, 1u})
-            pairsKernel_[clear] = &kernels.get(device, exact_pairs_comp, "exact_pairs",
-                                               {{"kCorners", scene_.mostCorners}, {"kClear", clear}});
-        finishKernel_ = &kernels.get(device, exact_finish_comp, "exact_finish");
+        prepareKernels();
         makeBuffers(storage);
         statistics.blockers = scene_.blockerCount;
         statistics.closed = scene_.closed;
@@ -93,6 +87,38 @@ private:
     gpu::Binding clusters() const { return gpu::texel(scene_.clusters, VK_FORMAT_R32G32B32A32_UINT); }
     const gpu::Buffer& sidesOf(bool diagonal) const { return diagonal ? sidesA_ : sidesB_; }
     const gpu::Buffer& backOf(bool diagonal) const { return diagonal ? there_ : back_; }
+
+    struct Source {
+        std::span<const uint32_t> spirv;
+        std::string name;
+        gpu::Specialization values;
+    };
+    static Source sidesSource() { return {exact_sides_comp, "exact_sides", {}}; }
+    static Source blocksSource() { return {exact_blocks_comp, "exact_blocks", {{"kCorners", 4u}}}; }
+    static Source finishSource() { return {exact_finish_comp, "exact_finish", {}}; }
+    static Source manySource() { return {exact_cells_comp, "exact_cells", {}}; }
+    Source pairsSource(bool clear) const {
+        return {
+            exact_pairs_comp, "exact_pairs", {{"kCorners", scene_.mostCorners}, {"kClear", clear ? 1u : 0u}}};
+    }
+    Source fewSource(uint32_t blockers) const {
+        const uint32_t corners = std::min(scene_.mostCorners, io::kExactFewCorners);
+        return {exact_few_comp, "exact_few", {{"kCorners", corners}, {"kBlockers", blockers}}};
+    }
+
+    // Kernels take longer to make than many scenes to compute: those that are likely to have work are begun
+    // together, in the order of their use.
+    void prepareKernels() {
+        std::vector<Source> likely{sidesSource(), blocksSource(), pairsSource(true), pairsSource(false),
+                                   fewSource(0)};
+        for (uint32_t k = 1; k <= std::min(scene_.blockerCount, io::kExactFew); ++k)
+            likely.push_back(fewSource(k));
+        if (scene_.blockerCount > io::kExactFew) likely.push_back(manySource());
+        likely.push_back(finishSource());
+        for (const Source& s : likely) device_.kernels().prepare(s.spirv, s.name, s.values);
+    }
+
+    const gpu::Kernel& made(const Source& s) { return device_.kernels().get(s.spirv, s.name, s.values); }
 
     void makeBuffers(uint64_t storage) {
         uint64_t pieces = 0, mostClusters = 1;
@@ -133,7 +159,7 @@ private:
                                           tile.firstPiece,   tile.pieces,         tile.firstCluster,
                                           tile.clusters,     scene_.samePlane};
         const size_t count = static_cast<size_t>(tile.pieces + tile.clusters) * words_;
-        commands.dispatch(*sidesKernel_, {high(), low(), normal(), centre(), range(), sides}, params,
+        commands.dispatch(made(sidesSource()), {high(), low(), normal(), centre(), range(), sides}, params,
                           gpu::groupsFor(count, io::kExactGroup));
         commands.barrier(gpu::Stage::compute, gpu::Stage::compute);
         device_.submitAndWait(std::move(commands));
@@ -149,21 +175,10 @@ private:
         counter(io::kExactOverflowCount) = 0;
         statistics.partial += counter(io::kExactPartialCount);
         statistics.visible += open + one + two + many - counter(io::kExactPartialCount);
-        // Kernels take long to make: only those with work.
-        if (open) integrate(fewKernel(0), records_, 0, open, a, b);
-        if (one) integrate(fewKernel(1), fewRecords_, 0, one, a, b);
-        if (two) integrate(fewKernel(2), fewRecords_, recordCapacity_ - two, two, a, b);
-        if (many) integrate(manyKernel(), records_, recordCapacity_ - many, many, a, b);
-    }
-
-    const gpu::Kernel& fewKernel(uint32_t blockers) {
-        const uint32_t corners = std::min(scene_.mostCorners, io::kExactFewCorners);
-        return device_.kernels().get(device_, exact_few_comp, "exact_few",
-                                     {{"kCorners", corners}, {"kBlockers", blockers}});
-    }
-
-    const gpu::Kernel& manyKernel() {
-        return device_.kernels().get(device_, exact_cells_comp, "exact_cells");
+        if (open) integrate(made(fewSource(0)), records_, 0, open, a, b);
+        if (one) integrate(made(fewSource(1)), fewRecords_, 0, one, a, b);
+        if (two) integrate(made(fewSource(2)), fewRecords_, recordCapacity_ - two, two, a, b);
+        if (many) integrate(made(manySource()), records_, recordCapacity_ - many, many, a, b);
     }
 
     void classify(const ExactTileRange& a, const ExactTileRange& b) {
@@ -176,7 +191,7 @@ private:
         const io::ExactBlocksParams params{scene_.pieceCount, words_,         a.pieces,
                                            b.pieces,          a.firstCluster, a.clusters,
                                            b.firstCluster,    b.clusters,     scene_.closed ? 1u : 0u};
-        find.dispatch(*blocksKernel_,
+        find.dispatch(made(blocksSource()),
                       {high(), low(), normal(), centre(), range(), clusters(), sidesA_, sidesOf(diagonal),
                        counters_, blocks_, masks_},
                       params, gpu::groupsFor(b.clusters, io::kExactGroup), a.clusters);
@@ -210,7 +225,7 @@ private:
                                               listCapacity_,
                                               scene_.closed ? 1u : 0u,
                                               tolerance_};
-            commands.dispatch(*pairsKernel_[clear ? 1 : 0],
+            commands.dispatch(made(pairsSource(clear)),
                               {high(), low(), normal(), centre(), range(), clusters(), sidesA_,
                                sidesOf(diagonal), counters_, blocks_, masks_, records_, lists_, there_,
                                backOf(diagonal), fewRecords_},
@@ -227,8 +242,9 @@ private:
         for (uint32_t done = 0; done < count; done += kChunk) {
             const uint32_t part = std::min(kChunk, count - done);
             const io::ExactFinishParams params{first + done, part, a.pieces, b.pieces};
-            commands.dispatch(*finishKernel_, {normal(), range(), records, sums_, there_, backOf(&a == &b)},
-                              params, gpu::groupsFor(part, io::kExactGroup));
+            commands.dispatch(made(finishSource()),
+                              {normal(), range(), records, sums_, there_, backOf(&a == &b)}, params,
+                              gpu::groupsFor(part, io::kExactGroup));
         }
         commands.barrier(gpu::Stage::compute, gpu::Stage::host);
         device_.submitAndWait(std::move(commands));
@@ -285,7 +301,6 @@ private:
     uint32_t words_ = 1, recordCapacity_ = 1, listCapacity_ = 1, cellCapacity_ = 1;
     float tolerance_ = 0;
     ExactScene scene_;
-    const gpu::Kernel *sidesKernel_, *blocksKernel_, *pairsKernel_[2], *finishKernel_;
     gpu::Buffer there_, back_; // the tile and its mirror image
     gpu::Buffer sidesA_, sidesB_, blocks_, masks_, counters_, records_, fewRecords_, lists_, sums_, cells_[2];
     std::vector<double> rowSquares_;

@@ -16,7 +16,7 @@ namespace heliodon::compute {
 
 namespace {
 
-constexpr uint32_t kBatch = 1u << 16; // pairs of one dispatch
+constexpr uint32_t kBatch = 1u << 16;    // pairs of one dispatch
 constexpr uint32_t kMostRays = 1u << 14; // between two triangles
 constexpr VkFormat kUvec4 = VK_FORMAT_R32G32B32A32_UINT;
 
@@ -44,12 +44,11 @@ template<class T> uint32_t takeBatch(std::vector<T>& from, gpu::Buffer& to) {
 
 LinkMaker::LinkMaker(gpu::Device& device, const ClusterScene& scene, const LinkTolerance& tolerance)
     : device_(&device), scene_(&scene),
-      clusters_(device.kernels().get(device, hierarchical_links_comp, "hierarchical links")),
-      triangles_(
-          device.kernels().get(device, hierarchical_leaves_comp, "hierarchical leaves", {{"kNear", 0u}})),
-      nearTriangles_(device.kernels().get(device, hierarchical_leaves_comp, "hierarchical near leaves",
-                                          {{"kNear", 1u}})),
-      rays_(device.kernels().get(device, hierarchical_rays_comp, "hierarchical rays")),
+      clusters_(device.kernels().get(hierarchical_links_comp, "hierarchical links")),
+      triangles_(device.kernels().get(hierarchical_leaves_comp, "hierarchical leaves", {{"kNear", 0u}})),
+      nearTriangles_(
+          device.kernels().get(hierarchical_leaves_comp, "hierarchical near leaves", {{"kNear", 1u}})),
+      rays_(device.kernels().get(hierarchical_rays_comp, "hierarchical rays")),
       pairs_(device, kBatch * sizeof(glm::uvec2), "link pairs"),
       doubted_(device, kBatch * sizeof(io::HierarchicalDoubt), "doubted links"),
       counters_(device, io::kHierarchicalCounters * sizeof(uint32_t), "link counters", gpu::Place::host),

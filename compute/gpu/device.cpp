@@ -222,7 +222,7 @@ Device::Device(const DeviceOptions& options)
     choosePhysical(options);
     createDevice(options);
     memory_ = std::make_unique<Memory>(physical_, device_);
-    kernels_ = std::make_unique<KernelCache>();
+    kernels_ = std::make_unique<KernelCache>(*this);
     VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
     pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
     pool.queueFamilyIndex = queueFamily_;

@@ -137,15 +137,22 @@ SpecializationData::SpecializationData(const SpirvModule& module, const Speciali
     info = {static_cast<uint32_t>(entries.size()), entries.data(), data.size() * 4, data.data()};
 }
 
+Kernel::Kernel(WithoutPipeline, Device& device, std::span<const uint32_t> spirv, const std::string& name)
+    : device_(&device), module_(reflectSpirv(spirv)), layout_(device, std::span(&module_, 1)), name_(name) {}
+
 Kernel::Kernel(Device& device, std::span<const uint32_t> spirv, const std::string& name,
                const Specialization& values)
-    : device_(&device), module_(reflectSpirv(spirv)), layout_(device, std::span(&module_, 1)), name_(name) {
+    : Kernel(WithoutPipeline(), device, spirv, name) {
+    pipeline_ = makePipeline(spirv, values);
+}
+
+VkPipeline Kernel::makePipeline(std::span<const uint32_t> spirv, const Specialization& values) const {
     VkShaderModuleCreateInfo shader{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
     shader.codeSize = spirv.size_bytes();
     shader.pCode = spirv.data();
     VkShaderModule handle = VK_NULL_HANDLE;
     const SpecializationData specialization(module_, values);
-    check(vkCreateShaderModule(device.handle(), &shader, nullptr, &handle), "vkCreateShaderModule");
+    check(vkCreateShaderModule(device_->handle(), &shader, nullptr, &handle), "vkCreateShaderModule");
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
     info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
     info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
@@ -153,19 +160,89 @@ Kernel::Kernel(Device& device, std::span<const uint32_t> spirv, const std::strin
     info.stage.pName = "main";
     info.stage.pSpecializationInfo = &specialization.info;
     info.layout = layout_.handle();
+    VkPipeline pipeline = VK_NULL_HANDLE;
     const VkResult result =
-        vkCreateComputePipelines(device.handle(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_);
-    vkDestroyShaderModule(device.handle(), handle, nullptr);
-    check(result, ("vkCreateComputePipelines for " + name).c_str());
-    device.setName(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<uint64_t>(pipeline_), name);
+        vkCreateComputePipelines(device_->handle(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline);
+    vkDestroyShaderModule(device_->handle(), handle, nullptr);
+    check(result, ("vkCreateComputePipelines for " + name_).c_str());
+    device_->setName(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<uint64_t>(pipeline), name_);
+    return pipeline;
 }
 
-const Kernel& KernelCache::get(Device& device, std::span<const uint32_t> spirv, const std::string& name,
+const Kernel& KernelCache::get(std::span<const uint32_t> spirv, const std::string& name,
                                const Specialization& values) {
-    const auto key = std::tuple(spirv.data(), values);
-    const auto found = kernels_.find(key);
-    if (found != kernels_.end()) return found->second;
-    return kernels_.emplace(key, Kernel(device, spirv, name, values)).first->second;
+    const Key key(spirv.data(), values);
+    const auto found = entries_.find(key);
+    if (found == entries_.end())
+        return entries_.emplace(key, Entry{Kernel(*device_, spirv, name, values), {}}).first->second.kernel;
+    try {
+        if (found->second.coming.valid()) finish(found->second);
+    } catch (...) {
+        entries_.erase(found);
+        throw;
+    }
+    return found->second.kernel;
+}
+
+void KernelCache::prepare(std::span<const uint32_t> spirv, const std::string& name,
+                          const Specialization& values) {
+    const Key key(spirv.data(), values);
+    if (entries_.contains(key)) return;
+    Entry& entry = entries_.emplace(key, Entry{Kernel(Kernel::WithoutPipeline(), *device_, spirv, name), {}})
+                       .first->second;
+    std::packaged_task<VkPipeline()> make(
+        [&kernel = entry.kernel, spirv, values] { return kernel.makePipeline(spirv, values); });
+    entry.coming = make.get_future();
+    const std::scoped_lock lock(mutex_);
+    waiting_.push_back({&entry, std::move(make)});
+    if (busy_ == std::max(1u, std::thread::hardware_concurrency())) return;
+    if (busy_ == 0) makers_.clear(); // all have ended
+    ++busy_;
+    makers_.emplace_back([this] { makeWaiting(); });
+}
+
+// Takes the pipeline; makes it here where nobody has begun to.
+void KernelCache::finish(Entry& entry) {
+    std::packaged_task<VkPipeline()> make;
+    {
+        const std::scoped_lock lock(mutex_);
+        const auto mine =
+            std::ranges::find_if(waiting_, [&](const Waiting& waiting) { return waiting.entry == &entry; });
+        if (mine != waiting_.end()) {
+            make = std::move(mine->make);
+            waiting_.erase(mine);
+        }
+    }
+    if (make.valid()) make();
+    entry.kernel.pipeline_ = entry.coming.get();
+}
+
+void KernelCache::makeWaiting() {
+    for (;;) {
+        std::packaged_task<VkPipeline()> make;
+        {
+            const std::scoped_lock lock(mutex_);
+            if (waiting_.empty()) {
+                --busy_;
+                return;
+            }
+            make = std::move(waiting_.front().make);
+            waiting_.pop_front();
+        }
+        make();
+    }
+}
+
+KernelCache::~KernelCache() {
+    {
+        const std::scoped_lock lock(mutex_);
+        waiting_.clear();
+    }
+    makers_.clear();
+    for (auto& [key, entry] : entries_) try {
+            if (entry.coming.valid()) entry.kernel.pipeline_ = entry.coming.get();
+        } catch (const std::exception&) { // it was never made
+        }
 }
 
 Kernel& Kernel::operator=(Kernel&& other) noexcept {

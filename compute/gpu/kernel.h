@@ -3,9 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
+#include <future>
 #include <map>
+#include <mutex>
 #include <span>
 #include <string>
+#include <thread>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -93,6 +97,12 @@ public:
     const std::string& name() const { return name_; }
 
 private:
+    friend class KernelCache;
+    struct WithoutPipeline {};
+    Kernel(WithoutPipeline, Device& device, std::span<const uint32_t> spirv, const std::string& name);
+    VkPipeline makePipeline(std::span<const uint32_t> spirv,
+                            const Specialization& values) const; // on any thread
+
     Device* device_ = nullptr;
     SpirvModule module_;
     PipelineLayout layout_;
@@ -104,11 +114,38 @@ private:
 // Owned by the Device. `spirv` must be static: its address is the key, together with the specialization.
 class KernelCache {
 public:
-    const Kernel& get(Device& device, std::span<const uint32_t> spirv, const std::string& name,
+    explicit KernelCache(Device& device) : device_(&device) {}
+    KernelCache(const KernelCache&) = delete;
+    KernelCache& operator=(const KernelCache&) = delete;
+    ~KernelCache(); // waits for what is being made
+
+    const Kernel& get(std::span<const uint32_t> spirv, const std::string& name,
                       const Specialization& values = {});
 
+    // Begins to make a kernel on another core, in the order of the calls, while the caller goes on. get()
+    // hands it out, and throws what its making threw.
+    void prepare(std::span<const uint32_t> spirv, const std::string& name, const Specialization& values = {});
+
 private:
-    std::map<std::tuple<const uint32_t*, Specialization>, Kernel> kernels_;
+    using Key = std::tuple<const uint32_t*, Specialization>;
+    struct Entry {
+        Kernel kernel;
+        std::future<VkPipeline> coming; // valid: the pipeline is still to be taken from here
+    };
+    struct Waiting {
+        const Entry* entry;
+        std::packaged_task<VkPipeline()> make;
+    };
+
+    void finish(Entry& entry);
+    void makeWaiting();
+
+    Device* device_;
+    std::map<Key, Entry> entries_;
+    std::mutex mutex_; // of waiting_ and busy_
+    std::deque<Waiting> waiting_;
+    size_t busy_ = 0; // makers at work
+    std::vector<std::jthread> makers_;
 };
 
 } // namespace heliodon::gpu

@@ -69,6 +69,30 @@ TEST(Kernel, wrong_resources_are_refused_by_name) {
     EXPECT_THROW(commands.dispatch(kernel, {texel(buffer, VK_FORMAT_R32_SFLOAT), buffer}, 1.0f, 1), Error);
 }
 
+TEST(KernelCache, hands_out_what_was_prepared_as_if_made_on_the_spot) {
+    KernelCache cache(test::device());
+    for (uint32_t negate : {0u, 1u}) cache.prepare(affine_comp, "affine", {{"kNegate", negate}});
+    cache.prepare(affine_comp, "affine", {{"kNegate", 1u}}); // again: nothing happens
+    const Kernel& kernel = cache.get(affine_comp, "affine", {{"kNegate", 1u}});
+    EXPECT_EQ(runAffine(kernel, {3.0f})[0], -7.0f);
+    EXPECT_EQ(&kernel, &cache.get(affine_comp, "affine", {{"kNegate", 1u}}));
+    EXPECT_EQ(runAffine(cache.get(affine_comp, "affine"), {3.0f})[0], 7.0f); // not prepared
+}
+
+TEST(KernelCache, a_kernel_that_cannot_be_made_throws_where_it_is_asked_for) {
+    KernelCache cache(test::device());
+    cache.prepare(affine_comp, "affine", {{"kNoSuchName", 1u}});
+    EXPECT_THROW(cache.get(affine_comp, "affine", {{"kNoSuchName", 1u}}), Error);
+    EXPECT_THROW(cache.get(affine_comp, "affine", {{"kNoSuchName", 1u}}), Error);
+}
+
+TEST(KernelCache, may_go_before_what_it_began_is_asked_for) {
+    for (int k = 0; k < 20; ++k) {
+        KernelCache cache(test::device());
+        for (uint32_t negate : {0u, 1u}) cache.prepare(affine_comp, "affine", {{"kNegate", negate}});
+    }
+}
+
 TEST(Spirv, truncated_modules_never_crash) {
     const std::span<const uint32_t> whole(affine_comp);
     for (size_t length = 0; length < whole.size(); ++length) {
