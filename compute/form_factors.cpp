@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -193,20 +194,22 @@ void measureFormFactors(const geometry::PatchMesh& mesh, const gpu::Buffer& valu
     std::vector<double> area(n);
     double total = 0;
     for (size_t i = 0; i < n; ++i) total += area[i] = geometry::patchArea(mesh, i);
-    std::vector<double> sums(n, 0.0);
-    for (size_t i = 0; i < n; ++i)
-        for (size_t j = 0; j < n; ++j) sums[i] += double{F[i * n + j]};
-    measureClosure(sums, report);
     // In blocks, since one of the two walks down columns.
     constexpr size_t kBlock = 64;
-    double reciprocity = 0;
-    for (size_t i0 = 0; i0 < n; i0 += kBlock)
+    std::vector<double> sums(n, 0.0), squares((n + kBlock - 1) / kBlock, 0.0);
+    inParallel(squares.size(), [&](size_t block) {
+        const size_t i0 = block * kBlock, i1 = std::min(n, i0 + kBlock);
+        for (size_t i = i0; i < i1; ++i)
+            for (size_t j = 0; j < n; ++j) sums[i] += double{F[i * n + j]};
         for (size_t j0 = i0; j0 < n; j0 += kBlock)
-            for (size_t i = i0; i < std::min(n, i0 + kBlock); ++i)
+            for (size_t i = i0; i < i1; ++i)
                 for (size_t j = std::max(j0, i + 1); j < std::min(n, j0 + kBlock); ++j) {
                     const double d = area[i] * F[i * n + j] - area[j] * F[j * n + i];
-                    reciprocity += d * d;
+                    squares[block] += d * d;
                 }
+    });
+    measureClosure(sums, report);
+    const double reciprocity = std::accumulate(squares.begin(), squares.end(), 0.0);
     const double pairs = 0.5 * static_cast<double>(n) * static_cast<double>(n - 1);
     report.reciprocityRms = std::sqrt(reciprocity / std::max(pairs, 1.0)) / (total / static_cast<double>(n));
 }

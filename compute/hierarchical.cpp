@@ -13,6 +13,7 @@
 #include "compute/gpu/commands.h"
 #include "compute/gpu/device.h"
 #include "compute/link_maker.h"
+#include "compute/parallel.h"
 #include "compute/stopwatch.h"
 #include "compute/texel.h"
 #include "spirv/hierarchical_gather_comp.h"
@@ -26,6 +27,7 @@ namespace {
 
 constexpr uint32_t kMostColumns = 4;
 constexpr uint32_t kAttempts = 3;
+constexpr size_t kSortedTogether = 64; // nodes' entries, by one thread
 constexpr double kRowCaution = 1.4; // of single rows over their estimates, so that 99 of 100 hold (measured)
 constexpr double kLeastHidden = 5e-4; // row error that samples of visibility reach in useful time
 constexpr VkFormat kUvec4 = VK_FORMAT_R32G32B32A32_UINT, kVec4 = VK_FORMAT_R32G32B32A32_SFLOAT;
@@ -45,10 +47,9 @@ glm::dvec3 middleOf(const PatchTree::Leaf& leaf) {
 
 HierarchicalFormFactors::HierarchicalFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
                                                  const HierarchicalOptions& options)
-    : device_(&device), patchCount_(static_cast<uint32_t>(mesh.patchCount())), scene_(device, mesh),
-      moments_(device, hierarchical_moments_comp, "hierarchical moments"),
-      spread_(device, hierarchical_spread_comp, "hierarchical spread"),
-      patches_(device, hierarchical_patches_comp, "hierarchical patches") {
+    : device_(&device), patchCount_(static_cast<uint32_t>(mesh.patchCount())),
+      // Kernels are made while the tree grows.
+      scene_((LinkMaker::prepareKernels(device), ClusterScene(device, mesh))) {
     const Stopwatch watch;
     statistics_.blockers = scene_.blockerCount;
     statistics_.nodes = static_cast<uint32_t>(scene_.tree.nodes.size());
@@ -154,18 +155,17 @@ void HierarchicalFormFactors::makeEntries(std::span<const io::HierarchicalLink> 
         entries[at[link.first]++] = {link.second, density, link.firstSlope, link.secondSlope};
         entries[at[link.second]++] = {link.first, density, link.secondSlope, link.firstSlope};
     }
-    for (size_t k = 0; k < n; ++k)
-        std::sort(entries.begin() + firstEntry_[k], entries.begin() + firstEntry_[k + 1],
-                  [](const glm::uvec4& a, const glm::uvec4& b) { return a.x < b.x; });
+    inParallel((n + kSortedTogether - 1) / kSortedTogether, [&](size_t chunk) {
+        for (size_t k = chunk * kSortedTogether; k < std::min(n, (chunk + 1) * kSortedTogether); ++k)
+            std::sort(entries.begin() + firstEntry_[k], entries.begin() + firstEntry_[k + 1],
+                      [](const glm::uvec4& a, const glm::uvec4& b) { return a.x < b.x; });
+    });
     statistics_.bytes = entries.size() * sizeof(glm::uvec4);
     entries_ = gpu::Buffer(*device_, statistics_.bytes, "hierarchical entries");
     entries_.upload(entries);
 }
 
 void HierarchicalFormFactors::makeOperator() {
-    for (uint32_t columns = 1; columns <= kMostColumns; ++columns)
-        gathers_.emplace_back(*device_, hierarchical_gather_comp, "hierarchical gather",
-                              gpu::Specialization{{"kColumns", columns}});
     firstLeaf_.assign(patchCount_ + 1, 0);
     for (const PatchTree::Leaf& leaf : scene_.tree.leaves) ++firstLeaf_[leaf.patch + 1];
     for (size_t i = 0; i < patchCount_; ++i) firstLeaf_[i + 1] += firstLeaf_[i];
@@ -195,6 +195,10 @@ void HierarchicalFormFactors::gather(std::span<const float> in, std::span<float>
         std::fill(out.begin(), out.end(), 0.0f);
         return;
     }
+    gpu::KernelCache& kernels = device_->kernels();
+    const gpu::Kernel &moments = kernels.get(hierarchical_moments_comp, "hierarchical moments"),
+                      &spread = kernels.get(hierarchical_spread_comp, "hierarchical spread"),
+                      &patches = kernels.get(hierarchical_patches_comp, "hierarchical patches");
     const auto& level = scene_.tree.levelFirst;
     const auto nodes = static_cast<uint32_t>(scene_.tree.nodes.size());
     // Windows of nodes whose entries fit the device's limit on texels.
@@ -212,7 +216,7 @@ void HierarchicalFormFactors::gather(std::span<const float> in, std::span<float>
         };
         for (size_t l = level.size() - 1; l-- > 0;) {
             commands.dispatch(
-                moments_, {gpu::texel(family_, kUvec4), gpu::texel(frames_, kVec4), light_, momentTexels_},
+                moments, {gpu::texel(family_, kUvec4), gpu::texel(frames_, kVec4), light_, momentTexels_},
                 sweep(level[l], level[l + 1]), groups(level[l], level[l + 1]));
             commands.barrier(kCompute, kCompute); // parents read the moments of their children
         }
@@ -223,7 +227,7 @@ void HierarchicalFormFactors::gather(std::span<const float> in, std::span<float>
             const size_t offset = size_t{firstEntry} * sizeof(glm::uvec4),
                          bytes = size_t{firstEntry_[end] - firstEntry} * sizeof(glm::uvec4);
             commands.dispatch(
-                gathers_[count - 1],
+                kernels.get(hierarchical_gather_comp, "hierarchical gather", {{"kColumns", count}}),
                 {gpu::texel(firstEntryTexels_, kUint),
                  bytes > 0 ? gpu::texel(entries_, kUvec4, offset, bytes) : gpu::texel(entries_, kUvec4),
                  gpu::texel(momentTexels_, kVec4), received_},
@@ -232,12 +236,12 @@ void HierarchicalFormFactors::gather(std::span<const float> in, std::span<float>
         }
         commands.barrier(kCompute, kCompute); // children read what their parents received
         for (size_t l = 1; l + 1 < level.size(); ++l) {
-            commands.dispatch(spread_, {gpu::texel(parents_, kUint), gpu::texel(frames_, kVec4), received_},
+            commands.dispatch(spread, {gpu::texel(parents_, kUint), gpu::texel(frames_, kVec4), received_},
                               sweep(level[l], level[l + 1]), groups(level[l], level[l + 1]));
             commands.barrier(kCompute, kCompute);
         }
         commands.dispatch(
-            patches_,
+            patches,
             {gpu::texel(firstLeafTexels_, kUint), gpu::texel(leafNodeTexels_, kUvec4), received_, gathered_},
             sweep(0, nodes), gpu::groupsFor(size_t{patchCount_} * count, io::kHierarchicalGroup));
         commands.barrier(kCompute, gpu::Stage::host);

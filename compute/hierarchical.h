@@ -65,8 +65,6 @@ private:
         leafNodes_; // per node; per patch; nodes of each patch's triangles
     std::vector<double> patchArea_;
     std::vector<float> rowError_;
-    gpu::Kernel moments_, spread_, patches_;
-    std::vector<gpu::Kernel> gathers_; // by columns - 1
     gpu::Buffer family_, frames_, parents_, firstEntryTexels_, entries_, firstLeafTexels_, leafNodeTexels_,
         momentTexels_, received_, light_, gathered_;
 };

@@ -20,8 +20,15 @@ struct LinkTolerance {
     double visible = 0; // and from what may stand between
 };
 
+// What happens to pairs, in the order in which they meet it.
+enum class LinkStage { clusters, triangles, nearTriangles, rays, manyRays };
+constexpr int kLinkStages = 5;
+
 class LinkMaker {
 public:
+    // Has the kernels made while the caller does something else.
+    static void prepareKernels(gpu::Device& device);
+
     // Both must outlive this.
     LinkMaker(gpu::Device& device, const ClusterScene& scene, const LinkTolerance& tolerance);
 
@@ -37,17 +44,16 @@ public:
 
 private:
     void work(size_t least);
-    void run(const gpu::Kernel& kernel, const gpu::Buffer& in, uint32_t count, bool splits);
+    void run(LinkStage stage, const gpu::Buffer& in, uint32_t count);
 
     gpu::Device* device_;
     const ClusterScene* scene_;
     io::HierarchicalLinksParams params_{};
-    const gpu::Kernel &clusters_, &triangles_, &nearTriangles_, &rays_; // of the device's cache
     std::vector<glm::uvec2> pending_, leafPairs_, nearPairs_;
-    std::vector<io::HierarchicalDoubt> doubts_;
+    std::vector<io::HierarchicalDoubt> doubts_, longDoubts_; // the latter after many rays
     std::vector<io::HierarchicalLink> links_;
     uint64_t pairCount_ = 0;
-    gpu::Buffer pairs_, doubted_, counters_, next_, newLeafPairs_, newLinks_, newDoubts_;
+    gpu::Buffer pairs_, doubted_, counters_, next_, newLeafPairs_, newLinks_, newDoubts_, newLongDoubts_;
 };
 
 } // namespace heliodon::compute

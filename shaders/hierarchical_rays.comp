@@ -18,6 +18,8 @@ layout(set = 0, binding = 6, scalar) writeonly buffer Next { uvec2 next[]; };   
 layout(set = 0, binding = 7, scalar) writeonly buffer LeafPairs { uvec2 leafPairs[]; }; // four for each pair
 layout(set = 0, binding = 8, scalar) writeonly buffer Links { HierarchicalLink links[]; };
 layout(set = 0, binding = 9, scalar) writeonly buffer Doubts { HierarchicalDoubt doubts[]; };
+layout(set = 0, binding = 10, scalar) writeonly buffer LongDoubts { HierarchicalDoubt longDoubts[]; };
+layout(constant_id = 0) const uint kLanes = 1u; // invocations that share the rays of a pair, neighbours
 layout(push_constant, scalar) uniform Push { HierarchicalLinksParams params; };
 
 #include "shaders/lib/cluster.glsl"
@@ -31,30 +33,58 @@ float errorOfShare(HierarchicalDoubt d, float share) {
     return max(random, 0.25 * d.openSquares / (d.open * d.open));
 }
 
+shared vec4 castSums[kHierarchicalGroup];
+shared uint castBlocked[kHierarchicalGroup];
+
+// Sums over the rays [d.rays, end): what passes, what would in the open, and both squared.
+vec4 castRays(HierarchicalDoubt d, Cluster p, Cluster q, uint seed, uint end, out uint blocked) {
+    vec4 sums = vec4(0.0);
+    blocked = 0u;
+    [[dont_unroll]] for (uint k = d.rays + gl_LocalInvocationID.x % kLanes; k < end; k += kLanes) {
+        vec2 light = castRay(p, q, seed, k, params.nodeCount, params.flatness);
+        sums += vec4(light, light * light);
+        blocked += light.x > 0.0 ? 0u : 1u;
+    }
+    if (kLanes == 1u) return sums;
+    uint lane = gl_LocalInvocationID.x, first = lane - lane % kLanes;
+    castSums[lane] = sums;
+    castBlocked[lane] = blocked;
+    barrier();
+    sums = vec4(0.0);
+    blocked = 0u;
+    [[dont_unroll]] for (uint k = first; k < first + kLanes; ++k) {
+        sums += castSums[k];
+        blocked += castBlocked[k];
+    }
+    return sums;
+}
+
 void main() {
-    uint index = gl_GlobalInvocationID.x;
-    if (index >= params.pairCount) return;
-    HierarchicalDoubt d = doubted[index];
+    uint index = gl_GlobalInvocationID.x / kLanes;
+    bool idle = index >= params.pairCount;
+    if (kLanes == 1u && idle) return; // the others' lanes wait for one another
+    HierarchicalDoubt d = doubted[min(index, params.pairCount - 1u)];
     uint i = d.link.first, j = d.link.second, seed = hashOf(i * 0x9e3779b9u ^ hashOf(j));
     Cluster p = clusterAt(i), q = clusterAt(j);
     bool triangles = p.child == 0u && q.child == 0u;
-    uint end = d.rays + (triangles ? clamp(d.rays, kHierarchicalFewRays, kHierarchicalRoundRays) : kHierarchicalRays);
-    uint blocked = 0u;
-    [[dont_unroll]] for (uint k = d.rays; k < end; ++k) {
-        vec2 light = castRay(p, q, seed, k, params.nodeCount, params.flatness);
-        d.passed += light.x;
-        d.open += light.y;
-        d.passedSquares += light.x * light.x;
-        d.openSquares += light.y * light.y;
-        blocked += light.x > 0.0 ? 0u : 1u;
-    }
+    uint end = d.rays + (triangles ? clamp(d.rays, kHierarchicalFewRays, kLanes * kHierarchicalRoundRays) : kHierarchicalRays);
+    uint blocked;
+    vec4 sums = castRays(d, p, q, seed, end, blocked);
+    if (idle || gl_LocalInvocationID.x % kLanes > 0u) return;
+    d.passed += sums.x;
+    d.open += sums.y;
+    d.passedSquares += sums.z;
+    d.openSquares += sums.w;
     d.rays = end;
     float factor = d.link.density * max(p.area, q.area), share, error;
     if (triangles) {
         share = d.open > 0.0 ? d.passed / d.open : 0.0;
         error = d.open > 0.0 ? errorOfShare(d, share) : 1.0; // all rays began or ended behind the other's plane
         if (factor * error > 0.25 * params.visibilityTolerance && end < params.mostRays) {
-            doubts[atomicAdd(counters[kHierarchicalDoubts], 1u)] = d;
+            if (end < kHierarchicalManyRays)
+                doubts[atomicAdd(counters[kHierarchicalDoubts], 1u)] = d;
+            else
+                longDoubts[atomicAdd(counters[kHierarchicalLongDoubts], 1u)] = d;
             return;
         }
     } else {

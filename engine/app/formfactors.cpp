@@ -79,7 +79,9 @@ void execute(Run& run, const FormFactorArguments& arguments) {
             const StageTimer timer(run, "formfactors");
             return compute::computeFormFactors(device, mesh, options);
         }();
-        const std::vector<float> values = factors.values.download<float>(n * n);
+        std::vector<float> copy;
+        std::span<const float> values(factors.values.mapped<float>(), n * n);
+        if (!values.data()) values = copy = factors.values.download<float>(n * n);
         finish(factors.report);
         if (!arguments.reference.empty())
             run.report()["error"] = errorAgainst(readMatrix(arguments.reference, n, n), values, n);

@@ -6,6 +6,8 @@ IO_BEGIN
 const uint kHierarchicalGroup = 64u;
 const uint kHierarchicalRays = 8u;      // between two clusters
 const uint kHierarchicalFewRays = 4u;   // first between two triangles, then as many again as there were
+const uint kHierarchicalLanes = 8u; // share the rays of a pair that needs many: the last pairs to be settled are few
+const uint kHierarchicalManyRays = 64u; // which a pair does that has had so many
 const uint kHierarchicalRoundRays = 512u; // of one invocation, at most: loops are far from 65535 turns
 const uint kHierarchicalAlign = 16u; // windows of entries begin at multiples of this: 256 bytes
 // A node takes five texels (uvec4; floats by their bits):
@@ -36,7 +38,8 @@ const uint kHierarchicalLinks = 0u;
 const uint kHierarchicalPairs = 1u;  // to go on with
 const uint kHierarchicalLeaves = 2u; // pairs of leaves
 const uint kHierarchicalDoubts = 3u;
-const uint kHierarchicalCounters = 4u;
+const uint kHierarchicalLongDoubts = 4u; // that need many rays
+const uint kHierarchicalCounters = 5u;
 struct HierarchicalLinksParams {
     uint pairCount;
     uint nodeCount; // of the hierarchy of blockers; 0: nothing can stand between
