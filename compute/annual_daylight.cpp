@@ -151,7 +151,11 @@ AnnualDaylight::Responses AnnualDaylight::respond(const TransportParts& parts) {
     RadiositySolver& solver = solver_ ? *solver_ : parts.solver;
     const RadiosityMatter& matter = parts.solver.matter();
     std::vector<float> area(n);
-    for (size_t i = 0; i < n; ++i) area[i] = static_cast<float>(geometry::patchArea(mesh, i));
+    std::vector<uint8_t> clear(n);
+    for (size_t i = 0; i < n; ++i) {
+        area[i] = static_cast<float>(geometry::patchArea(mesh, i));
+        clear[i] = mesh.twin[i] != geometry::kNoTwin && isClear(mesh.materials[mesh.material[i]]);
+    }
 
     const size_t atOnce = std::max<size_t>(1, kColumnsAtOnce / channels);
     for (size_t first = 0; first < sensors; first += atOnce) {
@@ -187,7 +191,9 @@ AnnualDaylight::Responses AnnualDaylight::respond(const TransportParts& parts) {
                     for (size_t i = 0; i < n; ++i) {
                         const float later = area[i] * (once[at + i] + rest[at + i]),
                                     received = seen[i] + later;
-                        sky[i] += share * area[i] * (sent[at + i] + importance[at + i]);
+                        // What falls on clear interior glass goes straight on and is counted where it lands.
+                        sky[i] += share * (clear[i] ? matter.reflectance[c][i] * received
+                                                    : area[i] * (sent[at + i] + importance[at + i]));
                         sun[i * sensors] += share * matter.reflectance[c][i] * (even[i] + later);
                         own += static_cast<double>(
                             share * received *
@@ -303,12 +309,13 @@ void AnnualDaylight::addEdges(const TransportParts& parts, std::span<float> refl
             if (even[i] >= kFarEdge && even[i] < kNearEdge)
                 whole[i] = nearness(middles[i], static_cast<uint32_t>(i));
         const std::optional<PointView> view = transport_.viewOfSensor(s);
+        const uint32_t room = parts.sensorRooms[s];
         for (size_t k = 0; k < sunny_.size() && view; ++k) {
             double more = 0;
             for (size_t e = 0; e < sunny_[k].edges.size(); ++e) {
                 const Edge& edge = sunny_[k].edges[e];
                 const double share = even[edge.patch];
-                if (share < kFarEdge) continue;
+                if (share < kFarEdge || mesh.room[edge.patch] != room) continue; // through glass: from afar
                 if (share >= kNearEdge) {
                     for (const EdgePart& part : sunny_[k].parts[e])
                         more += double{part.exitance} * view->factor(part.polygon);

@@ -29,6 +29,8 @@ constexpr double kPi = std::numbers::pi;
 // within the patches that a sensor sees. Set so that rooms of 600 to 2000 triangles stay inside on 99 of 100
 // sensors, against Radiance.
 constexpr double kSpreadShare = 0.10;  // of light's variation within patches, after its slope is allowed for
+constexpr double kNearShare = 0.5;     // of a patch's light, times its own share of the view
+constexpr double kPaneShare = 0.3;     // of what came to patches through interior glass
 constexpr double kBounceError = 0.006; // of reflected light: what earlier bounces between patches leave
 constexpr double kSensorSkyError = 0.008; // of sky light, from its cubature and that of glass
 constexpr double kPatchSkyError = 0.01;   // the same for four points a patch and sky elements
@@ -57,10 +59,6 @@ struct SkyRows {
 };
 
 } // namespace
-
-double photometric(glm::vec3 rgb) {
-    return 0.2126 * rgb.x + 0.7152 * rgb.y + 0.0722 * rgb.z;
-}
 
 struct DaylightTransport::State {
     gpu::Device& device;
@@ -98,6 +96,7 @@ struct DaylightTransport::State {
     void finish(Moment& moment, const std::vector<float>& exitance, const std::vector<float>& gathered,
                 size_t firstColumn) const;
     void atSensors(Moment& moment, const std::vector<float>& exitance, size_t firstColumn) const;
+    std::vector<float> scatteredByPanes(const std::vector<float>& light) const;
     std::vector<float> spreadWithin(const std::vector<float> (&smooth)[3]) const;
     double rowError() const {
         return factors.report.claimedRowError > 0 ? factors.report.claimedRowError : kHemicubeRowError;
@@ -285,9 +284,9 @@ void DaylightTransport::State::solve(std::span<Moment> moments) {
                 float out = mesh.materials[mesh.material[i]].exitance[axis] +
                             rho[i] * (parts.sun[axis] + parts.sky[axis] + parts.ground[axis]);
                 if (!moment.glow.empty()) out += moment.glow[i][axis];
-                if (tau[i] > 0) {
-                    // The sun goes through clear glass as a beam (SunPatches); sky light that falls on it
-                    // goes on diffusely.
+                if (tau[i] > 0 && !isClear(mesh.materials[mesh.material[i]])) {
+                    // Through clear glass sky and sun go straight on (PointScene, SunPatches); the sun goes
+                    // through any as a beam.
                     const LightParts& other = moment.patches[static_cast<size_t>(mesh.twin[i])];
                     out += tau[i] * (other.sky[axis] + other.ground[axis]);
                 }
@@ -337,7 +336,8 @@ void DaylightTransport::State::finish(Moment& moment, const std::vector<float>& 
         const glm::vec3 direct = parts.sun + parts.sky + parts.ground;
         in += areas[i] * photometric(m.exitance + direct);
         if (!moment.glow.empty()) in += areas[i] * photometric(moment.glow[i]);
-        in -= areas[i] * photometric(tau * parts.sun); // goes on as a beam, counted where it lands
+        // What goes straight on counts where it lands.
+        in -= areas[i] * photometric(tau * (isClear(m) ? direct : parts.sun));
         absorbed += areas[i] * photometric((glm::vec3(1) - m.reflectance - tau) * parts.total());
         lost += areas[i] * (1 - double{rowSums[i]}) * photometric(out);
         mean += areas[i] * photometric(out);
@@ -373,6 +373,20 @@ std::vector<float> DaylightTransport::State::spreadWithin(const std::vector<floa
     return spread;
 }
 
+// What patches reflect of light that came from other rooms through clear glass, which interreflection takes
+// for frosted: zero without interior windows.
+std::vector<float> DaylightTransport::State::scatteredByPanes(const std::vector<float>& light) const {
+    std::vector<float> panes(light.size(), 0), received(light.size(), 0);
+    bool any = false;
+    for (size_t i = 0; i < light.size(); ++i)
+        if (mesh.twin[i] != geometry::kNoTwin && light[i] > 0) panes[i] = light[i], any = true;
+    if (!any) return received;
+    gather->gather(panes, received, 1);
+    for (size_t i = 0; i < light.size(); ++i)
+        received[i] *= static_cast<float>(photometric(mesh.materials[mesh.material[i]].reflectance));
+    return received;
+}
+
 void DaylightTransport::State::atSensors(Moment& moment, const std::vector<float>& exitance,
                                          size_t first) const {
     const Stopwatch clock;
@@ -394,6 +408,9 @@ void DaylightTransport::State::atSensors(Moment& moment, const std::vector<float
         }
     }
     const std::vector<float> spread = moment.sensors.empty() ? std::vector<float>{} : spreadWithin(smooth);
+    std::vector<float> light(n);
+    for (size_t i = 0; i < n; ++i) light[i] = static_cast<float>(photometric(moment.lighting.exitance[i]));
+    const std::vector<float> scattered = moment.sensors.empty() ? light : scatteredByPanes(light);
     inParallel(moment.sensors.size(), [&](size_t s) {
         LightParts& parts = moment.sensors[s];
         for (int c = 0; c < 3; ++c) {
@@ -405,10 +422,19 @@ void DaylightTransport::State::atSensors(Moment& moment, const std::vector<float
             if (sun) lux += dot({&sensors.even[s * n], n}, even[c]);
             parts.interreflected[c] += static_cast<float>(lux);
         }
-        parts.error = static_cast<float>(moment.report.radiosity.bound * most +
-                                         kSpreadShare * dot({&sensors.even[s * n], n}, spread) +
-                                         (rowError() + kBounceError) * photometric(parts.interreflected) +
-                                         kSensorSkyError * photometric(parts.sky + parts.ground));
+        // Light of patches that fill much of the view, which the mesh does not resolve; light that reached
+        // patches through interior glass.
+        double near = 0, astray = 0;
+        for (size_t i = 0; i < n; ++i) {
+            const double share = sensors.even[s * n + i];
+            near += share * share * double{light[i]};
+            astray += share * double{scattered[i]};
+        }
+        parts.error =
+            static_cast<float>(moment.report.radiosity.bound * most + kNearShare * near +
+                               kPaneShare * astray + kSpreadShare * dot({&sensors.even[s * n], n}, spread) +
+                               (rowError() + kBounceError) * photometric(parts.interreflected) +
+                               kSensorSkyError * photometric(parts.sky + parts.ground));
     });
     moment.report.sensorSeconds = clock.seconds();
 }
@@ -470,6 +496,7 @@ TransportParts DaylightTransport::parts() {
             state.sensors.smooth,
             state.sensors.even,
             state.sensors.sensors,
+            state.sensors.room,
             state.skyPatches,
             *state.sunScene,
             *state.blinds};

@@ -89,6 +89,7 @@ struct TransportParts {
     std::span<const float> sensorFactors;      // sensors x patches: light that runs on smoothly
     std::span<const float> sensorEven;         // the same for light that does not, the sun's first bounce
     std::span<const Sensor> sensors;
+    std::span<const uint32_t> sensorRooms;
     const daylight::SkyPatches& sky;
     const SunScene& sun; // for SunPatches of many hours
     const GlowingBlinds& blinds;
@@ -133,8 +134,5 @@ private:
     struct State;
     std::unique_ptr<State> state_;
 };
-
-// 0.2126 R + 0.7152 G + 0.0722 B
-double photometric(glm::vec3 rgb);
 
 } // namespace heliodon::compute

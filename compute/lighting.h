@@ -17,4 +17,9 @@ struct Lighting {
     glm::vec3 sunNormalIlluminance{0};     // outside, on a plane facing the sun
 };
 
+// 0.2126 R + 0.7152 G + 0.0722 B
+inline double photometric(glm::vec3 rgb) {
+    return 0.2126 * rgb.x + 0.7152 * rgb.y + 0.0722 * rgb.z;
+}
+
 } // namespace heliodon::compute

@@ -48,13 +48,20 @@ PatchSlopes::PatchSlopes(const geometry::PatchMesh& mesh) {
             vv += place.importance * place.v * place.v;
             places.push_back(place);
         }
+        // Where the neighbours lie in a row, as along a strip, the slope is that along the row.
         const double trace = uu + vv, determinant = uu * vv - uv * uv;
-        if (determinant > 0.01 * trace * trace) {
+        const bool inRow = !(determinant > 0.01 * trace * trace);
+        const double turn = 0.5 * std::atan2(2 * uv, uu - vv), rowU = std::cos(turn), rowV = std::sin(turn);
+        if (trace > 0) {
             dvec3 own(0);
             for (size_t k = 0; k < around.size(); ++k) {
                 const Place& p = places[k];
-                const double a = p.importance * (vv * p.u - uv * p.v) / determinant,
-                             b = p.importance * (uu * p.v - uv * p.u) / determinant;
+                double a = p.importance * (vv * p.u - uv * p.v) / determinant,
+                       b = p.importance * (uu * p.v - uv * p.u) / determinant;
+                if (inRow) {
+                    const double along = p.importance * (p.u * rowU + p.v * rowV) / trace;
+                    a = along * rowU, b = along * rowV;
+                }
                 const dvec3 weight = a * u + b * v;
                 own -= weight;
                 terms_.push_back({around[k], glm::vec3(weight)});

@@ -19,8 +19,8 @@ public:
         glm::vec3 weight; // 1/m, in the patch's plane
     };
 
-    // A least-squares fit over the patches of the same surface and material that share a corner. None where
-    // they do not span the plane.
+    // A least-squares fit over the patches of the same surface and material that share a corner; along their
+    // row where they do not span the plane, none where there are none.
     explicit PatchSlopes(const geometry::PatchMesh& mesh);
 
     // The slope of a field across patch i is the sum of weight * value over these.

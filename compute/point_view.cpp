@@ -43,6 +43,8 @@ double areaOf(std::span<const dvec3> polygon) {
     return 0.5 * glm::length(twice);
 }
 
+constexpr double kLeastOfExtent = 1e-9;
+
 bool allBelow(std::span<const dvec3> polygon, dvec3 normal, double offset) {
     return std::all_of(polygon.begin(), polygon.end(),
                        [&](const dvec3& p) { return glm::dot(p, normal) <= offset; });
@@ -65,8 +67,12 @@ uint32_t roomOfPoint(const geometry::PatchMesh& mesh, dvec3 position, dvec3 norm
             const dvec3 area = geometry::patchAreaVector(mesh, i);
             const double slope = glm::dot(area, direction);
             if (slope == 0) continue;
-            const double t = glm::dot(mesh.vertices[corners[0]] - position, area) / slope;
+            const double height = glm::dot(mesh.vertices[corners[0]] - position, area), t = height / slope,
+                         whole = glm::length(area);
             if (t <= 1e-7 * size || t >= nearest) continue;
+            // The wall that the point lies on, were it a hair behind it.
+            if (std::abs(height) <= kSamePlane * size * whole && glm::dot(area, normal) > 0.999 * whole)
+                continue;
             const dvec3 p = position + t * direction;
             bool inside = true;
             for (size_t k = 0; k < corners.size() && inside; ++k) {
@@ -82,29 +88,50 @@ uint32_t roomOfPoint(const geometry::PatchMesh& mesh, dvec3 position, dvec3 norm
 }
 
 Blockers::Blockers(const geometry::PatchMesh& mesh) : regions_(blockingRegions(mesh, 16)) {
-    tolerance_ = 1e-9 * geometry::boundsOf(mesh.vertices).diagonal();
+    tolerance_ = kLeastOfExtent * geometry::boundsOf(mesh.vertices).diagonal();
 }
 
 PointView::PointView(const Blockers& blockers, dvec3 position, dvec3 normal, uint32_t room)
-    : position_(position), normal_(normal), least_(blockers.tolerance()) {
+    : PointView(blockers, position, normal) {
+    addCones(blockers, room);
+}
+
+PointView PointView::through(const Blockers& blockers, const Polygon& frame, uint32_t room) const {
+    PointView view(blockers, position_, normal_);
+    view.frame_ = frame_;
+    if (const auto cone = coneOf(frame))
+        view.frame_.insert(view.frame_.end(), cone->sides.begin(), cone->sides.end());
+    view.addCones(blockers, room);
+    return view;
+}
+
+std::optional<PointView::Cone> PointView::coneOf(std::span<const dvec3> corners) const {
+    Cone cone;
+    cone.normal = dvec3(0);
+    for (size_t k = 1; k + 1 < corners.size(); ++k)
+        cone.normal += glm::cross(corners[k] - corners[0], corners[k + 1] - corners[0]);
+    cone.normal = glm::normalize(cone.normal);
+    cone.distance = glm::dot(cone.normal, corners[0]);
+    if (std::abs(cone.distance) <= least_) return std::nullopt;
+    const double side = cone.distance > 0 ? 1 : -1;
+    cone.normal *= side, cone.distance *= side;
+    for (size_t k = 0; k < corners.size(); ++k)
+        cone.sides.push_back(
+            glm::normalize(side * glm::cross(corners[k], corners[(k + 1) % corners.size()])));
+    return cone;
+}
+
+void PointView::addCones(const Blockers& blockers, uint32_t room) {
+    const double samePlane = blockers.tolerance() * (kSamePlane / kLeastOfExtent);
     for (const ConvexRegion& region : blockers.regions()) {
         if (region.room != room) continue;
         Polygon corners;
-        for (const dvec3& corner : region.corners) corners.push_back(corner - position);
-        if (allBelow(corners, normal, least_)) continue;
-        Cone cone;
-        cone.normal = dvec3(0);
-        for (size_t k = 1; k + 1 < corners.size(); ++k)
-            cone.normal += glm::cross(corners[k] - corners[0], corners[k + 1] - corners[0]);
-        cone.normal = glm::normalize(cone.normal);
-        cone.distance = glm::dot(cone.normal, corners[0]);
-        if (std::abs(cone.distance) <= least_) continue; // edge-on, or the point lies on it
-        const double side = cone.distance > 0 ? 1 : -1;
-        cone.normal *= side, cone.distance *= side;
-        for (size_t k = 0; k < corners.size(); ++k)
-            cone.sides.push_back(
-                glm::normalize(side * glm::cross(corners[k], corners[(k + 1) % corners.size()])));
-        cones_.push_back(std::move(cone));
+        for (const dvec3& corner : region.corners) corners.push_back(corner - position_);
+        if (allBelow(corners, normal_, least_)) continue;
+        auto cone = coneOf(corners);
+        // The wall that the point lies on hides nothing, were the point a hair behind it.
+        if (cone && !(cone->distance <= samePlane && std::abs(glm::dot(cone->normal, normal_)) > 0.999))
+            cones_.push_back(std::move(*cone));
     }
 }
 
@@ -112,6 +139,15 @@ bool PointView::mayHide(const Cone& cone, std::span<const dvec3> polygon) const 
     if (allBelow(polygon, cone.normal, cone.distance + least_)) return false;
     return std::none_of(cone.sides.begin(), cone.sides.end(),
                         [&](const dvec3& side) { return allBelow(polygon, side, least_); });
+}
+
+void PointView::hideBeyond(std::span<const dvec3> polygon, std::vector<Polygon>& parts) const {
+    Polygon corners;
+    for (const dvec3& p : polygon) corners.push_back(p - position_);
+    std::optional<Cone> cone = coneOf(corners);
+    if (!cone) return;
+    cone->normal = dvec3(0), cone->distance = -1; // all parts count as beyond
+    hide(*cone, least_, parts);
 }
 
 // Takes from convex parts what lies in the cone beyond the blocker; what remains is cut along the cone's
@@ -169,7 +205,7 @@ double PointView::factor(std::span<const dvec3> polygon) const {
         }
         if (below) return 0;
         const std::span<const dvec3> here(local, polygon.size());
-        if (above &&
+        if (above && frame_.empty() &&
             std::none_of(cones_.begin(), cones_.end(), [&](const Cone& cone) { return mayHide(cone, here); }))
             return unhinderedFactor(here);
     }
@@ -182,6 +218,11 @@ double PointView::factor(std::span<const dvec3> polygon, std::vector<Polygon>& p
     for (const dvec3& p : polygon) local.push_back(p - position_);
     cut(local, normal_, 0, 1, above);
     parts.clear();
+    for (const dvec3& side : frame_) {
+        if (above.empty()) return 0;
+        cut(above, side, 0, 1, local);
+        above.swap(local);
+    }
     if (above.empty()) return 0;
     parts.push_back(std::move(above));
     for (const Cone& cone : cones_) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -41,6 +42,9 @@ public:
     // `normal` unit. `blockers` must outlive this.
     PointView(const Blockers& blockers, glm::dvec3 position, glm::dvec3 normal, uint32_t room);
 
+    // What the point sees of another room through a pane: `frame` is a visible part of the pane.
+    PointView through(const Blockers& blockers, const Polygon& frame, uint32_t room) const;
+
     // The form factor from the point to a convex polygon (world), whichever way the polygon faces.
     double factor(std::span<const glm::dvec3> polygon) const;
 
@@ -49,6 +53,9 @@ public:
 
     // Of a polygon relative to the point and above its horizon, regardless of blockers.
     double unhinderedFactor(std::span<const glm::dvec3> polygon) const;
+
+    // Takes from parts what a polygon (world) hides that stands beyond all of them, as outside of a window.
+    void hideBeyond(std::span<const glm::dvec3> polygon, std::vector<Polygon>& parts) const;
 
     glm::dvec3 position() const { return position_; }
     glm::dvec3 normal() const { return normal_; }
@@ -59,11 +66,16 @@ private:
         glm::dvec3 normal;             // of the blocker's plane, towards what it may hide
         double distance;               // of that plane from the point
     };
+    PointView(const Blockers& blockers, glm::dvec3 position, glm::dvec3 normal)
+        : position_(position), normal_(normal), least_(blockers.tolerance()) {}
+    void addCones(const Blockers& blockers, uint32_t room);
+    std::optional<Cone> coneOf(std::span<const glm::dvec3> corners) const; // relative; none if seen edge-on
     bool mayHide(const Cone& cone, std::span<const glm::dvec3> polygon) const;
     static void hide(const Cone& cone, double least, std::vector<Polygon>& parts);
 
     glm::dvec3 position_, normal_;
-    double least_; // length
+    double least_;                  // length
+    std::vector<glm::dvec3> frame_; // inward normals of the planes that bound what is seen; none: everything
     std::vector<Cone> cones_;
 };
 

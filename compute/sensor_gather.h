@@ -44,14 +44,37 @@ struct SkyView {
 std::vector<float> skyCoefficients(const SkyView& view, const daylight::SkyPatches& sky, uint32_t channels,
                                    std::span<const uint32_t> pointsOfRow);
 
+// Whether one sees through an interior window; one that reflects diffusely is taken for frosted.
+inline bool isClear(const geometry::Material& pane) {
+    return pane.reflectance == glm::vec3(0);
+}
+
+// A room that a point sees, through the panes of interior windows if it is not its own.
+struct RoomBeyond {
+    struct Pane {
+        const daylight::Window* window;
+        glm::dvec3 normal; // towards the point
+    };
+    uint32_t room;
+    std::vector<Pane> panes;
+
+    glm::dvec3 transmittance(glm::dvec3 direction) const; // from the point; any length
+};
+
 class PointScene {
 public:
     explicit PointScene(const geometry::PatchMesh& mesh); // must outlive this
     const geometry::PatchMesh& mesh() const { return *mesh_; }
     const Blockers& blockers() const { return blockers_; }
 
-    // From a point in the air of `room`, in pieces of at most `angle` radians.
+    // From a point in the air of `room`, in pieces of at most `angle` radians. Also through clear interior
+    // windows, four in a row at most; the building's own walls hide what lies behind them, inside and out.
     void seeSky(const PointView& view, uint32_t room, double angle, std::vector<SkySample>& samples) const;
+
+    // Adds the point's form factors of patches; those of other rooms times the photometric transmittance of
+    // the clear glass between (its tint is left out).
+    void seePatches(const PointView& view, uint32_t room, const PatchSlopes& slopes, float* even,
+                    float* smooth) const;
 
     struct Patch {
         glm::dvec3 centre, normal;
@@ -60,10 +83,28 @@ public:
     std::span<const Patch> patches() const { return patches_; }
 
 private:
+    struct Opening {         // to the outside
+        ConvexRegion region; // group: material
+        glm::dvec3 normal;
+        std::vector<PointView::Polygon> hiddenBy; // walls beyond it, world
+    };
+    struct Pane { // clear, of an interior window
+        ConvexRegion region;
+        const daylight::Window* window;
+        glm::dvec3 normal;
+        uint32_t roomBeyond;
+    };
+    // work(view, room) for the point's own room and for each that it sees through panes.
+    template<class Work>
+    void forRoomsSeen(const PointView& view, const RoomBeyond& here, const Work& work) const;
+    void skyOf(const PointView& view, const RoomBeyond& beyond, double angle,
+               std::vector<SkySample>& samples) const;
+
     const geometry::PatchMesh* mesh_;
     Blockers blockers_;
     std::vector<Patch> patches_;
-    std::vector<ConvexRegion> openings_;    // groups: materials
+    std::vector<Opening> openings_;
+    std::vector<Pane> panes_;
     std::vector<daylight::Window> windows_; // by material
 };
 

@@ -101,6 +101,16 @@ struct SunPatches::Receiver {
     Polygon outline;
 };
 
+// Whether the patch lies in the face's plane and looks the same way: its own wall, which rounding may have
+// put a little before it.
+bool SunPatches::isPartOf(const Face& face, const Receiver& receiver) const {
+    if (glm::dot(face.normal, receiver.normal) < 0.999) return false;
+    const glm::dvec3 origin = face.region->corners[0];
+    return std::ranges::all_of(mesh_->patch(receiver.patch), [&](uint32_t corner) {
+        return std::abs(glm::dot(mesh_->vertices[corner] - origin, face.normal)) <= kSamePlane * scale_;
+    });
+}
+
 SunPatches::SunPatches(const SunScene& scene, glm::dvec3 towardsSun, bool clipAnyway)
     : mesh_(scene.mesh_), sun_(glm::normalize(towardsSun)) {
     project(scene, clipAnyway);
@@ -178,7 +188,7 @@ void SunPatches::keepVisible(const Receiver& receiver, std::vector<Piece>& piece
     std::vector<Piece> next;
     std::vector<Polygon> rest;
     for (const Face& wall : walls_) {
-        if (apart(box.low, box.high, wall.low, wall.high)) continue;
+        if (apart(box.low, box.high, wall.low, wall.high) || isPartOf(wall, receiver)) continue;
         const Polygon front = inFrontOf(wall, receiver);
         if (front.empty()) continue;
         next.clear();
@@ -321,8 +331,10 @@ glm::vec3 SunPatches::atPoint(glm::dvec3 position, glm::dvec3 normal) const {
     const auto meets = [&](const Face& face) {
         if (q.x < face.low.x || q.x > face.high.x || q.y < face.low.y || q.y > face.high.y) return false;
         if (!inside(face.outline, q)) return false;
-        return glm::dot(face.region->corners[0] - position, face.normal) / glm::dot(sun_, face.normal) >
-               1e-9 * scale_;
+        const double height = glm::dot(face.region->corners[0] - position, face.normal);
+        // The wall that the point lies on, were it a hair behind it.
+        if (std::abs(height) <= kSamePlane * scale_ && glm::dot(face.normal, normal) > 0.999) return false;
+        return height / glm::dot(sun_, face.normal) > 1e-9 * scale_;
     };
     glm::dvec3 through(1);
     bool leaves = false;

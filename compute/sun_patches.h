@@ -55,8 +55,8 @@ public:
     // the lit parts of patches that are not lit evenly.
     std::vector<glm::vec3> onPatches(std::vector<SunlitParts>* partly = nullptr) const;
 
-    // The same on the outside of an opening, before its glass: lit fraction times cosine. Walls of the building
-    // shade it; so do those behind its other openings.
+    // The same on the outside of an opening, before its glass: lit fraction times cosine. Walls of the
+    // building shade it; so do those behind its other openings.
     double onOutside(size_t patch) const;
 
     // The same at a point of the air of a room with unit normal.
@@ -82,6 +82,7 @@ private:
     static double dot(glm::dvec3 a, glm::dvec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
     // The part of a face in front of the receiver's plane, as the sun sees it; empty when there is none.
     std::vector<glm::dvec2> inFrontOf(const Face& face, const Receiver& receiver) const;
+    bool isPartOf(const Face& face, const Receiver& receiver) const;
     std::vector<Piece> throughPanes(const Receiver& receiver) const;
     void keepVisible(const Receiver& receiver, std::vector<Piece>& pieces) const;
     glm::vec3 onPatch(const Receiver& receiver, SunlitParts* partly) const;

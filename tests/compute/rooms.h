@@ -69,11 +69,14 @@ inline geometry::PatchMesh boxRoom(const BoxRoom& box) {
 }
 
 // Two rooms side by side along z, 4 x 3 x 5 m each, glass all over the wall between them at z = 5 and, if
-// wanted, over the outer wall at z = 0.
-inline geometry::PatchMesh twoRooms(bool outerGlass, glm::vec3 wall = glm::vec3(0.5f)) {
+// wanted, over the outer wall at z = 0. Cells of 1 m over `times`.
+inline geometry::PatchMesh twoRooms(bool outerGlass, glm::vec3 wall = glm::vec3(0.5f), uint32_t times = 1,
+                                    bool triangles = true) {
     const auto at = [](double z) { return [z](glm::dvec3 p) { return std::abs(p.z - z) < 1e-9; }; };
     BoxRoom box;
     box.wall.reflectance = wall;
+    box.cells = {4 * times, 3 * times, 5 * times};
+    box.triangles = triangles;
     box.isGlass = [&](glm::dvec3 p) { return (outerGlass && at(0)(p)) || at(5)(p); };
     geometry::PatchMesh mesh = boxRoom(box);
     BoxRoom inner = box;

@@ -1,0 +1,173 @@
+// Rooms unlike those of the reference data: turned, with corners rounded to the digits of a file, shaded by
+// their own building, seen through one another, with sensors a hair from what they see.
+#include <cmath>
+#include <numbers>
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include "compute/daylight_transport.h"
+#include "tests/compute/path_tracer.h"
+#include "tests/compute/rooms.h"
+#include "tests/compute/skies.h"
+#include "tests/gpu/test_device.h"
+
+namespace heliodon::compute {
+namespace {
+
+using glm::dvec3;
+
+constexpr double kPi = std::numbers::pi;
+
+// About the vertical.
+dvec3 turned(dvec3 p, double degrees) {
+    const double c = std::cos(degrees * kPi / 180), s = std::sin(degrees * kPi / 180);
+    return {c * p.x + s * p.z, p.y, -s * p.x + c * p.z};
+}
+
+// As read from a file of six digits.
+void turnAndRound(geometry::PatchMesh& mesh, double degrees) {
+    for (dvec3& p : mesh.vertices) p = glm::round(1e6 * turned(p, degrees)) / 1e6;
+}
+
+// 4 x 3 x 5 m with a window at z = 0, one at x = 4 and a hole at x = 0.
+geometry::PatchMesh threeWindows(uint32_t times, bool triangles = true) {
+    test::BoxRoom box;
+    box.triangles = triangles;
+    box.cells = {4 * times, 3 * times, 5 * times};
+    box.isGlass = [](dvec3 p) {
+        return (p.z < 1e-9 && p.x > 1 && p.x < 3 && p.y > 1 && p.y < 2) ||
+               (p.x > 4 - 1e-9 && p.z > 1 && p.z < 2 && p.y > 1) ||
+               (p.x < 1e-9 && p.z > 3 && p.z < 4 && p.y < 2);
+    };
+    return test::boxRoom(box);
+}
+
+TEST(OtherRooms, a_turned_room_gets_as_much_sun) {
+    const dvec3 sun = glm::normalize(dvec3(0.5, 0.1, -0.8));
+    for (const uint32_t times : {2u, 8u}) {
+        geometry::PatchMesh mesh = threeWindows(times);
+        const auto flux = [&](dvec3 towards) {
+            const auto lit = SunPatches(mesh, towards).onPatches();
+            double sum = 0;
+            for (size_t i = 0; i < lit.size(); ++i) sum += geometry::patchArea(mesh, i) * lit[i].y;
+            return sum;
+        };
+        const double straight = flux(sun);
+        EXPECT_GT(straight, 1);
+        for (const double degrees : {37.0, 111.3, 250.7}) {
+            mesh = threeWindows(times);
+            turnAndRound(mesh, degrees);
+            EXPECT_NEAR(flux(turned(sun, degrees)), straight, 1e-5 * straight) << degrees; // six digits
+        }
+    }
+}
+
+TEST(OtherRooms, sensors_on_turned_walls_are_not_behind_them) {
+    geometry::PatchMesh mesh = threeWindows(2), other = mesh;
+    turnAndRound(other, 37);
+    DaylightTransport straight(test::device(), mesh), oblique(test::device(), other);
+    std::vector<Sensor> sensors, moved;
+    for (const auto& [p, n] :
+         {std::pair(dvec3(0.7, 1.1, 5), dvec3(0, 0, -1)), std::pair(dvec3(0, 1.3, 2.2), dvec3(1, 0, 0)),
+          std::pair(dvec3(1.7, 0, 2.9), dvec3(0, 1, 0)), std::pair(dvec3(4, 0.4, 3.1), dvec3(-1, 0, 0))}) {
+        sensors.push_back({p, n});
+        for (const double behind : {-3e-7, 0.0, 3e-7})
+            moved.push_back({turned(p - behind * n, 37), turned(n, 37)});
+    }
+    straight.setSensors(sensors), oblique.setSensors(moved);
+    daylight::Sky sky = test::sunny({0.5, 0.3, -0.8});
+    const Moment one = straight.light(sky);
+    sky = test::sunny(turned(dvec3(0.5, 0.3, -0.8), 37));
+    const Moment two = oblique.light(sky);
+    EXPECT_EQ(oblique.report().sensorsOutside, 0u);
+    for (size_t k = 0; k < moved.size(); ++k) {
+        const double lux = photometric(one.sensors[k / 3].total());
+        EXPECT_NEAR(photometric(two.sensors[k].total()), lux, 3e-3 * lux) << k; // form factors to 1e-3
+    }
+}
+
+TEST(OtherRooms, a_hair_from_an_opening_half_the_sky_is_seen) {
+    test::BoxRoom box;
+    box.isGlass = [](dvec3 p) { return p.z < 1e-9; };
+    box.glass.refractiveIndex = 1, box.glass.transmittance = glm::vec3(1);
+    DaylightTransport transport(test::device(), test::boxRoom(box));
+    transport.setSensors({{{2, 1.5, 1e-3}, {0, 1, 0}}, {{2, 1.5, 1e-5}, {0, 1, 0}}});
+    const daylight::Sky sky = daylight::cieGeneralSky(16, {0, 1, 0}, 5000);
+    const double half = 0.5 * 7 * kPi / 9 * sky.luminance({0, 1, 0});
+    const Moment moment = transport.light(sky);
+    for (const LightParts& parts : moment.sensors) // cells of 0.1 radians
+        EXPECT_NEAR(photometric(parts.sky), half, 2e-3 * half);
+}
+
+// A second building before the window at z = 0.
+geometry::PatchMesh facingAnother(uint32_t times, bool triangles) {
+    geometry::PatchMesh mesh = threeWindows(times, triangles);
+    test::BoxRoom box{.low = {1.5, 0, -6}, .high = {6, 4, -2}, .cells = {2, 2, 2}, .triangles = triangles};
+    test::addBox(mesh, box, 1);
+    return mesh;
+}
+
+// `few`: the same room in few large patches.
+void expectInside(const geometry::PatchMesh& mesh, const geometry::PatchMesh& few, const daylight::Sky& sky,
+                  const std::vector<Sensor>& sensors, double widest) {
+    DaylightTransport transport(test::device(), mesh);
+    transport.setSensors(sensors);
+    const Moment moment = transport.light(sky);
+    test::PathTracer tracer(few, sky);
+    for (size_t k = 0; k < sensors.size(); ++k) {
+        const auto truth = tracer.at(sensors[k], 50);
+        const LightParts& parts = moment.sensors[k];
+        const double lux = photometric(parts.total());
+        EXPECT_NEAR(lux, truth.lux, static_cast<double>(parts.error) + 3 * truth.standardError)
+            << "sensor " << k;
+        EXPECT_LT(truth.standardError, 0.05 * truth.lux);
+        EXPECT_LT(static_cast<double>(parts.error), widest * lux) << "sensor " << k; // says something
+    }
+}
+
+TEST(OtherRooms, what_stands_before_a_window_hides_the_sky) {
+    const std::vector<Sensor> sensors{
+        {{2, 1, 2}, {0, 1, 0}}, {{2, 1.5, 0.5}, {0, 0, -1}}, {{3, 0.5, 1}, {0, 0.6, -0.8}}};
+    const daylight::Sky sky = test::sunny({-0.3, 0.6, -0.5});
+    expectInside(facingAnother(3, true), facingAnother(1, false), sky, sensors, 0.06);
+    DaylightTransport alone(test::device(), threeWindows(2)), shaded(test::device(), facingAnother(2, true));
+    alone.setSensors(sensors), shaded.setSensors(sensors);
+    EXPECT_LT(photometric(shaded.light(sky).sensors[1].sky),
+              0.8 * photometric(alone.light(sky).sensors[1].sky));
+}
+
+TEST(OtherRooms, sky_and_walls_are_seen_through_interior_glass) {
+    const glm::vec3 wall(0.5f);
+    const geometry::PatchMesh mesh = test::twoRooms(true, wall, 2),
+                              few = test::twoRooms(true, wall, 1, false);
+    const std::vector<Sensor> sensors{
+        {{2, 0.8, 7}, {0, 1, 0}}, {{1, 1.5, 9}, {0, 0, -1}}, {{3, 0.8, 3}, {0, 0, 1}}};
+    expectInside(mesh, few, test::sunny({0.2, 0.5, -0.8}), sensors, 0.12);
+    expectInside(mesh, few, test::overcast(), sensors, 0.12);
+}
+
+TEST(OtherRooms, low_sun_in_a_turned_room_with_three_windows) {
+    geometry::PatchMesh mesh = threeWindows(4), coarse = threeWindows(1, false);
+    turnAndRound(mesh, 37), turnAndRound(coarse, 37);
+    const daylight::Sky sky = test::sunny(turned(dvec3(0.5, 0.08, -0.8), 37));
+    std::vector<Sensor> sensors;
+    for (const auto& [p, n] :
+         {std::pair(dvec3(2, 0.8, 2.5), dvec3(0, 1, 0)), std::pair(dvec3(0.5, 2, 4), dvec3(1, 0, 0)),
+          std::pair(dvec3(1e-3, 1e-3, 1e-3), dvec3(0, 1, 0)), std::pair(dvec3(2, 1.5, 1e-3), dvec3(0, -1, 0)),
+          std::pair(dvec3(3, 2.9, 4.9), dvec3(0, -1, 0))})
+        sensors.push_back({turned(p, 37), turned(n, 37)});
+    DaylightTransport transport(test::device(), mesh);
+    transport.setSensors(sensors);
+    const Moment moment = transport.light(sky);
+    test::PathTracer tracer(coarse, sky);
+    for (size_t k = 0; k < sensors.size(); ++k) {
+        const auto truth = tracer.at(sensors[k], 50);
+        EXPECT_NEAR(photometric(moment.sensors[k].total()), truth.lux,
+                    static_cast<double>(moment.sensors[k].error) + 3 * truth.standardError)
+            << "sensor " << k;
+    }
+}
+
+} // namespace
+} // namespace heliodon::compute
