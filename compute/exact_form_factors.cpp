@@ -54,10 +54,20 @@ public:
         statistics.closed = scene_.closed;
         statistics.pairs = static_cast<uint64_t>(mesh.patchCount()) * (mesh.patchCount() - 1) / 2;
         rowSquares_.assign(scene_.pieceCount, 0.0);
+        if (!options.entryErrors) return;
+        entryErrors_.assign(size_t{scene_.patchCount} * scene_.patchCount, 0.0f);
+        shareOfPatch_.assign(scene_.pieceCount, 0.0f);
+        std::vector<float> patchArea(scene_.patchCount, 0.0f);
+        for (size_t i = 0; i < scene_.pieceCount; ++i) patchArea[scene_.patchOfPiece[i]] += scene_.area[i];
+        for (size_t i = 0; i < scene_.pieceCount; ++i)
+            if (scene_.area[i] > 0) shareOfPatch_[i] = scene_.area[i] / patchArea[scene_.patchOfPiece[i]];
     }
 
     const ExactScene& scene() const { return scene_; }
     const std::vector<double>& rowSquares() const { return rowSquares_; }
+    // Of what was integrated; far pairs in the open, which were held to the tolerance, are left at zero.
+    std::vector<float> takeEntryErrors() { return std::move(entryErrors_); }
+    float tolerance() const { return tolerance_; }
     // The only tile's values; pieces stand in patch order.
     gpu::Buffer takeMatrix() { return std::move(there_); }
 
@@ -293,7 +303,16 @@ private:
             const double back = error * scene_.area[r.outer] / scene_.area[r.inner];
             rowSquares_[r.outer] += error * error;
             rowSquares_[r.inner] += back * back;
+            if (!entryErrors_.empty()) {
+                addEntryError(r.outer, r.inner, error);
+                addEntryError(r.inner, r.outer, back);
+            }
         }
+    }
+
+    void addEntryError(uint32_t from, uint32_t to, double error) {
+        entryErrors_[size_t{scene_.patchOfPiece[from]} * scene_.patchCount + scene_.patchOfPiece[to]] +=
+            (static_cast<float>(error) + tolerance_) * shareOfPatch_[from];
     }
 
     gpu::Device& device_;
@@ -304,6 +323,7 @@ private:
     gpu::Buffer there_, back_; // the tile and its mirror image
     gpu::Buffer sidesA_, sidesB_, blocks_, masks_, counters_, records_, fewRecords_, lists_, sums_, cells_[2];
     std::vector<double> rowSquares_;
+    std::vector<float> entryErrors_, shareOfPatch_; // n x n; per piece
 };
 
 // Hands over one half of a pair of tiles: rows of `a`, columns of `b`. Where patches were cut into pieces,
@@ -404,6 +424,12 @@ ExactFormFactors exactFormFactors(gpu::Device& device, const geometry::PatchMesh
             if (&a != &b) handOver(solver.scene(), b, a, solver.back(), place);
         });
         if (!copy.empty()) matrix.upload(copy);
+    }
+    result.entryError = solver.takeEntryErrors();
+    if (options.entryErrors) {
+        const std::vector<float> values = result.factors.values.download<float>(n * n);
+        for (size_t k = 0; k < n * n; ++k)
+            if (values[k] > 0 && result.entryError[k] == 0) result.entryError[k] = solver.tolerance();
     }
     report(solver, options, result);
     return result;

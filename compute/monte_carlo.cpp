@@ -208,6 +208,11 @@ MonteCarloFormFactors MonteCarlo::run() {
     return result;
 }
 
+double MonteCarlo::entryError(double factor, double areaFrom, double areaTo, uint32_t rays) {
+    const double ofOneHit = areaTo / ((areaFrom + areaTo) * rays); // hits of both directions count
+    return ofOneHit * std::sqrt(std::max(factor / ofOneHit, 1.0));
+}
+
 void MonteCarlo::rows(uint32_t first, uint32_t count, std::span<float> values, std::span<float> rowError) {
     const uint32_t n = params_.patchCount, window = windowRows();
     if (n == 0 || count == 0) return;
