@@ -30,6 +30,20 @@ std::optional<PicturePixels> read(const std::filesystem::path& file) {
     }
 }
 
+std::optional<GreyPixels> readGrey(const std::filesystem::path& file) {
+    try {
+        // Without IMREAD_COLOR: one channel.
+        const cv::Mat grey = cv::imread(file.string(), cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
+        if (grey.empty() || (grey.depth() != CV_8U && grey.depth() != CV_16U)) return std::nullopt;
+        GreyPixels picture{grey.cols, grey.rows, std::vector<float>(grey.total())};
+        cv::Mat values(grey.rows, grey.cols, CV_32FC1, picture.values.data());
+        grey.convertTo(values, CV_32F, 1.0 / (grey.depth() == CV_16U ? 65535 : 255));
+        return picture;
+    } catch (const cv::Exception&) { // as above
+        return std::nullopt;
+    }
+}
+
 bool writePng(const std::filesystem::path& file, int width, int height, const uint8_t* rgb) {
     try {
         return cv::imwrite(file.string(), bgrOf(width, height, rgb),
@@ -79,4 +93,5 @@ std::unique_ptr<FilmEncoder> openFilm(const std::filesystem::path& file, int wid
 
 extern "C" const heliodon::geometry::PictureCodecs heliodonPictureCodecs;
 const heliodon::geometry::PictureCodecs heliodonPictureCodecs{
-    heliodon::geometry::read, heliodon::geometry::writePng, heliodon::geometry::openFilm};
+    heliodon::geometry::read, heliodon::geometry::readGrey, heliodon::geometry::writePng,
+    heliodon::geometry::openFilm};

@@ -31,6 +31,10 @@ std::optional<PicturePixels> readPictureFile(const std::filesystem::path& file) 
     return codecs().read(file);
 }
 
+std::optional<GreyPixels> readGreyFile(const std::filesystem::path& file) {
+    return codecs().readGrey(file);
+}
+
 bool writePngFile(const std::filesystem::path& file, int width, int height, const uint8_t* rgb) {
     return codecs().writePng(file, width, height, rgb);
 }

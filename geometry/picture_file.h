@@ -21,6 +21,14 @@ struct PicturePixels {
 // Nothing where the file cannot be read as a picture.
 std::optional<PicturePixels> readPictureFile(const std::filesystem::path& file);
 
+struct GreyPixels {
+    int width = 0, height = 0;
+    std::vector<float> values; // row-major from the top; 1 is the largest that the file can hold
+};
+
+// The same with one channel, and all 16 bits where there are as many.
+std::optional<GreyPixels> readGreyFile(const std::filesystem::path& file);
+
 // False where it could not be written. `rgb`: width x height x 3 bytes.
 bool writePngFile(const std::filesystem::path& file, int width, int height, const uint8_t* rgb);
 
@@ -38,6 +46,7 @@ std::unique_ptr<FilmEncoder> openFilmFile(const std::filesystem::path& file, int
 // What the module exports, by the name `heliodonPictureCodecs`.
 struct PictureCodecs {
     std::optional<PicturePixels> (*read)(const std::filesystem::path&);
+    std::optional<GreyPixels> (*readGrey)(const std::filesystem::path&);
     bool (*writePng)(const std::filesystem::path&, int, int, const uint8_t*);
     std::unique_ptr<FilmEncoder> (*openFilm)(const std::filesystem::path&, int, int, double);
 };

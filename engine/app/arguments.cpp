@@ -34,6 +34,8 @@ CLI::Validator positive() {
     return number([](double x) { return x > 0 && std::isfinite(x); }, "above 0");
 }
 
+const std::string kCalibrate = "calibrate";
+
 class Parser {
 public:
     Parser() : app_("A virtual heliodon: from a sketch on a table to daylight on the model.", "heliodon") {
@@ -47,14 +49,16 @@ public:
         addRender();
         addTimelapse();
         addAnnual();
+        addCalibrate();
         addBench();
         addDevices();
     }
 
     std::optional<Arguments> parse(int argc, const char* const* argv) {
-        const auto isNamed = [&](const auto& command) { return command.first->get_name() == argv[1]; };
-        if (argc > 1 && argv[1][0] != '-' && std::none_of(commands_.begin(), commands_.end(), isNamed))
+        const auto isNamed = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
+        if (argc > 1 && argv[1][0] != '-' && app_.get_subcommands(isNamed).empty())
             throw geometry::InputError("command line", argv[1], "is no command; heliodon --help lists them");
+        refuseStep(argc, argv);
         try {
             app_.parse(argc, argv);
         } catch (const CLI::Success& success) { // --help, --version
@@ -66,12 +70,25 @@ public:
         for (auto& [sub, command] : commands_) {
             if (!*sub) continue;
             refuseInfinite(*sub);
-            return Arguments{sub->get_name(), common_, command()};
+            std::string name = sub->get_name();
+            if (sub->get_parent() != &app_) name = fmt::format("{} {}", sub->get_parent()->get_name(), name);
+            return Arguments{name, common_, command()};
         }
         return std::nullopt;
     }
 
 private:
+    // A command of several steps without one, or with one that it does not have.
+    void refuseStep(int argc, const char* const* argv) {
+        if (argc < 2 || argv[1] != kCalibrate || (argc > 2 && argv[2][0] == '-')) return;
+        std::string steps;
+        for (const CLI::App* step : app_.get_subcommand(kCalibrate)->get_subcommands({})) {
+            if (argc > 2 && step->get_name() == argv[2]) return;
+            steps += fmt::format("{}{}", steps.empty() ? "" : ", ", step->get_name());
+        }
+        throw geometry::InputError("command line", kCalibrate, "needs one of its steps: " + steps);
+    }
+
     // "nan" and "inf" are numbers to the parser, and within every range.
     static void refuseInfinite(const CLI::App& sub) {
         for (const CLI::Option* option : sub.get_options()) {
@@ -82,10 +99,14 @@ private:
         }
     }
 
+    // `group`: the command that this one is a part of, if any.
     template<class T>
-    CLI::App* add(const std::string& name, const std::string& what, T& values, const std::string& example) {
-        CLI::App* sub = app_.add_subcommand(name, what);
-        sub->footer("Example:\n  heliodon " + name + " " + example);
+    CLI::App* add(const std::string& name, const std::string& what, T& values, const std::string& example,
+                  CLI::App* group = nullptr) {
+        CLI::App* sub = (group ? group : &app_)->add_subcommand(name, what);
+        std::string before;
+        if (group) before = fmt::format("{} ", group->get_name());
+        sub->footer(fmt::format("Example:\n  heliodon {}{} {}", before, name, example));
         sub->option_defaults()->always_capture_default(false);
         sub->add_option("--device", common_.device,
                         "Vulkan device: part of its name, or its index (heliodon devices)");
@@ -291,6 +312,53 @@ private:
             ->required();
     }
 
+    static void addBoardEdge(CLI::App* sub, double& edge) {
+        sub->add_option("--board-size", edge,
+                        "edge of the board in metres; everything on it scales along (default 1.016, 40 in)")
+            ->check(within(0.1, 10));
+    }
+
+    void addCalibrate() {
+        CLI::App* group =
+            app_.add_subcommand(kCalibrate, "print the target, calibrate camera and projectors");
+        group->require_subcommand(1);
+        group->footer(
+            "heliodon calibrate STEP --help says more, with an example; docs/calibration.md, what to do.");
+        addCalibrateTarget(group);
+        addCalibrateCamera(group);
+    }
+
+    void addCalibrateTarget(CLI::App* group) {
+        CLI::App* sub = add("target", "the board of marks, to print in true size", calibrateTarget_,
+                            "-o target.pdf", group);
+        addBoardEdge(sub, calibrateTarget_.boardEdge);
+        sub->add_option("-o,--output", calibrateTarget_.output, "the drawing (.pdf or .svg)")->required();
+    }
+
+    void addCalibrateCamera(CLI::App* group) {
+        CLI::App* sub = add("camera", "lens and place of the camera from pictures of the board",
+                            calibrateCamera_, "flat.png tilted-*.png -o rig.json --overlay found", group);
+        sub->add_option(
+               "IMAGE", calibrateCamera_.images,
+               "colour photographs of the board, 15 to 30: one flat on the table, the others tilted by 10 "
+               "to 45 degrees in all directions, together filling the picture")
+            ->required();
+        sub->add_option(
+            "--flat", calibrateCamera_.flat,
+            "picture that shows the board flat on the table, which makes the world's axes (default: "
+            "the one with \"flat\" in its name, else the first)");
+        addBoardEdge(sub, calibrateCamera_.boardEdge);
+        sub->add_option("--board-thickness", calibrateCamera_.boardThickness,
+                        "metres from its printed side down to the table in that picture (default 0: the "
+                        "printed side is the world's y = 0)")
+            ->check(within(0, 0.2));
+        sub->add_option("--rig", calibrateCamera_.rig,
+                        "rig to take projectors and everything else from (.json)");
+        sub->add_option("--overlay", calibrateCamera_.overlay,
+                        "folder for the pictures with the marks found; made when missing");
+        sub->add_option("-o,--output", calibrateCamera_.output, "the rig (.json)")->required();
+    }
+
     void addBench() {
         CLI::App* sub = add("bench", "error against time of every form-factor kernel, beside other programs",
                             bench_, "--scenes partitions,room.obj --sizes 500,2000 -o bench");
@@ -333,6 +401,8 @@ private:
     RenderArguments render_;
     TimelapseArguments timelapse_;
     AnnualArguments annual_;
+    CalibrateTargetArguments calibrateTarget_;
+    CalibrateCameraArguments calibrateCamera_;
     BenchArguments bench_;
     DevicesArguments devices_;
     std::vector<std::pair<CLI::App*, std::function<Command()>>> commands_;

@@ -87,6 +87,16 @@ struct AnnualArguments {
     bool ill = false, svg = false;
     std::filesystem::path output;
 };
+struct CalibrateTargetArguments {
+    double boardEdge = 1.016; // metres
+    std::filesystem::path output;
+};
+struct CalibrateCameraArguments {
+    std::vector<std::filesystem::path> images;
+    std::string flat; // name of the picture whose board lies on the table; empty: see calibrate_camera.cpp
+    double boardEdge = 1.016, boardThickness = 0; // metres
+    std::filesystem::path rig, output, overlay;
+};
 struct BenchArguments {
     std::vector<std::string> kernels{"all"}, scenes{"partitions"};
     std::vector<size_t> sizes{500, 2000};
@@ -98,9 +108,9 @@ struct BenchArguments {
 };
 struct DevicesArguments {};
 
-using Command =
-    std::variant<DetectArguments, ModelArguments, FormFactorArguments, IlluminanceArguments, RenderArguments,
-                 TimelapseArguments, AnnualArguments, BenchArguments, DevicesArguments>;
+using Command = std::variant<DetectArguments, ModelArguments, FormFactorArguments, IlluminanceArguments,
+                             RenderArguments, TimelapseArguments, AnnualArguments, CalibrateTargetArguments,
+                             CalibrateCameraArguments, BenchArguments, DevicesArguments>;
 
 struct Arguments {
     std::string commandName;

@@ -1,0 +1,216 @@
+#include <algorithm>
+#include <cctype>
+#include <map>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "engine/app/commands.h"
+#include "engine/app/output_folder.h"
+#include "engine/app/progress.h"
+#include "geometry/input_error.h"
+#include "geometry/rig_edit.h"
+#include "vision/calibration_overlay.h"
+#include "vision/camera_calibration.h"
+
+namespace heliodon::app {
+
+using nlohmann::json;
+
+namespace {
+
+constexpr size_t kLeastMarks = 40;
+
+struct Picture {
+    std::filesystem::path file;
+    vision::Photograph photo; // empty unless overlays are wanted
+    int width = 0, height = 0;
+    vision::FoundTarget target;
+};
+
+std::vector<Picture> readPictures(Run& run, const CalibrateCameraArguments& arguments,
+                                  const vision::CalibrationTarget& target) {
+    const StageTimer timer(run, "detect");
+    std::vector<Picture> pictures;
+    Progress progress("marks", arguments.images.size(), run.showsProgress());
+    for (const auto& file : arguments.images) {
+        vision::Photograph photo = vision::readPhotograph(file);
+        Picture picture{file, {}, photo.width, photo.height, vision::findTarget(photo, target)};
+        if (!picture.target.marks.empty() && picture.target.marks.size() < kLeastMarks)
+            picture.target.problem = fmt::format("only {} marks found", picture.target.marks.size());
+        if (!arguments.overlay.empty()) picture.photo = std::move(photo);
+        pictures.push_back(std::move(picture));
+        progress.advance(pictures.size());
+    }
+    return pictures;
+}
+
+// All pictures of one camera have one size; the size of most is meant.
+void markOtherSizes(std::vector<Picture>& pictures) {
+    std::map<std::pair<int, int>, size_t> sizes;
+    for (const Picture& p : pictures) ++sizes[{p.width, p.height}];
+    const auto usual = std::max_element(sizes.begin(), sizes.end(), [](const auto& a, const auto& b) {
+                           return a.second < b.second;
+                       })->first;
+    for (Picture& p : pictures)
+        if (std::pair(p.width, p.height) != usual)
+            p.target.problem = fmt::format("is {} x {} pixels, the others {} x {}", p.width, p.height,
+                                           usual.first, usual.second);
+}
+
+// Which picture makes the world: the one named, else the only one that its name calls flat, else the first.
+// Nothing in a picture tells a board on the table from one held level, so it is never guessed from them.
+size_t flatPicture(Run& run, const CalibrateCameraArguments& arguments) {
+    const auto& images = arguments.images;
+    std::vector<size_t> called;
+    for (size_t i = 0; i < images.size(); ++i) {
+        const std::string name = images[i].filename().string();
+        if (!arguments.flat.empty() ? images[i] == arguments.flat || name == arguments.flat
+                                    : name.find("flat") != std::string::npos)
+            called.push_back(i);
+    }
+    if (called.size() == 1) return called.front();
+    if (!arguments.flat.empty())
+        throw geometry::InputError("--flat", arguments.flat,
+                                   called.empty() ? "is none of the pictures given"
+                                                  : "names more than one picture");
+    run.assume(fmt::format("{} shows the board flat on the table (--flat names another)",
+                           images.front().filename().string()));
+    return 0;
+}
+
+json lensReport(const geometry::Lens& lens) {
+    return {{"fx", lens.fx}, {"fy", lens.fy}, {"cx", lens.cx}, {"cy", lens.cy}, {"dist", lens.dist}};
+}
+
+void report(Run& run, const std::vector<Picture>& pictures, const std::vector<size_t>& indexOfView,
+            const vision::CameraCalibration& result, size_t flat) {
+    json& out = run.report();
+    out["camera"] = lensReport(result.fit.lens);
+    out["camera_sigma"] = lensReport(result.fit.sigma);
+    out["flat"] = pictures[flat].file.filename().string();
+    out["rms_px"] = result.rms;
+    out["held_out_rms_px"] = result.heldOutRms;
+    out["coverage"] = result.coverage;
+    json& list = out["views"] = json::array();
+    for (const Picture& p : pictures)
+        list.push_back({{"file", p.file.string()}, {"marks", p.target.marks.size()}, {"used", false}});
+    for (size_t i = 0; i < pictures.size(); ++i)
+        if (!pictures[i].target.problem.empty()) list[i]["problem"] = pictures[i].target.problem;
+    for (size_t v = 0; v < result.views.size(); ++v) {
+        const vision::CalibratedView& view = result.views[v];
+        json& entry = list[indexOfView[v]];
+        entry["used"] = view.used;
+        if (!view.used) {
+            entry["problem"] = "its marks do not fit those of the other pictures";
+            continue;
+        }
+        entry.update({{"marks_rejected", view.rejected.size()},
+                      {"rms_px", view.rms},
+                      {"held_out_rms_px", view.heldOutRms},
+                      {"tilt_deg", view.tiltDegrees}});
+    }
+    for (const json& entry : list)
+        if (entry.contains("problem"))
+            run.warn(fmt::format("{}: left out: {}", entry["file"].get<std::string>(),
+                                 entry["problem"].get<std::string>()));
+    for (const std::string& warning : result.warnings) run.warn(warning);
+    const auto& view = pictures[flat];
+    const geometry::Lens &lens = result.fit.lens, &sigma = result.fit.sigma;
+    const auto used =
+        std::count_if(result.views.begin(), result.views.end(), [](const auto& v) { return v.used; });
+    run.note(fmt::format(
+        "{} of {} pictures, RMS {:.3f} px, {:.3f} px in pictures held out\n"
+        "focal length {:.2f} +- {:.2f}, {:.2f} +- {:.2f} px; principal point {:.2f} +- {:.2f}, {:.2f} +- "
+        "{:.2f} px; table as in {}",
+        used, pictures.size(), result.rms, result.heldOutRms, lens.fx, sigma.fx, lens.fy, sigma.fy, lens.cx,
+        sigma.cx, lens.cy, sigma.cy, view.file.filename().string()));
+}
+
+void drawOverlays(const std::filesystem::path& folder, const std::vector<Picture>& pictures,
+                  const std::vector<size_t>& indexOfView, const vision::CameraCalibration* result) {
+    std::filesystem::path last;
+    for (size_t i = 0; i < pictures.size(); ++i) {
+        const vision::FoundTarget& target = pictures[i].target;
+        const auto view = std::find(indexOfView.begin(), indexOfView.end(), i) - indexOfView.begin();
+        const vision::CalibratedView* calibrated = result && static_cast<size_t>(view) < indexOfView.size()
+                                                       ? &result->views[static_cast<size_t>(view)]
+                                                       : nullptr;
+        std::vector<glm::dvec2> found, rejected, disks;
+        for (const vision::FoundMark& mark : target.marks) {
+            const bool isOff =
+                calibrated && (!calibrated->used || std::binary_search(calibrated->rejected.begin(),
+                                                                       calibrated->rejected.end(), mark.id));
+            (isOff ? rejected : found).push_back(mark.pixel);
+        }
+        for (const auto& disk : target.disks)
+            if (disk) disks.push_back(*disk);
+        vision::drawCalibrationOverlay(pictures[i].photo, {found, rejected, disks},
+                                       folder / pictures[i].file.filename().replace_extension(".png"));
+    }
+}
+
+} // namespace
+
+void execute(Run& run, const CalibrateTargetArguments& arguments) {
+    vision::writeTarget(vision::makeTarget(arguments.boardEdge), arguments.output);
+    run.note(fmt::format("print {} at 100 % (no fit to page): its page is {:.1f} mm square",
+                         arguments.output.string(), 1000 * arguments.boardEdge));
+}
+
+void execute(Run& run, const CalibrateCameraArguments& arguments) {
+    const vision::CalibrationTarget target = vision::makeTarget(arguments.boardEdge);
+    const size_t flat = flatPicture(run, arguments);
+    std::optional<OutputFolder> overlays;
+    if (!arguments.overlay.empty()) overlays.emplace(arguments.overlay);
+    std::vector<Picture> pictures = readPictures(run, arguments, target);
+    markOtherSizes(pictures);
+
+    std::vector<vision::TargetView> views;
+    std::vector<size_t> indexOfView;
+    std::string problems;
+    for (size_t i = 0; i < pictures.size(); ++i) {
+        const Picture& picture = pictures[i];
+        if (picture.target.problem.empty()) {
+            views.push_back({picture.file.filename().string(), picture.target.marks});
+            indexOfView.push_back(i);
+        } else
+            problems += fmt::format("; {}: {}", picture.file.filename().string(), picture.target.problem);
+    }
+    const auto flatView = std::find(indexOfView.begin(), indexOfView.end(), flat);
+    if (flatView == indexOfView.end() || views.size() < vision::kLeastViews) {
+        if (overlays) drawOverlays(arguments.overlay, pictures, indexOfView, nullptr);
+        if (views.size() < vision::kLeastViews)
+            throw geometry::InputError(
+                "IMAGE", "",
+                fmt::format("the board was found in {} of {} pictures, at least {} are needed{}",
+                            views.size(), pictures.size(), vision::kLeastViews, problems));
+        throw geometry::InputError(
+            pictures[flat].file.string(), "",
+            "the board was not found in this picture, which should show it flat on the table: " +
+                pictures[flat].target.problem + "; --flat names another");
+    }
+
+    vision::CameraCalibration result;
+    try {
+        const StageTimer timer(run, "calibrate");
+        const Picture& first = pictures[indexOfView.front()];
+        result = vision::calibrateCamera(target, first.width, first.height, views, arguments.boardThickness);
+    } catch (const vision::CalibrationError& error) {
+        throw geometry::InputError("IMAGE", "", error.what());
+    }
+    if (overlays) drawOverlays(arguments.overlay, pictures, indexOfView, &result);
+    report(run, pictures, indexOfView, result, flat);
+    const vision::CalibratedView& world = result.views[static_cast<size_t>(flatView - indexOfView.begin())];
+    if (!world.used)
+        throw geometry::InputError(
+            pictures[flat].file.string(), "",
+            "its marks do not fit those of the other pictures, and it should show the board "
+            "flat on the table; --flat names another");
+    if (!arguments.rig.empty())
+        run.note("the projectors of the rig, if any, were calibrated with its former camera: calibrate them "
+                 "again");
+    geometry::writeRig(arguments.output, arguments.rig, {world.camera, {}});
+}
+
+} // namespace heliodon::app
