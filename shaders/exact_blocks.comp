@@ -37,9 +37,10 @@ bool findBlockers(uint a, uint b, Origin o, uint block, out bool hidden) {
             uint bit = bits & (~bits + 1u);
             bits &= ~bit;
             uvec4 range = texelFetch(faceRange, int(params.pieceCount + 32u * w) + max(findLSB(bit), 0));
-            if (bit != 0u && !hidden && !outsideShaft(o, range)) {
+            bvec2 found = standing(o, range, (sa.x & bit) != 0u ? -1.0 : 1.0);
+            if (bit != 0u && !hidden && !found.x) {
                 mask |= bit;
-                if ((bit & wholes) != 0u) hidden = hides(o, range, (sa.x & bit) != 0u ? -1.0 : 1.0);
+                hidden = (bit & wholes) != 0u && found.y;
             }
         } while (subgroupAny(bits != 0u && !hidden));
         masks[block * params.words + w] = mask;

@@ -54,11 +54,12 @@ bool listBlockers(uint i, uint j, Origin o, uint block) {
         bits &= ~bit;
         uint face = params.pieceCount + 32u * w + uint(max(findLSB(bit), 0));
         uvec4 range = texelFetch(faceRange, int(face));
-        if (bit != 0u && !hidden && !outsideShaft(o, range)) {
+        bvec2 found = standing(o, range, (front & bit) != 0u ? -1.0 : 1.0);
+        if (bit != 0u && !hidden && !found.x) {
             if (listedCount < kExactListed) listed[listedCount] = face;
             ++listedCount;
             few = few && range.y <= kExactFewCorners;
-            if ((bit & wholes) != 0u) hidden = hides(o, range, (front & bit) != 0u ? -1.0 : 1.0);
+            hidden = (bit & wholes) != 0u && found.y;
         }
     } while (subgroupAny(!hidden && (bits != 0u || w + 1u < params.words)));
     return hidden;

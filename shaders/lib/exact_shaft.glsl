@@ -61,29 +61,20 @@ void buildShaft() {
     }
 }
 
-// Whether a wall of the shaft has the whole blocker outside.
-bool outsideShaft(Origin o, uvec4 range) {
+// How a convex blocker stands to the shaft, in one walk along its corners: x whether a wall has all of it outside, y whether
+// all segments between corners of both faces cross it, so that it hides all. `sense` is +1 where the first face lies behind.
+bvec2 standing(Origin o, uvec4 range, float sense) {
     uint outside = 0u;
     [[unroll]] for (int w = 0; w < 2 * kCorners; ++w) outside |= wall[w] != vec3(0.0) ? 1u << w : 0u;
+    bool all = true;
+    vec3 k0 = cornerFrom(o, range.x + range.y - 1u);
     uint c = 0u;
     [[dont_unroll]] do {
-        vec3 p = cornerFrom(o, range.x + min(c, range.y - 1u)); // the last one again does no harm
+        vec3 k1 = cornerFrom(o, range.x + min(c, range.y - 1u)); // the last one again does no harm
         [[unroll]] for (int w = 0; w < 2 * kCorners; ++w) {
-            vec3 d = p - foot[w];
+            vec3 d = k1 - foot[w];
             if (dot(wall[w], d) > kFlat * (abs(d.x) + abs(d.y) + abs(d.z))) outside &= ~(1u << w);
         }
-        ++c;
-    } while (subgroupAny(c < range.y && outside != 0u));
-    return outside != 0u;
-}
-
-// A convex blocker that all segments between corners cross hides all of it. `sense` is +1 where the first face lies behind.
-bool hides(Origin o, uvec4 range, float sense) {
-    vec3 k0 = cornerFrom(o, range.x + range.y - 1u);
-    bool all = true;
-    uint c = 0u;
-    [[dont_unroll]] do {
-        vec3 k1 = cornerFrom(o, range.x + min(c, range.y - 1u)); // an edge without length at the end crosses nothing
         [[unroll]] for (int p = 0; p < kCorners; ++p) {
             vec3 n = sense * cross(k0 - ca[p], k1 - k0);
             float slack = -kFlat * length(n);
@@ -94,8 +85,8 @@ bool hides(Origin o, uvec4 range, float sense) {
         }
         k0 = k1;
         ++c;
-    } while (subgroupAny(c < range.y && all));
-    return all;
+    } while (subgroupAny(c < range.y && (outside != 0u || all)));
+    return bvec2(outside != 0u, all);
 }
 
 // Of 32 blockers, those in front of both faces whose planes have the faces on different sides. From the bits of
