@@ -19,9 +19,6 @@ namespace {
 constexpr std::array<double, 3> kLuminous{0.2126, 0.7152, 0.0722};
 constexpr size_t kColumnsAtOnce = 48;     // right-hand sides that share passes over F
 constexpr size_t kMostHostPatches = 8000; // 256 MB of form factors once more
-// Form factors of patches at a sensor: below kFarEdge edges of sunlight average out, from kNearEdge they are
-// seen exactly.
-constexpr double kFarEdge = 2e-4, kNearEdge = 0.02, kMostNearer = 3;
 constexpr size_t kCheckedSunless = 3, kCheckedSunny = 6;
 // Work of an hour with sun and of a sensor, whose responses are the largest part, for the bar: measured on 78
 // to 400 sensors.
@@ -87,6 +84,7 @@ void AnnualDaylight::makeSuns() {
         lit_.size() - static_cast<size_t>(std::count_if(lit_.begin(), lit_.end(),
                                                         [&](uint32_t h) { return skies_[h].hasSun(); }));
     std::vector<Sunny> found(hours.size());
+    std::vector<std::vector<SunEdges::Edge>> foundEdges(hours.size()), edges;
     std::vector<uint8_t> enters(hours.size());
     const SunScene& panes = transport_.parts().sun;
     const GlowingBlinds& blinds = transport_.parts().blinds;
@@ -98,7 +96,7 @@ void AnnualDaylight::makeSuns() {
         const auto strength = static_cast<float>(sky.sun.normalIlluminance);
         std::vector<SunlitParts> partly;
         const std::vector<glm::vec3> lit = sun.onPatches(&partly);
-        addEdgesTo(found[k], partly, sky.sun.normalIlluminance);
+        foundEdges[k] = SunEdges::edgesOf(transport_.mesh(), partly, sky.sun.normalIlluminance);
         for (size_t i = 0; i < lit.size(); ++i)
             if (lit[i] != glm::vec3(0))
                 found[k].patches.push_back({static_cast<uint32_t>(i),
@@ -117,7 +115,9 @@ void AnnualDaylight::makeSuns() {
         if (!enters[k]) continue;
         report_.sunlitPatches += found[k].patches.size();
         sunny_.push_back(std::move(found[k]));
+        edges.push_back(std::move(foundEdges[k]));
     }
+    edges_ = SunEdges(transport_.mesh(), std::move(edges));
     report_.withSun = sunny_.size();
     report_.sunOutside = hours.size() - sunny_.size();
 }
@@ -260,76 +260,14 @@ void AnnualDaylight::addSun(const Responses& responses, std::span<float> reflect
     });
 }
 
-void AnnualDaylight::addEdgesTo(Sunny& sunny, const std::vector<SunlitParts>& partly, double strength) const {
-    const geometry::PatchMesh& mesh = transport_.mesh();
-    for (const SunlitParts& lit : partly) {
-        const glm::vec3 rho = mesh.materials[mesh.material[lit.patch]].reflectance;
-        std::vector<EdgePart> parts;
-        glm::dvec3 middle(0);
-        double flux = 0;
-        for (const SunlitParts::Part& part : lit.parts) {
-            const auto exitance = static_cast<float>(strength * photometric(rho * part.light));
-            for (size_t k = 1; k + 1 < part.polygon.size(); ++k) {
-                const glm::dvec3 a = part.polygon[0], b = part.polygon[k], c = part.polygon[k + 1];
-                const double share = 0.5 * glm::length(glm::cross(b - a, c - a)) * double{exitance};
-                flux += share;
-                middle += share / 3 * (a + b + c);
-            }
-            parts.push_back({part.polygon, exitance});
-        }
-        if (!(flux > 0)) continue;
-        sunny.edges.push_back({lit.patch, static_cast<float>(flux / geometry::patchArea(mesh, lit.patch)),
-                               glm::vec3(middle / flux)});
-        sunny.parts.push_back(std::move(parts));
-    }
-}
-
-// Where sunlight ends within a patch: exactly for patches that loom large at the sensor, for others by how
-// much nearer and squarer the middle of the light stands than that of the patch.
 void AnnualDaylight::addEdges(const TransportParts& parts, std::span<float> reflected) const {
-    const geometry::PatchMesh& mesh = transport_.mesh();
-    const size_t n = mesh.patchCount(), count = parts.sensors.size();
-    std::vector<glm::dvec3> middles, normals;
-    for (size_t i = 0; i < n; ++i) {
-        middles.push_back(geometry::patchCentroid(mesh, i));
-        normals.push_back(geometry::patchNormal(mesh, i));
-    }
+    const size_t n = transport_.mesh().patchCount(), count = parts.sensors.size();
     inParallel(count, [&](size_t s) {
-        const Sensor& sensor = parts.sensors[s];
-        const glm::dvec3 up = glm::normalize(sensor.normal);
-        const float* even = &parts.sensorEven[s * n];
-        const auto nearness = [&](glm::dvec3 p, uint32_t patch) {
-            const glm::dvec3 d = p - sensor.position;
-            const double square = glm::dot(d, d);
-            return std::max(0.0, glm::dot(d, up)) * std::max(0.0, -glm::dot(d, normals[patch])) /
-                   std::max(square * square, 1e-30);
-        };
-        std::vector<double> whole(n); // nearness of whole patches, which many hours ask for
-        for (size_t i = 0; i < n; ++i)
-            if (even[i] >= kFarEdge && even[i] < kNearEdge)
-                whole[i] = nearness(middles[i], static_cast<uint32_t>(i));
         const std::optional<PointView> view = transport_.viewOfSensor(s);
-        const uint32_t room = parts.sensorRooms[s];
-        for (size_t k = 0; k < sunny_.size() && view; ++k) {
-            double more = 0;
-            for (size_t e = 0; e < sunny_[k].edges.size(); ++e) {
-                const Edge& edge = sunny_[k].edges[e];
-                const double share = even[edge.patch];
-                if (share < kFarEdge || mesh.room[edge.patch] != room) continue; // through glass: from afar
-                if (share >= kNearEdge) {
-                    for (const EdgePart& part : sunny_[k].parts[e])
-                        more += double{part.exitance} * view->factor(part.polygon);
-                    more -= share * double{edge.exitance};
-                } else {
-                    const double mean = whole[edge.patch];
-                    if (mean > 0)
-                        more +=
-                            share * double{edge.exitance} *
-                            (std::min(nearness(glm::dvec3(edge.middle), edge.patch) / mean, kMostNearer) - 1);
-                }
-            }
-            reflected[k * count + s] += static_cast<float>(more);
-        }
+        if (!view) return;
+        std::vector<float> more(sunny_.size(), 0);
+        edges_.addTo(more, *view, parts.sensorRooms[s], &parts.sensorEven[s * n]);
+        for (size_t k = 0; k < more.size(); ++k) reflected[k * count + s] += more[k];
     });
 }
 
@@ -379,17 +317,10 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
             }
         });
     }
-    size_t edgeBytes = 0;
-    for (const Sunny& sunny : sunny_)
-        for (const std::vector<EdgePart>& parts : sunny.parts) {
-            edgeBytes += sizeof(Edge) + sizeof parts;
-            for (const EdgePart& part : parts)
-                edgeBytes += sizeof(part) + part.polygon.size() * sizeof(glm::dvec3);
-        }
     report_.bytes =
         std::max(report_.bytes,
                  luminance_.bytes() + (gather_ ? gather_->bytes() : 0) +
-                     report_.sunlitPatches * sizeof(LitPatch) + edgeBytes +
+                     report_.sunlitPatches * sizeof(LitPatch) + edges_.bytes() +
                      sizeof(float) * (sky.size() + reflected.size() + responses.sky.size() + 3 * lux.size() +
                                       (tinted_ ? 4 : 2) * count * transport_.mesh().patchCount()));
     checkAndSetErrors(lux, sun, error);

@@ -22,6 +22,7 @@
 #include "compute/daylight_transport.h"
 #include "compute/host_gather.h"
 #include "compute/panel_product.h"
+#include "compute/sun_edges.h"
 #include "compute/sun_patches.h"
 
 namespace heliodon::compute {
@@ -63,28 +64,15 @@ private:
         uint32_t patch; // from patchCount() on: the patches of blinds, whose value is their glow
         float value[3]; // lux per channel; all channels alike unless tinted_
     };
-    // A patch that the sun lights in part: its exitance stands where the light is, not all over the patch.
-    struct Edge { // small: every sensor reads those of the whole year
-        uint32_t patch;
-        float exitance;   // photometric mean over the patch
-        glm::vec3 middle; // of the light
-    };
-    struct EdgePart {
-        std::vector<glm::dvec3> polygon;
-        float exitance; // photometric
-    };
     struct Sunny {
         uint32_t hour;
         std::vector<LitPatch> patches;
-        std::vector<Edge> edges;
-        std::vector<std::vector<EdgePart>> parts; // of each edge
     };
     struct Responses;
     void makeSkies();
     void makeSuns();
     void takeFactors(const TransportParts& parts);
     Responses respond(const TransportParts& parts);
-    void addEdgesTo(Sunny& sunny, const std::vector<SunlitParts>& partly, double strength) const;
     void addGlow(const TransportParts& parts, Responses& responses) const;
     void addSun(const Responses& responses, std::span<float> reflected) const;
     void addEdges(const TransportParts& parts, std::span<float> reflected) const;
@@ -101,6 +89,7 @@ private:
     std::vector<uint32_t> lit_; // hours with sky or ground
     Panels luminance_;          // elements x lit hours, times pi
     std::vector<Sunny> sunny_;
+    SunEdges edges_;                   // hours as in sunny_
     std::optional<HostGather> gather_; // none where the device gathers faster
     std::optional<RadiositySolver> solver_;
     double checkSquares_ = 0, checkCount_ = 0;
