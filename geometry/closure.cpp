@@ -27,6 +27,7 @@ constexpr size_t kMostWalls = 500; // the paper's table holds about twenty
 constexpr double kWeld = 1e-9;     // metres
 constexpr double kTwinOff =
     0.1 * kMetresPerInch; // of corners of twins: the two faces of a wall are not quite parallel
+constexpr double kLeastTriangle = 1e-6 * kMetresPerInch * kMetresPerInch;
 constexpr double kCubicInch = kMetresPerInch * kMetresPerInch * kMetresPerInch;
 
 std::string joined(const std::vector<std::string>& ids) {
@@ -277,7 +278,8 @@ private:
             // As planned, but for the welding; as built, but for rounding.
             const bool volumeFits = std::abs(room.volumeFt3 - expected) <= 1e-6 * expected &&
                                     std::abs(proofs[r].volume - columns[r]) <= 1e-9 * columns[r];
-            good = good && room.closed && !room.selfIntersecting && volumeFits;
+            good = good && room.closed && !room.selfIntersecting && volumeFits &&
+                   proofs[r].leastArea >= kLeastTriangle;
         }
         if (!good)
             refuse("NOT_PROVEN",

@@ -180,11 +180,13 @@ void pairTwins(Building& building, const std::map<int, std::vector<uint32_t>>& p
         }
 }
 
+constexpr double kSameCorner = 0.006 * kMetresPerInch; // divisions of a wall are farther apart than that
+
 // Adds the point to the edge of the face that it lies on, when it is no corner yet.
 bool addCorner(Building& building, Face& face, glm::dvec3 p, double near) {
     for (const auto& loop : face.loops)
         for (const uint32_t v : loop)
-            if (glm::length(building.vertices[v] - p) < near) return false;
+            if (glm::length(building.vertices[v] - p) < kSameCorner) return false;
     for (auto& loop : face.loops)
         for (size_t i = 0; i < loop.size(); ++i) {
             const glm::dvec3 a = building.vertices[loop[i]],

@@ -31,6 +31,7 @@ struct ShellProof {
     bool selfIntersecting = false;  // two faces meet other than in common corners and edges
     int euler = 0;                  // V - E + F, a hole of a face counted as minus one
     double volume = 0;              // m3; positive: normals point into the air
+    double leastArea = 0;           // m2: of the triangles that the proof is about
     std::vector<uint32_t> badFaces; // those concerned, when a proof fails
 };
 

@@ -119,28 +119,35 @@ private:
                         if (const auto other = faceOf.find({loop[(k + 1) % loop.size()], loop[k]});
                             other != faceOf.end() && seen.insert(other->second).second)
                             members.push_back(other->second);
-            if (members.size() == 1 || !(merge(members) || unroll(members, faceOf)))
+            const bool one = members.size() > 1 && (flat(members) ? merge(members) : unroll(members, faceOf));
+            if (!one)
                 for (const uint32_t f : members) domains_.push_back(single(f));
         }
     }
 
+    bool flat(const std::vector<uint32_t>& members) const {
+        const Frame frame = frameOfFace(building_, building_.faces[members[0]]);
+        const glm::dvec3 n = glm::cross(frame.u, frame.v);
+        double extent = 0, off = 0;
+        for (const uint32_t f : members)
+            for (const auto& loop : building_.faces[f].loops)
+                for (const uint32_t v : loop) {
+                    const glm::dvec3 d = building_.vertices[v] - frame.origin;
+                    extent = std::max(extent, glm::length(d));
+                    off = std::max(off, std::abs(glm::dot(d, n)));
+                }
+        return off <= kFlat * extent;
+    }
+
+    // False when the whole would touch itself.
     bool merge(const std::vector<uint32_t>& members) {
         MeshDomain domain;
         domain.faces = members;
         domain.frames = {frameOfFace(building_, building_.faces[members[0]])};
-        const Frame& frame = domain.frames[0];
-        const glm::dvec3 n = glm::cross(frame.u, frame.v);
-        double extent = 0, off = 0;
         std::set<Edge> edges, seams;
         for (const uint32_t f : members)
             for (const auto& loop : building_.faces[f].loops)
-                for (size_t k = 0; k < loop.size(); ++k) {
-                    const glm::dvec3 d = building_.vertices[loop[k]] - frame.origin;
-                    extent = std::max(extent, glm::length(d));
-                    off = std::max(off, std::abs(glm::dot(d, n)));
-                    edges.insert({loop[k], loop[(k + 1) % loop.size()]});
-                }
-        if (off > kFlat * extent) return false;
+                for (size_t k = 0; k < loop.size(); ++k) edges.insert({loop[k], loop[(k + 1) % loop.size()]});
         for (const Edge& edge : edges)
             if (edges.contains({edge.second, edge.first})) seams.insert(edge);
         BoundaryTracer(building_, domain).trace(seams);

@@ -1,8 +1,10 @@
 // Makes the outlines of rooms fit to be built: no jogs that only noise explains, no corner that two walls of
-// air share.
+// air share, nothing that comes so near to something else that a triangle between them would have no area.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <optional>
 
 #include <glm/geometric.hpp>
 
@@ -12,19 +14,40 @@ namespace heliodon::geometry {
 
 namespace {
 
-constexpr double kShortEdge = 0.12;  // inches: shorter steps are noise
-constexpr double kNarrowCrack = 0.5; // inches
-constexpr double kOnLine = 1e-6;     // inches off the line that two edges share
-constexpr double kTouches = 1e-5;    // inches
-constexpr double kPinchGap = 0.01;   // inches between outlines that would touch in a point
+constexpr double kShortEdge = 0.12;      // inches: shorter steps are noise
+constexpr double kNarrowCrack = 0.5;     // inches
+constexpr double kTouches = 1e-5;        // inches
+constexpr double kPinchGap = 0.01;       // inches between parts of outlines that do not follow one another
+constexpr double kMostCut = 0.45;        // of an edge, at a sharp corner
+constexpr double kOnLine = 1e-4;         // inches off the line between its neighbours: no corner
+constexpr double kStraightSine = 1.1e-5; // nor is one that turns by less
 
 double cross(glm::dvec2 u, glm::dvec2 v) {
     return u.x * v.y - u.y * v.x;
 }
 
+bool beside(double a, double b, double c, double d) {
+    return std::max(a, b) < std::min(c, d) || std::max(c, d) < std::min(a, b);
+}
+
+// True when the two cross or touch.
+bool meet(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c, glm::dvec2 d) {
+    if (beside(a.x, b.x, c.x, d.x) || beside(a.y, b.y, c.y, d.y)) return false;
+    const auto turn = [](glm::dvec2 p, glm::dvec2 q, glm::dvec2 r) { return cross(q - p, r - p); };
+    return turn(a, b, c) * turn(a, b, d) <= 0 && turn(c, d, a) * turn(c, d, b) <= 0;
+}
+
+bool straightCorner(glm::dvec2 before, glm::dvec2 at, glm::dvec2 after) {
+    const glm::dvec2 in = at - before, out = after - at, whole = after - before;
+    if (glm::dot(in, out) <= 0) return false;
+    return std::abs(cross(whole, in)) <= kOnLine * glm::length(whole) ||
+           std::abs(cross(in, out)) <= kStraightSine * glm::length(in) * glm::length(out);
+}
+
+// One loop of a room; what it does to that never makes the room's outlines cross.
 class LoopCleaner {
 public:
-    LoopCleaner(OutlineLoop& loop, double shortEdge) : loop_(loop), shortEdge_(shortEdge) {}
+    LoopCleaner(std::vector<OutlineLoop>& loops, size_t own) : loops_(loops), loop_(loops[own]) {}
 
     void clean() {
         hideCracks();
@@ -44,6 +67,31 @@ private:
         loop_.edges.erase(loop_.edges.begin() + static_cast<std::ptrdiff_t>(i % loop_.edges.size()));
     }
 
+    // Whether the outlines stay apart when the corners between `from` and `to` make way for one at `corner`,
+    // or for none.
+    bool fits(size_t from, size_t to, std::optional<glm::dvec2> corner = std::nullopt) const {
+        const size_t n = size(), gone = (to + n - from) % n; // edges
+        const glm::dvec2 a = point(from), b = point(to);
+        for (const OutlineLoop& other : loops_)
+            for (size_t i = 0, m = other.points.size(); i < m; ++i) {
+                const bool own = &other == &loop_;
+                if (own && (i + n - from % n) % n < gone) continue;
+                const glm::dvec2 c = other.points[i], d = other.points[(i + 1) % m];
+                // Where outlines touch already they are parted later.
+                const auto touching = [&](glm::dvec2 p) {
+                    return glm::length(c - p) < kTouches || glm::length(d - p) < kTouches;
+                };
+                const bool leads = touching(a), follows = touching(b);
+                if (!corner) {
+                    if (!leads && !follows && meet(a, b, c, d)) return false;
+                } else if (!touching(*corner) &&
+                           ((!leads && meet(a, *corner, c, d)) || (!follows && meet(*corner, b, c, d)))) {
+                    return false;
+                }
+            }
+        return true;
+    }
+
     // A crack in a straight side is too narrow to be told from the wall: it is shown as the wall is.
     void hideCracks() {
         for (size_t i = 0; i < size(); ++i) {
@@ -60,10 +108,7 @@ private:
         for (size_t i = 0; i < size(); ++i) {
             const size_t before = i + size() - 1;
             if (info(before).height != info(i).height || info(before).gap != info(i).gap) continue;
-            const glm::dvec2 whole = point(i + 1) - point(before);
-            const double length = glm::length(whole);
-            if (length == 0 || glm::dot(edge(before), edge(i)) <= 0) continue;
-            if (std::abs(cross(whole, edge(before))) > kOnLine * length) continue;
+            if (!straightCorner(point(before), point(i), point(i + 1)) || !fits(before, i + 1)) continue;
             if (glm::length(edge(i)) > glm::length(edge(before))) info(before) = info(i);
             erase(i);
             return true;
@@ -72,38 +117,43 @@ private:
     }
 
     bool dropShort() {
-        size_t shortest = size();
-        double least = shortEdge_;
+        std::vector<std::pair<double, size_t>> shortOnes;
         for (size_t i = 0; i < size(); ++i)
-            if (const double length = glm::length(edge(i)); length < least) {
-                least = length;
-                shortest = i;
+            if (const double length = glm::length(edge(i)); length < kShortEdge)
+                shortOnes.emplace_back(length, i);
+        std::ranges::sort(shortOnes);
+        for (const auto& [length, i] : shortOnes)
+            for (const glm::dvec2 corner : replacements(i)) {
+                if (length > kTouches && !fits(i + size() - 1, i + 2, corner)) continue;
+                loop_.points[(i + 1) % size()] = corner;
+                erase(i);
+                return true;
             }
-        if (shortest == size()) return false;
-        const glm::dvec2 corner = replacement(shortest);
-        loop_.points[(shortest + 1) % size()] = corner;
-        erase(shortest);
-        return true;
+        return false;
     }
 
-    // Where the edges on either side of a short one meet, if that is near; else its middle.
-    glm::dvec2 replacement(size_t i) const {
+    // What may take the place of a short edge: where the edges on either side of it meet, if that is near;
+    // its middle; its ends.
+    std::vector<glm::dvec2> replacements(size_t i) const {
         const glm::dvec2 before = edge(i + size() - 1), after = edge(i + 1),
                          middle = 0.5 * (point(i) + point(i + 1));
+        std::vector<glm::dvec2> out{middle, point(i), point(i + 1)};
         const double sine = cross(before, after);
         if (std::abs(sine) > 0.1 * glm::length(before) * glm::length(after)) {
-            const glm::dvec2 meet = point(i) + before * (cross(point(i + 1) - point(i), after) / sine);
-            if (glm::length(meet - middle) < 2 * shortEdge_) return meet;
+            const glm::dvec2 corner = point(i) + before * (cross(point(i + 1) - point(i), after) / sine);
+            if (glm::length(corner - middle) < 2 * kShortEdge) out.insert(out.begin(), corner);
         }
-        return middle;
+        return out;
     }
 
     // Out and back again.
     bool dropSpike() {
         for (size_t i = 0; i < size(); ++i) {
-            const glm::dvec2 in = edge(i + size() - 1), out = edge(i);
+            const size_t before = i + size() - 1;
+            const glm::dvec2 in = edge(before), out = edge(i);
             if (glm::dot(in, out) < 0 &&
-                std::abs(cross(in, out)) < 1e-3 * glm::length(in) * std::max(glm::length(out), kShortEdge)) {
+                std::abs(cross(in, out)) < 1e-3 * glm::length(in) * std::max(glm::length(out), kShortEdge) &&
+                fits(before, i + 1)) {
                 erase(i);
                 return true;
             }
@@ -111,8 +161,8 @@ private:
         return false;
     }
 
+    std::vector<OutlineLoop>& loops_;
     OutlineLoop& loop_;
-    double shortEdge_;
 };
 
 double loopArea(const OutlineLoop& loop) {
@@ -122,104 +172,128 @@ double loopArea(const OutlineLoop& loop) {
     return sum;
 }
 
-// Whether the corner lies within an edge: there a straight run of the outline passes the corner by.
-bool onAnEdge(const std::vector<OutlineLoop>& loops, glm::dvec2 p) {
+// Corners of several outlines, by their place.
+class Crowd {
+public:
+    explicit Crowd(const std::vector<RoomPlan>& rooms) {
+        for (const RoomPlan& room : rooms)
+            for (const OutlineLoop& loop : room.loops)
+                for (const glm::dvec2 p : loop.points) ++count_[key(p)];
+    }
+    bool shares(glm::dvec2 p) const { return count_.at(key(p)) > 1; }
+
+private:
+    static std::pair<long long, long long> key(glm::dvec2 p) {
+        return {std::llround(p.x / kTouches), std::llround(p.y / kTouches)};
+    }
+    std::map<std::pair<long long, long long>, int> count_;
+};
+
+// From the nearest point of the room's outlines to corner i, but for the edges that meet there.
+glm::dvec2 nearestOffset(const std::vector<OutlineLoop>& loops, const OutlineLoop& own, size_t i) {
+    const glm::dvec2 p = own.points[i];
+    glm::dvec2 best(std::numeric_limits<double>::infinity());
     for (const OutlineLoop& loop : loops)
-        for (size_t i = 0, n = loop.points.size(); i < n; ++i) {
-            const glm::dvec2 a = loop.points[i], b = loop.points[(i + 1) % n];
-            const auto beyond = [&](int c) {
-                return p[c] < std::min(a[c], b[c]) - kTouches || p[c] > std::max(a[c], b[c]) + kTouches;
-            };
-            if (beyond(0) || beyond(1)) continue;
-            const glm::dvec2 d = glm::normalize(b - a);
-            const double t = glm::dot(p - a, d);
-            if (t > kTouches && t < glm::length(b - a) - kTouches && std::abs(cross(d, p - a)) < kTouches)
-                return true;
+        for (size_t k = 0, n = loop.points.size(); k < n; ++k) {
+            if (&loop == &own && (k == i || (k + 1) % n == i)) continue;
+            const glm::dvec2 a = loop.points[k], b = loop.points[(k + 1) % n];
+            if (beside(a.x, b.x, p.x - kPinchGap, p.x + kPinchGap) ||
+                beside(a.y, b.y, p.y - kPinchGap, p.y + kPinchGap))
+                continue;
+            const glm::dvec2 d = b - a;
+            const double t = std::clamp(glm::dot(p - a, d) / glm::dot(d, d), 0.0, 1.0);
+            const glm::dvec2 offset = p - a - t * d;
+            if (glm::dot(offset, offset) < glm::dot(best, best)) best = offset;
         }
-    return false;
+    return best;
 }
 
-// Corners that coincide, or lie on another edge, are drawn a hair into their own side's air.
-void separatePinches(std::vector<RoomPlan>& rooms) {
-    std::map<std::pair<long long, long long>, int> count;
-    const auto key = [](glm::dvec2 p) { return std::pair(std::llround(p.x * 1e5), std::llround(p.y * 1e5)); };
-    for (const RoomPlan& room : rooms)
-        for (const OutlineLoop& loop : room.loops)
-            for (const glm::dvec2 p : loop.points) ++count[key(p)];
+glm::dvec2 inwardAt(const OutlineLoop& loop, size_t i) {
+    const size_t n = loop.points.size();
+    const glm::dvec2 p = loop.points[i], in = glm::normalize(p - loop.points[(i + n - 1) % n]),
+                     out = glm::normalize(loop.points[(i + 1) % n] - p), inward(-in.y - out.y, in.x + out.x);
+    return glm::length(inward) < 1e-6 ? in : glm::normalize(inward);
+}
+
+// Corners that coincide, or lie on another edge, are drawn a hair into their own side's air; those that are
+// too near to one, away from it. True when any was.
+bool separatePinches(std::vector<RoomPlan>& rooms) {
+    const Crowd crowd(rooms);
+    bool any = false;
     for (RoomPlan& room : rooms) {
         const std::vector<OutlineLoop> before = room.loops;
-        for (OutlineLoop& loop : room.loops) {
-            const std::vector<glm::dvec2> old = loop.points;
-            for (size_t i = 0; i < old.size(); ++i) {
-                if (count[key(old[i])] < 2 && !onAnEdge(before, old[i])) continue;
-                const glm::dvec2 in = glm::normalize(old[i] - old[(i + old.size() - 1) % old.size()]);
-                const glm::dvec2 out = glm::normalize(old[(i + 1) % old.size()] - old[i]);
-                glm::dvec2 inward = glm::dvec2(-in.y - out.y, in.x + out.x);
-                if (glm::length(inward) < 1e-6) inward = in;
-                loop.points[i] = old[i] + kPinchGap * glm::normalize(inward);
+        for (size_t l = 0; l < before.size(); ++l)
+            for (size_t i = 0; i < before[l].points.size(); ++i) {
+                const glm::dvec2 offset = nearestOffset(before, before[l], i);
+                const double apart = glm::length(offset);
+                glm::dvec2 move{0};
+                if (apart < kTouches || crowd.shares(before[l].points[i]))
+                    move = kPinchGap * inwardAt(before[l], i);
+                else if (apart < 0.9 * kPinchGap)
+                    move = (kPinchGap - apart) / apart * offset;
+                room.loops[l].points[i] += move;
+                any = any || move != glm::dvec2(0);
             }
-        }
+    }
+    return any;
+}
+
+// Corners at which nothing but the height of the wall changes lie exactly on the line, so that walls are
+// flat.
+void straighten(OutlineLoop& loop) {
+    const size_t n = loop.points.size();
+    const auto point = [&](size_t i) -> glm::dvec2& { return loop.points[i % n]; };
+    const auto straight = [&](size_t i) { return straightCorner(point(i + n - 1), point(i), point(i + 1)); };
+    size_t first = 0;
+    while (first < n && straight(first)) ++first;
+    for (size_t i = first; i < first + n;) {
+        size_t end = i + 1;
+        while (end < first + n && straight(end)) ++end;
+        const glm::dvec2 a = point(i), d = glm::normalize(point(end) - a);
+        for (size_t k = i + 1; k < end; ++k) point(k) = a + glm::dot(point(k) - a, d) * d;
+        i = end;
     }
 }
 
-// True when two edges of the room's outlines cross or touch where they do not follow one another.
-bool crosses(const RoomPlan& room) {
-    struct Segment {
-        glm::dvec2 a, b;
-        size_t loop, index;
-    };
-    std::vector<Segment> segments;
-    for (size_t l = 0; l < room.loops.size(); ++l)
-        for (size_t i = 0, n = room.loops[l].points.size(); i < n; ++i)
-            segments.push_back({room.loops[l].points[i], room.loops[l].points[(i + 1) % n], l, i});
-    const auto left = [](const Segment& s) { return std::min(s.a.x, s.b.x); };
-    std::ranges::sort(segments, {}, left);
-    const auto turn = [](glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) { return cross(b - a, c - a); };
-    for (size_t i = 0; i < segments.size(); ++i)
-        for (size_t k = i + 1;
-             k < segments.size() && left(segments[k]) <= std::max(segments[i].a.x, segments[i].b.x); ++k) {
-            const Segment &s = segments[i], &t = segments[k];
-            const size_t n = room.loops[s.loop].points.size();
-            if (s.loop == t.loop && ((s.index + 1) % n == t.index || (t.index + 1) % n == s.index)) continue;
-            if (std::max(s.a.y, s.b.y) < std::min(t.a.y, t.b.y) ||
-                std::max(t.a.y, t.b.y) < std::min(s.a.y, s.b.y))
-                continue;
-            if (turn(s.a, s.b, t.a) * turn(s.a, s.b, t.b) <= 0 &&
-                turn(t.a, t.b, s.a) * turn(t.a, t.b, s.b) <= 0)
-                return true;
+// Sharp corners end where they are a hair wide, those of walls as those of rooms.
+void bluntTips(OutlineLoop& loop) {
+    constexpr double kSharp = 0.06; // radians
+    OutlineLoop out;
+    for (size_t i = 0, n = loop.points.size(); i < n; ++i) {
+        const glm::dvec2 p = loop.points[i], back = loop.points[(i + n - 1) % n] - p,
+                         on = loop.points[(i + 1) % n] - p;
+        const double sine = std::abs(cross(glm::normalize(back), glm::normalize(on))), cut = kPinchGap / sine;
+        const bool sharp = sine < kSharp && glm::dot(back, on) > 0 &&
+                           cut < kMostCut * std::min(glm::length(back), glm::length(on));
+        if (sharp) {
+            out.points.push_back(p + cut * glm::normalize(back));
+            out.edges.push_back(loop.edges[i]);
         }
-    return false;
+        out.points.push_back(sharp ? p + cut * glm::normalize(on) : p);
+        out.edges.push_back(loop.edges[i]);
+    }
+    loop = std::move(out);
 }
 
-std::vector<OutlineLoop> cleaned(std::vector<OutlineLoop> loops, double shortEdge) {
-    for (OutlineLoop& loop : loops) LoopCleaner(loop, shortEdge).clean();
+void clean(std::vector<OutlineLoop>& loops) {
+    for (size_t l = 0; l < loops.size(); ++l) LoopCleaner(loops, l).clean();
     std::erase_if(loops, [](const OutlineLoop& loop) {
         return loop.points.size() < 3 || std::abs(loopArea(loop)) < 0.05;
     });
-    return loops;
 }
 
 } // namespace
 
 void cleanOutlines(PlanRooms& plan) {
-    const std::vector<RoomPlan> traced = plan.rooms;
-    // Where straightening makes outlines cross, less of it will do.
-    std::vector<double> shortEdge(plan.rooms.size(), kShortEdge);
-    for (int round = 0; round < 3; ++round) {
-        plan.rooms = traced;
-        for (size_t r = 0; r < plan.rooms.size(); ++r)
-            plan.rooms[r].loops = cleaned(traced[r].loops, shortEdge[r]);
-        separatePinches(plan.rooms);
-        bool good = true;
-        for (size_t r = 0; r < plan.rooms.size(); ++r)
-            if (crosses(plan.rooms[r])) {
-                shortEdge[r] /= 12;
-                good = false;
-            }
-        if (good) break;
+    for (RoomPlan& room : plan.rooms) clean(room.loops);
+    for (int round = 0; round < 4 && separatePinches(plan.rooms); ++round) {
     }
     std::erase_if(plan.rooms, [](const RoomPlan& room) { return room.loops.empty(); });
     for (RoomPlan& room : plan.rooms) {
+        for (OutlineLoop& loop : room.loops) {
+            bluntTips(loop);
+            straighten(loop);
+        }
         room.area = 0;
         for (const OutlineLoop& loop : room.loops) room.area += loopArea(loop);
     }

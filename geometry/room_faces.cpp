@@ -8,7 +8,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "geometry/plan_arrangement.h"
+#include "geometry/plan_overlay.h"
 #include "geometry/plan_regions.h"
 #include "geometry/wall_face.h"
 
@@ -16,74 +16,17 @@ namespace heliodon::geometry {
 
 namespace {
 
-constexpr double kThinPiece = 0.02;    // inches: thinner slips of floor or ceiling go to their neighbour
 constexpr double kSmallestPane = 0.05; // square inches
+constexpr double kApart = 0.005;       // inches: nearer divisions of a wall are one
 const double kPartitionTop = heightInches(HeightClass::green);
 
 glm::dvec3 inWorld(glm::dvec2 p, double height) {
     return kMetresPerInch * glm::dvec3(p.x, height, -p.y);
 }
 
-// An arrangement of the rooms' outlines with other polygons over them.
-struct Overlay {
-    PlanArrangement map;
-    std::vector<int> room;  // per cell: the room that it lies in, -1 outside
-    std::vector<int> shape; // per cell: the first of the other polygons over it, -1 for none
-    std::vector<std::pair<size_t, size_t>> shapeEdge; // per tag - outlineTags: polygon and its edge
-    int32_t outlineTags = 0;
-};
-
-class OverlayBuilder {
-public:
-    OverlayBuilder(const std::vector<RoomPlan>& rooms, const std::vector<std::vector<glm::dvec2>>& shapes) {
-        for (size_t r = 0; r < rooms.size(); ++r)
-            for (const OutlineLoop& loop : rooms[r].loops)
-                addLoop(loop.points, roomOfTag_, static_cast<int>(r));
-        overlay_.outlineTags = static_cast<int32_t>(segments_.size());
-        for (size_t s = 0; s < shapes.size(); ++s) {
-            for (size_t k = 0; k < shapes[s].size(); ++k) overlay_.shapeEdge.emplace_back(s, k);
-            addLoop(shapes[s], shapeOfTag_, static_cast<int>(s));
-        }
-    }
-
-    Overlay build(size_t roomCount, size_t shapeCount) {
-        overlay_.map = arrange(segments_);
-        overlay_.room = firstOver(roomOfTag_, 0, roomCount);
-        overlay_.shape = firstOver(shapeOfTag_, static_cast<size_t>(overlay_.outlineTags), shapeCount);
-        return std::move(overlay_);
-    }
-
-private:
-    void addLoop(const std::vector<glm::dvec2>& loop, std::vector<int>& owner, int id) {
-        for (size_t k = 0; k < loop.size(); ++k) {
-            segments_.push_back(
-                {loop[k], loop[(k + 1) % loop.size()], static_cast<int32_t>(segments_.size())});
-            owner.push_back(id);
-        }
-    }
-
-    std::vector<int> firstOver(const std::vector<int>& owner, size_t firstTag, size_t count) const {
-        std::vector<int> found(overlay_.map.cellCount, -1);
-        for (size_t id = count; id-- > 0;) {
-            const std::vector<int> depth = coverage(overlay_.map, [&](int32_t tag) {
-                const size_t i = static_cast<size_t>(tag) - firstTag;
-                return static_cast<size_t>(tag) >= firstTag && i < owner.size() &&
-                       owner[i] == static_cast<int>(id);
-            });
-            for (uint32_t c = 0; c < overlay_.map.cellCount; ++c)
-                if (depth[c] > 0) found[c] = static_cast<int>(id);
-        }
-        return found;
-    }
-
-    Overlay overlay_;
-    std::vector<PlanSegment> segments_;
-    std::vector<int> roomOfTag_, shapeOfTag_;
-};
-
 class RoomFaceBuilder {
 public:
-    explicit RoomFaceBuilder(const RoomFaceInput& in) : in_(in) {
+    explicit RoomFaceBuilder(const RoomFaceInput& in) : in_(in), holes_(in.holes) {
         out_.floorArea.assign(in.rooms.size(), 0);
         out_.lowArea.assign(in.rooms.size(), 0);
         out_.partitionUsed.assign(in.plan.partitions.size(), false);
@@ -119,13 +62,9 @@ private:
             shapes.push_back(solid.outline);
             sides_.push_back(solid.sides);
         }
-        floor_ = OverlayBuilder(in_.rooms, shapes).build(in_.rooms.size(), shapes.size());
+        floor_ = overlay(in_.rooms, shapes, Touching::joined);
         const PlanArrangement& map = floor_.map;
-        // Label: 2 room + 1 under a partition.
-        labels_.assign(map.cellCount, -1);
-        for (uint32_t c = 0; c < map.cellCount; ++c)
-            if (floor_.room[c] >= 0) labels_[c] = 2 * floor_.room[c] + (floor_.shape[c] >= 0);
-        absorbThinCells(map, labels_, kThinPiece);
+        labels_ = floor_.label;
         const std::vector<double> areas = cellAreas(map);
         for (uint32_t c = 0; c < map.cellCount; ++c) {
             if (labels_[c] < 0) continue;
@@ -160,8 +99,9 @@ private:
                 if (labels_[map.cell[h ^ 1u]] != region.label - 1) continue;
                 std::pair<size_t, size_t> side{in_.plan.partitions.size(), h};
                 for (const PlanArrangement::Tag& tag : map.tags[h / 2])
-                    if (tag.tag >= floor_.outlineTags)
-                        side = floor_.shapeEdge[static_cast<size_t>(tag.tag - floor_.outlineTags)];
+                    if (const auto k = static_cast<size_t>(tag.tag - floor_.outlineTags);
+                        tag.tag >= floor_.outlineTags && k < floor_.shapeEdge.size())
+                        side = floor_.shapeEdge[k];
                 uint32_t material = materialOfTop(region);
                 if (side.first < in_.plan.partitions.size()) {
                     material = in_.partitionMaterial[side.first];
@@ -195,19 +135,15 @@ private:
     }
 
     void buildCeilings() {
-        const Overlay overlay =
-            OverlayBuilder(in_.rooms, skylightOutlines()).build(in_.rooms.size(), in_.skylights.size());
-        const PlanArrangement& map = overlay.map;
-        std::vector<int> labels(map.cellCount, -1);
-        for (uint32_t c = 0; c < map.cellCount; ++c)
-            if (overlay.room[c] >= 0) labels[c] = 2 * overlay.room[c] + (overlay.shape[c] >= 0);
-        absorbThinCells(map, labels, kThinPiece);
+        const PlanOverlay over = overlay(in_.rooms, skylightOutlines(), Touching::parted);
+        const PlanArrangement& map = over.map;
+        std::vector<int> labels = over.label;
         dropSmallPanes(map, labels);
         const uint32_t firstSurface = nextSurface_;
         nextSurface_ += static_cast<uint32_t>(in_.rooms.size());
         for (uint32_t c = 0; c < map.cellCount; ++c)
-            if (labels[c] >= 0 && labels[c] % 2 && overlay.shape[c] >= 0)
-                out_.skylightUsed[static_cast<size_t>(overlay.shape[c])] = true;
+            if (labels[c] >= 0 && labels[c] % 2 && over.shape[c] >= 0)
+                out_.skylightUsed[static_cast<size_t>(over.shape[c])] = true;
         std::vector<std::set<int>> panes; // by the skylights that each is made of
         for (const PlanRegion& region : traceRegions(map, labels)) {
             const auto room = static_cast<uint32_t>(region.label / 2);
@@ -217,18 +153,18 @@ private:
             face.role = Role::fillIn;
             face.surface = pane ? nextSurface_++ : firstSurface + room;
             face.material = pane ? in_.materials[room].glazing : in_.materials[room].ceiling;
-            if (pane) addPane(panes, skylightsOf(map, overlay, region, room));
+            if (pane) addPane(panes, skylightsOf(map, over, region, room));
         }
         out_.skylightPanes = static_cast<int>(panes.size());
     }
 
     // One number a skylight and room.
-    std::set<int> skylightsOf(const PlanArrangement& map, const Overlay& overlay, const PlanRegion& region,
+    std::set<int> skylightsOf(const PlanArrangement& map, const PlanOverlay& over, const PlanRegion& region,
                               uint32_t room) const {
         std::set<int> out;
         for (const auto& loop : region.loops)
             for (const uint32_t h : loop)
-                if (const int sky = overlay.shape[map.cell[h]]; sky >= 0)
+                if (const int sky = over.shape[map.cell[h]]; sky >= 0)
                     out.insert(sky + static_cast<int>(room * in_.skylights.size()));
         return out;
     }
@@ -278,13 +214,13 @@ private:
 
     static void addBreak(std::vector<Break>& breaks, Break added) {
         for (const Break& b : breaks)
-            if (std::abs(b.at - added.at) < 1e-7) return;
+            if (std::abs(b.at - added.at) < kApart) return;
         breaks.push_back(added);
     }
 
     static void addRow(std::vector<double>& rows, double row) {
         for (const double r : rows)
-            if (std::abs(r - row) < 1e-7) return;
+            if (std::abs(r - row) < kApart) return;
         rows.push_back(row);
     }
 
@@ -307,7 +243,8 @@ private:
         grids_.resize(in_.runs.size());
         for (size_t r = 0; r < in_.runs.size(); ++r) divideRun(r);
         markPartitions(runOfTag);
-        for (const WindowHole& hole : in_.holes) divideAtHole(hole);
+        for (WindowHole& hole : holes_) snapEnds(hole);
+        for (const WindowHole& hole : holes_) divideAtHole(hole);
         shareTwinBreaks();
         for (RunGrid& grid : grids_) {
             std::ranges::sort(grid.columns, {}, &Break::at);
@@ -350,11 +287,25 @@ private:
     // A partition against the wall raises the sill of windows over it, on both sides alike.
     double sillOf(const WindowHole& hole) const {
         double sill = hole.sill;
-        for (const WindowHole& side : in_.holes)
+        for (const WindowHole& side : holes_)
             if (side.opening == hole.opening)
                 for (const auto& [from, to] : grids_[side.run].low)
                     if (from < side.to && to > side.from) sill = std::max(sill, kPartitionTop);
         return sill;
+    }
+
+    // To divisions that the wall has there without it, on both sides of it alike.
+    void snapEnds(WindowHole& hole) {
+        for (double WindowHole::*const end : {&WindowHole::from, &WindowHole::to})
+            for (const Break& b : grids_[hole.run].columns) {
+                const double move = b.at - hole.*end;
+                if (std::abs(move) >= kApart) continue;
+                hole.*end = b.at;
+                for (WindowHole& other : holes_)
+                    if (&other != &hole && other.opening == hole.opening)
+                        (end == &WindowHole::from ? other.to : other.from) -= move;
+                break;
+            }
     }
 
     void divideAtHole(const WindowHole& hole) {
@@ -373,8 +324,8 @@ private:
         bool any = true;
         for (int round = 0; any && round < kMostRounds; ++round) {
             any = false;
-            for (const WindowHole& a : in_.holes)
-                for (const WindowHole& b : in_.holes)
+            for (const WindowHole& a : holes_)
+                for (const WindowHole& b : holes_)
                     if (&a != &b && a.opening == b.opening) any |= shareBreaks(a, b);
         }
     }
@@ -387,7 +338,7 @@ private:
         const glm::dvec2 d = glm::normalize(run.to - run.from);
         const std::vector<Break> columns = grids_[from.run].columns;
         for (const Break& b : columns)
-            if (b.at > from.from + 1e-7 && b.at < from.to - 1e-7) {
+            if (b.at > from.from + kApart && b.at < from.to - kApart) {
                 const double at =
                     to.to - (b.at - from.from); // runs on either side of a wall run against one another
                 addBreak(grid.columns, {at, run.from + at * d});
@@ -405,15 +356,15 @@ private:
         const auto columns = static_cast<uint32_t>(grid.columns.size() - 1),
                    rows = static_cast<uint32_t>(grid.rows.size() - 1);
         std::vector<size_t> holes;
-        for (size_t k = 0; k < in_.holes.size(); ++k)
-            if (in_.holes[k].run == r) holes.push_back(k);
+        for (size_t k = 0; k < holes_.size(); ++k)
+            if (holes_[k].run == r) holes.push_back(k);
         std::vector<int> labels(size_t{columns} * rows);
         std::vector<bool> keep(size_t{columns + 1} * (rows + 1), false);
         for (uint32_t row = 0; row < rows; ++row)
             for (uint32_t column = 0; column < columns; ++column) {
                 const int label = labelOf(run, grid, holes, column, row);
                 labels[size_t{row} * columns + column] = label;
-                if (label >= 2 && in_.holes[holes[static_cast<size_t>(label - 2)]].twin)
+                if (label >= 2 && holes_[holes[static_cast<size_t>(label - 2)]].twin)
                     for (const size_t at :
                          {size_t{row} * (columns + 1) + column, size_t{row + 1} * (columns + 1) + column})
                         keep[at] = keep[at + 1] = true;
@@ -437,7 +388,7 @@ private:
             face.surface = wallSurface;
             face.role = gridFace.label == 1 ? Role::fillIn : Role::projection;
             if (gridFace.label >= 2) {
-                const WindowHole& hole = in_.holes[holes[static_cast<size_t>(gridFace.label - 2)]];
+                const WindowHole& hole = holes_[holes[static_cast<size_t>(gridFace.label - 2)]];
                 face.material = in_.materials[run.room].glazing;
                 face.role = hole.backed ? Role::projection : Role::fillIn;
                 if (hole.twin) face.twinKey = hole.opening;
@@ -456,7 +407,7 @@ private:
         for (const auto& [from, to] : grid.low)
             if (s > from && s < to && h < kPartitionTop) return -1;
         for (size_t k = 0; k < holes.size(); ++k) {
-            const WindowHole& hole = in_.holes[holes[k]];
+            const WindowHole& hole = holes_[holes[k]];
             if (s > hole.from && s < hole.to && h > sillOf(hole) && h < hole.head)
                 return 2 + static_cast<int>(k);
         }
@@ -489,8 +440,9 @@ private:
     }
 
     const RoomFaceInput& in_;
+    std::vector<WindowHole> holes_; // with ends on divisions of the wall that are near
     RoomFaces out_;
-    Overlay floor_;
+    PlanOverlay floor_;
     std::vector<int> labels_;
     std::vector<std::vector<SolidSide>> sides_;
     std::vector<RunGrid> grids_;

@@ -1,6 +1,7 @@
 // What is true of a Building, proven on its stored coordinates: closed, one fan per vertex, no
 // self-intersection.
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <set>
@@ -100,17 +101,21 @@ private:
             local[v] = mesh.add_vertex(Kernel::Point_3(p.x, p.y, p.z));
         }
         std::vector<uint32_t> owner;
+        proof_.leastArea = std::numeric_limits<double>::infinity();
         const glm::dvec3 origin = vertices_.empty() ? glm::dvec3(0) : building_.vertices[*vertices_.begin()];
         for (const uint32_t f : faces_) {
             const auto pieces = triangulateFace(building_, building_.faces[f]);
             if (pieces.empty()) intersecting(f);
             for (const auto& t : pieces) {
-                if (proof_.closed && mesh.add_face(local[t[0]], local[t[1]], local[t[2]]) == Mesh::null_face())
+                if (proof_.closed &&
+                    mesh.add_face(local[t[0]], local[t[1]], local[t[2]]) == Mesh::null_face())
                     intersecting(f);
-                else owner.push_back(f);
+                else
+                    owner.push_back(f);
                 const glm::dvec3 a = building_.vertices[t[0]] - origin, b = building_.vertices[t[1]] - origin,
                                  c = building_.vertices[t[2]] - origin;
                 proof_.volume -= glm::dot(a, glm::cross(b, c)) / 6;
+                proof_.leastArea = std::min(proof_.leastArea, glm::length(glm::cross(b - a, c - a)) / 2);
             }
         }
         if (!proof_.closed) return; // what does not hang together has no inside to intersect

@@ -4,6 +4,8 @@
 #include <array>
 #include <map>
 #include <numeric>
+#include <set>
+#include <utility>
 
 namespace heliodon::geometry {
 
@@ -17,6 +19,7 @@ public:
     GridTracer(uint32_t columns, uint32_t rows, const std::vector<int>& labels, const std::vector<bool>& keep)
         : columns_(static_cast<int>(columns)), rows_(static_cast<int>(rows)), labels_(labels), keep_(keep),
           seen_(labels.size() * 4, false) {
+        findPinches();
         findComponents();
     }
 
@@ -45,6 +48,18 @@ private:
         return in ? static_cast<int>(component_[index(column, row)]) : -1;
     }
 
+    // Where a face would touch itself in a point it is cut in two, from top to bottom.
+    void findPinches() {
+        for (int row = 1; row < rows_; ++row)
+            for (int column = 1; column < columns_; ++column) {
+                const int low = labels_[index(column - 1, row - 1)],
+                          lowRight = labels_[index(column, row - 1)], high = labels_[index(column - 1, row)],
+                          highRight = labels_[index(column, row)];
+                if (low == highRight && low != high && low != lowRight) cut_.insert({column, low});
+                if (high == lowRight && high != low && high != highRight) cut_.insert({column, high});
+            }
+    }
+
     void findComponents() {
         component_.resize(labels_.size());
         std::iota(component_.begin(), component_.end(), size_t{0});
@@ -55,7 +70,8 @@ private:
         for (int row = 0; row < rows_; ++row)
             for (int column = 0; column < columns_; ++column) {
                 const size_t c = index(column, row);
-                if (column > 0 && labels_[c] == labels_[c - 1]) component_[find(c)] = find(c - 1);
+                if (column > 0 && labels_[c] == labels_[c - 1] && !cut_.contains({column, labels_[c]}))
+                    component_[find(c)] = find(c - 1);
                 if (row > 0 && labels_[c] == labels_[index(column, row - 1)])
                     component_[find(c)] = find(index(column, row - 1));
             }
@@ -117,6 +133,7 @@ private:
     const std::vector<int>& labels_;
     const std::vector<bool>& keep_;
     std::vector<bool> seen_;
+    std::set<std::pair<int, int>> cut_; // column and label of faces that are parted there
     std::vector<size_t> component_;
     std::map<size_t, size_t> faceOf_;
     std::vector<GridFace> faces_;

@@ -21,7 +21,7 @@ struct GridFace {
 
 // `labels` has columns x rows cells, row by row from below; cells with a negative label are no part of any
 // face. Cells with equal labels that share an edge are one face. `keep`, of (columns + 1) x (rows + 1)
-// points, may be empty.
+// points, may be empty. A face that would touch itself in a point is two, left and right of it.
 std::vector<GridFace> gridFaces(uint32_t columns, uint32_t rows, const std::vector<int>& labels,
                                 const std::vector<bool>& keep = {});
 

@@ -10,6 +10,7 @@
 
 #include "geometry/building.h"
 #include "geometry/face_soup.h"
+#include "geometry/mesher.h"
 
 using namespace heliodon::geometry;
 namespace fs = std::filesystem;
@@ -264,6 +265,65 @@ TEST(Closure, partitions_may_touch_walls_and_cross_each_other) {
     EXPECT_NEAR(c.report.rooms[0].volumeFt3, net(16, 12) * 10 - footprint * 4, 1e-6);
     EXPECT_EQ(c.report.rooms[0].euler, 2);
     EXPECT_EQ(roleOf(c.report, "g1"), "partition");
+}
+
+// Exactly, or all but: apart by less than the eye sees, or overlapping by as much.
+TEST(Closure, what_touches_in_a_point_can_be_built) {
+    const auto expectBuilt = [](const Closure& c) {
+        expectProven(c);
+        double least = 1;
+        for (const Face& face : c.building->faces)
+            for (const auto& t : triangulateFace(*c.building, face)) {
+                const glm::dvec3 p = c.building->vertices[t[0]];
+                least = std::min(least, 0.5 * glm::length(glm::cross(c.building->vertices[t[1]] - p,
+                                                                     c.building->vertices[t[2]] - p)));
+            }
+        EXPECT_GT(least, 1e-6 * kMetresPerInch * kMetresPerInch);
+        EXPECT_NO_THROW(meshBuilding(*c.building, {1000}));
+    };
+    for (const double off : {0.0, 1e-9, 1e-6, 1e-4, 2e-3, -1e-9, -1e-6, -1e-4, -2e-3}) {
+        SCOPED_TRACE(off);
+        Sketch corners = box(-8, -6, 8, 6);
+        corners.walls.push_back(wall("g1", {-4, -3.8125}, {0, -3.8125}, HeightClass::green));
+        corners.walls.push_back(wall("g2", {off, -3.4375 + off}, {4, -3.4375 + off}, HeightClass::green));
+        const Closure touching = closeSketch(corners);
+        expectBuilt(touching);
+        const double footprint = 8 * 0.375;
+        EXPECT_NEAR(touching.report.rooms[0].floorAreaFt2, net(16, 12) - footprint, 0.03);
+
+        Sketch slanted = box(-8, -6, 8, 6); // one corner of its end against the wall
+        const double h = 0.1875, c45 = std::sqrt(0.5);
+        const glm::dvec2 end(-7.8125 + off + h * c45, 0);
+        slanted.walls.push_back(wall("g", end, end + 4.0 * glm::dvec2(c45, c45), HeightClass::green));
+        expectBuilt(closeSketch(slanted));
+
+        Sketch sky = box(-8, -6, 8, 6);
+        for (const double side : {-1.0, 1.0}) {
+            Skylight s;
+            s.id = side < 0 ? "a" : "b";
+            s.center = side * glm::dvec2(1 + off / 2, 1 + off / 2);
+            s.size = {2, 2};
+            sky.skylights.push_back(s);
+        }
+        const Closure panes = closeSketch(sky);
+        expectBuilt(panes);
+        EXPECT_EQ(panes.report.skylightPaneCount, 2);
+
+        Sketch windows = box(-8, -6, 8, 6); // one above the other's end
+        for (const double side : {-1.0, 1.0}) {
+            WindowMarker w;
+            w.id = side < 0 ? "low" : "high";
+            w.wall = "s";
+            w.pos = 8 + side * (1 + off / 2);
+            w.width = 2;
+            w.kind = side < 0 ? WindowKind::standard : WindowKind::transom;
+            windows.windows.push_back(w);
+        }
+        const Closure glazed = closeSketch(windows);
+        expectBuilt(glazed);
+        EXPECT_EQ(glazed.report.windowCount, 2);
+        EXPECT_EQ(glazed.report.rooms[0].euler, 2);
+    }
 }
 
 TEST(Closure, interior_window_is_two_glasses_of_equal_shape) {

@@ -1,0 +1,253 @@
+// After iterated snap rounding (D. Halperin and E. Packer 2002), but without a grid: the corners of the
+// outlines are where everything snaps to.
+#include "geometry/plan_overlay.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include <glm/geometric.hpp>
+
+#include "geometry/plan_regions.h"
+
+namespace heliodon::geometry {
+
+namespace {
+
+constexpr double kSnap = 0.005;       // inches
+constexpr double kThinPiece = 0.02;   // inches: thinner slips of floor or ceiling go to their neighbour
+constexpr double kTouchSquare = 0.05; // inches: half the side of a square over a point where things touch
+
+// One round of snapping: which point of the arrangement goes where.
+class Snapper {
+public:
+    Snapper(const PlanArrangement& map, int32_t outlineTags,
+            const std::set<std::pair<double, double>>& corners)
+        : map_(map), outlineTags_(outlineTags), place_(map.points), kind_(map.points.size(), Kind::loose) {
+        lines_.resize(map.points.size());
+        for (uint32_t e = 0; e < map.edgeCount(); ++e)
+            for (const PlanArrangement::Tag& tag : map.tags[e])
+                for (const uint32_t v : {map.target[2 * e], map.target[2 * e + 1]})
+                    if (tag.tag < outlineTags) {
+                        kind_[v] = Kind::onOutline;
+                        lines_[v].push_back(tag.tag);
+                    }
+        for (size_t v = 0; v < map.points.size(); ++v)
+            if (corners.contains({map.points[v].x, map.points[v].y})) kind_[v] = Kind::corner;
+    }
+
+    // False when nothing has to move.
+    bool snap() {
+        bool any = false;
+        for (const Kind kind : {Kind::corner, Kind::onOutline, Kind::loose})
+            for (uint32_t v = 0; v < place_.size(); ++v)
+                if (kind_[v] == kind) any |= settle(v);
+        for (uint32_t e = 0; e < map_.edgeCount(); ++e) any |= bend(e);
+        return any;
+    }
+
+    std::vector<PlanSegment> segments() const {
+        std::vector<PlanSegment> out;
+        for (uint32_t e = 0; e < map_.edgeCount(); ++e)
+            for (size_t k = 0; k + 1 < chains_[e].size(); ++k)
+                for (const PlanArrangement::Tag& tag : map_.tags[e]) {
+                    const glm::dvec2 a = chains_[e][k], b = chains_[e][k + 1];
+                    out.push_back({tag.forward ? a : b, tag.forward ? b : a, tag.tag});
+                }
+        return out;
+    }
+
+private:
+    enum class Kind : uint8_t { corner, onOutline, loose };
+
+    bool onOutline(uint32_t edge) const {
+        return std::ranges::any_of(map_.tags[edge], [&](const auto& tag) { return tag.tag < outlineTags_; });
+    }
+
+    struct Settled {
+        glm::dvec2 at;
+        std::vector<int32_t> lines; // edges of outlines on which it lies
+    };
+
+    // Goes to the nearest of what is settled and close, else stays.
+    bool settle(uint32_t v) {
+        const glm::dvec2 p = map_.points[v];
+        if (kind_[v] != Kind::corner) {
+            double least = kSnap;
+            for (const Settled& other : settled_)
+                if (const double apart = glm::length(other.at - p); apart < least && mayGo(v, other)) {
+                    least = apart;
+                    place_[v] = other.at;
+                }
+            if (least == kSnap && kind_[v] == Kind::loose) place_[v] = onNearEdge(p);
+        }
+        if (place_[v] == p || std::ranges::find(settled_, place_[v], &Settled::at) == settled_.end())
+            settled_.push_back({place_[v], lines_[v]});
+        return place_[v] != p;
+    }
+
+    // Points on an outline only along it: the other side of a sharp corner may be near, too.
+    bool mayGo(uint32_t v, const Settled& to) const {
+        return kind_[v] == Kind::loose || std::ranges::find_first_of(lines_[v], to.lines) != lines_[v].end();
+    }
+
+    glm::dvec2 onNearEdge(glm::dvec2 p) const {
+        double least = kSnap;
+        glm::dvec2 best = p;
+        for (uint32_t e = 0; e < map_.edgeCount(); ++e) {
+            if (!onOutline(e)) continue;
+            const glm::dvec2 a = map_.points[map_.source(2 * e)], d = map_.points[map_.target[2 * e]] - a;
+            const double t = glm::dot(p - a, d) / glm::dot(d, d), apart = glm::length(p - a - t * d);
+            if (t <= 0 || t >= 1 || apart >= least) continue;
+            least = apart;
+            best = a + t * d;
+        }
+        return best;
+    }
+
+    // Through the settled points that the edge passes closely by; an outline only through those on it.
+    bool bend(uint32_t e) {
+        const glm::dvec2 a = place_[map_.source(2 * e)], b = place_[map_.target[2 * e]];
+        chains_.push_back({});
+        if (a == b) return true;
+        const double near = onOutline(e) ? kOn : kSnap;
+        const glm::dvec2 d = glm::normalize(b - a);
+        std::vector<std::pair<double, size_t>> found;
+        for (size_t i = 0; i < settled_.size(); ++i) {
+            const glm::dvec2 p = settled_[i].at;
+            if (p.x < std::min(a.x, b.x) - near || p.x > std::max(a.x, b.x) + near ||
+                p.y < std::min(a.y, b.y) - near || p.y > std::max(a.y, b.y) + near || p == a || p == b)
+                continue;
+            const double t = glm::dot(p - a, d);
+            if (t > 0 && t < glm::length(b - a) && glm::length(p - a - t * d) < near)
+                found.emplace_back(t, i);
+        }
+        std::ranges::sort(found);
+        chains_.back().push_back(a);
+        for (const auto& [t, i] : found) chains_.back().push_back(settled_[i].at);
+        chains_.back().push_back(b);
+        return !found.empty();
+    }
+
+    static constexpr double kOn = 1e-9; // inches: rounding
+    const PlanArrangement& map_;
+    int32_t outlineTags_;
+    std::vector<glm::dvec2> place_;
+    std::vector<Kind> kind_;
+    std::vector<Settled> settled_;
+    std::vector<std::vector<int32_t>> lines_;     // per point: edges of outlines on which it lies
+    std::vector<std::vector<glm::dvec2>> chains_; // per edge
+};
+
+class OverlayBuilder {
+public:
+    OverlayBuilder(const std::vector<RoomPlan>& rooms, const std::vector<std::vector<glm::dvec2>>& shapes,
+                   Touching touching)
+        : touching_(touching), roomCount_(rooms.size()), shapeCount_(shapes.size()) {
+        for (size_t r = 0; r < rooms.size(); ++r)
+            for (const OutlineLoop& loop : rooms[r].loops) {
+                addLoop(loop.points, roomOfTag_, static_cast<int>(r));
+                for (const glm::dvec2 p : loop.points) corners_.insert({p.x, p.y});
+            }
+        overlay_.outlineTags = static_cast<int32_t>(segments_.size());
+        for (size_t s = 0; s < shapes.size(); ++s) {
+            for (size_t k = 0; k < shapes[s].size(); ++k) overlay_.shapeEdge.emplace_back(s, k);
+            addLoop(shapes[s], shapeOfTag_, static_cast<int>(s));
+        }
+    }
+
+    PlanOverlay build() {
+        constexpr int kMostRounds = 8;
+        place();
+        for (int round = 0; round < kMostRounds && coverTouches(); ++round) place();
+        return std::move(overlay_);
+    }
+
+private:
+    void addLoop(const std::vector<glm::dvec2>& loop, std::vector<int>& owner, int id) {
+        for (size_t k = 0; k < loop.size(); ++k) {
+            segments_.push_back(
+                {loop[k], loop[(k + 1) % loop.size()], static_cast<int32_t>(segments_.size())});
+            owner.push_back(id);
+        }
+    }
+
+    void place() {
+        constexpr int kMostRounds = 6;
+        overlay_.map = arrange(segments_);
+        for (int round = 0; round < kMostRounds && shapeCount_ > 0; ++round) {
+            Snapper snapper(overlay_.map, overlay_.outlineTags, corners_);
+            if (!snapper.snap()) break;
+            overlay_.map = arrange(snapper.segments());
+        }
+        overlay_.room = firstOver(roomOfTag_, 0, roomCount_);
+        overlay_.shape = firstOver(shapeOfTag_, static_cast<size_t>(overlay_.outlineTags), shapeCount_);
+        const std::vector<int> square =
+            firstOver(squareOfTag_, static_cast<size_t>(overlay_.outlineTags) + shapeOfTag_.size(), squares_);
+        overlay_.label.assign(overlay_.map.cellCount, -1);
+        for (uint32_t c = 0; c < overlay_.map.cellCount; ++c)
+            if (overlay_.room[c] >= 0) overlay_.label[c] = 2 * overlay_.room[c] + (overlay_.shape[c] >= 0);
+        absorbThinCells(overlay_.map, overlay_.label, kThinPiece);
+        for (uint32_t c = 0; c < overlay_.map.cellCount; ++c)
+            if (overlay_.room[c] >= 0 && square[c] >= 0)
+                overlay_.label[c] = 2 * overlay_.room[c] + (touching_ == Touching::joined);
+    }
+
+    std::vector<int> firstOver(const std::vector<int>& owner, size_t firstTag, size_t count) const {
+        std::vector<int> found(overlay_.map.cellCount, -1);
+        for (size_t id = count; id-- > 0;) {
+            const std::vector<int> depth = coverage(overlay_.map, [&](int32_t tag) {
+                const size_t i = static_cast<size_t>(tag) - firstTag;
+                return static_cast<size_t>(tag) >= firstTag && i < owner.size() &&
+                       owner[i] == static_cast<int>(id);
+            });
+            for (uint32_t c = 0; c < overlay_.map.cellCount; ++c)
+                if (depth[c] > 0) found[c] = static_cast<int>(id);
+        }
+        return found;
+    }
+
+    // Squares over the points at which something of one label is in two places. True when there were any.
+    bool coverTouches() {
+        const PlanArrangement& map = overlay_.map;
+        std::vector<bool> seen(map.cell.size());
+        bool any = false;
+        for (uint32_t start = 0; start < map.cell.size(); ++start) {
+            if (seen[start]) continue;
+            std::vector<int> round; // labels of the cells round the point that the half-edge leaves
+            uint32_t h = start;
+            do {
+                seen[h] = true;
+                if (round.empty() || round.back() != overlay_.label[map.cell[h]])
+                    round.push_back(overlay_.label[map.cell[h]]);
+                h = map.next[h ^ 1u];
+            } while (h != start);
+            if (round.size() > 1 && round.front() == round.back()) round.pop_back();
+            std::ranges::sort(round);
+            const bool pinched = std::ranges::adjacent_find(round) != round.end();
+            const bool shaped = std::ranges::any_of(round, [](int label) { return label >= 0 && label % 2; });
+            if (!pinched || !shaped) continue;
+            const glm::dvec2 p = map.points[map.source(start)], u{kTouchSquare, 0}, v{0, kTouchSquare};
+            addLoop({p - u - v, p + u - v, p + u + v, p - u + v}, squareOfTag_, static_cast<int>(squares_++));
+            any = true;
+        }
+        return any;
+    }
+
+    Touching touching_;
+    size_t roomCount_, shapeCount_, squares_ = 0;
+    PlanOverlay overlay_;
+    std::vector<PlanSegment> segments_;
+    std::set<std::pair<double, double>> corners_; // of the outlines
+    std::vector<int> roomOfTag_, shapeOfTag_, squareOfTag_;
+};
+
+} // namespace
+
+PlanOverlay overlay(const std::vector<RoomPlan>& rooms, const std::vector<std::vector<glm::dvec2>>& shapes,
+                    Touching touching) {
+    return OverlayBuilder(rooms, shapes, touching).build();
+}
+
+} // namespace heliodon::geometry
