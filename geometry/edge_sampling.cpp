@@ -7,6 +7,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "geometry/planar_net.h"
 #include "geometry/twin_faces.h"
 
 namespace heliodon::geometry {
@@ -30,6 +31,27 @@ double distanceToSegment(glm::dvec2 p, glm::dvec2 a, glm::dvec2 b) {
     return glm::length(p - a - t * d);
 }
 
+// Of the longest straight run of the outlines.
+glm::dvec2 mainDirection(const MeshDomain& domain) {
+    glm::dvec2 best{1, 0};
+    double longest = 0;
+    for (size_t l = 0; l < domain.loops.size(); ++l) {
+        const std::vector<glm::dvec2>& loop = domain.planar[l];
+        glm::dvec2 run{0};
+        for (size_t k = 0, n = loop.size(); k < 2 * n; ++k) {
+            const glm::dvec2 d = loop[(k + 1) % n] - loop[k % n];
+            const bool onward =
+                glm::dot(run, d) > 0 && std::abs(cross(run, d)) < 1e-6 * glm::length(run) * glm::length(d);
+            run = onward && k < n + n / 2 ? run + d : d;
+            if (glm::length(run) > longest * (1 + 1e-9)) {
+                longest = glm::length(run);
+                best = run / longest;
+            }
+        }
+    }
+    return best;
+}
+
 // The places that divide the way from the first to the last pair into n parts of as many steps each.
 void divideEvenly(const std::vector<std::pair<double, double>>& steps, double n, std::vector<double>& out) {
     size_t i = 0;
@@ -46,6 +68,7 @@ void divideEvenly(const std::vector<std::pair<double, double>>& steps, double n,
 
 EdgeSampler::EdgeSampler(const Building& building, const std::vector<MeshDomain>& domains)
     : building_(building), domains_(domains) {
+    for (const MeshDomain& domain : domains) directions_.push_back(mainDirection(domain));
     collectEdges();
     measureSurroundings();
     pairTwins();
@@ -174,11 +197,7 @@ double EdgeSampler::sizeOf(uint32_t corner) const {
 void EdgeSampler::choose(double edge, const Grading& grading) {
     edge_ = edge;
     grading_ = grading;
-    small_.assign(domains_.size(), {});
-    for (size_t d = 0; d < domains_.size(); ++d)
-        for (const auto& loop : domains_[d].loops)
-            for (const uint32_t v : loop)
-                if (sizeOf(v) < kInfinity) small_[d].push_back(v);
+    if (edge > reach_) findNearCorners(2 * edge);
     for (SampledEdge& e : edges_) {
         e.even = e.graded = false;
         e.pins.clear();
@@ -196,6 +215,31 @@ void EdgeSampler::choose(double edge, const Grading& grading) {
         }
     if (std::isfinite(grading.growth)) easeCorners();
     for (const TwinEdges& group : twins_) shareDivisions(group);
+}
+
+// For each edge the corners of its domains that may want steps along it shorter than `reach`.
+void EdgeSampler::findNearCorners(double reach) {
+    constexpr Grading kFinest{};
+    reach_ = reach;
+    for (SampledEdge& edge : edges_) {
+        edge.nearCorners.clear();
+        const glm::dvec3 a = position(edge.a), d = position(edge.b) - a;
+        for (const uint32_t domain : edge.domains)
+            for (const auto& loop : domains_[domain].loops)
+                for (const uint32_t v : loop) {
+                    const double size = kFinest.first * surroundings_[v];
+                    if (size >= reach) continue;
+                    const glm::dvec3 p = position(v);
+                    const double t = std::clamp(glm::dot(p - a, d) / glm::dot(d, d), 0.0, 1.0),
+                                 distance = glm::length(p - a - t * d),
+                                 least = size + kFinest.growth * distance;
+                    if (least < reach) edge.nearCorners.push_back({least, distance, v});
+                }
+        const auto order = [](const NearCorner& c) { return std::pair(c.least, c.corner); };
+        std::ranges::sort(edge.nearCorners, {}, order);
+        const auto repeated = std::ranges::unique(edge.nearCorners, {}, &NearCorner::corner);
+        edge.nearCorners.erase(repeated.begin(), repeated.end());
+    }
 }
 
 void EdgeSampler::findStrips() {
@@ -303,13 +347,12 @@ std::vector<std::pair<double, double>> EdgeSampler::stepsAlong(const SampledEdge
                                                                double largest) const {
     const glm::dvec3 a = position(edge.a), d = position(edge.b) - a;
     std::vector<std::pair<glm::dvec3, double>> sources;
-    for (const uint32_t domain : edge.domains)
-        for (const uint32_t v : small_[domain]) {
-            const glm::dvec3 p = position(v);
-            const double t = std::clamp(glm::dot(p - a, d) / glm::dot(d, d), 0.0, 1.0);
-            if (sizeOf(v) + grading_.growth * glm::length(p - a - t * d) < largest)
-                sources.emplace_back(p, sizeOf(v));
-        }
+    for (const NearCorner& near : edge.nearCorners) {
+        if (near.least >= largest) break;
+        const double size = sizeOf(near.corner);
+        if (size + grading_.growth * near.distance < largest)
+            sources.emplace_back(position(near.corner), size);
+    }
     if (sources.empty()) return {{0.0, 0.0}, {1.0, edge.length / largest}};
     std::vector<std::pair<double, double>> steps{{0.0, 0.0}};
     for (double s = 0, count = 0; s < edge.length;) {
@@ -376,15 +419,14 @@ std::vector<double> EdgeSampler::divisions(uint32_t a, uint32_t b) const {
 PlanarDomain EdgeSampler::planar(size_t d) const {
     const MeshDomain& domain = domains_[d];
     PlanarDomain plane;
-    plane.edge = edge_;
-    plane.growth = grading_.growth;
+    std::vector<SizeSource> sources;
     for (size_t l = 0; l < domain.loops.size(); ++l) {
         const auto& loop = domain.loops[l];
         for (size_t i = 0, n = loop.size(); i < n; ++i) {
             const SampledEdge& edge = edges_[loopEdges_[d][l][i]];
             const MeshDomain::Frame& frame = domain.frames[domain.frameOf[l][i]];
             const glm::dvec2 from = domain.planar[l][i], to = frame.coordinates(position(loop[(i + 1) % n]));
-            if (sizeOf(loop[i]) < kInfinity) plane.sources.push_back({from, sizeOf(loop[i])});
+            if (sizeOf(loop[i]) < kInfinity) sources.push_back({from, sizeOf(loop[i])});
             plane.boundary.push_back(from);
             const size_t count = edge.divisions.size();
             for (size_t k = 0; k < count; ++k) {
@@ -394,6 +436,8 @@ PlanarDomain EdgeSampler::planar(size_t d) const {
         }
         plane.loopStart.push_back(static_cast<uint32_t>(plane.boundary.size()));
     }
+    plane.direction = directions_[d];
+    plane.size = {std::move(sources), edge_, grading_.growth};
     return plane;
 }
 

@@ -35,6 +35,11 @@ public:
     PlanarDomain planar(size_t domain) const;
 
 private:
+    struct NearCorner {
+        double least;    // metres: the shortest step that it may want on the edge
+        double distance; // metres from the edge
+        uint32_t corner;
+    };
     struct SampledEdge {
         uint32_t a, b; // a < b
         double length;
@@ -42,7 +47,8 @@ private:
         std::vector<double> divisions;
         // A side of a strip: in even steps, or with divisions pinned half a step off those of the other side.
         bool even = false, graded = false;
-        std::vector<double> pins; // metres from a
+        std::vector<double> pins;            // metres from a
+        std::vector<NearCorner> nearCorners; // those that want the shortest steps first
     };
     // Two edges of a domain that run side by side, the shorter one first.
     struct Strip {
@@ -66,6 +72,7 @@ private:
     void collectTwins(uint32_t start, const std::vector<std::vector<TwinEdge>>& opposite,
                       std::vector<bool>& seen);
     void shareDivisions(const TwinEdges& group);
+    void findNearCorners(double reach);
     void findStrips();
     void considerStrip(size_t domain, uint32_t side, glm::dvec2 a, glm::dvec2 b, uint32_t other, glm::dvec2 c,
                        glm::dvec2 d);
@@ -84,10 +91,10 @@ private:
     std::map<std::pair<uint32_t, uint32_t>, uint32_t> edgeOf_;
     std::vector<std::vector<std::vector<uint32_t>>> loopEdges_; // per domain, loop, corner
     std::vector<double> surroundings_;                          // per corner: metres to what is near
-    std::vector<std::vector<uint32_t>> small_;                  // per domain: its corners of small size
+    std::vector<glm::dvec2> directions_;                        // per domain: of its longest side
     std::vector<TwinEdges> twins_;
-    std::vector<Strip> strips_; // narrow ones first
-    double edge_ = 0;
+    std::vector<Strip> strips_;   // narrow ones first
+    double edge_ = 0, reach_ = 0; // metres; of the steps for which near corners are known
     Grading grading_;
 };
 

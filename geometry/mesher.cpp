@@ -18,6 +18,7 @@
 #include "geometry/edge_sampling.h"
 #include "geometry/mesh_domains.h"
 #include "geometry/planar_mesher.h"
+#include "geometry/planar_net.h"
 #include "geometry/twin_faces.h"
 
 namespace heliodon::geometry {
@@ -28,10 +29,11 @@ constexpr double kCountTolerance = 0.012;
 constexpr double kCountReached = 0.028; // of the count that was asked for
 constexpr int kAttempts = 3;
 // Optimisation may add so many points, at most that share of the count; each makes two triangles.
-constexpr double kMostAdditions = 40, kAdditionsOfCount = 0.016;
+constexpr double kMostAdditions = 40, kAdditionsOfCount = 0.014;
 constexpr double kUniform = std::numeric_limits<double>::infinity();
 // From the gentlest growth of sizes round small parts to none at all, for when triangles are few.
 constexpr std::array kGradings{Grading{1.4, 0.6}, Grading{2.0, 1.0}, Grading{kUniform, kUniform}};
+constexpr double kFarTooMany = 1.4;     // times what was asked for: such grading is for finer meshes
 constexpr double kMostForGrading = 0.3; // of the triangles that were asked for
 
 // Of regular triangles, so many, over all faces.
@@ -52,7 +54,14 @@ class BuildingMesher {
 public:
     BuildingMesher(const Building& building, size_t wanted)
         : building_(building), wanted_(static_cast<double>(wanted)),
-          domains_(findMeshDomains(building, regularEdge(building, wanted_))), sampler_(building, domains_) {}
+          domains_(findMeshDomains(building, regularEdge(building, wanted_))), sampler_(building, domains_) {
+        for (const MeshDomain& domain : domains_) {
+            double twice = 0;
+            for (const auto& loop : domain.planar)
+                for (size_t k = 0; k < loop.size(); ++k) twice += cross(loop[k], loop[(k + 1) % loop.size()]);
+            areas_.push_back(std::abs(twice) / 2);
+        }
+    }
 
     // The count is known before only to within what optimisation adds; where triangles are few that matters.
     PatchMesh mesh() {
@@ -60,9 +69,10 @@ public:
         double least = std::numeric_limits<double>::infinity();
         for (const Grading& grading : kGradings) {
             grading_ = grading;
-            edge_ = 0;
+            edge_ = added_ = 0;
+            addedKnown_ = false;
             const bool graded = std::isfinite(grading.growth);
-            const double additions = graded ? std::min(kMostAdditions, kAdditionsOfCount * wanted_) : 0;
+            const double additions = mostAdditions();
             double aim = wanted_; // half of them are expected
             if (sampler_.hasSmallParts(regularEdge(building_, wanted_))) aim -= additions;
             for (int attempt = 0; attempt < kAttempts; ++attempt) {
@@ -93,10 +103,21 @@ private:
                2 * (static_cast<double>(domains_[d].loops.size()) - 1);
     }
 
-    double countFor(double edge) {
+    struct Count {
+        double sum = 0, unevenness = 0; // standard deviation over mean of the domains' mean areas
+    };
+
+    Count countFor(double edge) {
         sampler_.choose(edge, grading_);
-        double count = 0;
-        for (size_t d = 0; d < domains_.size(); ++d) count += countOf(d, edge);
+        Count count;
+        double area = 0, squares = 0;
+        for (size_t d = 0; d < domains_.size(); ++d) {
+            const double own = std::max(1.0, countOf(d, edge));
+            count.sum += own;
+            area += areas_[d];
+            squares += areas_[d] * areas_[d] / own;
+        }
+        count.unevenness = std::sqrt(std::max(0.0, squares * count.sum / (area * area) - 1));
         return count;
     }
 
@@ -106,7 +127,7 @@ private:
         double added = 0;
         for (size_t d = 0; d < domains_.size(); ++d) {
             const PlanarDomain plane = sampler_.planar(d);
-            if (plane.sources.empty()) continue;
+            if (plane.size.uniform()) continue;
             const std::vector<glm::dvec2> seeds = hexagonalSeeds(plane, lattices_[d]);
             const PlanarMesh mesh = meshPlanar(plane, seeds);
             added += 2 * static_cast<double>(mesh.points.size() - plane.boundary.size() - seeds.size());
@@ -116,42 +137,84 @@ private:
 
     // False when there are too few triangles for such grading.
     bool chooseSizes(double wanted) {
-        double added = 0;
-        for (int round = 0; round < 4; ++round) {
-            if (!chooseEdge(wanted - added, round == 0 ? 9 : 4) && std::isfinite(grading_.growth))
-                return false;
-            chooseLattices(wanted - added);
+        for (int round = 0;; ++round) {
+            if (!chooseEdge(wanted - added_) && std::isfinite(grading_.growth)) return false;
+            chooseLattices(wanted - added_);
             // A few triangles more change the edge length, and so their own number, by next to nothing.
-            if (added > 0 && added < 0.02 * wanted_) break;
+            if (round == 2 || addedKnown_) return true;
             const double now = addedTriangles();
-            if (std::abs(now - added) < 0.01 * wanted_) break;
-            added = now;
-            if (added > kMostForGrading * std::min(wanted, wanted_)) return false;
+            const bool settled = std::abs(now - added_) < 0.01 * wanted_;
+            added_ = now;
+            if (added_ > kMostForGrading * std::min(wanted, wanted_)) return false;
+            addedKnown_ = settled || round == 1;
+            if (settled) return true;
         }
-        sampler_.choose(edge_, grading_);
-        return true;
+    }
+
+    double scoreOf(double count, double unevenness, double wanted) const {
+        constexpr double kMissed = 5; // a hundredth of the count too many is as bad as 0.05 of unevenness
+        return kMissed * std::max(0.0, std::abs(count - wanted) - slack()) / wanted + unevenness;
+    }
+
+    void keepBest(double edge, double score, double& best) {
+        if (score >= best) return;
+        best = score;
+        edge_ = edge;
+    }
+
+    // Edges a little longer or shorter may fit the walls better; fine meshes are worth a longer search.
+    void lookAround(double wanted, double edge, double towards, double& best) {
+        constexpr double kFine = 5000;
+        for (const double step : {0.01, -0.01, 0.02}) {
+            const double tried = edge * (1 + towards * step);
+            const auto [count, unevenness] = countFor(tried);
+            keepBest(tried, scoreOf(count, unevenness, wanted), best);
+            if (wanted < kFine) break;
+        }
     }
 
     // False when even the longest edges leave many more.
-    bool chooseEdge(double wanted, int rounds) {
-        double edge = edge_ > 0 ? edge_ : regularEdge(building_, wanted);
-        double least = 1e300;
+    bool chooseEdge(double wanted) {
+        constexpr int kRounds = 5;
+        constexpr double kJump = 1.004; // between edges so near the count jumps
+        double edge = edge_ > 0 ? edge_ : regularEdge(building_, wanted), least = 1e300;
         double low = 0, high = 0; // edges that give too many, too few
-        for (int round = 0; round < rounds; ++round) {
-            const double count = countFor(edge), off = std::abs(count - wanted);
-            if (off < least) {
-                least = off;
-                edge_ = edge;
+        double lastEdge = 0, lastCount = 0, best = 1e300;
+        for (int round = 0; round < kRounds; ++round) {
+            const auto [count, unevenness] = countFor(edge);
+            const double off = std::abs(count - wanted);
+            if (round == 0 && edge_ == 0 && count > kFarTooMany * wanted && std::isfinite(grading_.growth))
+                return false;
+            least = std::min(least, off);
+            keepBest(edge, scoreOf(count, unevenness, wanted), best);
+            if (off <= slack()) {
+                lookAround(wanted, edge, count > wanted ? 1 : -1, best);
+                break;
             }
-            if (off <= kCountTolerance * wanted) break;
             (count > wanted ? low : high) = edge;
-            const double guess = edge * std::sqrt(count / wanted);
             const bool bracketed = low > 0 && high > 0;
+            if (bracketed && high < kJump * low) break;
+            // Small parts have their triangles whatever the edge is: the count changes less than its square.
+            double power = 2;
+            if (lastEdge > 0 && lastCount != count)
+                power = std::clamp(-std::log(count / lastCount) / std::log(edge / lastEdge), 0.8, 2.5);
+            lastEdge = edge;
+            lastCount = count;
+            const double guess = edge * std::pow(count / wanted, 1 / power);
             edge = bracketed && (guess <= std::min(low, high) || guess >= std::max(low, high))
                        ? 0.5 * (low + high)
                        : guess;
         }
         return high > 0 || least <= kCountReached * wanted;
+    }
+
+    // How far the count may be off before what optimisation adds.
+    double slack() const {
+        return std::max(kCountTolerance * wanted_, 0.95 * (kCountReached * wanted_ - mostAdditions()));
+    }
+
+    double mostAdditions() const {
+        return std::isfinite(grading_.growth) ? std::min(kMostAdditions, kAdditionsOfCount * wanted_) : 0;
     }
 
     // Rows and columns come in whole numbers, so that the count jumps; lattices a little finer or coarser
@@ -162,12 +225,13 @@ private:
         std::vector<double> counts;
         double sum = 0;
         for (size_t d = 0; d < domains_.size(); ++d) sum += counts.emplace_back(countOf(d, edge_));
-        for (size_t d = 0; d < domains_.size() && std::abs(sum - wanted) > kCountTolerance * wanted; ++d)
-            for (const double factor : {0.97, 1.03, 0.94, 1.06, 0.91, 1.09}) {
-                if ((sum > wanted) != (factor > 1) || counts[d] < 8) continue;
-                const double count = countOf(d, factor * edge_), now = sum - counts[d] + count;
+        for (const double step : {0.03, 0.06, 0.09}) // little everywhere rather than much in one place
+            for (size_t d = 0; d < domains_.size() && std::abs(sum - wanted) > slack(); ++d) {
+                if (counts[d] < 8) continue;
+                const double lattice = (sum > wanted ? 1 + step : 1 - step) * edge_,
+                             count = countOf(d, lattice), now = sum - counts[d] + count;
                 if (std::abs(now - wanted) >= std::abs(sum - wanted)) continue;
-                lattices_[d] = factor * edge_;
+                lattices_[d] = lattice;
                 counts[d] = count;
                 sum = now;
             }
@@ -317,10 +381,11 @@ private:
     }
 
     const Building& building_;
-    double wanted_, edge_ = 0;
-    size_t additions_ = 0;         // points that optimisation may still add
-    std::vector<double> lattices_; // per domain
+    double wanted_, edge_ = 0, added_ = 0; // added: triangles that refinement adds, as far as known
+    size_t additions_ = 0;                 // points that optimisation may still add
+    std::vector<double> lattices_, areas_; // per domain
     Grading grading_;
+    bool addedKnown_ = false; // at this grading
     std::vector<MeshDomain> domains_;
     EdgeSampler sampler_;
     PatchMesh mesh_;

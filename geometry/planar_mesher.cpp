@@ -31,40 +31,48 @@ uint32_t nextOnLoop(const PlanarDomain& domain, size_t loop, uint32_t i) {
     return i + 1 < domain.loopStart[loop + 1] ? i + 1 : domain.loopStart[loop];
 }
 
-// Rows of the inside of the domain and the boundary near a point, by bucketing the boundary segments.
+// The boundary of a domain by cells of a grid and by rows of a lattice.
 class Inside {
 public:
-    Inside(const PlanarDomain& domain, double edge) : domain_(domain), cell_(edge) {
-        low_ = high_ = domain.boundary[0];
-        for (const glm::dvec2 p : domain.boundary) {
-            low_ = glm::min(low_, p);
-            high_ = glm::max(high_, p);
-        }
-        columns_ = static_cast<int>((high_.x - low_.x) / cell_) + 3;
-        rows_ = static_cast<int>((high_.y - low_.y) / cell_) + 3;
-        buckets_.resize(static_cast<size_t>(columns_) * static_cast<size_t>(rows_));
-        rowSegments_.resize(static_cast<size_t>(rows_));
+    // `points`: the domain's boundary, in axes of its own.
+    Inside(const PlanarDomain& domain, const std::vector<glm::dvec2>& points, glm::dvec2 low, glm::dvec2 high,
+           double cell)
+        : points_(points), cell_(cell), low_(low), columns_(static_cast<int>((high.x - low.x) / cell) + 3),
+          rows_(static_cast<int>((high.y - low.y) / cell) + 3) {
         for (size_t l = 0; l < loopCount(domain); ++l)
             for (uint32_t i = domain.loopStart[l]; i < domain.loopStart[l + 1]; ++i)
-                add(i, nextOnLoop(domain, l, i));
+                segments_.push_back({i, nextOnLoop(domain, l, i)});
+        fillCells();
     }
 
-    bool contains(glm::dvec2 p) const {
-        bool in = false;
-        for (const auto& [i, j] : rowSegments_[static_cast<size_t>(row(p.y))]) {
-            const glm::dvec2 a = domain_.boundary[i], b = domain_.boundary[j];
-            if ((a.y > p.y) != (b.y > p.y) && p.x < (b.x - a.x) * (p.y - a.y) / (b.y - a.y) + a.x) in = !in;
+    // Where the line y = low + k step, for k from 1 on, is inside: pairs of x.
+    std::vector<std::vector<double>> rows(double step, int count) const {
+        std::vector<std::vector<double>> out(static_cast<size_t>(count));
+        for (const auto& [i, j] : segments_) {
+            const glm::dvec2 a = points_[i], b = points_[j];
+            const auto [from, to] = std::minmax(a.y, b.y);
+            const int first = std::max(1, static_cast<int>(std::ceil((from - low_.y) / step)));
+            for (int k = first; k < count; ++k) {
+                const double y = low_.y + k * step;
+                if (y >= to) break;
+                if ((a.y > y) == (b.y > y)) continue;
+                out[static_cast<size_t>(k)].push_back((b.x - a.x) * (y - a.y) / (b.y - a.y) + a.x);
+            }
         }
-        return in;
+        for (auto& row : out) std::ranges::sort(row);
+        return out;
     }
 
+    // At most a cell.
     bool nearBoundary(glm::dvec2 p, double distance) const {
         const int c = column(p.x), r = row(p.y);
         for (int dr = -1; dr <= 1; ++dr)
             for (int dc = -1; dc <= 1; ++dc) {
                 if (c + dc < 0 || r + dr < 0 || c + dc >= columns_ || r + dr >= rows_) continue;
-                for (const auto& [i, j] : buckets_[static_cast<size_t>((r + dr) * columns_ + c + dc)]) {
-                    const glm::dvec2 a = domain_.boundary[i], d = domain_.boundary[j] - a;
+                const size_t cell = at(c + dc, r + dr);
+                for (uint32_t k = first_[cell]; k < first_[cell + 1]; ++k) {
+                    const auto [i, j] = segments_[inCell_[k]];
+                    const glm::dvec2 a = points_[i], d = points_[j] - a;
                     const double t = std::clamp(glm::dot(p - a, d) / glm::dot(d, d), 0.0, 1.0);
                     const glm::dvec2 off = p - a - t * d;
                     if (glm::dot(off, off) < distance * distance) return true;
@@ -73,54 +81,39 @@ public:
         return false;
     }
 
-    glm::dvec2 low() const { return low_; }
-    glm::dvec2 high() const { return high_; }
-
 private:
     int column(double x) const { return std::clamp(static_cast<int>((x - low_.x) / cell_), 0, columns_ - 1); }
     int row(double y) const { return std::clamp(static_cast<int>((y - low_.y) / cell_), 0, rows_ - 1); }
+    size_t at(int column, int row) const { return static_cast<size_t>(row * columns_ + column); }
 
-    void add(uint32_t i, uint32_t j) {
-        const glm::dvec2 a = domain_.boundary[i], b = domain_.boundary[j];
-        for (int r = row(std::min(a.y, b.y)); r <= row(std::max(a.y, b.y)); ++r)
-            rowSegments_[static_cast<size_t>(r)].emplace_back(i, j);
-        const int steps = static_cast<int>(glm::length(b - a) / (0.5 * cell_)) + 1;
-        size_t last = buckets_.size();
-        for (int s = 0; s <= steps; ++s) {
-            const glm::dvec2 p = a + (b - a) * (static_cast<double>(s) / steps);
-            const auto bucket = static_cast<size_t>(row(p.y) * columns_ + column(p.x));
-            if (bucket != last) buckets_[bucket].emplace_back(i, j);
-            last = bucket;
-        }
-    }
-
-    const PlanarDomain& domain_;
-    double cell_;
-    glm::dvec2 low_{}, high_{};
-    int columns_ = 0, rows_ = 0;
-    std::vector<std::vector<std::pair<uint32_t, uint32_t>>> buckets_, rowSegments_;
-};
-
-// Direction of the longest straight run of the boundary.
-glm::dvec2 mainDirection(const PlanarDomain& domain) {
-    glm::dvec2 best{1, 0};
-    double longest = 0;
-    for (size_t l = 0; l < loopCount(domain); ++l) {
-        glm::dvec2 run{0};
-        for (uint32_t k = 0, n = domain.loopStart[l + 1] - domain.loopStart[l]; k < 2 * n; ++k) {
-            const uint32_t i = domain.loopStart[l] + k % n;
-            const glm::dvec2 d = domain.boundary[nextOnLoop(domain, l, i)] - domain.boundary[i];
-            const bool onward =
-                glm::dot(run, d) > 0 && std::abs(cross(run, d)) < 1e-6 * glm::length(run) * glm::length(d);
-            run = onward && k < n + n / 2 ? run + d : d;
-            if (glm::length(run) > longest * (1 + 1e-9)) {
-                longest = glm::length(run);
-                best = run / longest;
+    void fillCells() {
+        std::vector<std::pair<uint32_t, uint32_t>> found; // cell, segment
+        for (uint32_t s = 0; s < segments_.size(); ++s) {
+            const glm::dvec2 a = points_[segments_[s].first], b = points_[segments_[s].second];
+            const int steps = static_cast<int>(glm::length(b - a) / (0.5 * cell_)) + 1;
+            auto last = static_cast<uint32_t>(-1);
+            for (int k = 0; k <= steps; ++k) {
+                const glm::dvec2 p = a + (b - a) * (static_cast<double>(k) / steps);
+                const auto cell = static_cast<uint32_t>(at(column(p.x), row(p.y)));
+                if (cell != last) found.emplace_back(cell, s);
+                last = cell;
             }
         }
+        first_.assign(static_cast<size_t>(columns_) * static_cast<size_t>(rows_) + 1, 0);
+        for (const auto& [cell, s] : found) ++first_[cell + 1];
+        for (size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
+        inCell_.resize(found.size());
+        std::vector<uint32_t> place(first_.begin(), first_.end() - 1);
+        for (const auto& [cell, s] : found) inCell_[place[cell]++] = s;
     }
-    return best;
-}
+
+    const std::vector<glm::dvec2>& points_;
+    double cell_;
+    glm::dvec2 low_;
+    int columns_, rows_;
+    std::vector<std::pair<uint32_t, uint32_t>> segments_;
+    std::vector<uint32_t> first_, inCell_; // segments by cell
+};
 
 PlanarNet triangulate(const PlanarDomain& domain, const std::vector<glm::dvec2>& seeds) {
     PlanarNet net;
@@ -162,7 +155,7 @@ private:
                                              u.x * glm::dot(v, v) - v.x * glm::dot(u, u)) /
                                   twice;
         // An equilateral triangle of the size wanted has a circumradius of 0.577 of it.
-        const double radius = glm::length(offset), size = domain_.sizeAt(a + offset);
+        const double radius = glm::length(offset), size = domain_.size.at(a + offset);
         if (radius < kLargest * size) return false;
         const uint32_t target = net_.locate(t, a + offset);
         if (target == kNoTriangle || nearFixedEdge(target, a + offset, kApart * size)) return false;
@@ -194,8 +187,8 @@ void smooth(PlanarNet& net, const PlanarDomain& domain) {
     for (const auto& c : net.corner) {
         const glm::dvec2 middle = (net.points[c[0]] + net.points[c[1]] + net.points[c[2]]) / 3.0;
         double area = net.twiceArea(c[0], c[1], c[2]);
-        if (!domain.sources.empty()) {
-            const double size = domain.sizeAt(middle);
+        if (!domain.size.uniform()) {
+            const double size = domain.size.at(middle);
             area /= size * size;
         }
         for (const uint32_t v : c)
@@ -377,35 +370,35 @@ private:
 
 } // namespace
 
-double PlanarDomain::sizeAt(glm::dvec2 p) const {
-    double size = edge;
-    for (const SizeSource& source : sources) { // most are too far away to matter
-        const glm::dvec2 d = p - source.at;
-        const double reach = (size - source.size) / growth, square = glm::dot(d, d);
-        if (reach > 0 && square < reach * reach) size = source.size + growth * std::sqrt(square);
-    }
-    return size;
-}
-
 std::vector<glm::dvec2> hexagonalSeeds(const PlanarDomain& domain, double lattice) {
-    const glm::dvec2 u = mainDirection(domain), v{-u.y, u.x};
-    PlanarDomain turned = domain;
-    for (glm::dvec2& p : turned.boundary) p = {glm::dot(p, u), glm::dot(p, v)};
-    const Inside inside(turned, lattice);
-    const glm::dvec2 extent = inside.high() - inside.low();
+    const glm::dvec2 u = domain.direction, v{-u.y, u.x};
+    std::vector<glm::dvec2> turned;
+    for (const glm::dvec2 p : domain.boundary) turned.emplace_back(glm::dot(p, u), glm::dot(p, v));
+    glm::dvec2 low = turned[0], high = turned[0];
+    for (const glm::dvec2 p : turned) {
+        low = glm::min(low, p);
+        high = glm::max(high, p);
+    }
+    const glm::dvec2 extent = high - low;
     // Whole rows and columns between the sides.
     const double row = extent.y / std::max(1.0, std::round(extent.y / (lattice * std::sqrt(3.0) / 2)));
     const double column = extent.x / std::max(1.0, std::round(extent.x / lattice));
+    const int rowCount = static_cast<int>(std::ceil(extent.y / row - 0.25));
+    if (rowCount < 2) return {};
+    const Inside inside(domain, turned, low, high, lattice);
+    const std::vector<std::vector<double>> rows = inside.rows(row, rowCount);
     std::vector<glm::dvec2> seeds;
-    for (int r = 1; r * row < extent.y - 0.25 * row; ++r)
-        for (int c = 0; c * column < extent.x + column; ++c) {
-            const glm::dvec2 p = inside.low() + glm::dvec2((c + (r % 2 ? 0.5 : 0.0)) * column, r * row);
-            if (p.x >= inside.high().x || !inside.contains(p) ||
-                inside.nearBoundary(p, kFromBoundary * lattice))
-                continue;
-            const glm::dvec2 seed = p.x * u + p.y * v;
-            if (domain.sources.empty() || domain.sizeAt(seed) > kOnLattice * domain.edge)
-                seeds.push_back(seed);
+    for (size_t r = 1; r < rows.size(); ++r)
+        for (size_t k = 0; k + 1 < rows[r].size(); k += 2) {
+            const double shift = low.x + (r % 2 ? 0.5 * column : 0.0),
+                         y = low.y + static_cast<double>(r) * row;
+            for (double c = std::max(0.0, std::floor((rows[r][k] - shift) / column) + 1);
+                 shift + c * column < rows[r][k + 1]; ++c) {
+                const glm::dvec2 p(shift + c * column, y);
+                if (inside.nearBoundary(p, kFromBoundary * lattice)) continue;
+                const glm::dvec2 seed = p.x * u + p.y * v;
+                if (domain.size.at(seed) > kOnLattice * domain.size.edge()) seeds.push_back(seed);
+            }
         }
     return seeds;
 }
@@ -420,7 +413,7 @@ PlanarMesh meshPlanar(const PlanarDomain& domain, const std::vector<glm::dvec2>&
             smooth(net, domain);
             net.flipAll();
         }
-        added = Optimiser(net, domain.edge).optimise(*mostAdded);
+        added = Optimiser(net, domain.size.edge()).optimise(*mostAdded);
     }
     return {std::move(net.points), std::move(net.corner), added};
 }

@@ -8,27 +8,20 @@
 
 #include <glm/vec2.hpp>
 
-namespace heliodon::geometry {
+#include "geometry/size_field.h"
 
-// A boundary corner near which triangles are smaller than elsewhere.
-struct SizeSource {
-    glm::dvec2 at{};
-    double size = 0;
-};
+namespace heliodon::geometry {
 
 struct PlanarDomain {
     // Boundary points in loops: outline counter-clockwise, holes clockwise.
     std::vector<glm::dvec2> boundary;
     std::vector<uint32_t> loopStart{0}; // loop k is boundary[loopStart[k] .. loopStart[k + 1])
-    // Length of the edges wanted at p: min(edge, min over the sources of size + growth |p - at|).
-    double edge = 0, growth = 0;
-    std::vector<SizeSource> sources;
-
-    double sizeAt(glm::dvec2 p) const;
+    glm::dvec2 direction{1, 0};         // of its longest straight side
+    SizeField size;                     // of the edges wanted
 };
 
-// Points of a hexagonal lattice of edge length `lattice` inside the domain, turned along its longest straight
-// side and fitted to its extent, none nearer to the boundary than about half an edge and none where smaller
+// Points of a hexagonal lattice of edge length `lattice` inside the domain, turned along its direction
+// and fitted to its extent, none nearer to the boundary than about half an edge and none where smaller
 // triangles are wanted.
 std::vector<glm::dvec2> hexagonalSeeds(const PlanarDomain& domain, double lattice);
 

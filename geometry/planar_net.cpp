@@ -8,16 +8,6 @@
 
 namespace heliodon::geometry {
 
-double PlanarNet::worstCosine(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) const {
-    const glm::dvec2 u = b - a, v = c - b, w = a - c;
-    if (cross(u, v) <= 0) return 1;
-    const double uu = glm::dot(u, u), vv = glm::dot(v, v), ww = glm::dot(w, w);
-    // The smallest angle lies opposite the shortest side.
-    if (uu <= vv && uu <= ww) return -glm::dot(v, w) / std::sqrt(vv * ww);
-    if (vv <= ww) return -glm::dot(w, u) / std::sqrt(ww * uu);
-    return -glm::dot(u, v) / std::sqrt(uu * vv);
-}
-
 bool PlanarNet::flip(uint32_t t, size_t k) {
     const uint32_t u = neighbour[t][k];
     if (u == kNoTriangle || fixed[t][k]) return false;

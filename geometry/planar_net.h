@@ -2,9 +2,11 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
+#include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
 #include "geometry/constrained_delaunay.h"
@@ -25,7 +27,7 @@ struct PlanarNet : TriangleNet {
     }
     double twiceArea(uint32_t t) const { return twiceArea(corner[t][0], corner[t][1], corner[t][2]); }
     // Cosine of the smallest angle; 1 and more for triangles that are turned over.
-    double worstCosine(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) const;
+    static double worstCosine(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c);
     double worstCosine(uint32_t t) const {
         return worstCosine(points[corner[t][0]], points[corner[t][1]], points[corner[t][2]]);
     }
@@ -43,6 +45,17 @@ private:
     void relink(uint32_t triangle, uint32_t from, uint32_t to);
     bool prefersFlip(uint32_t p, uint32_t a, uint32_t b, uint32_t q) const;
 };
+
+// The hot spot of the optimisation: asked for every triangle round every place that is tried.
+inline double PlanarNet::worstCosine(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {
+    const glm::dvec2 u = b - a, v = c - b, w = a - c;
+    if (cross(u, v) <= 0) return 1;
+    const double uu = glm::dot(u, u), vv = glm::dot(v, v), ww = glm::dot(w, w);
+    // The smallest angle lies opposite the shortest side.
+    if (uu <= vv && uu <= ww) return -glm::dot(v, w) / std::sqrt(vv * ww);
+    if (vv <= ww) return -glm::dot(w, u) / std::sqrt(ww * uu);
+    return -glm::dot(u, v) / std::sqrt(uu * vv);
+}
 
 // The triangles round each vertex, as lists one after the other.
 struct Stars {
