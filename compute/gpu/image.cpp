@@ -9,6 +9,7 @@ namespace heliodon::gpu {
 
 Image::Image(Device& device, const ImageInfo& info, const std::string& name) : device_(&device), info_(info) {
     VkImageCreateInfo create{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
+    create.flags = info.flags;
     create.imageType = VK_IMAGE_TYPE_2D;
     create.format = info.format;
     create.extent = {info.width, info.height, 1};

@@ -9,6 +9,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "engine/present/operator_window.h"
 #include "geometry/input_error.h"
 
 namespace heliodon::app {
@@ -50,6 +51,7 @@ public:
         addTimelapse();
         addAnnual();
         addCalibrate();
+        addLive();
         addBench();
         addDevices();
     }
@@ -123,13 +125,7 @@ private:
             ->required();
         sub->add_option("--rig", scene.rig,
                         "calibrated camera and projectors (.json); a photograph needs it");
-        sub->add_option("--triangles", scene.triangles, "patches aimed at (default 2000)")
-            ->check(within(4, 2000000));
-        sub->add_option(
-               "--chord-error", scene.chordError,
-               "how far facets of curved walls may lie off the arc, in inches on the table (default 0.02, "
-               "more where so many facets would exceed --triangles)")
-            ->check(within(0.001, 0.5));
+        addMesh(sub, scene);
         sub->add_option("--up", scene.up, "up axis of a model: y or z (default y)")
             ->check(CLI::IsMember({"y", "z"}));
         sub->add_option(
@@ -137,6 +133,16 @@ private:
                "how many times larger than a model (.obj .gltf .glb) its building is (default 12 for "
                "models under 1 m high, as on the table, else 1)")
             ->check(positive());
+    }
+
+    static void addMesh(CLI::App* sub, SceneArguments& scene) {
+        sub->add_option("--triangles", scene.triangles, "patches aimed at (default 2000)")
+            ->check(within(4, 2000000));
+        sub->add_option(
+               "--chord-error", scene.chordError,
+               "how far facets of curved walls may lie off the arc, in inches on the table (default 0.02, "
+               "more where so many facets would exceed --triangles)")
+            ->check(within(0.001, 0.5));
         sub->add_option("--north", scene.northDeg,
                         "turn north by so many degrees, clockwise seen from above");
     }
@@ -359,6 +365,44 @@ private:
         sub->add_option("-o,--output", calibrateCamera_.output, "the rig (.json)")->required();
     }
 
+    void addLive() {
+        std::string example = "--rig rig.json --camera aravis:\n\nIn any window:\n";
+        for (const auto& [keys, what] : present::operatorKeys())
+            example += fmt::format("  {:<26} {}\n", keys, what);
+        CLI::App* sub =
+            add("live", "light on the table while it is being changed: projectors, camera, operator", live_,
+                example);
+        sub->add_option("--rig", live_.scene.rig, "calibrated camera and projectors (.json)")->required();
+        sub->add_option(
+            "--camera", live_.camera,
+            "aravis:ID (vendor and serial number, or address; no ID: the first found), replay:FOLDER "
+            "(its pictures by name), file:PHOTO (read again when it changes) (default aravis:)");
+        sub->add_flag("--windowed", live_.windowed,
+                      "ordinary windows, in place of the displays that the rig names");
+        sub->add_option("--window-scale", live_.windowScale,
+                        "of windows against projectors' pixels (default 1)")
+            ->check(within(0.1, 4));
+        addMesh(sub, live_.scene);
+        addBlinds(sub, live_.scene);
+        addMoment(sub, live_.moment, true);
+        sub->add_option("--exposure", live_.picture.exposure,
+                        "lux of exitance that shows as white (default: chosen from the picture)")
+            ->check(positive());
+        sub->add_flag("--false-color", live_.picture.falseColor, "lux as colours");
+        sub->add_flag("--sky-color", live_.picture.skyColour,
+                      "light in the colours of sun and sky, not white");
+        sub->add_option("--interval", live_.interval, "seconds a picture of a replay (default 1)")
+            ->check(within(0.01, 86400));
+        sub->add_flag("--loop", live_.loop, "start a replay again after its last picture");
+        sub->add_option("--duration", live_.duration, "end after so many seconds")->check(positive());
+        sub->add_option(
+            "--script", live_.script,
+            "do what this file says, a line each: wait, sleep S, time T, sky SKY, wheel N [shift] "
+            "[ctrl], key K, resize WINDOW WIDTH HEIGHT, close WINDOW, snapshot NAME, quit");
+        sub->add_option("--snapshots", live_.snapshots,
+                        "folder for what the outputs showed at a script's snapshot, and in the end");
+    }
+
     void addBench() {
         CLI::App* sub = add("bench", "error against time of every form-factor kernel, beside other programs",
                             bench_, "--scenes partitions,room.obj --sizes 500,2000 -o bench");
@@ -403,6 +447,7 @@ private:
     AnnualArguments annual_;
     CalibrateTargetArguments calibrateTarget_;
     CalibrateCameraArguments calibrateCamera_;
+    LiveArguments live_;
     BenchArguments bench_;
     DevicesArguments devices_;
     std::vector<std::pair<CLI::App*, std::function<Command()>>> commands_;

@@ -97,6 +97,16 @@ struct CalibrateCameraArguments {
     double boardEdge = 1.016, boardThickness = 0; // metres
     std::filesystem::path rig, output, overlay;
 };
+struct LiveArguments {
+    SceneArguments scene; // its input is the camera
+    MomentArguments moment;
+    PictureArguments picture;
+    std::string camera;
+    double interval = 1; // seconds, of a replay
+    bool loop = false, windowed = false;
+    double windowScale = 1, duration = 0; // seconds; 0: until it is closed
+    std::filesystem::path script, snapshots;
+};
 struct BenchArguments {
     std::vector<std::string> kernels{"all"}, scenes{"partitions"};
     std::vector<size_t> sizes{500, 2000};
@@ -108,9 +118,10 @@ struct BenchArguments {
 };
 struct DevicesArguments {};
 
-using Command = std::variant<DetectArguments, ModelArguments, FormFactorArguments, IlluminanceArguments,
-                             RenderArguments, TimelapseArguments, AnnualArguments, CalibrateTargetArguments,
-                             CalibrateCameraArguments, BenchArguments, DevicesArguments>;
+using Command =
+    std::variant<DetectArguments, ModelArguments, FormFactorArguments, IlluminanceArguments, RenderArguments,
+                 TimelapseArguments, AnnualArguments, LiveArguments, CalibrateTargetArguments,
+                 CalibrateCameraArguments, BenchArguments, DevicesArguments>;
 
 struct Arguments {
     std::string commandName;

@@ -28,6 +28,12 @@ std::unique_ptr<compute::DaylightTransport> makeTransport(Run& run, const geomet
                                                           const compute::TransportOptions& options) {
     gpu::Device& device = run.device();
     run.noteAssumed();
+    return makeTransport(run, device, mesh, options);
+}
+
+std::unique_ptr<compute::DaylightTransport> makeTransport(Run& run, gpu::Device& device,
+                                                          const geometry::PatchMesh& mesh,
+                                                          const compute::TransportOptions& options) {
     std::unique_ptr<compute::DaylightTransport> transport;
     {
         const StageTimer timer(run, "formfactors");

@@ -13,6 +13,10 @@ void reportFormFactors(Run& run, size_t patches, const compute::FormFactorReport
 // Form factors with the sky coefficients of a mesh; fills `stages.formfactors` and `form_factors`.
 std::unique_ptr<compute::DaylightTransport> makeTransport(Run& run, const geometry::PatchMesh& mesh,
                                                           const compute::TransportOptions& options = {});
+// On another device than the run's.
+std::unique_ptr<compute::DaylightTransport> makeTransport(Run& run, gpu::Device& device,
+                                                          const geometry::PatchMesh& mesh,
+                                                          const compute::TransportOptions& options);
 
 // Solves one sky or several at once; fills `stages.solve`, `radiosity`, `modelled` and `skipped` (the latter
 // three from the last call).

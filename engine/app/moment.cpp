@@ -56,6 +56,11 @@ SkySource::SkySource(Run& run, const MomentArguments& arguments, const Scene& sc
     if (matters) run.report()["site"] = {{"latitude", site_.latitudeDeg}, {"longitude", site_.longitudeDeg}};
 }
 
+SkySource::SkySource(const daylight::Site& site, std::string sky, double northDeg, geometry::UpAxis up)
+    : site_(site), option_(std::move(sky)), up_(up) {
+    setting_.northDeg = northDeg;
+}
+
 std::string SkySource::title() const {
     const std::string time = daylight::formatTime(moment_);
     if (weather_) return fmt::format("{}, {}", time, weather_->place);

@@ -18,11 +18,15 @@ class SkySource {
 public:
     // What the user left open is taken from the rig or the defaults, printed once and kept in the report.
     SkySource(Run& run, const MomentArguments& arguments, const Scene& scene);
+    // Nothing left open. `sky` is as `--sky` has it.
+    SkySource(const daylight::Site& site, std::string sky, double northDeg,
+              geometry::UpAxis up = geometry::UpAxis::y);
 
     // Of `moment()`, for drawings: "2026-03-21T13:00solar, sky clear".
     std::string title() const;
     // `--time`, or its default.
     const daylight::Moment& moment() const { return moment_; }
+    const daylight::Site& site() const { return site_; }
     daylight::SunPosition sunAt(const daylight::Moment& moment) const;
     // Throws InputError for moments that the weather file does not cover.
     daylight::Sky skyAt(const daylight::Moment& moment) const;

@@ -46,10 +46,12 @@ gpu::Device& Run::device() {
     return *device_;
 }
 
-std::unique_ptr<gpu::Device> Run::anotherDevice() const {
+std::unique_ptr<gpu::Device>
+Run::anotherDevice(const std::function<gpu::DeviceOptions(gpu::DeviceOptions)>& adapt) const {
     gpu::DeviceOptions options;
     options.select = deviceName_;
     options.beforeSubmit = throwIfInterrupted;
+    if (adapt) options = adapt(std::move(options));
     try {
         return std::make_unique<gpu::Device>(options);
     } catch (const gpu::Error& error) {

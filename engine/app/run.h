@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -20,8 +21,9 @@ public:
     // The Vulkan device, made at the first call: commands that need none start without one.
     gpu::Device& device();
 
-    // One more on the same hardware, for work in another thread.
-    std::unique_ptr<gpu::Device> anotherDevice() const;
+    // One more on the same hardware, for work in another thread, or with what `adapt` adds to its options.
+    std::unique_ptr<gpu::Device>
+    anotherDevice(const std::function<gpu::DeviceOptions(gpu::DeviceOptions)>& adapt = {}) const;
 
     nlohmann::json& report() { return report_; } // fields of the command's own
     void note(const std::string& text);          // to stderr unless --quiet

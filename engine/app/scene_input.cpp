@@ -181,22 +181,31 @@ geometry::Sketch loadSketch(Run& run, const SceneArguments& arguments,
 }
 
 Scene loadScene(Run& run, const SceneArguments& arguments) {
-    Scene scene;
-    scene.up = upAxisOf(arguments);
     for (const std::string& state : arguments.blinds) parseWindowState(state); // now, not after the meshing
     const InputKind kind = kindOf(arguments.input);
     if (arguments.modelScale && kind != InputKind::model)
         throw InputError("--model-scale", "",
                          "is for models from files, what lies on the table is 12 times smaller");
-    if (!arguments.rig.empty()) scene.rig = geometry::readRig(arguments.rig);
+    std::optional<geometry::Rig> rig;
+    if (!arguments.rig.empty()) rig = geometry::readRig(arguments.rig);
+    std::optional<geometry::Sketch> sketch;
+    if (kind != InputKind::model) sketch = loadSketch(run, arguments, rig);
+    return makeScene(run, arguments, std::move(rig), std::move(sketch));
+}
+
+Scene makeScene(Run& run, const SceneArguments& arguments, std::optional<geometry::Rig> rig,
+                std::optional<geometry::Sketch> sketch) {
+    Scene scene;
+    scene.up = upAxisOf(arguments);
+    scene.rig = std::move(rig);
+    scene.sketch = std::move(sketch);
     geometry::Building building;
     geometry::ClosureOptions closure;
     closure.chordError = arguments.chordError.value_or(closure.chordError);
-    if (kind == InputKind::model) {
+    if (!scene.sketch) {
         building = importOrRefuse(run, arguments, scene.up);
         scene.worldPerBuilding = modelScale(run, arguments.modelScale, building);
     } else {
-        scene.sketch = loadSketch(run, arguments, scene.rig);
         building = closeOrRefuse(run, arguments, *scene.sketch, closure);
     }
     {
@@ -214,7 +223,7 @@ Scene loadScene(Run& run, const SceneArguments& arguments) {
             scene.mesh = geometry::meshBuilding(building, {wanted});
         }
     }
-    if (kind == InputKind::model) reportImport(run, scene.mesh, building, scene.worldPerBuilding);
+    if (!scene.sketch) reportImport(run, scene.mesh, building, scene.worldPerBuilding);
     drawBlinds(run, arguments.blinds, scene.mesh);
     scene.occluders = std::move(building.occluders);
     scene.northDeg = building.northDeg - arguments.northDeg; // plan angles grow counter-clockwise

@@ -41,4 +41,9 @@ geometry::Sketch loadSketch(Run& run, const SceneArguments& arguments,
 // throws InputError.
 Scene loadScene(Run& run, const SceneArguments& arguments);
 
+// The same from a sketch that is at hand (none: from the model that the arguments name, which names the
+// source in messages all the same).
+Scene makeScene(Run& run, const SceneArguments& arguments, std::optional<geometry::Rig> rig,
+                std::optional<geometry::Sketch> sketch);
+
 } // namespace heliodon::app

@@ -70,7 +70,7 @@ const gpu::GraphicsPipeline& DisplayPass::pipeline(const Key& key) {
 
 void DisplayPass::record(gpu::Commands& commands, const gpu::Image& scene, const gpu::Buffer& warp,
                          const View& view, const DisplayTarget& target, uint32_t tone,
-                         const io::DisplayParams& params) {
+                         const io::DisplayParams& params, bool readBack) {
     using gpu::Stage;
     const gpu::GraphicsPipeline& draw = pipeline(
         {target.picture.info().format, tone, !view.warp.empty(), view.supersample, params.gamma > 0});
@@ -100,6 +100,7 @@ void DisplayPass::record(gpu::Commands& commands, const gpu::Image& scene, const
     vkCmdEndRendering(buffer);
     commands.transition(target.picture, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
                         VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, Stage::colour, Stage::transfer);
+    if (!readBack) return;
     const size_t texelBytes = target.kind == DisplayTarget::Kind::float32 ? 16 : 4;
     VkBufferImageCopy copy{};
     copy.bufferOffset =

@@ -31,10 +31,12 @@ public:
     ~DisplayPass();
 
     // `scene` is readable by fragment shaders; `warp` holds View::warp (any buffer when that is empty: a
-    // preview). Leaves the picture in TRANSFER_SRC_OPTIMAL and a copy in target.pixels for the host.
+    // preview). Leaves the picture in TRANSFER_SRC_OPTIMAL and, with `readBack`, a copy in target.pixels for
+    // the host.
     // `tone` is one of the constants of display.io.h.
     void record(gpu::Commands& commands, const gpu::Image& scene, const gpu::Buffer& warp, const View& view,
-                const DisplayTarget& target, uint32_t tone, const io::DisplayParams& params);
+                const DisplayTarget& target, uint32_t tone, const io::DisplayParams& params,
+                bool readBack = true);
 
 private:
     using Key =

@@ -16,11 +16,8 @@
 #include "engine/passes/display_pass.h"
 #include "engine/passes/draw_mesh.h"
 #include "engine/passes/false_colour.h"
-#include "engine/passes/panes.h"
-#include "engine/passes/projector_light.h"
-#include "engine/passes/projector_share.h"
+#include "engine/passes/frame_light.h"
 #include "engine/passes/scene_pass.h"
-#include "engine/passes/shadow_volumes.h"
 #include "engine/passes/vertex_light.h"
 
 namespace heliodon::passes {
@@ -30,8 +27,6 @@ namespace {
 // What a physical wall may stand proud of the surface that was inferred from it, metres: coplanar surfaces of
 // the model win over the solids by this much.
 constexpr float kPushBack = 0.003f;
-
-const glm::vec3 kLuminance(0.2126f, 0.7152f, 0.0722f);
 
 // A host buffer that is rewritten each frame; grows when it must.
 class FrameBuffer {
@@ -53,16 +48,18 @@ private:
 
 // A mesh on the device, with the light of the frame.
 struct DeviceMesh {
-    DeviceMesh(gpu::Device& device, DrawMesh m, const std::string& name)
-        : mesh(std::move(m)), corners(gpu::Buffer::from(device, mesh.corners, name)), light(name + " light") {
+    DeviceMesh(gpu::Device& device, const DrawMesh& m, const std::string& name)
+        : mesh(m), corners(gpu::Buffer::from(device, mesh.corners, name)), light(name + " light") {
         // Pictures of illuminance: the same corners, reflecting everything where they reflect at all.
         std::vector<DrawCorner> unit = mesh.corners;
         for (DrawCorner& corner : unit)
             corner.reflectance = glm::vec3(glm::dot(corner.reflectance, glm::vec3(1)) > 0 ? 1.0f : 0.0f);
         unitCorners = gpu::Buffer::from(device, unit, name + " unit");
-        if (mesh.share.empty()) mesh.share.emplace_back(mesh.corners.size(), 1.0f);
         for (const auto& share : mesh.share)
             shares.push_back(gpu::Buffer::from(device, share, name + " share"));
+        if (shares.empty())
+            shares.push_back(
+                gpu::Buffer::from(device, std::vector<float>(mesh.corners.size(), 1.0f), name + " share"));
     }
 
     void mixLight(gpu::Device& device, const std::vector<glm::vec3>& luxPerPair, float scale) {
@@ -75,7 +72,7 @@ struct DeviceMesh {
                 static_cast<uint32_t>(mesh.corners.size())};
     }
 
-    DrawMesh mesh;
+    const DrawMesh& mesh; // of the scene, which lives longer
     gpu::Buffer corners, unitCorners;
     std::vector<gpu::Buffer> shares;
     FrameBuffer light;
@@ -169,171 +166,85 @@ float gammaOf(const geometry::Projector& projector) {
     return projector.response == "srgb" ? 0.0f : std::stof(projector.response);
 }
 
-std::vector<DrawCorner> facingUp(const std::vector<DrawCorner>& corners, bool up) {
-    std::vector<DrawCorner> out;
-    for (size_t i = 0; i < corners.size(); i += 3)
-        if ((corners[i].normal.y > 0.7f) == up)
-            out.insert(out.end(), corners.begin() + static_cast<long>(i),
-                       corners.begin() + static_cast<long>(i) + 3);
-    return out;
-}
+// One geometry on the device.
+struct Model {
+    Model(gpu::Device& d, FrameScene s)
+        : scene(std::move(s)), all(d, scene.all, "preview mesh"), shown(d, scene.shown, "shown mesh"),
+          solids(d, scene.solids, "solids"), tops(d, scene.tops, "wall tops"),
+          sides(d, scene.sides, "wall sides"), table(d, scene.table, "table"), volumes("shadow volumes"),
+          paneData("panes"), paneEdges("pane edges") {}
 
-std::vector<glm::dvec3> modelPoints(const geometry::PatchMesh& mesh, const geometry::Occluders& occluders) {
-    std::vector<glm::dvec3> points;
-    for (uint32_t corner : mesh.corners) points.push_back(mesh.vertices[corner]);
-    for (uint32_t corner : occluders.triangles) points.push_back(occluders.vertices[corner]);
-    return points;
-}
-
-} // namespace
-
-struct FrameRenderer::State {
-    State(gpu::Device& d, const geometry::PatchMesh& m, const geometry::Occluders& occluders,
-          const geometry::Rig* r, const FrameRendererOptions& o)
-        : device(&d), options(o), mesh(m), vertexLight(m), casters(m), panes(m),
-          points(modelPoints(m, occluders)), scenePass(d), displayPass(d),
-          all(d, drawMesh(m, vertexLight), "preview mesh"), solids(d, drawSolids(occluders), "solids"),
-          tops(d, facingUp(drawSolids(occluders), true), "wall tops"),
-          sides(d, facingUp(drawSolids(occluders), false), "wall sides"),
-          table(d, tableDisc(occluders, r), "table"), volumes("shadow volumes"), paneData("panes"),
-          paneEdges("pane edges") {
-        if (!r) return;
-        rig = *r;
-        shown.emplace(d, shownMesh(m, vertexLight, occluders, rig), "shown mesh");
-        for (const geometry::Projector& projector : rig.projectors)
-            intensity.push_back(fullIntensity(projector));
-        reach = reachableExitance(shown->mesh, rig, options.surfaceReflectance);
-    }
-
-    std::vector<DrawCorner> tableDisc(const geometry::Occluders& occluders, const geometry::Rig* r) const {
-        const double radius = r ? r->tableRadius : options.tableRadius;
-        if (occluders.triangles.empty() || !(radius > 0)) return {};
-        return drawDisc({0, -1e-3, 0}, radius);
-    }
-
-    // Uploads what changes with the light and returns the sun's draw when there is a sun.
-    std::optional<SunDraw> prepareLight(DeviceMesh& target, const compute::Lighting& light, Quantity quantity,
-                                        float scale = 1e-3f);
-    // Exitance to draw, lux per patch: openings, which reflect nothing, are shown as the pale sky behind
-    // them.
-    std::vector<glm::vec3> pictureLight(const compute::Lighting& light) const;
-    std::vector<float> shownLux(const compute::Lighting& light) const; // total illuminance, per shown patch
-    void markOpenings(std::vector<glm::vec3>& perVertex) const;        // below zero: not known
-    io::DisplayParams displayParams(const compute::Lighting& light, const Tone& tone) const;
-    SceneInputs projectorInputs(size_t i, const std::optional<SunDraw>& sun, bool illuminance) const;
-    SceneInputs previewInputs(const View& view, const std::optional<SunDraw>& sun, Quantity quantity) const;
-    void drawProjectors(const compute::Lighting& light, const ProjectorOptions& options, bool hdr);
-    Output& drawView(const compute::Lighting& light, View view, const Tone& tone, bool hdr);
-    View previewView(const PreviewOptions& o) const;
-    double white(const compute::Lighting& light) const;
-
-    gpu::Device* device;
-    FrameRendererOptions options;
-    geometry::PatchMesh mesh;
-    geometry::Rig rig;
-    VertexLight vertexLight;
-    ShadowCasters casters;
-    Panes panes;
-    std::vector<glm::dvec3> points;
-    ScenePass scenePass;
-    DisplayPass displayPass;
-    DeviceMesh all;
-    std::optional<DeviceMesh> shown;
+    FrameScene scene;
+    DeviceMesh all, shown;
     Solid solids, tops, sides, table;
     FrameBuffer volumes, paneData, paneEdges;
-    std::vector<double> intensity; // candela, per projector
-    double reach = 1000;
-    std::vector<std::optional<Output>> outputs; // per projector
+    std::vector<Output> outputs; // per projector
     int outputsSupersample = 0;
     std::optional<Output> previewOutput;
 };
 
-double FrameRenderer::State::white(const compute::Lighting& light) const {
-    const std::vector<glm::vec3> indirect = indirectExitance(mesh, light);
-    std::vector<std::pair<double, double>> luxAndArea;
-    double total = 0;
-    for (size_t p = 0; p < mesh.patchCount(); ++p) {
-        if (mesh.role[p] != geometry::Role::projection || mesh.materials[mesh.material[p]].isOpening())
-            continue;
-        const double area = geometry::patchArea(mesh, p);
-        luxAndArea.emplace_back(glm::dot(indirect[p], kLuminance), area);
-        total += area;
-    }
-    std::sort(luxAndArea.begin(), luxAndArea.end());
-    double sum = 0;
-    for (const auto& [lux, area] : luxAndArea)
-        if ((sum += area) >= 0.95 * total) return std::max(lux, 1e-6);
-    return 1;
-}
+} // namespace
 
-std::vector<glm::vec3> FrameRenderer::State::pictureLight(const compute::Lighting& light) const {
-    std::vector<glm::vec3> values = indirectExitance(mesh, light);
-    const bool lamps = std::any_of(mesh.materials.begin(), mesh.materials.end(),
-                                   [](const auto& m) { return glm::dot(m.exitance, glm::vec3(1)) > 0; });
-    // Light without lamps has come through the openings, so it is day.
-    const bool day = !lamps || glm::dot(light.sunNormalIlluminance, glm::vec3(1)) > 0;
-    if (!day) return values;
-    const glm::vec3 sky = static_cast<float>(white(light)) * glm::vec3(0.75f, 0.88f, 1.0f);
-    for (size_t p = 0; p < values.size(); ++p)
-        if (const geometry::Material& m = mesh.materials[mesh.material[p]];
-            m.isOpening() && m.blind.kind == geometry::Blind::Kind::none)
-            values[p] = glm::max(values[p], sky);
-    return values;
-}
+struct FrameRenderer::State {
+    State(gpu::Device& d, FrameScene scene)
+        : device(&d), scenePass(d), displayPass(d), model(std::make_unique<Model>(d, std::move(scene))) {}
 
-void FrameRenderer::State::markOpenings(std::vector<glm::vec3>& perVertex) const {
-    constexpr float kUnknown = -1e7f; // lux; below zero with any sun on it
-    for (size_t p = 0; p < mesh.patchCount(); ++p)
-        if (mesh.materials[mesh.material[p]].isOpening())
-            for (uint32_t c = mesh.firstCorner[p]; c < mesh.firstCorner[p + 1]; ++c)
-                perVertex[vertexLight.ofCorner(c)] = glm::vec3(kUnknown);
-}
+    // Uploads what changes with the light and returns the sun's draw when there is a sun.
+    std::optional<SunDraw> prepareLight(DeviceMesh& target, const compute::Lighting& light, Quantity quantity,
+                                        float scale = 1e-3f);
+    io::DisplayParams displayParams(const compute::Lighting& light, const Tone& tone) const;
+    SceneInputs projectorInputs(size_t i, const std::optional<SunDraw>& sun, bool illuminance) const;
+    SceneInputs previewInputs(const View& view, const std::optional<SunDraw>& sun, Quantity quantity) const;
+    void makeOutputs(int supersample);
+    gpu::Commands recordProjectors(const compute::Lighting& light, const ProjectorOptions& options, bool hdr,
+                                   bool readBack);
+    Output& drawView(const compute::Lighting& light, View view, const Tone& tone, bool hdr);
+    View previewView(const PreviewOptions& o) const;
+
+    gpu::Device* device;
+    ScenePass scenePass;
+    DisplayPass displayPass;
+    std::unique_ptr<Model> model; // on the heap: it is replaced as a whole
+    uint64_t drawing = 0;         // ticket of a draw that was not waited for
+};
 
 std::optional<SunDraw> FrameRenderer::State::prepareLight(DeviceMesh& target, const compute::Lighting& light,
                                                           Quantity quantity, float scale) {
-    const std::vector<glm::vec3> perPatch = quantity == Quantity::picture ? pictureLight(light)
+    const FrameScene& scene = model->scene;
+    device->wait(drawing); // it reads what is written here
+    const std::vector<glm::vec3> perPatch = quantity == Quantity::picture ? pictureLight(scene.mesh, light)
                                             : quantity == Quantity::illuminance
-                                                ? indirectIlluminance(mesh, light)
-                                                : indirectExitance(mesh, light);
-    std::vector<glm::vec3> perVertex = vertexLight.evaluate(perPatch);
-    if (quantity == Quantity::illuminance) markOpenings(perVertex);
+                                                ? indirectIlluminance(scene.mesh, light)
+                                                : indirectExitance(scene.mesh, light);
+    std::vector<glm::vec3> perVertex = scene.vertexLight.evaluate(perPatch);
+    if (quantity == Quantity::illuminance) markOpenings(scene, perVertex);
     target.mixLight(*device, perVertex, scale);
-    const bool sunny = glm::length(light.sunDirection) > 0.5 && panes.size() > 0 &&
+    const bool sunny = glm::length(light.sunDirection) > 0.5 && scene.panes.size() > 0 &&
                        glm::dot(light.sunNormalIlluminance, glm::vec3(1)) > 0;
     if (!sunny) return std::nullopt;
     const glm::dvec3 towardsSun = glm::normalize(light.sunDirection);
-    const ShadowCasters::Volumes swept = casters.volumes(towardsSun);
-    const SunPaneData data = panes.seenFromSun(towardsSun);
+    const ShadowCasters::Volumes swept = scene.casters.volumes(towardsSun);
+    const SunPaneData data = scene.panes.seenFromSun(towardsSun);
     SunDraw sun;
     sun.towardsSun = towardsSun;
     sun.kilolux = scale * light.sunNormalIlluminance;
-    sun.volumes = &volumes.write(*device, swept.corners);
+    sun.volumes = &model->volumes.write(*device, swept.corners);
     sun.volumeCount = static_cast<uint32_t>(swept.corners.size());
     sun.capCount = swept.capCorners;
-    sun.panes = &paneData.write(*device, data.panes);
-    sun.paneEdges = &paneEdges.write(*device, data.edges);
+    sun.panes = &model->paneData.write(*device, data.panes);
+    sun.paneEdges = &model->paneEdges.write(*device, data.edges);
     return sun;
-}
-
-std::vector<float> FrameRenderer::State::shownLux(const compute::Lighting& light) const {
-    std::vector<float> lux;
-    const std::vector<glm::vec3> indirect = indirectIlluminance(mesh, light);
-    for (size_t p = 0; p < indirect.size(); ++p)
-        if (mesh.role[p] == geometry::Role::projection)
-            lux.push_back(glm::dot(
-                indirect[p] + (light.sunIlluminance.empty() ? glm::vec3(0) : light.sunIlluminance[p]),
-                kLuminance));
-    return lux;
 }
 
 io::DisplayParams FrameRenderer::State::displayParams(const compute::Lighting& light,
                                                       const Tone& tone) const {
     io::DisplayParams params{};
-    params.white = static_cast<float>(1e-3 * tone.whiteLux.value_or(white(light)));
+    params.white =
+        static_cast<float>(1e-3 * tone.whiteLux.value_or(passes::autoWhite(model->scene.mesh, light)));
     params.fullScale = 1;
     params.background = glm::vec3(0.62f, 0.64f, 0.67f);
     if (tone.map != ToneMap::falseColour) return params;
-    const FalseScale scale = falseScale(tone, shownLux(light));
+    const FalseScale scale = falseScale(tone, passes::shownLux(model->scene.mesh, light));
     params.falseLinear = scale.linear;
     params.falseLow = static_cast<float>(scale.linear ? scale.lowLux : std::log10(scale.lowLux));
     params.falseHigh = static_cast<float>(scale.linear ? scale.highLux : std::log10(scale.highLux));
@@ -346,37 +257,39 @@ io::DisplayParams FrameRenderer::State::displayParams(const compute::Lighting& l
 SceneInputs FrameRenderer::State::projectorInputs(size_t i, const std::optional<SunDraw>& sun,
                                                   bool illuminance) const {
     SceneInputs inputs;
-    inputs.view = &outputs[i]->view;
-    inputs.surfaces = shown->streams(i, illuminance);
+    inputs.view = &model->outputs[i].view;
+    inputs.surfaces = model->shown.streams(i, illuminance);
     inputs.sun = sun;
     inputs.projector = true;
-    inputs.shownReflectance = static_cast<float>(options.surfaceReflectance);
-    inputs.solids.push_back({&solids.corners, solids.count, glm::vec4(0), 0, kPushBack, false});
+    inputs.shownReflectance = static_cast<float>(model->scene.options.surfaceReflectance);
+    inputs.solids.push_back({&model->solids.corners, model->solids.count, glm::vec4(0), 0, kPushBack, false});
     return inputs;
 }
 
-void FrameRenderer::State::drawProjectors(const compute::Lighting& light, const ProjectorOptions& o,
-                                          bool hdr) {
-    if (outputsSupersample != o.supersample) {
-        outputs.clear();
-        std::vector<glm::dvec3> shownPoints;
-        for (const DrawCorner& corner : shown->mesh.corners) shownPoints.emplace_back(corner.position);
-        for (const geometry::Projector& projector : rig.projectors) {
-            View view = viewOfDevice(projector, o.supersample);
-            confine(view, shownPoints);
-            outputs.emplace_back(Output(*device, std::move(view), "projector " + projector.id));
-        }
-        outputsSupersample = o.supersample;
-    }
+void FrameRenderer::State::makeOutputs(int supersample) {
+    if (model->outputsSupersample == supersample) return;
+    model->outputs.clear();
+    std::vector<View> views =
+        supersample == 1 ? model->scene.views : model->scene.projectorViews(supersample);
+    for (size_t i = 0; i < views.size(); ++i)
+        model->outputs.emplace_back(*device, std::move(views[i]),
+                                    "projector " + model->scene.rig.projectors[i].id);
+    model->outputsSupersample = supersample;
+}
+
+gpu::Commands FrameRenderer::State::recordProjectors(const compute::Lighting& light,
+                                                     const ProjectorOptions& o, bool hdr, bool readBack) {
+    makeOutputs(o.supersample);
+    const FrameScene& scene = model->scene;
     const Quantity quantity = quantityOf(o.tone, hdr);
     const bool illuminance = quantity == Quantity::illuminance;
-    const std::optional<SunDraw> sun = prepareLight(*shown, light, quantity);
+    const std::optional<SunDraw> sun = prepareLight(model->shown, light, quantity);
     io::DisplayParams params = displayParams(light, o.tone);
     gpu::Commands commands(*device);
-    for (size_t i = 0; i < rig.projectors.size(); ++i) {
-        const geometry::Projector& projector = rig.projectors[i];
-        Output& output = *outputs[i];
-        params.fullScale = static_cast<float>(reach / intensity[i]);
+    for (size_t i = 0; i < model->outputs.size(); ++i) {
+        const geometry::Projector& projector = scene.rig.projectors[i];
+        Output& output = model->outputs[i];
+        params.fullScale = static_cast<float>(scene.reach / scene.intensity[i]);
         params.blackLevel = static_cast<float>(projector.blackLevel);
         params.gamma = hdr ? 0 : gammaOf(projector);
         params.outputWidth = static_cast<uint32_t>(projector.width);
@@ -387,33 +300,37 @@ void FrameRenderer::State::drawProjectors(const compute::Lighting& light, const 
                                              : DisplayTarget::Kind::srgb8;
         displayPass.record(commands, output.scene.colour, output.warp, output.view,
                            output.target(*device, kind), hdr ? io::kToneRaw : toneConstant(o.tone.map),
-                           params);
+                           params, readBack);
     }
-    device->submitAndWait(std::move(commands));
+    return commands;
 }
 
 SceneInputs FrameRenderer::State::previewInputs(const View& view, const std::optional<SunDraw>& sun,
                                                 Quantity quantity) const {
     SceneInputs inputs;
     inputs.view = &view;
-    inputs.surfaces = all.streams(0, quantity == Quantity::illuminance);
+    inputs.surfaces = model->all.streams(0, quantity == Quantity::illuminance);
     inputs.sun = sun;
     if (quantity == Quantity::exitance) return inputs; // nothing but what is simulated
     // Display colours; alpha 2 marks what is not simulated.
-    inputs.solids.push_back({&table.corners, table.count, {0.46f, 0.45f, 0.44f, 2}, 0, 0, false});
+    inputs.solids.push_back(
+        {&model->table.corners, model->table.count, {0.46f, 0.45f, 0.44f, 2}, 0, 0, false});
     if (quantity == Quantity::illuminance) { // a see-through wall would falsify what is read off
-        inputs.solids.push_back({&tops.corners, tops.count, {0.78f, 0.77f, 0.75f, 2}, 0, kPushBack, false});
+        inputs.solids.push_back(
+            {&model->tops.corners, model->tops.count, {0.78f, 0.77f, 0.75f, 2}, 0, kPushBack, false});
         return inputs;
     }
     // Walls as a sketch on glass, so that those in front do not hide the room.
     inputs.solids.push_back(
-        {&sides.corners, sides.count, {0.85f, 0.84f, 0.82f, 0.13f}, 0.6f, kPushBack, true});
-    inputs.solids.push_back({&tops.corners, tops.count, {0.90f, 0.89f, 0.87f, 0.55f}, 0, kPushBack, true});
+        {&model->sides.corners, model->sides.count, {0.85f, 0.84f, 0.82f, 0.13f}, 0.6f, kPushBack, true});
+    inputs.solids.push_back(
+        {&model->tops.corners, model->tops.count, {0.90f, 0.89f, 0.87f, 0.55f}, 0, kPushBack, true});
     return inputs;
 }
 
 Output& FrameRenderer::State::drawView(const compute::Lighting& light, View view, const Tone& tone,
                                        bool hdr) {
+    std::optional<Output>& previewOutput = model->previewOutput;
     const bool fits = previewOutput && previewOutput->view.outputWidth == view.outputWidth &&
                       previewOutput->view.outputHeight == view.outputHeight &&
                       previewOutput->view.supersample == view.supersample && view.warp.empty() &&
@@ -426,7 +343,7 @@ Output& FrameRenderer::State::drawView(const compute::Lighting& light, View view
     io::DisplayParams params = displayParams(light, tone);
     // A picture is drawn in units of its white, so that see-through walls weigh the same at every exposure.
     const float scale = quantity == Quantity::picture ? 1e-3f / std::exchange(params.white, 1.0f) : 1e-3f;
-    const std::optional<SunDraw> sun = prepareLight(all, light, quantity, scale);
+    const std::optional<SunDraw> sun = prepareLight(model->all, light, quantity, scale);
     params.outputWidth = static_cast<uint32_t>(previewOutput->view.outputWidth);
     params.outputHeight = static_cast<uint32_t>(previewOutput->view.outputHeight);
     gpu::Commands commands(*device);
@@ -440,29 +357,36 @@ Output& FrameRenderer::State::drawView(const compute::Lighting& light, View view
 }
 
 View FrameRenderer::State::previewView(const PreviewOptions& o) const {
-    const PerspectiveCamera camera =
-        frameAll(points, o.azimuthDegrees, o.elevationDegrees, o.fovDegrees, double(o.width) / o.height);
+    const PerspectiveCamera camera = frameAll(model->scene.points, o.azimuthDegrees, o.elevationDegrees,
+                                              o.fovDegrees, double(o.width) / o.height);
     return viewOfCamera(camera, o.width, o.height, o.supersample);
 }
 
 FrameRenderer::FrameRenderer(gpu::Device& device, const geometry::PatchMesh& mesh,
                              const geometry::Occluders& occluders, const geometry::Rig* rig,
                              const FrameRendererOptions& options)
-    : state_(std::make_unique<State>(device, mesh, occluders, rig, options)) {}
+    : FrameRenderer(device, FrameScene(mesh, occluders, rig, options)) {}
+FrameRenderer::FrameRenderer(gpu::Device& device, FrameScene scene)
+    : state_(std::make_unique<State>(device, std::move(scene))) {}
 FrameRenderer::FrameRenderer(FrameRenderer&&) noexcept = default;
 FrameRenderer& FrameRenderer::operator=(FrameRenderer&&) noexcept = default;
 FrameRenderer::~FrameRenderer() = default;
 
+void FrameRenderer::replace(FrameScene scene) {
+    state_->model = std::make_unique<Model>(*state_->device, std::move(scene));
+    state_->makeOutputs(1);
+}
+
 double FrameRenderer::autoWhite(const compute::Lighting& light) const {
-    return state_->white(light);
+    return passes::autoWhite(state_->model->scene.mesh, light);
 }
 
 std::vector<float> FrameRenderer::shownLux(const compute::Lighting& light) const {
-    return state_->shownLux(light);
+    return passes::shownLux(state_->model->scene.mesh, light);
 }
 
 double FrameRenderer::reachLux() const {
-    return state_->reach;
+    return state_->model->scene.reach;
 }
 
 Image8 FrameRenderer::preview(const compute::Lighting& light, const PreviewOptions& options) {
@@ -483,10 +407,10 @@ Image8 FrameRenderer::preview(const compute::Lighting& light, const PreviewOptio
 
 std::vector<Image8> FrameRenderer::projectors(const compute::Lighting& light,
                                               const ProjectorOptions& options) {
-    if (state_->rig.projectors.empty()) return {};
-    state_->drawProjectors(light, options, false);
+    if (state_->model->scene.views.empty()) return {};
+    state_->device->submitAndWait(state_->recordProjectors(light, options, false, true));
     std::vector<Image8> pictures;
-    for (const auto& output : state_->outputs) pictures.push_back(bytesOf(*output));
+    for (const Output& output : state_->model->outputs) pictures.push_back(bytesOf(output));
     return pictures;
 }
 
@@ -496,10 +420,20 @@ ImageF FrameRenderer::previewHdr(const compute::Lighting& light, const PreviewOp
 
 std::vector<ImageF> FrameRenderer::projectorsHdr(const compute::Lighting& light,
                                                  const ProjectorOptions& options) {
-    if (state_->rig.projectors.empty()) return {};
-    state_->drawProjectors(light, options, true);
+    if (state_->model->scene.views.empty()) return {};
+    state_->device->submitAndWait(state_->recordProjectors(light, options, true, true));
     std::vector<ImageF> pictures;
-    for (const auto& output : state_->outputs) pictures.push_back(floatsOf(*output));
+    for (const Output& output : state_->model->outputs) pictures.push_back(floatsOf(output));
+    return pictures;
+}
+
+std::vector<const gpu::Image*> FrameRenderer::drawProjectors(const compute::Lighting& light,
+                                                             const ProjectorOptions& options) {
+    if (state_->model->scene.views.empty()) return {};
+    gpu::Commands commands = state_->recordProjectors(light, options, false, false);
+    state_->drawing = state_->device->submit(std::move(commands));
+    std::vector<const gpu::Image*> pictures;
+    for (const Output& output : state_->model->outputs) pictures.push_back(&output.display->picture);
     return pictures;
 }
 

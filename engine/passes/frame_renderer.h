@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "compute/lighting.h"
+#include "engine/passes/frame_scene.h"
 #include "engine/passes/picture.h"
 #include "engine/passes/tone.h"
 #include "engine/passes/view.h"
@@ -22,7 +23,8 @@
 
 namespace heliodon::gpu {
 class Device;
-}
+class Image;
+} // namespace heliodon::gpu
 
 namespace heliodon::passes {
 
@@ -39,25 +41,21 @@ struct ProjectorOptions {
     Tone tone;
 };
 
-struct FrameRendererOptions {
-    double surfaceReflectance = 0.84; // of the physical walls and table: white foam core, museum board
-    double tableRadius = 0.5334;      // metres; of the disc in previews, where there is no rig; 0: none
-};
-
 class FrameRenderer {
 public:
     // `rig` may be null: then there are previews only. The device outlives the renderer; the rest is copied.
     FrameRenderer(gpu::Device& device, const geometry::PatchMesh& mesh, const geometry::Occluders& occluders,
                   const geometry::Rig* rig, const FrameRendererOptions& options = {});
+    FrameRenderer(gpu::Device& device, FrameScene scene);
     FrameRenderer(FrameRenderer&&) noexcept;
     FrameRenderer& operator=(FrameRenderer&&) noexcept;
     ~FrameRenderer();
 
-    // The light, without the direct sun's first bounce, that nineteen twentieths of the shown area stay
-    // below, lux: what is shown as white unless told otherwise. So a room is readable while its sun patch is
-    // as bright as the display can. A time-lapse takes one value for all its frames.
+    // Another geometry in place of the one before: pipelines stay. Cost: uploads.
+    void replace(FrameScene scene);
+
+    // Those of frame_light.h.
     double autoWhite(const compute::Lighting& light) const;
-    // Lux on each patch that projectors show, sun included: what false-colour scales are chosen from.
     std::vector<float> shownLux(const compute::Lighting& light) const;
     // Physical exitance of white, lux; 1000 without a rig. Exposure = reachLux() / white.
     double reachLux() const;
@@ -67,6 +65,12 @@ public:
     Image8 preview(const compute::Lighting& light, const PreviewOptions& options = {});
     // One picture per projector, in the rig's order, each for its own panel and response.
     std::vector<Image8> projectors(const compute::Lighting& light, const ProjectorOptions& options = {});
+
+    // Draws those pictures and leaves them on the device, in TRANSFER_SRC_OPTIMAL, coded as the panels want
+    // them (RGBA8 sRGB, or UNORM where the response is a gamma), until the next call of any member.
+    // Submitted, not waited for: what is submitted after it on the same device comes after it.
+    std::vector<const gpu::Image*> drawProjectors(const compute::Lighting& light,
+                                                  const ProjectorOptions& options = {});
 
     // The same in floats. A preview holds exitance in lux (zero where nothing is simulated); a projector's
     // picture holds its drive, linear, 1 = full, not clipped.

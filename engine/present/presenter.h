@@ -1,8 +1,9 @@
-// Several windows of one process, each with an sRGB swapchain, shown together: one per projector, and more
+// Several windows of one process, each with a swapchain, shown together: one per projector, and more
 // for an operator. Windows may be resized, minimised, closed by the user or lose their display at any time;
 // the others go on.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -22,14 +23,21 @@ namespace heliodon::present {
 // server; throws std::runtime_error, with the window system's own words, when there is none.
 gpu::DeviceOptions withWindows(gpu::DeviceOptions options);
 
-// Names of the connected displays, as a rig's `display` may name them; the first is the primary one.
-std::vector<std::string> displayNames();
+struct Display {
+    std::string name;                        // as a rig's `display` may name it
+    int x = 0, y = 0, width = 0, height = 0; // on the desktop, pixels
+};
+// The connected ones; the first is the primary one.
+std::vector<Display> displays();
 
 struct WindowOptions {
     std::string title = "heliodon";
     int width = 1024, height = 768; // of the picture, pixels; of the window unless it fills a display
-    std::string display;            // fills this display; empty: an ordinary window
-    bool waitForRefresh = true;     // false: as fast as the machine goes, may tear
+    std::string display;            // fills this display while it is connected; empty: an ordinary window
+    std::optional<std::array<int, 2>> position; // of the window's top left corner; none: the system's choice
+    bool waitForRefresh = true;                 // false: as fast as the machine goes, may tear
+    // Takes a format without sRGB even where there is one, as on displays that have no other.
+    bool codeBefore = false;
 };
 
 enum class WindowState {
@@ -38,10 +46,20 @@ enum class WindowState {
     closed  // by the user, or its display went away; for good
 };
 
+// What the user did in one of the windows.
+struct Event {
+    enum class Kind { wheel, key } kind = Kind::key;
+    size_t window = 0;
+    double notches = 0; // of the wheel, away from the user positive
+    int key = 0;        // capital letter, digit, ' ', or one of the constants below
+    bool shift = false, control = false;
+};
+constexpr int kEscapeKey = 27, kLeftKey = 1, kRightKey = 2, kUpKey = 3, kDownKey = 4;
+
 class Presenter {
 public:
-    // Throws geometry::InputError naming a display that is not connected (and those that are), gpu::Error
-    // when the device cannot present to a window or has no sRGB format for it.
+    // Throws gpu::Error when the device cannot present to a window or has no 8-bit format for it. A display
+    // that is not connected gives a window and a notice.
     Presenter(gpu::Device& device, const std::vector<WindowOptions>& windows);
     Presenter(Presenter&&) noexcept;
     Presenter& operator=(Presenter&&) noexcept;
@@ -52,26 +70,42 @@ public:
     bool anyOpen() const;
     // Why a window was closed, for the report; empty while it is open.
     const std::string& reason(size_t window) const;
+    // What is not as it was wanted, now: names the display that is missing and those that are connected.
+    const std::string& notice(size_t window) const;
+    // It has lost what it showed, or never showed anything: it wants a picture though there is no new one.
+    bool damaged(size_t window) const;
+    bool fullScreen(size_t window) const;
 
-    // Handles what the user did; call it about once a frame, from the thread that made the presenter.
-    void pollEvents();
+    // Handles what the user did and returns what concerns the program; waits up to so long for something to
+    // happen. Call it about once a frame, from the thread that made the presenter.
+    std::vector<Event> pollEvents(double waitSeconds = 0);
     void resize(size_t window, int width, int height);
+    void setFullScreen(size_t window, bool full);
     void close(size_t window);
 
     // Shows one picture per window, all by a single presentation; null leaves a window as it is. Pictures are
-    // sRGB images in TRANSFER_SRC_OPTIMAL on the presenter's device, finished or submitted before; they are
-    // stretched where a window has another size. Returns how many windows show something new.
+    // 8-bit images in TRANSFER_SRC_OPTIMAL on the presenter's device, submitted before; their bytes are coded
+    // for the display, by an sRGB format or, in UNORM ones, by whoever made them. They are stretched where a
+    // window has another size. Returns how many windows show something new.
     size_t present(const std::vector<const gpu::Image*>& pictures);
-    // The same from host memory; sRGB-encoded.
+    // The same from host memory.
     size_t present(const std::vector<passes::Image8>& pictures);
 
     // What the window's swapchain image held at the latest presentation after `keepCopies(true)`.
     void keepCopies(bool keep);
     std::optional<passes::Image8> lastShown(size_t window) const;
 
+    struct State; // of this folder
+    State& internals() { return *state_; }
+
 private:
-    struct State;
     std::unique_ptr<State> state_;
 };
+
+// Ends the waiting of pollEvents. From any thread.
+void wakeUp();
+
+// A picture on the device, sRGB, in TRANSFER_SRC_OPTIMAL, finished.
+gpu::Image uploaded(gpu::Device& device, const passes::Image8& picture, const std::string& name);
 
 } // namespace heliodon::present

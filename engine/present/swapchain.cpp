@@ -9,7 +9,7 @@ namespace heliodon::present {
 
 using gpu::check;
 
-Swapchain::Swapchain(gpu::Device& device, VkSurfaceKHR surface, bool waitForRefresh)
+Swapchain::Swapchain(gpu::Device& device, VkSurfaceKHR surface, bool waitForRefresh, bool codeBefore)
     : device_(&device), surface_(surface), waitForRefresh_(waitForRefresh) {
     try {
         VkBool32 supported = VK_FALSE;
@@ -18,7 +18,7 @@ Swapchain::Swapchain(gpu::Device& device, VkSurfaceKHR surface, bool waitForRefr
               "vkGetPhysicalDeviceSurfaceSupportKHR");
         if (!supported)
             throw gpu::Error("the device " + device.info().name + " cannot present to this window");
-        chooseFormat();
+        chooseFormat(codeBefore);
         const VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
         check(vkCreateFence(device.handle(), &fence, nullptr, &acquired_), "vkCreateFence");
     } catch (...) {
@@ -35,19 +35,24 @@ Swapchain::~Swapchain() {
     vkDestroySurfaceKHR(device_->instance(), surface_, nullptr);
 }
 
-void Swapchain::chooseFormat() {
+void Swapchain::chooseFormat(bool codeBefore) {
     uint32_t count = 0;
     check(vkGetPhysicalDeviceSurfaceFormatsKHR(device_->physical(), surface_, &count, nullptr),
           "vkGetPhysicalDeviceSurfaceFormatsKHR");
     std::vector<VkSurfaceFormatKHR> formats(count);
     check(vkGetPhysicalDeviceSurfaceFormatsKHR(device_->physical(), surface_, &count, formats.data()),
           "vkGetPhysicalDeviceSurfaceFormatsKHR");
-    const auto found = std::find_if(formats.begin(), formats.end(), [](const VkSurfaceFormatKHR& f) {
-        return (f.format == VK_FORMAT_B8G8R8A8_SRGB || f.format == VK_FORMAT_R8G8B8A8_SRGB) &&
-               f.colorSpace == VK_COLOR_SPACE_SRGB_NONLINEAR_KHR;
-    });
-    if (found == formats.end()) throw gpu::Error("the window offers no 8-bit sRGB format");
-    format_ = *found;
+    const auto find = [&](VkFormat blueFirst, VkFormat redFirst) {
+        return std::find_if(formats.begin(), formats.end(), [&](const VkSurfaceFormatKHR& f) {
+            return (f.format == blueFirst || f.format == redFirst) &&
+                   f.colorSpace == VK_COLOR_SPACE_SRGB_NONLINEAR_KHR;
+        });
+    };
+    const auto srgb = find(VK_FORMAT_B8G8R8A8_SRGB, VK_FORMAT_R8G8B8A8_SRGB),
+               plain = find(VK_FORMAT_B8G8R8A8_UNORM, VK_FORMAT_R8G8B8A8_UNORM);
+    if (srgb == formats.end() && plain == formats.end())
+        throw gpu::Error("the window offers no 8-bit format for sRGB pictures");
+    format_ = *(srgb == formats.end() || (codeBefore && plain != formats.end()) ? plain : srgb);
 }
 
 bool Swapchain::rebuild(uint32_t width, uint32_t height) {
@@ -102,8 +107,10 @@ bool Swapchain::rebuild(uint32_t width, uint32_t height) {
 }
 
 VkResult Swapchain::acquire(uint32_t& index) {
+    constexpr uint64_t kLongest = 100'000'000; // ns; several refreshes of any display
     const VkResult result =
-        vkAcquireNextImageKHR(device_->handle(), swapchain_, UINT64_MAX, VK_NULL_HANDLE, acquired_, &index);
+        vkAcquireNextImageKHR(device_->handle(), swapchain_, kLongest, VK_NULL_HANDLE, acquired_, &index);
+    if (result == VK_NOT_READY) return VK_TIMEOUT;
     if (result != VK_SUCCESS && result != VK_SUBOPTIMAL_KHR) return result;
     check(vkWaitForFences(device_->handle(), 1, &acquired_, VK_TRUE, UINT64_MAX), "vkWaitForFences");
     check(vkResetFences(device_->handle(), 1, &acquired_), "vkResetFences");

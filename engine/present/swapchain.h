@@ -14,8 +14,8 @@ namespace heliodon::present {
 
 class Swapchain {
 public:
-    // Takes the surface over.
-    Swapchain(gpu::Device& device, VkSurfaceKHR surface, bool waitForRefresh);
+    // Takes the surface over. Prefers an sRGB format unless `codeBefore` asks for one without.
+    Swapchain(gpu::Device& device, VkSurfaceKHR surface, bool waitForRefresh, bool codeBefore);
     Swapchain(const Swapchain&) = delete;
     Swapchain& operator=(const Swapchain&) = delete;
     ~Swapchain();
@@ -25,8 +25,8 @@ public:
     bool ready() const { return swapchain_ != VK_NULL_HANDLE && !stale_; }
     void markStale() { stale_ = true; }
 
-    // Index of an image that is free to be written now; waits for it. VK_ERROR_OUT_OF_DATE_KHR: rebuild
-    // first.
+    // Index of an image that is free to be written now; waits for it, VK_TIMEOUT after 0.1 s.
+    // VK_ERROR_OUT_OF_DATE_KHR: rebuild first.
     VkResult acquire(uint32_t& index);
 
     VkSwapchainKHR handle() const { return swapchain_; }
@@ -35,7 +35,7 @@ public:
     VkFormat format() const { return format_.format; }
 
 private:
-    void chooseFormat();
+    void chooseFormat(bool codeBefore);
 
     gpu::Device* device_;
     VkSurfaceKHR surface_;

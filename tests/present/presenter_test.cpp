@@ -1,11 +1,7 @@
 // Checklist 8 and 32: four sRGB swapchains in one process, by pixels read back from them. Needs a display
 // server: the one of $DISPLAY, else an Xvfb of its own.
-#include <poll.h>
-#include <signal.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include <cstdlib>
 #include <memory>
 #include <string>
 
@@ -14,45 +10,11 @@
 #include "compute/gpu/commands.h"
 #include "compute/gpu/image.h"
 #include "engine/present/presenter.h"
-#include "geometry/input_error.h"
 #include "tests/gpu/drivers.h"
+#include "tests/present/own_display.h"
 
 namespace heliodon::present {
 namespace {
-
-// A display server that lives as long as this process.
-class OwnDisplay {
-public:
-    OwnDisplay() {
-        if (std::getenv("DISPLAY")) return;
-        int ends[2];
-        if (pipe(ends) != 0) return;
-        child_ = fork();
-        if (child_ == 0) {
-            close(ends[0]);
-            const std::string number = std::to_string(ends[1]);
-            execlp("Xvfb", "Xvfb", "-displayfd", number.c_str(), "-screen", "0", "1600x1200x24", "-nolisten",
-                   "tcp", static_cast<char*>(nullptr));
-            _exit(127);
-        }
-        close(ends[1]);
-        std::string answer; // the number of the display, once it is ready
-        char letter = 0;
-        pollfd wait{ends[0], POLLIN, 0};
-        while (poll(&wait, 1, 20000) > 0 && read(ends[0], &letter, 1) == 1 && letter != '\n')
-            answer += letter;
-        close(ends[0]);
-        if (!answer.empty()) setenv("DISPLAY", (":" + answer).c_str(), 1);
-    }
-    ~OwnDisplay() {
-        if (child_ <= 0) return;
-        kill(child_, SIGTERM);
-        waitpid(child_, nullptr, 0);
-    }
-
-private:
-    pid_t child_ = 0;
-};
 
 passes::Image8 pattern(int width, int height, int seed) {
     passes::Image8 picture{width, height, {}};
@@ -67,7 +29,7 @@ passes::Image8 pattern(int width, int height, int seed) {
 class Windows : public testing::Test {
 protected:
     static void SetUpTestSuite() {
-        display = std::make_unique<OwnDisplay>();
+        display = std::make_unique<test::OwnDisplay>();
         gpu::DeviceOptions options;
         options.validation = true;
         options.onMessage = [](std::string_view message) { ADD_FAILURE() << message; };
@@ -88,7 +50,7 @@ protected:
             usleep(10000);
         }
     }
-    static inline std::unique_ptr<OwnDisplay> display;
+    static inline std::unique_ptr<test::OwnDisplay> display;
     static inline std::unique_ptr<gpu::Device> device;
 };
 
@@ -145,25 +107,39 @@ TEST_F(Windows, a_window_without_a_picture_keeps_its_own) {
     EXPECT_EQ(presenter.present(std::vector<passes::Image8>{pattern(100, 80, 1), {}}), 1u);
 }
 
-TEST_F(Windows, an_unknown_display_is_named_together_with_the_known_ones) {
-    try {
-        Presenter presenter(*device, {{"a", 100, 80, "NO-SUCH-OUTPUT"}});
-        FAIL() << "expected a refusal";
-    } catch (const geometry::InputError& error) {
-        EXPECT_NE(std::string(error.what()).find("NO-SUCH-OUTPUT"), std::string::npos);
-        for (const std::string& name : displayNames())
-            EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
-    }
+TEST_F(Windows, a_missing_display_gives_a_window_and_is_named_together_with_the_known_ones) {
+    Presenter presenter(*device, {{"a", 100, 80, "NO-SUCH-OUTPUT"}, {"b", 100, 80}});
+    EXPECT_EQ(presenter.present(std::vector<passes::Image8>(2, pattern(100, 80, 4))), 2u);
+    EXPECT_FALSE(presenter.fullScreen(0));
+    EXPECT_NE(presenter.notice(0).find("NO-SUCH-OUTPUT"), std::string::npos);
+    for (const Display& display : displays())
+        EXPECT_NE(presenter.notice(0).find(display.name), std::string::npos) << presenter.notice(0);
+    EXPECT_EQ(presenter.notice(1), "");
+}
+
+TEST_F(Windows, a_display_without_srgb_gets_the_same_bytes) {
+    WindowOptions plain{"a", 160, 120};
+    plain.codeBefore = true;
+    Presenter presenter(*device, {plain, {"b", 160, 120}});
+    presenter.keepCopies(true);
+    const std::vector<passes::Image8> pictures(2, pattern(160, 120, 9));
+    ASSERT_EQ(presenter.present(pictures), 2u);
+    EXPECT_EQ(presenter.lastShown(0)->rgb, pictures[0].rgb);
+    EXPECT_EQ(presenter.lastShown(1)->rgb, pictures[1].rgb);
 }
 
 TEST_F(Windows, a_named_display_is_filled) {
-    const std::vector<std::string> names = displayNames();
-    ASSERT_FALSE(names.empty());
-    Presenter presenter(*device, {{"full", 64, 48, names.front()}});
+    const std::vector<Display> connected = displays();
+    ASSERT_FALSE(connected.empty());
+    Presenter presenter(*device, {{"full", 64, 48, connected.front().name}});
     presenter.keepCopies(true);
     presenter.pollEvents();
     ASSERT_EQ(presenter.present(std::vector<passes::Image8>{pattern(64, 48, 2)}), 1u);
     EXPECT_GE(presenter.lastShown(0)->width, 640);
+    EXPECT_TRUE(presenter.fullScreen(0));
+    presenter.setFullScreen(0, false); // and back to a window of the picture's size
+    presentUntil(presenter, {pattern(64, 48, 2)}, 0, 64);
+    EXPECT_EQ(presenter.lastShown(0)->width, 64);
 }
 
 } // namespace

@@ -1,0 +1,287 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "compute/gpu/error.h"
+#include "compute/gpu/image.h"
+#include "engine/app/blinds.h"
+#include "engine/app/commands.h"
+#include "engine/app/interrupt.h"
+#include "engine/app/live_controls.h"
+#include "engine/app/live_outputs.h"
+#include "engine/app/live_script.h"
+#include "engine/app/live_status.h"
+#include "engine/app/output_folder.h"
+#include "engine/passes/image_file.h"
+#include "geometry/input_error.h"
+
+namespace heliodon::app {
+
+namespace {
+
+constexpr double kOperatorBusy = 1.0 / 30, kOperatorIdle = 0.25; // seconds from one drawing to the next
+
+// Events, light and windows, in the thread that the window system wants: nothing here takes longer than
+// drawing does.
+class LiveSession {
+public:
+    LiveSession(Run& run, const LiveArguments& arguments)
+        : run_(run), arguments_(arguments), rig_(geometry::readRig(arguments.scene.rig)),
+          source_(run, arguments.moment, sceneOfRig()), controls_(source_, arguments),
+          script_(scriptOf(arguments)), outputs_(run, rig_, arguments), slots_(run),
+          light_(board_, present::wakeUp),
+          maker_(arguments.scene, rig_, slots_, board_, tables_,
+                 [this](SceneChange change) { light_.change(std::move(change)); }),
+          table_(rig_, arguments.camera, cameraOptions(), board_, tables_) {
+        run.noteAssumed();
+    }
+
+    void show() {
+        while (!ended_) {
+            throwIfInterrupted();
+            board_.rethrow();
+            turn();
+        }
+        if (!arguments_.snapshots.empty()) snapshot("end");
+    }
+
+    void report() {
+        const LiveStatus status = board_.read();
+        nlohmann::json& report = run_.report();
+        report["live"] = {{"seconds", secondsSince(started_)},
+                          {"camera", status.camera},
+                          {"pictures", status.pictures},
+                          {"detections", status.detections},
+                          {"sketches", status.sketches},
+                          {"refusals", status.refusals},
+                          {"refused", status.refused},
+                          {"camera_losses", status.cameraLosses},
+                          {"moments_solved", light_.solved()},
+                          {"moments_repeated", light_.repeated()},
+                          {"frames", figures_.frames},
+                          {"wheel_to_light", figures_.wheelToLight.summary()},
+                          {"photo_to_light", figures_.photoToLight.summary()},
+                          {"draw", figures_.draw.summary()},
+                          {"done_again", rows_},
+                          {"outputs", outputs_.report()}};
+        report["table"] = status.scene;
+        if (lit_) {
+            reportMoment(run_, lit_->moment->report);
+            report["light"] = {{"mean_lux", lit_->figures.meanLux},
+                               {"max_lux", lit_->figures.maxLux},
+                               {"glare_ratio", lit_->figures.glareRatio},
+                               {"white_lux", controls_.tone().whiteLux.value_or(lit_->autoWhite)}};
+        }
+    }
+
+private:
+    Scene sceneOfRig() const {
+        Scene scene;
+        scene.rig = rig_;
+        return scene;
+    }
+    vision::CameraOptions cameraOptions() const {
+        return {rig_.camera.width, rig_.camera.height, arguments_.interval, arguments_.loop};
+    }
+    std::vector<ScriptStep> scriptOf(const LiveArguments& arguments) const {
+        for (const std::string& state : arguments.scene.blinds) parseWindowState(state);
+        source_.skyAt(source_.moment()); // a sky that is none is said now
+        if (arguments.script.empty()) return {};
+        std::vector<ScriptStep> steps = readScript(arguments.script, rig_.projectors.size() + 1);
+        for (const ScriptStep& step : steps)
+            if (std::holds_alternative<SnapshotStep>(step) && arguments.snapshots.empty())
+                throw geometry::InputError("--snapshots", "",
+                                           "the script takes some, expected a folder for them");
+        return steps;
+    }
+
+    void turn() {
+        const bool hurried =
+            operatorDue(kOperatorBusy) && (controls_.values.playing || outputs_.operatorBusy());
+        const auto events = outputs_.pollEvents(dirty_ || hurried || scriptReady() ? 0 : 0.02);
+        for (const present::Event& event : events) handle(event);
+        if (!outputs_.wanted()) ended_ = true;
+        if (arguments_.duration > 0 && secondsSince(started_) > arguments_.duration) ended_ = true;
+        runScript();
+        controls_.play();
+        ask();
+        take();
+        draw(!events.empty());
+    }
+
+    void handle(const present::Event& event) {
+        const LiveControls::Effect effect = controls_.handle(event);
+        if (effect == LiveControls::Effect::quit) ended_ = true;
+        if (effect == LiveControls::Effect::fullScreen) outputs_.toggleFullScreen(event.window);
+    }
+
+    // Asks for light whenever what decides it is not what it was; the latest wins.
+    void ask() {
+        if (!controls_.lightChanged()) return;
+        LightRequest request = controls_.request();
+        request.asked = LiveClock::now();
+        light_.ask(std::move(request));
+    }
+
+    void take() {
+        std::optional<LitScene> ready = light_.take();
+        if (!ready) return;
+        if (ready->frame) outputs_.replaceScene(std::move(*ready->frame));
+        ready->frame.reset();
+        const bool same = lit_ && ready->moment == lit_->moment && !ready->fromPicture;
+        if (ready->fromPicture) rows_.push_back(ready->scene->row);
+        lit_ = std::move(*ready);
+        if (!same) dirty_ = fresh_ = true;
+    }
+
+    bool operatorDue(double after) const { return secondsSince(operatorDrawn_) > after; }
+
+    void draw(bool events) {
+        if (controls_.pictureChanged()) dirty_ = true;
+        const bool operatorNow =
+            (operatorDue(kOperatorBusy) &&
+             (events || dirty_ || controls_.values.playing || outputs_.operatorBusy())) ||
+            operatorDue(kOperatorIdle);
+        if (!dirty_ && !operatorNow && !outputs_.damaged()) return;
+        const compute::Stopwatch watch;
+        const bool projectors = dirty_;
+        if (dirty_) {
+            if (lit_) outputs_.drawLight(lit_->moment->lighting, controls_.tone());
+            outputs_.choose(controls_.values.shown, lit_.has_value());
+            if (lit_ && controls_.values.shown == present::Shown::light) table_.lightChanged();
+            dirty_ = false;
+        }
+        if (operatorNow) {
+            present::OperatorActions actions;
+            outputs_.drawOperator(controls_.values, status(), actions);
+            operatorDrawn_ = LiveClock::now();
+            if (actions.quit) ended_ = true;
+            for (size_t output : actions.toggleFullScreen) outputs_.toggleFullScreen(output);
+        }
+        outputs_.present(projectors, operatorNow);
+        if (projectors) count(watch.seconds());
+    }
+
+    // A state is on all outputs.
+    void count(double seconds) {
+        figures_.draw.add(seconds);
+        ++figures_.frames;
+        frameTimes_.push_back(LiveClock::now());
+        std::erase_if(frameTimes_, [](LiveClock::time_point t) { return secondsSince(t) > 2; });
+        figures_.framesPerSecond =
+            frameTimes_.size() < 2
+                ? 0
+                : static_cast<double>(frameTimes_.size() - 1) /
+                      std::max(
+                          1e-3,
+                          std::chrono::duration<double>(frameTimes_.back() - frameTimes_.front()).count());
+        if (!fresh_ || !lit_) return;
+        fresh_ = false;
+        if (lit_->fromPicture)
+            figures_.photoToLight.add(secondsSince(lit_->scene->taken));
+        else
+            figures_.wheelToLight.add(secondsSince(lit_->asked));
+        lit_->fromPicture = false;
+    }
+
+    present::OperatorStatus status() {
+        const LiveStatus now = board_.read();
+        present::OperatorStatus status;
+        controls_.describe(status);
+        status.camera = now.camera;
+        status.cameraFails = now.cameraFails;
+        status.working = now.tableMoves        ? "waiting until the table is still"
+                         : now.working.empty() ? ""
+                                               : now.working + " ...";
+        status.refused = now.refused;
+        status.warnings = now.detectWarnings;
+        for (const auto& warning : now.scene.value("warnings", nlohmann::json::array()))
+            status.warnings.push_back(warning.get<std::string>());
+        status.facts = factsOf(now, lit_ ? &*lit_ : nullptr, figures_);
+        status.outlines = outlinesOf(now.seen, rig_);
+        status.cameraPicture = outputs_.cameraPicture(now.photo);
+        if (lit_) {
+            const passes::Tone tone = controls_.tone();
+            status.whiteLux = tone.whiteLux.value_or(lit_->autoWhite);
+            if (controls_.values.falseColour) status.scale = passes::falseScale(tone, lit_->shownLux);
+        }
+        return status;
+    }
+
+    // ---- Scripts ----
+
+    bool settled() const {
+        return board_.idle() && !light_.hasReady() && !dirty_ && !controls_.lightChanged();
+    }
+
+    bool scriptReady() const {
+        if (step_ >= script_.size() || LiveClock::now() < sleepUntil_) return false;
+        return !std::holds_alternative<WaitStep>(script_[step_]) || settled();
+    }
+
+    void runScript() {
+        if (!scriptReady()) return;
+        const ScriptStep step = script_[step_++];
+        if (const auto* sleep = std::get_if<SleepStep>(&step))
+            sleepUntil_ = LiveClock::now() + std::chrono::duration_cast<LiveClock::duration>(
+                                                 std::chrono::duration<double>(sleep->seconds));
+        if (const auto* time = std::get_if<TimeStep>(&step)) controls_.setTime(time->time);
+        if (const auto* sky = std::get_if<SkyStep>(&step)) {
+            SkySource(source_.site(), sky->sky, 90).skyAt(source_.moment()); // throws on what is none
+            controls_.values.sky = sky->sky;
+        }
+        if (const auto* event = std::get_if<EventStep>(&step)) handle(event->event);
+        if (const auto* resize = std::get_if<ResizeStep>(&step))
+            outputs_.resize(resize->window, resize->width, resize->height);
+        if (const auto* close = std::get_if<CloseStep>(&step)) outputs_.close(close->window);
+        if (const auto* shot = std::get_if<SnapshotStep>(&step)) snapshot(shot->name);
+        if (std::holds_alternative<QuitStep>(step)) ended_ = true;
+    }
+
+    void snapshot(const std::string& name) {
+        const OutputFolder folder(arguments_.snapshots);
+        present::OperatorActions ignored;
+        outputs_.drawOperator(controls_.values, status(), ignored);
+        outputs_.snapshot(arguments_.snapshots, name);
+    }
+
+    Run& run_;
+    const LiveArguments& arguments_;
+    geometry::Rig rig_;
+    SkySource source_;
+    LiveControls controls_;
+    std::vector<ScriptStep> script_;
+    size_t step_ = 0;
+    LiveClock::time_point started_ = LiveClock::now(), operatorDrawn_{}, sleepUntil_{};
+    bool ended_ = false;
+    bool dirty_ = true;  // what the projectors show is not what it should be
+    bool fresh_ = false; // there is light that no output shows yet
+    std::optional<LitScene> lit_;
+    LiveFigures figures_;
+    std::vector<LiveClock::time_point> frameTimes_;
+    std::vector<std::string> rows_; // what each new sketch took
+    LiveBoard board_;
+    Latest<SeenTable> tables_;
+    LiveOutputs outputs_;
+    DeviceSlots slots_;
+    LiveLight light_;      // its transport gives a slot back
+    LiveSceneMaker maker_; // delivers to the light
+    LiveTable table_;      // delivers to the maker
+};
+
+} // namespace
+
+void execute(Run& run, const LiveArguments& arguments) {
+    LiveArguments complete = arguments;
+    if (complete.camera.empty()) complete.camera = "aravis:";
+    complete.scene.input = complete.camera; // named where a sketch is refused
+    LiveSession session(run, complete);
+    try {
+        session.show();
+    } catch (const Interrupted&) { // the usual end of a program that has none of its own
+    }
+    session.report();
+}
+
+} // namespace heliodon::app

@@ -1,0 +1,80 @@
+// What the threads of `live` tell about themselves, for the operator's window and the report.
+#pragma once
+
+#include <chrono>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "geometry/sketch.h"
+#include "vision/photograph.h"
+
+namespace heliodon::app {
+
+using LiveClock = std::chrono::steady_clock;
+
+inline double secondsSince(LiveClock::time_point start) {
+    return std::chrono::duration<double>(LiveClock::now() - start).count();
+}
+
+struct LiveStatus {
+    std::string camera = "no camera yet"; // what it is, or why there is none
+    bool cameraFails = false, tableMoves = false;
+    std::shared_ptr<const vision::Photograph> photo; // the latest
+    geometry::Sketch seen;                           // what was detected last
+    double detectSeconds = 0;
+    std::vector<std::string> detectWarnings;
+    std::string working;                             // on a new sketch: what is being done
+    std::string refused;                             // why the latest sketch or picture is not shown
+    nlohmann::json scene = nlohmann::json::object(); // report of the sketch that is shown
+    size_t pictures = 0, detections = 0, sketches = 0, refusals = 0, cameraLosses = 0;
+};
+
+class LiveBoard {
+public:
+    template<class F> void update(F change) {
+        const std::lock_guard lock(mutex_);
+        change(status_);
+    }
+    LiveStatus read() const {
+        const std::lock_guard lock(mutex_);
+        return status_;
+    }
+
+    // Every piece of work is announced by whoever hands it over, before, and ended by whoever does it, after
+    // it has handed on what comes of it: so where nothing is pending nothing is on its way.
+    void begin() {
+        const std::lock_guard lock(mutex_);
+        ++pending_;
+    }
+    void end(int pieces = 1) {
+        const std::lock_guard lock(mutex_);
+        pending_ -= pieces;
+    }
+    bool idle() const {
+        const std::lock_guard lock(mutex_);
+        return pending_ == 0;
+    }
+
+    // What a thread cannot go on from; the first is kept, for the thread that shows.
+    void fail(std::exception_ptr why) {
+        const std::lock_guard lock(mutex_);
+        if (!failure_) failure_ = why;
+    }
+    void rethrow() const {
+        const std::lock_guard lock(mutex_);
+        if (failure_) std::rethrow_exception(failure_);
+    }
+
+private:
+    mutable std::mutex mutex_;
+    LiveStatus status_;
+    int pending_ = 0;
+    std::exception_ptr failure_;
+};
+
+} // namespace heliodon::app

@@ -1,0 +1,112 @@
+#include "engine/app/live_light.h"
+
+#include "engine/app/interrupt.h"
+#include "engine/app/sky_tint.h"
+#include "engine/passes/frame_light.h"
+
+namespace heliodon::app {
+
+LiveLight::LiveLight(LiveBoard& board, std::function<void()> ready)
+    : board_(board), onReady_(std::move(ready)), thread_([this] { run(); }) {}
+
+LiveLight::~LiveLight() {
+    {
+        const std::lock_guard lock(mutex_);
+        stop_ = true;
+        changed_.notify_all();
+    }
+    thread_.join();
+}
+
+void LiveLight::ask(LightRequest request) {
+    const std::lock_guard lock(mutex_);
+    if (!asked_) board_.begin();
+    asked_ = std::move(request);
+    changed_.notify_all();
+}
+
+void LiveLight::change(SceneChange change) {
+    const std::lock_guard lock(mutex_);
+    board_.begin();
+    changes_.push_back(std::move(change));
+    changed_.notify_all();
+}
+
+std::optional<LitScene> LiveLight::take() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(ready_, std::nullopt);
+}
+
+bool LiveLight::hasReady() const {
+    const std::lock_guard lock(mutex_);
+    return ready_.has_value();
+}
+
+void LiveLight::run() {
+    try {
+        for (;;) {
+            std::vector<SceneChange> changes;
+            std::optional<LightRequest> asked;
+            {
+                std::unique_lock lock(mutex_);
+                changed_.wait(lock, [this] { return stop_ || asked_ || !changes_.empty(); });
+                if (stop_) return;
+                changes.swap(changes_);
+                asked.swap(asked_);
+            }
+            const int pieces = static_cast<int>(changes.size()) + (asked ? 1 : 0);
+            for (SceneChange& change : changes) {
+                if (change.transport)
+                    transport_ = std::move(change.transport);
+                else if (change.frame)
+                    transport_->transport->setMaterials(change.scene->scene.mesh.materials);
+                if (change.frame) frame_ = std::move(change.frame);
+                scene_ = std::move(change.scene);
+                sky_.reset(); // solve anew
+            }
+            if (asked) request_ = std::move(*asked), hasRequest_ = true;
+            if (scene_ && hasRequest_) solve(!changes.empty());
+            board_.end(pieces);
+            onReady_();
+        }
+    } catch (const Interrupted&) {
+    } catch (...) {
+        board_.fail(std::current_exception());
+    }
+}
+
+void LiveLight::solve(bool fromPicture) {
+    const compute::Stopwatch watch;
+    const Scene& scene = scene_->scene;
+    const SkySource source(request_.site, request_.sky, scene.northDeg);
+    const daylight::Sky sky = source.skyAt(request_.time);
+    LitScene lit;
+    if (sky_ && sameLight(*sky_, sky) && coloured_ == request_.coloured) {
+        ++repeated_;
+    } else {
+        compute::DaylightTransport& transport = *transport_->transport;
+        compute::Moment moment = transport.light(sky);
+        if (request_.coloured) tintLight(transport, std::span(&sky, 1), std::span(&moment, 1));
+        moment_ = std::make_shared<const compute::Moment>(std::move(moment));
+        ++solved_;
+    }
+    sky_ = sky;
+    coloured_ = request_.coloured;
+    lit.figures = lightFigures(scene.mesh, *moment_);
+    lit.autoWhite = passes::autoWhite(scene.mesh, moment_->lighting);
+    lit.shownLux = passes::shownLux(scene.mesh, moment_->lighting);
+    lit.scene = scene_;
+    lit.frame = std::move(frame_);
+    lit.moment = moment_;
+    lit.solveSeconds = watch.seconds();
+    lit.asked = request_.asked;
+    lit.fromPicture = fromPicture;
+    const std::lock_guard lock(mutex_);
+    if (ready_) { // not taken yet: what it brought still counts
+        if (!lit.frame) lit.frame = std::move(ready_->frame);
+        lit.fromPicture = lit.fromPicture || ready_->fromPicture;
+    }
+    ready_ = std::move(lit);
+}
+
+} // namespace heliodon::app

@@ -1,0 +1,84 @@
+// The thread of `live` that solves the light of a moment, always the latest that was asked for.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "compute/daylight/sky.h"
+#include "engine/app/light_report.h"
+#include "engine/app/live_scene.h"
+#include "engine/app/moment.h"
+
+namespace heliodon::app {
+
+struct LightRequest {
+    daylight::Moment time;
+    daylight::Site site;
+    std::string sky; // as --sky has it
+    bool coloured = false;
+    LiveClock::time_point asked;
+};
+
+// A whole state: what all outputs are to show from one moment on.
+struct LitScene {
+    std::shared_ptr<const LiveScene> scene;
+    std::unique_ptr<passes::FrameScene> frame;     // null: drawn as before
+    std::shared_ptr<const compute::Moment> moment; // the same object as before: the same light
+    LightFigures figures;
+    double autoWhite = 0, solveSeconds = 0;
+    std::vector<float> shownLux;
+    LiveClock::time_point asked; // for this moment
+    bool fromPicture = false;    // the scene is new: its picture was taken at scene->taken
+};
+
+class LiveLight {
+public:
+    // `ready` is called from the thread when there is something to take.
+    LiveLight(LiveBoard& board, std::function<void()> ready);
+    ~LiveLight();
+    LiveLight(const LiveLight&) = delete;
+    LiveLight& operator=(const LiveLight&) = delete;
+
+    // From any thread; only the latest request is worked on. Changes of the scene are all taken, in order.
+    void ask(LightRequest request);
+    void change(SceneChange change);
+    // The latest state that is ready, once. A frame that goes with an earlier one is handed on with it.
+    std::optional<LitScene> take();
+    bool hasReady() const;
+
+    // Moments that were solved, and those that had the same light as the one before.
+    size_t solved() const { return solved_; }
+    size_t repeated() const { return repeated_; }
+
+private:
+    void run();
+    void solve(bool fromPicture);
+
+    LiveBoard& board_;
+    std::function<void()> onReady_;
+    mutable std::mutex mutex_;
+    std::condition_variable changed_;
+    std::vector<SceneChange> changes_;
+    std::optional<LightRequest> asked_;
+    std::optional<LitScene> ready_;
+    bool stop_ = false;
+    std::atomic<size_t> solved_ = 0, repeated_ = 0;
+    // Of the thread alone.
+    LightRequest request_;
+    bool hasRequest_ = false;
+    std::shared_ptr<const LiveScene> scene_;
+    std::unique_ptr<passes::FrameScene> frame_; // not handed on yet
+    std::unique_ptr<SlottedTransport> transport_;
+    std::shared_ptr<const compute::Moment> moment_;
+    std::optional<daylight::Sky> sky_;
+    bool coloured_ = false;
+    std::thread thread_; // last: it uses all of the above
+};
+
+} // namespace heliodon::app

@@ -1,0 +1,218 @@
+#include "engine/app/live_outputs.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "engine/app/test_pictures.h"
+#include "engine/passes/image_file.h"
+#include "geometry/input_error.h"
+
+namespace heliodon::app {
+
+namespace {
+
+constexpr int kOperatorWidth = 1320, kOperatorHeight = 840;
+constexpr double kCameraSeconds = 0.2; // from one camera picture in the operator's window to the next
+
+present::WindowOptions projectorWindow(const geometry::Projector& projector, size_t i,
+                                       const LiveArguments& arguments) {
+    present::WindowOptions options;
+    options.title = fmt::format("projector {}: {}", i, projector.id);
+    const double scale = arguments.windowScale;
+    options.width = std::max(1, static_cast<int>(std::lround(scale * projector.width)));
+    options.height = std::max(1, static_cast<int>(std::lround(scale * projector.height)));
+    if (!arguments.windowed) options.display = projector.display;
+    const int column = static_cast<int>(i % 2), row = static_cast<int>(i / 2);
+    options.position = {column * options.width, row * options.height};
+    return options;
+}
+
+// On a display that is no projector's, where there is one.
+present::WindowOptions operatorWindow(const geometry::Rig& rig, bool windowed) {
+    present::WindowOptions options{"heliodon", kOperatorWidth, kOperatorHeight};
+    const std::vector<present::Display> displays = present::displays();
+    const auto isProjectors = [&](const present::Display& display) {
+        return !windowed && std::any_of(rig.projectors.begin(), rig.projectors.end(),
+                                        [&](const auto& p) { return p.display == display.name; });
+    };
+    auto at = std::find_if_not(displays.begin(), displays.end(), isProjectors);
+    if (at == displays.end()) at = displays.begin();
+    if (at == displays.end()) return options;
+    options.width = std::min(options.width, std::max(640, at->width - 40));
+    options.height = std::min(options.height, std::max(480, at->height - 60));
+    // To the right, beside windows of projectors where these are small.
+    options.position = {at->x + std::max(0, at->width - options.width), at->y};
+    return options;
+}
+
+} // namespace
+
+LiveOutputs::LiveOutputs(Run& run, const geometry::Rig& rig, const LiveArguments& arguments)
+    : run_(run), rig_(rig) {
+    if (rig.projectors.empty())
+        throw geometry::InputError(arguments.scene.rig.string(), "projectors",
+                                   "there is none to show anything on");
+    device_ = run.anotherDevice(present::withWindows);
+    std::vector<present::WindowOptions> windows;
+    for (size_t i = 0; i < rig.projectors.size(); ++i) {
+        windows.push_back(projectorWindow(rig.projectors[i], i, arguments));
+        if (!arguments.windowed && rig.projectors[i].display.empty())
+            run.warn(fmt::format("{}: projectors[{}].display: names no display: '{}' is shown in a window",
+                                 arguments.scene.rig.string(), i, rig.projectors[i].id));
+    }
+    windows.push_back(operatorWindow(rig, arguments.windowed));
+    presenter_.emplace(*device_, windows);
+    operator_ = std::make_unique<present::OperatorWindow>(*device_, *presenter_, operatorIndex());
+    notices_.resize(windows.size());
+    chosen_.resize(rig.projectors.size());
+    choose(present::Shown::light, false);
+}
+
+LiveOutputs::~LiveOutputs() {
+    operator_.reset(); // it listens to a window
+}
+
+std::vector<present::Event> LiveOutputs::pollEvents(double waitSeconds) {
+    std::vector<present::Event> events = presenter_->pollEvents(waitSeconds);
+    for (size_t i = 0; i < notices_.size(); ++i) {
+        const std::string& notice = presenter_->notice(i);
+        if (notice != notices_[i] && !notice.empty()) run_.warn(notice);
+        notices_[i] = notice;
+    }
+    std::erase_if(events, [this](const present::Event& event) {
+        return event.kind == present::Event::Kind::key && takesKeys(event.window);
+    });
+    return events;
+}
+
+bool LiveOutputs::wanted() const {
+    const auto open = [this](size_t i) { return presenter_->state(i) != present::WindowState::closed; };
+    bool any = false;
+    for (size_t i = 0; i < operatorIndex(); ++i) any = any || open(i);
+    return any && open(operatorIndex());
+}
+
+bool LiveOutputs::damaged() const {
+    for (size_t i = 0; i < presenter_->size(); ++i)
+        if (presenter_->damaged(i) && presenter_->state(i) == present::WindowState::open) return true;
+    return false;
+}
+
+bool LiveOutputs::takesKeys(size_t window) const {
+    return window == operatorIndex() && operator_->takesKeys();
+}
+
+void LiveOutputs::toggleFullScreen(size_t window) {
+    if (presenter_->state(window) != present::WindowState::closed)
+        presenter_->setFullScreen(window, !presenter_->fullScreen(window));
+}
+
+void LiveOutputs::resize(size_t window, int width, int height) {
+    presenter_->resize(window, width, height);
+}
+
+void LiveOutputs::close(size_t window) {
+    presenter_->close(window);
+}
+
+void LiveOutputs::replaceScene(passes::FrameScene scene) {
+    if (renderer_)
+        renderer_->replace(std::move(scene));
+    else
+        renderer_.emplace(*device_, std::move(scene));
+    light_.clear();
+}
+
+void LiveOutputs::drawLight(const compute::Lighting& light, const passes::Tone& tone) {
+    passes::ProjectorOptions options;
+    options.tone = tone;
+    light_ = renderer_->drawProjectors(light, options);
+}
+
+const gpu::Image* LiveOutputs::testPicture(size_t projector, present::Shown shown) {
+    if (tested_ != shown) {
+        tests_.clear();
+        for (size_t i = 0; i < rig_.projectors.size(); ++i) {
+            const geometry::Projector& p = rig_.projectors[i];
+            const passes::Image8 picture = shown == present::Shown::grid ? gridPicture(p)
+                                           : shown == present::Shown::identify
+                                               ? namePicture(p, i)
+                                               : plainPicture(p, shown == present::Shown::white ? 255 : 0);
+            tests_.push_back(present::uploaded(*device_, picture, "test picture"));
+        }
+        tested_ = shown;
+    }
+    return &tests_[projector];
+}
+
+void LiveOutputs::choose(present::Shown shown, bool haveLight) {
+    const bool light = shown == present::Shown::light && haveLight;
+    for (size_t i = 0; i < chosen_.size(); ++i)
+        chosen_[i] = light ? light_[i]
+                           : testPicture(i, shown == present::Shown::light ? present::Shown::black : shown);
+}
+
+const gpu::Image* LiveOutputs::cameraPicture(const std::shared_ptr<const vision::Photograph>& photo) {
+    const auto now = std::chrono::steady_clock::now();
+    if (photo && photo != cameraShown_ &&
+        std::chrono::duration<double>(now - cameraSent_).count() > kCameraSeconds) {
+        camera_ = present::uploaded(*device_, {photo->width, photo->height, photo->rgb}, "camera picture");
+        cameraShown_ = photo;
+        cameraSent_ = now;
+    }
+    return camera_.valid() ? &camera_ : nullptr;
+}
+
+void LiveOutputs::drawOperator(present::OperatorControls& controls, present::OperatorStatus status,
+                               present::OperatorActions& actions) {
+    for (size_t i = 0; i < operatorIndex(); ++i) {
+        const geometry::Projector& projector = rig_.projectors[i];
+        present::OperatorOutput output;
+        output.title = fmt::format("{}  {}", i, projector.id);
+        output.open = presenter_->state(i) != present::WindowState::closed;
+        output.fullScreen = presenter_->fullScreen(i);
+        output.picture = chosen_[i];
+        output.state = !output.open           ? presenter_->reason(i)
+                       : output.fullScreen    ? "display " + projector.display
+                       : !notices_[i].empty() ? "no " + projector.display + ": window"
+                                              : "window";
+        status.outputs.push_back(std::move(output));
+        if (!notices_[i].empty()) status.warnings.push_back(notices_[i]);
+    }
+    operatorPicture_ = operator_->draw(controls, status, actions);
+}
+
+void LiveOutputs::present(bool projectors, bool operatorToo) {
+    std::vector<const gpu::Image*> pictures(presenter_->size(), nullptr);
+    for (size_t i = 0; i < operatorIndex(); ++i)
+        if (projectors || presenter_->damaged(i)) pictures[i] = chosen_[i];
+    if (operatorToo || presenter_->damaged(operatorIndex())) pictures[operatorIndex()] = operatorPicture_;
+    presenter_->present(pictures);
+}
+
+void LiveOutputs::snapshot(const std::filesystem::path& folder, const std::string& name) {
+    presenter_->keepCopies(true);
+    present(true, true);
+    presenter_->keepCopies(false);
+    for (size_t i = 0; i < presenter_->size(); ++i) {
+        const auto shown = presenter_->lastShown(i);
+        if (!shown || presenter_->state(i) == present::WindowState::closed) continue;
+        const std::string window = i == operatorIndex() ? "operator" : fmt::format("projector-{}", i);
+        passes::writePng(*shown, folder / fmt::format("{}-{}.png", name, window));
+    }
+}
+
+nlohmann::json LiveOutputs::report() const {
+    nlohmann::json list = nlohmann::json::array();
+    for (size_t i = 0; i < operatorIndex(); ++i)
+        list.push_back({{"projector", rig_.projectors[i].id},
+                        {"display", rig_.projectors[i].display},
+                        {"full_screen", presenter_->fullScreen(i)},
+                        {"notice", presenter_->notice(i)},
+                        {"closed", presenter_->reason(i)}});
+    return list;
+}
+
+} // namespace heliodon::app

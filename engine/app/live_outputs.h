@@ -1,0 +1,76 @@
+// The windows of `live`: one per projector, drawn by the hybrid renderer, and the operator's. All of it in
+// one thread, on a device of its own.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compute/gpu/image.h"
+#include "engine/app/run.h"
+#include "engine/passes/frame_renderer.h"
+#include "engine/present/operator_window.h"
+#include "geometry/rig.h"
+#include "vision/photograph.h"
+
+namespace heliodon::app {
+
+class LiveOutputs {
+public:
+    // Opens the windows. A display that is missing is warned of.
+    LiveOutputs(Run& run, const geometry::Rig& rig, const LiveArguments& arguments);
+    ~LiveOutputs();
+
+    std::vector<present::Event> pollEvents(double waitSeconds);
+    // The operator's window is open, and one of a projector.
+    bool wanted() const;
+    // Some window wants its picture again.
+    bool damaged() const;
+    bool operatorBusy() const { return operator_->isBusy(); }
+    // The user is typing there.
+    bool takesKeys(size_t window) const;
+
+    void toggleFullScreen(size_t window);
+    void resize(size_t window, int width, int height);
+    void close(size_t window);
+
+    // Another room, to be drawn before anything else is.
+    void replaceScene(passes::FrameScene scene);
+    // Submitted, not waited for.
+    void drawLight(const compute::Lighting& light, const passes::Tone& tone);
+    // What projectors show from the next presentation on; black where light is wanted and there is none yet.
+    void choose(present::Shown shown, bool haveLight);
+    const gpu::Image* cameraPicture(const std::shared_ptr<const vision::Photograph>& photo);
+    // Fills in `outputs` of the status.
+    void drawOperator(present::OperatorControls& controls, present::OperatorStatus status,
+                      present::OperatorActions& actions);
+    // All at once, windows that have lost their picture included.
+    void present(bool projectors, bool operatorToo);
+    // NAME-projector-0.png ..., NAME-operator.png: what the windows hold after one more presentation.
+    void snapshot(const std::filesystem::path& folder, const std::string& name);
+
+    nlohmann::json report() const;
+
+private:
+    size_t operatorIndex() const { return rig_.projectors.size(); }
+    const gpu::Image* testPicture(size_t projector, present::Shown shown);
+
+    Run& run_;
+    const geometry::Rig& rig_;
+    std::unique_ptr<gpu::Device> device_;
+    std::optional<present::Presenter> presenter_;
+    std::unique_ptr<present::OperatorWindow> operator_;
+    std::optional<passes::FrameRenderer> renderer_;
+    std::vector<const gpu::Image*> light_, chosen_; // per projector
+    std::vector<gpu::Image> tests_;
+    present::Shown tested_ = present::Shown::light; // what `tests_` hold; light: nothing
+    const gpu::Image* operatorPicture_ = nullptr;
+    gpu::Image camera_;
+    std::shared_ptr<const vision::Photograph> cameraShown_;
+    std::chrono::steady_clock::time_point cameraSent_{};
+    std::vector<std::string> notices_;
+};
+
+} // namespace heliodon::app

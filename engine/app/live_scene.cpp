@@ -1,0 +1,164 @@
+#include "engine/app/live_scene.h"
+
+#include <algorithm>
+#include <future>
+#include <map>
+
+#include "compute/gpu/error.h"
+#include "engine/app/interrupt.h"
+#include "engine/app/light_report.h"
+#include "geometry/input_error.h"
+
+namespace heliodon::app {
+
+namespace {
+
+// A material of its own for each surface, so that a token changes numbers and not what they belong to.
+void separateMaterials(geometry::PatchMesh& mesh) {
+    std::map<std::pair<uint32_t, uint32_t>, uint32_t> index;
+    std::vector<geometry::Material> materials;
+    for (size_t i = 0; i < mesh.patchCount(); ++i) {
+        const auto [at, isNew] =
+            index.try_emplace({mesh.surface[i], mesh.room[i]}, static_cast<uint32_t>(materials.size()));
+        if (isNew) materials.push_back(mesh.materials[mesh.material[i]]);
+        const bool same = materials[at->second].name == mesh.materials[mesh.material[i]].name;
+        if (!same) return; // surfaces of several materials: as it was
+    }
+    for (size_t i = 0; i < mesh.patchCount(); ++i)
+        mesh.material[i] = index.at({mesh.surface[i], mesh.room[i]});
+    mesh.materials = std::move(materials);
+}
+
+bool sameGeometry(const Scene& a, const Scene& b) {
+    const geometry::PatchMesh &m = a.mesh, &n = b.mesh;
+    return m.vertices == n.vertices && m.corners == n.corners && m.firstCorner == n.firstCorner &&
+           m.material == n.material && m.role == n.role && m.surface == n.surface && m.room == n.room &&
+           m.twin == n.twin && m.materials.size() == n.materials.size() &&
+           a.occluders.vertices == b.occluders.vertices && a.occluders.triangles == b.occluders.triangles;
+}
+
+bool sameMaterials(const Scene& a, const Scene& b) {
+    return std::equal(a.mesh.materials.begin(), a.mesh.materials.end(), b.mesh.materials.begin(),
+                      [](const geometry::Material& m, const geometry::Material& n) {
+                          return m.reflectance == n.reflectance && m.transmittance == n.transmittance &&
+                                 m.refractiveIndex == n.refractiveIndex && m.exitance == n.exitance &&
+                                 m.blind == n.blind;
+                      });
+}
+
+} // namespace
+
+std::optional<size_t> DeviceSlots::acquire() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return closed_ || !taken_[0] || !taken_[1]; });
+    if (closed_) return std::nullopt;
+    const size_t slot = taken_[0] ? 1 : 0;
+    taken_[slot] = true;
+    lock.unlock();
+    if (!devices_[slot]) devices_[slot] = run_.anotherDevice();
+    return slot;
+}
+
+void DeviceSlots::release(size_t slot) {
+    const std::lock_guard lock(mutex_);
+    taken_[slot] = false;
+    changed_.notify_all();
+}
+
+void DeviceSlots::close() {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+    changed_.notify_all();
+}
+
+gpu::Device& DeviceSlots::device(size_t slot) {
+    return *devices_[slot];
+}
+
+LiveSceneMaker::LiveSceneMaker(const SceneArguments& arguments, const geometry::Rig& rig, DeviceSlots& slots,
+                               LiveBoard& board, Latest<SeenTable>& in,
+                               std::function<void(SceneChange)> deliver)
+    : arguments_(arguments), rig_(rig), slots_(slots), board_(board), in_(in), deliver_(std::move(deliver)),
+      thread_([this] { run(); }) {}
+
+LiveSceneMaker::~LiveSceneMaker() {
+    in_.close();
+    slots_.close();
+    thread_.join();
+}
+
+void LiveSceneMaker::run() {
+    const auto refuse = [this](const std::string& why) {
+        board_.update([&](LiveStatus& status) {
+            status.refused = why;
+            status.working.clear();
+            ++status.refusals;
+        });
+    };
+    while (const std::optional<SeenTable> seen = in_.take()) {
+        try {
+            make(*seen);
+        } catch (const geometry::InputError& error) {
+            refuse(error.what());
+        } catch (const Interrupted&) {
+            return;
+        } catch (const gpu::Error& error) {
+            if (error.deviceLost()) {
+                board_.fail(std::current_exception());
+                return;
+            }
+            refuse(error.what());
+        } catch (const std::bad_alloc&) {
+            refuse("the sketch needs more memory than there is");
+        } catch (const std::exception& error) {
+            refuse(error.what());
+        }
+        board_.end();
+    }
+}
+
+void LiveSceneMaker::make(const SeenTable& seen) {
+    const auto doing = [this](const std::string& what) {
+        board_.update([&](LiveStatus& status) { status.working = what; });
+    };
+    Run run(Arguments{"live", {.quiet = true}, {}}); // its report only: warnings and stages of this sketch
+    auto made = std::make_shared<LiveScene>();
+    made->taken = seen.taken;
+    doing("working out the rooms");
+    made->scene = makeScene(run, arguments_, rig_, seen.sketch);
+    Scene& scene = made->scene;
+    separateMaterials(scene.mesh);
+    SceneChange change;
+    const bool shape = before_ && sameGeometry(before_->scene, scene),
+               paint = shape && sameMaterials(before_->scene, scene);
+    made->row = paint ? "north" : shape ? "materials" : "geometry";
+    std::future<std::unique_ptr<passes::FrameScene>> frame;
+    if (!paint)
+        frame = std::async(std::launch::async, [&] {
+            return std::make_unique<passes::FrameScene>(scene.mesh, scene.occluders, &rig_);
+        });
+    if (!shape) {
+        doing("form factors");
+        const std::optional<size_t> slot = slots_.acquire();
+        if (!slot) return;
+        change.transport = std::make_unique<SlottedTransport>(slots_, *slot);
+        change.transport->transport = makeTransport(run, change.transport->device(), scene.mesh, {});
+    }
+    if (frame.valid()) {
+        doing("what the projectors see");
+        const StageTimer timer(run, "prepare"); // what is left of it
+        change.frame = frame.get();
+    }
+    made->report = run.report();
+    change.scene = made;
+    before_ = made;
+    board_.update([&](LiveStatus& status) {
+        status.working.clear();
+        status.refused.clear();
+        status.scene = made->report;
+        ++status.sketches;
+    });
+    deliver_(std::move(change));
+}
+
+} // namespace heliodon::app

@@ -1,0 +1,93 @@
+// The thread of `live` that makes rooms of sketches: closing, meshing, form factors, what projectors see.
+#pragma once
+
+#include <array>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include "compute/daylight_transport.h"
+#include "engine/app/live_table.h"
+#include "engine/app/run.h"
+#include "engine/app/scene_input.h"
+#include "engine/passes/frame_scene.h"
+
+namespace heliodon::app {
+
+struct LiveScene {
+    Scene scene;
+    nlohmann::json report;       // of the work on it
+    LiveClock::time_point taken; // the picture that it was seen in
+    std::string row;             // what had to be done again: "geometry", "materials" or "north"
+};
+
+// Two devices take turns: one solves light for what is shown while the other works on what is to come.
+class DeviceSlots {
+public:
+    explicit DeviceSlots(Run& run) : run_(run) {}
+    // Waits for a free one. None once they are closed.
+    std::optional<size_t> acquire();
+    void release(size_t slot);
+    void close();
+    gpu::Device& device(size_t slot);
+
+private:
+    Run& run_;
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    std::array<std::unique_ptr<gpu::Device>, 2> devices_;
+    std::array<bool, 2> taken_{};
+    bool closed_ = false;
+};
+
+// A transport with the device that it is on; the slot is free when it is gone.
+class SlottedTransport {
+public:
+    SlottedTransport(DeviceSlots& slots, size_t slot) : slots_(slots), slot_(slot) {}
+    ~SlottedTransport() {
+        transport.reset();
+        slots_.release(slot_);
+    }
+    SlottedTransport(const SlottedTransport&) = delete;
+    SlottedTransport& operator=(const SlottedTransport&) = delete;
+
+    gpu::Device& device() { return slots_.device(slot_); }
+    std::unique_ptr<compute::DaylightTransport> transport;
+
+private:
+    DeviceSlots& slots_;
+    size_t slot_;
+};
+
+struct SceneChange {
+    std::shared_ptr<const LiveScene> scene;
+    std::unique_ptr<passes::FrameScene> frame;   // null: drawn as before
+    std::unique_ptr<SlottedTransport> transport; // null: that of before, with the scene's materials
+};
+
+class LiveSceneMaker {
+public:
+    // `deliver` is called from the thread; nothing is made while it lasts.
+    LiveSceneMaker(const SceneArguments& arguments, const geometry::Rig& rig, DeviceSlots& slots,
+                   LiveBoard& board, Latest<SeenTable>& in, std::function<void(SceneChange)> deliver);
+    ~LiveSceneMaker();
+    LiveSceneMaker(const LiveSceneMaker&) = delete;
+    LiveSceneMaker& operator=(const LiveSceneMaker&) = delete;
+
+private:
+    void run();
+    void make(const SeenTable& seen);
+
+    const SceneArguments& arguments_;
+    const geometry::Rig& rig_;
+    DeviceSlots& slots_;
+    LiveBoard& board_;
+    Latest<SeenTable>& in_;
+    std::function<void(SceneChange)> deliver_;
+    std::shared_ptr<const LiveScene> before_;
+    std::thread thread_; // last: it uses all of the above
+};
+
+} // namespace heliodon::app

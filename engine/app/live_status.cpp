@@ -1,0 +1,102 @@
+#include "engine/app/live_status.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+namespace heliodon::app {
+
+namespace {
+
+using Colour = std::array<float, 3>;
+
+Colour colourOf(geometry::HeightClass c) {
+    return c == geometry::HeightClass::red    ? Colour{1, 0.35f, 0.30f}
+           : c == geometry::HeightClass::blue ? Colour{0.35f, 0.60f, 1}
+                                              : Colour{0.30f, 0.90f, 0.45f};
+}
+
+Colour colourOf(geometry::WindowKind k) {
+    return k == geometry::WindowKind::standard  ? Colour{0, 0.92f, 0.96f}
+           : k == geometry::WindowKind::picture ? Colour{1, 0.40f, 0.90f}
+                                                : Colour{1, 0.88f, 0.20f};
+}
+
+std::string duration(double seconds) {
+    return seconds < 1 ? fmt::format("{:.0f} ms", 1e3 * seconds) : fmt::format("{:.2f} s", seconds);
+}
+
+double at(const nlohmann::json& object, const char* group, const char* name) {
+    return object.value(group, nlohmann::json::object()).value(name, 0.0);
+}
+
+} // namespace
+
+std::vector<present::OperatorOutline> outlinesOf(const geometry::Sketch& sketch, const geometry::Rig& rig) {
+    std::vector<present::OperatorOutline> list;
+    present::OperatorOutline table{{}, "", {0.55f, 0.55f, 0.50f}};
+    for (int i = 0; i < 120; ++i) {
+        const double a = 2 * std::numbers::pi * i / 120;
+        if (const auto p =
+                rig.camera.pixelFromWorld({rig.tableRadius * std::cos(a), 0, rig.tableRadius * std::sin(a)}))
+            table.points.push_back(*p);
+    }
+    list.push_back(std::move(table));
+    const auto add = [&](const auto& item, const Colour& colour) {
+        list.push_back({item.detection.outlinePx, item.id, colour});
+    };
+    for (const auto& wall : sketch.walls) add(wall, colourOf(wall.heightClass));
+    for (const auto& arc : sketch.arcs) add(arc, colourOf(arc.heightClass));
+    for (const auto& window : sketch.windows)
+        list.push_back({window.detection.outlinePx, "", colourOf(window.kind)});
+    for (const auto& skylight : sketch.skylights) add(skylight, {0.62f, 0.85f, 1});
+    for (const auto& token : sketch.tokens) add(token, {1, 1, 1});
+    if (sketch.north) list.push_back({sketch.north->detection.outlinePx, "N", {1, 0.62f, 0.15f}});
+    return list;
+}
+
+nlohmann::json Durations::summary() const {
+    if (all_.empty()) return {{"count", 0}};
+    std::vector<float> sorted = all_;
+    std::sort(sorted.begin(), sorted.end());
+    const auto rank = [&](double share) {
+        return sorted[static_cast<size_t>(share * static_cast<double>(sorted.size() - 1))];
+    };
+    return {{"count", all_.size()}, {"median", rank(0.5)}, {"p90", rank(0.9)}, {"max", sorted.back()}};
+}
+
+std::vector<std::pair<std::string, std::string>> factsOf(const LiveStatus& status, const LitScene* lit,
+                                                         const LiveFigures& figures) {
+    std::vector<std::pair<std::string, std::string>> facts;
+    const auto add = [&](const char* name, std::string value) { facts.emplace_back(name, std::move(value)); };
+    if (status.detections > 0) {
+        const geometry::Sketch& s = status.seen;
+        add("seen", fmt::format("{} walls, {} windows, {} skylights, {} tokens{}",
+                                s.walls.size() + s.arcs.size(), s.windows.size(), s.skylights.size(),
+                                s.tokens.size(), s.north ? ", north" : ", no north arrow"));
+    }
+    if (lit) {
+        const nlohmann::json& scene = lit->scene->report;
+        add("rooms", scene.value("message", ""));
+        add("light", fmt::format("mean {:.0f}, most {:.0f} lux; brightest {:.1f} times darkest",
+                                 lit->figures.meanLux, lit->figures.maxLux, lit->figures.glareRatio));
+        add("triangles", fmt::format("{}", scene.value("triangles", 0)));
+        add("error",
+            fmt::format("rows {:.1e}, closure {:.1e}, solution {:.1e}",
+                        at(scene, "form_factors", "claimed_row_error"),
+                        at(scene, "form_factors", "closure_rms"), lit->moment->report.radiosity.bound));
+        add("done again", lit->scene->row);
+        add("stages", fmt::format("detect {}, rooms {}, factors {}, light {}", duration(status.detectSeconds),
+                                  duration(at(scene, "stages", "model")),
+                                  duration(at(scene, "stages", "formfactors")), duration(lit->solveSeconds)));
+    }
+    if (!figures.photoToLight.empty()) add("photo to light", duration(figures.photoToLight.last()));
+    if (!figures.wheelToLight.empty()) add("wheel to light", duration(figures.wheelToLight.last()));
+    add("drawing",
+        fmt::format("{}, {:.0f} frames/s", duration(figures.draw.last()), figures.framesPerSecond));
+    return facts;
+}
+
+} // namespace heliodon::app

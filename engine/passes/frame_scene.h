@@ -1,0 +1,47 @@
+// What drawing needs of one geometry, worked out without a device: in any thread, while another geometry is
+// still being shown.
+#pragma once
+
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "engine/passes/draw_mesh.h"
+#include "engine/passes/panes.h"
+#include "engine/passes/shadow_volumes.h"
+#include "engine/passes/vertex_light.h"
+#include "engine/passes/view.h"
+#include "geometry/patch_mesh.h"
+#include "geometry/rig.h"
+
+namespace heliodon::passes {
+
+struct FrameRendererOptions {
+    double surfaceReflectance = 0.84; // of the physical walls and table: white foam core, museum board
+    double tableRadius = 0.5334;      // metres; of the disc in previews, where there is no rig; 0: none
+};
+
+struct FrameScene {
+    // `rig` may be null: then there are previews only. Cost: mostly that of splitByProjectorVisibility, and a
+    // look through the lens for every pixel of every projector.
+    FrameScene(const geometry::PatchMesh& mesh, const geometry::Occluders& occluders,
+               const geometry::Rig* rig, const FrameRendererOptions& options = {});
+
+    // What each projector sees, confined to what it shows.
+    std::vector<View> projectorViews(int supersample) const;
+
+    FrameRendererOptions options;
+    geometry::PatchMesh mesh;
+    geometry::Rig rig; // without projectors where none was given
+    VertexLight vertexLight;
+    ShadowCasters casters;
+    Panes panes;
+    std::vector<glm::dvec3> points; // of mesh and solids, for framing
+    DrawMesh all, shown;            // shown: what projectors show, with their shares
+    std::vector<DrawCorner> solids, tops, sides, table;
+    std::vector<double> intensity; // candela, per projector
+    double reach = 1000;           // exitance of white, lux
+    std::vector<View> views;       // projectorViews(1)
+};
+
+} // namespace heliodon::passes

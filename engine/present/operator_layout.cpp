@@ -1,0 +1,370 @@
+#include "engine/present/operator_layout.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include "compute/gpu/image.h"
+
+namespace heliodon::present {
+
+namespace {
+
+ImFont* clockFont = nullptr;
+
+const ImVec4 kAmber{1.0f, 0.74f, 0.30f, 1}, kGrey{0.60f, 0.63f, 0.68f, 1}, kRed{1.0f, 0.42f, 0.36f, 1},
+    kGreen{0.45f, 0.85f, 0.55f, 1};
+
+ImU32 packed(const std::array<float, 3>& colour, float alpha = 1) {
+    return ImGui::ColorConvertFloat4ToU32({colour[0], colour[1], colour[2], alpha});
+}
+
+void grey(const char* text) {
+    ImGui::TextColored(kGrey, "%s", text);
+}
+
+// Label on the left in a column of its own, then the widget over the rest of the line.
+void label(const char* text) {
+    ImGui::AlignTextToFramePadding();
+    grey(text);
+    ImGui::SameLine(92);
+    ImGui::SetNextItemWidth(-1);
+}
+
+bool slider(const char* id, double& value, double low, double high, const char* format,
+            ImGuiSliderFlags flags = 0) {
+    return ImGui::SliderScalar(id, ImGuiDataType_Double, &value, &low, &high, format, flags);
+}
+
+// Fits a picture into a frame, placed and outlined; returns its rectangle.
+PlacedPicture fitted(const gpu::Image& picture, ImVec2 at, ImVec2 room) {
+    const auto width = static_cast<float>(picture.info().width),
+               height = static_cast<float>(picture.info().height);
+    const float scale = std::min(room.x / width, room.y / height);
+    const float left = std::floor(at.x + 0.5f * (room.x - scale * width)),
+                top = std::floor(at.y + 0.5f * (room.y - scale * height));
+    return {&picture, left, top, left + scale * width, top + scale * height};
+}
+
+void drawOutlines(const PlacedPicture& placed, const std::vector<OperatorOutline>& outlines) {
+    ImDrawList* list = ImGui::GetWindowDrawList();
+    const float scale = (placed.right - placed.left) / static_cast<float>(placed.picture->info().width);
+    list->PushClipRect({placed.left, placed.top}, {placed.right, placed.bottom}, true);
+    for (const OperatorOutline& outline : outlines) {
+        std::vector<ImVec2> points;
+        ImVec2 middle{0, 0};
+        for (const glm::dvec2& p : outline.points) {
+            points.push_back({placed.left + scale * (static_cast<float>(p.x) + 0.5f),
+                              placed.top + scale * (static_cast<float>(p.y) + 0.5f)});
+            middle.x += points.back().x, middle.y += points.back().y;
+        }
+        if (points.size() < 2) continue;
+        const int count = static_cast<int>(points.size());
+        list->AddPolyline(points.data(), count, IM_COL32(10, 10, 14, 190), ImDrawFlags_Closed, 3.5f);
+        list->AddPolyline(points.data(), count, packed(outline.colour), ImDrawFlags_Closed, 1.6f);
+        if (outline.label.empty()) continue;
+        const ImVec2 size = ImGui::CalcTextSize(outline.label.c_str());
+        const ImVec2 at{middle.x / static_cast<float>(count) - size.x / 2,
+                        middle.y / static_cast<float>(count) - size.y / 2};
+        list->AddRectFilled({at.x - 4, at.y - 1}, {at.x + size.x + 4, at.y + size.y + 1},
+                            IM_COL32(15, 16, 20, 190), 4);
+        list->AddText(at, packed(outline.colour), outline.label.c_str());
+    }
+    list->PopClipRect();
+}
+
+void frame(const PlacedPicture& p) {
+    ImGui::GetWindowDrawList()->AddRect({p.left - 1, p.top - 1}, {p.right + 1, p.bottom + 1},
+                                        IM_COL32(70, 74, 84, 255));
+}
+
+void layOutPictures(std::vector<PlacedPicture>& pictures, const OperatorStatus& status,
+                    OperatorActions& actions) {
+    const ImVec2 room = ImGui::GetContentRegionAvail();
+    const auto count = static_cast<float>(std::max<size_t>(1, status.outputs.size()));
+    const float line = ImGui::GetTextLineHeightWithSpacing(), gap = 8;
+    const float thumb = std::min((room.x - gap * (count - 1)) / count, 0.36f * room.y * 4 / 3);
+    const float below = 0.75f * thumb + 2 * line + 3 * gap;
+    // What the camera sees.
+    ImGui::TextColored(status.cameraFails ? kRed : kGrey, "%s", status.camera.c_str());
+    if (!status.working.empty()) {
+        ImGui::SameLine();
+        ImGui::TextColored(kAmber, "   %s", status.working.c_str());
+    }
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const ImVec2 size{room.x, std::max(60.0f, room.y - below - line)};
+    if (status.cameraPicture) {
+        const PlacedPicture placed = fitted(*status.cameraPicture, at, size);
+        pictures.push_back(placed);
+        frame(placed);
+        drawOutlines(placed, status.outlines);
+    } else {
+        ImGui::GetWindowDrawList()->AddRect(at, {at.x + size.x, at.y + size.y}, IM_COL32(70, 74, 84, 255));
+        ImGui::GetWindowDrawList()->AddText({at.x + 16, at.y + 14}, ImGui::GetColorU32(kGrey),
+                                            "no picture yet");
+    }
+    // What each output shows.
+    for (size_t i = 0; i < status.outputs.size(); ++i) {
+        const OperatorOutput& output = status.outputs[i];
+        const float left = at.x + static_cast<float>(i) * (thumb + gap);
+        ImGui::SetCursorScreenPos({left, at.y + size.y + gap});
+        ImGui::PushID(static_cast<int>(i));
+        ImGui::BeginGroup();
+        ImGui::TextColored(output.open ? ImGui::GetStyleColorVec4(ImGuiCol_Text) : kGrey, "%s",
+                           output.title.c_str());
+        const ImVec2 corner = ImGui::GetCursorScreenPos();
+        if (output.picture && output.open) {
+            const PlacedPicture placed = fitted(*output.picture, corner, {thumb, 0.75f * thumb});
+            pictures.push_back(placed);
+            frame(placed);
+        } else {
+            ImGui::GetWindowDrawList()->AddRect(corner, {corner.x + thumb, corner.y + 0.75f * thumb},
+                                                IM_COL32(70, 74, 84, 255));
+        }
+        if (ImGui::InvisibleButton("full", {thumb, 0.75f * thumb}) && output.open)
+            actions.toggleFullScreen.push_back(i);
+        if (ImGui::IsItemHovered())
+            ImGui::SetTooltip("%s", output.fullScreen ? "click: show it in a window" : "click: full screen");
+        grey(output.state.c_str());
+        ImGui::EndGroup();
+        ImGui::PopID();
+    }
+}
+
+void layOutTime(OperatorControls& c, const OperatorStatus& status) {
+    if (clockFont) ImGui::PushFont(clockFont);
+    ImGui::TextColored(kAmber, "%s", status.clock.c_str());
+    if (clockFont) ImGui::PopFont();
+    ImGui::SameLine();
+    ImGui::BeginGroup();
+    ImGui::TextUnformatted(status.date.c_str());
+    grey(status.sun.c_str());
+    ImGui::EndGroup();
+    label("time");
+    const int minutes = static_cast<int>(std::lround(c.hour * 60)) % (24 * 60);
+    slider("##time", c.hour, 0, 24 - 1.0 / 60, fmt::format("{:02}:{:02}", minutes / 60, minutes % 60).c_str(),
+           ImGuiSliderFlags_NoInput);
+    label("day");
+    ImGui::SliderInt("##day", &c.dayOfYear, 1, 365, "%d of the year");
+    label("play");
+    if (ImGui::Button(c.playing ? "stop" : "play", {56, 0})) c.playing = !c.playing;
+    ImGui::SameLine();
+    if (ImGui::RadioButton("hours", !c.playDays)) c.playDays = false;
+    ImGui::SameLine();
+    if (ImGui::RadioButton("days", c.playDays)) c.playDays = true;
+    ImGui::SameLine();
+    ImGui::SetNextItemWidth(-1);
+    slider("##speed", c.speed, c.playDays ? 1 : 0.1, c.playDays ? 60 : 6,
+           c.playDays ? "%.0f days/s" : "%.1f h/s", ImGuiSliderFlags_Logarithmic);
+}
+
+void layOutSky(OperatorControls& c) {
+    label("weather");
+    const bool perez = c.sky.starts_with("perez:");
+    if (ImGui::BeginCombo("##sky", perez ? "sun and sky in W/m2" : c.sky.c_str())) {
+        for (const char* name : {"clear", "intermediate", "overcast"})
+            if (ImGui::Selectable(name, c.sky == name)) c.sky = name;
+        for (int type = 1; type <= 15; ++type) {
+            const std::string name = fmt::format("cie:{}", type);
+            if (ImGui::Selectable(name.c_str(), c.sky == name)) c.sky = name;
+        }
+        if (ImGui::Selectable("sun and sky in W/m2", perez) && !perez) c.sky = "perez:600,150";
+        ImGui::EndCombo();
+    }
+    double direct = 0, diffuse = 0;
+    if (perez && std::sscanf(c.sky.c_str(), "perez:%lf,%lf", &direct, &diffuse) == 2) {
+        label("");
+        const float half = 0.5f * (ImGui::GetContentRegionAvail().x - 8);
+        ImGui::SetNextItemWidth(half);
+        bool changed = slider("##direct", direct, 0, 1000, "sun %.0f");
+        ImGui::SameLine();
+        ImGui::SetNextItemWidth(half);
+        changed |= slider("##diffuse", diffuse, 0, 500, "sky %.0f");
+        if (changed) c.sky = fmt::format("perez:{:.0f},{:.0f}", direct, diffuse);
+    }
+    label("site");
+    double place[2] = {c.latitudeDeg, c.longitudeDeg};
+    if (ImGui::InputScalarN("##site", ImGuiDataType_Double, place, 2, nullptr, nullptr, "%.2f",
+                            ImGuiInputTextFlags_EnterReturnsTrue)) {
+        c.latitudeDeg = std::clamp(place[0], -90.0, 90.0);
+        c.longitudeDeg = std::clamp(place[1], -180.0, 180.0);
+    }
+}
+
+void layOutLegend(const passes::FalseScale& scale) {
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const float width = ImGui::GetContentRegionAvail().x, height = 14;
+    ImDrawList* list = ImGui::GetWindowDrawList();
+    constexpr int kSteps = 64;
+    for (int i = 0; i < kSteps; ++i) {
+        const glm::vec3 c = passes::viridis((i + 0.5) / kSteps);
+        const float left = at.x + width * static_cast<float>(i) / kSteps;
+        list->AddRectFilled({left, at.y}, {left + width / kSteps + 1, at.y + height},
+                            packed({c.x, c.y, c.z}));
+    }
+    ImGui::Dummy({width, height});
+    constexpr int kNumbers = 5;
+    for (int i = 0; i < kNumbers; ++i) {
+        const double t = static_cast<double>(i) / (kNumbers - 1);
+        const double lux = scale.linear ? scale.lowLux + t * (scale.highLux - scale.lowLux)
+                                        : scale.lowLux * std::pow(scale.highLux / scale.lowLux, t);
+        const std::string text = lux < 10 ? fmt::format("{:.2g}", lux) : fmt::format("{:.0f}", lux);
+        const float x = static_cast<float>(t) * (width - ImGui::CalcTextSize(text.c_str()).x);
+        if (i > 0) ImGui::SameLine();
+        ImGui::SetCursorScreenPos({at.x + x, ImGui::GetCursorScreenPos().y});
+        grey(text.c_str());
+    }
+}
+
+void layOutPicture(OperatorControls& c, const OperatorStatus& status) {
+    label("white");
+    ImGui::Checkbox("auto", &c.autoExposure);
+    ImGui::SameLine();
+    ImGui::SetNextItemWidth(-1);
+    double white = c.autoExposure ? status.whiteLux : c.whiteLux;
+    if (slider("##white", white, 1, 50000, "%.0f lux", ImGuiSliderFlags_Logarithmic)) {
+        c.autoExposure = false;
+        c.whiteLux = white;
+    } else if (!c.autoExposure && white <= 0) {
+        c.whiteLux = 1000;
+    } else if (c.autoExposure && status.whiteLux > 0) {
+        c.whiteLux = status.whiteLux; // where it stays when "auto" is taken away
+    }
+    label("colours");
+    ImGui::Checkbox("lux as colour", &c.falseColour);
+    ImGui::SameLine();
+    ImGui::Checkbox("blue sky, warm sun", &c.skyColour);
+    if (c.falseColour && status.scale) layOutLegend(*status.scale);
+    label("show");
+    constexpr std::pair<Shown, const char*> kShown[]{{Shown::light, "light"},
+                                                     {Shown::grid, "grid"},
+                                                     {Shown::white, "white"},
+                                                     {Shown::black, "black"},
+                                                     {Shown::identify, "names"}};
+    for (const auto& [shown, name] : kShown) {
+        if (shown != Shown::light) ImGui::SameLine();
+        const bool on = c.shown == shown;
+        if (on) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
+        if (ImGui::Button(name)) c.shown = shown;
+        if (on) ImGui::PopStyleColor();
+    }
+}
+
+void layOutFacts(const OperatorStatus& status) {
+    if (!status.refused.empty()) {
+        ImGui::TextColored(kRed, "The latest sketch is not shown:");
+        ImGui::TextWrapped("%s", status.refused.c_str());
+    }
+    for (const std::string& warning : status.warnings) {
+        ImGui::PushStyleColor(ImGuiCol_Text, kAmber);
+        ImGui::TextWrapped("%s", warning.c_str());
+        ImGui::PopStyleColor();
+    }
+    for (const auto& [name, value] : status.facts) {
+        grey(name.c_str());
+        ImGui::SameLine(128);
+        ImGui::TextWrapped("%s", value.c_str());
+    }
+}
+
+void layOutKeys() {
+    for (const auto& [keys, what] : operatorKeys()) {
+        ImGui::TextUnformatted(keys.c_str());
+        ImGui::SameLine(128);
+        grey(what.c_str());
+    }
+}
+
+bool heading(const char* text, bool open = true) {
+    ImGui::Spacing();
+    return ImGui::CollapsingHeader(text, open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
+}
+
+} // namespace
+
+const std::vector<std::pair<std::string, std::string>>& operatorKeys() {
+    static const std::vector<std::pair<std::string, std::string>> keys{
+        {"wheel, left right", "time of day, 10 minutes (ctrl: 1)"},
+        {"shift + wheel, up down", "day of the year (ctrl: 7)"},
+        {"space", "play, stop"},
+        {"C", "lux as colour"},
+        {"E", "automatic exposure, or as it is"},
+        {"F", "full screen, or a window"},
+        {"G W B I L", "grid, white, black, names, light"},
+        {"Esc, Q", "quit"}};
+    return keys;
+}
+
+void styleOperatorWindow() {
+    ImGuiIO& io = ImGui::GetIO();
+    const char* file = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+    std::error_code none;
+    if (std::filesystem::exists(file, none)) {
+        io.Fonts->AddFontFromFileTTF(file, 15);
+        clockFont = io.Fonts->AddFontFromFileTTF(file, 38);
+    } else {
+        ImFontConfig config;
+        config.SizePixels = 15;
+        io.Fonts->AddFontDefault(&config);
+        config.SizePixels = 38;
+        clockFont = io.Fonts->AddFontDefault(&config);
+    }
+    ImGui::StyleColorsDark();
+    ImGuiStyle& style = ImGui::GetStyle();
+    style.WindowRounding = 0;
+    style.ChildRounding = style.FrameRounding = style.GrabRounding = style.PopupRounding = 4;
+    style.WindowBorderSize = 0;
+    style.ItemSpacing = {8, 6};
+    style.FramePadding = {8, 4};
+    style.Colors[ImGuiCol_ChildBg] = {0.115f, 0.122f, 0.14f, 1};
+    style.Colors[ImGuiCol_FrameBg] = {0.18f, 0.19f, 0.22f, 1};
+    style.Colors[ImGuiCol_FrameBgHovered] = {0.23f, 0.24f, 0.28f, 1};
+    style.Colors[ImGuiCol_FrameBgActive] = {0.27f, 0.28f, 0.33f, 1};
+    style.Colors[ImGuiCol_SliderGrab] = {0.85f, 0.60f, 0.22f, 1};
+    style.Colors[ImGuiCol_SliderGrabActive] = style.Colors[ImGuiCol_CheckMark] = {1.0f, 0.74f, 0.30f, 1};
+    style.Colors[ImGuiCol_Button] = {0.22f, 0.23f, 0.27f, 1};
+    style.Colors[ImGuiCol_ButtonHovered] = {0.32f, 0.30f, 0.28f, 1};
+    style.Colors[ImGuiCol_ButtonActive] = {0.62f, 0.43f, 0.14f, 1};
+    style.Colors[ImGuiCol_Header] = {0.17f, 0.18f, 0.21f, 1};
+    style.Colors[ImGuiCol_HeaderHovered] = {0.25f, 0.25f, 0.27f, 1};
+    style.Colors[ImGuiCol_HeaderActive] = {0.30f, 0.28f, 0.25f, 1};
+    style.Colors[ImGuiCol_Text] = {0.90f, 0.91f, 0.93f, 1};
+}
+
+std::vector<PlacedPicture> layOutOperatorWindow(OperatorControls& controls, const OperatorStatus& status,
+                                                OperatorActions& actions) {
+    std::vector<PlacedPicture> pictures;
+    const ImVec2 size = ImGui::GetIO().DisplaySize;
+    constexpr float kColumn = 400; // of the controls
+    constexpr ImGuiWindowFlags kPlain = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
+                                        ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoScrollWithMouse |
+                                        ImGuiWindowFlags_NoBringToFrontOnFocus;
+    ImGui::SetNextWindowPos({0, 0});
+    ImGui::SetNextWindowSize(size);
+    ImGui::Begin("operator", nullptr, kPlain);
+    ImGui::BeginChild("pictures", {std::max(120.0f, size.x - kColumn - 24), 0}, false,
+                      kPlain | ImGuiWindowFlags_NoScrollbar);
+    layOutPictures(pictures, status, actions);
+    ImGui::EndChild();
+    ImGui::SameLine();
+    // The wheel is for the time: here too nothing scrolls by it.
+    ImGui::BeginChild("controls", {0, 0}, true, ImGuiWindowFlags_NoScrollWithMouse);
+    layOutTime(controls, status);
+    ImGui::Separator();
+    layOutSky(controls);
+    ImGui::Separator();
+    layOutPicture(controls, status);
+    if (heading("Status")) layOutFacts(status);
+    if (heading("Keys", false)) layOutKeys();
+    ImGui::Spacing();
+    if (ImGui::Button("quit")) actions.quit = true;
+    ImGui::EndChild();
+    ImGui::End();
+    return pictures;
+}
+
+} // namespace heliodon::present

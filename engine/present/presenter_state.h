@@ -1,0 +1,26 @@
+// What a Presenter holds. Internal to engine/present.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "engine/present/window.h"
+
+namespace heliodon::present {
+
+struct Presenter::State {
+    explicit State(gpu::Device& device);
+    ~State();
+    size_t indexOf(GLFWwindow* handle) const;
+
+    gpu::Device* device;
+    std::vector<Window> windows;
+    std::vector<Event> events; // since the last pollEvents
+    // Signalled when a frame's images are written. A ring: the presentation that waits for one has ended long
+    // before its turn comes again, as no swapchain has that many images.
+    std::array<VkSemaphore, 16> written{};
+    size_t turn = 0;
+    bool keepCopies = false;
+};
+
+} // namespace heliodon::present

@@ -1,0 +1,271 @@
+#include "engine/present/window.h"
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "compute/gpu/commands.h"
+#include "compute/gpu/device.h"
+#include "compute/gpu/error.h"
+
+#define GLFW_INCLUDE_VULKAN
+#include <GLFW/glfw3.h>
+
+namespace heliodon::present {
+
+namespace {
+
+std::vector<GLFWmonitor*> monitors() {
+    int count = 0;
+    GLFWmonitor** list = glfwGetMonitors(&count);
+    return {list, list + count};
+}
+
+GLFWmonitor* monitorNamed(const std::string& name) {
+    const std::vector<GLFWmonitor*> all = monitors();
+    const auto found =
+        std::find_if(all.begin(), all.end(), [&](GLFWmonitor* m) { return name == glfwGetMonitorName(m); });
+    return found == all.end() ? nullptr : *found;
+}
+
+// The display that most of a window lies on.
+GLFWmonitor* monitorUnder(GLFWwindow* window) {
+    int x = 0, y = 0, width = 0, height = 0;
+    glfwGetWindowPos(window, &x, &y);
+    glfwGetWindowSize(window, &width, &height);
+    GLFWmonitor* best = glfwGetPrimaryMonitor();
+    int most = 0;
+    for (GLFWmonitor* monitor : monitors()) {
+        const GLFWvidmode* mode = glfwGetVideoMode(monitor);
+        if (!mode) continue;
+        int left = 0, top = 0;
+        glfwGetMonitorPos(monitor, &left, &top);
+        const int across = std::min(x + width, left + mode->width) - std::max(x, left),
+                  down = std::min(y + height, top + mode->height) - std::max(y, top);
+        if (across > 0 && down > 0 && across * down > most) most = across * down, best = monitor;
+    }
+    return best;
+}
+
+bool isSrgb(VkFormat format) {
+    return format == VK_FORMAT_B8G8R8A8_SRGB || format == VK_FORMAT_R8G8B8A8_SRGB;
+}
+bool isBlueFirst(VkFormat format) {
+    return format == VK_FORMAT_B8G8R8A8_SRGB || format == VK_FORMAT_B8G8R8A8_UNORM;
+}
+VkFormat eightBit(bool blueFirst, bool srgb) {
+    return blueFirst ? (srgb ? VK_FORMAT_B8G8R8A8_SRGB : VK_FORMAT_B8G8R8A8_UNORM)
+                     : (srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM);
+}
+
+constexpr auto kCopyStage = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
+constexpr auto kCopyAccess = VK_ACCESS_2_TRANSFER_WRITE_BIT | VK_ACCESS_2_TRANSFER_READ_BIT;
+
+// Between copies; to PRESENT_SRC for nobody but the semaphore that presentation waits for.
+void moveLayout(VkCommandBuffer commands, VkImage image, VkImageLayout from, VkImageLayout to) {
+    VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
+    const bool shown = to == VK_IMAGE_LAYOUT_PRESENT_SRC_KHR;
+    barrier.srcStageMask = kCopyStage;
+    barrier.srcAccessMask = kCopyAccess;
+    barrier.dstStageMask = shown ? VK_PIPELINE_STAGE_2_NONE : kCopyStage;
+    barrier.dstAccessMask = shown ? 0 : kCopyAccess;
+    barrier.oldLayout = from;
+    barrier.newLayout = to;
+    barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+    barrier.image = image;
+    barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+    VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+    info.imageMemoryBarrierCount = 1;
+    info.pImageMemoryBarriers = &barrier;
+    vkCmdPipelineBarrier2(commands, &info);
+}
+
+void stretch(VkCommandBuffer commands, const gpu::Image& from, VkImage to, VkExtent2D extent) {
+    const auto& size = from.info();
+    VkImageBlit region{};
+    region.srcSubresource = region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+    region.srcOffsets[1] = {static_cast<int32_t>(size.width), static_cast<int32_t>(size.height), 1};
+    region.dstOffsets[1] = {static_cast<int32_t>(extent.width), static_cast<int32_t>(extent.height), 1};
+    const bool same = size.width == extent.width && size.height == extent.height;
+    vkCmdBlitImage(commands, from.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to,
+                   VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region,
+                   same ? VK_FILTER_NEAREST : VK_FILTER_LINEAR);
+}
+
+void copySame(VkCommandBuffer commands, VkImage from, VkImage to, VkExtent2D extent) {
+    VkImageCopy region{};
+    region.srcSubresource = region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+    region.extent = {extent.width, extent.height, 1};
+    vkCmdCopyImage(commands, from, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to,
+                   VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+}
+
+} // namespace
+
+void openWindowSystem() {
+    static const bool open = glfwInit() == GLFW_TRUE;
+    if (open) return;
+    const char* why = nullptr;
+    glfwGetError(&why);
+    throw std::runtime_error(std::string("no display can be opened for windows: ") +
+                             (why ? why : "no reason given"));
+}
+
+std::vector<Display> displays() {
+    openWindowSystem();
+    std::vector<Display> list;
+    for (GLFWmonitor* monitor : monitors()) {
+        Display display{glfwGetMonitorName(monitor)};
+        glfwGetMonitorPos(monitor, &display.x, &display.y);
+        if (const GLFWvidmode* mode = glfwGetVideoMode(monitor))
+            display.width = mode->width, display.height = mode->height;
+        list.push_back(display);
+    }
+    return list;
+}
+
+Window::Window(gpu::Device& d, const WindowOptions& o) : device(&d), options(o) {
+    glfwDefaultWindowHints();
+    glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
+    glfwWindowHint(GLFW_AUTO_ICONIFY, GLFW_FALSE); // a projector keeps its picture while others are used
+    glfwWindowHint(GLFW_FOCUS_ON_SHOW, options.display.empty() ? GLFW_TRUE : GLFW_FALSE);
+    handle = glfwCreateWindow(options.width, options.height, options.title.c_str(), nullptr, nullptr);
+    if (!handle) {
+        const char* why = nullptr;
+        glfwGetError(&why);
+        throw std::runtime_error(
+            fmt::format("window '{}' cannot be opened: {}", options.title, why ? why : ""));
+    }
+    if (options.position) glfwSetWindowPos(handle, (*options.position)[0], (*options.position)[1]);
+    followDisplay();
+    VkSurfaceKHR surface = VK_NULL_HANDLE;
+    gpu::check(glfwCreateWindowSurface(d.instance(), handle, nullptr, &surface), "glfwCreateWindowSurface");
+    swapchain = std::make_unique<Swapchain>(d, surface, options.waitForRefresh, options.codeBefore);
+}
+
+void Window::close(const std::string& why) {
+    swapchain.reset();
+    if (handle) glfwDestroyWindow(handle);
+    handle = nullptr;
+    notice.clear();
+    if (reason.empty()) reason = why;
+}
+
+// A display that comes back is filled again; GLFW makes a window of it when it goes.
+void Window::followDisplay() {
+    if (options.display.empty()) return;
+    const bool connected = monitorNamed(options.display) != nullptr;
+    if (connected && !onDisplay_) setFullScreen(true);
+    onDisplay_ = connected;
+    std::vector<std::string> names;
+    if (!connected)
+        for (const Display& display : displays()) names.push_back(display.name);
+    notice = connected ? ""
+                       : fmt::format("display '{}' is not connected (connected: {}): shown in a window",
+                                     options.display, fmt::join(names, ", "));
+}
+
+void Window::setFullScreen(bool full) {
+    if (!handle) return;
+    GLFWmonitor* named = options.display.empty() ? nullptr : monitorNamed(options.display);
+    GLFWmonitor* monitor = named ? named : monitorUnder(handle);
+    const GLFWvidmode* mode = full && monitor ? glfwGetVideoMode(monitor) : nullptr;
+    int left = 0, top = 0;
+    if (monitor) glfwGetMonitorPos(monitor, &left, &top);
+    if (mode)
+        glfwSetWindowMonitor(handle, monitor, 0, 0, mode->width, mode->height, mode->refreshRate);
+    else
+        glfwSetWindowMonitor(handle, nullptr, left + 60, top + 60, options.width, options.height,
+                             GLFW_DONT_CARE);
+    damaged = true;
+}
+
+bool Window::fullScreen() const {
+    return handle && glfwGetWindowMonitor(handle);
+}
+
+bool Window::hidden() const {
+    return handle && glfwGetWindowAttrib(handle, GLFW_ICONIFIED);
+}
+
+bool Window::makeReady() {
+    if (!handle || hidden()) return false;
+    int width = 0, height = 0;
+    glfwGetFramebufferSize(handle, &width, &height);
+    if (width <= 0 || height <= 0) return false;
+    return swapchain->ready() ||
+           swapchain->rebuild(static_cast<uint32_t>(width), static_cast<uint32_t>(height));
+}
+
+void Window::update() {
+    if (!handle) return;
+    if (glfwWindowShouldClose(handle)) {
+        close("closed by the user");
+        return;
+    }
+    followDisplay();
+    int width = 0, height = 0;
+    glfwGetFramebufferSize(handle, &width, &height);
+    const VkExtent2D extent = swapchain->extent();
+    if (static_cast<uint32_t>(width) != extent.width || static_cast<uint32_t>(height) != extent.height)
+        swapchain->markStale();
+    if (!swapchain->ready()) damaged = true;
+}
+
+void Window::record(gpu::Commands& commands, const gpu::Image& picture, uint32_t index, bool keepCopy) {
+    const VkCommandBuffer buffer = commands.handle();
+    const VkImage image = swapchain->image(index);
+    const VkExtent2D extent = swapchain->extent();
+    const VkFormat format = swapchain->format();
+    VkImageLayout layout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
+    moveLayout(buffer, image, VK_IMAGE_LAYOUT_UNDEFINED, layout);
+    if (isSrgb(picture.info().format) == isSrgb(format)) {
+        stretch(buffer, picture, image, extent);
+    } else { // a blit would convert; a copy does not
+        const VkFormat between = eightBit(isBlueFirst(format), isSrgb(picture.info().format));
+        if (!coded_.valid() || coded_.info().width != extent.width || coded_.info().height != extent.height ||
+            coded_.info().format != between)
+            coded_ = gpu::Image(*device,
+                                {extent.width, extent.height, 1, between,
+                                 VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT |
+                                     VK_IMAGE_USAGE_SAMPLED_BIT},
+                                "coded picture");
+        moveLayout(buffer, coded_.handle(), VK_IMAGE_LAYOUT_UNDEFINED, layout);
+        stretch(buffer, picture, coded_.handle(), extent);
+        moveLayout(buffer, coded_.handle(), layout, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+        copySame(buffer, coded_.handle(), image, extent);
+    }
+    if (keepCopy) {
+        copy_ = gpu::Buffer(*device, size_t{4} * extent.width * extent.height, "shown", gpu::Place::host);
+        copiedExtent_ = extent;
+        copiedFormat_ = format;
+        moveLayout(buffer, image, layout, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+        layout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
+        VkBufferImageCopy region{};
+        region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+        region.imageExtent = {extent.width, extent.height, 1};
+        vkCmdCopyImageToBuffer(buffer, image, layout, copy_.handle(), 1, &region);
+        commands.barrier(gpu::Stage::transfer, gpu::Stage::host);
+    }
+    moveLayout(buffer, image, layout, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
+}
+
+std::optional<passes::Image8> Window::copied() const {
+    if (!copy_.valid()) return std::nullopt;
+    const bool blueFirst = isBlueFirst(copiedFormat_);
+    passes::Image8 picture{static_cast<int>(copiedExtent_.width), static_cast<int>(copiedExtent_.height), {}};
+    const uint8_t* from = copy_.mapped<uint8_t>();
+    const size_t count = size_t{copiedExtent_.width} * copiedExtent_.height;
+    picture.rgb.reserve(3 * count);
+    for (size_t k = 0; k < count; ++k, from += 4) {
+        const std::array<uint8_t, 3> rgb{from[blueFirst ? 2 : 0], from[1], from[blueFirst ? 0 : 2]};
+        picture.rgb.insert(picture.rgb.end(), rgb.begin(), rgb.end());
+    }
+    return picture;
+}
+
+} // namespace heliodon::present

@@ -1,0 +1,63 @@
+// One window: its handle, its swapchain and what became of its display. Internal to engine/present.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "compute/gpu/buffer.h"
+#include "compute/gpu/image.h"
+#include "engine/present/presenter.h"
+#include "engine/present/swapchain.h"
+
+struct GLFWwindow;
+
+namespace heliodon::gpu {
+class Commands;
+}
+
+namespace heliodon::present {
+
+// GLFW is one per process; opened at the first call. Throws std::runtime_error with its own words.
+void openWindowSystem();
+
+class Window {
+public:
+    // Opens it: full-screen where the display that it names is connected, else as an ordinary window.
+    Window(gpu::Device& device, const WindowOptions& options);
+    Window(Window&&) = default;
+    Window& operator=(Window&&) = delete;
+    ~Window() { close(""); }
+    void close(const std::string& why); // for good; the first reason is kept
+
+    // Images of the right size; false while there is nothing to draw to.
+    bool makeReady();
+    // Closes it when the user wants that; follows its size and its display, as they are now.
+    void update();
+    void setFullScreen(bool full);
+    bool fullScreen() const;
+    bool hidden() const;
+
+    // Writes `picture` into the swapchain's image, stretched, and keeps a copy for the host if wanted. The
+    // picture's bytes are taken as coded for the display, whichever of the two has an sRGB format.
+    void record(gpu::Commands& commands, const gpu::Image& picture, uint32_t index, bool keepCopy);
+    std::optional<passes::Image8> copied() const;
+
+    gpu::Device* device;
+    WindowOptions options;
+    GLFWwindow* handle = nullptr;
+    std::unique_ptr<Swapchain> swapchain;
+    std::string reason;  // why it was closed
+    std::string notice;  // what is not as it was wanted
+    bool damaged = true; // shows nothing, or not what it was last given
+
+private:
+    void followDisplay();
+
+    bool onDisplay_ = false;
+    gpu::Image coded_; // where picture and swapchain differ in format, a picture of the window's size between
+    gpu::Buffer copy_;
+    VkExtent2D copiedExtent_{};
+    VkFormat copiedFormat_ = VK_FORMAT_UNDEFINED;
+};
+
+} // namespace heliodon::present

@@ -1,0 +1,155 @@
+#include "vision/camera.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+#include <thread>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "geometry/input_error.h"
+#include "vision/aravis_camera.h"
+
+namespace heliodon::vision {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using geometry::InputError;
+
+Clock::duration seconds(double value) {
+    return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(value));
+}
+
+std::shared_ptr<const Photograph> shared(const std::filesystem::path& file) {
+    return std::make_shared<const Photograph>(readPhotograph(file));
+}
+
+// A file, and again whenever it has changed and then stayed as it is for one look.
+class FileCamera : public Camera {
+public:
+    FileCamera(std::filesystem::path file, const CameraOptions& options)
+        : file_(std::move(file)), refresh_(seconds(options.refreshSeconds)) {
+        std::error_code ignored;
+        if (!std::filesystem::is_regular_file(file_, ignored))
+            throw InputError(file_.string(), "", "no such file, expected a photograph (png, jpg or tif)");
+    }
+
+    std::optional<CameraPicture> next(std::chrono::milliseconds longest) override {
+        const auto end = Clock::now() + longest;
+        for (;;) {
+            const std::optional<Stamp> now = stamp();
+            const bool settled = first_ || now == last_; // whoever writes it has finished
+            last_ = now;
+            if (now && settled && now != read_) {
+                read_ = now;
+                first_ = false;
+                const auto noticed = Clock::now();
+                return CameraPicture{shared(file_), noticed};
+            }
+            if (!now && read_) { // a file that is replaced is gone for a moment only
+                if (!missingSince_) missingSince_ = Clock::now();
+                if (Clock::now() - *missingSince_ > std::chrono::seconds(2)) {
+                    missingSince_.reset();
+                    read_.reset();
+                    throw CameraLost(file_.string() + " is not there");
+                }
+            } else {
+                missingSince_.reset();
+            }
+            if (Clock::now() + refresh_ > end) {
+                std::this_thread::sleep_until(end);
+                return std::nullopt;
+            }
+            std::this_thread::sleep_for(refresh_);
+        }
+    }
+    bool isContinuous() const override { return false; }
+    std::string description() const override { return "file " + file_.filename().string(); }
+
+private:
+    struct Stamp {
+        std::filesystem::file_time_type written;
+        std::uintmax_t bytes = 0;
+        bool operator==(const Stamp&) const = default;
+    };
+    std::optional<Stamp> stamp() const {
+        std::error_code time, size;
+        Stamp stamp{std::filesystem::last_write_time(file_, time), std::filesystem::file_size(file_, size)};
+        return time || size ? std::nullopt : std::optional(stamp);
+    }
+
+    std::filesystem::path file_;
+    Clock::duration refresh_;
+    std::optional<Stamp> last_, read_;
+    std::optional<Clock::time_point> missingSince_;
+    bool first_ = true;
+};
+
+// Behaves as a camera before which the table changes once an interval.
+class ReplayCamera : public Camera {
+public:
+    ReplayCamera(const std::filesystem::path& folder, const CameraOptions& options)
+        : folder_(folder), options_(options), start_(Clock::now()) {
+        std::error_code ignored;
+        if (!std::filesystem::is_directory(folder, ignored))
+            throw InputError(folder.string(), "", "no such folder, expected one with photographs");
+        for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+            std::string extension = entry.path().extension().string();
+            std::transform(extension.begin(), extension.end(), extension.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+            constexpr std::array kPictures{".png", ".jpg", ".jpeg", ".tif", ".tiff"};
+            if (entry.is_regular_file() && std::count(kPictures.begin(), kPictures.end(), extension))
+                files_.push_back(entry.path());
+        }
+        std::sort(files_.begin(), files_.end());
+        if (files_.empty()) throw InputError(folder.string(), "", "holds no photograph (png, jpg or tif)");
+    }
+
+    std::optional<CameraPicture> next(std::chrono::milliseconds longest) override {
+        const auto refresh = seconds(options_.refreshSeconds);
+        const auto due = lastShown_ + refresh, end = Clock::now() + longest;
+        std::this_thread::sleep_until(std::min(due, end));
+        if (due > end) return std::nullopt;
+        lastShown_ = Clock::now();
+        const double elapsed = std::chrono::duration<double>(lastShown_ - start_).count();
+        size_t turn = static_cast<size_t>(elapsed / options_.intervalSeconds);
+        turn = options_.loop ? turn % files_.size() : std::min(turn, files_.size() - 1);
+        if (!picture_ || turn != turn_) {
+            turn_ = turn;
+            picture_ = shared(files_[turn]);
+        }
+        return CameraPicture{picture_, lastShown_};
+    }
+    bool isContinuous() const override { return true; }
+    std::string description() const override {
+        return fmt::format("replay, picture {} of {}", turn_ + 1, files_.size());
+    }
+
+private:
+    std::filesystem::path folder_;
+    CameraOptions options_;
+    std::vector<std::filesystem::path> files_;
+    Clock::time_point start_, lastShown_{};
+    std::shared_ptr<const Photograph> picture_;
+    size_t turn_ = 0;
+};
+
+} // namespace
+
+std::unique_ptr<Camera> openCamera(const std::string& source, const CameraOptions& options) {
+    const size_t colon = source.find(':');
+    const std::string kind = source.substr(0, colon),
+                      rest = colon == std::string::npos ? "" : source.substr(colon + 1);
+    if (colon != std::string::npos) {
+        if (kind == "file") return std::make_unique<FileCamera>(rest, options);
+        if (kind == "replay") return std::make_unique<ReplayCamera>(rest, options);
+        if (kind == "aravis") return openAravisCamera(rest, options);
+    }
+    throw InputError("--camera", source, "is no camera, expected aravis:ID, replay:FOLDER or file:PHOTO");
+}
+
+} // namespace heliodon::vision
