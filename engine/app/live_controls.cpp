@@ -158,7 +158,7 @@ void LiveControls::describe(present::OperatorStatus& status) const {
     constexpr const char* kMonths[]{"January", "February", "March",     "April",   "May",      "June",
                                     "July",    "August",   "September", "October", "November", "December"};
     const daylight::Moment now = moment();
-    const int minutes = static_cast<int>(now.second / 60);
+    const int minutes = static_cast<int>(now.second / 60 + 1e-6);
     status.clock = fmt::format("{:02}:{:02}", minutes / 60, minutes % 60);
     const int offset = std::abs(now.offsetMinutes);
     status.date = fmt::format("{} {} {}, {}", now.date.day, kMonths[now.date.month - 1], now.date.year,

@@ -80,8 +80,10 @@ std::vector<std::pair<std::string, std::string>> factsOf(const LiveStatus& statu
     if (lit) {
         const nlohmann::json& scene = lit->scene->report;
         add("rooms", scene.value("message", ""));
-        add("light", fmt::format("mean {:.0f}, most {:.0f} lux; brightest {:.1f} times darkest",
-                                 lit->figures.meanLux, lit->figures.maxLux, lit->figures.glareRatio));
+        add("light", lit->figures.maxLux > 0
+                         ? fmt::format("mean {:.0f}, most {:.0f} lux; brightest {:.1f} times darkest",
+                                       lit->figures.meanLux, lit->figures.maxLux, lit->figures.glareRatio)
+                         : "none");
         add("triangles", fmt::format("{}", scene.value("triangles", 0)));
         add("error",
             fmt::format("rows {:.1e}, closure {:.1e}, solution {:.1e}",

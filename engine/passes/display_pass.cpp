@@ -9,12 +9,13 @@ namespace heliodon::passes {
 
 namespace {
 
+// Blue first, as windows want it: showing is copying then.
 VkFormat formatOf(DisplayTarget::Kind kind) {
     switch (kind) {
     case DisplayTarget::Kind::srgb8:
-        return VK_FORMAT_R8G8B8A8_SRGB;
+        return VK_FORMAT_B8G8R8A8_SRGB;
     case DisplayTarget::Kind::unorm8:
-        return VK_FORMAT_R8G8B8A8_UNORM;
+        return VK_FORMAT_B8G8R8A8_UNORM;
     default:
         return VK_FORMAT_R32G32B32A32_SFLOAT;
     }

@@ -20,7 +20,7 @@ struct DisplayTarget {
     DisplayTarget(gpu::Device& device, int width, int height, Kind kind, const std::string& name);
     Kind kind;
     gpu::Image picture; // TRANSFER_SRC_OPTIMAL between frames, black where nothing is shown
-    gpu::Buffer pixels; // host; four channels a pixel; valid within View::shown
+    gpu::Buffer pixels; // host; four channels a pixel, bytes blue first; valid within View::shown
 };
 
 class DisplayPass {

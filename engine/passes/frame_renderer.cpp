@@ -122,7 +122,7 @@ Image8 bytesOf(const Output& output) {
     const uint8_t* from = output.display->pixels.mapped<uint8_t>();
     uint8_t* to = picture.rgb.data();
     forShown(output.view, [&](size_t i) {
-        for (size_t c = 0; c < 3; ++c) to[3 * i + c] = from[4 * i + c];
+        for (size_t c = 0; c < 3; ++c) to[3 * i + c] = from[4 * i + 2 - c];
     });
     return picture;
 }

@@ -67,7 +67,7 @@ public:
     std::vector<Image8> projectors(const compute::Lighting& light, const ProjectorOptions& options = {});
 
     // Draws those pictures and leaves them on the device, in TRANSFER_SRC_OPTIMAL, coded as the panels want
-    // them (RGBA8 sRGB, or UNORM where the response is a gamma), until the next call of any member.
+    // them (BGRA8 sRGB, or UNORM where the response is a gamma), until the next call of any member.
     // Submitted, not waited for: what is submitted after it on the same device comes after it.
     std::vector<const gpu::Image*> drawProjectors(const compute::Lighting& light,
                                                   const ProjectorOptions& options = {});

@@ -87,7 +87,7 @@ void layOutPictures(std::vector<PlacedPicture>& pictures, const OperatorStatus& 
     const ImVec2 room = ImGui::GetContentRegionAvail();
     const auto count = static_cast<float>(std::max<size_t>(1, status.outputs.size()));
     const float line = ImGui::GetTextLineHeightWithSpacing(), gap = 8;
-    const float thumb = std::min((room.x - gap * (count - 1)) / count, 0.36f * room.y * 4 / 3);
+    const float thumb = std::min((room.x - 2 - gap * (count - 1)) / count, 0.36f * room.y * 4 / 3);
     const float below = 0.75f * thumb + 2 * line + 3 * gap;
     // What the camera sees.
     ImGui::TextColored(status.cameraFails ? kRed : kGrey, "%s", status.camera.c_str());
@@ -145,7 +145,7 @@ void layOutTime(OperatorControls& c, const OperatorStatus& status) {
     grey(status.sun.c_str());
     ImGui::EndGroup();
     label("time");
-    const int minutes = static_cast<int>(std::lround(c.hour * 60)) % (24 * 60);
+    const int minutes = static_cast<int>(c.hour * 60 + 1e-6);
     slider("##time", c.hour, 0, 24 - 1.0 / 60, fmt::format("{:02}:{:02}", minutes / 60, minutes % 60).c_str(),
            ImGuiSliderFlags_NoInput);
     label("day");

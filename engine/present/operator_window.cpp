@@ -22,7 +22,7 @@ namespace heliodon::present {
 namespace {
 
 // ImGui's colours are coded already: they are written as they are, into an image that counts as sRGB.
-constexpr VkFormat kImageFormat = VK_FORMAT_R8G8B8A8_SRGB, kDrawnFormat = VK_FORMAT_R8G8B8A8_UNORM;
+constexpr VkFormat kImageFormat = VK_FORMAT_B8G8R8A8_SRGB, kDrawnFormat = VK_FORMAT_B8G8R8A8_UNORM;
 
 VkResult failed = VK_SUCCESS; // of a call inside ImGui, which cannot throw
 

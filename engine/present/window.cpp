@@ -223,7 +223,10 @@ void Window::record(gpu::Commands& commands, const gpu::Image& picture, uint32_t
     const VkFormat format = swapchain->format();
     VkImageLayout layout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
     moveLayout(buffer, image, VK_IMAGE_LAYOUT_UNDEFINED, layout);
-    if (isSrgb(picture.info().format) == isSrgb(format)) {
+    if (picture.info().format == format && picture.info().width == extent.width &&
+        picture.info().height == extent.height) {
+        copySame(buffer, picture.handle(), image, extent);
+    } else if (isSrgb(picture.info().format) == isSrgb(format)) {
         stretch(buffer, picture, image, extent);
     } else { // a blit would convert; a copy does not
         const VkFormat between = eightBit(isBlueFirst(format), isSrgb(picture.info().format));
