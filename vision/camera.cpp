@@ -42,11 +42,10 @@ public:
         const auto end = Clock::now() + longest;
         for (;;) {
             const std::optional<Stamp> now = stamp();
-            const bool settled = first_ || now == last_; // whoever writes it has finished
+            const bool settled = now == last_; // whoever writes it has finished
             last_ = now;
             if (now && settled && now != read_) {
                 read_ = now;
-                first_ = false;
                 const auto noticed = Clock::now();
                 return CameraPicture{shared(file_), noticed};
             }
@@ -86,7 +85,6 @@ private:
     Clock::duration refresh_;
     std::optional<Stamp> last_, read_;
     std::optional<Clock::time_point> missingSince_;
-    bool first_ = true;
 };
 
 // Behaves as a camera before which the table changes once an interval.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <imgui.h>
 
@@ -87,6 +88,7 @@ OperatorWindow::State::State(gpu::Device& d, Window& w)
     ImGui::GetIO().IniFilename = nullptr; // nothing is written where the program is started
     styleOperatorWindow();
     ImGui_ImplGlfw_InitForVulkan(w.handle, true); // goes on to call the presenter's callbacks
+    w.beforeClose = [] { ImGui_ImplGlfw_Shutdown(); };
     ImGui_ImplVulkan_InitInfo info{};
     info.Instance = d.instance();
     info.PhysicalDevice = d.physical();
@@ -111,7 +113,7 @@ OperatorWindow::State::~State() {
     vkDeviceWaitIdle(device->handle());
     dropTarget();
     ImGui_ImplVulkan_Shutdown();
-    ImGui_ImplGlfw_Shutdown();
+    if (window->beforeClose) std::exchange(window->beforeClose, {})();
     ImGui::DestroyContext(context);
     vkDestroyDescriptorPool(device->handle(), pool, nullptr);
     vkDestroyRenderPass(device->handle(), pass, nullptr);

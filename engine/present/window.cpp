@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -148,6 +149,7 @@ Window::Window(gpu::Device& d, const WindowOptions& o) : device(&d), options(o) 
 }
 
 void Window::close(const std::string& why) {
+    if (handle && beforeClose) std::exchange(beforeClose, {})();
     swapchain.reset();
     if (handle) glfwDestroyWindow(handle);
     handle = nullptr;

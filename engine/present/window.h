@@ -1,6 +1,7 @@
 // One window: its handle, its swapchain and what became of its display. Internal to engine/present.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -46,9 +47,10 @@ public:
     WindowOptions options;
     GLFWwindow* handle = nullptr;
     std::unique_ptr<Swapchain> swapchain;
-    std::string reason;  // why it was closed
-    std::string notice;  // what is not as it was wanted
-    bool damaged = true; // shows nothing, or not what it was last given
+    std::string reason;                // why it was closed
+    std::string notice;                // what is not as it was wanted
+    std::function<void()> beforeClose; // of whoever listens to the handle
+    bool damaged = true;               // shows nothing, or not what it was last given
 
 private:
     void followDisplay();

@@ -112,8 +112,8 @@ TEST_F(Windows, a_missing_display_gives_a_window_and_is_named_together_with_the_
     EXPECT_EQ(presenter.present(std::vector<passes::Image8>(2, pattern(100, 80, 4))), 2u);
     EXPECT_FALSE(presenter.fullScreen(0));
     EXPECT_NE(presenter.notice(0).find("NO-SUCH-OUTPUT"), std::string::npos);
-    for (const Display& display : displays())
-        EXPECT_NE(presenter.notice(0).find(display.name), std::string::npos) << presenter.notice(0);
+    for (const Display& known : displays())
+        EXPECT_NE(presenter.notice(0).find(known.name), std::string::npos) << presenter.notice(0);
     EXPECT_EQ(presenter.notice(1), "");
 }
 

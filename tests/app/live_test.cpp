@@ -1,0 +1,215 @@
+// `heliodon live` as its users meet it, by what its windows hold. Needs a display server: the one of
+// $DISPLAY, else an Xvfb of its own.
+#include <signal.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "engine/passes/image_file.h"
+#include "tests/app/program.h"
+#include "tests/present/own_display.h"
+#include "tests/vision/table_painter.h"
+#include "vision/photograph.h"
+
+namespace heliodon::test {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+const std::string kRig = HELIODON_SOURCE "/examples/rig.json",
+                  kPhoto = HELIODON_SOURCE "/examples/i01_mixed.png",
+                  kOther = HELIODON_TEST_DATA "/vision/p10_window_over_joint_good.jpg";
+const std::string kFast = " --triangles 300 ";
+
+class Live : public InFolder {
+protected:
+    static void SetUpTestSuite() { display = std::make_unique<OwnDisplay>(); }
+    static void TearDownTestSuite() { display.reset(); }
+
+    // What the command says and its report; validation speaks on the same stream.
+    Outcome live(const std::string& camera, const std::string& script, const std::string& more = "") {
+        writeText(folder / "script", script);
+        setenv("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation", 1);
+        const Outcome outcome = heliodon("live --rig " + kRig + " --camera " + camera + kFast +
+                                         "--windowed --script " + in("script") + " --snapshots " +
+                                         in("shots") + " --report " + in("report.json") + " " + more);
+        unsetenv("VK_INSTANCE_LAYERS");
+        EXPECT_EQ(outcome.output.find("Validation"), std::string::npos) << outcome.output;
+        if (fs::exists(folder / "report.json")) report = json::parse(readText(folder / "report.json"));
+        return outcome;
+    }
+    vision::Photograph shot(const std::string& name) const {
+        return vision::readPhotograph(folder / "shots" / (name + ".png"));
+    }
+    // Waits for a snapshot: everything before it in the script has been done.
+    void waitFor(const std::string& name) const {
+        for (int i = 0; i < 1200 && !fs::exists(folder / "shots" / (name + ".png")); ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        ASSERT_TRUE(fs::exists(folder / "shots" / (name + ".png"))) << name;
+    }
+
+    static inline std::unique_ptr<OwnDisplay> display;
+    json report;
+};
+
+// Largest difference, and how many of the values differ.
+std::pair<int, size_t> difference(const vision::Photograph& a, const vision::Photograph& b) {
+    if (a.width != b.width || a.height != b.height) return {256, a.rgb.size()};
+    std::pair<int, size_t> result{0, 0};
+    for (size_t i = 0; i < a.rgb.size(); ++i) {
+        const int step = std::abs(int{a.rgb[i]} - int{b.rgb[i]});
+        result.first = std::max(result.first, step);
+        result.second += step > 0;
+    }
+    return result;
+}
+
+TEST_F(Live, four_windows_show_what_render_writes_for_the_moment_that_the_wheel_has_set) {
+    const Outcome outcome =
+        live("file:" + kPhoto, "wait\nsnapshot noon\n"
+                               "wheel -12 # two hours\nwait\nwheel 92 shift\nwait\nsnapshot june\n"
+                               "resize 1 500 300\nsleep 1\nsnapshot small\nquit\n");
+    ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
+    const std::pair<const char*, const char*> moments[]{{"noon", "2026-03-21T13:00solar"},
+                                                        {"june", "2026-06-21T11:00solar"}};
+    for (const auto& [name, time] : moments) {
+        const Outcome render = heliodon("render " + kPhoto + kFast + "--rig " + kRig + " --time " + time +
+                                        " --quiet -o " + in(name));
+        ASSERT_EQ(render.exitCode, 0) << render.output;
+        for (int i = 0; i < 4; ++i) {
+            const std::string projector = "projector-" + std::to_string(i);
+            const auto shown = shot(std::string(name) + "-" + projector),
+                       written = vision::readPhotograph(folder / name / (projector + ".png"));
+            const auto [most, count] = difference(shown, written);
+            // The solver goes on from the light before: within its tolerance, a step of rounding.
+            EXPECT_LE(most, 2) << name << projector;
+            EXPECT_LE(count, shown.rgb.size() / 500) << name << projector;
+        }
+    }
+    EXPECT_GT(difference(shot("noon-projector-0"), shot("june-projector-0")).first, 40);
+    EXPECT_EQ(shot("small-projector-1").width, 500);
+    EXPECT_EQ(shot("small-projector-0").width, 1024);
+    EXPECT_EQ(report["live"]["sketches"], 1);
+    EXPECT_EQ(report["live"]["wheel_to_light"]["count"], 2);
+    EXPECT_EQ(report["live"]["photo_to_light"]["count"], 1);
+}
+
+TEST_F(Live, a_bad_picture_is_reported_and_leaves_the_last_light_until_a_good_one_comes) {
+    fs::copy_file(kPhoto, folder / "table.png");
+    std::thread hand([this] {
+        waitFor("good-operator");
+        writeText(folder / "table.png", "no picture at all");
+        waitFor("bad-operator");
+        fs::copy_file(kOther, folder / "table.png", fs::copy_options::overwrite_existing);
+    });
+    const Outcome outcome =
+        live("file:" + in("table.png"), "wait\nsnapshot good\nsleep 4\nwait\nsnapshot bad\nsleep 4\nwait\n"
+                                        "snapshot other\nquit\n");
+    hand.join();
+    ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
+    EXPECT_EQ(difference(shot("good-projector-0"), shot("bad-projector-0")).first, 0);
+    EXPECT_GT(difference(shot("good-projector-0"), shot("other-projector-0")).first, 40);
+    EXPECT_EQ(report["live"]["refusals"], 1);
+    EXPECT_EQ(report["live"]["refused"], ""); // not any more
+    EXPECT_EQ(report["live"]["sketches"], 2);
+}
+
+TEST_F(Live, only_what_has_changed_on_the_table_is_done_again) {
+    const geometry::Rig rig = geometry::readRig(kRig);
+    geometry::Sketch sketch = geometry::readSketch(HELIODON_TEST_DATA "/vision/i01_mixed.sketch.json");
+    fs::create_directories(folder / "pictures");
+    int number = 0;
+    const auto add = [&](double light) { // painted tables, under lamps of that brightness
+        vision::Lighting lamps;
+        for (size_t c = 0; c < 3; ++c) lamps.left[c] *= light, lamps.right[c] *= light;
+        const vision::Photograph photo = vision::paintTable(sketch, rig, {}, lamps);
+        passes::writePng({photo.width, photo.height, photo.rgb},
+                         folder / "pictures" / (std::to_string(++number) + ".png"));
+    };
+    add(1);
+    add(0.8); // darker: nothing to do
+    ASSERT_TRUE(sketch.north);
+    sketch.north->dirDeg += 20;
+    add(1);
+    ASSERT_FALSE(sketch.tokens.empty());
+    sketch.tokens[0].rgb = {60, 60, 60};
+    add(1);
+    sketch.windows.erase(sketch.windows.begin());
+    add(1);
+    const Outcome outcome =
+        live("replay:" + in("pictures"), "sleep 22\nwait\nquit\n", "--interval 4 --window-scale 0.25");
+    ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
+    EXPECT_EQ(report["live"]["done_again"], json({"geometry", "north", "materials", "geometry"}));
+    EXPECT_GE(report["live"]["detections"], 4);
+}
+
+TEST_F(Live, ends_cleanly_with_ctrl_c_and_with_its_windows) {
+    std::thread hand([this] {
+        waitFor("up-operator");
+        kill(pid_t(std::stoi(readText(folder / "pid"))), SIGINT);
+    });
+    writeText(folder / "script", "wait\nsnapshot up\n");
+    const std::string command = "sh -c 'echo $$ > " + in("pid") + "; exec " HELIODON_PROGRAM " live --rig " +
+                                kRig + " --camera file:" + kPhoto + kFast +
+                                "--windowed --window-scale 0.25 --script " + in("script") + " --snapshots " +
+                                in("shots") + " --report " + in("report.json") + "'";
+    setenv("ASAN_OPTIONS", "detect_leaks=0:detect_odr_violation=0", 1);
+    const int status = std::system(command.c_str());
+    hand.join();
+    ASSERT_TRUE(WIFEXITED(status));
+    EXPECT_EQ(WEXITSTATUS(status), 0);
+    EXPECT_EQ(json::parse(readText(folder / "report.json"))["live"]["sketches"], 1);
+
+    const Outcome closed =
+        live("file:" + kPhoto, "wait\nclose 0\nclose 1\nclose 2\nsleep 1\nwheel 1\nwait\nclose 3\n");
+    EXPECT_EQ(closed.exitCode, 0) << closed.output;
+    EXPECT_EQ(report["live"]["wheel_to_light"]["count"], 1);    // the last window went on
+    EXPECT_EQ(live("file:" + kPhoto, "close 4\n").exitCode, 0); // the operator's
+}
+
+TEST_F(Live, a_missing_display_is_named_and_the_picture_shown_in_a_window) {
+    json rig = json::parse(readText(kRig));
+    rig["projectors"][2]["display"] = "NO-SUCH-OUTPUT";
+    writeText(folder / "rig.json", rig.dump());
+    const Outcome outcome = heliodon("live --rig " + in("rig.json") + " --camera file:" + kPhoto + kFast +
+                                     "--duration 1 --report " + in("report.json"));
+    EXPECT_EQ(outcome.exitCode, 0) << outcome.output;
+    EXPECT_NE(outcome.output.find("NO-SUCH-OUTPUT"), std::string::npos) << outcome.output;
+    report = json::parse(readText(folder / "report.json"));
+    EXPECT_FALSE(report["live"]["outputs"][2]["full_screen"]);
+    EXPECT_NE(report["live"]["outputs"][2]["notice"], "");
+}
+
+TEST_F(Live, a_camera_that_is_not_there_is_waited_for) {
+    const Outcome outcome = live("aravis:no-such-camera", "wait\nsnapshot dark\nquit\n");
+    EXPECT_EQ(outcome.exitCode, 0) << outcome.output;
+    EXPECT_NE(report["live"]["camera"].get<std::string>().find("no-such-camera"), std::string::npos);
+    const auto dark = shot("dark-projector-0");
+    EXPECT_EQ(*std::max_element(dark.rgb.begin(), dark.rgb.end()), 0);
+}
+
+TEST_F(Live, bad_words_are_refused_by_name) {
+    const std::string start = "live --windowed --rig " + kRig + " --camera ";
+    writeText(folder / "script", "wait\nwheel up\n");
+    const std::pair<std::string, std::string> cases[]{
+        {start + "webcam:0", "webcam:0"},
+        {start + "file:" + in("none.png"), "none.png"},
+        {start + "replay:" + folder.string(), "holds no photograph"},
+        {start + "file:" + kPhoto + " --sky purple", "purple"},
+        {start + "file:" + kPhoto + " --script " + in("script"), "script:2"},
+        {"live --camera file:" + kPhoto, "--rig"}};
+    for (const auto& [words, named] : cases) {
+        const Outcome outcome = heliodon(words);
+        EXPECT_EQ(outcome.exitCode, 2) << words << "\n" << outcome.output;
+        EXPECT_NE(outcome.output.find(named), std::string::npos) << outcome.output;
+    }
+}
+
+} // namespace
+} // namespace heliodon::test
