@@ -81,6 +81,9 @@ std::string mtlText(const PatchMesh& mesh) {
         if (material.isOpening()) {
             rgb("Tf", material.transmittance);
             text += fmt::format("Ni {}\n", material.refractiveIndex);
+            // Kd of glass is black, and viewers that know no Tf would show it so.
+            const glm::vec3 through = glm::clamp(material.transmittance, 0.0f, 1.0f);
+            text += fmt::format("d {:.3g}\n", 1 - (through.x + through.y + through.z) / 3);
         }
         if (material.exitance != glm::vec3(0)) rgb("Ke", material.exitance);
     }
@@ -97,7 +100,8 @@ void writeObj(const PatchMesh& mesh, const std::filesystem::path& file) {
     for (const glm::dvec3& p : mesh.vertices)
         text += fmt::format("v {} {} {}\n", p.x, p.y, p.z); // shortest that reads back
     for (const auto& [key, patches] : groups(mesh)) {
-        text += "g " + groupName(key) + "\n";
+        // Some programs make objects of one, some of the other.
+        text += fmt::format("o {0}\ng {0}\n", groupName(key));
         size_t material = mesh.materials.size();
         for (const size_t i : patches) {
             if (mesh.material[i] != material) {
@@ -171,7 +175,7 @@ private:
                                        {"pbrMetallicRoughness",
                                         {{"baseColorFactor", {base.x, base.y, base.z, 1}},
                                          {"metallicFactor", 0},
-                                         {"roughnessFactor", 1}}}};
+                                         {"roughnessFactor", material.isOpening() ? 0 : 1}}}};
             nlohmann::ordered_json extensions;
             if (through > 0) {
                 extensions["KHR_materials_transmission"] = {{"transmissionFactor", through}};

@@ -1,12 +1,15 @@
 #include "geometry/model_file.h"
 
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <set>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include "geometry/face_soup.h"
@@ -259,6 +262,51 @@ TEST_F(ModelFile, written_models_read_back) {
     EXPECT_NEAR(airVolume(importModel(folder / "out.glb"), 0),
                 airVolume(importModel(kModels / "daylight_d" / "model.obj", UpAxis::z), 0), 1e-4);
     EXPECT_THROW(writeModel(mesh, folder / "out.stl"), InputError);
+}
+
+// What a modelling program makes objects and materials of, read without our reader.
+TEST_F(ModelFile, objects_are_rooms_and_roles_in_what_is_written) {
+    const PatchMesh mesh = meshBuilding(importModel(kModels / "daylight_d" / "model.obj", UpAxis::z), {500});
+    std::map<std::string, std::map<std::string, int>> expected; // faces by object and material
+    for (size_t i = 0; i < mesh.patchCount(); ++i) {
+        const char* role = mesh.role[i] == Role::fillIn ? "fill-in" : "projection";
+        ++expected[fmt::format("room{}_{}", mesh.room[i], role)][mesh.materials[mesh.material[i]].name];
+    }
+    writeModel(mesh, folder / "out.obj");
+    std::map<std::string, std::map<std::string, int>> found;
+    std::ifstream in(folder / "out.obj");
+    std::string object, group, material;
+    for (std::string key; in >> key;) {
+        if (key == "o") {
+            in >> object;
+            EXPECT_FALSE(found.contains(object)) << "one object, one place";
+        } else if (key == "g")
+            in >> group;
+        else if (key == "usemtl")
+            in >> material;
+        else if (key == "f") {
+            EXPECT_EQ(object, group);
+            ++found[object][material];
+        }
+        std::getline(in, key);
+    }
+    EXPECT_EQ(found, expected);
+    std::ifstream library(folder / "out.mtl");
+    const std::string text((std::istreambuf_iterator<char>(library)), {});
+    EXPECT_NE(text.find("\nd 0"), std::string::npos) << "glass that viewers without Tf see through\n" << text;
+
+    writeModel(mesh, folder / "out.glb");
+    std::ifstream binary(folder / "out.glb", std::ios::binary);
+    const std::string glb((std::istreambuf_iterator<char>(binary)), {});
+    uint32_t length = 0;
+    std::memcpy(&length, glb.data() + 12, 4);
+    const nlohmann::json json = nlohmann::json::parse(glb.substr(20, length));
+    found.clear();
+    for (const auto& node : json["nodes"])
+        for (const auto& part : json["meshes"][node["mesh"].get<size_t>()]["primitives"])
+            found[node["name"]][json["materials"][part["material"].get<size_t>()]["name"]] +=
+                json["accessors"][part["indices"].get<size_t>()]["count"].get<int>() / 3;
+    EXPECT_EQ(found, expected);
 }
 
 TEST_F(ModelFile, damaged_glb_is_refused_not_read_past_its_end) {
