@@ -116,15 +116,17 @@ public:
         const double elapsed = std::chrono::duration<double>(lastShown_ - start_).count();
         size_t turn = static_cast<size_t>(elapsed / options_.intervalSeconds);
         turn = options_.loop ? turn % files_.size() : std::min(turn, files_.size() - 1);
-        if (!picture_ || turn != turn_) {
+        if (turn != turn_) {
             turn_ = turn;
+            picture_.reset(); // also where it cannot be read: that is said once
             picture_ = shared(files_[turn]);
         }
+        if (!picture_) return std::nullopt;
         return CameraPicture{picture_, lastShown_};
     }
     bool isContinuous() const override { return true; }
     std::string description() const override {
-        return fmt::format("replay, picture {} of {}", turn_ + 1, files_.size());
+        return fmt::format("replay, picture {} of {}", turn_.value_or(0) + 1, files_.size());
     }
 
 private:
@@ -133,7 +135,7 @@ private:
     std::vector<std::filesystem::path> files_;
     Clock::time_point start_, lastShown_{};
     std::shared_ptr<const Photograph> picture_;
-    size_t turn_ = 0;
+    std::optional<size_t> turn_;
 };
 
 } // namespace

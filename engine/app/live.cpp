@@ -55,13 +55,14 @@ public:
                           {"detections", status.detections},
                           {"sketches", status.sketches},
                           {"refusals", status.refusals},
-                          {"refused", status.refused},
+                          {"refused", status.pictureRefused.empty() ? status.refused : status.pictureRefused},
                           {"camera_losses", status.cameraLosses},
                           {"moments_solved", light_.solved()},
                           {"moments_repeated", light_.repeated()},
                           {"frames", figures_.frames},
                           {"wheel_to_light", figures_.wheelToLight.summary()},
                           {"photo_to_light", figures_.photoToLight.summary()},
+                          {"solve", figures_.solve.summary()},
                           {"draw", figures_.draw.summary()},
                           {"done_again", rows_},
                           {"outputs", outputs_.report()}};
@@ -132,7 +133,9 @@ private:
         const bool same = lit_ && ready->moment == lit_->moment && !ready->fromPicture;
         if (ready->fromPicture) rows_.push_back(ready->scene->row);
         lit_ = std::move(*ready);
-        if (!same) dirty_ = fresh_ = true;
+        if (same) return;
+        dirty_ = fresh_ = true;
+        figures_.solve.add(lit_->solveSeconds);
     }
 
     bool operatorDue(double after) const { return secondsSince(operatorDrawn_) > after; }
@@ -194,7 +197,7 @@ private:
         status.working = now.tableMoves        ? "waiting until the table is still"
                          : now.working.empty() ? ""
                                                : now.working + " ...";
-        status.refused = now.refused;
+        status.refused = now.pictureRefused.empty() ? now.refused : now.pictureRefused;
         status.warnings = now.detectWarnings;
         for (const auto& warning : now.scene.value("warnings", nlohmann::json::array()))
             status.warnings.push_back(warning.get<std::string>());

@@ -29,7 +29,8 @@ struct LiveStatus {
     double detectSeconds = 0;
     std::vector<std::string> detectWarnings;
     std::string working;                             // on a new sketch: what is being done
-    std::string refused;                             // why the latest sketch or picture is not shown
+    std::string pictureRefused;                      // why the latest picture says nothing
+    std::string refused;                             // why the latest sketch is not shown
     nlohmann::json scene = nlohmann::json::object(); // report of the sketch that is shown
     size_t pictures = 0, detections = 0, sketches = 0, refusals = 0, cameraLosses = 0;
 };

@@ -82,7 +82,8 @@ std::vector<present::Event> LiveOutputs::pollEvents(double waitSeconds) {
         notices_[i] = notice;
     }
     std::erase_if(events, [this](const present::Event& event) {
-        return event.kind == present::Event::Kind::key && takesKeys(event.window);
+        return event.window == operatorIndex() &&
+               (event.kind == present::Event::Kind::key ? operator_->takesKeys() : operator_->takesWheel());
     });
     return events;
 }
@@ -98,10 +99,6 @@ bool LiveOutputs::damaged() const {
     for (size_t i = 0; i < presenter_->size(); ++i)
         if (presenter_->damaged(i) && presenter_->state(i) == present::WindowState::open) return true;
     return false;
-}
-
-bool LiveOutputs::takesKeys(size_t window) const {
-    return window == operatorIndex() && operator_->takesKeys();
 }
 
 void LiveOutputs::toggleFullScreen(size_t window) {

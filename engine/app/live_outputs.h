@@ -29,8 +29,6 @@ public:
     // Some window wants its picture again.
     bool damaged() const;
     bool operatorBusy() const { return operator_->isBusy(); }
-    // The user is typing there.
-    bool takesKeys(size_t window) const;
 
     void toggleFullScreen(size_t window);
     void resize(size_t window, int width, int height);

@@ -26,6 +26,7 @@ private:
 struct LiveFigures {
     Durations wheelToLight; // from what the user did to all outputs showing it
     Durations photoToLight; // from a picture that shows a new table to all outputs showing it
+    Durations solve;        // skies, light and what is read off it
     Durations draw;         // recording, drawing and presenting
     double framesPerSecond = 0;
     size_t frames = 0;

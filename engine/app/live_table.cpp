@@ -36,11 +36,9 @@ public:
         watch_.lightChanged(LiveClock::time_point(LiveClock::duration(table_.lightChanged_)));
         using State = vision::TableWatch::State;
         const State state = watch_.look(*picture.photo, picture.taken);
-        if (state != State::same && changed_ == LiveClock::time_point{}) changed_ = picture.taken;
         const bool flicker = watch_.lightIsChanging(picture.taken);
         table_.board_.update(
             [&](LiveStatus& status) { status.tableMoves = state == State::moving && !flicker; });
-        if (state == State::same) changed_ = {};
         if (state == State::changed) {
             watch_.worked();
             detect(picture);
@@ -58,13 +56,14 @@ private:
             found = vision::detectSketch(*picture.photo, table_.rig_);
         } catch (const geometry::InputError& error) {
             table_.board_.update([&](LiveStatus& status) {
-                status.refused = error.what();
+                status.pictureRefused = error.what();
                 ++status.refusals;
             });
             return std::nullopt;
         }
         detected_ = LiveClock::now();
         table_.board_.update([&](LiveStatus& status) {
+            status.pictureRefused.clear();
             status.seen = found.sketch;
             status.detectWarnings = found.warnings;
             status.detectSeconds = watch.seconds();
@@ -87,7 +86,6 @@ private:
 
     void accept(const geometry::Sketch& sketch, LiveClock::time_point taken) {
         candidate_.reset();
-        changed_ = {};
         vision::SteadySketch steady{sketch};
         if (before_) steady = vision::steadied(*before_, sketch);
         if (before_ && steady.same()) return;
@@ -100,7 +98,7 @@ private:
     vision::TableWatch watch_;
     std::shared_ptr<const vision::Photograph> photo_;
     std::optional<geometry::Sketch> before_, candidate_; // handed on last; waiting for one that agrees
-    LiveClock::time_point detected_{}, changed_{};
+    LiveClock::time_point detected_{};
 };
 
 LiveTable::LiveTable(const geometry::Rig& rig, const std::string& source,
@@ -140,7 +138,8 @@ void LiveTable::run() {
             });
             if (picture) {
                 eye.look(*picture, camera_->isContinuous());
-                if (!camera_->isContinuous() || board_.read().detections > 0) arrived();
+                const LiveStatus status = board_.read();
+                if (!camera_->isContinuous() || status.detections + status.refusals > 0) arrived();
             }
         } catch (const vision::CameraLost& lost) {
             camera_.reset();
@@ -154,7 +153,7 @@ void LiveTable::run() {
                 std::this_thread::sleep_for(kLook);
         } catch (const geometry::InputError& error) { // a picture that cannot be read; the next one may be
             board_.update([&](LiveStatus& status) {
-                status.refused = error.what();
+                status.pictureRefused = error.what();
                 ++status.refusals;
             });
             arrived();

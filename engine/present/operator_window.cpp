@@ -176,6 +176,10 @@ bool OperatorWindow::takesKeys() const {
     return ImGui::GetIO().WantTextInput;
 }
 
+bool OperatorWindow::takesWheel() const {
+    return ImGui::IsPopupOpen(static_cast<const char*>(nullptr), ImGuiPopupFlags_AnyPopup);
+}
+
 bool OperatorWindow::isBusy() const {
     if (!state_->window->handle) return false;
     double x = 0, y = 0;

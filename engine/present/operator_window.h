@@ -80,6 +80,8 @@ public:
                            OperatorActions& actions);
     // The user is typing into a field: keys are not for the program.
     bool takesKeys() const;
+    // A list is open, which the wheel scrolls.
+    bool takesWheel() const;
     // The user's hand is in the window: it is to be drawn again soon.
     bool isBusy() const;
 

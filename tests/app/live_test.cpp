@@ -13,6 +13,7 @@
 #include "engine/passes/image_file.h"
 #include "tests/app/program.h"
 #include "tests/present/own_display.h"
+#include "tests/vision/imitated_camera.h"
 #include "tests/vision/table_painter.h"
 #include "vision/photograph.h"
 
@@ -184,6 +185,16 @@ TEST_F(Live, a_missing_display_is_named_and_the_picture_shown_in_a_window) {
     report = json::parse(readText(folder / "report.json"));
     EXPECT_FALSE(report["live"]["outputs"][2]["full_screen"]);
     EXPECT_NE(report["live"]["outputs"][2]["notice"], "");
+}
+
+TEST_F(Live, a_network_camera_shows_the_table) {
+    const vision::ImitatedCamera camera(vision::readPhotograph(kPhoto));
+    ASSERT_TRUE(camera.runs());
+    const Outcome outcome = live("aravis:127.0.0.1", "wait\nsnapshot seen\nquit\n", "--duration 100");
+    EXPECT_EQ(outcome.exitCode, 0) << outcome.output;
+    EXPECT_EQ(report["live"]["sketches"], 1);
+    const auto seen = shot("seen-projector-0");
+    EXPECT_GT(*std::max_element(seen.rgb.begin(), seen.rgb.end()), 100);
 }
 
 TEST_F(Live, a_camera_that_is_not_there_is_waited_for) {
