@@ -74,6 +74,7 @@ public:
     }
 
     RawModel read() {
+        checkExtensions();
         for (size_t i = 0; i < in_.materials.size(); ++i) {
             Material material = materialOf(in_.materials[i]);
             if (material.name.empty()) material.name = fmt::format("material{}", i);
@@ -87,6 +88,14 @@ public:
     }
 
 private:
+    // What changes how things look may be passed over; what packs or places the triangles may not.
+    void checkExtensions() const {
+        for (const std::string& name : in_.extensionsRequired)
+            if (!name.starts_with("KHR_materials_") && !name.starts_with("KHR_texture_") &&
+                !name.starts_with("EXT_texture_") && name != "KHR_lights_punctual")
+                fail("extensionsRequired", fmt::format("asks for {}, which is not supported", name));
+    }
+
     [[noreturn]] void fail(const std::string& place, const std::string& what) const {
         throw InputError(out_.file, place, what);
     }

@@ -76,12 +76,16 @@ void reportClosure(Run& run, const geometry::ClosureReport& closure) {
 // table's size, 12 times smaller than what it stands for.
 double modelScale(Run& run, const std::optional<double>& given, const geometry::Building& building) {
     if (given) return 1 / *given;
-    constexpr double kLowestRoom = 1.0; // metres: nobody works in less
+    constexpr double kLowestRoom = 1.0;    // metres: nobody works in less
+    constexpr double kHighestRoom = 300.0; // nor in one as high: a file in millimetres
     const geometry::Bounds box = geometry::boundsOf(building.vertices);
-    const bool small = box.high.y - box.low.y < kLowestRoom;
-    const std::string what =
-        small ? "model 12 times smaller than its building" : "model as large as its building";
-    run.assume(what, small);
+    const double height = box.high.y - box.low.y;
+    const bool small = height<kLowestRoom, large = height> kHighestRoom;
+    std::string what = small ? "model 12 times smaller than its building" : "model as large as its building";
+    if (large)
+        what +=
+            fmt::format(", which is {:.0f} m high; for one in millimetres give --model-scale 0.001", height);
+    run.assume(what, small || large);
     return small ? 1.0 / 12 : 1.0;
 }
 

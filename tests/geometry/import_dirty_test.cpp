@@ -217,6 +217,47 @@ TEST(DirtyModel, solids_in_the_room_are_cut_out_of_its_air) {
     expectRooms(standing, 1, 29);
 }
 
+TEST(DirtyModel, outlines_may_turn_inwards) {
+    Polygons prism; // an L seen from above
+    const std::vector<glm::dvec2> plan{{0, 0}, {4, 0}, {4, 2}, {2, 2}, {2, 4}, {0, 4}};
+    const auto n = static_cast<uint32_t>(plan.size());
+    for (const double y : {0.0, 3.0})
+        for (const glm::dvec2 p : plan) prism.vertices.emplace_back(p.x, y, p.y);
+    prism.faces.resize(2);
+    for (uint32_t i = 0; i < n; ++i) {
+        prism.faces[0].push_back(i);
+        prism.faces[1].push_back(2 * n - 1 - i);
+        prism.faces.push_back({i, i + n, (i + 1) % n + n, (i + 1) % n});
+    }
+    expectRooms(prism, 1, 36);
+}
+
+TEST(DirtyModel, far_from_the_origin_and_in_millimetres) {
+    Polygons far = room();
+    for (glm::dvec3& p : far.vertices) p += glm::dvec3(1e6, 0, -1e6);
+    EXPECT_EQ(importModel(written(far)).roomCount, 1u);
+    Polygons fine = room();
+    for (glm::dvec3& p : fine.vertices) p *= 1000;
+    expectRooms(fine, 1, 30e9);
+}
+
+TEST(DirtyModel, rooms_that_share_a_wall_without_thickness_are_refused_by_name) {
+    Polygons once = room();
+    once.add(box({4, 0, 0}, {8, 2.5, 3}));
+    expectRefused(once, "more than two faces");
+    once.faces.erase(once.faces.end() - 2); // the wall between drawn once
+    expectRefused(once, "more than two faces");
+    Polygons part = room(); // a piece of a face drawn again
+    part.faces.push_back({0, 4, 5});
+    expectRefused(part, "not closed");
+    Polygons twisted = room(); // corners in the wrong order
+    twisted.faces[0] = {0, 5, 4, 1};
+    expectRefused(twisted, "not closed");
+    Polygons bent = room(); // a quad with one corner lifted
+    bent.vertices[7].y = 2.8;
+    expectRefused(bent, "not planar");
+}
+
 TEST(DirtyModel, what_has_no_one_answer_is_refused_by_name) {
     Polygons open = room();
     open.faces.pop_back();

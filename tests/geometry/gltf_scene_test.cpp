@@ -1,0 +1,129 @@
+// glTF scenes as programs write them: nodes that turn, mirror and repeat, and what is not taken, by name.
+#include <array>
+#include <fstream>
+#include <string>
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "geometry/input_error.h"
+#include "geometry/mesher.h"
+#include "geometry/model_file.h"
+
+using namespace heliodon::geometry;
+using nlohmann::json;
+
+namespace {
+
+std::string base64(const std::string& bytes) {
+    static const char* const kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string out;
+    for (size_t i = 0; i < bytes.size(); i += 3) {
+        uint32_t word = 0;
+        for (size_t k = 0; k < 3; ++k)
+            word = word << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+        for (int k = 3; k >= 0; --k) out += kDigits[word >> (6 * k) & 63];
+    }
+    for (size_t k = 0; k < (3 - bytes.size() % 3) % 3; ++k) out[out.size() - 1 - k] = '=';
+    return out;
+}
+
+// A room of 4 x 2.5 x 3 m as one mesh, with these nodes.
+json roomScene(const json& nodes) {
+    constexpr std::array<uint16_t, 36> kIndices{0, 4, 5, 0, 5, 1, 2, 3, 7, 2, 7, 6, 0, 1, 3, 0, 3, 2,
+                                                4, 6, 7, 4, 7, 5, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3};
+    std::string data;
+    for (int i = 0; i < 8; ++i)
+        for (const float x : {i & 1 ? 4.0f : 0.0f, i & 2 ? 2.5f : 0.0f, i & 4 ? 3.0f : 0.0f})
+            data.append(reinterpret_cast<const char*>(&x), 4);
+    const size_t positions = data.size();
+    data.append(reinterpret_cast<const char*>(kIndices.data()), sizeof kIndices);
+    json out;
+    out["asset"]["version"] = "2.0";
+    out["scene"] = 0;
+    out["scenes"] = json::array({{{"nodes", {0}}}});
+    out["nodes"] = nodes;
+    out["meshes"] = json::parse(R"([{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}])");
+    out["accessors"] = json::parse(R"([{"bufferView":0,"componentType":5126,"count":8,"type":"VEC3",
+        "min":[0,0,0],"max":[4,2.5,3]},{"bufferView":1,"componentType":5123,"count":36,"type":"SCALAR"}])");
+    out["bufferViews"] = json::array({{{"buffer", 0}, {"byteLength", positions}},
+                                      {{"buffer", 0}, {"byteOffset", positions}, {"byteLength", 72}}});
+    out["buffers"] = json::array(
+        {{{"byteLength", data.size()}, {"uri", "data:application/octet-stream;base64," + base64(data)}}});
+    return out;
+}
+
+std::string written(const json& scene) {
+    const std::string file = testing::TempDir() + "scene.gltf";
+    std::ofstream(file) << scene;
+    return file;
+}
+
+double volume(const PatchMesh& mesh) {
+    double sum = 0;
+    for (size_t i = 0; i < mesh.patchCount(); ++i)
+        sum -= glm::dot(0.5 * patchAreaVector(mesh, i), patchCentroid(mesh, i)) / 3;
+    return sum;
+}
+
+void expectRooms(const char* nodes, uint32_t rooms, double cubicMetres) {
+    const Building building = importModel(written(roomScene(json::parse(nodes))));
+    EXPECT_EQ(building.roomCount, rooms) << nodes;
+    EXPECT_NEAR(volume(meshBuilding(building, {200})), cubicMetres, 1e-5 * cubicMetres) << nodes;
+}
+
+void expectRefused(const json& scene, const std::string& why) {
+    try {
+        importModel(written(scene));
+        ADD_FAILURE() << "taken, though " << why;
+    } catch (const InputError& error) {
+        EXPECT_NE(std::string(error.what()).find(why), std::string::npos) << error.what();
+    }
+}
+
+const json kOneNode = json::parse(R"([{"mesh":0}])");
+
+} // namespace
+
+TEST(GltfScene, nodes_turn_mirror_and_repeat) {
+    expectRooms(R"([{"mesh":0}])", 1, 30);
+    expectRooms(R"([{"mesh":0,"scale":[-1,1,1],"translation":[10,0,0]}])", 1, 30);
+    expectRooms(R"([{"mesh":0,"scale":[-1,-1,-2]}])", 1, 60);
+    expectRooms(R"([{"children":[1],"scale":[2,2,2]},
+        {"mesh":0,"rotation":[0,0.70710678118654752,0,0.70710678118654752],"scale":[0.5,0.5,-0.5]}])",
+                1, 30);
+    expectRooms(R"([{"mesh":0,"matrix":[0.5,0,0,0, 0,1,0,0, 0,0,1,0, 7,0,0,1]}])", 1, 15);
+    expectRooms(R"([{"children":[1,2]},{"mesh":0},{"mesh":0,"translation":[6,0,0]}])", 2, 60);
+}
+
+TEST(GltfScene, what_cannot_be_read_is_refused_by_place) {
+    expectRefused(roomScene(json::parse(R"([{"mesh":0,"children":[1]},{"children":[0]}])")), "nodes[");
+    expectRefused(roomScene(json::parse(R"([{"mesh":0,"scale":[1,0,1]}])")), "meshes[0].primitives[0]");
+    json external = roomScene(kOneNode);
+    external["buffers"][0]["uri"] = "gone.bin";
+    expectRefused(external, "gone.bin");
+    json sparse = roomScene(kOneNode);
+    sparse["accessors"][0]["sparse"] = json::parse(
+        R"({"count":1,"indices":{"bufferView":1,"componentType":5123},"values":{"bufferView":0}})");
+    expectRefused(sparse, "sparse");
+    for (const int mode : {0, 1, 5}) {
+        json strip = roomScene(kOneNode);
+        strip["meshes"][0]["primitives"][0]["mode"] = mode;
+        expectRefused(strip, "primitives[0].mode");
+    }
+}
+
+// Triangles that are packed in a way that we do not know would be read as something else.
+TEST(GltfScene, required_extensions_that_are_not_known_are_refused_by_name) {
+    for (const char* name : {"KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_mesh_quantization",
+                             "EXT_mesh_gpu_instancing"}) {
+        json scene = roomScene(kOneNode);
+        scene["extensionsUsed"] = scene["extensionsRequired"] = json::array({name});
+        expectRefused(scene, name);
+    }
+    json looks = roomScene(kOneNode);
+    looks["extensionsUsed"] = looks["extensionsRequired"] = json::array({"KHR_materials_transmission"});
+    EXPECT_EQ(importModel(written(looks)).roomCount, 1u);
+}
