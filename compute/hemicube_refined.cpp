@@ -86,12 +86,8 @@ void setNearPairs(gpu::Device& device, const geometry::PatchMesh& mesh, std::spa
         for (uint32_t a : leavesOf[pair.x])
             for (uint32_t b : leavesOf[pair.y]) maker.add(std::min(a, b), std::max(a, b));
     }
-    std::vector<io::HierarchicalLink> links = maker.finish();
-    // Patches of several triangles sum several links: in one order, whatever the device's.
-    std::sort(links.begin(), links.end(), [](const auto& a, const auto& b) {
-        return a.first < b.first || (a.first == b.first && a.second < b.second);
-    });
-    for (const io::HierarchicalLink& link : links) {
+    // Sorted: patches of several triangles sum several links in one order, whatever the device's.
+    for (const io::HierarchicalLink& link : maker.finish()) {
         const PatchTree::Leaf &a = scene.tree.leaves[scene.tree.nodes[link.first].firstLeaf],
                               &b = scene.tree.leaves[scene.tree.nodes[link.second].firstLeaf];
         const double exchange = double{link.density} * a.area * b.area;
