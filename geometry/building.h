@@ -66,6 +66,8 @@ struct ClosureOptions {
     double doorWidth = 2.0;   // inches: an interior hole at least this wide stays open
     double crackWidth = 1.0;  // inches: an interior hole under this is filled
     double chordError = 0.02; // inches: how far a facet of a curved wall may lie from the arc
+    double facetLength =
+        0; // inches: facets are about so long, or some times it; 0: as the chord error allows
     glm::vec3 wallReflectance{0.7f}, floorReflectance{0.3f},
         ceilingReflectance{0.8f}; // where no token says otherwise
     float glazingTransmittance = 0.88f;

@@ -92,7 +92,8 @@ private:
                                                  sketch_.walls.size() + sketch_.arcs.size(), kMostWalls));
             return false;
         }
-        plan_ = planWalls(sketch_, {(options_.doorWidth + options_.crackWidth) / 2, options_.chordError});
+        plan_ = planWalls(sketch_, {(options_.doorWidth + options_.crackWidth) / 2, options_.chordError,
+                                    options_.facetLength});
         notes_.insert(notes_.end(), plan_.notes.begin(), plan_.notes.end());
         ignored_.insert(ignored_.end(), plan_.ignored.begin(), plan_.ignored.end());
         if (!plan_.pieces.empty()) return true;
@@ -151,7 +152,7 @@ private:
         notes_.insert(notes_.end(), windows.notes.begin(), windows.notes.end());
         const auto make = [&](const std::vector<WindowHole>& holes) {
             Shells made{roomFaces({plan_, spaces_.rooms, runs, sketch_.skylights, ceilings, materials.rooms,
-                                   materials.runs, materials.partitions, holes, options_.chordError}),
+                                   materials.runs, materials.partitions, holes}),
                         {}};
             made.building = weldFaces(made.faces.faces, static_cast<uint32_t>(spaces_.rooms.size()), kWeld);
             return made;
@@ -161,7 +162,7 @@ private:
         const RoomFaces& faces = made.faces;
         Building& building = made.building;
         building.materials = materials.materials;
-        building.occluders = occluderSolids(plan_, options_.chordError);
+        building.occluders = occluderSolids(plan_);
         if (sketch_.north) building.northDeg = sketch_.north->dirDeg;
 
         out_.report.windowCount = windows.openings;

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <stdexcept>
 
 #include <glm/geometric.hpp>
@@ -20,6 +21,7 @@
 #include "geometry/planar_mesher.h"
 #include "geometry/planar_net.h"
 #include "geometry/twin_faces.h"
+#include "geometry/upright_grid.h"
 
 namespace heliodon::geometry {
 
@@ -30,6 +32,8 @@ constexpr double kCountReached = 0.028; // of the count that was asked for
 constexpr int kAttempts = 3;
 // Optimisation may add so many points, at most that share of the count; each makes two triangles.
 constexpr double kMostAdditions = 40, kAdditionsOfCount = 0.014;
+// Of the edge length: halves of rectangles this wide and high are as large as regular triangles.
+constexpr double kColumn = 0.93;
 constexpr double kUniform = std::numeric_limits<double>::infinity();
 // From the gentlest growth of sizes round small parts to none at all, for when triangles are few.
 constexpr std::array kGradings{Grading{1.4, 0.6}, Grading{2.0, 1.0}, Grading{kUniform, kUniform}};
@@ -95,9 +99,14 @@ public:
 private:
     const Face& faceOf(size_t domain) const { return building_.faces[domains_[domain].faces[0]]; }
 
+    std::optional<PlanarMesh> gridOf(size_t d, const PlanarDomain& plane) const {
+        return domains_[d].frames.size() > 1 ? meshUprightGrid(plane) : std::nullopt;
+    }
+
     // How many triangles the domain has without those that refinement adds.
     double countOf(size_t d, double lattice) const {
         const PlanarDomain plane = sampler_.planar(d);
+        if (const auto grid = gridOf(d, plane)) return static_cast<double>(grid->triangles.size());
         return 2 * static_cast<double>(hexagonalSeeds(plane, lattice).size()) +
                static_cast<double>(plane.boundary.size()) - 2 +
                2 * (static_cast<double>(domains_[d].loops.size()) - 1);
@@ -127,7 +136,7 @@ private:
         double added = 0;
         for (size_t d = 0; d < domains_.size(); ++d) {
             const PlanarDomain plane = sampler_.planar(d);
-            if (plane.size.uniform()) continue;
+            if (plane.size.uniform() || gridOf(d, plane)) continue;
             const std::vector<glm::dvec2> seeds = hexagonalSeeds(plane, lattices_[d]);
             const PlanarMesh mesh = meshPlanar(plane, seeds);
             added += 2 * static_cast<double>(mesh.points.size() - plane.boundary.size() - seeds.size());
@@ -302,7 +311,9 @@ private:
     void meshDomain(size_t d) {
         const PlanarDomain plane = sampler_.planar(d);
         std::vector<uint32_t> vertices = boundaryVertices(domains_[d]);
-        const PlanarMesh flat = meshPlanar(plane, hexagonalSeeds(plane, lattices_[d]), additions_);
+        const std::optional<PlanarMesh> grid = gridOf(d, plane);
+        const PlanarMesh flat =
+            grid ? *grid : meshPlanar(plane, hexagonalSeeds(plane, lattices_[d]), additions_);
         additions_ -= flat.added;
         for (size_t i = vertices.size(); i < flat.points.size(); ++i) {
             vertices.push_back(static_cast<uint32_t>(mesh_.vertices.size()));
@@ -394,6 +405,10 @@ private:
 };
 
 } // namespace
+
+double fittingFacet(const Building& building, const MeshOptions& options) {
+    return kColumn * regularEdge(building, static_cast<double>(options.triangles)) / kMetresPerInch;
+}
 
 PatchMesh meshBuilding(const Building& building, const MeshOptions& options) {
     if (building.faces.empty()) return {};

@@ -21,6 +21,10 @@ struct MeshQuality {
     double areaDeviation = 0;  // standard deviation over mean of the areas
 };
 
+// Facets of curved walls of this length (inches) make columns of two triangles as large as all others: see
+// ClosureOptions::facetLength. Triangles of such walls then lie in the facets' planes.
+double fittingFacet(const Building& building, const MeshOptions& options = {});
+
 PatchMesh meshBuilding(const Building& building, const MeshOptions& options = {});
 MeshQuality measureMesh(const PatchMesh& mesh);
 

@@ -8,12 +8,10 @@ namespace {
 
 class SolidBuilder {
 public:
-    explicit SolidBuilder(double chordError) : chordError_(chordError) {}
-
     // The footprint is a strip: corner k of one long side faces corner size - 1 - k of the other. Each of its
     // cells becomes a convex solid of its own.
     void add(const WallPiece& piece) {
-        const std::vector<glm::dvec2> outline = footprint(piece, chordError_).outline;
+        const std::vector<glm::dvec2> outline = footprint(piece).outline;
         const size_t n = outline.size();
         for (size_t k = 0; k + 1 < n / 2; ++k)
             addPrism({outline[k], outline[k + 1], outline[n - 2 - k], outline[n - 1 - k]}, piece.height);
@@ -40,13 +38,12 @@ private:
     }
 
     Occluders out_;
-    double chordError_;
 };
 
 } // namespace
 
-Occluders occluderSolids(const PlanWalls& plan, double chordError) {
-    SolidBuilder builder(chordError);
+Occluders occluderSolids(const PlanWalls& plan) {
+    SolidBuilder builder;
     for (const WallPiece& piece : plan.pieces) builder.add(piece);
     for (const WallPiece& piece : plan.partitions) builder.add(piece);
     return builder.take();

@@ -8,6 +8,6 @@
 
 namespace heliodon::geometry {
 
-Occluders occluderSolids(const PlanWalls& plan, double chordError);
+Occluders occluderSolids(const PlanWalls& plan);
 
 } // namespace heliodon::geometry

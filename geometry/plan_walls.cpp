@@ -363,9 +363,21 @@ void reachWalls(PlanWalls& plan) {
     }
 }
 
+// As few as the chord error allows; with a length to fit, whole multiples of it, nearly.
+int facetsOf(const WallPiece& piece, const PlanWallsOptions& options) {
+    const double sweep = std::min(piece.a1 - piece.a0, 2 * kPi), outer = piece.radius + piece.thickness / 2;
+    const double step =
+        std::clamp(2 * std::acos(1 - std::min(0.5, options.chordError / outer)), kPi / 180, kPi / 12);
+    const double fewest = std::max(2.0, std::ceil(sweep / step));
+    if (!(options.facetLength > 0)) return static_cast<int>(fewest);
+    const double lengths = sweep * piece.radius / options.facetLength;
+    const double each = std::max(1.0, std::floor(lengths / fewest));
+    return static_cast<int>(std::max(fewest, std::round(lengths / each)));
+}
+
 } // namespace
 
-PlanSolid footprint(const WallPiece& piece, double chordError) {
+PlanSolid footprint(const WallPiece& piece) {
     PlanSolid solid;
     const double half = piece.thickness / 2;
     if (!piece.curved) {
@@ -378,8 +390,7 @@ PlanSolid footprint(const WallPiece& piece, double chordError) {
     const bool full = piece.a1 - piece.a0 >= 2 * kPi - 1e-9;
     const double sweep = full ? 2 * kPi : piece.a1 - piece.a0, outer = piece.radius + half,
                  inner = piece.radius - half;
-    const double step = std::clamp(2 * std::acos(1 - std::min(0.5, chordError / outer)), kPi / 180, kPi / 12);
-    const int count = std::max(2, static_cast<int>(std::ceil(sweep / step)));
+    const int count = piece.facets;
     // The last angle is that of wallEnd() to the last bit: fillings share these corners.
     const auto angle = [&](int k) {
         if (k == count) return piece.a0 + (full ? 0 : sweep);
@@ -468,8 +479,11 @@ PlanWalls planWalls(const Sketch& sketch, const PlanWallsOptions& options) {
         mergeArcs(arcs);
         pieces.insert(pieces.end(), arcs.begin(), arcs.end());
     }
+    for (std::vector<WallPiece>* pieces : {&plan.pieces, &plan.partitions})
+        for (WallPiece& piece : *pieces)
+            if (piece.curved) piece.facets = facetsOf(piece, options);
     for (size_t i = 0; i < plan.pieces.size(); ++i) {
-        plan.solids.push_back(footprint(plan.pieces[i], options.chordError));
+        plan.solids.push_back(footprint(plan.pieces[i]));
         plan.solids.back().piece = static_cast<int>(i);
     }
     CrackFiller(plan, options.crackWidth).fill();

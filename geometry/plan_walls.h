@@ -20,6 +20,7 @@ struct WallPiece {
     glm::dvec2 a{}, b{};               // ends of the centre line
     glm::dvec2 center{};               // of an arc, which runs counter-clockwise from a to b
     double radius = 0, a0 = 0, a1 = 0; // radians
+    int facets = 0;                    // of an arc
     double thickness = 0.375, height = 10;
     int line = -1; // straight side that it belongs to, -1 for arcs
 };
@@ -59,12 +60,13 @@ struct PlanWalls {
 struct PlanWallsOptions {
     double crackWidth = 1.5;  // inches: narrower holes are filled
     double chordError = 0.02; // inches
+    double facetLength = 0;   // inches; 0: as long as the chord error allows
 };
 
 PlanWalls planWalls(const Sketch& sketch, const PlanWallsOptions& options);
 
 // The footprint of a piece, counter-clockwise.
-PlanSolid footprint(const WallPiece& piece, double chordError);
+PlanSolid footprint(const WallPiece& piece);
 bool contains(const std::vector<glm::dvec2>& polygon, glm::dvec2 p);
 
 // An end of a piece: middle and corners of its end face, and the direction out of the wall.

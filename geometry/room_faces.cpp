@@ -58,7 +58,7 @@ private:
     void buildFloors() {
         std::vector<std::vector<glm::dvec2>> shapes;
         for (const WallPiece& piece : in_.plan.partitions) {
-            const PlanSolid solid = footprint(piece, in_.chordError);
+            const PlanSolid solid = footprint(piece);
             shapes.push_back(solid.outline);
             sides_.push_back(solid.sides);
         }

@@ -25,7 +25,6 @@ struct RoomFaceInput {
     std::vector<uint32_t> runMaterial;       // per run
     std::vector<uint32_t> partitionMaterial; // per partition
     std::vector<WindowHole> holes;
-    double chordError = 0.02;
 };
 
 struct RoomFaces {

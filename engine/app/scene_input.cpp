@@ -214,16 +214,25 @@ Scene makeScene(Run& run, const SceneArguments& arguments, std::optional<geometr
     }
     {
         const StageTimer timer(run, "model");
+        const auto closeAgain = [&] { // with other facets
+            geometry::Closure other = geometry::closeSketch(*scene.sketch, closure);
+            if (!other.building) return false;
+            building = std::move(*other.building);
+            reportClosure(run, other.report);
+            return true;
+        };
         const size_t wanted = arguments.triangles.value_or(kDefaultTriangles);
+        const bool curved = scene.sketch && !scene.sketch->arcs.empty();
+        if (curved) {
+            closure.facetLength = geometry::fittingFacet(building, {wanted});
+            closeAgain();
+        }
         scene.mesh = geometry::meshBuilding(building, {wanted});
         // Curved walls of many facets need many triangles; with few, coarser facets serve better.
-        const bool mayCoarsen = scene.sketch && !scene.sketch->arcs.empty() && !arguments.chordError;
+        const bool mayCoarsen = curved && !arguments.chordError;
         while (mayCoarsen && closure.chordError < kCoarsestChord && tooManyFacets(scene.mesh, wanted)) {
             closure.chordError *= 4;
-            geometry::Closure coarser = geometry::closeSketch(*scene.sketch, closure);
-            if (!coarser.building) break;
-            building = std::move(*coarser.building);
-            reportClosure(run, coarser.report);
+            if (!closeAgain()) break;
             scene.mesh = geometry::meshBuilding(building, {wanted});
         }
     }

@@ -8,6 +8,8 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
+#include "geometry/upright_grid.h"
+
 using namespace heliodon::geometry;
 
 namespace {
@@ -243,6 +245,54 @@ TEST(Mesher, a_column_thinner_than_the_triangles_keeps_its_shape) {
         const double whole = closure.report.rooms[0].volumeFt3;
         EXPECT_NEAR(volume / std::pow(kMetresPerInch, 3), whole, 1e-6 * whole) << wanted;
     }
+}
+
+// Seven steps on the left, six on the right: columns of whole strips in between.
+TEST(Mesher, an_upright_grid_goes_from_one_number_of_rows_to_another) {
+    PlanarDomain domain;
+    domain.size = SizeField({}, 1, 1);
+    for (int k = 0; k < 8; ++k) domain.boundary.emplace_back(k, 0);
+    for (int k = 0; k < 6; ++k) domain.boundary.emplace_back(8, k);
+    for (int k = 8; k > 0; --k) domain.boundary.emplace_back(k, 6);
+    for (int k = 7; k > 0; --k) domain.boundary.emplace_back(0, 6 * k / 7.0);
+    domain.loopStart.push_back(static_cast<uint32_t>(domain.boundary.size()));
+    const std::optional<PlanarMesh> mesh = meshUprightGrid(domain);
+    ASSERT_TRUE(mesh);
+    double area = 0;
+    for (const auto& t : mesh->triangles) {
+        const glm::dvec2 a = mesh->points[t[0]], b = mesh->points[t[1]] - a, c = mesh->points[t[2]] - a;
+        const auto [left, right] = std::minmax({0.0, b.x, c.x});
+        EXPECT_NEAR(right - left, 1, 1e-12); // within one strip
+        EXPECT_GT(b.x * c.y - b.y * c.x, 0.7);
+        area += 0.5 * (b.x * c.y - b.y * c.x);
+    }
+    EXPECT_NEAR(area, 48, 1e-12);
+    EXPECT_EQ(mesh->triangles.size(), 2 * (mesh->points.size() - 1) - domain.boundary.size()); // Euler
+    domain.boundary[3].y = -0.1;                                                               // no rectangle
+    EXPECT_FALSE(meshUprightGrid(domain));
+}
+
+// Facets fitted to the triangles: every triangle of a curved wall is upright, so that walls that bulge
+// outwards hide nothing. Without, triangles lean across the folds.
+TEST(Mesher, triangles_of_curved_walls_lie_in_facets_that_are_fitted_to_them) {
+    for (const char* name : {"p09_D_curved.json", "three_arcs.json"})
+        for (const size_t wanted : {2000u, 10000u}) {
+            const Sketch sketch = readSketch(std::string(HELIODON_TEST_DATA "/geometry/sketches/") + name);
+            ClosureOptions options;
+            options.facetLength = fittingFacet(*closeSketch(sketch).building, {wanted});
+            const Closure closure = closeSketch(sketch, options);
+            ASSERT_TRUE(closure.building);
+            const PatchMesh mesh = meshBuilding(*closure.building, {wanted});
+            for (size_t i = 0; i < mesh.patchCount(); ++i) {
+                const double up = std::abs(patchNormal(mesh, i).y);
+                ASSERT_NEAR(up, std::round(up), 1e-9) << name << " patch " << i;
+            }
+            const MeshQuality quality = measureMesh(mesh);
+            EXPECT_GE(quality.minAngleDeg, 36) << name;
+            EXPECT_LE(quality.areaDeviation, wanted == 2000 ? 0.13 : 0.09) << name;
+            EXPECT_NEAR(static_cast<double>(quality.triangles), static_cast<double>(wanted),
+                        0.03 * static_cast<double>(wanted));
+        }
 }
 
 TEST(Mesher, facets_of_one_arc_are_one_surface) {
