@@ -16,7 +16,7 @@ namespace heliodon::compute {
 struct ExactOptions {
     double maxError = 1e-4;   // wanted RMS over rows of ||F_i - true||_2; at least 1e-7
     uint32_t maxDepth = 14;   // halvings of a cell
-    bool entryErrors = false; // keep an error of each entry too: as much memory as the matrix
+    bool entryErrors = false; // exactFormFactors keeps an error of each entry too, as large as the matrix
 };
 
 struct ExactStatistics {
