@@ -208,10 +208,15 @@ glm::dvec2 nearestOffset(const std::vector<OutlineLoop>& loops, const OutlineLoo
     return best;
 }
 
+glm::dvec2 unit(glm::dvec2 v) {
+    const double length = glm::length(v);
+    return length > 0 ? v / length : v;
+}
+
 glm::dvec2 inwardAt(const OutlineLoop& loop, size_t i) {
     const size_t n = loop.points.size();
-    const glm::dvec2 p = loop.points[i], in = glm::normalize(p - loop.points[(i + n - 1) % n]),
-                     out = glm::normalize(loop.points[(i + 1) % n] - p), inward(-in.y - out.y, in.x + out.x);
+    const glm::dvec2 p = loop.points[i], in = unit(p - loop.points[(i + n - 1) % n]),
+                     out = unit(loop.points[(i + 1) % n] - p), inward(-in.y - out.y, in.x + out.x);
     return glm::length(inward) < 1e-6 ? in : glm::normalize(inward);
 }
 
@@ -250,7 +255,7 @@ void straighten(OutlineLoop& loop) {
         size_t end = i + 1;
         while (end < first + n && straight(end)) ++end;
         const glm::dvec2 a = point(i), d = glm::normalize(point(end) - a);
-        for (size_t k = i + 1; k < end; ++k) point(k) = a + glm::dot(point(k) - a, d) * d;
+        for (size_t k = i + 1; k < end && a != point(end); ++k) point(k) = a + glm::dot(point(k) - a, d) * d;
         i = end;
     }
 }

@@ -99,7 +99,7 @@ private:
             if (!onOutline(e)) continue;
             const glm::dvec2 a = map_.points[map_.source(2 * e)], d = map_.points[map_.target[2 * e]] - a;
             const double t = glm::dot(p - a, d) / glm::dot(d, d), apart = glm::length(p - a - t * d);
-            if (t <= 0 || t >= 1 || apart >= least) continue;
+            if (!(t > 0 && t < 1 && apart < least)) continue; // edges may round to a point
             least = apart;
             best = a + t * d;
         }
