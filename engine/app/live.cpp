@@ -100,15 +100,21 @@ private:
     void turn() {
         const bool hurried =
             operatorDue(kOperatorBusy) && (controls_.values.playing || outputs_.operatorBusy());
-        const auto events = outputs_.pollEvents(dirty_ || hurried || scriptReady() ? 0 : 0.02);
-        for (const present::Event& event : events) handle(event);
+        controls_.play(); // a step for each drawing, so that no core solves what nobody sees
+        const bool events = listen(dirty_ || hurried || scriptReady() ? 0 : 0.02);
         if (!outputs_.wanted()) ended_ = true;
         if (arguments_.duration > 0 && secondsSince(started_) > arguments_.duration) ended_ = true;
         runScript();
-        controls_.play();
-        ask();
         take();
-        draw(!events.empty());
+        draw(events);
+    }
+
+    // What the user did, and the light that follows from it, asked for at once. True if there was anything.
+    bool listen(double waitSeconds) {
+        const auto events = outputs_.pollEvents(waitSeconds);
+        for (const present::Event& event : events) handle(event);
+        ask();
+        return !events.empty();
     }
 
     void handle(const present::Event& event) {
@@ -151,6 +157,11 @@ private:
         const bool projectors = dirty_;
         if (dirty_) {
             if (lit_) outputs_.drawLight(lit_->moment->lighting, controls_.tone());
+            // A software device takes its time: the next moment is solved meanwhile.
+            while (!outputs_.drawn()) {
+                throwIfInterrupted();
+                listen(0.002);
+            }
             outputs_.choose(controls_.values.shown, lit_.has_value());
             if (lit_ && controls_.values.shown == present::Shown::light) table_.lightChanged();
             dirty_ = false;

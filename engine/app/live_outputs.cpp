@@ -128,6 +128,10 @@ void LiveOutputs::drawLight(const compute::Lighting& light, const passes::Tone& 
     light_ = renderer_->drawProjectors(light, options);
 }
 
+bool LiveOutputs::drawn() const {
+    return device_->finished(device_->lastTicket());
+}
+
 const gpu::Image* LiveOutputs::testPicture(size_t projector, present::Shown shown) {
     if (tested_ != shown) {
         tests_.clear();

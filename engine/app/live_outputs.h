@@ -38,6 +38,8 @@ public:
     void replaceScene(passes::FrameScene scene);
     // Submitted, not waited for.
     void drawLight(const compute::Lighting& light, const passes::Tone& tone);
+    // What was drawn is there to be presented without waiting.
+    bool drawn() const;
     // What projectors show from the next presentation on; black where light is wanted and there is none yet.
     void choose(present::Shown shown, bool haveLight);
     const gpu::Image* cameraPicture(const std::shared_ptr<const vision::Photograph>& photo);
