@@ -1,7 +1,6 @@
 #include "vision/camera_calibration.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 #include <set>
@@ -113,26 +112,6 @@ LensSolution without(size_t left, const Working& work, int width, int height, Le
     return solveLens(others, width, height, terms, &all);
 }
 
-// The numbers of a lens that are fitted.
-std::array<double*, 9> numbersOf(geometry::Lens& lens) {
-    auto& d = lens.dist;
-    return {&lens.fx, &lens.fy, &lens.cx, &lens.cy, &d[0], &d[1], &d[2], &d[3], &d[4]};
-}
-
-// The jackknife (B. Efron, "The jackknife, the bootstrap and other resampling plans", 1982): errors of the
-// marks of one view are not independent, which the fit's own deviations assume.
-void widen(geometry::Lens& sigma, std::vector<geometry::Lens>& others) {
-    const auto widest = numbersOf(sigma);
-    const double n = static_cast<double>(others.size());
-    for (size_t i = 0; i < widest.size(); ++i) {
-        double mean = 0, squares = 0;
-        for (geometry::Lens& lens : others) mean += *numbersOf(lens)[i] / n;
-        for (geometry::Lens& lens : others)
-            squares += (*numbersOf(lens)[i] - mean) * (*numbersOf(lens)[i] - mean);
-        *widest[i] = std::max(*widest[i], std::sqrt(squares * (n - 1) / n));
-    }
-}
-
 std::vector<size_t> missingFrom(const Correspondences& used, const TargetView& given) {
     std::vector<size_t> out;
     size_t next = 0; // both are in the same order
@@ -202,7 +181,7 @@ CameraCalibration calibrateCamera(const CalibrationTarget& target, int width, in
         heldOutSquares += view.heldOutRms * view.heldOutRms * static_cast<double>(view.marks);
         others.push_back(other);
     }
-    if (!others.empty()) widen(result.fit.sigma, others);
+    if (!others.empty()) widenByJackknife(result.fit.sigma, others);
     result.heldOutRms = std::sqrt(heldOutSquares / static_cast<double>(solution.points));
     warnOf(result, work.views.size(), width, height);
     return result;

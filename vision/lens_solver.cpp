@@ -1,6 +1,7 @@
 #include "vision/lens_solver.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -60,6 +61,101 @@ Pose poseOf(const cv::Mat& rotation, const cv::Mat& translation) {
     return pose;
 }
 
+// The numbers of a lens that are fitted, in that order.
+std::array<double, 9> numbersOf(const geometry::Lens& lens) {
+    const auto& d = lens.dist;
+    return {lens.fx, lens.fy, lens.cx, lens.cy, d[0], d[1], d[2], d[3], d[4]};
+}
+
+geometry::Lens withTerms(geometry::Lens lens, LensTerms terms) {
+    auto& d = lens.dist;
+    const std::array<bool, 5> kept{terms.radial1, terms.radial2, terms.tangential, terms.tangential,
+                                   terms.radial3};
+    for (size_t i = 0; i < 5; ++i) d[i] = kept[i] ? d[i] : 0;
+    return lens;
+}
+
+// Parameters of one view by number: 0 to 8 the lens as in numbersOf, 9 to 11 turns about the device's axes,
+// 12 to 14 its shift.
+struct ViewParameters {
+    geometry::Lens lens;
+    Pose pose;
+
+    void move(size_t parameter, double by) {
+        if (parameter < 9) {
+            std::array<double, 9> numbers = numbersOf(lens);
+            numbers[parameter] += by;
+            lens = lensOf(numbers);
+        } else if (parameter < 12) {
+            const size_t axis = parameter - 9, u = (axis + 1) % 3, v = (axis + 2) % 3;
+            for (int column = 0; column < 3; ++column) {
+                glm::dvec3& c = pose.rotation[column];
+                const int iu = static_cast<int>(u), iv = static_cast<int>(v);
+                const double a = c[iu], b = c[iv];
+                c[iu] = std::cos(by) * a - std::sin(by) * b;
+                c[iv] = std::sin(by) * a + std::cos(by) * b;
+            }
+        } else
+            pose.translation[static_cast<int>(parameter) - 12] += by;
+    }
+};
+
+std::vector<size_t> freeParameters(LensTerms terms) {
+    std::vector<size_t> out{0, 1, 2, 3};
+    if (terms.radial1) out.push_back(4);
+    if (terms.radial2) out.push_back(5);
+    if (terms.tangential) out.insert(out.end(), {6, 7});
+    if (terms.radial3) out.push_back(8);
+    for (size_t i = 9; i < 15; ++i) out.push_back(i);
+    return out;
+}
+
+std::vector<glm::dvec2> offsets(const Correspondences& view, const ViewParameters& parameters) {
+    std::vector<glm::dvec2> out;
+    out.reserve(view.size());
+    for (const Correspondence& c : view) {
+        const glm::dvec3 p = parameters.pose.rotation * c.at + parameters.pose.translation;
+        out.push_back(parameters.lens.pixelFromPlane({p.x / p.z, p.y / p.z}) - c.pixel);
+    }
+    return out;
+}
+
+double sumOfSquares(const std::vector<glm::dvec2>& offsets) {
+    double sum = 0;
+    for (const glm::dvec2& o : offsets) sum += glm::dot(o, o);
+    return sum;
+}
+
+// By central differences: the lens is smooth, and pixels are known to 1e-2 while these are good to 1e-6.
+std::vector<std::vector<glm::dvec2>> slopesOf(const Correspondences& view, const ViewParameters& at,
+                                              const std::vector<size_t>& free) {
+    std::vector<std::vector<glm::dvec2>> out;
+    for (const size_t parameter : free) {
+        const double step = parameter < 4 ? 1e-2 : 1e-6;
+        ViewParameters less = at, more = at;
+        less.move(parameter, -step);
+        more.move(parameter, step);
+        std::vector<glm::dvec2> slope = offsets(view, more);
+        const std::vector<glm::dvec2> low = offsets(view, less);
+        for (size_t i = 0; i < slope.size(); ++i) slope[i] = (slope[i] - low[i]) / (2 * step);
+        out.push_back(std::move(slope));
+    }
+    return out;
+}
+
+// Takes the middle of the points to the origin and their mean distance to about 1.
+glm::dmat4 normalization(const std::vector<glm::dvec3>& points) {
+    glm::dvec3 mean{};
+    for (const glm::dvec3& p : points) mean += p / static_cast<double>(points.size());
+    double distance = 0;
+    for (const glm::dvec3& p : points)
+        distance += glm::distance(p, mean) / static_cast<double>(points.size());
+    const double scale = distance > 0 ? 1 / distance : 1;
+    glm::dmat4 out(scale);
+    out[3] = glm::dvec4(-scale * mean, 1);
+    return out;
+}
+
 } // namespace
 
 double LensSolution::rms() const {
@@ -109,6 +205,121 @@ LensSolution solveLens(const std::vector<Correspondences>& views, int width, int
     return out;
 }
 
+LensSolution solveView(const Correspondences& view, LensTerms terms, const LensSolution& start) {
+    const std::vector<size_t> free = freeParameters(terms);
+    const int count = static_cast<int>(free.size());
+    ViewParameters now{withTerms(start.fit.lens, terms), start.poses.at(0)};
+    std::vector<glm::dvec2> off = offsets(view, now);
+    double squares = sumOfSquares(off), damping = 1e-3;
+    cv::Mat normal;
+    for (int round = 0; round < 200 && damping < 1e12; ++round) {
+        normal = cv::Mat::zeros(count, count, CV_64F);
+        cv::Mat right = cv::Mat::zeros(count, 1, CV_64F);
+        const std::vector<std::vector<glm::dvec2>> slopes = slopesOf(view, now, free);
+        for (int a = 0; a < count; ++a) {
+            const auto& slope = slopes[static_cast<size_t>(a)];
+            for (size_t i = 0; i < off.size(); ++i) right.at<double>(a) -= glm::dot(slope[i], off[i]);
+            for (int b = 0; b <= a; ++b) {
+                double sum = 0;
+                for (size_t i = 0; i < off.size(); ++i)
+                    sum += glm::dot(slope[i], slopes[static_cast<size_t>(b)][i]);
+                normal.at<double>(a, b) = normal.at<double>(b, a) = sum;
+            }
+        }
+        const double before = squares;
+        while (damping < 1e12) { // until a step goes down
+            cv::Mat damped = normal.clone(), step;
+            for (int a = 0; a < count; ++a) damped.at<double>(a, a) *= 1 + damping;
+            if (cv::solve(damped, right, step, cv::DECOMP_SVD)) {
+                ViewParameters next = now;
+                for (int a = 0; a < count; ++a) next.move(free[static_cast<size_t>(a)], step.at<double>(a));
+                std::vector<glm::dvec2> there = offsets(view, next);
+                if (const double fewer = sumOfSquares(there); fewer <= squares) {
+                    now = next, off = std::move(there), squares = fewer;
+                    damping = std::max(damping / 10, 1e-9);
+                    break;
+                }
+            }
+            damping *= 10;
+        }
+        if (before - squares <= 1e-12 * before) break;
+    }
+    LensSolution out;
+    out.fit.lens = now.lens;
+    out.poses = {now.pose};
+    out.squares = squares;
+    out.points = view.size();
+    cv::Mat covariance;
+    const double freedom = 2.0 * static_cast<double>(view.size()) - count;
+    if (!(now.lens.fx > 0 && now.lens.fy > 0) || !std::isfinite(squares) || freedom < 1 ||
+        cv::invert(normal, covariance, cv::DECOMP_SVD) <= 0)
+        throw CalibrationError(kUndetermined);
+    std::array<double, 9> sigma{};
+    for (int a = 0; a < count; ++a)
+        if (free[static_cast<size_t>(a)] < sigma.size())
+            sigma[free[static_cast<size_t>(a)]] =
+                std::sqrt(std::max(covariance.at<double>(a, a), 0.0) * squares / freedom);
+    out.fit.sigma = lensOf(sigma);
+    return out;
+}
+
+LensSolution solvePinhole(const Correspondences& view) {
+    std::vector<glm::dvec3> at, pixel;
+    for (const Correspondence& c : view) at.push_back(c.at), pixel.emplace_back(c.pixel, 0);
+    const glm::dmat4 fromAt = normalization(at), fromPixel = normalization(pixel);
+    cv::Mat normal = cv::Mat::zeros(12, 12, CV_64F);
+    for (const Correspondence& c : view) {
+        const glm::dvec4 x = fromAt * glm::dvec4(c.at, 1), u = fromPixel * glm::dvec4(c.pixel, 0, 1);
+        cv::Mat rows = cv::Mat::zeros(2, 12, CV_64F);
+        for (int i = 0; i < 4; ++i) {
+            rows.at<double>(0, i) = rows.at<double>(1, 4 + i) = x[i];
+            rows.at<double>(0, 8 + i) = -u.x * x[i];
+            rows.at<double>(1, 8 + i) = -u.y * x[i];
+        }
+        normal += rows.t() * rows;
+    }
+    cv::Mat values, vectors; // largest first
+    cv::eigen(normal, values, vectors);
+    // Points in a plane leave more than one solution.
+    if (view.size() < 6 || !(values.at<double>(10) > 1e-12 * values.at<double>(0)))
+        throw CalibrationError(kUndetermined);
+    glm::dmat4 p(0); // rows 0, 1 and 3; row 2 as an identity, so that the product below is whole
+    for (int i = 0; i < 4; ++i) {
+        p[i][0] = vectors.at<double>(11, i);
+        p[i][1] = vectors.at<double>(11, 4 + i);
+        p[i][3] = vectors.at<double>(11, 8 + i);
+    }
+    p = glm::inverse(fromPixel) * p * fromAt;
+    cv::Matx34d projection;
+    for (int column = 0; column < 4; ++column) {
+        projection(0, column) = p[column][0];
+        projection(1, column) = p[column][1];
+        projection(2, column) = p[column][3];
+    }
+    // Before the device, not behind it.
+    double before = 0;
+    for (const Correspondence& c : view)
+        before += projection(2, 0) * c.at.x + projection(2, 1) * c.at.y + projection(2, 2) * c.at.z +
+                  projection(2, 3);
+    if (before < 0) projection = -projection;
+    cv::Matx33d k, r;
+    cv::Vec4d centre;
+    cv::decomposeProjectionMatrix(projection, k, r, centre);
+    const double scale = k(2, 2);
+    LensSolution out;
+    out.fit.lens.fx = k(0, 0) / scale, out.fit.lens.fy = k(1, 1) / scale;
+    out.fit.lens.cx = k(0, 2) / scale, out.fit.lens.cy = k(1, 2) / scale;
+    Pose pose;
+    for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 3; ++column) pose.rotation[column][row] = r(row, column);
+    pose.translation = -(pose.rotation * (glm::dvec3(centre[0], centre[1], centre[2]) / centre[3]));
+    out.poses = {pose};
+    out.points = view.size();
+    if (!(out.fit.lens.fx > 0 && out.fit.lens.fy > 0) || !std::isfinite(out.fit.lens.cx + out.fit.lens.cy))
+        throw CalibrationError(kUndetermined);
+    return out;
+}
+
 Pose solvePose(const Correspondences& view, const geometry::Lens& lens, const Pose& start) {
     const Points points = pointsOf(view);
     cv::Matx33d r;
@@ -143,6 +354,20 @@ double medianOf(std::vector<double> values) {
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
     std::nth_element(values.begin(), middle, values.end());
     return *middle;
+}
+
+void widenByJackknife(geometry::Lens& sigma, const std::vector<geometry::Lens>& without) {
+    std::array<double, 9> widest = numbersOf(sigma), mean{}, squares{};
+    const double n = static_cast<double>(without.size());
+    for (const geometry::Lens& lens : without)
+        for (size_t i = 0; i < 9; ++i) mean[i] += numbersOf(lens)[i] / n;
+    for (const geometry::Lens& lens : without)
+        for (size_t i = 0; i < 9; ++i) {
+            const double off = numbersOf(lens)[i] - mean[i];
+            squares[i] += off * off;
+        }
+    for (size_t i = 0; i < 9; ++i) widest[i] = std::max(widest[i], std::sqrt(squares[i] * (n - 1) / n));
+    sigma = lensOf(widest);
 }
 
 bool foldsInPicture(const geometry::Lens& lens, int width, int height) {

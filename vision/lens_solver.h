@@ -1,5 +1,5 @@
-// Lens and poses from points seen: the maximum-likelihood step of Zhang's method, and of Tsai's when there is
-// one view of points that do not lie in a plane. Levenberg-Marquardt of OpenCV's calibrateCamera.
+// Lens and poses from points seen, by least squares in the picture: of plane boards in many poses, as in
+// Zhang's method, or of one view of points in space, as in Tsai's.
 #pragma once
 
 #include <stdexcept>
@@ -43,10 +43,19 @@ struct CalibrationError : std::runtime_error { // the data do not determine the 
     using std::runtime_error::runtime_error;
 };
 
-// `start` may be null when every view is plane (all z = 0); otherwise its lens is where the search begins.
-// Throws CalibrationError.
+// Plane views (all z = 0), by OpenCV's calibrateCamera. The search begins at the lens of `start` unless that
+// is null. Throws CalibrationError.
 LensSolution solveLens(const std::vector<Correspondences>& views, int width, int height, LensTerms terms,
                        const LensSolution* start);
+
+// One view of points that do not lie in a plane, from `start`, by Levenberg-Marquardt; the principal point
+// may lie anywhere. Throws CalibrationError. About 0.1 s for 5000 points. (OpenCV's needs time and memory
+// with the square of a view's points, and a principal point inside the picture.)
+LensSolution solveView(const Correspondences& view, LensTerms terms, const LensSolution& start);
+
+// Lens without distortion and pose from one view of points that do not lie in a plane: the direct linear
+// transformation (Y. I. Abdel-Aziz and H. M. Karara, 1971), a start for solveView. Throws CalibrationError.
+LensSolution solvePinhole(const Correspondences& view);
 
 // The pose that fits this lens best, from `start`.
 Pose solvePose(const Correspondences& view, const geometry::Lens& lens, const Pose& start);
@@ -56,6 +65,11 @@ std::vector<double> residuals(const Correspondences& view, const geometry::Lens&
 
 double rmsOf(const std::vector<double>& residuals);
 double medianOf(std::vector<double> values); // 0 of none
+
+// Raises deviations to how much the numbers change when one part of the data is left out: errors within a
+// part are not independent, which a fit's own deviations assume. The jackknife (B. Efron, "The jackknife, the
+// bootstrap and other resampling plans", 1982); `without`: the lens without each part in turn.
+void widenByJackknife(geometry::Lens& sigma, const std::vector<geometry::Lens>& without);
 
 // Whether, inside a picture of this size, the distance from the axis stops growing with the angle.
 bool foldsInPicture(const geometry::Lens& lens, int width, int height);

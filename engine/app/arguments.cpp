@@ -9,31 +9,13 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "engine/app/option_checks.h"
 #include "engine/present/operator_window.h"
 #include "geometry/input_error.h"
 
 namespace heliodon::app {
 
 namespace {
-
-// CLI::Range and CLI::PositiveNumber spell limits with six and three hundred digits.
-CLI::Validator number(const std::function<bool(double)>& fits, const std::string& wanted) {
-    const auto check = [=](std::string& text) {
-        double value = 0;
-        return CLI::detail::lexical_cast(text, value) && fits(value)
-                   ? std::string()
-                   : fmt::format("'{}' is not a number {}", text, wanted);
-    };
-    return {check, wanted};
-}
-
-CLI::Validator within(double low, double high) {
-    return number([=](double x) { return x >= low && x <= high; }, fmt::format("from {} to {}", low, high));
-}
-
-CLI::Validator positive() {
-    return number([](double x) { return x > 0 && std::isfinite(x); }, "above 0");
-}
 
 const std::string kCalibrate = "calibrate";
 
@@ -332,6 +314,8 @@ private:
             "heliodon calibrate STEP --help says more, with an example; docs/calibration.md, what to do.");
         addCalibrateTarget(group);
         addCalibrateCamera(group);
+        addCalibratePatterns(group);
+        addCalibrateProjector(group);
     }
 
     void addCalibrateTarget(CLI::App* group) {
@@ -403,6 +387,55 @@ private:
                         "folder for what the outputs showed at a script's snapshot, and in the end");
     }
 
+    void addCalibratePatterns(CLI::App* group) {
+        CLI::App* sub = add("patterns", "the pictures that a projector shows to be calibrated",
+                            calibratePatterns_, "--size 1024x768 -o patterns", group);
+        sub->add_option("--size", calibratePatterns_.size, "pixels of the projector (default 1024x768)");
+        sub->add_option("--cell", calibratePatterns_.cell, "projector pixels along a cell (default 16)")
+            ->check(within(2, 256));
+        sub->add_option(
+               "-o,--output", calibratePatterns_.output,
+               "folder for white.png, black.png, x_bit5.png ... and patterns.json; made when missing")
+            ->required();
+    }
+
+    void addCalibrateProjector(CLI::App* group) {
+        CLI::App* sub =
+            add("projector", "lens and place of projectors from pictures of their patterns",
+                calibrateProjector_, "left right --rig rig.json -o rig.json --overlay found", group);
+        auto* folders =
+            sub->add_option("DIR", calibrateProjector_.folders,
+                            "one folder a projector; in it plane_0, plane_1 ... with the camera's "
+                            "pictures, named as the patterns are (.png .jpg .tif), and patterns/ or "
+                            "patterns.json as `calibrate patterns` writes it")
+                ->required();
+        sub->add_option("--rig", calibrateProjector_.rig, "rig with the calibrated camera (.json)")
+            ->required();
+        sub->add_option("--id", calibrateProjector_.ids,
+                        "the projectors' names in the rig, with commas between (default: \"id\" in "
+                        "projector.json, else the folder's name)")
+            ->delimiter(',')
+            ->needs(folders);
+        sub->add_option("--spacing", calibrateProjector_.spacing,
+                        "metres from plane to plane, plane_0 on the table (default 0.0246)")
+            ->check(positive());
+        sub->add_option(
+               "--heights", calibrateProjector_.heights,
+               "metres over the table of each plane in turn, with commas between, in place of --spacing")
+            ->delimiter(',')
+            ->check(within(-1, 10));
+        sub->add_option("--size", calibrateProjector_.size,
+                        "pixels of the projector (default: as the patterns in DIR, else 1024x768)");
+        sub->add_option("--cell", calibrateProjector_.cell,
+                        "projector pixels along a cell (default: as the patterns in DIR, else 16)")
+            ->check(within(2, 256));
+        sub->add_option("--overlay", calibrateProjector_.overlay,
+                        "folder for pictures with the corners found; made when missing");
+        sub->add_option("-o,--output", calibrateProjector_.output,
+                        "the rig with the projectors put in (.json)")
+            ->required();
+    }
+
     void addBench() {
         CLI::App* sub = add("bench", "error against time of every form-factor kernel, beside other programs",
                             bench_, "--scenes partitions,room.obj --sizes 500,2000 -o bench");
@@ -448,6 +481,8 @@ private:
     CalibrateTargetArguments calibrateTarget_;
     CalibrateCameraArguments calibrateCamera_;
     LiveArguments live_;
+    CalibratePatternsArguments calibratePatterns_;
+    CalibrateProjectorArguments calibrateProjector_;
     BenchArguments bench_;
     DevicesArguments devices_;
     std::vector<std::pair<CLI::App*, std::function<Command()>>> commands_;

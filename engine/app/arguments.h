@@ -107,6 +107,20 @@ struct LiveArguments {
     double windowScale = 1, duration = 0; // seconds; 0: until it is closed
     std::filesystem::path script, snapshots;
 };
+struct CalibratePatternsArguments {
+    std::string size = "1024x768";
+    int cell = 16;
+    std::filesystem::path output;
+};
+struct CalibrateProjectorArguments {
+    std::vector<std::filesystem::path> folders;
+    std::vector<std::string> ids; // one a folder; empty: see calibrate_projector.cpp
+    std::string size;             // "1024x768"; empty: see calibrate_projector.cpp
+    std::optional<int> cell;
+    std::vector<double> heights; // metres, of the planes in the order of their numbers
+    double spacing = 0.0246;     // metres between planes, where no heights are given
+    std::filesystem::path rig, output, overlay;
+};
 struct BenchArguments {
     std::vector<std::string> kernels{"all"}, scenes{"partitions"};
     std::vector<size_t> sizes{500, 2000};
@@ -118,10 +132,10 @@ struct BenchArguments {
 };
 struct DevicesArguments {};
 
-using Command =
-    std::variant<DetectArguments, ModelArguments, FormFactorArguments, IlluminanceArguments, RenderArguments,
-                 TimelapseArguments, AnnualArguments, LiveArguments, CalibrateTargetArguments,
-                 CalibrateCameraArguments, BenchArguments, DevicesArguments>;
+using Command = std::variant<DetectArguments, ModelArguments, FormFactorArguments, IlluminanceArguments,
+                             RenderArguments, TimelapseArguments, AnnualArguments, LiveArguments,
+                             CalibrateTargetArguments, CalibrateCameraArguments, CalibratePatternsArguments,
+                             CalibrateProjectorArguments, BenchArguments, DevicesArguments>;
 
 struct Arguments {
     std::string commandName;

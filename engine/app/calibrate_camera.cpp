@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/app/calibration_report.h"
 #include "engine/app/commands.h"
 #include "engine/app/output_folder.h"
 #include "engine/app/progress.h"
@@ -77,10 +78,6 @@ size_t flatPicture(Run& run, const CalibrateCameraArguments& arguments) {
     run.assume(fmt::format("{} shows the board flat on the table (--flat names another)",
                            images.front().filename().string()));
     return 0;
-}
-
-json lensReport(const geometry::Lens& lens) {
-    return {{"fx", lens.fx}, {"fy", lens.fy}, {"cx", lens.cx}, {"cy", lens.cy}, {"dist", lens.dist}};
 }
 
 void report(Run& run, const std::vector<Picture>& pictures, const std::vector<size_t>& indexOfView,

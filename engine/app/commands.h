@@ -16,6 +16,8 @@ void execute(Run& run, const TimelapseArguments& arguments);
 void execute(Run& run, const AnnualArguments& arguments);
 void execute(Run& run, const CalibrateTargetArguments& arguments);
 void execute(Run& run, const CalibrateCameraArguments& arguments);
+void execute(Run& run, const CalibratePatternsArguments& arguments);
+void execute(Run& run, const CalibrateProjectorArguments& arguments);
 void execute(Run& run, const LiveArguments& arguments);
 void execute(Run& run, const BenchArguments& arguments);
 void execute(Run& run, const DevicesArguments& arguments);

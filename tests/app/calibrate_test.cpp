@@ -1,13 +1,14 @@
 // heliodon calibrate, as a user runs it.
-#include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "geometry/picture_file.h"
-#include "geometry/rig.h"
+#include "geometry/rig_edit.h"
 #include "tests/app/program.h"
 #include "tests/vision/board_painter.h"
+#include "tests/vision/pattern_painter.h"
 
 namespace heliodon::test {
 namespace {
@@ -89,6 +90,87 @@ TEST_F(CalibrateCamera, bad_input_is_named_and_nothing_is_written) {
     const Outcome step = heliodon("calibrate lens");
     EXPECT_EQ(step.exitCode, 2);
     EXPECT_NE(step.output.find("camera"), std::string::npos) << step.output;
+}
+
+class CalibrateProjector : public InFolder {
+protected:
+    vision::PatternScene scene;
+
+    void SetUp() override {
+        InFolder::SetUp();
+        scene.camera = vision::deviceLooking({0, 1.5, 0}, {0, 0, 0}, {0, 0, -1}, kLens, kWidth, kHeight);
+        scene.patterns = {512, 384, 16};
+        scene.projector = vision::deviceLooking({0.8, 1.1, -0.8}, {-0.2, 0, 0.2}, {0, 1, 0},
+                                                {720, 722, 260, 10, 0, {}}, 512, 384);
+        geometry::writeRig(in("rig.json"), "", {scene.camera, {}});
+    }
+
+    // The camera's pictures of the patterns on plane_0 to plane_2, 6 cm apart, in the folder `name`.
+    void capture(const std::string& name) {
+        for (int k = 0; k < 3; ++k) {
+            scene.height = 0.06 * k;
+            const vision::PatternPainter painter(scene);
+            const std::string plane = in(fmt::format("{}/plane_{}", name, k));
+            std::filesystem::create_directories(plane);
+            for (const std::string& pattern : scene.patterns.names()) {
+                const vision::GreyPicture picture = painter(pattern);
+                std::vector<uint8_t> rgb;
+                for (const float value : picture.values)
+                    rgb.insert(rgb.end(), 3, static_cast<uint8_t>(std::lround(255 * value)));
+                geometry::writePngFile(plane + "/" + pattern + ".png", kWidth, kHeight, rgb.data());
+            }
+        }
+    }
+};
+
+TEST_F(CalibrateProjector, patterns_are_written_seen_and_understood) {
+    ASSERT_EQ(heliodon("calibrate patterns --size 512x384 -o " + in("east")).exitCode, 0);
+    const auto sent = geometry::readPictureFile(in("east/x_bit4.png"));
+    ASSERT_TRUE(sent);
+    EXPECT_EQ(sent->rgb, vision::drawPattern(scene.patterns, "x_bit4").rgb);
+    capture("east");
+    const Outcome run =
+        heliodon("calibrate projector " + in("east") + " --spacing 0.06 --rig " + in("rig.json") + " -o " +
+                 in("rig.json") + " --overlay " + in("found") + " --report " + in("r.json"));
+    ASSERT_EQ(run.exitCode, 0) << run.output;
+    const geometry::Rig rig = geometry::readRig(in("rig.json"));
+    ASSERT_EQ(rig.projectors.size(), 1u);
+    EXPECT_EQ(rig.projectors[0].id, "east");
+    EXPECT_EQ(rig.projectors[0].width, 512);
+    EXPECT_EQ(rig.camera.lens.fx, kLens.fx);
+    for (const double x : {-0.2, 0.2}) {
+        const glm::dvec3 at(x, 0.1, -x);
+        EXPECT_LT(glm::distance(rig.projectors[0].pixelFromWorld(at).value(),
+                                scene.projector.pixelFromWorld(at).value()),
+                  0.2);
+    }
+    const json report = json::parse(readText(in("r.json")))["projectors"][0];
+    EXPECT_EQ(report["planes"].size(), 3u);
+    EXPECT_LT(report["mean_mm"].get<double>(), 0.4);
+    EXPECT_GT(report["planes"][0]["corners_used"].get<int>(), 50);
+    EXPECT_TRUE(std::filesystem::exists(in("found/east-plane_1.png")));
+
+    // Once more in its place: one projector, with what else was said of it.
+    json edited = json::parse(readText(in("rig.json")));
+    edited["projectors"][0]["lumens"] = 2500;
+    writeText(in("rig.json"), edited.dump());
+    std::filesystem::remove(in("east/plane_1/y_bit2_inv.png"));
+    const std::string again = "calibrate projector " + in("east") + " --rig " + in("rig.json") + " -o ";
+    const Outcome missing = heliodon(again + in("out.json"));
+    EXPECT_EQ(missing.exitCode, 2);
+    EXPECT_NE(missing.output.find("plane_1/y_bit2_inv.png"), std::string::npos) << missing.output;
+    EXPECT_FALSE(std::filesystem::exists(in("out.json")));
+    std::filesystem::remove_all(in("east/plane_1"));
+    ASSERT_EQ(heliodon(again + in("out.json") + " --heights 0,0.12").exitCode, 0);
+    const geometry::Rig once = geometry::readRig(in("out.json"));
+    ASSERT_EQ(once.projectors.size(), 1u);
+    EXPECT_EQ(once.projectors[0].lumens, 2500);
+    EXPECT_EQ(heliodon(again + in("x.json") + " --heights 0").exitCode, 2);
+    EXPECT_EQ(heliodon(again + in("x.json") + " --id a,b").exitCode, 2);
+    EXPECT_EQ(
+        heliodon("calibrate projector " + in("found") + " --rig " + in("rig.json") + " -o " + in("x.json"))
+            .exitCode,
+        2);
 }
 
 } // namespace

@@ -1,0 +1,180 @@
+#include <algorithm>
+#include <optional>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "engine/app/calibration_folder.h"
+#include "engine/app/calibration_report.h"
+#include "engine/app/commands.h"
+#include "engine/app/output_folder.h"
+#include "engine/app/progress.h"
+#include "geometry/input_error.h"
+#include "geometry/picture_file.h"
+#include "geometry/rig_edit.h"
+#include "geometry/whole_file.h"
+#include "vision/calibration_overlay.h"
+#include "vision/projector_calibration.h"
+
+namespace heliodon::app {
+
+using nlohmann::json;
+
+namespace {
+
+vision::ProjectorPlane decodePlane(const CalibrationFolder& folder, size_t index,
+                                   const geometry::OpticalDevice& camera, json& report) {
+    const auto& plane = folder.planes[index];
+    const vision::DecodedPatterns decoded =
+        vision::decodePatterns(folder.patterns, [&](const std::string& pattern) {
+            const std::filesystem::path file = pictureOf(plane.folder, pattern);
+            vision::GreyPicture picture = vision::readGrey(file);
+            if (picture.width != camera.width || picture.height != camera.height)
+                throw geometry::InputError(file.string(), "",
+                                           fmt::format("is {} x {} pixels, the rig's camera has {} x {}",
+                                                       picture.width, picture.height, camera.width,
+                                                       camera.height));
+            return picture;
+        });
+    report = {{"folder", plane.folder.string()},
+              {"height_m", plane.height},
+              {"lit_share", decoded.litShare},
+              {"decoded_share", decoded.decodedShare},
+              {"corners", decoded.corners.size()}};
+    return {plane.height, decoded.corners};
+}
+
+std::vector<vision::ProjectorPlane> decodePlanes(Run& run, const CalibrationFolder& folder,
+                                                 const geometry::OpticalDevice& camera, json& report) {
+    const StageTimer timer(run, "decode");
+    std::vector<vision::ProjectorPlane> planes;
+    Progress progress(folder.id, folder.planes.size(), run.showsProgress());
+    for (size_t i = 0; i < folder.planes.size(); ++i) {
+        planes.push_back(decodePlane(folder, i, camera, report["planes"].emplace_back()));
+        progress.advance(i + 1);
+    }
+    return planes;
+}
+
+void report(Run& run, json& out, const vision::ProjectorCalibration& result) {
+    out["projector"] = lensReport(result.projector.lens);
+    out["projector_sigma"] = lensReport(result.sigma);
+    const glm::dvec3 centre = result.projector.centre(), sigma = result.centreSigma;
+    out["centre_m"] = {centre.x, centre.y, centre.z};
+    out["centre_sigma_m"] = {sigma.x, sigma.y, sigma.z};
+    out["rms_px"] = result.rms;
+    out["held_out_rms_px"] = result.heldOutRms;
+    out["mean_mm"] = result.meanMm;
+    out["deviation_mm"] = result.deviationMm;
+    out["coverage"] = result.coverage;
+    size_t corners = 0;
+    for (size_t i = 0; i < result.planes.size(); ++i) {
+        const vision::CalibratedPlane& plane = result.planes[i];
+        corners += plane.corners;
+        out["planes"][i].update({{"corners_used", plane.corners},
+                                 {"corners_rejected", plane.rejected.size()},
+                                 {"rms_px", plane.rms},
+                                 {"held_out_rms_px", plane.heldOutRms},
+                                 {"mean_off_px", plane.meanOff}});
+        if (plane.corners == 0)
+            run.warn(fmt::format("{}: left out: no plane of corners found in it",
+                                 out["planes"][i]["folder"].get<std::string>()));
+    }
+    const std::string id = out["id"];
+    for (const std::string& warning : result.warnings) run.warn(id + ": " + warning);
+    const geometry::Lens& lens = result.projector.lens;
+    run.note(fmt::format(
+        "{}: {} corners, RMS {:.3f} px, {:.3f} px on planes held out, {:.2f} +- {:.2f} mm on the planes\n"
+        "focal length {:.1f} +- {:.1f}, {:.1f} +- {:.1f} px; principal point {:.1f} +- {:.1f}, {:.1f} +- "
+        "{:.1f} px",
+        id, corners, result.rms, result.heldOutRms, result.meanMm, result.deviationMm, lens.fx,
+        result.sigma.fx, lens.fy, result.sigma.fy, lens.cx, result.sigma.cx, lens.cy, result.sigma.cy));
+}
+
+void drawOverlays(const std::filesystem::path& target, const CalibrationFolder& folder,
+                  const std::vector<vision::ProjectorPlane>& planes,
+                  const vision::ProjectorCalibration& result) {
+    for (size_t p = 0; p < planes.size(); ++p) {
+        std::vector<glm::dvec2> found, rejected;
+        const std::set<size_t> off(result.planes[p].rejected.begin(), result.planes[p].rejected.end());
+        for (size_t i = 0; i < planes[p].corners.size(); ++i)
+            (result.planes[p].corners == 0 || off.contains(i) ? rejected : found)
+                .push_back(planes[p].corners[i].camera);
+        vision::drawCalibrationOverlay(
+            vision::readPhotograph(pictureOf(folder.planes[p].folder, "xor_lsb")), {found, rejected, {}},
+            target / fmt::format("{}-{}.png", folder.id, folder.planes[p].folder.filename().string()));
+    }
+}
+
+} // namespace
+
+void execute(Run& run, const CalibratePatternsArguments& arguments) {
+    vision::PatternSet set;
+    parseSize("--size", arguments.size, set);
+    set.cell = arguments.cell;
+    if (set.columns() < 4 || set.rows() < 4)
+        throw geometry::InputError("--cell", std::to_string(set.cell),
+                                   "fewer than four cells fit into the picture");
+    const OutputFolder folder(arguments.output);
+    const auto names = set.names();
+    for (const std::string& name : names) {
+        const vision::Photograph picture = vision::drawPattern(set, name);
+        geometry::writeWhole(arguments.output / (name + ".png"), [&](const std::filesystem::path& file) {
+            if (!geometry::writePngFile(file, picture.width, picture.height, picture.rgb.data()))
+                throw std::runtime_error(file.string() + ": could not be written");
+        });
+    }
+    const json description = {{"format", "vh-patterns/1"},
+                              {"width", set.width},
+                              {"height", set.height},
+                              {"cell", set.cell},
+                              {"names", names}};
+    geometry::writeWholeText(arguments.output / "patterns.json", description.dump(1) + "\n");
+    run.note(fmt::format("{} pictures of {} x {} pixels in {}", names.size(), set.width, set.height,
+                         arguments.output.string()));
+}
+
+void execute(Run& run, const CalibrateProjectorArguments& arguments) {
+    if (!arguments.ids.empty() && arguments.ids.size() != arguments.folders.size())
+        throw geometry::InputError(
+            "--id", "",
+            fmt::format("{} names for {} folders", arguments.ids.size(), arguments.folders.size()));
+    const geometry::Rig rig = geometry::readRig(arguments.rig);
+    std::vector<CalibrationFolder> folders;
+    std::set<std::string> ids;
+    for (size_t i = 0; i < arguments.folders.size(); ++i) {
+        folders.push_back(openCalibrationFolder(arguments, i));
+        if (!ids.insert(folders.back().id).second)
+            throw geometry::InputError(
+                arguments.folders[i].string(), "",
+                fmt::format("is the second folder of projector \"{}\"; --id names them", folders.back().id));
+        if (!folders.back().assumed.empty()) run.assume(folders.back().assumed);
+    }
+    if (arguments.heights.empty())
+        run.assume(fmt::format("planes {} m apart, plane_0 on the table", arguments.spacing));
+    std::optional<OutputFolder> overlays;
+    if (!arguments.overlay.empty()) overlays.emplace(arguments.overlay);
+
+    geometry::RigEdit edit;
+    for (size_t i = 0; i < folders.size(); ++i) {
+        const CalibrationFolder& folder = folders[i];
+        json& out = run.report()["projectors"].emplace_back();
+        out = {{"id", folder.id}, {"planes", json::array()}};
+        const auto planes = decodePlanes(run, folder, rig.camera, out);
+        vision::ProjectorCalibration result;
+        try {
+            const StageTimer timer(run, "calibrate");
+            result =
+                vision::calibrateProjector(rig.camera, folder.patterns.width, folder.patterns.height, planes);
+        } catch (const vision::CalibrationError& error) {
+            throw geometry::InputError(arguments.folders[i].string(), "", error.what());
+        }
+        report(run, out, result);
+        if (overlays) drawOverlays(arguments.overlay, folder, planes, result);
+        edit.projectors.push_back(result.projector);
+        edit.projectors.back().id = folder.id;
+    }
+    geometry::writeRig(arguments.output, arguments.rig, edit);
+}
+
+} // namespace heliodon::app

@@ -1,0 +1,226 @@
+#include "vision/gray_code.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+#include <glm/glm.hpp>
+
+#include "vision/homography.h"
+#include "vision/lens_solver.h"
+#include "vision/saddle.h"
+
+namespace heliodon::vision {
+namespace {
+
+// Of white less black where the projector shines: 2.5 steps of 8 bits, and 3 % of the brightest, which is
+// more than what a dark floor beside the plane returns.
+constexpr float kLeastLight = 0.01f, kLeastShare = 0.03f;
+constexpr float kSure = 0.2f;      // of white less black: the least difference of a bit from its inverse
+constexpr size_t kLeastPixels = 6; // decided, of a cell
+
+int bitsFor(int count) {
+    int bits = 0;
+    while ((1 << bits) < count) ++bits;
+    return bits;
+}
+
+unsigned grayOf(unsigned index) {
+    return index ^ (index >> 1);
+}
+
+unsigned indexOf(unsigned gray) {
+    for (unsigned shift = 1; shift < 32; shift *= 2) gray ^= gray >> shift;
+    return gray;
+}
+
+bool bitAt(const PatternSet& set, bool column, int bit, int pixel) {
+    const int cells = (column ? set.columns() : set.rows());
+    return (column ? set.columnBits() : set.rowBits()) > 0 && pixel / set.cell < cells &&
+           (grayOf(static_cast<unsigned>(pixel / set.cell)) >> bit & 1u) != 0;
+}
+
+// The cell of every camera pixel that is lit and sure of each bit.
+class CellMap {
+public:
+    CellMap(GreyPicture light, float least) : light_(std::move(light)), codes_(light_.values.size(), 0u) {
+        for (const float value : light_.values) {
+            unsure_.push_back(!(value > least));
+            lit_ += value > least;
+        }
+    }
+
+    // The next lower bit of column or row.
+    void add(const GreyPicture& pattern, const GreyPicture& inverse, int bit) {
+        for (size_t i = 0; i < codes_.size(); ++i) {
+            const float difference = pattern.values[i] - inverse.values[i];
+            if (std::abs(difference) < kSure * light_.values[i])
+                unsure_[i] = true;
+            else if (difference > 0)
+                codes_[i] |= 1u << bit;
+        }
+    }
+
+    // Pixels of each cell: their middle, by coordinate; none where too few are seen.
+    std::vector<std::optional<glm::dvec2>> middles(const PatternSet& set) {
+        std::vector<std::vector<glm::ivec2>> pixels(static_cast<size_t>(set.columns() * set.rows()));
+        const unsigned columnMask = (1u << set.columnBits()) - 1;
+        for (int y = 0; y < light_.height; ++y)
+            for (int x = 0; x < light_.width; ++x) {
+                const size_t i =
+                    static_cast<size_t>(y) * static_cast<size_t>(light_.width) + static_cast<size_t>(x);
+                if (unsure_[i]) continue;
+                const unsigned column = indexOf(codes_[i] & columnMask),
+                               row = indexOf(codes_[i] >> set.columnBits());
+                if (column >= static_cast<unsigned>(set.columns()) ||
+                    row >= static_cast<unsigned>(set.rows()))
+                    continue;
+                pixels[row * static_cast<unsigned>(set.columns()) + column].emplace_back(x, y);
+                ++decoded_;
+            }
+        std::vector<std::optional<glm::dvec2>> out;
+        for (const auto& cell : pixels) {
+            out.emplace_back();
+            if (cell.size() < kLeastPixels) continue;
+            std::vector<double> x, y;
+            for (const glm::ivec2& p : cell) x.push_back(p.x), y.push_back(p.y);
+            out.back() = glm::dvec2(medianOf(std::move(x)), medianOf(std::move(y)));
+        }
+        return out;
+    }
+
+    size_t lit() const { return lit_; }
+    size_t decoded() const { return decoded_; }
+    const GreyPicture& light() const { return light_; }
+
+private:
+    GreyPicture light_;
+    std::vector<unsigned> codes_; // Gray: column bits, above them row bits
+    std::vector<bool> unsure_;
+    size_t lit_ = 0, decoded_ = 0;
+};
+
+GreyPicture difference(GreyPicture a, const GreyPicture& b) {
+    for (size_t i = 0; i < a.values.size(); ++i) a.values[i] -= b.values[i];
+    return a;
+}
+
+// The checkerboard as if the surface were lit evenly: from -1 to 1. A gradient of light would draw the saddle
+// along.
+GreyPicture evenCheckers(const GreyPicture& checkers, const GreyPicture& light, float least) {
+    GreyPicture out = checkers;
+    for (size_t i = 0; i < out.values.size(); ++i)
+        out.values[i] =
+            light.values[i] > least ? std::clamp(out.values[i] / light.values[i], -1.5f, 1.5f) : 0.0f;
+    return out;
+}
+
+float leastLight(const GreyPicture& light) {
+    std::vector<float> sample;
+    for (size_t i = 0; i < light.values.size(); i += 37) sample.push_back(light.values[i]);
+    if (sample.empty()) return kLeastLight;
+    const auto high = sample.begin() + static_cast<std::ptrdiff_t>(sample.size() * 99 / 100);
+    std::nth_element(sample.begin(), high, sample.end());
+    return std::max(kLeastLight, kLeastShare * *high);
+}
+
+// The corner at the middle of four cells: projector coordinates of the cells' middles, seen there by the
+// camera.
+std::optional<PatternCorner> cornerOf(const GreyPicture& checkers, const PatternSet& set, int column, int row,
+                                      const std::vector<std::optional<glm::dvec2>>& middles) {
+    std::array<glm::dvec2, 4> cells, seen;
+    for (size_t i = 0; i < 4; ++i) {
+        const int dx = i == 1 || i == 2, dy = i >= 2; // round the corner
+        const auto& middle = middles[static_cast<size_t>((row + dy) * set.columns() + column + dx)];
+        if (!middle) return std::nullopt;
+        cells[i] = glm::dvec2(dx - 0.5, dy - 0.5);
+        seen[i] = *middle;
+    }
+    const auto cameraFromCells = homographyThrough(cells, seen);
+    if (!cameraFromCells) return std::nullopt;
+    const glm::dvec2 expected = (*cameraFromCells)({0, 0});
+    // A checkerboard's square is two cells.
+    const glm::dmat2 pixelFromSquare((*cameraFromCells)({0.5, 0}) - (*cameraFromCells)({-0.5, 0}),
+                                     (*cameraFromCells)({0, 0.5}) - (*cameraFromCells)({0, -0.5}));
+    const auto saddle = refineSaddle(checkers, expected, 2.0 * pixelFromSquare);
+    const double size = std::sqrt(std::abs(glm::determinant(pixelFromSquare)));
+    // Whole contrast bends by 1 or more over the window; a half lit corner by less.
+    if (!saddle || saddle->strength < 0.5 ||
+        glm::distance(saddle->pixel, expected) > std::max(1.0, 0.35 * size))
+        return std::nullopt;
+    return PatternCorner{glm::dvec2(column + 1, row + 1) * double(set.cell) - 0.5, saddle->pixel};
+}
+
+} // namespace
+
+int PatternSet::columnBits() const {
+    return bitsFor(columns());
+}
+
+int PatternSet::rowBits() const {
+    return bitsFor(rows());
+}
+
+std::vector<std::string> PatternSet::names() const {
+    std::vector<std::string> out{"white", "black"};
+    const auto add = [&](std::string name) {
+        out.push_back(name);
+        out.push_back(std::move(name) + "_inv");
+    };
+    for (int bit = columnBits() - 1; bit >= 0; --bit) add(fmt::format("x_bit{}", bit));
+    for (int bit = rowBits() - 1; bit >= 0; --bit) add(fmt::format("y_bit{}", bit));
+    add("xor_lsb");
+    return out;
+}
+
+Photograph drawPattern(const PatternSet& set, const std::string& name) {
+    const bool inverse = name.ends_with("_inv");
+    const std::string plain = inverse ? name.substr(0, name.size() - 4) : name;
+    const bool isBit = plain.starts_with("x_bit") || plain.starts_with("y_bit");
+    const int bit = isBit ? std::stoi(plain.substr(5)) : 0;
+    Photograph out{set.width, set.height, {}, name};
+    out.rgb.reserve(static_cast<size_t>(set.width) * static_cast<size_t>(set.height) * 3);
+    for (int y = 0; y < set.height; ++y)
+        for (int x = 0; x < set.width; ++x) {
+            const bool lit = isBit                ? bitAt(set, plain[0] == 'x', bit, plain[0] == 'x' ? x : y)
+                             : plain == "xor_lsb" ? bitAt(set, true, 0, x) != bitAt(set, false, 0, y)
+                                                  : plain == "white";
+            out.rgb.insert(out.rgb.end(), 3, lit != inverse ? 255 : 0);
+        }
+    return out;
+}
+
+DecodedPatterns decodePatterns(const PatternSet& set,
+                               const std::function<GreyPicture(const std::string&)>& read) {
+    GreyPicture light = difference(read("white"), read("black"));
+    const float least = leastLight(light);
+    CellMap cells(std::move(light), least);
+    const auto addBit = [&](char axis, int bit, int place) {
+        const std::string name = fmt::format("{}_bit{}", axis, bit);
+        cells.add(read(name), read(name + "_inv"), place);
+    };
+    for (int bit = set.columnBits() - 1; bit >= 0; --bit) addBit('x', bit, bit);
+    for (int bit = set.rowBits() - 1; bit >= 0; --bit) addBit('y', bit, set.columnBits() + bit);
+
+    DecodedPatterns out;
+    const auto middles = cells.middles(set);
+    const double pixels = static_cast<double>(std::max<size_t>(cells.light().values.size(), 1));
+    out.litShare = static_cast<double>(cells.lit()) / pixels;
+    out.decodedShare =
+        static_cast<double>(cells.decoded()) / static_cast<double>(std::max<size_t>(cells.lit(), 1));
+    const double cellPixels = std::sqrt(static_cast<double>(cells.lit()) / (set.columns() * set.rows()));
+    const GreyPicture checkers =
+        blurred(evenCheckers(difference(read("xor_lsb"), read("xor_lsb_inv")), cells.light(), least),
+                saddleBlur(2 * cellPixels));
+    // The last Gray bit changes between an even cell and the next.
+    for (int row = 0; row + 1 < set.rows(); row += 2)
+        for (int column = 0; column + 1 < set.columns(); column += 2)
+            if (const auto corner = cornerOf(checkers, set, column, row, middles))
+                out.corners.push_back(*corner);
+    return out;
+}
+
+} // namespace heliodon::vision

@@ -1,0 +1,52 @@
+// Structured light: Gray-code patterns that a projector shows and a camera sees (S. Inokuchi, K. Sato and
+// F. Matsuda, "Range imaging system for 3-D object recognition", 1984), each beside its inverse, so that a
+// bit is the sign of a difference whatever the surface and the room's light.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <glm/vec2.hpp>
+
+#include "vision/grey_picture.h"
+#include "vision/photograph.h"
+
+namespace heliodon::vision {
+
+// Cells of `cell` x `cell` projector pixels carry their column's and row's Gray code.
+struct PatternSet {
+    int width = 1024, height = 768; // of the projector
+    int cell = 16;
+
+    int columns() const { return (width + cell - 1) / cell; }
+    int rows() const { return (height + cell - 1) / cell; }
+    int columnBits() const; // 0 for a single column
+    int rowBits() const;
+    // In the order to show them: white, black, x_bitK and x_bitK_inv from the most significant on, y_bitK and
+    // y_bitK_inv, and the checkerboard xor_lsb of the last bits with its inverse.
+    std::vector<std::string> names() const;
+};
+
+// The picture for the projector; `name` is one of names(). Black or white, three equal channels.
+Photograph drawPattern(const PatternSet& set, const std::string& name);
+
+// Where four squares of the checkerboard meet.
+struct PatternCorner {
+    glm::dvec2 projector{}, camera{}; // pixels
+};
+
+struct DecodedPatterns {
+    std::vector<PatternCorner> corners; // row by row of the projector's picture
+    double litShare = 0;                // of the camera's picture: lit by the projector
+    double decodedShare = 0;            // of those: every bit sure
+};
+
+// `read` gives the camera's picture of the pattern of that name; it is asked for each once, all of one size
+// (precondition). A pixel is decided where pattern and inverse differ by more than a fifth of what white and
+// black do. A corner is kept where its four cells are seen and its saddle lies where they say.
+// About 0.3 s of decoding for 1392 x 1032.
+DecodedPatterns decodePatterns(const PatternSet& set,
+                               const std::function<GreyPicture(const std::string&)>& read);
+
+} // namespace heliodon::vision

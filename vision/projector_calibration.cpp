@@ -1,0 +1,251 @@
+#include "vision/projector_calibration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <set>
+
+#include <fmt/format.h>
+#include <glm/glm.hpp>
+
+#include "vision/homography.h"
+
+namespace heliodon::vision {
+namespace {
+
+// One correspondence, with where it comes from.
+struct Origin {
+    size_t plane, corner;
+};
+struct Working {
+    Correspondences points;
+    std::vector<Origin> origins;
+};
+
+// The plane's corners whose map from projector to plane is one homography, within a hundredth of the
+// projector's width, which leaves room for its lens: RANSAC (M. A. Fischler and R. C. Bolles, 1981).
+std::vector<bool> onOnePlane(const Correspondences& points, double width) {
+    std::mt19937 random(7);
+    const auto any = [&] { return random() % points.size(); };
+    const auto ground = [&](size_t i) { return glm::dvec2(points[i].at.x, points[i].at.z); };
+    std::vector<bool> best(points.size(), false);
+    size_t bestCount = 0;
+    for (int round = 0; round < 400; ++round) {
+        const std::array<size_t, 4> pick{any(), any(), any(), any()};
+        const auto pixelFromGround = homographyThrough(
+            {ground(pick[0]), ground(pick[1]), ground(pick[2]), ground(pick[3])},
+            {points[pick[0]].pixel, points[pick[1]].pixel, points[pick[2]].pixel, points[pick[3]].pixel});
+        if (!pixelFromGround) continue;
+        std::vector<bool> fits;
+        for (size_t i = 0; i < points.size(); ++i)
+            fits.push_back(glm::distance((*pixelFromGround)(ground(i)), points[i].pixel) < 0.01 * width);
+        const size_t count = static_cast<size_t>(std::count(fits.begin(), fits.end(), true));
+        if (count > bestCount) bestCount = count, best = std::move(fits);
+    }
+    return best;
+}
+
+Working gather(const geometry::OpticalDevice& camera, int width, const std::vector<ProjectorPlane>& planes,
+               std::vector<CalibratedPlane>& report) {
+    Working work;
+    for (size_t p = 0; p < planes.size(); ++p) {
+        CalibratedPlane& plane = report.emplace_back();
+        plane.height = planes[p].height;
+        if (planes[p].corners.size() < kLeastCorners) continue;
+        Correspondences points;
+        std::vector<size_t> index;
+        for (size_t i = 0; i < planes[p].corners.size(); ++i)
+            if (const auto at = camera.worldOnPlane(planes[p].corners[i].camera, planes[p].height)) {
+                points.push_back({*at, planes[p].corners[i].projector});
+                index.push_back(i);
+            }
+        if (points.size() < kLeastCorners) continue;
+        const std::vector<bool> kept = onOnePlane(points, width);
+        if (static_cast<size_t>(std::count(kept.begin(), kept.end(), true)) < kLeastCorners) continue;
+        for (size_t i = 0; i < points.size(); ++i)
+            if (kept[i]) {
+                work.points.push_back(points[i]);
+                work.origins.push_back({p, index[i]});
+            }
+    }
+    return work;
+}
+
+// Leaves out corners beyond 4.5 robust deviations; true when there were some.
+bool reject(Working& work, const LensSolution& solution) {
+    const std::vector<double> off = residuals(work.points, solution.fit.lens, solution.poses[0]);
+    const double limit = std::max(0.15, 4.5 * medianOf(off) / 1.18);
+    Working kept;
+    for (size_t i = 0; i < off.size(); ++i)
+        if (off[i] <= limit) {
+            kept.points.push_back(work.points[i]);
+            kept.origins.push_back(work.origins[i]);
+        }
+    const bool changed = kept.points.size() < work.points.size();
+    if (2 * kept.points.size() > work.points.size()) work = std::move(kept);
+    return changed;
+}
+
+// A term costs ln(n) variances of a coordinate (G. Schwarz, "Estimating the dimension of a model", 1978):
+// more than its noise, because the corners of the projector's picture often lie beyond what the planes catch.
+bool isWorth(const LensSolution& longer, const LensSolution& shorter, int terms) {
+    const double n = 2.0 * static_cast<double>(longer.points);
+    return shorter.squares - longer.squares > terms * std::log(n) * longer.squares / n;
+}
+
+LensSolution fitTerms(const Working& work, int width, int height, const LensSolution& start,
+                      LensTerms& terms) {
+    LensSolution best = solveView(work.points, terms = {false, false, false, false}, start);
+    int added = 0; // since the best one: a term may only help together with the next
+    for (const LensTerms next : {LensTerms{true, false, false, false}, LensTerms{true, true, false, false},
+                                 LensTerms{true, true, false, true}, LensTerms{true, true, true, true}}) {
+        added += next.tangential && !next.radial3 ? 2 : 1;
+        LensSolution longer;
+        try {
+            longer = solveView(work.points, next, best);
+        } catch (const CalibrationError&) {
+            continue; // more terms than the points bear
+        }
+        if (foldsInPicture(longer.fit.lens, width, height) || !isWorth(longer, best, added)) continue;
+        best = std::move(longer);
+        terms = next;
+        added = 0;
+    }
+    return best;
+}
+
+double coverageOf(const Correspondences& points, int width, int height) {
+    constexpr int kColumns = 8, kRows = 6;
+    std::set<std::pair<int, int>> fields;
+    for (const Correspondence& c : points)
+        fields.emplace(static_cast<int>((c.pixel.x + 0.5) * kColumns / width),
+                       static_cast<int>((c.pixel.y + 0.5) * kRows / height));
+    return static_cast<double>(fields.size()) / (kColumns * kRows);
+}
+
+Correspondences ofPlane(const Working& work, size_t plane, bool others) {
+    Correspondences out;
+    for (size_t i = 0; i < work.points.size(); ++i)
+        if ((work.origins[i].plane == plane) != others) out.push_back(work.points[i]);
+    return out;
+}
+
+geometry::OpticalDevice deviceOf(const LensSolution& solution, int width, int height) {
+    return {"", width, height, solution.fit.lens, solution.poses[0].rotation, solution.poses[0].translation};
+}
+
+// Distances on the planes: what the paper states.
+void measureOnPlanes(const Correspondences& points, ProjectorCalibration& result) {
+    double sum = 0, squares = 0, n = 0;
+    for (const Correspondence& c : points)
+        if (const auto shown = result.projector.worldOnPlane(c.pixel, c.at.y)) {
+            const double mm = 1000 * glm::distance(*shown, c.at);
+            sum += mm, squares += mm * mm, n += 1;
+        }
+    result.meanMm = sum / std::max(n, 1.0);
+    result.deviationMm = std::sqrt(std::max(squares / std::max(n, 1.0) - result.meanMm * result.meanMm, 0.0));
+}
+
+// What each plane says of itself, and how the lens changes without it.
+void examinePlanes(const Working& work, const LensSolution& solution,
+                   const std::vector<ProjectorPlane>& given, int width, int height,
+                   ProjectorCalibration& result) {
+    std::vector<LensSolution> others;
+    double squares = 0, n = 0;
+    std::set<size_t> used;
+    for (const Origin& origin : work.origins) used.insert(origin.plane);
+    for (size_t p = 0; p < given.size(); ++p) {
+        CalibratedPlane& plane = result.planes[p];
+        std::set<size_t> kept;
+        for (const Origin& origin : work.origins)
+            if (origin.plane == p) kept.insert(origin.corner);
+        plane.corners = kept.size();
+        for (size_t i = 0; i < given[p].corners.size(); ++i)
+            if (!kept.contains(i)) plane.rejected.push_back(i);
+        const Correspondences own = ofPlane(work, p, false);
+        if (own.empty()) continue;
+        plane.rms = rmsOf(residuals(own, solution.fit.lens, solution.poses[0]));
+        glm::dvec2 mean{};
+        for (const Correspondence& c : own)
+            if (const auto pixel = result.projector.pixelFromWorld(c.at))
+                mean += (*pixel - c.pixel) / static_cast<double>(own.size());
+        plane.meanOff = glm::length(mean);
+        if (used.size() <= kLeastPlanes) continue;
+        others.push_back(solveView(ofPlane(work, p, true), result.terms, solution));
+        plane.heldOutRms = rmsOf(residuals(own, others.back().fit.lens, others.back().poses[0]));
+        squares += plane.heldOutRms * plane.heldOutRms * static_cast<double>(own.size());
+        n += static_cast<double>(own.size());
+    }
+    if (others.empty()) return;
+    result.heldOutRms = std::sqrt(squares / n);
+    std::vector<geometry::Lens> lenses;
+    glm::dvec3 mean{}, spread{};
+    const double count = static_cast<double>(others.size());
+    for (const LensSolution& other : others) {
+        lenses.push_back(other.fit.lens);
+        mean += deviceOf(other, width, height).centre() / count;
+    }
+    for (const LensSolution& other : others) {
+        const glm::dvec3 off = deviceOf(other, width, height).centre() - mean;
+        spread += off * off;
+    }
+    widenByJackknife(result.sigma, lenses);
+    result.centreSigma = glm::sqrt(spread * (count - 1) / count);
+}
+
+void warnOf(ProjectorCalibration& result, const geometry::OpticalDevice& camera) {
+    const auto warn = [&](std::string text) { result.warnings.push_back(std::move(text)); };
+    size_t used = 0;
+    for (const CalibratedPlane& plane : result.planes) {
+        used += plane.corners > 0;
+        if (plane.corners > 0 && plane.rejected.size() > plane.corners)
+            warn(fmt::format("plane at {:.4f} m: {} corners lie on it, {} do not", plane.height,
+                             plane.corners, plane.rejected.size()));
+        if (plane.meanOff > std::max(0.5, 2 * result.rms))
+            warn(fmt::format(
+                "plane at {:.4f} m: its corners lie {:.1f} px off as a whole; is that its height?",
+                plane.height, plane.meanOff));
+    }
+    if (used < 4) warn(fmt::format("only {} planes; nine make the lens sure", used));
+    if (result.coverage < 0.5)
+        warn(
+            fmt::format("the planes catch {:.0f} % of the projector's picture; its lens is guessed elsewhere",
+                        100 * result.coverage));
+    if (result.rms > 0.5) warn(fmt::format("corners lie {:.2f} px off", result.rms));
+    const geometry::Lens &lens = result.projector.lens, &sigma = result.sigma;
+    if (sigma.fx > 0.005 * lens.fx || sigma.fy > 0.005 * lens.fy)
+        warn(fmt::format("the focal length is uncertain: {:.1f} +- {:.1f} px", lens.fx,
+                         std::max(sigma.fx, sigma.fy)));
+    if (result.projector.centre().y <= 0)
+        warn("the projector comes out below the table; are the heights right?");
+    if (glm::distance(result.projector.centre(), camera.centre()) < 0.02)
+        warn("the projector comes out where the camera is; are these its own pictures?");
+}
+
+} // namespace
+
+ProjectorCalibration calibrateProjector(const geometry::OpticalDevice& camera, int width, int height,
+                                        const std::vector<ProjectorPlane>& planes) {
+    ProjectorCalibration result;
+    Working work = gather(camera, width, planes, result.planes);
+    std::set<double> heights;
+    for (const Origin& origin : work.origins) heights.insert(planes[origin.plane].height);
+    if (heights.size() < kLeastPlanes)
+        throw CalibrationError(
+            fmt::format("corners were found on {} planes of different height, at least {} are needed",
+                        heights.size(), kLeastPlanes));
+    LensSolution solution = solvePinhole(work.points);
+    solution = fitTerms(work, width, height, solution, result.terms);
+    for (int round = 0; round < 6 && reject(work, solution); ++round)
+        solution = fitTerms(work, width, height, solution, result.terms);
+    result.projector = deviceOf(solution, width, height);
+    result.sigma = solution.fit.sigma;
+    result.rms = solution.rms();
+    result.coverage = coverageOf(work.points, width, height);
+    measureOnPlanes(work.points, result);
+    examinePlanes(work, solution, planes, width, height, result);
+    warnOf(result, camera);
+    return result;
+}
+
+} // namespace heliodon::vision
