@@ -66,8 +66,9 @@ struct ClosureOptions {
     double doorWidth = 2.0;   // inches: an interior hole at least this wide stays open
     double crackWidth = 1.0;  // inches: an interior hole under this is filled
     double chordError = 0.02; // inches: how far a facet of a curved wall may lie from the arc
-    double facetLength =
-        0; // inches: facets are about so long, or some times it; 0: as the chord error allows
+    // Facets of curved walls about so long (inches), or some times it where the chord error allows; where it
+    // asks for shorter ones it may rise to the coarse one. 0: as few facets as the chord error allows.
+    double facetLength = 0, coarseChord = 0;
     glm::vec3 wallReflectance{0.7f}, floorReflectance{0.3f},
         ceilingReflectance{0.8f}; // where no token says otherwise
     float glazingTransmittance = 0.88f;

@@ -93,7 +93,7 @@ private:
             return false;
         }
         plan_ = planWalls(sketch_, {(options_.doorWidth + options_.crackWidth) / 2, options_.chordError,
-                                    options_.facetLength});
+                                    options_.facetLength, options_.coarseChord});
         notes_.insert(notes_.end(), plan_.notes.begin(), plan_.notes.end());
         ignored_.insert(ignored_.end(), plan_.ignored.begin(), plan_.ignored.end());
         if (!plan_.pieces.empty()) return true;

@@ -363,16 +363,18 @@ void reachWalls(PlanWalls& plan) {
     }
 }
 
-// As few as the chord error allows; with a length to fit, whole multiples of it, nearly.
 int facetsOf(const WallPiece& piece, const PlanWallsOptions& options) {
     const double sweep = std::min(piece.a1 - piece.a0, 2 * kPi), outer = piece.radius + piece.thickness / 2;
-    const double step =
-        std::clamp(2 * std::acos(1 - std::min(0.5, options.chordError / outer)), kPi / 180, kPi / 12);
-    const double fewest = std::max(2.0, std::ceil(sweep / step));
-    if (!(options.facetLength > 0)) return static_cast<int>(fewest);
-    const double lengths = sweep * piece.radius / options.facetLength;
-    const double each = std::max(1.0, std::floor(lengths / fewest));
-    return static_cast<int>(std::max(fewest, std::round(lengths / each)));
+    const auto fewest = [&](double chordError) {
+        const double step = 2 * std::acos(1 - std::min(0.5, chordError / outer));
+        return std::max(2.0, std::ceil(sweep / std::clamp(step, kPi / 180, kPi / 12)));
+    };
+    const double usual = fewest(options.chordError);
+    if (!(options.facetLength > 0)) return static_cast<int>(usual);
+    const double lengths = sweep * piece.radius / options.facetLength, each = std::floor(lengths / usual);
+    if (each >= 1) return static_cast<int>(std::max(usual, std::round(lengths / each)));
+    return static_cast<int>(
+        std::max(fewest(std::max(options.chordError, options.coarseChord)), std::round(lengths)));
 }
 
 } // namespace

@@ -58,9 +58,9 @@ struct PlanWalls {
 };
 
 struct PlanWallsOptions {
-    double crackWidth = 1.5;  // inches: narrower holes are filled
-    double chordError = 0.02; // inches
-    double facetLength = 0;   // inches; 0: as long as the chord error allows
+    double crackWidth = 1.5;                 // inches: narrower holes are filled
+    double chordError = 0.02;                // inches
+    double facetLength = 0, coarseChord = 0; // as in ClosureOptions
 };
 
 PlanWalls planWalls(const Sketch& sketch, const PlanWallsOptions& options);

@@ -142,7 +142,7 @@ geometry::Building closeOrRefuse(Run& run, const SceneArguments& arguments, cons
     return std::move(*closure.building);
 }
 
-constexpr double kCoarsestChord = 0.3; // inches
+constexpr double kCoarseChord = 0.06, kCoarsestChord = 0.3; // inches
 
 // More triangles than were asked for, or so few to an arc that they are slivers.
 bool tooManyFacets(const geometry::PatchMesh& mesh, size_t wanted) {
@@ -225,6 +225,7 @@ Scene makeScene(Run& run, const SceneArguments& arguments, std::optional<geometr
         const bool curved = scene.sketch && !scene.sketch->arcs.empty();
         if (curved) {
             closure.facetLength = geometry::fittingFacet(building, {wanted});
+            if (!arguments.chordError) closure.coarseChord = kCoarseChord;
             closeAgain();
         }
         scene.mesh = geometry::meshBuilding(building, {wanted});
