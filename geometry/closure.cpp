@@ -143,16 +143,37 @@ private:
         return best;
     }
 
+    // Windows with blinds of their own have a material of their own.
+    static std::vector<uint32_t> glazingOf(PlanMaterials& materials, const std::vector<WindowHole>& holes) {
+        std::vector<uint32_t> out;
+        for (const WindowHole& hole : holes) {
+            const auto plain = materials.rooms.front().glazing;
+            auto& all = materials.materials;
+            Material glass = all[plain];
+            glass.blind = hole.blind;
+            auto found = std::ranges::find_if(
+                all, [&](const Material& m) { return m.isOpening() && m.blind == glass.blind; });
+            if (found == all.end()) {
+                glass.name += std::to_string(
+                    1 + std::ranges::count_if(all, [](const Material& m) { return m.isOpening(); }));
+                found = all.insert(all.end(), glass);
+            }
+            out.push_back(static_cast<uint32_t>(found - all.begin()));
+        }
+        return out;
+    }
+
     void build() {
         std::vector<double> ceilings;
         for (const RoomPlan& room : spaces_.rooms) ceilings.push_back(ceilingOf(room));
         const std::vector<WallRun> runs = wallRuns(plan_, spaces_.rooms);
-        const PlanMaterials materials = planMaterials(sketch_, plan_, spaces_.rooms, runs, options_);
+        PlanMaterials materials = planMaterials(sketch_, plan_, spaces_.rooms, runs, options_);
         PlanWindows windows = placeWindows(sketch_, plan_, runs, ceilings);
         notes_.insert(notes_.end(), windows.notes.begin(), windows.notes.end());
         const auto make = [&](const std::vector<WindowHole>& holes) {
             Shells made{roomFaces({plan_, spaces_.rooms, runs, sketch_.skylights, ceilings, materials.rooms,
-                                   materials.runs, materials.partitions, holes}),
+                                   materials.runs, materials.partitions, holes,
+                                   glazingOf(materials, holes)}),
                         {}};
             made.building = weldFaces(made.faces.faces, static_cast<uint32_t>(spaces_.rooms.size()), kWeld);
             return made;

@@ -1,5 +1,6 @@
 // glTF 2.0 (.gltf, .glb) through tinygltf: triangles of every mesh node of the default scene, materials after
-// KHR_materials_transmission, KHR_materials_ior and KHR_materials_emissive_strength. Textures are not read.
+// KHR_materials_transmission, KHR_materials_ior and KHR_materials_emissive_strength, blinds after
+// extras.blinds of a material. Textures are not read.
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -52,6 +53,22 @@ Material materialOf(const tinygltf::Material& in) {
 
 class GltfReader {
 public:
+    // extras.blinds, our own.
+    void readBlind(size_t i, Material& material) const {
+        const tinygltf::Value& extras = in_.materials[i].extras;
+        if (!extras.IsObject() || !extras.Has("blinds")) return;
+        const std::string place = fmt::format("materials[{}].extras.blinds", i);
+        const tinygltf::Value& text = extras.Get("blinds");
+        if (!text.IsString()) throw InputError(out_.file, place, "expected a text such as slats:45");
+        if (!material.isOpening()) throw InputError(out_.file, place, "the material transmits nothing");
+        try {
+            material.blind = parseBlind(text.Get<std::string>());
+        } catch (const std::invalid_argument& error) {
+            throw InputError(out_.file, place,
+                             fmt::format("\"{}\": {}", text.Get<std::string>(), error.what()));
+        }
+    }
+
     explicit GltfReader(const std::filesystem::path& file) {
         out_.file = file.string();
         std::ifstream in(file, std::ios::binary);
@@ -77,6 +94,7 @@ public:
         checkExtensions();
         for (size_t i = 0; i < in_.materials.size(); ++i) {
             Material material = materialOf(in_.materials[i]);
+            readBlind(i, material);
             if (material.name.empty()) material.name = fmt::format("material{}", i);
             checkMaterial(material, out_.file, fmt::format("materials[{}]", i));
             out_.materials.push_back(std::move(material));

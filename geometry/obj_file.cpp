@@ -1,5 +1,6 @@
 // Wavefront .obj and .mtl. Our own reader because every refusal must name its line; what lights need is a
-// small part of the format: v, f, usemtl, mtllib, g, o; Kd, Tf, Ni, Ke.
+// small part of the format: v, f, usemtl, mtllib, g, o; Kd, Tf, Ni, Ke,
+// and `blinds`, our own.
 #include <charconv>
 #include <cmath>
 #include <fstream>
@@ -102,6 +103,10 @@ void finishMaterial(const MaterialDraft& draft, const std::string& file, RawMode
     const bool active = material.isOpening() || material.exitance != glm::vec3(0);
     if (!draft.hasKd && !active) material.reflectance = glm::vec3(0.5f);
     checkMaterial(material, file, draft.place);
+    if (material.blind != Blind{} && !material.isOpening())
+        throw InputError(
+            file, draft.place,
+            fmt::format("material \"{}\" has blinds but lets no light through (Tf)", material.name));
     index[material.name] = static_cast<uint32_t>(model.materials.size());
     model.materials.push_back(std::move(material));
 }
@@ -125,7 +130,7 @@ void readMtl(const std::filesystem::path& file, RawModel& model, MaterialIndex& 
             if (draft->material.name.empty()) lines.fail("newmtl without a name");
             continue;
         }
-        const bool known = key == "Kd" || key == "Tf" || key == "Ke" || key == "Ni";
+        const bool known = key == "Kd" || key == "Tf" || key == "Ke" || key == "Ni" || key == "blinds";
         if (known && !draft) lines.fail(fmt::format("{} stands before any newmtl", key));
         if (key == "Kd") {
             draft->material.reflectance = readRgb(lines);
@@ -136,6 +141,12 @@ void readMtl(const std::filesystem::path& file, RawModel& model, MaterialIndex& 
             draft->material.exitance = readRgb(lines);
         } else if (key == "Ni") {
             draft->material.refractiveIndex = static_cast<float>(lines.number("a refractive index"));
+        } else if (key == "blinds") {
+            try {
+                draft->material.blind = parseBlind(lines.remainder());
+            } catch (const std::invalid_argument& error) {
+                lines.fail(fmt::format("blinds \"{}\": {}", lines.remainder(), error.what()));
+            }
         }
         if (known) draft->place = lines.place();
         if (known) checkMaterial(draft->material, lines.file(), lines.place());

@@ -9,26 +9,14 @@
 
 #include <glm/vec3.hpp>
 
+#include "geometry/blind.h"
+
 namespace heliodon::geometry {
 
 enum class Role : uint8_t {
     projection, // a physical wall or the table shows it
     fillIn,     // ceiling, bridged gap, glass of a skylight: simulated, not shown
     extra       // physical but not in any room: not simulated, drawn black, occludes projectors
-};
-
-// What hangs before an opening to the outside, on the room's side of its glass. Grey; light by
-// daylight/window.h. A fabric sends on what it passes evenly in all directions. Slats are horizontal, flat,
-// thin and long against their width.
-struct Blind {
-    enum class Kind : uint8_t { none, fabric, slats };
-    Kind kind = Kind::none;
-    float transmittance = 0;  // of a fabric, diffuse; with its reflectance at most 1
-    float reflectance = 0;    // of a fabric or of both faces of slats, diffuse, [0, 1)
-    float slatAngleDeg = 0;   // 0: level; positive: outer edges down; [-85, 85]
-    float slatSpacing = 0.8f; // over the slats' width; (0, 10]
-
-    bool operator==(const Blind&) const = default;
 };
 
 // Values per linear Rec. 709 channel.
@@ -38,7 +26,8 @@ struct Material {
     glm::vec3 transmittance{0};    // visible, at normal incidence, of glazing or a hole; 0 = opaque
     float refractiveIndex = 1.52f; // 1.52: absorbing slab of glass; 1: an open hole
     glm::vec3 exitance{0};         // own emission, lux
-    Blind blind;                   // of an opening; `reflectance` is then that of glass and blind together
+    // Of an opening; once drawn, `reflectance` is that of glass and blind together (daylight/window.h).
+    Blind blind;
 
     bool isOpening() const { return transmittance.x > 0 || transmittance.y > 0 || transmittance.z > 0; }
 };

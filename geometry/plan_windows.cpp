@@ -29,6 +29,7 @@ struct SideWindow {
     WindowKind kind = WindowKind::standard;
     Stretch on{};
     std::string id;
+    Blind blind;
 };
 
 const WallPiece* pieceOf(const std::vector<WallPiece>& pieces, const std::string& wall) {
@@ -67,7 +68,8 @@ private:
         const WallLine& line = plan_.lines[static_cast<size_t>(piece->line)];
         const glm::dvec2 middle = wall->a + marker.pos * glm::normalize(wall->b - wall->a);
         const double s = line.along(middle);
-        SideWindow window{piece->line, marker.kind, {s - marker.width / 2, s + marker.width / 2}, marker.id};
+        SideWindow window{
+            piece->line, marker.kind, {s - marker.width / 2, s + marker.width / 2}, marker.id, marker.blind};
         const double own = std::max(0.0, std::min(window.on.to, line.along(piece->b)) -
                                              std::max(window.on.from, line.along(piece->a)));
         if (own < kNarrowest)
@@ -83,7 +85,8 @@ private:
         std::ranges::sort(windows_, {}, order);
         for (size_t i = 0; i + 1 < windows_.size();) {
             SideWindow &w = windows_[i], &next = windows_[i + 1];
-            if (w.line == next.line && w.kind == next.kind && next.on.from <= w.on.to + kMeets) {
+            if (w.line == next.line && w.kind == next.kind && w.blind == next.blind &&
+                next.on.from <= w.on.to + kMeets) {
                 w.on.to = std::max(w.on.to, next.on.to);
                 w.id += "+" + next.id;
                 windows_.erase(windows_.begin() + static_cast<std::ptrdiff_t>(i) + 1);
@@ -181,6 +184,10 @@ private:
             backed = backed || (middle >= s0 && middle <= s1);
             if (s1 > sides[0].on.from && s0 < sides[0].on.to) wallTop = std::max(wallTop, piece.height);
         }
+        if (sides.size() == 2 && window.blind != Blind{})
+            out_.notes.push_back({"BLINDS_INSIDE", fmt::format("window {} is between two rooms, where there "
+                                                               "are no blinds: it stands open",
+                                                               window.id)});
         const auto [sill, head] = heights(window.kind, std::min(top, wallTop));
         for (const Seen& seen : sides) {
             const WallRun& run = runs_[seen.run];
@@ -196,6 +203,7 @@ private:
             hole.twin = sides.size() == 2;
             hole.backed = backed;
             hole.id = window.id;
+            if (!hole.twin) hole.blind = window.blind;
             out_.holes.push_back(hole);
         }
         ++out_.openings;

@@ -28,6 +28,7 @@ struct WindowHole {
     bool twin = false;
     bool backed = true; // a wall stands behind its middle
     std::string id;
+    Blind blind;
 };
 
 struct PlanWindows {

@@ -388,8 +388,9 @@ private:
             face.surface = wallSurface;
             face.role = gridFace.label == 1 ? Role::fillIn : Role::projection;
             if (gridFace.label >= 2) {
-                const WindowHole& hole = holes_[holes[static_cast<size_t>(gridFace.label - 2)]];
-                face.material = in_.materials[run.room].glazing;
+                const size_t number = holes[static_cast<size_t>(gridFace.label - 2)];
+                const WindowHole& hole = holes_[number];
+                face.material = in_.holeMaterial[number];
                 face.role = hole.backed ? Role::projection : Role::fillIn;
                 if (hole.twin) face.twinKey = hole.opening;
                 const auto [place, isNew] = glassSurface.try_emplace(gridFace.label, nextSurface_);

@@ -25,6 +25,7 @@ struct RoomFaceInput {
     std::vector<uint32_t> runMaterial;       // per run
     std::vector<uint32_t> partitionMaterial; // per partition
     std::vector<WindowHole> holes;
+    std::vector<uint32_t> holeMaterial; // per hole
 };
 
 struct RoomFaces {

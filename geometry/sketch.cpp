@@ -153,6 +153,11 @@ WindowMarker readWindow(const Object& in) {
     out.pos = in.number("pos");
     out.width = in.positive("width");
     out.kind = static_cast<WindowKind>(in.choice("kind", kWindows));
+    try {
+        out.blind = parseBlind(in.text("blinds", "open"));
+    } catch (const std::invalid_argument& error) {
+        in.fail("blinds", error.what());
+    }
     return out;
 }
 
@@ -268,11 +273,13 @@ Json jsonOf(const Arc& arc) {
 }
 
 Json jsonOf(const WindowMarker& window) {
-    return {{"id", window.id},
-            {"wall", window.wall},
-            {"pos", window.pos},
-            {"width", window.width},
-            {"kind", kWindows[static_cast<size_t>(window.kind)]}};
+    Json out{{"id", window.id},
+             {"wall", window.wall},
+             {"pos", window.pos},
+             {"width", window.width},
+             {"kind", kWindows[static_cast<size_t>(window.kind)]}};
+    if (window.blind != Blind{}) out["blinds"] = blindText(window.blind);
+    return out;
 }
 
 Json jsonOf(const Skylight& skylight) {

@@ -12,6 +12,8 @@
 
 #include <glm/vec2.hpp>
 
+#include "geometry/blind.h"
+
 namespace heliodon::geometry {
 
 enum class HeightClass { red, blue, green }; // wall tops: 10, 8 and 4 inches
@@ -54,6 +56,7 @@ struct WindowMarker {
     double pos = 0;   // from that wall's `a` along the centre line to the marker's middle
     double width = 0;
     WindowKind kind = WindowKind::standard;
+    Blind blind; // "blinds" in the file
     Detection detection;
 };
 

@@ -70,14 +70,15 @@ std::string mtlText(const PatchMesh& mesh) {
     const std::vector<std::string> names = materialNames(mesh);
     std::string text =
         "# Kd diffuse reflectance; Tf visible transmittance at normal incidence; Ni 1.52 glass, 1.0 open; "
-        "Ke exitance, lux\n";
+        "Ke exitance, lux; blinds: before the window, heliodon's own\n";
     const auto rgb = [&](const char* key, glm::vec3 v) {
         text += fmt::format("{} {} {} {}\n", key, v.x, v.y, v.z);
     };
     for (size_t i = 0; i < names.size(); ++i) {
         const Material& material = mesh.materials[i];
         text += "newmtl " + names[i] + "\n";
-        rgb("Kd", material.reflectance);
+        const bool blinds = material.blind != Blind{};
+        rgb("Kd", blinds ? glm::vec3(0) : material.reflectance); // drawn blinds reflect: not the glass
         if (material.isOpening()) {
             rgb("Tf", material.transmittance);
             text += fmt::format("Ni {}\n", material.refractiveIndex);
@@ -85,6 +86,7 @@ std::string mtlText(const PatchMesh& mesh) {
             const glm::vec3 through = glm::clamp(material.transmittance, 0.0f, 1.0f);
             text += fmt::format("d {:.3g}\n", 1 - (through.x + through.y + through.z) / 3);
         }
+        if (blinds) text += fmt::format("blinds {}\n", blindText(material.blind));
         if (material.exitance != glm::vec3(0)) rgb("Ke", material.exitance);
     }
     return text;
@@ -162,7 +164,8 @@ private:
     void addMaterials() {
         const std::vector<std::string> names = materialNames(mesh_, true);
         for (size_t i = 0; i < names.size(); ++i) {
-            const Material& material = mesh_.materials[i];
+            Material material = mesh_.materials[i];
+            if (material.blind != Blind{}) material.reflectance = glm::vec3(0); // that of the drawn blind
             // Files may hold sums that rounding has put above 1.
             const glm::vec3 base = glm::min(material.reflectance + material.transmittance, glm::vec3(1));
             const float sum = base.x + base.y + base.z;
@@ -193,6 +196,7 @@ private:
                         json_["extensionsUsed"].end())
                     json_["extensionsUsed"].push_back(name);
             if (!extensions.empty()) out["extensions"] = extensions;
+            if (material.blind != Blind{}) out["extras"] = {{"blinds", blindText(material.blind)}};
             json_["materials"].push_back(out);
         }
     }

@@ -17,8 +17,10 @@ struct WindowState {
 // Throws InputError on what is no state, naming the option.
 WindowState parseWindowState(const std::string& text);
 
-// Draws blinds before the openings that lead outside, later states over earlier ones; interior windows stay
-// as they are. Fills `blinds` of the report. Throws InputError on materials that no such opening has.
-void drawBlinds(Run& run, const std::vector<std::string>& states, geometry::PatchMesh& mesh);
+// Draws blinds before the openings that lead outside: those of the materials, which `file` gave, then
+// `states`, later ones over earlier ones. Fills `blinds` of the report. Throws InputError on materials that
+// no such opening has, and on interior windows that the file gives blinds.
+void drawBlinds(Run& run, const std::vector<std::string>& states, const std::string& file,
+                geometry::PatchMesh& mesh);
 
 } // namespace heliodon::app

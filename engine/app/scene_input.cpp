@@ -238,7 +238,7 @@ Scene makeScene(Run& run, const SceneArguments& arguments, std::optional<geometr
         }
     }
     if (!scene.sketch) reportImport(run, scene.mesh, building, scene.worldPerBuilding);
-    drawBlinds(run, arguments.blinds, scene.mesh);
+    drawBlinds(run, arguments.blinds, arguments.input.string(), scene.mesh);
     scene.occluders = std::move(building.occluders);
     scene.northDeg = building.northDeg - arguments.northDeg; // plan angles grow counter-clockwise
     const geometry::MeshQuality quality = geometry::measureMesh(scene.mesh);
