@@ -93,5 +93,5 @@ std::unique_ptr<FilmEncoder> openFilm(const std::filesystem::path& file, int wid
 
 extern "C" const heliodon::geometry::PictureCodecs heliodonPictureCodecs;
 const heliodon::geometry::PictureCodecs heliodonPictureCodecs{
-    heliodon::geometry::read, heliodon::geometry::readGrey, heliodon::geometry::writePng,
-    heliodon::geometry::openFilm};
+    heliodon::geometry::kPictureCodecsVersion, heliodon::geometry::read, heliodon::geometry::readGrey,
+    heliodon::geometry::writePng, heliodon::geometry::openFilm};

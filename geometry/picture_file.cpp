@@ -14,10 +14,13 @@ const PictureCodecs& load() {
     const std::filesystem::path file =
         std::filesystem::read_symlink("/proc/self/exe").replace_filename(HELIODON_PICTURE_CODECS);
     void* module = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL); // never closed: the libraries stay in use
-    const void* codecs = module ? dlsym(module, "heliodonPictureCodecs") : nullptr;
+    const auto* codecs =
+        module ? static_cast<const PictureCodecs*>(dlsym(module, "heliodonPictureCodecs")) : nullptr;
     if (!codecs)
         throw std::runtime_error(std::string("the part that reads and writes pictures: ") + dlerror());
-    return *static_cast<const PictureCodecs*>(codecs);
+    if (codecs->version != kPictureCodecsVersion)
+        throw std::runtime_error(file.string() + " belongs to another build of this program");
+    return *codecs;
 }
 
 const PictureCodecs& codecs() {

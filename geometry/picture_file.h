@@ -43,8 +43,12 @@ public:
 std::unique_ptr<FilmEncoder> openFilmFile(const std::filesystem::path& file, int width, int height,
                                           double framesPerSecond);
 
+// Counts up with every change of what stands below: a module of another build is refused, not called.
+constexpr uint32_t kPictureCodecsVersion = 1;
+
 // What the module exports, by the name `heliodonPictureCodecs`.
 struct PictureCodecs {
+    uint32_t version;
     std::optional<PicturePixels> (*read)(const std::filesystem::path&);
     std::optional<GreyPixels> (*readGrey)(const std::filesystem::path&);
     bool (*writePng)(const std::filesystem::path&, int, int, const uint8_t*);
