@@ -58,13 +58,6 @@ void execute(Run& run, const FormFactorArguments& arguments) {
     if (n > kLargestDense && !arguments.reference.empty())
         throw geometry::InputError("--reference", "",
                                    fmt::format("is for at most {} patches", kLargestDense));
-    const auto finish = [&](const compute::FormFactorReport& report) {
-        reportFormFactors(run, n, report);
-        // Estimates are cautious: a little above is within what they are good for.
-        if (options.maxError > 0 && report.claimedRowError > 1.5 * options.maxError)
-            run.warn(fmt::format("the row error is estimated as {:.2g}, above the {:.2g} asked for",
-                                 report.claimedRowError, options.maxError));
-    };
     NpyWriter::writeWhole(arguments.output, n, n, [&](NpyWriter& out) {
         if (n > kLargestDense) {
             const StageTimer timer(run, "formfactors");
@@ -72,7 +65,7 @@ void execute(Run& run, const FormFactorArguments& arguments) {
                 compute::streamFormFactors(device, mesh, options, [&](const compute::FormFactorTile& tile) {
                     out.put(tile.firstRow, tile.rows, tile.firstColumn, tile.columns, tile.values);
                 });
-            finish(report);
+            reportFormFactors(run, n, report);
             return;
         }
         const compute::FormFactors factors = [&] {
@@ -82,7 +75,7 @@ void execute(Run& run, const FormFactorArguments& arguments) {
         std::vector<float> copy;
         std::span<const float> values(factors.values.mapped<float>(), n * n);
         if (!values.data()) values = copy = factors.values.download<float>(n * n);
-        finish(factors.report);
+        reportFormFactors(run, n, factors.report);
         if (!arguments.reference.empty())
             run.report()["error"] = errorAgainst(readMatrix(arguments.reference, n, n), values, n);
         out.write(values);
