@@ -125,6 +125,18 @@ std::string formatSeconds(double seconds) {
     return text;
 }
 
+std::string formatOffset(int minutes) {
+    const int offset = std::abs(minutes);
+    return fmt::format("{}{:02}:{:02}", minutes < 0 ? '-' : '+', offset / 60, offset % 60);
+}
+
+// To the microsecond, so that 59.9999999 does not print as 60.
+Moment rounded(Moment m) {
+    m.second = std::round(m.second * 1e6) / 1e6;
+    carryDay(m);
+    return m;
+}
+
 } // namespace
 
 bool isLeapYear(int year) {
@@ -240,18 +252,31 @@ Duration parseDuration(std::string_view text, const std::string& source) {
 }
 
 std::string formatTime(const Moment& moment) {
-    // Rounded to the microsecond first, so that 59.9999999 does not print as 60.
-    Moment m = moment;
-    m.second = std::round(m.second * 1e6) / 1e6;
-    carryDay(m);
+    const Moment m = rounded(moment);
     const int minutes = static_cast<int>(m.second / 60.0);
     std::string text =
         fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{}", m.date.year, m.date.month, m.date.day, minutes / 60,
                     minutes % 60, formatSeconds(std::max(0.0, m.second - minutes * 60.0)));
     if (m.solar) return text + "solar";
-    if (m.offsetMinutes == 0) return text + "Z";
-    const int offset = std::abs(m.offsetMinutes);
-    return text + fmt::format("{}{:02}:{:02}", m.offsetMinutes < 0 ? '-' : '+', offset / 60, offset % 60);
+    return text + (m.offsetMinutes == 0 ? "Z" : formatOffset(m.offsetMinutes));
+}
+
+std::string timeInWords(const Moment& moment) {
+    const Moment m = rounded(moment);
+    const int minutes = static_cast<int>(m.second / 60.0);
+    const double seconds = m.second - minutes * 60.0;
+    std::string text = fmt::format("{} {} {}, {:02}:{:02}", m.date.day, monthName(m.date.month), m.date.year,
+                                   minutes / 60, minutes % 60);
+    if (seconds >= 5e-7) text += ":" + formatSeconds(seconds);
+    if (m.solar) return text + " solar time";
+    return text + " UTC" + (m.offsetMinutes == 0 ? "" : formatOffset(m.offsetMinutes));
+}
+
+std::string monthName(int month) {
+    constexpr std::array<const char*, 12> names{"January",   "February", "March",    "April",
+                                                "May",       "June",     "July",     "August",
+                                                "September", "October",  "November", "December"};
+    return names.at(static_cast<size_t>(month - 1));
 }
 
 std::string formatDuration(const Duration& duration) {

@@ -50,6 +50,9 @@ Duration parseDuration(std::string_view text, const std::string& source);
 
 // Text that parses back to the same value; seconds to the microsecond, left out below none ("13:00:00").
 std::string formatTime(const Moment& moment);
+// For readers: "21 March 2026, 13:00 solar time", "..., 13:00 UTC-05:00"; seconds where there are any.
+std::string timeInWords(const Moment& moment);
+std::string monthName(int month); // 1..12, "January"
 std::string formatDuration(const Duration& duration);
 
 // start + count steps on the start's own clock. Months count from the start, so that 31 January + 2 x P1M is

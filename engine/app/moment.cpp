@@ -62,10 +62,23 @@ SkySource::SkySource(const daylight::Site& site, std::string sky, double northDe
 }
 
 std::string SkySource::title() const {
-    const std::string time = daylight::formatTime(moment_);
-    if (weather_) return fmt::format("{}, {}", time, weather_->place);
-    if (!daylight::skyDependsOnTime(option_)) return std::filesystem::path(option_).filename().string();
-    return fmt::format("{}, sky {}", time, option_);
+    const bool timed = weather_ || daylight::skyDependsOnTime(option_);
+    return (timed ? daylight::timeInWords(moment_) + ", " : "") + skyInWords();
+}
+
+std::string SkySource::skyInWords() const {
+    if (weather_) return "weather of " + weather_->place;
+    if (!daylight::skyDependsOnTime(option_))
+        return "sky of " + std::filesystem::path(option_).filename().string();
+    const std::string sky =
+        option_.starts_with("cie:") ? "CIE sky type " + option_.substr(4)
+        : option_.starts_with("perez:")
+            ? fmt::format("Perez sky, {} W/m2 direct and {} W/m2 diffuse",
+                          option_.substr(6, option_.find(',') - 6), option_.substr(option_.find(',') + 1))
+            : option_ + " sky";
+    return fmt::format("{}, {:.2f} {} {:.2f} {}", sky, std::abs(site_.latitudeDeg),
+                       site_.latitudeDeg < 0 ? 'S' : 'N', std::abs(site_.longitudeDeg),
+                       site_.longitudeDeg < 0 ? 'W' : 'E');
 }
 
 daylight::SunPosition SkySource::sunAt(const daylight::Moment& moment) const {

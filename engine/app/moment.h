@@ -22,8 +22,10 @@ public:
     SkySource(const daylight::Site& site, std::string sky, double northDeg,
               geometry::UpAxis up = geometry::UpAxis::y);
 
-    // Of `moment()`, for drawings: "2026-03-21T13:00solar, sky clear".
+    // Of `moment()`, for drawings: "21 March 2026, 13:00 solar time, clear sky, 42.73 N 73.68 W".
     std::string title() const;
+    // The sky and, where it matters, the place: "clear sky, 42.73 N 73.68 W".
+    std::string skyInWords() const;
     // `--time`, or its default.
     const daylight::Moment& moment() const { return moment_; }
     const daylight::Site& site() const { return site_; }

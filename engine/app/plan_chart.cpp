@@ -15,7 +15,7 @@ namespace {
 
 using Points = std::vector<glm::dvec2>;
 
-constexpr double kPlan = 720, kNarrowest = 420, kMargin = 40, kLegend = 90, kHead = 46, kFoot = 40; // pixels
+constexpr double kPlan = 720, kNarrowest = 420, kMargin = 40, kLegend = 90, kHead = 62, kFoot = 40; // pixels
 constexpr size_t kBands = 40; // of colour between the ends of the scale
 
 struct Sample {
@@ -298,7 +298,7 @@ Chart planChart(const Scene& scene, std::span<const glm::dvec3> points, std::spa
             chart.rectangle(p.x - 0.8, p.y - 0.8, 1.6, 1.6, {90, 90, 90});
         }
     chart.text({kMargin, 22}, title, 15);
-    chart.text({kMargin, 38}, subtitle, 11);
+    chart.text({kMargin, 40}, subtitle, 11);
     drawScale(chart, scale, {chart.width() - kLegend, kHead + 10}, std::max(plan.size().y, 260.0) - 20);
     drawNorthAndScale(chart, scene, plan);
     return chart;

@@ -57,7 +57,7 @@ std::vector<std::string> listOf(const std::string& text) {
 
 // Hours of apparent solar time on a few days of the year, as in figure 11 of the paper.
 struct Sheet {
-    std::vector<std::string> rows, columns; // days, hours
+    std::vector<std::string> days, columns; // "21 June", "09:00"
     std::vector<daylight::Moment> moments;  // row by row
 };
 
@@ -81,7 +81,6 @@ Sheet sheetOf(const RenderArguments& arguments) {
                                         ? daylight::Moment{}
                                         : daylight::parseTime(arguments.moment.time, "--time");
     Sheet sheet;
-    sheet.rows = listOf(arguments.days.empty() ? "06-21,03-21,12-21" : arguments.days);
     const std::vector<std::string> hours =
         listOf(arguments.hours.empty() ? "7,9,11,13,15,17" : arguments.hours);
     for (const std::string& hour : hours) {
@@ -89,10 +88,15 @@ Sheet sheetOf(const RenderArguments& arguments) {
         refuseUnless("--hours", hour, "hour, expected such as 9 or 13:30",
                      "2000-01-01T" + sheet.columns.back());
     }
-    for (const std::string& day : sheet.rows) {
+    for (const std::string& day : listOf(arguments.days.empty() ? "06-21,03-21,12-21" : arguments.days)) {
         const std::string date = day.size() <= 5 ? fmt::format("{:04}-{}", moment.date.year, day) : day;
         refuseUnless("--days", day, fmt::format("day of {}, expected such as 06-21", date.substr(0, 4)),
                      date + "T12:00");
+        const daylight::Date named = daylight::parseTime(date + "T12:00solar", "--days").date;
+        sheet.days.push_back(day.size() <= 5
+                                 ? fmt::format("{} {}", named.day, daylight::monthName(named.month))
+                                 : fmt::format("{} {} {}", named.day,
+                                               daylight::monthName(named.month).substr(0, 3), named.year));
         for (const std::string& clock : sheet.columns)
             sheet.moments.push_back(daylight::parseTime(date + "T" + clock + "solar", "--days, --hours"));
     }
@@ -115,13 +119,13 @@ void renderSheet(Run& run, passes::FrameRenderer& renderer, compute::DaylightTra
     std::vector<passes::Image8> cells;
     for (const compute::Moment& moment : moments) cells.push_back(renderer.preview(moment.lighting, options));
     const passes::Tone& tone = options.tone;
-    std::string title = "apparent solar time";
+    std::string title = source.skyInWords() + "; apparent solar time";
     std::optional<passes::FalseScale> legend;
     if (arguments.picture.falseColor)
         legend = passes::falseScale(tone, {});
     else
         title += fmt::format("; white is {:.0f} lux", *tone.whiteLux);
-    passes::writePng(contactSheet(cells, sheet.rows, sheet.columns, title, legend),
+    passes::writePng(contactSheet(cells, sheet.days, sheet.columns, title, legend),
                      arguments.output / "contact-sheet.png");
 }
 

@@ -1,7 +1,6 @@
 #include "engine/app/temporal_chart.h"
 
 #include <algorithm>
-#include <array>
 
 #include <fmt/format.h>
 
@@ -9,9 +8,7 @@ namespace heliodon::app {
 
 namespace {
 
-constexpr double kLeft = 52, kTop = 46, kDay = 2.5, kHour = 11, kRight = 90, kBottom = 34; // pixels
-constexpr std::array<const char*, 12> kMonths{"Jan", "Feb", "Mar", "Apr", "May", "Jun",
-                                              "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"};
+constexpr double kLeft = 52, kTop = 64, kDay = 2.5, kHour = 11, kRight = 90, kBottom = 34; // pixels
 
 } // namespace
 
@@ -33,7 +30,7 @@ Chart temporalChart(const daylight::Weather& weather, std::span<const float> lux
     for (int month = 1; month <= 12; ++month) {
         const double x = kLeft + kDay * (daylight::dayOfYear({year, month, 1}) - 1);
         if (month > 1) chart.line({{x, kTop}, {x, kTop + height}}, kGrey, 0.5);
-        chart.text({x + 15 * kDay, kTop + height + 18}, kMonths[static_cast<size_t>(month - 1)], 11,
+        chart.text({x + 15 * kDay, kTop + height + 18}, daylight::monthName(month).substr(0, 3), 11,
                    Anchor::middle);
     }
     for (int hour = 0; hour <= 24; hour += 6) {
@@ -42,6 +39,13 @@ Chart temporalChart(const daylight::Weather& weather, std::span<const float> lux
         chart.text({kLeft - 8, y + 4}, fmt::format("{}:00", hour), 11, Anchor::end);
     }
     chart.text({kLeft, 26}, title, 15);
+    chart.text({kLeft, 44},
+               fmt::format("Weather of {}; standard time, UTC{:+g} h; black is dark{}", weather.place,
+                           weather.timeZoneHours,
+                           weather.hours.size() < static_cast<size_t>(8760 * weather.recordsPerHour)
+                               ? ", grey is not in the file"
+                               : ""),
+               11);
     drawScale(chart, scale, {kLeft + width + 20, kTop + 10}, height - 10);
     return chart;
 }

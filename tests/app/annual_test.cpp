@@ -138,11 +138,20 @@ TEST_F(Annual, a_plan_of_illuminance_is_a_drawing) {
         "illuminance " + kOffice + " --sky overcast --quiet -o " + in("lux.csv") + " --plan ";
     ASSERT_EQ(heliodon(command + in("plan.svg")).exitCode, 0);
     const std::string svg = readText(folder / "plan.svg");
-    EXPECT_NE(svg.find("solar, sky overcast"), std::string::npos); // when, and under which sky
+    EXPECT_NE(svg.find("21 March 2026, 13:00 solar time, overcast sky, 42.73 N 73.68 W"), std::string::npos);
     EXPECT_TRUE(svg.starts_with("<svg")) << svg.substr(0, 40);
     EXPECT_NE(svg.find("<polyline"), std::string::npos);
     EXPECT_TRUE(svg.ends_with("</svg>\n"));
     EXPECT_EQ(heliodon(command + in("plan.gif")).exitCode, 2);
+}
+
+TEST_F(Annual, maps_of_a_year_name_weather_and_clock) {
+    const Outcome outcome =
+        heliodon("annual " + kOffice + " --weather " + in("days.epw") + " --svg --quiet -o " + in("year"));
+    ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
+    const std::string svg = readText(folder / "year/temporal-mean.svg");
+    EXPECT_NE(svg.find("Weather of Somewhere"), std::string::npos);
+    EXPECT_NE(svg.find("standard time, UTC-6 h; black is dark, grey is not in the file"), std::string::npos);
 }
 
 TEST_F(Annual, wrong_words_are_named) {

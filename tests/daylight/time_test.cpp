@@ -91,6 +91,13 @@ TEST(ParseTime, survives_any_mutation_of_a_good_text) {
     }
 }
 
+TEST(TimeInWords, reads_as_people_say_it) {
+    EXPECT_EQ(timeInWords(parseTime("2026-03-21T13:00solar", "")), "21 March 2026, 13:00 solar time");
+    EXPECT_EQ(timeInWords(parseTime("2026-12-01T09:05-05:30", "")), "1 December 2026, 09:05 UTC-05:30");
+    EXPECT_EQ(timeInWords(parseTime("2026-05-09T23:59:07.5Z", "")), "9 May 2026, 23:59:07.5 UTC");
+    EXPECT_EQ(timeInWords({{2026, 12, 31}, 86399.9999999, true, 0}), "1 January 2027, 00:00 solar time");
+}
+
 TEST(FormatTime, parses_back_to_the_same_moment) {
     EXPECT_EQ(formatTime(parseTime("2026-03-21T13:00-05:00", "")), "2026-03-21T13:00:00-05:00");
     EXPECT_EQ(formatTime(parseTime("2026-03-21T13:00:07.5solar", "")), "2026-03-21T13:00:07.5solar");
