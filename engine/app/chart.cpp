@@ -22,10 +22,6 @@ std::string hex(Ink ink) {
     return fmt::format("#{:02x}{:02x}{:02x}", ink[0], ink[1], ink[2]);
 }
 
-std::string number(double value) {
-    return value >= 1000 ? fmt::format("{:.3g}k", value / 1000) : fmt::format("{:.3g}", value);
-}
-
 } // namespace
 
 std::string escaped(const std::string& words) {
@@ -33,6 +29,10 @@ std::string escaped(const std::string& words) {
     for (char letter : words)
         result += letter == '&' ? "&amp;" : letter == '<' ? "&lt;" : std::string(1, letter);
     return result;
+}
+
+std::string shortNumber(double value) {
+    return value >= 1000 ? fmt::format("{:.3g}k", value / 1000) : fmt::format("{:.3g}", value);
 }
 
 void Chart::fill(std::vector<glm::dvec2> outline, Ink ink) {
@@ -202,7 +202,7 @@ void drawScale(Chart& chart, const ValueScale& scale, glm::dvec2 at, double heig
     for (double tick : scale.ticks) {
         const double y = at.y + height * (1 - scale.share(tick));
         chart.line({{at.x + kWidth, y}, {at.x + kWidth + 4, y}}, kBlack, 0.8);
-        chart.text({at.x + kWidth + 7, y + 4}, number(tick), 11);
+        chart.text({at.x + kWidth + 7, y + 4}, shortNumber(tick), 11);
     }
     chart.text({at.x, at.y - 8}, scale.unit, 12);
 }

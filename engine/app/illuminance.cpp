@@ -102,6 +102,7 @@ Solution solveOn(Run& run, const IlluminanceArguments& arguments, size_t triangl
     if (!s.sensors && !arguments.plan.empty()) {
         WorkPlane plane;
         plane.worldPerBuilding = s.scene.worldPerBuilding;
+        plane.spacing /= 2; // for the drawing only: patches of sun keep their shape
         s.sensors = workPlaneSensors(s.scene.mesh, s.scene.up, plane);
     }
     if (s.sensors) {

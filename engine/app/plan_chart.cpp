@@ -7,7 +7,8 @@
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
-#include <opencv2/imgproc.hpp>
+
+#include "engine/app/plan_field.h"
 
 namespace heliodon::app {
 
@@ -16,12 +17,8 @@ namespace {
 using Points = std::vector<glm::dvec2>;
 
 constexpr double kPlan = 720, kNarrowest = 420, kMargin = 40, kLegend = 90, kHead = 62, kFoot = 40; // pixels
+constexpr Ink kOpening{60, 150, 255};
 constexpr size_t kBands = 40; // of colour between the ends of the scale
-
-struct Sample {
-    glm::dvec2 at; // plan: world x, z
-    double value;
-};
 
 glm::dvec2 flat(glm::dvec3 p) {
     return {p.x, p.z};
@@ -91,40 +88,6 @@ std::vector<Sample> clipped(const std::vector<Sample>& polygon, double level, bo
     return result;
 }
 
-std::vector<std::array<Sample, 3>> triangulated(const std::vector<Sample>& samples) {
-    if (samples.size() < 3) return {};
-    glm::dvec2 low(1e300), high(-1e300);
-    for (const Sample& s : samples) low = glm::min(low, s.at), high = glm::max(high, s.at);
-    // OpenCV works in float pixels.
-    const double scale = 8000 / std::max({high.x - low.x, high.y - low.y, 1e-12});
-    cv::Subdiv2D division(cv::Rect(-10, -10, 8030, 8030));
-    std::map<std::pair<int64_t, int64_t>, size_t> at;
-    const auto key = [](cv::Point2f p) {
-        return std::pair<int64_t, int64_t>{std::llround(p.x * 8), std::llround(p.y * 8)};
-    };
-    for (size_t k = 0; k < samples.size(); ++k) {
-        const glm::dvec2 q = scale * (samples[k].at - low);
-        // On an eighth of a pixel, so that corners come back as they went in.
-        const cv::Point2f p(static_cast<float>(std::round(q.x * 8) / 8),
-                            static_cast<float>(std::round(q.y * 8) / 8));
-        if (at.try_emplace(key(p), k).second) division.insert(p);
-    }
-    std::vector<cv::Vec6f> found;
-    division.getTriangleList(found);
-    std::vector<std::array<Sample, 3>> triangles;
-    for (const cv::Vec6f& t : found) {
-        std::array<Sample, 3> triangle;
-        bool known = true;
-        for (int k = 0; k < 3 && known; ++k) {
-            const auto corner = at.find(key({t[2 * k], t[2 * k + 1]}));
-            known = corner != at.end();
-            if (known) triangle[static_cast<size_t>(k)] = samples[corner->second];
-        }
-        if (known) triangles.push_back(triangle);
-    }
-    return triangles;
-}
-
 class PlanDrawing {
 public:
     PlanDrawing(const Scene& scene, const ValueScale& scale) : mesh_(scene.mesh), scale_(scale) {
@@ -142,109 +105,152 @@ public:
     double pixelsPerWorld() const { return pixels_; }
     glm::dvec2 size() const { return size_; }
 
-    void colours(Chart& chart, const Floor& floor, std::vector<Sample> samples) const {
-        extend(floor, samples);
-        const auto triangles = triangulated(samples);
-        std::vector<glm::dvec2> middle;
-        for (const auto& triangle : triangles) {
+    void colours(Chart& chart, const Floor& floor, std::vector<Sample> samples) {
+        const double spacing = spacingOf(samples);
+        extend(floor, samples, spacing);
+        std::vector<SampleTriangle> triangles = smoothTriangles(samples, partsFor(spacing));
+        // Triangles of samples reach over concave corners: what has its middle outside is left out.
+        std::erase_if(triangles, [&](const SampleTriangle& t) {
+            return !isOverFloor(floor, (t[0].at + t[1].at + t[2].at) / 3.0);
+        });
+        for (const SampleTriangle& triangle : triangles) {
             std::vector<Sample> polygon(triangle.begin(), triangle.end());
-            for (Sample& s : polygon) s.value = scale_.share(s.value);
-            for (size_t band = 0; band < kBands; ++band) {
-                const double from = static_cast<double>(band) / kBands,
-                             to = static_cast<double>(band + 1) / kBands;
-                auto part = band == 0 ? polygon : clipped(polygon, from, true);
-                if (band + 1 < kBands) part = clipped(part, to, false);
-                if (part.size() >= 3) overFloor(chart, floor, part, inkAt(0.5 * (from + to)));
+            size_t first = kBands, last = 0;
+            for (Sample& s : polygon) {
+                s.value = scale_.share(s.value);
+                const size_t band = std::min(kBands - 1, static_cast<size_t>(s.value * kBands));
+                first = std::min(first, band), last = std::max(last, band);
+            }
+            for (size_t band = first; band <= last; ++band) {
+                auto part = band == first ? polygon : clipped(polygon, bandEnd(band), true);
+                if (band < last) part = clipped(part, bandEnd(band + 1), false);
+                if (part.size() < 3) continue;
+                Points outline;
+                for (const Sample& s : part) outline.push_back(pixel(s.at));
+                chart.fill(std::move(outline), inkAt(0.5 * (bandEnd(band) + bandEnd(band + 1))));
             }
         }
-        std::vector<glm::dvec2> labels;
-        for (double level : scale_.ticks)
-            if (level > scale_.low && level < scale_.high) isoLine(chart, floor, triangles, level, labels);
+        for (double level : scale_.ticks) {
+            if (level <= scale_.low || level >= scale_.high) continue;
+            for (Points& line : isoLines(triangles, level)) {
+                for (glm::dvec2& p : line) p = pixel(p);
+                chart.line(line, scale_.share(level) > 0.6 ? Ink{40, 40, 40} : Ink{245, 245, 245}, 1.2);
+                lines_.push_back({level, std::move(line)});
+            }
+        }
+    }
+
+    // A number a line, where it is clear of walls and openings, of other numbers and, best, of other lines.
+    void labels(Chart& chart, const std::vector<Floor>& floors) const {
+        constexpr double kShortest = 50, kWall = 17, kLabel = 42, kLine = 24; // pixels
+        Points obstacles, placed;
+        const auto along = [&](const std::array<glm::dvec3, 2>& edge) {
+            const glm::dvec2 a = pixel(flat(edge[0])), b = pixel(flat(edge[1]));
+            const double steps = std::ceil(glm::distance(a, b) / 6 + 1e-9);
+            for (double k = 0; k <= steps; ++k) obstacles.push_back(a + k / steps * (b - a));
+        };
+        for (const Floor& floor : floors) std::for_each(floor.outline.begin(), floor.outline.end(), along);
+        const auto edges = openings();
+        std::for_each(edges.begin(), edges.end(), along);
+        const auto nearest = [](const Points& points, glm::dvec2 p, double least) {
+            for (glm::dvec2 q : points) least = std::min(least, glm::distance(p, q));
+            return least;
+        };
+        for (const IsoLine& line : lines_) {
+            double length = 0, best = 0;
+            for (size_t k = 1; k < line.points.size(); ++k)
+                length += glm::distance(line.points[k - 1], line.points[k]);
+            if (length < kShortest) continue;
+            const glm::dvec2* place = nullptr;
+            for (size_t k = 0; k < line.points.size(); k += 2) {
+                const glm::dvec2& p = line.points[k];
+                if (nearest(obstacles, p, kWall) < kWall) continue;
+                const double others = nearest(placed, p, 3 * kLabel);
+                if (others < kLabel) continue;
+                double lines = kLine;
+                for (const IsoLine& other : lines_)
+                    if (&other != &line) lines = nearest(other.points, p, lines);
+                const double score = others / (3 * kLabel) + 2 * lines / kLine;
+                if (score > best) best = score, place = &p;
+            }
+            if (!place) continue;
+            placed.push_back(*place);
+            chart.text(*place + glm::dvec2(0, 4), shortNumber(line.level), 11, Anchor::middle, kBlack, true);
+        }
     }
 
     void walls(Chart& chart, const std::vector<Floor>& floors) const {
         for (const Floor& floor : floors)
             for (const auto& [a, b] : floor.outline)
                 chart.line({pixel(flat(a)), pixel(flat(b))}, kBlack, 1.8);
-        std::vector<size_t> glass;
-        for (size_t i = 0; i < mesh_.patchCount(); ++i)
-            if (mesh_.materials[mesh_.material[i]].isOpening()) glass.push_back(i);
-        for (const auto& [a, b] : borders(mesh_, glass))
-            chart.line({pixel(flat(a)), pixel(flat(b))}, {60, 150, 255}, 3);
+        for (const auto& [a, b] : openings()) chart.line({pixel(flat(a)), pixel(flat(b))}, kOpening, 3);
     }
 
 private:
+    struct IsoLine {
+        double level;
+        Points points; // pixels
+    };
+    static double bandEnd(size_t band) { return static_cast<double>(band) / kBands; }
+    // World metres from sensor to sensor, about.
+    static double spacingOf(const std::vector<Sample>& samples) {
+        glm::dvec2 low(1e300), high(-1e300);
+        for (const Sample& s : samples) low = glm::min(low, s.at), high = glm::max(high, s.at);
+        const double count = static_cast<double>(samples.size());
+        return std::max(std::sqrt((high.x - low.x) * (high.y - low.y) / count),
+                        std::max(high.x - low.x, high.y - low.y) / count);
+    }
+    // Parts of about ten pixels for the edges of triangles.
+    size_t partsFor(double spacing) const {
+        return static_cast<size_t>(std::clamp(std::round(pixels_ * spacing / 10), 1.0, 10.0));
+    }
+    std::vector<std::array<glm::dvec3, 2>> openings() const {
+        std::vector<size_t> patches;
+        for (size_t i = 0; i < mesh_.patchCount(); ++i)
+            if (mesh_.materials[mesh_.material[i]].isOpening()) patches.push_back(i);
+        return borders(mesh_, patches);
+    }
     Ink inkAt(double share) const {
         ValueScale unit;
         unit.high = 1;
         return unit.ink(share);
     }
-    // Out to the walls: points of the floor's outline take the mean of the sensors nearest to them.
-    void extend(const Floor& floor, std::vector<Sample>& samples) const {
-        const size_t sensors = samples.size(), near = std::min<size_t>(3, sensors);
-        std::vector<std::pair<double, double>> nearest(near); // distance, value
-        for (const auto& [a, b] : floor.outline)
-            for (double t : {0.0, 0.5}) {
-                const glm::dvec2 p = flat(a + t * (b - a));
-                nearest.assign(near, {1e300, 0.0});
+    // Out to the walls: a point of the floor's outline takes the value of the sensors nearest to it, one on
+    // either side along the wall, by how far along it they stand.
+    void extend(const Floor& floor, std::vector<Sample>& samples, double spacing) const {
+        const size_t sensors = samples.size();
+        for (const auto& [a, b] : floor.outline) {
+            const glm::dvec2 wall = glm::normalize(flat(b) - flat(a));
+            // Close enough together that triangles seldom reach over a wall.
+            const double steps = std::clamp(
+                std::ceil(glm::distance(flat(a), flat(b)) / std::max(0.35 * spacing, 1e-9)), 2.0, 50.0);
+            for (double k = 0; k < steps; ++k) {
+                const glm::dvec2 p = flat(a + k / steps * (b - a));
+                struct {
+                    double distance = 1e300, along = 0, value = 0;
+                } side[2];
                 for (size_t s = 0; s < sensors; ++s) {
-                    std::pair<double, double> next{glm::distance(samples[s].at, p), samples[s].value};
-                    for (auto& place : nearest)
-                        if (next.first < place.first) std::swap(next, place);
+                    const double along = glm::dot(samples[s].at - p, wall),
+                                 distance = glm::distance(samples[s].at, p);
+                    auto& nearest = side[along > 0];
+                    if (distance < nearest.distance) nearest = {distance, std::abs(along), samples[s].value};
                 }
-                double sum = 0, weights = 0;
-                for (const auto& [distance, value] : nearest) {
-                    const double weight = std::pow(distance + 1e-9, -3.0);
-                    sum += weight * value, weights += weight;
-                }
-                samples.push_back({p, sum / weights});
+                const auto &near = side[side[1].distance < side[0].distance],
+                           &far = side[!(side[1].distance < side[0].distance)];
+                const double span = near.along + far.along;
+                const bool both = far.distance < 3 * near.distance && span > 0;
+                samples.push_back(
+                    {p, both ? (far.along * near.value + near.along * far.value) / span : near.value});
             }
+        }
     }
     bool isOverFloor(const Floor& floor, glm::dvec2 p) const {
         return std::any_of(floor.patches.begin(), floor.patches.end(),
                            [&](size_t i) { return covers(mesh_, i, p); });
     }
-    // Triangles of samples reach over concave corners: what has its middle outside is left out.
-    void overFloor(Chart& chart, const Floor& floor, const std::vector<Sample>& part, Ink ink) const {
-        glm::dvec2 middle(0);
-        Points outline;
-        for (const Sample& s : part)
-            middle += s.at / static_cast<double>(part.size()), outline.push_back(pixel(s.at));
-        if (isOverFloor(floor, middle)) chart.fill(std::move(outline), ink);
-    }
-    void isoLine(Chart& chart, const Floor& floor, const std::vector<std::array<Sample, 3>>& triangles,
-                 double level, std::vector<glm::dvec2>& labels) const {
-        const Ink ink = scale_.share(level) > 0.6 ? Ink{40, 40, 40} : Ink{245, 245, 245};
-        std::vector<std::array<glm::dvec2, 2>> segments;
-        for (const auto& t : triangles) {
-            Points cut;
-            for (size_t k = 0; k < 3; ++k) {
-                const Sample &a = t[k], &b = t[(k + 1) % 3];
-                if ((a.value < level) != (b.value < level))
-                    cut.push_back(a.at + (level - a.value) / (b.value - a.value) * (b.at - a.at));
-            }
-            if (cut.size() != 2 || !isOverFloor(floor, 0.5 * (cut[0] + cut[1]))) continue;
-            chart.line({pixel(cut[0]), pixel(cut[1])}, ink, 1.2);
-            segments.push_back({cut[0], cut[1]});
-        }
-        // One number a line, away from the others.
-        double best = 45;
-        const glm::dvec2* place = nullptr;
-        for (const auto& s : segments) {
-            const glm::dvec2 here = pixel(s[0]) - glm::dvec2(kMargin, kHead);
-            if (std::min({here.x, here.y, size_.x - here.x, size_.y - here.y}) < 16) continue;
-            double nearest = 400;
-            for (glm::dvec2 other : labels) nearest = std::min(nearest, glm::distance(pixel(s[0]), other));
-            if (nearest > best) best = nearest, place = &s[0];
-        }
-        if (!place) return;
-        labels.push_back(pixel(*place));
-        chart.text(pixel(*place) + glm::dvec2(0, 4), fmt::format("{:g}", level), 11, Anchor::middle, kBlack,
-                   true);
-    }
-
     const geometry::PatchMesh& mesh_;
     const ValueScale& scale_;
+    std::vector<IsoLine> lines_;
     glm::dvec2 low_{1e300}, high_{-1e300}, size_{0};
     double pixels_ = 1;
 };
@@ -259,6 +265,9 @@ void drawNorthAndScale(Chart& chart, const Scene& scene, const PlanDrawing& plan
     for (double end : {0.0, length * metre})
         chart.line({at + glm::dvec2(end, -4), at + glm::dvec2(end, 4)}, kBlack, 1.2);
     chart.text(at + glm::dvec2(length * metre + 8, 4), fmt::format("{:g} m", length), 11);
+    const glm::dvec2 key(at.x + 305, at.y);
+    chart.line({key, key + glm::dvec2(20, 0)}, kOpening, 3);
+    chart.text(key + glm::dvec2(28, 4), "opening", 11);
     const double angle = scene.northDeg * 3.14159265358979 / 180;
     const glm::dvec2 north(std::cos(angle), -std::sin(angle)), side(-north.y, north.x);
     const glm::dvec2 foot = glm::dvec2(chart.width() - kLegend - kMargin - 20, at.y) - 12.0 * north;
@@ -287,7 +296,7 @@ Chart planChart(const Scene& scene, std::span<const glm::dvec3> points, std::spa
                 break;
             }
     }
-    const PlanDrawing plan(scene, scale);
+    PlanDrawing plan(scene, scale);
     Chart chart = plan.chart();
     for (size_t f = 0; f < floors.size(); ++f)
         if (!samples[f].empty()) plan.colours(chart, floors[f], samples[f]);
@@ -297,6 +306,7 @@ Chart planChart(const Scene& scene, std::span<const glm::dvec3> points, std::spa
             const glm::dvec2 p = plan.pixel(s.at);
             chart.rectangle(p.x - 0.8, p.y - 0.8, 1.6, 1.6, {90, 90, 90});
         }
+    plan.labels(chart, floors);
     chart.text({kMargin, 22}, title, 15);
     chart.text({kMargin, 40}, subtitle, 11);
     drawScale(chart, scale, {chart.width() - kLegend, kHead + 10}, std::max(plan.size().y, 260.0) - 20);

@@ -1,0 +1,100 @@
+// Values between the sensors of a plan, and lines of equal value.
+#include "engine/app/plan_field.h"
+
+#include <cmath>
+#include <functional>
+#include <map>
+#include <random>
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+namespace heliodon::test {
+namespace {
+
+using app::Sample;
+
+std::vector<Sample> scattered(const std::function<double(glm::dvec2)>& value, double jitter) {
+    std::minstd_rand random(5);
+    std::uniform_real_distribution<double> shift(-jitter, jitter);
+    std::vector<Sample> samples;
+    for (int x = 0; x <= 8; ++x)
+        for (int y = 0; y <= 8; ++y) {
+            const glm::dvec2 p(x + shift(random), y + shift(random));
+            samples.push_back({p, value(p)});
+        }
+    return samples;
+}
+
+double rmsError(const std::vector<app::SampleTriangle>& triangles,
+                const std::function<double(glm::dvec2)>& value) {
+    double sum = 0, weights = 0;
+    for (const auto& t : triangles) { // at the middles of triangles, by area
+        const glm::dvec2 a = t[1].at - t[0].at, b = t[2].at - t[0].at;
+        const double weight = std::abs(a.x * b.y - a.y * b.x);
+        const double off =
+            (t[0].value + t[1].value + t[2].value) / 3 - value((t[0].at + t[1].at + t[2].at) / 3.0);
+        sum += weight * off * off, weights += weight;
+    }
+    return std::sqrt(sum / weights);
+}
+
+TEST(PlanField, a_linear_field_stays_what_it_is) {
+    const auto plane = [](glm::dvec2 p) { return 3 * p.x - 2 * p.y + 7; };
+    const auto triangles = app::smoothTriangles(scattered(plane, 0.3), 5);
+    ASSERT_GT(triangles.size(), 25 * 100u);
+    for (const auto& t : triangles)
+        for (const Sample& s : t) EXPECT_NEAR(s.value, plane(s.at), 1e-9);
+}
+
+TEST(PlanField, a_curved_field_is_met_better_than_by_flat_triangles) {
+    const auto wave = [](glm::dvec2 p) { return std::sin(0.7 * p.x) * std::cos(0.6 * p.y); };
+    const auto samples = scattered(wave, 0.2);
+    // The same points of both: middles of the small triangles.
+    auto flat = app::smoothTriangles(samples, 6);
+    const double smooth = rmsError(flat, wave);
+    const auto coarse = app::smoothTriangles(samples, 1);
+    ASSERT_EQ(flat.size(), 36 * coarse.size());
+    for (size_t i = 0; i < flat.size(); ++i) {
+        const auto& t = coarse[i / 36];
+        const glm::dvec2 a = t[1].at - t[0].at, b = t[2].at - t[0].at;
+        for (Sample& s : flat[i]) {
+            const glm::dvec2 p = s.at - t[0].at;
+            const double area = a.x * b.y - a.y * b.x, u = (p.x * b.y - p.y * b.x) / area,
+                         v = (a.x * p.y - a.y * p.x) / area;
+            s.value = (1 - u - v) * t[0].value + u * t[1].value + v * t[2].value;
+        }
+    }
+    EXPECT_LT(smooth, 0.75 * rmsError(flat, wave));
+}
+
+TEST(PlanField, a_patch_of_sun_brings_no_value_that_no_sensor_has) {
+    const auto patch = [](glm::dvec2 p) { return p.x > 2.5 && p.x < 5.5 && p.y > 3.5 ? 40000.0 : 800.0; };
+    const auto samples = scattered(patch, 0.2);
+    for (const auto& t : app::smoothTriangles(samples, 7))
+        for (const Sample& s : t) {
+            EXPECT_GE(s.value, 800 - 1e-6);
+            EXPECT_LE(s.value, 40000 + 1e-6);
+            for (const Sample& sensor : samples)
+                if (glm::distance(s.at, sensor.at) < 1e-9) {
+                    EXPECT_NEAR(s.value, sensor.value, 1e-6);
+                }
+        }
+}
+
+TEST(PlanField, a_hill_has_one_closed_line_and_a_slope_an_open_one) {
+    const auto hill = [](glm::dvec2 p) { return 20 - glm::dot(p - 4.0, p - 4.0); };
+    const auto triangles = app::smoothTriangles(scattered(hill, 0.1), 6);
+    const auto lines = app::isoLines(triangles, 11); // a circle of radius 3
+    ASSERT_EQ(lines.size(), 1u);
+    EXPECT_LT(glm::distance(lines[0].front(), lines[0].back()), 1e-6);
+    for (glm::dvec2 p : lines[0]) EXPECT_NEAR(glm::distance(p, glm::dvec2(4)), 3, 0.1);
+    const auto open =
+        app::isoLines(app::smoothTriangles(scattered([](glm::dvec2 p) { return p.x; }, 0), 4), 3.3);
+    ASSERT_EQ(open.size(), 1u);
+    EXPECT_NEAR(glm::distance(open[0].front(), open[0].back()), 8, 1e-6);
+    EXPECT_TRUE(app::isoLines(triangles, 1000).empty());
+}
+
+} // namespace
+} // namespace heliodon::test
