@@ -95,13 +95,14 @@ public:
             arv_stream_push_buffer(stream_.get(), buffer);
             buffer = newer;
         }
+        const auto giveBack = [this](ArvBuffer* taken) { arv_stream_push_buffer(stream_.get(), taken); };
+        const std::unique_ptr<ArvBuffer, decltype(giveBack)> held(buffer, giveBack);
         const auto now = std::chrono::steady_clock::now();
         std::optional<CameraPicture> picture;
         if (buffer && arv_buffer_get_status(buffer) == ARV_BUFFER_STATUS_SUCCESS) {
             picture = CameraPicture{convert(buffer), now};
             lastSeen_ = now;
         }
-        if (buffer) arv_stream_push_buffer(stream_.get(), buffer);
         constexpr std::chrono::seconds kSilent(5);
         if (lost_ || now - lastSeen_ > kSilent)
             throw CameraLost(name_ + (lost_ ? " went away" : " sends no pictures any more"));

@@ -2,6 +2,8 @@
 #include <cctype>
 #include <map>
 #include <optional>
+#include <set>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -124,6 +126,27 @@ void report(Run& run, const std::vector<Picture>& pictures, const std::vector<si
         sigma.cx, lens.cy, sigma.cy, view.file.filename().string()));
 }
 
+std::filesystem::path overlayOf(const std::filesystem::path& folder, const std::filesystem::path& image) {
+    return folder / image.filename().replace_extension(".png");
+}
+
+// Photographs are not written over, and every one has an overlay of its own.
+void refuseOverwriting(const CalibrateCameraArguments& arguments) {
+    std::set<std::filesystem::path> targets;
+    for (const auto& image : arguments.images) {
+        const std::filesystem::path target = overlayOf(arguments.overlay, image);
+        std::error_code missing;
+        for (const auto& photograph : arguments.images)
+            if (std::filesystem::equivalent(target, photograph, missing))
+                throw geometry::InputError("--overlay", arguments.overlay.string(),
+                                           "would write over " + photograph.string() +
+                                               ", expected another folder");
+        if (!targets.insert(target).second)
+            throw geometry::InputError("--overlay", arguments.overlay.string(),
+                                       "two pictures would both be drawn as " + target.filename().string());
+    }
+}
+
 void drawOverlays(const std::filesystem::path& folder, const std::vector<Picture>& pictures,
                   const std::vector<size_t>& indexOfView, const vision::CameraCalibration* result) {
     std::filesystem::path last;
@@ -143,7 +166,7 @@ void drawOverlays(const std::filesystem::path& folder, const std::vector<Picture
         for (const auto& disk : target.disks)
             if (disk) disks.push_back(*disk);
         vision::drawCalibrationOverlay(pictures[i].photo, {found, rejected, disks},
-                                       folder / pictures[i].file.filename().replace_extension(".png"));
+                                       overlayOf(folder, pictures[i].file));
     }
 }
 
@@ -159,7 +182,10 @@ void execute(Run& run, const CalibrateCameraArguments& arguments) {
     const vision::CalibrationTarget target = vision::makeTarget(arguments.boardEdge);
     const size_t flat = flatPicture(run, arguments);
     std::optional<OutputFolder> overlays;
-    if (!arguments.overlay.empty()) overlays.emplace(arguments.overlay);
+    if (!arguments.overlay.empty()) {
+        refuseOverwriting(arguments);
+        overlays.emplace(arguments.overlay);
+    }
     std::vector<Picture> pictures = readPictures(run, arguments, target);
     markOtherSizes(pictures);
 

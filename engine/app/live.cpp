@@ -88,6 +88,7 @@ private:
     std::vector<ScriptStep> scriptOf(const LiveArguments& arguments) const {
         for (const std::string& state : arguments.scene.blinds) parseWindowState(state);
         source_.skyAt(source_.moment()); // a sky that is none is said now
+        if (!arguments.snapshots.empty()) const OutputFolder usable(arguments.snapshots);
         if (arguments.script.empty()) return {};
         std::vector<ScriptStep> steps = readScript(arguments.script, rig_.projectors.size() + 1);
         for (const ScriptStep& step : steps)
@@ -210,6 +211,7 @@ private:
                                                : now.working + " ...";
         status.refused = now.pictureRefused.empty() ? now.refused : now.pictureRefused;
         status.warnings = now.detectWarnings;
+        if (!now.lightRefused.empty()) status.warnings.push_back(now.lightRefused);
         for (const auto& warning : now.scene.value("warnings", nlohmann::json::array()))
             status.warnings.push_back(warning.get<std::string>());
         status.facts = factsOf(now, lit_ ? &*lit_ : nullptr, figures_);
@@ -241,10 +243,7 @@ private:
             sleepUntil_ = LiveClock::now() + std::chrono::duration_cast<LiveClock::duration>(
                                                  std::chrono::duration<double>(sleep->seconds));
         if (const auto* time = std::get_if<TimeStep>(&step)) controls_.setTime(time->time);
-        if (const auto* sky = std::get_if<SkyStep>(&step)) {
-            SkySource(source_.site(), sky->sky, 90).skyAt(source_.moment()); // throws on what is none
-            controls_.values.sky = sky->sky;
-        }
+        if (const auto* sky = std::get_if<SkyStep>(&step)) controls_.values.sky = sky->sky;
         if (const auto* event = std::get_if<EventStep>(&step)) handle(event->event);
         if (const auto* resize = std::get_if<ResizeStep>(&step))
             outputs_.resize(resize->window, resize->width, resize->height);

@@ -31,6 +31,7 @@ struct LiveStatus {
     std::string working;                             // on a new sketch: what is being done
     std::string pictureRefused;                      // why the latest picture says nothing
     std::string refused;                             // why the latest sketch is not shown
+    std::string lightRefused;                        // why its light is not that of the moment asked for
     nlohmann::json scene = nlohmann::json::object(); // report of the sketch that is shown
     size_t pictures = 0, detections = 0, sketches = 0, refusals = 0, cameraLosses = 0;
 };

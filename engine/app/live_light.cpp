@@ -3,6 +3,7 @@
 #include "engine/app/interrupt.h"
 #include "engine/app/sky_tint.h"
 #include "engine/passes/frame_light.h"
+#include "geometry/input_error.h"
 
 namespace heliodon::app {
 
@@ -65,7 +66,7 @@ void LiveLight::run() {
                 sky_.reset(); // solve anew
             }
             if (asked) request_ = std::move(*asked), hasRequest_ = true;
-            if (scene_ && hasRequest_) solve(!changes.empty());
+            if (scene_ && hasRequest_) trySolve(!changes.empty());
             board_.end(pieces);
             onReady_();
         }
@@ -73,6 +74,19 @@ void LiveLight::run() {
     } catch (...) {
         board_.fail(std::current_exception());
     }
+}
+
+void LiveLight::trySolve(bool fromPicture) {
+    std::string why;
+    try {
+        solve(fromPicture);
+    } catch (const geometry::InputError& error) { // a sky file may be there again at the next moment
+        why = error.what();
+    }
+    board_.update([&](LiveStatus& status) {
+        status.lightRefused = why;
+        status.refusals += !why.empty();
+    });
 }
 
 void LiveLight::solve(bool fromPicture) {

@@ -58,6 +58,7 @@ public:
 
 private:
     void run();
+    void trySolve(bool fromPicture);
     void solve(bool fromPicture);
 
     LiveBoard& board_;

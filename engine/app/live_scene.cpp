@@ -55,7 +55,19 @@ std::optional<size_t> DeviceSlots::acquire() {
     const size_t slot = taken_[0] ? 1 : 0;
     taken_[slot] = true;
     lock.unlock();
-    if (!devices_[slot]) devices_[slot] = run_.anotherDevice();
+    try {
+        if (!devices_[slot])
+            devices_[slot] = run_.anotherDevice([this](gpu::DeviceOptions options) {
+                options.beforeSubmit = [this] {
+                    throwIfInterrupted();
+                    if (closed_) throw Interrupted(); // what is being worked out is not wanted any more
+                };
+                return options;
+            });
+    } catch (...) {
+        release(slot);
+        throw;
+    }
     return slot;
 }
 

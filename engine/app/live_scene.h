@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <condition_variable>
 #include <functional>
 #include <memory>
@@ -30,6 +31,7 @@ public:
     // Waits for a free one. None once they are closed.
     std::optional<size_t> acquire();
     void release(size_t slot);
+    // The devices' work ends as Ctrl-C would end it.
     void close();
     gpu::Device& device(size_t slot);
 
@@ -39,7 +41,7 @@ private:
     std::condition_variable changed_;
     std::array<std::unique_ptr<gpu::Device>, 2> devices_;
     std::array<bool, 2> taken_{};
-    bool closed_ = false;
+    std::atomic<bool> closed_ = false;
 };
 
 // A transport with the device that it is on; the slot is free when it is gone.

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/app/moment.h"
 #include "geometry/input_error.h"
 
 namespace heliodon::app {
@@ -58,12 +59,23 @@ void readModifiers(Line& line, present::Event& event) {
     }
 }
 
+std::string skyOf(Line& line) {
+    const std::string sky = line.word("a sky");
+    try {
+        const SkySource source({}, sky, 0);
+        source.skyAt(source.moment());
+    } catch (const InputError& error) {
+        line.refuse(error.what());
+    }
+    return sky;
+}
+
 ScriptStep stepOf(const std::string& verb, Line& line, size_t windows) {
     if (verb == "wait") return WaitStep{};
     if (verb == "quit") return QuitStep{};
     if (verb == "sleep") return SleepStep{line.number("seconds", 0, 86400)};
     if (verb == "time") return TimeStep{daylight::parseTime(line.word("a time"), line.source())};
-    if (verb == "sky") return SkyStep{line.word("a sky")};
+    if (verb == "sky") return SkyStep{skyOf(line)};
     if (verb == "close") return CloseStep{line.index("a window", windows)};
     if (verb == "snapshot") {
         const std::string name = line.word("a name");

@@ -121,6 +121,15 @@ LiveTable::~LiveTable() {
     thread_.join();
 }
 
+// One that was there at the start will be so again.
+void LiveTable::openAgain() {
+    try {
+        camera_ = vision::openCamera(source_, options_);
+    } catch (const geometry::InputError& error) {
+        throw vision::CameraLost(error.what());
+    }
+}
+
 void LiveTable::run() {
     Eye eye(*this);
     bool first = true;
@@ -130,7 +139,7 @@ void LiveTable::run() {
     };
     while (!stop_) {
         try {
-            if (!camera_) camera_ = vision::openCamera(source_, options_);
+            if (!camera_) openAgain();
             const auto picture = camera_->next(kLook);
             board_.update([&](LiveStatus& status) {
                 status.camera = camera_->description();

@@ -34,6 +34,7 @@ public:
 private:
     class Eye;
     void run();
+    void openAgain();
 
     const geometry::Rig& rig_;
     std::string source_;

@@ -80,6 +80,7 @@ TEST_F(CalibrateCamera, bad_input_is_named_and_nothing_is_written) {
         {in("*.png") + out + " --flat d_nothing.png", "d_nothing.png"},
         {in("a1.png") + " " + in("a1.png") + " " + in("a1.png") + out, "parallel"},
         {in("*.png") + out + " --rig " + in("c0.png"), "vh-rig/1"},
+        {in("*.png") + out + " --overlay " + in("./"), "write over"}, // the photographs
         {in("none.png") + out, "none.png"}};
     for (const auto& [arguments, word] : cases) {
         const Outcome run = heliodon("calibrate camera --quiet " + arguments);

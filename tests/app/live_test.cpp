@@ -205,15 +205,41 @@ TEST_F(Live, a_camera_that_is_not_there_is_waited_for) {
     EXPECT_EQ(*std::max_element(dark.rgb.begin(), dark.rgb.end()), 0);
 }
 
+TEST_F(Live, sky_file_and_photograph_may_go_and_come_back) {
+    const std::string sky = in("sky.json"), photo = in("photo.png");
+    fs::copy_file(HELIODON_TEST_DATA "/compute/daylight/c_L_glass_perez_dec21_09_g0/sky.json", sky);
+    fs::copy_file(kPhoto, photo);
+    std::thread user([&] {
+        waitFor("first-operator");
+        fs::remove(sky);
+        fs::remove(photo);
+        std::this_thread::sleep_for(std::chrono::seconds(5));
+        fs::copy_file(kPhoto, photo);
+    });
+    const Outcome outcome = live("file:" + photo,
+                                 "wait\nsnapshot first\nsleep 3\nwheel 3\nwait\nsleep 8\nsky overcast\n"
+                                 "wait\nsnapshot last\nquit\n",
+                                 "--window-scale 0.25 --sky " + sky);
+    user.join();
+    EXPECT_EQ(outcome.exitCode, 0) << outcome.output;
+    EXPECT_GE(report["live"]["refusals"], 1); // of the sky
+    EXPECT_LE(report["live"]["refusals"], 2); // looking for the photograph is none
+    EXPECT_EQ(report["live"]["camera_losses"], 1);
+    EXPECT_NE(shot("last-projector-0").rgb, shot("first-projector-0").rgb);
+}
+
 TEST_F(Live, bad_words_are_refused_by_name) {
     const std::string start = "live --windowed --rig " + kRig + " --camera ";
     writeText(folder / "script", "wait\nwheel up\n");
+    writeText(folder / "weather", "wait\nsky cie:99\n");
     const std::pair<std::string, std::string> cases[]{
         {start + "webcam:0", "webcam:0"},
         {start + "file:" + in("none.png"), "none.png"},
         {start + "replay:" + folder.string(), "holds no photograph"},
         {start + "file:" + kPhoto + " --sky purple", "purple"},
         {start + "file:" + kPhoto + " --script " + in("script"), "script:2"},
+        {start + "file:" + kPhoto + " --script " + in("weather"), "weather:2"},
+        {start + "file:" + kPhoto + " --snapshots " + in("script"), "script"},
         {"live --camera file:" + kPhoto, "--rig"}};
     for (const auto& [words, named] : cases) {
         const Outcome outcome = heliodon(words);
