@@ -50,10 +50,12 @@ struct Floor {
     std::vector<std::array<glm::dvec3, 2>> outline;
 };
 
-std::vector<Floor> floorsOf(const geometry::PatchMesh& mesh) {
+// Tops of walls that no sensor stands above, `top` being the highest, are no floor.
+std::vector<Floor> floorsOf(const geometry::PatchMesh& mesh, double top) {
     std::map<uint32_t, Floor> floors;
     for (size_t i = 0; i < mesh.patchCount(); ++i)
-        if (geometry::patchNormal(mesh, i).y > 0.5) floors[mesh.room[i]].patches.push_back(i);
+        if (geometry::patchNormal(mesh, i).y > 0.5 && geometry::patchCentroid(mesh, i).y <= top)
+            floors[mesh.room[i]].patches.push_back(i);
     std::vector<Floor> result;
     for (auto& [room, floor] : floors) {
         floor.outline = borders(mesh, floor.patches);
@@ -216,7 +218,7 @@ private:
         return unit.ink(share);
     }
     // Out to the walls: a point of the floor's outline takes the value of the sensors nearest to it, one on
-    // either side along the wall, by how far along it they stand.
+    // either side along the wall and before it, by how far along it they stand.
     void extend(const Floor& floor, std::vector<Sample>& samples, double spacing) const {
         const size_t sensors = samples.size();
         for (const auto& [a, b] : floor.outline) {
@@ -232,11 +234,16 @@ private:
                 for (size_t s = 0; s < sensors; ++s) {
                     const double along = glm::dot(samples[s].at - p, wall),
                                  distance = glm::distance(samples[s].at, p);
+                    // Light behind the wall is not its own; the floor lies to the wall's left, as in
+                    // covers().
+                    const glm::dvec2 away = samples[s].at - p;
+                    if (wall.y * away.x - wall.x * away.y < 0) continue;
                     auto& nearest = side[along > 0];
                     if (distance < nearest.distance) nearest = {distance, std::abs(along), samples[s].value};
                 }
                 const auto &near = side[side[1].distance < side[0].distance],
                            &far = side[!(side[1].distance < side[0].distance)];
+                if (near.distance > 1e299) continue; // no sensor on this side
                 const double span = near.along + far.along;
                 const bool both = far.distance < 3 * near.distance && span > 0;
                 samples.push_back(
@@ -282,7 +289,10 @@ void drawNorthAndScale(Chart& chart, const Scene& scene, const PlanDrawing& plan
 Chart planChart(const Scene& scene, std::span<const glm::dvec3> points, std::span<const glm::dvec3> normals,
                 std::span<const double> values, const ValueScale& scale, const std::string& title,
                 const std::string& subtitle) {
-    const std::vector<Floor> floors = floorsOf(scene.mesh);
+    double top = -1e300;
+    for (size_t s = 0; s < points.size(); ++s)
+        if (normals[s].y >= 0.5) top = std::max(top, points[s].y);
+    const std::vector<Floor> floors = floorsOf(scene.mesh, top);
     std::vector<std::vector<Sample>> samples(floors.size());
     std::set<std::pair<int64_t, int64_t>> taken;
     for (size_t s = 0; s < points.size(); ++s) {
