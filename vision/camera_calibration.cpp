@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <set>
 
 #include <fmt/format.h>
 #include <glm/glm.hpp>
@@ -62,16 +61,6 @@ geometry::OpticalDevice overTable(const geometry::Lens& lens, int width, int hei
             lens,
             boardPose.rotation * boardFromWorld,
             boardPose.translation + boardPose.rotation * glm::dvec3(0, 0, thickness)};
-}
-
-double coverageOf(const std::vector<Correspondences>& views, int width, int height) {
-    constexpr int kColumns = 8, kRows = 6;
-    std::set<std::pair<int, int>> fields;
-    for (const Correspondences& view : views)
-        for (const Correspondence& c : view)
-            fields.emplace(static_cast<int>((c.pixel.x + 0.5) * kColumns / width),
-                           static_cast<int>((c.pixel.y + 0.5) * kRows / height));
-    return static_cast<double>(fields.size()) / (kColumns * kRows);
 }
 
 // The largest angle between the boards of two views, degrees: parallel boards say nothing that one does not.

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <set>
+#include <utility>
 
 #include <glm/glm.hpp>
 #include <opencv2/calib3d.hpp>
@@ -383,6 +385,16 @@ bool foldsInPicture(const geometry::Lens& lens, int width, int height) {
         reached = r * (1 + r2 * (k1 + r2 * (k2 + r2 * k3)));
     }
     return false;
+}
+
+double coverageOf(std::span<const Correspondences> views, int width, int height) {
+    constexpr int kColumns = 8, kRows = 6;
+    std::set<std::pair<int, int>> fields;
+    for (const Correspondences& view : views)
+        for (const Correspondence& c : view)
+            fields.emplace(static_cast<int>((c.pixel.x + 0.5) * kColumns / width),
+                           static_cast<int>((c.pixel.y + 0.5) * kRows / height));
+    return static_cast<double>(fields.size()) / (kColumns * kRows);
 }
 
 } // namespace heliodon::vision

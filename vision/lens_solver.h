@@ -2,6 +2,7 @@
 // Zhang's method, or of one view of points in space, as in Tsai's.
 #pragma once
 
+#include <span>
 #include <stdexcept>
 #include <vector>
 
@@ -64,6 +65,9 @@ Pose solvePose(const Correspondences& view, const geometry::Lens& lens, const Po
 std::vector<double> residuals(const Correspondences& view, const geometry::Lens& lens, const Pose& pose);
 
 double rmsOf(const std::vector<double>& residuals);
+
+// Share of the picture, in 8 x 6 fields, in which there are points of any view.
+double coverageOf(std::span<const Correspondences> views, int width, int height);
 double medianOf(std::vector<double> values); // 0 of none
 
 // Raises deviations to how much the numbers change when one part of the data is left out: errors within a

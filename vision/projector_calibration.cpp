@@ -114,15 +114,6 @@ LensSolution fitTerms(const Working& work, int width, int height, const LensSolu
     return best;
 }
 
-double coverageOf(const Correspondences& points, int width, int height) {
-    constexpr int kColumns = 8, kRows = 6;
-    std::set<std::pair<int, int>> fields;
-    for (const Correspondence& c : points)
-        fields.emplace(static_cast<int>((c.pixel.x + 0.5) * kColumns / width),
-                       static_cast<int>((c.pixel.y + 0.5) * kRows / height));
-    return static_cast<double>(fields.size()) / (kColumns * kRows);
-}
-
 Correspondences ofPlane(const Working& work, size_t plane, bool others) {
     Correspondences out;
     for (size_t i = 0; i < work.points.size(); ++i)
@@ -152,8 +143,12 @@ void examinePlanes(const Working& work, const LensSolution& solution,
                    ProjectorCalibration& result) {
     std::vector<LensSolution> others;
     double squares = 0, n = 0;
-    std::set<size_t> used;
-    for (const Origin& origin : work.origins) used.insert(origin.plane);
+    const auto heightsWithout = [&](size_t plane) {
+        std::set<double> heights;
+        for (const Origin& origin : work.origins)
+            if (origin.plane != plane) heights.insert(given[origin.plane].height);
+        return heights.size();
+    };
     for (size_t p = 0; p < given.size(); ++p) {
         CalibratedPlane& plane = result.planes[p];
         std::set<size_t> kept;
@@ -170,7 +165,7 @@ void examinePlanes(const Working& work, const LensSolution& solution,
             if (const auto pixel = result.projector.pixelFromWorld(c.at))
                 mean += (*pixel - c.pixel) / static_cast<double>(own.size());
         plane.meanOff = glm::length(mean);
-        if (used.size() <= kLeastPlanes) continue;
+        if (heightsWithout(p) < kLeastPlanes) continue;
         others.push_back(solveView(ofPlane(work, p, true), result.terms, solution));
         plane.heldOutRms = rmsOf(residuals(own, others.back().fit.lens, others.back().poses[0]));
         squares += plane.heldOutRms * plane.heldOutRms * static_cast<double>(own.size());
@@ -241,7 +236,7 @@ ProjectorCalibration calibrateProjector(const geometry::OpticalDevice& camera, i
     result.projector = deviceOf(solution, width, height);
     result.sigma = solution.fit.sigma;
     result.rms = solution.rms();
-    result.coverage = coverageOf(work.points, width, height);
+    result.coverage = coverageOf({&work.points, 1}, width, height);
     measureOnPlanes(work.points, result);
     examinePlanes(work, solution, planes, width, height, result);
     warnOf(result, camera);
