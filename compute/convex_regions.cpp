@@ -10,6 +10,7 @@
 #include <glm/vec2.hpp>
 
 #include "geometry/bounds.h"
+#include "geometry/perpendicular.h"
 
 namespace heliodon::compute {
 
@@ -22,14 +23,10 @@ constexpr double kGap = 1e-6; // share of a region's area that may be missing in
 
 using Flat = std::vector<dvec2>; // a convex polygon in a plane, counter-clockwise
 
-double crossOf(dvec2 a, dvec2 b) {
-    return a.x * b.y - a.y * b.x;
-}
-
 double areaOf(const Flat& polygon) {
     double sum = 0;
     for (size_t k = 1; k + 1 < polygon.size(); ++k)
-        sum += crossOf(polygon[k] - polygon[0], polygon[k + 1] - polygon[0]);
+        sum += geometry::cross(polygon[k] - polygon[0], polygon[k + 1] - polygon[0]);
     return 0.5 * sum;
 }
 
@@ -46,7 +43,7 @@ Flat hullOf(const std::vector<Flat>& parts, double flat) {
         for (auto p = begin; p != end; ++p) {
             while (hull.size() >= base + 2) {
                 const dvec2 a = hull[hull.size() - 2], b = hull.back();
-                if (crossOf(b - a, *p - a) > 0) break;
+                if (geometry::cross(b - a, *p - a) > 0) break;
                 hull.pop_back();
             }
             hull.push_back(*p);
@@ -69,7 +66,7 @@ Flat hullOf(const std::vector<Flat>& parts, double flat) {
                 if (glm::length(p - b) > flat) break;
             } else {
                 const dvec2 a = corners[corners.size() - 2];
-                if (crossOf(b - a, p - a) > flat * glm::length(p - a)) break;
+                if (geometry::cross(b - a, p - a) > flat * glm::length(p - a)) break;
             }
             corners.pop_back();
         }
@@ -83,7 +80,8 @@ Flat half(const Flat& polygon, dvec2 point, dvec2 direction, double sign, double
     Flat result;
     for (size_t k = 0; k < polygon.size(); ++k) {
         const dvec2 p = polygon[k], q = polygon[(k + 1) % polygon.size()];
-        double dp = sign * crossOf(direction, p - point), dq = sign * crossOf(direction, q - point);
+        double dp = sign * geometry::cross(direction, p - point),
+               dq = sign * geometry::cross(direction, q - point);
         if (std::abs(dp) <= flat) dp = 0;
         if (std::abs(dq) <= flat) dq = 0;
         if (dp >= 0) result.push_back(p);
@@ -117,12 +115,12 @@ std::vector<Line> innerBorders(const std::vector<Flat>& parts, const Flat& hull,
             bool onHull = false;
             for (size_t h = 0; h < hull.size() && !onHull; ++h) {
                 const dvec2 side = glm::normalize(hull[(h + 1) % hull.size()] - hull[h]);
-                onHull = std::abs(crossOf(side, a - hull[h])) <= 4 * flat &&
-                         std::abs(crossOf(side, b - hull[h])) <= 4 * flat;
+                onHull = std::abs(geometry::cross(side, a - hull[h])) <= 4 * flat &&
+                         std::abs(geometry::cross(side, b - hull[h])) <= 4 * flat;
             }
             const auto same = [&](const Line& l) {
-                return std::abs(crossOf(l.direction, direction)) < 1e-9 &&
-                       std::abs(crossOf(l.direction, a - l.point)) <= 4 * flat;
+                return std::abs(geometry::cross(l.direction, direction)) < 1e-9 &&
+                       std::abs(geometry::cross(l.direction, a - l.point)) <= 4 * flat;
             };
             if (!onHull && std::none_of(lines.begin(), lines.end(), same)) lines.push_back({a, direction});
             if (lines.size() >= 64) return lines;
@@ -151,7 +149,7 @@ void convexParts(std::vector<Flat> parts, double flat, int depth, std::vector<Fl
         for (const Flat& part : parts) {
             bool l = false, r = false;
             for (dvec2 p : part) {
-                const double d = crossOf(line.direction, p - line.point);
+                const double d = geometry::cross(line.direction, p - line.point);
                 l = l || d > flat;
                 r = r || d < -flat;
             }

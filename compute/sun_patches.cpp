@@ -14,13 +14,9 @@ namespace {
 
 using Polygon = std::vector<glm::dvec2>;
 
-double cross2(glm::dvec2 a, glm::dvec2 b) {
-    return a.x * b.y - a.y * b.x;
-}
-
 double area(const Polygon& p) {
     double twice = 0;
-    for (size_t k = 1; k + 1 < p.size(); ++k) twice += cross2(p[k] - p[0], p[k + 1] - p[0]);
+    for (size_t k = 1; k + 1 < p.size(); ++k) twice += geometry::cross(p[k] - p[0], p[k + 1] - p[0]);
     return 0.5 * twice;
 }
 
@@ -29,7 +25,7 @@ void split(const Polygon& p, glm::dvec2 a, glm::dvec2 b, Polygon* left, Polygon*
     const glm::dvec2 along = b - a;
     for (size_t k = 0; k < p.size(); ++k) {
         const glm::dvec2 q = p[k], r = p[(k + 1) % p.size()];
-        const double dq = cross2(along, q - a), dr = cross2(along, r - a);
+        const double dq = geometry::cross(along, q - a), dr = geometry::cross(along, r - a);
         if (left && dq >= 0) left->push_back(q);
         if (right && dq <= 0) right->push_back(q);
         if ((dq > 0 && dr < 0) || (dq < 0 && dr > 0)) {
@@ -74,7 +70,7 @@ bool apart(glm::dvec2 low0, glm::dvec2 high0, glm::dvec2 low1, glm::dvec2 high1)
 
 bool inside(const Polygon& p, glm::dvec2 q) {
     for (size_t k = 0; k < p.size(); ++k)
-        if (cross2(p[(k + 1) % p.size()] - p[k], q - p[k]) < 0) return false;
+        if (geometry::cross(p[(k + 1) % p.size()] - p[k], q - p[k]) < 0) return false;
     return true;
 }
 

@@ -7,7 +7,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "geometry/planar_net.h"
+#include "geometry/perpendicular.h"
 #include "geometry/twin_faces.h"
 
 namespace heliodon::geometry {

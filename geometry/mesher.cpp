@@ -18,8 +18,8 @@
 
 #include "geometry/edge_sampling.h"
 #include "geometry/mesh_domains.h"
+#include "geometry/perpendicular.h"
 #include "geometry/planar_mesher.h"
-#include "geometry/planar_net.h"
 #include "geometry/twin_faces.h"
 #include "geometry/upright_grid.h"
 

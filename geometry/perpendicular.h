@@ -1,9 +1,10 @@
-// A direction across another one.
+// Directions across one another, and what two of them span.
 #pragma once
 
 #include <cmath>
 
 #include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 namespace heliodon::geometry {
@@ -13,6 +14,11 @@ namespace heliodon::geometry {
 inline glm::dvec3 perpendicular(glm::dvec3 n) {
     const glm::dvec3 across = std::abs(n.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
     return glm::normalize(glm::cross(across, n));
+}
+
+// Signed area of the parallelogram of two vectors of a plane, positive where the second lies to the left.
+inline double cross(glm::dvec2 u, glm::dvec2 v) {
+    return u.x * v.y - u.y * v.x;
 }
 
 } // namespace heliodon::geometry

@@ -5,6 +5,8 @@
 
 #include <dlfcn.h>
 
+#include "geometry/whole_file.h"
+
 namespace heliodon::geometry {
 
 namespace {
@@ -38,8 +40,11 @@ std::optional<GreyPixels> readGreyFile(const std::filesystem::path& file) {
     return codecs().readGrey(file);
 }
 
-bool writePngFile(const std::filesystem::path& file, int width, int height, const uint8_t* rgb) {
-    return codecs().writePng(file, width, height, rgb);
+void writePngFile(const std::filesystem::path& file, int width, int height, const uint8_t* rgb) {
+    writeWhole(file, [&](const std::filesystem::path& aside) {
+        if (!codecs().writePng(aside, width, height, rgb))
+            throw std::runtime_error(file.string() + ": the PNG could not be written");
+    });
 }
 
 std::unique_ptr<FilmEncoder> openFilmFile(const std::filesystem::path& file, int width, int height,

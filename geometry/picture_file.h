@@ -29,8 +29,8 @@ struct GreyPixels {
 // The same with one channel, and all 16 bits where there are as many.
 std::optional<GreyPixels> readGreyFile(const std::filesystem::path& file);
 
-// False where it could not be written. `rgb`: width x height x 3 bytes.
-bool writePngFile(const std::filesystem::path& file, int width, int height, const uint8_t* rgb);
+// The file appears whole or not at all. `rgb`: width x height x 3 bytes. Throws std::runtime_error.
+void writePngFile(const std::filesystem::path& file, int width, int height, const uint8_t* rgb);
 
 // H.264 in .mp4. The file is complete when the encoder is destroyed.
 class FilmEncoder {

@@ -8,6 +8,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "geometry/perpendicular.h"
+
 #include "geometry/plan_rooms.h"
 
 namespace heliodon::geometry {
@@ -21,10 +23,6 @@ constexpr double kPinchGap = 0.01;       // inches between parts of outlines tha
 constexpr double kMostCut = 0.45;        // of an edge, at a sharp corner
 constexpr double kOnLine = 1e-4;         // inches off the line between its neighbours: no corner
 constexpr double kStraightSine = 1.1e-5; // nor is one that turns by less
-
-double cross(glm::dvec2 u, glm::dvec2 v) {
-    return u.x * v.y - u.y * v.x;
-}
 
 bool beside(double a, double b, double c, double d) {
     return std::max(a, b) < std::min(c, d) || std::max(c, d) < std::min(a, b);

@@ -9,6 +9,8 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include "geometry/perpendicular.h"
+
 namespace heliodon::geometry {
 
 namespace {
@@ -21,9 +23,6 @@ constexpr double kShortestWall = 0.1;                 // inches: shorter ones ar
 constexpr double kFacingSine = 0.26;                  // 15 degrees: ends that look at each other
 constexpr double kParallelSine = 0.18;                // 10 degrees: walls side by side
 
-double cross(glm::dvec2 u, glm::dvec2 v) {
-    return u.x * v.y - u.y * v.x;
-}
 glm::dvec2 leftOf(glm::dvec2 d) {
     return {-d.y, d.x};
 }

@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include "geometry/perpendicular.h"
+
 namespace heliodon::geometry {
 
 namespace {
@@ -14,10 +16,6 @@ namespace {
 constexpr double kMeets = 0.4;     // inches between markers that make one window
 constexpr double kNarrowest = 0.2; // inches
 constexpr double kToCorner = 0.1;  // inches: a strip narrower than this beside a window is not worth a face
-
-double cross(glm::dvec2 u, glm::dvec2 v) {
-    return u.x * v.y - u.y * v.x;
-}
 
 struct Stretch {
     double from, to;

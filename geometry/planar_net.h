@@ -10,12 +10,9 @@
 #include <glm/vec2.hpp>
 
 #include "geometry/constrained_delaunay.h"
+#include "geometry/perpendicular.h"
 
 namespace heliodon::geometry {
-
-inline double cross(glm::dvec2 u, glm::dvec2 v) {
-    return u.x * v.y - u.y * v.x;
-}
 
 struct PlanarNet : TriangleNet {
     std::vector<glm::dvec2> points; // the first boundaryCount never move

@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "geometry/bounds.h"
+#include "geometry/perpendicular.h"
 
 namespace heliodon::geometry {
 
@@ -18,10 +19,6 @@ constexpr double kSkin =
 constexpr double kNudge = 1e-7;    // metres
 constexpr double kShortest = 1e-6; // metres
 constexpr double kChord = 2e-4;    // metres: between the circle of the least n . d and its chords
-
-double cross(glm::dvec2 u, glm::dvec2 v) {
-    return u.x * v.y - u.y * v.x;
-}
 
 // Parameters of a line between which something holds; empty when from >= to.
 struct Interval {

@@ -23,10 +23,6 @@ namespace heliodon::geometry {
 
 namespace {
 
-double cross(glm::dvec2 u, glm::dvec2 v) {
-    return u.x * v.y - u.y * v.x;
-}
-
 struct Hash {
     template<size_t N> size_t operator()(const std::array<int64_t, N>& key) const {
         uint64_t hash = 0;

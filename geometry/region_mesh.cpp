@@ -12,6 +12,8 @@
 #include <CGAL/Triangulation_face_base_with_info_2.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
 
+#include "geometry/perpendicular.h"
+
 namespace heliodon::geometry {
 
 namespace {
@@ -32,10 +34,6 @@ using Triangulation =
 
 constexpr double kStraight = 1.5e-4; // metres: how far lines move to get rid of their corners
 constexpr double kMakesWay = 0.25;   // of its spacing: a seed nearer to a line
-
-double cross(glm::dvec2 u, glm::dvec2 v) {
-    return u.x * v.y - u.y * v.x;
-}
 
 double distanceTo(glm::dvec2 p, glm::dvec2 a, glm::dvec2 b) {
     const glm::dvec2 d = b - a;

@@ -7,13 +7,11 @@
 
 #include <glm/geometric.hpp>
 
+#include "geometry/perpendicular.h"
+
 namespace heliodon::geometry {
 
 namespace {
-
-double cross(glm::dvec2 u, glm::dvec2 v) {
-    return u.x * v.y - u.y * v.x;
-}
 
 // Andrew's monotone chain.
 std::vector<glm::dvec2> convexHull(std::vector<glm::dvec2> points) {

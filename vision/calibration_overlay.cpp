@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "geometry/picture_file.h"
-#include "geometry/whole_file.h"
 
 namespace heliodon::vision {
 namespace {
@@ -42,10 +40,7 @@ void drawCalibrationOverlay(const Photograph& photo, const OverlayPoints& points
                    cv::LINE_AA, kShift);
     for (const glm::dvec2& p : points.found) cross(picture, p, arm, cv::Scalar(255, 235, 0));
     for (const glm::dvec2& p : points.rejected) cross(picture, p, arm, cv::Scalar(255, 40, 30));
-    geometry::writeWhole(png, [&](const std::filesystem::path& file) {
-        if (!geometry::writePngFile(file, picture.cols, picture.rows, picture.data))
-            throw std::runtime_error(png.string() + ": the overlay could not be written");
-    });
+    geometry::writePngFile(png, picture.cols, picture.rows, picture.data);
 }
 
 } // namespace heliodon::vision

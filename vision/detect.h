@@ -50,6 +50,9 @@ struct DetectionResult {
 DetectionResult detectSketch(const Photograph& photo, const geometry::Rig& rig,
                              const DetectOptions& options = {});
 
+// The table's edge in the picture of a calibrated camera: a rig that does not fit the picture shows.
+geometry::Detection tableEdge(const geometry::Rig& rig);
+
 // The photograph, brightened, with the table's edge as the rig has it and the outline and the name of every
 // primitive. `dark`: triangles in the world, metres, that no projector reaches; hatched. Written whole or not
 // at all.

@@ -1,14 +1,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "geometry/picture_file.h"
-#include "geometry/whole_file.h"
 #include "vision/detect.h"
 
 namespace heliodon::vision {
@@ -30,18 +28,6 @@ cv::Scalar colorOf(geometry::WindowKind k) {
     return k == geometry::WindowKind::standard  ? bgr(0, 235, 245)
            : k == geometry::WindowKind::picture ? bgr(255, 80, 220)
                                                 : bgr(255, 225, 40);
-}
-
-// Where a calibrated camera must see it: a rig that does not fit the picture shows.
-geometry::Detection tableEdge(const geometry::Rig& rig) {
-    geometry::Detection out;
-    for (int i = 0; i < 180; ++i) {
-        const double a = 2 * std::numbers::pi * i / 180;
-        const auto pixel =
-            rig.camera.pixelFromWorld({rig.tableRadius * std::cos(a), 0, rig.tableRadius * std::sin(a)});
-        if (pixel) out.outlinePx.push_back(*pixel);
-    }
-    return out;
 }
 
 class Canvas {
@@ -131,6 +117,17 @@ private:
 
 } // namespace
 
+geometry::Detection tableEdge(const geometry::Rig& rig) {
+    geometry::Detection out;
+    for (int i = 0; i < 180; ++i) {
+        const double a = 2 * std::numbers::pi * i / 180;
+        const auto pixel =
+            rig.camera.pixelFromWorld({rig.tableRadius * std::cos(a), 0, rig.tableRadius * std::sin(a)});
+        if (pixel) out.outlinePx.push_back(*pixel);
+    }
+    return out;
+}
+
 void drawOverlay(const Photograph& photo, const geometry::Rig& rig, const geometry::Sketch& sketch,
                  const std::filesystem::path& png, std::span<const std::array<glm::dvec3, 3>> dark) {
     Canvas canvas(photo);
@@ -161,10 +158,7 @@ void drawOverlay(const Photograph& photo, const geometry::Rig& rig, const geomet
     if (sketch.north) canvas.label(sketch.north->detection, "N", bgr(255, 150, 40), 34);
     cv::Mat rgb;
     cv::cvtColor(canvas.picture(), rgb, cv::COLOR_BGR2RGB);
-    geometry::writeWhole(png, [&](const std::filesystem::path& file) {
-        if (!geometry::writePngFile(file, rgb.cols, rgb.rows, rgb.data))
-            throw std::runtime_error(fmt::format("{}: the overlay could not be written", png.string()));
-    });
+    geometry::writePngFile(png, rgb.cols, rgb.rows, rgb.data);
 }
 
 } // namespace heliodon::vision

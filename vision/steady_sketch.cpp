@@ -21,7 +21,7 @@ double turn(double a, double b, double period = 360) {
 
 class Comparison {
 public:
-    Comparison(const Sketch& before, const SteadyOptions& options) : before_(before), o_(options) {}
+    explicit Comparison(const SteadyOptions& options) : o_(options) {}
 
     bool near(glm::dvec2 a, glm::dvec2 b) const { return glm::distance(a, b) <= o_.inches; }
     bool near(double a, double b) const { return std::abs(a - b) <= o_.inches; }
@@ -74,14 +74,13 @@ public:
     std::map<std::string, std::string> wallBefore; // by the name that it has now
 
 private:
-    const Sketch& before_;
     const SteadyOptions& o_;
 };
 
 } // namespace
 
 SteadySketch steadied(const Sketch& before, const Sketch& fresh, const SteadyOptions& options) {
-    Comparison comparison(before, options);
+    Comparison comparison(options);
     SteadySketch out{fresh};
     Sketch& now = out.sketch;
     const auto nothing = [](const auto&, const auto&) {};

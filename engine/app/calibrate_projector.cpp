@@ -119,10 +119,8 @@ void execute(Run& run, const CalibratePatternsArguments& arguments) {
     const auto names = set.names();
     for (const std::string& name : names) {
         const vision::Photograph picture = vision::drawPattern(set, name);
-        geometry::writeWhole(arguments.output / (name + ".png"), [&](const std::filesystem::path& file) {
-            if (!geometry::writePngFile(file, picture.width, picture.height, picture.rgb.data()))
-                throw std::runtime_error(file.string() + ": could not be written");
-        });
+        geometry::writePngFile(arguments.output / (name + ".png"), picture.width, picture.height,
+                               picture.rgb.data());
     }
     const json description = {{"format", "vh-patterns/1"},
                               {"width", set.width},

@@ -25,10 +25,6 @@ public:
         changed_.wait(lock, [this] { return value_ || closed_; });
         return closed_ ? std::nullopt : std::exchange(value_, std::nullopt);
     }
-    std::optional<T> tryTake() {
-        const std::lock_guard lock(mutex_);
-        return std::exchange(value_, std::nullopt);
-    }
     void close() {
         const std::lock_guard lock(mutex_);
         closed_ = true;

@@ -47,6 +47,11 @@ public:
         return status_;
     }
 
+    bool anySketchTried() const {
+        const std::lock_guard lock(mutex_);
+        return status_.detections + status_.refusals > 0;
+    }
+
     // Every piece of work is announced by whoever hands it over, before, and ended by whoever does it, after
     // it has handed on what comes of it: so where nothing is pending nothing is on its way.
     void begin() {

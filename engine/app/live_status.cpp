@@ -1,10 +1,10 @@
 #include "engine/app/live_status.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
+
+#include "vision/detect.h"
 
 namespace heliodon::app {
 
@@ -36,14 +36,7 @@ double at(const nlohmann::json& object, const char* group, const char* name) {
 
 std::vector<present::OperatorOutline> outlinesOf(const geometry::Sketch& sketch, const geometry::Rig& rig) {
     std::vector<present::OperatorOutline> list;
-    present::OperatorOutline table{{}, "", {0.55f, 0.55f, 0.50f}};
-    for (int i = 0; i < 120; ++i) {
-        const double a = 2 * std::numbers::pi * i / 120;
-        if (const auto p =
-                rig.camera.pixelFromWorld({rig.tableRadius * std::cos(a), 0, rig.tableRadius * std::sin(a)}))
-            table.points.push_back(*p);
-    }
-    list.push_back(std::move(table));
+    list.push_back({vision::tableEdge(rig).outlinePx, "", {0.55f, 0.55f, 0.50f}});
     const auto add = [&](const auto& item, const Colour& colour) {
         list.push_back({item.detection.outlinePx, item.id, colour});
     };

@@ -147,8 +147,7 @@ void LiveTable::run() {
             });
             if (picture) {
                 eye.look(*picture, camera_->isContinuous());
-                const LiveStatus status = board_.read();
-                if (!camera_->isContinuous() || status.detections + status.refusals > 0) arrived();
+                if (first && (!camera_->isContinuous() || board_.anySketchTried())) arrived();
             }
         } catch (const vision::CameraLost& lost) {
             camera_.reset();

@@ -8,6 +8,8 @@
 #include <glm/geometric.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "geometry/perpendicular.h"
+
 namespace heliodon::app {
 
 namespace {
@@ -47,10 +49,6 @@ std::vector<Corners> delaunay(const std::vector<Sample>& samples) {
     return triangles;
 }
 
-double cross(glm::dvec2 a, glm::dvec2 b) {
-    return a.x * b.y - a.y * b.x;
-}
-
 // Slopes at the samples that keep every neighbour's place within the range of the neighbours' values.
 std::vector<glm::dvec2> slopes(const std::vector<Sample>& samples, const std::vector<Corners>& triangles) {
     std::vector<glm::dvec2> slope(samples.size(), glm::dvec2(0));
@@ -58,7 +56,7 @@ std::vector<glm::dvec2> slopes(const std::vector<Sample>& samples, const std::ve
     for (const Corners& t : triangles) {
         const Sample &a = samples[t[0]], &b = samples[t[1]], &c = samples[t[2]];
         const glm::dvec2 ab = b.at - a.at, ac = c.at - a.at;
-        const double twice = cross(ab, ac), sign = twice < 0 ? -1 : 1;
+        const double twice = geometry::cross(ab, ac), sign = twice < 0 ? -1 : 1;
         const glm::dvec2 rise = (b.value - a.value) * ac - (c.value - a.value) * ab; // turned by a quarter
         for (size_t corner : t) {
             slope[corner] += sign * glm::dvec2(rise.y, -rise.x);

@@ -74,10 +74,7 @@ Bytes exrHeader(int32_t width, int32_t height) {
 } // namespace
 
 void writePng(const Image8& picture, const std::filesystem::path& file) {
-    geometry::writeWhole(file, [&](const std::filesystem::path& path) {
-        if (!geometry::writePngFile(path, picture.width, picture.height, picture.rgb.data()))
-            throw std::runtime_error(path.string() + ": the PNG could not be written");
-    });
+    geometry::writePngFile(file, picture.width, picture.height, picture.rgb.data());
 }
 
 void writeExr(const ImageF& picture, const std::filesystem::path& file) {

@@ -11,6 +11,7 @@
 #include "geometry/input_error.h"
 #include "geometry/mesher.h"
 #include "geometry/model_file.h"
+#include "tests/geometry/mesh_volume.h"
 
 using namespace heliodon::geometry;
 using nlohmann::json;
@@ -59,13 +60,6 @@ std::string written(const json& scene) {
     const std::string file = testing::TempDir() + "scene.gltf";
     std::ofstream(file) << scene;
     return file;
-}
-
-double volume(const PatchMesh& mesh) {
-    double sum = 0;
-    for (size_t i = 0; i < mesh.patchCount(); ++i)
-        sum -= glm::dot(0.5 * patchAreaVector(mesh, i), patchCentroid(mesh, i)) / 3;
-    return sum;
 }
 
 void expectRooms(const char* nodes, uint32_t rooms, double cubicMetres) {

@@ -11,6 +11,7 @@
 #include "geometry/input_error.h"
 #include "geometry/mesher.h"
 #include "geometry/model_file.h"
+#include "tests/geometry/mesh_volume.h"
 
 using namespace heliodon::geometry;
 
@@ -76,14 +77,6 @@ std::string written(const Polygons& model) {
         out << '\n';
     }
     return file;
-}
-
-// Of the air, from a mesh: positive only when it is closed and its normals point inwards.
-double volume(const PatchMesh& mesh) {
-    double sum = 0;
-    for (size_t i = 0; i < mesh.patchCount(); ++i)
-        sum -= glm::dot(0.5 * patchAreaVector(mesh, i), patchCentroid(mesh, i)) / 3;
-    return sum;
 }
 
 void expectRooms(const Polygons& model, uint32_t rooms, double cubicMetres, const std::string& repair = "") {
