@@ -34,6 +34,7 @@ constexpr double kThinRoom = 0.8;  // inches: twice the area over the perimeter;
 constexpr double kMostOpen = 0.4;  // of the perimeter; what is more open than this is not enclosed
 constexpr double kFewestWalls = 3; // logical walls; an arc counts as one for each quarter turn
 constexpr double kTight = 0.1;     // of the perimeter: with less of it open, an arc and its chord will do
+constexpr double kStub = 0.5;      // inches: what overshoots a corner by less is no wall of the space beyond
 constexpr std::array kPrices{0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.75};
 constexpr double kCapacityUnit = 1e6; // of a length of 1 in: exact integer flow
 constexpr int64_t kForever = int64_t{1} << 50;
@@ -222,7 +223,7 @@ private:
 
     struct Space {
         double area = 0, perimeter = 0, gap = 0;
-        std::set<int> walls;
+        std::map<int, double> walls; // piece: length that the space sees of it
         bool grows = false;
     };
 
@@ -239,17 +240,21 @@ private:
         return root;
     }
 
-    double wallCount(const std::set<int>& pieces) const {
+    // Two straight walls enclose nothing, however near to one another they stand; an arc and its chord may.
+    bool tooFewWalls(const Space& space) const {
         std::set<int> sides;
         double count = 0;
-        for (const int i : pieces) {
+        bool curved = false;
+        for (const auto& [i, length] : space.walls) {
             const WallPiece& p = plan_.pieces[static_cast<size_t>(i)];
+            if (length < kStub) continue;
+            curved = curved || p.curved;
             if (p.curved)
                 count += std::max(1.0, (p.a1 - p.a0) / (kPi / 2));
             else if (sides.insert(p.line).second)
                 ++count;
         }
-        return count;
+        return count < kFewestWalls && !(curved && space.gap <= kTight * space.perimeter);
     }
 
     bool accept(const std::vector<bool>& proposed) {
@@ -268,15 +273,14 @@ private:
             if (!solid_[other])
                 space.gap += edgeLength(h);
             else if (const int piece = faceOf(h); piece >= 0)
-                space.walls.insert(piece);
+                space.walls[piece] += edgeLength(h);
         }
         bool allThick = true;
         for (const auto& [id, space] : spaces) {
             if (!space.grows) continue;
             const bool thin = 2 * space.area < kThinRoom * space.perimeter;
             allThick = allThick && !thin;
-            const bool tooFew = space.gap > kTight * space.perimeter && wallCount(space.walls) < kFewestWalls;
-            if (!thin && (space.gap > kMostOpen * space.perimeter || tooFew)) continue;
+            if (!thin && (space.gap > kMostOpen * space.perimeter || tooFewWalls(space))) continue;
             for (uint32_t c = 0; c < map_.cellCount; ++c)
                 if (proposed[c] && root[c] == id) (thin ? forbidden_ : inside_)[c] = !thin || !inside_[c];
         }

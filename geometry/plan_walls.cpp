@@ -362,11 +362,23 @@ void reachWalls(PlanWalls& plan) {
     }
 }
 
+// How much farther than the arc corners between its facets lie from its centre, so that the facets enclose
+// the arc's own area. Its ends are where they are.
+double cornerReach(double sweep, int count, bool full) {
+    const double step = sweep / count, sine = std::sin(step);
+    if (full) return std::sqrt(step / sine);
+    // (count - 2) sine x^2 + 2 sine x = count step, in radii.
+    const double inner = (count - 2) * sine;
+    return count * step / (sine + std::sqrt(sine * sine + inner * count * step));
+}
+
 int facetsOf(const WallPiece& piece, const PlanWallsOptions& options) {
     const double sweep = std::min(piece.a1 - piece.a0, 2 * kPi), outer = piece.radius + piece.thickness / 2;
     const auto fewest = [&](double chordError) {
         const double step = 2 * std::acos(1 - std::min(0.5, chordError / outer));
-        return std::max(2.0, std::ceil(sweep / std::clamp(step, kPi / 180, kPi / 12)));
+        const double count = std::max(2.0, std::ceil(sweep / std::clamp(step, kPi / 180, kPi / 12)));
+        // Of two, the corner between them lies 4/3 of the sagitta outside, of more at most the sagitta.
+        return count == 2 && sweep > 2 * std::sqrt(0.75) * step ? 3.0 : count;
     };
     const double usual = fewest(options.chordError);
     if (!(options.facetLength > 0)) return static_cast<int>(usual);
@@ -397,12 +409,16 @@ PlanSolid footprint(const WallPiece& piece) {
         if (k == count) return piece.a0 + (full ? 0 : sweep);
         return piece.a0 + sweep * k / count;
     };
+    const double reach = cornerReach(sweep, count, full);
+    const auto at = [&](int k, double radius) {
+        return piece.center + (full || (k > 0 && k < count) ? reach * radius : radius) * onCircle(angle(k));
+    };
     for (int k = 0; k <= count; ++k) {
-        solid.outline.push_back(piece.center + outer * onCircle(angle(k)));
+        solid.outline.push_back(at(k, outer));
         solid.sides.push_back(k < count ? SolidSide::right : SolidSide::end);
     }
     for (int k = count; k >= 0; --k) {
-        solid.outline.push_back(piece.center + inner * onCircle(angle(k)));
+        solid.outline.push_back(at(k, inner));
         solid.sides.push_back(k > 0 ? SolidSide::left : SolidSide::end);
     }
     return solid;
