@@ -17,6 +17,7 @@
 #include "compute/sensor_gather.h"
 #include "compute/stopwatch.h"
 #include "compute/sun_patches.h"
+#include "compute/window_links.h"
 #include "geometry/input_error.h"
 
 namespace heliodon::compute {
@@ -30,7 +31,6 @@ constexpr double kPi = std::numbers::pi;
 // sensors, against Radiance.
 constexpr double kSpreadShare = 0.10;  // of light's variation within patches, after its slope is allowed for
 constexpr double kNearShare = 0.5;     // of a patch's light, times its own share of the view
-constexpr double kPaneShare = 0.3;     // of what came to patches through interior glass
 constexpr double kBounceError = 0.006; // of reflected light: what earlier bounces between patches leave
 constexpr double kSensorSkyError = 0.008; // of sky light, from its cubature and that of glass
 constexpr double kPatchSkyError = 0.01;   // the same for four points a patch and sky elements
@@ -72,6 +72,8 @@ struct DaylightTransport::State {
     std::unique_ptr<SunScene> sunScene;
     std::unique_ptr<GlowingBlinds> blinds;
     std::unique_ptr<PatchSlopes> slopes;
+    std::unique_ptr<WindowLinks> links;
+    std::vector<std::vector<float>> clear; // per channel: diffuse transmittance of clear interior glass
     SkyRows patchSky;
     SensorGather sensors;
     std::unique_ptr<RadiosityGather> gather;
@@ -84,6 +86,7 @@ struct DaylightTransport::State {
         : device(d), mesh(m), options(o), skyPatches(static_cast<int>(o.skyDivision)) {}
 
     void makeFactors();
+    std::vector<float> rowsThatReturn();
     void findOpenings();
     void makeSky();
     void makeSensors();
@@ -96,7 +99,6 @@ struct DaylightTransport::State {
     void finish(Moment& moment, const std::vector<float>& exitance, const std::vector<float>& gathered,
                 size_t firstColumn) const;
     void atSensors(Moment& moment, const std::vector<float>& exitance, size_t firstColumn) const;
-    std::vector<float> scatteredByPanes(const std::vector<float>& light) const;
     std::vector<float> spreadWithin(const std::vector<float> (&smooth)[3]) const;
     double rowError() const {
         return factors.report.claimedRowError > 0 ? factors.report.claimedRowError : kHemicubeRowError;
@@ -125,8 +127,18 @@ void DaylightTransport::State::makeFactors() {
     report.formFactors = factors.report;
     gather = std::make_unique<RadiosityGather>(device, factors.values, static_cast<uint32_t>(n));
     rowSums = gather->rowSums();
-    solver = std::make_unique<RadiositySolver>(*gather, rowSums);
-    relight = std::make_unique<RelightBasis>(*gather, *solver);
+}
+
+// What of a row can come back from where it goes, for the solver's bounds: not what leaves by openings.
+std::vector<float> DaylightTransport::State::rowsThatReturn() {
+    if (links->rowSums().empty()) return rowSums;
+    std::vector<float> matter, sums(mesh.patchCount());
+    for (uint32_t material : mesh.material) {
+        const geometry::Material& m = mesh.materials[material];
+        matter.push_back(m.isOpening() && isClear(m) && m.exitance == glm::vec3(0) ? 0.0f : 1.0f);
+    }
+    gather->gather(matter, sums, 1);
+    return sums;
 }
 
 // What depends on which patches are glass.
@@ -136,6 +148,10 @@ void DaylightTransport::State::findOpenings() {
         hasOpenings |= mesh.twin[i] == geometry::kNoTwin && mesh.materials[mesh.material[i]].isOpening();
     points = std::make_unique<PointScene>(mesh);
     if (!slopes) slopes = std::make_unique<PatchSlopes>(mesh);
+    if (links) links->remove(factors.values);
+    links = std::make_unique<WindowLinks>(*points, factors.values);
+    solver = std::make_unique<RadiositySolver>(*gather, rowsThatReturn());
+    relight = std::make_unique<RelightBasis>(*gather, *solver);
     sunScene = std::make_unique<SunScene>(mesh);
     blinds = std::make_unique<GlowingBlinds>(mesh);
     patchSky = {};
@@ -172,7 +188,14 @@ void DaylightTransport::State::readMaterials() {
         grey &= isGrey(m.reflectance) && isGrey(m.transmittance) && isGrey(m.exitance);
     }
     report.channels = grey ? 1 : 3;
-    solver->setMatter(radiosityMatter(mesh, report.channels));
+    RadiosityMatter matter = radiosityMatter(mesh, report.channels);
+    // Light goes straight through clear glass (PointScene, SunPatches, WindowLinks).
+    clear.assign(report.channels, std::vector<float>(mesh.patchCount(), 0));
+    for (size_t i = 0; i < mesh.patchCount(); ++i)
+        if (isClear(mesh.materials[mesh.material[i]]))
+            for (uint32_t ch = 0; ch < report.channels; ++ch)
+                std::swap(clear[ch][i], matter.transmittance[ch][i]);
+    solver->setMatter(std::move(matter));
     relight->restart();
 }
 
@@ -284,9 +307,7 @@ void DaylightTransport::State::solve(std::span<Moment> moments) {
                 float out = mesh.materials[mesh.material[i]].exitance[axis] +
                             rho[i] * (parts.sun[axis] + parts.sky[axis] + parts.ground[axis]);
                 if (!moment.glow.empty()) out += moment.glow[i][axis];
-                if (tau[i] > 0 && !isClear(mesh.materials[mesh.material[i]])) {
-                    // Through clear glass sky and sun go straight on (PointScene, SunPatches); the sun goes
-                    // through any as a beam.
+                if (tau[i] > 0) { // the sun goes through any as a beam
                     const LightParts& other = moment.patches[static_cast<size_t>(mesh.twin[i])];
                     out += tau[i] * (other.sky[axis] + other.ground[axis]);
                 }
@@ -321,24 +342,29 @@ void DaylightTransport::State::finish(Moment& moment, const std::vector<float>& 
                                       const std::vector<float>& gathered, size_t first) const {
     const size_t n = mesh.patchCount();
     moment.lighting.exitance.resize(n);
+    const std::vector<float>& linked = links->rowSums();
     double in = 0, absorbed = 0, lost = 0, mean = 0, total = 0, most = 0;
     for (size_t i = 0; i < n; ++i) {
         LightParts& parts = moment.patches[i];
         const geometry::Material& m = mesh.materials[mesh.material[i]];
-        glm::vec3 out(0), tau(0);
+        glm::vec3 out(0), tau(0), straight(0);
         for (int c = 0; c < 3; ++c) {
             const size_t channel = static_cast<size_t>(grey ? 0 : c), at = first + channel * n + i;
             out[c] = exitance[at];
             parts.interreflected[c] = gathered[at];
             tau[c] = solver->matter().transmittance[channel][i];
+            straight[c] = clear[channel][i];
         }
         moment.lighting.exitance[i] = out;
         const glm::vec3 direct = parts.sun + parts.sky + parts.ground;
         in += areas[i] * photometric(m.exitance + direct);
         if (!moment.glow.empty()) in += areas[i] * photometric(moment.glow[i]);
         // What goes straight on counts where it lands.
-        in -= areas[i] * photometric(tau * (isClear(m) ? direct : parts.sun));
-        absorbed += areas[i] * photometric((glm::vec3(1) - m.reflectance - tau) * parts.total());
+        const glm::vec3 on = straight * direct + tau * parts.sun;
+        in -= areas[i] * photometric(on);
+        absorbed +=
+            areas[i] * photometric((glm::vec3(1) - m.reflectance - tau) * parts.total() - straight * direct);
+        if (!linked.empty()) absorbed -= areas[i] * double{linked[i]} * photometric(out);
         lost += areas[i] * (1 - double{rowSums[i]}) * photometric(out);
         mean += areas[i] * photometric(out);
         total += areas[i];
@@ -373,20 +399,6 @@ std::vector<float> DaylightTransport::State::spreadWithin(const std::vector<floa
     return spread;
 }
 
-// What patches reflect of light that came from other rooms through clear glass, which interreflection takes
-// for frosted: zero without interior windows.
-std::vector<float> DaylightTransport::State::scatteredByPanes(const std::vector<float>& light) const {
-    std::vector<float> panes(light.size(), 0), received(light.size(), 0);
-    bool any = false;
-    for (size_t i = 0; i < light.size(); ++i)
-        if (mesh.twin[i] != geometry::kNoTwin && light[i] > 0) panes[i] = light[i], any = true;
-    if (!any) return received;
-    gather->gather(panes, received, 1);
-    for (size_t i = 0; i < light.size(); ++i)
-        received[i] *= static_cast<float>(photometric(mesh.materials[mesh.material[i]].reflectance));
-    return received;
-}
-
 void DaylightTransport::State::atSensors(Moment& moment, const std::vector<float>& exitance,
                                          size_t first) const {
     const Stopwatch clock;
@@ -410,7 +422,6 @@ void DaylightTransport::State::atSensors(Moment& moment, const std::vector<float
     const std::vector<float> spread = moment.sensors.empty() ? std::vector<float>{} : spreadWithin(smooth);
     std::vector<float> light(n);
     for (size_t i = 0; i < n; ++i) light[i] = static_cast<float>(photometric(moment.lighting.exitance[i]));
-    const std::vector<float> scattered = moment.sensors.empty() ? light : scatteredByPanes(light);
     inParallel(moment.sensors.size(), [&](size_t s) {
         LightParts& parts = moment.sensors[s];
         for (int c = 0; c < 3; ++c) {
@@ -422,19 +433,16 @@ void DaylightTransport::State::atSensors(Moment& moment, const std::vector<float
             if (sun) lux += dot({&sensors.even[s * n], n}, even[c]);
             parts.interreflected[c] += static_cast<float>(lux);
         }
-        // Light of patches that fill much of the view, which the mesh does not resolve; light that reached
-        // patches through interior glass.
-        double near = 0, astray = 0;
+        // Light of patches that fill much of the view, which the mesh does not resolve.
+        double near = 0;
         for (size_t i = 0; i < n; ++i) {
             const double share = sensors.even[s * n + i];
             near += share * share * double{light[i]};
-            astray += share * double{scattered[i]};
         }
-        parts.error =
-            static_cast<float>(moment.report.radiosity.bound * most + kNearShare * near +
-                               kPaneShare * astray + kSpreadShare * dot({&sensors.even[s * n], n}, spread) +
-                               (rowError() + kBounceError) * photometric(parts.interreflected) +
-                               kSensorSkyError * photometric(parts.sky + parts.ground));
+        parts.error = static_cast<float>(moment.report.radiosity.bound * most + kNearShare * near +
+                                         kSpreadShare * dot({&sensors.even[s * n], n}, spread) +
+                                         (rowError() + kBounceError) * photometric(parts.interreflected) +
+                                         kSensorSkyError * photometric(parts.sky + parts.ground));
     });
     moment.report.sensorSeconds = clock.seconds();
 }

@@ -45,6 +45,10 @@ double areaOf(std::span<const dvec3> polygon) {
 
 constexpr double kLeastOfExtent = 1e-9;
 
+double samePlane(const Blockers& blockers) {
+    return blockers.tolerance() * (kSamePlane / kLeastOfExtent);
+}
+
 bool allBelow(std::span<const dvec3> polygon, dvec3 normal, double offset) {
     return std::all_of(polygon.begin(), polygon.end(),
                        [&](const dvec3& p) { return glm::dot(p, normal) <= offset; });
@@ -99,8 +103,10 @@ PointView::PointView(const Blockers& blockers, dvec3 position, dvec3 normal, uin
 PointView PointView::through(const Blockers& blockers, const Polygon& frame, uint32_t room) const {
     PointView view(blockers, position_, normal_);
     view.frame_ = frame_;
-    if (const auto cone = coneOf(frame))
-        view.frame_.insert(view.frame_.end(), cone->sides.begin(), cone->sides.end());
+    if (const auto cone = coneOf(frame)) {
+        for (const dvec3& side : cone->sides) view.frame_.push_back({side, 0});
+        view.frame_.push_back({cone->normal, cone->distance - samePlane(blockers)});
+    }
     view.addCones(blockers, room);
     return view;
 }
@@ -122,15 +128,21 @@ std::optional<PointView::Cone> PointView::coneOf(std::span<const dvec3> corners)
 }
 
 void PointView::addCones(const Blockers& blockers, uint32_t room) {
-    const double samePlane = blockers.tolerance() * (kSamePlane / kLeastOfExtent);
     for (const ConvexRegion& region : blockers.regions()) {
         if (region.room != room) continue;
         Polygon corners;
         for (const dvec3& corner : region.corners) corners.push_back(corner - position_);
+        if (!frame_.empty()) { // what stands before the frame has hidden parts of it already
+            Polygon beyond;
+            cut(corners, frame_.back().normal, frame_.back().offset + 2 * samePlane(blockers), 1, beyond);
+            if (beyond.empty()) continue;
+            corners.swap(beyond);
+        }
         if (allBelow(corners, normal_, least_)) continue;
         auto cone = coneOf(corners);
         // The wall that the point lies on hides nothing, were the point a hair behind it.
-        if (cone && !(cone->distance <= samePlane && std::abs(glm::dot(cone->normal, normal_)) > 0.999))
+        if (cone &&
+            !(cone->distance <= samePlane(blockers) && std::abs(glm::dot(cone->normal, normal_)) > 0.999))
             cones_.push_back(std::move(*cone));
     }
 }
@@ -218,9 +230,9 @@ double PointView::factor(std::span<const dvec3> polygon, std::vector<Polygon>& p
     for (const dvec3& p : polygon) local.push_back(p - position_);
     cut(local, normal_, 0, 1, above);
     parts.clear();
-    for (const dvec3& side : frame_) {
+    for (const Side& side : frame_) {
         if (above.empty()) return 0;
-        cut(above, side, 0, 1, local);
+        cut(above, side.normal, side.offset, 1, local);
         above.swap(local);
     }
     if (above.empty()) return 0;

@@ -42,7 +42,7 @@ public:
     // `normal` unit. `blockers` must outlive this.
     PointView(const Blockers& blockers, glm::dvec3 position, glm::dvec3 normal, uint32_t room);
 
-    // What the point sees of another room through a pane: `frame` is a visible part of the pane.
+    // What the point sees of a room through a pane, beyond its plane: `frame` is a visible part of the pane.
     PointView through(const Blockers& blockers, const Polygon& frame, uint32_t room) const;
 
     // The form factor from the point to a convex polygon (world), whichever way the polygon faces.
@@ -74,8 +74,12 @@ private:
     static void hide(const Cone& cone, double least, std::vector<Polygon>& parts);
 
     glm::dvec3 position_, normal_;
-    double least_;                  // length
-    std::vector<glm::dvec3> frame_; // inward normals of the planes that bound what is seen; none: everything
+    double least_; // length
+    struct Side {
+        glm::dvec3 normal; // inward
+        double offset;
+    };
+    std::vector<Side> frame_; // planes that bound what is seen; none: everything
     std::vector<Cone> cones_;
 };
 

@@ -76,11 +76,15 @@ void SunEdges::addTo(std::span<float> lux, const PointView& view, uint32_t room,
         const size_t first = patch.first,
                      last = p + 1 < patches_.size() ? patches_[p + 1].first : hour_.size();
         if (share >= kNear) {
+            // Not what of the share is seen through windows.
+            std::vector<glm::dvec3> corners;
+            for (uint32_t v : mesh_->patch(patch.patch)) corners.push_back(mesh_->vertices[v]);
+            const double straight = view.factor(corners);
             for (size_t e = first; e < last; ++e) {
                 double exact = 0;
                 for (const Edge::Part& part : parts_[e])
                     exact += double{part.exitance} * view.factor(part.polygon);
-                lux[hour_[e]] += static_cast<float>(exact - double{share} * double{exitance_[e]});
+                lux[hour_[e]] += static_cast<float>(exact - straight * double{exitance_[e]});
             }
             continue;
         }

@@ -100,10 +100,14 @@ TEST(OtherRooms, a_hair_from_an_opening_half_the_sky_is_seen) {
         EXPECT_NEAR(photometric(parts.sky), half, 2e-3 * half);
 }
 
-// A second building before the window at z = 0.
-geometry::PatchMesh facingAnother(uint32_t times, bool triangles) {
+// A second building before the window at z = 0, if wanted with a window that looks back at it.
+geometry::PatchMesh facingAnother(uint32_t times, bool triangles, bool window = false) {
     geometry::PatchMesh mesh = threeWindows(times, triangles);
     test::BoxRoom box{.low = {1.5, 0, -6}, .high = {6, 4, -2}, .cells = {2, 2, 2}, .triangles = triangles};
+    if (window) {
+        for (uint32_t& cells : box.cells) cells *= times;
+        box.isGlass = [](dvec3 p) { return p.z > -2 - 1e-9 && p.x < 3.75 && p.y < 2; };
+    }
     test::addBox(mesh, box, 1);
     return mesh;
 }
@@ -135,6 +139,68 @@ TEST(OtherRooms, what_stands_before_a_window_hides_the_sky) {
     alone.setSensors(sensors), shaded.setSensors(sensors);
     EXPECT_LT(photometric(shaded.light(sky).sensors[1].sky),
               0.8 * photometric(alone.light(sky).sensors[1].sky));
+}
+
+TEST(OtherRooms, a_window_that_looks_at_another_gets_light_from_the_room_behind_it) {
+    const std::vector<Sensor> sensors{{{2, 1, 2}, {0, 1, 0}},
+                                      {{2, 1.5, 2.5}, {0, 0.5, -1}},
+                                      {{3, 0.5, 1}, {0, 0.6, -0.8}},
+                                      {{2.5, 1, -5}, {0, -0.3, 1}}};
+    const daylight::Sky sky = test::sunny({-0.2, 0.5, 0.6}); // into the other building's window
+    expectInside(facingAnother(3, true, true), facingAnother(1, false, true), sky, sensors, 0.06);
+    DaylightTransport wall(test::device(), facingAnother(3, true)),
+        glass(test::device(), facingAnother(3, true, true));
+    wall.setSensors(sensors), glass.setSensors(sensors);
+    EXPECT_GT(photometric(glass.light(sky).sensors[1].total()),
+              1.01 * photometric(wall.light(sky).sensors[1].total()));
+}
+
+// A U of three boxes round a court, whose two windows look at one another; one room.
+geometry::PatchMesh court(uint32_t times, bool triangles) {
+    geometry::PatchMesh mesh;
+    mesh.materials.push_back({"wall", glm::vec3(0.6f)});
+    mesh.materials.push_back({"glass", glm::vec3(0), glm::vec3(0.8f)});
+    uint32_t surface = 0;
+    const auto wall = [&](dvec3 corner, dvec3 u, dvec3 v, bool window = false) {
+        const auto cells = [&](dvec3 d) {
+            return times * static_cast<uint32_t>(std::lround(glm::length(d)));
+        };
+        const uint32_t nu = cells(u), nv = cells(v);
+        for (uint32_t i = 0; i < nu; ++i)
+            for (uint32_t j = 0; j < nv; ++j) {
+                const auto first = static_cast<uint32_t>(mesh.vertices.size());
+                for (const auto& [a, b] : {std::pair(i, j), {i + 1, j}, {i + 1, j + 1}, {i, j + 1}})
+                    mesh.vertices.push_back(corner + u * (double(a) / nu) + v * (double(b) / nv));
+                const bool glass = window && j * 3 / nv == 1 && i * 3 / nu == 1;
+                const auto add = [&](std::vector<uint32_t> corners) {
+                    mesh.addPatch(corners, glass ? 1 : 0, geometry::Role::projection, surface, 0);
+                };
+                if (triangles)
+                    add({first, first + 1, first + 2}), add({first, first + 2, first + 3});
+                else
+                    add({first, first + 1, first + 2, first + 3});
+            }
+        ++surface;
+    };
+    const dvec3 x(3, 0, 0), y(0, 3, 0), z(0, 0, 3);
+    for (const dvec3 box : {dvec3(0), dvec3(3, 0, 0), dvec3(6, 0, 0), dvec3(0, 0, 3), dvec3(6, 0, 3)}) {
+        wall(box, z, x);     // floor
+        wall(box + y, x, z); // ceiling
+    }
+    wall({0, 0, 0}, x, y), wall({3, 0, 0}, x, y), wall({6, 0, 0}, x, y);
+    wall({0, 0, 6}, y, x), wall({3, 0, 3}, y, x), wall({6, 0, 6}, y, x);
+    wall({0, 0, 0}, y, z), wall({0, 0, 3}, y, z), wall({9, 0, 0}, z, y), wall({9, 0, 3}, z, y);
+    wall({3, 0, 3}, z, y, true), wall({6, 0, 3}, y, z, true);
+    return mesh;
+}
+
+TEST(OtherRooms, windows_on_to_a_court_look_at_one_another) {
+    const std::vector<Sensor> sensors{{{1, 1, 4.5}, {1, 0, 0}},
+                                      {{1, 0.8, 4.5}, {0, 1, 0}},
+                                      {{8.5, 2, 4}, {-1, -0.5, 0.2}},
+                                      {{4.5, 1, 1}, {0, 1, 0}}};
+    const daylight::Sky sky = test::sunny({-0.7, 0.5, 0.3});
+    expectInside(court(3, true), court(1, false), sky, sensors, 0.06);
 }
 
 TEST(OtherRooms, sky_and_walls_are_seen_through_interior_glass) {

@@ -1,0 +1,346 @@
+#include "compute/point_scene.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include <glm/geometric.hpp>
+
+#include "compute/lighting.h"
+#include "geometry/bounds.h"
+
+namespace heliodon::compute {
+
+using glm::dvec3;
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kSlopeAngle = 0.3; // of one cell of a patch with a slope
+constexpr double kFarSlope = 0.05;  // size over distance below which a slope across a patch averages out
+
+// Cuts a convex polygon (relative to the point) into triangles that span less than `angle`, seen from the
+// point; work(centre, weight) with weights in proportion to the cells' form factors.
+template<class Work>
+void forCells(std::span<const dvec3> polygon, dvec3 normal, double angle, const Work& work) {
+    struct Triangle {
+        dvec3 a, b, c;
+        int depth;
+    };
+    // Halvings. The number of cells follows from the solid angle; those at the feet of a point that almost
+    // touches the polygon are small.
+    constexpr int kDeepest = 64;
+    Triangle stack[kDeepest + 2];
+    for (size_t k = 1; k + 1 < polygon.size(); ++k) {
+        size_t top = 0;
+        stack[top++] = {polygon[0], polygon[k], polygon[k + 1], 0};
+        while (top > 0) {
+            const Triangle t = stack[--top];
+            const dvec3 centre = (t.a + t.b + t.c) / 3.0;
+            const double distance2 = glm::dot(centre, centre);
+            const double ab = glm::dot(t.b - t.a, t.b - t.a), bc = glm::dot(t.c - t.b, t.c - t.b),
+                         ca = glm::dot(t.a - t.c, t.a - t.c), longest = std::max({ab, bc, ca});
+            if (longest <= angle * angle * distance2 || t.depth >= kDeepest) {
+                const dvec3 area = glm::cross(t.b - t.a, t.c - t.a);
+                const double weight = std::abs(glm::dot(area, centre)) * glm::dot(centre, normal);
+                if (weight > 0) work(centre, weight / (distance2 * distance2));
+            } else if (longest == ab) {
+                const dvec3 m = 0.5 * (t.a + t.b);
+                stack[top++] = {t.a, m, t.c, t.depth + 1}, stack[top++] = {m, t.b, t.c, t.depth + 1};
+            } else if (longest == bc) {
+                const dvec3 m = 0.5 * (t.b + t.c);
+                stack[top++] = {t.a, t.b, m, t.depth + 1}, stack[top++] = {t.a, m, t.c, t.depth + 1};
+            } else {
+                const dvec3 m = 0.5 * (t.c + t.a);
+                stack[top++] = {t.a, t.b, m, t.depth + 1}, stack[top++] = {m, t.b, t.c, t.depth + 1};
+            }
+        }
+    }
+}
+
+// The parts of a polygon above and below the horizontal plane through the point.
+void splitAtHorizon(const PointView::Polygon& polygon, PointView::Polygon& sky, PointView::Polygon& ground) {
+    sky.clear(), ground.clear();
+    for (size_t k = 0; k < polygon.size(); ++k) {
+        const dvec3 &p = polygon[k], &q = polygon[(k + 1) % polygon.size()];
+        if (p.y >= 0) sky.push_back(p);
+        if (p.y <= 0) ground.push_back(p);
+        if ((p.y > 0 && q.y < 0) || (p.y < 0 && q.y > 0)) {
+            dvec3 on = p + (q - p) * (p.y / (p.y - q.y));
+            on.y = 0;
+            sky.push_back(on), ground.push_back(on);
+        }
+    }
+}
+
+dvec3 normalOf(const ConvexRegion& region) {
+    dvec3 sum(0);
+    for (size_t k = 1; k + 1 < region.corners.size(); ++k)
+        sum += glm::cross(region.corners[k] - region.corners[0], region.corners[k + 1] - region.corners[0]);
+    return glm::normalize(sum);
+}
+
+// What of a convex polygon lies more than `least` behind a plane.
+void behind(std::span<const dvec3> polygon, dvec3 origin, dvec3 normal, double least,
+            PointView::Polygon& result) {
+    result.clear();
+    const auto depth = [&](dvec3 p) { return glm::dot(origin - p, normal) - least; };
+    for (size_t k = 0; k < polygon.size(); ++k) {
+        const dvec3 &p = polygon[k], &q = polygon[(k + 1) % polygon.size()];
+        const double dp = depth(p), dq = depth(q);
+        if (dp >= 0) result.push_back(p);
+        if ((dp > 0 && dq < 0) || (dp < 0 && dq > 0)) result.push_back(p + (q - p) * (dp / (dp - dq)));
+    }
+}
+
+void cornersOf(const geometry::PatchMesh& mesh, size_t patch, std::vector<dvec3>& corners) {
+    corners.clear();
+    for (uint32_t v : mesh.patch(patch)) corners.push_back(mesh.vertices[v]);
+}
+
+// The patches of one room that the point is in front of: work(patch, corners, away).
+template<class Work>
+void forPatchesOf(const PointScene& scene, const PointView& view, uint32_t room, const Work& work) {
+    const geometry::PatchMesh& mesh = scene.mesh();
+    std::vector<dvec3> corners;
+    const double least = scene.blockers().tolerance();
+    for (size_t j = 0; j < mesh.patchCount(); ++j) {
+        const PointScene::Patch& patch = scene.patches()[j];
+        if (mesh.room[j] != room) continue;
+        if (mesh.twin[j] != geometry::kNoTwin && isClear(mesh.materials[mesh.material[j]])) continue;
+        const dvec3 away = patch.centre - view.position();
+        if (-glm::dot(away, patch.normal) <= least) continue; // seen from behind, or edge-on
+        cornersOf(mesh, j, corners);
+        work(j, corners, away);
+    }
+}
+
+// One sensor's two rows, as far as they are about patches of its own room.
+void makeRows(const PointScene& scene, const PatchSlopes& slopes, const PointView& view, uint32_t room,
+              float* even, float* smooth) {
+    std::vector<PointView::Polygon> parts;
+    forPatchesOf(scene, view, room, [&](size_t j, std::span<const dvec3> corners, dvec3 away) {
+        const auto terms = slopes.terms(j);
+        if (terms.empty() || scene.patches()[j].size < kFarSlope * glm::length(away)) {
+            const auto factor = static_cast<float>(view.factor(corners));
+            even[j] += factor, smooth[j] += factor;
+            return;
+        }
+        const double factor = view.factor(corners, parts);
+        if (factor <= 0) return;
+        even[j] += static_cast<float>(factor);
+        smooth[j] += static_cast<float>(factor);
+        dvec3 moment(0);
+        double weights = 0;
+        for (const PointView::Polygon& part : parts)
+            forCells(part, view.normal(), kSlopeAngle, [&](dvec3 centre, double weight) {
+                moment += weight * (centre - away);
+                weights += weight;
+            });
+        if (weights <= 0) return;
+        moment *= factor / weights;
+        for (const PatchSlopes::Term& term : terms)
+            smooth[term.patch] += static_cast<float>(glm::dot(moment, dvec3(term.weight)));
+    });
+}
+
+// Of a room behind glass: from afar, no slope.
+void makeRowBeyond(const PointScene& scene, const PointView& view, const RoomBeyond& beyond,
+                   std::initializer_list<float*> rows) {
+    std::vector<PointView::Polygon> parts;
+    forPatchesOf(scene, view, beyond.room, [&](size_t j, std::span<const dvec3> corners, dvec3) {
+        const double factor = view.factor(corners, parts);
+        if (factor <= 0) return;
+        dvec3 middle(0);
+        for (const PointView::Polygon& part : parts)
+            for (const dvec3& corner : part) middle += glm::normalize(corner) / double(part.size());
+        const auto share = static_cast<float>(factor * photometric(glm::vec3(beyond.transmittance(middle))));
+        for (float* row : rows) row[j] += share;
+    });
+}
+
+} // namespace
+
+dvec3 RoomBeyond::transmittance(dvec3 direction) const {
+    dvec3 through(1);
+    const dvec3 towards = glm::normalize(direction);
+    for (const Pane& pane : panes) through *= pane.window->straight(towards, pane.normal);
+    return through;
+}
+
+PointScene::PointScene(const geometry::PatchMesh& mesh) : mesh_(&mesh), blockers_(mesh) {
+    const size_t n = mesh.patchCount();
+    std::vector<uint32_t> opening(n, kNoGroup), pane(n, kNoGroup), wall(n, kNoGroup);
+    std::map<std::array<uint32_t, 2>, uint32_t> links; // material, room beyond
+    for (size_t i = 0; i < n; ++i) {
+        patches_.push_back({geometry::patchCentroid(mesh, i), geometry::patchNormal(mesh, i),
+                            std::sqrt(geometry::patchArea(mesh, i))});
+        const geometry::Material& material = mesh.materials[mesh.material[i]];
+        if (!material.isOpening())
+            wall[i] = 0;
+        else if (mesh.twin[i] == geometry::kNoTwin)
+            opening[i] = mesh.material[i];
+        else if (isClear(material))
+            pane[i] = links
+                          .try_emplace({mesh.material[i], mesh.room[static_cast<size_t>(mesh.twin[i])]},
+                                       links.size())
+                          .first->second;
+    }
+    for (const geometry::Material& material : mesh.materials) windows_.emplace_back(material);
+    std::vector<std::array<uint32_t, 2>> linkOf(links.size());
+    for (const auto& [link, id] : links) linkOf[id] = link;
+    for (ConvexRegion& region : mergedRegions(mesh, pane, 16)) {
+        const auto& [material, room] = linkOf[region.group];
+        const dvec3 normal = normalOf(region);
+        panes_.push_back({std::move(region), &windows_[material], normal, room});
+    }
+    findOpenings(mergedRegions(mesh, opening, 16), mergedRegions(mesh, wall, 16));
+}
+
+void PointScene::findOpenings(std::vector<ConvexRegion> openings, const std::vector<ConvexRegion>& walls) {
+    const double samePlane = kSamePlane * geometry::boundsOf(mesh_->vertices).diagonal();
+    for (ConvexRegion& region : openings) {
+        const dvec3 normal = normalOf(region);
+        openings_.push_back({std::move(region), normal, {}, {}});
+    }
+    const auto outsideOf = [&](const Opening& opening, std::span<const dvec3> corners) {
+        PointView::Polygon part;
+        behind(corners, opening.region.corners[0], opening.normal, samePlane, part);
+        return part.size() < 3 ? PointView::Polygon{} : part;
+    };
+    for (Opening& from : openings_) {
+        for (const ConvexRegion& wall : walls)
+            if (auto part = outsideOf(from, wall.corners); !part.empty()) from.hiddenBy.push_back(part);
+        for (uint32_t k = 0; k < openings_.size(); ++k) {
+            const Opening& to = openings_[k];
+            auto part = &to == &from ? PointView::Polygon{} : outsideOf(from, to.region.corners);
+            if (part.empty()) continue;
+            from.hiddenBy.push_back(std::move(part)); // the sky; what is seen through both is not the sky
+            if (outsideOf(to, from.region.corners).empty() || window(from).hasBlind() ||
+                window(to).hasBlind())
+                continue;
+            Facing facing{k, {}};
+            const auto between = [&](std::span<const dvec3> corners) {
+                if (auto here = outsideOf(from, corners); !here.empty())
+                    if (here = outsideOf(to, here); !here.empty()) facing.hiddenBy.push_back(std::move(here));
+            };
+            for (const ConvexRegion& wall : walls) between(wall.corners);
+            for (const Opening& other : openings_)
+                if (&other != &from && &other != &to) between(other.region.corners);
+            from.facing.push_back(std::move(facing));
+        }
+        seesOthers_ |= !from.facing.empty();
+    }
+}
+
+void PointScene::forRoomsSeen(const PointView& view, const RoomBeyond& here, const RoomWork& work) const {
+    constexpr size_t kMostPanes = 4;
+    work(view, here);
+    if (here.panes.size() >= kMostPanes) return;
+    std::vector<PointView::Polygon> parts, far;
+    const auto inFrontOf = [&](const ConvexRegion& region, dvec3 normal) {
+        return region.room == here.room &&
+               glm::dot(view.position() - region.corners[0], normal) > blockers_.tolerance() &&
+               view.factor(region.corners, parts) > 0;
+    };
+    // On through `part` of one pane and the next one, which leads to the room.
+    const auto goOn = [&](const PointView::Polygon& part, const ConvexRegion& second,
+                          const RoomBeyond& next) {
+        const PointView framed = view.through(blockers_, part, next.room);
+        if (framed.factor(second.corners, far) <= 0) return;
+        for (const PointView::Polygon& frame : std::vector(far))
+            forRoomsSeen(view.through(blockers_, frame, next.room), next, work);
+    };
+    for (const Pane& pane : panes_) {
+        if (!inFrontOf(pane.region, pane.normal)) continue;
+        RoomBeyond next{pane.roomBeyond, here.panes};
+        next.panes.push_back({pane.window, pane.normal});
+        for (const PointView::Polygon& part : parts)
+            for (const Pane& twin : panes_) // the glass in the wall's other face bounds what is seen too
+                if (twin.region.room == pane.roomBeyond && twin.roomBeyond == here.room &&
+                    glm::dot(twin.normal, pane.normal) <= -0.999)
+                    goOn(part, twin.region, next);
+    }
+    if (here.panes.size() + 2 > kMostPanes) return;
+    for (const Opening& from : openings_) {
+        if (from.facing.empty() || !inFrontOf(from.region, from.normal)) continue;
+        for (const Facing& facing : from.facing) {
+            const Opening& to = openings_[facing.to];
+            std::vector<PointView::Polygon> open = parts;
+            for (const PointView::Polygon& wall : facing.hiddenBy) view.hideBeyond(wall, open);
+            RoomBeyond next{to.region.room, here.panes};
+            next.panes.push_back({&window(from), from.normal});
+            next.panes.push_back({&window(to), -to.normal});
+            for (const PointView::Polygon& part : open) goOn(part, to.region, next);
+        }
+    }
+}
+
+void PointScene::seeSky(const PointView& view, uint32_t room, double angle,
+                        std::vector<SkySample>& samples) const {
+    forRoomsSeen(view, {room, {}}, [&](const PointView& seen, const RoomBeyond& beyond) {
+        skyOf(seen, beyond, angle, samples);
+    });
+}
+
+void PointScene::seePatches(const PointView& view, uint32_t room, const PatchSlopes& slopes, float* even,
+                            float* smooth) const {
+    forRoomsSeen(view, {room, {}}, [&](const PointView& seen, const RoomBeyond& beyond) {
+        if (beyond.panes.empty())
+            makeRows(*this, slopes, seen, room, even, smooth);
+        else
+            makeRowBeyond(*this, seen, beyond, {even, smooth});
+    });
+}
+
+void PointScene::seePatchesBeyond(const PointView& view, uint32_t room, float* row) const {
+    forRoomsSeen(view, {room, {}}, [&](const PointView& seen, const RoomBeyond& beyond) {
+        if (!beyond.panes.empty()) makeRowBeyond(*this, seen, beyond, {row});
+    });
+}
+
+void PointScene::skyOf(const PointView& view, const RoomBeyond& beyond, double angle,
+                       std::vector<SkySample>& samples) const {
+    std::vector<PointView::Polygon> parts;
+    PointView::Polygon halves[2];
+    for (const Opening& opening : openings_) {
+        const daylight::Window& pane = window(opening);
+        if (opening.region.room != beyond.room || !pane.passesStraight()) continue;
+        const dvec3 normal = opening.normal;
+        if (glm::dot(view.position() - opening.region.corners[0], normal) <= blockers_.tolerance()) continue;
+        if (view.factor(opening.region.corners, parts) <= 0) continue;
+        for (const PointView::Polygon& wall : opening.hiddenBy) view.hideBeyond(wall, parts);
+        const daylight::Glazing& glazing = pane.glazing();
+        const glm::dvec3 t = glazing.transmissivity;
+        const bool greyGlass = t.x == t.y && t.y == t.z && !glazing.isHole() && !pane.hasBlind();
+        for (const PointView::Polygon& part : parts) {
+            splitAtHorizon(part, halves[0], halves[1]);
+            for (size_t half = 0; half < 2; ++half) {
+                if (halves[half].size() < 3) continue;
+                const double factor = view.unhinderedFactor(halves[half]);
+                const size_t first = samples.size();
+                double weights = 0;
+                forCells(halves[half], view.normal(), angle, [&](dvec3 centre, double weight) {
+                    const dvec3 direction = glm::normalize(centre);
+                    dvec3 through = greyGlass
+                                        ? dvec3(daylight::slabTransmittance(-glm::dot(direction, normal), t.x,
+                                                                            glazing.refractiveIndex))
+                                        : pane.straight(direction, normal);
+                    if (!beyond.panes.empty()) through *= beyond.transmittance(direction);
+                    samples.push_back({glm::vec3(direction), glm::vec3(weight * through)});
+                    weights += weight;
+                });
+                // The cells' shares come from cubature, their sum from Lambert's formula.
+                const auto scale = static_cast<float>(weights > 0 ? kPi * factor / weights : 0);
+                for (size_t k = first; k < samples.size(); ++k) {
+                    samples[k].weight *= scale;
+                    if (half == 1) samples[k].direction.y = std::min(samples[k].direction.y, 0.0f);
+                }
+            }
+        }
+    }
+}
+
+} // namespace heliodon::compute

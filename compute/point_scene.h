@@ -1,0 +1,107 @@
+// What points of rooms see, through windows too: the patches and the sky of their own room, and those of
+// rooms behind panes, each where nothing stands before it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "compute/daylight/window.h"
+#include "compute/patch_slopes.h"
+#include "compute/point_view.h"
+#include "geometry/patch_mesh.h"
+
+namespace heliodon::compute {
+
+// One small piece of sky or ground behind an opening: times its luminance it gives lux.
+struct SkySample {
+    glm::vec3 direction; // world, unit; y > 0: sky, else ground
+    glm::vec3 weight;    // per channel, glazing included
+};
+
+// Whether one sees through an interior window; one that reflects diffusely is taken for frosted.
+inline bool isClear(const geometry::Material& pane) {
+    return pane.reflectance == glm::vec3(0);
+}
+
+// A room that a point sees, through the panes of interior windows if it is not its own.
+struct RoomBeyond {
+    struct Pane {
+        const daylight::Window* window;
+        glm::dvec3 normal; // towards the point
+    };
+    uint32_t room;
+    std::vector<Pane> panes;
+
+    glm::dvec3 transmittance(glm::dvec3 direction) const; // from the point; any length
+};
+
+class PointScene {
+public:
+    explicit PointScene(const geometry::PatchMesh& mesh); // must outlive this
+    const geometry::PatchMesh& mesh() const { return *mesh_; }
+    const Blockers& blockers() const { return blockers_; }
+
+    // Whether any pane leads from room to room, or any window looks at another one.
+    bool hasRoomsBeyond() const { return !panes_.empty() || seesOthers_; }
+
+    // work(view, room) for the point's own room and for each that it sees through panes, four in a row at
+    // most: clear interior windows, and windows to the outside that other windows look at (without blinds).
+    // The building's own walls hide what lies behind them, inside and out, and are black from outside.
+    using RoomWork = std::function<void(const PointView&, const RoomBeyond&)>;
+    void forRoomsSeen(const PointView& view, uint32_t room, const RoomWork& work) const {
+        forRoomsSeen(view, {room, {}}, work);
+    }
+
+    // From a point in the air of `room`, in pieces of at most `angle` radians; through panes too.
+    void seeSky(const PointView& view, uint32_t room, double angle, std::vector<SkySample>& samples) const;
+
+    // Adds the point's form factors of patches; those seen through panes times their photometric
+    // transmittance (their tint is left out).
+    void seePatches(const PointView& view, uint32_t room, const PatchSlopes& slopes, float* even,
+                    float* smooth) const;
+    // The same of what is seen through panes alone.
+    void seePatchesBeyond(const PointView& view, uint32_t room, float* row) const;
+
+    struct Patch {
+        glm::dvec3 centre, normal;
+        double size; // root of the area
+    };
+    std::span<const Patch> patches() const { return patches_; }
+
+private:
+    struct Facing { // a window that another looks at, each from outside
+        uint32_t to;
+        std::vector<PointView::Polygon> hiddenBy; // what stands between them, world
+    };
+    struct Opening {         // to the outside
+        ConvexRegion region; // group: material
+        glm::dvec3 normal;
+        std::vector<PointView::Polygon> hiddenBy; // what hides the sky, world
+        std::vector<Facing> facing;
+    };
+    struct Pane { // clear, of an interior window
+        ConvexRegion region;
+        const daylight::Window* window;
+        glm::dvec3 normal;
+        uint32_t roomBeyond;
+    };
+    const daylight::Window& window(const Opening& opening) const { return windows_[opening.region.group]; }
+    void findOpenings(std::vector<ConvexRegion> openings, const std::vector<ConvexRegion>& walls);
+    void forRoomsSeen(const PointView& view, const RoomBeyond& here, const RoomWork& work) const;
+    void skyOf(const PointView& view, const RoomBeyond& beyond, double angle,
+               std::vector<SkySample>& samples) const;
+
+    const geometry::PatchMesh* mesh_;
+    Blockers blockers_;
+    std::vector<Patch> patches_;
+    std::vector<Opening> openings_;
+    std::vector<Pane> panes_;
+    std::vector<daylight::Window> windows_; // by material
+    bool seesOthers_ = false;
+};
+
+} // namespace heliodon::compute

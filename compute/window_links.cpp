@@ -1,0 +1,68 @@
+#include "compute/window_links.h"
+
+#include <algorithm>
+
+#include "compute/hemicube.h"
+#include "compute/parallel.h"
+
+namespace heliodon::compute {
+
+namespace {
+
+struct Link {
+    uint32_t to;
+    float factor;
+};
+
+} // namespace
+
+WindowLinks::WindowLinks(const PointScene& scene, gpu::Buffer& factors) {
+    if (!scene.hasRoomsBeyond()) return;
+    const geometry::PatchMesh& mesh = scene.mesh();
+    const size_t n = mesh.patchCount();
+    const PatchViewpoints views = patchViewpoints(mesh, 1);
+    std::vector<std::vector<Link>> rows(n);
+    inParallel(n, [&](size_t i) {
+        const Viewpoint& v = views.viewpoints[i];
+        std::vector<float> row(n, 0);
+        scene.seePatchesBeyond(PointView(scene.blockers(), v.position, v.normal, v.room), v.room, row.data());
+        for (uint32_t j = 0; j < n; ++j)
+            if (row[j] > 0) rows[i].push_back({j, row[j]});
+    });
+    std::vector<double> area(n);
+    for (size_t i = 0; i < n; ++i) area[i] = geometry::patchArea(mesh, i);
+    std::vector<float> values;
+    float* matrix = factors.mapped<float>();
+    if (!matrix) values = factors.download<float>(n * n), matrix = values.data();
+    rowSums_.assign(n, 0);
+    const auto add = [&](size_t i, size_t j, double factor) {
+        float& entry = matrix[i * n + j];
+        entries_.push_back({i * n + j, entry});
+        entry += static_cast<float>(factor);
+        rowSums_[i] += static_cast<float>(factor);
+    };
+    for (size_t i = 0; i < n; ++i)
+        for (const Link& link : rows[i]) {
+            const auto back = std::lower_bound(rows[link.to].begin(), rows[link.to].end(), i,
+                                               [](const Link& l, size_t to) { return l.to < to; });
+            const bool both = back != rows[link.to].end() && back->to == i;
+            if (both && link.to < i) continue; // done from the other end
+            const double exchange =
+                0.5 * (area[i] * link.factor + (both ? area[link.to] * double{back->factor} : 0));
+            add(i, link.to, exchange / area[i]);
+            if (link.to != i) add(link.to, i, exchange / area[link.to]);
+        }
+    if (!values.empty()) factors.upload(values);
+}
+
+void WindowLinks::remove(gpu::Buffer& factors) const {
+    if (entries_.empty()) return;
+    std::vector<float> values;
+    float* matrix = factors.mapped<float>();
+    // All of it: entries are many, and lie everywhere.
+    if (!matrix) values = factors.download<float>(rowSums_.size() * rowSums_.size()), matrix = values.data();
+    for (const Entry& entry : entries_) matrix[entry.at] = entry.before;
+    if (!values.empty()) factors.upload(values);
+}
+
+} // namespace heliodon::compute

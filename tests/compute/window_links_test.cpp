@@ -1,0 +1,114 @@
+#include "compute/window_links.h"
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include "compute/daylight_transport.h"
+#include "tests/compute/rooms.h"
+#include "tests/compute/skies.h"
+#include "tests/gpu/test_device.h"
+
+namespace heliodon::compute {
+namespace {
+
+using glm::dvec3;
+
+// Two boxes whose walls at z = 5 are open holes, `gap` apart; one room each. As good as one long box.
+geometry::PatchMesh openBoxes(double gap, uint32_t times) {
+    geometry::PatchMesh mesh;
+    for (uint32_t room = 0; room < 2; ++room) {
+        test::BoxRoom box;
+        box.cells = {4 * times, 3 * times, 5 * times};
+        box.glass.transmittance = glm::vec3(1), box.glass.refractiveIndex = 1;
+        if (room) box.low.z = 5 + gap, box.high.z = 10 + gap;
+        box.isGlass = [gap](dvec3 p) { return p.z > 5 - 1e-9 && p.z < 5 + gap + 1e-9; };
+        test::addBox(mesh, box, room);
+    }
+    return mesh;
+}
+
+TEST(WindowLinks, two_rooms_behind_open_holes_are_one_long_room) {
+    const double gap = 1e-4;
+    geometry::PatchMesh two = openBoxes(gap, 2);
+    test::BoxRoom box;
+    box.high.z = 10, box.cells = {8, 6, 20};
+    geometry::PatchMesh one = test::boxRoom(box);
+    const auto lamp = [](geometry::PatchMesh& mesh) { // the end at z = 0
+        mesh.materials.push_back({"lamp", glm::vec3(0.5f)});
+        mesh.materials.back().exitance = glm::vec3(1000);
+        for (size_t i = 0; i < mesh.patchCount(); ++i)
+            if (geometry::patchCentroid(mesh, i).z < 1e-9)
+                mesh.material[i] = static_cast<uint32_t>(mesh.materials.size() - 1);
+    };
+    lamp(two), lamp(one);
+    DaylightTransport split(test::device(), two), whole(test::device(), one);
+    const std::vector<Sensor> sensors{{{2, 1, 7}, {0, 1, 0}},
+                                      {{2, 1.5, 9.5}, {0, 0, -1}},
+                                      {{0.5, 2, 6}, {1, 0, 0}},
+                                      {{2, 1.5, 1}, {0, 0, 1}},
+                                      {{1, 0.8, 3}, {0, 1, 0}}};
+    split.setSensors(sensors), whole.setSensors(sensors);
+    const Moment halves = split.light(daylight::Sky{}), all = whole.light(daylight::Sky{});
+    for (size_t k = 0; k < sensors.size(); ++k) {
+        const double lux = photometric(all.sensors[k].total());
+        EXPECT_GT(lux, 10);
+        // One point a patch beside the holes, half a metre wide.
+        EXPECT_NEAR(photometric(halves.sensors[k].total()), lux, 0.02 * lux) << k;
+        EXPECT_NEAR(photometric(halves.sensors[k].total()), lux,
+                    static_cast<double>(halves.sensors[k].error + all.sensors[k].error));
+    }
+    EXPECT_LT(halves.report.energyImbalance, 1e-5);
+}
+
+TEST(WindowLinks, exchange_is_mutual_and_comes_out_again_to_the_bit) {
+    const geometry::PatchMesh mesh = openBoxes(0.3, 1);
+    const size_t n = mesh.patchCount();
+    FormFactors factors = computeFormFactors(test::device(), mesh, {});
+    const std::vector<float> before = factors.values.download<float>(n * n);
+    const PointScene scene(mesh);
+    const WindowLinks links(scene, factors.values);
+    const std::vector<float> with = factors.values.download<float>(n * n);
+    double largest = 0;
+    for (size_t i = 0; i < n; ++i) {
+        double sum = 0;
+        for (size_t j = 0; j < n; ++j) {
+            const double there = double{with[i * n + j]} - double{before[i * n + j]},
+                         back = double{with[j * n + i]} - double{before[j * n + i]};
+            EXPECT_NEAR(geometry::patchArea(mesh, i) * there, geometry::patchArea(mesh, j) * back, 1e-7);
+            EXPECT_TRUE(there == 0 || mesh.room[i] != mesh.room[j]);
+            sum += there;
+            largest = std::max(largest, there);
+        }
+        EXPECT_NEAR(links.rowSums()[i], sum, 1e-5);
+    }
+    EXPECT_GT(largest, 1e-3);
+    links.remove(factors.values);
+    EXPECT_EQ(factors.values.download<float>(n * n), before);
+}
+
+TEST(WindowLinks, glass_may_change) {
+    geometry::PatchMesh mesh = openBoxes(0.3, 1), dim = mesh;
+    for (geometry::Material& m : dim.materials)
+        if (m.isOpening()) m.transmittance = glm::vec3(0.3f), m.refractiveIndex = 1.52f;
+    const daylight::Sky sky = test::sunny({0.9, 0.3, 0.1});
+    for (geometry::PatchMesh* m : {&mesh, &dim}) {
+        m->materials[0].exitance = glm::vec3(100);
+        m->materials[2].exitance = glm::vec3(0);
+    }
+    DaylightTransport changed(test::device(), mesh), fresh(test::device(), dim);
+    changed.setSensors({{{2, 1, 7}, {0, 1, 0}}}), fresh.setSensors({{{2, 1, 7}, {0, 1, 0}}});
+    const float bright = changed.light(sky).sensors[0].interreflected.y;
+    changed.setMaterials(dim.materials);
+    const float lux = fresh.light(sky).sensors[0].interreflected.y;
+    EXPECT_LT(lux, 0.5f * bright);
+    EXPECT_NEAR(changed.light(sky).sensors[0].interreflected.y, lux, 1e-3f * lux);
+}
+
+TEST(WindowLinks, rooms_that_see_no_other_have_none) {
+    const geometry::PatchMesh mesh = test::boxRoom({});
+    FormFactors factors = computeFormFactors(test::device(), mesh, {});
+    EXPECT_TRUE(WindowLinks(PointScene(mesh), factors.values).rowSums().empty());
+}
+
+} // namespace
+} // namespace heliodon::compute
