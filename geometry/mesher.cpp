@@ -73,8 +73,9 @@ public:
         double least = std::numeric_limits<double>::infinity();
         for (const Grading& grading : kGradings) {
             grading_ = grading;
-            edge_ = added_ = 0;
+            edge_ = added_ = lastEdge_ = lastCount_ = 0;
             addedKnown_ = false;
+            counts_.clear();
             const bool graded = std::isfinite(grading.growth);
             const double additions = mostAdditions();
             double aim = wanted_; // half of them are expected
@@ -99,17 +100,27 @@ public:
 private:
     const Face& faceOf(size_t domain) const { return building_.faces[domains_[domain].faces[0]]; }
 
-    std::optional<PlanarMesh> gridOf(size_t d, const PlanarDomain& plane) const {
-        return domains_[d].frames.size() > 1 ? meshUprightGrid(plane) : std::nullopt;
-    }
+    // What a domain will be meshed from.
+    struct Draft {
+        PlanarDomain plane;
+        std::optional<PlanarMesh> grid; // of upright facets, where that fits
+        std::vector<glm::dvec2> seeds;  // else
+        std::optional<PlanarNet> net;   // of the seeds, where it was asked for already
+        double count = 0;               // of triangles, without those that refinement adds
+    };
 
-    // How many triangles the domain has without those that refinement adds.
-    double countOf(size_t d, double lattice) const {
-        const PlanarDomain plane = sampler_.planar(d);
-        if (const auto grid = gridOf(d, plane)) return static_cast<double>(grid->triangles.size());
-        return 2 * static_cast<double>(hexagonalSeeds(plane, lattice).size()) +
-               static_cast<double>(plane.boundary.size()) - 2 +
-               2 * (static_cast<double>(domains_[d].loops.size()) - 1);
+    Draft draftOf(size_t d, double lattice) const {
+        Draft draft{sampler_.planar(d), {}, {}, {}};
+        if (domains_[d].frames.size() > 1) draft.grid = meshUprightGrid(draft.plane);
+        if (draft.grid) {
+            draft.count = static_cast<double>(draft.grid->triangles.size());
+        } else {
+            draft.seeds = hexagonalSeeds(draft.plane, lattice);
+            draft.count = 2 * static_cast<double>(draft.seeds.size()) +
+                          static_cast<double>(draft.plane.boundary.size()) - 2 +
+                          2 * (static_cast<double>(domains_[d].loops.size()) - 1);
+        }
+        return draft;
     }
 
     struct Count {
@@ -117,11 +128,13 @@ private:
     };
 
     Count countFor(double edge) {
+        const auto [known, isNew] = counts_.try_emplace(edge);
+        Count& count = known->second;
+        if (!isNew) return count;
         sampler_.choose(edge, grading_);
-        Count count;
         double area = 0, squares = 0;
         for (size_t d = 0; d < domains_.size(); ++d) {
-            const double own = std::max(1.0, countOf(d, edge));
+            const double own = std::max(1.0, draftOf(d, edge).count);
             count.sum += own;
             area += areas_[d];
             squares += areas_[d] * areas_[d] / own;
@@ -132,14 +145,12 @@ private:
 
     // How many triangles refinement adds.
     double addedTriangles() {
-        sampler_.choose(edge_, grading_);
         double added = 0;
-        for (size_t d = 0; d < domains_.size(); ++d) {
-            const PlanarDomain plane = sampler_.planar(d);
-            if (plane.size.uniform() || gridOf(d, plane)) continue;
-            const std::vector<glm::dvec2> seeds = hexagonalSeeds(plane, lattices_[d]);
-            const PlanarMesh mesh = meshPlanar(plane, seeds);
-            added += 2 * static_cast<double>(mesh.points.size() - plane.boundary.size() - seeds.size());
+        for (Draft& draft : drafts_) {
+            if (draft.plane.size.uniform() || draft.grid) continue;
+            draft.net = draftMesh(draft.plane, draft.seeds);
+            added += 2 * static_cast<double>(draft.net->points.size() - draft.plane.boundary.size() -
+                                             draft.seeds.size());
         }
         return added;
     }
@@ -147,14 +158,17 @@ private:
     // False when there are too few triangles for such grading.
     bool chooseSizes(double wanted) {
         for (int round = 0;; ++round) {
-            if (!chooseEdge(wanted - added_) && std::isfinite(grading_.growth)) return false;
-            chooseLattices(wanted - added_);
+            // What refinement adds changes the edge length once more, so that near is good enough at first.
+            const bool roughly =
+                round == 0 && !addedKnown_ && sampler_.hasSmallParts(regularEdge(building_, wanted));
+            if (!chooseEdge(wanted - added_, roughly) && std::isfinite(grading_.growth)) return false;
+            chooseLattices(wanted - added_, roughly);
             // A few triangles more change the edge length, and so their own number, by next to nothing.
             if (round == 2 || addedKnown_) return true;
             const double now = addedTriangles();
-            const bool settled = std::abs(now - added_) < 0.01 * wanted_;
+            const bool settled = !roughly && std::abs(now - added_) < 0.01 * wanted_;
             added_ = now;
-            if (added_ > kMostForGrading * std::min(wanted, wanted_)) return false;
+            if (!roughly && added_ > kMostForGrading * std::min(wanted, wanted_)) return false;
             addedKnown_ = settled || round == 1;
             if (settled) return true;
         }
@@ -183,12 +197,13 @@ private:
     }
 
     // False when even the longest edges leave many more.
-    bool chooseEdge(double wanted) {
+    bool chooseEdge(double wanted, bool roughly) {
         constexpr int kRounds = 5;
         constexpr double kJump = 1.004; // between edges so near the count jumps
+        constexpr double kRough = 0.04; // of the count
         double edge = edge_ > 0 ? edge_ : regularEdge(building_, wanted), least = 1e300;
         double low = 0, high = 0; // edges that give too many, too few
-        double lastEdge = 0, lastCount = 0, best = 1e300;
+        double best = 1e300;
         for (int round = 0; round < kRounds; ++round) {
             const auto [count, unevenness] = countFor(edge);
             const double off = std::abs(count - wanted);
@@ -196,8 +211,8 @@ private:
                 return false;
             least = std::min(least, off);
             keepBest(edge, scoreOf(count, unevenness, wanted), best);
-            if (off <= slack()) {
-                lookAround(wanted, edge, count > wanted ? 1 : -1, best);
+            if (off <= (roughly ? kRough * wanted : slack())) {
+                if (!roughly) lookAround(wanted, edge, count > wanted ? 1 : -1, best);
                 break;
             }
             (count > wanted ? low : high) = edge;
@@ -205,16 +220,16 @@ private:
             if (bracketed && high < kJump * low) break;
             // Small parts have their triangles whatever the edge is: the count changes less than its square.
             double power = 2;
-            if (lastEdge > 0 && lastCount != count)
-                power = std::clamp(-std::log(count / lastCount) / std::log(edge / lastEdge), 0.8, 2.5);
-            lastEdge = edge;
-            lastCount = count;
+            if (lastEdge_ > 0 && lastCount_ != count && lastEdge_ != edge)
+                power = std::clamp(-std::log(count / lastCount_) / std::log(edge / lastEdge_), 0.8, 2.5);
+            lastEdge_ = edge;
+            lastCount_ = count;
             const double guess = edge * std::pow(count / wanted, 1 / power);
             edge = bracketed && (guess <= std::min(low, high) || guess >= std::max(low, high))
                        ? 0.5 * (low + high)
                        : guess;
         }
-        return high > 0 || least <= kCountReached * wanted;
+        return high > 0 || least <= (roughly ? kRough : kCountReached) * wanted;
     }
 
     // How far the count may be off before what optimisation adds.
@@ -228,20 +243,19 @@ private:
 
     // Rows and columns come in whole numbers, so that the count jumps; lattices a little finer or coarser
     // than the boundary, one domain after the other, settle it.
-    void chooseLattices(double wanted) {
+    void chooseLattices(double wanted, bool roughly) {
         sampler_.choose(edge_, grading_);
-        lattices_.assign(domains_.size(), edge_);
-        std::vector<double> counts;
+        drafts_.clear();
         double sum = 0;
-        for (size_t d = 0; d < domains_.size(); ++d) sum += counts.emplace_back(countOf(d, edge_));
+        for (size_t d = 0; d < domains_.size(); ++d) sum += drafts_.emplace_back(draftOf(d, edge_)).count;
+        if (roughly) return;
         for (const double step : {0.03, 0.06, 0.09}) // little everywhere rather than much in one place
             for (size_t d = 0; d < domains_.size() && std::abs(sum - wanted) > slack(); ++d) {
-                if (counts[d] < 8) continue;
-                const double lattice = (sum > wanted ? 1 + step : 1 - step) * edge_,
-                             count = countOf(d, lattice), now = sum - counts[d] + count;
+                if (drafts_[d].count < 8) continue;
+                Draft draft = draftOf(d, (sum > wanted ? 1 + step : 1 - step) * edge_);
+                const double now = sum - drafts_[d].count + draft.count;
                 if (std::abs(now - wanted) >= std::abs(sum - wanted)) continue;
-                lattices_[d] = lattice;
-                counts[d] = count;
+                drafts_[d] = std::move(draft);
                 sum = now;
             }
     }
@@ -309,11 +323,11 @@ private:
     }
 
     void meshDomain(size_t d) {
-        const PlanarDomain plane = sampler_.planar(d);
+        Draft& draft = drafts_[d];
         std::vector<uint32_t> vertices = boundaryVertices(domains_[d]);
-        const std::optional<PlanarMesh> grid = gridOf(d, plane);
-        const PlanarMesh flat =
-            grid ? *grid : meshPlanar(plane, hexagonalSeeds(plane, lattices_[d]), additions_);
+        if (!draft.grid && !draft.net) draft.net = draftMesh(draft.plane, draft.seeds);
+        const PlanarMesh flat = draft.grid ? std::move(*draft.grid)
+                                           : improvedMesh(std::move(*draft.net), draft.plane, additions_);
         additions_ -= flat.added;
         for (size_t i = vertices.size(); i < flat.points.size(); ++i) {
             vertices.push_back(static_cast<uint32_t>(mesh_.vertices.size()));
@@ -394,7 +408,10 @@ private:
     const Building& building_;
     double wanted_, edge_ = 0, added_ = 0; // added: triangles that refinement adds, as far as known
     size_t additions_ = 0;                 // points that optimisation may still add
-    std::vector<double> lattices_, areas_; // per domain
+    std::vector<double> areas_;            // per domain
+    std::vector<Draft> drafts_;            // per domain, for the edge and lattices chosen
+    std::map<double, Count> counts_;       // by edge, of those looked at with this grading
+    double lastEdge_ = 0, lastCount_ = 0;
     Grading grading_;
     bool addedKnown_ = false; // at this grading
     std::vector<MeshDomain> domains_;

@@ -226,10 +226,17 @@ public:
     }
 
 private:
+    // The triangles round a point, by their sides opposite to it.
+    struct Side {
+        glm::dvec2 a, b;
+        double square; // of its length
+    };
+
     // Only those of triangles with small angles, and again only where something near has moved.
-    static void movePoints(PlanarNet& net, int rounds) {
+    static void movePoints(PlanarNet& net, int passes) {
         std::vector<bool> stirred(net.points.size(), true);
-        for (int round = 0; round < rounds; ++round) {
+        std::vector<Side> round;
+        for (int pass = 0; pass < passes; ++pass) {
             std::vector<uint32_t> asked;
             std::vector<bool> known(net.points.size());
             for (uint32_t t = 0; t < net.corner.size(); ++t) {
@@ -245,7 +252,7 @@ private:
             stirred.assign(net.points.size(), false);
             bool moved = false;
             for (const uint32_t v : asked) {
-                if (!move(net, v, stars)) continue;
+                if (!move(net, v, stars, round)) continue;
                 moved = true;
                 for (uint32_t i = stars.first[v]; i < stars.first[v + 1]; ++i)
                     for (const uint32_t w : net.corner[stars.triangles[i]]) stirred[w] = true;
@@ -315,33 +322,58 @@ private:
         return sum;
     }
 
-    // Cosine of the smallest angle round v if it were at p; anything from `limit` on when it is that much.
-    static double worst(const PlanarNet& net, uint32_t v, glm::dvec2 p, const Stars& stars, double limit) {
-        double cosine = -1;
-        for (uint32_t i = stars.first[v]; i < stars.first[v + 1] && cosine < limit; ++i) {
-            const auto& c = net.corner[stars.triangles[i]];
-            const auto at = [&](size_t k) { return c[k] == v ? p : net.points[c[k]]; };
-            cosine = std::max(cosine, net.worstCosine(at(0), at(1), at(2)));
+    // Squared cosine of the smallest angle round p; 1 when it is `limit` or more, which most places tried are
+    // at the first side asked: it comes first from then on.
+    static double worst(std::vector<Side>& round, glm::dvec2 p, double limit) {
+        double up = 0, down = 1; // as a fraction
+        for (Side& side : round) {
+            const glm::dvec2 u = side.a - p, v = side.b - p;
+            const double uu = glm::dot(u, u), vv = glm::dot(v, v), uv = glm::dot(u, v), ww = side.square;
+            // The smallest angle lies opposite the shortest side.
+            double adjacent = uv, squares = uu * vv;
+            if (uu < ww && uu <= vv) {
+                adjacent = vv - uv;
+                squares = ww * vv;
+            } else if (vv < ww) {
+                adjacent = uu - uv;
+                squares = ww * uu;
+            }
+            const double square = adjacent * adjacent;
+            if (cross(u, v) <= 0 || square >= limit * squares) {
+                std::swap(side, round.front());
+                return 1;
+            }
+            if (square * down > up * squares) {
+                up = square;
+                down = squares;
+            }
         }
-        return cosine;
+        return up / down;
     }
 
-    // A pattern search with shrinking steps.
-    static bool move(PlanarNet& net, uint32_t v, const Stars& stars) {
+    // A pattern search with shrinking steps. `round`: room for the sides round v.
+    static bool move(PlanarNet& net, uint32_t v, const Stars& stars, std::vector<Side>& round) {
         const glm::dvec2 start = net.points[v];
+        round.clear();
+        double nearest = 1e300;
+        for (uint32_t i = stars.first[v]; i < stars.first[v + 1]; ++i) {
+            const auto& c = net.corner[stars.triangles[i]];
+            const size_t k = c[0] == v ? 0 : c[1] == v ? 1 : 2;
+            const glm::dvec2 a = net.points[c[(k + 1) % 3]], b = net.points[c[(k + 2) % 3]];
+            round.push_back({a, b, glm::dot(b - a, b - a)});
+            nearest = std::min({nearest, glm::dot(a - start, a - start), glm::dot(b - start, b - start)});
+        }
+        const double shortest = std::sqrt(nearest), before = std::sqrt(worst(round, start, 1));
         glm::dvec2 best = start;
-        double least = worst(net, v, best, stars, 1), shortest = 1e300;
-        const double before = least;
-        for (uint32_t i = stars.first[v]; i < stars.first[v + 1]; ++i)
-            for (const uint32_t w : net.corner[stars.triangles[i]])
-                if (w != v) shortest = std::min(shortest, glm::length(net.points[w] - start));
+        double least = before;
         for (double step = 0.25 * shortest; step > 0.01 * shortest;) {
             bool better = false;
+            const double wanted = least - 1e-4;
             for (const glm::dvec2 d : kDirections) {
                 const glm::dvec2 p = best + step * d;
-                const double cosine = worst(net, v, p, stars, least - 1e-4);
-                if (cosine >= least - 1e-4) continue;
-                least = cosine;
+                const double square = worst(round, p, wanted * wanted);
+                if (square >= wanted * wanted) continue;
+                least = std::sqrt(square);
                 best = p;
                 better = true;
                 break;
@@ -403,18 +435,18 @@ std::vector<glm::dvec2> hexagonalSeeds(const PlanarDomain& domain, double lattic
     return seeds;
 }
 
-PlanarMesh meshPlanar(const PlanarDomain& domain, const std::vector<glm::dvec2>& seeds,
-                      std::optional<size_t> mostAdded) {
+PlanarNet draftMesh(const PlanarDomain& domain, const std::vector<glm::dvec2>& seeds) {
     PlanarNet net = triangulate(domain, seeds);
     Refiner(net, domain).refine();
-    size_t added = 0;
-    if (mostAdded) {
-        for (int k = 0; k < kSmoothings && net.points.size() > net.boundaryCount; ++k) {
-            smooth(net, domain);
-            net.flipAll();
-        }
-        added = Optimiser(net, domain.size.edge()).optimise(*mostAdded);
+    return net;
+}
+
+PlanarMesh improvedMesh(PlanarNet net, const PlanarDomain& domain, size_t mostAdded) {
+    for (int k = 0; k < kSmoothings && net.points.size() > net.boundaryCount; ++k) {
+        smooth(net, domain);
+        net.flipAll();
     }
+    const size_t added = Optimiser(net, domain.size.edge()).optimise(mostAdded);
     return {std::move(net.points), std::move(net.corner), added};
 }
 

@@ -3,11 +3,11 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include <glm/vec2.hpp>
 
+#include "geometry/planar_net.h"
 #include "geometry/size_field.h"
 
 namespace heliodon::geometry {
@@ -31,12 +31,13 @@ struct PlanarMesh {
     size_t added = 0;                               // points, by optimisation
 };
 
-// Constrained Delaunay triangulation of boundary and seeds; further points at circumcentres where triangles
-// are too large for the size wanted (Ruppert 1995, boundaries left alone). With `mostAdded` the mesh is
-// improved: inner points move to the mean of the triangles round them, edges flip, and what still has a small
-// angle is optimised by itself, with at most so many further points. Throws std::runtime_error when the
-// boundary crosses or touches itself.
-PlanarMesh meshPlanar(const PlanarDomain& domain, const std::vector<glm::dvec2>& seeds,
-                      std::optional<size_t> mostAdded = std::nullopt);
+// Constrained Delaunay triangulation of boundary and seeds, with further points at circumcentres where
+// triangles are too large for the size wanted (Ruppert 1995, boundaries left alone). Throws
+// std::runtime_error when the boundary crosses or touches itself.
+PlanarNet draftMesh(const PlanarDomain& domain, const std::vector<glm::dvec2>& seeds);
+
+// Inner points move to the mean of the triangles round them, edges flip, and what still has a small angle is
+// optimised by itself, with at most `mostAdded` further points.
+PlanarMesh improvedMesh(PlanarNet net, const PlanarDomain& domain, size_t mostAdded);
 
 } // namespace heliodon::geometry
