@@ -174,9 +174,10 @@ private:
     }
 
     void place() {
+        if (shapeCount_ == 0) return outlinesAlone();
         constexpr int kMostRounds = 6;
         overlay_.map = arrange(segments_);
-        for (int round = 0; round < kMostRounds && shapeCount_ > 0; ++round) {
+        for (int round = 0; round < kMostRounds; ++round) {
             Snapper snapper(overlay_.map, overlay_.outlineTags, corners_);
             if (!snapper.snap()) break;
             overlay_.map = arrange(snapper.segments());
@@ -192,6 +193,31 @@ private:
         for (uint32_t c = 0; c < overlay_.map.cellCount; ++c)
             if (overlay_.room[c] >= 0 && square[c] >= 0)
                 overlay_.label[c] = 2 * overlay_.room[c] + (touching_ == Touching::joined);
+    }
+
+    // Outlines cross nothing: each room is a cell as it is, and what is no room another.
+    void outlinesAlone() {
+        PlanArrangement& map = overlay_.map;
+        map.cellCount = static_cast<uint32_t>(roomCount_) + 1;
+        overlay_.room.assign(map.cellCount, -1);
+        overlay_.shape.assign(map.cellCount, -1);
+        overlay_.label.assign(map.cellCount, -1);
+        for (uint32_t c = 1; c < map.cellCount; ++c) {
+            overlay_.room[c] = static_cast<int>(c - 1);
+            overlay_.label[c] = 2 * overlay_.room[c];
+        }
+        for (uint32_t first = 0, past = 0; first < segments_.size(); first = past) {
+            do map.points.push_back(segments_[past].a);
+            while (segments_[past++].b != segments_[first].a);
+            const uint32_t n = past - first;
+            for (uint32_t k = 0; k < n; ++k) {
+                const uint32_t after = first + (k + 1) % n, before = first + (k + n - 1) % n;
+                map.target.insert(map.target.end(), {after, first + k});
+                map.next.insert(map.next.end(), {2 * after, 2 * before + 1});
+                map.cell.insert(map.cell.end(), {static_cast<uint32_t>(roomOfTag_[first + k]) + 1, 0u});
+                map.tags.push_back({{static_cast<int32_t>(first + k), true}});
+            }
+        }
     }
 
     std::vector<int> firstOver(const std::vector<int>& owner, size_t firstTag, size_t count) const {

@@ -180,15 +180,21 @@ private:
 
 // Moves each inner point to the mean of its triangles' centroids, weighted by their area in terms of the size
 // wanted, unless that turns one over.
-void smooth(PlanarNet& net, const PlanarDomain& domain) {
+// `sizes`: of the points on the boundary where sizes are not uniform, kept from call to call.
+void smooth(PlanarNet& net, const PlanarDomain& domain, std::vector<double>& sizes) {
     const size_t inner = net.points.size() - net.boundaryCount;
+    if (!domain.size.uniform()) {
+        const size_t known = sizes.empty() ? 0 : net.boundaryCount;
+        sizes.resize(net.points.size());
+        for (size_t v = known; v < sizes.size(); ++v) sizes[v] = domain.size.at(net.points[v]);
+    }
     std::vector<glm::dvec2> sum(inner, glm::dvec2(0));
     std::vector<double> weight(inner, 0);
     for (const auto& c : net.corner) {
         const glm::dvec2 middle = (net.points[c[0]] + net.points[c[1]] + net.points[c[2]]) / 3.0;
         double area = net.twiceArea(c[0], c[1], c[2]);
         if (!domain.size.uniform()) {
-            const double size = domain.size.at(middle);
+            const double size = sizes[c[0]] + sizes[c[1]] + sizes[c[2]];
             area /= size * size;
         }
         for (const uint32_t v : c)
@@ -385,7 +391,7 @@ private:
     }
 
     static constexpr size_t kFewAdditions = 5, kTrianglesAnAddition = 40;
-    static constexpr int kRings = 3;
+    static constexpr int kRings = 2;
     static constexpr double kWorthAPoint = 1e-4, kStrip = 0.4; // of the edge length
     static constexpr double kHalf = 0.70710678;
     static constexpr std::array<glm::dvec2, 8> kDirections{{{1, 0},
@@ -442,8 +448,9 @@ PlanarNet draftMesh(const PlanarDomain& domain, const std::vector<glm::dvec2>& s
 }
 
 PlanarMesh improvedMesh(PlanarNet net, const PlanarDomain& domain, size_t mostAdded) {
+    std::vector<double> sizes;
     for (int k = 0; k < kSmoothings && net.points.size() > net.boundaryCount; ++k) {
-        smooth(net, domain);
+        smooth(net, domain, sizes);
         net.flipAll();
     }
     const size_t added = Optimiser(net, domain.size.edge()).optimise(mostAdded);

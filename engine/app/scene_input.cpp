@@ -214,9 +214,9 @@ Scene makeScene(Run& run, const SceneArguments& arguments, std::optional<geometr
     }
     {
         const StageTimer timer(run, "model");
-        const auto closeAgain = [&] { // with other facets
+        const auto closeAgain = [&] { // with other facets; false when these are the same
             geometry::Closure other = geometry::closeSketch(*scene.sketch, closure);
-            if (!other.building) return false;
+            if (!other.building || other.building->vertices == building.vertices) return false;
             building = std::move(*other.building);
             reportClosure(run, other.report);
             return true;
