@@ -183,7 +183,7 @@ double areaExchange(const Polygon& from, const Polygon& to) {
     return overPolygon(f, from, low, high, 1e-15 * polygonArea(from), 4000).value;
 }
 
-// What of `polygon` lies outside the cone from `point` over `blocker`, in convex pieces.
+// Cuts the cone from `point` over `blocker` off convex pieces. What the cone misses stays whole.
 void subtractShadow(const dvec3& point, const Polygon& blocker, std::vector<Polygon>& pieces) {
     dvec3 plane = areaVector(blocker);
     const double size = length(plane);
@@ -191,17 +191,25 @@ void subtractShadow(const dvec3& point, const Polygon& blocker, std::vector<Poly
     double side = dot(blocker[0] - point, plane) / size;
     if (std::abs(side) < 1e-14 * std::max(1.0, length(blocker[0] - point))) return;
     if (side < 0) plane = -plane;
+    std::vector<dvec3> inward; // normals of the cone's sides
+    for (size_t k = 0; k < blocker.size(); ++k) {
+        const dvec3 normal = cross(blocker[k] - point, blocker[(k + 1) % blocker.size()] - point);
+        inward.push_back(side < 0 ? -normal : normal);
+    }
     std::vector<Polygon> kept;
     for (Polygon& piece : pieces) {
-        if (Polygon before = clipped(piece, blocker[0], -plane); before.size() >= 3)
-            kept.push_back(std::move(before));
         Polygon rest = clipped(piece, blocker[0], plane);
-        for (size_t k = 0; k < blocker.size() && rest.size() >= 3; ++k) {
-            dvec3 edgePlane = cross(blocker[k] - point, blocker[(k + 1) % blocker.size()] - point);
-            if (side < 0) edgePlane = -edgePlane;
-            if (Polygon outside = clipped(rest, point, -edgePlane); outside.size() >= 3)
+        const auto misses = [&](const dvec3& normal) { return clipped(rest, point, normal).empty(); };
+        if (rest.empty() || std::ranges::any_of(inward, misses)) {
+            kept.push_back(std::move(piece));
+            continue;
+        }
+        if (Polygon before = clipped(piece, blocker[0], -plane); !before.empty())
+            kept.push_back(std::move(before));
+        for (size_t k = 0; k < inward.size() && !rest.empty(); ++k) {
+            if (Polygon outside = clipped(rest, point, -inward[k]); !outside.empty())
                 kept.push_back(std::move(outside));
-            rest = clipped(rest, point, edgePlane);
+            rest = clipped(rest, point, inward[k]);
         }
     }
     pieces = std::move(kept);
@@ -222,25 +230,30 @@ Polygon polygonOf(const geometry::PatchMesh& mesh, size_t patch) {
 Polygon clipped(std::span<const dvec3> polygon, const dvec3& onPlane, const dvec3& normal) {
     const double norm = length(normal);
     if (polygon.size() < 3 || norm == 0) return {};
-    std::vector<double> height(polygon.size());
-    double highest = 0, reach = 0;
-    for (size_t k = 0; k < polygon.size(); ++k) {
-        height[k] = dot(polygon[k] - onPlane, normal) / norm;
-        reach = std::max(reach, length(polygon[k] - onPlane));
-    }
+    double reach = 0;
+    for (const dvec3& p : polygon) reach = std::max(reach, length(p - onPlane));
     // Corners within rounding of the plane lie on it: shared edges must not leave slivers.
-    for (double& h : height) {
-        if (std::abs(h) <= 4e-16 * reach) h = 0;
-        highest = std::max(highest, h);
+    const auto heightOf = [&](const dvec3& p) {
+        const double height = dot(p - onPlane, normal) / norm;
+        return std::abs(height) <= 4e-16 * reach ? 0.0 : height;
+    };
+    double highest = 0, lowest = 0;
+    for (const dvec3& p : polygon) {
+        const double height = heightOf(p);
+        highest = std::max(highest, height), lowest = std::min(lowest, height);
     }
+    if (highest == 0) return {};
+    if (lowest == 0) return {polygon.begin(), polygon.end()};
     Polygon result;
-    if (highest == 0) return result;
+    result.reserve(polygon.size() + 1);
+    double height = heightOf(polygon[0]);
     for (size_t k = 0; k < polygon.size(); ++k) {
-        const size_t next = (k + 1) % polygon.size();
-        if (height[k] >= 0) result.push_back(polygon[k]);
-        if ((height[k] > 0 && height[next] < 0) || (height[k] < 0 && height[next] > 0))
-            result.push_back(polygon[k] +
-                             height[k] / (height[k] - height[next]) * (polygon[next] - polygon[k]));
+        const dvec3 &here = polygon[k], &next = polygon[(k + 1) % polygon.size()];
+        const double heightOfNext = heightOf(next);
+        if (height >= 0) result.push_back(here);
+        if ((height > 0 && heightOfNext < 0) || (height < 0 && heightOfNext > 0))
+            result.push_back(here + height / (height - heightOfNext) * (next - here));
+        height = heightOfNext;
     }
     return result.size() >= 3 ? result : Polygon{};
 }

@@ -78,10 +78,12 @@ struct Held {
     double openShare() const { return static_cast<double>(openHeld) / static_cast<double>(open); }
 };
 
+// 1e-5 is asked in the smallest room alone: it takes ten times as long as 1e-4.
 TEST(EntryClaims, exact_keeps_the_error_of_99_entries_in_100) {
     for (const Truth& truth : truths()) {
         const size_t n = truth.mesh.patchCount();
         for (double asked : {1e-3, 1e-4, 1e-5}) {
+            if (asked == 1e-5 && n > 400) continue;
             const ExactFormFactors F =
                 exactFormFactors(test::device(), truth.mesh, {.maxError = asked, .entryErrors = true});
             const auto values = F.factors.values.download<float>(n * n);

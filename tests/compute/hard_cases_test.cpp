@@ -107,7 +107,7 @@ struct Judged {
 };
 
 const std::vector<Judged>& judgedKernels() {
-    static const std::vector<Judged> all{{"exact", {"exact", 64, 1, 1e-6}, 0},
+    static const std::vector<Judged> all{{"exact", {"exact", 64, 1, 2e-6}, 0},
                                          {"hemicube", {"hemicube", 128, 64}, 2e-2},
                                          {"hierarchical", {"hierarchical", 64, 1, 1e-3}, 5e-3},
                                          {"montecarlo", {"montecarlo", 64, 1, 2e-3}, 1e-2}};
