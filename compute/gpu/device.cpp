@@ -286,8 +286,11 @@ void Device::choosePhysical(const DeviceOptions& options) {
 }
 
 void Device::createDevice(const DeviceOptions& options) {
+    VkPhysicalDeviceSubgroupSizeControlProperties sizes{
+        VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_PROPERTIES};
     VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
     VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
+    subgroup.pNext = &sizes;
     properties.pNext = &subgroup;
     vkGetPhysicalDeviceProperties2(physical_, &properties);
     limits_ = properties.properties.limits;
@@ -304,6 +307,8 @@ void Device::createDevice(const DeviceOptions& options) {
     wanted.base.features.fillModeNonSolid = available.base.features.fillModeNonSolid;
     wanted.v13.subgroupSizeControl = available.v13.subgroupSizeControl;
     wanted.v13.computeFullSubgroups = available.v13.computeFullSubgroups;
+    fixesSubgroupSize_ =
+        available.v13.subgroupSizeControl && (sizes.requiredSubgroupSizeStages & VK_SHADER_STAGE_COMPUTE_BIT);
 
     std::vector<const char*> extensions{VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME};
     if (options.swapchains) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);

@@ -56,7 +56,8 @@ public:
     uint32_t queueFamily() const { return queueFamily_; }
     const DeviceInfo& info() const { return info_; }
     const VkPhysicalDeviceLimits& limits() const { return limits_; }
-    uint32_t subgroupSize() const { return subgroupSize_; }
+    uint32_t subgroupSize() const { return subgroupSize_; } // of every Kernel, also where the device knows several
+    bool fixesSubgroupSize() const { return fixesSubgroupSize_; }
     bool hasGeometryShader() const { return geometryShader_; }
     double timestampPeriodNs() const { return limits_.timestampPeriod; }
     Memory& memory() { return *memory_; }
@@ -122,6 +123,7 @@ private:
     DeviceInfo info_;
     VkPhysicalDeviceLimits limits_{};
     uint32_t subgroupSize_ = 1;
+    bool fixesSubgroupSize_ = false;
     bool geometryShader_ = false;
     Functions functions_;
     std::unique_ptr<Memory> memory_;

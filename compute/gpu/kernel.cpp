@@ -159,6 +159,11 @@ VkPipeline Kernel::makePipeline(std::span<const uint32_t> spirv, const Specializ
     info.stage.module = handle;
     info.stage.pName = "main";
     info.stage.pSpecializationInfo = &specialization.info;
+    // SPIR-V 1.6 lets the driver choose a size per kernel; dispatches are counted, and sums ordered, by one size for all.
+    VkPipelineShaderStageRequiredSubgroupSizeCreateInfo size{
+        VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO};
+    size.requiredSubgroupSize = device_->subgroupSize();
+    if (device_->fixesSubgroupSize()) info.stage.pNext = &size;
     info.layout = layout_.handle();
     VkPipeline pipeline = VK_NULL_HANDLE;
     const VkResult result =
