@@ -1,6 +1,7 @@
 #include "compute/exact_form_factors.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -14,8 +15,13 @@
 #include "spirv/exact_blocks_comp.h"
 #include "spirv/exact_cells_comp.h"
 #include "spirv/exact_few_comp.h"
+#include "spirv/exact_few_one_comp.h"
+#include "spirv/exact_few_open_comp.h"
+#include "spirv/exact_few_two_comp.h"
 #include "spirv/exact_finish_comp.h"
+#include "spirv/exact_pairs_clear_comp.h"
 #include "spirv/exact_pairs_comp.h"
+#include "spirv/exact_pairs_mixed_comp.h"
 #include "spirv/exact_sides_comp.h"
 
 namespace heliodon::compute {
@@ -107,13 +113,22 @@ private:
     static Source blocksSource() { return {exact_blocks_comp, "exact_blocks", {{"kCorners", 4u}}}; }
     static Source finishSource() { return {exact_finish_comp, "exact_finish", {}}; }
     static Source manySource() { return {exact_cells_comp, "exact_cells", {}}; }
+    // Patches of three corners have shaders of their own, folded when the program is built.
     Source pairsSource(bool clear) const {
-        return {
-            exact_pairs_comp, "exact_pairs", {{"kCorners", scene_.mostCorners}, {"kClear", clear ? 1u : 0u}}};
+        using Words = std::span<const uint32_t>;
+        const Words folded = clear ? Words(exact_pairs_clear_comp) : Words(exact_pairs_mixed_comp);
+        return {scene_.mostCorners == 3 ? folded : Words(exact_pairs_comp),
+                "exact_pairs",
+                {{"kCorners", scene_.mostCorners}, {"kClear", clear ? 1u : 0u}}};
     }
     Source fewSource(uint32_t blockers) const {
         const uint32_t corners = std::min(scene_.mostCorners, io::kExactFewCorners);
-        return {exact_few_comp, "exact_few", {{"kCorners", corners}, {"kBlockers", blockers}}};
+        using Words = std::span<const uint32_t>;
+        static constexpr std::array<Words, io::kExactFew + 1> kFolded{
+            Words(exact_few_open_comp), Words(exact_few_one_comp), Words(exact_few_two_comp)};
+        return {corners == 3 ? kFolded[blockers] : Words(exact_few_comp),
+                "exact_few",
+                {{"kCorners", corners}, {"kBlockers", blockers}}};
     }
 
     // Kernels take longer to make than many scenes to compute: those that are likely to have work are begun

@@ -134,6 +134,11 @@ FormFactors hierarchicalFormFactors(gpu::Device& device, const geometry::PatchMe
     result.patchCount = n;
     result.report = compressed.report();
     result.values = gpu::Buffer(device, (size_t{n} * n * sizeof(float) + 15) / 16 * 16, "form factors");
+    if (auto* F = result.values.mapped<float>()) {
+        inParallel(n,
+                   [&](size_t i) { compressed.rows(static_cast<uint32_t>(i), 1, std::span(F + i * n, n)); });
+        return result;
+    }
     takeRows(compressed, [&](const FormFactorTile& tile) {
         result.values.upload(tile.values, size_t{tile.firstRow} * n * sizeof(float));
     });
@@ -199,19 +204,25 @@ void measureFormFactors(const geometry::PatchMesh& mesh, const gpu::Buffer& valu
     std::vector<double> area(n);
     double total = 0;
     for (size_t i = 0; i < n; ++i) total += area[i] = geometry::patchArea(mesh, i);
-    // In blocks, since one of the two walks down columns.
+    // In blocks, since one of the two walks down columns; sums in four, since each addition waits for the
+    // last.
     constexpr size_t kBlock = 64;
     std::vector<double> sums(n, 0.0), squares((n + kBlock - 1) / kBlock, 0.0);
     inParallel(squares.size(), [&](size_t block) {
         const size_t i0 = block * kBlock, i1 = std::min(n, i0 + kBlock);
-        for (size_t i = i0; i < i1; ++i)
-            for (size_t j = 0; j < n; ++j) sums[i] += double{F[i * n + j]};
+        for (size_t i = i0; i < i1; ++i) {
+            std::array<double, 4> part{};
+            for (size_t j = 0; j < n; ++j) part[j % 4] += double{F[i * n + j]};
+            sums[i] = part[0] + part[1] + part[2] + part[3];
+        }
+        std::array<double, 4> part{};
         for (size_t j0 = i0; j0 < n; j0 += kBlock)
             for (size_t i = i0; i < i1; ++i)
                 for (size_t j = std::max(j0, i + 1); j < std::min(n, j0 + kBlock); ++j) {
                     const double d = area[i] * F[i * n + j] - area[j] * F[j * n + i];
-                    squares[block] += d * d;
+                    part[j % 4] += d * d;
                 }
+        squares[block] = part[0] + part[1] + part[2] + part[3];
     });
     measureClosure(sums, report);
     const double reciprocity = std::accumulate(squares.begin(), squares.end(), 0.0);

@@ -155,10 +155,13 @@ void HierarchicalFormFactors::makeEntries(std::span<const io::HierarchicalLink> 
         entries[at[link.first]++] = {link.second, density, link.firstSlope, link.secondSlope};
         entries[at[link.second]++] = {link.first, density, link.secondSlope, link.firstSlope};
     }
+    // Links come in order, and most name the lesser node first: then lists are in order already.
+    const auto byNode = [](const glm::uvec4& a, const glm::uvec4& b) { return a.x < b.x; };
     inParallel((n + kSortedTogether - 1) / kSortedTogether, [&](size_t chunk) {
-        for (size_t k = chunk * kSortedTogether; k < std::min(n, (chunk + 1) * kSortedTogether); ++k)
-            std::sort(entries.begin() + firstEntry_[k], entries.begin() + firstEntry_[k + 1],
-                      [](const glm::uvec4& a, const glm::uvec4& b) { return a.x < b.x; });
+        for (size_t k = chunk * kSortedTogether; k < std::min(n, (chunk + 1) * kSortedTogether); ++k) {
+            const auto begin = entries.begin() + firstEntry_[k], end = entries.begin() + firstEntry_[k + 1];
+            if (!std::is_sorted(begin, end, byNode)) std::sort(begin, end, byNode);
+        }
     });
     statistics_.bytes = entries.size() * sizeof(glm::uvec4);
     entries_ = gpu::Buffer(*device_, statistics_.bytes, "hierarchical entries");
@@ -166,6 +169,11 @@ void HierarchicalFormFactors::makeEntries(std::span<const io::HierarchicalLink> 
 }
 
 void HierarchicalFormFactors::makeOperator() {
+    for (const PatchTree::Node& node : scene_.tree.nodes)
+        extents_.push_back({node.centre, node.axisU / glm::dot(node.axisU, node.axisU),
+                            node.axisV / glm::dot(node.axisV, node.axisV), node.firstLeaf, node.leafCount});
+    for (const PatchTree::Leaf& leaf : scene_.tree.leaves)
+        spots_.push_back({middleOf(leaf), leaf.area, leaf.patch});
     firstLeaf_.assign(patchCount_ + 1, 0);
     for (const PatchTree::Leaf& leaf : scene_.tree.leaves) ++firstLeaf_[leaf.patch + 1];
     for (size_t i = 0; i < patchCount_; ++i) firstLeaf_[i + 1] += firstLeaf_[i];
@@ -258,34 +266,42 @@ void HierarchicalFormFactors::rows(uint32_t first, uint32_t count, std::span<flo
         copy = entries_.download<glm::uvec4>(firstEntry_.back());
         entries = copy.data();
     }
-    std::fill_n(values.begin(), size_t{count} * patchCount_, 0.0f);
     std::vector<double> row(patchCount_);
     for (uint32_t i = first; i < first + count; ++i) {
         std::fill(row.begin(), row.end(), 0.0);
         for (uint32_t k = firstLeaf_[i]; k < firstLeaf_[i + 1]; ++k) {
-            const PatchTree::Leaf& own = scene_.tree.leaves[scene_.tree.nodes[leafNodes_[k]].firstLeaf];
+            const Spot& own = spots_[scene_.tree.nodes[leafNodes_[k]].firstLeaf];
             const double share = own.area / patchArea_[i];
             for (uint32_t p = leafNodes_[k]; p != PatchTree::kNone; p = scene_.tree.nodes[p].parent) {
-                const auto at = PatchTree::coordinates(scene_.tree.nodes[p], middleOf(own));
+                const glm::dvec3 d = own.middle - extents_[p].centre;
+                const double u = glm::dot(d, extents_[p].u), v = glm::dot(d, extents_[p].v);
                 for (uint32_t e = firstEntry_[p]; e < firstEntry_[p + 1]; ++e) {
-                    const PatchTree::Node& q = scene_.tree.nodes[entries[e].x];
-                    const double density = share * double{std::bit_cast<float>(entries[e].y)};
-                    const glm::vec2 a = glm::unpackHalf2x16(entries[e].z),
-                                    b = glm::unpackHalf2x16(entries[e].w);
-                    const double here = 1 + double{a.x} * at[0] + double{a.y} * at[1];
-                    // The other end's slopes as a vector in its plane.
-                    const glm::dvec3 slope = double{b.x} * q.axisU / glm::dot(q.axisU, q.axisU) +
-                                             double{b.y} * q.axisV / glm::dot(q.axisV, q.axisV);
-                    for (uint32_t l = q.firstLeaf; l < q.firstLeaf + q.leafCount; ++l) {
-                        const PatchTree::Leaf& leaf = scene_.tree.leaves[l];
-                        row[leaf.patch] +=
-                            density * leaf.area * (here + glm::dot(slope, middleOf(leaf) - q.centre));
-                    }
+                    const glm::uvec4& entry = entries[e];
+                    const glm::vec2 a = entry.z ? glm::unpackHalf2x16(entry.z) : glm::vec2(0);
+                    addToRow(extents_[entry.x], share * double{std::bit_cast<float>(entry.y)},
+                             1 + double{a.x} * u + double{a.y} * v, entry.w, row);
                 }
             }
         }
         for (uint32_t j = 0; j < patchCount_; ++j)
             values[size_t{i - first} * patchCount_ + j] = static_cast<float>(row[j]);
+    }
+}
+
+void HierarchicalFormFactors::addToRow(const Extent& at, double density, double here, uint32_t slope,
+                                       std::span<double> row) const {
+    if (at.leafCount == 1) { // its middle is the cluster's: no slope
+        const Spot& spot = spots_[at.firstLeaf];
+        row[spot.patch] += density * spot.area * here;
+        return;
+    }
+    // The slopes as a vector in the plane.
+    const glm::vec2 b = glm::unpackHalf2x16(slope);
+    const glm::dvec3 along = double{b.x} * at.u + double{b.y} * at.v;
+    const double base = density * (here - glm::dot(along, at.centre));
+    for (uint32_t l = at.firstLeaf; l < at.firstLeaf + at.leafCount; ++l) {
+        const Spot& spot = spots_[l];
+        row[spot.patch] += spot.area * (base + density * glm::dot(along, spot.middle));
     }
 }
 

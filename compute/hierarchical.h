@@ -56,13 +56,27 @@ private:
     void makeEntries(std::span<const io::HierarchicalLink> links);
     void makeOperator();
 
+    // What rows() needs of a cluster and of a triangle, close together.
+    struct Extent {
+        glm::dvec3 centre, u, v; // axes over their squared lengths
+        uint32_t firstLeaf, leafCount;
+    };
+    struct Spot {
+        glm::dvec3 middle;
+        double area;
+        uint32_t patch;
+    };
+    void addToRow(const Extent& at, double density, double here, uint32_t slope, std::span<double> row) const;
+
     gpu::Device* device_;
     uint32_t patchCount_ = 0;
     ClusterScene scene_;
     HierarchicalStatistics statistics_;
     FormFactorReport report_;
     std::vector<uint32_t> firstEntry_, firstLeaf_,
-        leafNodes_; // per node; per patch; nodes of each patch's triangles
+        leafNodes_;               // per node; per patch; nodes of each patch's triangles
+    std::vector<Extent> extents_; // per node
+    std::vector<Spot> spots_;     // per leaf
     std::vector<double> patchArea_;
     std::vector<float> rowError_;
     gpu::Buffer family_, frames_, parents_, firstEntryTexels_, entries_, firstLeafTexels_, leafNodeTexels_,

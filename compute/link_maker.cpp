@@ -10,8 +10,10 @@
 #include "compute/gpu/commands.h"
 #include "compute/gpu/device.h"
 #include "compute/parallel.h"
-#include "spirv/hierarchical_leaves_comp.h"
 #include "spirv/hierarchical_links_comp.h"
+#include "spirv/hierarchical_many_rays_comp.h"
+#include "spirv/hierarchical_near_leaves_comp.h"
+#include "spirv/hierarchical_open_leaves_comp.h"
 #include "spirv/hierarchical_rays_comp.h"
 
 namespace heliodon::compute {
@@ -29,20 +31,23 @@ struct StageKernel {
     gpu::Specialization values;
 };
 
+// As shaders/CMakeLists.txt sets them.
+static_assert(io::kHierarchicalLanes == 8);
+
 StageKernel kernelOf(LinkStage stage) {
     switch (stage) {
     case LinkStage::clusters:
         return {hierarchical_links_comp, "hierarchical links", {}};
     case LinkStage::triangles:
-        return {hierarchical_leaves_comp, "hierarchical leaves", {{"kNear", 0u}}};
+        return {hierarchical_open_leaves_comp, "hierarchical leaves", {{"kNear", 0u}}};
     case LinkStage::nearTriangles:
-        return {hierarchical_leaves_comp, "hierarchical near leaves", {{"kNear", 1u}}};
+        return {hierarchical_near_leaves_comp, "hierarchical near leaves", {{"kNear", 1u}}};
     case LinkStage::rays:
         return {hierarchical_rays_comp, "hierarchical rays", {{"kLanes", 1u}}};
     case LinkStage::manyRays:
         break;
     }
-    return {hierarchical_rays_comp, "hierarchical many rays", {{"kLanes", io::kHierarchicalLanes}}};
+    return {hierarchical_many_rays_comp, "hierarchical many rays", {{"kLanes", io::kHierarchicalLanes}}};
 }
 
 template<class T> void append(std::vector<T>& to, const gpu::Buffer& from, uint32_t count) {

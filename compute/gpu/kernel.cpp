@@ -127,6 +127,7 @@ void PipelineLayout::push(VkCommandBuffer commands, VkPipelineBindPoint point,
 }
 
 SpecializationData::SpecializationData(const SpirvModule& module, const Specialization& values) {
+    if (module.specializationIds.empty()) return; // they were set when the shader was built
     for (const auto& [name, value] : values) {
         const auto found = module.specializationIds.find(name);
         if (found == module.specializationIds.end())

@@ -74,7 +74,8 @@ private:
 // pattern.
 using Specialization = std::vector<std::pair<std::string, uint32_t>>;
 
-// Vulkan's form of `values`; throws Error on a name that the shader does not have.
+// Vulkan's form of `values`; throws Error on a name that the shader does not have. Empty for a shader whose
+// constants were all set when it was built (shaders/CMakeLists.txt: add_variants).
 struct SpecializationData {
     SpecializationData(const SpirvModule& module, const Specialization& values);
     std::vector<VkSpecializationMapEntry> entries;

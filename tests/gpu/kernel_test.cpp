@@ -9,6 +9,7 @@
 #include "compute/gpu/error.h"
 #include "shaders/io/affine.io.h"
 #include "spirv/affine_comp.h"
+#include "spirv/affine_negated_comp.h"
 #include "tests/gpu/test_device.h"
 
 namespace heliodon::gpu {
@@ -45,6 +46,13 @@ TEST(Kernel, specialization_is_set_by_name) {
     const Kernel kernel(test::device(), affine_comp, "affine", {{"kNegate", 1u}});
     EXPECT_EQ(runAffine(kernel, {3.0f})[0], -7.0f);
     EXPECT_THROW(Kernel(test::device(), affine_comp, "affine", {{"kNoSuchName", 1u}}), Error);
+}
+
+// Whether spirv-opt was there to set the constant or not.
+TEST(Kernel, variants_do_as_their_specialization_says) {
+    const Kernel kernel(test::device(), affine_negated_comp, "affine", {{"kNegate", 1u}});
+    EXPECT_EQ(runAffine(kernel, {3.0f})[0], -7.0f);
+    EXPECT_EQ(reflectSpirv(affine_negated_comp).bindings.size(), reflectSpirv(affine_comp).bindings.size());
 }
 
 TEST(Kernel, interface_is_read_from_the_module_and_equals_the_shared_header) {
