@@ -150,13 +150,10 @@ std::pair<double, double> angularExtent(const std::vector<glm::dvec2>& points, g
     return {low, high};
 }
 
-} // namespace
-
-std::optional<geometry::Arc> fitArc(const Chain& chain, const PlanView& view, const DetectOptions& options) {
+// `chromaOnly`: see EdgeProbe.
+std::optional<geometry::Arc> fitArc(const Chain& chain, const std::vector<glm::dvec2>& points,
+                                    const PlanView& view, const DetectOptions& options, bool chromaOnly) {
     const double height = heightOf(chain.paint), half = 0.5 * options.wallThickness;
-    std::vector<glm::dvec2> points;
-    for (const Component* piece : chain.pieces)
-        for (const auto& p : planPoints(*piece, view, height)) points.push_back(p);
     const auto circle = centreCircle(points);
     if (!circle || circle->off > 1.35 * options.wallThickness / std::sqrt(12.0)) return std::nullopt;
 
@@ -180,6 +177,7 @@ std::optional<geometry::Arc> fitArc(const Chain& chain, const PlanView& view, co
                 probe.at = rings.centre + (middle + sign * half) * radial;
                 probe.lateral = 1.2 * pixel * turnedLeft(radial);
                 probe.height = height;
+                probe.chromaOnly = chromaOnly;
                 const auto edge = findEdge(view, probe);
                 if (!edge || std::abs(edge->offset) > 0.14) continue;
                 (sign < 0 ? inner : outer).push_back(probe.at + edge->offset * probe.outward);
@@ -225,6 +223,16 @@ std::optional<geometry::Arc> fitArc(const Chain& chain, const PlanView& view, co
                 view.pixel(rings.centre + (radius + (side == 0 ? half : -half)) * direction(a), height));
         }
     return arc;
+}
+
+} // namespace
+
+std::optional<geometry::Arc> fitArc(const Chain& chain, const PlanView& view, const DetectOptions& options) {
+    std::vector<glm::dvec2> points;
+    for (const Component* piece : chain.pieces)
+        for (const auto& p : planPoints(*piece, view, heightOf(chain.paint))) points.push_back(p);
+    if (auto arc = fitArc(chain, points, view, options, false)) return arc;
+    return fitArc(chain, points, view, options, true);
 }
 
 } // namespace heliodon::vision

@@ -7,19 +7,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include <glm/exponential.hpp>
+
 #include "geometry/sketch.h"
+#include "vision/paint_hues.h"
 #include "vision/white_map.h"
 
 namespace heliodon::vision {
 namespace {
 
-// Hues of the paints in linear light; only their order round the circle and their rough places are assumed.
-constexpr std::array<float, kPaints> kNominalHue = {0, 1, 20, 47, 130, 188, 208, 229, 325};
-
+constexpr double kMarkerReach = 0.4; // inches, more than half of a marker's top, seen nearer than the table
 constexpr double kOverEdge = 2; // inches that a wall may stick out over the table
-constexpr float kHueReach = 16; // degrees that a paint's hue may lie from the nominal
-// Of 255: walls, markers and the arrow are more saturated, the light-blue card less.
-constexpr uint8_t kVivid = 176;
 
 // Hue in degrees of a colour whose smallest component was taken away.
 inline float hueOf(float r, float g, float b, float high, float low) {
@@ -29,11 +27,14 @@ inline float hueOf(float r, float g, float b, float high, float low) {
     return 240 + 60 * (r - g) / span;
 }
 
-struct Coloured {
-    uint32_t index;
-    uint16_t hue;       // degrees
-    uint8_t saturation; // P' largest component, 0..255
-};
+// P' of a colour.
+inline float saturationOf(glm::vec3 p) {
+    const float high = std::max(std::max(p.r, p.g), p.b), low = std::min(std::min(p.r, p.g), p.b);
+    return (high - low) / high;
+}
+// White in a shadow that only a second light reaches: darker than the white about it, and white by that light.
+constexpr float kShade = 0.8f, kShadeWhite = 0.2f;
+constexpr float kFaint = 0.23f; // of P': nothing below is looked at
 
 // Rows of linear light, softened by a Gaussian; each row of the picture is read once.
 class SoftRows {
@@ -113,107 +114,74 @@ std::vector<Coloured> findColoured(const PlanView& view, const TableRegion& regi
         const size_t start = static_cast<size_t>(y) * static_cast<size_t>(region.width);
         const Ground* ground = region.ground.data() + start;
         const glm::vec3* light =
-            white.light.data() + static_cast<size_t>(y / kBlock) * static_cast<size_t>(white.columns);
-        for (int block = 0; block < white.columns; ++block) {
+            white.grid.light.data() + static_cast<size_t>(y / kBlock) * static_cast<size_t>(white.grid.columns);
+        for (int block = 0; block < white.grid.columns; ++block) {
             const glm::vec3 gain = 1.0f / light[block];
             const int end = std::min(region.width, (block + 1) * kBlock);
+            glm::vec3 shade(1), penumbra(1);
+            if (white.secondLight) {
+                shade = light[block] / *white.secondLight;
+                penumbra = glm::sqrt(shade);
+            }
             for (int x = block * kBlock; x < end; ++x) {
                 const float r = gain.r * row[3 * x], g = gain.g * row[3 * x + 1], b = gain.b * row[3 * x + 2];
                 const float high = std::max(std::max(r, g), b), low = std::min(std::min(r, g), b);
-                if (high - low < minSaturation * high) continue;
+                if (high - low < kFaint * high) continue;
+                if (high - low < minSaturation * high &&
+                    !PaintTable::isFadedSky(hueOf(r, g, b, high, low), (high - low) / high, high))
+                    continue;
                 if (high < minBright[static_cast<size_t>(ground[x])]) continue;
+                if (white.secondLight && high < kShade) {
+                    const glm::vec3 p(r, g, b);
+                    if (saturationOf(p * shade) < kShadeWhite || saturationOf(p * penumbra) < kShadeWhite)
+                        continue;
+                }
                 const float hue = hueOf(r, g, b, high, low);
                 out.push_back({static_cast<uint32_t>(start) + static_cast<uint32_t>(x),
                                static_cast<uint16_t>(static_cast<int>(hue + 0.5f) % 360),
-                               static_cast<uint8_t>(255 * (high - low) / high)});
+                               static_cast<uint8_t>(255 * (high - low) / high),
+                               static_cast<uint8_t>(std::min(255.0f, 128 * high))});
             }
         }
     }
     return out;
 }
 
-float hueDistance(float a, float b) {
-    const float d = std::abs(a - b);
-    return std::min(d, 360 - d);
-}
-
-struct Peak {
-    float hue, mass;
-};
-
-std::vector<Peak> findPeaks(const std::array<float, 360>& bins) {
-    std::array<float, 360> smooth{};
-    for (size_t h = 0; h < 360; ++h)
-        for (size_t d = 0; d < 7; ++d) smooth[h] += bins[(h + d + 357) % 360];
-    std::vector<Peak> peaks;
-    for (size_t h = 0; h < 360; ++h) {
-        if (smooth[h] < 40) continue; // half of the smallest piece of paint, in pixels
-        bool highest = true;
-        for (size_t d = 1; d <= 8; ++d) // first of equals
-            highest =
-                highest && smooth[h] >= smooth[(h + d) % 360] && smooth[h] > smooth[(h + 360 - d) % 360];
-        if (!highest) continue;
-        float moment = 0;
-        for (size_t d = 0; d < 7; ++d) moment += bins[(h + d + 357) % 360] * (static_cast<float>(d) - 3);
-        peaks.push_back({static_cast<float>(h) + moment / smooth[h], smooth[h]});
+// The floor beside the table, a cloth or a chair may have a paint's colour. Tops of walls at the table's edge
+// cover little there; where one paint covers more, only what is brighter than most of it can be a wall.
+void dropFloor(std::vector<Coloured>& coloured, const TableRegion& region, const ClassImage& image) {
+    constexpr double kShareOfFloor = 0.06;
+    std::array<std::array<int, 256>, kPaints> histogram{};
+    for (const Coloured& c : coloured)
+        if (region.ground[c.index] != Ground::table)
+            ++histogram[static_cast<size_t>(groupOf(image.paint[c.index]))][c.brightness];
+    const auto floor = std::count(region.ground.begin(), region.ground.end(), Ground::besideTable);
+    std::array<int, kPaints> limit{};
+    for (size_t paint = 1; paint < kPaints; ++paint) {
+        int all = 0, below = 0;
+        for (const int n : histogram[paint]) all += n;
+        if (all < kShareOfFloor * static_cast<double>(floor)) continue;
+        int level = 0;
+        while (level < 255 && below < 0.95 * all) below += histogram[paint][static_cast<size_t>(level++)];
+        limit[paint] = std::min(255, level + level / 5);
     }
-    return peaks;
-}
-
-// Each paint's hue is a peak of the picture's hues near the nominal one; a paint that is not there keeps the
-// nominal. Nearest pairs first, one paint to a peak, so that without red walls the arrow's orange is not
-// taken for a red.
-std::array<float, kPaints> learnHues(const std::vector<Coloured>& coloured) {
-    std::array<std::array<float, 360>, 2> histogram{};
-    for (const Coloured& c : coloured) histogram[c.saturation < kVivid][c.hue] += 1;
-    std::array<float, kPaints> learned = kNominalHue;
-    std::array<bool, kPaints> known{};
-    for (const bool pale : {false, true}) {
-        std::vector<Peak> peaks = findPeaks(histogram[pale]);
-        for (;;) {
-            float best = kHueReach;
-            size_t bestPaint = 0, bestPeak = 0;
-            for (size_t paint = 1; paint < kPaints; ++paint)
-                for (size_t k = 0; k < peaks.size(); ++k) {
-                    if (known[paint] || (static_cast<Paint>(paint) == Paint::sky) != pale) continue;
-                    const float d = hueDistance(kNominalHue[paint], peaks[k].hue);
-                    if (d < best) best = d, bestPaint = paint, bestPeak = k;
-                }
-            if (bestPaint == 0) break;
-            known[bestPaint] = true;
-            learned[bestPaint] = peaks[bestPeak].hue;
-            peaks.erase(peaks.begin() + static_cast<std::ptrdiff_t>(bestPeak));
-        }
-    }
-    return learned;
-}
-
-// [vivid, pale][hue]. Only a pale pixel can be skylight: the light blue lies between the cyan and the blue in
-// hue.
-std::array<std::array<Paint, 360>, 2> nearestPaint(const std::array<float, kPaints>& hues) {
-    std::array<std::array<Paint, 360>, 2> table{};
-    for (size_t pale = 0; pale < 2; ++pale)
-        for (size_t hue = 0; hue < 360; ++hue) {
-            float best = 1e9f;
-            for (size_t paint = 1; paint < kPaints; ++paint) {
-                if (static_cast<Paint>(paint) == Paint::sky && !pale) continue;
-                const float d = hueDistance(hues[paint], static_cast<float>(hue));
-                if (d < best) best = d, table[pale][hue] = static_cast<Paint>(paint);
-            }
-        }
-    return table;
+    std::erase_if(coloured, [&](const Coloured& c) {
+        return region.ground[c.index] != Ground::table &&
+               c.brightness <= limit[static_cast<size_t>(groupOf(image.paint[c.index]))];
+    });
 }
 
 // The blurred rim of cyan paint is pale and may have the skylights' hue: beside vivid cyan it is cyan.
-void settleRims(ClassImage& image, const std::vector<Coloured>& coloured) {
+void settleRims(ClassImage& image, const std::vector<Coloured>& coloured, float saturation) {
+    const auto vivid = static_cast<uint8_t>(0.8f * 255 * saturation);
     std::vector<uint8_t> vividCyan(image.paint.size(), 0);
     bool any = false;
     for (const Coloured& c : coloured)
-        if (c.saturation >= kVivid && image.paint[c.index] == Paint::cyan) vividCyan[c.index] = 1, any = true;
+        if (c.saturation >= vivid && image.paint[c.index] == Paint::cyan) vividCyan[c.index] = 1, any = true;
     if (!any) return;
     const int w = image.width;
     for (const Coloured& c : coloured) {
-        if (c.saturation >= kVivid || groupOf(image.paint[c.index]) != Paint::blue) continue;
+        if (c.saturation >= vivid || groupOf(image.paint[c.index]) != Paint::blue) continue;
         const int x = static_cast<int>(c.index) % w, y = static_cast<int>(c.index) / w;
         for (const auto& [dx, dy] :
              {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {2, 0}, {-2, 0}, {0, 2}, {0, -2}}) {
@@ -229,17 +197,24 @@ void settleRims(ClassImage& image, const std::vector<Coloured>& coloured) {
 ClassImage classifyPixels(const PlanView& view, const geometry::Rig& rig, const DetectOptions& options) {
     const TableRegion region = findTable(view, rig.tableRadius / geometry::kMetresPerInch, kOverEdge);
     ClassImage out;
-    out.hueDegrees = kNominalHue;
     out.x0 = region.x0, out.y0 = region.y0, out.width = region.width, out.height = region.height;
     out.paint.assign(region.ground.size(), Paint::none);
     const WhiteMap white = region.ground.empty() ? WhiteMap{} : findWhite(view, region);
-    out.hasTable = !white.light.empty();
+    out.hasTable = !white.grid.light.empty();
     if (!out.hasTable) return out;
-    const auto coloured = findColoured(view, region, white, options);
-    out.hueDegrees = learnHues(coloured);
-    const auto paintOfHue = nearestPaint(out.hueDegrees);
-    for (const Coloured& c : coloured) out.paint[c.index] = paintOfHue[c.saturation < kVivid][c.hue];
-    settleRims(out, coloured);
+    auto coloured = findColoured(view, region, white, options);
+    auto paint = [&](const PaintTable& paints) {
+        std::fill(out.paint.begin(), out.paint.end(), Paint::none);
+        for (const Coloured& c : coloured) out.paint[c.index] = paints.at(c.hue, c.saturation);
+    };
+    paint(PaintTable{});
+    dropFloor(coloured, region, out);
+    const double perInch = view.pixelsPerInch(glm::dvec2(0), 0);
+    const PaintTable learned(coloured, region.width, std::max(2, static_cast<int>(kMarkerReach * perInch)));
+    paint(learned);
+    out.hueDegrees = learned.hues();
+    out.white = white.grid;
+    settleRims(out, coloured, learned.cyanSaturation());
     return out;
 }
 

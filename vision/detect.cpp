@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <deque>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
 
 #include "geometry/input_error.h"
 #include "vision/color_classes.h"
@@ -23,6 +25,7 @@ using geometry::Sketch;
 
 constexpr double kSmallestInches2 =
     0.06;                            // regions below are noise: the smallest real one is half an inch of wall
+constexpr double kOverEdge = 3;      // inches that a wall may stick out over the table
 constexpr size_t kMostRegions = 600; // more is noise, not a table
 
 bool isMarker(Paint p) {
@@ -43,9 +46,11 @@ public:
             out_.warnings.push_back("no lit white table is seen where the rig says that it is");
             return out_;
         }
+        view_.setWhite(image_.white);
         const double perInch = view_.pixelsPerInch(glm::dvec2(0), 0);
         regions_ =
             findComponents(image_, std::max(4, static_cast<int>(kSmallestInches2 * perInch * perInch)));
+        std::erase_if(regions_, [&](const Component& region) { return !canStandOnTable(region); });
         if (regions_.size() > kMostRegions) {
             out_.warnings.push_back(fmt::format(
                 "{} coloured regions: the picture is noise, nothing is read from it", regions_.size()));
@@ -63,13 +68,48 @@ public:
     }
 
 private:
+    double radius() const { return rig_.tableRadius / geometry::kMetresPerInch; }
+
+    // The floor beside the table may have any colour. What is seen there can be the top of a wall near the
+    // edge, which leans outwards in the picture, and nothing else.
+    bool canStandOnTable(const Component& region) const {
+        const double height = isWall(region.group) ? heightOf(region.group) : 10;
+        return glm::length(view_.plan(region.centre, height)) < radius() + kOverEdge;
+    }
+    bool liesOnTable(glm::dvec2 plan, double halfWidth) const {
+        return glm::length(plan) + halfWidth < radius() + 0.3;
+    }
+
+    // More than half of it over the table, nothing far from it.
+    bool standsOnTable(const std::vector<glm::dvec2>& centreLine) const {
+        size_t on = 0;
+        for (const glm::dvec2& p : centreLine) {
+            if (glm::length(p) > radius() + kOverEdge) return false;
+            on += glm::length(p) < radius();
+        }
+        return 2 * on > centreLine.size();
+    }
+    static std::vector<glm::dvec2> centreLine(const geometry::Wall& wall) {
+        std::vector<glm::dvec2> out;
+        for (int i = 0; i <= 10; ++i) out.push_back(wall.a + 0.1 * i * (wall.b - wall.a));
+        return out;
+    }
+    static std::vector<glm::dvec2> centreLine(const geometry::Arc& arc) {
+        std::vector<glm::dvec2> out;
+        for (int i = 0; i <= 10; ++i) {
+            const double a = glm::radians(arc.a0Deg + 0.1 * i * (arc.a1Deg - arc.a0Deg));
+            out.push_back(arc.center + arc.radius * glm::dvec2(std::cos(a), std::sin(a)));
+        }
+        return out;
+    }
+
     void findTokens() {
         auto& tokens = out_.sketch.tokens;
         for (size_t i = 0; i < regions_.size(); ++i) {
             if (!isWall(regions_[i].group) || withinToken(regions_[i])) continue;
             auto token = fitToken(regions_[i], image_, view_, options_);
             if (!token) token = fitToken(withNeighbours(i), image_, view_, options_);
-            if (token) tokens.push_back(*token);
+            if (token && liesOnTable(token->pos, 0.5 * options_.tokenSide)) tokens.push_back(*token);
         }
         // What lies within a token is its chip, whatever its colour.
         for (size_t i = 0; i < regions_.size(); ++i) used_[i] = withinToken(regions_[i]);
@@ -110,7 +150,7 @@ private:
             const double orange = static_cast<double>(region.minorityArea) / region.area;
             if (orange <= best) continue;
             const auto arrow = fitArrow(region, view_, options_);
-            if (!arrow) continue;
+            if (!arrow || !liesOnTable(arrow->pos, 0.5 * options_.arrowLength)) continue;
             if (out_.sketch.north && best > 0.5)
                 out_.warnings.push_back("more than one north arrow: the most orange one counts");
             best = orange, bestRegion = i;
@@ -126,7 +166,14 @@ private:
             // By its colour, or by being wider than any strip of wall, which noise in the colour leaves
             // alone.
             if (2 * region.minorityArea < region.area && !isWide(region)) continue;
-            if (auto skylight = fitSkylight(region, view_, options_)) {
+            // As narrow as a wall: pale cyan on one, rather.
+            if (!isWide(region) && relativeWidth(region, 8) < 1.6) {
+                paleStrips_.push_back(region);
+                paleStrips_.back().group = Paint::cyan;
+                used_[i] = true;
+                continue;
+            }
+            if (auto skylight = fitSkylight(region, view_, options_); skylight && liesOnTable(skylight->center, 0)) {
                 used_[i] = true;
                 out_.sketch.skylights.push_back(*skylight);
             }
@@ -149,16 +196,51 @@ private:
             // than they.
             if (relativeWidth(regions_[i], isWall(regions_[i].group) ? heightOf(regions_[i].group) : 8) < 0.5)
                 continue;
-            if (isWall(regions_[i].group)) pieces.push_back(&regions_[i]);
+            if (isWall(regions_[i].group)) addPieces(regions_[i], pieces);
             if (isMarker(regions_[i].group)) markers.push_back(&regions_[i]);
         }
+        for (const Component& strip : paleStrips_) markers.push_back(&strip);
         const Chains chains = formChains(pieces, markers, view_, options_);
-        for (const Chain& chain : chains.chains) readChain(chain, true);
-        for (const Component* marker : chains.orphans) unread(*marker, "a window marker on no wall");
+        for (const Chain& chain : chains.chains) readChain(chain);
+        for (const Component* marker : chains.orphans) readOrphan(*marker);
     }
 
-    void readChain(const Chain& chain, bool maySplit) {
-        if (const auto wall = fitStraight(chain, view_, options_); wall && isFlanked(wall->wall)) {
+    // Cyan and light blue differ by little: a marker on no wall may be a skylight, if it is wide enough.
+    void readOrphan(const Component& marker) {
+        if (marker.group == Paint::cyan && relativeWidth(marker, 0) > 1.5)
+            if (auto skylight = fitSkylight(marker, view_, options_);
+                skylight && liesOnTable(skylight->center, 0)) {
+                out_.sketch.skylights.push_back(*skylight);
+                return;
+            }
+        unread(marker, "a window marker on no wall");
+    }
+
+    // A region that is neither a straight strip nor an arc may be walls that touch: its strips, if they are
+    // walls.
+    void addPieces(const Component& region, std::vector<const Component*>& pieces) {
+        if (region.group == Paint::blue && 2 * region.minorityArea > region.area)
+            return unread(region, "light blue like a skylight, but no rectangle");
+        const Chain alone{region.group, {&region}, {}};
+        if (relativeWidth(region, heightOf(region.group)) < 1.5 || fitArc(alone, view_, options_)) {
+            pieces.push_back(&region);
+            return;
+        }
+        bool any = false;
+        for (Component& strip : splitStrips(region, view_, options_)) {
+            strips_.push_back(std::move(strip));
+            const Chain piece{region.group, {&strips_.back()}, {}};
+            if (const auto wall = fitStraight(piece, view_, options_); wall && isFlanked(wall->wall))
+                pieces.push_back(&strips_.back()), any = true;
+            else if (fitArc(piece, view_, options_))
+                pieces.push_back(&strips_.back()), any = true;
+        }
+        if (!any) unread(region, "coloured like a wall, but not of a wall's shape");
+    }
+
+    void readChain(const Chain& chain) {
+        if (const auto wall = fitStraight(chain, view_, options_);
+            wall && isFlanked(wall->wall) && standsOnTable(centreLine(wall->wall))) {
             for (const StraightWall& part : splitAtJoints(*wall, view_, options_)) {
                 for (auto window : part.windows) {
                     window.wall = std::to_string(out_.sketch.walls.size());
@@ -169,17 +251,10 @@ private:
             return;
         }
         if (chain.markers.empty())
-            if (const auto arc = fitArc(chain, view_, options_)) {
+            if (const auto arc = fitArc(chain, view_, options_); arc && standsOnTable(centreLine(*arc))) {
                 out_.sketch.arcs.push_back(*arc);
                 return;
             }
-        if (maySplit && chain.pieces.size() == 1 && chain.markers.empty()) {
-            const auto strips = splitStrips(*chain.pieces.front(), view_, options_);
-            const size_t before = out_.sketch.walls.size() + out_.sketch.arcs.size();
-            for (const Component& strip : strips) readChain({chain.paint, {&strip}, {}}, false);
-            if (out_.sketch.walls.size() + out_.sketch.arcs.size() > before) return;
-        }
-        if (!maySplit) return; // the region that it was cut from is reported as a whole
         for (const Component* piece : chain.pieces)
             unread(*piece, "coloured like a wall, but not of a wall's shape");
         for (const Component* marker : chain.markers) unread(*marker, "a window marker on no wall");
@@ -217,6 +292,8 @@ private:
     PlanView view_;
     ClassImage image_;
     std::vector<Component> regions_;
+    std::deque<Component> paleStrips_;
+    std::deque<Component> strips_; // cut out of regions; where they are does not change
     std::vector<bool> used_;
     DetectionResult out_;
 };

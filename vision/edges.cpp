@@ -63,6 +63,13 @@ std::optional<Edge> findEdge(const PlanView& view, const EdgeProbe& probe) {
             (view.pixel(to + side * probe.lateral, probe.height) - a) / static_cast<double>(n - 1);
         for (size_t i = 0; i < n; ++i) profile[i] += view.light(a + static_cast<double>(i) * step);
     }
+    if (probe.chromaOnly) {
+        const glm::vec3 gain = 1.0f / view.white(view.pixel(probe.at, probe.height));
+        for (glm::vec3& p : profile) {
+            p *= gain;
+            p -= (p.r + p.g + p.b) / 3;
+        }
+    }
     const double perInch = static_cast<double>(n - 1) / (probe.inside + probe.outside);
     const size_t expected = static_cast<size_t>(probe.inside * perInch);
     const size_t tail = std::max<size_t>(2, 2 * (n - expected) / 5);

@@ -18,6 +18,8 @@ struct EdgeProbe {
     double height = 0; // inches over the table
     double inside = 0.16, outside = 0.2;
     int lateralSamples = 3;
+    // Looks at colour alone: a white face, lit or in shadow, beside the paint is nothing then. Noisier.
+    bool chromaOnly = false;
 };
 
 struct Edge {

@@ -59,7 +59,7 @@ struct Sides {
 };
 
 Sides measureSides(const std::vector<Span>& spans, const Axis& axis, const PlanView& view, double height,
-                   const DetectOptions& options) {
+                   const DetectOptions& options, bool chromaOnly) {
     Sides out;
     const double pixel = 1 / view.pixelsPerInch(axis.origin, height);
     for (const Span& span : spans) {
@@ -78,6 +78,7 @@ Sides measureSides(const std::vector<Span>& spans, const Axis& axis, const PlanV
                 probe.at = axis.at(s) + half * probe.outward;
                 probe.lateral = 1.2 * pixel * axis.along;
                 probe.height = top;
+                probe.chromaOnly = chromaOnly;
                 if (const auto edge = findEdge(view, probe); edge && std::abs(edge->offset) < 0.14)
                     side[k] = half + edge->offset;
             }
@@ -196,6 +197,42 @@ Axis axisOf(const Pca& pca) {
     return {pca.mean, flip ? -pca.axis : pca.axis};
 }
 
+struct StripFit {
+    Axis axis;
+    std::vector<Span> spans;
+    Sides sides;
+    std::optional<LineFit> line;
+    double bend = 0; // sagitta, inches
+
+    double width() const { // median of the paint's own; 0 without
+        std::vector<double> widths = sides.widths;
+        if (widths.size() < 3) return 0;
+        const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
+        std::nth_element(widths.begin(), middle, widths.end());
+        return *middle;
+    }
+};
+
+StripFit fitStrip(const Chain& chain, const Pca& pca, const PlanView& view, const DetectOptions& options,
+                  bool chromaOnly) {
+    const double height = heightOf(chain.paint);
+    StripFit fit;
+    fit.axis = axisOf(pca);
+    for (int pass = 0; pass < 2; ++pass) {
+        fit.spans = spansOf(chain, fit.axis, view, height, options.markerThickness);
+        fit.sides = measureSides(fit.spans, fit.axis, view, height, options, chromaOnly);
+        fit.line = fitLine(fit.sides.middles, 2 / view.pixelsPerInch(fit.axis.origin, height));
+        if (!fit.line) break;
+        fit.bend = sagitta(fit.sides.middles);
+        if (chain.markers.empty() && std::abs(fit.bend) > 0.06) break;
+        const double correction =
+            std::abs(fit.line->offset) + std::abs(fit.line->slope) * 0.5 * (pca.high - pca.low);
+        follow(fit.axis, *fit.line);
+        if (correction < 0.04) break;
+    }
+    return fit;
+}
+
 } // namespace
 
 std::vector<glm::dvec2> wallOutline(const geometry::Wall& wall, const PlanView& view) {
@@ -223,31 +260,24 @@ std::optional<StraightWall> fitStraight(const Chain& chain, const PlanView& view
     if (pca.high - pca.low < options.shortestWall - 2 * options.unpaintedEnd || pca.minor > 1.5 * strip)
         return std::nullopt;
 
-    Axis axis = axisOf(pca);
-    std::vector<Span> spans;
-    Sides sides;
-    std::optional<LineFit> line;
-    for (int pass = 0; pass < 2; ++pass) {
-        spans = spansOf(chain, axis, view, height, options.markerThickness);
-        sides = measureSides(spans, axis, view, height, options);
-        line = fitLine(sides.middles, 2 / view.pixelsPerInch(axis.origin, height));
-        if (!line) break;
-        if (chain.markers.empty() && std::abs(sagitta(sides.middles)) > 0.06) return std::nullopt;
-        const double correction = std::abs(line->offset) + std::abs(line->slope) * 0.5 * (pca.high - pca.low);
-        follow(axis, *line);
-        if (correction < 0.04) break;
-    }
-    double thickness = options.wallThickness;
-    if (sides.widths.size() >= 3) {
-        auto& widths = sides.widths;
-        const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
-        std::nth_element(widths.begin(), middle, widths.end());
-        if (*middle < 0.8 * thickness || *middle > 1.25 * thickness) return std::nullopt;
+    StripFit fit = fitStrip(chain, pca, view, options, false);
+    // A narrow face in its own shadow beside the paint: where it is as dark as the paint, its far edge looks
+    // like the paint's.
+    if (std::abs(fit.width() / options.wallThickness - 1) > 0.12)
+        if (StripFit byChroma = fitStrip(chain, pca, view, options, true);
+            byChroma.line && std::abs(byChroma.width() - options.wallThickness) <
+                                 std::abs(fit.width() - options.wallThickness))
+            fit = std::move(byChroma);
+    if (chain.markers.empty() && std::abs(fit.bend) > 0.06) return std::nullopt;
+    const double thickness = options.wallThickness;
+    if (fit.sides.widths.size() >= 3) {
+        if (fit.width() < 0.8 * thickness || fit.width() > 1.25 * thickness) return std::nullopt;
     } else if (pca.minor > 1.25 * strip || pca.minor < 0.6 * strip ||
                pca.high - pca.low < 2 * options.wallThickness) {
         return std::nullopt; // neither sides nor shape speak for a wall
     }
 
+    const auto& [axis, spans, sides, line, bend] = fit;
     const Span first = spans.front();
     const Span last = *std::max_element(spans.begin(), spans.end(),
                                         [](const Span& a, const Span& b) { return a.high < b.high; });

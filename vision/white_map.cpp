@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -55,9 +56,9 @@ double relativeNoise(const PlanView& view, const TableRegion& region) {
 std::vector<cv::Vec4f> blockMeans(const PlanView& view, const TableRegion& region, const WhiteMap& map) {
     const Photograph& photo = view.photo();
     const auto& linear = view.linearFromByte();
-    std::vector<cv::Vec4f> out(static_cast<size_t>(map.columns) * static_cast<size_t>(map.rows));
-    for (int j = 0; j < map.rows; ++j)
-        for (int i = 0; i < map.columns; ++i) {
+    std::vector<cv::Vec4f> out(static_cast<size_t>(map.grid.columns) * static_cast<size_t>(map.grid.rows));
+    for (int j = 0; j < map.grid.rows; ++j)
+        for (int i = 0; i < map.grid.columns; ++i) {
             cv::Vec4f sum(0, 0, 0, 1);
             float n = 0;
             for (int y = j * kBlock; y < std::min(region.height, (j + 1) * kBlock); y += 2)
@@ -73,7 +74,7 @@ std::vector<cv::Vec4f> blockMeans(const PlanView& view, const TableRegion& regio
                     n += 1;
                 }
             for (int c = 0; c < 3; ++c) sum[c] /= n;
-            out[static_cast<size_t>(j) * static_cast<size_t>(map.columns) + static_cast<size_t>(i)] = sum;
+            out[static_cast<size_t>(j) * static_cast<size_t>(map.grid.columns) + static_cast<size_t>(i)] = sum;
         }
     return out;
 }
@@ -87,12 +88,71 @@ cv::Mat spread(const cv::Mat& from, double sigma) {
     return out;
 }
 
-// The block's chroma is that of the white, up to a factor.
-bool alike(const cv::Vec4f& p, const cv::Vec3f& white, float factor) {
-    const float red = p[0] * white[1], redOfWhite = p[1] * white[0];
-    const float blue = p[2] * white[1], blueOfWhite = p[1] * white[2];
-    return red < factor * redOfWhite && redOfWhite < factor * red && blue < factor * blueOfWhite &&
-           blueOfWhite < factor * blue;
+// P' of the block's mean against a white: 0 where it has the white's chroma.
+float saturation(const cv::Vec4f& p, const cv::Vec3f& white) {
+    const float r = p[0] / white[0], g = p[1] / white[1], b = p[2] / white[2];
+    const float high = std::max({r, g, b});
+    return high > 0 ? (high - std::min({r, g, b})) / high : 1;
+}
+
+float brightest(const cv::Vec4f& p, const cv::Vec3f& white) {
+    return std::max({p[0] / white[0], p[1] / white[1], p[2] / white[2]});
+}
+
+cv::Vec2f chroma(float r, float g, float b) {
+    constexpr float kTiny = 1e-6f;
+    return {std::log((r + kTiny) / (g + kTiny)), std::log((b + kTiny) / (g + kTiny))};
+}
+cv::Vec2f chroma(const cv::Vec4f& p) { return chroma(p[0], p[1], p[2]); }
+
+// A white seen by the light of its neighbours, or by a lamp that the picture is not balanced for. Lights that
+// follow one another smoothly over the table may differ by more: each block is held against those about it.
+constexpr float kWhite = 0.2f; // of P'; the palest card has more
+constexpr int kPasses = 3; // each reaches some blocks further
+constexpr float kShade = 0.8f;       // brighter than that is no shadow: light-blue card returns more of the blue
+constexpr float kSameLight = 0.12f;  // of log chroma
+constexpr float kBetween = 0.07f;    // the same across the line that mixtures of two lights follow
+constexpr double kShareOfTable = 0.012; // what a second light must have to itself; one skylight has less
+
+// Where the lamp that dominates is shut out, another light of another colour is alone: the commonest chroma of
+// the dark blocks that are not white by the first light. Paint is vivid, or as bright as the white about it.
+std::optional<cv::Vec2f> findSecondLight(const std::vector<cv::Vec4f>& blocks,
+                                         const std::vector<cv::Vec3f>& near, float typical) {
+    constexpr int kBins = 80;
+    constexpr float kBin = 0.05f;
+    std::vector<int> histogram(kBins * kBins, 0);
+    std::vector<cv::Vec2f> dark;
+    size_t table = 0;
+    for (size_t i = 0; i < blocks.size(); ++i) {
+        const cv::Vec4f& p = blocks[i];
+        if (p[3] == 0) continue;
+        ++table;
+        const float s = saturation(p, near[i]);
+        if (p[1] < 0.03f * typical || s < kWhite || s > 0.6f || brightest(p, near[i]) > kShade) continue;
+        dark.push_back(chroma(p));
+    }
+    auto binOf = [&](float v) { return std::clamp(static_cast<int>(v / kBin) + kBins / 2, 1, kBins - 2); };
+    for (const auto& c : dark) ++histogram[static_cast<size_t>(binOf(c[0]) * kBins + binOf(c[1]))];
+    int best = 0, bestX = 0, bestY = 0;
+    for (int x = 1; x < kBins - 1; ++x)
+        for (int y = 1; y < kBins - 1; ++y) {
+            int sum = 0;
+            for (int dx = -1; dx <= 1; ++dx)
+                for (int dy = -1; dy <= 1; ++dy) sum += histogram[static_cast<size_t>((x + dx) * kBins + y + dy)];
+            if (sum > best) best = sum, bestX = x, bestY = y;
+        }
+    if (best < kShareOfTable * static_cast<double>(table)) return std::nullopt;
+    cv::Vec2f mean(0, 0);
+    for (const auto& c : dark)
+        if (std::abs(binOf(c[0]) - bestX) <= 1 && std::abs(binOf(c[1]) - bestY) <= 1) mean += c;
+    return mean * (1.0f / static_cast<float>(best));
+}
+
+// The chroma of a mixture of two lights, within the tolerance.
+bool isMixture(const cv::Vec2f& c, const cv::Vec2f& first, const cv::Vec2f& second) {
+    const cv::Vec2f line = second - first, off = c - first;
+    const float t = std::clamp(line.dot(off) / std::max(line.dot(line), 1e-6f), 0.0f, 1.0f);
+    return cv::norm(off - t * line) < (t < 1 ? kBetween : kSameLight);
 }
 
 } // namespace
@@ -119,7 +179,8 @@ TableRegion findTable(const PlanView& view, double radiusInches, double overEdge
 
 WhiteMap findWhite(const PlanView& view, const TableRegion& region) {
     WhiteMap out;
-    out.columns = (region.width + kBlock - 1) / kBlock, out.rows = (region.height + kBlock - 1) / kBlock;
+    out.grid.x0 = region.x0, out.grid.y0 = region.y0, out.grid.square = kBlock;
+    out.grid.columns = (region.width + kBlock - 1) / kBlock, out.grid.rows = (region.height + kBlock - 1) / kBlock;
     const std::vector<cv::Vec4f> blocks = blockMeans(view, region, out);
     std::vector<float> brightness, red, blue;
     for (const auto& p : blocks)
@@ -134,17 +195,25 @@ WhiteMap findWhite(const PlanView& view, const TableRegion& region) {
     const cv::Vec3f global(typical * std::max(median(red), 1e-3f), typical,
                            typical * std::max(median(blue), 1e-3f));
 
-    // Twice: against the whole table's white, then against that found near by. Factors from lamps and
-    // projectors that differ by half in red to blue; the palest paint, light blue, lies beyond them.
+    // Against the whole table's white, then against that found near by, then with what only a second light
+    // reaches.
     std::vector<cv::Vec3f> near(blocks.size(), global);
-    for (int pass = 0; pass < 2; ++pass) {
-        cv::Mat white(out.rows, out.columns, CV_32FC4, cv::Scalar::all(0));
+    std::optional<cv::Vec2f> second;
+    for (int pass = 0; pass < kPasses + 2; ++pass) {
+        if (pass == kPasses) {
+            second = findSecondLight(blocks, near, typical);
+            if (!second) break;
+        }
+        cv::Mat white(out.grid.rows, out.grid.columns, CV_32FC4, cv::Scalar::all(0));
         int found = 0;
         for (size_t i = 0; i < blocks.size(); ++i) {
             const auto& p = blocks[i];
-            if (p[3] == 0 || p[1] < 0.1f * typical || p[1] < 0.2f * near[i][1] ||
-                !alike(p, near[i], pass == 0 ? 1.38f : 1.28f))
-                continue;
+            if (p[3] == 0 || p[1] < 0.03f * typical) continue;
+            const bool asNear = p[1] > 0.1f * typical && p[1] > 0.2f * near[i][1] &&
+                                saturation(p, near[i]) < kWhite;
+            const bool shaded = second && brightest(p, near[i]) < kShade &&
+                                isMixture(chroma(p), chroma(near[i][0], near[i][1], near[i][2]), *second);
+            if (!asNear && !shaded) continue;
             white.ptr<cv::Vec4f>()[i] = p;
             ++found;
         }
@@ -157,7 +226,9 @@ WhiteMap findWhite(const PlanView& view, const TableRegion& region) {
             for (int c = 0; c < 3; ++c) near[i][c] = s[3] > 1e-6f ? std::max(s[c] / s[3], 1e-5f) : global[c];
         }
     }
-    for (const auto& w : near) out.light.emplace_back(w[0], w[1], w[2]);
+    if (second)
+        out.secondLight = glm::vec3(std::exp((*second)[0]), 1, std::exp((*second)[1]));
+    for (const auto& w : near) out.grid.light.emplace_back(w[0], w[1], w[2]);
     out.noise = relativeNoise(view, region);
     return out;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -22,14 +23,15 @@ struct TableRegion {
 // `overEdge`: inches that a wall may stick out over the table.
 TableRegion findTable(const PlanView& view, double radiusInches, double overEdge);
 
-constexpr int kBlock = 8; // pixels
+constexpr int kBlock = 8; // pixels of the grid's squares
 
 // Light on white per block of the region: of the blocks that look like the table, spread over those that do
 // not.
 struct WhiteMap {
-    int columns = 0, rows = 0;
-    std::vector<glm::vec3> light; // linear; empty: nothing white and lit where the table should be
-    double noise = 0;             // standard deviation of a pixel on the table over its value
+    LightGrid grid; // its light is empty where nothing white and lit is where the table should be
+    // Colour, green 1, of a light that alone reaches the shadows, where it differs from the light elsewhere.
+    std::optional<glm::vec3> secondLight;
+    double noise = 0; // standard deviation of a pixel on the table over its value
 };
 
 WhiteMap findWhite(const PlanView& view, const TableRegion& region);
