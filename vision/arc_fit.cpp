@@ -155,7 +155,8 @@ std::optional<geometry::Arc> fitArc(const Chain& chain, const std::vector<glm::d
                                     const PlanView& view, const DetectOptions& options, bool chromaOnly) {
     const double height = heightOf(chain.paint), half = 0.5 * options.wallThickness;
     const auto circle = centreCircle(points);
-    if (!circle || circle->off > 1.35 * options.wallThickness / std::sqrt(12.0)) return std::nullopt;
+    if (!circle || circle->off > 1.35 * stripSpread(view, points.front(), height, options))
+        return std::nullopt;
 
     Rings rings{circle->centre, circle->radius - half, circle->radius + half};
     auto [low, high] = angularExtent(points, rings.centre);
@@ -190,8 +191,7 @@ std::optional<geometry::Arc> fitArc(const Chain& chain, const std::vector<glm::d
         if (pass > 0 && glm::distance(before, rings.centre) < 0.02) break;
     }
     const double thickness = rings.outer - rings.inner;
-    if (thickness < 0.8 * options.wallThickness || thickness > 1.25 * options.wallThickness)
-        return std::nullopt;
+    if (!isWallThickness(thickness, view, points.front(), height, options)) return std::nullopt;
 
     const double radius = 0.5 * (rings.inner + rings.outer);
     std::tie(low, high) = angularExtent(points, rings.centre);

@@ -1,6 +1,7 @@
 // Which pieces of paint and which markers make one wall. The paper merges parallel walls that lie close; here
 // a piece, a marker and the next piece must continue one another along one line.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -36,6 +37,24 @@ std::optional<double> continues(const Pca& a, const Pca& b, double maxGap) {
     return off;
 }
 
+// Sums over a region's pixels at one height, from which the spread of several together follows.
+struct Moments {
+    double n = 0, xx = 0, xy = 0, yy = 0;
+    glm::dvec2 sum{};
+
+    void add(const std::vector<glm::dvec2>& points) {
+        for (const glm::dvec2& p : points)
+            n += 1, sum += p, xx += p.x * p.x, xy += p.x * p.y, yy += p.y * p.y;
+    }
+    void add(const Moments& o) { n += o.n, sum += o.sum, xx += o.xx, xy += o.xy, yy += o.yy; }
+    double minor() const { // standard deviation across
+        const glm::dvec2 mean = sum / n;
+        const double a = xx / n - mean.x * mean.x, b = xy / n - mean.x * mean.y, c = yy / n - mean.y * mean.y;
+        return std::sqrt(std::max(0.0, 0.5 * (a + c) - std::hypot(0.5 * (a - c), b)));
+    }
+};
+using MomentsByHeight = std::array<Moments, 3>; // red, blue, green
+
 struct Link {
     double off;
     size_t a, b;
@@ -50,20 +69,31 @@ Chains formChains(const std::vector<const Component*>& wallPieces,
     const Paint heights[] = {Paint::red, Paint::blue, Paint::green};
     std::vector<Pca> pieceAxes;
     std::vector<std::array<Pca, 3>> markerAxes;
-    for (const Component* piece : wallPieces)
-        pieceAxes.push_back(principalAxes(planPoints(*piece, view, heightOf(piece->group))));
-    for (const Component* marker : markers) {
-        markerAxes.push_back({});
-        for (size_t h = 0; h < 3; ++h)
-            markerAxes.back()[h] =
-                principalAxes(planPoints(*marker, view, heightOf(heights[h]) + options.markerThickness));
+    std::vector<MomentsByHeight> moments(n);
+    auto placeOf = [&](Paint paint) {
+        return static_cast<size_t>(std::find(std::begin(heights), std::end(heights), paint) -
+                                   std::begin(heights));
+    };
+    for (size_t i = 0; i < pieces; ++i) {
+        const auto points = planPoints(*wallPieces[i], view, heightOf(wallPieces[i]->group));
+        pieceAxes.push_back(principalAxes(points));
+        moments[i][placeOf(wallPieces[i]->group)].add(points);
     }
-    const double straight = 1.5 * options.wallThickness / std::sqrt(12.0);
+    for (size_t k = 0; k < markers.size(); ++k) {
+        markerAxes.push_back({});
+        for (size_t h = 0; h < 3; ++h) {
+            const auto points = planPoints(*markers[k], view, heightOf(heights[h]) + options.markerThickness);
+            markerAxes.back()[h] = principalAxes(points);
+            moments[pieces + k][h].add(points);
+        }
+    }
+    const double straight =
+        1.5 * stripSpread(view, {}, geometry::heightInches(geometry::HeightClass::blue), options);
     std::vector<Link> links;
     for (size_t i = 0; i < pieces; ++i) {
         if (pieceAxes[i].minor > straight) continue; // curved: nothing can be hung on it
         const Paint paint = wallPieces[i]->group;
-        const size_t h = paint == Paint::red ? 0 : paint == Paint::blue ? 1 : 2;
+        const size_t h = placeOf(paint);
         for (size_t k = 0; k < markers.size(); ++k)
             if (const auto off = continues(pieceAxes[i], markerAxes[k][h], kMarkerGap))
                 links.push_back({*off, i, pieces + k});
@@ -87,7 +117,14 @@ Chains formChains(const std::vector<const Component*>& wallPieces,
         if (from == to) continue;
         if (paintOf[from] != Paint::none && paintOf[to] != Paint::none && paintOf[from] != paintOf[to])
             continue;
-        if (paintOf[to] == Paint::none) paintOf[to] = paintOf[from];
+        // A marker at a corner continues both walls there: together they must stay one straight strip.
+        const Paint paint = paintOf[to] != Paint::none ? paintOf[to] : paintOf[from];
+        const size_t h = paint == Paint::none ? 1 : placeOf(paint);
+        Moments together = moments[to][h];
+        together.add(moments[from][h]);
+        if (together.minor() > straight) continue;
+        paintOf[to] = paint;
+        for (size_t i = 0; i < 3; ++i) moments[to][i].add(moments[from][i]);
         std::replace(set.begin(), set.end(), from, to);
     }
     Chains out;

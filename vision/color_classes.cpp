@@ -17,7 +17,7 @@ namespace heliodon::vision {
 namespace {
 
 constexpr double kMarkerReach = 0.4; // inches, more than half of a marker's top, seen nearer than the table
-constexpr double kOverEdge = 2; // inches that a wall may stick out over the table
+constexpr double kOverEdge = 2;      // inches that a wall may stick out over the table
 
 // Hue in degrees of a colour whose smallest component was taken away.
 inline float hueOf(float r, float g, float b, float high, float low) {
@@ -32,7 +32,8 @@ inline float saturationOf(glm::vec3 p) {
     const float high = std::max(std::max(p.r, p.g), p.b), low = std::min(std::min(p.r, p.g), p.b);
     return (high - low) / high;
 }
-// White in a shadow that only a second light reaches: darker than the white about it, and white by that light.
+// White in a shadow that only a second light reaches: darker than the white about it, and white by that
+// light.
 constexpr float kShade = 0.8f, kShadeWhite = 0.2f;
 constexpr float kFaint = 0.23f; // of P': nothing below is looked at
 
@@ -105,7 +106,9 @@ std::vector<Coloured> findColoured(const PlanView& view, const TableRegion& regi
     std::vector<Coloured> out;
     const float minSaturation = static_cast<float>(options.minSaturation);
     // By ground. Beyond the table there is only dark floor to tell from the lit top of a wall.
-    const float minBright[3] = {1e9f, static_cast<float>(options.minBrightnessOffTable),
+    // Noise has every colour: where little light comes from, a pixel must stand well out of it.
+    const double offTable = std::max(options.minBrightnessOffTable, 4.5 * white.noise);
+    const float minBright[3] = {1e9f, static_cast<float>(offTable),
                                 static_cast<float>(options.minBrightness)};
     // Averages as much as the noise asks for: a token's rim is only about four pixels wide.
     SoftRows rows(view, region, std::clamp(0.5 + 12 * white.noise, 0.5, 1.5));
@@ -113,8 +116,8 @@ std::vector<Coloured> findColoured(const PlanView& view, const TableRegion& regi
         const float* row = rows.row(y).data();
         const size_t start = static_cast<size_t>(y) * static_cast<size_t>(region.width);
         const Ground* ground = region.ground.data() + start;
-        const glm::vec3* light =
-            white.grid.light.data() + static_cast<size_t>(y / kBlock) * static_cast<size_t>(white.grid.columns);
+        const glm::vec3* light = white.grid.light.data() +
+                                 static_cast<size_t>(y / kBlock) * static_cast<size_t>(white.grid.columns);
         for (int block = 0; block < white.grid.columns; ++block) {
             const glm::vec3 gain = 1.0f / light[block];
             const int end = std::min(region.width, (block + 1) * kBlock);
@@ -156,14 +159,20 @@ void dropFloor(std::vector<Coloured>& coloured, const TableRegion& region, const
         if (region.ground[c.index] != Ground::table)
             ++histogram[static_cast<size_t>(groupOf(image.paint[c.index]))][c.brightness];
     const auto floor = std::count(region.ground.begin(), region.ground.end(), Ground::besideTable);
+    for (size_t paint = 1; paint < kPaints; ++paint)
+        for (size_t level = 0; level < 256; ++level) histogram[0][level] += histogram[paint][level];
+    auto limitOf = [&](const std::array<int, 256>& levels) {
+        int all = 0, below = 0, level = 0;
+        for (const int n : levels) all += n;
+        if (all < kShareOfFloor * static_cast<double>(floor)) return 0;
+        while (level < 255 && below < 0.95 * all) below += levels[static_cast<size_t>(level++)];
+        return std::min(255, level + level / 5);
+    };
     std::array<int, kPaints> limit{};
+    const int anyPaint = limitOf(histogram[0]); // noise has them all
     for (size_t paint = 1; paint < kPaints; ++paint) {
-        int all = 0, below = 0;
-        for (const int n : histogram[paint]) all += n;
-        if (all < kShareOfFloor * static_cast<double>(floor)) continue;
-        int level = 0;
-        while (level < 255 && below < 0.95 * all) below += histogram[paint][static_cast<size_t>(level++)];
-        limit[paint] = std::min(255, level + level / 5);
+        limit[paint] = limitOf(histogram[paint]);
+        if (limit[paint] == 0) limit[paint] = anyPaint;
     }
     std::erase_if(coloured, [&](const Coloured& c) {
         return region.ground[c.index] != Ground::table &&

@@ -25,7 +25,7 @@ struct ClassImage {
     int x0 = 0, y0 = 0, width = 0, height = 0; // where it lies in the photograph
     std::vector<Paint> paint;                  // row-major
     bool hasTable = true;                      // false: nothing white and lit where the table should be
-    LightGrid white;      // what the pixels were held against
+    LightGrid white;                           // what the pixels were held against
     std::array<float, kPaints>
         hueDegrees{}; // hue that was learned for each paint (linear light, white balanced)
 

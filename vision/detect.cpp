@@ -173,7 +173,8 @@ private:
                 used_[i] = true;
                 continue;
             }
-            if (auto skylight = fitSkylight(region, view_, options_); skylight && liesOnTable(skylight->center, 0)) {
+            if (auto skylight = fitSkylight(region, view_, options_);
+                skylight && liesOnTable(skylight->center, 0)) {
                 used_[i] = true;
                 out_.sketch.skylights.push_back(*skylight);
             }
@@ -216,24 +217,39 @@ private:
         unread(marker, "a window marker on no wall");
     }
 
+    // One that is a straight strip or an arc as it is.
+    bool addPiece(const Component& region, std::vector<const Component*>& pieces) {
+        const Chain alone{region.group, {&region}, {}};
+        const double height = heightOf(region.group);
+        const Pca pca = principalAxes(planPoints(region, view_, height));
+        if (pca.minor > 1.5 * stripSpread(view_, pca.mean, height, options_) &&
+            !fitArc(alone, view_, options_))
+            return false;
+        pieces.push_back(&region);
+        return true;
+    }
+
     // A region that is neither a straight strip nor an arc may be walls that touch: its strips, if they are
     // walls.
     void addPieces(const Component& region, std::vector<const Component*>& pieces) {
         if (region.group == Paint::blue && 2 * region.minorityArea > region.area)
             return unread(region, "light blue like a skylight, but no rectangle");
-        const Chain alone{region.group, {&region}, {}};
-        if (relativeWidth(region, heightOf(region.group)) < 1.5 || fitArc(alone, view_, options_)) {
-            pieces.push_back(&region);
-            return;
-        }
+        if (addPiece(region, pieces)) return;
         bool any = false;
-        for (Component& strip : splitStrips(region, view_, options_)) {
-            strips_.push_back(std::move(strip));
-            const Chain piece{region.group, {&strips_.back()}, {}};
-            if (const auto wall = fitStraight(piece, view_, options_); wall && isFlanked(wall->wall))
-                pieces.push_back(&strips_.back()), any = true;
-            else if (fitArc(piece, view_, options_))
-                pieces.push_back(&strips_.back()), any = true;
+        for (Component& part : thinParts(region, view_, options_)) {
+            strips_.push_back(std::move(part));
+            const Component& thin = strips_.back();
+            if (thin.area < region.area && addPiece(thin, pieces)) {
+                any = true;
+                continue;
+            }
+            for (Component& strip : splitStrips(thin, view_, options_)) {
+                strips_.push_back(std::move(strip));
+                const Chain piece{region.group, {&strips_.back()}, {}};
+                const auto wall = fitStraight(piece, view_, options_);
+                if ((wall && isFlanked(wall->wall)) || fitArc(piece, view_, options_))
+                    pieces.push_back(&strips_.back()), any = true;
+            }
         }
         if (!any) unread(region, "coloured like a wall, but not of a wall's shape");
     }

@@ -12,7 +12,7 @@ namespace heliodon::vision {
 namespace {
 
 constexpr int kWorkingSize = 1000; // pixels of the longer side: disks have some ten or more
-constexpr int kLeastSize = 100; // of a picture's side: below, no mark is two pixels large
+constexpr int kLeastSize = 100;    // of a picture's side: below, no mark is two pixels large
 constexpr double kHueTolerance = 38, kLeastArea = 20;
 
 // Light on white as if there were no print: the largest of each channel near every pixel. Print is darker

@@ -11,10 +11,10 @@ namespace {
 constexpr std::array<float, kPaints> kNominalHue = {0, 1, 20, 47, 130, 190, 209, 230, 325};
 constexpr std::array<float, kPaints> kNominalSaturation = {0, 1, 1, 1, 1, 0.8f, 0.47f, 0.82f, 1};
 
-constexpr float kHueReach = 16;  // degrees that a paint's hue may lie from the nominal
-constexpr float kHueScale = 8;   // degrees that weigh as much as
+constexpr float kHueReach = 16; // degrees that a paint's hue may lie from the nominal
+constexpr float kHueScale = 8;  // degrees that weigh as much as
 constexpr float kSaturationScale = 0.2f;
-constexpr float kFarthest = 8;   // squared distance, in these scales, from a nominal blue to a peak
+constexpr float kFarthest = 8; // squared distance, in these scales, from a nominal blue to a peak
 constexpr int kFirstBlue = 172, kLastBlue = 248; // degrees
 constexpr float kWide = 0.03f;   // of a card of an inch square: 4 in 100 pixels have wide surroundings
 constexpr float kWrongShape = 4; // squared distance
@@ -29,7 +29,9 @@ float hueDistance(float a, float b) {
     const float d = std::abs(a - b);
     return std::min(d, 360 - d);
 }
-float squared(float v) { return v * v; }
+float squared(float v) {
+    return v * v;
+}
 
 struct Peak {
     float hue, saturation;
@@ -72,7 +74,8 @@ float wideShare(const std::vector<Coloured>& coloured, const Peak& peak, int wid
     for (size_t k = 0; k < of.size(); k += 3) {
         const size_t i = of[k];
         ++asked;
-        wide += i >= row && i + row <= last && mask[i - row] && mask[i + row] && mask[i - step] && mask[i + step];
+        wide +=
+            i >= row && i + row <= last && mask[i - row] && mask[i + row] && mask[i - step] && mask[i + step];
     }
     return static_cast<float>(wide) / static_cast<float>(asked);
 }
@@ -84,7 +87,8 @@ struct Pair {
 
 // Nearest pairs first, one paint to a peak: so without red walls the arrow's orange is not taken for a red.
 std::vector<Pair> matched(std::vector<Pair> pairs, size_t peaks) {
-    std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.cost < b.cost; });
+    std::stable_sort(pairs.begin(), pairs.end(),
+                     [](const Pair& a, const Pair& b) { return a.cost < b.cost; });
     std::array<bool, kPaints> known{};
     std::vector<bool> given(peaks, false);
     std::erase_if(pairs, [&](const Pair& p) {
@@ -128,7 +132,9 @@ void PaintTable::learnBlues(const std::vector<Coloured>& coloured, int width, in
         if (c.hue >= kFirstBlue && c.hue <= kLastBlue)
             histogram[static_cast<size_t>((c.hue - kFirstBlue) / 2)][c.saturation / kStep] += 1;
     auto inside = [](int h, int s) { return h >= 0 && h < kHues && s >= 0 && s < kLevels; };
-    auto at = [](auto& grid, int h, int s) -> float& { return grid[static_cast<size_t>(h)][static_cast<size_t>(s)]; };
+    auto at = [](auto& grid, int h, int s) -> float& {
+        return grid[static_cast<size_t>(h)][static_cast<size_t>(s)];
+    };
     for (int h = 0; h < kHues; ++h)
         for (int s = 0; s < kLevels; ++s)
             for (int dh = -kReach; dh <= kReach; ++dh)
@@ -147,7 +153,8 @@ void PaintTable::learnBlues(const std::vector<Coloured>& coloured, int width, in
                     const bool before = dh < 0 || (dh == 0 && ds < 0); // first of equals
                     highest = highest && (before ? at(smooth, h, s) > other : at(smooth, h, s) >= other);
                     const float n = at(histogram, h + dh, s + ds);
-                    mass += n, hue += n * static_cast<float>(h + dh), saturation += n * static_cast<float>(s + ds);
+                    mass += n, hue += n * static_cast<float>(h + dh),
+                        saturation += n * static_cast<float>(s + ds);
                 }
             if (highest)
                 peaks.push_back({kFirstBlue + 0.5f + 2 * hue / mass,
@@ -164,7 +171,8 @@ void PaintTable::learnBlues(const std::vector<Coloured>& coloured, int width, in
             if (cost < kFarthest) pairs.push_back({cost, paint, k});
         }
     }
-    for (const Pair& p : matched(pairs, peaks.size())) tone_[p.paint] = {peaks[p.peak].hue, peaks[p.peak].saturation};
+    for (const Pair& p : matched(pairs, peaks.size()))
+        tone_[p.paint] = {peaks[p.peak].hue, peaks[p.peak].saturation};
 }
 
 void PaintTable::fill() {

@@ -22,13 +22,11 @@ public:
     PaintTable(); // nominal paints
     // A paint's hue is a peak of the picture's near the nominal one. Cyan, light blue and blue differ by
     // little more than their saturation, which faded paint and a camera's overlapping filters lower: they are
-    // peaks in hue and saturation, and light-blue card is wide where walls and markers are narrow. `width`: of
-    // the picture that the indices count in; `reach`: pixels, more than half the width of a marker's top.
+    // peaks in hue and saturation, and light-blue card is wide where walls and markers are narrow. `width`:
+    // of the picture that the indices count in; `reach`: pixels, more than half the width of a marker's top.
     PaintTable(const std::vector<Coloured>& coloured, int width, int reach);
 
-    Paint at(uint16_t hue, uint8_t saturation) const {
-        return table_[saturation / kStep][hue];
-    }
+    Paint at(uint16_t hue, uint8_t saturation) const { return table_[saturation / kStep][hue]; }
     std::array<float, kPaints> hues() const; // degrees
     // Light-blue card that a camera or the years have faded; white in a bluish shadow is darker.
     static bool isFadedSky(float hue, float saturation, float brightness) {

@@ -1,5 +1,7 @@
 #include "vision/pieces.h"
 
+#include <cmath>
+
 #include "geometry/sketch.h"
 #include "vision/wall_fit.h"
 
@@ -15,6 +17,10 @@ std::vector<glm::dvec2> planPoints(const Component& component, const PlanView& v
         points.push_back(view.plan(glm::dvec2(run.x1 - 1, run.y), height));
     }
     return points;
+}
+
+double stripSpread(const PlanView& view, glm::dvec2 plan, double height, const DetectOptions& options) {
+    return (options.wallThickness + 1.5 / view.pixelsPerInch(plan, height)) / std::sqrt(12.0);
 }
 
 geometry::HeightClass heightClassOf(Paint wallPaint) {

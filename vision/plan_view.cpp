@@ -52,9 +52,11 @@ glm::vec3 PlanView::light(glm::dvec2 p) const {
 }
 
 glm::vec3 PlanView::white(glm::dvec2 p) const {
-    const double i = std::floor((p.x - white_.x0) / white_.square), j = std::floor((p.y - white_.y0) / white_.square);
+    const double i = std::floor((p.x - white_.x0) / white_.square),
+                 j = std::floor((p.y - white_.y0) / white_.square);
     if (!(i >= 0 && j >= 0 && i < white_.columns && j < white_.rows)) return glm::vec3(1);
-    return white_.light[static_cast<size_t>(j) * static_cast<size_t>(white_.columns) + static_cast<size_t>(i)];
+    return white_
+        .light[static_cast<size_t>(j) * static_cast<size_t>(white_.columns) + static_cast<size_t>(i)];
 }
 
 } // namespace heliodon::vision

@@ -18,9 +18,9 @@ namespace heliodon::vision {
 
 // Light on white, a value for each square of pixels.
 struct LightGrid {
-    int x0 = 0, y0 = 0;         // first pixel in the photograph
+    int x0 = 0, y0 = 0; // first pixel in the photograph
     int columns = 0, rows = 0;
-    int square = 8;             // pixels
+    int square = 8;               // pixels
     std::vector<glm::vec3> light; // linear, row-major
 };
 

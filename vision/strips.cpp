@@ -1,6 +1,6 @@
-// Walls that touch or cross make one region of paint, and so does a wall with a patch of the same colour behind
-// it: cloth beside the table, a hand, the floor. What is wider than any joint of walls is taken away first; the
-// rest falls into straight strips, the longest first, each followed only as far as it is filled.
+// Walls that touch or cross make one region of paint, and so does a wall with a patch of the same colour
+// behind it: cloth beside the table, a hand, the floor. What is wider than any joint of walls is taken away
+// first; the rest falls into straight strips, the longest first, each followed only as far as it is filled.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -28,26 +28,14 @@ constexpr int kTrials = 150;
 constexpr size_t kMostStrips = 16;
 constexpr size_t kMostPixels = 6000; // more are thinned out while a strip is sought
 
-std::vector<Pixel> thinPixels(const Component& component, const PlanView& view, double height, double radius) {
-    int x0 = component.runs.front().x0, x1 = x0;
-    const int y0 = component.runs.front().y, y1 = component.runs.back().y + 1;
-    for (const Run& run : component.runs) x0 = std::min(x0, run.x0), x1 = std::max(x1, run.x1);
-    cv::Mat mask = cv::Mat::zeros(y1 - y0 + 2, x1 - x0 + 2, CV_8U);
-    for (const Run& run : component.runs)
-        mask.row(run.y - y0 + 1).colRange(run.x0 - x0 + 1, run.x1 - x0 + 1).setTo(1);
-    cv::Mat depth, wide;
-    cv::distanceTransform(mask, depth, cv::DIST_L2, 3);
-    wide = depth > radius;
-    if (cv::countNonZero(wide) > 0) { // every pixel within reach of the wide part
-        cv::distanceTransform(wide == 0, depth, cv::DIST_L2, 3);
-        mask.setTo(0, depth <= radius + 1.5);
-    }
-    std::vector<Pixel> out;
-    for (const Run& run : component.runs)
-        for (int x = run.x0; x < run.x1; ++x)
-            if (mask.at<uint8_t>(run.y - y0 + 1, x - x0 + 1))
-                out.push_back({view.plan(glm::dvec2(x, run.y), height), x, run.y});
-    return out;
+void append(Component& component, int x, int y) {
+    auto& runs = component.runs;
+    if (!runs.empty() && runs.back().y == y && runs.back().x1 == x)
+        ++runs.back().x1;
+    else
+        runs.push_back({y, x, x + 1});
+    component.centre += glm::dvec2(x, y);
+    ++component.area;
 }
 
 // A straight band and the stretch along it that is filled without a gap.
@@ -95,11 +83,43 @@ void followFilled(Band& band, const std::vector<Pixel>& pixels, size_t stride, d
 
 } // namespace
 
+std::vector<Component> thinParts(const Component& component, const PlanView& view,
+                                 const DetectOptions& options) {
+    const double height = heightOf(component.group);
+    const double perInch = view.pixelsPerInch(view.plan(component.centre, height), height);
+    const double radius = kWidestJoint * options.wallThickness * perInch + 1;
+    int x0 = component.runs.front().x0, x1 = x0;
+    const int y0 = component.runs.front().y, y1 = component.runs.back().y + 1;
+    for (const Run& run : component.runs) x0 = std::min(x0, run.x0), x1 = std::max(x1, run.x1);
+    cv::Mat mask = cv::Mat::zeros(y1 - y0 + 2, x1 - x0 + 2, CV_8U);
+    for (const Run& run : component.runs)
+        mask.row(run.y - y0 + 1).colRange(run.x0 - x0 + 1, run.x1 - x0 + 1).setTo(1);
+    cv::Mat depth, label;
+    cv::distanceTransform(mask, depth, cv::DIST_L2, 3);
+    const cv::Mat wide = depth > radius;
+    if (cv::countNonZero(wide) == 0) return {component};
+    cv::distanceTransform(wide == 0, depth, cv::DIST_L2, 3); // every pixel within reach of the wide part
+    mask.setTo(0, depth <= radius + 1.5);
+    const int labels = cv::connectedComponents(mask, label, 4);
+    std::vector<Component> out(static_cast<size_t>(labels));
+    for (int y = 0; y < label.rows; ++y)
+        for (int x = 0; x < label.cols; ++x)
+            if (const int k = label.at<int>(y, x))
+                append(out[static_cast<size_t>(k)], x + x0 - 1, y + y0 - 1);
+    const double least = 0.5 * options.wallThickness * perInch * perInch;
+    std::erase_if(out, [&](const Component& part) { return part.area < least; });
+    for (Component& part : out) part.group = component.group, part.centre /= part.area;
+    return out;
+}
+
 std::vector<Component> splitStrips(const Component& component, const PlanView& view,
                                    const DetectOptions& options) {
     const double height = heightOf(component.group), width = options.wallThickness;
     const double perInch = view.pixelsPerInch(view.plan(component.centre, height), height);
-    std::vector<Pixel> pixels = thinPixels(component, view, height, kWidestJoint * width * perInch + 1);
+    std::vector<Pixel> pixels;
+    for (const Run& run : component.runs)
+        for (int x = run.x0; x < run.x1; ++x)
+            pixels.push_back({view.plan(glm::dvec2(x, run.y), height), x, run.y});
     const double enough = 0.6 * width * perInch * perInch; // pixels; the paint of the shortest wall is longer
     std::vector<Component> out;
     uint32_t random = 12345; // the same every time: detection is deterministic
@@ -125,12 +145,7 @@ std::vector<Component> splitStrips(const Component& component, const PlanView& v
         for (Pixel& p : pixels) {
             if (!best.holds(p.plan)) continue;
             p.taken = true;
-            if (!strip.runs.empty() && strip.runs.back().y == p.y && strip.runs.back().x1 == p.x)
-                ++strip.runs.back().x1;
-            else
-                strip.runs.push_back({p.y, p.x, p.x + 1});
-            strip.centre += glm::dvec2(p.x, p.y);
-            ++strip.area;
+            append(strip, p.x, p.y);
         }
         if (strip.area == 0) break;
         strip.centre /= strip.area;

@@ -211,7 +211,7 @@ std::optional<geometry::Token> fitToken(const Component& component, const ClassI
     const double height = options.tokenThickness, half = 0.5 * options.tokenSide, band = options.tokenBand;
     const double perInch = view.pixelsPerInch(view.plan(component.centre, height), height);
     const double rim = options.tokenSide * options.tokenSide - std::pow(options.tokenSide - 2 * band, 2);
-    if (component.area < 0.35 * rim * perInch * perInch || component.area > 2.2 * rim * perInch * perInch)
+    if (component.area < 0.35 * rim * perInch * perInch || component.area > 2.6 * rim * perInch * perInch)
         return std::nullopt;
     const auto points = planPoints(component, view, height);
     glm::dvec2 low(1e9), high(-1e9);
@@ -226,23 +226,38 @@ std::optional<geometry::Token> fitToken(const Component& component, const ClassI
     box.angle = withinQuarter(squareAngle(points, box.centre));
     const BoxFit fit = refineBox(box, view, height, 0.6 * band, 0.75 * band);
 
-    // The paper's Euler number, one for a wall and none for a token, but counted where rim and ring must be:
-    // noise may open the rim or fill a pixel of the ring.
-    int rimPixels = 0, ringPixels = 0, n = 0;
+    // The paper's Euler number, one for a wall and none for a token, but looked for where rim and ring must
+    // be: noise may open the rim, and blur fills a ring of three pixels. Where a file keeps colour more
+    // coarsely than brightness, the ring is the brighter one.
+    int rimPixels = 0, n = 0;
+    std::array<glm::dvec3, 4> rimColor{}, ringColor{};
+    std::array<double, 4> rimLight{}, ringLight{};
     for (int k = 0; k < 4; ++k)
         for (int i = -10; i <= 10; ++i) {
-            auto paintAt = [&](double r) {
+            auto pixelAt = [&](double r) {
                 const double l = r * i / 10.5;
-                const glm::dvec2 p =
-                    view.pixel(fit.box.centre + r * fit.box.axis(k) + l * fit.box.axis(k + 1), height);
-                return groupOf(
-                    image.at(static_cast<int>(std::lround(p.x)), static_cast<int>(std::lround(p.y))));
+                return view.pixel(fit.box.centre + r * fit.box.axis(k) + l * fit.box.axis(k + 1), height);
             };
+            auto look = [&](glm::dvec2 p, glm::dvec3& chroma, double& light) {
+                const glm::dvec3 c(view.light(p) / view.white(p));
+                const double mean = (c.r + c.g + c.b) / 3;
+                chroma += c - mean, light += mean;
+            };
+            const glm::dvec2 p = pixelAt(half - 0.5 * band);
             ++n;
-            rimPixels += paintAt(half - 0.5 * band) == component.group;
-            ringPixels += paintAt(half - 1.5 * band) != component.group;
+            rimPixels += groupOf(image.at(static_cast<int>(std::lround(p.x)),
+                                          static_cast<int>(std::lround(p.y)))) == component.group;
+            const auto side = static_cast<size_t>(k);
+            look(p, rimColor[side], rimLight[side]);
+            look(pixelAt(half - 1.5 * band), ringColor[side], ringLight[side]);
         }
-    if (rimPixels < 0.65 * n || ringPixels < 0.6 * n) return std::nullopt;
+    if (rimPixels < 0.55 * n) return std::nullopt;
+    const glm::dvec3 paint = rimColor[0] + rimColor[1] + rimColor[2] + rimColor[3];
+    int ringSides = 0;
+    for (size_t k = 0; k < 4; ++k)
+        ringSides += glm::dot(ringColor[k], paint) < 0.55 * std::max(glm::dot(rimColor[k], paint), 0.0) ||
+                     ringLight[k] > 1.3 * rimLight[k];
+    if (ringSides < 3) return std::nullopt;
 
     geometry::Token out;
     out.kind = component.group == Paint::green  ? geometry::TokenKind::floor

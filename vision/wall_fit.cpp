@@ -247,6 +247,13 @@ std::vector<glm::dvec2> windowOutline(const geometry::Wall& wall, const WindowMa
                         geometry::heightInches(wall.heightClass) + options.markerThickness, view);
 }
 
+bool isWallThickness(double measured, const PlanView& view, glm::dvec2 plan, double height,
+                     const DetectOptions& options) {
+    // The median of two sides is known to a fraction of a pixel; a pen is thinner, a folded cloth thicker.
+    const double tolerance = 0.1 * options.wallThickness + 0.6 / view.pixelsPerInch(plan, height);
+    return std::abs(measured - options.wallThickness) < tolerance;
+}
+
 std::optional<StraightWall> fitStraight(const Chain& chain, const PlanView& view,
                                         const DetectOptions& options) {
     const double height = heightOf(chain.paint);
@@ -257,7 +264,8 @@ std::optional<StraightWall> fitStraight(const Chain& chain, const PlanView& view
     const Pca pca = principalAxes(points);
     // A strip's standard deviation across is its width / sqrt(12).
     const double strip = options.wallThickness / std::sqrt(12.0);
-    if (pca.high - pca.low < options.shortestWall - 2 * options.unpaintedEnd || pca.minor > 1.5 * strip)
+    if (pca.high - pca.low < options.shortestWall - 2 * options.unpaintedEnd ||
+        pca.minor > 1.5 * stripSpread(view, pca.mean, height, options))
         return std::nullopt;
 
     StripFit fit = fitStrip(chain, pca, view, options, false);
@@ -271,7 +279,7 @@ std::optional<StraightWall> fitStraight(const Chain& chain, const PlanView& view
     if (chain.markers.empty() && std::abs(fit.bend) > 0.06) return std::nullopt;
     const double thickness = options.wallThickness;
     if (fit.sides.widths.size() >= 3) {
-        if (fit.width() < 0.8 * thickness || fit.width() > 1.25 * thickness) return std::nullopt;
+        if (!isWallThickness(fit.width(), view, axisOf(pca).origin, height, options)) return std::nullopt;
     } else if (pca.minor > 1.25 * strip || pca.minor < 0.6 * strip ||
                pca.high - pca.low < 2 * options.wallThickness) {
         return std::nullopt; // neither sides nor shape speak for a wall

@@ -52,9 +52,20 @@ std::vector<glm::dvec2> windowOutline(const geometry::Wall& wall, const geometry
 // None when the paint does not follow a circle's arc.
 std::optional<geometry::Arc> fitArc(const Chain& chain, const PlanView& view, const DetectOptions& options);
 
+// The region without what is wider than any joint of walls, in connected parts. All of it where nothing is.
+std::vector<Component> thinParts(const Component& component, const PlanView& view,
+                                 const DetectOptions& options);
+
 // Walls that touch make one region that is neither: the straight strips within it, largest first.
 std::vector<Component> splitStrips(const Component& component, const PlanView& view,
                                    const DetectOptions& options);
+
+// Standard deviation across a wall's paint, in inches: the lens and the mosaic widen it by a pixel.
+double stripSpread(const PlanView& view, glm::dvec2 plan, double height, const DetectOptions& options);
+
+// That a strip of paint between two measured sides is as wide as a wall's.
+bool isWallThickness(double measured, const PlanView& view, glm::dvec2 plan, double height,
+                     const DetectOptions& options);
 
 geometry::HeightClass heightClassOf(Paint wallPaint);
 

@@ -74,7 +74,8 @@ std::vector<cv::Vec4f> blockMeans(const PlanView& view, const TableRegion& regio
                     n += 1;
                 }
             for (int c = 0; c < 3; ++c) sum[c] /= n;
-            out[static_cast<size_t>(j) * static_cast<size_t>(map.grid.columns) + static_cast<size_t>(i)] = sum;
+            out[static_cast<size_t>(j) * static_cast<size_t>(map.grid.columns) + static_cast<size_t>(i)] =
+                sum;
         }
     return out;
 }
@@ -103,19 +104,22 @@ cv::Vec2f chroma(float r, float g, float b) {
     constexpr float kTiny = 1e-6f;
     return {std::log((r + kTiny) / (g + kTiny)), std::log((b + kTiny) / (g + kTiny))};
 }
-cv::Vec2f chroma(const cv::Vec4f& p) { return chroma(p[0], p[1], p[2]); }
+cv::Vec2f chroma(const cv::Vec4f& p) {
+    return chroma(p[0], p[1], p[2]);
+}
 
 // A white seen by the light of its neighbours, or by a lamp that the picture is not balanced for. Lights that
 // follow one another smoothly over the table may differ by more: each block is held against those about it.
 constexpr float kWhite = 0.2f; // of P'; the palest card has more
-constexpr int kPasses = 3; // each reaches some blocks further
-constexpr float kShade = 0.8f;       // brighter than that is no shadow: light-blue card returns more of the blue
-constexpr float kSameLight = 0.12f;  // of log chroma
-constexpr float kBetween = 0.07f;    // the same across the line that mixtures of two lights follow
+constexpr int kPasses = 3;     // each reaches some blocks further
+constexpr float kShade = 0.8f; // brighter than that is no shadow: light-blue card returns more of the blue
+constexpr float kSameLight = 0.12f;     // of log chroma
+constexpr float kBetween = 0.07f;       // the same across the line that mixtures of two lights follow
 constexpr double kShareOfTable = 0.012; // what a second light must have to itself; one skylight has less
 
-// Where the lamp that dominates is shut out, another light of another colour is alone: the commonest chroma of
-// the dark blocks that are not white by the first light. Paint is vivid, or as bright as the white about it.
+// Where the lamp that dominates is shut out, another light of another colour is alone: the commonest chroma
+// of the dark blocks that are not white by the first light. Paint is vivid, or as bright as the white about
+// it.
 std::optional<cv::Vec2f> findSecondLight(const std::vector<cv::Vec4f>& blocks,
                                          const std::vector<cv::Vec3f>& near, float typical) {
     constexpr int kBins = 80;
@@ -138,7 +142,8 @@ std::optional<cv::Vec2f> findSecondLight(const std::vector<cv::Vec4f>& blocks,
         for (int y = 1; y < kBins - 1; ++y) {
             int sum = 0;
             for (int dx = -1; dx <= 1; ++dx)
-                for (int dy = -1; dy <= 1; ++dy) sum += histogram[static_cast<size_t>((x + dx) * kBins + y + dy)];
+                for (int dy = -1; dy <= 1; ++dy)
+                    sum += histogram[static_cast<size_t>((x + dx) * kBins + y + dy)];
             if (sum > best) best = sum, bestX = x, bestY = y;
         }
     if (best < kShareOfTable * static_cast<double>(table)) return std::nullopt;
@@ -180,7 +185,8 @@ TableRegion findTable(const PlanView& view, double radiusInches, double overEdge
 WhiteMap findWhite(const PlanView& view, const TableRegion& region) {
     WhiteMap out;
     out.grid.x0 = region.x0, out.grid.y0 = region.y0, out.grid.square = kBlock;
-    out.grid.columns = (region.width + kBlock - 1) / kBlock, out.grid.rows = (region.height + kBlock - 1) / kBlock;
+    out.grid.columns = (region.width + kBlock - 1) / kBlock,
+    out.grid.rows = (region.height + kBlock - 1) / kBlock;
     const std::vector<cv::Vec4f> blocks = blockMeans(view, region, out);
     std::vector<float> brightness, red, blue;
     for (const auto& p : blocks)
@@ -209,8 +215,8 @@ WhiteMap findWhite(const PlanView& view, const TableRegion& region) {
         for (size_t i = 0; i < blocks.size(); ++i) {
             const auto& p = blocks[i];
             if (p[3] == 0 || p[1] < 0.03f * typical) continue;
-            const bool asNear = p[1] > 0.1f * typical && p[1] > 0.2f * near[i][1] &&
-                                saturation(p, near[i]) < kWhite;
+            const bool asNear =
+                p[1] > 0.1f * typical && p[1] > 0.2f * near[i][1] && saturation(p, near[i]) < kWhite;
             const bool shaded = second && brightest(p, near[i]) < kShade &&
                                 isMixture(chroma(p), chroma(near[i][0], near[i][1], near[i][2]), *second);
             if (!asNear && !shaded) continue;
@@ -226,8 +232,7 @@ WhiteMap findWhite(const PlanView& view, const TableRegion& region) {
             for (int c = 0; c < 3; ++c) near[i][c] = s[3] > 1e-6f ? std::max(s[c] / s[3], 1e-5f) : global[c];
         }
     }
-    if (second)
-        out.secondLight = glm::vec3(std::exp((*second)[0]), 1, std::exp((*second)[1]));
+    if (second) out.secondLight = glm::vec3(std::exp((*second)[0]), 1, std::exp((*second)[1]));
     for (const auto& w : near) out.grid.light.emplace_back(w[0], w[1], w[2]);
     out.noise = relativeNoise(view, region);
     return out;
