@@ -1,9 +1,8 @@
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
-#include <set>
-#include <tuple>
+#include <unordered_map>
+#include <vector>
 
 #include <glm/geometric.hpp>
 
@@ -11,53 +10,80 @@
 
 namespace heliodon::geometry {
 
+namespace {
+
+double angleAt(const PatchMesh& mesh, size_t i, size_t k) {
+    const auto corner = mesh.patch(i);
+    const size_t n = corner.size();
+    const glm::dvec3 p = mesh.vertices[corner[k]];
+    const glm::dvec3 a = mesh.vertices[corner[(k + 1) % n]] - p,
+                     b = mesh.vertices[corner[(k + n - 1) % n]] - p;
+    return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180 / std::numbers::pi;
+}
+
+// Vertices of surfaces: one in a corner of the building is as many as surfaces meet there.
+struct SurfaceVertices {
+    explicit SurfaceVertices(const PatchMesh& mesh) {
+        std::unordered_map<uint64_t, uint32_t> known;
+        known.reserve(mesh.corners.size());
+        std::vector<uint64_t> sides;
+        for (size_t i = 0; i < mesh.patchCount(); ++i) {
+            const auto corner = mesh.patch(i);
+            const size_t first = vertex.size(), n = corner.size();
+            for (size_t k = 0; k < n; ++k) {
+                const uint64_t key = uint64_t{mesh.surface[i]} << 32u | corner[k];
+                vertex.push_back(known.try_emplace(key, static_cast<uint32_t>(known.size())).first->second);
+                angle.push_back(angleAt(mesh, i, k));
+            }
+            for (size_t k = 0; k < n; ++k) {
+                const auto [a, b] = std::minmax(vertex[first + k], vertex[first + (k + 1) % n]);
+                sides.push_back(uint64_t{a} << 32u | b);
+            }
+        }
+        whole.assign(known.size(), 0);
+        for (size_t c = 0; c < vertex.size(); ++c) whole[vertex[c]] += angle[c];
+        onBorder.assign(known.size(), false);
+        std::ranges::sort(sides);
+        for (size_t s = 0; s < sides.size(); ++s) {
+            if ((s > 0 && sides[s - 1] == sides[s]) || (s + 1 < sides.size() && sides[s + 1] == sides[s]))
+                continue;
+            onBorder[sides[s] >> 32u] = onBorder[sides[s] & 0xffffffffu] = true;
+        }
+    }
+
+    std::vector<uint32_t> vertex; // per corner of a patch, one patch after the other
+    std::vector<double> angle;    // degrees, likewise
+    std::vector<double> whole;    // per vertex: the angle of the surface itself there
+    std::vector<bool> onBorder;   // per vertex
+};
+
+} // namespace
+
 MeshQuality measureMesh(const PatchMesh& mesh) {
     MeshQuality quality;
     quality.triangles = mesh.patchCount();
     quality.minAngleDeg = quality.minAngleAllDeg = 180;
-    // The angle of the surface itself at each of its vertices: where that is sharp, no mesh can do better.
-    std::map<std::pair<uint32_t, uint32_t>, double> whole;
-    const auto angle = [&](size_t i, size_t k) {
-        const auto corner = mesh.patch(i);
-        const size_t n = corner.size();
-        const glm::dvec3 p = mesh.vertices[corner[k]];
-        const glm::dvec3 a = mesh.vertices[corner[(k + 1) % n]] - p,
-                         b = mesh.vertices[corner[(k + n - 1) % n]] - p;
-        return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180 / std::numbers::pi;
-    };
     double sum = 0, squares = 0;
-    std::map<std::tuple<uint32_t, uint32_t, uint32_t>, int> sides; // of edges, per surface: 1 on its border
     for (size_t i = 0; i < mesh.patchCount(); ++i) {
-        const auto corner = mesh.patch(i);
-        for (size_t k = 0; k < corner.size(); ++k) {
-            whole[{mesh.surface[i], corner[k]}] += angle(i, k);
-            const auto [a, b] = std::minmax(corner[k], corner[(k + 1) % corner.size()]);
-            ++sides[{mesh.surface[i], a, b}];
-        }
         const double area = patchArea(mesh, i);
         sum += area;
         squares += area * area;
     }
-    std::set<std::pair<uint32_t, uint32_t>> border; // vertices, by surface
-    for (const auto& [key, count] : sides)
-        if (count == 1) {
-            border.insert({std::get<0>(key), std::get<1>(key)});
-            border.insert({std::get<0>(key), std::get<2>(key)});
-        }
+    const SurfaceVertices vertices(mesh);
     constexpr double kSharp = 72;  // degrees: less cannot be divided into two angles of 36
     constexpr double kStrip = 0.5; // of the edge length of a mean triangle
     const double edge = std::sqrt(4 / std::sqrt(3.0) * sum / static_cast<double>(mesh.patchCount()));
-    for (size_t i = 0; i < mesh.patchCount(); ++i) {
-        bool sharp = false, inStrip = mesh.patch(i).size() == 3;
+    for (size_t i = 0, first = 0; i < mesh.patchCount(); first += mesh.patch(i++).size()) {
+        const auto corner = mesh.patch(i);
+        bool sharp = false, inStrip = corner.size() == 3; // where the surface is sharp, no mesh can do better
         double least = 180, longest = 0;
-        for (size_t k = 0; k < mesh.patch(i).size(); ++k) {
-            const std::pair key(mesh.surface[i], mesh.patch(i)[k]);
-            sharp = sharp || whole[key] < kSharp;
-            inStrip = inStrip && border.contains(key);
-            least = std::min(least, angle(i, k));
-            longest =
-                std::max(longest, glm::length(mesh.vertices[mesh.patch(i)[(k + 1) % mesh.patch(i).size()]] -
-                                              mesh.vertices[mesh.patch(i)[k]]));
+        for (size_t k = 0; k < corner.size(); ++k) {
+            const uint32_t v = vertices.vertex[first + k];
+            sharp = sharp || vertices.whole[v] < kSharp;
+            inStrip = inStrip && vertices.onBorder[v];
+            least = std::min(least, vertices.angle[first + k]);
+            longest = std::max(longest, glm::length(mesh.vertices[corner[(k + 1) % corner.size()]] -
+                                                    mesh.vertices[corner[k]]));
         }
         quality.minAngleAllDeg = std::min(quality.minAngleAllDeg, least);
         inStrip = inStrip && 2 * patchArea(mesh, i) / longest < kStrip * edge;
