@@ -81,4 +81,8 @@ struct Closure {
 
 Closure closeSketch(const Sketch& sketch, const ClosureOptions& options = {});
 
+// How many facets closeSketch() makes of each curved wall. Options that leave these as they are, of those
+// about facets, change nothing. Takes a tenth of the time.
+std::vector<int> facetsOfArcs(const Sketch& sketch, const ClosureOptions& options = {});
+
 } // namespace heliodon::geometry

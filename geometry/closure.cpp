@@ -34,6 +34,11 @@ std::string joined(const std::vector<std::string>& ids) {
     return fmt::format("{}", fmt::join(ids, ", "));
 }
 
+PlanWallsOptions planOptions(const ClosureOptions& options) {
+    return {(options.doorWidth + options.crackWidth) / 2, options.chordError, options.facetLength,
+            options.coarseChord};
+}
+
 // What is on the table, in an order that does not depend on the file's.
 Sketch onTable(const Sketch& sketch, std::vector<PlanNote>& notes, std::vector<std::string>& ignored) {
     Sketch out = sketch;
@@ -92,8 +97,7 @@ private:
                                                  sketch_.walls.size() + sketch_.arcs.size(), kMostWalls));
             return false;
         }
-        plan_ = planWalls(sketch_, {(options_.doorWidth + options_.crackWidth) / 2, options_.chordError,
-                                    options_.facetLength, options_.coarseChord});
+        plan_ = planWalls(sketch_, planOptions(options_));
         notes_.insert(notes_.end(), plan_.notes.begin(), plan_.notes.end());
         ignored_.insert(ignored_.end(), plan_.ignored.begin(), plan_.ignored.end());
         if (!plan_.pieces.empty()) return true;
@@ -172,8 +176,7 @@ private:
         notes_.insert(notes_.end(), windows.notes.begin(), windows.notes.end());
         const auto make = [&](const std::vector<WindowHole>& holes) {
             Shells made{roomFaces({plan_, spaces_.rooms, runs, sketch_.skylights, ceilings, materials.rooms,
-                                   materials.runs, materials.partitions, holes,
-                                   glazingOf(materials, holes)}),
+                                   materials.runs, materials.partitions, holes, glazingOf(materials, holes)}),
                         {}};
             made.building = weldFaces(made.faces.faces, static_cast<uint32_t>(spaces_.rooms.size()), kWeld);
             return made;
@@ -378,6 +381,15 @@ private:
 
 Closure closeSketch(const Sketch& sketch, const ClosureOptions& options) {
     return Closer(sketch, options).close();
+}
+
+std::vector<int> facetsOfArcs(const Sketch& sketch, const ClosureOptions& options) {
+    const PlanWalls plan = planWalls(sketch, planOptions(options));
+    std::vector<int> facets;
+    for (const auto* pieces : {&plan.pieces, &plan.partitions})
+        for (const WallPiece& piece : *pieces)
+            if (piece.curved) facets.push_back(piece.facets);
+    return facets;
 }
 
 } // namespace heliodon::geometry

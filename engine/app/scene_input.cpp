@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
@@ -214,9 +215,14 @@ Scene makeScene(Run& run, const SceneArguments& arguments, std::optional<geometr
     }
     {
         const StageTimer timer(run, "model");
-        const auto closeAgain = [&] { // with other facets; false when these are the same
+        std::vector<int> facets;
+        if (scene.sketch) facets = geometry::facetsOfArcs(*scene.sketch, closure);
+        const auto closeAgain = [&] { // false when that makes no other facets
+            const std::vector<int> before =
+                std::exchange(facets, geometry::facetsOfArcs(*scene.sketch, closure));
+            if (facets == before) return false;
             geometry::Closure other = geometry::closeSketch(*scene.sketch, closure);
-            if (!other.building || other.building->vertices == building.vertices) return false;
+            if (!other.building) return false;
             building = std::move(*other.building);
             reportClosure(run, other.report);
             return true;
