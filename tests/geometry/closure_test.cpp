@@ -2,6 +2,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <random>
 
 #include <glm/geometric.hpp>
@@ -391,4 +392,41 @@ TEST(Closure, facets_of_a_curved_wall_stay_within_the_chord_error) {
         EXPECT_LT(facets, last); // coarser facets are fewer
         last = facets;
     }
+}
+
+TEST(Closure, facets_of_curved_walls_enclose_the_arcs_own_area) {
+    Sketch round;
+    Arc arc;
+    arc.id = "round";
+    arc.radius = 5;
+    arc.a1Deg = 360;
+    round.arcs = {arc};
+    Sketch half; // whose ends stay where they are
+    arc.a1Deg = 180;
+    half.arcs = {arc};
+    half.walls = {wall("chord", {-5.1875, 0}, {5.1875, 0})};
+    const double r = 5 - 0.1875, y = 0.1875; // the room's side of the wall and of the chord
+    const double segment = r * r * std::acos(y / r) - y * std::sqrt(r * r - y * y);
+    for (const double error : {0.005, 0.02, 0.06}) {
+        ClosureOptions options;
+        options.chordError = error;
+        const Closure whole = closeSketch(round, options), part = closeSketch(half, options);
+        ASSERT_EQ(whole.report.rooms.size(), 1u);
+        ASSERT_EQ(part.report.rooms.size(), 1u);
+        EXPECT_NEAR(whole.report.rooms[0].floorAreaFt2, std::numbers::pi * r * r, 1e-6);
+        // The chord's face cuts the first facet at another place than the arc.
+        EXPECT_NEAR(part.report.rooms[0].floorAreaFt2, segment, 0.4 * error);
+    }
+}
+
+TEST(Closure, options_that_leave_facets_as_they_are_change_nothing) {
+    const Sketch sketch = readSketch(kSketches / "three_arcs.json");
+    ClosureOptions options, finer, same;
+    finer.chordError = 0.005;
+    same.chordError = 0.0200001;
+    ASSERT_EQ(facetsOfArcs(sketch, options), facetsOfArcs(sketch, same));
+    EXPECT_NE(facetsOfArcs(sketch, options), facetsOfArcs(sketch, finer));
+    const Closure a = closeSketch(sketch, options), b = closeSketch(sketch, same);
+    ASSERT_TRUE(a.building && b.building);
+    EXPECT_EQ(a.building->vertices, b.building->vertices);
 }
