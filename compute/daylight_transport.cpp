@@ -29,7 +29,7 @@ constexpr double kPi = std::numbers::pi;
 // Shares of light by which errors are estimated. The first is of what is measured: how much light varies
 // within the patches that a sensor sees. Set so that rooms of 600 to 2000 triangles stay inside on 99 of 100
 // sensors, against Radiance.
-constexpr double kSpreadShare = 0.10;  // of light's variation within patches, after its slope is allowed for
+constexpr double kSpreadShare = 0.05;  // of light's variation within patches, after its slope is allowed for
 constexpr double kNearShare = 0.5;     // of a patch's light, times its own share of the view
 constexpr double kBounceError = 0.006; // of reflected light: what earlier bounces between patches leave
 constexpr double kSensorSkyError = 0.008; // of sky light, from its cubature and that of glass

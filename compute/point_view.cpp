@@ -73,7 +73,9 @@ uint32_t roomOfPoint(const geometry::PatchMesh& mesh, dvec3 position, dvec3 norm
             if (slope == 0) continue;
             const double height = glm::dot(mesh.vertices[corners[0]] - position, area), t = height / slope,
                          whole = glm::length(area);
-            if (t <= 1e-7 * size || t >= nearest) continue;
+            // Two rooms may share a wall without thickness: its front counts.
+            const double together = 1e-7 * size;
+            if (t <= together || t >= nearest + together) continue;
             // The wall that the point lies on, were it a hair behind it.
             if (std::abs(height) <= kSamePlane * size * whole && glm::dot(area, normal) > 0.999 * whole)
                 continue;
@@ -84,7 +86,12 @@ uint32_t roomOfPoint(const geometry::PatchMesh& mesh, dvec3 position, dvec3 norm
                 inside = glm::dot(glm::cross(mesh.vertices[corners[(k + 1) % corners.size()]] - a, p - a),
                                   area) >= 0;
             }
-            if (inside) nearest = t, room = slope < 0 ? mesh.room[i] : kNoRoom;
+            if (!inside) continue;
+            if (slope < 0)
+                room = mesh.room[i];
+            else if (t < nearest - together)
+                room = kNoRoom;
+            nearest = std::min(nearest, t);
         }
         if (room != kNoRoom) return room;
     }

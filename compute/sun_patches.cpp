@@ -97,10 +97,10 @@ struct SunPatches::Receiver {
     Polygon outline;
 };
 
-// Whether the patch lies in the face's plane and looks the same way: its own wall, which rounding may have
-// put a little before it.
+// Whether the patch lies in the face's plane: its own wall, or the other side of that, which rounding may
+// have put a little before it.
 bool SunPatches::isPartOf(const Face& face, const Receiver& receiver) const {
-    if (glm::dot(face.normal, receiver.normal) < 0.999) return false;
+    if (std::abs(glm::dot(face.normal, receiver.normal)) < 0.999) return false;
     const glm::dvec3 origin = face.region->corners[0];
     return std::ranges::all_of(mesh_->patch(receiver.patch), [&](uint32_t corner) {
         return std::abs(glm::dot(mesh_->vertices[corner] - origin, face.normal)) <= kSamePlane * scale_;
@@ -329,7 +329,8 @@ glm::vec3 SunPatches::atPoint(glm::dvec3 position, glm::dvec3 normal) const {
         if (!inside(face.outline, q)) return false;
         const double height = glm::dot(face.region->corners[0] - position, face.normal);
         // The wall that the point lies on, were it a hair behind it.
-        if (std::abs(height) <= kSamePlane * scale_ && glm::dot(face.normal, normal) > 0.999) return false;
+        if (std::abs(height) <= kSamePlane * scale_ && std::abs(glm::dot(face.normal, normal)) > 0.999)
+            return false;
         return height / glm::dot(sun_, face.normal) > 1e-9 * scale_;
     };
     glm::dvec3 through(1);

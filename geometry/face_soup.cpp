@@ -77,7 +77,8 @@ using Edge = std::pair<uint32_t, uint32_t>;
 
 class EdgeSplitter {
 public:
-    EdgeSplitter(Building& building, double tolerance) : building_(building), tolerance_(tolerance) {}
+    EdgeSplitter(Building& building, double tolerance, bool all = false)
+        : building_(building), tolerance_(tolerance), all_(all) {}
 
     // Splitting may bring further corners within reach of a new edge; two or three rounds settle it.
     void split() {
@@ -97,7 +98,7 @@ private:
         corners_.clear();
         for (const auto& [edge, n] : count) {
             const auto opposite = count.find({edge.second, edge.first});
-            if (opposite != count.end() && opposite->second == n) continue;
+            if (!all_ && opposite != count.end() && opposite->second == n) continue;
             loose_.emplace(edge, std::vector<uint32_t>());
             corners_.push_back(edge.first);
             corners_.push_back(edge.second);
@@ -155,6 +156,7 @@ private:
 
     Building& building_;
     double tolerance_;
+    bool all_; // not only edges that lack an opposite
     std::map<Edge, std::vector<uint32_t>> loose_;
     std::vector<uint32_t> corners_, rooms_;
 };
@@ -220,7 +222,7 @@ bool shareTwinCorners(Building& building, double tolerance) {
 
 } // namespace
 
-Building weldFaces(const std::vector<SoupFace>& soup, uint32_t roomCount, double tolerance) {
+Building weldFaces(const std::vector<SoupFace>& soup, uint32_t roomCount, double tolerance, bool sheets) {
     Building building;
     building.roomCount = roomCount;
     Welder welder(building.vertices, tolerance);
@@ -246,7 +248,7 @@ Building weldFaces(const std::vector<SoupFace>& soup, uint32_t roomCount, double
         building.faces.push_back(std::move(face));
     }
     pairTwins(building, pieces);
-    EdgeSplitter(building, tolerance).split();
+    EdgeSplitter(building, tolerance, sheets).split();
     for (int round = 0; round < 4 && shareTwinCorners(building, tolerance); ++round)
         EdgeSplitter(building, tolerance).split();
     return building;

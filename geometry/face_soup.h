@@ -24,7 +24,9 @@ struct SoupFace {
 // Welds corners of one room that are nearer than `tolerance` (metres) and puts corners that lie on another
 // face's edge into that edge. Drops edges and loops that collapse; faces without an outline vanish.
 // Pieces of a window become twins of those opposite, with equal corners.
-Building weldFaces(const std::vector<SoupFace>& soup, uint32_t roomCount, double tolerance);
+// `sheets`: any number of faces may meet in an edge, looking either way.
+Building weldFaces(const std::vector<SoupFace>& soup, uint32_t roomCount, double tolerance,
+                   bool sheets = false);
 
 struct ShellProof {
     bool closed = false;            // each directed edge once with its opposite, one fan per vertex

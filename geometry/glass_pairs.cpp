@@ -59,12 +59,15 @@ private:
     // Each behind the other, and nearer than any room is wide.
     bool backToBack(const Glass& a, const Glass& b) const {
         const double apart = -glm::dot(b.origin - a.origin, a.normal);
-        return glm::dot(a.normal, b.normal) < -1 + 1e-9 && apart >= 0 && apart <= thickest_;
+        return glm::dot(a.normal, b.normal) < -1 + 1e-9 && apart >= -tolerance_ && apart <= thickest_;
     }
 
     void match(const Glass& a, const Glass& b) {
         Face &face = faceOf(a), &other = faceOf(b);
         if (face.twin >= 0 || other.twin >= 0 || face.loops.size() != 1 || other.loops.size() != 1) return;
+        const glm::dvec3 shift = shiftBetween(building_, face, other);
+        if (glm::length(shift - glm::dot(shift, a.normal) * a.normal) > tolerance_)
+            return; // of another window
         if (!oppositeLoops(building_, face, other, tolerance_)) {
             const std::vector<Put> there = missing(a, b), here = missing(b, a);
             if (there.empty() && here.empty()) return;

@@ -19,6 +19,8 @@
 #include "geometry/plan_arrangement.h"
 #include "geometry/plan_regions.h"
 #include "geometry/raw_model.h"
+#include "geometry/shared_walls.h"
+#include "geometry/shell_faces.h"
 #include "geometry/shell_nesting.h"
 
 namespace heliodon::geometry {
@@ -30,7 +32,6 @@ constexpr double kWeldOfExtent = 2e-6; // files hold 6 or 7 digits
 constexpr std::array kGapsOfExtent{kWeldOfExtent, 2e-5, 1e-4};
 constexpr double kPlanarOfExtent = 1e-5;
 constexpr double kLeastRoomOfExtent = 1e-15; // of its cube: less is what rounding leaves
-using Edge = std::pair<uint32_t, uint32_t>;
 
 class ModelImporter {
 public:
@@ -46,12 +47,23 @@ public:
     }
 
     Building import() {
-        weld();
-        closeGaps();
-        cutFootprints();
-        orient();
-        nestShells();
-        splitSharedCorners();
+        try {
+            weld();
+            closeGaps();
+            cutFootprints();
+            orient();
+            nestShells();
+            splitSharedCorners();
+            finish();
+            prove();
+        } catch (const InputError&) {
+            if (!shareWalls()) throw;
+        }
+        return std::move(building_);
+    }
+
+private:
+    void finish() {
         findSurfaces();
         building_.materials = model_.materials;
         for (const auto& [a, b] : pairGlasses(building_, kPlanarOfExtent * extent_, extent_))
@@ -59,11 +71,35 @@ public:
         if (turnedOver_ > 0)
             building_.repairs.push_back(
                 fmt::format("{} face{} turned over", turnedOver_, turnedOver_ == 1 ? " was" : "s were"));
-        prove();
-        return std::move(building_);
     }
 
-private:
+    bool isOpening(uint32_t source) const { return model_.materials[model_.material[source]].isOpening(); }
+
+    // Rooms whose common walls have no thickness; false when that is not what kept them from closing.
+    bool shareWalls() {
+        const auto space = divideSpace(soup(), kWeldOfExtent * extent_);
+        if (!space || space->shared == 0 || proveShells(space->outside)[0].selfIntersecting) return false;
+        for (const auto& [one, other] : space->pairs)
+            if (isOpening(one) != isOpening(other))
+                throw InputError(
+                    model_.file, model_.place(one),
+                    fmt::format("an opening and a wall ({}) lie on one another", model_.place(other)));
+        building_ = weldFaces(space->faces, space->rooms, kWeldOfExtent * extent_);
+        source_.clear();
+        for (const Face& face : building_.faces) source_.push_back(face.surface);
+        turnedOver_ = 0;
+        building_.repairs.push_back(fmt::format("{} wall{} without thickness: rooms on both sides share {}",
+                                                space->shared, space->shared == 1 ? "" : "s",
+                                                space->shared == 1 ? "it" : "them"));
+        finish();
+        try {
+            proveRooms();
+            return true;
+        } catch (const InputError&) { // what was wrong before says more
+            return false;
+        }
+    }
+
     glm::dvec3 areaVector(const std::vector<uint32_t>& loop) const {
         glm::dvec3 sum{0};
         const glm::dvec3 origin = building_.vertices[loop[0]];
@@ -108,8 +144,7 @@ private:
         }
     }
 
-    void weld() {
-        source_.clear();
+    std::vector<SoupFace> soup() const {
         std::vector<SoupFace> soup;
         for (size_t i = 0; i < model_.faceCount(); ++i) {
             SoupFace face;
@@ -120,7 +155,12 @@ private:
             face.surface = static_cast<uint32_t>(i); // carries the number of the face through the welding
             soup.push_back(std::move(face));
         }
-        building_ = weldFaces(soup, 1, weldOfExtent_ * extent_);
+        return soup;
+    }
+
+    void weld() {
+        source_.clear();
+        building_ = weldFaces(soup(), 1, weldOfExtent_ * extent_);
         std::set<std::vector<uint32_t>> known;
         const size_t dropped = std::erase_if(building_.faces, [&](const Face& face) {
             std::vector<uint32_t> corners = face.loops[0];
@@ -146,14 +186,7 @@ private:
                 throw InputError(model_.file, model_.place(face.surface), "the face is not planar");
     }
 
-    std::map<Edge, std::vector<uint32_t>> facesOfEdges() const {
-        std::map<Edge, std::vector<uint32_t>> out;
-        for (uint32_t f = 0; f < building_.faces.size(); ++f)
-            for (const auto& loop : building_.faces[f].loops)
-                for (size_t i = 0; i < loop.size(); ++i)
-                    out[std::minmax(loop[i], loop[(i + 1) % loop.size()])].push_back(f);
-        return out;
-    }
+    std::map<Edge, std::vector<uint32_t>> facesOfEdges() const { return geometry::facesOfEdges(building_); }
 
     bool coplanar(const Face& face, const std::vector<uint32_t>& loop) const {
         const glm::dvec3 n = normal(face), origin = building_.vertices[face.loops[0][0]];
@@ -350,62 +383,15 @@ private:
                          what + (more.empty() ? "" : " (also " + more + ")"));
     }
 
-    static void turnOver(Face& face) {
-        for (auto& loop : face.loops) std::ranges::reverse(loop);
-    }
-
     // Within a shell all faces look the same way: the way of most of its area.
     void orient() {
         if (building_.faces.empty())
             throw InputError(model_.file, model_.place(0), "no face of the model has an area");
-        const auto edges = facesOfEdges();
-        std::vector<uint32_t> open, crowded;
-        for (const auto& [edge, faces] : edges) {
-            if (faces.size() == 1) open.push_back(faces[0]);
-            if (faces.size() > 2) crowded.insert(crowded.end(), faces.begin(), faces.end());
-        }
-        if (!open.empty()) refuse(open, "the model is not closed: an edge of this face has no neighbour");
-        if (!crowded.empty()) refuse(crowded, "more than two faces meet in an edge of this face");
-        shell_.assign(building_.faces.size(), 0);
-        std::vector<int> turned(building_.faces.size(), -1);
-        uint32_t shells = 0;
-        for (uint32_t start = 0; start < building_.faces.size(); ++start) {
-            if (turned[start] >= 0) continue;
-            std::vector<uint32_t> queue{start};
-            turned[start] = 0;
-            double asIs = 0, over = 0;
-            for (size_t q = 0; q < queue.size(); ++q) {
-                const uint32_t f = queue[q];
-                shell_[f] = shells;
-                (turned[f] ? over : asIs) += glm::length(areaVector(building_.faces[f].loops[0]));
-                for (const auto& loop : building_.faces[f].loops)
-                    for (size_t i = 0; i < loop.size(); ++i) {
-                        const Edge edge{loop[i], loop[(i + 1) % loop.size()]};
-                        const auto& pair = edges.at(std::minmax(edge.first, edge.second));
-                        const uint32_t g = pair[0] == f ? pair[1] : pair[0];
-                        const int wanted = turned[f] ^ static_cast<int>(runs(building_.faces[g], edge));
-                        if (turned[g] < 0) {
-                            turned[g] = wanted;
-                            queue.push_back(g);
-                        } else if (turned[g] != wanted)
-                            refuse({f, g}, "the shell has only one side, like a Moebius strip");
-                    }
-            }
-            for (const uint32_t f : queue)
-                if ((turned[f] == 1) == (over <= asIs)) {
-                    turnOver(building_.faces[f]);
-                    ++turnedOver_;
-                }
-            ++shells;
-        }
-        shellCount_ = shells;
-    }
-
-    static bool runs(const Face& face, Edge edge) {
-        for (const auto& loop : face.loops)
-            for (size_t i = 0; i < loop.size(); ++i)
-                if (loop[i] == edge.first && loop[(i + 1) % loop.size()] == edge.second) return true;
-        return false;
+        ShellFaces shells = orientShells(building_);
+        if (!shells.bad.empty()) refuse(std::move(shells.bad), shells.what);
+        shell_ = std::move(shells.shell);
+        shellCount_ = shells.count;
+        turnedOver_ += shells.turnedOver;
     }
 
     void nestShells() {
@@ -471,7 +457,7 @@ private:
         return out;
     }
 
-    void prove() {
+    void proveRooms() {
         const std::vector<ShellProof> proofs = proveShells(building_);
         if (proofs.empty()) refuse({0}, "the model encloses no room");
         for (const ShellProof& proof : proofs) {
@@ -483,6 +469,10 @@ private:
                 refuse(facesOfRoom(static_cast<uint32_t>(&proof - proofs.data())),
                        "the faces enclose no room");
         }
+    }
+
+    void prove() {
+        proveRooms();
         if (building_.roomCount < 2) return;
         Building together = building_; // rooms must not cross each other either
         together.roomCount = 1;

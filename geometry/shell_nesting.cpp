@@ -8,7 +8,17 @@ namespace heliodon::geometry {
 
 namespace {
 
-// How many times a ray from p passes through the shell; the direction is no one's normal or edge.
+// Of what triangles that look inwards enclose.
+double volume(const std::vector<ShellTriangle>& shell) {
+    double sum = 0;
+    const glm::dvec3 origin = shell.empty() ? glm::dvec3(0) : shell.back().a;
+    for (const ShellTriangle& t : shell)
+        sum -= glm::dot(t.a - origin, glm::cross(t.b - origin, t.c - origin)) / 6;
+    return sum;
+}
+
+} // namespace
+
 int crossings(const std::vector<ShellTriangle>& shell, glm::dvec3 p) {
     const glm::dvec3 d = glm::normalize(glm::dvec3(0.5773, 0.6491, 0.4963));
     int count = 0;
@@ -23,17 +33,6 @@ int crossings(const std::vector<ShellTriangle>& shell, glm::dvec3 p) {
     }
     return count;
 }
-
-// Of what triangles that look inwards enclose.
-double volume(const std::vector<ShellTriangle>& shell) {
-    double sum = 0;
-    const glm::dvec3 origin = shell.empty() ? glm::dvec3(0) : shell.back().a;
-    for (const ShellTriangle& t : shell)
-        sum -= glm::dot(t.a - origin, glm::cross(t.b - origin, t.c - origin)) / 6;
-    return sum;
-}
-
-} // namespace
 
 ShellNesting nestShells(const std::vector<std::vector<ShellTriangle>>& shells) {
     ShellNesting out;

@@ -23,4 +23,8 @@ struct ShellNesting {
 // triangles.
 ShellNesting nestShells(const std::vector<std::vector<ShellTriangle>>& shells);
 
+// How many times a ray from p, in a direction that is no one's normal or edge, passes through the shell: odd
+// for points inside.
+int crossings(const std::vector<ShellTriangle>& shell, glm::dvec3 p);
+
 } // namespace heliodon::geometry

@@ -111,5 +111,13 @@ TEST(PointView, points_outside_are_in_no_room) {
     EXPECT_EQ(roomOfPoint(mesh, {9, 9, 9}, {0, 1, 0}), kNoRoom);
 }
 
+TEST(RoomOfPoint, a_wall_without_thickness_counts_on_the_side_that_is_seen) {
+    const geometry::PatchMesh mesh = test::twoRooms(false); // share z = 5
+    for (const double slant : {0.0, 0.4, -0.7}) {
+        EXPECT_EQ(roomOfPoint(mesh, {2.1, 1.3, 4.5}, glm::normalize(glm::dvec3(slant, 0.1, 1))), 0u);
+        EXPECT_EQ(roomOfPoint(mesh, {2.1, 1.3, 5.5}, glm::normalize(glm::dvec3(slant, 0.1, -1))), 1u);
+    }
+}
+
 } // namespace
 } // namespace heliodon::compute

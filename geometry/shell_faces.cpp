@@ -1,0 +1,93 @@
+#include "geometry/shell_faces.h"
+
+#include <algorithm>
+
+#include <glm/geometric.hpp>
+
+namespace heliodon::geometry {
+
+namespace {
+
+double doubleArea(const Building& building, const Face& face) {
+    glm::dvec3 sum{0};
+    const auto& loop = face.loops[0];
+    const glm::dvec3 origin = building.vertices[loop[0]];
+    for (size_t i = 1; i + 1 < loop.size(); ++i)
+        sum += glm::cross(building.vertices[loop[i]] - origin, building.vertices[loop[i + 1]] - origin);
+    return glm::length(sum);
+}
+
+bool runs(const Face& face, Edge edge) {
+    for (const auto& loop : face.loops)
+        for (size_t i = 0; i < loop.size(); ++i)
+            if (loop[i] == edge.first && loop[(i + 1) % loop.size()] == edge.second) return true;
+    return false;
+}
+
+ShellFaces refused(std::vector<uint32_t> faces, std::string what) {
+    ShellFaces out;
+    out.bad = std::move(faces);
+    out.what = std::move(what);
+    return out;
+}
+
+} // namespace
+
+std::map<Edge, std::vector<uint32_t>> facesOfEdges(const Building& building) {
+    std::map<Edge, std::vector<uint32_t>> out;
+    for (uint32_t f = 0; f < building.faces.size(); ++f)
+        for (const auto& loop : building.faces[f].loops)
+            for (size_t i = 0; i < loop.size(); ++i)
+                out[std::minmax(loop[i], loop[(i + 1) % loop.size()])].push_back(f);
+    return out;
+}
+
+void turnOver(Face& face) {
+    for (auto& loop : face.loops) std::ranges::reverse(loop);
+}
+
+ShellFaces orientShells(Building& building) {
+    const auto edges = facesOfEdges(building);
+    std::vector<uint32_t> open, crowded;
+    for (const auto& [edge, faces] : edges) {
+        if (faces.size() == 1) open.push_back(faces[0]);
+        if (faces.size() > 2) crowded.insert(crowded.end(), faces.begin(), faces.end());
+    }
+    if (!open.empty()) return refused(open, "the model is not closed: an edge of this face has no neighbour");
+    if (!crowded.empty()) return refused(crowded, "more than two faces meet in an edge of this face");
+    ShellFaces out;
+    out.shell.assign(building.faces.size(), 0);
+    std::vector<int> turned(building.faces.size(), -1);
+    for (uint32_t start = 0; start < building.faces.size(); ++start) {
+        if (turned[start] >= 0) continue;
+        std::vector<uint32_t> queue{start};
+        turned[start] = 0;
+        double asIs = 0, over = 0;
+        for (size_t q = 0; q < queue.size(); ++q) {
+            const uint32_t f = queue[q];
+            out.shell[f] = out.count;
+            (turned[f] ? over : asIs) += doubleArea(building, building.faces[f]);
+            for (const auto& loop : building.faces[f].loops)
+                for (size_t i = 0; i < loop.size(); ++i) {
+                    const Edge edge{loop[i], loop[(i + 1) % loop.size()]};
+                    const auto& pair = edges.at(std::minmax(edge.first, edge.second));
+                    const uint32_t g = pair[0] == f ? pair[1] : pair[0];
+                    const int wanted = turned[f] ^ static_cast<int>(runs(building.faces[g], edge));
+                    if (turned[g] < 0) {
+                        turned[g] = wanted;
+                        queue.push_back(g);
+                    } else if (turned[g] != wanted)
+                        return refused({f, g}, "the shell has only one side, like a Moebius strip");
+                }
+        }
+        for (const uint32_t f : queue)
+            if ((turned[f] == 1) == (over <= asIs)) {
+                turnOver(building.faces[f]);
+                ++out.turnedOver;
+            }
+        ++out.count;
+    }
+    return out;
+}
+
+} // namespace heliodon::geometry

@@ -1,0 +1,31 @@
+// The faces of a Building by the closed shells that they form, and the way they look.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "geometry/building.h"
+
+namespace heliodon::geometry {
+
+using Edge = std::pair<uint32_t, uint32_t>; // smaller vertex first
+
+std::map<Edge, std::vector<uint32_t>> facesOfEdges(const Building& building);
+
+void turnOver(Face& face);
+
+struct ShellFaces {
+    std::vector<uint32_t> shell; // per face
+    uint32_t count = 0;
+    size_t turnedOver = 0;     // faces, against the others of their shell
+    std::vector<uint32_t> bad; // faces that keep the shells from closing; empty when they do
+    std::string what;          // is wrong with those
+};
+
+// Turns faces over until within a shell all look the same way: the way of most of its area.
+ShellFaces orientShells(Building& building);
+
+} // namespace heliodon::geometry

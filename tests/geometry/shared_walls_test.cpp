@@ -1,0 +1,200 @@
+// Rooms whose common walls have no thickness, as models often come.
+#include <algorithm>
+#include <fstream>
+#include <map>
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include "geometry/input_error.h"
+#include "geometry/mesh_domains.h"
+#include "geometry/mesher.h"
+#include "geometry/model_file.h"
+#include "tests/geometry/mesh_volume.h"
+
+using namespace heliodon::geometry;
+using glm::dvec3;
+
+namespace {
+
+struct Drawn {
+    std::vector<dvec3> corners;
+    std::string material;
+};
+using Model = std::vector<Drawn>;
+
+// A rectangle that looks along u x v, a window cut out of its middle third if `window` names one.
+void rectangle(Model& model, dvec3 o, dvec3 u, dvec3 v, const std::string& wall,
+               const std::string& window = "") {
+    const auto at = [&](double a, double b) { return o + a * u + b * v; };
+    if (window.empty()) {
+        model.push_back({{at(0, 0), at(1, 0), at(1, 1), at(0, 1)}, wall});
+        return;
+    }
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            model.push_back({{at(i / 3.0, j / 3.0), at((i + 1) / 3.0, j / 3.0),
+                              at((i + 1) / 3.0, (j + 1) / 3.0), at(i / 3.0, (j + 1) / 3.0)},
+                             i == 1 && j == 1 ? window : wall});
+}
+
+// Normals inwards; `at0` and `at1`: windows in the walls at low.z and high.z.
+void box(Model& model, dvec3 low, dvec3 high, const std::string& wall, const std::string& at0 = "",
+         const std::string& at1 = "") {
+    const dvec3 d = high - low, x(d.x, 0, 0), y(0, d.y, 0), z(0, 0, d.z);
+    rectangle(model, low, z, x, wall);
+    rectangle(model, low + y, x, z, wall);
+    rectangle(model, low, y, z, wall);
+    rectangle(model, low + x, z, y, wall);
+    rectangle(model, low, x, y, wall, at0);
+    rectangle(model, low + z, y, x, wall, at1);
+}
+
+// Two rooms side by side at z = 4, the second one as wide as `width`.
+Model twoRooms(double width, const std::string& pane = "") {
+    Model model;
+    box(model, {0, 0, 0}, {5, 3, 4}, "A", "", pane);
+    box(model, {0, 0, 4}, {width, 3, 9}, "B", pane);
+    return model;
+}
+
+Building imported(const Model& model) {
+    const std::string stem = testing::TempDir() + "shared";
+    std::ofstream(stem + ".mtl")
+        << "newmtl A\nKd .7 .7 .7\nnewmtl B\nKd .2 .3 .4\nnewmtl glass\nTf .8 .8 .8\n"
+           "Ni 1.52\n";
+    std::ofstream out(stem + ".obj");
+    out << "mtllib shared.mtl\n";
+    size_t n = 0;
+    for (const Drawn& face : model) {
+        out << "usemtl " << face.material << '\n';
+        for (const dvec3& p : face.corners) out << fmt::format("v {:.9g} {:.9g} {:.9g}\n", p.x, p.y, p.z);
+        out << "f";
+        for (size_t k = 0; k < face.corners.size(); ++k) out << ' ' << ++n;
+        out << '\n';
+    }
+    out.close();
+    return importModel(stem + ".obj", UpAxis::y);
+}
+
+std::vector<double> volumes(const Building& building) {
+    std::vector<double> out(building.roomCount, 0);
+    const PatchMesh mesh = meshBuilding(building, {500});
+    for (size_t i = 0; i < mesh.patchCount(); ++i)
+        out[mesh.room[i]] -= glm::dot(patchCentroid(mesh, i), patchAreaVector(mesh, i)) / 6;
+    std::ranges::sort(out);
+    return out;
+}
+
+void expectVolumes(const Building& building, const std::vector<double>& wanted) {
+    const std::vector<double> found = volumes(building);
+    ASSERT_EQ(found.size(), wanted.size());
+    for (size_t k = 0; k < found.size(); ++k) EXPECT_NEAR(found[k], wanted[k], 1e-6 * wanted[k]);
+}
+
+// Area of the faces in z = 4 by the way they look and their material.
+std::map<std::pair<int, std::string>, double> sharedArea(const Building& building) {
+    std::map<std::pair<int, std::string>, double> out;
+    const PatchMesh mesh = meshBuilding(building, {500});
+    for (size_t i = 0; i < mesh.patchCount(); ++i)
+        if (std::abs(patchCentroid(mesh, i).z - 4) < 1e-6 && std::abs(patchNormal(mesh, i).z) > 0.5)
+            out[{patchNormal(mesh, i).z > 0 ? 1 : -1, mesh.materials[mesh.material[i]].name}] +=
+                patchArea(mesh, i);
+    return out;
+}
+
+void reverse(Model& model) {
+    for (Drawn& face : model) std::ranges::reverse(face.corners);
+}
+
+TEST(SharedWalls, each_room_gets_the_side_that_was_drawn_for_it) {
+    for (const double width : {5.0, 3.0, 8.0})
+        for (const bool outwards : {false, true}) {
+            Model model = twoRooms(width);
+            if (outwards) reverse(model);
+            const Building building = imported(model);
+            std::vector<double> wanted{60, 15 * width};
+            std::ranges::sort(wanted);
+            expectVolumes(building, wanted);
+            auto area = sharedArea(building);
+            EXPECT_NEAR((area[{-1, "A"}]), 15, 1e-6) << width << outwards;
+            EXPECT_NEAR((area[{1, "B"}]), 3 * width, 1e-6) << width << outwards;
+            EXPECT_EQ(area.size(), 2u);
+        }
+}
+
+TEST(SharedWalls, a_sheet_drawn_once_is_seen_by_both) {
+    Model model = twoRooms(5);
+    std::erase_if(model, [](const Drawn& face) {
+        return face.material == "B" && std::ranges::all_of(face.corners, [](dvec3 p) { return p.z == 4; });
+    });
+    const Building building = imported(model);
+    expectVolumes(building, {60, 75});
+    auto area = sharedArea(building);
+    EXPECT_NEAR((area[{-1, "A"}]), 15, 1e-6);
+    EXPECT_NEAR((area[{1, "A"}]), 15, 1e-6);
+}
+
+TEST(SharedWalls, glass_in_them_is_an_interior_window) {
+    const Building building = imported(twoRooms(5, "glass"));
+    expectVolumes(building, {60, 75});
+    const PatchMesh mesh = meshBuilding(building, {500});
+    double area = 0;
+    for (size_t i = 0; i < mesh.patchCount(); ++i)
+        if (mesh.materials[mesh.material[i]].isOpening()) {
+            ASSERT_NE(mesh.twin[i], kNoTwin);
+            const auto twin = static_cast<size_t>(mesh.twin[i]);
+            EXPECT_NE(mesh.room[i], mesh.room[twin]);
+            EXPECT_LT(glm::length(patchCentroid(mesh, i) - patchCentroid(mesh, twin)), 1e-6);
+            area += patchArea(mesh, i);
+        }
+    EXPECT_NEAR(area, 2 * 15 / 9.0, 1e-6);
+}
+
+TEST(SharedWalls, four_rooms_meet_in_a_line_and_one_holds_a_box) {
+    Model model;
+    for (const double x : {0.0, 4.0})
+        for (const double z : {0.0, 5.0}) box(model, {x, 0, z}, {x + 4, 3, z + 5}, "A");
+    Model solid;
+    box(solid, {1, 1, 1}, {2, 2, 2}, "B");
+    reverse(solid);
+    model.insert(model.end(), solid.begin(), solid.end());
+    expectVolumes(imported(model), {59, 60, 60, 60});
+}
+
+TEST(SharedWalls, a_room_over_two_others) {
+    Model model = twoRooms(5);
+    box(model, {0, 3, 0}, {5, 6, 9}, "A");
+    expectVolumes(imported(model), {60, 75, 135});
+}
+
+TEST(SharedWalls, glass_on_an_uncut_wall_and_holes_are_refused) {
+    Model model;
+    box(model, {0, 0, 0}, {5, 3, 4}, "A", "", "glass");
+    box(model, {0, 0, 4}, {5, 3, 9}, "B");
+    EXPECT_THROW(imported(model), InputError);
+    model = twoRooms(5);
+    model.erase(model.begin() + 2);
+    EXPECT_THROW(imported(model), InputError);
+}
+
+TEST(SharedWalls, equal_windows_in_a_row_are_twins_of_those_opposite) {
+    Model model; // a wall of 0.1 with two windows on each side, drawn in opposite order
+    for (int k = 0; k < 2; ++k) {
+        box(model, {5.0 * k, 0, 0}, {5.0 * k + 4.9, 3, 4}, "A", "", "glass");
+        box(model, {5.0 - 5.0 * k, 0, 4.1}, {9.9 - 5.0 * k, 3, 9}, "B", "glass");
+    }
+    const Building building = imported(model);
+    size_t twins = 0;
+    for (const Face& face : building.faces)
+        if (face.twin >= 0) {
+            const Face& other = building.faces[static_cast<size_t>(face.twin)];
+            EXPECT_LT(glm::length(building.vertices[face.loops[0][0]] - building.vertices[other.loops[0][0]]),
+                      2.5);
+            ++twins;
+        }
+    EXPECT_EQ(twins, 4u);
+}
+
+} // namespace
