@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cstring>
 
+#include <fmt/format.h>
+
 #include "compute/gpu/device.h"
+#include "compute/gpu/error.h"
 #include "shaders/io/radiosity_gather.io.h"
 #include "spirv/radiosity_gather_comp.h"
 
@@ -33,9 +36,16 @@ void RadiosityGather::record(gpu::Commands& commands, const gpu::Buffer& light, 
                              uint32_t columns) {
     constexpr VkFormat kVec4 = VK_FORMAT_R32G32B32A32_SFLOAT;
     const size_t rowBytes = size_t{patchCount_} * sizeof(float);
-    // Windows within the device's limit on texels; 64 rows begin on any alignment up to 256 bytes.
-    const size_t most = size_t{device_->limits().maxTexelBufferElements} * 16 / rowBytes;
-    const auto window = static_cast<uint32_t>(std::clamp<size_t>(most / 64 * 64, 64, size_t{1} << 30));
+    // Windows within the device's limit on texels, of as many rows as begin where the device wants texel
+    // buffers to begin.
+    const VkPhysicalDeviceLimits& limits = device_->limits();
+    const size_t unit = std::max<size_t>(limits.minTexelBufferOffsetAlignment, 16) / sizeof(float);
+    const size_t most =
+        std::min(size_t{limits.maxTexelBufferElements} * 16 / rowBytes, size_t{1} << 30) / unit * unit;
+    if (most == 0)
+        throw gpu::Error(fmt::format("{} rows of {} form factors are over the device's {} texels of a buffer",
+                                     unit, patchCount_, limits.maxTexelBufferElements));
+    const auto window = static_cast<uint32_t>(most);
     const uint32_t blocksPerGroup = io::kGatherGroup / std::max(1u, device_->subgroupSize());
     for (uint32_t first = 0; first < patchCount_; first += window) {
         const uint32_t rows = std::min(window, patchCount_ - first);
@@ -44,7 +54,8 @@ void RadiosityGather::record(gpu::Commands& commands, const gpu::Buffer& light, 
         commands.dispatch(kernels_[columns - 1],
                           {gpu::texel(*factors_, kVec4, first * rowBytes, bytes / 16 * 16),
                            gpu::texel(light, kVec4), gathered},
-                          params, gpu::groupsFor(4 * gpu::groupsFor(rows, 4 * io::kGatherRows), blocksPerGroup));
+                          params,
+                          gpu::groupsFor(4 * gpu::groupsFor(rows, 4 * io::kGatherRows), blocksPerGroup));
     }
 }
 

@@ -105,8 +105,6 @@ DeviceInfo describe(VkPhysicalDevice physical, uint32_t index, bool swapchains) 
     vkGetPhysicalDeviceFeatures2(physical, &features.base);
     for (const Required& required : kRequired)
         if (!required.of(features)) refuse(fmt::format("lacks the feature {}", required.name));
-    if (!hasExtension(physical, VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME))
-        refuse("lacks VK_KHR_push_descriptor");
     if (swapchains && !hasExtension(physical, VK_KHR_SWAPCHAIN_EXTENSION_NAME))
         refuse("lacks VK_KHR_swapchain");
     if (!findQueueFamily(physical)) refuse("has no queue for both graphics and compute");
@@ -310,7 +308,10 @@ void Device::createDevice(const DeviceOptions& options) {
     fixesSubgroupSize_ =
         available.v13.subgroupSizeControl && (sizes.requiredSubgroupSizeStages & VK_SHADER_STAGE_COMPUTE_BIT);
 
-    std::vector<const char*> extensions{VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME};
+    std::vector<const char*> extensions;
+    const bool pushes =
+        hasExtension(physical_, VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME) && options.pushDescriptors;
+    if (pushes) extensions.push_back(VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME);
     if (options.swapchains) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
     const float priority = 1;
     VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
@@ -325,8 +326,9 @@ void Device::createDevice(const DeviceOptions& options) {
     info.ppEnabledExtensionNames = extensions.data();
     check(vkCreateDevice(physical_, &info, nullptr, &device_), "vkCreateDevice");
     vkGetDeviceQueue(device_, queueFamily_, 0, &queue_);
-    functions_.cmdPushDescriptorSet = reinterpret_cast<PFN_vkCmdPushDescriptorSetKHR>(
-        vkGetDeviceProcAddr(device_, "vkCmdPushDescriptorSetKHR"));
+    if (pushes)
+        functions_.cmdPushDescriptorSet = reinterpret_cast<PFN_vkCmdPushDescriptorSetKHR>(
+            vkGetDeviceProcAddr(device_, "vkCmdPushDescriptorSetKHR"));
 }
 
 Device::~Device() {

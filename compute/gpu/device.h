@@ -25,7 +25,8 @@ struct DeviceOptions {
     // Called by submit() before anything is handed over; what it throws, submit throws. For long work that
     // someone may want to end.
     std::function<void()> beforeSubmit;
-    bool swapchains = false; // VK_KHR_swapchain is needed
+    bool swapchains = false;     // VK_KHR_swapchain is needed
+    bool pushDescriptors = true; // false: descriptor sets, as on devices without the extension; for tests
 };
 
 struct DeviceInfo {
@@ -56,7 +57,9 @@ public:
     uint32_t queueFamily() const { return queueFamily_; }
     const DeviceInfo& info() const { return info_; }
     const VkPhysicalDeviceLimits& limits() const { return limits_; }
-    uint32_t subgroupSize() const { return subgroupSize_; } // of every Kernel, also where the device knows several
+    uint32_t subgroupSize() const {
+        return subgroupSize_;
+    } // of every Kernel, also where the device knows several
     bool fixesSubgroupSize() const { return fixesSubgroupSize_; }
     bool hasGeometryShader() const { return geometryShader_; }
     double timestampPeriodNs() const { return limits_.timestampPeriod; }
@@ -87,7 +90,7 @@ public:
     double timedSeconds();
 
     struct Functions { // extension entry points that the loader does not export
-        PFN_vkCmdPushDescriptorSetKHR cmdPushDescriptorSet = nullptr;
+        PFN_vkCmdPushDescriptorSetKHR cmdPushDescriptorSet = nullptr; // null where the device has none
         PFN_vkSetDebugUtilsObjectNameEXT setDebugUtilsObjectName = nullptr;
     };
     const Functions& functions() const { return functions_; }

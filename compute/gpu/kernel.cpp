@@ -44,7 +44,8 @@ PipelineLayout::PipelineLayout(Device& device, std::span<const SpirvModule> modu
     std::vector<VkDescriptorSetLayoutBinding> slots;
     for (const SpirvBinding& b : bindings_) slots.push_back({b.binding, b.type, b.count, stages_, nullptr});
     VkDescriptorSetLayoutCreateInfo set{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
-    set.flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR;
+    if (device.functions().cmdPushDescriptorSet)
+        set.flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR;
     set.bindingCount = static_cast<uint32_t>(slots.size());
     set.pBindings = slots.data();
     check(vkCreateDescriptorSetLayout(device.handle(), &set, nullptr, &set_), "vkCreateDescriptorSetLayout");
@@ -119,11 +120,38 @@ void PipelineLayout::push(VkCommandBuffer commands, VkPipelineBindPoint point,
             write.pBufferInfo = &buffers[i];
         }
     }
-    if (n > 0)
-        device_->functions().cmdPushDescriptorSet(commands, point, layout_, 0, static_cast<uint32_t>(n),
-                                                  writes.data());
+    if (n > 0) {
+        if (const auto pushSet = device_->functions().cmdPushDescriptorSet)
+            pushSet(commands, point, layout_, 0, static_cast<uint32_t>(n), writes.data());
+        else
+            bindSet(commands, point, writes);
+    }
     if (constantBytes > 0)
         vkCmdPushConstants(commands, layout_, stages_, 0, static_cast<uint32_t>(constantBytes), constants);
+}
+
+// A set, and a pool, for one recording: the only way on devices without push descriptors.
+void PipelineLayout::bindSet(VkCommandBuffer commands, VkPipelineBindPoint point,
+                             std::span<VkWriteDescriptorSet> writes) const {
+    std::vector<VkDescriptorPoolSize> sizes;
+    for (const VkWriteDescriptorSet& write : writes) sizes.push_back({write.descriptorType, 1});
+    VkDescriptorPoolCreateInfo poolInfo{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+    poolInfo.maxSets = 1;
+    poolInfo.poolSizeCount = static_cast<uint32_t>(sizes.size());
+    poolInfo.pPoolSizes = sizes.data();
+    VkDescriptorPool pool = VK_NULL_HANDLE;
+    check(vkCreateDescriptorPool(device_->handle(), &poolInfo, nullptr, &pool), "vkCreateDescriptorPool");
+    device_->retire([device = device_->handle(), pool] { vkDestroyDescriptorPool(device, pool, nullptr); });
+    VkDescriptorSetAllocateInfo setInfo{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
+    setInfo.descriptorPool = pool;
+    setInfo.descriptorSetCount = 1;
+    setInfo.pSetLayouts = &set_;
+    VkDescriptorSet set = VK_NULL_HANDLE;
+    check(vkAllocateDescriptorSets(device_->handle(), &setInfo, &set), "vkAllocateDescriptorSets");
+    for (VkWriteDescriptorSet& write : writes) write.dstSet = set;
+    vkUpdateDescriptorSets(device_->handle(), static_cast<uint32_t>(writes.size()), writes.data(), 0,
+                           nullptr);
+    vkCmdBindDescriptorSets(commands, point, layout_, 0, 1, &set, 0, nullptr);
 }
 
 SpecializationData::SpecializationData(const SpirvModule& module, const Specialization& values) {
@@ -160,7 +188,8 @@ VkPipeline Kernel::makePipeline(std::span<const uint32_t> spirv, const Specializ
     info.stage.module = handle;
     info.stage.pName = "main";
     info.stage.pSpecializationInfo = &specialization.info;
-    // SPIR-V 1.6 lets the driver choose a size per kernel; dispatches are counted, and sums ordered, by one size for all.
+    // SPIR-V 1.6 lets the driver choose a size per kernel; dispatches are counted, and sums ordered, by one
+    // size for all.
     VkPipelineShaderStageRequiredSubgroupSizeCreateInfo size{
         VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO};
     size.requiredSubgroupSize = device_->subgroupSize();

@@ -1,5 +1,5 @@
-// A compute pipeline whose interface is read from its SPIR-V: push descriptors in set 0, one push-constant
-// block.
+// A compute pipeline whose interface is read from its SPIR-V: descriptors in set 0, pushed where the device
+// can, one push-constant block.
 #pragma once
 
 #include <cstdint>
@@ -41,7 +41,7 @@ Binding part(const Buffer& buffer, size_t offset, size_t bytes);
 Binding sampled(const Image& image, VkSampler sampler,
                 VkImageLayout layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
 
-// Set-0 layout with push descriptors + push constants of one or several stages. Shared by kernels and
+// Layout of set 0 + push constants of one or several stages. Shared by kernels and
 // graphics pipelines.
 class PipelineLayout {
 public:
@@ -62,6 +62,9 @@ public:
               const void* constants, size_t constantBytes) const;
 
 private:
+    void bindSet(VkCommandBuffer commands, VkPipelineBindPoint point,
+                 std::span<VkWriteDescriptorSet> writes) const;
+
     Device* device_ = nullptr;
     VkDescriptorSetLayout set_ = VK_NULL_HANDLE;
     VkPipelineLayout layout_ = VK_NULL_HANDLE;
