@@ -99,6 +99,9 @@ void mergeArcs(std::vector<WallPiece>& arcs) {
             const double shift = 2 * kPi * std::round((p.a0 + p.a1 - q.a0 - q.a1) / (4 * kPi));
             const double b0 = q.a0 + shift, b1 = q.a1 + shift;
             if (b0 > p.a1 || b1 < p.a0) continue;
+            const double share = (b1 - b0) / (p.a1 - p.a0 + b1 - b0); // the longer one knows the circle best
+            p.center += share * (q.center - p.center);
+            p.radius += share * (q.radius - p.radius);
             p.a0 = std::min(p.a0, b0);
             p.a1 = std::min(std::max(p.a1, b1), p.a0 + 2 * kPi);
             p.a = p.center + p.radius * onCircle(p.a0);
