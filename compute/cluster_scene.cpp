@@ -1,7 +1,5 @@
 #include "compute/cluster_scene.h"
 
-#include <algorithm>
-
 #include <glm/vec4.hpp>
 
 #include "compute/convex_regions.h"

@@ -17,6 +17,16 @@ using glm::dvec3;
 
 namespace {
 
+// A position from the scene's centre in two floats a coordinate.
+void splitPosition(const dvec3& relative, glm::vec3& high, glm::vec3& low) {
+    for (int c = 0; c < 3; ++c) {
+        // Through memory: GCC 12 at -O3 otherwise takes the float back to the double it came from.
+        volatile float rounded = static_cast<float>(relative[c]);
+        high[c] = rounded;
+        low[c] = static_cast<float>(relative[c] - static_cast<double>(rounded));
+    }
+}
+
 struct Faces {
     dvec3 centre{0}; // subtracted from all corners
     std::vector<glm::vec4> high, low, normal, middle;
@@ -48,19 +58,6 @@ struct Faces {
         middle.emplace_back(glm::vec3(middleD - corners[0]), static_cast<float>(radius));
     }
 };
-
-} // namespace
-
-void splitPosition(const dvec3& relative, glm::vec3& high, glm::vec3& low) {
-    for (int c = 0; c < 3; ++c) {
-        // Through memory: GCC 12 at -O3 otherwise takes the float back to the double it came from.
-        volatile float rounded = static_cast<float>(relative[c]);
-        high[c] = rounded;
-        low[c] = static_cast<float>(relative[c] - static_cast<double>(rounded));
-    }
-}
-
-namespace {
 
 dvec3 unitOrZero(const dvec3& v) {
     const double size = glm::length(v);

@@ -33,9 +33,6 @@ struct ExactScene {
     gpu::Buffer clusters; // as in shaders/io/exact_form_factors.io.h
 };
 
-// A position from the scene's centre in two floats a coordinate.
-void splitPosition(const glm::dvec3& relative, glm::vec3& high, glm::vec3& low);
-
 // At most `tilePieces` pieces a tile, but whole patches.
 ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh, uint32_t tilePieces);
 

@@ -1,7 +1,6 @@
 #include "compute/sensor_gather.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
 #include <glm/geometric.hpp>

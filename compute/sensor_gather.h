@@ -25,7 +25,6 @@ struct SkyView {
     std::vector<size_t> first{0}; // of each point's samples
     std::vector<SkySample> samples;
 
-    size_t pointCount() const { return first.size() - 1; }
     std::span<const SkySample> of(size_t point) const {
         return {samples.data() + first[point], first[point + 1] - first[point]};
     }

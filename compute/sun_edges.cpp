@@ -1,7 +1,5 @@
 #include "compute/sun_edges.h"
 
-#include <algorithm>
-
 #include <glm/geometric.hpp>
 
 #include "compute/lighting.h"

@@ -14,6 +14,17 @@ namespace heliodon::geometry {
 
 namespace {
 
+// Linear reflectance of a paint chip: sRGB 0..255 per channel (IEC 61966-2-1), clamped below 0.95.
+glm::vec3 chipReflectance(const std::array<double, 3>& rgb) {
+    glm::vec3 out;
+    for (int c = 0; c < 3; ++c) {
+        const double s = rgb[static_cast<size_t>(c)] / 255;
+        const double linear = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+        out[c] = static_cast<float>(std::min(linear, 0.949));
+    }
+    return out;
+}
+
 double distanceToSegment(glm::dvec2 p, glm::dvec2 a, glm::dvec2 b) {
     const glm::dvec2 d = b - a;
     const double t = std::clamp(glm::dot(p - a, d) / glm::dot(d, d), 0.0, 1.0);
@@ -164,16 +175,6 @@ private:
 };
 
 } // namespace
-
-glm::vec3 chipReflectance(const std::array<double, 3>& rgb) {
-    glm::vec3 out;
-    for (int c = 0; c < 3; ++c) {
-        const double s = rgb[static_cast<size_t>(c)] / 255;
-        const double linear = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
-        out[c] = static_cast<float>(std::min(linear, 0.949));
-    }
-    return out;
-}
 
 PlanMaterials planMaterials(const Sketch& sketch, const PlanWalls& plan, const std::vector<RoomPlan>& rooms,
                             const std::vector<WallRun>& runs, const ClosureOptions& options) {

@@ -21,7 +21,4 @@ struct PlanMaterials {
 PlanMaterials planMaterials(const Sketch& sketch, const PlanWalls& plan, const std::vector<RoomPlan>& rooms,
                             const std::vector<WallRun>& runs, const ClosureOptions& options);
 
-// Linear reflectance of a paint chip: sRGB 0..255 per channel (IEC 61966-2-1), clamped below 0.95.
-glm::vec3 chipReflectance(const std::array<double, 3>& rgb);
-
 } // namespace heliodon::geometry

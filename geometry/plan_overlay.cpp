@@ -3,8 +3,6 @@
 #include "geometry/plan_overlay.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <set>
 
 #include <glm/geometric.hpp>

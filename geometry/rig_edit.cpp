@@ -1,6 +1,5 @@
 #include "geometry/rig_edit.h"
 
-#include <algorithm>
 #include <fstream>
 
 #include <fmt/format.h>

@@ -1,7 +1,6 @@
 #include "geometry/shadow_outline.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <set>
 

@@ -6,8 +6,6 @@
 #include <array>
 #include <cmath>
 
-#include <glm/geometric.hpp>
-
 #include "compute/daylight/frame.h"
 #include "compute/daylight/sky.h"
 

@@ -137,11 +137,11 @@ Moment rounded(Moment m) {
     return m;
 }
 
-} // namespace
-
 bool isLeapYear(int year) {
     return year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
 }
+
+} // namespace
 
 int daysInMonth(int year, int month) {
     constexpr std::array<int, 12> days{31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
@@ -277,28 +277,6 @@ std::string monthName(int month) {
                                                 "May",       "June",     "July",     "August",
                                                 "September", "October",  "November", "December"};
     return names.at(static_cast<size_t>(month - 1));
-}
-
-std::string formatDuration(const Duration& duration) {
-    std::string text = "P";
-    if (duration.months / 12) text += fmt::format("{}Y", duration.months / 12);
-    if (duration.months % 12) text += fmt::format("{}M", duration.months % 12);
-    double seconds = duration.seconds;
-    const auto whole = [&](double unit) {
-        const double count = std::floor((seconds + 5e-7) / unit);
-        seconds = std::max(0.0, seconds - count * unit);
-        return static_cast<int64_t>(count);
-    };
-    if (const auto days = whole(kDaySeconds)) text += fmt::format("{}D", days);
-    std::string time;
-    if (const auto hours = whole(3600)) time += fmt::format("{}H", hours);
-    if (const auto minutes = whole(60)) time += fmt::format("{}M", minutes);
-    if (seconds >= 5e-7) {
-        std::string s = formatSeconds(seconds);
-        time += (s[0] == '0' ? s.substr(1) : s) + "S";
-    }
-    if (!time.empty()) text += "T" + time;
-    return text == "P" ? "PT0S" : text;
 }
 
 Moment advance(const Moment& start, const Duration& step, int64_t count) {

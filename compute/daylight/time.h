@@ -16,7 +16,6 @@ struct Date {
     auto operator<=>(const Date&) const = default;
 };
 
-bool isLeapYear(int year);
 int daysInMonth(int year, int month);
 int dayOfYear(const Date& date); // 1..366
 // 1970-01-01 is 0; a day past the month's end runs on into the next month.
@@ -53,7 +52,6 @@ std::string formatTime(const Moment& moment);
 // For readers: "21 March 2026, 13:00 solar time", "..., 13:00 UTC-05:00"; seconds where there are any.
 std::string timeInWords(const Moment& moment);
 std::string monthName(int month); // 1..12, "January"
-std::string formatDuration(const Duration& duration);
 
 // start + count steps on the start's own clock. Months count from the start, so that 31 January + 2 x P1M is
 // 31 March; a day that the month lacks becomes its last.

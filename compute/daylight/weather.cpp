@@ -3,7 +3,6 @@
 #include "compute/daylight/weather.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <fmt/format.h>

@@ -1,10 +1,8 @@
 #include "compute/daylight/window.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "compute/daylight/quadrature.h"

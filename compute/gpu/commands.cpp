@@ -118,17 +118,4 @@ void Commands::fill(const Buffer& buffer, uint32_t word, size_t offset, size_t b
     vkCmdFillBuffer(buffer_, buffer.handle(), offset, bytes, word);
 }
 
-void Commands::copyImageToBuffer(const Image& image, uint32_t layer, const Buffer& to, size_t toOffset) {
-    VkBufferImageCopy region{};
-    region.bufferOffset = toOffset;
-    region.imageSubresource = {image.aspect(), 0, layer, 1};
-    region.imageExtent = {image.info().width, image.info().height, 1};
-    vkCmdCopyImageToBuffer(buffer_, image.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to.handle(), 1,
-                           &region);
-}
-
-void Commands::writeTimestamp(VkQueryPool pool, uint32_t query) {
-    vkCmdWriteTimestamp2(buffer_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, pool, query);
-}
-
 } // namespace heliodon::gpu

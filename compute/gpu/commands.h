@@ -49,10 +49,6 @@ public:
 
     void copy(const Buffer& from, size_t fromOffset, const Buffer& to, size_t toOffset, size_t bytes);
     void fill(const Buffer& buffer, uint32_t word, size_t offset = 0, size_t bytes = VK_WHOLE_SIZE);
-    // Image (TRANSFER_SRC_OPTIMAL) to tightly packed rows.
-    void copyImageToBuffer(const Image& image, uint32_t layer, const Buffer& to, size_t toOffset = 0);
-
-    void writeTimestamp(VkQueryPool pool, uint32_t query);
 
 private:
     friend class Device;

@@ -298,8 +298,6 @@ void Device::createDevice(const DeviceOptions& options) {
     Features available, wanted;
     vkGetPhysicalDeviceFeatures2(physical_, &available.base);
     for (const Required& required : kRequired) required.of(wanted) = VK_TRUE;
-    geometryShader_ = available.base.features.geometryShader;
-    wanted.base.features.geometryShader = available.base.features.geometryShader;
     wanted.base.features.fragmentStoresAndAtomics = available.base.features.fragmentStoresAndAtomics;
     wanted.base.features.shaderFloat64 = available.base.features.shaderFloat64;
     wanted.base.features.fillModeNonSolid = available.base.features.fillModeNonSolid;

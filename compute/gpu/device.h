@@ -61,8 +61,6 @@ public:
         return subgroupSize_;
     } // of every Kernel, also where the device knows several
     bool fixesSubgroupSize() const { return fixesSubgroupSize_; }
-    bool hasGeometryShader() const { return geometryShader_; }
-    double timestampPeriodNs() const { return limits_.timestampPeriod; }
     Memory& memory() { return *memory_; }
     KernelCache& kernels() { return *kernels_; } // for kernels that many objects share
 
@@ -127,7 +125,6 @@ private:
     VkPhysicalDeviceLimits limits_{};
     uint32_t subgroupSize_ = 1;
     bool fixesSubgroupSize_ = false;
-    bool geometryShader_ = false;
     Functions functions_;
     std::unique_ptr<Memory> memory_;
     std::unique_ptr<KernelCache> kernels_;

@@ -31,8 +31,12 @@ Image::Image(Device& device, const ImageInfo& info, const std::string& name) : d
     check(vkBindImageMemory(device.handle(), image_, allocation_.memory, allocation_.offset),
           "vkBindImageMemory");
     device.setName(VK_OBJECT_TYPE_IMAGE, reinterpret_cast<uint64_t>(image_), name);
-    view_ = makeView(0, info.layers, info.layers > 1 ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D);
-    for (uint32_t i = 0; i < info.layers; ++i) layers_.push_back(makeView(i, 1, VK_IMAGE_VIEW_TYPE_2D));
+    VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
+    view.image = image_;
+    view.viewType = info.layers > 1 ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
+    view.format = info.format;
+    view.subresourceRange = {aspect(), 0, 1, 0, info.layers};
+    check(vkCreateImageView(device.handle(), &view, nullptr, &view_), "vkCreateImageView");
 }
 
 VkImageAspectFlags Image::aspect() const {
@@ -50,24 +54,12 @@ VkImageAspectFlags Image::aspect() const {
     }
 }
 
-VkImageView Image::makeView(uint32_t firstLayer, uint32_t layerCount, VkImageViewType type) const {
-    VkImageViewCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
-    info.image = image_;
-    info.viewType = type;
-    info.format = info_.format;
-    info.subresourceRange = {aspect(), 0, 1, firstLayer, layerCount};
-    VkImageView view = VK_NULL_HANDLE;
-    check(vkCreateImageView(device_->handle(), &info, nullptr, &view), "vkCreateImageView");
-    return view;
-}
-
 Image& Image::operator=(Image&& other) noexcept {
     if (this == &other) return *this;
     reset();
     device_ = std::exchange(other.device_, nullptr);
     image_ = std::exchange(other.image_, VK_NULL_HANDLE);
     view_ = std::exchange(other.view_, VK_NULL_HANDLE);
-    layers_ = std::move(other.layers_);
     allocation_ = other.allocation_;
     info_ = other.info_;
     return *this;
@@ -75,15 +67,12 @@ Image& Image::operator=(Image&& other) noexcept {
 
 void Image::reset() {
     if (!image_) return;
-    device_->retire([device = device_, image = image_, view = view_, layers = std::move(layers_),
-                     allocation = allocation_] {
+    device_->retire([device = device_, image = image_, view = view_, allocation = allocation_] {
         vkDestroyImageView(device->handle(), view, nullptr);
-        for (VkImageView layer : layers) vkDestroyImageView(device->handle(), layer, nullptr);
         vkDestroyImage(device->handle(), image, nullptr);
         device->memory().free(allocation);
     });
     image_ = VK_NULL_HANDLE;
-    layers_.clear();
 }
 
 } // namespace heliodon::gpu

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <string>
-#include <vector>
 
 #include <vulkan/vulkan.h>
 
@@ -21,6 +20,8 @@ struct ImageInfo {
     VkImageCreateFlags flags = 0;
 };
 
+// Optimally tiled, in device memory; freed when the device has done what it was last submitted for. Throws
+// Error when Vulkan refuses.
 class Image {
 public:
     Image() = default;
@@ -33,17 +34,14 @@ public:
     const ImageInfo& info() const { return info_; }
     VkImageAspectFlags aspect() const;
     VkImageView view() const { return view_; } // all layers, as a 2-D array when there are several
-    VkImageView layerView(uint32_t layer) const { return layers_[layer]; } // one layer as a 2-D image
     bool valid() const { return image_ != VK_NULL_HANDLE; }
 
 private:
     void reset();
-    VkImageView makeView(uint32_t firstLayer, uint32_t layerCount, VkImageViewType type) const;
 
     Device* device_ = nullptr;
     VkImage image_ = VK_NULL_HANDLE;
     VkImageView view_ = VK_NULL_HANDLE;
-    std::vector<VkImageView> layers_;
     Allocation allocation_;
     ImageInfo info_;
 };

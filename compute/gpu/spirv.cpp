@@ -1,7 +1,6 @@
 #include "compute/gpu/spirv.h"
 
 #include <algorithm>
-#include <set>
 
 #include "compute/gpu/error.h"
 

@@ -1,6 +1,5 @@
 #include "compute/reference/sun.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include <glm/geometric.hpp>

@@ -1,10 +1,8 @@
 #include "engine/app/arguments.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <functional>
-#include <iostream>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

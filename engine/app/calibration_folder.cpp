@@ -1,6 +1,5 @@
 #include "engine/app/calibration_folder.h"
 
-#include <algorithm>
 #include <charconv>
 #include <fstream>
 #include <map>

@@ -1,7 +1,5 @@
 #include "engine/app/frame_sink.h"
 
-#include <algorithm>
-#include <stdexcept>
 #include <system_error>
 
 #include <fmt/format.h>

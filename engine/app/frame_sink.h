@@ -37,7 +37,6 @@ public:
     FrameSink(const FrameSink&) = delete;
     FrameSink& operator=(const FrameSink&) = delete;
 
-    bool isFilm() const { return isFilm_; }
     // Where `frames.csv` goes: into the folder, or beside the film under its name.
     std::filesystem::path table() const;
     // Pictures appear whole or not at all, so one that is there is done.

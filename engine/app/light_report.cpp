@@ -1,7 +1,6 @@
 #include "engine/app/light_report.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace heliodon::app {
 

@@ -1,7 +1,4 @@
 #include <algorithm>
-#include <cmath>
-
-#include <fmt/format.h>
 
 #include "compute/gpu/error.h"
 #include "compute/gpu/image.h"
@@ -13,7 +10,6 @@
 #include "engine/app/live_script.h"
 #include "engine/app/live_status.h"
 #include "engine/app/output_folder.h"
-#include "engine/passes/image_file.h"
 #include "geometry/input_error.h"
 
 namespace heliodon::app {

@@ -1,9 +1,12 @@
 #include "engine/app/projector_reach.h"
 
+#include <array>
 #include <map>
+#include <vector>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
 
 #include "geometry/projector_visibility.h"
 #include "vision/detect.h"
@@ -31,6 +34,29 @@ json surfaceEntry(const geometry::SurfaceReach& reach, const std::string& materi
             {"middle", {feet.x, -feet.z, feet.y}}, // as in a sketch: x right, y up the table, then height
             {"area", reach.area / (foot * foot)},
             {"unreachable", reach.unreachable / (foot * foot)}};
+}
+
+// The triangles of projection surfaces, in world metres, that no projector reaches and the camera sees.
+std::vector<std::array<glm::dvec3, 3>> unreachableTriangles(const Scene& scene) {
+    std::vector<std::array<glm::dvec3, 3>> out;
+    if (!scene.rig || scene.rig->projectors.empty()) return out;
+    std::vector<geometry::OpticalDevice> devices = projectorsOf(*scene.rig);
+    const uint32_t camera = 1u << devices.size();
+    devices.push_back(scene.rig->camera);
+    const geometry::ProjectorMesh split =
+        geometry::splitByProjectorVisibility(scene.mesh, scene.occluders, devices);
+    for (size_t t = 0; t < split.triangleCount(); ++t) {
+        if (split.visible[t] & (camera - 1)) continue;
+        const std::array<glm::dvec3, 3> corners{split.vertices[split.triangles[3 * t]],
+                                                split.vertices[split.triangles[3 * t + 1]],
+                                                split.vertices[split.triangles[3 * t + 2]]};
+        // The camera sees walls too, at angles at which a projector would not light them.
+        const glm::dvec3 d = glm::normalize(scene.rig->camera.centre() - corners[0]);
+        const double cosine = glm::dot(d, geometry::patchNormal(scene.mesh, split.sourcePatch[t]));
+        const bool grazing = cosine > 0 && cosine <= geometry::ProjectorOptions{}.leastCosine;
+        if (grazing || (split.visible[t] & camera)) out.push_back(corners);
+    }
+    return out;
 }
 
 } // namespace
@@ -70,28 +96,6 @@ void reportReach(Run& run, const Scene& scene) {
     if (unreachable > 0.01 * area)
         run.note(fmt::format("no projector reaches {:.0f} of {:.0f} ft2 of walls and floor ({:.0f} %)",
                              unreachable, area, 100 * unreachable / area));
-}
-
-std::vector<std::array<glm::dvec3, 3>> unreachableTriangles(const Scene& scene) {
-    std::vector<std::array<glm::dvec3, 3>> out;
-    if (!scene.rig || scene.rig->projectors.empty()) return out;
-    std::vector<geometry::OpticalDevice> devices = projectorsOf(*scene.rig);
-    const uint32_t camera = 1u << devices.size();
-    devices.push_back(scene.rig->camera);
-    const geometry::ProjectorMesh split =
-        geometry::splitByProjectorVisibility(scene.mesh, scene.occluders, devices);
-    for (size_t t = 0; t < split.triangleCount(); ++t) {
-        if (split.visible[t] & (camera - 1)) continue;
-        const std::array<glm::dvec3, 3> corners{split.vertices[split.triangles[3 * t]],
-                                                split.vertices[split.triangles[3 * t + 1]],
-                                                split.vertices[split.triangles[3 * t + 2]]};
-        // The camera sees walls too, at angles at which a projector would not light them.
-        const glm::dvec3 d = glm::normalize(scene.rig->camera.centre() - corners[0]);
-        const double cosine = glm::dot(d, geometry::patchNormal(scene.mesh, split.sourcePatch[t]));
-        const bool grazing = cosine > 0 && cosine <= geometry::ProjectorOptions{}.leastCosine;
-        if (grazing || (split.visible[t] & camera)) out.push_back(corners);
-    }
-    return out;
 }
 
 void drawReachOverlay(const Scene& scene, const std::filesystem::path& photo,

@@ -1,7 +1,5 @@
 #include "engine/app/temporal_chart.h"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 namespace heliodon::app {

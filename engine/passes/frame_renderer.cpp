@@ -1,13 +1,11 @@
 #include "engine/passes/frame_renderer.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <optional>
 #include <utility>
 
-#include <fmt/format.h>
 #include <glm/geometric.hpp>
 
 #include "compute/gpu/buffer.h"

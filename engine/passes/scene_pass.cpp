@@ -1,7 +1,5 @@
 #include "engine/passes/scene_pass.h"
 
-#include <array>
-
 #include "compute/gpu/device.h"
 #include "engine/passes/draw_mesh.h"
 #include "shaders/io/scene.io.h"

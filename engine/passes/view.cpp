@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
@@ -54,14 +55,15 @@ std::vector<glm::vec2> undistortedPixels(const geometry::OpticalDevice& device, 
     return pixels;
 }
 
-} // namespace
-
+// Pinhole pixel of a world point (integer = pixel centre); none behind the eye.
 std::optional<glm::dvec2> pinholePixel(const View& view, glm::dvec3 world) {
     const glm::dvec4 clip = view.clipFromWorld * glm::dvec4(world, 1);
     if (clip.w <= 0) return std::nullopt;
     return glm::dvec2((clip.x / clip.w + 1) / 2 * view.width - 0.5,
                       (clip.y / clip.w + 1) / 2 * view.height - 0.5);
 }
+
+} // namespace
 
 View viewOfDevice(const geometry::OpticalDevice& device, int supersample, double nearMetres) {
     View view;

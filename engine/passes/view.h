@@ -2,7 +2,6 @@
 // straight edges stay straight (shadow volumes need that); a lens is applied afterwards, pixel by pixel.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include <glm/mat4x4.hpp>
@@ -34,9 +33,6 @@ struct View {
 
 // Confines a view with a warp to what lies near `points`: nothing else is drawn in it.
 void confine(View& view, const std::vector<glm::dvec3>& points);
-
-// Pinhole pixel of a world point (integer = pixel centre); none behind the eye.
-std::optional<glm::dvec2> pinholePixel(const View& view, glm::dvec3 world);
 
 // What a camera or projector sees: outputs are its own panel pixels, so that a world point comes out at
 // OpticalDevice::pixelFromWorld. `supersample` pinhole pixels per panel pixel in each direction. The part of

@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "compute/daylight/frame.h"
 #include "tests/compute/rooms.h"
 #include "tests/compute/skies.h"
 #include "tests/gpu/test_device.h"

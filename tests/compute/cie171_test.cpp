@@ -2,7 +2,6 @@
 // not copied). A room of 4 x 4 x 3 m; sensors exactly on its walls, floor and ceiling; black but where said.
 // x east, y up, z south: z = 0 is the wall to the north, openings of facades are in z = 4.
 #include <array>
-#include <functional>
 #include <numbers>
 
 #include <gtest/gtest.h>

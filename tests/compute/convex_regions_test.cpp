@@ -1,6 +1,5 @@
 #include "compute/convex_regions.h"
 
-#include <cmath>
 #include <functional>
 #include <random>
 

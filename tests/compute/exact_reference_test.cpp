@@ -2,9 +2,7 @@
 
 #include <cmath>
 #include <fstream>
-#include <random>
 
-#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
 #include "compute/reference/form_factor_rows.h"

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
-#include <functional>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -112,15 +112,15 @@ TEST(FormatTime, parses_back_to_the_same_moment) {
     }
 }
 
-TEST(Duration, reads_and_writes_iso_durations) {
+TEST(Duration, reads_iso_durations) {
     EXPECT_DOUBLE_EQ(parseDuration("PT10M", "").seconds, 600);
     EXPECT_DOUBLE_EQ(parseDuration("P1D", "").seconds, 86400);
     EXPECT_DOUBLE_EQ(parseDuration("PT1H30M", "").seconds, 5400);
     EXPECT_DOUBLE_EQ(parseDuration("P2W", "").seconds, 14 * 86400);
     EXPECT_DOUBLE_EQ(parseDuration("pt0,5s", "").seconds, 0.5);
+    EXPECT_EQ(parseDuration("P1M", "").months, 1);
     EXPECT_EQ(parseDuration("P1Y2M3DT4H5M6.5S", "").months, 14);
-    for (const char* text : {"PT10M", "P1D", "PT1H30M", "P1Y2M3DT4H5M6.5S", "PT0.25S", "P1M", "PT30S"})
-        EXPECT_EQ(formatDuration(parseDuration(text, "")), text);
+    EXPECT_DOUBLE_EQ(parseDuration("P1Y2M3DT4H5M6.5S", "").seconds, 3 * 86400 + 4 * 3600 + 5 * 60 + 6.5);
     for (const char* text :
          {"", "P", "PT", "10M", "PT10", "P10", "P1DT", "PT1M1H", "P1H", "PT1D", "PT0S", "P-1D", "PT1.5H30M",
           "P1.5M", "PTM", "P99999999Y", "PT9999999999S", "P1D ", "P1M1M"})
