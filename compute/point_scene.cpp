@@ -6,7 +6,9 @@
 #include <map>
 #include <numbers>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
 
 #include "compute/lighting.h"
 #include "geometry/bounds.h"
@@ -222,7 +224,14 @@ void PointScene::findOpenings(std::vector<ConvexRegion> openings, const std::vec
                 window(to).hasBlind())
                 continue;
             Facing facing{k, {}};
+            const geometry::Bounds one = geometry::boundsOf(from.region.corners),
+                                   two = geometry::boundsOf(to.region.corners);
+            const dvec3 low = glm::min(one.low, two.low) - samePlane,
+                        high = glm::max(one.high, two.high) + samePlane;
             const auto between = [&](std::span<const dvec3> corners) {
+                const geometry::Bounds box = geometry::boundsOf(corners);
+                if (glm::any(glm::lessThan(box.high, low)) || glm::any(glm::greaterThan(box.low, high)))
+                    return;
                 if (auto here = outsideOf(from, corners); !here.empty())
                     if (here = outsideOf(to, here); !here.empty()) facing.hiddenBy.push_back(std::move(here));
             };
