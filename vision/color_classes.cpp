@@ -34,7 +34,7 @@ inline float saturationOf(glm::vec3 p) {
 }
 // White in a shadow that only a second light reaches: darker than the white about it, and white by that
 // light.
-constexpr float kShade = 0.8f, kShadeWhite = 0.2f;
+constexpr float kShade = 0.9f, kShadeWhite = 0.2f;
 constexpr float kFaint = 0.23f; // of P': nothing below is looked at
 
 // Rows of linear light, softened by a Gaussian; each row of the picture is read once.
@@ -134,7 +134,7 @@ std::vector<Coloured> findColoured(const PlanView& view, const TableRegion& regi
                     !PaintTable::isFadedSky(hueOf(r, g, b, high, low), (high - low) / high, high))
                     continue;
                 if (high < minBright[static_cast<size_t>(ground[x])]) continue;
-                if (white.secondLight && high < kShade) {
+                if (white.secondLight && (high < kShade || high - low < minSaturation * high)) {
                     const glm::vec3 p(r, g, b);
                     if (saturationOf(p * shade) < kShadeWhite || saturationOf(p * penumbra) < kShadeWhite)
                         continue;

@@ -63,11 +63,60 @@ public:
         findWalls();
         if (out_.sketch.walls.empty() && out_.sketch.arcs.empty())
             out_.warnings.push_back("no wall is seen on the table");
+        warnOfLight();
         nameAll();
         return out_;
     }
 
 private:
+    // What the picture's light hides, and a table that is not the white that all else is held against.
+    void warnOfLight() {
+        constexpr double kMostClipped = 0.005; // of the table
+        constexpr uint8_t kClipped = 254;
+        const Photograph& photo = view_.photo();
+        glm::dvec2 where{};
+        double clipped = 0, table = 0;
+        const double step = 0.25; // inches
+        for (double x = -radius(); x <= radius(); x += step)
+            for (double y = -radius(); y <= radius(); y += step) {
+                if (glm::length(glm::dvec2(x, y)) > radius() - step) continue;
+                const glm::dvec2 p = view_.pixel({x, y}, 0);
+                const auto i = std::lround(p.x), j = std::lround(p.y);
+                if (i < 0 || j < 0 || i >= photo.width || j >= photo.height) continue;
+                const uint8_t* rgb =
+                    &photo.rgb[3 * (static_cast<size_t>(j) * static_cast<size_t>(photo.width) +
+                                    static_cast<size_t>(i))];
+                table += 1;
+                if (std::min({rgb[0], rgb[1], rgb[2]}) >= kClipped) clipped += 1, where += p;
+            }
+        if (clipped > kMostClipped * table) {
+            where /= clipped;
+            out_.warnings.push_back(fmt::format(
+                "about pixel {:.0f}, {:.0f}: {:.0f} % of the table are overexposed; what lies there "
+                "cannot be seen",
+                where.x, where.y, std::max(1.0, 100 * clipped / table)));
+        }
+        // The walls' ends are bare foam core, a little nearer to the lamps than the table.
+        constexpr double kBrighter = 1.8;
+        std::vector<double> ends;
+        for (const auto& wall : out_.sketch.walls) {
+            const glm::dvec2 in = 0.5 * options_.unpaintedEnd * glm::normalize(wall.b - wall.a);
+            for (const glm::dvec2 end : {wall.a + in, wall.b - in}) {
+                const glm::dvec2 p = view_.pixel(end, geometry::heightInches(wall.heightClass));
+                const glm::vec3 c = view_.light(p) / view_.white(p);
+                ends.push_back(std::max({c.r, c.g, c.b}));
+            }
+        }
+        if (ends.empty()) return;
+        const auto middle = ends.begin() + static_cast<std::ptrdiff_t>(ends.size() / 2);
+        std::nth_element(ends.begin(), middle, ends.end());
+        if (*middle > kBrighter)
+            out_.warnings.push_back(fmt::format(
+                "the walls' white ends are {:.1f} times as bright as the table, which should be white: "
+                "colours may be misread",
+                *middle));
+    }
+
     double radius() const { return rig_.tableRadius / geometry::kMetresPerInch; }
 
     // The floor beside the table may have any colour. What is seen there can be the top of a wall near the

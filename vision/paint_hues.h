@@ -30,7 +30,7 @@ public:
     std::array<float, kPaints> hues() const; // degrees
     // Light-blue card that a camera or the years have faded; white in a bluish shadow is darker.
     static bool isFadedSky(float hue, float saturation, float brightness) {
-        return hue > 195 && hue < 226 && saturation > 0.23f && brightness > 0.72f;
+        return hue > 195 && hue < 226 && saturation > 0.23f && brightness > 0.72f && brightness < 1.5f;
     }
     float cyanSaturation() const { return tone_[static_cast<size_t>(Paint::cyan)].saturation; }
 

@@ -1,7 +1,12 @@
 #include "vision/photograph.h"
 
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <iterator>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "geometry/input_error.h"
 #include "geometry/picture_file.h"
@@ -11,6 +16,53 @@ namespace heliodon::vision {
 
 namespace {
 
+// The chunks of a PNG, after its signature, up to the last.
+bool isWholePng(const std::vector<uint8_t>& bytes) {
+    for (size_t at = 8; at + 12 <= bytes.size();) {
+        const size_t length = (size_t{bytes[at]} << 24) | (size_t{bytes[at + 1]} << 16) |
+                              (size_t{bytes[at + 2]} << 8) | bytes[at + 3];
+        if (std::equal(bytes.begin() + static_cast<std::ptrdiff_t>(at) + 4,
+                       bytes.begin() + static_cast<std::ptrdiff_t>(at) + 8, "IEND"))
+            return true;
+        at += 12 + length;
+    }
+    return false;
+}
+
+// The segments of a JPEG up to the end marker; a preview within one of them has an end marker of its own.
+bool isWholeJpeg(const std::vector<uint8_t>& bytes) {
+    constexpr uint8_t kEnd = 0xD9, kScan = 0xDA;
+    size_t at = 2;
+    while (at + 4 <= bytes.size()) {
+        if (bytes[at] != 0xFF) return true; // not as expected: the decoder's business
+        const uint8_t marker = bytes[at + 1];
+        if (marker == kEnd) return true;
+        if (marker == 0xFF) { // padding
+            ++at;
+            continue;
+        }
+        at += 2 + ((size_t{bytes[at + 2]} << 8) | bytes[at + 3]);
+        if (marker != kScan) continue;
+        // Coded data: a 0xFF in it is followed by 0 or by a restart marker.
+        while (at + 1 < bytes.size() &&
+               !(bytes[at] == 0xFF && bytes[at + 1] != 0 && (bytes[at + 1] & 0xF8) != 0xD0))
+            ++at;
+    }
+    return at + 1 < bytes.size() && bytes[at] == 0xFF && bytes[at + 1] == kEnd;
+}
+
+// Decoders read what is there of a file that was cut short and leave the rest grey.
+bool isCutShort(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    const std::vector<uint8_t> bytes((std::istreambuf_iterator<char>(in)), {});
+    constexpr std::array<uint8_t, 8> kPng = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
+    if (bytes.size() >= kPng.size() && std::equal(kPng.begin(), kPng.end(), bytes.begin()))
+        return !isWholePng(bytes);
+    if (bytes.size() >= 3 && bytes[0] == 0xFF && bytes[1] == 0xD8 && bytes[2] == 0xFF)
+        return !isWholeJpeg(bytes);
+    return false;
+}
+
 // The pixels as the sensor has them: the rig was calibrated on those, so no rotation by EXIF.
 template<class Picture>
 Picture readOrComplain(std::optional<Picture> (*read)(const std::filesystem::path&),
@@ -19,6 +71,8 @@ Picture readOrComplain(std::optional<Picture> (*read)(const std::filesystem::pat
     if (!std::filesystem::is_regular_file(file, ignored))
         throw geometry::InputError(file.string(), "",
                                    "no such file, expected a photograph (png, jpg or tif)");
+    if (isCutShort(file))
+        throw geometry::InputError(file.string(), "", "the picture is cut short, expected a whole file");
     auto picture = read(file);
     if (!picture)
         throw geometry::InputError(file.string(), "",
@@ -31,6 +85,12 @@ Picture readOrComplain(std::optional<Picture> (*read)(const std::filesystem::pat
 Photograph readPhotograph(const std::filesystem::path& file) {
     auto picture = readOrComplain(geometry::readPictureFile, file);
     return {picture.width, picture.height, std::move(picture.rgb), file.string()};
+}
+
+bool hasColor(const Photograph& photo) {
+    for (size_t i = 0; i + 2 < photo.rgb.size(); i += 3)
+        if (photo.rgb[i] != photo.rgb[i + 1] || photo.rgb[i] != photo.rgb[i + 2]) return true;
+    return false;
 }
 
 GreyPicture readGrey(const std::filesystem::path& file) {

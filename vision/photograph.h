@@ -15,7 +15,10 @@ struct Photograph {
 };
 
 // Reads PNG, JPEG and TIFF, 8 or 16 bits, colour or grey; an alpha channel is dropped.
-// Throws InputError when the file is missing or is not an image.
+// Throws InputError when the file is missing, is not an image or is cut short.
 Photograph readPhotograph(const std::filesystem::path& file);
+
+// False for a grey picture: nothing can be read from it, since paint tells the walls' heights.
+bool hasColor(const Photograph& photo);
 
 } // namespace heliodon::vision

@@ -171,7 +171,11 @@ geometry::Sketch loadSketch(Run& run, const SceneArguments& arguments,
                          "a photograph needs the calibrated camera, expected --rig RIG.json");
     const vision::Photograph photograph = [&] {
         const StageTimer timer(run, "read");
-        return vision::readPhotograph(arguments.input);
+        auto photo = vision::readPhotograph(arguments.input);
+        if (!vision::hasColor(photo))
+            throw geometry::InputError(
+                photo.name, "", "is grey, expected a colour photograph: colours state what the pieces are");
+        return photo;
     }();
     vision::DetectionResult found = [&] {
         const StageTimer timer(run, "detect");

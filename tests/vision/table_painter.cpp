@@ -15,7 +15,7 @@ using geometry::heightInches;
 using geometry::kMetresPerInch;
 
 constexpr int kSuper = 2, kShift = 4;
-const Color kWhite{0.84, 0.84, 0.83}, kFace{0.6, 0.6, 0.59}, kFloor{0.03, 0.03, 0.03};
+const Color kWhite{0.84, 0.84, 0.83}; // foam core
 
 glm::dvec2 direction(double degrees) {
     return {std::cos(degrees * std::numbers::pi / 180), std::sin(degrees * std::numbers::pi / 180)};
@@ -26,9 +26,9 @@ glm::dvec2 left(glm::dvec2 v) {
 
 class Easel {
 public:
-    explicit Easel(const geometry::Rig& rig)
-        : rig_(rig),
-          picture_(rig.camera.height * kSuper, rig.camera.width * kSuper, CV_16UC3, scalar(kFloor)) {}
+    Easel(const geometry::Rig& rig, const PaintBox& paints)
+        : rig_(rig), face_(paints.face),
+          picture_(rig.camera.height * kSuper, rig.camera.width * kSuper, CV_16UC3, scalar(paints.floor)) {}
 
     // Plan corners at one height; edges are cut small enough to bend as the lens bends them.
     void fill(const std::vector<glm::dvec2>& corners, double height, const Color& color) {
@@ -44,7 +44,7 @@ public:
     void face(glm::dvec2 a, glm::dvec2 b, double height) {
         fill({glm::dvec3(a, 0), glm::dvec3(0.5 * (a + b), 0), glm::dvec3(b, 0), glm::dvec3(b, height),
               glm::dvec3(0.5 * (a + b), height), glm::dvec3(a, height)},
-             kFace);
+             face_);
     }
 
     Photograph develop(const Lighting& lighting) const {
@@ -85,6 +85,7 @@ private:
     }
 
     const geometry::Rig& rig_;
+    Color face_;
     cv::Mat picture_;
 };
 
@@ -158,14 +159,62 @@ void paintToken(Easel& easel, const geometry::Token& token, const PaintBox& pain
     easel.fill(box(token.pos, {0.7, 0.7}, token.angleDeg), 0.06, chip);
 }
 
+cv::Mat maskOf(const Photograph& photo, const geometry::Rig& rig, const std::vector<glm::dvec2>& corners,
+               double height) {
+    std::vector<cv::Point> points;
+    for (const auto& c : corners) {
+        const auto p =
+            rig.camera.pixelFromWorld({kMetresPerInch * c.x, kMetresPerInch * height, -kMetresPerInch * c.y});
+        if (p) points.emplace_back(static_cast<int>(std::lround(p->x)), static_cast<int>(std::lround(p->y)));
+    }
+    cv::Mat mask = cv::Mat::zeros(photo.height, photo.width, CV_8U);
+    cv::fillPoly(mask, std::vector<std::vector<cv::Point>>{points}, 1);
+    return mask;
+}
+
+double linear(uint8_t v) {
+    return std::pow(v / 255.0, 2.2);
+}
+uint8_t encoded(double v) {
+    return static_cast<uint8_t>(std::lround(255 * std::pow(std::clamp(v, 0.0, 1.0), 1 / 2.2)));
+}
+
 } // namespace
+
+void shade(Photograph& photo, const geometry::Rig& rig, const std::vector<glm::dvec2>& corners, double height,
+           const Color& gain) {
+    cv::Mat soft;
+    maskOf(photo, rig, corners, height).convertTo(soft, CV_32F);
+    cv::GaussianBlur(soft, soft, {}, 2);
+    for (size_t i = 0; i < photo.rgb.size(); ++i) {
+        const double share =
+            soft.at<float>(static_cast<int>(i / 3) / photo.width, static_cast<int>(i / 3) % photo.width);
+        photo.rgb[i] = encoded(linear(photo.rgb[i]) * (1 + share * (gain[i % 3] - 1)));
+    }
+}
+
+void cover(Photograph& photo, const geometry::Rig& rig, const std::vector<glm::dvec2>& corners, double height,
+           const Color& color) {
+    const cv::Mat mask = maskOf(photo, rig, corners, height);
+    for (size_t i = 0; i < photo.rgb.size(); ++i)
+        if (mask.at<uint8_t>(static_cast<int>(i / 3) / photo.width, static_cast<int>(i / 3) % photo.width))
+            photo.rgb[i] = encoded(0.6 * color[i % 3]);
+}
+
+void mixChannels(Photograph& photo, double share) {
+    for (size_t i = 0; i < photo.rgb.size(); i += 3) {
+        const double p[3] = {linear(photo.rgb[i]), linear(photo.rgb[i + 1]), linear(photo.rgb[i + 2])};
+        const double sum = p[0] + p[1] + p[2];
+        for (size_t c = 0; c < 3; ++c) photo.rgb[i + c] = encoded((1 - 3 * share) * p[c] + share * sum);
+    }
+}
 
 Photograph paintTable(const geometry::Sketch& sketch, const geometry::Rig& rig, const PaintBox& paints,
                       const Lighting& lighting) {
-    Easel easel(rig);
+    Easel easel(rig, paints);
     std::vector<glm::dvec2> table;
     for (int i = 0; i < 360; ++i) table.push_back(rig.tableRadius / kMetresPerInch * direction(i));
-    easel.fill(table, 0, kWhite);
+    easel.fill(table, 0, paints.table);
     for (const auto& s : sketch.skylights) easel.fill(box(s.center, s.size, s.angleDeg), 0.03, paints.sky);
     for (const auto& token : sketch.tokens) paintToken(easel, token, paints);
     if (sketch.north) {

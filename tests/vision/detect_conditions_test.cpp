@@ -1,0 +1,176 @@
+// Tables, lamps and cameras that are not as one would wish: each test is a class of photographs that was once
+// misread.
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "geometry/input_error.h"
+#include "tests/vision/perturb.h"
+#include "tests/vision/sketch_score.h"
+#include "tests/vision/table_painter.h"
+#include "vision/detect.h"
+
+namespace heliodon::vision {
+namespace {
+
+using geometry::HeightClass;
+using geometry::WindowKind;
+
+geometry::Rig exampleRig() {
+    return geometry::readRig(HELIODON_SOURCE "/examples/rig.json");
+}
+
+geometry::Wall wall(const char* id, glm::dvec2 a, glm::dvec2 b, HeightClass height) {
+    geometry::Wall out;
+    out.id = id, out.a = a, out.b = b, out.heightClass = height;
+    return out;
+}
+
+geometry::WindowMarker window(const char* id, const char* on, double pos, double width, WindowKind kind) {
+    geometry::WindowMarker out;
+    out.id = id, out.wall = on, out.pos = pos, out.width = width, out.kind = kind;
+    return out;
+}
+
+// Four walls, three windows, a skylight, a token, an arrow.
+geometry::Sketch room() {
+    geometry::Sketch s;
+    s.walls = {wall("w1", {-7, -5}, {7, -5}, HeightClass::red),
+               wall("w2", {7.4, -4.6}, {7.4, 5}, HeightClass::blue),
+               wall("w3", {7, 5.4}, {-7, 5.4}, HeightClass::red),
+               wall("w4", {-7.4, 5}, {-7.4, -4.6}, HeightClass::blue)};
+    s.windows = {window("win1", "w1", 5, 2.5, WindowKind::standard),
+                 window("win2", "w1", 10, 2, WindowKind::picture),
+                 window("win3", "w2", 4, 2, WindowKind::transom)};
+    s.skylights = {{"sky1", {1, 1}, {2.5, 1.5}, 20, {}}};
+    geometry::Token token;
+    token.id = "token1", token.kind = geometry::TokenKind::wallAll, token.pos = {-4, -1}, token.angleDeg = 15;
+    token.rgb = {40, 40, 40};
+    s.tokens = {token};
+    s.north = geometry::NorthArrow{{0, -14}, 60, {}};
+    return s;
+}
+
+void expectRead(const geometry::Sketch& stated, const Photograph& photo, double place = 0.08) {
+    const auto result = detectSketch(photo, exampleRig());
+    const Score score = scoreSketch(stated, result.sketch);
+    for (const auto& [kind, k] : score) {
+        EXPECT_EQ(k.found, k.stated) << kind << "\n" << table(score);
+        EXPECT_EQ(k.extra, 0) << kind << "\n" << table(score);
+        EXPECT_LT(k.placeWorst, place) << kind << "\n" << table(score);
+    }
+}
+
+bool warnsOf(const DetectionResult& result, const char* what) {
+    return std::any_of(result.warnings.begin(), result.warnings.end(),
+                       [&](const std::string& w) { return w.find(what) != std::string::npos; });
+}
+
+TEST(DetectConditions, shadows_that_only_a_bluish_light_reaches) {
+    const geometry::Rig rig = exampleRig();
+    Photograph photo = paintTable(room(), rig);
+    shade(photo, rig, {{-7.2, -4.8}, {-2, -4.8}, {-2, 5}, {-7.2, 5}}, 0, {0.22, 0.32, 0.5});
+    shade(photo, rig, {{8, -3}, {16, -8}, {14, 4}, {8, 3}}, 0, {0.22, 0.32, 0.5});
+    expectRead(room(), photo);
+}
+
+TEST(DetectConditions, a_lamp_that_changes_colour_over_the_table) {
+    Lighting lamps;
+    lamps.left = {0.75, 0.6, 0.36}, lamps.right = {0.4, 0.5, 0.6};
+    expectRead(room(), paintTable(room(), exampleRig(), {}, lamps));
+}
+
+TEST(DetectConditions, a_wooden_floor_and_a_wall_at_the_edge) {
+    PaintBox paints;
+    paints.floor = {0.24, 0.13, 0.06};
+    geometry::Sketch sketch = room();
+    sketch.walls.push_back(wall("w5", {12, -15}, {18.5, -8}, HeightClass::red));
+    expectRead(sketch, paintTable(sketch, exampleRig(), paints));
+}
+
+TEST(DetectConditions, pale_cyan_and_a_camera_with_overlapping_filters) {
+    PaintBox paints;
+    paints.cyan = {0.1, 0.5, 0.58}, paints.sky = {0.48, 0.68, 0.85};
+    for (const bool withSkylight : {true, false}) {
+        SCOPED_TRACE(withSkylight);
+        geometry::Sketch sketch = room();
+        if (!withSkylight) sketch.skylights.clear();
+        Photograph photo = paintTable(sketch, exampleRig(), paints);
+        mixChannels(photo, 0.1);
+        expectRead(sketch, photo);
+    }
+}
+
+TEST(DetectConditions, faces_as_dark_as_the_paint_above_them) {
+    PaintBox paints;
+    paints.face = {0.17, 0.17, 0.17};
+    geometry::Sketch sketch = room();
+    sketch.walls.push_back(wall("w5", {-3, 1}, {4, 2.6}, HeightClass::green));
+    sketch.skylights.clear();
+    expectRead(sketch, paintTable(sketch, exampleRig(), paints));
+}
+
+TEST(DetectConditions, markers_next_to_a_corner_of_walls_of_one_colour) {
+    geometry::Sketch sketch;
+    sketch.walls = {wall("w1", {-6, -4}, {6, -4}, HeightClass::blue),
+                    wall("w2", {6.3, -3.7}, {6.3, 7}, HeightClass::blue)};
+    sketch.windows = {window("win1", "w1", 10.5, 1.6, WindowKind::transom),
+                      window("win2", "w2", 1.5, 1.6, WindowKind::transom)};
+    const auto found =
+        scoreSketch(sketch, detectSketch(paintTable(sketch, exampleRig()), exampleRig()).sketch);
+    EXPECT_EQ(found.at("wall").found, 2) << table(found);
+    EXPECT_EQ(found.at("window").found, 2) << table(found);
+}
+
+TEST(DetectConditions, a_hand_that_touches_a_wall) {
+    const geometry::Rig rig = exampleRig();
+    geometry::Sketch sketch = room();
+    geometry::Arc arc;
+    arc.id = "a1", arc.center = {0, 2}, arc.radius = 14, arc.a0Deg = 40, arc.a1Deg = 95,
+    arc.heightClass = HeightClass::red;
+    sketch.arcs = {arc};
+    Photograph photo = paintTable(sketch, rig);
+    const Color skin{0.6, 0.24, 0.16};
+    cover(photo, rig, {{6, 15.2}, {9, 13.6}, {15, 21}, {10, 24}}, 10, skin);
+    expectRead(sketch, photo, 0.12);
+}
+
+TEST(DetectConditions, tokens_in_a_strongly_compressed_file) {
+    geometry::Sketch sketch = room();
+    PaintBox paints;
+    paints.blue = {0.05, 0.08, 0.28};
+    Perturbation how;
+    how.jpegQuality = 65;
+    expectRead(sketch, perturbed(paintTable(sketch, exampleRig(), paints), how), 0.12);
+}
+
+TEST(DetectConditions, says_that_light_or_table_hide_something) {
+    const geometry::Rig rig = exampleRig();
+    Photograph photo = paintTable(room(), rig);
+    EXPECT_TRUE(detectSketch(photo, rig).warnings.empty());
+    cover(photo, rig, {{-5, 8}, {5, 8}, {5, 14}, {-5, 14}}, 0, {2, 2, 2});
+    EXPECT_TRUE(warnsOf(detectSketch(photo, rig), "overexposed"));
+    PaintBox grey;
+    grey.table = {0.3, 0.3, 0.3};
+    EXPECT_TRUE(warnsOf(detectSketch(paintTable(room(), rig, grey), rig), "white ends"));
+}
+
+TEST(Photograph, cut_short_or_grey_is_no_photograph) {
+    std::ifstream in(HELIODON_TEST_DATA "/vision/i01_mixed_harsh.jpg", std::ios::binary);
+    const std::string whole((std::istreambuf_iterator<char>(in)), {});
+    const std::string file = testing::TempDir() + "heliodon_cut_short.jpg";
+    std::ofstream(file, std::ios::binary) << whole;
+    EXPECT_TRUE(hasColor(readPhotograph(file)));
+    for (const double share : {0.3, 0.7, 0.99}) {
+        std::ofstream(file, std::ios::binary)
+            << whole.substr(0, static_cast<size_t>(share * static_cast<double>(whole.size())));
+        EXPECT_THROW(readPhotograph(file), geometry::InputError) << share;
+    }
+    // What a camera adds behind the picture does not make it less whole.
+    std::ofstream(file, std::ios::binary) << whole << std::string(100, 'x');
+    EXPECT_NO_THROW(readPhotograph(file));
+    EXPECT_FALSE(hasColor({2, 1, {9, 9, 9, 200, 200, 200}}));
+}
+
+} // namespace
+} // namespace heliodon::vision
