@@ -1,4 +1,8 @@
 // The module behind picture_file.h. Nothing is thrown out of it.
+#include <fstream>
+#include <string>
+#include <vector>
+
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
@@ -46,8 +50,14 @@ std::optional<GreyPixels> readGrey(const std::filesystem::path& file) {
 
 bool writePng(const std::filesystem::path& file, int width, int height, const uint8_t* rgb) {
     try {
-        return cv::imwrite(file.string(), bgrOf(width, height, rgb),
-                           {cv::IMWRITE_PNG_COMPRESSION, kPngCompression});
+        // Not by OpenCV: it does not look whether all of it was written.
+        std::vector<uint8_t> bytes;
+        if (!cv::imencode(".png", bgrOf(width, height, rgb), bytes,
+                          {cv::IMWRITE_PNG_COMPRESSION, kPngCompression}))
+            return false;
+        std::ofstream out(file, std::ios::binary);
+        out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+        return static_cast<bool>(out.flush());
     } catch (const cv::Exception&) {
         return false;
     }
@@ -61,6 +71,7 @@ public:
           padded_(height + height % 2, width + width % 2, CV_8UC3, cv::Scalar::all(0)) {}
 
     bool open(const std::filesystem::path& file, double framesPerSecond) {
+        file_ = file.string();
         return writer_.open(file.string(), cv::CAP_FFMPEG, cv::VideoWriter::fourcc('a', 'v', 'c', '1'),
                             framesPerSecond, padded_.size());
     }
@@ -68,10 +79,19 @@ public:
     void add(const uint8_t* rgb) override {
         bgrOf(width_, height_, rgb).copyTo(padded_(cv::Rect(0, 0, width_, height_)));
         writer_.write(padded_);
+        ++count_;
+    }
+
+    bool finish() override {
+        writer_.release();
+        cv::VideoCapture film(file_, cv::CAP_FFMPEG);
+        if (!film.isOpened() || static_cast<int>(film.get(cv::CAP_PROP_FRAME_COUNT)) != count_) return false;
+        return film.set(cv::CAP_PROP_POS_FRAMES, count_ - 1) && film.grab();
     }
 
 private:
-    int width_, height_;
+    std::string file_;
+    int width_, height_, count_ = 0;
     cv::Mat padded_;
     cv::VideoWriter writer_;
 };

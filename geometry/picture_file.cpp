@@ -43,7 +43,7 @@ std::optional<GreyPixels> readGreyFile(const std::filesystem::path& file) {
 void writePngFile(const std::filesystem::path& file, int width, int height, const uint8_t* rgb) {
     writeWhole(file, [&](const std::filesystem::path& aside) {
         if (!codecs().writePng(aside, width, height, rgb))
-            throw std::runtime_error(file.string() + ": the PNG could not be written");
+            throw std::runtime_error(file.string() + ": the PNG could not be written (disk full?)");
     });
 }
 

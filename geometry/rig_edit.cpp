@@ -57,6 +57,11 @@ void put(json& entry, const OpticalDevice& device) {
 
 } // namespace
 
+void refuseRigEdit(const std::filesystem::path& target, const std::filesystem::path& base) {
+    refuseUnwritable(target);
+    readBase(base);
+}
+
 void writeRig(const std::filesystem::path& target, const std::filesystem::path& base, const RigEdit& edit) {
     json rig = readBase(base);
     if (edit.camera) put(rig["camera"], *edit.camera);

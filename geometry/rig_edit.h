@@ -20,4 +20,7 @@ struct RigEdit {
 // written.
 void writeRig(const std::filesystem::path& target, const std::filesystem::path& base, const RigEdit& edit);
 
+// Throws what writeRig would, before there is anything to write.
+void refuseRigEdit(const std::filesystem::path& target, const std::filesystem::path& base);
+
 } // namespace heliodon::geometry

@@ -8,10 +8,14 @@
 namespace heliodon::geometry {
 
 // Calls `write` with a path in the folder of `target` (same extension, so that image writers pick the right
-// format), then renames it to `target`. When `write` throws, the neighbour is removed and `target` is as it
+// format), then renames it to `target`, or to what it links to. A pipe or a device is given what was written
+// elsewhere. When `write` throws, the neighbour is removed and `target` is as it
 // was. Throws InputError when the folder is missing or cannot be written to.
 void writeWhole(const std::filesystem::path& target,
                 const std::function<void(const std::filesystem::path&)>& write);
+
+// Throws InputError where a file cannot be written: for long work, before it begins.
+void refuseUnwritable(const std::filesystem::path& target);
 
 void writeWholeText(const std::filesystem::path& target, std::string_view text);
 

@@ -25,12 +25,12 @@ Buffer::Buffer(Device& device, size_t bytes, const std::string& name, Place plac
     vkGetBufferMemoryRequirements(device.handle(), buffer_, &need);
     try {
         allocation_ = device.memory().allocate(need, place, false);
+        check(vkBindBufferMemory(device.handle(), buffer_, allocation_.memory, allocation_.offset),
+              "vkBindBufferMemory");
     } catch (...) {
-        vkDestroyBuffer(device.handle(), buffer_, nullptr);
+        reset();
         throw;
     }
-    check(vkBindBufferMemory(device.handle(), buffer_, allocation_.memory, allocation_.offset),
-          "vkBindBufferMemory");
     device.setName(VK_OBJECT_TYPE_BUFFER, reinterpret_cast<uint64_t>(buffer_), name);
 }
 
@@ -52,7 +52,7 @@ void Buffer::reset() {
         [device = device_, buffer = buffer_, allocation = allocation_, views = std::move(views_)] {
             for (const TexelView& view : views) vkDestroyBufferView(device->handle(), view.view, nullptr);
             vkDestroyBuffer(device->handle(), buffer, nullptr);
-            device->memory().free(allocation);
+            if (allocation.memory) device->memory().free(allocation);
         });
     buffer_ = VK_NULL_HANDLE;
     views_.clear();

@@ -18,6 +18,9 @@ namespace heliodon::gpu {
 namespace {
 
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
+constexpr const char* kNoDriver =
+    "no Vulkan device: the loader finds no driver (mesa-vulkan-drivers has one that needs no hardware; "
+    "VK_ICD_FILENAMES and VK_DRIVER_FILES, where they are set, must name files that are there)";
 
 // Every feature that the program uses, in one chain, so that what is asked of a candidate is what is enabled
 // on the chosen one.
@@ -132,7 +135,9 @@ VkInstance makeInstance(const std::vector<const char*>& layers, const std::vecto
     info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
     info.ppEnabledExtensionNames = extensions.data();
     VkInstance instance = VK_NULL_HANDLE;
-    check(vkCreateInstance(&info, nullptr, &instance), "vkCreateInstance");
+    const VkResult result = vkCreateInstance(&info, nullptr, &instance);
+    if (result == VK_ERROR_INCOMPATIBLE_DRIVER) throw Error(result, kNoDriver);
+    check(result, "vkCreateInstance");
     return instance;
 }
 
@@ -205,20 +210,45 @@ const char* resultName(VkResult result) {
     }
 }
 
+std::string explained(VkResult result) {
+    const std::string name = resultName(result);
+    switch (result) {
+    case VK_ERROR_DEVICE_LOST:
+        return name +
+               ": the device stopped working (a fault of driver or hardware, or one piece of work took "
+               "longer than the system allows)";
+    case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+        return name + ": the device's memory is full";
+    case VK_ERROR_OUT_OF_HOST_MEMORY:
+        return name + ": memory is full";
+    default:
+        return name;
+    }
+}
+
 std::vector<DeviceInfo> listDevices() {
-    const VkInstance instance = makeInstance({}, {}, nullptr);
+    const std::unique_ptr<VkInstance_T, void (*)(VkInstance)> instance(
+        makeInstance({}, {}, nullptr), [](VkInstance made) { vkDestroyInstance(made, nullptr); });
     std::vector<DeviceInfo> list;
-    for (VkPhysicalDevice physical : physicalDevices(instance))
+    for (VkPhysicalDevice physical : physicalDevices(instance.get()))
         list.push_back(describe(physical, static_cast<uint32_t>(list.size()), false));
-    vkDestroyInstance(instance, nullptr);
     return list;
 }
 
 Device::Device(const DeviceOptions& options)
     : onMessage_(options.onMessage), beforeSubmit_(options.beforeSubmit) {
-    createInstance(options);
-    choosePhysical(options);
-    createDevice(options);
+    try {
+        createInstance(options);
+        choosePhysical(options);
+        createDevice(options);
+        createOwnObjects();
+    } catch (...) {
+        destroy();
+        throw;
+    }
+}
+
+void Device::createOwnObjects() {
     memory_ = std::make_unique<Memory>(physical_, device_);
     kernels_ = std::make_unique<KernelCache>(*this);
     VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
@@ -278,9 +308,8 @@ void Device::choosePhysical(const DeviceOptions& options) {
     }
     if (physical_) return;
     const std::string asked = options.select.empty() ? "" : fmt::format(" named '{}'", options.select);
-    throw Error(VK_ERROR_INITIALIZATION_FAILED,
-                fmt::format("no Vulkan device{} can be used{}", asked,
-                            refusals.empty() ? ": the loader knows none" : ":" + refusals));
+    if (candidates.empty()) throw Error(VK_ERROR_INCOMPATIBLE_DRIVER, kNoDriver);
+    throw NoDevice(fmt::format("no Vulkan device{} can be used:{}", asked, refusals));
 }
 
 void Device::createDevice(const DeviceOptions& options) {
@@ -330,6 +359,11 @@ void Device::createDevice(const DeviceOptions& options) {
 }
 
 Device::~Device() {
+    destroy();
+}
+
+// Of all that was made, however far that went.
+void Device::destroy() {
     if (device_) {
         vkDeviceWaitIdle(device_); // a lost device returns at once; what is left is freed all the same
         kernels_.reset();

@@ -36,7 +36,7 @@ struct DeviceInfo {
     std::string refused; // why it cannot be used; empty when it can
 };
 
-// Every device that the loader knows, usable or not.
+// Every device that the loader knows, usable or not. Throws Error when it finds no driver.
 std::vector<DeviceInfo> listDevices();
 
 class Commands;
@@ -44,7 +44,8 @@ class KernelCache;
 
 class Device {
 public:
-    // Throws Error that lists each device and why it was refused when none fits `select`.
+    // Throws NoDevice, which lists each device and why it was refused, when none fits `select`; Error when a
+    // call fails.
     explicit Device(const DeviceOptions& options = {});
     ~Device(); // waits for the queue
     Device(const Device&) = delete;
@@ -96,6 +97,8 @@ public:
 private:
     friend class Commands;
 
+    void createOwnObjects();
+    void destroy();
     void createInstance(const DeviceOptions& options);
     void choosePhysical(const DeviceOptions& options);
     void createDevice(const DeviceOptions& options);

@@ -18,11 +18,18 @@ public:
     VkResult code;
 };
 
-const char* resultName(VkResult result);
+// No device fits what was asked for.
+class NoDevice : public Error {
+public:
+    explicit NoDevice(const std::string& what) : Error(VK_ERROR_INITIALIZATION_FAILED, what) {}
+};
 
-// Throws Error "vkCreateBuffer: VK_ERROR_OUT_OF_DEVICE_MEMORY" for anything below VK_SUCCESS.
+const char* resultName(VkResult result);
+std::string explained(VkResult result); // the name, and what it means where users may meet it
+
+// Throws Error "vkCreateBuffer: VK_ERROR_OUT_OF_DEVICE_MEMORY: ..." for anything below VK_SUCCESS.
 inline void check(VkResult result, const char* call) {
-    if (result < VK_SUCCESS) throw Error(result, std::string(call) + ": " + resultName(result));
+    if (result < VK_SUCCESS) throw Error(result, std::string(call) + ": " + explained(result));
 }
 
 } // namespace heliodon::gpu

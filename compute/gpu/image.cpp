@@ -24,19 +24,19 @@ Image::Image(Device& device, const ImageInfo& info, const std::string& name) : d
     vkGetImageMemoryRequirements(device.handle(), image_, &need);
     try {
         allocation_ = device.memory().allocate(need, Place::device, true);
+        check(vkBindImageMemory(device.handle(), image_, allocation_.memory, allocation_.offset),
+              "vkBindImageMemory");
+        device.setName(VK_OBJECT_TYPE_IMAGE, reinterpret_cast<uint64_t>(image_), name);
+        VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
+        view.image = image_;
+        view.viewType = info.layers > 1 ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
+        view.format = info.format;
+        view.subresourceRange = {aspect(), 0, 1, 0, info.layers};
+        check(vkCreateImageView(device.handle(), &view, nullptr, &view_), "vkCreateImageView");
     } catch (...) {
-        vkDestroyImage(device.handle(), image_, nullptr);
+        reset();
         throw;
     }
-    check(vkBindImageMemory(device.handle(), image_, allocation_.memory, allocation_.offset),
-          "vkBindImageMemory");
-    device.setName(VK_OBJECT_TYPE_IMAGE, reinterpret_cast<uint64_t>(image_), name);
-    VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
-    view.image = image_;
-    view.viewType = info.layers > 1 ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
-    view.format = info.format;
-    view.subresourceRange = {aspect(), 0, 1, 0, info.layers};
-    check(vkCreateImageView(device.handle(), &view, nullptr, &view_), "vkCreateImageView");
 }
 
 VkImageAspectFlags Image::aspect() const {
@@ -70,7 +70,7 @@ void Image::reset() {
     device_->retire([device = device_, image = image_, view = view_, allocation = allocation_] {
         vkDestroyImageView(device->handle(), view, nullptr);
         vkDestroyImage(device->handle(), image, nullptr);
-        device->memory().free(allocation);
+        if (allocation.memory) device->memory().free(allocation);
     });
     image_ = VK_NULL_HANDLE;
 }

@@ -55,7 +55,9 @@ PipelineLayout::PipelineLayout(Device& device, std::span<const SpirvModule> modu
     info.pSetLayouts = &set_;
     info.pushConstantRangeCount = pushConstantBytes_ > 0 ? 1 : 0;
     info.pPushConstantRanges = &range;
-    check(vkCreatePipelineLayout(device.handle(), &info, nullptr, &layout_), "vkCreatePipelineLayout");
+    const VkResult result = vkCreatePipelineLayout(device.handle(), &info, nullptr, &layout_);
+    if (result != VK_SUCCESS) vkDestroyDescriptorSetLayout(device.handle(), set_, nullptr);
+    check(result, "vkCreatePipelineLayout");
 }
 
 PipelineLayout& PipelineLayout::operator=(PipelineLayout&& other) noexcept {

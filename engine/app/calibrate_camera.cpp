@@ -180,6 +180,7 @@ void execute(Run& run, const CalibrateTargetArguments& arguments) {
 void execute(Run& run, const CalibrateCameraArguments& arguments) {
     const vision::CalibrationTarget target = vision::makeTarget(arguments.boardEdge);
     const size_t flat = flatPicture(run, arguments);
+    geometry::refuseRigEdit(arguments.output, arguments.rig);
     std::optional<OutputFolder> overlays;
     if (!arguments.overlay.empty()) {
         refuseOverwriting(arguments);

@@ -137,6 +137,7 @@ void execute(Run& run, const CalibrateProjectorArguments& arguments) {
             "--id", "",
             fmt::format("{} names for {} folders", arguments.ids.size(), arguments.folders.size()));
     const geometry::Rig rig = geometry::readRig(arguments.rig);
+    geometry::refuseRigEdit(arguments.output, arguments.rig);
     std::vector<CalibrationFolder> folders;
     std::set<std::string> ids;
     for (size_t i = 0; i < arguments.folders.size(); ++i) {

@@ -17,8 +17,6 @@ void execute(Run& run, const DevicesArguments&) {
                         {"driver", d.driver},
                         {"refused", d.refused}});
     }
-    if (devices.empty())
-        fmt::print("no Vulkan device: is a driver installed (mesa-vulkan-drivers has a software one)?\n");
 }
 
 } // namespace heliodon::app

@@ -2,6 +2,7 @@
 
 #include <condition_variable>
 #include <deque>
+#include <exception>
 #include <mutex>
 #include <stdexcept>
 #include <system_error>
@@ -32,6 +33,7 @@ struct Film::Impl {
     std::condition_variable changed;
     std::deque<std::vector<uint8_t>> waiting;
     bool ending = false;
+    std::exception_ptr failure; // of the thread, read when it has ended
     std::thread thread;
 
     void encode() {
@@ -45,8 +47,18 @@ struct Film::Impl {
                 waiting.pop_front();
             }
             changed.notify_all();
-            encoder->add(rgb.data());
+            if (!failure) try {
+                    encoder->add(rgb.data());
+                } catch (...) {
+                    failure = std::current_exception();
+                }
         }
+    }
+
+    void discard() {
+        encoder.reset(); // closes the file
+        std::error_code ignored;
+        fs::remove(aside, ignored);
     }
 
     void end() {
@@ -56,7 +68,6 @@ struct Film::Impl {
         }
         changed.notify_all();
         if (thread.joinable()) thread.join();
-        encoder.reset(); // the file is complete
     }
 };
 
@@ -83,8 +94,7 @@ Film::~Film() {
         impl_->waiting.clear();
     }
     impl_->end();
-    std::error_code ignored;
-    fs::remove(impl_->aside, ignored);
+    impl_->discard();
 }
 
 void Film::add(std::vector<uint8_t> rgb) {
@@ -97,7 +107,15 @@ void Film::add(std::vector<uint8_t> rgb) {
 
 void Film::close() {
     impl_->end();
-    fs::rename(impl_->aside, impl_->target);
+    try {
+        if (impl_->failure) std::rethrow_exception(impl_->failure);
+        if (!impl_->encoder->finish())
+            throw std::runtime_error(impl_->target.string() + ": the film could not be written (disk full?)");
+        fs::rename(impl_->aside, impl_->target);
+    } catch (...) {
+        impl_->discard();
+        throw;
+    }
 }
 
 } // namespace heliodon::app

@@ -19,11 +19,21 @@ public:
         changed_.notify_all();
         return fresh;
     }
+    // What was taken last is to be taken again. False when something newer waits, or nothing was taken yet.
+    bool again() {
+        const std::lock_guard lock(mutex_);
+        if (value_ || !taken_) return false;
+        value_ = taken_;
+        changed_.notify_all();
+        return true;
+    }
     // Waits. None once it is closed.
     std::optional<T> take() {
         std::unique_lock lock(mutex_);
         changed_.wait(lock, [this] { return value_ || closed_; });
-        return closed_ ? std::nullopt : std::exchange(value_, std::nullopt);
+        if (closed_) return std::nullopt;
+        taken_ = std::exchange(value_, std::nullopt);
+        return taken_;
     }
     void close() {
         const std::lock_guard lock(mutex_);
@@ -34,7 +44,7 @@ public:
 private:
     std::mutex mutex_;
     std::condition_variable changed_;
-    std::optional<T> value_;
+    std::optional<T> value_, taken_;
     bool closed_ = false;
 };
 

@@ -1,4 +1,7 @@
 #include <algorithm>
+#include <thread>
+
+#include <fmt/format.h>
 
 #include "compute/gpu/error.h"
 #include "compute/gpu/image.h"
@@ -25,8 +28,8 @@ public:
     LiveSession(Run& run, const LiveArguments& arguments)
         : run_(run), arguments_(arguments), rig_(geometry::readRig(arguments.scene.rig)),
           source_(run, arguments.moment, sceneOfRig()), controls_(source_, arguments),
-          script_(scriptOf(arguments)), outputs_(run, rig_, arguments), slots_(run),
-          light_(board_, present::wakeUp),
+          script_(scriptOf(arguments)), outputs_(std::in_place, run, rig_, arguments), slots_(run),
+          light_(board_, present::wakeUp, [this] { makeSceneAgain(); }),
           maker_(arguments.scene, rig_, slots_, board_, tables_,
                  [this](SceneChange change) { light_.change(std::move(change)); }),
           table_(rig_, arguments.camera, cameraOptions(), board_, tables_) {
@@ -37,7 +40,11 @@ public:
         while (!ended_) {
             throwIfInterrupted();
             board_.rethrow();
-            turn();
+            try {
+                turn();
+            } catch (const gpu::Error& error) {
+                openOutputsAgain(error);
+            }
         }
         if (!arguments_.snapshots.empty()) snapshot("end");
     }
@@ -53,6 +60,7 @@ public:
                           {"refusals", status.refusals},
                           {"refused", status.pictureRefused.empty() ? status.refused : status.pictureRefused},
                           {"camera_losses", status.cameraLosses},
+                          {"device_losses", status.deviceLosses},
                           {"moments_solved", light_.solved()},
                           {"moments_repeated", light_.repeated()},
                           {"frames", figures_.frames},
@@ -61,7 +69,7 @@ public:
                           {"solve", figures_.solve.summary()},
                           {"draw", figures_.draw.summary()},
                           {"done_again", rows_},
-                          {"outputs", outputs_.report()}};
+                          {"outputs", outputs_->report()}};
         report["table"] = status.scene;
         if (lit_) {
             reportMoment(run_, lit_->moment->report);
@@ -81,10 +89,10 @@ private:
     vision::CameraOptions cameraOptions() const {
         return {rig_.camera.width, rig_.camera.height, arguments_.interval, arguments_.loop};
     }
-    std::vector<ScriptStep> scriptOf(const LiveArguments& arguments) const {
+    std::vector<ScriptStep> scriptOf(const LiveArguments& arguments) {
         for (const std::string& state : arguments.scene.blinds) parseWindowState(state);
         source_.skyAt(source_.moment()); // a sky that is none is said now
-        if (!arguments.snapshots.empty()) const OutputFolder usable(arguments.snapshots);
+        if (!arguments.snapshots.empty()) snapshots_.emplace(arguments.snapshots);
         if (arguments.script.empty()) return {};
         std::vector<ScriptStep> steps = readScript(arguments.script, rig_.projectors.size() + 1);
         for (const ScriptStep& step : steps)
@@ -96,10 +104,10 @@ private:
 
     void turn() {
         const bool hurried =
-            operatorDue(kOperatorBusy) && (controls_.values.playing || outputs_.operatorBusy());
+            operatorDue(kOperatorBusy) && (controls_.values.playing || outputs_->operatorBusy());
         controls_.play(); // a step for each drawing, so that no core solves what nobody sees
         const bool events = listen(dirty_ || hurried || scriptReady() ? 0 : 0.02);
-        if (!outputs_.wanted()) ended_ = true;
+        if (!outputs_->wanted()) ended_ = true;
         if (arguments_.duration > 0 && secondsSince(started_) > arguments_.duration) ended_ = true;
         runScript();
         take();
@@ -108,7 +116,7 @@ private:
 
     // What the user did, and the light that follows from it, asked for at once. True if there was anything.
     bool listen(double waitSeconds) {
-        const auto events = outputs_.pollEvents(waitSeconds);
+        const auto events = outputs_->pollEvents(waitSeconds);
         for (const present::Event& event : events) handle(event);
         ask();
         return !events.empty();
@@ -117,7 +125,7 @@ private:
     void handle(const present::Event& event) {
         const LiveControls::Effect effect = controls_.handle(event);
         if (effect == LiveControls::Effect::quit) ended_ = true;
-        if (effect == LiveControls::Effect::fullScreen) outputs_.toggleFullScreen(event.window);
+        if (effect == LiveControls::Effect::fullScreen) outputs_->toggleFullScreen(event.window);
     }
 
     // Asks for light whenever what decides it is not what it was; the latest wins.
@@ -131,14 +139,49 @@ private:
     void take() {
         std::optional<LitScene> ready = light_.take();
         if (!ready) return;
-        if (ready->frame) outputs_.replaceScene(std::move(*ready->frame));
-        ready->frame.reset();
+        const std::unique_ptr<passes::FrameScene> frame = std::move(ready->frame);
         const bool same = lit_ && ready->moment == lit_->moment && !ready->fromPicture;
         if (ready->fromPicture) rows_.push_back(ready->scene->row);
         lit_ = std::move(*ready);
+        if (frame) outputs_->replaceScene(std::move(*frame));
         if (same) return;
         dirty_ = fresh_ = true;
         figures_.solve.add(lit_->solveSeconds);
+    }
+
+    // The windows' device has failed: another one, other windows, the same light. Goes on throwing where that
+    // does not help. A driver that has just been reset may need a moment.
+    void openOutputsAgain(const gpu::Error& error) {
+        constexpr size_t kMostLosses = 5;
+        constexpr double kWithin = 60; // seconds
+        constexpr int kAttempts = 5;
+        std::erase_if(outputLosses_, [](LiveClock::time_point t) { return secondsSince(t) > kWithin; });
+        outputLosses_.push_back(LiveClock::now());
+        if (outputLosses_.size() > kMostLosses) throw error;
+        board_.update([](LiveStatus& status) { ++status.deviceLosses; });
+        run_.warn(fmt::format("{}: the windows are opened again", error.what()));
+        const LiveOutputs::Arrangement arrangement = outputs_->arrangement();
+        for (int attempt = 1;; ++attempt) {
+            throwIfInterrupted();
+            try {
+                outputs_.reset();
+                outputs_.emplace(run_, rig_, arguments_);
+                outputs_->arrange(arrangement);
+                if (lit_)
+                    outputs_->replaceScene({lit_->scene->scene.mesh, lit_->scene->scene.occluders, &rig_});
+                dirty_ = true;
+                return;
+            } catch (const gpu::Error&) {
+                if (attempt == kAttempts) throw;
+            }
+            std::this_thread::sleep_for(std::chrono::seconds(1));
+        }
+    }
+
+    // Called by the light's thread: its device has failed.
+    void makeSceneAgain() {
+        board_.begin();
+        if (!tables_.again()) board_.end();
     }
 
     bool operatorDue(double after) const { return secondsSince(operatorDrawn_) > after; }
@@ -147,30 +190,30 @@ private:
         if (controls_.pictureChanged()) dirty_ = true;
         const bool operatorNow =
             (operatorDue(kOperatorBusy) &&
-             (events || dirty_ || controls_.values.playing || outputs_.operatorBusy())) ||
+             (events || dirty_ || controls_.values.playing || outputs_->operatorBusy())) ||
             operatorDue(kOperatorIdle);
-        if (!dirty_ && !operatorNow && !outputs_.damaged()) return;
+        if (!dirty_ && !operatorNow && !outputs_->damaged()) return;
         const compute::Stopwatch watch;
         const bool projectors = dirty_;
         if (dirty_) {
-            if (lit_) outputs_.drawLight(lit_->moment->lighting, controls_.tone());
+            if (lit_) outputs_->drawLight(lit_->moment->lighting, controls_.tone());
             // A software device takes its time: the next moment is solved meanwhile.
-            while (!outputs_.drawn()) {
+            while (!outputs_->drawn()) {
                 throwIfInterrupted();
                 listen(0.002);
             }
-            outputs_.choose(controls_.values.shown, lit_.has_value());
+            outputs_->choose(controls_.values.shown, lit_.has_value());
             if (lit_ && controls_.values.shown == present::Shown::light) table_.lightChanged();
             dirty_ = false;
         }
         if (operatorNow) {
             present::OperatorActions actions;
-            outputs_.drawOperator(controls_.values, status(), actions);
+            outputs_->drawOperator(controls_.values, status(), actions);
             operatorDrawn_ = LiveClock::now();
             if (actions.quit) ended_ = true;
-            for (size_t output : actions.toggleFullScreen) outputs_.toggleFullScreen(output);
+            for (size_t output : actions.toggleFullScreen) outputs_->toggleFullScreen(output);
         }
-        outputs_.present(projectors, operatorNow);
+        outputs_->present(projectors, operatorNow);
         if (projectors) count(watch.seconds());
     }
 
@@ -212,7 +255,7 @@ private:
             status.warnings.push_back(warning.get<std::string>());
         status.facts = factsOf(now, lit_ ? &*lit_ : nullptr, figures_);
         status.outlines = outlinesOf(now.seen, rig_);
-        status.cameraPicture = outputs_.cameraPicture(now.photo);
+        status.cameraPicture = outputs_->cameraPicture(now.photo);
         if (lit_) {
             const passes::Tone tone = controls_.tone();
             status.whiteLux = tone.whiteLux.value_or(lit_->autoWhite);
@@ -234,7 +277,7 @@ private:
 
     void runScript() {
         if (!scriptReady()) return;
-        const ScriptStep step = script_[step_++];
+        const ScriptStep& step = script_[step_];
         if (const auto* sleep = std::get_if<SleepStep>(&step))
             sleepUntil_ = LiveClock::now() + std::chrono::duration_cast<LiveClock::duration>(
                                                  std::chrono::duration<double>(sleep->seconds));
@@ -242,17 +285,17 @@ private:
         if (const auto* sky = std::get_if<SkyStep>(&step)) controls_.values.sky = sky->sky;
         if (const auto* event = std::get_if<EventStep>(&step)) handle(event->event);
         if (const auto* resize = std::get_if<ResizeStep>(&step))
-            outputs_.resize(resize->window, resize->width, resize->height);
-        if (const auto* close = std::get_if<CloseStep>(&step)) outputs_.close(close->window);
+            outputs_->resize(resize->window, resize->width, resize->height);
+        if (const auto* close = std::get_if<CloseStep>(&step)) outputs_->close(close->window);
         if (const auto* shot = std::get_if<SnapshotStep>(&step)) snapshot(shot->name);
         if (std::holds_alternative<QuitStep>(step)) ended_ = true;
+        ++step_; // a picture that the device failed to take is taken again
     }
 
     void snapshot(const std::string& name) {
-        const OutputFolder folder(arguments_.snapshots);
         present::OperatorActions ignored;
-        outputs_.drawOperator(controls_.values, status(), ignored);
-        outputs_.snapshot(arguments_.snapshots, name);
+        outputs_->drawOperator(controls_.values, status(), ignored);
+        outputs_->snapshot(arguments_.snapshots, name);
     }
 
     Run& run_;
@@ -260,6 +303,7 @@ private:
     geometry::Rig rig_;
     SkySource source_;
     LiveControls controls_;
+    std::optional<OutputFolder> snapshots_;
     std::vector<ScriptStep> script_;
     size_t step_ = 0;
     LiveClock::time_point started_ = LiveClock::now(), operatorDrawn_{}, sleepUntil_{};
@@ -272,7 +316,8 @@ private:
     std::vector<std::string> rows_; // what each new sketch took
     LiveBoard board_;
     Latest<SeenTable> tables_;
-    LiveOutputs outputs_;
+    std::optional<LiveOutputs> outputs_; // none only while others take their place
+    std::vector<LiveClock::time_point> outputLosses_;
     DeviceSlots slots_;
     LiveLight light_;      // its transport gives a slot back
     LiveSceneMaker maker_; // delivers to the light

@@ -33,7 +33,7 @@ struct LiveStatus {
     std::string refused;                             // why the latest sketch is not shown
     std::string lightRefused;                        // why its light is not that of the moment asked for
     nlohmann::json scene = nlohmann::json::object(); // report of the sketch that is shown
-    size_t pictures = 0, detections = 0, sketches = 0, refusals = 0, cameraLosses = 0;
+    size_t pictures = 0, detections = 0, sketches = 0, refusals = 0, cameraLosses = 0, deviceLosses = 0;
 };
 
 class LiveBoard {

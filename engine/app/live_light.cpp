@@ -1,5 +1,8 @@
 #include "engine/app/live_light.h"
 
+#include <algorithm>
+
+#include "compute/gpu/error.h"
 #include "engine/app/interrupt.h"
 #include "engine/app/sky_tint.h"
 #include "engine/passes/frame_light.h"
@@ -7,8 +10,8 @@
 
 namespace heliodon::app {
 
-LiveLight::LiveLight(LiveBoard& board, std::function<void()> ready)
-    : board_(board), onReady_(std::move(ready)), thread_([this] { run(); }) {}
+LiveLight::LiveLight(LiveBoard& board, std::function<void()> ready, std::function<void()> lost)
+    : board_(board), onReady_(std::move(ready)), onLost_(std::move(lost)), thread_([this] { run(); }) {}
 
 LiveLight::~LiveLight() {
     {
@@ -56,17 +59,8 @@ void LiveLight::run() {
                 asked.swap(asked_);
             }
             const int pieces = static_cast<int>(changes.size()) + (asked ? 1 : 0);
-            for (SceneChange& change : changes) {
-                if (change.transport)
-                    transport_ = std::move(change.transport);
-                else if (change.frame)
-                    transport_->transport->setMaterials(change.scene->scene.mesh.materials);
-                if (change.frame) frame_ = std::move(change.frame);
-                scene_ = std::move(change.scene);
-                sky_.reset(); // solve anew
-            }
             if (asked) request_ = std::move(*asked), hasRequest_ = true;
-            if (scene_ && hasRequest_) trySolve(!changes.empty());
+            trySolve(changes);
             board_.end(pieces);
             onReady_();
         }
@@ -76,12 +70,41 @@ void LiveLight::run() {
     }
 }
 
-void LiveLight::trySolve(bool fromPicture) {
+void LiveLight::change(std::vector<SceneChange>& changes) {
+    for (SceneChange& change : changes) {
+        if (change.transport)
+            transport_ = std::move(change.transport);
+        else if (change.frame && transport_)
+            transport_->transport->setMaterials(change.scene->scene.mesh.materials);
+        if (change.frame) frame_ = std::move(change.frame);
+        scene_ = change.scene;
+        sky_.reset(); // solve anew
+        if (scene_->again) request_.asked = LiveClock::now();
+    }
+}
+
+void LiveLight::trySolve(std::vector<SceneChange>& changes) {
+    constexpr int kAttempts = 3; // without anybody asking for another moment
     std::string why;
     try {
-        solve(fromPicture);
+        change(changes);
+        if (!scene_ || !hasRequest_) return;
+        if (!transport_) {
+            onLost_();
+            return;
+        }
+        const auto seen = [](const SceneChange& change) { return !change.scene->again; };
+        solve(std::ranges::any_of(changes, seen));
+        failures_ = 0;
     } catch (const geometry::InputError& error) { // a sky file may be there again at the next moment
         why = error.what();
+    } catch (const gpu::Error& error) { // whatever the transport holds is not to be relied on
+        why = error.what();
+        transport_->spoil();
+        transport_.reset();
+        sky_.reset();
+        board_.update([](LiveStatus& status) { ++status.deviceLosses; });
+        if (++failures_ < kAttempts) onLost_();
     }
     board_.update([&](LiveStatus& status) {
         status.lightRefused = why;

@@ -39,8 +39,9 @@ struct LitScene {
 
 class LiveLight {
 public:
-    // `ready` is called from the thread when there is something to take.
-    LiveLight(LiveBoard& board, std::function<void()> ready);
+    // Both are called from the thread: `ready` when there is something to take, `lost` when the scene has to
+    // be handed over once more, with a transport, as the device failed.
+    LiveLight(LiveBoard& board, std::function<void()> ready, std::function<void()> lost);
     ~LiveLight();
     LiveLight(const LiveLight&) = delete;
     LiveLight& operator=(const LiveLight&) = delete;
@@ -58,11 +59,12 @@ public:
 
 private:
     void run();
-    void trySolve(bool fromPicture);
+    void change(std::vector<SceneChange>& changes);
+    void trySolve(std::vector<SceneChange>& changes);
     void solve(bool fromPicture);
 
     LiveBoard& board_;
-    std::function<void()> onReady_;
+    std::function<void()> onReady_, onLost_;
     mutable std::mutex mutex_;
     std::condition_variable changed_;
     std::vector<SceneChange> changes_;
@@ -79,6 +81,7 @@ private:
     std::shared_ptr<const compute::Moment> moment_;
     std::optional<daylight::Sky> sky_;
     bool coloured_ = false;
+    int failures_ = 0;   // of the device, one after the other
     std::thread thread_; // last: it uses all of the above
 };
 

@@ -114,6 +114,24 @@ void LiveOutputs::close(size_t window) {
     presenter_->close(window);
 }
 
+LiveOutputs::Arrangement LiveOutputs::arrangement() const {
+    Arrangement now;
+    for (size_t i = 0; i < presenter_->size(); ++i) {
+        now.closed.push_back(presenter_->reason(i));
+        now.fullScreen.push_back(presenter_->fullScreen(i));
+    }
+    return now;
+}
+
+void LiveOutputs::arrange(const Arrangement& like) {
+    for (size_t i = 0; i < presenter_->size(); ++i) {
+        if (!like.closed[i].empty())
+            presenter_->close(i, like.closed[i]);
+        else if (presenter_->fullScreen(i) != like.fullScreen[i])
+            toggleFullScreen(i);
+    }
+}
+
 void LiveOutputs::replaceScene(passes::FrameScene scene) {
     if (renderer_)
         renderer_->replace(std::move(scene));

@@ -1,5 +1,6 @@
 // The windows of `live`: one per projector, drawn by the hybrid renderer, and the operator's. All of it in
-// one thread, on a device of its own.
+// one thread, on a device of its own. Once a member throws gpu::Error only `arrangement` and destruction are
+// left.
 #pragma once
 
 #include <filesystem>
@@ -33,6 +34,13 @@ public:
     void toggleFullScreen(size_t window);
     void resize(size_t window, int width, int height);
     void close(size_t window);
+    // What users have made of the windows, for others in their place.
+    struct Arrangement {
+        std::vector<std::string> closed; // why; empty: it is open
+        std::vector<bool> fullScreen;
+    };
+    Arrangement arrangement() const;
+    void arrange(const Arrangement& like);
 
     // Another room, to be drawn before anything else is.
     void replaceScene(passes::FrameScene scene);

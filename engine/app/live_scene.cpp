@@ -54,8 +54,10 @@ std::optional<size_t> DeviceSlots::acquire() {
     if (closed_) return std::nullopt;
     const size_t slot = taken_[0] ? 1 : 0;
     taken_[slot] = true;
+    const bool spoilt = std::exchange(spoiltNow_[slot], false);
     lock.unlock();
     try {
+        if (spoilt) devices_[slot].reset();
         if (!devices_[slot])
             devices_[slot] = run_.anotherDevice([this](gpu::DeviceOptions options) {
                 options.beforeSubmit = [this] {
@@ -75,6 +77,12 @@ void DeviceSlots::release(size_t slot) {
     const std::lock_guard lock(mutex_);
     taken_[slot] = false;
     changed_.notify_all();
+}
+
+void DeviceSlots::spoil(size_t slot) {
+    const std::lock_guard lock(mutex_);
+    spoiltNow_[slot] = true;
+    ++spoilt_;
 }
 
 void DeviceSlots::close() {
@@ -109,23 +117,34 @@ void LiveSceneMaker::run() {
     };
     while (const std::optional<SeenTable> seen = in_.take()) {
         try {
-            make(*seen);
+            makeOrTryAgain(*seen);
         } catch (const geometry::InputError& error) {
             refuse(error.what());
         } catch (const Interrupted&) {
             return;
-        } catch (const gpu::Error& error) {
-            if (error.deviceLost()) {
-                board_.fail(std::current_exception());
-                return;
-            }
-            refuse(error.what());
         } catch (const std::bad_alloc&) {
             refuse("the sketch needs more memory than there is");
         } catch (const std::exception& error) {
             refuse(error.what());
         }
         board_.end();
+    }
+}
+
+// A device that is lost is made again: at once, and after a moment, as a driver that has just been reset may
+// need it. What it is lost over every time is refused like any other sketch.
+void LiveSceneMaker::makeOrTryAgain(const SeenTable& seen) {
+    constexpr int kAttempts = 3;
+    for (int attempt = 1;; ++attempt) {
+        try {
+            make(seen);
+            return;
+        } catch (const gpu::Error& error) {
+            const bool full = error.code == VK_ERROR_OUT_OF_DEVICE_MEMORY;
+            if (attempt == kAttempts || full) throw;
+            board_.update([](LiveStatus& status) { ++status.deviceLosses; });
+        }
+        if (attempt > 1) std::this_thread::sleep_for(std::chrono::milliseconds(500));
     }
 }
 
@@ -141,8 +160,12 @@ void LiveSceneMaker::make(const SeenTable& seen) {
     Scene& scene = made->scene;
     separateMaterials(scene.mesh);
     SceneChange change;
+    const size_t spoilt = slots_.spoilt();
+    const bool anew = before_ && spoilt != spoiltBefore_; // what was made of it may be gone
+    if (anew) before_.reset();
     const bool shape = before_ && sameGeometry(before_->scene, scene),
                paint = shape && sameMaterials(before_->scene, scene);
+    made->again = anew;
     made->row = paint ? "north" : shape ? "materials" : "geometry";
     std::future<std::unique_ptr<passes::FrameScene>> frame;
     if (!paint)
@@ -154,7 +177,12 @@ void LiveSceneMaker::make(const SeenTable& seen) {
         const std::optional<size_t> slot = slots_.acquire();
         if (!slot) return;
         change.transport = std::make_unique<SlottedTransport>(slots_, *slot);
-        change.transport->transport = makeTransport(run, change.transport->device(), scene.mesh, {});
+        try {
+            change.transport->transport = makeTransport(run, change.transport->device(), scene.mesh, {});
+        } catch (const gpu::Error&) {
+            change.transport->spoil();
+            throw;
+        }
     }
     if (frame.valid()) {
         doing("what the projectors see");
@@ -164,11 +192,12 @@ void LiveSceneMaker::make(const SeenTable& seen) {
     made->report = run.report();
     change.scene = made;
     before_ = made;
+    spoiltBefore_ = spoilt;
     board_.update([&](LiveStatus& status) {
         status.working.clear();
         status.refused.clear();
         status.scene = made->report;
-        ++status.sketches;
+        status.sketches += !anew;
     });
     deliver_(std::move(change));
 }

@@ -22,6 +22,7 @@ struct LiveScene {
     nlohmann::json report;       // of the work on it
     LiveClock::time_point taken; // the picture that it was seen in
     std::string row;             // what had to be done again: "geometry", "materials" or "north"
+    bool again = false;          // nothing is new but the device
 };
 
 // Two devices take turns: one solves light for what is shown while the other works on what is to come.
@@ -31,6 +32,9 @@ public:
     // Waits for a free one. None once they are closed.
     std::optional<size_t> acquire();
     void release(size_t slot);
+    // Its device has failed: whoever acquires the slot next gets another one.
+    void spoil(size_t slot);
+    size_t spoilt() const { return spoilt_; } // so far
     // The devices' work ends as Ctrl-C would end it.
     void close();
     gpu::Device& device(size_t slot);
@@ -40,7 +44,8 @@ private:
     std::mutex mutex_;
     std::condition_variable changed_;
     std::array<std::unique_ptr<gpu::Device>, 2> devices_;
-    std::array<bool, 2> taken_{};
+    std::array<bool, 2> taken_{}, spoiltNow_{};
+    std::atomic<size_t> spoilt_ = 0;
     std::atomic<bool> closed_ = false;
 };
 
@@ -56,6 +61,7 @@ public:
     SlottedTransport& operator=(const SlottedTransport&) = delete;
 
     gpu::Device& device() { return slots_.device(slot_); }
+    void spoil() { slots_.spoil(slot_); }
     std::unique_ptr<compute::DaylightTransport> transport;
 
 private:
@@ -80,6 +86,7 @@ public:
 
 private:
     void run();
+    void makeOrTryAgain(const SeenTable& seen);
     void make(const SeenTable& seen);
 
     const SceneArguments& arguments_;
@@ -89,7 +96,8 @@ private:
     Latest<SeenTable>& in_;
     std::function<void(SceneChange)> deliver_;
     std::shared_ptr<const LiveScene> before_;
-    std::thread thread_; // last: it uses all of the above
+    size_t spoiltBefore_ = 0; // devices, when `before_` was made
+    std::thread thread_;      // last: it uses all of the above
 };
 
 } // namespace heliodon::app

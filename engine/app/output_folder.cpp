@@ -1,6 +1,10 @@
 #include "engine/app/output_folder.h"
 
+#include <cerrno>
 #include <system_error>
+
+#include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include "geometry/input_error.h"
@@ -18,12 +22,18 @@ OutputFolder::OutputFolder(const fs::path& folder) {
         throw geometry::InputError(folder.string(), "", "is not a folder and cannot be made one");
     if (::access(folder.c_str(), W_OK) != 0)
         throw geometry::InputError(folder.string(), "", "cannot be written to");
+    handle_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (handle_ < 0 || ::flock(handle_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+    ::close(handle_);
+    throw geometry::InputError(folder.string(), "",
+                               "another run is writing into it, expected a folder of its own");
 }
 
 OutputFolder::~OutputFolder() {
     std::error_code notEmpty;
     for (const fs::path& folder : made_)
         if (!fs::remove(folder, notEmpty)) break;
+    if (handle_ >= 0) ::close(handle_);
 }
 
 } // namespace heliodon::app

@@ -1,4 +1,4 @@
-// A folder that a command writes into.
+// A folder that a command writes into, alone: two runs would leave a mixture of both.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,7 @@ namespace heliodon::app {
 class OutputFolder {
 public:
     // Makes the folder when it is missing; throws InputError when it is a file or cannot be made or written
-    // to.
+    // to, or when another run holds it. The system forgets that hold when a run ends, however it ends.
     explicit OutputFolder(const std::filesystem::path& folder);
     // Removes what was made and is still empty: of a run that failed.
     ~OutputFolder();
@@ -18,6 +18,7 @@ public:
 
 private:
     std::vector<std::filesystem::path> made_; // innermost first
+    int handle_ = -1;                         // holds the lock, where the file system has such
 };
 
 } // namespace heliodon::app

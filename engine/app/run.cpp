@@ -54,7 +54,7 @@ Run::anotherDevice(const std::function<gpu::DeviceOptions(gpu::DeviceOptions)>& 
     if (adapt) options = adapt(std::move(options));
     try {
         return std::make_unique<gpu::Device>(options);
-    } catch (const gpu::Error& error) {
+    } catch (const gpu::NoDevice& error) {
         if (deviceName_.empty()) throw;
         std::string why = error.what(); // a name that fits no device: which there are, in one line
         for (size_t at; (at = why.find('\n')) != std::string::npos;) why.replace(at, 1, "");

@@ -2,13 +2,16 @@
 
 #include <array>
 #include <bit>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstring>
 #include <fstream>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
+#include <unistd.h>
 
 #include "geometry/input_error.h"
 #include "geometry/whole_file.h"
@@ -47,6 +50,16 @@ bool getTextLine(std::istream& in, std::string& line) {
     if (!std::getline(in, line)) return false;
     if (!line.empty() && line.back() == '\r') line.pop_back();
     return true;
+}
+
+// Disk space for all of it, so that a full disk is found before the work and not after.
+void reserve(const std::filesystem::path& aside, size_t bytes, const std::filesystem::path& named) {
+    const int handle = ::open(aside.c_str(), O_WRONLY | O_CLOEXEC);
+    const int error = handle < 0 ? errno : ::posix_fallocate(handle, 0, static_cast<off_t>(bytes));
+    if (handle >= 0) ::close(handle);
+    if (error != 0)
+        throw std::runtime_error(
+            fmt::format("{}: no room for {} bytes: {}", named.string(), bytes, std::strerror(error)));
 }
 
 } // namespace
@@ -133,7 +146,7 @@ void NpyWriter::writeWhole(const std::filesystem::path& file, size_t rowCount, s
         out << header;
         NpyWriter writer(out, file.string(), kPreamble + header.size(), columnCount);
         writer.flush();
-        std::filesystem::resize_file(aside, writer.begin_ + rowCount * columnCount * sizeof(float));
+        reserve(aside, writer.begin_ + rowCount * columnCount * sizeof(float), file);
         fill(writer);
     });
 }

@@ -98,7 +98,7 @@ void writeExr(const ImageF& picture, const std::filesystem::path& file) {
                       static_cast<std::streamsize>(4 * line.size()));
         }
         out.flush();
-        if (!out) throw std::runtime_error(path.string() + ": the EXR could not be written");
+        if (!out) throw std::runtime_error(file.string() + ": the EXR could not be written (disk full?)");
     });
 }
 

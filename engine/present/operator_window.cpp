@@ -25,8 +25,6 @@ namespace {
 // ImGui's colours are coded already: they are written as they are, into an image that counts as sRGB.
 constexpr VkFormat kImageFormat = VK_FORMAT_B8G8R8A8_SRGB, kDrawnFormat = VK_FORMAT_B8G8R8A8_UNORM;
 
-VkResult failed = VK_SUCCESS; // of a call inside ImGui, which cannot throw
-
 VkRenderPass makeRenderPass(gpu::Device& device) {
     VkAttachmentDescription attachment{};
     attachment.format = kDrawnFormat;
@@ -67,7 +65,9 @@ VkDescriptorPool makePool(gpu::Device& device) {
 
 struct OperatorWindow::State {
     State(gpu::Device& d, Window& w);
-    ~State();
+    ~State() { release(); }
+    void open();
+    void release(); // of all that was made, however far that went
     void fit(uint32_t width, uint32_t height);
     void dropTarget();
     void place(gpu::Commands& commands, const PlacedPicture& placed) const;
@@ -84,11 +84,23 @@ struct OperatorWindow::State {
 };
 
 OperatorWindow::State::State(gpu::Device& d, Window& w)
-    : device(&d), window(&w), context(ImGui::CreateContext()), pass(makeRenderPass(d)), pool(makePool(d)) {
+    : device(&d), window(&w), context(ImGui::CreateContext()) {
+    try {
+        open();
+    } catch (...) {
+        release();
+        throw;
+    }
+}
+
+void OperatorWindow::State::open() {
+    gpu::Device& d = *device;
+    pass = makeRenderPass(d);
+    pool = makePool(d);
     ImGui::GetIO().IniFilename = nullptr; // nothing is written where the program is started
     styleOperatorWindow();
-    ImGui_ImplGlfw_InitForVulkan(w.handle, true); // goes on to call the presenter's callbacks
-    w.beforeClose = [] { ImGui_ImplGlfw_Shutdown(); };
+    ImGui_ImplGlfw_InitForVulkan(window->handle, true); // goes on to call the presenter's callbacks
+    window->beforeClose = [] { ImGui_ImplGlfw_Shutdown(); };
     ImGui_ImplVulkan_InitInfo info{};
     info.Instance = d.instance();
     info.PhysicalDevice = d.physical();
@@ -98,21 +110,19 @@ OperatorWindow::State::State(gpu::Device& d, Window& w)
     info.DescriptorPool = pool;
     info.MinImageCount = info.ImageCount = 2;
     info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
-    info.CheckVkResultFn = [](VkResult result) {
-        if (result != VK_SUCCESS) failed = result;
-    };
+    // Through ImGui, which would go on with objects that are none. What it has made is on its own list.
+    info.CheckVkResultFn = [](VkResult result) { gpu::check(result, "a call of ImGui"); };
     ImGui_ImplVulkan_Init(&info, pass);
     gpu::Commands commands(d);
     ImGui_ImplVulkan_CreateFontsTexture(commands.handle());
     d.submitAndWait(std::move(commands));
     ImGui_ImplVulkan_DestroyFontUploadObjects();
-    gpu::check(failed, "ImGui_ImplVulkan_Init");
 }
 
-OperatorWindow::State::~State() {
+void OperatorWindow::State::release() {
     vkDeviceWaitIdle(device->handle());
     dropTarget();
-    ImGui_ImplVulkan_Shutdown();
+    if (ImGui::GetIO().BackendRendererUserData) ImGui_ImplVulkan_Shutdown();
     if (window->beforeClose) std::exchange(window->beforeClose, {})();
     ImGui::DestroyContext(context);
     vkDestroyDescriptorPool(device->handle(), pool, nullptr);
@@ -226,7 +236,6 @@ const gpu::Image* OperatorWindow::draw(OperatorControls& controls, const Operato
     vkCmdBeginRenderPass(commands.handle(), &begin, VK_SUBPASS_CONTENTS_INLINE);
     ImGui_ImplVulkan_RenderDrawData(ImGui::GetDrawData(), commands.handle());
     vkCmdEndRenderPass(commands.handle());
-    gpu::check(failed, "ImGui_ImplVulkan_RenderDrawData");
     commands.transition(s.image, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
                         VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, Stage::colour, Stage::transfer);
     s.ticket = s.device->submit(std::move(commands));

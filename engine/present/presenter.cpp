@@ -80,13 +80,21 @@ gpu::DeviceOptions withWindows(gpu::DeviceOptions options) {
 
 Presenter::State::State(gpu::Device& d) : device(&d) {
     const VkSemaphoreCreateInfo info{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
-    for (VkSemaphore& semaphore : written)
-        gpu::check(vkCreateSemaphore(d.handle(), &info, nullptr, &semaphore), "vkCreateSemaphore");
+    for (VkSemaphore& semaphore : written) {
+        const VkResult result = vkCreateSemaphore(d.handle(), &info, nullptr, &semaphore);
+        if (result == VK_SUCCESS) continue;
+        destroySemaphores();
+        gpu::check(result, "vkCreateSemaphore");
+    }
 }
 
 Presenter::State::~State() {
     windows.clear(); // waits for the queue
     vkQueueWaitIdle(device->queue());
+    destroySemaphores();
+}
+
+void Presenter::State::destroySemaphores() {
     for (VkSemaphore semaphore : written) vkDestroySemaphore(device->handle(), semaphore, nullptr);
 }
 
@@ -161,8 +169,8 @@ void Presenter::setFullScreen(size_t window, bool full) {
     state_->windows[window].setFullScreen(full);
 }
 
-void Presenter::close(size_t window) {
-    state_->windows[window].close("closed by the program");
+void Presenter::close(size_t window, const std::string& why) {
+    state_->windows[window].close(why);
 }
 
 size_t Presenter::present(const std::vector<const gpu::Image*>& pictures) {
@@ -176,23 +184,12 @@ size_t Presenter::present(const std::vector<const gpu::Image*>& pictures) {
     for (size_t i = 0; i < pictures.size(); ++i) {
         Window& window = state_->windows[i];
         if (!pictures[i]) continue;
-        uint32_t index = 0;
-        VkResult result = VK_ERROR_OUT_OF_DATE_KHR;
-        // A window that is being dragged may be out of date again at once: next frame, then.
-        for (int attempt = 0; attempt < 3 && result == VK_ERROR_OUT_OF_DATE_KHR && window.makeReady();
-             ++attempt) {
-            result = window.swapchain->acquire(index);
-            if (result == VK_ERROR_OUT_OF_DATE_KHR) window.swapchain->markStale();
-        }
-        if (result == VK_ERROR_SURFACE_LOST_KHR) window.close("its display went away");
-        // Not one image free within a moment: a window that nobody sees. The others do not wait for it.
-        if (result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_ERROR_SURFACE_LOST_KHR || result == VK_TIMEOUT)
-            continue;
-        gpu::check(result, "vkAcquireNextImageKHR");
-        window.record(commands, *pictures[i], index, state_->keepCopies);
+        const std::optional<uint32_t> index = window.acquire();
+        if (!index) continue;
+        window.record(commands, *pictures[i], *index, state_->keepCopies);
         shown.push_back(&window);
         swapchains.push_back(window.swapchain->handle());
-        indices.push_back(index);
+        indices.push_back(*index);
     }
     if (shown.empty()) return 0;
     VkSemaphore written = state_->written[state_->turn++ % state_->written.size()];
@@ -207,20 +204,12 @@ size_t Presenter::present(const std::vector<const gpu::Image*>& pictures) {
     info.pImageIndices = indices.data();
     info.pResults = results.data();
     const VkResult overall = vkQueuePresentKHR(state_->device->queue(), &info);
-    if (overall == VK_ERROR_DEVICE_LOST) gpu::check(overall, "vkQueuePresentKHR");
-    size_t count = 0;
-    for (size_t i = 0; i < shown.size(); ++i) {
-        if (results[i] == VK_ERROR_OUT_OF_DATE_KHR || results[i] == VK_SUBOPTIMAL_KHR)
-            shown[i]->swapchain->markStale();
-        else if (results[i] == VK_ERROR_SURFACE_LOST_KHR)
-            shown[i]->close("its display went away");
-        else
-            gpu::check(results[i], "vkQueuePresentKHR");
-        if (results[i] < VK_SUCCESS) continue;
-        shown[i]->damaged = false;
-        ++count;
-    }
+    // Errors that no single window explains; with them the windows' own results say nothing.
+    if (overall != VK_ERROR_OUT_OF_DATE_KHR && overall != VK_ERROR_SURFACE_LOST_KHR)
+        gpu::check(overall, "vkQueuePresentKHR");
     state_->device->wait(ticket);
+    size_t count = 0;
+    for (size_t i = 0; i < shown.size(); ++i) count += shown[i]->presented(results[i]);
     return count;
 }
 

@@ -1,6 +1,6 @@
 // Several windows of one process, each with a swapchain, shown together: one per projector, and more
 // for an operator. Windows may be resized, minimised, closed by the user or lose their display at any time;
-// the others go on.
+// the others go on. Once a member throws gpu::Error a presenter is fit for nothing but destruction.
 #pragma once
 
 #include <array>
@@ -81,7 +81,7 @@ public:
     std::vector<Event> pollEvents(double waitSeconds = 0);
     void resize(size_t window, int width, int height);
     void setFullScreen(size_t window, bool full);
-    void close(size_t window);
+    void close(size_t window, const std::string& why = "closed by the program");
 
     // Shows one picture per window, all by a single presentation; null leaves a window as it is. Pictures are
     // 8-bit images in TRANSFER_SRC_OPTIMAL on the presenter's device, submitted before; their bytes are coded

@@ -12,6 +12,7 @@ struct Presenter::State {
     explicit State(gpu::Device& device);
     ~State();
     size_t indexOf(GLFWwindow* handle) const;
+    void destroySemaphores();
 
     gpu::Device* device;
     std::vector<Window> windows;

@@ -143,9 +143,36 @@ Window::Window(gpu::Device& d, const WindowOptions& o) : device(&d), options(o) 
     }
     if (options.position) glfwSetWindowPos(handle, (*options.position)[0], (*options.position)[1]);
     followDisplay();
+    try {
+        openSurface();
+    } catch (...) {
+        close("");
+        throw;
+    }
+}
+
+void Window::openSurface() {
     VkSurfaceKHR surface = VK_NULL_HANDLE;
-    gpu::check(glfwCreateWindowSurface(d.instance(), handle, nullptr, &surface), "glfwCreateWindowSurface");
-    swapchain = std::make_unique<Swapchain>(d, surface, options.waitForRefresh, options.codeBefore);
+    gpu::check(glfwCreateWindowSurface(device->instance(), handle, nullptr, &surface),
+               "glfwCreateWindowSurface");
+    swapchain = std::make_unique<Swapchain>(*device, surface, options.waitForRefresh, options.codeBefore);
+}
+
+// A surface may be lost without its window, as when a display is plugged in again: once more, then.
+void Window::surfaceLost() {
+    const std::string why = "its display went away";
+    swapchain.reset();
+    damaged = true;
+    if (std::exchange(surfaceLost_, true)) {
+        close(why);
+        return;
+    }
+    try {
+        openSurface();
+    } catch (const gpu::Error& error) {
+        if (error.deviceLost()) throw;
+        close(why);
+    }
 }
 
 void Window::close(const std::string& why) {
@@ -192,6 +219,49 @@ bool Window::fullScreen() const {
 
 bool Window::hidden() const {
     return handle && glfwGetWindowAttrib(handle, GLFW_ICONIFIED);
+}
+
+std::optional<uint32_t> Window::acquire() {
+    // A window that is being dragged may be out of date again at once: next frame, then.
+    constexpr int kAttempts = 3;
+    for (int attempt = 0; attempt < kAttempts; ++attempt) {
+        uint32_t index = 0;
+        VkResult result = VK_SUCCESS;
+        try {
+            if (!makeReady()) return std::nullopt;
+            result = swapchain->acquire(index);
+        } catch (const gpu::Error& error) { // making images may find the surface lost, too
+            if (error.code != VK_ERROR_SURFACE_LOST_KHR) throw;
+            result = error.code;
+        }
+        if (result == VK_ERROR_SURFACE_LOST_KHR) {
+            surfaceLost();
+        } else if (result == VK_ERROR_OUT_OF_DATE_KHR) {
+            swapchain->markStale();
+        } else if (result == VK_TIMEOUT) {
+            // Not one image free within a moment: a window that nobody sees. The others do not wait for it.
+            return std::nullopt;
+        } else {
+            gpu::check(result, "vkAcquireNextImageKHR");
+            return index;
+        }
+    }
+    return std::nullopt;
+}
+
+bool Window::presented(VkResult result) {
+    if (result == VK_ERROR_SURFACE_LOST_KHR) {
+        surfaceLost();
+        return false;
+    }
+    if (result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_SUBOPTIMAL_KHR) {
+        swapchain->markStale();
+        damaged = true;
+        if (result != VK_SUBOPTIMAL_KHR) return false;
+    }
+    gpu::check(result, "vkQueuePresentKHR");
+    damaged = surfaceLost_ = false;
+    return true;
 }
 
 bool Window::makeReady() {

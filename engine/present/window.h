@@ -30,8 +30,10 @@ public:
     ~Window() { close(""); }
     void close(const std::string& why); // for good; the first reason is kept
 
-    // Images of the right size; false while there is nothing to draw to.
-    bool makeReady();
+    // An image to write into; none while there is nothing to draw to.
+    std::optional<uint32_t> acquire();
+    // What came of showing it. True when it is shown.
+    bool presented(VkResult result);
     // Closes it when the user wants that; follows its size and its display, as they are now.
     void update();
     void setFullScreen(bool full);
@@ -53,9 +55,13 @@ public:
     bool damaged = true;               // shows nothing, or not what it was last given
 
 private:
+    void openSurface();
+    bool makeReady(); // images of the right size
+    void surfaceLost();
     void followDisplay();
 
     bool onDisplay_ = false;
+    bool surfaceLost_ = false; // since it was presented last
     gpu::Image coded_; // where picture and swapchain differ in format, a picture of the window's size between
     gpu::Buffer copy_;
     VkExtent2D copiedExtent_{};

@@ -166,6 +166,11 @@ TEST_F(CalibrateProjector, patterns_are_written_seen_and_understood) {
     const geometry::Rig once = geometry::readRig(in("out.json"));
     ASSERT_EQ(once.projectors.size(), 1u);
     EXPECT_EQ(once.projectors[0].lumens, 2500);
+    // What is wrong with the output is said before any picture is looked at.
+    const Outcome nowhere = heliodon(again + in("none/x.json") + " --report " + in("r.json"));
+    EXPECT_EQ(nowhere.exitCode, 2);
+    EXPECT_NE(nowhere.output.find("none/x.json"), std::string::npos) << nowhere.output;
+    EXPECT_FALSE(json::parse(readText(in("r.json"))).contains("projectors"));
     EXPECT_EQ(heliodon(again + in("x.json") + " --heights 0").exitCode, 2);
     EXPECT_EQ(heliodon(again + in("x.json") + " --id a,b").exitCode, 2);
     EXPECT_EQ(

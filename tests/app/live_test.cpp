@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/passes/image_file.h"
-#include "tests/app/program.h"
+#include "tests/app/fault_layer.h"
 #include "tests/present/own_display.h"
 #include "tests/vision/imitated_camera.h"
 #include "tests/vision/table_painter.h"
@@ -226,6 +226,35 @@ TEST_F(Live, sky_file_and_photograph_may_go_and_come_back) {
     EXPECT_LE(report["live"]["refusals"], 2); // looking for the photograph is none
     EXPECT_EQ(report["live"]["camera_losses"], 1);
     EXPECT_NE(shot("last-projector-0").rgb, shot("first-projector-0").rgb);
+}
+
+// Submissions of windows, rooms and light take turns, so the same count meets one or the other.
+TEST_F(Live, goes_on_when_a_device_is_lost_or_a_window_loses_its_surface) {
+    writeText(folder / "script", "wait\nwheel -6\nwait\nwheel 3\nwait\nsnapshot last\nquit\n");
+    const auto run = [&](const std::string& fault) {
+        const FaultOutcome outcome =
+            heliodonWithFault(fault,
+                              "live --rig " + kRig + " --camera file:" + kPhoto +
+                                  " --triangles 100 --windowed --window-scale 0.25 --script " + in("script") +
+                                  " --snapshots " + in("shots") + " --report " + in("report.json"),
+                              folder);
+        EXPECT_EQ(outcome.exitCode, 0) << fault << ": " << outcome.output;
+        EXPECT_EQ(outcome.leftOver, "") << fault;
+        EXPECT_EQ(outcome.fired, fault != "none:1:lost") << fault;
+        report = json::parse(readText(folder / "report.json"));
+        EXPECT_EQ(report["live"]["sketches"], 1) << fault;
+        for (const json& output : report["live"]["outputs"]) EXPECT_EQ(output["closed"], "") << fault;
+        return shot("last-projector-0");
+    };
+    const vision::Photograph whole = run("none:1:lost");
+    for (const char* fault : {"submit:25:lost", "submit:60:lost", "present:4:lost"}) {
+        EXPECT_LE(difference(run(fault), whole).first, 2) << fault;
+        EXPECT_GE(report["live"]["device_losses"], 1) << fault;
+    }
+    for (const char* fault : {"acquire:9:surface", "present:5:date"}) {
+        EXPECT_LE(difference(run(fault), whole).first, 2) << fault;
+        EXPECT_EQ(report["live"]["device_losses"], 0) << fault;
+    }
 }
 
 TEST_F(Live, bad_words_are_refused_by_name) {
