@@ -81,6 +81,9 @@ struct OperatorWindow::State {
     VkImageView drawn = VK_NULL_HANDLE;
     VkFramebuffer framebuffer = VK_NULL_HANDLE;
     uint64_t ticket = 0;
+    // A call failed within ImGui: it may still name a buffer that it has freed, and would free it again. What
+    // it had goes with the device.
+    bool torn = false;
 };
 
 OperatorWindow::State::State(gpu::Device& d, Window& w)
@@ -122,7 +125,7 @@ void OperatorWindow::State::open() {
 void OperatorWindow::State::release() {
     vkDeviceWaitIdle(device->handle());
     dropTarget();
-    if (ImGui::GetIO().BackendRendererUserData) ImGui_ImplVulkan_Shutdown();
+    if (ImGui::GetIO().BackendRendererUserData && !torn) ImGui_ImplVulkan_Shutdown();
     if (window->beforeClose) std::exchange(window->beforeClose, {})();
     ImGui::DestroyContext(context);
     vkDestroyDescriptorPool(device->handle(), pool, nullptr);
@@ -234,7 +237,9 @@ const gpu::Image* OperatorWindow::draw(OperatorControls& controls, const Operato
     begin.framebuffer = s.framebuffer;
     begin.renderArea.extent = {s.image.info().width, s.image.info().height};
     vkCmdBeginRenderPass(commands.handle(), &begin, VK_SUBPASS_CONTENTS_INLINE);
+    s.torn = true;
     ImGui_ImplVulkan_RenderDrawData(ImGui::GetDrawData(), commands.handle());
+    s.torn = false;
     vkCmdEndRenderPass(commands.handle());
     commands.transition(s.image, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
                         VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, Stage::colour, Stage::transfer);
