@@ -10,6 +10,7 @@
 #include <glm/vec2.hpp>
 
 #include "geometry/bounds.h"
+#include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
 
 namespace heliodon::compute {
@@ -351,11 +352,7 @@ bool isClosedSolid(const geometry::PatchMesh& mesh, const std::vector<ConvexRegi
         if (!edges.count({room, b, a})) return false;
     const double flat = 1e-8 * sizeOf(mesh);
     for (const ConvexRegion& region : regions) {
-        dvec3 normal{0};
-        for (size_t k = 1; k + 1 < region.corners.size(); ++k)
-            normal +=
-                glm::cross(region.corners[k] - region.corners[0], region.corners[k + 1] - region.corners[0]);
-        normal = glm::normalize(normal);
+        const dvec3 normal = glm::normalize(geometry::areaVector(region.corners));
         for (size_t i = 0; i < mesh.patchCount(); ++i) {
             if (mesh.room[i] != region.room) continue;
             const auto corner = mesh.patch(i);

@@ -9,6 +9,7 @@
 #include "compute/exact_clusters.h"
 #include "compute/gpu/device.h"
 #include "geometry/bounds.h"
+#include "geometry/outline_area.h"
 #include "shaders/io/exact_form_factors.io.h"
 
 namespace heliodon::compute {
@@ -134,13 +135,8 @@ ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh, uint
         scene.placeOfPiece.push_back(piece.place);
     }
     const std::vector<ConvexRegion> regions = blockingRegions(mesh, io::kExactBlockerCorners);
-    for (const ConvexRegion& region : regions) {
-        dvec3 areaVector{0};
-        for (size_t k = 1; k + 1 < region.corners.size(); ++k)
-            areaVector +=
-                glm::cross(region.corners[k] - region.corners[0], region.corners[k + 1] - region.corners[0]);
-        faces.add(region.corners, unitOrZero(areaVector), region.room);
-    }
+    for (const ConvexRegion& region : regions)
+        faces.add(region.corners, unitOrZero(geometry::areaVector(region.corners)), region.room);
     scene.blockerCount = static_cast<uint32_t>(regions.size());
     scene.closed = isClosedSolid(mesh, regions);
     std::vector<glm::uvec4> clusterData;

@@ -12,6 +12,7 @@
 
 #include "compute/lighting.h"
 #include "geometry/bounds.h"
+#include "geometry/outline_area.h"
 
 namespace heliodon::compute {
 
@@ -78,10 +79,7 @@ void splitAtHorizon(const PointView::Polygon& polygon, PointView::Polygon& sky, 
 }
 
 dvec3 normalOf(const ConvexRegion& region) {
-    dvec3 sum(0);
-    for (size_t k = 1; k + 1 < region.corners.size(); ++k)
-        sum += glm::cross(region.corners[k] - region.corners[0], region.corners[k + 1] - region.corners[0]);
-    return glm::normalize(sum);
+    return glm::normalize(geometry::areaVector(region.corners));
 }
 
 // What of a convex polygon lies more than `least` behind a plane.

@@ -11,6 +11,7 @@
 #include <glm/vec2.hpp>
 
 #include "geometry/bounds.h"
+#include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
 
 namespace heliodon::compute {
@@ -37,10 +38,7 @@ void cut(std::span<const dvec3> polygon, dvec3 normal, double offset, double sig
 }
 
 double areaOf(std::span<const dvec3> polygon) {
-    dvec3 twice(0);
-    for (size_t k = 1; k + 1 < polygon.size(); ++k)
-        twice += glm::cross(polygon[k] - polygon[0], polygon[k + 1] - polygon[0]);
-    return 0.5 * glm::length(twice);
+    return 0.5 * glm::length(geometry::areaVector(polygon));
 }
 
 constexpr double kLeastOfExtent = 1e-9;
@@ -120,10 +118,7 @@ PointView PointView::through(const Blockers& blockers, const Polygon& frame, uin
 
 std::optional<PointView::Cone> PointView::coneOf(std::span<const dvec3> corners) const {
     Cone cone;
-    cone.normal = dvec3(0);
-    for (size_t k = 1; k + 1 < corners.size(); ++k)
-        cone.normal += glm::cross(corners[k] - corners[0], corners[k + 1] - corners[0]);
-    cone.normal = glm::normalize(cone.normal);
+    cone.normal = glm::normalize(geometry::areaVector(corners));
     cone.distance = glm::dot(cone.normal, corners[0]);
     if (std::abs(cone.distance) <= least_) return std::nullopt;
     const double side = cone.distance > 0 ? 1 : -1;

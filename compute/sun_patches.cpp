@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "geometry/bounds.h"
+#include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
 
 namespace heliodon::compute {
@@ -121,10 +122,7 @@ SunPatches::Face SunPatches::faceOf(const ConvexRegion& region) const {
     Face face;
     face.region = &region;
     for (const glm::dvec3& corner : region.corners) face.outline.push_back(project(corner));
-    for (size_t k = 1; k + 1 < region.corners.size(); ++k)
-        face.normal +=
-            glm::cross(region.corners[k] - region.corners[0], region.corners[k + 1] - region.corners[0]);
-    face.normal = glm::normalize(face.normal);
+    face.normal = glm::normalize(geometry::areaVector(region.corners));
     if (glm::dot(face.normal, sun_) < 0) std::reverse(face.outline.begin(), face.outline.end());
     const Box box(face.outline);
     face.low = box.low, face.high = box.high;

@@ -5,6 +5,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
 #include "geometry/twin_faces.h"
 
@@ -22,13 +23,8 @@ public:
             const Face& face = building.faces[f];
             if (!building.materials[face.material].isOpening()) continue;
             Glass glass{f, {}, {}};
-            const auto& loop = face.loops[0];
-            const glm::dvec3 origin = building.vertices[loop[0]];
-            for (size_t i = 0; i < loop.size(); ++i)
-                glass.normal += glm::cross(building.vertices[loop[i]] - origin,
-                                           building.vertices[loop[(i + 1) % loop.size()]] - origin);
-            glass.normal = glm::normalize(glass.normal);
-            glass.origin = origin;
+            glass.normal = glm::normalize(areaVector(building.vertices, face.loops[0]));
+            glass.origin = building.vertices[face.loops[0][0]];
             glasses_.push_back(glass);
         }
     }

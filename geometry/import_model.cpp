@@ -5,16 +5,17 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <set>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include "geometry/disjoint_sets.h"
 #include "geometry/face_soup.h"
 #include "geometry/glass_pairs.h"
 #include "geometry/input_error.h"
 #include "geometry/model_file.h"
+#include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
 #include "geometry/plan_arrangement.h"
 #include "geometry/plan_regions.h"
@@ -100,16 +101,11 @@ private:
         }
     }
 
-    glm::dvec3 areaVector(const std::vector<uint32_t>& loop) const {
-        glm::dvec3 sum{0};
-        const glm::dvec3 origin = building_.vertices[loop[0]];
-        for (size_t i = 0; i < loop.size(); ++i)
-            sum += glm::cross(building_.vertices[loop[i]] - origin,
-                              building_.vertices[loop[(i + 1) % loop.size()]] - origin);
-        return sum;
+    glm::dvec3 areaOf(const std::vector<uint32_t>& loop) const {
+        return areaVector(building_.vertices, loop);
     }
 
-    glm::dvec3 normal(const Face& face) const { return glm::normalize(areaVector(face.loops[0])); }
+    glm::dvec3 normal(const Face& face) const { return glm::normalize(areaOf(face.loops[0])); }
 
     // "role" of a group that writeModel named ("room0_fill-in"), else projection.
     Role roleOf(size_t face) const {
@@ -120,7 +116,7 @@ private:
     void closeGaps() {
         for (const double gap : kGapsOfExtent) {
             if (gap > kWeldOfExtent && !weldsWithin(gap)) continue;
-            const auto edges = facesOfEdges();
+            const auto edges = facesOfEdges(building_);
             if (!building_.faces.empty() &&
                 std::ranges::none_of(edges, [](const auto& entry) { return entry.second.size() == 1; })) {
                 if (gap > kWeldOfExtent)
@@ -165,7 +161,7 @@ private:
         const size_t dropped = std::erase_if(building_.faces, [&](const Face& face) {
             std::vector<uint32_t> corners = face.loops[0];
             std::ranges::sort(corners);
-            const double size = glm::length(areaVector(face.loops[0]));
+            const double size = glm::length(areaOf(face.loops[0]));
             return size < 1e-12 * extent_ * extent_ || !known.insert(corners).second; // no area, or a copy
         });
         if (dropped > 0)
@@ -185,8 +181,6 @@ private:
             if (std::abs(glm::dot(building_.vertices[v] - origin, n)) > most)
                 throw InputError(model_.file, model_.place(face.surface), "the face is not planar");
     }
-
-    std::map<Edge, std::vector<uint32_t>> facesOfEdges() const { return geometry::facesOfEdges(building_); }
 
     bool coplanar(const Face& face, const std::vector<uint32_t>& loop) const {
         const glm::dvec3 n = normal(face), origin = building_.vertices[face.loops[0][0]];
@@ -221,7 +215,7 @@ private:
         dropHiddenBottoms();
         std::map<uint32_t, uint32_t>
             next; // the edges that are missing, each from the far end of the one that is there
-        for (const auto& [edge, faces] : facesOfEdges()) {
+        for (const auto& [edge, faces] : facesOfEdges(building_)) {
             if (faces.size() != 1) continue;
             for (const auto& loop : building_.faces[faces[0]].loops)
                 for (size_t i = 0; i < loop.size(); ++i)
@@ -267,7 +261,7 @@ private:
             const glm::dvec3 p = building_.vertices[i] - origin;
             return glm::dvec2(glm::dot(p, u), glm::dot(p, v));
         };
-        if (glm::dot(areaVector(loop), n) < 0) std::ranges::reverse(loop);
+        if (glm::dot(areaOf(loop), n) < 0) std::ranges::reverse(loop);
         std::vector<PlanSegment> segments;
         std::vector<size_t> owner; // of the segment: face in `under`, or their number for the loop
         const auto add = [&](const std::vector<uint32_t>& ring, size_t id, bool reversed) {
@@ -432,22 +426,17 @@ private:
 
     // Neighbours in one plane and of one material are one surface.
     void findSurfaces() {
-        std::vector<uint32_t> parent(building_.faces.size());
-        std::iota(parent.begin(), parent.end(), 0u);
-        const auto find = [&](uint32_t f) {
-            while (parent[f] != f) f = parent[f] = parent[parent[f]];
-            return f;
-        };
-        for (const auto& [edge, faces] : facesOfEdges()) {
+        DisjointSets surfaces(building_.faces.size());
+        for (const auto& [edge, faces] : facesOfEdges(building_)) {
             const Face &a = building_.faces[faces[0]], &b = building_.faces[faces[1]];
             const glm::dvec3 m = normal(a), n = normal(b);
             if (a.material == b.material && glm::dot(m, n) > 0 && glm::length(glm::cross(m, n)) < 1e-4)
-                parent[find(faces[0])] = find(faces[1]);
+                surfaces.join(faces[0], faces[1]);
         }
         std::map<uint32_t, uint32_t> ids;
         for (uint32_t f = 0; f < building_.faces.size(); ++f)
             building_.faces[f].surface =
-                ids.try_emplace(find(f), static_cast<uint32_t>(ids.size())).first->second;
+                ids.try_emplace(surfaces.root(f), static_cast<uint32_t>(ids.size())).first->second;
     }
 
     std::vector<uint32_t> facesOfRoom(uint32_t room) const {

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <numeric>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include "geometry/disjoint_sets.h"
 #include "geometry/input_error.h"
 #include "geometry/raw_model.h"
 
@@ -57,9 +57,7 @@ void checkFace(const RawModel& model, size_t i) {
 // Coplanar faces of one material that share an edge are one surface; edges are matched by position.
 class SurfaceFinder {
 public:
-    explicit SurfaceFinder(PatchMesh& mesh) : mesh_(mesh), parent_(mesh.patchCount()) {
-        std::iota(parent_.begin(), parent_.end(), 0u);
-    }
+    explicit SurfaceFinder(PatchMesh& mesh) : mesh_(mesh), surfaces_(mesh.patchCount()) {}
 
     void find() {
         std::map<std::pair<uint32_t, uint32_t>, uint32_t> patchOfEdge;
@@ -69,12 +67,13 @@ public:
             for (size_t k = 0; k < corner.size(); ++k) {
                 const uint32_t a = welded[corner[k]], b = welded[corner[(k + 1) % corner.size()]];
                 const auto [place, isNew] = patchOfEdge.try_emplace(std::minmax(a, b), i);
-                if (!isNew && alike(i, place->second)) parent_[root(i)] = root(place->second);
+                if (!isNew && alike(i, place->second)) surfaces_.join(i, place->second);
             }
         }
         std::map<uint32_t, uint32_t> ids;
         for (uint32_t i = 0; i < mesh_.patchCount(); ++i)
-            mesh_.surface[i] = ids.try_emplace(root(i), static_cast<uint32_t>(ids.size())).first->second;
+            mesh_.surface[i] =
+                ids.try_emplace(surfaces_.root(i), static_cast<uint32_t>(ids.size())).first->second;
     }
 
 private:
@@ -95,13 +94,8 @@ private:
         return glm::dot(a, b) > 0 && glm::length(glm::cross(a, b)) < 1e-4;
     }
 
-    uint32_t root(uint32_t i) {
-        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-        return i;
-    }
-
     PatchMesh& mesh_;
-    std::vector<uint32_t> parent_;
+    DisjointSets surfaces_;
 };
 
 } // namespace

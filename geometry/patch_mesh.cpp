@@ -2,6 +2,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "geometry/outline_area.h"
+
 namespace heliodon::geometry {
 
 void PatchMesh::addPatch(std::span<const uint32_t> indices, uint32_t materialIndex, Role r,
@@ -16,13 +18,7 @@ void PatchMesh::addPatch(std::span<const uint32_t> indices, uint32_t materialInd
 }
 
 glm::dvec3 patchAreaVector(const PatchMesh& mesh, size_t patch) {
-    const auto corner = mesh.patch(patch);
-    const glm::dvec3 origin =
-        mesh.vertices[corner[0]]; // relative to a corner: no cancellation far from the origin
-    glm::dvec3 sum{0};
-    for (size_t k = 1; k + 1 < corner.size(); ++k)
-        sum += glm::cross(mesh.vertices[corner[k]] - origin, mesh.vertices[corner[k + 1]] - origin);
-    return sum;
+    return areaVector(mesh.vertices, mesh.patch(patch));
 }
 
 double patchArea(const PatchMesh& mesh, size_t patch) {

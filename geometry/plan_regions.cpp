@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 
 #include <glm/geometric.hpp>
+
+#include "geometry/disjoint_sets.h"
 
 namespace heliodon::geometry {
 
@@ -31,14 +32,9 @@ std::vector<double> cellAreas(const PlanArrangement& map) {
 }
 
 std::vector<PlanRegion> traceRegions(const PlanArrangement& map, const std::vector<int>& labels) {
-    std::vector<uint32_t> root(map.cellCount);
-    std::iota(root.begin(), root.end(), 0u);
-    const auto find = [&](uint32_t c) {
-        while (root[c] != c) c = root[c] = root[root[c]];
-        return c;
-    };
+    DisjointSets cells(map.cellCount);
     for (uint32_t h = 0; h < map.cell.size(); h += 2)
-        if (labels[map.cell[h]] == labels[map.cell[h + 1]]) root[find(map.cell[h])] = find(map.cell[h + 1]);
+        if (labels[map.cell[h]] == labels[map.cell[h + 1]]) cells.join(map.cell[h], map.cell[h + 1]);
 
     const auto isBoundary = [&](uint32_t h) {
         return labels[map.cell[h]] >= 0 && labels[map.cell[h]] != labels[map.cell[h ^ 1u]];
@@ -48,7 +44,7 @@ std::vector<PlanRegion> traceRegions(const PlanArrangement& map, const std::vect
     std::vector<bool> seen(map.cell.size());
     for (uint32_t start = 0; start < map.cell.size(); ++start) {
         if (seen[start] || !isBoundary(start)) continue;
-        const auto [place, isNew] = regionOf.try_emplace(find(map.cell[start]), regions.size());
+        const auto [place, isNew] = regionOf.try_emplace(cells.root(map.cell[start]), regions.size());
         if (isNew) regions.push_back({labels[map.cell[start]], {}});
         std::vector<uint32_t> loop;
         uint32_t h = start;

@@ -19,6 +19,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "geometry/disjoint_sets.h"
 #include "geometry/min_cut.h"
 #include "geometry/plan_arrangement.h"
 #include "geometry/plan_lines.h"
@@ -228,15 +229,11 @@ private:
     };
 
     std::vector<uint32_t> components(const std::vector<bool>& in) const {
-        std::vector<uint32_t> root(map_.cellCount);
-        std::iota(root.begin(), root.end(), 0u);
-        const auto find = [&](uint32_t c) {
-            while (root[c] != c) c = root[c] = root[root[c]];
-            return c;
-        };
+        DisjointSets cells(map_.cellCount);
         for (uint32_t h = 0; h < map_.cell.size(); h += 2)
-            if (in[map_.cell[h]] && in[map_.cell[h + 1]]) root[find(map_.cell[h])] = find(map_.cell[h + 1]);
-        for (uint32_t c = 0; c < map_.cellCount; ++c) root[c] = find(c);
+            if (in[map_.cell[h]] && in[map_.cell[h + 1]]) cells.join(map_.cell[h], map_.cell[h + 1]);
+        std::vector<uint32_t> root(map_.cellCount);
+        for (uint32_t c = 0; c < map_.cellCount; ++c) root[c] = cells.root(c);
         return root;
     }
 

@@ -1,11 +1,11 @@
 #include "geometry/shadow_outline.h"
 
 #include <algorithm>
-#include <numeric>
 #include <set>
 
 #include <glm/geometric.hpp>
 
+#include "geometry/disjoint_sets.h"
 #include "geometry/perpendicular.h"
 
 namespace heliodon::geometry {
@@ -43,19 +43,14 @@ bool ConvexOutline::contains(glm::dvec2 p) const {
 }
 
 std::vector<ConvexSolid> convexSolids(const Occluders& occluders) {
-    std::vector<uint32_t> parent(occluders.vertices.size());
-    std::iota(parent.begin(), parent.end(), 0u);
-    const auto find = [&](uint32_t v) {
-        while (parent[v] != v) v = parent[v] = parent[parent[v]];
-        return v;
-    };
+    const size_t count = occluders.vertices.size();
+    DisjointSets joined(count);
     for (size_t i = 0; i + 2 < occluders.triangles.size(); i += 3)
-        for (size_t k = 1; k < 3; ++k)
-            parent[find(occluders.triangles[i + k])] = find(occluders.triangles[i]);
+        for (size_t k = 1; k < 3; ++k) joined.join(occluders.triangles[i + k], occluders.triangles[i]);
     std::vector<ConvexSolid> solids;
-    std::vector<uint32_t> solidOf(parent.size(), 0xffffffffu), place(parent.size());
-    for (uint32_t v = 0; v < parent.size(); ++v) {
-        uint32_t& solid = solidOf[find(v)];
+    std::vector<uint32_t> solidOf(count, 0xffffffffu), place(count);
+    for (uint32_t v = 0; v < count; ++v) {
+        uint32_t& solid = solidOf[joined.root(v)];
         if (solid == 0xffffffffu) {
             solid = static_cast<uint32_t>(solids.size());
             solids.emplace_back();
@@ -67,7 +62,7 @@ std::vector<ConvexSolid> convexSolids(const Occluders& occluders) {
     for (size_t i = 0; i < occluders.triangles.size(); ++i) {
         const uint32_t a = occluders.triangles[i], b = occluders.triangles[i % 3 == 2 ? i - 2 : i + 1];
         if (seen.insert(std::minmax(a, b)).second)
-            solids[solidOf[find(a)]].edges.emplace_back(place[a], place[b]);
+            solids[solidOf[joined.root(a)]].edges.emplace_back(place[a], place[b]);
     }
     return solids;
 }

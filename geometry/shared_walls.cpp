@@ -7,11 +7,12 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numeric>
 
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
+#include "geometry/disjoint_sets.h"
+#include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
 #include "geometry/plan_arrangement.h"
 #include "geometry/plan_regions.h"
@@ -22,12 +23,6 @@ namespace heliodon::geometry {
 namespace {
 
 using glm::dvec3;
-
-dvec3 areaVector(const std::vector<dvec3>& loop) {
-    dvec3 sum(0);
-    for (size_t k = 1; k + 1 < loop.size(); ++k) sum += glm::cross(loop[k] - loop[0], loop[k + 1] - loop[0]);
-    return sum;
-}
 
 // A piece of a wall, its outline counter-clockwise about the plane's normal; the faces that were drawn there,
 // turned that way and the other, or -1.
@@ -57,12 +52,6 @@ public:
     }
 
 private:
-    // Side 2 f of a welded face is the one that its normal points to, 2 f + 1 the other.
-    uint32_t partOf(uint32_t side) {
-        while (parent_[side] != side) side = parent_[side] = parent_[parent_[side]];
-        return side;
-    }
-
     std::vector<Plane> planes() const {
         std::vector<Plane> out;
         for (uint32_t f = 0; f < faces_.size(); ++f) {
@@ -162,9 +151,7 @@ private:
     }
 
     dvec3 normalOf(const Face& face) const {
-        std::vector<dvec3> loop;
-        for (const uint32_t v : face.loops[0]) loop.push_back(welded_.vertices[v]);
-        return glm::normalize(areaVector(loop));
+        return glm::normalize(areaVector(welded_.vertices, face.loops[0]));
     }
 
     // False where an edge has one sheet alone.
@@ -190,25 +177,18 @@ private:
                                                   2 * f + (along ? 0 : 1), 2 * f + (along ? 1 : 0), f});
                 }
         }
-        parent_.resize(2 * welded_.faces.size());
-        std::iota(parent_.begin(), parent_.end(), 0u);
-        shell_.resize(welded_.faces.size());
-        std::iota(shell_.begin(), shell_.end(), 0u);
+        sides_ = DisjointSets(2 * welded_.faces.size());
+        shells_ = DisjointSets(welded_.faces.size());
         for (auto& [edge, sectors] : edges) {
             if (sectors.size() < 2) return false;
             std::ranges::sort(sectors, {}, &Sector::angle);
             for (size_t k = 0; k < sectors.size(); ++k) {
                 const Sector &one = sectors[k], &next = sectors[(k + 1) % sectors.size()];
-                parent_[partOf(one.ahead)] = partOf(next.behind);
-                shell_[rootOf(one.face)] = rootOf(next.face);
+                sides_.join(one.ahead, next.behind);
+                shells_.join(one.face, next.face);
             }
         }
         return !welded_.faces.empty();
-    }
-
-    uint32_t rootOf(uint32_t face) {
-        while (shell_[face] != face) face = shell_[face] = shell_[shell_[face]];
-        return face;
     }
 
     // The parts of space and what they hold; triangles look into the part.
@@ -225,8 +205,8 @@ private:
             const auto triangles = triangulateFace(welded_, welded_.faces[f]);
             const Sheet& sheet = sheets_[welded_.faces[f].surface];
             for (uint32_t s = 0; s < 2; ++s) {
-                Part& part = parts_[partOf(2 * f + s)];
-                part.shell = rootOf(f);
+                Part& part = parts_[sides_.root(2 * f + s)];
+                part.shell = shells_.root(f);
                 for (const auto& t : triangles) {
                     ShellTriangle in{welded_.vertices[t[0]], welded_.vertices[t[1]], welded_.vertices[t[2]]};
                     if (s) std::swap(in.b, in.c);
@@ -283,7 +263,7 @@ private:
                                      faces_[static_cast<size_t>(both[1])].surface});
             int sides = 0;
             for (uint32_t s = 0; s < 2; ++s) {
-                const Part& part = parts_[partOf(2 * f + s)];
+                const Part& part = parts_[sides_.root(2 * f + s)];
                 const Sheet& sheet = sheets_[welded_.faces[f].surface];
                 const int drawn = drawnFor(sheet, s, part);
                 SoupFace face = faces_[static_cast<size_t>(drawn)];
@@ -312,8 +292,10 @@ private:
     double tolerance_;
     std::vector<Sheet> sheets_;
     Building welded_;
-    std::vector<uint32_t> parent_, shell_; // union-find of sides; of faces by common edges
-    std::map<uint32_t, Part> parts_;       // by their union-find root
+    // Side 2 f of a welded face is the one that its normal points to, 2 f + 1 the other: by the part of space
+    // that they bound. Faces by common edges.
+    DisjointSets sides_, shells_;
+    std::map<uint32_t, Part> parts_; // by the root of their sides
     uint32_t rooms_ = 0;
     bool unclear_ = false; // two materials in one place
 };

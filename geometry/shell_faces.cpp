@@ -4,18 +4,11 @@
 
 #include <glm/geometric.hpp>
 
+#include "geometry/outline_area.h"
+
 namespace heliodon::geometry {
 
 namespace {
-
-double doubleArea(const Building& building, const Face& face) {
-    glm::dvec3 sum{0};
-    const auto& loop = face.loops[0];
-    const glm::dvec3 origin = building.vertices[loop[0]];
-    for (size_t i = 1; i + 1 < loop.size(); ++i)
-        sum += glm::cross(building.vertices[loop[i]] - origin, building.vertices[loop[i + 1]] - origin);
-    return glm::length(sum);
-}
 
 bool runs(const Face& face, Edge edge) {
     for (const auto& loop : face.loops)
@@ -66,7 +59,8 @@ ShellFaces orientShells(Building& building) {
         for (size_t q = 0; q < queue.size(); ++q) {
             const uint32_t f = queue[q];
             out.shell[f] = out.count;
-            (turned[f] ? over : asIs) += doubleArea(building, building.faces[f]);
+            (turned[f] ? over : asIs) +=
+                glm::length(areaVector(building.vertices, building.faces[f].loops[0]));
             for (const auto& loop : building.faces[f].loops)
                 for (size_t i = 0; i < loop.size(); ++i) {
                     const Edge edge{loop[i], loop[(i + 1) % loop.size()]};

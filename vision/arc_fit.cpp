@@ -180,8 +180,8 @@ std::optional<geometry::Arc> fitArc(const Chain& chain, const std::vector<glm::d
                 probe.height = height;
                 probe.chromaOnly = chromaOnly;
                 const auto edge = findEdge(view, probe);
-                if (!edge || std::abs(edge->offset) > 0.14) continue;
-                (sign < 0 ? inner : outer).push_back(probe.at + edge->offset * probe.outward);
+                if (!edge || std::abs(*edge) > 0.14) continue;
+                (sign < 0 ? inner : outer).push_back(probe.at + *edge * probe.outward);
             }
         }
         seen = static_cast<int>(inner.size() + outer.size());
@@ -203,8 +203,7 @@ std::optional<geometry::Arc> fitArc(const Chain& chain, const std::vector<glm::d
         probe.lateralSamples = 7;
         probe.height = height;
         const auto edge = findEdge(view, probe);
-        const double painted =
-            angle + (edge && std::abs(edge->offset) < 0.15 ? sign * edge->offset / radius : 0);
+        const double painted = angle + (edge && std::abs(*edge) < 0.15 ? sign * *edge / radius : 0);
         return painted + sign * options.unpaintedEnd / radius;
     };
     const double a0 = refinedEnd(low, -1), a1 = refinedEnd(high, 1);

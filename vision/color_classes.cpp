@@ -17,7 +17,7 @@ namespace heliodon::vision {
 namespace {
 
 constexpr double kMarkerReach = 0.4; // inches, more than half of a marker's top, seen nearer than the table
-constexpr double kOverEdge = 2;      // inches that a wall may stick out over the table
+constexpr double kBeyond = 2;        // inches beyond the table's edge that are looked at
 
 // Hue in degrees of a colour whose smallest component was taken away.
 inline float hueOf(float r, float g, float b, float high, float low) {
@@ -204,7 +204,7 @@ void settleRims(ClassImage& image, const std::vector<Coloured>& coloured, float 
 } // namespace
 
 ClassImage classifyPixels(const PlanView& view, const geometry::Rig& rig, const DetectOptions& options) {
-    const TableRegion region = findTable(view, rig.tableRadius / geometry::kMetresPerInch, kOverEdge);
+    const TableRegion region = findTable(view, rig.tableRadius / geometry::kMetresPerInch, kBeyond);
     ClassImage out;
     out.x0 = region.x0, out.y0 = region.y0, out.width = region.width, out.height = region.height;
     out.paint.assign(region.ground.size(), Paint::none);

@@ -24,15 +24,15 @@ struct Levels {
     size_t begin, end; // samples of the profile
 };
 
-// `offset` counts samples.
-std::optional<Edge> crossing(const std::vector<glm::vec3>& profile, Levels inside, Levels outside,
-                             size_t expected) {
+// In samples.
+std::optional<double> crossing(const std::vector<glm::vec3>& profile, Levels inside, Levels outside,
+                               size_t expected) {
     const glm::vec3 in = mean(profile, inside.begin, inside.end);
     const glm::vec3 difference = mean(profile, outside.begin, outside.end) - in;
     const float span = glm::dot(difference, difference);
     const float brighter = std::max(glm::length(in), glm::length(in + difference));
     if (span < 1e-12f || std::sqrt(span) < 0.1f * brighter) return std::nullopt;
-    std::optional<Edge> best;
+    std::optional<double> best;
     float before = glm::dot(profile[0] - in, difference) / span;
     for (size_t i = 1; i < profile.size(); ++i) {
         const float here = glm::dot(profile[i] - in, difference) / span;
@@ -40,8 +40,7 @@ std::optional<Edge> crossing(const std::vector<glm::vec3>& profile, Levels insid
             const double place =
                 static_cast<double>(i - 1) + static_cast<double>((0.5f - before) / (here - before));
             const double wanted = static_cast<double>(expected);
-            if (!best || std::abs(place - wanted) < std::abs(best->offset - wanted))
-                best = Edge{place, static_cast<double>(std::sqrt(span) / brighter)};
+            if (!best || std::abs(place - wanted) < std::abs(*best - wanted)) best = place;
         }
         before = here;
     }
@@ -50,7 +49,7 @@ std::optional<Edge> crossing(const std::vector<glm::vec3>& profile, Levels insid
 
 } // namespace
 
-std::optional<Edge> findEdge(const PlanView& view, const EdgeProbe& probe) {
+std::optional<double> findEdge(const PlanView& view, const EdgeProbe& probe) {
     const glm::dvec2 from = probe.at - probe.inside * probe.outward,
                      to = probe.at + probe.outside * probe.outward;
     const double length = glm::distance(view.pixel(from, probe.height), view.pixel(to, probe.height));
@@ -80,13 +79,13 @@ std::optional<Edge> findEdge(const PlanView& view, const EdgeProbe& probe) {
     const double pixel = static_cast<double>(n - 1) / length;
     auto within = [&](double near, double far) {
         const double last = static_cast<double>(n);
-        const double begin = std::clamp(edge->offset + near * pixel, 0.0, last - 2);
-        const double end = std::clamp(edge->offset + far * pixel + 1, begin + 2, last);
+        const double begin = std::clamp(*edge + near * pixel, 0.0, last - 2);
+        const double end = std::clamp(*edge + far * pixel + 1, begin + 2, last);
         return Levels{static_cast<size_t>(begin), static_cast<size_t>(end)};
     };
-    const auto place = static_cast<size_t>(std::clamp(edge->offset, 0.0, static_cast<double>(n - 1)));
+    const auto place = static_cast<size_t>(std::clamp(*edge, 0.0, static_cast<double>(n - 1)));
     if (const auto closer = crossing(profile, within(-3.5, -2), within(2, 2.5), place)) edge = closer;
-    edge->offset = edge->offset / perInch - probe.inside;
+    *edge = *edge / perInch - probe.inside;
     return edge;
 }
 

@@ -22,14 +22,10 @@ struct EdgeProbe {
     bool chromaOnly = false;
 };
 
-struct Edge {
-    double offset = 0;   // inches along `outward` from `at`
-    double contrast = 0; // difference of the two sides over the brighter one, 0..1
-};
-
-// Where linear light crosses half the way between the two sides' levels, nearest to the expected place: the
-// lens blurs an edge symmetrically in linear light, so this is the edge itself. None without contrast.
-std::optional<Edge> findEdge(const PlanView& view, const EdgeProbe& probe);
+// Where linear light crosses half the way between the two sides' levels, nearest to the expected place, in
+// inches along `outward` from `at`: the lens blurs an edge symmetrically in linear light, so this is the edge
+// itself. None without contrast.
+std::optional<double> findEdge(const PlanView& view, const EdgeProbe& probe);
 
 struct LineFit {
     double offset = 0, slope = 0; // y = offset + slope x

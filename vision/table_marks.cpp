@@ -58,8 +58,8 @@ BoxFit refineBox(Box box, const PlanView& view, double height, double inside, do
             for (int i = 0; i <= n; ++i) {
                 const double l = along * (2.0 * i / n - 1);
                 probe.at = fit.box.centre + reach * probe.outward + l * fit.box.axis(k + 1);
-                if (const auto edge = findEdge(view, probe); edge && std::abs(edge->offset) < 0.14)
-                    points.emplace_back(l, edge->offset);
+                if (const auto edge = findEdge(view, probe); edge && std::abs(*edge) < 0.14)
+                    points.emplace_back(l, *edge);
             }
             asked += n + 1, seen += static_cast<int>(points.size());
             if (points.size() < 4) continue;
@@ -321,8 +321,8 @@ std::optional<geometry::NorthArrow> fitArrow(const Component& component, const P
             probe.lateral = pixel * pca.axis;
             probe.height = height;
             probe.inside = std::min(0.16, half + 0.05);
-            if (const auto edge = findEdge(view, probe); edge && std::abs(edge->offset) < 0.15)
-                side[k] = half + edge->offset;
+            if (const auto edge = findEdge(view, probe); edge && std::abs(*edge) < 0.15)
+                side[k] = half + *edge;
         }
         if (side[0] && side[1]) middles.emplace_back(s, 0.5 * (*side[0] - *side[1]));
     }
@@ -339,8 +339,7 @@ std::optional<geometry::NorthArrow> fitArrow(const Component& component, const P
     end.lateral = 0.3 * tail[kBins / 4] * turnedLeft(along);
     end.lateralSamples = 5;
     end.height = height;
-    if (const auto edge = findEdge(view, end); edge && std::abs(edge->offset) < 0.15)
-        end.at += edge->offset * end.outward;
+    if (const auto edge = findEdge(view, end); edge && std::abs(*edge) < 0.15) end.at += *edge * end.outward;
 
     geometry::NorthArrow out;
     // A blurred tip looks shorter than it is, so the tail's edge and the known length place the middle.

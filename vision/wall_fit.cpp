@@ -79,8 +79,8 @@ Sides measureSides(const std::vector<Span>& spans, const Axis& axis, const PlanV
                 probe.lateral = 1.2 * pixel * axis.along;
                 probe.height = top;
                 probe.chromaOnly = chromaOnly;
-                if (const auto edge = findEdge(view, probe); edge && std::abs(edge->offset) < 0.14)
-                    side[k] = half + edge->offset;
+                if (const auto edge = findEdge(view, probe); edge && std::abs(*edge) < 0.14)
+                    side[k] = half + *edge;
             }
             ++out.asked;
             if (!side[0] || !side[1]) continue;
@@ -130,7 +130,7 @@ double refinedEnd(const Axis& axis, double s, int sign, const PlanView& view, do
     probe.inside = std::min(0.2, 0.8 * room);
     probe.outside = 0.22;
     const auto edge = findEdge(view, probe);
-    return edge && std::abs(edge->offset) < 0.15 ? s + sign * edge->offset : s;
+    return edge && std::abs(*edge) < 0.15 ? s + sign * *edge : s;
 }
 
 std::vector<glm::dvec2> stripOutline(const Axis& axis, double low, double high, double half, double height,
@@ -163,8 +163,8 @@ double endBeyondMarker(const Axis& axis, double s, int sign, const PlanView& vie
     probe.inside = 0.35 * unpainted;
     probe.outside = unpainted;
     const auto edge = findEdge(view, probe);
-    const bool found = edge && edge->offset > -0.35 * unpainted && edge->offset < 0.5 * unpainted;
-    return s + sign * (0.5 * unpainted + (found ? edge->offset : 0));
+    const bool found = edge && *edge > -0.35 * unpainted && *edge < 0.5 * unpainted;
+    return s + sign * (0.5 * unpainted + (found ? *edge : 0));
 }
 
 std::vector<WindowMarker> findWindows(std::vector<Span> spans, const Axis& axis, const PlanView& view,

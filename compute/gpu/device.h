@@ -58,9 +58,8 @@ public:
     uint32_t queueFamily() const { return queueFamily_; }
     const DeviceInfo& info() const { return info_; }
     const VkPhysicalDeviceLimits& limits() const { return limits_; }
-    uint32_t subgroupSize() const {
-        return subgroupSize_;
-    } // of every Kernel, also where the device knows several
+    // Of every Kernel, also where the device knows several.
+    uint32_t subgroupSize() const { return subgroupSize_; }
     bool fixesSubgroupSize() const { return fixesSubgroupSize_; }
     Memory& memory() { return *memory_; }
     KernelCache& kernels() { return *kernels_; } // for kernels that many objects share

@@ -41,8 +41,7 @@ Binding part(const Buffer& buffer, size_t offset, size_t bytes);
 Binding sampled(const Image& image, VkSampler sampler,
                 VkImageLayout layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
 
-// Layout of set 0 + push constants of one or several stages. Shared by kernels and
-// graphics pipelines.
+// Layout of set 0 + push constants of one or several stages. Shared by kernels and graphics pipelines.
 class PipelineLayout {
 public:
     PipelineLayout() = default;

@@ -202,7 +202,8 @@ VKAPI_ATTR void VKAPI_CALL destroyDevice(VkDevice device, const VkAllocationCall
 #define OBJECTS(X)                                                                                           \
     X(Buffer, )                                                                                              \
     X(BufferView, )                                                                                          \
-    X(Image, ) X(ImageView, ) X(Sampler, ) X(ShaderModule, ) X(DescriptorSetLayout, ) X(PipelineLayout, )    \
+    X(Image, )                                                                                               \
+    X(ImageView, ) X(Sampler, ) X(ShaderModule, ) X(DescriptorSetLayout, ) X(PipelineLayout, )               \
         X(Semaphore, ) X(Fence, ) X(QueryPool, ) X(CommandPool, ) X(Swapchain, KHR)
 
 #define DEFINE(type, suffix)                                                                                 \
@@ -238,31 +239,20 @@ VKAPI_ATTR void VKAPI_CALL FreeMemory(VkDevice device, VkDeviceMemory memory,
     nextOf<PFN_vkFreeMemory>(device, "vkFreeMemory")(device, memory, callbacks);
 }
 
-template<class Function, class Info>
-VkResult makePipelines(const char* name, VkDevice device, VkPipelineCache cache, uint32_t number,
-                       const Info* infos, const VkAllocationCallbacks* callbacks, VkPipeline* pipelines) {
-    std::memset(pipelines, 0, number * sizeof *pipelines);
-    if (const VkResult result = failureOn(device, "Pipeline")) return result;
-    const VkResult result =
-        nextOf<Function>(device, name)(device, cache, number, infos, callbacks, pipelines);
-    if (result == VK_SUCCESS) count("Pipeline", number);
-    return result;
-}
-VKAPI_ATTR VkResult VKAPI_CALL CreateComputePipelines(VkDevice device, VkPipelineCache cache, uint32_t number,
-                                                      const VkComputePipelineCreateInfo* infos,
-                                                      const VkAllocationCallbacks* callbacks,
-                                                      VkPipeline* pipelines) {
-    return makePipelines<PFN_vkCreateComputePipelines>("vkCreateComputePipelines", device, cache, number,
-                                                       infos, callbacks, pipelines);
-}
-VKAPI_ATTR VkResult VKAPI_CALL CreateGraphicsPipelines(VkDevice device, VkPipelineCache cache,
-                                                       uint32_t number,
-                                                       const VkGraphicsPipelineCreateInfo* infos,
-                                                       const VkAllocationCallbacks* callbacks,
-                                                       VkPipeline* pipelines) {
-    return makePipelines<PFN_vkCreateGraphicsPipelines>("vkCreateGraphicsPipelines", device, cache, number,
-                                                        infos, callbacks, pipelines);
-}
+#define DEFINE_PIPELINES(kind)                                                                               \
+    VKAPI_ATTR VkResult VKAPI_CALL Create##kind##Pipelines(                                                  \
+        VkDevice device, VkPipelineCache cache, uint32_t number, const Vk##kind##PipelineCreateInfo* infos,  \
+        const VkAllocationCallbacks* callbacks, VkPipeline* pipelines) {                                     \
+        std::memset(pipelines, 0, number * sizeof *pipelines);                                               \
+        if (const VkResult result = failureOn(device, "Pipeline")) return result;                            \
+        const auto create = nextOf<PFN_vkCreate##kind##Pipelines>(device, "vkCreate" #kind "Pipelines");     \
+        const VkResult result = create(device, cache, number, infos, callbacks, pipelines);                  \
+        if (result == VK_SUCCESS) count("Pipeline", number);                                                 \
+        return result;                                                                                       \
+    }
+DEFINE_PIPELINES(Compute)
+DEFINE_PIPELINES(Graphics)
+
 VKAPI_ATTR void VKAPI_CALL DestroyPipeline(VkDevice device, VkPipeline pipeline,
                                            const VkAllocationCallbacks* callbacks) {
     if (pipeline) count("Pipeline", -1);

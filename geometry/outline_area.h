@@ -1,0 +1,29 @@
+// Areas of plane outlines in space.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+
+namespace heliodon::geometry {
+
+// Twice the area, along the normal about which the outline runs counter-clockwise. at(0) .. at(count - 1):
+// its corners; taken from the first, so that nothing cancels far from the origin.
+template<class CornerAt> glm::dvec3 areaVector(size_t count, const CornerAt& at) {
+    glm::dvec3 sum{0};
+    for (size_t k = 1; k + 1 < count; ++k) sum += glm::cross(at(k) - at(0), at(k + 1) - at(0));
+    return sum;
+}
+
+inline glm::dvec3 areaVector(std::span<const glm::dvec3> outline) {
+    return areaVector(outline.size(), [&](size_t k) { return outline[k]; });
+}
+
+inline glm::dvec3 areaVector(std::span<const glm::dvec3> vertices, std::span<const uint32_t> outline) {
+    return areaVector(outline.size(), [&](size_t k) { return vertices[outline[k]]; });
+}
+
+} // namespace heliodon::geometry
