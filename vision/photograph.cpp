@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
-#include <iterator>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -53,8 +53,11 @@ bool isWholeJpeg(const std::vector<uint8_t>& bytes) {
 
 // Decoders read what is there of a file that was cut short and leave the rest grey.
 bool isCutShort(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    const std::vector<uint8_t> bytes((std::istreambuf_iterator<char>(in)), {});
+    std::error_code gone;
+    const uintmax_t size = std::filesystem::file_size(file, gone);
+    std::vector<uint8_t> bytes(gone ? 0 : size); // at once: a photograph waits for it
+    std::ifstream(file, std::ios::binary)
+        .read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     constexpr std::array<uint8_t, 8> kPng = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
     if (bytes.size() >= kPng.size() && std::equal(kPng.begin(), kPng.end(), bytes.begin()))
         return !isWholePng(bytes);
