@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "geometry/perpendicular.h"
+#include "geometry/segment_distance.h"
 #include "geometry/twin_faces.h"
 
 namespace heliodon::geometry {
@@ -24,12 +25,6 @@ constexpr double kNarrowStrip = 0.363, kWideStrip = 0.688;
 constexpr double kFacing = 1.6;
 constexpr double kFinestStrip = 0.45; // of the edge length
 constexpr double kUniformStrip = 0.9; // of the edge length: a strip this wide needs no staggering
-
-double distanceToSegment(glm::dvec2 p, glm::dvec2 a, glm::dvec2 b) {
-    const glm::dvec2 d = b - a;
-    const double t = std::clamp(glm::dot(p - a, d) / glm::dot(d, d), 0.0, 1.0);
-    return glm::length(p - a - t * d);
-}
 
 // Of the longest straight run of the outlines.
 glm::dvec2 mainDirection(const MeshDomain& domain) {

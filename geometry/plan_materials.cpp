@@ -10,6 +10,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "geometry/segment_distance.h"
+
 namespace heliodon::geometry {
 
 namespace {
@@ -23,12 +25,6 @@ glm::vec3 chipReflectance(const std::array<double, 3>& rgb) {
         out[c] = static_cast<float>(std::min(linear, 0.949));
     }
     return out;
-}
-
-double distanceToSegment(glm::dvec2 p, glm::dvec2 a, glm::dvec2 b) {
-    const glm::dvec2 d = b - a;
-    const double t = std::clamp(glm::dot(p - a, d) / glm::dot(d, d), 0.0, 1.0);
-    return glm::length(p - a - t * d);
 }
 
 double distanceToPiece(glm::dvec2 p, const WallPiece& piece) {

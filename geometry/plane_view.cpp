@@ -5,10 +5,11 @@
 #include <limits>
 #include <numbers>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "geometry/bounds.h"
 #include "geometry/perpendicular.h"
+#include "geometry/segment_distance.h"
 
 namespace heliodon::geometry {
 
@@ -20,43 +21,48 @@ constexpr double kNudge = 1e-7;    // metres
 constexpr double kShortest = 1e-6; // metres
 constexpr double kChord = 2e-4;    // metres: between the circle of the least n . d and its chords
 
-// Parameters of a line between which something holds; empty when from >= to.
+// Parameters of a line, within 0 .. 1, between which something holds; empty when from >= to.
 struct Interval {
     double from = 0, to = 1;
     bool empty() const { return from >= to; }
-    // Keeps where value + t slope > 0.
+    // Keeps where value + t slope > 0. Most lines lie on one side of what they are asked for.
     void keep(double value, double slope) {
-        if (slope > 0)
-            from = std::max(from, -value / slope);
-        else if (slope < 0)
-            to = std::min(to, -value / slope);
-        else if (value <= 0)
+        const bool atStart = value > 0, atEnd = value + slope > 0;
+        if (!atStart && !atEnd)
             to = from;
+        else if (!atStart)
+            from = std::max(from, -value / slope);
+        else if (!atEnd)
+            to = std::min(to, -value / slope);
     }
 };
 
 Interval insideOf(const ConvexOutline& outline, glm::dvec2 a, glm::dvec2 d) {
     Interval in;
-    for (size_t i = 0, n = outline.points.size(); i < n && !in.empty(); ++i) {
-        const glm::dvec2 p = outline.points[i], e = outline.points[i + 1 < n ? i + 1 : 0] - p;
-        in.keep(cross(e, a - p), cross(e, d));
+    glm::dvec2 from = outline.points.back();
+    for (const glm::dvec2 to : outline.points) {
+        in.keep(cross(to - from, a - from), cross(to - from, d));
+        if (in.empty()) break;
+        from = to;
     }
     return in;
 }
 
 class OutlineFinder {
 public:
-    OutlineFinder(const PlaneView& view, glm::dvec2 low, glm::dvec2 high, std::vector<Segment>& out)
-        : view_(view), low_(low), high_(high), out_(out) {}
+    OutlineFinder(const PlaneView& view, const FlatBox& box, std::vector<Segment>& out)
+        : view_(view), box_(box), out_(out) {}
 
     void find() {
         for (size_t s = 0; s < view_.shadows.size(); ++s) {
-            const auto& points = view_.shadows[s].points;
-            for (size_t i = 0; i < points.size(); ++i)
-                add(points[i], points[(i + 1) % points.size()], s, kNone, true);
+            glm::dvec2 from = view_.shadows[s].points.back();
+            for (const glm::dvec2 to : view_.shadows[s].points) {
+                add(from, to, s, kNone, true);
+                from = to;
+            }
         }
-        const double size = glm::length(high_ - low_);
-        const glm::dvec2 middle = 0.5 * (low_ + high_);
+        const double size = glm::length(box_.high - box_.low);
+        const glm::dvec2 middle = 0.5 * (box_.low + box_.high);
         for (size_t b = 0; b < view_.borders.size(); ++b) {
             const auto& [n, offset] = view_.borders[b];
             const double length = glm::length(n);
@@ -73,7 +79,7 @@ private:
 
     void addCircle() {
         const double r = view_.reach;
-        const glm::dvec2 far = glm::max(glm::abs(low_ - view_.foot), glm::abs(high_ - view_.foot));
+        const glm::dvec2 far = glm::max(glm::abs(box_.low - view_.foot), glm::abs(box_.high - view_.foot));
         if (glm::length(far) <= r) return;
         const double parts = std::ceil(std::numbers::pi / std::acos(1 - std::min(0.5, kChord / r)));
         const auto at = [&](double k) {
@@ -90,11 +96,12 @@ private:
 
     // What of the segment lies in the box, the picture and the circle, and in no shadow but its own.
     void add(glm::dvec2 a, glm::dvec2 b, size_t ownShadow, size_t ownBorder, bool inCircle) {
+        if (!FlatBox{glm::min(a, b), glm::max(a, b)}.meets(box_)) return;
         const glm::dvec2 d = b - a;
         Interval in;
         for (int c = 0; c < 2; ++c) {
-            in.keep(a[c] - low_[c], d[c]);
-            in.keep(high_[c] - a[c], -d[c]);
+            in.keep(a[c] - box_.low[c], d[c]);
+            in.keep(box_.high[c] - a[c], -d[c]);
         }
         for (size_t k = 0; k < view_.borders.size() && !in.empty(); ++k)
             if (k != ownBorder) {
@@ -108,15 +115,15 @@ private:
         // it on the same side, both.
         const glm::dvec2 outward =
             ownShadow == kNone ? glm::dvec2(0) : kNudge / length * glm::dvec2(d.y, -d.x);
+        const FlatBox kept = boxOf(std::array{a + in.from * d + outward, a + in.to * d + outward});
         hidden_.clear();
         for (size_t s = 0; s < view_.shadows.size(); ++s) {
             const ConvexOutline& shadow = view_.shadows[s];
-            if (s == ownShadow || std::max(a.x, b.x) <= shadow.low.x || std::max(a.y, b.y) <= shadow.low.y ||
-                std::min(a.x, b.x) >= shadow.high.x || std::min(a.y, b.y) >= shadow.high.y)
-                continue;
+            if (s == ownShadow || !kept.meets(shadow.box)) continue;
             Interval dark = insideOf(shadow, a + outward, d);
             dark.from = std::max(dark.from, in.from);
             dark.to = std::min(dark.to, in.to);
+            if (dark.from <= in.from && dark.to >= in.to) return;
             if (!dark.empty()) hidden_.push_back(dark);
         }
         std::ranges::sort(hidden_, {}, &Interval::from);
@@ -140,7 +147,7 @@ private:
     }
 
     const PlaneView& view_;
-    glm::dvec2 low_, high_;
+    const FlatBox& box_;
     std::vector<Segment>& out_;
     std::vector<Interval> hidden_;
 };
@@ -149,32 +156,45 @@ bool allOutside(std::span<const glm::dvec2> hull, glm::dvec2 n, double offset) {
     return std::ranges::all_of(hull, [&](glm::dvec2 p) { return glm::dot(n, p) <= offset; });
 }
 
-FlatBox boxOf(std::span<const glm::dvec2> hull) {
-    FlatBox box{hull[0], hull[0]};
-    for (const glm::dvec2 p : hull) {
-        box.low = glm::min(box.low, p);
-        box.high = glm::max(box.high, p);
-    }
-    return box;
-}
-
 double distanceTo(std::span<const glm::dvec2> hull, glm::dvec2 p) {
     double least = std::numeric_limits<double>::infinity();
     bool inside = true;
     for (size_t i = 0; i < hull.size(); ++i) {
         const glm::dvec2 a = hull[i], d = hull[(i + 1) % hull.size()] - a;
         inside = inside && cross(d, p - a) >= 0;
-        const double t = std::clamp(glm::dot(p - a, d) / glm::dot(d, d), 0.0, 1.0);
-        least = std::min(least, glm::length(p - a - t * d));
+        least = std::min(least, distanceToSegment(p, a, a + d));
     }
     return inside ? 0 : least;
 }
 
+// Clockwise in the image, whose y runs down; empty when not all of it lies before the projector.
+std::vector<glm::dvec2> imageOfHull(const PlaneFrame& plane, std::span<const glm::dvec2> hull,
+                                    const OpticalDevice& projector) {
+    std::vector<glm::dvec2> image;
+    for (const glm::dvec2 p : hull) {
+        const auto at = imageOf(plane.inSpace(p), projector);
+        if (!at) return {};
+        image.push_back(*at);
+    }
+    return image;
+}
+
+// Whether one side of the hull (clockwise) has all of the points beyond it.
+bool liesBeside(std::span<const glm::dvec2> points, std::span<const glm::dvec2> hull) {
+    glm::dvec2 from = hull.back();
+    for (const glm::dvec2 to : hull) {
+        if (std::ranges::all_of(points, [&](glm::dvec2 p) { return cross(to - from, p - from) >= 0; }))
+            return true;
+        from = to;
+    }
+    return false;
+}
+
 } // namespace
 
-ShadowCaster::ShadowCaster(ConvexSolid s) : solid(std::move(s)) {
-    centre = boundsOf(solid.corners).centre();
-    for (const glm::dvec3& p : solid.corners) radius = std::max(radius, glm::length(p - centre));
+Beam::Beam(const OpticalDevice& device, std::span<const ConvexSolid> solids)
+    : projector(device), centre(device.centre()), borders(pictureBorders(device)), casters(solids) {
+    for (const ConvexSolid& solid : solids) outlines.push_back(imageOutline(solid, device));
 }
 
 bool PlaneView::reaches(glm::dvec2 p) const {
@@ -184,44 +204,32 @@ bool PlaneView::reaches(glm::dvec2 p) const {
     return std::ranges::none_of(shadows, [&](const ConvexOutline& s) { return s.contains(p); });
 }
 
-PlaneView viewOfPlane(const PlaneFrame& plane, std::span<const glm::dvec2> hull, glm::dvec3 projector,
-                      const std::array<glm::dvec3, 4>& pictureBorders, double leastCosine,
-                      std::span<const ShadowCaster> casters) {
+PlaneView viewOfPlane(const PlaneFrame& plane, std::span<const glm::dvec2> hull, const Beam& beam,
+                      double leastCosine) {
     PlaneView view;
-    view.height = glm::dot(projector - plane.origin, plane.normal);
+    view.height = glm::dot(beam.centre - plane.origin, plane.normal);
     if (view.height <= 0) return view;
-    view.foot = plane.flat(projector);
+    view.foot = plane.flat(beam.centre);
     view.reach = leastCosine > 0 ? view.height * std::sqrt(1 / (leastCosine * leastCosine) - 1)
                                  : std::numeric_limits<double>::infinity();
     if (distanceTo(hull, view.foot) >= view.reach) return view;
-    for (const glm::dvec3& n : pictureBorders) {
+    for (const glm::dvec3& n : beam.borders) {
         const glm::dvec2 flat(glm::dot(n, plane.u), glm::dot(n, plane.v));
-        const double offset = glm::dot(n, projector - plane.origin);
+        const double offset = glm::dot(n, beam.centre - plane.origin);
         if (allOutside(hull, flat, offset)) return view;
-        view.borders.emplace_back(flat, offset);
+        if (!allOutside(hull, -flat, -offset)) view.borders.emplace_back(flat, offset);
     }
-    // Outward normals of the pyramid from the projector over the hull.
-    std::vector<glm::dvec3> sides;
-    for (size_t i = 0; i < hull.size(); ++i)
-        sides.push_back(glm::normalize(glm::cross(plane.inSpace(hull[i]) - projector,
-                                                  plane.inSpace(hull[(i + 1) % hull.size()]) - projector)));
-    const FlatBox box = boxOf(hull);
-    for (const ShadowCaster& caster : casters) {
-        // Which solids are out of the way, first by the balls round them.
-        const glm::dvec3 c = caster.centre - projector;
-        if (glm::dot(caster.centre - plane.origin, plane.normal) + caster.radius <= kSkin) continue;
-        if (std::ranges::any_of(sides, [&](const glm::dvec3& n) { return glm::dot(n, c) > caster.radius; }))
+    if (std::ranges::all_of(hull, [&](glm::dvec2 p) { return glm::length(p - view.foot) < view.reach; }))
+        view.reach = std::numeric_limits<double>::infinity();
+    // Most solids are out of the way, which their images tell.
+    const std::vector<glm::dvec2> image = imageOfHull(plane, hull, beam.projector);
+    const FlatBox imageBox = boxOf(image), box = boxOf(hull);
+    for (size_t c = 0; c < beam.casters.size(); ++c) {
+        const ImageOutline* outline = beam.outlines[c] ? &*beam.outlines[c] : nullptr;
+        if (outline && !image.empty() &&
+            (!outline->box.meets(imageBox) || liesBeside(outline->points, image)))
             continue;
-        const auto& corners = caster.solid.corners;
-        const auto beyond = [&](const glm::dvec3& n) {
-            return std::ranges::all_of(corners,
-                                       [&](const glm::dvec3& p) { return glm::dot(n, p - projector) >= 0; });
-        };
-        const auto low = [&](const glm::dvec3& p) {
-            return glm::dot(p - plane.origin, plane.normal) <= kSkin;
-        };
-        if (std::ranges::all_of(corners, low) || std::ranges::any_of(sides, beyond)) continue;
-        ConvexOutline shadow = shadowOnPlane(caster.solid, projector, plane, kSkin, box);
+        ConvexOutline shadow = shadowOnPlane(beam.casters[c], outline, beam.centre, plane, kSkin, box);
         if (shadow.points.empty()) continue;
         if (std::ranges::all_of(hull, [&](glm::dvec2 p) { return shadow.contains(p); })) return view;
         view.shadows.push_back(std::move(shadow));
@@ -230,8 +238,8 @@ PlaneView viewOfPlane(const PlaneFrame& plane, std::span<const glm::dvec2> hull,
     return view;
 }
 
-void appendOutline(const PlaneView& view, glm::dvec2 low, glm::dvec2 high, std::vector<Segment>& out) {
-    if (view.seen) OutlineFinder(view, low, high, out).find();
+void appendOutline(const PlaneView& view, const FlatBox& box, std::vector<Segment>& out) {
+    if (view.seen) OutlineFinder(view, box, out).find();
 }
 
 } // namespace heliodon::geometry

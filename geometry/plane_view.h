@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -13,31 +14,34 @@ namespace heliodon::geometry {
 struct PlaneView {
     bool seen = false; // false: nothing of the piece
     double height = 0; // of the projector over the plane, metres
-    double reach = 0;  // radius round the foot within which n . d is large enough
+    // Radius round the foot within which n . d is large enough; infinite where all of the piece lies within.
+    double reach = 0;
     glm::dvec2 foot{};
     std::vector<ConvexOutline> shadows;
-    std::vector<std::pair<glm::dvec2, double>> borders; // inside the picture where dot(first, p) > second
+    // Of the picture, those that the piece crosses: inside where dot(first, p) > second.
+    std::vector<std::pair<glm::dvec2, double>> borders;
 
     bool reaches(glm::dvec2 p) const;
 };
 
-// A solid with the ball round it.
-struct ShadowCaster {
-    explicit ShadowCaster(ConvexSolid solid);
-    ConvexSolid solid;
-    glm::dvec3 centre{};
-    double radius = 0;
+// A projector with the solids before it, both of which must outlive this.
+struct Beam {
+    Beam(const OpticalDevice& projector, std::span<const ConvexSolid> casters);
+    const OpticalDevice& projector;
+    glm::dvec3 centre;
+    std::array<glm::dvec3, 4> borders; // of the picture
+    std::span<const ConvexSolid> casters;
+    std::vector<std::optional<ImageOutline>> outlines; // per caster
 };
 
-// `hull`: convex polygon, counter-clockwise, that the piece of the plane lies in. Shadows that miss it are
-// left out.
-PlaneView viewOfPlane(const PlaneFrame& plane, std::span<const glm::dvec2> hull, glm::dvec3 projector,
-                      const std::array<glm::dvec3, 4>& pictureBorders, double leastCosine,
-                      std::span<const ShadowCaster> casters);
+// `hull`: convex polygon, counter-clockwise, that the piece of the plane lies in. Shadows that miss the box
+// round it are left out.
+PlaneView viewOfPlane(const PlaneFrame& plane, std::span<const glm::dvec2> hull, const Beam& beam,
+                      double leastCosine);
 
 using Segment = std::array<glm::dvec2, 2>;
-// Appends the border of what the view reaches, as far as it lies in the box from `low` to `high`. The circle
-// where n . d has its least value is followed by chords to within 0.2 mm.
-void appendOutline(const PlaneView& view, glm::dvec2 low, glm::dvec2 high, std::vector<Segment>& out);
+// Appends the border of what the view reaches, as far as it lies in the box. The circle where n . d has its
+// least value is followed by chords to within 0.2 mm.
+void appendOutline(const PlaneView& view, const FlatBox& box, std::vector<Segment>& out);
 
 } // namespace heliodon::geometry

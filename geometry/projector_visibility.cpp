@@ -14,8 +14,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "geometry/flat_part.h"
 #include "geometry/perpendicular.h"
-#include "geometry/plane_view.h"
 #include "geometry/projector_blend.h"
 #include "geometry/region_mesh.h"
 
@@ -34,137 +34,18 @@ struct Hash {
     }
 };
 
-// A triangle of the mesh.
-struct Piece {
-    std::array<glm::dvec2, 3> corner{};
-    std::array<uint32_t, 3> vertex{};
-    uint32_t patch = 0;
-
-    glm::dvec3 barycentric(glm::dvec2 p) const {
-        const double whole = cross(corner[1] - corner[0], corner[2] - corner[0]);
-        const double b = cross(p - corner[0], corner[2] - corner[0]) / whole,
-                     c = cross(corner[1] - corner[0], p - corner[0]) / whole;
-        return {1 - b - c, b, c};
-    }
-};
-
-// Which piece a point lies in, by a grid of boxes.
-class PieceFinder {
-public:
-    PieceFinder(const std::vector<Piece>& pieces, glm::dvec2 low, glm::dvec2 high, double cell)
-        : pieces_(pieces), low_(low), cell_(cell) {
-        columns_ = static_cast<int>((high.x - low.x) / cell_) + 1;
-        rows_ = static_cast<int>((high.y - low.y) / cell_) + 1;
-        first_.assign(static_cast<size_t>(columns_) * static_cast<size_t>(rows_) + 1, 0);
-        for (const Piece& piece : pieces) eachCell(piece, [&](size_t c) { ++first_[c + 1]; });
-        for (size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
-        items_.resize(first_.back());
-        std::vector<uint32_t> at(first_.begin(), first_.end() - 1);
-        for (uint32_t i = 0; i < pieces.size(); ++i)
-            eachCell(pieces[i], [&](size_t c) { items_[at[c]++] = i; });
-    }
-
-    // The piece that it lies in, or, by a rounding error beside all, the nearest.
-    uint32_t at(glm::dvec2 p) const {
-        const auto cell = static_cast<size_t>(row(p.y) * columns_ + column(p.x));
-        uint32_t best = 0;
-        double most = -1e300;
-        for (uint32_t k = first_[cell]; k < first_[cell + 1]; ++k) {
-            const glm::dvec3 w = pieces_[items_[k]].barycentric(p);
-            const double least = std::min({w.x, w.y, w.z});
-            if (least <= most) continue;
-            most = least;
-            best = items_[k];
-            if (most >= 0) break;
-        }
-        return best;
-    }
-
-private:
-    int column(double x) const { return std::clamp(static_cast<int>((x - low_.x) / cell_), 0, columns_ - 1); }
-    int row(double y) const { return std::clamp(static_cast<int>((y - low_.y) / cell_), 0, rows_ - 1); }
-
-    template<class Visit> void eachCell(const Piece& piece, Visit visit) const {
-        const glm::dvec2 low = glm::min(piece.corner[0], glm::min(piece.corner[1], piece.corner[2])) -
-                               1e-3 * cell_,
-                         high = glm::max(piece.corner[0], glm::max(piece.corner[1], piece.corner[2])) +
-                                1e-3 * cell_;
-        for (int r = row(low.y); r <= row(high.y); ++r)
-            for (int c = column(low.x); c <= column(high.x); ++c)
-                visit(static_cast<size_t>(r * columns_ + c));
-    }
-
-    const std::vector<Piece>& pieces_;
-    glm::dvec2 low_;
-    double cell_;
-    int columns_ = 1, rows_ = 1;
-    std::vector<uint32_t> first_, items_;
-};
-
-// All pieces of one surface in one plane.
-struct FlatPart {
-    PlaneFrame frame;
-    uint32_t surface = 0;
-    std::vector<Piece> pieces;
-    glm::dvec2 low{}, high{};
-    std::vector<PlaneView> views;
-    std::vector<Cut> cuts;
-    std::vector<std::array<uint32_t, 2>> borderEdges; // vertices, the pieces on their left
-    std::vector<Segment> border;                      // the same in the plane
-
-    void bound() {
-        low = high = pieces[0].corner[0];
-        for (const Piece& piece : pieces)
-            for (const glm::dvec2 p : piece.corner) {
-                low = glm::min(low, p);
-                high = glm::max(high, p);
-            }
-    }
-
-    // Edge length of a regular triangle of the mean area.
-    double spacing() const {
-        double twice = 0;
-        for (const Piece& p : pieces) twice += cross(p.corner[1] - p.corner[0], p.corner[2] - p.corner[0]);
-        return std::sqrt(2 / std::sqrt(3.0) * twice / static_cast<double>(pieces.size()));
-    }
-
-    // Edges that only one piece has.
-    void findBorder() {
-        struct Side {
-            uint32_t low, high, piece, k;
-        };
-        std::vector<Side> sides;
-        for (uint32_t i = 0; i < pieces.size(); ++i)
-            for (uint32_t k = 0; k < 3; ++k) {
-                const auto [a, b] = std::minmax(pieces[i].vertex[k], pieces[i].vertex[(k + 1) % 3]);
-                sides.push_back({a, b, i, k});
-            }
-        std::ranges::sort(sides, {}, [](const Side& s) { return std::tuple(s.low, s.high, s.piece); });
-        const auto same = [](const Side& s, const Side& o) { return s.low == o.low && s.high == o.high; };
-        for (size_t i = 0; i < sides.size(); ++i) {
-            if ((i > 0 && same(sides[i - 1], sides[i])) ||
-                (i + 1 < sides.size() && same(sides[i + 1], sides[i])))
-                continue;
-            const Piece& piece = pieces[sides[i].piece];
-            const size_t k = sides[i].k, next = (k + 1) % 3;
-            borderEdges.push_back({piece.vertex[k], piece.vertex[next]});
-            border.push_back({piece.corner[k], piece.corner[next]});
-        }
-    }
-};
-
 class VisibilitySplitter {
 public:
     VisibilitySplitter(const PatchMesh& mesh, const Occluders& occluders,
                        std::span<const OpticalDevice> projectors, const ProjectorOptions& options)
-        : mesh_(mesh), projectors_(projectors), options_(options) {
-        for (ConvexSolid& solid : convexSolids(occluders)) casters_.emplace_back(std::move(solid));
-        for (const OpticalDevice& device : projectors) borders_.push_back(pictureBorders(device));
+        : mesh_(mesh), projectors_(projectors), options_(options), casters_(convexSolids(occluders)) {
+        for (const OpticalDevice& device : projectors) beams_.emplace_back(device, casters_);
         out_.projectorCount = projectors.size();
     }
 
     ProjectorMesh split() {
-        corners_.reserve(2 * mesh_.vertices.size());
+        copies_.assign(mesh_.vertices.size(), Piece::kNone);
+        cutVertices_.assign(mesh_.vertices.size(), false);
         collectParts();
         for (FlatPart& part : parts_) findCuts(part);
         for (auto& [edge, cuts] : edgeCuts_) tidy(edge, cuts);
@@ -178,55 +59,86 @@ private:
     using EdgeKey = std::array<int64_t, 2>; // vertices, the lower number first
 
     void collectParts() {
-        std::unordered_map<std::array<int64_t, 5>, size_t, Hash> planes;
+        using PlaneKey = std::array<int64_t, 5>;
+        std::unordered_map<PlaneKey, size_t, Hash> planes;
+        PlaneKey last{};
+        size_t at = 0;
         for (uint32_t i = 0; i < mesh_.patchCount(); ++i) {
             if (mesh_.role[i] != Role::projection) continue;
             const glm::dvec3 n = patchNormal(mesh_, i), p = mesh_.vertices[mesh_.patch(i)[0]];
-            const auto [place, isNew] =
-                planes.try_emplace({mesh_.surface[i], std::llround(n.x * 1e7), std::llround(n.y * 1e7),
-                                    std::llround(n.z * 1e7), std::llround(glm::dot(n, p) * 1e7)},
-                                   parts_.size());
-            if (isNew) {
-                FlatPart& part = parts_.emplace_back();
-                const glm::dvec3 u = perpendicular(n);
-                part.frame = {p, u, glm::cross(n, u), n};
-                part.surface = mesh_.surface[i];
+            const PlaneKey key{mesh_.surface[i], std::llround(n.x * 1e7), std::llround(n.y * 1e7),
+                               std::llround(n.z * 1e7), std::llround(glm::dot(n, p) * 1e7)};
+            if (parts_.empty() || key != last) {
+                const auto [place, isNew] = planes.try_emplace(key, parts_.size());
+                if (isNew) {
+                    FlatPart& part = parts_.emplace_back();
+                    const glm::dvec3 u = perpendicular(n);
+                    part.frame = {p, u, glm::cross(n, u), n};
+                    part.surface = mesh_.surface[i];
+                }
+                at = place->second;
+                last = key;
             }
-            FlatPart& part = parts_[place->second];
             const auto corner = mesh_.patch(i);
             for (size_t k = 1; k + 1 < corner.size(); ++k) {
-                Piece& piece = part.pieces.emplace_back();
+                Piece& piece = parts_[at].pieces.emplace_back();
                 piece.vertex = {corner[0], corner[k], corner[k + 1]};
-                for (size_t c = 0; c < 3; ++c)
-                    piece.corner[c] = part.frame.flat(mesh_.vertices[piece.vertex[c]]);
                 piece.patch = i;
             }
+        }
+        std::vector<uint32_t> numbered(mesh_.vertices.size()), place(mesh_.vertices.size());
+        for (uint32_t number = 1; FlatPart & part : parts_) {
+            for (Piece& piece : part.pieces)
+                for (size_t k = 0; k < 3; ++k) {
+                    uint32_t& v = piece.vertex[k];
+                    piece.corner[k] = part.frame.flat(mesh_.vertices[v]);
+                    if (numbered[v] != number) {
+                        numbered[v] = number;
+                        place[v] = static_cast<uint32_t>(part.vertices.size());
+                        part.vertices.push_back(v);
+                    }
+                    v = place[v];
+                }
+            part.link();
+            ++number;
         }
     }
 
     void findCuts(FlatPart& part) {
-        part.bound();
-        std::vector<glm::dvec2> hull{
-            part.low, {part.high.x, part.low.y}, part.high, {part.low.x, part.high.y}};
+        const auto& [low, high] = part.box;
+        std::vector<glm::dvec2> hull{low, {high.x, low.y}, high, {low.x, high.y}};
         if (part.pieces.size() == 1) hull.assign(part.pieces[0].corner.begin(), part.pieces[0].corner.end());
-        std::vector<Segment> outline;
-        for (size_t p = 0; p < projectors_.size(); ++p) {
-            part.views.push_back(viewOfPlane(part.frame, hull, projectors_[p].centre(), borders_[p],
-                                             options_.leastCosine, casters_));
-            appendOutline(part.views.back(), part.low, part.high, outline);
+        outline_.clear();
+        for (const Beam& beam : beams_) {
+            part.views.push_back(viewOfPlane(part.frame, hull, beam, options_.leastCosine));
+            appendOutline(part.views.back(), part.box, outline_);
         }
-        if (outline.empty()) return;
-        part.findBorder();
-        part.cuts = clipToRegion(outline, part.border);
+        if (outline_.empty()) return;
+        part.cuts = clipToRegion(outline_, part.border);
         for (const Cut& cut : part.cuts)
             for (const CutEnd& end : cut)
                 if (end.edge >= 0 && end.t > 0 && end.t < 1) {
-                    const auto& [a, b] = part.borderEdges[static_cast<size_t>(end.edge)];
+                    const auto [a, b] = borderEdge(part, static_cast<size_t>(end.edge));
                     edgeCuts_[keyOf(a, b)].push_back(a < b ? end.t : 1 - end.t);
+                    cutVertices_[a] = cutVertices_[b] = true;
                 }
     }
 
+    // Vertices of the mesh, the part on their left.
+    static std::pair<uint32_t, uint32_t> borderEdge(const FlatPart& part, size_t edge) {
+        const auto [piece, k] = part.borderSides[edge];
+        const auto& v = part.pieces[piece].vertex;
+        return {part.vertices[v[k]], part.vertices[v[(k + 1) % 3]]};
+    }
+
     static EdgeKey keyOf(uint32_t a, uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
+
+    // Where the edge is cut, from the lower of its vertices on; null when nowhere.
+    const std::vector<double>* cutsOf(uint32_t a, uint32_t b) const {
+        if (!cutVertices_[a] || !cutVertices_[b]) return nullptr;
+        const auto found = edgeCuts_.find(keyOf(a, b));
+        return found == edgeCuts_.end() ? nullptr : &found->second;
+    }
 
     // Both surfaces at the edge cut it, each by its own reckoning.
     void tidy(const EdgeKey& edge, std::vector<double>& cuts) const {
@@ -241,10 +153,13 @@ private:
 
     // The vertex of the result at a corner of the mesh, on this surface.
     uint32_t cornerVertex(uint32_t v, uint32_t surface) {
-        const auto [place, isNew] =
-            corners_.try_emplace({v, surface}, static_cast<uint32_t>(out_.vertices.size()));
-        if (isNew) addVertex(mesh_.vertices[v], {v, v, v}, {1, 0, 0});
-        return place->second;
+        for (uint32_t copy = copies_[v]; copy != Piece::kNone; copy = cornerCopies_[copy].next)
+            if (cornerCopies_[copy].surface == surface) return cornerCopies_[copy].vertex;
+        const auto made = static_cast<uint32_t>(out_.vertices.size());
+        cornerCopies_.push_back({surface, made, copies_[v]});
+        copies_[v] = static_cast<uint32_t>(cornerCopies_.size() - 1);
+        addVertex(mesh_.vertices[v], {v, v, v}, {1, 0, 0});
+        return made;
     }
 
     uint32_t edgeVertex(const EdgeKey& edge, size_t index, uint32_t surface) {
@@ -277,20 +192,23 @@ private:
         out_.visible.push_back(seen);
     }
 
-    bool bordersOnCuts(const FlatPart& part) const {
-        return std::ranges::any_of(part.pieces, [&](const Piece& piece) {
-            for (size_t k = 0; k < 3; ++k)
-                if (edgeCuts_.contains(keyOf(piece.vertex[k], piece.vertex[(k + 1) % 3]))) return true;
-            return false;
-        });
+    // As it is in the mesh.
+    void keep(const Piece& piece, const FlatPart& part) {
+        std::array<uint32_t, 3> vertex{};
+        for (size_t k = 0; k < 3; ++k) vertex[k] = cornerVertex(part.vertices[piece.vertex[k]], part.surface);
+        addTriangle(vertex, piece.corner, piece.patch, part);
     }
 
     void build(FlatPart& part) {
-        if (!part.cuts.empty() || bordersOnCuts(part)) return rebuild(part);
-        for (const Piece& piece : part.pieces) {
-            std::array<uint32_t, 3> vertex{};
-            for (size_t k = 0; k < 3; ++k) vertex[k] = cornerVertex(piece.vertex[k], part.surface);
-            addTriangle(vertex, piece.corner, piece.patch, part);
+        cutEdges_.clear();
+        for (size_t e = 0; e < part.border.size(); ++e) {
+            const auto [a, b] = borderEdge(part, e);
+            cutEdges_.push_back(cutsOf(a, b));
+        }
+        if (part.cuts.empty() && std::ranges::all_of(cutEdges_, [](const auto* cuts) { return !cuts; })) {
+            for (const Piece& piece : part.pieces) keep(piece, part);
+        } else {
+            rebuild(part);
         }
     }
 
@@ -300,42 +218,55 @@ private:
         std::vector<double> places; // 0 .. 1
     };
 
+    // Pieces that lines or points on the border come near are meshed anew, the others stay.
     void rebuild(FlatPart& part) {
-        if (part.border.empty()) part.findBorder();
         Region region;
         region.spacing = part.spacing();
+        const PieceGrid grid(part.pieces, part.box, 1.5 * region.spacing);
+        const std::vector<bool> touched = touchedPieces(part, grid, region.spacing);
+        for (size_t i = 0; i < part.pieces.size(); ++i)
+            if (!touched[i]) keep(part.pieces[i], part);
+
         std::vector<uint32_t> vertices; // of the result, per point of the region
-        std::unordered_map<uint32_t, uint32_t> onBorder;
-        std::vector<Chain> chains;
-        const auto borderCorner = [&](uint32_t v, glm::dvec2 p) {
-            const auto [place, isNew] = onBorder.try_emplace(v, static_cast<uint32_t>(region.border.size()));
-            if (isNew) {
-                region.border.push_back(p);
-                vertices.push_back(cornerVertex(v, part.surface));
+        std::vector<uint32_t> onBorder(part.vertices.size(), Piece::kNone);
+        const auto borderCorner = [&](const Piece& piece, size_t k) {
+            uint32_t& place = onBorder[piece.vertex[k]];
+            if (place == Piece::kNone) {
+                place = static_cast<uint32_t>(region.border.size());
+                region.border.push_back(piece.corner[k]);
+                vertices.push_back(cornerVertex(part.vertices[piece.vertex[k]], part.surface));
             }
-            return place->second;
+            return place;
         };
+        std::vector<Chain> chains(part.border.size());
         for (size_t e = 0; e < part.border.size(); ++e) {
-            const auto [a, b] = part.borderEdges[e];
-            Chain chain;
-            chain.points.push_back(borderCorner(a, part.border[e][0]));
+            const auto [i, k] = part.borderSides[e];
+            if (!touched[i]) continue;
+            const auto [a, b] = borderEdge(part, e);
+            Chain& chain = chains[e];
+            chain.points.push_back(borderCorner(part.pieces[i], k));
             chain.places.push_back(0);
-            const EdgeKey key = keyOf(a, b);
-            const auto cuts = edgeCuts_.find(key);
-            const size_t n = cuts == edgeCuts_.end() ? 0 : cuts->second.size();
+            const size_t n = cutEdges_[e] ? cutEdges_[e]->size() : 0;
             for (size_t c = 0; c < n; ++c) {
                 const size_t index = a < b ? c : n - 1 - c;
+                const double t = (*cutEdges_[e])[index];
                 chain.points.push_back(static_cast<uint32_t>(region.border.size()));
-                chain.places.push_back(a < b ? cuts->second[index] : 1 - cuts->second[index]);
-                vertices.push_back(edgeVertex(key, index, part.surface));
+                chain.places.push_back(a < b ? t : 1 - t);
+                vertices.push_back(edgeVertex(keyOf(a, b), index, part.surface));
                 region.border.push_back(part.frame.flat(out_.vertices[vertices.back()]));
             }
-            chain.points.push_back(borderCorner(b, part.border[e][1]));
+            chain.points.push_back(borderCorner(part.pieces[i], (k + 1) % 3));
             chain.places.push_back(1);
-            for (size_t k = 0; k + 1 < chain.points.size(); ++k)
-                region.borderEdges.emplace_back(chain.points[k], chain.points[k + 1]);
-            chains.push_back(std::move(chain));
+            for (size_t c = 0; c + 1 < chain.points.size(); ++c)
+                region.borderEdges.emplace_back(chain.points[c], chain.points[c + 1]);
         }
+        for (size_t i = 0; i < part.pieces.size(); ++i)
+            for (size_t k = 0; k < 3 && touched[i]; ++k) {
+                const Piece& piece = part.pieces[i];
+                if (piece.neighbour[k] == Piece::kNone || touched[piece.neighbour[k]]) continue;
+                const uint32_t from = borderCorner(piece, k), to = borderCorner(piece, (k + 1) % 3);
+                region.borderEdges.emplace_back(from, to);
+            }
         for (const Cut& cut : part.cuts) {
             RegionLine line;
             for (size_t k = 0; k < 2; ++k) {
@@ -346,19 +277,40 @@ private:
             }
             region.lines.push_back(line);
         }
-        const std::vector<uint32_t> seeds = addSeeds(part, onBorder, region);
+        const std::vector<uint32_t> seeds = addSeeds(part, touched, onBorder, region);
         const RegionMesh mesh = meshRegion(region);
         for (const uint32_t s : mesh.keptSeeds) vertices.push_back(cornerVertex(seeds[s], part.surface));
-        const PieceFinder finder(part.pieces, part.low, part.high, 1.5 * region.spacing);
         for (size_t i = vertices.size(); i < mesh.points.size(); ++i) {
-            const Piece& piece = part.pieces[finder.at(mesh.points[i])];
+            const Piece& piece = part.pieces[grid.at(mesh.points[i])];
+            std::array<uint32_t, 3> source{};
+            for (size_t k = 0; k < 3; ++k) source[k] = part.vertices[piece.vertex[k]];
             vertices.push_back(static_cast<uint32_t>(out_.vertices.size()));
-            addVertex(part.frame.inSpace(mesh.points[i]), piece.vertex, piece.barycentric(mesh.points[i]));
+            addVertex(part.frame.inSpace(mesh.points[i]), source, piece.barycentric(mesh.points[i]));
         }
         for (const auto& t : mesh.triangles)
             addTriangle({vertices[t[0]], vertices[t[1]], vertices[t[2]]},
                         {mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]}, part.pieces[0].patch,
                         part);
+    }
+
+    std::vector<bool> touchedPieces(const FlatPart& part, const PieceGrid& grid, double spacing) const {
+        constexpr double kMargin = 0.3; // of the spacing: lines stay as far away from what is not meshed anew
+        std::vector<bool> touched(part.pieces.size());
+        for (const Cut& cut : part.cuts) {
+            grid.markNear({cut[0].point, cut[1].point}, kMargin * spacing, touched);
+            for (const CutEnd& end : cut)
+                if (end.edge >= 0) touched[part.borderSides[static_cast<size_t>(end.edge)].piece] = true;
+        }
+        for (size_t e = 0; e < part.border.size(); ++e)
+            if (cutEdges_[e]) {
+                touched[part.borderSides[e].piece] = true;
+                const auto [a, b] = borderEdge(part, e);
+                for (const double t : *cutEdges_[e]) {
+                    const glm::dvec2 p = part.border[e][a < b ? 0 : 1], q = part.border[e][a < b ? 1 : 0];
+                    grid.markNear({p + t * (q - p), p + t * (q - p)}, kMargin * spacing, touched);
+                }
+            }
+        return touched;
     }
 
     static uint32_t nearest(const Chain& chain, double t) {
@@ -368,26 +320,28 @@ private:
         return chain.points[best];
     }
 
-    // The vertices inside the part, with the mean length of the edges there.
-    static std::vector<uint32_t>
-    addSeeds(const FlatPart& part, const std::unordered_map<uint32_t, uint32_t>& onBorder, Region& region) {
-        std::vector<uint32_t> seeds;
-        std::unordered_map<uint32_t, uint32_t> known;
+    // The vertices of the mesh inside the region, with the mean length of the edges there.
+    static std::vector<uint32_t> addSeeds(const FlatPart& part, const std::vector<bool>& touched,
+                                          const std::vector<uint32_t>& onBorder, Region& region) {
+        std::vector<uint32_t> seeds, known(part.vertices.size(), Piece::kNone);
         std::vector<double> count;
-        for (const Piece& piece : part.pieces)
+        for (size_t i = 0; i < part.pieces.size(); ++i) {
+            if (!touched[i]) continue;
+            const Piece& piece = part.pieces[i];
             for (size_t k = 0; k < 3; ++k) {
                 const uint32_t v = piece.vertex[k];
-                if (onBorder.contains(v)) continue;
-                const auto [place, isNew] = known.try_emplace(v, static_cast<uint32_t>(seeds.size()));
-                if (isNew) {
-                    seeds.push_back(v);
+                if (onBorder[v] != Piece::kNone) continue;
+                if (known[v] == Piece::kNone) {
+                    known[v] = static_cast<uint32_t>(seeds.size());
+                    seeds.push_back(part.vertices[v]);
                     region.seeds.push_back(piece.corner[k]);
                     region.seedSpacing.push_back(0);
                     count.push_back(0);
                 }
-                region.seedSpacing[place->second] += glm::length(piece.corner[(k + 1) % 3] - piece.corner[k]);
-                ++count[place->second];
+                region.seedSpacing[known[v]] += glm::length(piece.corner[(k + 1) % 3] - piece.corner[k]);
+                ++count[known[v]];
             }
+        }
         for (size_t s = 0; s < seeds.size(); ++s) region.seedSpacing[s] /= count[s];
         return seeds;
     }
@@ -410,11 +364,18 @@ private:
     const PatchMesh& mesh_;
     std::span<const OpticalDevice> projectors_;
     ProjectorOptions options_;
-    std::vector<ShadowCaster> casters_;
-    std::vector<std::array<glm::dvec3, 4>> borders_;
+    std::vector<ConvexSolid> casters_;
+    std::vector<Beam> beams_; // per projector
     std::vector<FlatPart> parts_;
     std::unordered_map<EdgeKey, std::vector<double>, Hash> edgeCuts_;
-    std::unordered_map<std::array<int64_t, 2>, uint32_t, Hash> corners_;
+    std::vector<bool> cutVertices_;                    // of the mesh: ends of edges that are cut
+    std::vector<const std::vector<double>*> cutEdges_; // of the part at hand, per border edge, or null
+    std::vector<Segment> outline_;                     // likewise
+    struct CornerCopy {
+        uint32_t surface, vertex, next; // vertex of the result; next copy of the same corner
+    };
+    std::vector<CornerCopy> cornerCopies_;
+    std::vector<uint32_t> copies_; // per vertex of the mesh: the last of its copies
     std::unordered_map<std::array<int64_t, 4>, uint32_t, Hash> edgeVertices_;
     std::vector<glm::dvec3> normals_; // per triangle
     ProjectorMesh out_;

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <tuple>
+#include <utility>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -13,6 +14,7 @@
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
 
 #include "geometry/perpendicular.h"
+#include "geometry/segment_distance.h"
 
 namespace heliodon::geometry {
 
@@ -35,120 +37,16 @@ using Triangulation =
 constexpr double kStraight = 1.5e-4; // metres: how far lines move to get rid of their corners
 constexpr double kMakesWay = 0.25;   // of its spacing: a seed nearer to a line
 
-double distanceTo(glm::dvec2 p, glm::dvec2 a, glm::dvec2 b) {
-    const glm::dvec2 d = b - a;
-    const double square = glm::dot(d, d),
-                 t = square > 0 ? std::clamp(glm::dot(p - a, d) / square, 0.0, 1.0) : 0;
-    return glm::length(p - a - t * d);
-}
-
-// Inside, and not on the border.
-bool wellInside(glm::dvec2 p, std::span<const Segment> border) {
-    bool in = false;
-    for (const auto& [a, b] : border) {
-        if ((a.y > p.y) != (b.y > p.y) && p.x < (b.x - a.x) * (p.y - a.y) / (b.y - a.y) + a.x) in = !in;
-        if (std::min(a.y, b.y) > p.y + kSameInRegion || std::max(a.y, b.y) < p.y - kSameInRegion) continue;
-        if (distanceTo(p, a, b) <= kSameInRegion) return false;
-    }
-    return in;
-}
-
-// Cuts one segment where it meets the border.
-class SegmentClipper {
-public:
-    SegmentClipper(std::span<const Segment> border, std::vector<Cut>& out) : border_(border), out_(out) {}
-
-    void clip(const Segment& segment) {
-        a_ = segment[0];
-        length_ = glm::length(segment[1] - segment[0]);
-        if (!(length_ > kSameInRegion)) return;
-        along_ = (segment[1] - segment[0]) / length_;
-        low_ = glm::min(segment[0], segment[1]) - kSameInRegion;
-        high_ = glm::max(segment[0], segment[1]) + kSameInRegion;
-        stops_.clear();
-        for (size_t i = 0; i < border_.size(); ++i) meet(static_cast<int>(i));
-        join();
-        for (size_t k = 0; k + 1 < stops_.size(); ++k) {
-            const double from = stops_[k].at, to = stops_[k + 1].at;
-            if (to - from > kSameInRegion && wellInside(place(0.5 * (from + to)), border_))
-                out_.push_back({endAt(stops_[k]), endAt(stops_[k + 1])});
-        }
-    }
-
-private:
-    struct Stop {
-        double at = 0; // metres along the segment
-        int edge = -1;
-        double t = 0;
-        bool corner() const { return edge >= 0 && (t == 0 || t == 1); }
-    };
-
-    glm::dvec2 place(double at) const { return a_ + at * along_; }
-
-    CutEnd endAt(const Stop& stop) const {
-        if (stop.edge < 0) return {place(stop.at), -1, 0};
-        const auto& [p, q] = border_[static_cast<size_t>(stop.edge)];
-        return {p + stop.t * (q - p), stop.edge, stop.t};
-    }
-
-    void stop(double at, int edge, double t, double edgeLength) {
-        if (at < -kSameInRegion || at > length_ + kSameInRegion) return;
-        if (t * edgeLength <= kSameInRegion) t = 0;
-        if ((1 - t) * edgeLength <= kSameInRegion) t = 1;
-        stops_.push_back({std::clamp(at, 0.0, length_), edge, t});
-    }
-
-    void meet(int i) {
-        const auto& [p, q] = border_[static_cast<size_t>(i)];
-        if (std::max(p.x, q.x) < low_.x || std::max(p.y, q.y) < low_.y || std::min(p.x, q.x) > high_.x ||
-            std::min(p.y, q.y) > high_.y)
-            return;
-        const glm::dvec2 e = q - p;
-        const double size = glm::length(e), sp = cross(along_, p - a_), sq = cross(along_, q - a_);
-        if (std::abs(sp) <= kSameInRegion) stop(glm::dot(p - a_, along_), i, 0, size);
-        if (std::abs(sq) <= kSameInRegion) stop(glm::dot(q - a_, along_), i, 1, size);
-        if (sp * sq < 0) {
-            const double t = sp / (sp - sq);
-            stop(glm::dot(p + t * e - a_, along_), i, t, size);
-        }
-        for (const double at : {0.0, length_}) { // ends that touch at a small angle
-            const double t = std::clamp(glm::dot(place(at) - p, e) / (size * size), 0.0, 1.0);
-            if (glm::length(place(at) - p - t * e) <= kSameInRegion) stop(at, i, t, size);
-        }
-    }
-
-    // Stops at one place become one, at a corner if any is; the segment's own ends are stops too.
-    void join() {
-        std::ranges::sort(stops_, [](const Stop& s, const Stop& o) {
-            return std::pair(s.at, s.edge) < std::pair(o.at, o.edge);
-        });
-        std::vector<Stop> joined;
-        if (stops_.empty() || stops_[0].at > kSameInRegion) joined.push_back({0, -1, 0});
-        for (const Stop& s : stops_)
-            if (!joined.empty() && joined.back().edge >= 0 && s.at - joined.back().at <= kSameInRegion) {
-                if (s.corner() && !joined.back().corner()) joined.back() = s;
-            } else {
-                joined.push_back(s);
-            }
-        if (joined.back().at < length_ - kSameInRegion) joined.push_back({length_, -1, 0});
-        stops_ = std::move(joined);
-    }
-
-    std::span<const Segment> border_;
-    std::vector<Cut>& out_;
-    glm::dvec2 a_{}, along_{}, low_{}, high_{};
-    double length_ = 0;
-    std::vector<Stop> stops_;
-};
-
 // The lines as edges between nodes that meet at nodes only.
 class LineNet {
 public:
-    explicit LineNet(const Region& region) : points(region.border) {
+    explicit LineNet(const Region& region)
+        : points(region.border), onLine_(points.size()), cellSize_(0.5 * region.spacing),
+          cells_(2 * region.lines.size() + 1, kNone), next_(points.size(), kNone) {
         borderCount_ = static_cast<uint32_t>(points.size());
         for (const RegionLine& line : region.lines) {
             const uint32_t a = node(line, 0), b = node(line, 1);
-            if (a != b) lines_.push_back({a, b, {}});
+            if (a != b) lines_.emplace_back(a, b);
         }
         crossLines();
         split();
@@ -160,106 +58,139 @@ public:
     std::vector<std::pair<uint32_t, uint32_t>> edges;
 
 private:
-    struct Line {
-        uint32_t a, b;
-        std::vector<std::pair<double, uint32_t>> splits;
+    struct Split { // of a line, at a + t (b - a)
+        size_t line;
+        double t;
+        uint32_t node;
     };
 
     uint32_t node(const RegionLine& line, size_t end) {
         if (line.border[end] < 0) return nodeAt(line.point[end]);
         const auto v = static_cast<uint32_t>(line.border[end]);
-        if (std::ranges::find(used_, v) == used_.end()) used_.push_back(v);
+        if (!onLine_[v]) use(v);
         return v;
     }
 
+    // The first that is there already, in cells of a grid.
     uint32_t nodeAt(glm::dvec2 p) {
-        for (const uint32_t v : used_) {
-            const glm::dvec2 d = points[v] - p;
-            if (std::abs(d.x) <= kSameInRegion && std::abs(d.y) <= kSameInRegion) return v;
-        }
-        used_.push_back(static_cast<uint32_t>(points.size()));
+        uint32_t same = kNone;
+        for (const double dx : {-kSameInRegion, kSameInRegion})
+            for (const double dy : {-kSameInRegion, kSameInRegion})
+                for (uint32_t v = cells_[cellOf(p + glm::dvec2(dx, dy))]; v != kNone; v = next_[v])
+                    if (std::abs(points[v].x - p.x) <= kSameInRegion &&
+                        std::abs(points[v].y - p.y) <= kSameInRegion)
+                        same = std::min(same, v);
+        if (same != kNone) return same;
         points.push_back(p);
+        use(static_cast<uint32_t>(points.size() - 1));
         return used_.back();
     }
 
+    void use(uint32_t v) {
+        used_.push_back(v);
+        onLine_.resize(points.size());
+        next_.resize(points.size(), kNone);
+        onLine_[v] = true;
+        uint32_t& cell = cells_[cellOf(points[v])];
+        next_[v] = std::exchange(cell, v);
+    }
+
+    size_t cellOf(glm::dvec2 p) const {
+        const auto column = static_cast<int64_t>(std::floor(p.x / cellSize_)),
+                   row = static_cast<int64_t>(std::floor(p.y / cellSize_));
+        return static_cast<size_t>(column * 73856093 ^ row * 19349663) % cells_.size();
+    }
+
     void crossLines() {
+        std::vector<FlatBox> boxes;
+        for (const auto& [a, b] : lines_) boxes.push_back(boxOf(std::array{points[a], points[b]}));
         for (size_t i = 0; i < lines_.size(); ++i)
             for (size_t j = i + 1; j < lines_.size(); ++j) {
-                Line &m = lines_[i], &n = lines_[j];
-                const glm::dvec2 p = points[m.a], d = points[m.b] - p, q = points[n.a], e = points[n.b] - q;
+                if (!boxes[i].touches(boxes[j])) continue;
+                const auto [ma, mb] = lines_[i];
+                const auto [na, nb] = lines_[j];
+                const glm::dvec2 p = points[ma], d = points[mb] - p, q = points[na], e = points[nb] - q;
                 const double sa = cross(d, q - p), sb = cross(d, q + e - p);
                 if ((sa > 0) == (sb > 0)) continue;
                 const double ta = cross(e, p - q), tb = cross(e, p + d - q);
                 if ((ta > 0) == (tb > 0)) continue;
                 const double t = ta / (ta - tb), u = sa / (sa - sb);
                 const uint32_t v = nodeAt(p + t * d);
-                if (v != m.a && v != m.b) m.splits.emplace_back(t, v);
-                if (v != n.a && v != n.b) n.splits.emplace_back(u, v);
+                if (v != ma && v != mb) splits_.push_back({i, t, v});
+                if (v != na && v != nb) splits_.push_back({j, u, v});
             }
     }
 
     void split() {
-        std::set<std::pair<uint32_t, uint32_t>> known;
-        for (Line& line : lines_) {
-            const glm::dvec2 a = points[line.a], d = points[line.b] - a;
+        for (size_t i = 0; i < lines_.size(); ++i) {
+            const auto [from, to] = lines_[i];
+            const glm::dvec2 a = points[from], d = points[to] - a;
             const double square = glm::dot(d, d), size = std::sqrt(square);
             const glm::dvec2 low = glm::min(a, a + d) - kSameInRegion,
                              high = glm::max(a, a + d) + kSameInRegion;
             for (const uint32_t v : used_) {
                 const glm::dvec2 p = points[v];
-                if (v == line.a || v == line.b || p.x < low.x || p.y < low.y || p.x > high.x || p.y > high.y)
+                if (p.x < low.x || p.y < low.y || p.x > high.x || p.y > high.y || v == from || v == to)
                     continue;
                 const double t = glm::dot(p - a, d) / square;
                 if (t > 0 && t < 1 && std::abs(cross(d, p - a)) <= kSameInRegion * size)
-                    line.splits.emplace_back(t, v);
+                    splits_.push_back({i, t, v});
             }
-            std::ranges::sort(line.splits);
-            line.splits.emplace_back(1.0, line.b);
-            for (uint32_t last = line.a; const auto& [t, v] : line.splits) {
-                if (v != last && known.insert(std::minmax(v, last)).second) edges.emplace_back(last, v);
-                last = v;
-            }
+            splits_.push_back({i, 1.0, to});
         }
+        std::ranges::sort(splits_, {}, [](const Split& s) { return std::tuple(s.line, s.t, s.node); });
+        size_t line = lines_.size();
+        for (uint32_t last = 0; const Split& s : splits_) {
+            if (s.line != line) last = lines_[line = s.line].first;
+            if (s.node != last) edges.emplace_back(std::minmax(s.node, last));
+            last = s.node;
+        }
+        std::ranges::sort(edges);
+        const auto repeated = std::ranges::unique(edges);
+        edges.erase(repeated.begin(), repeated.end());
     }
 
     // Corners between two edges that run nearly straight on.
     void simplify() {
-        std::vector<std::vector<uint32_t>> around(points.size());
-        for (uint32_t e = 0; e < edges.size(); ++e) {
-            around[edges[e].first].push_back(e);
-            around[edges[e].second].push_back(e);
-        }
+        std::vector<uint32_t> first(points.size() + 1, 0), count(points.size(), 0);
+        for (const auto& [a, b] : edges) ++first[a + 1], ++first[b + 1];
+        for (size_t v = 1; v < first.size(); ++v) first[v] += first[v - 1];
+        std::vector<uint32_t> ends(first.back());
+        for (uint32_t e = 0; e < edges.size(); ++e)
+            for (const uint32_t v : {edges[e].first, edges[e].second}) ends[first[v] + count[v]++] = e;
+        const auto around = [&](uint32_t v) { return std::span(ends).subspan(first[v], count[v]); };
         std::vector<double> moved(edges.size(), 0);
         std::vector<bool> gone(edges.size(), false);
         const auto otherEnd = [&](uint32_t e, uint32_t v) {
             return edges[e].first == v ? edges[e].second : edges[e].first;
         };
         for (const uint32_t v : used_) {
-            if (v < borderCount_ || around[v].size() != 2) continue;
-            const uint32_t e = around[v][0], f = around[v][1], a = otherEnd(e, v), b = otherEnd(f, v);
-            const double off = distanceTo(points[v], points[a], points[b]) + std::max(moved[e], moved[f]);
+            if (v < borderCount_ || count[v] != 2) continue;
+            const uint32_t e = around(v)[0], f = around(v)[1], a = otherEnd(e, v), b = otherEnd(f, v);
+            const double off =
+                distanceToSegment(points[v], points[a], points[b]) + std::max(moved[e], moved[f]);
             if (off > kStraight || a == b) continue;
             const bool joined =
-                std::ranges::any_of(around[a], [&](uint32_t g) { return otherEnd(g, a) == b; });
+                std::ranges::any_of(around(a), [&](uint32_t g) { return otherEnd(g, a) == b; });
             if (joined) continue;
             edges[e] = {a, b};
             moved[e] = off;
             gone[f] = true;
-            *std::ranges::find(around[b], f) = e;
-            around[v].clear();
+            *std::ranges::find(around(b), f) = e;
+            count[v] = 0;
         }
         size_t kept = 0;
         for (size_t e = 0; e < edges.size(); ++e)
             if (!gone[e]) edges[kept++] = edges[e];
         edges.resize(kept);
-        dropUnused(around);
+        dropUnused(count);
     }
 
-    void dropUnused(const std::vector<std::vector<uint32_t>>& around) {
+    void dropUnused(const std::vector<uint32_t>& edgesAt) {
         std::vector<uint32_t> place(points.size());
         uint32_t count = 0;
         for (uint32_t v = 0; v < points.size(); ++v)
-            if (v < borderCount_ || !around[v].empty()) {
+            if (v < borderCount_ || edgesAt[v] > 0) {
                 points[count] = points[v];
                 place[v] = count++;
             }
@@ -283,9 +214,15 @@ private:
         }
     }
 
+    static constexpr uint32_t kNone = 0xffffffffu;
+
     uint32_t borderCount_ = 0;
     std::vector<uint32_t> used_; // nodes at which lines end or cross
-    std::vector<Line> lines_;
+    std::vector<bool> onLine_;   // per node: whether it is one of them
+    double cellSize_;
+    std::vector<uint32_t> cells_, next_; // the last node used in each cell of a hashed grid; those before it
+    std::vector<std::pair<uint32_t, uint32_t>> lines_;
+    std::vector<Split> splits_;
 };
 
 // Seeds by cells of a grid.
@@ -332,7 +269,8 @@ std::vector<bool> seedsThatStay(const Region& region, const LineNet& net) {
     for (const auto& [a, b] : net.edges) {
         const glm::dvec2 p = net.points[a], q = net.points[b];
         grid.near(glm::min(p, q) - widest, glm::max(p, q) + widest, [&](uint32_t s) {
-            if (distanceTo(region.seeds[s], p, q) < kMakesWay * region.seedSpacing[s]) stays[s] = false;
+            if (distanceToSegment(region.seeds[s], p, q) < kMakesWay * region.seedSpacing[s])
+                stays[s] = false;
         });
     }
     return stays;
@@ -387,13 +325,6 @@ private:
 };
 
 } // namespace
-
-std::vector<Cut> clipToRegion(std::span<const Segment> segments, std::span<const Segment> borderEdges) {
-    std::vector<Cut> cuts;
-    SegmentClipper clipper(borderEdges, cuts);
-    for (const Segment& segment : segments) clipper.clip(segment);
-    return cuts;
-}
 
 RegionMesh meshRegion(const Region& region) {
     const LineNet net(region);

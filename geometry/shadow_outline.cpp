@@ -1,8 +1,11 @@
 #include "geometry/shadow_outline.h"
 
 #include <algorithm>
-#include <set>
+#include <numeric>
+#include <tuple>
 
+#include <boost/container/small_vector.hpp>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "geometry/disjoint_sets.h"
@@ -12,21 +15,47 @@ namespace heliodon::geometry {
 
 namespace {
 
-// Andrew's monotone chain.
-std::vector<glm::dvec2> convexHull(std::vector<glm::dvec2> points) {
-    std::ranges::sort(points,
-                      [](glm::dvec2 p, glm::dvec2 q) { return p.x < q.x || (p.x == q.x && p.y < q.y); });
-    std::vector<glm::dvec2> hull(2 * points.size());
+constexpr double kSameInImage = 1e-10; // at distance one: corners of an outline nearer than this are one
+constexpr double kTouch = 1e-9;        // metres: a solid so little below a plane stands on it
+
+// Room for what walls have: corners and edges of a box.
+template<class T> using FewOf = boost::container::small_vector<T, 48>;
+
+std::span<const glm::dvec2> all(const FewOf<glm::dvec2>& points) {
+    return {points.data(), points.size()};
+}
+
+// Andrew's monotone chain: which points are on the hull, counter-clockwise.
+FewOf<uint32_t> convexHull(std::span<const glm::dvec2> points) {
+    FewOf<uint32_t> order(points.size()), hull(2 * points.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::ranges::sort(order, [&](uint32_t i, uint32_t j) {
+        return points[i].x < points[j].x || (points[i].x == points[j].x && points[i].y < points[j].y);
+    });
     size_t n = 0;
-    const auto grow = [&](glm::dvec2 p, size_t base) {
-        while (n >= base + 2 && cross(hull[n - 1] - hull[n - 2], p - hull[n - 1]) <= 1e-15) --n;
-        hull[n++] = p;
+    const auto grow = [&](uint32_t i, size_t base) {
+        while (n >= base + 2 &&
+               cross(points[hull[n - 1]] - points[hull[n - 2]], points[i] - points[hull[n - 1]]) <= 1e-15)
+            --n;
+        hull[n++] = i;
     };
-    for (const glm::dvec2 p : points) grow(p, 0);
+    for (const uint32_t i : order) grow(i, 0);
     const size_t lower = n - 1;
-    for (size_t i = points.size() - 1; i-- > 0;) grow(points[i], lower);
+    for (size_t k = order.size() - 1; k-- > 0;) grow(order[k], lower);
     hull.resize(n > 0 ? n - 1 : 0);
     return hull;
+}
+
+// The solid has no edge between such triangles.
+bool coplanar(const Occluders& occluders, uint32_t t, uint32_t u) {
+    const auto twiceNormal = [&](uint32_t triangle) {
+        const auto corner = [&](size_t k) {
+            return occluders.vertices[occluders.triangles[3 * triangle + k]];
+        };
+        return glm::cross(corner(1) - corner(0), corner(2) - corner(0));
+    };
+    const glm::dvec3 n = twiceNormal(t), m = twiceNormal(u);
+    return glm::dot(n, m) > 0 && glm::length(glm::cross(n, m)) <= 1e-12 * glm::dot(n, m);
 }
 
 } // namespace
@@ -36,9 +65,13 @@ glm::dvec2 PlaneFrame::flat(glm::dvec3 p) const {
 }
 
 bool ConvexOutline::contains(glm::dvec2 p) const {
-    if (points.size() < 3 || p.x <= low.x || p.y <= low.y || p.x >= high.x || p.y >= high.y) return false;
-    for (size_t i = 0; i < points.size(); ++i)
-        if (cross(points[(i + 1) % points.size()] - points[i], p - points[i]) <= 0) return false;
+    if (points.size() < 3 || p.x <= box.low.x || p.y <= box.low.y || p.x >= box.high.x || p.y >= box.high.y)
+        return false;
+    glm::dvec2 from = points.back();
+    for (const glm::dvec2 to : points) {
+        if (cross(to - from, p - from) <= 0) return false;
+        from = to;
+    }
     return true;
 }
 
@@ -58,64 +91,107 @@ std::vector<ConvexSolid> convexSolids(const Occluders& occluders) {
         place[v] = static_cast<uint32_t>(solids[solid].corners.size());
         solids[solid].corners.push_back(occluders.vertices[v]);
     }
-    std::set<std::pair<uint32_t, uint32_t>> seen;
-    for (size_t i = 0; i < occluders.triangles.size(); ++i) {
-        const uint32_t a = occluders.triangles[i], b = occluders.triangles[i % 3 == 2 ? i - 2 : i + 1];
-        if (seen.insert(std::minmax(a, b)).second)
-            solids[solidOf[joined.root(a)]].edges.emplace_back(place[a], place[b]);
+    struct Side {
+        uint32_t low, high, triangle;
+    };
+    std::vector<Side> sides;
+    for (uint32_t i = 0; i < occluders.triangles.size(); ++i) {
+        const auto [a, b] =
+            std::minmax(occluders.triangles[i], occluders.triangles[i % 3 == 2 ? i - 2 : i + 1]);
+        sides.push_back({a, b, i / 3});
+    }
+    std::ranges::sort(sides, {}, [](const Side& s) { return std::tuple(s.low, s.high, s.triangle); });
+    const auto same = [](const Side& s, const Side& o) { return s.low == o.low && s.high == o.high; };
+    for (size_t i = 0; i < sides.size(); ++i) {
+        if (i > 0 && same(sides[i - 1], sides[i])) continue;
+        if (i + 1 < sides.size() && same(sides[i], sides[i + 1]) &&
+            coplanar(occluders, sides[i].triangle, sides[i + 1].triangle))
+            continue;
+        solids[solidOf[joined.root(sides[i].low)]].edges.emplace_back(place[sides[i].low],
+                                                                      place[sides[i].high]);
     }
     return solids;
 }
 
-ConvexOutline shadowOnPlane(const ConvexSolid& solid, glm::dvec3 light, const PlaneFrame& plane, double skin,
-                            const FlatBox& within) {
-    ConvexOutline outline;
+std::optional<glm::dvec2> imageOf(glm::dvec3 p, const OpticalDevice& device) {
+    constexpr double kNearest = 1e-6; // metres
+    const glm::dvec3 q = device.deviceFromWorld * p + device.translation;
+    if (q.z < kNearest) return std::nullopt;
+    return glm::dvec2(q) / q.z;
+}
+
+std::optional<ImageOutline> imageOutline(const ConvexSolid& solid, const OpticalDevice& device) {
+    std::vector<glm::dvec2> image;
+    for (const glm::dvec3& p : solid.corners) {
+        const auto q = imageOf(p, device);
+        if (!q) return std::nullopt;
+        image.push_back(*q);
+    }
+    ImageOutline out;
+    out.box = boxOf(image);
+    FewOf<uint32_t> hull = convexHull(image);
+    std::ranges::reverse(hull); // the image's y runs down
+    const auto same = [&](uint32_t i, uint32_t j) { return glm::length(image[i] - image[j]) < kSameInImage; };
+    for (const uint32_t i : hull)
+        if (out.corners.empty() || !same(i, out.corners.back())) out.corners.push_back(i);
+    while (out.corners.size() > 1 && same(out.corners.front(), out.corners.back())) out.corners.pop_back();
+    for (const uint32_t i : out.corners) out.points.push_back(image[i]);
+    return out;
+}
+
+ConvexOutline shadowOnPlane(const ConvexSolid& solid, const ImageOutline* outline, glm::dvec3 light,
+                            const PlaneFrame& plane, double skin, const FlatBox& within) {
     const double lightHeight = glm::dot(light - plane.origin, plane.normal);
-    if (lightHeight <= 0) return outline;
+    if (lightHeight <= 0) return {};
     const double top = 0.999 * lightHeight; // what is level with the light throws its shadow to infinity
-    const auto heightOf = [&](const glm::dvec3& p) { return glm::dot(p - plane.origin, plane.normal); };
+    FewOf<double> height;
+    double lowest = 1e300, highest = -1e300;
+    for (const glm::dvec3& p : solid.corners) {
+        height.push_back(glm::dot(p - plane.origin, plane.normal));
+        lowest = std::min(lowest, height.back());
+        highest = std::max(highest, height.back());
+    }
+    if (highest <= skin || lowest >= top) return {};
     const auto shadowOf = [&](const glm::dvec3& p, double h) {
         return plane.flat(light + (p - light) * (lightHeight / (lightHeight - h)));
     };
-    double lowest = 1e300, highest = -1e300;
-    glm::dvec2 low(1e300), high(-1e300);
-    for (const glm::dvec3& p : solid.corners) {
-        const double h = heightOf(p);
-        lowest = std::min(lowest, h);
-        highest = std::max(highest, h);
-        if (h > top) continue;
-        const glm::dvec2 s = shadowOf(p, h);
-        low = glm::min(low, s);
-        high = glm::max(high, s);
-    }
-    if (highest <= skin || lowest >= top) return outline;
-    // Most shadows fall elsewhere.
-    const auto misses = [&](int c) { return low[c] >= within.high[c] || high[c] <= within.low[c]; };
-    if (highest <= top && (misses(0) || misses(1))) return outline;
 
-    std::vector<glm::dvec2> points;
-    points.reserve(solid.corners.size() + 2 * solid.edges.size());
-    for (const glm::dvec3& p : solid.corners)
-        if (const double h = heightOf(p); h >= 0 && h <= top) points.push_back(shadowOf(p, h));
-    if (lowest < 0 || highest > top)
-        for (const auto& [a, b] : solid.edges) {
-            const glm::dvec3 p = solid.corners[a], q = solid.corners[b];
-            const double from = heightOf(p), to = heightOf(q);
-            for (const double level : {0.0, top})
-                if ((from < level) != (to < level))
-                    points.push_back(shadowOf(p + (level - from) / (to - from) * (q - p), level));
-        }
-    if (points.size() < 3) return outline;
-    outline.points = convexHull(std::move(points));
-    if (outline.points.size() < 3) return {};
-    outline.low = outline.high = outline.points[0];
-    for (const glm::dvec2 p : outline.points) {
-        outline.low = glm::min(outline.low, p);
-        outline.high = glm::max(outline.high, p);
+    ConvexOutline shadow;
+    if (outline && lowest >= -kTouch && highest <= top) {
+        FewOf<glm::dvec2> points;
+        for (const uint32_t c : outline->corners) points.push_back(shadowOf(solid.corners[c], height[c]));
+        shadow.box = boxOf(all(points));
+        if (points.size() >= 3 && shadow.box.meets(within))
+            shadow.points.assign(points.begin(), points.end());
+        return shadow;
     }
-    for (int c = 0; c < 2; ++c)
-        if (outline.low[c] >= within.high[c] || outline.high[c] <= within.low[c]) return {};
-    return outline;
+    // What is below the plane only makes the box larger.
+    FewOf<glm::dvec2> points;
+    for (size_t c = 0; c < solid.corners.size(); ++c)
+        if (height[c] <= top) points.push_back(shadowOf(solid.corners[c], height[c]));
+    if (highest <= top && !boxOf(all(points)).meets(within)) return shadow;
+    size_t kept = 0, known = 0;
+    for (const double h : height)
+        if (h <= top) {
+            if (h >= 0) points[kept++] = points[known];
+            ++known;
+        }
+    points.resize(kept);
+    for (const double level : {0.0, top})
+        if (lowest < level && highest > level)
+            for (const auto& [a, b] : solid.edges)
+                if ((height[a] < level) != (height[b] < level)) {
+                    const glm::dvec3 p = solid.corners[a], q = solid.corners[b];
+                    points.push_back(
+                        shadowOf(p + (level - height[a]) / (height[b] - height[a]) * (q - p), level));
+                }
+    if (points.size() < 3) return shadow;
+    shadow.box = boxOf(all(points));
+    if (!shadow.box.meets(within)) return shadow;
+    const FewOf<uint32_t> hull = convexHull(all(points));
+    if (hull.size() < 3) return shadow;
+    for (const uint32_t i : hull) shadow.points.push_back(points[i]);
+    return shadow;
 }
 
 std::array<glm::dvec3, 4> pictureBorders(const OpticalDevice& device) {

@@ -195,6 +195,26 @@ TEST(ProjectorVisibility, area_is_kept_and_triangles_grow_little) {
     }
 }
 
+// What no outline comes near is drawn as it was simulated.
+TEST(ProjectorVisibility, triangles_away_from_outlines_stay_as_they_are) {
+    const Building building = buildingOf("p04_L.json");
+    const PatchMesh mesh = meshBuilding(building);
+    const ProjectorMesh split = splitByProjectorVisibility(mesh, building.occluders, fourProjectors());
+    size_t same = 0, patches = 0;
+    for (size_t t = 0; t < split.triangleCount(); ++t) {
+        bool all = true;
+        for (size_t k = 0; k < 3; ++k) {
+            const uint32_t v = split.triangles[3 * t + k];
+            all = all && split.sourceWeight[v] == glm::vec3(1, 0, 0) &&
+                  split.sourceVertex[v][0] == mesh.patch(split.sourcePatch[t])[k];
+        }
+        same += all;
+    }
+    for (const Role role : mesh.role) patches += role == Role::projection;
+    printf("%zu of %zu stay\n", same, patches);
+    EXPECT_GT(static_cast<double>(same), 0.4 * static_cast<double>(patches));
+}
+
 TEST(ProjectorVisibility, weights_are_shares_and_vanish_where_a_neighbour_is_dark) {
     const Building building = buildingOf("p06_U.json");
     const PatchMesh mesh = meshBuilding(building);
