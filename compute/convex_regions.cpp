@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <tuple>
 
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
@@ -93,9 +94,11 @@ Flat half(const Flat& polygon, dvec2 point, dvec2 direction, double sign, double
 
 struct Line {
     dvec2 point, direction;
+    double length; // of the borders along it
 };
 
 // Lines of edges that no neighbour shares and that lie inside the hull: where the region is not convex.
+constexpr size_t kMostLines = 64;
 std::vector<Line> innerBorders(const std::vector<Flat>& parts, const Flat& hull, double flat) {
     const auto key = [flat](dvec2 p) {
         return std::array<int64_t, 2>{std::llround(p.x / (16 * flat)), std::llround(p.y / (16 * flat))};
@@ -123,8 +126,12 @@ std::vector<Line> innerBorders(const std::vector<Flat>& parts, const Flat& hull,
                 return std::abs(geometry::cross(l.direction, direction)) < 1e-9 &&
                        std::abs(geometry::cross(l.direction, a - l.point)) <= 4 * flat;
             };
-            if (!onHull && std::none_of(lines.begin(), lines.end(), same)) lines.push_back({a, direction});
-            if (lines.size() >= 64) return lines;
+            if (onHull) continue;
+            const auto known = std::find_if(lines.begin(), lines.end(), same);
+            if (known != lines.end())
+                known->length += glm::length(b - a);
+            else if (lines.size() < kMostLines)
+                lines.push_back({a, direction, glm::length(b - a)});
         }
     return lines;
 }
@@ -141,9 +148,11 @@ void convexParts(std::vector<Flat> parts, double flat, int depth, std::vector<Fl
         result.push_back(parts.size() == 1 ? hullOf(parts, flat) : hull);
         return;
     }
-    // The line that cuts the fewest parts and leaves something on both sides.
+    // The line that cuts the fewest parts and leaves something on both sides; of these the one along most of
+    // the border (sills of a row of windows), then the one that halves best: a facade is not taken apart
+    // window by window.
     const Line* best = nullptr;
-    size_t bestCut = SIZE_MAX;
+    std::tuple<size_t, double, size_t> least{SIZE_MAX, 0, SIZE_MAX};
     const std::vector<Line> lines = innerBorders(parts, hull, flat);
     for (const Line& line : lines) {
         size_t cut = 0, left = 0, right = 0;
@@ -158,9 +167,10 @@ void convexParts(std::vector<Flat> parts, double flat, int depth, std::vector<Fl
             left += l;
             right += r;
         }
-        if (left && right && cut < bestCut) {
+        const std::tuple cost{cut, -line.length, left > right ? left - right : right - left};
+        if (left && right && cost < least) {
             best = &line;
-            bestCut = cut;
+            least = cost;
         }
     }
     if (!best || depth == 0 || area > whole * (1 + kGap)) { // overlapping or past mending: as meshed

@@ -138,6 +138,8 @@ std::vector<float> DaylightTransport::State::rowsThatReturn() {
         matter.push_back(m.isOpening() && isClear(m) && m.exitance == glm::vec3(0) ? 0.0f : 1.0f);
     }
     gather->gather(matter, sums, 1);
+    // Through an opening goes no more than reaches it, what its blinds send back included.
+    for (size_t i = 0; i < sums.size(); ++i) sums[i] = std::min(sums[i], rowSums[i]);
     return sums;
 }
 

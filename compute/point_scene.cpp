@@ -166,7 +166,8 @@ void makeRowBeyond(const PointScene& scene, const PointView& view, const RoomBey
 dvec3 RoomBeyond::transmittance(dvec3 direction) const {
     dvec3 through(1);
     const dvec3 towards = glm::normalize(direction);
-    for (const Pane& pane : panes) through *= pane.window->straight(towards, pane.normal);
+    for (const Pane& pane : panes)
+        through *= pane.window->straight(pane.entered ? -towards : towards, pane.normal);
     return through;
 }
 
@@ -218,8 +219,8 @@ void PointScene::findOpenings(std::vector<ConvexRegion> openings, const std::vec
             auto part = &to == &from ? PointView::Polygon{} : outsideOf(from, to.region.corners);
             if (part.empty()) continue;
             from.hiddenBy.push_back(std::move(part)); // the sky; what is seen through both is not the sky
-            if (outsideOf(to, from.region.corners).empty() || window(from).hasBlind() ||
-                window(to).hasBlind())
+            if (outsideOf(to, from.region.corners).empty() || !window(from).passesStraight() ||
+                !window(to).passesStraight())
                 continue;
             Facing facing{k, {}};
             const geometry::Bounds one = geometry::boundsOf(from.region.corners),
@@ -242,6 +243,19 @@ void PointScene::findOpenings(std::vector<ConvexRegion> openings, const std::vec
     }
 }
 
+// Of a facade of many windows one shows little from one point: a quick look before polygons are cut.
+std::vector<PointView> PointScene::framesOf(const PointView& view,
+                                            std::span<const PointView::Polygon> parts) const {
+    std::vector<PointView> frames;
+    for (const PointView::Polygon& part : parts) frames.push_back(view.through(blockers_, part, kNoRoom));
+    return frames;
+}
+
+bool PointScene::anyShows(std::span<const PointView> frames, std::span<const dvec3> polygon) {
+    return std::any_of(frames.begin(), frames.end(),
+                       [&](const PointView& frame) { return frame.mayShow(polygon); });
+}
+
 void PointScene::forRoomsSeen(const PointView& view, const RoomBeyond& here, const RoomWork& work) const {
     constexpr size_t kMostPanes = 4;
     work(view, here);
@@ -255,15 +269,15 @@ void PointScene::forRoomsSeen(const PointView& view, const RoomBeyond& here, con
     // On through `part` of one pane and the next one, which leads to the room.
     const auto goOn = [&](const PointView::Polygon& part, const ConvexRegion& second,
                           const RoomBeyond& next) {
-        const PointView framed = view.through(blockers_, part, next.room);
-        if (framed.factor(second.corners, far) <= 0) return;
+        const PointView glimpse = view.through(blockers_, part, next.room);
+        if (glimpse.factor(second.corners, far) <= 0) return;
         for (const PointView::Polygon& frame : std::vector(far))
             forRoomsSeen(view.through(blockers_, frame, next.room), next, work);
     };
     for (const Pane& pane : panes_) {
         if (!inFrontOf(pane.region, pane.normal)) continue;
         RoomBeyond next{pane.roomBeyond, here.panes};
-        next.panes.push_back({pane.window, pane.normal});
+        next.panes.push_back({pane.window, pane.normal, false});
         for (const PointView::Polygon& part : parts)
             for (const Pane& twin : panes_) // the glass in the wall's other face bounds what is seen too
                 if (twin.region.room == pane.roomBeyond && twin.roomBeyond == here.room &&
@@ -273,13 +287,15 @@ void PointScene::forRoomsSeen(const PointView& view, const RoomBeyond& here, con
     if (here.panes.size() + 2 > kMostPanes) return;
     for (const Opening& from : openings_) {
         if (from.facing.empty() || !inFrontOf(from.region, from.normal)) continue;
+        const std::vector<PointView> framed = framesOf(view, parts);
         for (const Facing& facing : from.facing) {
             const Opening& to = openings_[facing.to];
+            if (!anyShows(framed, to.region.corners)) continue;
             std::vector<PointView::Polygon> open = parts;
             for (const PointView::Polygon& wall : facing.hiddenBy) view.hideBeyond(wall, open);
             RoomBeyond next{to.region.room, here.panes};
-            next.panes.push_back({&window(from), from.normal});
-            next.panes.push_back({&window(to), -to.normal});
+            next.panes.push_back({&window(from), from.normal, false});
+            next.panes.push_back({&window(to), to.normal, true});
             for (const PointView::Polygon& part : open) goOn(part, to.region, next);
         }
     }
@@ -318,7 +334,9 @@ void PointScene::skyOf(const PointView& view, const RoomBeyond& beyond, double a
         const dvec3 normal = opening.normal;
         if (glm::dot(view.position() - opening.region.corners[0], normal) <= blockers_.tolerance()) continue;
         if (view.factor(opening.region.corners, parts) <= 0) continue;
-        for (const PointView::Polygon& wall : opening.hiddenBy) view.hideBeyond(wall, parts);
+        const std::vector<PointView> framed = framesOf(view, parts);
+        for (const PointView::Polygon& wall : opening.hiddenBy)
+            if (anyShows(framed, wall)) view.hideBeyond(wall, parts);
         const daylight::Glazing& glazing = pane.glazing();
         const glm::dvec3 t = glazing.transmissivity;
         const bool greyGlass = t.x == t.y && t.y == t.z && !glazing.isHole() && !pane.hasBlind();

@@ -31,7 +31,8 @@ inline bool isClear(const geometry::Material& pane) {
 struct RoomBeyond {
     struct Pane {
         const daylight::Window* window;
-        glm::dvec3 normal; // towards the point
+        glm::dvec3 normal; // into the room that the window belongs to
+        bool entered;      // by who looks on from the point: the room lies beyond
     };
     uint32_t room;
     std::vector<Pane> panes;
@@ -49,8 +50,9 @@ public:
     bool hasRoomsBeyond() const { return !panes_.empty() || seesOthers_; }
 
     // work(view, room) for the point's own room and for each that it sees through panes, four in a row at
-    // most: clear interior windows, and windows to the outside that other windows look at (without blinds).
-    // The building's own walls hide what lies behind them, inside and out, and are black from outside.
+    // most: clear interior windows, and windows to the outside that other windows look at; through blinds
+    // what passes them straight. The building's own walls hide what lies behind them, inside and out, and are
+    // black from outside.
     using RoomWork = std::function<void(const PointView&, const RoomBeyond&)>;
     void forRoomsSeen(const PointView& view, uint32_t room, const RoomWork& work) const {
         forRoomsSeen(view, {room, {}}, work);
@@ -92,6 +94,8 @@ private:
     const daylight::Window& window(const Opening& opening) const { return windows_[opening.region.group]; }
     void findOpenings(std::vector<ConvexRegion> openings, const std::vector<ConvexRegion>& walls);
     void forRoomsSeen(const PointView& view, const RoomBeyond& here, const RoomWork& work) const;
+    std::vector<PointView> framesOf(const PointView& view, std::span<const PointView::Polygon> parts) const;
+    static bool anyShows(std::span<const PointView> frames, std::span<const glm::dvec3> polygon);
     void skyOf(const PointView& view, const RoomBeyond& beyond, double angle,
                std::vector<SkySample>& samples) const;
 

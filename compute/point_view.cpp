@@ -195,6 +195,14 @@ void PointView::hide(const Cone& cone, double least, std::vector<Polygon>& parts
     parts.swap(rest);
 }
 
+bool PointView::mayShow(std::span<const dvec3> polygon) const {
+    return std::none_of(frame_.begin(), frame_.end(), [&](const Side& side) {
+        const double offset = side.offset + glm::dot(position_, side.normal);
+        return std::all_of(polygon.begin(), polygon.end(),
+                           [&](const dvec3& p) { return glm::dot(p, side.normal) < offset; });
+    });
+}
+
 double PointView::unhinderedFactor(std::span<const dvec3> polygon) const {
     double sum = 0;
     dvec3 a = polygon.back();
@@ -228,10 +236,11 @@ double PointView::factor(std::span<const dvec3> polygon) const {
 }
 
 double PointView::factor(std::span<const dvec3> polygon, std::vector<Polygon>& parts) const {
+    parts.clear();
+    if (!mayShow(polygon)) return 0;
     Polygon local, above;
     for (const dvec3& p : polygon) local.push_back(p - position_);
     cut(local, normal_, 0, 1, above);
-    parts.clear();
     for (const Side& side : frame_) {
         if (above.empty()) return 0;
         cut(above, side.normal, side.offset, 1, local);

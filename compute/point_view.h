@@ -45,6 +45,9 @@ public:
     // What the point sees of a room through a pane, beyond its plane: `frame` is a visible part of the pane.
     PointView through(const Blockers& blockers, const Polygon& frame, uint32_t room) const;
 
+    // False where a convex polygon (world) lies outside of what the panes leave open; a quick look.
+    bool mayShow(std::span<const glm::dvec3> polygon) const;
+
     // The form factor from the point to a convex polygon (world), whichever way the polygon faces.
     double factor(std::span<const glm::dvec3> polygon) const;
 

@@ -137,10 +137,15 @@ void SunPatches::project(const SunScene& scene, bool clipAnyway) {
     for (const ConvexRegion& region : scene.panes_) {
         Face face = faceOf(region);
         const double facing = glm::dot(face.normal, sun_);
-        if (facing > -kEdgeOn) continue;
-        canEnter_ |= region.group % 2 == 0;
-        face.transmittance = scene.windows_[region.group / 2].straight(sun_, face.normal);
-        panes_.push_back(std::move(face));
+        if (std::abs(facing) <= kEdgeOn) continue;
+        const bool outside = region.group % 2 == 0;
+        const daylight::Window& window = scene.windows_[region.group / 2];
+        face.transmittance = window.straight(facing < 0 ? sun_ : -sun_, face.normal);
+        canEnter_ |= outside && facing < 0;
+        if (facing < 0)
+            panes_.push_back(std::move(face));
+        else if (outside)
+            entered_.push_back(std::move(face));
     }
     if (!canEnter_ && !clipAnyway) panes_.clear(); // interior glass alone lets no sun in
     if (panes_.empty()) return;
@@ -202,6 +207,23 @@ void SunPatches::keepVisible(const Receiver& receiver, std::vector<Piece>& piece
     }
 }
 
+// Moves pieces on to `dimmed`, cut along the outline of a pane that part of them is behind.
+void SunPatches::dim(std::vector<Piece>& pieces, const Polygon& pane, glm::dvec3 transmittance, double least,
+                     std::vector<Piece>& dimmed) {
+    std::vector<Polygon> others;
+    for (Piece& piece : pieces) {
+        Polygon common = intersection(piece.outline, pane);
+        if (common.empty() || area(common) <= least) {
+            dimmed.push_back(std::move(piece));
+            continue;
+        }
+        others.clear();
+        subtract(std::move(piece.outline), pane, least, others);
+        for (Polygon& other : others) dimmed.push_back({std::move(other), piece.transmittance});
+        dimmed.push_back({std::move(common), piece.transmittance * transmittance});
+    }
+}
+
 // Pieces of the receiver that leave by at least one pane, disjoint: pane by pane, what is new of it is added,
 // and what was there already is dimmed.
 std::vector<SunPatches::Piece> SunPatches::throughPanes(const Receiver& receiver) const {
@@ -214,17 +236,7 @@ std::vector<SunPatches::Piece> SunPatches::throughPanes(const Receiver& receiver
         const Polygon front = inFrontOf(pane, receiver);
         if (front.empty()) continue;
         next.clear();
-        for (Piece& piece : pieces) {
-            Polygon common = intersection(piece.outline, front);
-            if (common.empty() || area(common) <= least) {
-                next.push_back(std::move(piece));
-                continue;
-            }
-            std::vector<Polygon> others;
-            subtract(std::move(piece.outline), front, least, others);
-            for (Polygon& other : others) next.push_back({std::move(other), piece.transmittance});
-            next.push_back({std::move(common), piece.transmittance * pane.transmittance});
-        }
+        dim(pieces, front, pane.transmittance, least, next);
         rest.clear();
         for (Polygon& open : uncovered) {
             Polygon common = intersection(open, front);
@@ -238,7 +250,25 @@ std::vector<SunPatches::Piece> SunPatches::throughPanes(const Receiver& receiver
         pieces.swap(next);
         uncovered.swap(rest);
     }
+    dimByPanes(receiver, entered_, pieces);
     return pieces;
+}
+
+// Pieces behind panes that they need not pass.
+void SunPatches::dimByPanes(const Receiver& receiver, const std::vector<Face>& panes,
+                            std::vector<Piece>& pieces) const {
+    const double least = 1e-9 * area(receiver.outline);
+    const Box box(receiver.outline);
+    std::vector<Piece> next;
+    for (const Face& pane : panes) {
+        if (pieces.empty() || apart(box.low, box.high, pane.low, pane.high) || isPartOf(pane, receiver))
+            continue;
+        const Polygon front = inFrontOf(pane, receiver);
+        if (front.empty()) continue;
+        next.clear();
+        dim(pieces, front, pane.transmittance, least, next);
+        pieces.swap(next);
+    }
 }
 
 glm::vec3 SunPatches::onPatch(const Receiver& receiver, SunlitParts* partly) const {
@@ -297,23 +327,24 @@ std::vector<glm::vec3> SunPatches::onPatches(std::vector<SunlitParts>* partly) c
     return result;
 }
 
-double SunPatches::onOutside(size_t patch) const {
+glm::dvec3 SunPatches::onOutside(size_t patch) const {
     Receiver receiver;
     receiver.patch = static_cast<uint32_t>(patch);
     receiver.normal = -geometry::patchNormal(*mesh_, patch);
     const double facing = glm::dot(receiver.normal, sun_);
-    if (!(facing > 1e-9)) return 0;
+    if (!(facing > 1e-9)) return glm::dvec3(0);
     const auto corners = mesh_->patch(patch);
     receiver.point = mesh_->vertices[corners[0]];
     for (uint32_t corner : corners) receiver.outline.push_back(project(mesh_->vertices[corner]));
     std::reverse(receiver.outline.begin(), receiver.outline.end()); // seen from outside
     const double whole = area(receiver.outline);
-    if (!(whole > 0)) return 0;
+    if (!(whole > 0)) return glm::dvec3(0);
     std::vector<Piece> pieces{{receiver.outline, glm::dvec3(1)}};
+    for (const std::vector<Face>* panes : {&panes_, &entered_}) dimByPanes(receiver, *panes, pieces);
     keepVisible(receiver, pieces);
-    double lit = 0;
-    for (const Piece& piece : pieces) lit += area(piece.outline);
-    return facing * std::min(1.0, lit / whole);
+    glm::dvec3 lit(0);
+    for (const Piece& piece : pieces) lit += area(piece.outline) * piece.transmittance;
+    return facing * glm::min(glm::dvec3(1), lit / whole);
 }
 
 glm::vec3 SunPatches::atPoint(glm::dvec3 position, glm::dvec3 normal) const {
@@ -335,6 +366,8 @@ glm::vec3 SunPatches::atPoint(glm::dvec3 position, glm::dvec3 normal) const {
     bool leaves = false;
     for (const Face& pane : panes_)
         if (meets(pane)) through *= pane.transmittance, leaves = true;
+    for (const Face& pane : entered_)
+        if (leaves && meets(pane)) through *= pane.transmittance;
     if (!leaves || std::any_of(walls_.begin(), walls_.end(), meets)) return glm::vec3(0);
     return glm::vec3(through * cosine);
 }

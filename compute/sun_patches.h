@@ -1,7 +1,8 @@
 // Direct sun on patches and at points: everything is projected along the sun, then polygons are clipped
 // exactly in double precision. The sun is a point; glass counts with its transmittance at the sun's angle. A
-// ray towards the sun passes each pane that it leaves by (front to back); that an interior window has two
-// faces therefore does not count twice. Opaque patches of every room block, from both sides.
+// ray towards the sun passes each pane that it leaves by (front to back), and each to the outside that it
+// enters another room by; that an interior window has two faces therefore does not count twice. Opaque
+// patches of every room block, from both sides.
 #pragma once
 
 #include <cstdint>
@@ -56,8 +57,8 @@ public:
     std::vector<glm::vec3> onPatches(std::vector<SunlitParts>* partly = nullptr) const;
 
     // The same on the outside of an opening, before its glass: lit fraction times cosine. Walls of the
-    // building shade it; so do those behind its other openings.
-    double onOutside(size_t patch) const;
+    // building shade it, its other windows dim what comes through them.
+    glm::dvec3 onOutside(size_t patch) const;
 
     // The same at a point of the air of a room with unit normal.
     glm::vec3 atPoint(glm::dvec3 position, glm::dvec3 normal) const;
@@ -84,6 +85,10 @@ private:
     std::vector<glm::dvec2> inFrontOf(const Face& face, const Receiver& receiver) const;
     bool isPartOf(const Face& face, const Receiver& receiver) const;
     std::vector<Piece> throughPanes(const Receiver& receiver) const;
+    static void dim(std::vector<Piece>& pieces, const std::vector<glm::dvec2>& pane, glm::dvec3 transmittance,
+                    double least, std::vector<Piece>& dimmed);
+    void dimByPanes(const Receiver& receiver, const std::vector<Face>& panes,
+                    std::vector<Piece>& pieces) const;
     void keepVisible(const Receiver& receiver, std::vector<Piece>& pieces) const;
     glm::vec3 onPatch(const Receiver& receiver, SunlitParts* partly) const;
 
@@ -91,7 +96,8 @@ private:
     glm::dvec3 sun_, across_{0}, up_{0};
     double scale_ = 1;
     bool canEnter_ = false;
-    std::vector<Face> panes_; // glazing that a ray towards the sun leaves by
+    std::vector<Face> panes_;   // glazing that a ray towards the sun leaves by
+    std::vector<Face> entered_; // and enters a room by, from outside
     std::vector<Face> walls_;
     std::unique_ptr<SunScene> own_; // where no scene was given
 };

@@ -127,10 +127,11 @@ Sky skyFromOption(const std::string& option, const SunPosition& sun, const SkySe
 // Whether the option depends on time and place; a file does not.
 bool skyDependsOnTime(const std::string& option);
 
-// `vh-sky/1`: model cie_overcast {zenith_luminance_cdm2} | cie_clear {Lz_cdm2, norm} | perez {A_cdm2, abcde},
-// sun_direction (of the shape), sun {direction, normal_illuminance_lux}, ground {albedo, luminance_cdm2}.
-// Directions are in the model's axes, `axes` says which of them is up. Without `ground`, albedo 0.2; an
-// albedo without luminance gets albedo * E_global / pi. Throws InputError(file, field, ...).
+// `vh-sky/1`: model cie_overcast {zenith_luminance_cdm2} | cie_clear {Lz_cdm2, norm} | perez {A_cdm2, abcde}
+// | cie_general {type: 1 to 16, zenith_luminance_cdm2}, sun_direction (of the shape), sun {direction,
+// normal_illuminance_lux}, ground {albedo, luminance_cdm2}. Directions are in the model's axes, `axes` says
+// which of them is up. Without `ground`, albedo 0.2; an albedo without luminance gets albedo * E_global / pi.
+// Throws InputError(file, field, ...).
 Sky readSky(const std::filesystem::path& file, geometry::UpAxis axes = geometry::UpAxis::z);
 
 } // namespace heliodon::daylight

@@ -122,6 +122,12 @@ Sky distribution(const Field& root, geometry::UpAxis axes) {
         const double norm = root.has("norm") ? root.at("norm").number(1e-6, 1e6) : 0.0;
         return cieClearSky(root.at("sun_direction").direction(axes), zenithLuminance(root), norm);
     }
+    if (name == "cie_general") {
+        const double type = root.at("type").number(1, 16);
+        if (type != std::floor(type)) root.at("type").refuse("expected a whole number, 1 to 16");
+        const glm::dvec3 sun = root.at("sun_direction").direction(axes);
+        return cieGeneralSky(static_cast<int>(type), sun, zenithLuminance(root));
+    }
     if (name == "perez") {
         // exp(b / 0.01) must stay finite.
         const auto [a, b, c, d, e] = root.at("abcde").numbers<5>(-1e5, 1e5);
@@ -130,7 +136,7 @@ Sky distribution(const Field& root, geometry::UpAxis axes) {
         return perezSky({a, b, c, d, e}, root.at("sun_direction").direction(axes),
                         root.at("A_cdm2").number(0, kBrightest));
     }
-    model.refuse("expected cie_overcast, cie_clear or perez");
+    model.refuse("expected cie_overcast, cie_clear, cie_general or perez");
 }
 
 } // namespace

@@ -30,7 +30,9 @@ glm::dvec3 alongRay(const geometry::PatchMesh& mesh, size_t self, glm::dvec3 ori
         if (!inside) continue;
         const geometry::Material& material = mesh.materials[mesh.material[i]];
         if (!material.isOpening()) return glm::dvec3(0);
-        if (slope < 0) through *= daylight::glazingOf(material).transmittance(-slope), leaves = true;
+        leaves |= slope < 0;
+        if (slope < 0 || mesh.twin[i] == geometry::kNoTwin) // an interior window is two patches, one pane
+            through *= daylight::glazingOf(material).transmittance(std::abs(slope));
     }
     return leaves ? through : glm::dvec3(0);
 }

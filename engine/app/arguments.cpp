@@ -240,6 +240,8 @@ private:
         sub->add_option("--hours", render_.hours,
                         "of the contact sheet, apparent solar time, as 7,9,11,13,15,17 (the default)")
             ->needs(sheet);
+        sub->add_flag("!--no-stamp", render_.stamp, "leave the sun's height out of the sheet's pictures")
+            ->needs(sheet);
         addRadiosityError(sub, render_.maxRadiosityError);
         sub->add_option("-o,--output", render_.output, "folder for the pictures; made when missing")
             ->required();
@@ -263,6 +265,9 @@ private:
         sub->add_option("--weather", timelapse_.moment.weather,
                         "hourly weather (.epw or .epw.gz) in place of a sky; its site is used")
             ->excludes("--sky");
+        sub->add_flag("!--no-stamp", timelapse_.stamp,
+                      "leave date, time, sun and sky out of the corner of previews (projectors' pictures and "
+                      "linear ones never have them)");
         sub->add_option("--fps", timelapse_.framesPerSecond, "frames a second of the film (default 24)")
             ->check(within(1.0, 240.0));
         sub->add_flag(

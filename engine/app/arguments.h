@@ -65,6 +65,7 @@ struct RenderArguments {
     PictureArguments picture;
     bool contactSheet = false;
     std::string days, hours; // of the contact sheet; empty: the paper's
+    bool stamp = true;       // the sun's height on the sheet's cells
     double maxRadiosityError = 0;
     std::filesystem::path output;
 };
@@ -75,7 +76,7 @@ struct TimelapseArguments {
     std::string from, to, step;
     std::string view; // "preview", "projectors", "none"; empty: projectors with a rig, else preview
     double framesPerSecond = 24;
-    bool resume = false;
+    bool resume = false, stamp = true; // date, time and sun on previews
     std::filesystem::path output;
 };
 struct AnnualArguments {

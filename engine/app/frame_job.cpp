@@ -109,6 +109,7 @@ FrameJob frameJobOf(Run& run, const TimelapseArguments& arguments, const Scene& 
         {"--false-color", picture.falseColor},
         {"--sky-color", picture.skyColour},
         {"--exr", picture.exr},
+        {"--no-stamp", !arguments.stamp},
         {"--device", run.device().info().name},
         {"the program's version", HELIODON_VERSION}};
     return job;

@@ -50,10 +50,10 @@ SkySource::SkySource(Run& run, const MomentArguments& arguments, const Scene& sc
     else
         assume("time " + daylight::formatTime(moment_));
     if (arguments.sky.empty() && !weather_) assume("sky clear");
-    const bool matters = weather_ || daylight::skyDependsOnTime(option_);
-    if (!assumed.empty() && matters) run.assume(assumed);
+    if (!assumed.empty() && followsTime()) run.assume(assumed);
     run.report()["sky"] = {{"option", weather_ ? "weather" : option_}, {"north_deg", scene.northDeg}};
-    if (matters) run.report()["site"] = {{"latitude", site_.latitudeDeg}, {"longitude", site_.longitudeDeg}};
+    if (followsTime())
+        run.report()["site"] = {{"latitude", site_.latitudeDeg}, {"longitude", site_.longitudeDeg}};
 }
 
 SkySource::SkySource(const daylight::Site& site, std::string sky, double northDeg, geometry::UpAxis up)
@@ -61,9 +61,12 @@ SkySource::SkySource(const daylight::Site& site, std::string sky, double northDe
     setting_.northDeg = northDeg;
 }
 
+bool SkySource::followsTime() const {
+    return weather_ || daylight::skyDependsOnTime(option_);
+}
+
 std::string SkySource::title() const {
-    const bool timed = weather_ || daylight::skyDependsOnTime(option_);
-    return (timed ? daylight::timeInWords(moment_) + ", " : "") + skyInWords();
+    return (followsTime() ? daylight::timeInWords(moment_) + ", " : "") + skyInWords();
 }
 
 std::string SkySource::skyInWords() const {

@@ -26,6 +26,8 @@ public:
     std::string title() const;
     // The sky and, where it matters, the place: "clear sky, 42.73 N 73.68 W".
     std::string skyInWords() const;
+    // Whether the sky is another one at another time; not so of sky files.
+    bool followsTime() const;
     // `--time`, or its default.
     const daylight::Moment& moment() const { return moment_; }
     const daylight::Site& site() const { return site_; }

@@ -12,6 +12,7 @@
 #include "engine/app/projector_reach.h"
 #include "engine/app/scene_input.h"
 #include "engine/app/sky_tint.h"
+#include "engine/app/stamp.h"
 #include "engine/passes/false_colour.h"
 #include "engine/passes/image_file.h"
 #include "geometry/input_error.h"
@@ -117,7 +118,11 @@ void renderSheet(Run& run, passes::FrameRenderer& renderer, compute::DaylightTra
     options.tone.legend = false; // one for the sheet
     settle(options.tone, renderer, moments);
     std::vector<passes::Image8> cells;
-    for (const compute::Moment& moment : moments) cells.push_back(renderer.preview(moment.lighting, options));
+    for (size_t k = 0; k < moments.size(); ++k) {
+        cells.push_back(renderer.preview(moments[k].lighting, options));
+        if (arguments.stamp && source.followsTime())
+            drawStamp(cells.back(), {sunInWords(source.sunAt(sheet.moments[k]))});
+    }
     const passes::Tone& tone = options.tone;
     std::string title = source.skyInWords() + "; apparent solar time";
     std::optional<passes::FalseScale> legend;

@@ -13,6 +13,7 @@
 #include "engine/app/progress.h"
 #include "engine/app/scene_input.h"
 #include "engine/app/sky_tint.h"
+#include "engine/app/stamp.h"
 #include "geometry/input_error.h"
 #include "geometry/whole_file.h"
 
@@ -143,8 +144,8 @@ public:
         return *tone.whiteLux;
     }
 
-    // Frames of the same light are drawn once.
-    void paint(size_t frame, const Solved& solved, FrameSink& sink) {
+    // Frames of the same light are drawn once. `stamp`: lines, for previews.
+    void paint(size_t frame, const Solved& solved, const std::vector<std::string>& stamp, FrameSink& sink) {
         if (solved != drawn_) {
             const StageTimer timer(run_, "render");
             drawn_ = solved;
@@ -156,7 +157,9 @@ public:
                                       : std::vector{renderer_.previewHdr(light, preview_)};
         }
         const StageTimer timer(run_, "hand_over"); // long where the encoder is slower than everything else
-        sink.add(frame, pictures_, linear_);
+        std::vector<passes::Image8> pictures = pictures_;
+        if (!projectors_) drawStamp(pictures[0], stamp);
+        sink.add(frame, std::move(pictures), linear_);
     }
 
 private:
@@ -193,6 +196,12 @@ std::string tableRow(const daylight::Moment& time, const daylight::SunPosition& 
                      const LightFigures& figures) {
     return fmt::format("{},{:.3f},{:.3f},{:.2f},{:.2f},{:.3f}\n", daylight::formatTime(time), sun.azimuthDeg,
                        sun.altitudeDeg, figures.meanLux, figures.maxLux, figures.glareRatio);
+}
+
+// "21 June 2026, 13:00 solar time", "sun 70.6 degrees high, clear sky, 42.73 N 73.68 W".
+std::vector<std::string> stampOf(const SkySource& source, const daylight::Moment& time) {
+    const std::string sun = source.followsTime() ? sunInWords(source.sunAt(time)) + ", " : "";
+    return {daylight::timeInWords(time), sun + source.skyInWords()};
 }
 
 std::vector<std::string> viewsOf(const TimelapseArguments& arguments, const Scene& scene) {
@@ -252,7 +261,9 @@ void execute(Run& run, const TimelapseArguments& arguments) {
         before = solved;
         table += tableRow(times[frame], source.sunAt(times[frame]), figures);
         if (painter && !sink.done(frame)) {
-            painter->paint(frame, solved, sink);
+            painter->paint(frame, solved,
+                           arguments.stamp ? stampOf(source, times[frame]) : std::vector<std::string>{},
+                           sink);
             ++drawn;
         }
         progress.advance(frame + 1);

@@ -119,6 +119,39 @@ TEST_F(Timelapse, a_film_goes_on_from_its_frames) {
     EXPECT_EQ(readText(folder / "part.mp4"), readText(folder / "whole.mp4"));
 }
 
+// The stamp of previews lies in the lower left corner, and projectors' pictures have none.
+TEST_F(Timelapse, frames_say_when_they_are) {
+    ASSERT_EQ(heliodon(day("11:00", "PT1H")).exitCode, 0);
+    const passes::Image8 ten = app::readPicture(folder / "day/00000.png"),
+                         eleven = app::readPicture(folder / "day/00001.png");
+    ASSERT_EQ(heliodon(day("11:00", "PT1H", "--no-stamp")).exitCode, 0);
+    const passes::Image8 plain = app::readPicture(folder / "day/00000.png");
+    ASSERT_EQ(ten.rgb.size(), plain.rgb.size());
+    size_t stamped = 0, bright = 0, told = 0;
+    for (int y = 0; y < ten.height; ++y)
+        for (int x = 0; x < ten.width; ++x) {
+            const bool corner = y > 0.88 * ten.height && x < 0.7 * ten.width;
+            const bool same = std::equal(ten.pixel(x, y), ten.pixel(x, y) + 3, plain.pixel(x, y));
+            if (!corner) {
+                ASSERT_TRUE(same) << x << ' ' << y;
+                continue;
+            }
+            stamped += !same;
+            bright += !same && ten.pixel(x, y)[0] > 220;
+            told += ten.pixel(x, y)[0] > 220 && eleven.pixel(x, y)[0] < 120;
+        }
+    EXPECT_GT(stamped, 20'000u);
+    EXPECT_GT(bright, 1'000u); // letters
+    EXPECT_GT(told, 20u);      // another hour in other letters
+
+    const std::string rig = " --rig " HELIODON_SOURCE "/examples/rig.json";
+    ASSERT_EQ(heliodon(day("10:00", "PT1H", rig)).exitCode, 0);
+    const std::string picture = readText(folder / "day/projector-0-00000.png");
+    EXPECT_FALSE(picture.empty());
+    ASSERT_EQ(heliodon(day("10:00", "PT1H", rig + " --no-stamp")).exitCode, 0);
+    EXPECT_EQ(readText(folder / "day/projector-0-00000.png"), picture);
+}
+
 TEST_F(Timelapse, a_contact_sheet_has_a_cell_for_every_day_and_hour) {
     const auto sheet = [&](const std::string& hours) {
         const Outcome outcome = heliodon("render " + kOffice +

@@ -100,7 +100,7 @@ TEST(Blinds, another_wing_shades_the_outside_of_a_window) {
     double lit = 0, whole = 0;
     for (size_t i = 0; i < own; ++i) {
         if (!mesh.materials[mesh.material[i]].isOpening()) continue;
-        lit += geometry::patchArea(mesh, i) * patches.onOutside(i);
+        lit += geometry::patchArea(mesh, i) * patches.onOutside(i).y;
         whole += geometry::patchArea(mesh, i) * -sun.z;
     }
     EXPECT_NEAR(lit, 0.5 * whole, 1e-9 * whole);

@@ -71,7 +71,9 @@ TEST(ConvexRegions, a_wall_is_few_polygons_however_it_is_meshed) {
         {"L", [](int x, int y) { return x < 10 || y < 8; }, 2, 0.01 * (10 * 24 + 26 * 8)},
         {"U", [](int x, int y) { return x < 10 || x >= 30 || y < 8; }, 3, 0.01 * (16 * 24 + 20 * 8)},
         {"window", [](int x, int y) { return x < 10 || x >= 30 || y < 8 || y >= 20; }, 4,
-         0.01 * (864 - 20 * 12)}};
+         0.01 * (864 - 20 * 12)},
+        {"8 storeys of 18 windows", [](int x, int y) { return x % 2 != 1 || y % 3 != 1; }, 9 + 8 * 18,
+         0.01 * (864 - 8 * 18)}};
     for (const Case& c : cases)
         for (double jitter : {0.0, 1e-15, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 0.1})
             for (unsigned seed = 0; seed < 5; ++seed) {

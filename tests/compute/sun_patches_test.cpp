@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "compute/daylight/glazing.h"
+#include "compute/daylight/window.h"
 #include "compute/reference/sun.h"
 #include "tests/compute/cases.h"
 #include "tests/compute/rooms.h"
@@ -78,6 +79,49 @@ TEST(SunPatches, an_interior_window_counts_once_and_each_pane_on_the_way_counts)
             geometry::patchCentroid(mesh, i).y < 2) {
             EXPECT_NEAR(lit[i].y, -sun.z * pane * pane, 1e-6); // the top of the window lights up to y = 2.5
         }
+}
+
+// A room 2 m from the window of another one, with windows before and behind: all three panes dim.
+geometry::PatchMesh enfilade(const geometry::Blind& blind = {}) {
+    test::BoxRoom box;
+    geometry::PatchMesh mesh;
+    const auto window = [](glm::dvec3 p) { return p.x > 1 && p.x < 3 && p.y > 1 && p.y < 2; };
+    box.isGlass = [&](glm::dvec3 p) { return window(p) && p.z > 5 - 1e-9; };
+    box.glass = daylight::withBlind(box.glass, blind);
+    test::addBox(mesh, box, 0);
+    test::BoxRoom other;
+    other.low.z = 7, other.high.z = 9, other.cells = {4, 3, 2};
+    other.glass.transmittance = glm::vec3(0.9f, 0.6f, 0.3f);
+    other.isGlass = [&](glm::dvec3 p) { return window(p) && (p.z < 7 + 1e-9 || p.z > 9 - 1e-9); };
+    test::addBox(mesh, other, 1);
+    return mesh;
+}
+
+TEST(SunPatches, windows_of_a_room_on_the_way_dim_from_both_sides) {
+    const geometry::PatchMesh mesh = enfilade();
+    const glm::dvec3 sun = glm::normalize(glm::dvec3(0.04, 0.06, 1));
+    const SunPatches patches(mesh, sun);
+    const glm::dvec3 through = daylight::glazingOf(mesh.materials[1]).transmittance(sun.z) *
+                               daylight::glazingOf(mesh.materials[3]).transmittance(sun.z) *
+                               daylight::glazingOf(mesh.materials[3]).transmittance(sun.z);
+    const glm::vec3 point = patches.atPoint({2, 1.2, 3}, sun);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(double{point[c]}, through[c], 1e-6);
+    const auto lit = patches.onPatches();
+    size_t few = 0;
+    for (size_t i = 0; i < mesh.patchCount(); ++i) {
+        EXPECT_NEAR(lit[i].y, reference::sunOnPatch(mesh, i, sun, 512).y, 0.012) << "patch " << i;
+        few += mesh.room[i] == 0 && lit[i].y > 0;
+    }
+    EXPECT_GT(few, 3u);
+}
+
+TEST(SunPatches, what_falls_on_a_blind_has_passed_the_windows_before_it) {
+    const geometry::PatchMesh mesh = enfilade({geometry::Blind::Kind::fabric, 0.3f, 0.5f});
+    const SunPatches patches(mesh, {0, 0, 1});
+    const glm::dvec3 pane = daylight::glazingOf(mesh.materials[3]).transmittance(1);
+    for (size_t i = 0; i < mesh.patchCount(); ++i)
+        if (mesh.material[i] == 1)
+            for (int c = 0; c < 3; ++c) EXPECT_NEAR(patches.onOutside(i)[c], pane[c] * pane[c], 1e-9);
 }
 
 TEST(SunPatches, points_in_sun_and_shade_are_those_of_the_reference_sensors) {

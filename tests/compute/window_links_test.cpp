@@ -60,6 +60,45 @@ TEST(WindowLinks, two_rooms_behind_open_holes_are_one_long_room) {
     EXPECT_LT(halves.report.energyImbalance, 1e-5);
 }
 
+// Slats in one of two windows that face each other: what passes them straight is seen from either side, the
+// same both ways.
+TEST(WindowLinks, one_sees_through_slats_from_both_sides) {
+    const geometry::PatchMesh open = openBoxes(1, 2);
+    for (const float angle : {0.0f, 30.0f, -40.0f}) {
+        geometry::PatchMesh mesh = open; // slats in the window of room 1
+        mesh.materials[3] =
+            daylight::withBlind(mesh.materials[3], {geometry::Blind::Kind::slats, 0, 0.5f, angle, 0.8f});
+        const PointScene clear(open), scene(mesh);
+        const size_t n = mesh.patchCount();
+        const daylight::Window window(mesh.materials[3]);
+        const auto row = [&](const PointScene& of, size_t i) {
+            std::vector<float> values(n, 0);
+            of.seePatchesBeyond(PointView(of.blockers(), geometry::patchCentroid(mesh, i),
+                                          geometry::patchNormal(mesh, i), mesh.room[i]),
+                                mesh.room[i], values.data());
+            return values;
+        };
+        double compared = 0, passed = 0;
+        for (size_t i = 0; i < n; i += 7) {
+            const std::vector<float> whole = row(clear, i), slatted = row(scene, i);
+            for (size_t j = 0; j < n; ++j) {
+                if (whole[j] < 2e-5f) continue;
+                // Light runs out of room 1; its window looks to -z, into the room is +z.
+                const glm::dvec3 out =
+                    glm::normalize((geometry::patchCentroid(mesh, i) - geometry::patchCentroid(mesh, j)) *
+                                   (mesh.room[i] == 0 ? 1.0 : -1.0));
+                const double share = double{slatted[j]} / double{whole[j]};
+                // Directions to a patch half a metre wide differ.
+                EXPECT_NEAR(share, window.straight(out, {0, 0, 1}).y, 0.12) << i << ' ' << j << ' ' << angle;
+                compared += 1, passed += share;
+            }
+        }
+        EXPECT_GT(compared, 100);
+        EXPECT_GT(passed, 0.05 * compared);
+        EXPECT_LT(passed, 0.8 * compared);
+    }
+}
+
 TEST(WindowLinks, exchange_is_mutual_and_comes_out_again_to_the_bit) {
     const geometry::PatchMesh mesh = openBoxes(0.3, 1);
     const size_t n = mesh.patchCount();
