@@ -166,6 +166,8 @@ void HierarchicalFormFactors::makeEntries(std::span<const io::HierarchicalLink> 
     statistics_.bytes = entries.size() * sizeof(glm::uvec4);
     entries_ = gpu::Buffer(*device_, statistics_.bytes, "hierarchical entries");
     entries_.upload(entries);
+    // rows() reads them, from any thread.
+    if (!entries_.mapped()) hostEntries_ = std::move(entries);
 }
 
 void HierarchicalFormFactors::makeOperator() {
@@ -260,12 +262,7 @@ void HierarchicalFormFactors::gather(std::span<const float> in, std::span<float>
 }
 
 void HierarchicalFormFactors::rows(uint32_t first, uint32_t count, std::span<float> values) const {
-    std::vector<glm::uvec4> copy;
-    const auto* entries = entries_.mapped<glm::uvec4>();
-    if (!entries) {
-        copy = entries_.download<glm::uvec4>(firstEntry_.back());
-        entries = copy.data();
-    }
+    const glm::uvec4* entries = entries_.mapped() ? entries_.mapped<glm::uvec4>() : hostEntries_.data();
     std::vector<double> row(patchCount_);
     for (uint32_t i = first; i < first + count; ++i) {
         std::fill(row.begin(), row.end(), 0.0);

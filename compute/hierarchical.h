@@ -41,7 +41,7 @@ public:
     // About 4 ns a link and column on two cores of a CPU device.
     void gather(std::span<const float> in, std::span<float> out, uint32_t columns) override;
 
-    // Rows [first, first + count) as a dense matrix would have them: count x patchCount.
+    // Rows [first, first + count) as a dense matrix would have them: count x patchCount. From any thread.
     void rows(uint32_t first, uint32_t count, std::span<float> values) const;
 
     // Per patch: ||F_i - true|| is below on 99 of 100, from what rays and bends leave open.
@@ -79,6 +79,7 @@ private:
     std::vector<Spot> spots_;     // per leaf
     std::vector<double> patchArea_;
     std::vector<float> rowError_;
+    std::vector<glm::uvec4> hostEntries_; // of entries_, where the host does not see them
     gpu::Buffer family_, frames_, parents_, firstEntryTexels_, entries_, firstLeafTexels_, leafNodeTexels_,
         momentTexels_, received_, light_, gathered_;
 };

@@ -241,15 +241,15 @@ Device::Device(const DeviceOptions& options)
         createInstance(options);
         choosePhysical(options);
         createDevice(options);
-        createOwnObjects();
+        createOwnObjects(options);
     } catch (...) {
         destroy();
         throw;
     }
 }
 
-void Device::createOwnObjects() {
-    memory_ = std::make_unique<Memory>(physical_, device_);
+void Device::createOwnObjects(const DeviceOptions& options) {
+    memory_ = std::make_unique<Memory>(physical_, device_, options.mapsOwnMemory);
     kernels_ = std::make_unique<KernelCache>(*this);
     VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
     pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;

@@ -27,6 +27,8 @@ struct DeviceOptions {
     std::function<void()> beforeSubmit;
     bool swapchains = false;     // VK_KHR_swapchain is needed
     bool pushDescriptors = true; // false: descriptor sets, as on devices without the extension; for tests
+    bool mapsOwnMemory =
+        true; // false: the host does not see Place::device, as on discrete devices; for tests
 };
 
 struct DeviceInfo {
@@ -96,7 +98,7 @@ public:
 private:
     friend class Commands;
 
-    void createOwnObjects();
+    void createOwnObjects(const DeviceOptions& options);
     void destroy();
     void createInstance(const DeviceOptions& options);
     void choosePhysical(const DeviceOptions& options);

@@ -16,7 +16,8 @@ VkDeviceSize alignUp(VkDeviceSize value, VkDeviceSize alignment) {
 
 } // namespace
 
-Memory::Memory(VkPhysicalDevice physical, VkDevice device) : device_(device) {
+Memory::Memory(VkPhysicalDevice physical, VkDevice device, bool mapsOwn)
+    : device_(device), mapsOwn_(mapsOwn) {
     vkGetPhysicalDeviceMemoryProperties(physical, &properties_);
 }
 
@@ -80,7 +81,8 @@ Allocation Memory::allocate(const VkMemoryRequirements& need, Place place, bool 
     auto made = [&](Block& block, VkDeviceSize offset) {
         inUse_ += size;
         peak_ = std::max(peak_, inUse_);
-        return Allocation{block.memory, offset, size, block.mapped ? block.mapped + offset : nullptr,
+        const bool seen = block.mapped && (mapsOwn_ || place == Place::host);
+        return Allocation{block.memory, offset, size, seen ? block.mapped + offset : nullptr,
                           type + (image ? 32u : 0u)};
     };
     if (size <= kBlockSize / 2)

@@ -26,7 +26,8 @@ class Memory {
 public:
     static constexpr VkDeviceSize kBlockSize = 64ull << 20;
 
-    Memory(VkPhysicalDevice physical, VkDevice device);
+    // `mapsOwn`: the host sees Place::device, too, where the device's memory is the host's.
+    Memory(VkPhysicalDevice physical, VkDevice device, bool mapsOwn = true);
     ~Memory(); // every allocation must have been freed
     Memory(const Memory&) = delete;
     Memory& operator=(const Memory&) = delete;
@@ -54,6 +55,7 @@ private:
     Block& addBlock(Pool& pool, uint32_t type, VkDeviceSize size);
 
     VkDevice device_;
+    bool mapsOwn_;
     VkPhysicalDeviceMemoryProperties properties_{};
     std::map<uint32_t, Pool> pools_; // key: memory type, + 32 for images
     VkDeviceSize inUse_ = 0, reserved_ = 0, peak_ = 0;

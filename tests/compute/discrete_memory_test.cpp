@@ -1,0 +1,81 @@
+// Devices with memory of their own, which the host does not see: the same results, in bits, by copies.
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "compute/daylight_transport.h"
+#include "compute/form_factors.h"
+#include "compute/gpu/device.h"
+#include "compute/hierarchical.h"
+#include "tests/compute/rooms.h"
+#include "tests/compute/skies.h"
+#include "tests/gpu/test_device.h"
+
+namespace heliodon::compute {
+namespace {
+
+gpu::Device& discrete() {
+    static const std::unique_ptr<gpu::Device> device = [] {
+        gpu::DeviceOptions options;
+        options.validation = true;
+        options.onMessage = [](std::string_view message) { ADD_FAILURE() << message; };
+        options.mapsOwnMemory = false;
+        return std::make_unique<gpu::Device>(options);
+    }();
+    return *device;
+}
+
+TEST(DiscreteMemory, is_not_seen_by_the_host) {
+    EXPECT_EQ(gpu::Buffer(discrete(), 64, "own").mapped(), nullptr);
+    EXPECT_NE(gpu::Buffer(discrete(), 64, "shared", gpu::Place::host).mapped(), nullptr);
+}
+
+TEST(DiscreteMemory, every_kernel_gives_the_same_bits) {
+    const geometry::PatchMesh mesh =
+        geometry::readPatches(std::string(HELIODON_TEST_DATA) + "/compute/formfactor/room3_672.obj");
+    const size_t n = mesh.patchCount();
+    for (std::string_view kernel : formFactorKernels()) {
+        FormFactorOptions options;
+        options.kernel = kernel;
+        const FormFactors here = computeFormFactors(test::device(), mesh, options),
+                          there = computeFormFactors(discrete(), mesh, options);
+        EXPECT_EQ(here.values.download<float>(n * n), there.values.download<float>(n * n)) << kernel;
+        EXPECT_EQ(here.report.closureMax, there.report.closureMax) << kernel;
+        EXPECT_EQ(here.report.claimedRowError, there.report.claimedRowError) << kernel;
+        const auto streamed = [&](gpu::Device& device) {
+            std::vector<float> values(n * n);
+            streamFormFactors(device, mesh, options, [&](const FormFactorTile& tile) {
+                for (size_t i = 0; i < tile.rows; ++i)
+                    std::copy_n(&tile.values[i * tile.columns], tile.columns,
+                                &values[(tile.firstRow + i) * n + tile.firstColumn]);
+            });
+            return values;
+        };
+        EXPECT_EQ(streamed(test::device()), streamed(discrete())) << kernel;
+    }
+}
+
+TEST(DiscreteMemory, light_of_a_room_is_the_same) {
+    test::BoxRoom box;
+    box.cells = {6, 5, 7};
+    box.isGlass = [](glm::dvec3 p) { return p.z < 1e-9 && p.y > 1; };
+    const geometry::PatchMesh mesh = test::boxRoom(box);
+    const std::vector<Sensor> sensors{{{2, 1, 3}, {0, 1, 0}}, {{1, 1, 1}, {0, 0, 1}}};
+    for (const char* kernel : {"exact", "hierarchical"}) {
+        TransportOptions options;
+        options.formFactors.kernel = kernel;
+        const auto light = [&](gpu::Device& device) {
+            DaylightTransport transport(device, mesh, options);
+            transport.setSensors(sensors);
+            return transport.light(test::sunny());
+        };
+        const Moment here = light(test::device()), there = light(discrete());
+        for (size_t s = 0; s < sensors.size(); ++s) {
+            EXPECT_GT(photometric(here.sensors[s].total()), 10);
+            EXPECT_EQ(photometric(here.sensors[s].total()), photometric(there.sensors[s].total())) << kernel;
+        }
+    }
+}
+
+} // namespace
+} // namespace heliodon::compute
