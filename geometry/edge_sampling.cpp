@@ -23,8 +23,11 @@ constexpr double kNarrowStrip = 0.363, kWideStrip = 0.688;
 // A triangle may be so much longer along a strip than the strip is wide, beside what it may be at a short
 // edge.
 constexpr double kFacing = 1.6;
-constexpr double kFinestStrip = 0.45; // of the edge length
-constexpr double kUniformStrip = 0.9; // of the edge length: a strip this wide needs no staggering
+constexpr double kFinestStrip = 0.45;  // of the edge length
+constexpr double kUniformStrip = 0.8; // of the edge length: a strip this wide needs no staggering
+// Where rectangles of a strip are halved: their width over their length, for angles of 36 degrees. So wide a
+// strip has room for points inside.
+constexpr double kHalvedStrip = 1.376, kRoomInside = 1.45;
 
 // Of the longest straight run of the outlines.
 glm::dvec2 mainDirection(const MeshDomain& domain) {
@@ -196,6 +199,7 @@ void EdgeSampler::choose(double edge, const Grading& grading) {
     for (SampledEdge& e : edges_) {
         e.even = e.graded = false;
         e.pins.clear();
+        e.most = kInfinity;
     }
     if (std::isfinite(grading.growth))
         for (const Strip& strip : strips_) stagger(strip);
@@ -206,7 +210,9 @@ void EdgeSampler::choose(double edge, const Grading& grading) {
             const auto steps = stepsAlong(e, edge_);
             e.graded = steps.size() > 2;
             e.divisions.clear();
-            divideEvenly(steps, std::max(1.0, std::floor(steps.back().second + 0.5 + 1e-7)), e.divisions);
+            const double most = e.graded ? kInfinity : e.most,
+                         wanted = std::floor(std::min(steps.back().second + 0.5 + 1e-7, most));
+            divideEvenly(steps, std::max(1.0, wanted), e.divisions);
         }
     if (std::isfinite(grading.growth)) easeCorners();
     for (const TwinEdges& group : twins_) shareDivisions(group);
@@ -281,9 +287,15 @@ void EdgeSampler::considerStrip(size_t domain, uint32_t side, glm::dvec2 a, glm:
 }
 
 void EdgeSampler::stagger(const Strip& strip) {
+    constexpr double kLongest = 0.8; // of as many steps as there would be
     SampledEdge &side = edges_[strip.side], &other = edges_[strip.other];
     const double longest = strip.width / kNarrowStrip,
                  step = std::clamp(edge_, strip.width / kWideStrip, longest);
+    if (strip.width > kUniformStrip * edge_ && strip.width < kRoomInside * edge_)
+        for (SampledEdge* e : {&side, &other}) // rather a little longer than sharp
+            if (const double most = std::floor(kHalvedStrip * e->length / strip.width);
+                most * edge_ > kLongest * e->length)
+                e->most = std::min(e->most, most);
     if (strip.width > kUniformStrip * edge_ || step < kFinestStrip * edge_) return;
     if (!side.pins.empty() || other.even) return;
     if (!side.even) {

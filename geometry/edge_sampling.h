@@ -47,6 +47,7 @@ private:
         std::vector<double> divisions;
         // A side of a strip: in even steps, or with divisions pinned half a step off those of the other side.
         bool even = false, graded = false;
+        double most = 0;                     // steps, where more would be too short beside a strip's width
         std::vector<double> pins;            // metres from a
         std::vector<NearCorner> nearCorners; // those that want the shortest steps first
     };

@@ -18,6 +18,7 @@ namespace {
 
 constexpr double kFromBoundary = 0.62; // of the edge length
 constexpr double kOnLattice = 0.9;     // of the edge length: where sizes are smaller there are no seeds
+constexpr int kFewRows = 5;            // of a lattice
 constexpr int kSmoothings = 8;
 constexpr int kOptimisations = 8, kTrials = 6;
 const double kGoodCosine = std::cos(39 * 3.14159265358979 / 180);  // angles above 39 degrees are left alone
@@ -425,20 +426,37 @@ std::vector<glm::dvec2> hexagonalSeeds(const PlanarDomain& domain, double lattic
     if (rowCount < 2) return {};
     const Inside inside(domain, turned, low, high, lattice);
     const std::vector<std::vector<double>> rows = inside.rows(row, rowCount);
-    std::vector<glm::dvec2> seeds;
-    for (size_t r = 1; r < rows.size(); ++r)
-        for (size_t k = 0; k + 1 < rows[r].size(); k += 2) {
-            const double shift = low.x + (r % 2 ? 0.5 * column : 0.0),
-                         y = low.y + static_cast<double>(r) * row;
-            for (double c = std::max(0.0, std::floor((rows[r][k] - shift) / column) + 1);
-                 shift + c * column < rows[r][k + 1]; ++c) {
-                const glm::dvec2 p(shift + c * column, y);
-                if (inside.nearBoundary(p, kFromBoundary * lattice)) continue;
-                const glm::dvec2 seed = p.x * u + p.y * v;
-                if (domain.size.at(seed) > kOnLattice * domain.size.edge()) seeds.push_back(seed);
+    // Every other row is shifted by half a column, beginning with the first or with the second.
+    const auto seedsShifted = [&](size_t shifted) {
+        std::vector<glm::dvec2> seeds;
+        for (size_t r = 1; r < rows.size(); ++r)
+            for (size_t k = 0; k + 1 < rows[r].size(); k += 2) {
+                const double shift = low.x + (r % 2 == shifted ? 0.5 * column : 0.0),
+                             y = low.y + static_cast<double>(r) * row;
+                for (double c = std::max(0.0, std::floor((rows[r][k] - shift) / column) + 1);
+                     shift + c * column < rows[r][k + 1]; ++c) {
+                    const glm::dvec2 p(shift + c * column, y);
+                    if (inside.nearBoundary(p, kFromBoundary * lattice)) continue;
+                    const glm::dvec2 seed = p.x * u + p.y * v;
+                    if (domain.size.at(seed) > kOnLattice * domain.size.edge()) seeds.push_back(seed);
+                }
             }
-        }
-    return seeds;
+        return seeds;
+    };
+    std::vector<glm::dvec2> seeds = seedsShifted(1);
+    if (rowCount > kFewRows) return seeds;
+    // In small domains one of the two may leave next to nothing.
+    std::vector<glm::dvec2> others = seedsShifted(0);
+    double twice = 0;
+    for (size_t l = 0; l < loopCount(domain); ++l)
+        for (uint32_t i = domain.loopStart[l]; i < domain.loopStart[l + 1]; ++i)
+            twice += cross(domain.boundary[i], domain.boundary[nextOnLoop(domain, l, i)]);
+    const auto off = [&](const std::vector<glm::dvec2>& inner) { // from regular triangles
+        const double count = 2 * static_cast<double>(inner.size() + loopCount(domain)) +
+                             static_cast<double>(domain.boundary.size()) - 4;
+        return std::abs(std::log(count * std::sqrt(3.0) / 2 * lattice * lattice / twice));
+    };
+    return off(others) < off(seeds) ? others : seeds;
 }
 
 PlanarNet draftMesh(const PlanarDomain& domain, const std::vector<glm::dvec2>& seeds) {
