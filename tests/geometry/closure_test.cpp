@@ -430,3 +430,21 @@ TEST(Closure, options_that_leave_facets_as_they_are_change_nothing) {
     ASSERT_TRUE(a.building && b.building);
     EXPECT_EQ(a.building->vertices, b.building->vertices);
 }
+
+// Drawn to the centre line of the wall, or through it by a hair: what looks out of its other side would be a
+// stub in the next room.
+TEST(Closure, partitions_end_in_the_wall_that_they_meet) {
+    for (const double end : {-0.25, -0.1875, 0.0, 0.15, 0.3, 0.45}) {
+        Sketch sketch = box(-12, -8, 12, 8);
+        sketch.walls.push_back(wall("divider", {0, -8}, {0, 8}));
+        sketch.walls.push_back(wall("green", {-12, 2}, {end, 2}, HeightClass::green));
+        const Closure closure = closeSketch(sketch);
+        expectProven(closure);
+        ASSERT_EQ(closure.report.rooms.size(), 2u);
+        const RoomReport &left = closure.report.rooms[0], &right = closure.report.rooms[1];
+        const double footprint = 0.375 * net(12, 16) / (16 - 0.375); // as long as the room is wide
+        EXPECT_NEAR(left.floorAreaFt2, net(12, 16) - footprint, 1e-6) << end;
+        EXPECT_NEAR(right.floorAreaFt2, net(12, 16), 1e-6) << end;
+        EXPECT_NEAR(right.volumeFt3, 10 * net(12, 16), 1e-5) << end;
+    }
+}

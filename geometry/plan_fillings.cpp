@@ -1,0 +1,186 @@
+#include "geometry/plan_fillings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <glm/geometric.hpp>
+
+#include "geometry/perpendicular.h"
+
+namespace heliodon::geometry {
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kFacingSine = 0.26;   // 15 degrees: ends that look at each other
+constexpr double kParallelSine = 0.18; // 10 degrees: walls side by side
+
+// Two ends that look at each other over a crack: the crack is the hull of the two end faces.
+std::vector<glm::dvec2> facingFill(const WallEnd& e, const WallEnd& f) {
+    if (glm::dot(e.out, f.out) > -std::cos(std::asin(kFacingSine))) return {};
+    const glm::dvec2 between = f.middle - e.middle;
+    // Each lies ahead of the other, not beside it.
+    if (glm::dot(between, e.out) < 0 || glm::dot(between, f.out) > 0) return {};
+    if (std::abs(cross(e.out, between)) > 0.3) return {};
+    return {e.right, f.left, f.right, e.left};
+}
+
+class CrackFiller {
+public:
+    CrackFiller(PlanWalls& plan, double width) : plan_(plan), width_(width) {
+        for (size_t i = 0; i < plan.pieces.size(); ++i) {
+            const WallPiece& piece = plan.pieces[i];
+            if (piece.curved && piece.a1 - piece.a0 >= 2 * kPi - 1e-9) continue;
+            for (const bool atB : {false, true}) ends_.push_back(wallEnd(piece, static_cast<int>(i), atB));
+        }
+        physical_ = plan.solids;
+    }
+
+    void fill() {
+        for (size_t i = 0; i < ends_.size(); ++i)
+            for (size_t j = i + 1; j < ends_.size(); ++j) fillBetweenEnds(ends_[i], ends_[j]);
+        for (const WallEnd& end : ends_) fillToFace(end);
+        for (size_t i = 0; i < plan_.pieces.size(); ++i)
+            for (size_t j = i + 1; j < plan_.pieces.size(); ++j) fillBetweenFaces(i, j);
+    }
+
+private:
+    void add(std::vector<glm::dvec2> outline) {
+        double area = 0;
+        for (size_t k = 0; k < outline.size(); ++k)
+            area += cross(outline[k], outline[(k + 1) % outline.size()]);
+        if (std::abs(area) < 1e-9) return;
+        if (area < 0) std::ranges::reverse(outline);
+        PlanSolid solid;
+        solid.sides.assign(outline.size(), SolidSide::end);
+        solid.outline = std::move(outline);
+        plan_.solids.push_back(std::move(solid));
+    }
+
+    double thickness(const WallEnd& e) const { return plan_.pieces[static_cast<size_t>(e.piece)].thickness; }
+
+    void fillBetweenEnds(const WallEnd& e, const WallEnd& f) {
+        const double apart = glm::length(f.middle - e.middle);
+        if (apart > 2.5 * width_ || (e.piece == f.piece && apart > width_)) return;
+        if (apart <= width_)
+            if (auto hull = facingFill(e, f); !hull.empty()) return add(hull);
+        if (e.piece != f.piece && !joined(e, f)) fillCorner(e, f);
+    }
+
+    // By a piece from the one end to the other: a bevel, a rounding or a short side is no open corner.
+    bool joined(const WallEnd& e, const WallEnd& f) const {
+        const double near = 0.3 * glm::length(f.middle - e.middle);
+        for (size_t k = 0; k + 1 < ends_.size(); ++k) {
+            const WallEnd &a = ends_[k], &b = ends_[k + 1];
+            if (a.piece != b.piece || a.piece == e.piece || a.piece == f.piece) continue;
+            const auto between = [&](const WallEnd& from, const WallEnd& to) {
+                return glm::length(from.middle - e.middle) < near && glm::length(to.middle - f.middle) < near;
+            };
+            if (between(a, b) || between(b, a)) return true;
+        }
+        return false;
+    }
+
+    // A corner that was left open: both walls run on to the far face of the other.
+    void fillCorner(const WallEnd& e, const WallEnd& f) {
+        const double sine = cross(e.out, f.out);
+        if (std::abs(sine) < kFacingSine) return;
+        const glm::dvec2 between = f.middle - e.middle;
+        const double te = cross(between, f.out) / sine, tf = cross(between, e.out) / sine;
+        const double behindE = -thickness(f) / std::abs(sine), behindF = -thickness(e) / std::abs(sine);
+        if (te < behindE || tf < behindF || te > width_ || tf > width_) return;
+        const glm::dvec2 crossing = e.middle + te * e.out;
+        const glm::dvec2 u = e.out * (0.5 * thickness(f) / std::abs(sine));
+        const glm::dvec2 v = f.out * (0.5 * thickness(e) / sine);
+        addStub(e, crossing + u - v, crossing + u + v);
+        addStub(f, crossing + v * std::copysign(1.0, sine) + u * std::copysign(1.0, sine),
+                crossing + v * std::copysign(1.0, sine) - u * std::copysign(1.0, sine));
+    }
+
+    // Lets the wall run on from its end face to `right` and `left`, where these lie ahead of it.
+    void addStub(const WallEnd& e, glm::dvec2 right, glm::dvec2 left) {
+        constexpr double kWorthFilling = 1e-3;
+        const double aheadRight = glm::dot(right - e.right, e.out),
+                     aheadLeft = glm::dot(left - e.left, e.out);
+        if (std::max(aheadRight, aheadLeft) < kWorthFilling) return;
+        add({e.right, aheadRight > 0 ? right : e.right, aheadLeft > 0 ? left : e.left, e.left});
+    }
+
+    // An end that stops short of another wall's face.
+    void fillToFace(const WallEnd& e) {
+        if (touches(plan_.solids, e)) return weldOn(e);
+        int hit = -1;
+        const double t = firstHit(physical_, e.middle, e.out, e.piece, &hit);
+        if (t > width_) return;
+        const std::vector<PlanSolid> target{physical_[static_cast<size_t>(hit)]};
+        const auto reach = [&](glm::dvec2 corner) {
+            const double own = firstHit(target, corner, e.out, -2);
+            return corner + ((own < t + 2 * thickness(e) ? own : t) + 0.02) * e.out;
+        };
+        add({e.right, reach(e.right), reach(e.left), e.left});
+    }
+
+    // Faces that touch may miss one another by a rounding error: a hair more wall closes that.
+    void weldOn(const WallEnd& e) {
+        constexpr double kHair = 0.02;
+        const bool overlaps = std::ranges::any_of(plan_.solids, [&](const PlanSolid& solid) {
+            const glm::dvec2 inside = e.middle + (solid.piece < 0 ? 1e-4 : -kHair / 2) * e.out;
+            return solid.piece != e.piece && contains(solid.outline, inside);
+        });
+        if (!overlaps) add({e.right, e.right + kHair * e.out, e.left + kHair * e.out, e.left});
+    }
+
+    // Walls side by side with a crack between them.
+    void fillBetweenFaces(size_t i, size_t j) {
+        const WallPiece &p = plan_.pieces[i], &q = plan_.pieces[j];
+        if (p.curved || q.curved || p.line == q.line) return;
+        const glm::dvec2 d = glm::normalize(p.b - p.a);
+        if (std::abs(cross(d, glm::normalize(q.b - q.a))) > kParallelSine) return;
+        const bool same = glm::dot(d, q.b - q.a) > 0;
+        const glm::dvec2 qa = same ? q.a : q.b, qb = same ? q.b : q.a;
+        const double length = glm::length(p.b - p.a), q0 = glm::dot(qa - p.a, d), q1 = glm::dot(qb - p.a, d);
+        const double s0 = std::max(0.0, q0), s1 = std::min(length, q1);
+        if (s1 - s0 < 0.5) return;
+        const auto onP = [&](double s) { return p.a + s * d; };
+        const auto onQ = [&](double s) { return qa + (s - q0) / (q1 - q0) * (qb - qa); };
+        const double gap0 = std::abs(cross(d, onQ(s0) - onP(s0))),
+                     gap1 = std::abs(cross(d, onQ(s1) - onP(s1)));
+        const double solid = (p.thickness + q.thickness) / 2;
+        if (std::max(gap0, gap1) > solid + 1.0 || std::min(gap0, gap1) <= solid) return;
+        add({onP(s0), onP(s1), onQ(s1), onQ(s0)});
+    }
+
+    PlanWalls& plan_;
+    double width_;
+    std::vector<WallEnd> ends_;
+    std::vector<PlanSolid> physical_;
+};
+
+} // namespace
+
+void fillCracks(PlanWalls& plan, double width) {
+    CrackFiller(plan, width).fill();
+}
+
+void reachWalls(PlanWalls& plan) {
+    constexpr double kHair = 0.3;
+    for (WallPiece& piece : plan.partitions) {
+        if (piece.curved) continue;
+        for (const bool atB : {false, true}) {
+            const WallEnd end = wallEnd(piece, 0, atB);
+            const bool within = std::ranges::any_of(
+                plan.solids, [&](const PlanSolid& solid) { return contains(solid.outline, end.middle); });
+            if (within) continue; // on would be out again, into the next room
+            const double ahead = firstHit(plan.solids, end.middle, end.out, -2),
+                         behind = firstHit(plan.solids, end.middle, -end.out, -2);
+            glm::dvec2& moved = atB ? piece.b : piece.a;
+            if (ahead < kHair)
+                moved += (ahead + piece.thickness / 2) * end.out;
+            else if (behind < kHair && glm::length(piece.b - piece.a) > 2 * kHair + piece.thickness)
+                moved -= (behind + piece.thickness / 2) * end.out;
+        }
+    }
+}
+
+} // namespace heliodon::geometry

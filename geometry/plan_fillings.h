@@ -1,0 +1,16 @@
+// What closes the cracks and corners that a drawing leaves open between walls.
+#pragma once
+
+#include "geometry/plan_walls.h"
+
+namespace heliodon::geometry {
+
+// Adds solids where ends of walls lie within `width` (inches) of one another or of a face, where a corner was
+// left open, and between walls side by side.
+void fillCracks(PlanWalls& plan, double width);
+
+// A partition that stops a hair (0.3 in) short of a wall was meant to touch it, one that looks out of its
+// other side by a hair to end there.
+void reachWalls(PlanWalls& plan);
+
+} // namespace heliodon::geometry
