@@ -158,7 +158,7 @@ void DaylightTransport::State::findOpenings() {
     blinds = std::make_unique<GlowingBlinds>(mesh);
     patchSky = {};
     if (hasOpenings || options.skipNothing) makeSky();
-    if (!hasOpenings) report.skipped.push_back("sky coefficients: no opening leads outside");
+    if (!hasOpenings) report.skipped.emplace_back("sky coefficients: no opening leads outside");
     report.skyElements = patchSky.elements;
 }
 
@@ -206,7 +206,7 @@ template<class Light> void DaylightTransport::State::glow(Moment& moment, const 
     if (blinds->empty()) return;
     if (moment.glow.empty()) {
         moment.glow.assign(mesh.patchCount(), glm::vec3(0));
-        moment.report.modelled.push_back("blinds: what they scatter");
+        moment.report.modelled.emplace_back("blinds: what they scatter");
     }
     for (size_t g = 0; g < blinds->groups().size(); ++g)
         for (uint32_t patch : blinds->groups()[g].patches) moment.glow[patch] += light(g, patch);
@@ -224,11 +224,11 @@ Moment DaylightTransport::State::direct(const daylight::Sky& sky) const {
     const Stopwatch combining;
     const bool all = options.skipNothing;
     if (!hasOpenings && !all) {
-        skipped.push_back("sky and ground: no opening leads outside");
+        skipped.emplace_back("sky and ground: no opening leads outside");
     } else if (sky.formula.scale <= 0 && sky.ground.luminance <= 0 && !all) {
-        skipped.push_back("sky and ground: dark");
+        skipped.emplace_back("sky and ground: dark");
     } else {
-        modelled.push_back("sky and ground");
+        modelled.emplace_back("sky and ground");
         const std::vector<double> means = skyPatches.luminances(sky);
         const std::vector<float> luminance(means.begin(), means.end());
         for (size_t i = 0; i < n; ++i) patchSky.combine(i, luminance, moment.patches[i]);
@@ -241,9 +241,9 @@ Moment DaylightTransport::State::direct(const daylight::Sky& sky) const {
 
     const Stopwatch sunning;
     if (!sky.hasSun() && !all) {
-        skipped.push_back("sun: below the horizon or behind cloud");
+        skipped.emplace_back("sun: below the horizon or behind cloud");
     } else if (!hasOpenings && !all) {
-        skipped.push_back("sun: no opening leads outside");
+        skipped.emplace_back("sun: no opening leads outside");
     } else {
         sunOn(moment, sky.sun);
     }
@@ -267,10 +267,10 @@ void DaylightTransport::State::sunOn(Moment& moment, const daylight::SunDisc& di
     const size_t n = mesh.patchCount();
     const SunPatches sun(*sunScene, disc.direction, options.skipNothing);
     if (!sun.canEnter() && !options.skipNothing) {
-        moment.report.skipped.push_back("sun: shines on no opening from outside");
+        moment.report.skipped.emplace_back("sun: shines on no opening from outside");
         return;
     }
-    moment.report.modelled.push_back("sun");
+    moment.report.modelled.emplace_back("sun");
     moment.lighting.sunDirection = glm::normalize(disc.direction);
     const auto strength = static_cast<float>(disc.normalIlluminance);
     moment.lighting.sunNormalIlluminance = glm::vec3(strength);
@@ -330,11 +330,11 @@ void DaylightTransport::State::solve(std::span<Moment> moments) {
         moment.report.radiosity = solved;
         moment.report.solveSeconds = seconds;
         if (anyLight)
-            moment.report.modelled.push_back("interreflection");
+            moment.report.modelled.emplace_back("interreflection");
         else
-            moment.report.skipped.push_back("interreflection: no light enters and nothing emits");
+            moment.report.skipped.emplace_back("interreflection: no light enters and nothing emits");
         if (grey)
-            moment.report.skipped.push_back("colour: all materials are grey, one channel stands for three");
+            moment.report.skipped.emplace_back("colour: all materials are grey, one channel stands for three");
         finish(moment, exitance, gathered, k * perMoment * n);
         atSensors(moment, exitance, k * perMoment * n);
     }

@@ -385,7 +385,7 @@ void report(const Solver& solver, const ExactOptions& options, ExactFormFactors&
     report.claimedRowError = std::sqrt(squares / std::max(1.0, static_cast<double>(scene.pieceCount)));
     report.why = fmt::format("row error {:g} asked; {} blockers, {} pairs partly hidden, {} cells",
                              options.maxError, s.blockers, s.partial, s.cells);
-    if (s.blockers == 0) report.skipped.push_back("occlusion: nothing can stand between two patches");
+    if (s.blockers == 0) report.skipped.emplace_back("occlusion: nothing can stand between two patches");
     if (s.overflows > 0)
         report.skipped.push_back(fmt::format("refinement in {} places where a buffer was full", s.overflows));
 }

@@ -63,7 +63,7 @@ HierarchicalFormFactors::HierarchicalFormFactors(gpu::Device& device, const geom
         "{} links between {} clusters, {:.1f} MB instead of {:.1f} MB", statistics_.links, statistics_.nodes,
         static_cast<double>(statistics_.bytes) * 1e-6, static_cast<double>(patchCount_) * patchCount_ * 4e-6);
     if (scene_.blockerCount == 0)
-        report_.skipped.push_back("occlusion: nothing can stand between two patches");
+        report_.skipped.emplace_back("occlusion: nothing can stand between two patches");
 }
 
 void HierarchicalFormFactors::uploadTree() {

@@ -72,7 +72,7 @@ double turnBetween(const std::vector<Pose>& poses) {
 }
 
 void warnOf(CameraCalibration& result, size_t used, int width, int height) {
-    const auto warn = [&](std::string text) { result.warnings.push_back(std::move(text)); };
+    const auto warn = [&](const auto& text) { result.warnings.emplace_back(text); };
     if (used < 8) warn(fmt::format("only {} views; 15 to 30 make the lens sure", used));
     double most = 0;
     for (const auto& view : result.views)

@@ -43,7 +43,7 @@ public:
     DetectionResult run() {
         image_ = classifyPixels(view_, rig_, options_);
         if (!image_.hasTable) {
-            out_.warnings.push_back("no lit white table is seen where the rig says that it is");
+            out_.warnings.emplace_back("no lit white table is seen where the rig says that it is");
             return out_;
         }
         view_.setWhite(image_.white);
@@ -62,7 +62,7 @@ public:
         findSkylights();
         findWalls();
         if (out_.sketch.walls.empty() && out_.sketch.arcs.empty())
-            out_.warnings.push_back("no wall is seen on the table");
+            out_.warnings.emplace_back("no wall is seen on the table");
         warnOfLight();
         nameAll();
         return out_;
@@ -201,7 +201,7 @@ private:
             const auto arrow = fitArrow(region, view_, options_);
             if (!arrow || !liesOnTable(arrow->pos, 0.5 * options_.arrowLength)) continue;
             if (out_.sketch.north && best > 0.5)
-                out_.warnings.push_back("more than one north arrow: the most orange one counts");
+                out_.warnings.emplace_back("more than one north arrow: the most orange one counts");
             best = orange, bestRegion = i;
             out_.sketch.north = arrow;
         }

@@ -189,7 +189,7 @@ void examinePlanes(const Working& work, const LensSolution& solution,
 }
 
 void warnOf(ProjectorCalibration& result, const geometry::OpticalDevice& camera) {
-    const auto warn = [&](std::string text) { result.warnings.push_back(std::move(text)); };
+    const auto warn = [&](const auto& text) { result.warnings.emplace_back(text); };
     size_t used = 0;
     for (const CalibratedPlane& plane : result.planes) {
         used += plane.corners > 0;

@@ -279,7 +279,7 @@ EpwFile readEpw(const std::filesystem::path& path) {
     if (!sequence) throw InputError(file, last, "the file ends before the line DATA PERIODS");
     if (!sequence->finished())
         throw InputError(file, last, fmt::format("the file ends before {}", sequence->expected()));
-    if (hoursFromZero) epw.warnings.push_back("Hours run from 0 to 23; read as 1 to 24.");
+    if (hoursFromZero) epw.warnings.emplace_back("Hours run from 0 to 23; read as 1 to 24.");
     return epw;
 }
 

@@ -267,7 +267,7 @@ std::string timeInWords(const Moment& moment) {
     const double seconds = m.second - minutes * 60.0;
     std::string text = fmt::format("{} {} {}, {:02}:{:02}", m.date.day, monthName(m.date.month), m.date.year,
                                    minutes / 60, minutes % 60);
-    if (seconds >= 5e-7) text += ":" + formatSeconds(seconds);
+    if (seconds >= 5e-7) text += fmt::format(":{}", formatSeconds(seconds));
     if (m.solar) return text + " solar time";
     return text + " UTC" + (m.offsetMinutes == 0 ? "" : formatOffset(m.offsetMinutes));
 }

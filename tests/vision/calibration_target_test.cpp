@@ -1,9 +1,10 @@
 #include "vision/calibration_target.h"
 
+#include <algorithm>
 #include <fstream>
-#include <regex>
 #include <sstream>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -41,28 +42,35 @@ protected:
     std::filesystem::path file;
 };
 
+// All places where the pattern fits, one after the other; # in it stands for a number, which is returned.
 std::vector<std::vector<double>> matches(const std::string& text, const std::string& pattern) {
-    const std::regex wanted(pattern);
     std::vector<std::vector<double>> out;
-    for (auto it = std::sregex_iterator(text.begin(), text.end(), wanted); it != std::sregex_iterator();
-         ++it) {
-        out.emplace_back();
-        for (size_t i = 1; i < it->size(); ++i) out.back().push_back(std::stod((*it)[i].str()));
+    for (size_t start = 0; start < text.size();) {
+        std::vector<double> numbers;
+        size_t at = start;
+        const bool fits = std::ranges::all_of(pattern, [&](char wanted) {
+            if (wanted != '#') return at < text.size() && text[at++] == wanted;
+            const size_t sign = at < text.size() && text[at] == '-' ? 1 : 0;
+            const size_t end = std::min(text.find_first_not_of("0123456789.", at + sign), text.size());
+            if (end == at + sign) return false;
+            numbers.push_back(std::stod(text.substr(at, end - at)));
+            at = end;
+            return true;
+        });
+        if (fits) out.push_back(numbers);
+        start = fits ? at : start + 1;
     }
     return out;
 }
 
-const std::string kN = "(-?[0-9.]+)";
-
 Page readSvg(const std::string& text) {
     Page page;
-    page.edge = matches(text, "width=\"" + kN + "mm\"").at(0)[0];
-    for (const auto& m : matches(text, "M" + kN + " " + kN + "h" + kN + "v")) {
+    page.edge = matches(text, "width=\"#mm\"").at(0)[0];
+    for (const auto& m : matches(text, "M# #h#v")) {
         page.squares.emplace_back(m[0], m[1], m[2], m[2]);
         page.squares.emplace_back(m[0] - m[2], m[1] - m[2], m[2], m[2]);
     }
-    for (const auto& m : matches(text, "cx=\"" + kN + "\" cy=\"" + kN + "\" r=\"" + kN + "\" fill=\"rgb\\(" +
-                                           kN + "," + kN + "," + kN + "\\)"))
+    for (const auto& m : matches(text, "cx=\"#\" cy=\"#\" r=\"#\" fill=\"rgb(#,#,#)"))
         page.disks.push_back({{m[0], m[1]}, m[2], {m[3], m[4], m[5]}});
     return page;
 }
@@ -70,17 +78,16 @@ Page readSvg(const std::string& text) {
 // Points to millimetres and the other way up by the page's own matrix.
 Page readPdf(const std::string& text) {
     Page page;
-    page.edge = matches(text, "MediaBox \\[0 0 " + kN + " ").at(0)[0] * 25.4 / 72;
-    const auto matrix = matches(text, kN + " 0 0 " + kN + " " + kN + " " + kN + " cm").at(0);
+    page.edge = matches(text, "MediaBox [0 0 # ").at(0)[0] * 25.4 / 72;
+    const auto matrix = matches(text, "# 0 0 # # # cm").at(0);
     EXPECT_NEAR(matrix[0], 72 / 25.4, 1e-5);
     EXPECT_NEAR(matrix[1], -72 / 25.4, 1e-5);
     EXPECT_NEAR(matrix[2] * 25.4 / 72, page.edge / 2, 1e-3);
-    for (const auto& m : matches(text, kN + " " + kN + " " + kN + " " + kN + " re"))
+    for (const auto& m : matches(text, "# # # # re"))
         page.squares.emplace_back(std::min(m[0], m[0] + m[2]), std::min(m[1], m[1] + m[3]), std::abs(m[2]),
                                   std::abs(m[3]));
     // A disk begins at its right and goes on to its bottom.
-    for (const auto& m : matches(text, kN + " " + kN + " " + kN + " rg\n" + kN + " " + kN + " m\n" + kN +
-                                           " " + kN + " " + kN + " " + kN + " " + kN + " " + kN + " c\n"))
+    for (const auto& m : matches(text, "# # # rg\n# # m\n# # # # # # c\n"))
         page.disks.push_back({{m[9], m[4]}, m[3] - m[9], {255 * m[0], 255 * m[1], 255 * m[2]}});
     return page;
 }
@@ -147,13 +154,15 @@ TEST(CalibrationTarget, is_the_papers) {
 
 TEST_F(TargetFile, a_pdf_says_where_its_objects_are) {
     const std::string text = written(makeTarget(), ".pdf");
-    const auto table = matches(text, "([0-9]{10}) 00000 n ");
+    const auto table = matches(text, "# 00000 n ");
     ASSERT_EQ(table.size(), 4u);
-    for (size_t i = 0; i < table.size(); ++i)
+    for (size_t i = 0; i < table.size(); ++i) {
         EXPECT_EQ(text.compare(static_cast<size_t>(table[i][0]), 7, std::to_string(i + 1) + " 0 obj"), 0);
-    const auto start = static_cast<size_t>(matches(text, "startxref\n([0-9]+)").at(0)[0]);
+        EXPECT_NE(text.find(fmt::format("\n{:010.0f} 00000 n ", table[i][0])), std::string::npos);
+    }
+    const auto start = static_cast<size_t>(matches(text, "startxref\n#").at(0)[0]);
     EXPECT_EQ(text.compare(start, 4, "xref"), 0);
-    const auto length = static_cast<size_t>(matches(text, "/Length ([0-9]+)").at(0)[0]);
+    const auto length = static_cast<size_t>(matches(text, "/Length #").at(0)[0]);
     EXPECT_EQ(text.compare(text.find("stream\n") + 7 + length, 9, "endstream"), 0);
 }
 
