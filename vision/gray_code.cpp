@@ -19,8 +19,10 @@ namespace {
 // Of white less black where the projector shines: 2.5 steps of 8 bits, and 3 % of the brightest, which is
 // more than what a dark floor beside the plane returns.
 constexpr float kLeastLight = 0.01f, kLeastShare = 0.03f;
-constexpr float kSure = 0.2f;      // of white less black: the least difference of a bit from its inverse
-constexpr size_t kLeastPixels = 6; // decided, of a cell
+constexpr float kSure = 0.2f;          // of white less black: the least difference of a bit from its inverse
+constexpr size_t kLeastPixels = 6;     // decided, of a cell
+constexpr double kLeastCell = 4;       // camera pixels along a cell
+constexpr double kLeastDecided = 0.25; // of the light: what a blur of a pixel leaves of such cells
 
 int bitsFor(int count) {
     int bits = 0;
@@ -43,38 +45,52 @@ bool bitAt(const PatternSet& set, bool column, int bit, int pixel) {
            (grayOf(static_cast<unsigned>(pixel / set.cell)) >> bit & 1u) != 0;
 }
 
-// The cell of every camera pixel that is lit and sure of each bit.
+// The cell of every camera pixel that is lit, as finely as it is sure of.
 class CellMap {
 public:
-    CellMap(GreyPicture light, float least) : light_(std::move(light)), codes_(light_.values.size(), 0u) {
+    CellMap(GreyPicture light, float least)
+        : light_(std::move(light)), columns_(light_.values.size(), 0u), rows_(columns_) {
         for (const float value : light_.values) {
-            unsure_.push_back(!(value > least));
+            unsureBits_.push_back(value > least ? 0 : kDark);
             lit_ += value > least;
         }
     }
 
-    // The next lower bit of column or row.
-    void add(const GreyPicture& pattern, const GreyPicture& inverse, int bit) {
-        for (size_t i = 0; i < codes_.size(); ++i) {
+    // A bit of column or row, the lowest being 0.
+    void add(bool column, int bit, const GreyPicture& pattern, const GreyPicture& inverse) {
+        std::vector<unsigned>& codes = column ? columns_ : rows_;
+        for (size_t i = 0; i < codes.size(); ++i) {
             const float difference = pattern.values[i] - inverse.values[i];
             if (std::abs(difference) < kSure * light_.values[i])
-                unsure_[i] = true;
+                unsureBits_[i] = std::max(unsureBits_[i], bit + 1);
             else if (difference > 0)
-                codes_[i] |= 1u << bit;
+                codes[i] |= 1u << bit;
         }
     }
 
-    // Pixels of each cell: their middle, by coordinate; none where too few are seen.
-    std::vector<std::optional<glm::dvec2>> middles(const PatternSet& set) {
+    // How many of the lowest bits are to be left out, so that cells are resolved; 0 where nothing helps.
+    int unresolvedBits(const PatternSet& set) const {
+        const double cellPixels = std::sqrt(static_cast<double>(lit_) / (set.columns() * set.rows()));
+        for (int bits = 0; bits + 2 <= std::min(set.columnBits(), set.rowBits()); ++bits) {
+            const auto decided =
+                std::ranges::count_if(unsureBits_, [&](int unsure) { return unsure <= bits; });
+            if (cellPixels * (1 << bits) >= kLeastCell &&
+                static_cast<double>(decided) >= kLeastDecided * static_cast<double>(lit_))
+                return bits;
+        }
+        return 0;
+    }
+
+    // Pixels of each cell of `set`, `bits` of whose code have been left out: their middle, by coordinate;
+    // none where too few are seen.
+    std::vector<std::optional<glm::dvec2>> middles(const PatternSet& set, int bits) {
         std::vector<std::vector<glm::ivec2>> pixels(static_cast<size_t>(set.columns() * set.rows()));
-        const unsigned columnMask = (1u << set.columnBits()) - 1;
         for (int y = 0; y < light_.height; ++y)
             for (int x = 0; x < light_.width; ++x) {
                 const size_t i =
                     static_cast<size_t>(y) * static_cast<size_t>(light_.width) + static_cast<size_t>(x);
-                if (unsure_[i]) continue;
-                const unsigned column = indexOf(codes_[i] & columnMask),
-                               row = indexOf(codes_[i] >> set.columnBits());
+                if (unsureBits_[i] > bits) continue;
+                const unsigned column = indexOf(columns_[i] >> bits), row = indexOf(rows_[i] >> bits);
                 if (column >= static_cast<unsigned>(set.columns()) ||
                     row >= static_cast<unsigned>(set.rows()))
                     continue;
@@ -97,9 +113,10 @@ public:
     const GreyPicture& light() const { return light_; }
 
 private:
+    static constexpr int kDark = 32; // more than there are bits
     GreyPicture light_;
-    std::vector<unsigned> codes_; // Gray: column bits, above them row bits
-    std::vector<bool> unsure_;
+    std::vector<unsigned> columns_, rows_; // Gray codes
+    std::vector<int> unsureBits_;          // from the lowest up to the highest that is unsure
     size_t lit_ = 0, decoded_ = 0;
 };
 
@@ -115,6 +132,13 @@ GreyPicture evenCheckers(const GreyPicture& checkers, const GreyPicture& light, 
     for (size_t i = 0; i < out.values.size(); ++i)
         out.values[i] =
             light.values[i] > least ? std::clamp(out.values[i] / light.values[i], -1.5f, 1.5f) : 0.0f;
+    return out;
+}
+
+// The checkerboard of a bit of columns and rows that is not shown as such: it is lit where one of both is.
+GreyPicture checkersOf(const GreyPicture& columns, const GreyPicture& rows) {
+    GreyPicture out = columns;
+    for (size_t i = 0; i < out.values.size(); ++i) out.values[i] *= -rows.values[i];
     return out;
 }
 
@@ -198,27 +222,31 @@ DecodedPatterns decodePatterns(const PatternSet& set,
     GreyPicture light = difference(read("white"), read("black"));
     const float least = leastLight(light);
     CellMap cells(std::move(light), least);
-    const auto addBit = [&](char axis, int bit, int place) {
-        const std::string name = fmt::format("{}_bit{}", axis, bit);
-        cells.add(read(name), read(name + "_inv"), place);
-    };
-    for (int bit = set.columnBits() - 1; bit >= 0; --bit) addBit('x', bit, bit);
-    for (int bit = set.rowBits() - 1; bit >= 0; --bit) addBit('y', bit, set.columnBits() + bit);
+    const auto nameOf = [](char axis, int bit) { return fmt::format("{}_bit{}", axis, bit); };
+    for (const char axis : {'x', 'y'})
+        for (int bit = (axis == 'x' ? set.columnBits() : set.rowBits()) - 1; bit >= 0; --bit)
+            cells.add(axis == 'x', bit, read(nameOf(axis, bit)), read(nameOf(axis, bit) + "_inv"));
+    const int bits = cells.unresolvedBits(set);
+    const PatternSet used{set.width, set.height, set.cell << bits};
 
     DecodedPatterns out;
-    const auto middles = cells.middles(set);
+    out.cell = used.cell;
+    const auto middles = cells.middles(used, bits);
     const double pixels = static_cast<double>(std::max<size_t>(cells.light().values.size(), 1));
     out.litShare = static_cast<double>(cells.lit()) / pixels;
     out.decodedShare =
         static_cast<double>(cells.decoded()) / static_cast<double>(std::max<size_t>(cells.lit(), 1));
-    const double cellPixels = std::sqrt(static_cast<double>(cells.lit()) / (set.columns() * set.rows()));
+    const double cellPixels = std::sqrt(static_cast<double>(cells.lit()) / (used.columns() * used.rows()));
+    const auto even = [&](const std::string& name) {
+        return evenCheckers(difference(read(name), read(name + "_inv")), cells.light(), least);
+    };
     const GreyPicture checkers =
-        blurred(evenCheckers(difference(read("xor_lsb"), read("xor_lsb_inv")), cells.light(), least),
+        blurred(bits == 0 ? even("xor_lsb") : checkersOf(even(nameOf('x', bits)), even(nameOf('y', bits))),
                 saddleBlur(2 * cellPixels));
     // The last Gray bit changes between an even cell and the next.
-    for (int row = 0; row + 1 < set.rows(); row += 2)
-        for (int column = 0; column + 1 < set.columns(); column += 2)
-            if (const auto corner = cornerOf(checkers, set, column, row, middles))
+    for (int row = 0; row + 1 < used.rows(); row += 2)
+        for (int column = 0; column + 1 < used.columns(); column += 2)
+            if (const auto corner = cornerOf(checkers, used, column, row, middles))
                 out.corners.push_back(*corner);
     return out;
 }

@@ -38,14 +38,18 @@ struct PatternCorner {
 
 struct DecodedPatterns {
     std::vector<PatternCorner> corners; // row by row of the projector's picture
-    double litShare = 0;                // of the camera's picture: lit by the projector
-    double decodedShare = 0;            // of those: every bit sure
+    int cell = 0;            // projector pixels along the cells used: the set's, or a power of two more
+    double litShare = 0;     // of the camera's picture: lit by the projector
+    double decodedShare = 0; // of those: every bit of the cells used sure
 };
 
-// `read` gives the camera's picture of the pattern of that name; it is asked for each once, all of one size
-// (precondition). A pixel is decided where pattern and inverse differ by more than a fifth of what white and
-// black do. A corner is kept where its four cells are seen and its saddle lies where they say.
-// About 0.3 s of decoding for 1392 x 1032.
+// `read` gives the camera's picture of the pattern of that name, all of one size (precondition); the
+// checkerboard is not asked for where it is not used. A pixel is decided where pattern and inverse differ by
+// more than a fifth of what white and black do. Where the camera does not resolve the finest patterns (less
+// than a quarter of the light decided, or cells under 4 of its pixels, as with codes of single projector
+// pixels) the last bits are left out: without them a Gray code is that of cells twice as large. A corner is
+// kept where its four cells are seen and its saddle lies where they say. About 0.3 s of decoding for
+// 1392 x 1032.
 DecodedPatterns decodePatterns(const PatternSet& set,
                                const std::function<GreyPicture(const std::string&)>& read);
 

@@ -21,7 +21,7 @@ using nlohmann::json;
 
 namespace {
 
-vision::ProjectorPlane decodePlane(const CalibrationFolder& folder, size_t index,
+vision::ProjectorPlane decodePlane(Run& run, const CalibrationFolder& folder, size_t index,
                                    const geometry::OpticalDevice& camera, json& report) {
     const auto& plane = folder.planes[index];
     const vision::DecodedPatterns decoded =
@@ -39,7 +39,12 @@ vision::ProjectorPlane decodePlane(const CalibrationFolder& folder, size_t index
               {"height_m", plane.height},
               {"lit_share", decoded.litShare},
               {"decoded_share", decoded.decodedShare},
+              {"cell", decoded.cell},
               {"corners", decoded.corners.size()}};
+    if (decoded.cell != folder.patterns.cell)
+        run.warn(
+            fmt::format("{}: the camera does not resolve cells of {} projector pixels; read as cells of {}",
+                        plane.folder.string(), folder.patterns.cell, decoded.cell));
     return {plane.height, decoded.corners};
 }
 
@@ -49,7 +54,7 @@ std::vector<vision::ProjectorPlane> decodePlanes(Run& run, const CalibrationFold
     std::vector<vision::ProjectorPlane> planes;
     Progress progress(folder.id, folder.planes.size(), run.showsProgress());
     for (size_t i = 0; i < folder.planes.size(); ++i) {
-        planes.push_back(decodePlane(folder, i, camera, report["planes"].emplace_back()));
+        planes.push_back(decodePlane(run, folder, i, camera, report["planes"].emplace_back()));
         progress.advance(i + 1);
     }
     return planes;

@@ -1,5 +1,6 @@
 #include "vision/projector_calibration.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <glm/glm.hpp>
@@ -98,6 +99,32 @@ TEST(GrayCode, every_corner_found_is_where_the_projector_put_it) {
         // 2 x 2 cells are 20 to 40 camera pixels; the samples of the painter lie a third of a pixel apart.
         EXPECT_LT(std::sqrt(squares / static_cast<double>(inside)), 0.05) << noise;
     }
+}
+
+TEST(GrayCode, codes_finer_than_the_camera_resolves_are_read_by_coarser_cells) {
+    PatternScene scene = usualScene();
+    scene.height = 0.1, scene.noise = 0.008, scene.gamma = 2.2;
+    for (const int cell : {1, 2}) {
+        scene.patterns.cell = cell;
+        const PatternPainter painter(scene);
+        const DecodedPatterns decoded = decodePatterns(scene.patterns, std::cref(painter));
+        EXPECT_GT(decoded.cell, cell);
+        EXPECT_EQ(decoded.cell & (decoded.cell - 1), 0);
+        EXPECT_GT(decoded.corners.size(), 500u) << cell;
+        std::vector<double> off;
+        for (const PatternCorner& corner : decoded.corners) {
+            const auto at = scene.projector.worldOnPlane(corner.projector, scene.height);
+            ASSERT_TRUE(at);
+            if (std::max(std::abs(at->x), std::abs(at->z)) > 0.45) continue;
+            off.push_back(glm::distance(scene.camera.pixelFromWorld(*at).value(), corner.camera));
+        }
+        std::ranges::sort(off);
+        EXPECT_LT(off[off.size() / 2], 0.05) << cell; // as of cells that are shown so large
+        EXPECT_LT(off[off.size() * 99 / 100], 0.3) << cell;
+    }
+    scene.patterns.cell = 1;
+    const auto result = calibrate(scene, decode(scene, {0, 0.12}));
+    EXPECT_LT(worstMiss(result.projector, scene.projector), 0.5);
 }
 
 TEST(CalibrateProjector, finds_a_principal_point_above_the_picture_and_no_distortion_where_there_is_none) {
