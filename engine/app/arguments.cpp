@@ -148,6 +148,12 @@ private:
             "clear, overcast, intermediate, cie:1..15, perez:DNI,DHI in W/m2, or a sky file (default clear)");
     }
 
+    static void addWeather(CLI::App* sub, MomentArguments& moment) {
+        sub->add_option("--weather", moment.weather,
+                        "hourly weather (.epw or .epw.gz) in place of a sky; its site is used")
+            ->excludes("--sky");
+    }
+
     static void addPicture(CLI::App* sub, PictureArguments& picture) {
         sub->add_option("--exposure", picture.exposure,
                         "lux of exitance that shows as white (default: chosen from the picture)")
@@ -262,9 +268,7 @@ private:
                         "preview, projectors, or none for frames.csv alone (default: projectors with a rig, "
                         "else preview)")
             ->check(CLI::IsMember({"preview", "projectors", "none"}));
-        sub->add_option("--weather", timelapse_.moment.weather,
-                        "hourly weather (.epw or .epw.gz) in place of a sky; its site is used")
-            ->excludes("--sky");
+        addWeather(sub, timelapse_.moment);
         sub->add_flag("!--no-stamp", timelapse_.stamp,
                       "leave date, time, sun and sky out of the corner of previews (projectors' pictures and "
                       "linear ones never have them)");
@@ -372,6 +376,7 @@ private:
         addMesh(sub, live_.scene);
         addBlinds(sub, live_.scene);
         addMoment(sub, live_.moment, true);
+        addWeather(sub, live_.moment);
         sub->add_option("--exposure", live_.picture.exposure,
                         "lux of exitance that shows as white (default: chosen from the picture)")
             ->check(positive());
@@ -382,10 +387,10 @@ private:
             ->check(within(0.01, 86400));
         sub->add_flag("--loop", live_.loop, "start a replay again after its last picture");
         sub->add_option("--duration", live_.duration, "end after so many seconds")->check(positive());
-        sub->add_option(
-            "--script", live_.script,
-            "do what this file says, a line each: wait, sleep S, time T, sky SKY, wheel N [shift] "
-            "[ctrl], key K, resize WINDOW WIDTH HEIGHT, close WINDOW, snapshot NAME, quit");
+        sub->add_option("--script", live_.script,
+                        "do what this file says, a line each: wait, sleep S, time T, sky SKY (or weather, "
+                        "the file's), wheel N [shift] [ctrl], key K, resize WINDOW WIDTH HEIGHT, close "
+                        "WINDOW, snapshot NAME, quit");
         sub->add_option("--snapshots", live_.snapshots,
                         "folder for what the outputs showed at a script's snapshot, and in the end");
     }
@@ -395,7 +400,7 @@ private:
                             calibratePatterns_, "--size 1024x768 -o patterns", group);
         sub->add_option("--size", calibratePatterns_.size, "pixels of the projector (default 1024x768)");
         sub->add_option("--cell", calibratePatterns_.cell, "projector pixels along a cell (default 16)")
-            ->check(within(2, 256));
+            ->check(within(1, 256));
         sub->add_option(
                "-o,--output", calibratePatterns_.output,
                "folder for white.png, black.png, x_bit5.png ... and patterns.json; made when missing")
@@ -431,7 +436,7 @@ private:
                         "pixels of the projector (default: as the patterns in DIR, else 1024x768)");
         sub->add_option("--cell", calibrateProjector_.cell,
                         "projector pixels along a cell (default: as the patterns in DIR, else 16)")
-            ->check(within(2, 256));
+            ->check(within(1, 256));
         sub->add_option("--overlay", calibrateProjector_.overlay,
                         "folder for pictures with the corners found; made when missing");
         sub->add_option("-o,--output", calibrateProjector_.output,

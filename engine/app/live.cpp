@@ -94,7 +94,8 @@ private:
         source_.skyAt(source_.moment()); // a sky that is none is said now
         if (!arguments.snapshots.empty()) snapshots_.emplace(arguments.snapshots);
         if (arguments.script.empty()) return {};
-        std::vector<ScriptStep> steps = readScript(arguments.script, rig_.projectors.size() + 1);
+        std::vector<ScriptStep> steps =
+            readScript(arguments.script, rig_.projectors.size() + 1, source_.weather() != nullptr);
         for (const ScriptStep& step : steps)
             if (std::holds_alternative<SnapshotStep>(step) && arguments.snapshots.empty())
                 throw geometry::InputError("--snapshots", "",

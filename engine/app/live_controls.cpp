@@ -14,15 +14,22 @@ constexpr double kLongestPause = 0.5; // seconds: a display that stood still doe
 
 } // namespace
 
-LiveControls::LiveControls(const SkySource& source, const LiveArguments& arguments) {
+LiveControls::LiveControls(const SkySource& source, const LiveArguments& arguments)
+    : weather_(source.weather()) {
     setTime(source.moment());
     values.latitudeDeg = source.site().latitudeDeg;
     values.longitudeDeg = source.site().longitudeDeg;
     if (!arguments.moment.sky.empty()) values.sky = arguments.moment.sky;
+    if (weather_) values.sky = present::kWeatherFile;
     values.skyColour = arguments.picture.skyColour;
     values.falseColour = arguments.picture.falseColor;
     values.autoExposure = !arguments.picture.exposure;
     values.whiteLux = arguments.picture.exposure.value_or(values.whiteLux);
+}
+
+daylight::Site LiveControls::site() const {
+    if (showsWeather()) return weather_->site;
+    return {values.latitudeDeg, values.longitudeDeg};
 }
 
 void LiveControls::setTime(const daylight::Moment& moment) {
@@ -136,7 +143,7 @@ bool LiveControls::lightChanged() const {
 LightRequest LiveControls::request() {
     everAsked_ = true;
     asked_ = values;
-    return {moment(), {values.latitudeDeg, values.longitudeDeg}, values.sky, values.skyColour, {}};
+    return {moment(), site(), values.sky, showsWeather() ? weather_ : nullptr, values.skyColour, {}};
 }
 
 bool LiveControls::pictureChanged() {
@@ -165,12 +172,13 @@ void LiveControls::describe(present::OperatorStatus& status) const {
                               now.solar ? "solar time"
                                         : fmt::format("UTC{}{:02}:{:02}", now.offsetMinutes < 0 ? '-' : '+',
                                                       offset / 60, offset % 60));
-    const daylight::Site site{values.latitudeDeg, values.longitudeDeg};
+    const daylight::Site here = site();
     const daylight::SunPosition sun =
-        daylight::sunPosition(daylight::utcSeconds(now, site.longitudeDeg), site);
+        daylight::sunPosition(daylight::utcSeconds(now, here.longitudeDeg), here);
     status.sun = sun.isUp() ? fmt::format("sun {:.0f}\u00b0 high, {:.0f}\u00b0 from north", sun.altitudeDeg,
                                           sun.azimuthDeg)
                             : fmt::format("sun {:.0f}\u00b0 below the horizon", -sun.altitudeDeg);
+    if (weather_) status.weather = weather_->place.empty() ? "weather file" : weather_->place;
 }
 
 } // namespace heliodon::app

@@ -10,6 +10,7 @@ namespace heliodon::app {
 
 class LiveControls {
 public:
+    // `source`: what the display begins with; of its weather file, if it has one, all hours can be chosen.
     LiveControls(const SkySource& source, const LiveArguments& arguments);
 
     present::OperatorControls values;
@@ -33,10 +34,13 @@ public:
     void describe(present::OperatorStatus& status) const;
 
 private:
+    bool showsWeather() const { return weather_ && values.sky == present::kWeatherFile; }
+    daylight::Site site() const;
     void addHours(double hours);
     void addDays(int days);
 
-    daylight::Moment clock_; // whose kind of clock is kept: solar, or an offset
+    daylight::Moment clock_;                           // whose kind of clock is kept: solar, or an offset
+    std::shared_ptr<const daylight::Weather> weather_; // null: no file was given
     present::OperatorControls asked_, pictured_;
     bool everAsked_ = false;
     LiveClock::time_point played_{};

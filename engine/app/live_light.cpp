@@ -115,7 +115,8 @@ void LiveLight::trySolve(std::vector<SceneChange>& changes) {
 void LiveLight::solve(bool fromPicture) {
     const compute::Stopwatch watch;
     const Scene& scene = scene_->scene;
-    const SkySource source(request_.site, request_.sky, scene.northDeg);
+    const SkySource source = request_.weather ? SkySource(request_.weather, scene.northDeg)
+                                              : SkySource(request_.site, request_.sky, scene.northDeg);
     const daylight::Sky sky = source.skyAt(request_.time);
     LitScene lit;
     if (sky_ && sameLight(*sky_, sky) && coloured_ == request_.coloured) {

@@ -20,7 +20,8 @@ namespace heliodon::app {
 struct LightRequest {
     daylight::Moment time;
     daylight::Site site;
-    std::string sky; // as --sky has it
+    std::string sky;                                  // as --sky has it
+    std::shared_ptr<const daylight::Weather> weather; // in place of site and sky, unless null
     bool coloured = false;
     LiveClock::time_point asked;
 };

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "engine/app/moment.h"
+#include "engine/present/operator_window.h"
 #include "geometry/input_error.h"
 
 namespace heliodon::app {
@@ -59,8 +60,12 @@ void readModifiers(Line& line, present::Event& event) {
     }
 }
 
-std::string skyOf(Line& line) {
+std::string skyOf(Line& line, bool weather) {
     const std::string sky = line.word("a sky");
+    if (sky == present::kWeatherFile) {
+        if (!weather) line.refuse("there is no weather file, expected --weather FILE.epw");
+        return sky;
+    }
     try {
         const SkySource source({}, sky, 0);
         source.skyAt(source.moment());
@@ -70,12 +75,12 @@ std::string skyOf(Line& line) {
     return sky;
 }
 
-ScriptStep stepOf(const std::string& verb, Line& line, size_t windows) {
+ScriptStep stepOf(const std::string& verb, Line& line, size_t windows, bool weather) {
     if (verb == "wait") return WaitStep{};
     if (verb == "quit") return QuitStep{};
     if (verb == "sleep") return SleepStep{line.number("seconds", 0, 86400)};
     if (verb == "time") return TimeStep{daylight::parseTime(line.word("a time"), line.source())};
-    if (verb == "sky") return SkyStep{skyOf(line)};
+    if (verb == "sky") return SkyStep{skyOf(line, weather)};
     if (verb == "close") return CloseStep{line.index("a window", windows)};
     if (verb == "snapshot") {
         const std::string name = line.word("a name");
@@ -104,7 +109,7 @@ ScriptStep stepOf(const std::string& verb, Line& line, size_t windows) {
 
 } // namespace
 
-std::vector<ScriptStep> readScript(const std::filesystem::path& file, size_t windows) {
+std::vector<ScriptStep> readScript(const std::filesystem::path& file, size_t windows, bool weather) {
     std::ifstream in(file);
     if (!in) throw InputError(file.string(), "", "cannot be read");
     std::vector<ScriptStep> steps;
@@ -114,7 +119,7 @@ std::vector<ScriptStep> readScript(const std::filesystem::path& file, size_t win
         Line line(text.substr(0, text.find('#')), fmt::format("{}:{}", file.string(), number));
         std::string verb, more;
         if (!line.optional(verb)) continue;
-        steps.push_back(stepOf(verb, line, windows));
+        steps.push_back(stepOf(verb, line, windows, weather));
         if (line.optional(more)) line.refuse("'" + more + "' is one word too many");
     }
     return steps;

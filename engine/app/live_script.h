@@ -39,8 +39,8 @@ struct QuitStep {}; // quit
 using ScriptStep = std::variant<WaitStep, SleepStep, TimeStep, SkyStep, EventStep, ResizeStep, CloseStep,
                                 SnapshotStep, QuitStep>;
 
-// Windows are counted from 0, projectors in the rig's order, then the operator's. Throws InputError naming
-// file and line.
-std::vector<ScriptStep> readScript(const std::filesystem::path& file, size_t windows);
+// Windows are counted from 0, projectors in the rig's order, then the operator's. `weather`: there is a
+// weather file, which "sky weather" shows. Throws InputError naming file and line.
+std::vector<ScriptStep> readScript(const std::filesystem::path& file, size_t windows, bool weather);
 
 } // namespace heliodon::app

@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -31,7 +32,7 @@ SkySource::SkySource(Run& run, const MomentArguments& arguments, const Scene& sc
     setting_.northDeg = scene.northDeg;
     if (!arguments.weather.empty()) {
         const StageTimer timer(run, "weather");
-        weather_ = daylight::readWeather(arguments.weather);
+        weather_ = std::make_shared<daylight::Weather>(daylight::readWeather(arguments.weather));
         for (const std::string& warning : weather_->warnings) run.warn(warning);
         run.report()["weather"] = {{"file", arguments.weather.string()}, {"place", weather_->place}};
     }
@@ -58,6 +59,11 @@ SkySource::SkySource(Run& run, const MomentArguments& arguments, const Scene& sc
 
 SkySource::SkySource(const daylight::Site& site, std::string sky, double northDeg, geometry::UpAxis up)
     : site_(site), option_(std::move(sky)), up_(up) {
+    setting_.northDeg = northDeg;
+}
+
+SkySource::SkySource(std::shared_ptr<const daylight::Weather> weather, double northDeg)
+    : site_(weather->site), weather_(std::move(weather)) {
     setting_.northDeg = northDeg;
 }
 

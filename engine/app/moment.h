@@ -1,7 +1,7 @@
 // Where, when and under which sky: the command line's words made into skies over one scene.
 #pragma once
 
-#include <optional>
+#include <memory>
 #include <string>
 
 #include "compute/daylight/sky.h"
@@ -21,6 +21,8 @@ public:
     // Nothing left open. `sky` is as `--sky` has it.
     SkySource(const daylight::Site& site, std::string sky, double northDeg,
               geometry::UpAxis up = geometry::UpAxis::y);
+    // The hours of a weather file, at its site.
+    SkySource(std::shared_ptr<const daylight::Weather> weather, double northDeg);
 
     // Of `moment()`, for drawings: "21 March 2026, 13:00 solar time, clear sky, 42.73 N 73.68 W".
     std::string title() const;
@@ -31,6 +33,8 @@ public:
     // `--time`, or its default.
     const daylight::Moment& moment() const { return moment_; }
     const daylight::Site& site() const { return site_; }
+    // Null where the sky is not a weather file's.
+    const std::shared_ptr<const daylight::Weather>& weather() const { return weather_; }
     daylight::SunPosition sunAt(const daylight::Moment& moment) const;
     // Throws InputError for moments that the weather file does not cover.
     daylight::Sky skyAt(const daylight::Moment& moment) const;
@@ -41,7 +45,7 @@ private:
     std::string option_;
     geometry::UpAxis up_;
     daylight::SkySetting setting_;
-    std::optional<daylight::Weather> weather_;
+    std::shared_ptr<const daylight::Weather> weather_;
 };
 
 // Whether two skies give the same light: nothing need be solved or drawn again.

@@ -162,10 +162,12 @@ void layOutTime(OperatorControls& c, const OperatorStatus& status) {
            c.playDays ? "%.0f days/s" : "%.1f h/s", ImGuiSliderFlags_Logarithmic);
 }
 
-void layOutSky(OperatorControls& c) {
+void layOutSky(OperatorControls& c, const OperatorStatus& status) {
     label("weather");
-    const bool perez = c.sky.starts_with("perez:");
-    if (ImGui::BeginCombo("##sky", perez ? "sun and sky in W/m2" : c.sky.c_str())) {
+    const bool perez = c.sky.starts_with("perez:"), file = c.sky == kWeatherFile;
+    const char* chosen = perez ? "sun and sky in W/m2" : file ? status.weather.c_str() : c.sky.c_str();
+    if (ImGui::BeginCombo("##sky", chosen)) {
+        if (!status.weather.empty() && ImGui::Selectable(status.weather.c_str(), file)) c.sky = kWeatherFile;
         for (const char* name : {"clear", "intermediate", "overcast"})
             if (ImGui::Selectable(name, c.sky == name)) c.sky = name;
         for (int type = 1; type <= 15; ++type) {
@@ -186,6 +188,7 @@ void layOutSky(OperatorControls& c) {
         changed |= slider("##diffuse", diffuse, 0, 500, "sky %.0f");
         if (changed) c.sky = fmt::format("perez:{:.0f},{:.0f}", direct, diffuse);
     }
+    if (file) return; // it has its own site
     label("site");
     double place[2] = {c.latitudeDeg, c.longitudeDeg};
     if (ImGui::InputScalarN("##site", ImGuiDataType_Double, place, 2, nullptr, nullptr, "%.2f",
@@ -355,7 +358,7 @@ std::vector<PlacedPicture> layOutOperatorWindow(OperatorControls& controls, cons
     ImGui::BeginChild("controls", {0, 0}, true, ImGuiWindowFlags_NoScrollWithMouse);
     layOutTime(controls, status);
     ImGui::Separator();
-    layOutSky(controls);
+    layOutSky(controls, status);
     ImGui::Separator();
     layOutPicture(controls, status);
     if (heading("Status")) layOutFacts(status);

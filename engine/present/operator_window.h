@@ -16,6 +16,9 @@
 
 namespace heliodon::present {
 
+// What OperatorControls::sky says where the hours of a weather file are shown.
+constexpr const char* kWeatherFile = "weather";
+
 enum class Shown { light, grid, white, black, identify };
 
 // What the operator decides. The caller keeps it; what the user does in the window changes it.
@@ -23,7 +26,7 @@ struct OperatorControls {
     int year = 2026, dayOfYear = 80; // 1..366
     double hour = 13;                // [0, 24)
     double latitudeDeg = 42.73, longitudeDeg = -73.68;
-    std::string sky = "clear"; // as --sky has it
+    std::string sky = "clear"; // as --sky has it, or kWeatherFile
     bool skyColour = false;
     bool autoExposure = true;
     double whiteLux = 1000; // where exposure is not automatic
@@ -48,6 +51,7 @@ struct OperatorOutput {
 // What there is to say.
 struct OperatorStatus {
     std::string clock, date, sun; // "13:00 solar", "21 March", "sun 46 degrees up, ..."
+    std::string weather;          // where the weather file is of; empty: there is none
     std::string camera;           // what it is, or why there is none
     bool cameraFails = false;
     std::string working; // what is being done; empty: nothing

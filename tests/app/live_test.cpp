@@ -101,6 +101,34 @@ TEST_F(Live, four_windows_show_what_render_writes_for_the_moment_that_the_wheel_
     EXPECT_EQ(report["live"]["photo_to_light"]["count"], 1);
 }
 
+TEST_F(Live, hours_of_a_weather_file_are_shown_as_a_time_lapse_shows_them) {
+    const std::string weather =
+        "--exposure 3000 --weather " HELIODON_TEST_DATA "/daylight/chicago_tmy3.epw.gz ";
+    const Outcome outcome = live("file:" + kPhoto,
+                                 "time 2026-06-21T12:30-06:00\nwait\nsnapshot june\nwheel -3\nwait\n"
+                                 "snapshot earlier\nsky clear\nwait\nsnapshot clear\nsky weather\nwait\n"
+                                 "snapshot again\nquit\n",
+                                 weather);
+    ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
+    EXPECT_NE(report["weather"]["place"].get<std::string>().find("Chicago"), std::string::npos);
+    const Outcome film =
+        heliodon("timelapse " + kPhoto + kFast + "--rig " + kRig + " --quiet " + weather +
+                 "--from 2026-06-21T12:00-06:00 --to 2026-06-21T12:30-06:00 --step PT30M -o " + in("film"));
+    ASSERT_EQ(film.exitCode, 0) << film.output;
+    const std::pair<const char*, const char*> frames[]{{"earlier", "00000"}, {"june", "00001"}};
+    for (const auto& [name, frame] : frames)
+        for (int i = 0; i < 4; ++i) {
+            const std::string projector = "projector-" + std::to_string(i);
+            const auto shown = shot(std::string(name) + "-" + projector),
+                       written = vision::readPhotograph(folder / "film" / (projector + "-" + frame + ".png"));
+            const auto [most, count] = difference(shown, written);
+            EXPECT_LE(most, 2) << name << projector; // a step of rounding, see above
+            EXPECT_LE(count, shown.rgb.size() / 500) << name << projector;
+        }
+    EXPECT_GT(difference(shot("earlier-projector-0"), shot("clear-projector-0")).first, 10);
+    EXPECT_LE(difference(shot("earlier-projector-0"), shot("again-projector-0")).first, 2);
+}
+
 TEST_F(Live, a_bad_picture_is_reported_and_leaves_the_last_light_until_a_good_one_comes) {
     fs::copy_file(kPhoto, folder / "table.png");
     std::thread hand([this] {
@@ -261,6 +289,7 @@ TEST_F(Live, bad_words_are_refused_by_name) {
     const std::string start = "live --windowed --rig " + kRig + " --camera ";
     writeText(folder / "script", "wait\nwheel up\n");
     writeText(folder / "weather", "wait\nsky cie:99\n");
+    writeText(folder / "file", "sky weather # which was not given\n");
     const std::pair<std::string, std::string> cases[]{
         {start + "webcam:0", "webcam:0"},
         {start + "file:" + in("none.png"), "none.png"},
@@ -268,6 +297,8 @@ TEST_F(Live, bad_words_are_refused_by_name) {
         {start + "file:" + kPhoto + " --sky purple", "purple"},
         {start + "file:" + kPhoto + " --script " + in("script"), "script:2"},
         {start + "file:" + kPhoto + " --script " + in("weather"), "weather:2"},
+        {start + "file:" + kPhoto + " --script " + in("file"), "file:1"},
+        {start + "file:" + kPhoto + " --weather " + in("none.epw"), "none.epw"},
         {start + "file:" + kPhoto + " --snapshots " + in("script"), "script"},
         {"live --camera file:" + kPhoto, "--rig"}};
     for (const auto& [words, named] : cases) {
