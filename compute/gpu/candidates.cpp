@@ -1,0 +1,181 @@
+#include "compute/gpu/candidates.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstring>
+#include <memory>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "compute/gpu/error.h"
+
+namespace heliodon::gpu {
+
+namespace {
+
+constexpr const char* kNoDriver =
+    "no Vulkan device: the loader finds no driver (mesa-vulkan-drivers has one that needs no hardware; "
+    "VK_ICD_FILENAMES and VK_DRIVER_FILES, where they are set, must name files that are there)";
+
+struct Required {
+    const char* name;
+    VkBool32& (*of)(Features&);
+};
+constexpr std::array<Required, 7> kRequired{{
+    {"synchronization2", [](Features& f) -> VkBool32& { return f.v13.synchronization2; }},
+    {"dynamicRendering", [](Features& f) -> VkBool32& { return f.v13.dynamicRendering; }},
+    {"maintenance4", [](Features& f) -> VkBool32& { return f.v13.maintenance4; }},
+    {"timelineSemaphore", [](Features& f) -> VkBool32& { return f.v12.timelineSemaphore; }},
+    {"scalarBlockLayout", [](Features& f) -> VkBool32& { return f.v12.scalarBlockLayout; }},
+    {"hostQueryReset", [](Features& f) -> VkBool32& { return f.v12.hostQueryReset; }},
+    {"depthClamp", [](Features& f) -> VkBool32& { return f.base.features.depthClamp; }},
+}};
+
+const char* typeName(VkPhysicalDeviceType type) {
+    switch (type) {
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+        return "discrete";
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+        return "integrated";
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+        return "virtual";
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+        return "software";
+    default:
+        return "other";
+    }
+}
+
+DeviceInfo describe(VkPhysicalDevice physical, uint32_t index, bool swapchains) {
+    VkPhysicalDeviceDriverProperties driver{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
+    VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
+    properties.pNext = &driver;
+    vkGetPhysicalDeviceProperties2(physical, &properties);
+    const VkPhysicalDeviceProperties& p = properties.properties;
+    DeviceInfo info{index,
+                    p.deviceName,
+                    fmt::format("{} {}", driver.driverName, driver.driverInfo),
+                    typeName(p.deviceType),
+                    p.apiVersion,
+                    ""};
+    auto refuse = [&](const std::string& why) { info.refused += (info.refused.empty() ? "" : "; ") + why; };
+    if (p.apiVersion < VK_API_VERSION_1_3) {
+        refuse(fmt::format("Vulkan {}.{}, needs 1.3", VK_API_VERSION_MAJOR(p.apiVersion),
+                           VK_API_VERSION_MINOR(p.apiVersion)));
+        return info;
+    }
+    Features features;
+    vkGetPhysicalDeviceFeatures2(physical, &features.base);
+    for (const Required& required : kRequired)
+        if (!required.of(features)) refuse(fmt::format("lacks the feature {}", required.name));
+    if (swapchains && !hasExtension(physical, VK_KHR_SWAPCHAIN_EXTENSION_NAME))
+        refuse("lacks VK_KHR_swapchain");
+    if (!findQueueFamily(physical)) refuse("has no queue for both graphics and compute");
+    return info;
+}
+
+std::vector<VkPhysicalDevice> physicalDevices(VkInstance instance) {
+    uint32_t count = 0;
+    check(vkEnumeratePhysicalDevices(instance, &count, nullptr), "vkEnumeratePhysicalDevices");
+    std::vector<VkPhysicalDevice> devices(count);
+    check(vkEnumeratePhysicalDevices(instance, &count, devices.data()), "vkEnumeratePhysicalDevices");
+    return devices;
+}
+
+std::string lower(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return text;
+}
+
+bool selected(const DeviceInfo& info, const std::string& select) {
+    if (select.empty()) return true;
+    if (std::all_of(select.begin(), select.end(), [](unsigned char c) { return std::isdigit(c); }))
+        return std::to_string(info.index) == select;
+    return lower(info.name).find(lower(select)) != std::string::npos;
+}
+
+int preference(const DeviceInfo& info) {
+    constexpr std::array<std::string_view, 4> kOrder{"discrete", "integrated", "virtual", "software"};
+    return static_cast<int>(std::find(kOrder.begin(), kOrder.end(), info.type) - kOrder.begin());
+}
+
+} // namespace
+
+void Features::require() {
+    for (const Required& required : kRequired) required.of(*this) = VK_TRUE;
+}
+
+std::optional<uint32_t> findQueueFamily(VkPhysicalDevice physical) {
+    uint32_t count = 0;
+    vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
+    std::vector<VkQueueFamilyProperties> families(count);
+    vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
+    constexpr VkQueueFlags kBoth = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
+    for (uint32_t i = 0; i < count; ++i)
+        if ((families[i].queueFlags & kBoth) == kBoth) return i;
+    return std::nullopt;
+}
+
+bool hasExtension(VkPhysicalDevice physical, const char* name) {
+    uint32_t count = 0;
+    vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr);
+    std::vector<VkExtensionProperties> extensions(count);
+    vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, extensions.data());
+    return std::any_of(extensions.begin(), extensions.end(),
+                       [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
+}
+
+VkInstance makeInstance(const std::vector<const char*>& layers, const std::vector<const char*>& extensions,
+                        const void* next) {
+    VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
+    application.pApplicationName = "heliodon";
+    application.apiVersion = VK_API_VERSION_1_3;
+    VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
+    info.pNext = next;
+    info.pApplicationInfo = &application;
+    info.enabledLayerCount = static_cast<uint32_t>(layers.size());
+    info.ppEnabledLayerNames = layers.data();
+    info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
+    info.ppEnabledExtensionNames = extensions.data();
+    VkInstance instance = VK_NULL_HANDLE;
+    const VkResult result = vkCreateInstance(&info, nullptr, &instance);
+    if (result == VK_ERROR_INCOMPATIBLE_DRIVER) throw Error(result, kNoDriver);
+    check(result, "vkCreateInstance");
+    return instance;
+}
+
+std::vector<DeviceInfo> listDevices() {
+    const std::unique_ptr<VkInstance_T, void (*)(VkInstance)> instance(
+        makeInstance({}, {}, nullptr), [](VkInstance made) { vkDestroyInstance(made, nullptr); });
+    std::vector<DeviceInfo> list;
+    for (VkPhysicalDevice physical : physicalDevices(instance.get()))
+        list.push_back(describe(physical, static_cast<uint32_t>(list.size()), false));
+    return list;
+}
+
+Candidate chooseDevice(VkInstance instance, const std::string& select, bool swapchains) {
+    Candidate chosen;
+    std::string refusals;
+    int best = 100;
+    const std::vector<VkPhysicalDevice> candidates = physicalDevices(instance);
+    for (uint32_t i = 0; i < candidates.size(); ++i) {
+        const DeviceInfo info = describe(candidates[i], i, swapchains);
+        const bool wanted = selected(info, select);
+        const std::string why = !wanted ? "not the one asked for" : info.refused;
+        if (!why.empty()) {
+            refusals += fmt::format("\n  {} {}: {}", info.index, info.name, why);
+        } else if (preference(info) < best) {
+            best = preference(info);
+            chosen = {candidates[i], info};
+        }
+    }
+    if (chosen.physical) return chosen;
+    const std::string asked = select.empty() ? "" : fmt::format(" named '{}'", select);
+    if (candidates.empty()) throw Error(VK_ERROR_INCOMPATIBLE_DRIVER, kNoDriver);
+    throw NoDevice(fmt::format("no Vulkan device{} can be used:{}", asked, refusals));
+}
+
+} // namespace heliodon::gpu
