@@ -81,6 +81,10 @@ struct Closure {
 
 Closure closeSketch(const Sketch& sketch, const ClosureOptions& options = {});
 
+// Of the rooms that closeSketch() would make, in square metres, to within 2 %: partitions count with their long
+// sides, ends and crossings are not looked for. 0 where it finds none. Takes a third of the time.
+double surfaceOfRooms(const Sketch& sketch, const ClosureOptions& options = {});
+
 // How many facets closeSketch() makes of each curved wall. Options that leave these as they are, of those
 // about facets, change nothing. Takes a tenth of the time.
 std::vector<int> facetsOfArcs(const Sketch& sketch, const ClosureOptions& options = {});

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "geometry/building.h"
@@ -83,7 +84,43 @@ public:
         return std::move(out_);
     }
 
+    // Floors, ceilings and walls of the rooms and the long sides of partitions in them, square metres; 0
+    // without rooms.
+    double surface() {
+        if (!plan() || !findSpaces()) return 0;
+        double sum = 0; // square inches
+        for (const RoomPlan& room : spaces_.rooms) {
+            double perimeter = 0;
+            for (const OutlineLoop& loop : room.loops)
+                for (size_t i = 0; i < loop.points.size(); ++i)
+                    perimeter += glm::length(loop.points[(i + 1) % loop.points.size()] - loop.points[i]);
+            sum += 2 * room.area + perimeter * ceilingOf(room);
+        }
+        for (const WallPiece& piece : plan_.partitions) sum += 2 * piece.height * lengthInRooms(piece);
+        return sum * kMetresPerInch * kMetresPerInch;
+    }
+
 private:
+    double lengthInRooms(const WallPiece& piece) const {
+        constexpr double kStep = 0.25; // inches
+        const double length =
+            piece.curved ? piece.radius * (piece.a1 - piece.a0) : glm::length(piece.b - piece.a);
+        const double count = std::ceil(length / kStep);
+        double inside = 0;
+        for (double k = 0.5; k < count; ++k) {
+            const double angle = glm::mix(piece.a0, piece.a1, k / count);
+            const glm::dvec2 at =
+                piece.curved ? piece.center + piece.radius * glm::dvec2(std::cos(angle), std::sin(angle))
+                             : glm::mix(piece.a, piece.b, k / count);
+            inside += std::ranges::any_of(spaces_.rooms, [&](const RoomPlan& room) {
+                return std::ranges::count_if(room.loops, [&](const OutlineLoop& loop) {
+                           return contains(loop.points, at);
+                       }) == 1; // in its outline and in no island
+            });
+        }
+        return length * inside / count;
+    }
+
     void refuse(const std::string& code, const std::string& sentence) {
         out_.report.outcome = Outcome::refuse;
         out_.report.code = code;
@@ -381,6 +418,10 @@ private:
 
 Closure closeSketch(const Sketch& sketch, const ClosureOptions& options) {
     return Closer(sketch, options).close();
+}
+
+double surfaceOfRooms(const Sketch& sketch, const ClosureOptions& options) {
+    return Closer(sketch, options).surface();
 }
 
 std::vector<int> facetsOfArcs(const Sketch& sketch, const ClosureOptions& options) {

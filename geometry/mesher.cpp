@@ -40,7 +40,11 @@ constexpr std::array kGradings{Grading{1.4, 0.6}, Grading{2.0, 1.0}, Grading{kUn
 constexpr double kFarTooMany = 1.4;     // times what was asked for: such grading is for finer meshes
 constexpr double kMostForGrading = 0.3; // of the triangles that were asked for
 
-// Of regular triangles, so many, over all faces.
+// Of regular triangles, so many, that cover the area.
+double regularEdge(double area, double count) {
+    return std::sqrt(4 / std::sqrt(3.0) * area / count);
+}
+
 double regularEdge(const Building& building, double count) {
     double twice = 0;
     for (const Face& face : building.faces) {
@@ -51,7 +55,7 @@ double regularEdge(const Building& building, double count) {
                                   building.vertices[loop[i + 1]] - building.vertices[loop[0]]);
         twice += glm::length(sum);
     }
-    return std::sqrt(2 / std::sqrt(3.0) * twice / count);
+    return regularEdge(twice / 2, count);
 }
 
 class BuildingMesher {
@@ -423,8 +427,8 @@ private:
 
 } // namespace
 
-double fittingFacet(const Building& building, const MeshOptions& options) {
-    return kColumn * regularEdge(building, static_cast<double>(options.triangles)) / kMetresPerInch;
+double fittingFacet(double surface, const MeshOptions& options) {
+    return kColumn * regularEdge(surface, static_cast<double>(options.triangles)) / kMetresPerInch;
 }
 
 PatchMesh meshBuilding(const Building& building, const MeshOptions& options) {

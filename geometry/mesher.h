@@ -23,7 +23,8 @@ struct MeshQuality {
 
 // Facets of curved walls of this length (inches) make columns of two triangles as large as all others: see
 // ClosureOptions::facetLength. Triangles of such walls then lie in the facets' planes.
-double fittingFacet(const Building& building, const MeshOptions& options = {});
+// `surface`: of the rooms, square metres.
+double fittingFacet(double surface, const MeshOptions& options = {});
 
 PatchMesh meshBuilding(const Building& building, const MeshOptions& options = {});
 MeshQuality measureMesh(const PatchMesh& mesh);

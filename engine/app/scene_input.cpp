@@ -131,10 +131,28 @@ geometry::Building importOrRefuse(Run& run, const SceneArguments& arguments, geo
     }
 }
 
+constexpr double kCoarseChord = 0.06, kCoarsestChord = 0.3; // inches
+
+// Facets of curved walls as long as the triangles will be.
+void fitFacets(Run& run, const SceneArguments& arguments, const geometry::Sketch& sketch, size_t wanted,
+               geometry::ClosureOptions& options) {
+    const StageTimer timer(run, "model");
+    geometry::ClosureOptions coarse = options; // enough to know the rooms' surface by
+    coarse.chordError = std::max(coarse.chordError, kCoarseChord);
+    const double surface = geometry::surfaceOfRooms(sketch, coarse);
+    if (surface > 0) options.facetLength = geometry::fittingFacet(surface, {wanted});
+    if (!arguments.chordError) options.coarseChord = kCoarseChord;
+}
+
+// Where that closes nothing, facets are left as the chord error alone makes them.
 geometry::Building closeOrRefuse(Run& run, const SceneArguments& arguments, const geometry::Sketch& sketch,
-                                 const geometry::ClosureOptions& options) {
+                                 geometry::ClosureOptions& options) {
     const StageTimer timer(run, "model");
     geometry::Closure closure = geometry::closeSketch(sketch, options);
+    if (!closure.building && options.facetLength > 0) {
+        options.facetLength = options.coarseChord = 0;
+        closure = geometry::closeSketch(sketch, options);
+    }
     reportClosure(run, closure.report);
     if (!closure.building)
         throw InputError(arguments.input.string(), "", closure.report.code + ": " + closure.report.message);
@@ -142,8 +160,6 @@ geometry::Building closeOrRefuse(Run& run, const SceneArguments& arguments, cons
         run.warn(closure.report.code + ": " + closure.report.message);
     return std::move(*closure.building);
 }
-
-constexpr double kCoarseChord = 0.06, kCoarsestChord = 0.3; // inches
 
 // More triangles than were asked for, or so few to an arc that they are slivers.
 bool tooManyFacets(const geometry::PatchMesh& mesh, size_t wanted) {
@@ -209,41 +225,30 @@ Scene makeScene(Run& run, const SceneArguments& arguments, std::optional<geometr
     scene.rig = std::move(rig);
     scene.sketch = std::move(sketch);
     geometry::Building building;
+    const size_t wanted = arguments.triangles.value_or(kDefaultTriangles);
+    const bool curved = scene.sketch && !scene.sketch->arcs.empty();
     geometry::ClosureOptions closure;
     closure.chordError = arguments.chordError.value_or(closure.chordError);
     if (!scene.sketch) {
         building = importOrRefuse(run, arguments, scene.up);
         scene.worldPerBuilding = modelScale(run, arguments.modelScale, building);
     } else {
+        if (curved) fitFacets(run, arguments, *scene.sketch, wanted, closure);
         building = closeOrRefuse(run, arguments, *scene.sketch, closure);
     }
     {
         const StageTimer timer(run, "model");
-        std::vector<int> facets;
-        if (scene.sketch) facets = geometry::facetsOfArcs(*scene.sketch, closure);
-        const auto closeAgain = [&] { // false when that makes no other facets
-            const std::vector<int> before =
-                std::exchange(facets, geometry::facetsOfArcs(*scene.sketch, closure));
-            if (facets == before) return false;
-            geometry::Closure other = geometry::closeSketch(*scene.sketch, closure);
-            if (!other.building) return false;
-            building = std::move(*other.building);
-            reportClosure(run, other.report);
-            return true;
-        };
-        const size_t wanted = arguments.triangles.value_or(kDefaultTriangles);
-        const bool curved = scene.sketch && !scene.sketch->arcs.empty();
-        if (curved) {
-            closure.facetLength = geometry::fittingFacet(building, {wanted});
-            if (!arguments.chordError) closure.coarseChord = kCoarseChord;
-            closeAgain();
-        }
         scene.mesh = geometry::meshBuilding(building, {wanted});
         // Curved walls of many facets need many triangles; with few, coarser facets serve better.
         const bool mayCoarsen = curved && !arguments.chordError;
         while (mayCoarsen && closure.chordError < kCoarsestChord && tooManyFacets(scene.mesh, wanted)) {
+            const std::vector<int> before = geometry::facetsOfArcs(*scene.sketch, closure);
             closure.chordError *= 4;
-            if (!closeAgain()) break;
+            if (geometry::facetsOfArcs(*scene.sketch, closure) == before) break;
+            geometry::Closure coarser = geometry::closeSketch(*scene.sketch, closure);
+            if (!coarser.building) break;
+            building = std::move(*coarser.building);
+            reportClosure(run, coarser.report);
             scene.mesh = geometry::meshBuilding(building, {wanted});
         }
     }

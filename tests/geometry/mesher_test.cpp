@@ -279,7 +279,7 @@ TEST(Mesher, triangles_of_curved_walls_lie_in_facets_that_are_fitted_to_them) {
         for (const size_t wanted : {2000u, 10000u}) {
             const Sketch sketch = readSketch(std::string(HELIODON_TEST_DATA "/geometry/sketches/") + name);
             ClosureOptions options;
-            options.facetLength = fittingFacet(*closeSketch(sketch).building, {wanted});
+            options.facetLength = fittingFacet(surfaceOfRooms(sketch), {wanted});
             const Closure closure = closeSketch(sketch, options);
             ASSERT_TRUE(closure.building);
             const PatchMesh mesh = meshBuilding(*closure.building, {wanted});
@@ -293,6 +293,19 @@ TEST(Mesher, triangles_of_curved_walls_lie_in_facets_that_are_fitted_to_them) {
             EXPECT_NEAR(static_cast<double>(quality.triangles), static_cast<double>(wanted),
                         0.03 * static_cast<double>(wanted));
         }
+}
+
+TEST(Mesher, surface_of_rooms_is_known_before_they_are_closed) {
+    for (const char* name : {"p08_cubicle.json", "p09_D_curved.json", "i01_mixed.sketch.json",
+                             "three_arcs.json", "arc_with_partitions.json"}) {
+        const Sketch sketch = readSketch(std::string(HELIODON_TEST_DATA "/geometry/sketches/") + name);
+        const double exact = faceArea(*closeSketch(sketch).building);
+        EXPECT_NEAR(surfaceOfRooms(sketch), exact, 0.02 * exact) << name;
+        ClosureOptions coarse;
+        coarse.chordError = 0.06;
+        EXPECT_NEAR(surfaceOfRooms(sketch, coarse), exact, 0.02 * exact) << name;
+    }
+    EXPECT_EQ(surfaceOfRooms(Sketch{}), 0);
 }
 
 TEST(Mesher, facets_of_one_arc_are_one_surface) {
