@@ -162,6 +162,7 @@ private:
 
 std::vector<Cut> clipToRegion(std::span<const Segment> segments, std::span<const Segment> borderEdges) {
     std::vector<Cut> cuts;
+    if (borderEdges.empty()) return cuts;
     SegmentClipper clipper(borderEdges, cuts);
     for (const Segment& segment : segments) clipper.clip(segment);
     return cuts;

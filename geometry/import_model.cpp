@@ -144,8 +144,10 @@ private:
         std::vector<SoupFace> soup;
         for (size_t i = 0; i < model_.faceCount(); ++i) {
             SoupFace face;
-            face.loops.emplace_back();
-            for (const uint32_t v : model_.face(i)) face.loops[0].push_back(model_.vertices[v]);
+            for (const auto& loop : model_.loops(i)) {
+                face.loops.emplace_back();
+                for (const uint32_t v : loop) face.loops.back().push_back(model_.vertices[v]);
+            }
             face.material = model_.material[i];
             face.role = roleOf(i);
             face.surface = static_cast<uint32_t>(i); // carries the number of the face through the welding
@@ -158,8 +160,10 @@ private:
         source_.clear();
         building_ = weldFaces(soup(), 1, weldOfExtent_ * extent_);
         std::set<std::vector<uint32_t>> known;
-        const size_t dropped = std::erase_if(building_.faces, [&](const Face& face) {
-            std::vector<uint32_t> corners = face.loops[0];
+        size_t dropped = model_.faceCount() - building_.faces.size(); // fewer than three corners are left
+        dropped += std::erase_if(building_.faces, [&](const Face& face) {
+            std::vector<uint32_t> corners;
+            for (const auto& loop : face.loops) corners.insert(corners.end(), loop.begin(), loop.end());
             std::ranges::sort(corners);
             const double size = glm::length(areaOf(face.loops[0]));
             return size < 1e-12 * extent_ * extent_ || !known.insert(corners).second; // no area, or a copy
@@ -177,9 +181,10 @@ private:
     void checkPlanar(const Face& face) const {
         const glm::dvec3 n = normal(face), origin = building_.vertices[face.loops[0][0]];
         const double most = std::max(kPlanarOfExtent, 2 * weldOfExtent_) * extent_;
-        for (const uint32_t v : face.loops[0])
-            if (std::abs(glm::dot(building_.vertices[v] - origin, n)) > most)
-                throw InputError(model_.file, model_.place(face.surface), "the face is not planar");
+        for (const auto& loop : face.loops)
+            for (const uint32_t v : loop)
+                if (std::abs(glm::dot(building_.vertices[v] - origin, n)) > most)
+                    throw InputError(model_.file, model_.place(face.surface), "the face is not planar");
     }
 
     bool coplanar(const Face& face, const std::vector<uint32_t>& loop) const {

@@ -2,16 +2,55 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "geometry/input_error.h"
+#include "geometry/outline_area.h"
 
 namespace heliodon::geometry {
 
 std::string RawModel::place(size_t i) const {
     const std::string& name = source[group[i]];
     return name.empty() ? std::to_string(number[i]) : fmt::format("{} triangle {}", name, number[i]);
+}
+
+std::vector<std::vector<uint32_t>> RawModel::loops(size_t i) const {
+    const std::vector<uint32_t> whole(face(i).begin(), face(i).end());
+    std::set<std::pair<uint32_t, uint32_t>> edges;
+    for (size_t k = 0; k < whole.size(); ++k) edges.emplace(whole[k], whole[(k + 1) % whole.size()]);
+    std::map<uint32_t, uint32_t> next;
+    size_t kept = 0;
+    for (const auto& [a, b] : edges)
+        if (!edges.contains({b, a})) {
+            next[a] = b;
+            ++kept;
+        }
+    if (kept == whole.size() || next.size() != kept) return {whole};
+    std::vector<std::vector<uint32_t>> loops;
+    while (!next.empty()) {
+        std::vector<uint32_t> loop;
+        for (auto at = next.begin(); at != next.end();) {
+            const uint32_t to = at->second;
+            loop.push_back(at->first);
+            next.erase(at);
+            at = next.find(to);
+        }
+        loops.push_back(std::move(loop));
+    }
+    if (loops.empty()) return {whole};
+    std::vector<glm::dvec3> areas;
+    for (const auto& loop : loops) areas.push_back(areaVector(vertices, loop));
+    const auto largest = static_cast<size_t>(
+        std::ranges::max_element(areas, {}, [](glm::dvec3 a) { return glm::length(a); }) - areas.begin());
+    std::swap(loops[0], loops[largest]);
+    std::swap(areas[0], areas[largest]);
+    for (size_t l = 1; l < loops.size(); ++l) // holes run the other way round
+        if (glm::dot(areas[l], areas[0]) > 0) return {whole};
+    return loops;
 }
 
 void checkMaterial(const Material& material, const std::string& file, const std::string& place) {

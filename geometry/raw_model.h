@@ -33,6 +33,9 @@ struct RawModel {
     std::span<const uint32_t> face(size_t i) const {
         return {corners.data() + firstCorner[i], firstCorner[i + 1] - firstCorner[i]};
     }
+    // Its outline, and holes after it: a polygon that runs to a hole and back along the same edge, as
+    // programs write what has no other way to say hole, is taken apart there. Else the face itself.
+    std::vector<std::vector<uint32_t>> loops(size_t i) const;
     // How a message names the face: "12" (a line) or "meshes[0].primitives[1] triangle 5".
     std::string place(size_t i) const;
 };

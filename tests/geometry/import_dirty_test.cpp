@@ -310,3 +310,21 @@ TEST(DirtyModel, stray_corners_far_away_do_not_matter) {
     model.vertices.emplace_back(1e30, 0, 0);
     expectRooms(model, 1, 30);
 }
+
+// A floor and a ceiling with a court, each drawn as one polygon that runs to its hole and back.
+TEST(DirtyModel, polygons_that_run_to_their_holes_and_back_have_holes) {
+    Polygons model = box({0, 0, 0}, {6, 3, 6});
+    model.add(box({2, 0, 2}, {4, 3, 4}), true);
+    std::vector<std::vector<uint32_t>> faces;
+    for (const bool up : {false, true}) { // floor and ceiling of each box are its faces 0 and 1
+        const std::vector<uint32_t>&outer = model.faces[up ? 1 : 0], &inner = model.faces[up ? 7 : 6];
+        std::vector<uint32_t> face = outer;
+        face.push_back(outer[0]);
+        for (size_t k = 0; k <= 4; ++k) face.push_back(inner[k % 4]);
+        faces.push_back(face);
+    }
+    for (size_t f = 0; f < model.faces.size(); ++f)
+        if (f % 6 > 1) faces.push_back(model.faces[f]);
+    model.faces = faces;
+    expectRooms(model, 1, 3 * (36 - 4));
+}
