@@ -1,8 +1,9 @@
 // Kernel `exact`: pairs are proven not facing, hidden or visible, or their visible part is found exactly at
-// cubature points. No sampling of visibility, so no noise: errors are those of cubature across the edges of
-// shadows. The plan: coplanar patches merge into large convex blockers; pairs of clusters, then of patches,
-// are sorted out by shafts that leave few of them; far pairs by a product rule, near ones by Lambert's
-// formula over adaptively split cells, computed once per pair, so reciprocal by construction.
+// cubature points; of far pairs, at row errors from 3e-5 on, along lines across them. No rays: errors are those
+// of cubature across the edges of shadows. The plan: coplanar patches merge into large convex blockers; pairs
+// of clusters, then of patches, are sorted out by shafts that leave few of them; far pairs by a product rule,
+// near ones by Lambert's formula over adaptively split cells, computed once per pair, so reciprocal by
+// construction.
 #pragma once
 
 #include <functional>

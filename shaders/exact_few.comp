@@ -69,8 +69,10 @@ void loadPair(uint record) {
     outerU = turned(frame, own.u);
     outerV = turned(frame, own.v);
     facing = turned(frame, own.n);
-    [[unroll]] for (uint m = 0u; m < kBlockers; ++m)
-        blocker[m] = blockerAt(frame, origin, lists[pair.r.firstListed + m]);
+    [[unroll]] for (uint m = 0u; m < kBlockers; ++m) {
+        blocker[m] = blockerAt(frame, origin, lists[pair.r.firstListed + min(m, pair.r.listed - 1u)]);
+        if (m >= pair.r.listed) blocker[m].normal = vec3(0.0); // casts no shadow
+    }
 }
 
 vec3 fromInner(vec2 at) { return outerOrigin + at.x * outerU + at.y * outerV; }

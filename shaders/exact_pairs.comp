@@ -106,20 +106,24 @@ float distanceTo(Origin o, vec3 point, uint face) {
     return length(vec2(height, beyond));
 }
 
-void addRecord(uint outer, uint inner, uint firstListed, uint count) {
-    uint kind = !few ? kExactManyCount : count == 0u ? kExactOpenCount : count == 1u ? kExactOneCount : kExactTwoCount;
+void addRecord(uint outer, uint inner, uint firstListed, uint count, bool byLines) {
+    uint kind = byLines                                ? kExactLineCount
+                : !few                                 ? kExactManyCount
+                : count == 0u                          ? kExactOpenCount
+                : count == 1u && params.byLines == 0u ? kExactOneCount
+                                                       : kExactTwoCount; // few are left: not worth a kernel of their own
     bool fromEnd = kind == kExactManyCount || kind == kExactTwoCount;
     uint slot = atomicAdd(counters[kind], 1u), place = fromEnd ? params.recordCapacity - 1u - slot : slot;
     ExactRecord record = ExactRecord(outer, inner, firstListed, count);
     if (slot >= params.recordCapacity)
         atomicAdd(counters[kExactOverflowCount], 1u);
-    else if (few && count > 0u)
+    else if (byLines || few && count > 0u)
         fewRecords[place] = record;
     else
         records[place] = record;
 }
 
-void addPartial(uint i, uint j, Origin o, float areaI, float areaJ) {
+void addPartial(uint i, uint j, Origin o, float areaI, float areaJ, bool byLines) {
     // Points lie on the side farther from the blockers, where shadows are blurred; but not on a much larger piece.
     vec3 ci = centreFrom(o, i), cj = centreFrom(o, j);
     float clearI = 1e30, clearJ = 1e30;
@@ -143,12 +147,12 @@ void addPartial(uint i, uint j, Origin o, float areaI, float areaJ) {
         ++m;
     } while (subgroupAny(m < count));
     few = few && count <= kExactFew;
-    addRecord(iIsOuter ? i : j, iIsOuter ? j : i, first, count);
+    addRecord(iIsOuter ? i : j, iIsOuter ? j : i, first, count, byLines);
 }
 
 void addNear(uint i, uint j, float areaI, float areaJ) {
     bool iIsOuter = areaI <= areaJ;
-    addRecord(iIsOuter ? i : j, iIsOuter ? j : i, 0u, 0u);
+    addRecord(iIsOuter ? i : j, iIsOuter ? j : i, 0u, 0u, false);
 }
 
 // Whether the product rule is good enough: its error falls with the cube of size over distance.
@@ -170,7 +174,9 @@ void classify(uint i, uint j, uint block) {
     few = max(a.count, b.count) <= kExactFewCorners;
     if (!kClear && facing) {
         hidden = listBlockers(i, j, o, block);
-        if (!hidden && listedCount > 0u) addPartial(i, j, o, a.area, b.area);
+        bool partial = !hidden && listedCount > 0u;
+        bool byLines = partial && params.byLines != 0u && few && kCorners == 3 && !straddles && isFar(i, j, o, a.area, b.area);
+        if (partial) addPartial(i, j, o, a.area, b.area, byLines);
     }
     bool visible = facing && !hidden && listedCount == 0u;
     bool far = visible && !straddles && isFar(i, j, o, a.area, b.area);

@@ -25,7 +25,8 @@ const uint kExactMixedCount = 6u;    // and others, filled from the end of the b
 const uint kExactOneCount = 7u;     // pairs with one blocker, in records of their own, exact_few.comp too
 const uint kExactTwoCount = 8u;     // with two; filled from their end
 const uint kExactPartialCount = 9u; // pairs with blockers
-const uint kExactCounters = 10u;
+const uint kExactLineCount = 10u; // far pairs of triangles with blockers, exact_lines.comp; in the place of those with one
+const uint kExactCounters = 11u;
 
 // Faces come in this order: pieces, blockers, clusters. A cluster (uvec4) is: first piece, pieces, face of the rectangle that
 // holds them, 1 where it lies in one plane.
@@ -76,6 +77,7 @@ struct ExactPairsParams {
     uint recordCapacity;
     uint listCapacity;
     uint closed;
+    uint byLines; // 1: far pairs with blockers go to exact_lines.comp, near ones with one to those with two
     float tolerance; // of one form factor
 };
 
@@ -86,8 +88,16 @@ struct ExactCellsParams {
     uint cellCapacity;
     uint firstLevel;      // 1: whole pairs, 0: cells
     uint maxDepthReached; // 1: do not split any more
-    uint quick;           // 1: look at four points of a partly hidden pair first
+    uint quick;           // 1: loose: look at four points of a partly hidden pair first, trust the rules in the open
     float tolerance;
+};
+
+struct ExactLinesParams {
+    uint first; // record, or place in the list of those that go on
+    uint count;
+    uint level; // of halvings of the outer piece
+    uint last;  // 1: no pair goes on
+    float tolerance; // of one form factor, RMS
 };
 
 struct ExactFinishParams {

@@ -1,0 +1,196 @@
+// Far pairs of triangles that something may stand between, at errors where that is cheaper than exact borders: what points of the
+// outer piece see of the inner one, along four lines across it that stand for equal areas. Of a line a convex blocker hides one
+// stretch, found exactly; stretches are kept as 32 bits, so that what any number of blockers hides is their union.
+// Points: J. Radon, "Zur mechanischen Kubatur", 1948, as in lib/exact_cubature.glsl: four, seven,
+// then four in each of 4, 16, 64 parts, in rounds that only pairs take whose last two results disagree.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_control_flow_attributes : require
+#extension GL_KHR_shader_subgroup_vote : require
+#include "shaders/io/exact_form_factors.io.h"
+#include "shaders/lib/exact_scene.glsl"
+#include "shaders/lib/monte_carlo_points.glsl"
+
+layout(local_size_x = kExactGroup) in;
+layout(set = 0, binding = 5, scalar) readonly buffer Records { ExactRecord records[]; };
+layout(set = 0, binding = 6, scalar) readonly buffer Lists { uint lists[]; };
+layout(set = 0, binding = 7, scalar) buffer Results { uvec3 results[]; }; // per record: form factor, its fraction, error
+layout(set = 0, binding = 8, scalar) readonly buffer Again { uint again[]; }; // records that go on, from level 1
+layout(set = 0, binding = 9, scalar) writeonly buffer Next { uint next[]; };  // to the next level
+layout(set = 0, binding = 10, scalar) buffer Counters { uint counters[]; };
+layout(push_constant, scalar) uniform Push { ExactLinesParams params; };
+
+const float kInversePi = 0.318309886184;
+const float kRadonNear = 0.470142064105, kRadonFar = 0.101286507323;
+const float kRadonFarLow = 0.25 / ((1.0 - 3.0 * kRadonFar) * (1.0 - 3.0 * kRadonFar));
+const float kRadonNearLow = 0.25 / ((1.0 - 3.0 * kRadonNear) * (1.0 - 3.0 * kRadonNear));
+const float kLeastError = 0.1; // of what differs from point to point
+const float kMissed = 0.02; // of the piece: a corner in light or shadow between points that agree
+const float kQuickError = 2.0; // four points agree by accident more often than seven
+
+Origin origin;
+ExactRecord record;
+vec3 outerNormal;
+vec3 innerNormal;
+vec3 inner[3]; // the longest edge is that between the last two: few shadows have borders along it
+uint seed;
+
+void loadInner(Face f) {
+    vec3 a = cornerFrom(origin, f.first), b = cornerFrom(origin, f.first + 1u), c = cornerFrom(origin, f.first + 2u);
+    vec3 size = vec3(dot(b - c, b - c), dot(c - a, c - a), dot(a - b, a - b));
+    bool second = size.y > size.x && size.y >= size.z, third = size.z > size.x && size.z > size.y;
+    inner[0] = second ? b : third ? c : a;
+    inner[1] = second ? c : third ? a : b;
+    inner[2] = second ? a : third ? b : c;
+}
+
+// Times pi and over the area of the inner piece. From the point to `d`.
+float kernel(vec3 d) {
+    float r2 = dot(d, d);
+    return max(0.0, dot(outerNormal, d)) * max(0.0, -dot(innerNormal, d)) / (r2 * r2);
+}
+
+// Stretches of four lines, and values along them that are positive within.
+struct Stretches {
+    vec4 from, to;
+};
+
+void narrow(inout Stretches s, vec4 a, vec4 b) {
+    vec4 t = a / (a - b);
+    bvec4 atA = lessThan(a, vec4(0.0)), atB = lessThan(b, vec4(0.0));
+    vec4 from = mix(max(s.from, t), vec4(2.0), atB);
+    s.from = mix(s.from, from, atA);
+    s.to = mix(mix(s.to, min(s.to, t), atB), s.to, atA);
+}
+
+// What a blocker hides of the lines at `h` of the way to the longest edge.
+uvec4 shadowOf(uint face, vec3 point, vec3 a[3], vec4 h, vec4 jitter) {
+    Face f = faceAt(face);
+    vec3 k0 = cornerFrom(origin, f.first) - point, first = k0;
+    float height = dot(f.normal, k0), sense = height > 0.0 ? 1.0 : -1.0;
+    bool edgeOn = abs(height) <= kFlat * length(k0);
+    Stretches s = Stretches(vec4(0.0), vec4(1.0));
+    vec3 d = sense * (vec3(dot(f.normal, a[0]), dot(f.normal, a[1]), dot(f.normal, a[2])) - height);
+    narrow(s, d.x + h * (d.y - d.x), d.x + h * (d.z - d.x));
+    [[unroll]] for (uint c = 1u; c <= kExactFewCorners; ++c) {
+        vec3 k1 = c < kExactFewCorners ? cornerFrom(origin, f.first + min(c, f.count - 1u)) - point : first;
+        vec3 n = sense * cross(k0, k1);
+        d = vec3(dot(n, a[0]), dot(n, a[1]), dot(n, a[2]));
+        narrow(s, d.x + h * (d.y - d.x), d.x + h * (d.z - d.x));
+        k0 = k1;
+    }
+    uvec4 from = uvec4(clamp(s.from * 32.0 + jitter, 0.0, 32.0)), to = uvec4(clamp(s.to * 32.0 + jitter, 0.0, 32.0));
+    uvec4 count = mix(to - from, uvec4(0u), lessThanEqual(to, from));
+    uvec4 bits = ((uvec4(1u) << (count & 31u)) - 1u) << (from & 31u);
+    return edgeOn ? uvec4(0u) : mix(bits, uvec4(~0u), greaterThan(count, uvec4(31u)));
+}
+
+float open_; // the last point's form factor in the open
+
+// Form factor from a point to what it sees of the inner piece, times pi, over its area; the lines differ from point to point.
+float seen(vec3 point, uint k) {
+    vec3 a[3];
+    vec3 middle = vec3(0.0);
+    [[unroll]] for (int c = 0; c < 3; ++c) {
+        a[c] = inner[c] - point;
+        middle += a[c] / 3.0;
+    }
+    uint bits = seed + k * 2654435769u; // golden ratio
+    vec4 h = sqrt(0.25 * (vec4(0.0, 1.0, 2.0, 3.0) + unitOf(bits)));
+    vec4 jitter = fract(unitOf(hashOf(bits)) + vec4(0.0, 0.618034, 0.236068, 0.854102));
+    uvec4 hidden = uvec4(0u);
+    uint m = 0u;
+    [[dont_unroll]] do {
+        hidden |= shadowOf(lists[record.firstListed + min(m, record.listed - 1u)], point, a, h, jitter);
+        ++m;
+    } while (subgroupAny(m < record.listed));
+    // The kernel as a linear function, from points of the rule of degree 2.
+    vec3 g = vec3(kernel(0.5 * (middle + a[0])), kernel(0.5 * (middle + a[1])), kernel(0.5 * (middle + a[2])));
+    float mean = dot(g, vec3(1.0 / 3.0));
+    g = mean + 2.0 * (g - mean);
+    vec4 low = g.x + h * (0.75 * g.y + 0.25 * g.z - g.x), high = g.x + h * (0.25 * g.y + 0.75 * g.z - g.x);
+    vec4 lit = low * vec4(bitCount(~hidden & 0xffffu)) + high * vec4(bitCount(~hidden >> 16u));
+    float all = 16.0 * dot(low + high, vec4(1.0)), share = all > 0.0 ? max(0.0, dot(lit, vec4(1.0))) / all : 0.0;
+    open_ = mean;
+    return mean * share;
+}
+
+// Barycentric place of a point: the far three, the centre, the near three of the piece, or of one of the triangles that halving
+// all edges `params.level` times makes of it.
+vec3 placeOf(uint k, uint cell) {
+    float t = k == 3u ? 1.0 / 3.0 : k < 3u ? kRadonFar : kRadonNear;
+    vec3 place = mix(vec3(t), vec3(1.0 - 2.0 * t), equal(uvec3(k % 4u), uvec3(0u, 1u, 2u)));
+    [[dont_unroll]] for (uint l = 0u; l < params.level; ++l) {
+        uint quarter = cell >> (2u * l) & 3u;
+        place = quarter == 3u ? 0.5 - 0.5 * place : 0.5 * (place + vec3(equal(uvec3(quarter), uvec3(0u, 1u, 2u))));
+    }
+    return place;
+}
+
+// Form factor and its error, from four points or seven.
+vec2 overPiece(vec3 corner, vec3 u, vec3 v, float limit) {
+    vec3 sums = vec3(0.0); // of the far, the near, the centre
+    vec2 result = vec2(0.0), range = vec2(1e30, 0.0);
+    uint k = 0u, end = 4u;
+    [[dont_unroll]] do {
+        vec3 place = placeOf(k, 0u);
+        float f = seen(corner + place.y * u + place.z * v, k);
+        if (k < end) sums += k < 3u ? vec3(f, 0.0, 0.0) : k > 3u ? vec3(0.0, f, 0.0) : vec3(0.0, 0.0, f);
+        if (k < end) range = vec2(min(range.x, f), max(range.y, f));
+        ++k;
+        float byFar = kRadonFarLow / 3.0 * sums.x + (1.0 - kRadonFarLow) * sums.z;
+        float byNear = kRadonNearLow / 3.0 * sums.y + (1.0 - kRadonNearLow) * sums.z;
+        if (k == 4u) {
+            result = vec2(byFar, max(kQuickError * abs(byFar - sums.z), kLeastError * (range.y - range.x)));
+            end = max(result.y, kMissed * open_) > limit ? 7u : end;
+        }
+        if (k == 7u && end == 7u) {
+            result.x = 0.132394152788 * sums.y + 0.125939180545 * sums.x + 0.225 * sums.z;
+            result.y = max(max(abs(result.x - byNear), abs(result.x - byFar)), 0.6 * kLeastError * (range.y - range.x));
+        }
+    } while (subgroupAny(k < end));
+    return result;
+}
+
+// The same from four points of each smaller triangle; the error is how far that is from what was found before.
+vec2 overCells(vec3 corner, vec3 u, vec3 v, float before) {
+    float sum = 0.0;
+    uint k = 0u, points = 4u << (2u * params.level);
+    [[dont_unroll]] do {
+        vec3 place = placeOf(k & 3u, k >> 2u);
+        float f = seen(corner + place.y * u + place.z * v, k + 7u * params.level);
+        sum += ((k & 3u) == 3u ? 1.0 - kRadonFarLow : kRadonFarLow / 3.0) * f;
+        ++k;
+    } while (k < points);
+    sum *= 4.0 / float(points);
+    return vec2(sum, abs(sum - before));
+}
+
+void main() {
+    uint index = gl_GlobalInvocationID.x;
+    if (index >= params.count) return;
+    index += params.first;
+    if (params.level > 0u) index = again[index];
+    record = records[index];
+    Face outerFace = faceAt(record.outer), innerFace = faceAt(record.inner);
+    origin = originAt(outerFace.first);
+    vec3 corner = cornerFrom(origin, outerFace.first), u = cornerFrom(origin, outerFace.first + 1u) - corner,
+         v = cornerFrom(origin, outerFace.first + 2u) - corner;
+    outerNormal = outerFace.normal;
+    innerNormal = innerFace.normal;
+    loadInner(innerFace);
+    seed = hashOf(min(record.outer, record.inner) * 0x9e3779b9u ^ hashOf(max(record.outer, record.inner)));
+    float scale = kInversePi * innerFace.area, limit = params.tolerance / (scale * max(1.0, outerFace.area / innerFace.area));
+    vec2 result;
+    if (params.level == 0u)
+        result = overPiece(corner, u, v, limit);
+    else
+        result = overCells(corner, u, v, float(results[index].x) / (kExactOne * scale));
+    result.y = max(result.y, kMissed * exp2(-2.0 * float(params.level)) * open_);
+    if (result.y > limit && params.last == 0u) next[atomicAdd(counters[kExactCellCount], 1u)] = index;
+    float scaled = scale * max(0.0, result.x) * kExactOne;
+    uint whole = uint(scaled);
+    results[index] =
+        uvec3(whole, uint((scaled - float(whole)) * kExactFraction), uint(min(scale * result.y, 1.0) * kExactOne));
+}
