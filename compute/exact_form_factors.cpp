@@ -41,9 +41,11 @@ constexpr double kLinesFrom = 3e-5; // and from which lines across far pieces co
 constexpr uint32_t kLineLevels = 3; // halvings of a piece in exact_lines.comp
 constexpr double kFewestPerRow = 8; // of fewer pairs each is held to about the row's error
 constexpr double kRowCaution = 1.3; // of single rows over their estimates, so that 99 of 100 hold (measured)
-// Estimates of partly hidden pairs lie above their errors (measured in twelve rooms of 500 to 2088 patches).
-double pairCaution(double rowError) {
-    return 2.2 * std::clamp(std::pow(rowError / 1e-4, 0.2), 0.5, 1.0);
+// Estimates of partly hidden pairs lie above their errors, the more so the finer the mesh (measured in twelve
+// rooms of 500 to 2088 patches).
+double pairCaution(double rowError, uint32_t pieces) {
+    return 2.2 * std::clamp(std::pow(rowError / 1e-4, 0.2), 0.5, 1.0) *
+           std::clamp(std::pow(pieces / 500.0, 0.2), 1.0, 1.4);
 }
 
 // Tolerance of one form factor over that of a row. The finer the mesh and the looser the tolerance, the more
@@ -297,7 +299,7 @@ private:
     float pairTolerance(uint32_t count, const ExactTileRange& a, const ExactTileRange& b) const {
         const double perRow =
             static_cast<double>(count) * (&a == &b ? 2 : 1) / a.pieces * scene_.pieceCount / b.pieces;
-        return static_cast<float>(pairCaution(options_.maxError) * options_.maxError /
+        return static_cast<float>(pairCaution(options_.maxError, scene_.pieceCount) * options_.maxError /
                                   std::sqrt(std::max(perRow, kFewestPerRow)));
     }
 

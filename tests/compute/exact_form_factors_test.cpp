@@ -142,19 +142,17 @@ TEST(ExactFormFactors, light_past_a_stack_of_slats_is_neither_lost_nor_left_to_c
 // At 1e-4 far pairs are taken along lines, at 2e-5 round the borders of what is visible. Light through a slot
 // of 1 % of the height falls between points and lines.
 TEST(ExactFormFactors, lines_across_far_pairs_agree_with_exact_borders) {
-    for (double slot : {0.03, 0.8}) {
-        geometry::PatchMesh mesh = test::boxRoom({.low = {0, 0, 0}, .high = {4, 3, 4}, .cells = {6, 5, 6}});
-        const size_t room = mesh.corners.size();
-        test::addBox(mesh, {.low = {1.9, 0.02, 0.02}, .high = {2.1, 1.5, 3.98}, .cells = {1, 2, 4}});
-        test::addBox(mesh, {.low = {1.9, 1.5 + slot, 0.02}, .high = {2.1, 2.98, 3.98}, .cells = {1, 2, 4}});
-        std::reverse(mesh.corners.begin() + static_cast<long>(room), mesh.corners.end()); // facing outwards
-        const size_t n = mesh.patchCount();
-        const std::vector<float> byLines = matrixOf(mesh, 1e-4), byBorders = matrixOf(mesh, 2e-5);
-        double squares = 0;
-        for (size_t k = 0; k < n * n; ++k) squares += std::pow(double{byLines[k]} - double{byBorders[k]}, 2);
-        EXPECT_LT(std::sqrt(squares / static_cast<double>(n)), 1e-4) << "slot of " << slot;
-        EXPECT_GT(squares, 0) << "the same method twice";
-    }
+    geometry::PatchMesh mesh = test::boxRoom({.low = {0, 0, 0}, .high = {4, 3, 4}, .cells = {6, 5, 6}});
+    const size_t room = mesh.corners.size();
+    test::addBox(mesh, {.low = {1.9, 0.02, 0.02}, .high = {2.1, 1.5, 3.98}, .cells = {1, 2, 4}});
+    test::addBox(mesh, {.low = {1.9, 1.53, 0.02}, .high = {2.1, 2.98, 3.98}, .cells = {1, 2, 4}});
+    std::reverse(mesh.corners.begin() + static_cast<long>(room), mesh.corners.end()); // facing outwards
+    const size_t n = mesh.patchCount();
+    const std::vector<float> byLines = matrixOf(mesh, 1e-4), byBorders = matrixOf(mesh, 2e-5);
+    double squares = 0;
+    for (size_t k = 0; k < n * n; ++k) squares += std::pow(double{byLines[k]} - double{byBorders[k]}, 2);
+    EXPECT_LT(std::sqrt(squares / static_cast<double>(n)), 1e-4);
+    EXPECT_GT(squares, 0) << "the same method twice";
 }
 
 TEST(ExactFormFactors, same_input_gives_the_same_bits) {
