@@ -1,7 +1,15 @@
 #include "geometry/whole_file.h"
 
+#include <cerrno>
+#include <charconv>
 #include <fstream>
+#include <mutex>
+#include <set>
+#include <string>
 #include <system_error>
+
+#include <signal.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <fmt/format.h>
@@ -31,9 +39,44 @@ fs::path folderOf(const fs::path& target) {
     return target.has_parent_path() ? target.parent_path() : fs::path(".");
 }
 
+// Where process numbers mean the same: this machine, and the space of numbers that a container may have of
+// its own.
+std::string processSpace() {
+    char host[256]{};
+    ::gethostname(host, sizeof host - 1);
+    struct stat space {};
+    ::stat("/proc/self/ns/pid", &space);
+    return fmt::format("{:08x}",
+                       std::hash<std::string>()(fmt::format("{} {}", host, space.st_ino)) & 0xffffffffu);
+}
+
+// ".NAME.heliodon-SPACE-PROCESS" before the extension: whose file it is, where it is one of asideOf's.
+bool isOfDeadProcess(const fs::path& file) {
+    const std::string name = file.stem().string(), mark = ".heliodon-" + processSpace() + "-";
+    const size_t at = name.rfind(mark);
+    if (!name.starts_with(".") || at == std::string::npos) return false;
+    pid_t process = 0;
+    const char *first = name.data() + at + mark.size(), *last = name.data() + name.size();
+    const auto [end, error] = std::from_chars(first, last, process);
+    return error == std::errc() && end == last && process > 0 && ::kill(process, 0) != 0 && errno == ESRCH;
+}
+
 void removeQuietly(const fs::path& file) {
     std::error_code ignored;
     fs::remove(file, ignored);
+}
+
+// Once for each folder: a long time-lapse writes many files into one.
+void removeLeftOvers(const fs::path& folder) {
+    static std::mutex mutex;
+    static std::set<fs::path> done;
+    std::error_code error;
+    {
+        const std::lock_guard lock(mutex);
+        if (!done.insert(fs::absolute(folder, error)).second) return;
+    }
+    for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+        if (isOfDeadProcess(entry->path())) removeQuietly(entry->path());
 }
 
 void writeStream(const fs::path& target, const std::function<void(const fs::path&)>& write) {
@@ -53,6 +96,13 @@ void writeStream(const fs::path& target, const std::function<void(const fs::path
 
 } // namespace
 
+fs::path asideOf(const fs::path& target) {
+    const fs::path folder = folderOf(target);
+    removeLeftOvers(folder);
+    return folder / fmt::format(".{}.heliodon-{}-{}{}", target.stem().string(), processSpace(), ::getpid(),
+                                target.extension().string());
+}
+
 void refuseUnwritable(const fs::path& named) {
     if (isStream(named)) return;
     const fs::path target = linked(named), folder = folderOf(target);
@@ -67,9 +117,7 @@ void writeWhole(const fs::path& named, const std::function<void(const fs::path&)
     if (isStream(named)) return writeStream(named, write);
     const fs::path target = linked(named);
     refuseUnwritable(target);
-    const fs::path folder = folderOf(target);
-    const fs::path aside =
-        folder / fmt::format(".{}.{}{}", target.stem().string(), ::getpid(), target.extension().string());
+    const fs::path aside = asideOf(target);
     try {
         write(aside);
         fs::rename(aside, target);

@@ -9,10 +9,10 @@
 #include <thread>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "geometry/input_error.h"
 #include "geometry/picture_file.h"
+#include "geometry/whole_file.h"
 
 namespace heliodon::app {
 
@@ -77,8 +77,7 @@ Film::Film(const fs::path& target, uint32_t width, uint32_t height, double frame
     if (!fs::is_directory(folder))
         throw geometry::InputError(target.string(), "", "its folder does not exist");
     impl_->target = target;
-    impl_->aside =
-        folder / fmt::format(".{}.{}{}", target.stem().string(), ::getpid(), target.extension().string());
+    impl_->aside = geometry::asideOf(target);
     impl_->encoder = geometry::openFilmFile(impl_->aside, static_cast<int>(width), static_cast<int>(height),
                                             framesPerSecond);
     if (!impl_->encoder)

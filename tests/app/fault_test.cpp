@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "engine/app/film.h"
+#include "geometry/whole_file.h"
 #include "tests/app/fault_layer.h"
 
 namespace heliodon::test {
@@ -196,6 +197,28 @@ TEST_F(Fault, a_folder_has_one_writer_and_a_killed_one_is_no_obstacle) {
     }
     const Outcome third = heliodon(render);
     EXPECT_EQ(third.exitCode, 0) << third.output;
+}
+
+TEST_F(Fault, what_a_killed_run_leaves_is_removed_by_the_next_and_nothing_else_is) {
+    const fs::path mine = geometry::asideOf(folder / "room.obj"); // of a process that lives
+    const std::string name = mine.filename().string();
+    const size_t number = name.rfind('-') + 1, end = name.rfind('.');
+    const pid_t child = fork();
+    if (child == 0) _exit(0);
+    int status = 0;
+    waitpid(child, &status, 0);
+    std::string ofDead = name, ofOthers = name;
+    ofDead.replace(number, end - number, std::to_string(child));
+    ofOthers = ofDead;
+    ofOthers[ofOthers.rfind("heliodon-") + 9] ^= 1; // another machine, whose processes nobody here knows
+    const std::string kept[]{name, ofOthers, ".room.obj", ".room." + std::to_string(child) + ".obj",
+                             "room.txt"};
+    for (const std::string& file : kept) writeText(folder / file, "x");
+    writeText(folder / ofDead, "x");
+    const Outcome outcome = heliodon("model " + kSketch + "-o " + in("out.obj"));
+    EXPECT_EQ(outcome.exitCode, 0) << outcome.output;
+    EXPECT_FALSE(fs::exists(folder / ofDead));
+    for (const std::string& file : kept) EXPECT_TRUE(fs::exists(folder / file)) << file;
 }
 
 } // namespace
