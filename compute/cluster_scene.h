@@ -1,4 +1,4 @@
-// Clusters of coplanar triangles and what may stand between them, on the device.
+// Clusters of coplanar triangles and what may stand between them, on the device: what links are refined over.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +9,7 @@
 namespace heliodon::compute {
 
 struct ClusterScene {
+    // The mesh has a patch at least (precondition) and is not kept. O(n log n) and an upload. Throws gpu::Error.
     ClusterScene(gpu::Device& device, const geometry::PatchMesh& mesh);
 
     PatchTree tree;

@@ -1,4 +1,4 @@
-// The box round points.
+// The smallest box along the axes round points, in their unit.
 #pragma once
 
 #include <span>
@@ -16,7 +16,7 @@ struct Bounds {
     double diagonal() const { return glm::length(high - low); }
 };
 
-// Of no points: a point at the origin.
+// Of no points: a point at the origin. Points are finite (precondition).
 inline Bounds boundsOf(std::span<const glm::dvec3> points) {
     if (points.empty()) return {};
     Bounds box{points[0], points[0]};

@@ -39,9 +39,12 @@ struct GraphicsPipelineInfo {
     Specialization specialization; // given to every stage that has the name; a name that none has is refused
 };
 
+// Move-only; goes to the device's retire queue when dropped, so it may be dropped while it is in use.
 class GraphicsPipeline {
 public:
-    GraphicsPipeline() = default;
+    GraphicsPipeline() = default; // none: only to be assigned to
+    // `name` is for debuggers. The driver may go on compiling at the first draw. Throws Error where Vulkan
+    // refuses, and for a constant that no stage has.
     GraphicsPipeline(Device& device, const GraphicsPipelineInfo& info, const std::string& name);
     GraphicsPipeline(GraphicsPipeline&& other) noexcept { *this = std::move(other); }
     GraphicsPipeline& operator=(GraphicsPipeline&& other) noexcept;

@@ -21,6 +21,7 @@ inline double secondsSince(LiveClock::time_point start) {
     return std::chrono::duration<double>(LiveClock::now() - start).count();
 }
 
+// Texts are whole sentences or names, empty where there is nothing to say; counts are since the start.
 struct LiveStatus {
     std::string camera = "no camera yet"; // what it is, or why there is none
     bool cameraFails = false, tableMoves = false;
@@ -36,6 +37,8 @@ struct LiveStatus {
     size_t pictures = 0, detections = 0, sketches = 0, refusals = 0, cameraLosses = 0, deviceLosses = 0;
 };
 
+// All members may be called from any thread; each holds a lock for as long as a copy of the status takes, and
+// `change` must be as short and must not call the board.
 class LiveBoard {
 public:
     template<class F> void update(F change) {
