@@ -10,6 +10,8 @@
 #include "compute/daylight/sky_patches.h"
 #include "compute/float_dot.h"
 #include "compute/gpu/device.h"
+#include "compute/moment_light.h"
+#include "compute/near_light.h"
 #include "compute/parallel.h"
 #include "compute/patch_slopes.h"
 #include "compute/radiosity_gather.h"
@@ -26,16 +28,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// Shares of light by which errors are estimated. The first is of what is measured: how much light varies
-// within the patches that a sensor sees. Set so that rooms of 600 to 2000 triangles stay inside on 99 of 100
-// sensors, against Radiance.
-constexpr double kSpreadShare = 0.05;  // of light's variation within patches, after its slope is allowed for
-constexpr double kNearShare = 0.5;     // of a patch's light, times its own share of the view
-constexpr double kBounceError = 0.006; // of reflected light: what earlier bounces between patches leave
-constexpr double kSensorSkyError = 0.008; // of sky light, from its cubature and that of glass
-constexpr double kPatchSkyError = 0.01;   // the same for four points a patch and sky elements
-constexpr double kPatchError = 0.02;      // of reflected light on a patch
-constexpr double kHemicubeRowError = 0.02;
+constexpr double kHemicubeRowError = 0.02; // where the kernel claims none
 
 bool isGrey(glm::vec3 v) {
     return v.x == v.y && v.y == v.z;
@@ -96,10 +89,6 @@ struct DaylightTransport::State {
     void sunOn(Moment& moment, const daylight::SunDisc& disc) const;
     template<class Light> void glow(Moment& moment, const Light& light) const;
     void solve(std::span<Moment> moments);
-    void finish(Moment& moment, const std::vector<float>& exitance, const std::vector<float>& gathered,
-                size_t firstColumn) const;
-    void atSensors(Moment& moment, const std::vector<float>& exitance, size_t firstColumn) const;
-    std::vector<float> spreadWithin(const std::vector<float> (&smooth)[3]) const;
     double rowError() const {
         return factors.report.claimedRowError > 0 ? factors.report.claimedRowError : kHemicubeRowError;
     }
@@ -318,16 +307,18 @@ void DaylightTransport::State::solve(std::span<Moment> moments) {
             }
         }
     std::vector<float> exitance, gathered;
-    RadiosityReport solved;
+    RadiosityReport solution;
     if (anyLight) {
-        solved = relight->solve(emitted, channel, exitance, gathered, options.radiosity);
+        solution = relight->solve(emitted, channel, exitance, gathered, options.radiosity);
     } else {
         exitance.assign(emitted.size(), 0), gathered.assign(emitted.size(), 0);
     }
     const double seconds = clock.seconds() / static_cast<double>(moments.size());
+    const MomentScene scene{mesh,    areas,   rowSums, links->rowSums(), matter, clear,
+                            *slopes, *points, sensors, rowError(),       grey};
     for (size_t k = 0; k < moments.size(); ++k) {
         Moment& moment = moments[k];
-        moment.report.radiosity = solved;
+        moment.report.radiosity = solution;
         moment.report.solveSeconds = seconds;
         if (anyLight)
             moment.report.modelled.emplace_back("interreflection");
@@ -335,118 +326,10 @@ void DaylightTransport::State::solve(std::span<Moment> moments) {
             moment.report.skipped.emplace_back("interreflection: no light enters and nothing emits");
         if (grey)
             moment.report.skipped.emplace_back("colour: all materials are grey, one channel stands for three");
-        finish(moment, exitance, gathered, k * perMoment * n);
-        atSensors(moment, exitance, k * perMoment * n);
+        const SolvedColumns solved{exitance, gathered, k * perMoment * n};
+        lightPatches(scene, solved, moment);
+        lightSensors(scene, solved, moment);
     }
-}
-
-void DaylightTransport::State::finish(Moment& moment, const std::vector<float>& exitance,
-                                      const std::vector<float>& gathered, size_t first) const {
-    const size_t n = mesh.patchCount();
-    moment.lighting.exitance.resize(n);
-    const std::vector<float>& linked = links->rowSums();
-    double in = 0, absorbed = 0, lost = 0, mean = 0, total = 0, most = 0;
-    for (size_t i = 0; i < n; ++i) {
-        LightParts& parts = moment.patches[i];
-        const geometry::Material& m = mesh.materials[mesh.material[i]];
-        glm::vec3 out(0), tau(0), straight(0);
-        for (int c = 0; c < 3; ++c) {
-            const size_t channel = static_cast<size_t>(grey ? 0 : c), at = first + channel * n + i;
-            out[c] = exitance[at];
-            parts.interreflected[c] = gathered[at];
-            tau[c] = solver->matter().transmittance[channel][i];
-            straight[c] = clear[channel][i];
-        }
-        moment.lighting.exitance[i] = out;
-        const glm::vec3 direct = parts.sun + parts.sky + parts.ground;
-        in += areas[i] * photometric(m.exitance + direct);
-        if (!moment.glow.empty()) in += areas[i] * photometric(moment.glow[i]);
-        // What goes straight on counts where it lands.
-        const glm::vec3 on = straight * direct + tau * parts.sun;
-        in -= areas[i] * photometric(on);
-        absorbed +=
-            areas[i] * photometric((glm::vec3(1) - m.reflectance - tau) * parts.total() - straight * direct);
-        if (!linked.empty()) absorbed -= areas[i] * double{linked[i]} * photometric(out);
-        lost += areas[i] * (1 - double{rowSums[i]}) * photometric(out);
-        mean += areas[i] * photometric(out);
-        total += areas[i];
-        most = std::max(most, photometric(out));
-    }
-    mean /= std::max(total, 1e-30);
-    for (size_t i = 0; i < n; ++i) {
-        LightParts& parts = moment.patches[i];
-        parts.error +=
-            static_cast<float>(std::abs(1 - rowSums[i]) * mean + moment.report.radiosity.bound * most +
-                               (rowError() + kPatchError) * photometric(parts.interreflected) +
-                               kPatchSkyError * photometric(parts.sky + parts.ground));
-    }
-    moment.report.lumensIn = in;
-    moment.report.lumensAbsorbed = absorbed;
-    moment.report.lumensLost = lost;
-    moment.report.energyImbalance = in > 0 ? std::abs(in - absorbed - lost) / in : 0;
-}
-
-// How much the light that runs on smoothly changes across each patch, photometric; `smooth` per channel.
-std::vector<float> DaylightTransport::State::spreadWithin(const std::vector<float> (&smooth)[3]) const {
-    const size_t n = mesh.patchCount();
-    std::vector<float> light(n), spread(n);
-    for (size_t i = 0; i < n; ++i)
-        light[i] =
-            grey ? smooth[0][i] : static_cast<float>(photometric({smooth[0][i], smooth[1][i], smooth[2][i]}));
-    for (size_t i = 0; i < n; ++i) {
-        glm::vec3 slope(0);
-        for (const PatchSlopes::Term& term : slopes->terms(i)) slope += light[term.patch] * term.weight;
-        spread[i] = glm::length(slope) * static_cast<float>(points->patches()[i].size);
-    }
-    return spread;
-}
-
-void DaylightTransport::State::atSensors(Moment& moment, const std::vector<float>& exitance,
-                                         size_t first) const {
-    const Stopwatch clock;
-    const size_t n = mesh.patchCount();
-    double most = 0;
-    for (const glm::vec3& out : moment.lighting.exitance) most = std::max(most, photometric(out));
-    // Sunlight has edges, and is even but for those (sunEdges has put them in already); all else runs on
-    // smoothly.
-    const bool sun = glm::length(moment.lighting.sunDirection) > 0;
-    std::vector<float> even[3], smooth[3];
-    for (int c = 0; c < (grey ? 1 : 3); ++c) {
-        smooth[c].assign(&exitance[first + static_cast<size_t>(c) * n],
-                         &exitance[first + static_cast<size_t>(c) * n] + n);
-        if (!sun) continue;
-        even[c].resize(n);
-        for (size_t i = 0; i < n; ++i) {
-            even[c][i] = mesh.materials[mesh.material[i]].reflectance[c] * moment.patches[i].sun[c];
-            smooth[c][i] -= even[c][i];
-        }
-    }
-    const std::vector<float> spread = moment.sensors.empty() ? std::vector<float>{} : spreadWithin(smooth);
-    std::vector<float> light(n);
-    for (size_t i = 0; i < n; ++i) light[i] = static_cast<float>(photometric(moment.lighting.exitance[i]));
-    inParallel(moment.sensors.size(), [&](size_t s) {
-        LightParts& parts = moment.sensors[s];
-        for (int c = 0; c < 3; ++c) {
-            if (grey && c > 0) {
-                parts.interreflected[c] = parts.interreflected[0];
-                continue;
-            }
-            double lux = dot({&sensors.smooth[s * n], n}, smooth[c]);
-            if (sun) lux += dot({&sensors.even[s * n], n}, even[c]);
-            parts.interreflected[c] += static_cast<float>(lux);
-        }
-        // Light of patches that fill much of the view, which the mesh does not resolve.
-        double near = 0;
-        for (size_t i = 0; i < n; ++i) {
-            const double share = sensors.even[s * n + i];
-            near += share * share * double{light[i]};
-        }
-        parts.error = static_cast<float>(moment.report.radiosity.bound * most + kNearShare * near +
-                                         kSpreadShare * dot({&sensors.even[s * n], n}, spread) +
-                                         (rowError() + kBounceError) * photometric(parts.interreflected) +
-                                         kSensorSkyError * photometric(parts.sky + parts.ground));
-    });
-    moment.report.sensorSeconds = clock.seconds();
 }
 
 DaylightTransport::DaylightTransport(gpu::Device& device, const geometry::PatchMesh& mesh,
@@ -490,7 +373,10 @@ Moment DaylightTransport::light(const daylight::Sky& sky) {
 std::vector<Moment> DaylightTransport::light(std::span<const daylight::Sky> skies) {
     std::vector<Moment> moments;
     for (const daylight::Sky& sky : skies) moments.push_back(state_->direct(sky));
-    if (!moments.empty()) state_->solve(moments);
+    if (moments.empty()) return moments;
+    state_->solve(moments);
+    for (size_t k = 0; k < moments.size(); ++k)
+        lightNearWalls(*state_->points, *state_->slopes, state_->sensors, skies[k], moments[k]);
     return moments;
 }
 

@@ -184,14 +184,15 @@ private:
         return best;
     }
 
-    // Windows with blinds of their own have a material of their own.
-    static std::vector<uint32_t> glazingOf(PlanMaterials& materials, const std::vector<WindowHole>& holes) {
+    // Windows and skylights with blinds of their own have a material of their own.
+    template<class Opening>
+    static std::vector<uint32_t> glazingOf(PlanMaterials& materials, const std::vector<Opening>& openings) {
         std::vector<uint32_t> out;
-        for (const WindowHole& hole : holes) {
+        for (const Opening& opening : openings) {
             const auto plain = materials.rooms.front().glazing;
             auto& all = materials.materials;
             Material glass = all[plain];
-            glass.blind = hole.blind;
+            glass.blind = opening.blind;
             auto found = std::ranges::find_if(
                 all, [&](const Material& m) { return m.isOpening() && m.blind == glass.blind; });
             if (found == all.end()) {
@@ -213,7 +214,8 @@ private:
         notes_.insert(notes_.end(), windows.notes.begin(), windows.notes.end());
         const auto make = [&](const std::vector<WindowHole>& holes) {
             Shells made{roomFaces({plan_, spaces_.rooms, runs, sketch_.skylights, ceilings, materials.rooms,
-                                   materials.runs, materials.partitions, holes, glazingOf(materials, holes)}),
+                                   materials.runs, materials.partitions, holes, glazingOf(materials, holes),
+                                   glazingOf(materials, sketch_.skylights)}),
                         {}};
             made.building = weldFaces(made.faces.faces, static_cast<uint32_t>(spaces_.rooms.size()), kWeld);
             return made;

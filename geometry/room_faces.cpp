@@ -152,8 +152,13 @@ private:
             face.room = room;
             face.role = Role::fillIn;
             face.surface = pane ? nextSurface_++ : firstSurface + room;
-            face.material = pane ? in_.materials[room].glazing : in_.materials[room].ceiling;
-            if (pane) addPane(panes, skylightsOf(map, over, region, room));
+            face.material = in_.materials[room].ceiling;
+            if (!pane) continue;
+            std::set<int> skylights = skylightsOf(map, over, region, room);
+            if (!skylights.empty())
+                face.material =
+                    in_.skylightMaterial[static_cast<size_t>(*skylights.begin()) % in_.skylights.size()];
+            addPane(panes, std::move(skylights));
         }
         out_.skylightPanes = static_cast<int>(panes.size());
     }

@@ -25,7 +25,8 @@ struct RoomFaceInput {
     std::vector<uint32_t> runMaterial;       // per run
     std::vector<uint32_t> partitionMaterial; // per partition
     std::vector<WindowHole> holes;
-    std::vector<uint32_t> holeMaterial; // per hole
+    std::vector<uint32_t> holeMaterial;     // per hole
+    std::vector<uint32_t> skylightMaterial; // per skylight
 };
 
 struct RoomFaces {

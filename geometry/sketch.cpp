@@ -146,6 +146,14 @@ Arc readArc(const Object& in) {
     return out;
 }
 
+Blind readBlind(const Object& in) {
+    try {
+        return parseBlind(in.text("blinds", "open"));
+    } catch (const std::invalid_argument& error) {
+        in.fail("blinds", error.what());
+    }
+}
+
 WindowMarker readWindow(const Object& in) {
     WindowMarker out;
     out.wall = in.text("wall", "");
@@ -153,11 +161,7 @@ WindowMarker readWindow(const Object& in) {
     out.pos = in.number("pos");
     out.width = in.positive("width");
     out.kind = static_cast<WindowKind>(in.choice("kind", kWindows));
-    try {
-        out.blind = parseBlind(in.text("blinds", "open"));
-    } catch (const std::invalid_argument& error) {
-        in.fail("blinds", error.what());
-    }
+    out.blind = readBlind(in);
     return out;
 }
 
@@ -167,6 +171,7 @@ Skylight readSkylight(const Object& in) {
     out.size = in.point("size");
     if (!(out.size.x > 0 && out.size.y > 0)) in.fail("size", "expected two numbers above 0");
     out.angleDeg = in.number("angle_deg", 0.0);
+    out.blind = readBlind(in);
     return out;
 }
 
@@ -283,10 +288,12 @@ Json jsonOf(const WindowMarker& window) {
 }
 
 Json jsonOf(const Skylight& skylight) {
-    return {{"id", skylight.id},
-            {"center", jsonPoint(skylight.center)},
-            {"size", jsonPoint(skylight.size)},
-            {"angle_deg", skylight.angleDeg}};
+    Json out{{"id", skylight.id},
+             {"center", jsonPoint(skylight.center)},
+             {"size", jsonPoint(skylight.size)},
+             {"angle_deg", skylight.angleDeg}};
+    if (skylight.blind != Blind{}) out["blinds"] = blindText(skylight.blind);
+    return out;
 }
 
 Json jsonOf(const Token& token) {

@@ -64,6 +64,7 @@ struct Skylight {
     std::string id;
     glm::dvec2 center{}, size{};
     double angleDeg = 0;
+    Blind blind; // "blinds" in the file; where skylights overlap, that of one of them holds
     Detection detection;
 };
 

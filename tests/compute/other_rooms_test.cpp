@@ -235,5 +235,40 @@ TEST(OtherRooms, low_sun_in_a_turned_room_with_three_windows) {
     }
 }
 
+// Light falls off towards a corner within centimetres; patches here are 25 cm wide.
+TEST(OtherRooms, a_hair_from_corners_light_falls_off_as_it_should) {
+    const daylight::Sky sky = test::sunny({-0.1, 0.6, 0.8}); // on no window
+    test::BoxRoom box;
+    box.wall.reflectance = glm::vec3(0.7f);
+    box.isGlass = [](dvec3 p) { return p.z < 1e-9 && p.x > 1 && p.x < 3 && p.y > 1 && p.y < 2; };
+    box.triangles = false;
+    const geometry::PatchMesh few = test::boxRoom(box);
+    box.triangles = true, box.cells = {16, 12, 20};
+    std::vector<Sensor> sensors;
+    for (const double d : {0.002, 0.015}) {
+        sensors.push_back({{d, 2 * d, 5 - d}, {0, 1, 0}});
+        sensors.push_back({{4 - d, 3 - 0.5 * d, 5 - d}, {0, 0, -1}});
+        sensors.push_back({{d, d, 2.6}, {1, 0, 0}});
+        sensors.push_back({{4 - d, d, d}, {0, 1, 0}});
+    }
+    DaylightTransport transport(test::device(), test::boxRoom(box));
+    transport.setSensors(sensors);
+    const Moment moment = transport.light(sky);
+    test::PathTracer tracer(few, sky);
+    double sum = 0, noise = 0;
+    for (size_t k = 0; k < sensors.size(); ++k) {
+        const auto truth = tracer.at(sensors[k], 45);
+        const double off = photometric(moment.sensors[k].total()) / truth.lux - 1;
+        std::printf("corner %2zu: %.2f lux, %+.2f %% (tracer %.2f %%)\n", k, truth.lux, 100 * off,
+                    100 * truth.standardError / truth.lux);
+        sum += off, noise += std::pow(truth.standardError / truth.lux, 2);
+        EXPECT_LT(std::abs(off) * truth.lux,
+                  static_cast<double>(moment.sensors[k].error) + 3 * truth.standardError);
+        EXPECT_LT(std::abs(off), 0.03 + 3 * truth.standardError / truth.lux) << k;
+    }
+    const auto count = static_cast<double>(sensors.size());
+    EXPECT_LT(std::abs(sum / count), 0.01 + 3 * std::sqrt(noise) / count);
+}
+
 } // namespace
 } // namespace heliodon::compute

@@ -34,6 +34,12 @@ Sketch sketchOf(const std::string& first, const std::string& second = "") {
     return readSketch(file);
 }
 
+Sketch written(const Sketch& sketch) { // and read again
+    const auto file = temporary("copy.json");
+    writeSketch(sketch, file);
+    return readSketch(file);
+}
+
 size_t shaded(const Building& building) {
     return static_cast<size_t>(std::ranges::count_if(building.faces, [&](const Face& face) {
         return building.materials[face.material].blind == parseBlind("slats:45");
@@ -55,9 +61,7 @@ TEST(Blind, a_sketch_gives_each_window_its_own) {
     const Sketch sketch = sketchOf(R"(,"blinds":"slats:45")");
     EXPECT_EQ(sketch.windows[0].blind, parseBlind("slats:45"));
     EXPECT_EQ(sketch.windows[1].blind, Blind{});
-    const auto copy = temporary("copy.json");
-    writeSketch(sketch, copy);
-    EXPECT_EQ(readSketch(copy).windows[0].blind, sketch.windows[0].blind);
+    EXPECT_EQ(written(sketch).windows[0].blind, sketch.windows[0].blind);
     const Closure closure = closeSketch(sketch);
     ASSERT_TRUE(closure.building);
     EXPECT_EQ(closure.report.windowCount, 2);
@@ -70,6 +74,28 @@ TEST(Blind, a_sketch_gives_each_window_its_own) {
     } catch (const InputError& error) {
         EXPECT_NE(std::string(error.what()).find("windows[1].blinds"), std::string::npos) << error.what();
     }
+}
+
+TEST(Blind, a_sketch_gives_each_skylight_its_own) {
+    const auto with = [](const std::string& blinds) {
+        std::string text = sketchText("", "");
+        text.back() = ',';
+        text += R"("skylights":[{"id":"a","center":[-2,0],"size":[2,2])" + blinds +
+                R"(},{"id":"b","center":[2,0],"size":[2,2]}]})";
+        const auto file = temporary("skylights.json");
+        std::ofstream(file) << text;
+        return readSketch(file);
+    };
+    const Sketch sketch = with(R"(,"blinds":"slats:45")");
+    EXPECT_EQ(sketch.skylights[0].blind, parseBlind("slats:45"));
+    EXPECT_EQ(sketch.skylights[1].blind, Blind{});
+    EXPECT_EQ(written(sketch).skylights[0].blind, sketch.skylights[0].blind);
+    const Closure closure = closeSketch(sketch);
+    ASSERT_TRUE(closure.building);
+    EXPECT_EQ(closure.report.skylightPaneCount, 2);
+    EXPECT_EQ(shaded(*closure.building), 1u);
+    EXPECT_EQ(shaded(*closeSketch(with("")).building), 0u);
+    EXPECT_THROW(with(R"(,"blinds":"slats:100")"), InputError);
 }
 
 TEST(Blind, models_keep_it) {

@@ -1,0 +1,142 @@
+#include "compute/moment_light.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+#include "compute/float_dot.h"
+#include "compute/near_light.h"
+#include "compute/parallel.h"
+#include "compute/stopwatch.h"
+
+namespace heliodon::compute {
+
+namespace {
+
+// Shares of light by which errors are estimated. The first is of what is measured: how much light varies
+// within the patches that a sensor sees. Set so that rooms of 600 to 2000 triangles stay inside on 99 of 100
+// sensors, against Radiance.
+constexpr double kSpreadShare = 0.05;  // of light's variation within patches, after its slope is allowed for
+constexpr double kNearShare = 0.5;     // of a patch's light, times its own share of the view
+constexpr double kApartShare = 0.25;   // the same where lightNearWalls takes such patches apart
+constexpr double kBounceError = 0.006; // of reflected light: what earlier bounces between patches leave
+constexpr double kSensorSkyError = 0.008; // of sky light, from its cubature and that of glass
+constexpr double kPatchSkyError = 0.01;   // the same for four points a patch and sky elements
+constexpr double kPatchError = 0.02;      // of reflected light on a patch
+
+// How much the light that runs on smoothly changes across each patch, photometric; `smooth` per channel.
+std::vector<float> spreadWithin(const MomentScene& scene, const std::vector<float> (&smooth)[3]) {
+    const size_t n = scene.mesh.patchCount();
+    std::vector<float> light(n), spread(n);
+    for (size_t i = 0; i < n; ++i)
+        light[i] = scene.grey ? smooth[0][i]
+                              : static_cast<float>(photometric({smooth[0][i], smooth[1][i], smooth[2][i]}));
+    for (size_t i = 0; i < n; ++i) {
+        glm::vec3 slope(0);
+        for (const PatchSlopes::Term& term : scene.slopes.terms(i)) slope += light[term.patch] * term.weight;
+        spread[i] = glm::length(slope) * static_cast<float>(scene.points.patches()[i].size);
+    }
+    return spread;
+}
+
+} // namespace
+
+void lightPatches(const MomentScene& scene, const SolvedColumns& solved, Moment& moment) {
+    const geometry::PatchMesh& mesh = scene.mesh;
+    const size_t n = mesh.patchCount();
+    moment.lighting.exitance.resize(n);
+    double in = 0, absorbed = 0, lost = 0, mean = 0, total = 0, most = 0;
+    for (size_t i = 0; i < n; ++i) {
+        LightParts& parts = moment.patches[i];
+        const geometry::Material& m = mesh.materials[mesh.material[i]];
+        glm::vec3 out(0), tau(0), straight(0);
+        for (int c = 0; c < 3; ++c) {
+            const size_t channel = static_cast<size_t>(scene.grey ? 0 : c),
+                         at = solved.first + channel * n + i;
+            out[c] = solved.exitance[at];
+            parts.interreflected[c] = solved.gathered[at];
+            tau[c] = scene.matter.transmittance[channel][i];
+            straight[c] = scene.clear[channel][i];
+        }
+        moment.lighting.exitance[i] = out;
+        const glm::vec3 direct = parts.sun + parts.sky + parts.ground;
+        in += scene.areas[i] * photometric(m.exitance + direct);
+        if (!moment.glow.empty()) in += scene.areas[i] * photometric(moment.glow[i]);
+        // What goes straight on counts where it lands.
+        const glm::vec3 on = straight * direct + tau * parts.sun;
+        in -= scene.areas[i] * photometric(on);
+        absorbed += scene.areas[i] *
+                    photometric((glm::vec3(1) - m.reflectance - tau) * parts.total() - straight * direct);
+        if (!scene.linked.empty()) absorbed -= scene.areas[i] * double{scene.linked[i]} * photometric(out);
+        lost += scene.areas[i] * (1 - double{scene.rowSums[i]}) * photometric(out);
+        mean += scene.areas[i] * photometric(out);
+        total += scene.areas[i];
+        most = std::max(most, photometric(out));
+    }
+    mean /= std::max(total, 1e-30);
+    for (size_t i = 0; i < n; ++i) {
+        LightParts& parts = moment.patches[i];
+        parts.error +=
+            static_cast<float>(std::abs(1 - scene.rowSums[i]) * mean + moment.report.radiosity.bound * most +
+                               (scene.rowError + kPatchError) * photometric(parts.interreflected) +
+                               kPatchSkyError * photometric(parts.sky + parts.ground));
+    }
+    moment.report.lumensIn = in;
+    moment.report.lumensAbsorbed = absorbed;
+    moment.report.lumensLost = lost;
+    moment.report.energyImbalance = in > 0 ? std::abs(in - absorbed - lost) / in : 0;
+}
+
+void lightSensors(const MomentScene& scene, const SolvedColumns& solved, Moment& moment) {
+    const Stopwatch clock;
+    const geometry::PatchMesh& mesh = scene.mesh;
+    const SensorGather& sensors = scene.sensors;
+    const size_t n = mesh.patchCount();
+    double most = 0;
+    for (const glm::vec3& out : moment.lighting.exitance) most = std::max(most, photometric(out));
+    // Sunlight has edges, and is even but for those (sunEdges has put them in already); all else runs on
+    // smoothly.
+    const bool sun = glm::length(moment.lighting.sunDirection) > 0;
+    std::vector<float> even[3], smooth[3];
+    for (int c = 0; c < (scene.grey ? 1 : 3); ++c) {
+        smooth[c].assign(&solved.exitance[solved.first + static_cast<size_t>(c) * n],
+                         &solved.exitance[solved.first + static_cast<size_t>(c) * n] + n);
+        if (!sun) continue;
+        even[c].resize(n);
+        for (size_t i = 0; i < n; ++i) {
+            even[c][i] = mesh.materials[mesh.material[i]].reflectance[c] * moment.patches[i].sun[c];
+            smooth[c][i] -= even[c][i];
+        }
+    }
+    const std::vector<float> spread =
+        moment.sensors.empty() ? std::vector<float>{} : spreadWithin(scene, smooth);
+    std::vector<float> light(n);
+    for (size_t i = 0; i < n; ++i) light[i] = static_cast<float>(photometric(moment.lighting.exitance[i]));
+    inParallel(moment.sensors.size(), [&](size_t s) {
+        LightParts& parts = moment.sensors[s];
+        for (int c = 0; c < 3; ++c) {
+            if (scene.grey && c > 0) {
+                parts.interreflected[c] = parts.interreflected[0];
+                continue;
+            }
+            double lux = dot({&sensors.smooth[s * n], n}, smooth[c]);
+            if (sun) lux += dot({&sensors.even[s * n], n}, even[c]);
+            parts.interreflected[c] += static_cast<float>(lux);
+        }
+        // Light of patches that fill much of the view, which the mesh does not resolve.
+        double near = 0;
+        for (size_t i = 0; i < n; ++i) {
+            const double share = sensors.even[s * n + i];
+            near += share * share * double{light[i]};
+        }
+        const double nearShare = hasNearWall(sensors, s) ? kApartShare : kNearShare;
+        parts.error = static_cast<float>(moment.report.radiosity.bound * most + nearShare * near +
+                                         kSpreadShare * dot({&sensors.even[s * n], n}, spread) +
+                                         (scene.rowError + kBounceError) * photometric(parts.interreflected) +
+                                         kSensorSkyError * photometric(parts.sky + parts.ground));
+    });
+    moment.report.sensorSeconds = clock.seconds();
+}
+
+} // namespace heliodon::compute

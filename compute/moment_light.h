@@ -1,0 +1,45 @@
+// The last step of a moment: from solved exitance to light on patches and at sensors, with the estimate of
+// its error and the balance of its energy.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "compute/daylight_transport.h"
+#include "compute/patch_slopes.h"
+#include "compute/point_scene.h"
+#include "compute/radiosity.h"
+#include "compute/sensor_gather.h"
+
+namespace heliodon::compute {
+
+// What stays the same from moment to moment; all of it outlives its use.
+struct MomentScene {
+    const geometry::PatchMesh& mesh;
+    std::span<const double> areas;
+    std::span<const float> rowSums; // of form factors, without what runs through panes
+    std::span<const float> linked;  // per patch: sum of its links through panes; empty without any
+    const RadiosityMatter& matter;
+    const std::vector<std::vector<float>>&
+        clear; // per channel: diffuse transmittance of clear interior glass
+    const PatchSlopes& slopes;
+    const PointScene& points;
+    const SensorGather& sensors;
+    double rowError; // of form factors
+    bool grey;       // one column stands for three
+};
+
+// Columns of the solution from `first` on, one a channel: patches each.
+struct SolvedColumns {
+    std::span<const float> exitance, gathered;
+    size_t first;
+};
+
+// Fills lighting.exitance, each patch's interreflected light and error, and the report's lumens. Direct light
+// and report.radiosity are there already.
+void lightPatches(const MomentScene& scene, const SolvedColumns& solved, Moment& moment);
+
+// Adds interreflected light of sensors, and sets their error; after lightPatches.
+void lightSensors(const MomentScene& scene, const SolvedColumns& solved, Moment& moment);
+
+} // namespace heliodon::compute
