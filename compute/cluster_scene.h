@@ -9,7 +9,8 @@
 namespace heliodon::compute {
 
 struct ClusterScene {
-    // The mesh has a patch at least (precondition) and is not kept. O(n log n) and an upload. Throws gpu::Error.
+    // The mesh has a patch at least (precondition) and is not kept. O(n log n) and an upload. Throws
+    // gpu::Error.
     ClusterScene(gpu::Device& device, const geometry::PatchMesh& mesh);
 
     PatchTree tree;

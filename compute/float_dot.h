@@ -7,7 +7,8 @@
 namespace heliodon::compute {
 
 // Sum of a[i] b[i]; b is as long as a (precondition), 0 where both are empty. In sixteen parts, so that it
-// vectorises and is the same on every run; its error is at most about n / 16 float roundings of sum |a[i] b[i]|.
+// vectorises and is the same on every run; its error is at most about n / 16 float roundings of sum |a[i]
+// b[i]|.
 inline double dot(std::span<const float> a, std::span<const float> b) {
     float parts[16]{};
     size_t i = 0;

@@ -22,6 +22,7 @@ public:
     Parser() : app_("A virtual heliodon: from a sketch on a table to daylight on the model.", "heliodon") {
         app_.set_version_flag("--version", HELIODON_VERSION);
         app_.require_subcommand(1);
+        app_.get_formatter()->label("SUBCOMMAND", "COMMAND");
         app_.footer("heliodon COMMAND --help says more, with an example.");
         addDetect();
         addModel();
@@ -40,6 +41,8 @@ public:
         const auto isNamed = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
         if (argc > 1 && argv[1][0] != '-' && app_.get_subcommands(isNamed).empty())
             throw geometry::InputError("command line", argv[1], "is no command; heliodon --help lists them");
+        if (argc < 2)
+            throw geometry::InputError("command line", "", "names no command; heliodon --help lists them");
         refuseStep(argc, argv);
         try {
             app_.parse(argc, argv);

@@ -10,8 +10,8 @@ namespace heliodon::app {
 class BenchClock {
 public:
     BenchClock() : cpu_(cpuNow()) {}
-    // Since construction. A program's processor seconds count once it has been waited for; they are as fine as
-    // the kernel counts them.
+    // Since construction. A program's processor seconds count once it has been waited for; they are as fine
+    // as the kernel counts them.
     void stop(double& wallSeconds, double& cpuSeconds) const {
         wallSeconds = wall_.seconds();
         cpuSeconds = cpuNow() - cpu_;
