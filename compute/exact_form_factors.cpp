@@ -31,8 +31,10 @@ namespace heliodon::compute {
 
 namespace {
 
-constexpr uint32_t kTile = 2304;                      // pieces along a side of what is handled at once
-constexpr uint32_t kBatch = 1u << 16;                 // records whose cells are refined together
+constexpr uint32_t kTile = 2304; // pieces along a side of what is handled at once
+// Records whose cells are refined together: few on a CPU, which wants them in its cache; a device of its own
+// waits longer for the host between two levels than it works on so many.
+constexpr uint32_t kBatch = 1u << 16, kDiscreteBatch = 1u << 19;
 constexpr size_t kSumBytes = 12;                      // per record: form factor, its fraction, error
 constexpr uint32_t kMaxCells = 1u << 21;              // of one level of one batch
 constexpr uint32_t kChunk = 65535u * io::kExactGroup; // invocations of one dispatch
@@ -189,7 +191,8 @@ private:
             *sides = gpu::Buffer(device_, (pieces + mostClusters) * words_ * 12, "exact sides");
         blocks_ = gpu::Buffer(device_, mostClusters * mostClusters * 4, "exact blocks");
         masks_ = gpu::Buffer(device_, mostClusters * mostClusters * words_ * 4, "exact masks");
-        counters_ = gpu::Buffer(device_, io::kExactCounters * 4, "exact counters", gpu::Place::host);
+        counters_ = gpu::Buffer(device_, io::kExactCounters * 4, "exact counters");
+        counted_ = gpu::Buffer(device_, io::kExactCounters * 4, "exact counted", gpu::Place::host);
         for (gpu::Buffer* records : {&records_, &fewRecords_})
             *records = gpu::Buffer(device_, static_cast<size_t>(recordCapacity_) * sizeof(io::ExactRecord),
                                    "exact records");
@@ -200,7 +203,15 @@ private:
                                 "exact cells");
     }
 
-    uint32_t& counter(uint32_t index) { return counters_.mapped<uint32_t>()[index]; }
+    // Counters lie with the device, whose atomic operations on the host's memory are slow, and are copied.
+    uint32_t counter(uint32_t index) const { return counted_.mapped<uint32_t>()[index]; }
+
+    void submitAndCount(gpu::Commands&& commands) {
+        commands.barrier(gpu::Stage::compute, gpu::Stage::any);
+        commands.copy(counters_, 0, counted_, 0, io::kExactCounters * 4);
+        commands.barrier(gpu::Stage::transfer, gpu::Stage::host);
+        device_.submitAndWait(std::move(commands));
+    }
 
     void findSides(const ExactTileRange& tile, const gpu::Buffer& sides) {
         SecondsAdded timer(statistics.classifySeconds);
@@ -222,8 +233,6 @@ private:
         const uint32_t lines = std::min(counter(io::kExactLineCount), recordCapacity_);
         const uint32_t two = std::min(counter(io::kExactTwoCount), recordCapacity_ - std::max(one, lines));
         const uint32_t many = std::min(counter(io::kExactManyCount), recordCapacity_ - open);
-        statistics.overflows += counter(io::kExactOverflowCount);
-        counter(io::kExactOverflowCount) = 0;
         statistics.partial += counter(io::kExactPartialCount);
         statistics.visible += open + one + two + many + lines - counter(io::kExactPartialCount);
         cellTolerance_ = tolerance_;
@@ -238,10 +247,11 @@ private:
     void classify(const ExactTileRange& a, const ExactTileRange& b) {
         SecondsAdded timer(statistics.classifySeconds);
         const bool diagonal = &a == &b;
-        for (uint32_t k = 0; k < io::kExactCounters; ++k) counter(k) = 0;
         gpu::Commands find(device_);
+        find.fill(counters_, 0);
         find.fill(there_, 0, 0, static_cast<size_t>(a.pieces) * b.pieces * 4);
         if (!diagonal) find.fill(back_, 0, 0, static_cast<size_t>(a.pieces) * b.pieces * 4);
+        find.barrier(gpu::Stage::transfer, gpu::Stage::compute);
         const io::ExactBlocksParams params{scene_.pieceCount, words_,         a.pieces,
                                            b.pieces,          a.firstCluster, a.clusters,
                                            b.firstCluster,    b.clusters,     scene_.closed ? 1u : 0u};
@@ -249,16 +259,15 @@ private:
                       {high(), low(), normal(), centre(), range(), clusters(), sidesA_, sidesOf(diagonal),
                        counters_, blocks_, masks_},
                       params, gpu::groupsFor(b.clusters, io::kExactGroup), a.clusters);
-        find.barrier(gpu::Stage::compute, gpu::Stage::any);
-        device_.submitAndWait(std::move(find));
+        submitAndCount(std::move(find));
         const uint32_t clear = counter(io::kExactClearCount), mixed = counter(io::kExactMixedCount);
         statistics.clearBlocks += clear;
         statistics.mixedBlocks += mixed;
         gpu::Commands commands(device_);
         recordPairs(commands, a, b, 0, clear, true);
         recordPairs(commands, a, b, a.clusters * b.clusters - mixed, mixed, false);
-        commands.barrier(gpu::Stage::compute, gpu::Stage::any);
-        device_.submitAndWait(std::move(commands));
+        submitAndCount(std::move(commands));
+        statistics.overflows += counter(io::kExactOverflowCount);
     }
 
     void recordPairs(gpu::Commands& commands, const ExactTileRange& a, const ExactTileRange& b,
@@ -291,8 +300,9 @@ private:
     void integrate(const gpu::Kernel& kernel, const gpu::Buffer& records, uint32_t first, uint32_t count,
                    const ExactTileRange& a, const ExactTileRange& b) {
         SecondsAdded timer(statistics.cubatureSeconds);
-        for (uint32_t done = 0; done < count; done += kBatch)
-            refine(kernel, records, first + done, std::min(kBatch, count - done));
+        const uint32_t batch = device_.info().type == "software" ? kBatch : kDiscreteBatch;
+        for (uint32_t done = 0; done < count; done += batch)
+            refine(kernel, records, first + done, std::min(batch, count - done));
         finish(records, first, count, a, b);
     }
 
@@ -310,8 +320,9 @@ private:
         const float tolerance = pairTolerance(count, a, b);
         uint32_t left = count;
         for (uint32_t level = 0; level <= kLineLevels && left > 0; ++level) {
-            counter(io::kExactCellCount) = 0;
             gpu::Commands commands(device_);
+            commands.fill(counters_, 0);
+            commands.barrier(gpu::Stage::transfer, gpu::Stage::compute);
             for (uint32_t done = 0; done < left; done += kChunk) {
                 const uint32_t part = std::min(kChunk, left - done);
                 const io::ExactLinesParams params{done, part, level, level == kLineLevels, tolerance};
@@ -320,8 +331,7 @@ private:
                                    cells_[level % 2], cells_[(level + 1) % 2], counters_},
                                   params, gpu::groupsFor(part, io::kExactGroup));
             }
-            commands.barrier(gpu::Stage::compute, gpu::Stage::any);
-            device_.submitAndWait(std::move(commands));
+            submitAndCount(std::move(commands));
             left = std::min(counter(io::kExactCellCount), left);
             if (level < kLineLevels) statistics.cells += uint64_t{left} << (2 * (level + 1));
         }
@@ -349,8 +359,9 @@ private:
         bool firstLevel = true;
         uint32_t first = firstPair, count = pairs;
         for (uint32_t depth = 0; count > 0; ++depth) {
-            counter(io::kExactCellCount) = 0;
             gpu::Commands commands(device_);
+            commands.fill(counters_, 0);
+            commands.barrier(gpu::Stage::transfer, gpu::Stage::compute);
             for (uint32_t done = 0; done < count; done += kChunk) {
                 const uint32_t part = std::min(kChunk, count - done);
                 const io::ExactCellsParams params{scene_.pieceCount,
@@ -366,11 +377,10 @@ private:
                                    cells_[depth % 2], counters_, sums_, cells_[(depth + 1) % 2]},
                                   params, gpu::groupsFor(part, io::kExactGroup));
             }
-            commands.barrier(gpu::Stage::compute, gpu::Stage::any);
-            device_.submitAndWait(std::move(commands));
+            submitAndCount(std::move(commands));
             count = std::min(counter(io::kExactCellCount), cellCapacity_);
             statistics.cells += count;
-            const uint32_t overflows = std::exchange(counter(io::kExactOverflowCount), 0u);
+            const uint32_t overflows = counter(io::kExactOverflowCount);
             if (overflows > 0 && pairs > 1) {
                 refine(kernel, records, firstPair, pairs / 2);
                 refine(kernel, records, firstPair + pairs / 2, pairs - pairs / 2);
@@ -383,9 +393,9 @@ private:
     }
 
     void collectErrors(const gpu::Buffer& list, uint32_t first, uint32_t count) {
-        const auto records = list.download<io::ExactRecord>(count, first * sizeof(io::ExactRecord));
-        const auto sums =
-            sums_.download<uint32_t>(3 * static_cast<size_t>(count), static_cast<size_t>(first) * kSumBytes);
+        const gpu::HostView<io::ExactRecord> records(list, count, first * sizeof(io::ExactRecord));
+        const gpu::HostView<uint32_t> sums(sums_, 3 * static_cast<size_t>(count),
+                                           static_cast<size_t>(first) * kSumBytes);
         for (uint32_t k = 0; k < count; ++k) {
             const double error = sums[3 * k + 2] / static_cast<double>(io::kExactOne);
             const io::ExactRecord& r = records[k];
@@ -410,7 +420,8 @@ private:
     float tolerance_ = 0, cellTolerance_ = 0;
     ExactScene scene_;
     gpu::Buffer there_, back_; // the tile and its mirror image
-    gpu::Buffer sidesA_, sidesB_, blocks_, masks_, counters_, records_, fewRecords_, lists_, sums_, cells_[2];
+    gpu::Buffer sidesA_, sidesB_, blocks_, masks_, counters_, counted_, records_, fewRecords_, lists_, sums_,
+        cells_[2];
     std::vector<double> rowSquares_;
     std::vector<float> entryErrors_, shareOfPatch_; // n x n; per piece
 };

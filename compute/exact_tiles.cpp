@@ -6,12 +6,8 @@ namespace heliodon::compute {
 
 void handOver(const ExactScene& scene, const ExactTileRange& a, const ExactTileRange& b,
               const gpu::Buffer& values, const std::function<void(const ExactTile&)>& take) {
-    ExactTile tile{a.firstPatch, a.patches, b.firstPatch, b.patches, values.mapped<float>()};
-    std::vector<float> copy;
-    if (!tile.values) {
-        copy = values.download<float>(static_cast<size_t>(a.pieces) * b.pieces);
-        tile.values = copy.data();
-    }
+    const gpu::HostView<float> view(values, static_cast<size_t>(a.pieces) * b.pieces);
+    ExactTile tile{a.firstPatch, a.patches, b.firstPatch, b.patches, view.data()};
     std::vector<float> merged;
     if (a.pieces != a.patches || b.pieces != b.patches) {
         std::vector<double> sums(static_cast<size_t>(a.patches) * b.patches, 0.0), area(a.patches, 0.0);

@@ -113,8 +113,9 @@ PatchViewpoints patchViewpoints(const geometry::PatchMesh& mesh, uint32_t points
         view.room = mesh.room[i];
         for (const glm::dvec3& position : pointsOnPatch(mesh, i, m)) {
             view.position = position;
-            // Golden-ratio turns: grids that line up with the walls would alias all in the same way.
-            view.turn = std::fmod(0.6180339887498949 * static_cast<double>(number++), 1.0) * (kPi / 2);
+            // Golden-ratio turns: grids that line up with the walls would alias all in the same way. None is
+            // zero, where edges run through the middles of pixels, and rounding would say who has them.
+            view.turn = std::fmod(0.6180339887498949 * static_cast<double>(++number), 1.0) * (kPi / 2);
             result.viewpoints.push_back(view);
         }
     }
@@ -137,8 +138,10 @@ Hemicube::Hemicube(gpu::Device& device, const geometry::PatchMesh& mesh, const H
         std::max(size_t{10} * params_.triangleCount * params_.stripes, skyElements_ > 0 ? pixels : 2));
     // Buffers for each viewpoint of a dispatch: few on a CPU, which wants them in its cache.
     const size_t largest = std::max(pixels, size_t{params_.listLength}) * sizeof(uint32_t);
-    batch_ = static_cast<uint32_t>(std::clamp<size_t>(device.limits().maxStorageBufferRange / largest, 1,
-                                                      device.info().type == "software" ? 64 : 1024));
+    const size_t most = std::min<size_t>(device.limits().maxStorageBufferRange / largest,
+                                         device.limits().maxTexelBufferElements / pixels);
+    batch_ = static_cast<uint32_t>(
+        std::clamp<size_t>(most, 1, device.info().type == "software" ? 64 : 1024));
     items_ = gpu::Buffer(device, pixels * batch_ * sizeof(uint32_t), "hemicube items");
     lists_ = gpu::Buffer(device, size_t{params_.listLength} * batch_ * sizeof(uint32_t), "hemicube lists");
     params_.resolution = R;

@@ -91,7 +91,8 @@ template<class T> uint32_t takeBatch(std::vector<T>& from, gpu::Buffer& to) {
 LinkMaker::LinkMaker(gpu::Device& device, const ClusterScene& scene, const LinkTolerance& tolerance)
     : device_(&device), scene_(&scene), pairs_(device, kBatch * sizeof(glm::uvec2), "link pairs"),
       doubted_(device, kBatch * sizeof(io::HierarchicalDoubt), "doubted links"),
-      counters_(device, io::kHierarchicalCounters * sizeof(uint32_t), "link counters", gpu::Place::host),
+      counters_(device, io::kHierarchicalCounters * sizeof(uint32_t), "link counters"),
+      counted_(device, io::kHierarchicalCounters * sizeof(uint32_t), "links counted", gpu::Place::host),
       next_(device, 4 * kBatch * sizeof(glm::uvec2), "next pairs", gpu::Place::host),
       newLeafPairs_(device, 4 * kBatch * sizeof(glm::uvec2), "leaf pairs", gpu::Place::host),
       newLinks_(device, kBatch * sizeof(io::HierarchicalLink), "new links", gpu::Place::host),
@@ -181,9 +182,11 @@ void LinkMaker::run(LinkStage stage, const gpu::Buffer& in, uint32_t count) {
     commands.dispatchBytes(device_->kernels().get(kernel.spirv, kernel.name, kernel.values), bindings,
                            &params_, sizeof params_,
                            {gpu::groupsFor(size_t{count} * lanes, io::kHierarchicalGroup), 1, 1});
-    commands.barrier(gpu::Stage::compute, gpu::Stage::host);
+    commands.barrier(gpu::Stage::compute, gpu::Stage::any);
+    commands.copy(counters_, 0, counted_, 0, io::kHierarchicalCounters * sizeof(uint32_t));
+    commands.barrier(gpu::Stage::transfer, gpu::Stage::host);
     device_->submitAndWait(std::move(commands));
-    const auto* counters = counters_.mapped<uint32_t>();
+    const auto* counters = counted_.mapped<uint32_t>();
     append(splits ? pending_ : nearPairs_, next_, counters[io::kHierarchicalPairs]);
     if (splits) append(leafPairs_, newLeafPairs_, counters[io::kHierarchicalLeaves]);
     append(links_, newLinks_, counters[io::kHierarchicalLinks]);

@@ -53,7 +53,8 @@ private:
     std::vector<io::HierarchicalDoubt> doubts_, longDoubts_; // the latter after many rays
     std::vector<io::HierarchicalLink> links_;
     uint64_t pairCount_ = 0;
-    gpu::Buffer pairs_, doubted_, counters_, next_, newLeafPairs_, newLinks_, newDoubts_, newLongDoubts_;
+    gpu::Buffer pairs_, doubted_, counters_, counted_, next_, newLeafPairs_, newLinks_, newDoubts_,
+        newLongDoubts_;
 };
 
 } // namespace heliodon::compute

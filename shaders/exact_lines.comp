@@ -132,12 +132,14 @@ vec3 placeOf(uint k, uint cell) {
 vec2 overPiece(vec3 corner, vec3 u, vec3 v, float limit) {
     vec3 sums = vec3(0.0); // of the far, the near, the centre
     vec2 result = vec2(0.0), range = vec2(1e30, 0.0);
+    float open = 0.0; // at the last point of this pair: neighbours may need more
     uint k = 0u, end = 4u;
     [[dont_unroll]] do {
         vec3 place = placeOf(k, 0u);
         float f = seen(corner + place.y * u + place.z * v, k);
         if (k < end) sums += k < 3u ? vec3(f, 0.0, 0.0) : k > 3u ? vec3(0.0, f, 0.0) : vec3(0.0, 0.0, f);
         if (k < end) range = vec2(min(range.x, f), max(range.y, f));
+        if (k < end) open = open_;
         ++k;
         float byFar = kRadonFarLow / 3.0 * sums.x + (1.0 - kRadonFarLow) * sums.z;
         float byNear = kRadonNearLow / 3.0 * sums.y + (1.0 - kRadonNearLow) * sums.z;
@@ -150,6 +152,7 @@ vec2 overPiece(vec3 corner, vec3 u, vec3 v, float limit) {
             result.y = max(max(abs(result.x - byNear), abs(result.x - byFar)), 0.6 * kLeastError * (range.y - range.x));
         }
     } while (subgroupAny(k < end));
+    open_ = open;
     return result;
 }
 

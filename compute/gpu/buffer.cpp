@@ -73,19 +73,24 @@ void Buffer::uploadBytes(const void* data, size_t bytes, size_t byteOffset) {
 }
 
 void Buffer::downloadBytes(void* data, size_t bytes, size_t byteOffset) const {
-    assert(byteOffset + bytes <= bytes_);
     if (bytes == 0) return;
     if (allocation_.mapped) {
+        assert(byteOffset + bytes <= bytes_);
         std::memcpy(data, mapped<std::byte>() + byteOffset, bytes);
-        return;
-    }
-    Buffer staging(*device_, bytes, "download", Place::host);
+    } else
+        std::memcpy(data, hostCopy(bytes, byteOffset).mapped(), bytes);
+}
+
+Buffer Buffer::hostCopy(size_t bytes, size_t byteOffset) const {
+    assert(byteOffset + bytes <= bytes_);
+    Buffer copy(*device_, bytes, "host copy", Place::host);
+    if (bytes == 0) return copy;
     Commands commands(*device_);
     commands.barrier(Stage::any, Stage::transfer);
-    commands.copy(*this, byteOffset, staging, 0, bytes);
+    commands.copy(*this, byteOffset, copy, 0, bytes);
     commands.barrier(Stage::transfer, Stage::host);
     device_->submitAndWait(std::move(commands));
-    std::memcpy(data, staging.mapped(), bytes);
+    return copy;
 }
 
 VkBufferView Buffer::texelView(VkFormat format, size_t byteOffset, size_t bytes) const {

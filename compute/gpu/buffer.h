@@ -59,6 +59,9 @@ public:
     // A view for texelFetch and imageLoad; made once per format and range.
     VkBufferView texelView(VkFormat format, size_t byteOffset = 0, size_t bytes = VK_WHOLE_SIZE) const;
 
+    // A part of it in memory that the host sees; the work that writes it must have been waited for.
+    Buffer hostCopy(size_t bytes, size_t byteOffset = 0) const;
+
 private:
     void reset();
     void uploadBytes(const void* data, size_t bytes, size_t byteOffset);
@@ -75,6 +78,21 @@ private:
     Allocation allocation_;
     size_t bytes_ = 0;
     mutable std::vector<TexelView> views_;
+};
+
+// `count` values of a buffer, for the host to read while this lives: the buffer's own memory where the host
+// sees it, else a copy. Cheaper than download(): nothing is copied twice, and no new memory is touched.
+template<class T> class HostView {
+public:
+    HostView(const Buffer& buffer, size_t count, size_t byteOffset = 0)
+        : copy_(buffer.mapped() ? Buffer() : buffer.hostCopy(count * sizeof(T), byteOffset)),
+          data_(buffer.mapped() ? buffer.mapped<T>() + byteOffset / sizeof(T) : copy_.mapped<T>()) {}
+    const T* data() const { return data_; }
+    const T& operator[](size_t i) const { return data_[i]; }
+
+private:
+    Buffer copy_;
+    const T* data_;
 };
 
 } // namespace heliodon::gpu

@@ -17,8 +17,13 @@ VkDeviceSize alignUp(VkDeviceSize value, VkDeviceSize alignment) {
 } // namespace
 
 Memory::Memory(VkPhysicalDevice physical, VkDevice device, bool mapsOwn)
-    : device_(device), mapsOwn_(mapsOwn) {
+    : device_(device), mapsOwn_(mapsOwn), keeps_(!mapsOwn) {
     vkGetPhysicalDeviceMemoryProperties(physical, &properties_);
+    for (uint32_t i = 0; i < properties_.memoryTypeCount; ++i) {
+        const VkMemoryPropertyFlags flags = properties_.memoryTypes[i].propertyFlags;
+        keeps_ |=
+            (flags & VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT) && !(flags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT);
+    }
 }
 
 Memory::~Memory() {
@@ -46,7 +51,12 @@ Memory::Block& Memory::addBlock(Pool& pool, uint32_t type, VkDeviceSize size) {
     info.memoryTypeIndex = type;
     Block block;
     block.size = size;
-    check(vkAllocateMemory(device_, &info, nullptr, &block.memory), "vkAllocateMemory");
+    VkResult allocated = vkAllocateMemory(device_, &info, nullptr, &block.memory);
+    if (allocated != VK_SUCCESS && kept_ > 0) {
+        dropKept();
+        allocated = vkAllocateMemory(device_, &info, nullptr, &block.memory);
+    }
+    check(allocated, "vkAllocateMemory");
     const VkMemoryPropertyFlags flags = properties_.memoryTypes[type].propertyFlags;
     if ((flags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT) && (flags & VK_MEMORY_PROPERTY_HOST_COHERENT_BIT)) {
         void* mapped = nullptr;
@@ -85,11 +95,18 @@ Allocation Memory::allocate(const VkMemoryRequirements& need, Place place, bool 
         return Allocation{block.memory, offset, size, seen ? block.mapped + offset : nullptr,
                           type + (image ? 32u : 0u)};
     };
-    if (size <= kBlockSize / 2)
-        for (Block& block : pool)
-            if (block.size == kBlockSize)
-                if (const auto offset = take(block)) return made(block, *offset);
-    Block& block = addBlock(pool, type, size <= kBlockSize / 2 ? kBlockSize : size);
+    const bool common = size <= kBlockSize / 2;
+    for (Block& block : pool) {
+        if (common ? block.size != kBlockSize
+                   : !block.kept || block.size < size || block.size > size + size / 4)
+            continue;
+        if (const auto offset = take(block)) {
+            if (block.kept) kept_ -= block.size;
+            block.kept = false;
+            return made(block, *offset);
+        }
+    }
+    Block& block = addBlock(pool, type, common ? kBlockSize : size);
     return made(block, *take(block));
 }
 
@@ -113,15 +130,33 @@ void Memory::free(const Allocation& allocation) {
         block->free.erase(next);
     }
     block->free.emplace(start, end - start);
-    // A block of its own goes back at once; of the common ones, the last stays for the next request.
-    const bool empty = end - start == block->size;
-    const auto common =
-        std::count_if(pool.begin(), pool.end(), [](const Block& b) { return b.size == kBlockSize; });
-    if (empty && (block->size != kBlockSize || common > 1)) {
-        vkFreeMemory(device_, block->memory, nullptr);
-        reserved_ -= block->size;
-        pool.erase(block);
+    if (end - start < block->size) return;
+    if (block->size == kBlockSize) { // of the common ones, the last stays for the next request
+        const auto common =
+            std::count_if(pool.begin(), pool.end(), [](const Block& b) { return b.size == kBlockSize; });
+        if (common > 1) drop(pool, block);
+        return;
     }
+    if (!keeps_ || block->size > kKept) return drop(pool, block);
+    if (kept_ + block->size > kKept) dropKept();
+    block->kept = true;
+    kept_ += block->size;
+}
+
+void Memory::drop(Pool& pool, Pool::iterator block) {
+    vkFreeMemory(device_, block->memory, nullptr);
+    reserved_ -= block->size;
+    pool.erase(block);
+}
+
+void Memory::dropKept() {
+    for (auto& [key, pool] : pools_)
+        for (auto block = pool.begin(); block != pool.end();) {
+            const auto next = std::next(block);
+            if (block->kept) drop(pool, block);
+            block = next;
+        }
+    kept_ = 0;
 }
 
 size_t Memory::blockCount() const {

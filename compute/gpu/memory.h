@@ -24,7 +24,7 @@ struct Allocation {
 
 class Memory {
 public:
-    static constexpr VkDeviceSize kBlockSize = 64ull << 20;
+    static constexpr VkDeviceSize kBlockSize = 64ull << 20, kKept = 1ull << 30;
 
     // `mapsOwn`: the host sees Place::device, too, where the device's memory is the host's.
     Memory(VkPhysicalDevice physical, VkDevice device, bool mapsOwn = true);
@@ -32,8 +32,10 @@ public:
     Memory(const Memory&) = delete;
     Memory& operator=(const Memory&) = delete;
 
-    // Requests above half a block get a block of their own. Buffers and optimally tiled images never share a
-    // block, so bufferImageGranularity does not matter. Throws Error when the device has no room.
+    // Requests above half a block get a block of their own; on devices with memory of their own, where new
+    // ones cost milliseconds, up to kKept bytes of such blocks wait for the next request of their size.
+    // Buffers and optimally tiled images never share a block, so bufferImageGranularity does not matter.
+    // Throws Error when the device has no room.
     Allocation allocate(const VkMemoryRequirements& need, Place place, bool image);
     void free(const Allocation& allocation);
 
@@ -47,18 +49,21 @@ private:
         VkDeviceMemory memory = VK_NULL_HANDLE;
         VkDeviceSize size = 0;
         char* mapped = nullptr;
+        bool kept = false;                         // of its own and empty
         std::map<VkDeviceSize, VkDeviceSize> free; // offset -> size, neighbours merged
     };
     using Pool = std::list<Block>;
 
     uint32_t memoryType(uint32_t allowed, Place place) const;
     Block& addBlock(Pool& pool, uint32_t type, VkDeviceSize size);
+    void drop(Pool& pool, Pool::iterator block);
+    void dropKept();
 
     VkDevice device_;
-    bool mapsOwn_;
+    bool mapsOwn_, keeps_;
     VkPhysicalDeviceMemoryProperties properties_{};
     std::map<uint32_t, Pool> pools_; // key: memory type, + 32 for images
-    VkDeviceSize inUse_ = 0, reserved_ = 0, peak_ = 0;
+    VkDeviceSize inUse_ = 0, reserved_ = 0, peak_ = 0, kept_ = 0;
 };
 
 } // namespace heliodon::gpu

@@ -72,9 +72,8 @@ void execute(Run& run, const FormFactorArguments& arguments) {
             const StageTimer timer(run, "formfactors");
             return compute::computeFormFactors(device, mesh, options);
         }();
-        std::vector<float> copy;
-        std::span<const float> values(factors.values.mapped<float>(), n * n);
-        if (!values.data()) values = copy = factors.values.download<float>(n * n);
+        const gpu::HostView<float> view(factors.values, n * n);
+        const std::span<const float> values(view.data(), n * n);
         reportFormFactors(run, n, factors.report);
         if (!arguments.reference.empty())
             run.report()["error"] = errorAgainst(readMatrix(arguments.reference, n, n), values, n);

@@ -41,7 +41,10 @@ TEST(DiscreteMemory, every_kernel_gives_the_same_bits) {
                           there = computeFormFactors(discrete(), mesh, options);
         EXPECT_EQ(here.values.download<float>(n * n), there.values.download<float>(n * n)) << kernel;
         EXPECT_EQ(here.report.closureMax, there.report.closureMax) << kernel;
-        EXPECT_EQ(here.report.claimedRowError, there.report.claimedRowError) << kernel;
+        // Summed in the order in which the device finished.
+        EXPECT_NEAR(here.report.claimedRowError, there.report.claimedRowError,
+                    1e-6 * here.report.claimedRowError)
+            << kernel;
         const auto streamed = [&](gpu::Device& device) {
             std::vector<float> values(n * n);
             streamFormFactors(device, mesh, options, [&](const FormFactorTile& tile) {

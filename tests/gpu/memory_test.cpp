@@ -32,6 +32,27 @@ TEST(Memory, large_requests_get_a_block_of_their_own_and_give_it_back) {
     EXPECT_LE(memory.bytesReserved(), Memory::kBlockSize);
 }
 
+// New memory of a discrete device costs milliseconds.
+TEST(Memory, devices_with_memory_of_their_own_keep_large_blocks_for_requests_of_like_size) {
+    Memory memory(test::device().physical(), test::device().handle(), false);
+    const VkDeviceSize size = Memory::kBlockSize * 3 / 2;
+    const Allocation first = memory.allocate(request(size, 64), Place::device, false);
+    EXPECT_EQ(first.mapped, nullptr);
+    memory.free(first);
+    EXPECT_EQ(memory.bytesReserved(), size);
+    const Allocation again = memory.allocate(request(size * 9 / 10, 64), Place::device, false);
+    EXPECT_EQ(again.memory, first.memory);
+    const Allocation another = memory.allocate(request(size, 64), Place::device, false);
+    EXPECT_NE(another.memory, first.memory);
+    memory.free(again);
+    memory.free(another);
+    EXPECT_EQ(memory.bytesInUse(), 0u);
+    const Allocation small = memory.allocate(request(size / 2 + 4096, 64), Place::device, false);
+    EXPECT_NE(small.memory, first.memory); // would waste half of it
+    memory.free(small);
+    EXPECT_LE(memory.bytesReserved(), Memory::kKept);
+}
+
 TEST(Memory, random_traffic_never_overlaps_and_merges_back_to_nothing) {
     Memory memory(test::device().physical(), test::device().handle());
     std::mt19937 random(7);
