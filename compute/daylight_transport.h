@@ -120,6 +120,8 @@ public:
     Moment light(const daylight::Sky& sky);
     // Several moments through shared passes over F; bits may differ from one at a time by the solver's
     // tolerance.
+    // Sensors so near to a patch that it fills a fifth of their view, as in corners, get its light anew
+    // (near_light.h), at some 50 ms of one core for each such sensor and sky.
     std::vector<Moment> light(std::span<const daylight::Sky> skies);
 
     TransportParts parts();

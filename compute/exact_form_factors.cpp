@@ -32,7 +32,7 @@ namespace heliodon::compute {
 namespace {
 
 constexpr uint32_t kTile = 2304; // pieces along a side of what is handled at once
-// Records whose cells are refined together: few on a CPU, which wants them in its cache; a device of its own
+// Records whose cells are refined together: few on a CPU, which wants them in its cache; a discrete device
 // waits longer for the host between two levels than it works on so many.
 constexpr uint32_t kBatch = 1u << 16, kDiscreteBatch = 1u << 19;
 constexpr size_t kSumBytes = 12;                      // per record: form factor, its fraction, error
@@ -209,7 +209,7 @@ private:
     void submitAndCount(gpu::Commands&& commands) {
         commands.barrier(gpu::Stage::compute, gpu::Stage::any);
         commands.copy(counters_, 0, counted_, 0, io::kExactCounters * 4);
-        commands.barrier(gpu::Stage::transfer, gpu::Stage::host);
+        commands.barrier(gpu::Stage::any, gpu::Stage::host);
         device_.submitAndWait(std::move(commands));
     }
 
@@ -300,7 +300,7 @@ private:
     void integrate(const gpu::Kernel& kernel, const gpu::Buffer& records, uint32_t first, uint32_t count,
                    const ExactTileRange& a, const ExactTileRange& b) {
         SecondsAdded timer(statistics.cubatureSeconds);
-        const uint32_t batch = device_.info().type == "software" ? kBatch : kDiscreteBatch;
+        const uint32_t batch = device_.info().type == "discrete" ? kDiscreteBatch : kBatch;
         for (uint32_t done = 0; done < count; done += batch)
             refine(kernel, records, first + done, std::min(batch, count - done));
         finish(records, first, count, a, b);
@@ -479,20 +479,14 @@ ExactFormFactors exactFormFactors(gpu::Device& device, const geometry::PatchMesh
         solver.run([](const ExactTileRange&, const ExactTileRange&) {});
         result.factors.values = solver.takeMatrix();
     } else {
+        // Every entry is in one tile or its mirror image.
         gpu::Buffer& matrix = result.factors.values = gpu::Buffer(device, n * n * 4, "form factors");
-        std::vector<float> copy(matrix.mapped() ? 0 : n * n);
-        float* all = matrix.mapped() ? matrix.mapped<float>() : copy.data();
-        std::fill(all, all + n * n, 0.0f);
-        const auto place = [&](const ExactTile& tile) {
-            for (size_t i = 0; i < tile.rows; ++i)
-                std::copy_n(tile.values + i * tile.columns, tile.columns,
-                            all + (tile.firstRow + i) * n + tile.firstColumn);
-        };
+        const ExactScene& scene = solver.scene();
+        if (scene.tiles.empty()) matrix.upload(std::vector<float>(n * n, 0.0f));
         solver.run([&](const ExactTileRange& a, const ExactTileRange& b) {
-            handOver(solver.scene(), a, b, solver.there(), place);
-            if (&a != &b) handOver(solver.scene(), b, a, solver.back(), place);
+            placeTile(device, scene, a, b, solver.there(), matrix);
+            if (&a != &b) placeTile(device, scene, b, a, solver.back(), matrix);
         });
-        if (!copy.empty()) matrix.upload(copy);
     }
     result.entryError = solver.takeEntryErrors();
     if (options.entryErrors) {

@@ -1,6 +1,12 @@
 #include "compute/exact_tiles.h"
 
+#include <algorithm>
+#include <span>
+#include <utility>
 #include <vector>
+
+#include "compute/gpu/commands.h"
+#include "compute/gpu/device.h"
 
 namespace heliodon::compute {
 
@@ -27,6 +33,29 @@ void handOver(const ExactScene& scene, const ExactTileRange& a, const ExactTileR
         tile.values = merged.data();
     }
     take(tile);
+}
+
+void placeTile(gpu::Device& device, const ExactScene& scene, const ExactTileRange& a, const ExactTileRange& b,
+               const gpu::Buffer& values, gpu::Buffer& matrix) {
+    const size_t n = scene.patchCount, offset = size_t{a.firstPatch} * n + b.firstPatch;
+    const auto copyOnDevice = [&](const gpu::Buffer& from) {
+        gpu::Commands commands(device);
+        commands.barrier(gpu::Stage::any, gpu::Stage::transfer);
+        commands.copyRows(from, size_t{b.patches} * sizeof(float), matrix, offset * sizeof(float),
+                          n * sizeof(float), size_t{b.patches} * sizeof(float), a.patches);
+        commands.barrier(gpu::Stage::transfer, gpu::Stage::any);
+        device.submitAndWait(std::move(commands));
+    };
+    float* all = matrix.mapped<float>();
+    if (!all && a.pieces == a.patches && b.pieces == b.patches) return copyOnDevice(values);
+    handOver(scene, a, b, values, [&](const ExactTile& tile) {
+        const size_t rows = tile.rows, columns = tile.columns;
+        if (!all)
+            return copyOnDevice(
+                gpu::Buffer::from(device, std::span(tile.values, rows * columns), "exact tile"));
+        for (size_t i = 0; i < rows; ++i)
+            std::copy_n(tile.values + i * columns, columns, all + offset + i * n);
+    });
 }
 
 } // namespace heliodon::compute

@@ -13,4 +13,8 @@ namespace heliodon::compute {
 void handOver(const ExactScene& scene, const ExactTileRange& a, const ExactTileRange& b,
               const gpu::Buffer& values, const std::function<void(const ExactTile&)>& take);
 
+// Writes it to its place in `matrix`, of all patches; on the device where the host does not see its memory.
+void placeTile(gpu::Device& device, const ExactScene& scene, const ExactTileRange& a, const ExactTileRange& b,
+               const gpu::Buffer& values, gpu::Buffer& matrix);
+
 } // namespace heliodon::compute

@@ -184,7 +184,7 @@ void LinkMaker::run(LinkStage stage, const gpu::Buffer& in, uint32_t count) {
                            {gpu::groupsFor(size_t{count} * lanes, io::kHierarchicalGroup), 1, 1});
     commands.barrier(gpu::Stage::compute, gpu::Stage::any);
     commands.copy(counters_, 0, counted_, 0, io::kHierarchicalCounters * sizeof(uint32_t));
-    commands.barrier(gpu::Stage::transfer, gpu::Stage::host);
+    commands.barrier(gpu::Stage::any, gpu::Stage::host); // what the kernel wrote for the host, too
     device_->submitAndWait(std::move(commands));
     const auto* counters = counted_.mapped<uint32_t>();
     append(splits ? pending_ : nearPairs_, next_, counters[io::kHierarchicalPairs]);

@@ -130,7 +130,7 @@ void lightSensors(const MomentScene& scene, const SolvedColumns& solved, Moment&
             const double share = sensors.even[s * n + i];
             near += share * share * double{light[i]};
         }
-        const double nearShare = hasNearWall(sensors, s) ? kApartShare : kNearShare;
+        const double nearShare = hasNearWall(scene.points, sensors, s) ? kApartShare : kNearShare;
         parts.error = static_cast<float>(moment.report.radiosity.bound * most + nearShare * near +
                                          kSpreadShare * dot({&sensors.even[s * n], n}, spread) +
                                          (scene.rowError + kBounceError) * photometric(parts.interreflected) +

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <span>
 
 #include <glm/geometric.hpp>
 
 #include "compute/parallel.h"
+#include "compute/stopwatch.h"
 
 namespace heliodon::compute {
 
@@ -62,6 +62,18 @@ void takeApart(dvec3 sensor, uint32_t patch, double finest, const std::array<dve
     const dvec3 a = t[longest], b = t[(longest + 1) % 3], c = t[(longest + 2) % 3], m = 0.5 * (a + b);
     takeApart(sensor, patch, finest, {a, m, c}, depth - 1, cells);
     takeApart(sensor, patch, finest, {m, b, c}, depth - 1, cells);
+}
+
+bool isInReach(const PointScene& scene, dvec3 sensor, uint32_t patch, const std::array<dvec3, 3>& triangle) {
+    return distanceTo(sensor, triangle) < kReach * scene.patches()[patch].size;
+}
+
+// Fans of triangles.
+template<class Take> void forTriangles(const geometry::PatchMesh& mesh, uint32_t patch, const Take& take) {
+    const auto corners = mesh.patch(patch);
+    for (size_t k = 1; k + 1 < corners.size(); ++k)
+        take(std::array<dvec3, 3>{mesh.vertices[corners[0]], mesh.vertices[corners[k]],
+                                  mesh.vertices[corners[k + 1]]});
 }
 
 class Corner {
@@ -118,14 +130,10 @@ private:
     }
 
     void addPatch(const Sensor& sensor, uint32_t patch) {
-        const auto corners = mesh_.patch(patch);
-        const double size = scene_.patches()[patch].size;
-        for (size_t k = 1; k + 1 < corners.size(); ++k) {
-            const std::array<dvec3, 3> t{mesh_.vertices[corners[0]], mesh_.vertices[corners[k]],
-                                         mesh_.vertices[corners[k + 1]]};
-            if (distanceTo(sensor.position, t) < kReach * size)
-                takeApart(sensor.position, patch, kFinest * size, t, 24, cells_);
-        }
+        forTriangles(mesh_, patch, [&](const std::array<dvec3, 3>& t) {
+            if (isInReach(scene_, sensor.position, patch, t))
+                takeApart(sensor.position, patch, kFinest * scene_.patches()[patch].size, t, 24, cells_);
+        });
     }
 
     // Exitance at the cell as gathered from the mesh, less what the mesh says that it is there.
@@ -161,19 +169,26 @@ private:
 
 } // namespace
 
-bool hasNearWall(const SensorGather& sensors, size_t sensor) {
-    const size_t n = sensors.even.size() / std::max<size_t>(1, sensors.sensors.size());
-    const auto row = std::span(sensors.even).subspan(sensor * n, n);
-    return std::any_of(row.begin(), row.end(), [](float share) { return share >= kNear; });
+bool hasNearWall(const PointScene& scene, const SensorGather& sensors, size_t sensor) {
+    const size_t n = scene.mesh().patchCount();
+    bool found = false;
+    for (uint32_t j = 0; j < n && !found; ++j)
+        if (sensors.even[sensor * n + j] >= kNear)
+            forTriangles(scene.mesh(), j, [&](const std::array<dvec3, 3>& t) {
+                found |= isInReach(scene, sensors.sensors[sensor].position, j, t);
+            });
+    return found;
 }
 
 void lightNearWalls(const PointScene& scene, const PatchSlopes& slopes, const SensorGather& sensors,
                     const daylight::Sky& sky, Moment& moment) {
+    const Stopwatch clock;
     inParallel(sensors.sensors.size(), [&](size_t s) {
-        if (sensors.room[s] == kNoRoom || !hasNearWall(sensors, s)) return;
+        if (sensors.room[s] == kNoRoom || !hasNearWall(scene, sensors, s)) return;
         Corner corner(scene, slopes, sky, moment);
         moment.sensors[s].interreflected += glm::vec3(corner.correction(sensors.sensors[s], sensors.room[s]));
     });
+    moment.report.sensorSeconds += clock.seconds();
 }
 
 } // namespace heliodon::compute

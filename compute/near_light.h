@@ -12,8 +12,8 @@
 
 namespace heliodon::compute {
 
-// Whether one patch fills more than a fifth of what the sensor sees.
-bool hasNearWall(const SensorGather& sensors, size_t sensor);
+// Whether a patch that fills a fifth or more of what the sensor sees is so near that it is taken apart.
+bool hasNearWall(const PointScene& scene, const SensorGather& sensors, size_t sensor);
 
 // Corrects moment.sensors' interreflected light where they have a near wall. The moment is solved. About
 // 50 ms a sensor in a corner, of 2000 patches.

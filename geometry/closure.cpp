@@ -105,7 +105,7 @@ private:
         constexpr double kStep = 0.25; // inches
         const double length =
             piece.curved ? piece.radius * (piece.a1 - piece.a0) : glm::length(piece.b - piece.a);
-        const double count = std::ceil(length / kStep);
+        const double count = std::max(1.0, std::ceil(length / kStep));
         double inside = 0;
         for (double k = 0.5; k < count; ++k) {
             const double angle = glm::mix(piece.a0, piece.a1, k / count);

@@ -20,6 +20,7 @@ std::string RawModel::place(size_t i) const {
 
 std::vector<std::vector<uint32_t>> RawModel::loops(size_t i) const {
     const std::vector<uint32_t> whole(face(i).begin(), face(i).end());
+    if (whole.size() == 3) return {whole};
     std::set<std::pair<uint32_t, uint32_t>> edges;
     for (size_t k = 0; k < whole.size(); ++k) edges.emplace(whole[k], whole[(k + 1) % whole.size()]);
     std::map<uint32_t, uint32_t> next;

@@ -46,15 +46,20 @@ std::string processSpace() {
     ::gethostname(host, sizeof host - 1);
     struct stat space {};
     ::stat("/proc/self/ns/pid", &space);
-    return fmt::format("{:08x}",
-                       std::hash<std::string>()(fmt::format("{} {}", host, space.st_ino)) & 0xffffffffu);
+    // Machines may share a folder and a name, but not their last start.
+    std::string boot;
+    std::ifstream("/proc/sys/kernel/random/boot_id") >> boot;
+    return fmt::format("{:016x}", std::hash<std::string>()(
+                                      fmt::format("{} {} {} {}", host, boot, space.st_dev, space.st_ino)));
 }
 
 // ".NAME.heliodon-SPACE-PROCESS" before the extension: whose file it is, where it is one of asideOf's.
 bool isOfDeadProcess(const fs::path& file) {
-    const std::string name = file.stem().string(), mark = ".heliodon-" + processSpace() + "-";
-    const size_t at = name.rfind(mark);
-    if (!name.starts_with(".") || at == std::string::npos) return false;
+    const std::string mark = ".heliodon-" + processSpace() + "-", whole = file.filename().string();
+    const size_t at = whole.rfind(mark),
+                 dot = whole.find('.', at == std::string::npos ? 0 : at + mark.size());
+    if (!whole.starts_with(".") || at == std::string::npos) return false;
+    const std::string name = whole.substr(0, dot);
     pid_t process = 0;
     const char *first = name.data() + at + mark.size(), *last = name.data() + name.size();
     const auto [end, error] = std::from_chars(first, last, process);

@@ -9,9 +9,9 @@ namespace heliodon::geometry {
 
 // Calls `write` with a path in the folder of `target` (same extension, so that image writers pick the right
 // format), then renames it to `target`, or to what it links to. A pipe or a device is given what was written
-// elsewhere. When `write` throws, the neighbour is removed and `target` is as it was; one that a killed program
-// of this machine has left is removed when another writes into the folder. Throws InputError when the folder is
-// missing or cannot be written to.
+// elsewhere. When `write` throws, the neighbour is removed and `target` is as it was; one that a killed
+// program has left since this machine was started is removed when another writes into the folder. Throws
+// InputError when the folder is missing or cannot be written to.
 void writeWhole(const std::filesystem::path& target,
                 const std::function<void(const std::filesystem::path&)>& write);
 

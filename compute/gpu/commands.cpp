@@ -2,6 +2,7 @@
 
 #include <cassert>
 #include <utility>
+#include <vector>
 
 #include "compute/gpu/buffer.h"
 #include "compute/gpu/device.h"
@@ -112,6 +113,18 @@ void Commands::copy(const Buffer& from, size_t fromOffset, const Buffer& to, siz
     if (bytes == 0) return;
     const VkBufferCopy region{fromOffset, toOffset, bytes};
     vkCmdCopyBuffer(buffer_, from.handle(), to.handle(), 1, &region);
+}
+
+void Commands::copyRows(const Buffer& from, size_t fromStride, const Buffer& to, size_t toOffset,
+                        size_t toStride, size_t rowBytes, size_t rows) {
+    if (rowBytes == 0 || rows == 0) return;
+    assert((rows - 1) * fromStride + rowBytes <= from.bytes());
+    assert(toOffset + (rows - 1) * toStride + rowBytes <= to.bytes());
+    std::vector<VkBufferCopy> regions;
+    regions.reserve(rows);
+    for (size_t row = 0; row < rows; ++row)
+        regions.push_back({row * fromStride, toOffset + row * toStride, rowBytes});
+    vkCmdCopyBuffer(buffer_, from.handle(), to.handle(), static_cast<uint32_t>(rows), regions.data());
 }
 
 void Commands::fill(const Buffer& buffer, uint32_t word, size_t offset, size_t bytes) {

@@ -48,6 +48,9 @@ public:
     void transition(const Image& image, VkImageLayout from, VkImageLayout to, Stage before, Stage after);
 
     void copy(const Buffer& from, size_t fromOffset, const Buffer& to, size_t toOffset, size_t bytes);
+    // Rows of `rowBytes`, `fromStride` and `toStride` bytes apart.
+    void copyRows(const Buffer& from, size_t fromStride, const Buffer& to, size_t toOffset, size_t toStride,
+                  size_t rowBytes, size_t rows);
     void fill(const Buffer& buffer, uint32_t word, size_t offset = 0, size_t bytes = VK_WHOLE_SIZE);
 
 private:

@@ -1,7 +1,7 @@
 // The command line as plain values: one struct a command. What the options mean stands in arguments.cpp,
-// where
-// --help is made of it; numbers have been checked against the ranges said there, texts and files have not:
-// whoever uses them does, and names the option or the file. An empty text or path is an option not given.
+// where --help is made of it; numbers have been checked against the ranges said there, texts and files
+// have not: whoever uses them does, and names the option or the file. An empty text or path is an option
+// not given.
 #pragma once
 
 #include <cstddef>

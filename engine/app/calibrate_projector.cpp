@@ -105,7 +105,7 @@ void drawOverlays(const std::filesystem::path& target, const CalibrationFolder& 
             (result.planes[p].corners == 0 || off.contains(i) ? rejected : found)
                 .push_back(planes[p].corners[i].camera);
         vision::drawCalibrationOverlay(
-            vision::readPhotograph(pictureOf(folder.planes[p].folder, "xor_lsb")), {found, rejected, {}},
+            vision::readPhotograph(pictureOf(folder.planes[p].folder, "white")), {found, rejected, {}},
             target / fmt::format("{}-{}.png", folder.id, folder.planes[p].folder.filename().string()));
     }
 }

@@ -38,13 +38,13 @@ SkySource::SkySource(Run& run, const MomentArguments& arguments, const Scene& sc
     }
     std::string assumed;
     auto assume = [&](const std::string& what) { assumed += (assumed.empty() ? "" : ", ") + what; };
-    if (!arguments.site.empty())
-        site_ = parseSite(arguments.site);
-    else if (weather_)
-        site_ = weather_->site;
-    else if (scene.rig && scene.rig->site)
+    const bool named = !arguments.site.empty();
+    if (named) site_ = parseSite(arguments.site);
+    if (weather_) site_ = weather_->site;
+    if (weather_ && named) run.warn("--site is not used: the light is that of the weather file's site");
+    if (!named && !weather_ && scene.rig && scene.rig->site)
         site_ = *scene.rig->site;
-    else
+    else if (!named && !weather_)
         assume(fmt::format("site {},{}", site_.latitudeDeg, site_.longitudeDeg));
     if (!arguments.time.empty())
         moment_ = daylight::parseTime(arguments.time, "--time");

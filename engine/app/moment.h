@@ -43,7 +43,7 @@ private:
     daylight::Site site_;
     daylight::Moment moment_; // as constructed: 21 March, 13:00 apparent solar time
     std::string option_;
-    geometry::UpAxis up_;
+    geometry::UpAxis up_ = geometry::UpAxis::y;
     daylight::SkySetting setting_;
     std::shared_ptr<const daylight::Weather> weather_;
 };

@@ -61,6 +61,7 @@ void drawStamp(passes::Image8& picture, const std::vector<std::string>& words) {
     if (picture.height < kLeastHeight || words.empty()) return;
     const double capital = std::max(9.0, picture.height / 44.0);
     const int margin = static_cast<int>(std::lround(0.7 * capital)), room = picture.width - 4 * margin;
+    if (room <= 0) return;
     std::vector<Line> lines;
     int widest = 0;
     for (const std::string& text : words) {

@@ -198,7 +198,7 @@ std::string tableRow(const daylight::Moment& time, const daylight::SunPosition& 
                        sun.altitudeDeg, figures.meanLux, figures.maxLux, figures.glareRatio);
 }
 
-// "21 June 2026, 13:00 solar time", "sun 70.6 degrees high, clear sky, 42.73 N 73.68 W".
+// "21 June 2026, 13:00 solar time", "sun 70.6° high, clear sky, 42.73 N 73.68 W".
 std::vector<std::string> stampOf(const SkySource& source, const daylight::Moment& time) {
     const std::string sun = source.followsTime() ? sunInWords(source.sunAt(time)) + ", " : "";
     return {daylight::timeInWords(time), sun + source.skyInWords()};

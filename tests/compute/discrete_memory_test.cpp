@@ -1,4 +1,5 @@
 // Devices with memory of their own, which the host does not see: the same results, in bits, by copies.
+#include <cmath>
 #include <memory>
 
 #include <gtest/gtest.h>
@@ -32,7 +33,7 @@ TEST(DiscreteMemory, is_not_seen_by_the_host) {
 
 TEST(DiscreteMemory, every_kernel_gives_the_same_bits) {
     const geometry::PatchMesh mesh =
-        geometry::readPatches(std::string(HELIODON_TEST_DATA) + "/compute/formfactor/room3_672.obj");
+        geometry::readPatches(HELIODON_TEST_DATA "/compute/formfactor/room3_672.obj");
     const size_t n = mesh.patchCount();
     for (std::string_view kernel : formFactorKernels()) {
         FormFactorOptions options;
@@ -55,6 +56,27 @@ TEST(DiscreteMemory, every_kernel_gives_the_same_bits) {
             return values;
         };
         EXPECT_EQ(streamed(test::device()), streamed(discrete())) << kernel;
+    }
+}
+
+// Of a matrix in several tiles, whose patches are triangles, or one of nine corners, which is cut in two.
+TEST(DiscreteMemory, tiles_are_put_together_with_the_same_bits) {
+    test::BoxRoom box;
+    box.cells = {16, 16, 16};
+    geometry::PatchMesh whole = test::boxRoom(box), cut = whole;
+    ASSERT_GT(whole.patchCount(), 2304u);
+    std::vector<uint32_t> corners;
+    for (int k = 0; k < 9; ++k) {
+        corners.push_back(static_cast<uint32_t>(cut.vertices.size()));
+        cut.vertices.push_back({12 + std::cos(0.698 * k), 0, std::sin(0.698 * k)});
+    }
+    cut.addPatch(corners, 0, cut.role[0], 0, 1);
+    for (const geometry::PatchMesh* mesh : {&whole, &cut}) {
+        FormFactorOptions options;
+        options.kernel = "exact";
+        const size_t n = mesh->patchCount();
+        EXPECT_EQ(computeFormFactors(test::device(), *mesh, options).values.download<float>(n * n),
+                  computeFormFactors(discrete(), *mesh, options).values.download<float>(n * n));
     }
 }
 

@@ -120,8 +120,9 @@ TEST(SunPatches, what_falls_on_a_blind_has_passed_the_windows_before_it) {
     const SunPatches patches(mesh, {0, 0, 1});
     const glm::dvec3 pane = daylight::glazingOf(mesh.materials[3]).transmittance(1);
     for (size_t i = 0; i < mesh.patchCount(); ++i)
-        if (mesh.material[i] == 1)
+        if (mesh.material[i] == 1) {
             for (int c = 0; c < 3; ++c) EXPECT_NEAR(patches.onOutside(i)[c], pane[c] * pane[c], 1e-9);
+        }
 }
 
 TEST(SunPatches, points_in_sun_and_shade_are_those_of_the_reference_sensors) {
