@@ -164,6 +164,7 @@ void DaylightTransport::State::makeSky() {
 void DaylightTransport::State::makeSensors() {
     const Stopwatch clock;
     sensors = gatherSensors(*points, *slopes, std::move(sensors.sensors), skyPatches, patchSky.channels);
+    sensors.nearWall = nearWalls(*points, sensors);
     report.sensorsOutside =
         static_cast<size_t>(std::count(sensors.room.begin(), sensors.room.end(), kNoRoom));
     report.sensorSeconds = clock.seconds();
@@ -325,7 +326,8 @@ void DaylightTransport::State::solve(std::span<Moment> moments) {
         else
             moment.report.skipped.emplace_back("interreflection: no light enters and nothing emits");
         if (grey)
-            moment.report.skipped.emplace_back("colour: all materials are grey, one channel stands for three");
+            moment.report.skipped.emplace_back(
+                "colour: all materials are grey, one channel stands for three");
         const SolvedColumns solved{exitance, gathered, k * perMoment * n};
         lightPatches(scene, solved, moment);
         lightSensors(scene, solved, moment);

@@ -10,6 +10,7 @@
 #include "compute/exact_scene.h"
 #include "compute/exact_tiles.h"
 #include "compute/gpu/commands.h"
+#include "compute/gpu/counters.h"
 #include "compute/gpu/device.h"
 #include "compute/gpu/kernel.h"
 #include "compute/stopwatch.h"
@@ -191,8 +192,7 @@ private:
             *sides = gpu::Buffer(device_, (pieces + mostClusters) * words_ * 12, "exact sides");
         blocks_ = gpu::Buffer(device_, mostClusters * mostClusters * 4, "exact blocks");
         masks_ = gpu::Buffer(device_, mostClusters * mostClusters * words_ * 4, "exact masks");
-        counters_ = gpu::Buffer(device_, io::kExactCounters * 4, "exact counters");
-        counted_ = gpu::Buffer(device_, io::kExactCounters * 4, "exact counted", gpu::Place::host);
+        counters_ = gpu::Counters(device_, io::kExactCounters, "exact counters");
         for (gpu::Buffer* records : {&records_, &fewRecords_})
             *records = gpu::Buffer(device_, static_cast<size_t>(recordCapacity_) * sizeof(io::ExactRecord),
                                    "exact records");
@@ -201,16 +201,6 @@ private:
         for (gpu::Buffer& cells : cells_)
             cells = gpu::Buffer(device_, static_cast<size_t>(cellCapacity_) * io::kExactCellWords * 4,
                                 "exact cells");
-    }
-
-    // Counters lie with the device, whose atomic operations on the host's memory are slow, and are copied.
-    uint32_t counter(uint32_t index) const { return counted_.mapped<uint32_t>()[index]; }
-
-    void submitAndCount(gpu::Commands&& commands) {
-        commands.barrier(gpu::Stage::compute, gpu::Stage::any);
-        commands.copy(counters_, 0, counted_, 0, io::kExactCounters * 4);
-        commands.barrier(gpu::Stage::any, gpu::Stage::host);
-        device_.submitAndWait(std::move(commands));
     }
 
     void findSides(const ExactTileRange& tile, const gpu::Buffer& sides) {
@@ -228,13 +218,13 @@ private:
 
     void runTile(const ExactTileRange& a, const ExactTileRange& b) {
         classify(a, b);
-        const uint32_t open = std::min(counter(io::kExactOpenCount), recordCapacity_);
-        const uint32_t one = std::min(counter(io::kExactOneCount), recordCapacity_);
-        const uint32_t lines = std::min(counter(io::kExactLineCount), recordCapacity_);
-        const uint32_t two = std::min(counter(io::kExactTwoCount), recordCapacity_ - std::max(one, lines));
-        const uint32_t many = std::min(counter(io::kExactManyCount), recordCapacity_ - open);
-        statistics.partial += counter(io::kExactPartialCount);
-        statistics.visible += open + one + two + many + lines - counter(io::kExactPartialCount);
+        const uint32_t open = std::min(counters_[io::kExactOpenCount], recordCapacity_);
+        const uint32_t one = std::min(counters_[io::kExactOneCount], recordCapacity_);
+        const uint32_t lines = std::min(counters_[io::kExactLineCount], recordCapacity_);
+        const uint32_t two = std::min(counters_[io::kExactTwoCount], recordCapacity_ - std::max(one, lines));
+        const uint32_t many = std::min(counters_[io::kExactManyCount], recordCapacity_ - open);
+        statistics.partial += counters_[io::kExactPartialCount];
+        statistics.visible += open + one + two + many + lines - counters_[io::kExactPartialCount];
         cellTolerance_ = tolerance_;
         if (lines) integrateLines(lines, a, b);
         if (open) integrate(made(fewSource(0)), records_, 0, open, a, b);
@@ -248,26 +238,25 @@ private:
         SecondsAdded timer(statistics.classifySeconds);
         const bool diagonal = &a == &b;
         gpu::Commands find(device_);
-        find.fill(counters_, 0);
         find.fill(there_, 0, 0, static_cast<size_t>(a.pieces) * b.pieces * 4);
         if (!diagonal) find.fill(back_, 0, 0, static_cast<size_t>(a.pieces) * b.pieces * 4);
-        find.barrier(gpu::Stage::transfer, gpu::Stage::compute);
+        counters_.clear(find);
         const io::ExactBlocksParams params{scene_.pieceCount, words_,         a.pieces,
                                            b.pieces,          a.firstCluster, a.clusters,
                                            b.firstCluster,    b.clusters,     scene_.closed ? 1u : 0u};
         find.dispatch(made(blocksSource()),
                       {high(), low(), normal(), centre(), range(), clusters(), sidesA_, sidesOf(diagonal),
-                       counters_, blocks_, masks_},
+                       counters_.buffer(), blocks_, masks_},
                       params, gpu::groupsFor(b.clusters, io::kExactGroup), a.clusters);
-        submitAndCount(std::move(find));
-        const uint32_t clear = counter(io::kExactClearCount), mixed = counter(io::kExactMixedCount);
+        counters_.submitAndRead(std::move(find));
+        const uint32_t clear = counters_[io::kExactClearCount], mixed = counters_[io::kExactMixedCount];
         statistics.clearBlocks += clear;
         statistics.mixedBlocks += mixed;
         gpu::Commands commands(device_);
         recordPairs(commands, a, b, 0, clear, true);
         recordPairs(commands, a, b, a.clusters * b.clusters - mixed, mixed, false);
-        submitAndCount(std::move(commands));
-        statistics.overflows += counter(io::kExactOverflowCount);
+        counters_.submitAndRead(std::move(commands));
+        statistics.overflows += counters_[io::kExactOverflowCount];
     }
 
     void recordPairs(gpu::Commands& commands, const ExactTileRange& a, const ExactTileRange& b,
@@ -291,8 +280,8 @@ private:
                                               tolerance_};
             commands.dispatch(made(pairsSource(clear)),
                               {high(), low(), normal(), centre(), range(), clusters(), sidesA_,
-                               sidesOf(diagonal), counters_, blocks_, masks_, records_, lists_, there_,
-                               backOf(diagonal), fewRecords_},
+                               sidesOf(diagonal), counters_.buffer(), blocks_, masks_, records_, lists_,
+                               there_, backOf(diagonal), fewRecords_},
                               params, io::kExactStrips, std::min(kMostGroups, count - done));
         }
     }
@@ -321,18 +310,17 @@ private:
         uint32_t left = count;
         for (uint32_t level = 0; level <= kLineLevels && left > 0; ++level) {
             gpu::Commands commands(device_);
-            commands.fill(counters_, 0);
-            commands.barrier(gpu::Stage::transfer, gpu::Stage::compute);
+            counters_.clear(commands);
             for (uint32_t done = 0; done < left; done += kChunk) {
                 const uint32_t part = std::min(kChunk, left - done);
                 const io::ExactLinesParams params{done, part, level, level == kLineLevels, tolerance};
                 commands.dispatch(made(linesSource()),
                                   {high(), low(), normal(), centre(), range(), fewRecords_, lists_, sums_,
-                                   cells_[level % 2], cells_[(level + 1) % 2], counters_},
+                                   cells_[level % 2], cells_[(level + 1) % 2], counters_.buffer()},
                                   params, gpu::groupsFor(part, io::kExactGroup));
             }
-            submitAndCount(std::move(commands));
-            left = std::min(counter(io::kExactCellCount), left);
+            counters_.submitAndRead(std::move(commands));
+            left = std::min(counters_[io::kExactCellCount], left);
             if (level < kLineLevels) statistics.cells += uint64_t{left} << (2 * (level + 1));
         }
         finish(fewRecords_, 0, count, a, b);
@@ -360,8 +348,7 @@ private:
         uint32_t first = firstPair, count = pairs;
         for (uint32_t depth = 0; count > 0; ++depth) {
             gpu::Commands commands(device_);
-            commands.fill(counters_, 0);
-            commands.barrier(gpu::Stage::transfer, gpu::Stage::compute);
+            counters_.clear(commands);
             for (uint32_t done = 0; done < count; done += kChunk) {
                 const uint32_t part = std::min(kChunk, count - done);
                 const io::ExactCellsParams params{scene_.pieceCount,
@@ -374,13 +361,13 @@ private:
                                                   cellTolerance_};
                 commands.dispatch(kernel,
                                   {high(), low(), normal(), centre(), range(), records, lists_,
-                                   cells_[depth % 2], counters_, sums_, cells_[(depth + 1) % 2]},
+                                   cells_[depth % 2], counters_.buffer(), sums_, cells_[(depth + 1) % 2]},
                                   params, gpu::groupsFor(part, io::kExactGroup));
             }
-            submitAndCount(std::move(commands));
-            count = std::min(counter(io::kExactCellCount), cellCapacity_);
+            counters_.submitAndRead(std::move(commands));
+            count = std::min(counters_[io::kExactCellCount], cellCapacity_);
             statistics.cells += count;
-            const uint32_t overflows = counter(io::kExactOverflowCount);
+            const uint32_t overflows = counters_[io::kExactOverflowCount];
             if (overflows > 0 && pairs > 1) {
                 refine(kernel, records, firstPair, pairs / 2);
                 refine(kernel, records, firstPair + pairs / 2, pairs - pairs / 2);
@@ -420,8 +407,8 @@ private:
     float tolerance_ = 0, cellTolerance_ = 0;
     ExactScene scene_;
     gpu::Buffer there_, back_; // the tile and its mirror image
-    gpu::Buffer sidesA_, sidesB_, blocks_, masks_, counters_, counted_, records_, fewRecords_, lists_, sums_,
-        cells_[2];
+    gpu::Counters counters_;
+    gpu::Buffer sidesA_, sidesB_, blocks_, masks_, records_, fewRecords_, lists_, sums_, cells_[2];
     std::vector<double> rowSquares_;
     std::vector<float> entryErrors_, shareOfPatch_; // n x n; per piece
 };

@@ -60,8 +60,8 @@ Choice chosen(const gpu::Device& device, const geometry::PatchMesh& mesh, const 
     if (options.kernel != "auto") return choice;
     const double asked = choice.maxError > 0 ? choice.maxError : kDefaultError;
     choice.maxError = asked;
-    const bool many = device.info().type == "discrete" && mesh.patchCount() <= kDenseOnDiscrete;
-    const bool links = asked >= kLinksPay && !many;
+    const bool denseSooner = device.info().type == "discrete" && mesh.patchCount() <= kDenseOnDiscrete;
+    const bool links = asked >= kLinksPay && !denseSooner;
     choice.kernel = links ? "hierarchical" : "exact";
     if (!choice.why.empty()) choice.why += "; ";
     choice.why +=

@@ -91,8 +91,7 @@ template<class T> uint32_t takeBatch(std::vector<T>& from, gpu::Buffer& to) {
 LinkMaker::LinkMaker(gpu::Device& device, const ClusterScene& scene, const LinkTolerance& tolerance)
     : device_(&device), scene_(&scene), pairs_(device, kBatch * sizeof(glm::uvec2), "link pairs"),
       doubted_(device, kBatch * sizeof(io::HierarchicalDoubt), "doubted links"),
-      counters_(device, io::kHierarchicalCounters * sizeof(uint32_t), "link counters"),
-      counted_(device, io::kHierarchicalCounters * sizeof(uint32_t), "links counted", gpu::Place::host),
+      counters_(device, io::kHierarchicalCounters, "link counters"),
       next_(device, 4 * kBatch * sizeof(glm::uvec2), "next pairs", gpu::Place::host),
       newLeafPairs_(device, 4 * kBatch * sizeof(glm::uvec2), "leaf pairs", gpu::Place::host),
       newLinks_(device, kBatch * sizeof(io::HierarchicalLink), "new links", gpu::Place::host),
@@ -170,28 +169,23 @@ void LinkMaker::run(LinkStage stage, const gpu::Buffer& in, uint32_t count) {
                                        gpu::texel(scene_->blockers.nodes, kUvec4),
                                        gpu::texel(scene_->blockers.triangles, kUvec4),
                                        in,
-                                       counters_,
+                                       counters_.buffer(),
                                        next_};
     if (splits) bindings.push_back(newLeafPairs_);
     bindings.insert(bindings.end(), {newLinks_, newDoubts_});
     if (rays) bindings.push_back(newLongDoubts_);
     const StageKernel kernel = kernelOf(stage);
     gpu::Commands commands(*device_);
-    commands.fill(counters_, 0);
-    commands.barrier(gpu::Stage::transfer, gpu::Stage::compute);
+    counters_.clear(commands);
     commands.dispatchBytes(device_->kernels().get(kernel.spirv, kernel.name, kernel.values), bindings,
                            &params_, sizeof params_,
                            {gpu::groupsFor(size_t{count} * lanes, io::kHierarchicalGroup), 1, 1});
-    commands.barrier(gpu::Stage::compute, gpu::Stage::any);
-    commands.copy(counters_, 0, counted_, 0, io::kHierarchicalCounters * sizeof(uint32_t));
-    commands.barrier(gpu::Stage::any, gpu::Stage::host); // what the kernel wrote for the host, too
-    device_->submitAndWait(std::move(commands));
-    const auto* counters = counted_.mapped<uint32_t>();
-    append(splits ? pending_ : nearPairs_, next_, counters[io::kHierarchicalPairs]);
-    if (splits) append(leafPairs_, newLeafPairs_, counters[io::kHierarchicalLeaves]);
-    append(links_, newLinks_, counters[io::kHierarchicalLinks]);
-    append(doubts_, newDoubts_, counters[io::kHierarchicalDoubts]);
-    if (rays) append(longDoubts_, newLongDoubts_, counters[io::kHierarchicalLongDoubts]);
+    counters_.submitAndRead(std::move(commands));
+    append(splits ? pending_ : nearPairs_, next_, counters_[io::kHierarchicalPairs]);
+    if (splits) append(leafPairs_, newLeafPairs_, counters_[io::kHierarchicalLeaves]);
+    append(links_, newLinks_, counters_[io::kHierarchicalLinks]);
+    append(doubts_, newDoubts_, counters_[io::kHierarchicalDoubts]);
+    if (rays) append(longDoubts_, newLongDoubts_, counters_[io::kHierarchicalLongDoubts]);
 }
 
 } // namespace heliodon::compute

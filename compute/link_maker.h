@@ -10,6 +10,7 @@
 #include <glm/vec2.hpp>
 
 #include "compute/cluster_scene.h"
+#include "compute/gpu/counters.h"
 #include "compute/gpu/kernel.h"
 #include "shaders/io/hierarchical.io.h"
 
@@ -53,8 +54,9 @@ private:
     std::vector<io::HierarchicalDoubt> doubts_, longDoubts_; // the latter after many rays
     std::vector<io::HierarchicalLink> links_;
     uint64_t pairCount_ = 0;
-    gpu::Buffer pairs_, doubted_, counters_, counted_, next_, newLeafPairs_, newLinks_, newDoubts_,
-        newLongDoubts_;
+    gpu::Buffer pairs_, doubted_;
+    gpu::Counters counters_;
+    gpu::Buffer next_, newLeafPairs_, newLinks_, newDoubts_, newLongDoubts_;
 };
 
 } // namespace heliodon::compute

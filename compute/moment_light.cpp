@@ -6,7 +6,6 @@
 #include <glm/geometric.hpp>
 
 #include "compute/float_dot.h"
-#include "compute/near_light.h"
 #include "compute/parallel.h"
 #include "compute/stopwatch.h"
 
@@ -130,7 +129,7 @@ void lightSensors(const MomentScene& scene, const SolvedColumns& solved, Moment&
             const double share = sensors.even[s * n + i];
             near += share * share * double{light[i]};
         }
-        const double nearShare = hasNearWall(scene.points, sensors, s) ? kApartShare : kNearShare;
+        const double nearShare = sensors.nearWall[s] ? kApartShare : kNearShare;
         parts.error = static_cast<float>(moment.report.radiosity.bound * most + nearShare * near +
                                          kSpreadShare * dot({&sensors.even[s * n], n}, spread) +
                                          (scene.rowError + kBounceError) * photometric(parts.interreflected) +

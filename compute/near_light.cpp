@@ -9,6 +9,7 @@
 
 #include "compute/parallel.h"
 #include "compute/stopwatch.h"
+#include "geometry/segment_distance.h"
 
 namespace heliodon::compute {
 
@@ -33,9 +34,7 @@ double distanceTo(dvec3 p, const std::array<dvec3, 3>& t) {
     // To the nearest of some points of it: good enough for grading.
     double least = glm::length(p - (t[0] + t[1] + t[2]) / 3.0);
     for (size_t k = 0; k < 3; ++k) {
-        const dvec3 a = t[k], d = t[(k + 1) % 3] - a;
-        const double along = std::clamp(glm::dot(p - a, d) / std::max(glm::dot(d, d), 1e-300), 0.0, 1.0);
-        least = std::min(least, glm::length(p - a - along * d));
+        least = std::min(least, geometry::distanceToSegment(p, t[k], t[(k + 1) % 3]));
     }
     const dvec3 normal = glm::cross(t[1] - t[0], t[2] - t[0]);
     const double twice = glm::length(normal);
@@ -169,14 +168,16 @@ private:
 
 } // namespace
 
-bool hasNearWall(const PointScene& scene, const SensorGather& sensors, size_t sensor) {
+std::vector<uint8_t> nearWalls(const PointScene& scene, const SensorGather& sensors) {
     const size_t n = scene.mesh().patchCount();
-    bool found = false;
-    for (uint32_t j = 0; j < n && !found; ++j)
-        if (sensors.even[sensor * n + j] >= kNear)
-            forTriangles(scene.mesh(), j, [&](const std::array<dvec3, 3>& t) {
-                found |= isInReach(scene, sensors.sensors[sensor].position, j, t);
-            });
+    std::vector<uint8_t> found(sensors.sensors.size(), 0);
+    inParallel(found.size(), [&](size_t s) {
+        for (uint32_t j = 0; j < n && !found[s]; ++j)
+            if (sensors.even[s * n + j] >= kNear)
+                forTriangles(scene.mesh(), j, [&](const std::array<dvec3, 3>& t) {
+                    found[s] |= isInReach(scene, sensors.sensors[s].position, j, t);
+                });
+    });
     return found;
 }
 
@@ -184,7 +185,7 @@ void lightNearWalls(const PointScene& scene, const PatchSlopes& slopes, const Se
                     const daylight::Sky& sky, Moment& moment) {
     const Stopwatch clock;
     inParallel(sensors.sensors.size(), [&](size_t s) {
-        if (sensors.room[s] == kNoRoom || !hasNearWall(scene, sensors, s)) return;
+        if (!sensors.nearWall[s]) return;
         Corner corner(scene, slopes, sky, moment);
         moment.sensors[s].interreflected += glm::vec3(corner.correction(sensors.sensors[s], sensors.room[s]));
     });

@@ -12,8 +12,9 @@
 
 namespace heliodon::compute {
 
-// Whether a patch that fills a fifth or more of what the sensor sees is so near that it is taken apart.
-bool hasNearWall(const PointScene& scene, const SensorGather& sensors, size_t sensor);
+// Of each sensor, whether a patch that fills a fifth or more of what it sees is so near that it is taken
+// apart.
+std::vector<uint8_t> nearWalls(const PointScene& scene, const SensorGather& sensors);
 
 // Corrects moment.sensors' interreflected light where they have a near wall. The moment is solved. About
 // 50 ms a sensor in a corner, of 2000 patches.

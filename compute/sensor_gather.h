@@ -42,9 +42,10 @@ std::vector<float> patchSkyCoefficients(const PointScene& scene, const daylight:
 // Rows of sensors.
 struct SensorGather {
     std::vector<Sensor> sensors;
-    std::vector<uint32_t> room; // kNoRoom: outside, sees nothing
-    std::vector<float> even;    // sensors x patches: form factors
-    std::vector<float> smooth;  // the same for light that runs on linearly between patches (PatchSlopes)
+    std::vector<uint32_t> room;    // kNoRoom: outside, sees nothing
+    std::vector<float> even;       // sensors x patches: form factors
+    std::vector<float> smooth;     // the same for light that runs on linearly between patches (PatchSlopes)
+    std::vector<uint8_t> nearWall; // whether a patch beside it is taken apart (near_light.h)
     SkyView sky;
     std::vector<float> skyCoefficients; // sensors x channels x elements, for products over many skies
 };

@@ -1,5 +1,6 @@
 #include "geometry/whole_file.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <fstream>
@@ -41,27 +42,29 @@ fs::path folderOf(const fs::path& target) {
 
 // Where process numbers mean the same: this machine, and the space of numbers that a container may have of
 // its own.
-std::string processSpace() {
-    char host[256]{};
-    ::gethostname(host, sizeof host - 1);
-    struct stat space {};
-    ::stat("/proc/self/ns/pid", &space);
-    // Machines may share a folder and a name, but not their last start.
-    std::string boot;
-    std::ifstream("/proc/sys/kernel/random/boot_id") >> boot;
-    return fmt::format("{:016x}", std::hash<std::string>()(
-                                      fmt::format("{} {} {} {}", host, boot, space.st_dev, space.st_ino)));
+const std::string& processSpace() {
+    static const std::string space = [] {
+        char host[256]{};
+        ::gethostname(host, sizeof host - 1);
+        struct stat numbers {};
+        ::stat("/proc/self/ns/pid", &numbers);
+        // Machines may share a folder and a name, but not their last start.
+        std::string boot;
+        std::ifstream("/proc/sys/kernel/random/boot_id") >> boot;
+        return fmt::format("{:016x}", std::hash<std::string>()(fmt::format("{} {} {} {}", host, boot,
+                                                                           numbers.st_dev, numbers.st_ino)));
+    }();
+    return space;
 }
 
 // ".NAME.heliodon-SPACE-PROCESS" before the extension: whose file it is, where it is one of asideOf's.
 bool isOfDeadProcess(const fs::path& file) {
-    const std::string mark = ".heliodon-" + processSpace() + "-", whole = file.filename().string();
-    const size_t at = whole.rfind(mark),
-                 dot = whole.find('.', at == std::string::npos ? 0 : at + mark.size());
-    if (!whole.starts_with(".") || at == std::string::npos) return false;
-    const std::string name = whole.substr(0, dot);
+    const std::string name = file.filename().string(), mark = ".heliodon-" + processSpace() + "-";
+    const size_t at = name.rfind(mark);
+    if (!name.starts_with(".") || at == std::string::npos) return false;
+    const char *first = name.data() + at + mark.size(),
+               *last = name.data() + std::min(name.find('.', at + mark.size()), name.size());
     pid_t process = 0;
-    const char *first = name.data() + at + mark.size(), *last = name.data() + name.size();
     const auto [end, error] = std::from_chars(first, last, process);
     return error == std::errc() && end == last && process > 0 && ::kill(process, 0) != 0 && errno == ESRCH;
 }

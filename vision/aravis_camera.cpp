@@ -20,6 +20,7 @@ class Failure {
 public:
     ~Failure() { g_clear_error(&error_); }
     GError** operator&() { return &error_; }
+    bool happened() const { return error_ != nullptr; }
     void check(const std::string& doing) {
         if (!error_) return;
         const std::string why = error_->message;
@@ -112,11 +113,15 @@ public:
     std::string description() const override { return name_; }
 
 private:
+    // What a read that failed left is no text.
     void describe() {
-        Failure ignored;
-        const char* model = arv_camera_get_model_name(camera_.get(), &ignored);
-        const char* serial = arv_camera_get_device_serial_number(camera_.get(), nullptr);
-        name_ = fmt::format("{} {}", model ? model : "camera", serial ? serial : "");
+        const auto textOf = [&](auto read, const char* otherwise) {
+            Failure failure;
+            const char* text = read(camera_.get(), &failure);
+            return std::string(failure.happened() || !text ? otherwise : text);
+        };
+        const std::string model = textOf(arv_camera_get_model_name, "camera");
+        name_ = fmt::format("{} {}", model, textOf(arv_camera_get_device_serial_number, ""));
     }
 
     void chooseFormat() {

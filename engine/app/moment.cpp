@@ -39,12 +39,13 @@ SkySource::SkySource(Run& run, const MomentArguments& arguments, const Scene& sc
     std::string assumed;
     auto assume = [&](const std::string& what) { assumed += (assumed.empty() ? "" : ", ") + what; };
     const bool named = !arguments.site.empty();
-    if (named) site_ = parseSite(arguments.site);
-    if (weather_) site_ = weather_->site;
-    if (weather_ && named) run.warn("--site is not used: the light is that of the weather file's site");
-    if (!named && !weather_ && scene.rig && scene.rig->site)
+    if (named) site_ = parseSite(arguments.site); // refused where it is none, used or not
+    if (weather_) {
+        if (named) run.warn("--site is not used: the light is that of the weather file's site");
+        site_ = weather_->site;
+    } else if (!named && scene.rig && scene.rig->site)
         site_ = *scene.rig->site;
-    else if (!named && !weather_)
+    else if (!named)
         assume(fmt::format("site {},{}", site_.latitudeDeg, site_.longitudeDeg));
     if (!arguments.time.empty())
         moment_ = daylight::parseTime(arguments.time, "--time");
