@@ -18,7 +18,6 @@
 
 #include "geometry/edge_sampling.h"
 #include "geometry/mesh_domains.h"
-#include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
 #include "geometry/planar_mesher.h"
 #include "geometry/twin_faces.h"
@@ -50,7 +49,10 @@ double regularEdge(const Building& building, double count) {
     double twice = 0;
     for (const Face& face : building.faces) {
         glm::dvec3 sum{0};
-        for (const auto& loop : face.loops) sum += areaVector(building.vertices, loop);
+        for (const auto& loop : face.loops)
+            for (size_t i = 1; i + 1 < loop.size(); ++i)
+                sum += glm::cross(building.vertices[loop[i]] - building.vertices[loop[0]],
+                                  building.vertices[loop[i + 1]] - building.vertices[loop[0]]);
         twice += glm::length(sum);
     }
     return regularEdge(twice / 2, count);
