@@ -40,10 +40,11 @@ install_packages() {
     rm -f "$log"
 }
 
-# build PRESET ON|OFF [TARGET...]: configures with or without tests and benches, and builds; a broken configuration is started
-# afresh.
+# build PRESET ON|OFF [TARGET...]: configures with or without tests and benches (none under the sanitizers), and builds; a broken
+# configuration is started afresh.
 build() {
-    local preset=$1 log options=(-DHELIODON_TESTS="$2" -DHELIODON_BENCHES="$2" -DHELIODON_PRECOMPILE=ON)
+    local preset=$1 log options=(-DHELIODON_TESTS="$2" -DHELIODON_PRECOMPILE=ON)
+    [ "$preset" = asan ] || options+=(-DHELIODON_BENCHES="$2")
     shift 2
     mkdir -p "build/$preset"
     log=build/$preset/configure.log
