@@ -284,6 +284,7 @@ FormFactorReport streamFormFactors(gpu::Device& device, const geometry::PatchMes
             taken({t.firstRow, t.rows, t.firstColumn, t.columns, {t.values, size_t{t.rows} * t.columns}});
         };
         report = exactFormFactorTiles(device, mesh, exact, takeTile).factors.report;
+        report.reciprocityRms = 0;
     } else if (choice.kernel == "hierarchical") {
         const HierarchicalFormFactors factors = links(device, mesh, choice.maxError);
         report = factors.report();

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -35,16 +36,18 @@ struct FormFactorOptions {
     double maxRadiosityError = 0, reflectance = 0;
 };
 
-// Measured on the finished matrix, before any normalisation.
 // Rows of closed rooms whose sums are off by more are worth a warning.
 constexpr double kClosureBound = 0.05;
 
+// Measured on the finished matrix, before any normalisation.
 struct FormFactorReport {
     std::string kernel, why; // what was chosen and why
     uint32_t resolution = 0, points = 0;
     double seconds = 0;
     double closureMax = 0, closureRms = 0; // |sum_j F_ij - 1| over rows of closed rooms
-    double reciprocityRms = 0;             // RMS over pairs of |A_i F_ij - A_j F_ji| / mean patch area
+    // RMS over pairs of |A_i F_ij - A_j F_ji| / mean patch area; 0 where both are one number by construction,
+    // none where that is not so and no whole matrix was there to measure.
+    std::optional<double> reciprocityRms;
     double claimedRadiosityError = 0;      // what that gives of radiosity, when asked for
     double claimedRowError = 0;       // the kernel's own estimate of the RMS row error; 0 when it makes none
     std::vector<std::string> skipped; // what was not modelled, with the reason
@@ -70,8 +73,8 @@ struct FormFactorTile {
 };
 
 // Every entry once, in tiles in no set order: for matrices that need not fit into memory, which stays below
-// about 1 GB however many patches. `hemicube` gives its rows without the averaging of both ends. Reciprocity
-// is not measured. Throws as computeFormFactors.
+// about 1 GB however many patches. `hemicube` and `montecarlo` give their rows without the averaging of both ends, and
+// no reciprocity. Throws as computeFormFactors.
 FormFactorReport streamFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
                                    const FormFactorOptions& options,
                                    const std::function<void(const FormFactorTile&)>& take);

@@ -58,6 +58,7 @@ HierarchicalFormFactors::HierarchicalFormFactors(gpu::Device& device, const geom
     makeLinks(options);
     makeOperator();
     report_.kernel = "hierarchical";
+    report_.reciprocityRms = 0;
     report_.seconds = watch.seconds();
     report_.why = fmt::format(
         "{} links between {} clusters, {:.1f} MB instead of {:.1f} MB", statistics_.links, statistics_.nodes,

@@ -183,7 +183,7 @@ private:
         result.claimedRowError = F.report.claimedRowError;
         result.closureMax = F.report.closureMax;
         result.closureRms = F.report.closureRms;
-        result.reciprocityRms = F.report.reciprocityRms;
+        result.reciprocityRms = F.report.reciprocityRms.value();
         result.raysPerSecond = n * setting.raysPerPatch / result.wallSeconds;
         result.rooflineFraction = leastSeconds(roofline_, n) / result.wallSeconds;
         finish(std::move(result),
@@ -207,7 +207,7 @@ private:
                 compute::measureFormFactors(scene_->mesh, values, report);
                 result.closureMax = report.closureMax;
                 result.closureRms = report.closureRms;
-                result.reciprocityRms = report.reciprocityRms;
+                result.reciprocityRms = report.reciprocityRms.value();
                 finish(std::move(result), peer.factors);
             });
         };

@@ -15,8 +15,9 @@ void reportFormFactors(Run& run, size_t patches, const compute::FormFactorReport
                                     {"seconds", report.seconds},
                                     {"closure_max", report.closureMax},
                                     {"closure_rms", report.closureRms},
-                                    {"reciprocity_rms", report.reciprocityRms},
+                                    {"reciprocity_rms", nullptr},
                                     {"claimed_row_error", report.claimedRowError}};
+    if (report.reciprocityRms) run.report()["form_factors"]["reciprocity_rms"] = *report.reciprocityRms;
     if (report.claimedRadiosityError > 0)
         run.report()["form_factors"]["claimed_radiosity_error"] = report.claimedRadiosityError;
     for (const std::string& reason : report.skipped) run.skipped(reason);
