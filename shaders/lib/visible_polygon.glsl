@@ -63,11 +63,13 @@ float pieceSize() {
     return size;
 }
 
-// Keeps what lies in front of a plane, unless its corners only touch it.
+// Keeps what lies in front of a plane, unless its corners only touch it: to within the rounding of the frame, also where the
+// plane is given by a corner of the piece. A sliver cut off there would leave an edge without direction.
 void clipTo(Frame f, vec3 normal, vec3 onPlane) {
     bool below = false;
+    float away = length(f.origin - onPlane);
     NO_UNROLL for (int k = 0; k < pieceCorners; ++k)
-        below = below || heightOver(normal, lift(f, piece[k]) - onPlane) < 0.0;
+        below = below || dot(normal, lift(f, piece[k]) - onPlane) < -kFlat * (away + length(piece[k]));
     if (!below) return;
     vec3 line = lineOf(f, normal, onPlane);
     int inside = 0;

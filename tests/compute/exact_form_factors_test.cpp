@@ -155,6 +155,24 @@ TEST(ExactFormFactors, lines_across_far_pairs_agree_with_exact_borders) {
     EXPECT_GT(squares, 0) << "the same method twice";
 }
 
+// Two patches of neighbouring walls that share a corner, the edge of a box 3 cm off: three blockers.
+// Whichever corner comes first, rounding must not cut a sliver off a patch that touches the other's plane.
+TEST(ExactFormFactors, patches_that_touch_behind_three_blockers_agree_with_the_reference) {
+    const std::vector<std::vector<glm::dvec3>> patches{{{14.0 / 3, 3, 0}, {14.0 / 3, 3, 2.0 / 3}, {4, 3, 0}},
+                                                       {{4, 2.5, 0}, {14.0 / 3, 3, 0}, {4, 3, 0}}};
+    for (size_t turn = 0; turn < 9; ++turn) {
+        std::vector<std::vector<glm::dvec3>> faces = patches;
+        std::rotate(faces[0].begin(), faces[0].begin() + static_cast<long>(turn % 3), faces[0].end());
+        std::rotate(faces[1].begin(), faces[1].begin() + static_cast<long>(turn / 3), faces[1].end());
+        faces.push_back({{4.1, 2.97, 0.03}, {4.1, 2.97, 3.97}, {4.1, 0.03, 3.97}, {4.1, 0.03, 0.03}});
+        faces.push_back({{4.1, 2.97, 3.97}, {4.1, 2.97, 0.03}, {4, 2.97, 0.03}, {4, 2.97, 3.97}});
+        faces.push_back({{4.1, 2.97, 0.03}, {4.1, 0.03, 0.03}, {4, 0.03, 0.03}, {4, 2.97, 0.03}});
+        const geometry::PatchMesh mesh = test::polygons(faces);
+        const double truth = reference::exchangeIn(mesh, 0, 1, 1e-6).value / geometry::patchArea(mesh, 0);
+        EXPECT_NEAR(matrixOf(mesh, 1e-4)[1], truth, 1e-5) << "turn " << turn;
+    }
+}
+
 TEST(ExactFormFactors, same_input_gives_the_same_bits) {
     const geometry::PatchMesh mesh =
         geometry::readPatches(HELIODON_TEST_DATA "/geometry/models/room3_672.obj");
