@@ -24,6 +24,13 @@ constexpr size_t kCheckedSunless = 3, kCheckedSunny = 6;
 // to 400 sensors.
 constexpr double kHourWork = 1.0, kSensorWork = 4.0, kResponseShare = 0.8;
 
+// A sensor's row with what the walls beside it add; `near` is empty without any.
+std::vector<float> rowWith(std::span<const float> row, const std::vector<float>& near) {
+    std::vector<float> sum(row.begin(), row.end());
+    for (size_t i = 0; i < near.size(); ++i) sum[i] += near[i];
+    return sum;
+}
+
 // `wanted` entries spread evenly over `all`.
 template<class T> std::vector<T> spread(const std::vector<T>& all, size_t wanted) {
     std::vector<T> some;
@@ -163,9 +170,10 @@ AnnualDaylight::Responses AnnualDaylight::respond(const TransportParts& parts) {
         std::vector<float> sent(columns * n), once(columns * n), twice(columns * n), perArea(n);
         std::vector<uint32_t> channel;
         for (size_t s = 0; s < count; ++s) {
-            const float* seen = &parts.sensorFactors[(first + s) * n];
-            for (size_t i = 0; i < n; ++i) perArea[i] = seen[i] / area[i];
             for (uint32_t c = 0; c < channels; ++c) {
+                const std::vector<float> seen =
+                    rowWith(parts.sensorFactors.subspan((first + s) * n, n), parts.near[first + s].smooth[c]);
+                for (size_t i = 0; i < n; ++i) perArea[i] = seen[i] / area[i];
                 matter.reflect<float>(c, perArea, {&sent[(s * channels + c) * n], n});
                 channel.push_back(c);
             }
@@ -179,10 +187,13 @@ AnnualDaylight::Responses AnnualDaylight::respond(const TransportParts& parts) {
         solver.solve(twice, channel, importance, rest, {});
 
         inParallel(count, [&](size_t s) {
-            const float* seen = &parts.sensorFactors[(first + s) * n];
-            const float* even = &parts.sensorEven[(first + s) * n];
             double own = 0;
             for (size_t c = 0; c < channels; ++c) {
+                const NearLight& near = parts.near[first + s];
+                const std::vector<float> seen = rowWith(parts.sensorFactors.subspan((first + s) * n, n),
+                                                        near.smooth[c]),
+                                         even = rowWith(parts.sensorEven.subspan((first + s) * n, n),
+                                                        near.even[c]);
                 const size_t at = (s * channels + c) * n;
                 for (size_t shown = c; shown < (channels == 1 ? 3 : c + 1); ++shown) {
                     const auto share = static_cast<float>(kLuminous[shown]);
@@ -199,6 +210,7 @@ AnnualDaylight::Responses AnnualDaylight::respond(const TransportParts& parts) {
                             share * received *
                             mesh.materials[mesh.material[i]].exitance[static_cast<int>(shown)]);
                     }
+                    own += static_cast<double>(share * near.own[static_cast<int>(shown)]);
                     for (size_t k = 0; k < glowing.size(); ++k) {
                         const size_t i = glowing[k];
                         sun[(n + k) * sensors] += share * (seen[i] + area[i] * (once[at + i] + rest[at + i]));
@@ -225,8 +237,19 @@ AnnualDaylight::Responses AnnualDaylight::respond(const TransportParts& parts) {
                 result.sky[s * elements + e] +=
                     reflected[s * elements + e] + share * parts.sensorSky[(s * skies + c) * elements + e];
     }
+    addNearSky(parts, result);
     addGlow(parts, result);
     return result;
+}
+
+// The sky by way of walls beside the sensor.
+void AnnualDaylight::addNearSky(const TransportParts& parts, Responses& responses) const {
+    const size_t elements = parts.skyElements;
+    inParallel(elements > 0 ? responses.sensors : 0, [&](size_t s) {
+        for (const SkySample& sample : parts.near[s].sky)
+            responses.sky[s * elements + parts.sky.elementOf(glm::dvec3(sample.direction))] +=
+                static_cast<float>(photometric(sample.weight) / std::numbers::pi);
+    });
 }
 
 // The sky's part of what blinds scatter.
@@ -263,10 +286,13 @@ void AnnualDaylight::addSun(const Responses& responses, std::span<float> reflect
 void AnnualDaylight::addEdges(const TransportParts& parts, std::span<float> reflected) const {
     const size_t n = transport_.mesh().patchCount(), count = parts.sensors.size();
     inParallel(count, [&](size_t s) {
-        const std::optional<PointView> view = transport_.viewOfSensor(s);
-        if (!view) return;
+        const uint32_t room = parts.sensorRooms[s];
+        if (room == kNoRoom) return;
+        const Sensor& at = parts.sensors[s];
         std::vector<float> more(sunny_.size(), 0);
-        edges_.addTo(more, *view, parts.sensorRooms[s], &parts.sensorEven[s * n]);
+        edges_.addTo(more, PointView(parts.points.blockers(), at.position, at.normal, room), room,
+                     &parts.sensorEven[s * n]);
+        edges_.addTo(more, parts.points, parts.near[s], room);
         for (size_t k = 0; k < more.size(); ++k) reflected[k * count + s] += more[k];
     });
 }

@@ -73,6 +73,7 @@ private:
     void makeSuns();
     void takeFactors(const TransportParts& parts);
     Responses respond(const TransportParts& parts);
+    void addNearSky(const TransportParts& parts, Responses& responses) const;
     void addGlow(const TransportParts& parts, Responses& responses) const;
     void addSun(const Responses& responses, std::span<float> reflected) const;
     void addEdges(const TransportParts& parts, std::span<float> reflected) const;

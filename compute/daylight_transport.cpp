@@ -11,7 +11,6 @@
 #include "compute/float_dot.h"
 #include "compute/gpu/device.h"
 #include "compute/moment_light.h"
-#include "compute/near_light.h"
 #include "compute/parallel.h"
 #include "compute/patch_slopes.h"
 #include "compute/radiosity_gather.h"
@@ -73,7 +72,7 @@ struct DaylightTransport::State {
     std::unique_ptr<RadiositySolver> solver;
     std::unique_ptr<RelightBasis> relight;
     daylight::SkyPatches skyPatches;
-    bool hasOpenings = false, grey = true;
+    bool hasOpenings = false, grey = true, hasNearLight = false;
 
     State(gpu::Device& d, const geometry::PatchMesh& m, const TransportOptions& o)
         : device(d), mesh(m), options(o), skyPatches(static_cast<int>(o.skyDivision)) {}
@@ -83,6 +82,7 @@ struct DaylightTransport::State {
     void findOpenings();
     void makeSky();
     void makeSensors();
+    void makeNearLight();
     void readMaterials();
     Moment direct(const daylight::Sky& sky) const;
     void skyAtSensors(Moment& moment, const daylight::Sky& sky) const;
@@ -164,13 +164,22 @@ void DaylightTransport::State::makeSky() {
 void DaylightTransport::State::makeSensors() {
     const Stopwatch clock;
     sensors = gatherSensors(*points, *slopes, std::move(sensors.sensors), skyPatches, patchSky.channels);
-    sensors.nearWall = nearWalls(*points, sensors);
+    hasNearLight = false;
     report.sensorsOutside =
         static_cast<size_t>(std::count(sensors.room.begin(), sensors.room.end(), kNoRoom));
     report.sensorSeconds = clock.seconds();
 }
 
+// Not with the sensors: it takes reflectances, which may change before there is light.
+void DaylightTransport::State::makeNearLight() {
+    if (hasNearLight) return;
+    const SecondsAdded clock(report.sensorSeconds);
+    report.sensorsNearWalls = findNearLight(*points, *slopes, columnsPerMoment(), sensors);
+    hasNearLight = true;
+}
+
 void DaylightTransport::State::readMaterials() {
+    hasNearLight = false;
     grey = !options.skipNothing;
     for (const geometry::Material& m : mesh.materials) {
         for (int c = 0; c < 3; ++c)
@@ -250,6 +259,10 @@ void DaylightTransport::State::skyAtSensors(Moment& moment, const daylight::Sky&
                 glm::dvec3(sample.weight) * sky.luminance(glm::dvec3(sample.direction));
         moment.sensors[s].sky = glm::vec3(above);
         moment.sensors[s].ground = glm::vec3(below);
+        glm::dvec3 byWalls(0);
+        for (const SkySample& sample : sensors.near[s].sky)
+            byWalls += glm::dvec3(sample.weight) * sky.luminance(glm::dvec3(sample.direction));
+        moment.sensors[s].interreflected += glm::vec3(byWalls);
     });
 }
 
@@ -277,7 +290,7 @@ void DaylightTransport::State::sunOn(Moment& moment, const daylight::SunDisc& di
         const Sensor& sensor = sensors.sensors[s];
         if (sensors.room[s] == kNoRoom) return;
         moment.sensors[s].sun = strength * sun.atPoint(sensor.position, sensor.normal);
-        moment.sensors[s].interreflected = sunEdges(*points, sensors, s, partly, strength, firstBounce);
+        moment.sensors[s].interreflected += sunEdges(*points, sensors, s, partly, strength, firstBounce);
     });
 }
 
@@ -374,16 +387,15 @@ Moment DaylightTransport::light(const daylight::Sky& sky) {
 
 std::vector<Moment> DaylightTransport::light(std::span<const daylight::Sky> skies) {
     std::vector<Moment> moments;
+    state_->makeNearLight();
     for (const daylight::Sky& sky : skies) moments.push_back(state_->direct(sky));
-    if (moments.empty()) return moments;
-    state_->solve(moments);
-    for (size_t k = 0; k < moments.size(); ++k)
-        lightNearWalls(*state_->points, *state_->slopes, state_->sensors, skies[k], moments[k]);
+    if (!moments.empty()) state_->solve(moments);
     return moments;
 }
 
 TransportParts DaylightTransport::parts() {
     State& state = *state_;
+    state.makeNearLight();
     return {*state.solver,
             *state.gather,
             state.columnsPerMoment(),
@@ -395,16 +407,11 @@ TransportParts DaylightTransport::parts() {
             state.sensors.even,
             state.sensors.sensors,
             state.sensors.room,
+            state.sensors.near,
+            *state.points,
             state.skyPatches,
             *state.sunScene,
             *state.blinds};
-}
-
-std::optional<PointView> DaylightTransport::viewOfSensor(size_t sensor) const {
-    const SensorGather& sensors = state_->sensors;
-    if (sensors.room[sensor] == kNoRoom) return std::nullopt;
-    return PointView(state_->points->blockers(), sensors.sensors[sensor].position,
-                     glm::normalize(sensors.sensors[sensor].normal), sensors.room[sensor]);
 }
 
 const geometry::PatchMesh& DaylightTransport::mesh() const {

@@ -11,7 +11,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -73,7 +72,8 @@ struct TransportReport {
     double skySeconds = 0; // sky coefficients of patches, where they are not part of the form-factor pass
     double sensorSeconds = 0;
     uint32_t skyElements = 0, channels = 1;
-    size_t sensorsOutside = 0; // in no room: dark
+    size_t sensorsOutside = 0;   // in no room: dark
+    size_t sensorsNearWalls = 0; // so near that walls are taken apart (near_light.h)
     std::vector<std::string> skipped;
 };
 
@@ -90,6 +90,8 @@ struct TransportParts {
     std::span<const float> sensorEven;         // the same for light that does not, the sun's first bounce
     std::span<const Sensor> sensors;
     std::span<const uint32_t> sensorRooms;
+    std::span<const NearLight> near; // per sensor
+    const PointScene& points;        // for what points see
     const daylight::SkyPatches& sky;
     const SunScene& sun; // for SunPatches of many hours
     const GlowingBlinds& blinds;
@@ -121,13 +123,10 @@ public:
     // Several moments through shared passes over F; bits may differ from one at a time by the solver's
     // tolerance.
     // Sensors so near to a patch that it fills a fifth of their view, as in corners, get its light anew
-    // (near_light.h), at some 50 ms of one core for each such sensor and sky.
+    // (near_light.h): the first call after setSensors or setMaterials takes some 50 ms of one core for each.
     std::vector<Moment> light(std::span<const daylight::Sky> skies);
 
     TransportParts parts();
-    // What a sensor sees, for exact form factors of further polygons; none outside of all rooms. Safe to call
-    // from several threads.
-    std::optional<PointView> viewOfSensor(size_t sensor) const;
     const geometry::PatchMesh& mesh() const;
     const FormFactors& formFactors() const;
     const TransportReport& report() const;

@@ -18,7 +18,7 @@ namespace {
 // sensors, against Radiance.
 constexpr double kSpreadShare = 0.05;  // of light's variation within patches, after its slope is allowed for
 constexpr double kNearShare = 0.5;     // of a patch's light, times its own share of the view
-constexpr double kApartShare = 0.25;   // the same where lightNearWalls takes such patches apart
+constexpr double kApartShare = 0.25;   // the same where such patches are taken apart (near_light.h)
 constexpr double kBounceError = 0.006; // of reflected light: what earlier bounces between patches leave
 constexpr double kSensorSkyError = 0.008; // of sky light, from its cubature and that of glass
 constexpr double kPatchSkyError = 0.01;   // the same for four points a patch and sky elements
@@ -121,6 +121,10 @@ void lightSensors(const MomentScene& scene, const SolvedColumns& solved, Moment&
             }
             double lux = dot({&sensors.smooth[s * n], n}, smooth[c]);
             if (sun) lux += dot({&sensors.even[s * n], n}, even[c]);
+            if (const NearLight& near = sensors.near[s]; !near.isEmpty()) {
+                lux += double{near.own[c]} + dot(near.smooth[c], smooth[c]);
+                if (sun) lux += dot(near.even[c], even[c]);
+            }
             parts.interreflected[c] += static_cast<float>(lux);
         }
         // Light of patches that fill much of the view, which the mesh does not resolve.

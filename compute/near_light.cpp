@@ -7,8 +7,6 @@
 
 #include <glm/geometric.hpp>
 
-#include "compute/parallel.h"
-#include "compute/stopwatch.h"
 #include "geometry/segment_distance.h"
 
 namespace heliodon::compute {
@@ -75,121 +73,101 @@ template<class Take> void forTriangles(const geometry::PatchMesh& mesh, uint32_t
                                   mesh.vertices[corners[k + 1]]});
 }
 
-class Corner {
-public:
-    Corner(const PointScene& scene, const PatchSlopes& slopes, const daylight::Sky& sky, const Moment& moment)
-        : scene_(scene), slopes_(slopes), sky_(sky), moment_(moment), mesh_(scene.mesh()) {}
-
-    // What the sensor's light lacks, lux.
-    dvec3 correction(const Sensor& sensor, uint32_t room) {
-        cells_.clear();
-        for (uint32_t j = 0; j < mesh_.patchCount(); ++j)
-            if (mesh_.room[j] == room && !mesh_.materials[mesh_.material[j]].isOpening()) addPatch(sensor, j);
-        const size_t count = cells_.size();
-        const PointView view(scene_.blockers(), sensor.position, sensor.normal, room);
-        std::vector<double> seen(count);
-        std::vector<PointView> views;
-        for (size_t p = 0; p < count; ++p) {
-            seen[p] = faces(cells_[p], sensor.position) ? view.factor(cells_[p].corners) : 0;
-            views.emplace_back(scene_.blockers(), cells_[p].middle, scene_.patches()[cells_[p].patch].normal,
-                               room);
-        }
-        std::vector<double> exchange(count * count);
-        for (size_t p = 0; p < count; ++p)
-            for (size_t q = 0; q < count; ++q)
-                if (faces(cells_[q], cells_[p].middle))
-                    exchange[p * count + q] = views[p].factor(cells_[q].corners);
-        std::vector<dvec3> gathered(count), lack(count, dvec3(0)), next(count);
-        for (size_t p = 0; p < count; ++p) gathered[p] = lackBefore(cells_[p], views[p], room);
-        for (int round = 0; round < kRounds; ++round) {
-            for (size_t p = 0; p < count; ++p) {
-                dvec3 more(0);
-                for (size_t q = 0; q < count; ++q) more += exchange[p * count + q] * lack[q];
-                next[p] = gathered[p] + reflectance(cells_[p].patch) * more;
-            }
-            lack.swap(next);
-        }
-        dvec3 sum(0);
-        for (size_t p = 0; p < count; ++p) sum += seen[p] * lack[p];
-        return sum;
-    }
-
-private:
-    dvec3 reflectance(uint32_t patch) const {
-        return dvec3(mesh_.materials[mesh_.material[patch]].reflectance);
-    }
-    bool faces(const Cell& cell, dvec3 point) const {
-        return glm::dot(scene_.patches()[cell.patch].normal, point - cell.middle) >
-               scene_.blockers().tolerance();
-    }
-    // Exitance but for the sun's first bounce.
-    dvec3 smooth(uint32_t patch) const {
-        return dvec3(moment_.lighting.exitance[patch]) -
-               reflectance(patch) * dvec3(moment_.patches[patch].sun);
-    }
-
-    void addPatch(const Sensor& sensor, uint32_t patch) {
-        forTriangles(mesh_, patch, [&](const std::array<dvec3, 3>& t) {
-            if (isInReach(scene_, sensor.position, patch, t))
-                takeApart(sensor.position, patch, kFinest * scene_.patches()[patch].size, t, 24, cells_);
+std::vector<Cell> cellsAround(const PointScene& scene, dvec3 sensor, uint32_t room) {
+    const geometry::PatchMesh& mesh = scene.mesh();
+    std::vector<Cell> cells;
+    for (uint32_t j = 0; j < mesh.patchCount(); ++j) {
+        if (mesh.room[j] != room || mesh.materials[mesh.material[j]].isOpening()) continue;
+        forTriangles(mesh, j, [&](const std::array<dvec3, 3>& t) {
+            if (isInReach(scene, sensor, j, t))
+                takeApart(sensor, j, kFinest * scene.patches()[j].size, t, 24, cells);
         });
     }
+    return cells;
+}
 
-    // Exitance at the cell as gathered from the mesh, less what the mesh says that it is there.
-    dvec3 lackBefore(const Cell& cell, const PointView& view, uint32_t room) {
-        const size_t n = mesh_.patchCount();
-        even_.assign(n, 0), smooth_.assign(n, 0), samples_.clear();
-        scene_.seePatches(view, room, slopes_, even_.data(), smooth_.data());
-        scene_.seeSky(view, room, kSkyAngle, samples_);
-        dvec3 lux(0);
-        for (uint32_t j = 0; j < n; ++j) {
-            if (smooth_[j] != 0) lux += double{smooth_[j]} * smooth(j);
-            if (even_[j] > 0) lux += double{even_[j]} * reflectance(j) * dvec3(moment_.patches[j].sun);
-        }
-        for (const SkySample& sample : samples_)
-            lux += dvec3(sample.weight) * sky_.luminance(dvec3(sample.direction));
-        dvec3 known = smooth(cell.patch);
-        for (const PatchSlopes::Term& term : slopes_.terms(cell.patch))
-            known += glm::dot(cell.middle - scene_.patches()[cell.patch].centre, dvec3(term.weight)) *
-                     smooth(term.patch);
-        const dvec3 own(mesh_.materials[mesh_.material[cell.patch]].exitance);
-        return own + reflectance(cell.patch) * lux - known;
+// Lux at the sensor for each lux that the rest of the room sends to a cell, light to and fro included.
+std::vector<dvec3> answersOf(const PointScene& scene, const std::vector<Cell>& cells, const PointView& sensor,
+                             std::span<const PointView> views, std::span<const dvec3> reflectance) {
+    const size_t count = cells.size();
+    const auto faces = [&](const Cell& cell, dvec3 point) {
+        return glm::dot(scene.patches()[cell.patch].normal, point - cell.middle) >
+               scene.blockers().tolerance();
+    };
+    std::vector<double> exchange(count * count, 0); // [p][q]: what reaches p of what leaves q
+    std::vector<dvec3> seen(count, dvec3(0)), answer, next(count);
+    for (size_t p = 0; p < count; ++p) {
+        if (faces(cells[p], sensor.position())) seen[p] = dvec3(sensor.factor(cells[p].corners));
+        for (size_t q = 0; q < count; ++q)
+            if (faces(cells[q], cells[p].middle)) exchange[p * count + q] = views[p].factor(cells[q].corners);
     }
-
-    const PointScene& scene_;
-    const PatchSlopes& slopes_;
-    const daylight::Sky& sky_;
-    const Moment& moment_;
-    const geometry::PatchMesh& mesh_;
-    std::vector<Cell> cells_;
-    std::vector<float> even_, smooth_;
-    std::vector<SkySample> samples_;
-};
+    answer = seen;
+    for (int round = 0; round < kRounds; ++round) {
+        next = seen;
+        for (size_t p = 0; p < count; ++p) {
+            const dvec3 sent = reflectance[p] * answer[p];
+            for (size_t q = 0; q < count; ++q) next[q] += exchange[p * count + q] * sent;
+        }
+        answer.swap(next);
+    }
+    return answer;
+}
 
 } // namespace
 
-std::vector<uint8_t> nearWalls(const PointScene& scene, const SensorGather& sensors) {
-    const size_t n = scene.mesh().patchCount();
-    std::vector<uint8_t> found(sensors.sensors.size(), 0);
-    inParallel(found.size(), [&](size_t s) {
-        for (uint32_t j = 0; j < n && !found[s]; ++j)
-            if (sensors.even[s * n + j] >= kNear)
-                forTriangles(scene.mesh(), j, [&](const std::array<dvec3, 3>& t) {
-                    found[s] |= isInReach(scene, sensors.sensors[s].position, j, t);
-                });
-    });
+bool hasNearWall(const PointScene& scene, dvec3 position, std::span<const float> even) {
+    bool found = false;
+    for (uint32_t j = 0; j < even.size() && !found; ++j)
+        if (even[j] >= kNear)
+            forTriangles(scene.mesh(), j,
+                         [&](const std::array<dvec3, 3>& t) { found |= isInReach(scene, position, j, t); });
     return found;
 }
 
-void lightNearWalls(const PointScene& scene, const PatchSlopes& slopes, const SensorGather& sensors,
-                    const daylight::Sky& sky, Moment& moment) {
-    const Stopwatch clock;
-    inParallel(sensors.sensors.size(), [&](size_t s) {
-        if (!sensors.nearWall[s]) return;
-        Corner corner(scene, slopes, sky, moment);
-        moment.sensors[s].interreflected += glm::vec3(corner.correction(sensors.sensors[s], sensors.room[s]));
-    });
-    moment.report.sensorSeconds += clock.seconds();
+NearLight nearLight(const PointScene& scene, const PatchSlopes& slopes, dvec3 position, dvec3 normal,
+                    uint32_t room, uint32_t channels) {
+    const geometry::PatchMesh& mesh = scene.mesh();
+    const size_t n = mesh.patchCount();
+    const std::vector<Cell> cells = cellsAround(scene, position, room);
+    std::vector<PointView> views;
+    std::vector<dvec3> reflectance;
+    for (const Cell& cell : cells) {
+        views.emplace_back(scene.blockers(), cell.middle, scene.patches()[cell.patch].normal, room);
+        reflectance.emplace_back(mesh.materials[mesh.material[cell.patch]].reflectance);
+    }
+    const std::vector<dvec3> answers =
+        answersOf(scene, cells, PointView(scene.blockers(), position, normal, room), views, reflectance);
+    NearLight result;
+    for (uint32_t c = 0; c < channels; ++c) result.smooth[c].assign(n, 0), result.even[c].assign(n, 0);
+    std::vector<float> even, smooth;
+    dvec3 own(0);
+    for (size_t p = 0; p < cells.size(); ++p) {
+        const Cell& cell = cells[p];
+        const dvec3 answer = answers[p], reflected = answer * reflectance[p];
+        own += answer * dvec3(mesh.materials[mesh.material[cell.patch]].exitance);
+        even.assign(n, 0), smooth.assign(n, 0);
+        scene.seePatches(views[p], room, slopes, even.data(), smooth.data());
+        for (uint32_t c = 0; c < channels; ++c) {
+            const auto axis = static_cast<int>(c);
+            const auto times = static_cast<float>(reflected[axis]);
+            for (size_t j = 0; j < n; ++j) {
+                result.even[c][j] += times * even[j];
+                result.smooth[c][j] += times * smooth[j];
+            }
+            // What the mesh has there already.
+            result.smooth[c][cell.patch] -= static_cast<float>(answer[axis]);
+            const dvec3 away = cell.middle - scene.patches()[cell.patch].centre;
+            for (const PatchSlopes::Term& term : slopes.terms(cell.patch))
+                result.smooth[c][term.patch] -=
+                    static_cast<float>(answer[axis] * glm::dot(away, dvec3(term.weight)));
+        }
+        const size_t first = result.sky.size();
+        scene.seeSky(views[p], room, kSkyAngle, result.sky);
+        for (size_t k = first; k < result.sky.size(); ++k) result.sky[k].weight *= glm::vec3(reflected);
+        result.cells.push_back({cell.middle, scene.patches()[cell.patch].normal, glm::vec3(reflected)});
+    }
+    result.own = glm::vec3(own);
+    return result;
 }
 
 } // namespace heliodon::compute

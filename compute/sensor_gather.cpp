@@ -19,6 +19,33 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kSensorSkyAngle = 0.1, kPatchSkyAngle = 0.2; // radians, of one sample of sky
 constexpr float kEdgeShare = 2e-4F; // form factor below which an edge of sunlight averages out
 
+// The same by way of the cells of near walls.
+dvec3 sunEdgesOnCells(const PointScene& scene, const NearLight& near, uint32_t room,
+                      std::span<const SunlitParts> partly, double strength,
+                      std::span<const glm::vec3> firstBounce) {
+    const geometry::PatchMesh& mesh = scene.mesh();
+    std::vector<dvec3> corners;
+    dvec3 sum(0);
+    for (const NearLight::Cell& cell : near.cells) {
+        const PointView view(scene.blockers(), cell.middle, cell.normal, room);
+        for (const SunlitParts& lit : partly) {
+            if (mesh.room[lit.patch] != room) continue;
+            const PointScene::Patch& patch = scene.patches()[lit.patch];
+            if (glm::dot(cell.middle - patch.centre, patch.normal) <= scene.blockers().tolerance()) continue;
+            corners.clear();
+            for (uint32_t v : mesh.patch(lit.patch)) corners.push_back(mesh.vertices[v]);
+            const double whole = view.factor(corners);
+            if (whole * photometric(cell.answer) < double{kEdgeShare}) continue;
+            dvec3 more = -whole * dvec3(firstBounce[lit.patch]);
+            const dvec3 rho(mesh.materials[mesh.material[lit.patch]].reflectance);
+            for (const SunlitParts::Part& part : lit.parts)
+                more += strength * view.factor(part.polygon) * rho * dvec3(part.light);
+            sum += dvec3(cell.answer) * more;
+        }
+    }
+    return sum;
+}
+
 } // namespace
 
 std::vector<float> skyCoefficients(const SkyView& view, const daylight::SkyPatches& sky, uint32_t channels,
@@ -71,6 +98,8 @@ SensorGather gatherSensors(const PointScene& scene, const PatchSlopes& slopes, s
     gather.room.resize(count);
     gather.even.assign(count * n, 0);
     gather.smooth.assign(count * n, 0);
+    gather.nearWall.assign(count, 0);
+    gather.near.resize(count);
     std::vector<std::vector<SkySample>> samples(count);
     inParallel(count, [&](size_t s) {
         sensors[s].normal = glm::normalize(sensors[s].normal);
@@ -80,6 +109,7 @@ SensorGather gatherSensors(const PointScene& scene, const PatchSlopes& slopes, s
         const PointView view(scene.blockers(), sensors[s].position, sensors[s].normal, room);
         scene.seePatches(view, room, slopes, &gather.even[s * n], &gather.smooth[s * n]);
         scene.seeSky(view, room, kSensorSkyAngle, samples[s]);
+        gather.nearWall[s] = hasNearWall(scene, sensors[s].position, {&gather.even[s * n], n});
     });
     for (std::vector<SkySample>& of : samples) {
         gather.sky.samples.insert(gather.sky.samples.end(), of.begin(), of.end());
@@ -88,6 +118,17 @@ SensorGather gatherSensors(const PointScene& scene, const PatchSlopes& slopes, s
     gather.skyCoefficients = skyCoefficients(gather.sky, sky, channels, std::vector<uint32_t>(count, 1));
     gather.sensors = std::move(sensors);
     return gather;
+}
+
+size_t findNearLight(const PointScene& scene, const PatchSlopes& slopes, uint32_t channels,
+                     SensorGather& gather) {
+    inParallel(gather.sensors.size(), [&](size_t s) {
+        const Sensor& sensor = gather.sensors[s];
+        if (gather.nearWall[s])
+            gather.near[s] =
+                nearLight(scene, slopes, sensor.position, sensor.normal, gather.room[s], channels);
+    });
+    return static_cast<size_t>(std::count(gather.nearWall.begin(), gather.nearWall.end(), 1));
 }
 
 glm::vec3 sunEdges(const PointScene& scene, const SensorGather& gather, size_t sensor,
@@ -104,7 +145,9 @@ glm::vec3 sunEdges(const PointScene& scene, const SensorGather& gather, size_t s
             seen.push_back(&lit);
             sum -= double{even[lit.patch]} * dvec3(firstBounce[lit.patch]);
         }
-    if (seen.empty()) return glm::vec3(0);
+    if (const NearLight& near = gather.near[sensor]; !near.isEmpty())
+        sum += sunEdgesOnCells(scene, near, gather.room[sensor], partly, strength, firstBounce);
+    if (seen.empty()) return glm::vec3(sum);
     const PointView view(scene.blockers(), at.position, at.normal, gather.room[sensor]);
     scene.forRoomsSeen(view, gather.room[sensor], [&](const PointView& from, const RoomBeyond& beyond) {
         for (const SunlitParts* lit : seen) {

@@ -10,6 +10,7 @@
 #include <glm/vec3.hpp>
 
 #include "compute/daylight/sky_patches.h"
+#include "compute/near_light.h"
 #include "compute/patch_slopes.h"
 #include "compute/point_scene.h"
 #include "compute/sun_patches.h"
@@ -45,12 +46,17 @@ struct SensorGather {
     std::vector<uint32_t> room;    // kNoRoom: outside, sees nothing
     std::vector<float> even;       // sensors x patches: form factors
     std::vector<float> smooth;     // the same for light that runs on linearly between patches (PatchSlopes)
-    std::vector<uint8_t> nearWall; // whether a patch beside it is taken apart (near_light.h)
+    std::vector<uint8_t> nearWall; // whether a patch beside it is taken apart
+    std::vector<NearLight> near;   // of these; until findNearLight, and of all others, empty
     SkyView sky;
     std::vector<float> skyCoefficients; // sensors x channels x elements, for products over many skies
 };
 SensorGather gatherSensors(const PointScene& scene, const PatchSlopes& slopes, std::vector<Sensor> sensors,
                            const daylight::SkyPatches& sky, uint32_t channels);
+
+// Makes gather.near, which holds until reflectances change. Returns how many sensors have a near wall.
+size_t findNearLight(const PointScene& scene, const PatchSlopes& slopes, uint32_t channels,
+                     SensorGather& gather);
 
 // What sunlit parts of patches send to a sensor beyond what their mean light would, lux. `strength`: the
 // sun's normal illuminance; `firstBounce`: per patch, reflectance times its mean sunlight.

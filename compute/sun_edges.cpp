@@ -19,21 +19,23 @@ std::vector<SunEdges::Edge> SunEdges::edgesOf(const geometry::PatchMesh& mesh,
     std::vector<Edge> edges;
     for (const SunlitParts& lit : partly) {
         const glm::vec3 rho = mesh.materials[mesh.material[lit.patch]].reflectance;
-        Edge edge{lit.patch, 0, {}, {}};
-        glm::dvec3 middle(0);
+        Edge edge{lit.patch, {}, {}, {}};
+        glm::dvec3 middle(0), leaving(0);
         double flux = 0;
         for (const SunlitParts::Part& part : lit.parts) {
-            const auto exitance = static_cast<float>(strength * photometric(rho * part.light));
+            const glm::vec3 exitance = static_cast<float>(strength) * rho * part.light;
             for (size_t k = 1; k + 1 < part.polygon.size(); ++k) {
                 const glm::dvec3 a = part.polygon[0], b = part.polygon[k], c = part.polygon[k + 1];
-                const double share = 0.5 * glm::length(glm::cross(b - a, c - a)) * double{exitance};
+                const double area = 0.5 * glm::length(glm::cross(b - a, c - a)),
+                             share = area * photometric(exitance);
                 flux += share;
+                leaving += area * glm::dvec3(exitance);
                 middle += share / 3 * (a + b + c);
             }
             edge.parts.push_back({part.polygon, exitance});
         }
         if (!(flux > 0)) continue;
-        edge.exitance = static_cast<float>(flux / geometry::patchArea(mesh, lit.patch));
+        edge.exitance = glm::vec3(leaving / geometry::patchArea(mesh, lit.patch));
         edge.middle = glm::vec3(middle / flux);
         edges.push_back(std::move(edge));
     }
@@ -52,16 +54,23 @@ SunEdges::SunEdges(const geometry::PatchMesh& mesh, std::vector<std::vector<Edge
         next[i + 1] += next[i];
     }
     const size_t count = next.back();
-    hour_.resize(count), exitance_.resize(count), parts_.resize(count);
+    hour_.resize(count), exitance_.resize(count), colour_.resize(count), parts_.resize(count);
     x_.resize(count), y_.resize(count), z_.resize(count);
     for (size_t h = 0; h < ofHours.size(); ++h)
         for (Edge& edge : ofHours[h]) {
             const size_t at = next[edge.patch]++;
             hour_[at] = static_cast<uint32_t>(h);
-            exitance_[at] = edge.exitance;
+            colour_[at] = edge.exitance;
+            exitance_[at] = static_cast<float>(photometric(edge.exitance));
             x_[at] = edge.middle.x, y_[at] = edge.middle.y, z_[at] = edge.middle.z;
             parts_[at] = std::move(edge.parts);
         }
+}
+
+std::vector<glm::dvec3> SunEdges::cornersOf(uint32_t patch) const {
+    std::vector<glm::dvec3> corners;
+    for (uint32_t v : mesh_->patch(patch)) corners.push_back(mesh_->vertices[v]);
+    return corners;
 }
 
 void SunEdges::addTo(std::span<float> lux, const PointView& view, uint32_t room, const float* even) const {
@@ -71,19 +80,10 @@ void SunEdges::addTo(std::span<float> lux, const PointView& view, uint32_t room,
         const Patch& patch = patches_[p];
         const float share = even[patch.patch];
         if (share < kFar || mesh_->room[patch.patch] != room) continue; // through glass: from afar
-        const size_t first = patch.first,
-                     last = p + 1 < patches_.size() ? patches_[p + 1].first : hour_.size();
+        const size_t first = patch.first, last = edgesEnd(p);
         if (share >= kNear) {
             // Not what of the share is seen through windows.
-            std::vector<glm::dvec3> corners;
-            for (uint32_t v : mesh_->patch(patch.patch)) corners.push_back(mesh_->vertices[v]);
-            const double straight = view.factor(corners);
-            for (size_t e = first; e < last; ++e) {
-                double exact = 0;
-                for (const Edge::Part& part : parts_[e])
-                    exact += double{part.exitance} * view.factor(part.polygon);
-                lux[hour_[e]] += static_cast<float>(exact - straight * double{exitance_[e]});
-            }
+            addExactly(lux, view, p, view.factor(cornersOf(patch.patch)), glm::vec3(1));
             continue;
         }
         const glm::vec3 normal = patch.normal;
@@ -106,8 +106,35 @@ void SunEdges::addTo(std::span<float> lux, const PointView& view, uint32_t room,
     }
 }
 
+void SunEdges::addExactly(std::span<float> lux, const PointView& view, size_t patch, double straight,
+                          glm::vec3 answer) const {
+    for (size_t e = patches_[patch].first; e < edgesEnd(patch); ++e) {
+        glm::dvec3 more = -straight * glm::dvec3(colour_[e]);
+        for (const Edge::Part& part : parts_[e])
+            more += view.factor(part.polygon) * glm::dvec3(part.exitance);
+        lux[hour_[e]] += static_cast<float>(photometric(answer * glm::vec3(more)));
+    }
+}
+
+void SunEdges::addTo(std::span<float> lux, const PointScene& scene, const NearLight& near,
+                     uint32_t room) const {
+    for (const NearLight::Cell& cell : near.cells) {
+        const PointView view(scene.blockers(), cell.middle, cell.normal, room);
+        const double answer = photometric(cell.answer);
+        for (size_t p = 0; p < patches_.size(); ++p) {
+            const uint32_t patch = patches_[p].patch;
+            const PointScene::Patch& at = scene.patches()[patch];
+            if (mesh_->room[patch] != room ||
+                glm::dot(cell.middle - at.centre, at.normal) <= scene.blockers().tolerance())
+                continue;
+            const double straight = view.factor(cornersOf(patch));
+            if (straight * answer >= double{kFar}) addExactly(lux, view, p, straight, cell.answer);
+        }
+    }
+}
+
 size_t SunEdges::bytes() const {
-    size_t sum = hour_.size() * (sizeof(uint32_t) + 4 * sizeof(float));
+    size_t sum = hour_.size() * (sizeof(uint32_t) + 4 * sizeof(float) + sizeof(glm::vec3));
     for (const auto& parts : parts_) {
         sum += sizeof parts;
         for (const Edge::Part& part : parts) sum += sizeof part + part.polygon.size() * sizeof(glm::dvec3);

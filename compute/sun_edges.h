@@ -9,6 +9,7 @@
 
 #include <glm/vec3.hpp>
 
+#include "compute/near_light.h"
 #include "compute/point_view.h"
 #include "compute/sun_patches.h"
 #include "geometry/patch_mesh.h"
@@ -19,11 +20,11 @@ class SunEdges {
 public:
     struct Edge {
         uint32_t patch;
-        float exitance;   // photometric mean over the patch
-        glm::vec3 middle; // of the light
+        glm::vec3 exitance; // mean over the patch
+        glm::vec3 middle;   // of the light
         struct Part {
             std::vector<glm::dvec3> polygon;
-            float exitance; // photometric
+            glm::vec3 exitance;
         };
         std::vector<Part> parts;
     };
@@ -39,6 +40,9 @@ public:
     // edge of patches that count; same bits on any number of threads.
     void addTo(std::span<float> lux, const PointView& view, uint32_t room, const float* even) const;
 
+    // The same by way of the cells of a sensor's near walls, exactly.
+    void addTo(std::span<float> lux, const PointScene& scene, const NearLight& near, uint32_t room) const;
+
     size_t bytes() const;
 
 private:
@@ -47,11 +51,21 @@ private:
         size_t first; // of its edges; they end where the next one's begin
         glm::vec3 middle, normal;
     };
+    size_t edgesEnd(size_t patch) const {
+        return patch + 1 < patches_.size() ? patches_[patch + 1].first : hour_.size();
+    }
+    std::vector<glm::dvec3> cornersOf(uint32_t patch) const;
+    // Edges of one of patches_, which the view has the form factor `straight` of; `answer`: lux at the sensor
+    // for each lux at the view's point.
+    void addExactly(std::span<float> lux, const PointView& view, size_t patch, double straight,
+                    glm::vec3 answer) const;
+
     const geometry::PatchMesh* mesh_ = nullptr;
     std::vector<Patch> patches_;
     // Edges, patch by patch.
     std::vector<uint32_t> hour_;
-    std::vector<float> exitance_, x_, y_, z_; // and middles
+    std::vector<float> exitance_, x_, y_, z_; // photometric, and middles
+    std::vector<glm::vec3> colour_;           // exitance
     std::vector<std::vector<Edge::Part>> parts_;
 };
 

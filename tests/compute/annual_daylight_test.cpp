@@ -48,11 +48,11 @@ Arrays yearOf(DaylightTransport& transport, const std::vector<daylight::Sky>& sk
 }
 
 void expectFull(const geometry::PatchMesh& mesh, const std::vector<daylight::Sky>& skies = kSkies,
-                double most = 0.01) {
+                double most = 0.01, const std::vector<Sensor>& sensors = kSensors) {
     DaylightTransport transport(test::device(), mesh);
-    const Arrays year = yearOf(transport, skies);
+    const Arrays year = yearOf(transport, skies, sensors);
     const std::vector<Moment> full = transport.light(skies);
-    for (size_t s = 0; s < kSensors.size(); ++s)
+    for (size_t s = 0; s < sensors.size(); ++s)
         for (size_t h = 0; h < skies.size(); ++h) {
             const LightParts& parts = full[h].sensors[s];
             const double lux = photometric(parts.total());
@@ -81,6 +81,21 @@ TEST(AnnualDaylight, rooms_behind_other_windows_too) {
     expectFull(mesh, {overcast(), sunny({0.2, 0.4, 0.7}), sunny({0.2, 0.5, -0.8})}, 0.02);
     // Edges of sunlight seen through glass are averaged over patches, here of 1 m.
     expectFull(test::twoRooms(true), kSkies, 0.02);
+}
+
+TEST(AnnualDaylight, sensors_a_hair_from_walls_too) {
+    const std::vector<Sensor> corners{{{0.004, 0.01, 2.3}, {0, 1, 0}}, // beside sun on the floor
+                                      {{0.01, 0.003, 1.9}, {1, 0, 0}},
+                                      {{3.99, 2.997, 4.995}, {0, 0, -1}}};
+    std::vector<daylight::Sky> skies = kSkies;
+    skies.push_back(sunny({0.5, 0.35, -0.5}));
+    geometry::PatchMesh mesh = windowRoom({0.8f, 0.5f, 0.2f}, {0.8f, 0.7f, 0.5f});
+    mesh.materials[0].exitance = glm::vec3(5);
+    expectFull(mesh, skies, 0.02, corners);
+    DaylightTransport transport(test::device(), mesh);
+    transport.setSensors(corners);
+    transport.light(skies[0]);
+    EXPECT_EQ(transport.report().sensorsNearWalls, corners.size());
 }
 
 TEST(AnnualDaylight, surfaces_that_emit_light_the_night) {

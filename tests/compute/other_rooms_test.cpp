@@ -270,5 +270,31 @@ TEST(OtherRooms, a_hair_from_corners_light_falls_off_as_it_should) {
     EXPECT_LT(std::abs(sum / count), 0.01 + 3 * std::sqrt(noise) / count);
 }
 
+// Patches of 1 m that the sun lights in part, and sensors in the edge of floor and wall beside that part:
+// what they see of the wall gets its light from the lit part alone, not from the patch.
+TEST(OtherRooms, beside_sunlit_parts_of_large_patches) {
+    const daylight::Sky sky = test::sunny({0.5, 0.35, -0.5});
+    test::BoxRoom box;
+    box.wall.reflectance = glm::vec3(0.6f);
+    box.isGlass = [](dvec3 p) { return p.z < 1e-9 && p.x > 1 && p.x < 3 && p.y > 1 && p.y < 2; };
+    box.triangles = false;
+    const geometry::PatchMesh few = test::boxRoom(box);
+    box.triangles = true;
+    const std::vector<Sensor> sensors{{{0.004, 0.01, 1.1}, {0, 1, 0}},   {{0.01, 0.005, 0.95}, {1, 0, 0}},
+                                      {{0.002, 0.012, 1.25}, {0, 1, 0}}, {{0.01, 0.01, 2.9}, {1, 0, 0}},
+                                      {{0.01, 0.004, 3.1}, {0, 1, 0}},   {{0.015, 0.002, 3.3}, {1, 0, 0}}};
+    DaylightTransport transport(test::device(), test::boxRoom(box));
+    transport.setSensors(sensors);
+    const Moment moment = transport.light(sky);
+    test::PathTracer tracer(few, sky);
+    for (size_t k = 0; k < sensors.size(); ++k) {
+        const auto truth = tracer.at(sensors[k], 50);
+        const double off = std::abs(photometric(moment.sensors[k].total()) - truth.lux);
+        EXPECT_LT(truth.standardError, 0.03 * truth.lux);
+        EXPECT_LT(off, 0.05 * truth.lux + 3 * truth.standardError) << k; // half of it and more without
+        EXPECT_LT(off, static_cast<double>(moment.sensors[k].error) + 3 * truth.standardError) << k;
+    }
+}
+
 } // namespace
 } // namespace heliodon::compute
