@@ -189,13 +189,14 @@ bool EdgeSampler::hasSmallParts(double edge) const {
 
 double EdgeSampler::sizeOf(uint32_t corner) const {
     const double size = grading_.first * surroundings_[corner];
-    return size < kWorthGrading * edge_ ? size : kInfinity;
+    return std::min(size < kWorthGrading * edge_ ? size : kInfinity, eased_[corner]);
 }
 
 void EdgeSampler::choose(double edge, const Grading& grading) {
     edge_ = edge;
     grading_ = grading;
     if (edge > reach_) findNearCorners(2 * edge);
+    eased_.assign(surroundings_.size(), kInfinity);
     for (SampledEdge& e : edges_) {
         e.even = e.graded = false;
         e.pins.clear();
@@ -203,19 +204,20 @@ void EdgeSampler::choose(double edge, const Grading& grading) {
     }
     if (std::isfinite(grading.growth))
         for (const Strip& strip : strips_) stagger(strip);
-    for (SampledEdge& e : edges_)
-        if (!e.pins.empty())
-            fillBetweenPins(e);
-        else if (!e.even) {
-            const auto steps = stepsAlong(e, edge_);
-            e.graded = steps.size() > 2;
-            e.divisions.clear();
-            const double most = e.graded ? kInfinity : e.most,
-                         wanted = std::floor(std::min(steps.back().second + 0.5 + 1e-7, most));
-            divideEvenly(steps, std::max(1.0, wanted), e.divisions);
-        }
+    for (SampledEdge& e : edges_) divide(e);
     if (std::isfinite(grading.growth)) easeCorners();
     for (const TwinEdges& group : twins_) shareDivisions(group);
+}
+
+void EdgeSampler::divide(SampledEdge& edge) const {
+    if (edge.even) return;
+    if (!edge.pins.empty()) return fillBetweenPins(edge);
+    const auto steps = stepsAlong(edge, edge_);
+    edge.graded = steps.size() > 2;
+    edge.divisions.clear();
+    const double most = edge.graded ? kInfinity : edge.most,
+                 wanted = std::floor(std::min(steps.back().second + 0.5 + 1e-7, most));
+    divideEvenly(steps, std::max(1.0, wanted), edge.divisions);
 }
 
 // For each edge the corners of its domains that may want steps along it shorter than `reach`.
@@ -360,6 +362,8 @@ std::vector<std::pair<double, double>> EdgeSampler::stepsAlong(const SampledEdge
         if (size + grading_.growth * near.distance < largest)
             sources.emplace_back(position(near.corner), size);
     }
+    for (const uint32_t end : {edge.a, edge.b})
+        if (eased_[end] < largest) sources.emplace_back(position(end), eased_[end]);
     if (sources.empty()) return {{0.0, 0.0}, {1.0, edge.length / largest}};
     std::vector<std::pair<double, double>> steps{{0.0, 0.0}};
     for (double s = 0, count = 0; s < edge.length;) {
@@ -383,6 +387,46 @@ void EdgeSampler::easeCorners() {
     constexpr int kRounds = 3;
     for (int round = 0; round < kRounds && easeOnce(); ++round) {
     }
+    for (int round = 0; round < kRounds && easeGraded(); ++round) {
+    }
+}
+
+double EdgeSampler::stepAt(const SampledEdge& edge, uint32_t end) const {
+    if (edge.divisions.empty()) return edge.length;
+    return edge.length * (end == edge.a ? edge.divisions.front() : 1 - edge.divisions.back());
+}
+
+// Beside the short steps of a strip those of other edges begin with shorter ones too, and grow from there.
+bool EdgeSampler::easeGraded() {
+    constexpr double kMostBeside = 1.4, kFirst = 0.9, kShorter = 0.85, kFinestEased = 0.28;
+    constexpr double kMostCosine = -0.3; // of the turn: no triangle goes round a wider corner
+    std::vector<bool> finer(edges_.size());
+    for (size_t d = 0; d < domains_.size(); ++d)
+        for (size_t l = 0; l < loopEdges_[d].size(); ++l)
+            for (size_t k = 0, n = loopEdges_[d][l].size(); k < n; ++k) {
+                const std::vector<glm::dvec2>& p = domains_[d].planar[l];
+                const glm::dvec2 in = p[k] - p[(k + n - 1) % n], out = p[(k + 1) % n] - p[k];
+                if (cross(in, out) <= 0 ||
+                    -glm::dot(in, out) < kMostCosine * glm::length(in) * glm::length(out))
+                    continue;
+                const uint32_t v = domains_[d].loops[l][k];
+                uint32_t e = loopEdges_[d][l][(k + n - 1) % n], f = loopEdges_[d][l][k];
+                double own = stepAt(edges_[e], v), next = stepAt(edges_[f], v);
+                if (own > next) {
+                    std::swap(own, next);
+                    std::swap(e, f);
+                }
+                if (next < kMostBeside * own || own < kFinestEased * edge_ || edges_[f].even || edges_[f].divisions.empty()) continue;
+                eased_[v] = std::min(kFirst * own, kShorter * eased_[v]);
+                finer[f] = true;
+            }
+    bool any = false;
+    for (size_t e = 0; e < edges_.size(); ++e) {
+        if (!finer[e]) continue;
+        divide(edges_[e]);
+        any = true;
+    }
+    return any;
 }
 
 bool EdgeSampler::easeOnce() {
