@@ -157,7 +157,10 @@ private:
                                   twice;
         // An equilateral triangle of the size wanted has a circumradius of 0.577 of it.
         const double radius = glm::length(offset), size = domain_.size.at(a + offset);
-        if (radius < kLargest * size) return false;
+        const double shortest =
+            std::sqrt(std::min({glm::dot(u, u), glm::dot(v, v), glm::dot(u - v, u - v)}));
+        const bool slim = !domain_.size.uniform() && radius > kSlim * shortest;
+        if (radius < kLargest * size && !slim) return false;
         const uint32_t target = net_.locate(t, a + offset);
         if (target == kNoTriangle || nearFixedEdge(target, a + offset, kApart * size)) return false;
         net_.insert(target, a + offset);
@@ -174,7 +177,7 @@ private:
         return false;
     }
 
-    static constexpr double kLargest = 0.95, kApart = 0.45;
+    static constexpr double kLargest = 0.95, kApart = 0.45, kSlim = 1.2;
     PlanarNet& net_;
     const PlanarDomain& domain_;
 };
