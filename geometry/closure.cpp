@@ -161,7 +161,7 @@ private:
 
     bool findSpaces() {
         spaces_ = findRooms(plan_);
-        cleanOutlines(spaces_);
+        cleanOutlines(plan_, spaces_);
         if (!spaces_.rooms.empty()) return true;
         refuse("NOT_ENCLOSED", "the walls enclose no space: " + joined(idsOf(plan_.pieces)));
         return false;
@@ -225,7 +225,7 @@ private:
         const RoomFaces& faces = made.faces;
         Building& building = made.building;
         building.materials = materials.materials;
-        building.occluders = occluderSolids(plan_);
+        building.occluders = occluderSolids(plan_, spaces_.rooms);
         if (sketch_.north) building.northDeg = sketch_.north->dirDeg;
 
         out_.report.windowCount = windows.openings;

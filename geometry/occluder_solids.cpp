@@ -1,20 +1,139 @@
 #include "geometry/occluder_solids.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <numbers>
+
+#include <glm/geometric.hpp>
+
+#include "geometry/perpendicular.h"
+#include "geometry/segment_distance.h"
 
 namespace heliodon::geometry {
 
 namespace {
 
+constexpr double kTurn = 2 * std::numbers::pi;
+constexpr double kSameAngle = 1e-7; // radians
+constexpr double kOffCircle = 0.1;  // inches: an outline farther from the face's circle is not of the face
+constexpr double kStraight = 1e-4;  // inches
+
+// One long face of a curved wall as a line of corners: as rooms see it where they do, else as it was planned.
+class CurvedFace {
+public:
+    CurvedFace(const WallPiece& piece, int index, bool outer, const std::vector<RoomPlan>& rooms)
+        : piece_(piece), radius_(piece.radius + (outer ? 0.5 : -0.5) * piece.thickness) {
+        for (const RoomPlan& room : rooms)
+            for (const OutlineLoop& loop : room.loops)
+                for (size_t i = 0; i < loop.points.size(); ++i)
+                    if (loop.edges[i].piece == index && !loop.edges[i].gap)
+                        see(loop.points[i], loop.points[(i + 1) % loop.points.size()]);
+        const std::vector<glm::dvec2> outline = footprint(piece).outline;
+        const size_t count = outline.size() / 2;
+        for (size_t k = 0; k < count; ++k)
+            plan(glm::mix(piece.a0, piece.a1, static_cast<double>(k) / static_cast<double>(count - 1)),
+                 outline[outer ? k : outline.size() - 1 - k]);
+        std::ranges::sort(corners_, {}, &Corner::angle);
+        for (size_t i = 1; i + 1 < corners_.size();)
+            if (corners_[i + 1].angle - corners_[i].angle < kSameAngle ||
+                distanceToSegment(corners_[i].at, corners_[i - 1].at, corners_[i + 1].at) < kStraight)
+                corners_.erase(corners_.begin() + static_cast<std::ptrdiff_t>(i));
+            else
+                ++i;
+    }
+
+    double radius() const { return radius_; }
+    bool isSeen() const { return !seen_.empty(); }
+
+    void addAngles(std::vector<double>& angles) const {
+        for (const Corner& c : corners_)
+            if (c.angle > piece_.a0 + kSameAngle && c.angle < piece_.a1 - kSameAngle)
+                angles.push_back(c.angle);
+    }
+
+    // Where the line from the centre at this angle meets it.
+    glm::dvec2 at(double angle) const {
+        const auto next = std::ranges::lower_bound(corners_, angle - kSameAngle, {}, &Corner::angle);
+        if (next == corners_.end()) return corners_.back().at;
+        if (next == corners_.begin() || next->angle < angle + kSameAngle) return next->at;
+        const glm::dvec2 p = std::prev(next)->at, d = next->at - p, u(std::cos(angle), std::sin(angle));
+        return piece_.center + cross(p - piece_.center, d) / cross(u, d) * u;
+    }
+
+private:
+    struct Corner {
+        double angle;
+        glm::dvec2 at;
+    };
+
+    double angleOf(glm::dvec2 p) const {
+        const double middle = (piece_.a0 + piece_.a1) / 2;
+        return middle +
+               std::remainder(std::atan2(p.y - piece_.center.y, p.x - piece_.center.x) - middle, kTurn);
+    }
+
+    void see(glm::dvec2 p, glm::dvec2 q) {
+        for (const glm::dvec2 end : {p, q})
+            if (std::abs(glm::length(end - piece_.center) - radius_) > kOffCircle) return;
+        double from = angleOf(p), to = angleOf(q);
+        if (from > to) {
+            std::swap(from, to);
+            std::swap(p, q);
+        }
+        const bool overSeam = to - from > kTurn / 2, full = piece_.a1 - piece_.a0 > kTurn - 1e-9;
+        if (!overSeam) return add({from, p}, {to, q});
+        if (!full) return;
+        add({to - kTurn, q}, {from, p});
+        add({to, q}, {from + kTurn, p});
+    }
+
+    void add(const Corner& from, const Corner& to) {
+        corners_.insert(corners_.end(), {from, to});
+        seen_.emplace_back(from.angle, to.angle);
+    }
+
+    void plan(double angle, glm::dvec2 corner) {
+        const bool seen = std::ranges::any_of(seen_, [&](const auto& s) {
+            return angle > s.first - kSameAngle && angle < s.second + kSameAngle;
+        });
+        if (!seen) corners_.push_back({angle, corner});
+    }
+
+    const WallPiece& piece_;
+    double radius_;
+    std::vector<Corner> corners_;
+    std::vector<std::pair<double, double>> seen_; // edges of rooms, by angle
+};
+
 class SolidBuilder {
 public:
-    // The footprint is a strip: corner k of one long side faces corner size - 1 - k of the other. Each of its
-    // cells becomes a convex solid of its own.
     void add(const WallPiece& piece) {
-        const std::vector<glm::dvec2> outline = footprint(piece).outline;
-        const size_t n = outline.size();
+        const std::vector<glm::dvec2> p = footprint(piece).outline;
+        const size_t n = p.size(); // a strip: corner k of one long side faces corner n - 1 - k of the other
         for (size_t k = 0; k + 1 < n / 2; ++k)
-            addPrism({outline[k], outline[k + 1], outline[n - 2 - k], outline[n - 1 - k]}, piece.height);
+            addPrism({p[k], p[k + 1], p[n - 2 - k], p[n - 1 - k]}, piece.height);
+    }
+
+    void addSeen(const WallPiece& piece, int index, const std::vector<RoomPlan>& rooms) {
+        const CurvedFace outer(piece, index, true, rooms), inner(piece, index, false, rooms);
+        if (!outer.isSeen() && !inner.isSeen()) return add(piece);
+        std::vector<double> angles{piece.a0, piece.a1};
+        if (outer.isSeen()) outer.addAngles(angles);
+        if (inner.isSeen()) inner.addAngles(angles);
+        std::ranges::sort(angles);
+        const auto repeated =
+            std::ranges::unique(angles, [](double a, double b) { return b - a < kSameAngle; });
+        angles.erase(repeated.begin(), repeated.end());
+        // A side that nobody sees is parallel to the other one.
+        const auto at = [&](const CurvedFace& face, const CurvedFace& other, double angle) {
+            return face.isSeen() ? face.at(angle)
+                                 : glm::mix(piece.center, other.at(angle), face.radius() / other.radius());
+        };
+        for (size_t k = 0; k + 1 < angles.size(); ++k)
+            addPrism({at(outer, inner, angles[k]), at(outer, inner, angles[k + 1]),
+                      at(inner, outer, angles[k + 1]), at(inner, outer, angles[k])},
+                     piece.height);
     }
 
     Occluders take() { return std::move(out_); }
@@ -42,9 +161,13 @@ private:
 
 } // namespace
 
-Occluders occluderSolids(const PlanWalls& plan) {
+Occluders occluderSolids(const PlanWalls& plan, const std::vector<RoomPlan>& rooms) {
     SolidBuilder builder;
-    for (const WallPiece& piece : plan.pieces) builder.add(piece);
+    for (size_t i = 0; i < plan.pieces.size(); ++i)
+        if (plan.pieces[i].curved)
+            builder.addSeen(plan.pieces[i], static_cast<int>(i), rooms);
+        else
+            builder.add(plan.pieces[i]);
     for (const WallPiece& piece : plan.partitions) builder.add(piece);
     return builder.take();
 }

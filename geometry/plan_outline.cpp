@@ -10,6 +10,7 @@
 
 #include "geometry/perpendicular.h"
 
+#include "geometry/plan_curves.h"
 #include "geometry/plan_rooms.h"
 
 namespace heliodon::geometry {
@@ -287,12 +288,15 @@ void clean(std::vector<OutlineLoop>& loops) {
 
 } // namespace
 
-void cleanOutlines(PlanRooms& plan) {
-    for (RoomPlan& room : plan.rooms) clean(room.loops);
-    for (int round = 0; round < 4 && separatePinches(plan.rooms); ++round) {
+void cleanOutlines(const PlanWalls& plan, PlanRooms& found) {
+    for (RoomPlan& room : found.rooms) {
+        clean(room.loops);
+        evenFacets(plan, room.loops);
     }
-    std::erase_if(plan.rooms, [](const RoomPlan& room) { return room.loops.empty(); });
-    for (RoomPlan& room : plan.rooms) {
+    for (int round = 0; round < 4 && separatePinches(found.rooms); ++round) {
+    }
+    std::erase_if(found.rooms, [](const RoomPlan& room) { return room.loops.empty(); });
+    for (RoomPlan& room : found.rooms) {
         for (OutlineLoop& loop : room.loops) {
             bluntTips(loop);
             straighten(loop);

@@ -40,7 +40,8 @@ struct PlanRooms {
 
 PlanRooms findRooms(const PlanWalls& plan);
 
-// Takes out steps under 0.12 in, straight corners and spikes, and parts outlines that touch in a point.
-void cleanOutlines(PlanRooms& rooms);
+// Takes out steps under 0.12 in, straight corners and spikes, makes facets even (plan_curves.h) and parts
+// outlines that touch in a point.
+void cleanOutlines(const PlanWalls& plan, PlanRooms& rooms);
 
 } // namespace heliodon::geometry

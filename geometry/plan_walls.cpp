@@ -233,20 +233,28 @@ double cornerReach(double sweep, int count, bool full) {
     return count * step / (sine + std::sqrt(sine * sine + inner * count * step));
 }
 
-int facetsOf(const WallPiece& piece, const PlanWallsOptions& options) {
+void chooseFacets(WallPiece& piece, const PlanWallsOptions& options) {
     const double sweep = std::min(piece.a1 - piece.a0, 2 * kPi), outer = piece.radius + piece.thickness / 2;
-    const auto fewest = [&](double chordError) {
-        const double step = 2 * std::acos(1 - std::min(0.5, chordError / outer));
-        const double count = std::max(2.0, std::ceil(sweep / std::clamp(step, kPi / 180, kPi / 12)));
+    const auto widest = [&](double chordError, double most) {
+        return std::clamp(2 * std::acos(1 - std::min(0.5, chordError / outer)), kPi / 180, most);
+    };
+    const auto fewest = [&](double step) {
+        const double count = std::max(2.0, std::ceil(sweep / step));
         // Of two, the corner between them lies 4/3 of the sagitta outside, of more at most the sagitta.
         return count == 2 && sweep > 2 * std::sqrt(0.75) * step ? 3.0 : count;
     };
-    const double usual = fewest(options.chordError);
-    if (!(options.facetLength > 0)) return static_cast<int>(usual);
-    const double lengths = sweep * piece.radius / options.facetLength, each = std::floor(lengths / usual);
-    if (each >= 1) return static_cast<int>(std::max(usual, std::round(lengths / each)));
-    return static_cast<int>(
-        std::max(fewest(std::max(options.chordError, options.coarseChord)), std::round(lengths)));
+    piece.widestFacet = widest(options.chordError, kPi / 12);
+    double count = fewest(piece.widestFacet);
+    if (options.facetLength > 0) {
+        const double lengths = sweep * piece.radius / options.facetLength, each = std::floor(lengths / count);
+        if (each >= 1) {
+            count = std::max(count, std::round(lengths / each));
+        } else {
+            piece.widestFacet = widest(std::max(options.chordError, options.coarseChord), kPi / 6);
+            count = std::max(fewest(piece.widestFacet), std::round(lengths));
+        }
+    }
+    piece.facets = static_cast<int>(count);
 }
 
 } // namespace
@@ -359,7 +367,7 @@ PlanWalls planWalls(const Sketch& sketch, const PlanWallsOptions& options) {
     }
     for (std::vector<WallPiece>* pieces : {&plan.pieces, &plan.partitions})
         for (WallPiece& piece : *pieces)
-            if (piece.curved) piece.facets = facetsOf(piece, options);
+            if (piece.curved) chooseFacets(piece, options);
     for (size_t i = 0; i < plan.pieces.size(); ++i) {
         plan.solids.push_back(footprint(plan.pieces[i]));
         plan.solids.back().piece = static_cast<int>(i);

@@ -21,6 +21,7 @@ struct WallPiece {
     glm::dvec2 center{};               // of an arc, which runs counter-clockwise from a to b
     double radius = 0, a0 = 0, a1 = 0; // radians
     int facets = 0;                    // of an arc
+    double widestFacet = 0;            // radians: what the chord error allows
     double thickness = 0.375, height = 10;
     int line = -1; // straight side that it belongs to, -1 for arcs
 };

@@ -1,0 +1,14 @@
+// Outlines along curved walls: facets of equal length from where a room's outline reaches a curved wall to
+// where it leaves it, so that no sliver of a facet is left beside the wall that cuts it.
+#pragma once
+
+#include "geometry/plan_rooms.h"
+
+namespace heliodon::geometry {
+
+// Only where facets differ in length by a quarter. They stay within the chord error of the wall's own (as to
+// WallPiece::widestFacet) and enclose the same area; what would cross or touch other outlines of the room
+// stays as it is.
+void evenFacets(const PlanWalls& plan, std::vector<OutlineLoop>& loops);
+
+} // namespace heliodon::geometry
