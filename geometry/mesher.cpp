@@ -179,7 +179,7 @@ private:
     }
 
     double scoreOf(double count, double unevenness, double wanted) const {
-        constexpr double kMissed = 5; // a hundredth of the count too many is as bad as 0.05 of unevenness
+        constexpr double kMissed = 3.5; // a hundredth of the count too many is as bad as 0.035 of unevenness
         return kMissed * std::max(0.0, std::abs(count - wanted) - slack()) / wanted + unevenness;
     }
 

@@ -1,0 +1,139 @@
+// Curved walls that other walls cut between two corners of their facets.
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include "geometry/building.h"
+#include "geometry/mesher.h"
+#include "geometry/sketch.h"
+
+using namespace heliodon::geometry;
+
+namespace {
+
+Arc arc(const char* id, glm::dvec2 center, double radius, double from, double to) {
+    Arc out;
+    out.id = id;
+    out.center = center;
+    out.radius = radius;
+    out.a0Deg = from;
+    out.a1Deg = to;
+    return out;
+}
+
+// Two round rooms through one another: each arc is cut twice, at angles that fit no facet.
+Sketch twoCircles() {
+    Sketch sketch;
+    sketch.arcs = {arc("left", {-4.3, 0.4}, 7, 0, 360), arc("right", {4.1, -0.7}, 8, 0, 360)};
+    return sketch;
+}
+
+ClosureOptions fittedOptions(const Sketch& sketch) {
+    ClosureOptions options;
+    options.facetLength = fittingFacet(surfaceOfRooms(sketch));
+    options.coarseChord = 0.06;
+    return options;
+}
+
+// Convex prisms of 36 indices: whether one of them holds the point.
+bool inSolid(const Occluders& solids, glm::dvec3 p) {
+    for (size_t first = 0; first < solids.triangles.size(); first += 36) {
+        bool in = true;
+        for (size_t i = first; in && i < first + 36; i += 3) {
+            const auto corner = [&](size_t k) { return solids.vertices[solids.triangles[i + k]]; };
+            in = glm::dot(glm::cross(corner(1) - corner(0), corner(2) - corner(0)), p - corner(0)) < 0;
+        }
+        if (in) return true;
+    }
+    return false;
+}
+
+} // namespace
+
+TEST(CurvedFacets, are_even_between_the_walls_that_cut_them) {
+    const Sketch sketch = twoCircles();
+    const Closure closure = closeSketch(sketch, fittedOptions(sketch));
+    ASSERT_TRUE(closure.building) << closure.report.message;
+    ASSERT_EQ(closure.report.rooms.size(), 3u);
+    // A surface is what one room sees of one wall in one piece.
+    std::map<uint32_t, std::vector<double>> widths;
+    for (const Face& face : closure.building->faces) {
+        double width = 0, rise = 0;
+        for (size_t k = 0; k < face.loops[0].size(); ++k) {
+            const glm::dvec3 d = closure.building->vertices[face.loops[0][(k + 1) % face.loops[0].size()]] -
+                                 closure.building->vertices[face.loops[0][k]];
+            rise = std::max(rise, std::abs(d.y));
+            width = std::max(width, std::hypot(d.x, d.z));
+        }
+        if (rise > 0) widths[face.surface].push_back(width);
+    }
+    ASSERT_GE(widths.size(), 4u);
+    for (const auto& [surface, all] : widths) {
+        const auto [least, most] = std::ranges::minmax(all);
+        EXPECT_GT(least, 0.75 * most) << surface;
+    }
+}
+
+// A wall that cuts an arc 0.24 in behind a corner left 24.8 degrees and 0.19 before.
+TEST(CurvedFacets, even_ones_leave_no_slivers_in_the_mesh) {
+    const Sketch sketch = readSketch(HELIODON_TEST_DATA "/geometry/sketches/s_curve.json");
+    const Closure closure = closeSketch(sketch, fittedOptions(sketch));
+    ASSERT_TRUE(closure.building) << closure.report.message;
+    const MeshQuality quality = measureMesh(meshBuilding(*closure.building));
+    EXPECT_GE(quality.minAngleDeg, 30);
+    EXPECT_LE(quality.areaDeviation, 0.11);
+}
+
+// Areas of the two lunes and of the lens between, walls 3/8 in thick, from circles.
+TEST(CurvedFacets, enclose_the_area_of_the_arcs) {
+    const auto lens = [](double r, double s, double d) { // of circles d apart
+        const double a = (d * d + r * r - s * s) / (2 * d), b = d - a;
+        return r * r * std::acos(a / r) - a * std::sqrt(r * r - a * a) + s * s * std::acos(b / s) -
+               b * std::sqrt(s * s - b * b);
+    };
+    const double pi = std::acos(-1.0), d = std::hypot(8.4, 1.1), h = 0.1875;
+    std::vector<double> expected{lens(7 - h, 8 - h, d), pi * std::pow(7 - h, 2) - lens(7 - h, 8 + h, d),
+                                 pi * std::pow(8 - h, 2) - lens(7 + h, 8 - h, d)};
+    const Sketch sketch = twoCircles();
+    const Closure closure = closeSketch(sketch, fittedOptions(sketch));
+    std::vector<double> areas;
+    for (const RoomReport& room : closure.report.rooms) areas.push_back(room.floorAreaFt2);
+    ASSERT_EQ(areas.size(), expected.size());
+    std::ranges::sort(areas);
+    std::ranges::sort(expected);
+    // Ends of facets lie up to a chord's error off the arc.
+    for (size_t k = 0; k < areas.size(); ++k) EXPECT_NEAR(areas[k], expected[k], 2e-3 * expected[k]);
+}
+
+// Else a wall would cast slivers of shadow on itself.
+TEST(CurvedFacets, no_solid_stands_out_of_the_wall_that_rooms_see) {
+    for (const char* name : {"s_curve.json", "three_arcs.json", "arc_with_partitions.json", ""}) {
+        const Sketch sketch =
+            *name ? readSketch(std::string(HELIODON_TEST_DATA "/geometry/sketches/") + name) : twoCircles();
+        const Closure closure = closeSketch(sketch, fittedOptions(sketch));
+        ASSERT_TRUE(closure.building) << closure.report.message;
+        const Building& building = *closure.building;
+        size_t asked = 0, out = 0;
+        for (const Face& face : building.faces) {
+            const auto& loop = face.loops[0];
+            std::vector<glm::dvec3> foot; // of an upright facet from floor to ceiling
+            glm::dvec3 normal{0};
+            for (size_t k = 0; k < loop.size(); ++k) {
+                const glm::dvec3 p = building.vertices[loop[k]];
+                normal += glm::cross(p, building.vertices[loop[(k + 1) % loop.size()]]);
+                if (p.y < 1e-9) foot.push_back(p);
+            }
+            if (loop.size() != 4 || foot.size() != 2) continue;
+            for (const double share : {0.05, 0.3, 0.5, 0.7, 0.95}) {
+                const glm::dvec3 inAir = glm::mix(foot[0], foot[1], share) + 1e-5 * glm::normalize(normal);
+                ++asked;
+                out += inSolid(building.occluders, inAir + glm::dvec3(0, 0.05, 0));
+            }
+        }
+        EXPECT_GT(asked, 100u) << name;
+        EXPECT_EQ(out, 0u) << name << " of " << asked;
+    }
+}
