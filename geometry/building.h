@@ -81,8 +81,8 @@ struct Closure {
 
 Closure closeSketch(const Sketch& sketch, const ClosureOptions& options = {});
 
-// Of the rooms that closeSketch() would make, in square metres, to within 2 %: partitions count with their long
-// sides, ends and crossings are not looked for. 0 where it finds none. Takes a third of the time.
+// Of the rooms that closeSketch() would make, in square metres, to within 2 %: partitions count with their
+// long sides, ends and crossings are not looked for. 0 where it finds none. Takes a third of the time.
 double surfaceOfRooms(const Sketch& sketch, const ClosureOptions& options = {});
 
 // How many facets closeSketch() makes of each curved wall. Options that leave these as they are, of those

@@ -23,7 +23,7 @@ constexpr double kNarrowStrip = 0.363, kWideStrip = 0.688;
 // A triangle may be so much longer along a strip than the strip is wide, beside what it may be at a short
 // edge.
 constexpr double kFacing = 1.6;
-constexpr double kFinestStrip = 0.45;  // of the edge length
+constexpr double kFinestStrip = 0.45; // of the edge length
 constexpr double kUniformStrip = 0.8; // of the edge length: a strip this wide needs no staggering
 // Where rectangles of a strip are halved: their width over their length, for angles of 36 degrees. So wide a
 // strip has room for points inside.
@@ -416,7 +416,9 @@ bool EdgeSampler::easeGraded() {
                     std::swap(own, next);
                     std::swap(e, f);
                 }
-                if (next < kMostBeside * own || own < kFinestEased * edge_ || edges_[f].even || edges_[f].divisions.empty()) continue;
+                if (next < kMostBeside * own || own < kFinestEased * edge_ || edges_[f].even ||
+                    edges_[f].divisions.empty())
+                    continue;
                 eased_[v] = std::min(kFirst * own, kShorter * eased_[v]);
                 finer[f] = true;
             }

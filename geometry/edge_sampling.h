@@ -81,8 +81,8 @@ private:
     void divide(SampledEdge& edge) const;
     void fillBetweenPins(SampledEdge& edge) const;
     void easeCorners();
-    bool easeOnce();   // whether it changed anything
-    bool easeGraded(); // likewise
+    bool easeOnce();                                            // whether it changed anything
+    bool easeGraded();                                          // likewise
     double stepAt(const SampledEdge& edge, uint32_t end) const; // metres
     // Pairs of a fraction of the edge's length and how many steps of the size wanted lie before it.
     std::vector<std::pair<double, double>> stepsAlong(const SampledEdge& edge, double largest) const;
@@ -95,8 +95,8 @@ private:
     std::map<std::pair<uint32_t, uint32_t>, uint32_t> edgeOf_;
     std::vector<std::vector<std::vector<uint32_t>>> loopEdges_; // per domain, loop, corner
     std::vector<double> surroundings_;                          // per corner: metres to what is near
-    std::vector<double> eased_;           // per corner: metres, most for the first steps from there
-    std::vector<glm::dvec2> directions_;                        // per domain: of its longest side
+    std::vector<double> eased_;          // per corner: metres, most for the first steps from there
+    std::vector<glm::dvec2> directions_; // per domain: of its longest side
     std::vector<TwinEdges> twins_;
     std::vector<Strip> strips_;   // narrow ones first
     double edge_ = 0, reach_ = 0; // metres; of the steps for which near corners are known
