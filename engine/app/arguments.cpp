@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "engine/app/option_checks.h"
+#include "engine/app/option_groups.h"
 #include "engine/present/operator_window.h"
 #include "geometry/input_error.h"
 
@@ -102,72 +103,6 @@ private:
         return sub;
     }
 
-    static void addScene(CLI::App* sub, SceneArguments& scene) {
-        sub->add_option("INPUT", scene.input,
-                        "photograph (.png .jpg .tif), sketch (.json) or model (.obj .gltf .glb)")
-            ->required();
-        sub->add_option("--rig", scene.rig,
-                        "calibrated camera and projectors (.json); a photograph needs it");
-        addMesh(sub, scene);
-        sub->add_option("--up", scene.up, "up axis of a model: y or z (default y)")
-            ->check(CLI::IsMember({"y", "z"}));
-        sub->add_option(
-               "--model-scale", scene.modelScale,
-               "how many times larger than a model (.obj .gltf .glb) its building is (default 12 for "
-               "models under 1 m high, as on the table, else 1)")
-            ->check(positive());
-    }
-
-    static void addMesh(CLI::App* sub, SceneArguments& scene) {
-        sub->add_option("--triangles", scene.triangles, "patches aimed at (default 2000)")
-            ->check(within(4, 2000000));
-        sub->add_option(
-               "--chord-error", scene.chordError,
-               "how far facets of curved walls may lie off the arc, in inches on the table (default 0.02, "
-               "more where so many facets would exceed --triangles)")
-            ->check(within(0.001, 0.5));
-        sub->add_option("--north", scene.northDeg,
-                        "turn north by so many degrees, clockwise seen from above");
-    }
-
-    static void addBlinds(CLI::App* sub, SceneArguments& scene) {
-        sub->add_option(
-               "--blinds", scene.blinds,
-               "[MATERIAL=]STATE of windows: open, fabric:T[,R] (diffuse transmittance, reflectance) "
-               "or slats:ANGLE[,R[,SPACING]] (degrees, outer edges down; reflectance 0.7; spacing over "
-               "width 0.8); may be given several times")
-            ->allow_extra_args(false);
-    }
-
-    static void addMoment(CLI::App* sub, MomentArguments& moment, bool withTime) {
-        sub->add_option("--site", moment.site,
-                        "LAT,LON in degrees north and east (default: the rig's, else 42.73,-73.68)");
-        if (withTime)
-            sub->add_option("--time", moment.time,
-                            "2026-03-21T13:00-05:00, or ...T13:00solar for apparent solar time (default 21 "
-                            "March 13:00 solar)");
-        sub->add_option(
-            "--sky", moment.sky,
-            "clear, overcast, intermediate, cie:1..15, perez:DNI,DHI in W/m2, or a sky file (default clear)");
-    }
-
-    static void addWeather(CLI::App* sub, MomentArguments& moment) {
-        sub->add_option("--weather", moment.weather,
-                        "hourly weather (.epw or .epw.gz) in place of a sky; its site is used")
-            ->excludes("--sky");
-    }
-
-    static void addPicture(CLI::App* sub, PictureArguments& picture) {
-        sub->add_option("--exposure", picture.exposure,
-                        "lux of exitance that shows as white (default: chosen from the picture)")
-            ->check(positive());
-        sub->add_flag("--false-color", picture.falseColor,
-                      "lux as colours, with a legend; one scale for a whole film or contact sheet");
-        sub->add_flag("--sky-color", picture.skyColour,
-                      "light in the colours of sun and sky, not white; lux stay as they are");
-        sub->add_flag("--exr", picture.exr, "linear pictures too, as OpenEXR");
-    }
-
     void addDetect() {
         CLI::App* sub = add("detect", "find walls, windows, tokens and arrow in a photograph", detect_,
                             "photo.png --rig rig.json -o sketch.json --overlay found.png");
@@ -183,15 +118,6 @@ private:
                             "sketch.json --triangles 2000 -o room.obj");
         addScene(sub, model_.scene);
         sub->add_option("-o,--output", model_.output, "the model (.obj with .mtl, or .glb)")->required();
-    }
-
-    static CLI::Option* addRadiosityError(CLI::App* sub, double& value) {
-        return sub
-            ->add_option(
-                "--max-radiosity-error", value,
-                "wanted error of radiosity over its largest value, from form factors and solution, for the "
-                "reflectances of this model; picks kernel and row error")
-            ->check(within(1e-6, 1.0));
     }
 
     void addFormFactors() {
