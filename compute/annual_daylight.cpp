@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <stdexcept>
 
@@ -354,24 +355,26 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
     told(sunHours_, static_cast<double>(sensorsDone_));
 }
 
-std::vector<uint32_t> AnnualDaylight::checkedHours() const {
-    std::vector<uint32_t> sunless, sunny;
-    for (uint32_t h : lit_)
-        if (!skies_[h].hasSun()) sunless.push_back(h);
+// Sunless ones first.
+std::vector<uint32_t> AnnualDaylight::checkedHours(size_t& sunless) const {
+    std::vector<uint32_t> sunny, others;
     for (const Sunny& s : sunny_) sunny.push_back(s.hour);
-    std::vector<uint32_t> hours = spread(sunless, kCheckedSunless);
+    std::set_difference(lit_.begin(), lit_.end(), sunny.begin(), sunny.end(), std::back_inserter(others));
+    std::vector<uint32_t> hours = spread(others, kCheckedSunless);
+    sunless = hours.size();
     for (uint32_t h : spread(sunny, kCheckedSunny)) hours.push_back(h);
     return hours;
 }
 
 // The transport states an error for each illuminance that it solves. Per sensor, its share of sky light (the
-// largest of the checked hours) and of what the sun adds (their mean, weighed by light) is taken for all
-// hours.
+// largest of the checked hours that no sun enters in, or where there are none, of all) and of what the sun
+// adds (their mean, weighed by light) is taken for all hours.
 void AnnualDaylight::checkAndSetErrors(std::span<const float> lux, std::span<const float> sun,
                                        std::span<float> error) {
     const SecondsAdded clock(report_.checkSeconds);
     const size_t hours = skies_.size(), count = hours ? lux.size() / hours : 0;
-    const std::vector<uint32_t> checked = checkedHours();
+    size_t sunless = 0;
+    const std::vector<uint32_t> checked = checkedHours(sunless);
     std::vector<daylight::Sky> skies;
     for (uint32_t h : checked) skies.push_back(skies_[h]);
     const std::vector<Moment> moments = transport_.light(skies);
@@ -390,10 +393,8 @@ void AnnualDaylight::checkAndSetErrors(std::span<const float> lux, std::span<con
                 checkSquares_ += difference * difference;
                 ++checkCount_;
             }
-            if (!skies_[checked[k]].hasSun())
-                ofSky = std::max(ofSky, there > 0 ? mistake / there : 0.0);
-            else
-                sunError += std::max(0.0, mistake - ofSky * (here - bySun)), sunLight += bySun;
+            if (k < sunless || sunless == 0) ofSky = std::max(ofSky, there > 0 ? mistake / there : 0.0);
+            if (k >= sunless) sunError += std::max(0.0, mistake - ofSky * (here - bySun)), sunLight += bySun;
         }
         const double ofSun = sunLight > 0 ? sunError / sunLight : 0;
         for (size_t h = 0; h < hours; ++h) {

@@ -79,7 +79,7 @@ private:
     void addEdges(const TransportParts& parts, std::span<float> reflected) const;
     void addBeams(std::span<const Sensor> sensors, std::span<float> sun) const;
     void checkAndSetErrors(std::span<const float> lux, std::span<const float> sun, std::span<float> error);
-    std::vector<uint32_t> checkedHours() const;
+    std::vector<uint32_t> checkedHours(size_t& sunless) const;
     void told(size_t hours, double sensors) const; // hours with sun and sensors that are done
 
     DaylightTransport& transport_;

@@ -19,6 +19,7 @@ namespace {
 constexpr double kSpreadShare = 0.05;  // of light's variation within patches, after its slope is allowed for
 constexpr double kNearShare = 0.5;     // of a patch's light, times its own share of the view
 constexpr double kApartShare = 0.25;   // the same where such patches are taken apart (near_light.h)
+constexpr double kApartSunShare = 0.2; // of that light, the sun's first bounce, whose shape is known
 constexpr double kBounceError = 0.006; // of reflected light: what earlier bounces between patches leave
 constexpr double kSensorSkyError = 0.008; // of sky light, from its cubature and that of glass
 constexpr double kPatchSkyError = 0.01;   // the same for four points a patch and sky elements
@@ -110,8 +111,14 @@ void lightSensors(const MomentScene& scene, const SolvedColumns& solved, Moment&
     }
     const std::vector<float> spread =
         moment.sensors.empty() ? std::vector<float>{} : spreadWithin(scene, smooth);
-    std::vector<float> light(n);
-    for (size_t i = 0; i < n; ++i) light[i] = static_cast<float>(photometric(moment.lighting.exitance[i]));
+    std::vector<float> light(n), apart(n);
+    for (size_t i = 0; i < n; ++i) {
+        light[i] = apart[i] = static_cast<float>(photometric(moment.lighting.exitance[i]));
+        if (sun)
+            apart[i] -= static_cast<float>(
+                (1 - kApartSunShare) *
+                photometric(mesh.materials[mesh.material[i]].reflectance * moment.patches[i].sun));
+    }
     inParallel(moment.sensors.size(), [&](size_t s) {
         LightParts& parts = moment.sensors[s];
         for (int c = 0; c < 3; ++c) {
@@ -131,7 +138,7 @@ void lightSensors(const MomentScene& scene, const SolvedColumns& solved, Moment&
         double near = 0;
         for (size_t i = 0; i < n; ++i) {
             const double share = sensors.even[s * n + i];
-            near += share * share * double{light[i]};
+            near += share * share * double{(sensors.nearWall[s] ? apart : light)[i]};
         }
         const double nearShare = sensors.nearWall[s] ? kApartShare : kNearShare;
         parts.error = static_cast<float>(moment.report.radiosity.bound * most + nearShare * near +

@@ -15,7 +15,7 @@ using glm::dvec3;
 
 namespace {
 
-constexpr float kNear = 0.2f;     // share of the view that makes a patch near
+constexpr double kNear = 0.2;     // share of the view that near patches must fill
 constexpr double kReach = 0.7;    // patches nearer than this times their size are taken apart
 constexpr double kAngle = 2.2;    // of a triangle, seen from the sensor
 constexpr double kFinest = 0.01;  // of a patch's size: smallest distance that counts
@@ -116,12 +116,15 @@ std::vector<dvec3> answersOf(const PointScene& scene, const std::vector<Cell>& c
 } // namespace
 
 bool hasNearWall(const PointScene& scene, dvec3 position, std::span<const float> even) {
-    bool found = false;
-    for (uint32_t j = 0; j < even.size() && !found; ++j)
-        if (even[j] >= kNear)
+    double share = 0;
+    for (uint32_t j = 0; j < even.size() && share < kNear; ++j) {
+        bool near = false;
+        if (even[j] > 0)
             forTriangles(scene.mesh(), j,
-                         [&](const std::array<dvec3, 3>& t) { found |= isInReach(scene, position, j, t); });
-    return found;
+                         [&](const std::array<dvec3, 3>& t) { near |= isInReach(scene, position, j, t); });
+        if (near) share += double{even[j]};
+    }
+    return share >= kNear;
 }
 
 NearLight nearLight(const PointScene& scene, const PatchSlopes& slopes, dvec3 position, dvec3 normal,

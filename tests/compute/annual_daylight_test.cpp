@@ -112,7 +112,7 @@ TEST(AnnualDaylight, hours_that_need_no_sun_or_no_sky_are_counted) {
     EXPECT_EQ(report.withSun, 3u);
     EXPECT_EQ(report.sunOutside, 1u);
     EXPECT_EQ(report.sunless, 1u);
-    EXPECT_EQ(report.checkedHours, 4u); // the overcast one and those with sun
+    EXPECT_EQ(report.checkedHours, 5u); // all that are lit
     EXPECT_LT(report.checkRms, 0.01);
 }
 

@@ -5,11 +5,13 @@
 #include <gtest/gtest.h>
 
 #include "compute/annual_daylight.h"
+#include "compute/daylight/annual_metrics.h"
 #include "compute/daylight/frame.h"
 #include "compute/daylight/sky_patches.h"
 #include "compute/daylight/weather.h"
 #include "geometry/mesher.h"
 #include "tests/compute/cases.h"
+#include "tests/compute/path_tracer.h"
 #include "tests/daylight/csv.h"
 #include "tests/gpu/test_device.h"
 
@@ -19,9 +21,9 @@ namespace {
 const std::string kOffice = std::string(HELIODON_TEST_DATA) + "/compute/office/";
 constexpr size_t kSensors = 78, kTriangles = 1000;
 
-geometry::PatchMesh office() {
+geometry::PatchMesh office(size_t triangles = kTriangles) {
     return geometry::meshBuilding(geometry::importModel(kOffice + "model.obj", geometry::UpAxis::z),
-                                  {kTriangles});
+                                  {triangles});
 }
 
 std::vector<Sensor> officeSensors() {
@@ -112,6 +114,86 @@ TEST(Office, hours_of_the_year_are_those_of_radiance) {
     EXPECT_GT(static_cast<double>(inside), 0.95 * static_cast<double>(sunny.size() + sunless.size()));
     std::printf("RMS without sun %.2f %%, with sun %.2f %%; %zu of %zu inside their error\n",
                 100 * rms(sunless), 100 * rms(sunny), inside, sunny.size() + sunless.size());
+}
+
+// Some sunny hours of a year, with nothing but these in it.
+struct SunnyYear {
+    std::vector<daylight::Sky> skies;
+    std::vector<float> lux, sun, error; // sensors x hours
+};
+SunnyYear sunnyYear(size_t every) {
+    SunnyYear year;
+    size_t count = 0;
+    for (const auto& hour : daylight::readWeather(test::dataFile("chicago_tmy3.epw.gz")).hours)
+        if (daylight::Sky sky = daylight::skyOfHour(hour); sky.hasSun() && ++count % every == 0)
+            year.skies.push_back(std::move(sky));
+    DaylightTransport transport(test::device(), office());
+    AnnualDaylight annual(transport, year.skies, kSensors);
+    for (auto* values : {&year.lux, &year.sun, &year.error}) values->resize(kSensors * year.skies.size());
+    annual.sensors(officeSensors(), year.lux, year.sun, year.error);
+    return year;
+}
+
+// Each hour alone, in full, on a mesh four times as fine; and what is said of the year lies in its intervals.
+TEST(Office, hours_with_sun_are_those_of_a_finer_solution) {
+    const SunnyYear year = sunnyYear(80);
+    const size_t hours = year.skies.size();
+    DaylightTransport fine(test::device(), office(4 * kTriangles));
+    fine.setSensors(officeSensors());
+    const std::vector<Moment> moments = fine.light(year.skies);
+    std::vector<float> exact(year.lux.size());
+    std::vector<double> relative;
+    size_t inside = 0;
+    for (size_t s = 0; s < kSensors; ++s)
+        for (size_t h = 0; h < hours; ++h) {
+            const size_t at = s * hours + h;
+            const LightParts& parts = moments[h].sensors[s];
+            exact[at] = static_cast<float>(photometric(parts.total()));
+            inside += std::abs(year.lux[at] - exact[at]) <= year.error[at];
+            // Without the beam at the sensor, which is exact in both and would hide a difference.
+            const double indirect = photometric(parts.total() - parts.sun);
+            if (indirect > 1) relative.push_back((year.lux[at] - year.sun[at]) / indirect - 1);
+        }
+    EXPECT_LT(rms(relative), 0.01);
+    EXPECT_GT(static_cast<double>(inside), 0.99 * static_cast<double>(exact.size()));
+
+    using Metrics = daylight::SensorMetrics;
+    const std::vector<uint8_t> occupied(hours, 1);
+    const auto told = daylight::annualMetrics(year.lux, year.sun, occupied, {}, year.error).sensors,
+               truth = daylight::annualMetrics(exact, year.sun, occupied).sensors;
+    for (size_t s = 0; s < kSensors; ++s)
+        for (const auto metric : {&Metrics::da, &Metrics::cda, &Metrics::udiBelow, &Metrics::udiSupplementary,
+                                  &Metrics::udiAutonomous, &Metrics::udiAbove}) {
+            const daylight::Range range = told[s].*metric;
+            EXPECT_GE((truth[s].*metric).value, range.low - 1e-9) << s;
+            EXPECT_LE((truth[s].*metric).value, range.high + 1e-9) << s;
+        }
+    std::printf("%zu hours with sun: RMS %.2f %%\n", hours, 100 * rms(relative));
+}
+
+// Paths share nothing but the formulas of sky and glass with what they check.
+TEST(Office, hours_with_sun_are_those_of_paths) {
+    const SunnyYear year = sunnyYear(400);
+    const size_t hours = year.skies.size();
+    const geometry::PatchMesh few = geometry::readPatches(kOffice + "model.obj", geometry::UpAxis::z);
+    std::vector<double> relative;
+    double noise = 0;
+    for (size_t h = 0; h < hours; ++h) {
+        test::PathTracer tracer(few, year.skies[h]);
+        for (size_t s = 3 + h % 7; s < kSensors; s += 30) {
+            const auto traced = tracer.at(officeSensors()[s], 50);
+            const size_t at = s * hours + h;
+            const double indirect = traced.lux - year.sun[at];
+            relative.push_back((year.lux[at] - traced.lux) / indirect);
+            noise += std::pow(traced.standardError / indirect, 2);
+            EXPECT_NEAR(year.lux[at], traced.lux, year.error[at] + 4 * traced.standardError);
+        }
+    }
+    noise = std::sqrt(noise / static_cast<double>(relative.size()));
+    EXPECT_LT(noise, 0.03);
+    EXPECT_LT(rms(relative), 0.01 + 1.3 * noise); // of some 25 values
+    std::printf("%zu sensors and hours: RMS %.2f %%, the paths' own noise %.2f %%\n", relative.size(),
+                100 * rms(relative), 100 * noise);
 }
 
 } // namespace
