@@ -399,7 +399,7 @@ double EdgeSampler::stepAt(const SampledEdge& edge, uint32_t end) const {
 // Beside the short steps of a strip those of other edges begin with shorter ones too, and grow from there.
 bool EdgeSampler::easeGraded() {
     constexpr double kMostBeside = 1.4, kFirst = 0.9, kShorter = 0.85, kFinestEased = 0.2;
-    constexpr double kMostCosine = -0.3; // of the turn: no triangle goes round a wider corner
+    constexpr double kMostCosine = -0.3; // of the corner: no triangle goes round a wider one
     std::vector<bool> finer(edges_.size());
     for (size_t d = 0; d < domains_.size(); ++d)
         for (size_t l = 0; l < loopEdges_[d].size(); ++l)

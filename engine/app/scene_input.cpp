@@ -12,6 +12,7 @@
 #include "geometry/bounds.h"
 #include "geometry/input_error.h"
 #include "geometry/mesher.h"
+#include "geometry/room_measures.h"
 #include "vision/detect.h"
 
 namespace heliodon::app {
@@ -93,30 +94,28 @@ double modelScale(Run& run, const std::optional<double>& given, const geometry::
 // The same fields for a model: importModel has proven its rooms closed, or refused.
 void reportImport(Run& run, const geometry::PatchMesh& mesh, const geometry::Building& building,
                   double worldPerBuilding) {
-    const uint32_t roomCount = building.roomCount;
+    constexpr double kStep = 0.25; // metres: more is no floor
     const double foot = 0.3048 * worldPerBuilding;
-    std::vector<double> floorArea(roomCount), volume(roomCount);
-    for (size_t i = 0; i < mesh.patchCount(); ++i) {
-        const glm::dvec3 areaVector = 0.5 * geometry::patchAreaVector(mesh, i);
-        volume[mesh.room[i]] -=
-            glm::dot(areaVector, geometry::patchCentroid(mesh, i)) / 3; // normals point into the air
-        const double area = glm::length(areaVector);
-        if (areaVector.y > 0.999 * area) floorArea[mesh.room[i]] += area;
-    }
+    const std::vector<geometry::RoomMeasures> rooms = geometry::measureRooms(mesh, kStep * worldPerBuilding);
     json& report = run.report();
     report["outcome"] = "ok";
     report["code"] = "OK";
-    std::string message = roomCount == 1 ? "1 room" : fmt::format("{} rooms", roomCount);
+    std::string message = rooms.size() == 1 ? "1 room" : fmt::format("{} rooms", rooms.size());
     for (const std::string& repair : building.repairs) message += "; " + repair;
     report["message"] = message;
     report["repairs"] = building.repairs;
-    report["n_rooms"] = roomCount;
+    report["n_rooms"] = rooms.size();
     report["rooms"] = json::array();
-    for (size_t r = 0; r < roomCount; ++r)
-        report["rooms"].push_back({{"floor_area", floorArea[r] / (foot * foot)},
-                                   {"volume", volume[r] / (foot * foot * foot)},
+    for (const geometry::RoomMeasures& room : rooms)
+        report["rooms"].push_back({{"floor_area", room.floorArea / (foot * foot)},
+                                   {"volume", room.volume / (foot * foot * foot)},
+                                   {"ceiling", room.height / foot},
+                                   {"euler", room.euler},
                                    {"closed", true},
                                    {"self_intersecting", false}});
+    const geometry::PaneCount panes = geometry::countPanes(mesh);
+    report["n_windows"] = panes.windows;
+    report["n_skylight_panes"] = panes.skylightPanes;
 }
 
 geometry::Building importOrRefuse(Run& run, const SceneArguments& arguments, geometry::UpAxis up) {

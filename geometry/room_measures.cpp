@@ -1,0 +1,125 @@
+#include "geometry/room_measures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <tuple>
+
+#include <glm/geometric.hpp>
+
+#include "geometry/disjoint_sets.h"
+
+namespace heliodon::geometry {
+
+namespace {
+
+constexpr double kWalkable = 0.98; // of the normal's rise: ramps up to 11 degrees
+constexpr double kLevel = 0.7;     // panes nearer to level than to upright are skylights'
+
+class RoomMeasurer {
+public:
+    RoomMeasurer(const PatchMesh& mesh, double step)
+        : mesh_(mesh), step_(step), shells_(mesh.vertices.size()), volume_(mesh.vertices.size(), 0) {
+        for (size_t i = 0; i < mesh.patchCount(); ++i)
+            for (const uint32_t v : mesh.patch(i)) shells_.join(v, mesh.patch(i)[0]);
+        for (size_t i = 0; i < mesh.patchCount(); ++i) // normals point into the air
+            volume_[shellOf(i)] -= glm::dot(patchAreaVector(mesh, i), patchCentroid(mesh, i)) / 6;
+        rooms_.resize(mesh.room.empty() ? 0 : 1 + *std::ranges::max_element(mesh.room));
+    }
+
+    std::vector<RoomMeasures> measure() {
+        measureVolumes();
+        measureFloors();
+        countElements();
+        return std::move(rooms_);
+    }
+
+private:
+    uint32_t shellOf(size_t patch) { return shells_.root(mesh_.patch(patch)[0]); }
+
+    void measureVolumes() {
+        std::set<std::pair<uint32_t, uint32_t>> seen;
+        for (size_t i = 0; i < mesh_.patchCount(); ++i)
+            if (seen.insert({mesh_.room[i], shellOf(i)}).second)
+                rooms_[mesh_.room[i]].volume += volume_[shellOf(i)];
+    }
+
+    void measureFloors() {
+        struct Floor {
+            double low, high, area;
+        };
+        std::vector<std::vector<Floor>> floors(rooms_.size());
+        std::vector<double> top(rooms_.size(), -std::numeric_limits<double>::infinity());
+        for (size_t i = 0; i < mesh_.patchCount(); ++i) {
+            double low = std::numeric_limits<double>::infinity(), high = -low;
+            for (const uint32_t v : mesh_.patch(i)) {
+                low = std::min(low, mesh_.vertices[v].y);
+                high = std::max(high, mesh_.vertices[v].y);
+            }
+            top[mesh_.room[i]] = std::max(top[mesh_.room[i]], high);
+            // What stands free in a room encloses its own inside.
+            if (patchNormal(mesh_, i).y > kWalkable && volume_[shellOf(i)] > 0)
+                floors[mesh_.room[i]].push_back({low, high, patchArea(mesh_, i)});
+        }
+        for (size_t r = 0; r < rooms_.size(); ++r) {
+            std::ranges::stable_sort(floors[r], {}, &Floor::low);
+            if (floors[r].empty()) continue;
+            rooms_[r].height = top[r] - floors[r][0].low;
+            double reached = floors[r][0].low;
+            for (const Floor& floor : floors[r]) {
+                if (floor.low > reached + step_) break;
+                reached = std::max(reached, floor.high);
+                rooms_[r].floorArea += floor.area;
+            }
+        }
+    }
+
+    void countElements() {
+        std::set<std::pair<uint32_t, uint32_t>> vertices; // room, vertex
+        std::set<std::tuple<uint32_t, uint32_t, uint32_t>> edges;
+        for (size_t i = 0; i < mesh_.patchCount(); ++i) {
+            const auto corner = mesh_.patch(i);
+            for (size_t k = 0; k < corner.size(); ++k) {
+                const auto [a, b] = std::minmax(corner[k], corner[(k + 1) % corner.size()]);
+                vertices.insert({mesh_.room[i], corner[k]});
+                edges.insert({mesh_.room[i], a, b});
+            }
+            ++rooms_[mesh_.room[i]].euler;
+        }
+        for (const auto& [room, v] : vertices) ++rooms_[room].euler;
+        for (const auto& [room, a, b] : edges) --rooms_[room].euler;
+    }
+
+    const PatchMesh& mesh_;
+    double step_;
+    DisjointSets shells_;
+    std::vector<double> volume_; // that a shell encloses, by its root
+    std::vector<RoomMeasures> rooms_;
+};
+
+} // namespace
+
+std::vector<RoomMeasures> measureRooms(const PatchMesh& mesh, double step) {
+    return RoomMeasurer(mesh, step).measure();
+}
+
+PaneCount countPanes(const PatchMesh& mesh) {
+    DisjointSets panes(mesh.vertices.size());
+    std::vector<size_t> glass;
+    for (size_t i = 0; i < mesh.patchCount(); ++i)
+        if (mesh.materials[mesh.material[i]].isOpening()) glass.push_back(i);
+    for (const size_t i : glass) {
+        for (const uint32_t v : mesh.patch(i)) panes.join(v, mesh.patch(i)[0]);
+        if (mesh.twin[i] != kNoTwin)
+            panes.join(mesh.patch(static_cast<size_t>(mesh.twin[i]))[0], mesh.patch(i)[0]);
+    }
+    PaneCount count;
+    std::set<uint32_t> seen;
+    for (const size_t i : glass)
+        if (seen.insert(panes.root(mesh.patch(i)[0])).second)
+            ++(std::abs(patchNormal(mesh, i).y) > kLevel ? count.skylightPanes : count.windows);
+    return count;
+}
+
+} // namespace heliodon::geometry

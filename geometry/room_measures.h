@@ -1,0 +1,28 @@
+// What can be said of the rooms of a model that came without a plan.
+#pragma once
+
+#include <vector>
+
+#include "geometry/patch_mesh.h"
+
+namespace heliodon::geometry {
+
+struct RoomMeasures {
+    double floorArea = 0; // square metres; see measureRooms()
+    double volume = 0;    // cubic metres
+    double height = 0;    // metres, from the lowest floor to the highest point
+    int euler = 0;        // V - E + F of the room's surfaces together: 2 for each, less 2 for each handle
+};
+
+struct PaneCount {
+    int windows = 0, skylightPanes = 0; // upright and level pieces of glass; one between two rooms is one
+};
+
+// One entry a room, for closed rooms as meshBuilding() makes them. Floor is what one can walk on: level faces
+// and ramps of the shell that encloses the room (things that stand free in it have no floor), the lowest ones
+// and all that rise by no more than `step` metres over what is reached already; so the tops of tables,
+// partitions and shelves are none, while those of stairs and low platforms are.
+std::vector<RoomMeasures> measureRooms(const PatchMesh& mesh, double step = 0.25);
+PaneCount countPanes(const PatchMesh& mesh);
+
+} // namespace heliodon::geometry

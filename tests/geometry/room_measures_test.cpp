@@ -1,0 +1,86 @@
+// Models of a 6 m x 5 m x 3 m room with things in it, by hand.
+#include "geometry/room_measures.h"
+
+#include <fstream>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "geometry/mesher.h"
+#include "geometry/model_file.h"
+
+using namespace heliodon::geometry;
+
+namespace {
+
+// A file of boxes: the room seen from inside, what stands in it from outside.
+class BoxModel {
+public:
+    BoxModel() { add({0, 0, 0}, {6, 3, 5}, true); }
+
+    void add(glm::dvec3 low, glm::dvec3 high, bool inside = false) {
+        for (int k = 0; k < 8; ++k)
+            text_ += fmt::format("v {} {} {}\n", k & 1 ? high.x : low.x, k & 2 ? high.y : low.y,
+                                 k & 4 ? high.z : low.z);
+        for (const auto& f : {"0264", "1573", "0451", "2376", "0132", "4675"}) {
+            std::string face = "f";
+            for (int k = 0; k < 4; ++k) face += fmt::format(" {}", first_ + f[inside ? k : 3 - k] - '0');
+            text_ += face + "\n";
+        }
+        first_ += 8;
+    }
+
+    PatchMesh mesh() const {
+        const std::string file = testing::TempDir() + "room_measures.obj";
+        std::ofstream(file) << text_;
+        return meshBuilding(importModel(file), {600});
+    }
+
+private:
+    std::string text_;
+    int first_ = 1;
+};
+
+} // namespace
+
+TEST(RoomMeasures, an_empty_room) {
+    const auto rooms = measureRooms(BoxModel().mesh());
+    ASSERT_EQ(rooms.size(), 1u);
+    EXPECT_NEAR(rooms[0].floorArea, 30, 1e-9);
+    EXPECT_NEAR(rooms[0].volume, 90, 1e-9);
+    EXPECT_NEAR(rooms[0].height, 3, 1e-12);
+    EXPECT_EQ(rooms[0].euler, 2);
+}
+
+TEST(RoomMeasures, tops_of_furniture_are_no_floor) {
+    BoxModel model;
+    model.add({1, 0, 1}, {2, 0.75, 2});    // stands on the floor, which is not there below it
+    model.add({3, 0.7, 3}, {4, 0.75, 4});  // a table without legs
+    model.add({4.5, 0.1, 1}, {5, 0.2, 2}); // low, but one can not walk under it either
+    const auto rooms = measureRooms(model.mesh());
+    ASSERT_EQ(rooms.size(), 1u);
+    EXPECT_NEAR(rooms[0].floorArea, 29, 1e-9);
+    EXPECT_NEAR(rooms[0].volume, 90 - 0.75 - 0.05 - 0.05, 1e-9);
+    EXPECT_EQ(rooms[0].euler, 6);
+}
+
+TEST(RoomMeasures, stairs_lead_to_more_floor) {
+    BoxModel model;
+    for (int k = 1; k <= 4; ++k) // steps of 0.2 m beside one another
+        model.add({1 + 0.4 * k, 0, 0.5}, {1.39 + 0.4 * k, 0.2 * k, 1.5});
+    model.add({4, 0, 2}, {5, 0.9, 4}); // a gallery 0.1 m above the last step
+    EXPECT_NEAR(measureRooms(model.mesh())[0].floorArea, 30, 1e-9);
+    EXPECT_NEAR(measureRooms(model.mesh(), 0.15)[0].floorArea, 30 - 4 * 0.39 - 2, 1e-9);
+}
+
+TEST(RoomMeasures, panes_are_counted_by_pieces_of_glass) {
+    const PatchMesh mesh =
+        meshBuilding(importModel(HELIODON_TEST_DATA "/geometry/models/daylight_d/model.obj", UpAxis::z));
+    const PaneCount panes = countPanes(mesh);
+    EXPECT_EQ(panes.skylightPanes, 1);
+    Sketch sketch = readSketch(HELIODON_TEST_DATA "/geometry/sketches/p05_T_two_rooms.json");
+    const Closure closure = closeSketch(sketch);
+    const PaneCount of = countPanes(meshBuilding(*closure.building));
+    EXPECT_EQ(of.windows, closure.report.windowCount);
+    EXPECT_EQ(of.skylightPanes, closure.report.skylightPaneCount);
+}
