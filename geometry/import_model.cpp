@@ -34,6 +34,16 @@ constexpr std::array kGapsOfExtent{kWeldOfExtent, 2e-5, 1e-4};
 constexpr double kPlanarOfExtent = 1e-5;
 constexpr double kLeastRoomOfExtent = 1e-15; // of its cube: less is what rounding leaves
 
+template<class Loops>
+std::vector<std::vector<glm::dvec3>> placed(const std::vector<glm::dvec3>& vertices, const Loops& loops) {
+    std::vector<std::vector<glm::dvec3>> out;
+    for (const auto& loop : loops) {
+        out.emplace_back();
+        for (const uint32_t v : loop) out.back().push_back(vertices[v]);
+    }
+    return out;
+}
+
 class ModelImporter {
 public:
     ModelImporter(const std::filesystem::path& file, UpAxis up) : model_(readRawModel(file)) {
@@ -79,7 +89,7 @@ private:
     // Rooms whose common walls have no thickness; false when that is not what kept them from closing.
     bool shareWalls() {
         const auto space = divideSpace(soup(), kWeldOfExtent * extent_);
-        if (!space || space->shared == 0 || proveShells(space->outside)[0].selfIntersecting) return false;
+        if (!space || space->repairs.empty() || proveShells(space->outside)[0].selfIntersecting) return false;
         for (const auto& [one, other] : space->pairs)
             if (isOpening(one) != isOpening(other))
                 throw InputError(
@@ -89,9 +99,7 @@ private:
         source_.clear();
         for (const Face& face : building_.faces) source_.push_back(face.surface);
         turnedOver_ = 0;
-        building_.repairs.push_back(fmt::format("{} wall{} without thickness: rooms on both sides share {}",
-                                                space->shared, space->shared == 1 ? "" : "s",
-                                                space->shared == 1 ? "it" : "them"));
+        building_.repairs.insert(building_.repairs.end(), space->repairs.begin(), space->repairs.end());
         finish();
         try {
             proveRooms();
@@ -143,15 +151,9 @@ private:
     std::vector<SoupFace> soup() const {
         std::vector<SoupFace> soup;
         for (size_t i = 0; i < model_.faceCount(); ++i) {
-            SoupFace face;
-            for (const auto& loop : model_.loops(i)) {
-                face.loops.emplace_back();
-                for (const uint32_t v : loop) face.loops.back().push_back(model_.vertices[v]);
-            }
-            face.material = model_.material[i];
-            face.role = roleOf(i);
-            face.surface = static_cast<uint32_t>(i); // carries the number of the face through the welding
-            soup.push_back(std::move(face));
+            // The surface carries the number of the face through the welding.
+            soup.push_back({placed(model_.vertices, model_.loops(i)), model_.material[i], roleOf(i),
+                            static_cast<uint32_t>(i)});
         }
         return soup;
     }
@@ -332,15 +334,8 @@ private:
     void weldAgain() {
         std::vector<SoupFace> soup;
         for (size_t f = 0; f < building_.faces.size(); ++f) {
-            SoupFace face;
-            for (const auto& loop : building_.faces[f].loops) {
-                face.loops.emplace_back();
-                for (const uint32_t v : loop) face.loops.back().push_back(building_.vertices[v]);
-            }
-            face.material = building_.faces[f].material;
-            face.role = building_.faces[f].role;
-            face.surface = source_[f];
-            soup.push_back(std::move(face));
+            const Face& face = building_.faces[f];
+            soup.push_back({placed(building_.vertices, face.loops), face.material, face.role, source_[f]});
         }
         std::vector<std::string> repairs = std::move(building_.repairs);
         building_ = weldFaces(soup, 1, weldOfExtent_ * extent_);
@@ -355,20 +350,12 @@ private:
             for (size_t g = 0; g < building_.faces.size() && !hidden[f]; ++g)
                 hidden[f] = f != g && coplanar(building_.faces[g], building_.faces[f].loops[0]) &&
                             inside(building_.faces[g], building_.faces[f].loops[0]);
-        std::vector<uint32_t> source;
-        std::vector<Face> faces;
-        for (size_t f = 0; f < building_.faces.size(); ++f) {
-            // A pane that lies in a wall face that was not cut is drawn, not hidden: that is for the user to
-            // mend.
+        // A pane that lies in a wall face that was not cut is drawn, not hidden: that is for the user to
+        // mend.
+        for (uint32_t f = 0; f < hidden.size(); ++f)
             if (hidden[f] && model_.materials[building_.faces[f].material].isOpening())
-                refuse({static_cast<uint32_t>(f)},
-                       "an opening lies on another face that is not cut out for it");
-            if (hidden[f]) continue;
-            faces.push_back(building_.faces[f]);
-            source.push_back(source_[f]);
-        }
-        building_.faces = std::move(faces);
-        source_ = std::move(source);
+                refuse({f}, "an opening lies on another face that is not cut out for it");
+        leaveOut(hidden);
     }
 
     [[noreturn]] void refuse(std::vector<uint32_t> faces, const std::string& what) const {
@@ -407,7 +394,27 @@ private:
             if (nesting.inverted[shell_[f]]) turnOver(building_.faces[f]);
             building_.faces[f].room = nesting.room[shell_[f]];
         }
+        dropOutsides();
         building_.roomCount = nesting.rooms;
+    }
+
+    void dropOutsides() {
+        std::vector<bool> outside;
+        for (const Face& face : building_.faces) outside.push_back(face.room == kNoRoom);
+        if (const auto count = std::ranges::count(outside, true); count > 0)
+            building_.repairs.push_back(fmt::format("{} faces of the outside of walls were left out", count));
+        leaveOut(outside);
+    }
+
+    void leaveOut(const std::vector<bool>& gone) {
+        size_t kept = 0;
+        for (size_t f = 0; f < gone.size(); ++f) {
+            if (gone[f]) continue;
+            if (kept < f) building_.faces[kept] = std::move(building_.faces[f]);
+            source_[kept++] = source_[f];
+        }
+        building_.faces.resize(kept);
+        source_.resize(kept);
     }
 
     // Rooms that touch in a corner must not share the vertex.

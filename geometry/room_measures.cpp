@@ -58,6 +58,7 @@ private:
                 high = std::max(high, mesh_.vertices[v].y);
             }
             top[mesh_.room[i]] = std::max(top[mesh_.room[i]], high);
+            rooms_[mesh_.room[i]].surface += patchArea(mesh_, i);
             // What stands free in a room encloses its own inside.
             if (patchNormal(mesh_, i).y > kWalkable && volume_[shellOf(i)] > 0)
                 floors[mesh_.room[i]].push_back({low, high, patchArea(mesh_, i)});

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 
+#include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
@@ -23,6 +24,8 @@ namespace heliodon::geometry {
 namespace {
 
 using glm::dvec3;
+
+constexpr double kMostOfThing = 0.05; // of the largest room's volume
 
 // A piece of a wall, its outline counter-clockwise about the plane's normal; the faces that were drawn there,
 // turned that way and the other, or -1.
@@ -198,6 +201,10 @@ private:
         double volume = 0; // negative: what lies outside of the shell
         int room = -1;
         double drawnInwards = 0; // area of faces that look into it, less that of faces that look out
+        double drawn = 0;        // area of both
+        // Nearly all faces look in, or out.
+        bool looksIn() const { return drawnInwards > 0.5 * drawn; }
+        bool looksOut() const { return drawnInwards < -0.5 * drawn; }
     };
 
     void makeParts() {
@@ -213,8 +220,10 @@ private:
                     const dvec3 o = welded_.vertices[0];
                     part.volume -= glm::dot(in.a - o, glm::cross(in.b - o, in.c - o)) / 6;
                     const double area = glm::length(glm::cross(in.b - in.a, in.c - in.a));
-                    if ((sheet.drawn[0] < 0) != (sheet.drawn[1] < 0))
+                    if ((sheet.drawn[0] < 0) != (sheet.drawn[1] < 0)) {
                         part.drawnInwards += (sheet.drawn[s] >= 0 ? 1 : -1) * area;
+                        part.drawn += area;
+                    }
                     part.triangles.push_back(in);
                 }
             }
@@ -234,8 +243,18 @@ private:
         const auto isSolid = [&](uint32_t shell) { // nothing but a closed box in a room's air
             return around[shell].size() % 2 == 1 && shells[shell].size() == 2;
         };
-        for (auto& [id, part] : parts_)
-            if (part.volume > 0 && !isSolid(part.shell)) part.room = static_cast<int>(rooms_++);
+        const Part& largest =
+            std::ranges::max_element(parts_, {}, [](const auto& p) { return p.second.volume; })->second;
+        const auto isThing = [&](const Part& part) { // a cupboard against the wall, a column
+            return largest.looksIn() && part.looksOut() && part.volume < kMostOfThing * largest.volume;
+        };
+        for (auto& [id, part] : parts_) {
+            if (part.volume <= 0 || isSolid(part.shell)) continue;
+            if (isThing(part))
+                ++solids_;
+            else
+                part.room = static_cast<int>(rooms_++);
+        }
         for (auto& [id, part] : parts_) {
             if (part.volume > 0 || around[part.shell].size() % 2 == 0) continue;
             const auto& holders = around[part.shell];
@@ -255,6 +274,7 @@ private:
     SharedWalls answer() {
         SharedWalls out;
         out.rooms = rooms_;
+        size_t shared = 0; // walls that two rooms see
         std::vector<SoupFace> outside;
         for (uint32_t f = 0; f < welded_.faces.size(); ++f) {
             const std::array<int, 2>& both = sheets_[welded_.faces[f].surface].drawn;
@@ -282,8 +302,16 @@ private:
                 face.room = static_cast<uint32_t>(part.room);
                 out.faces.push_back(std::move(face));
             }
-            if (sides == 2) ++out.shared;
+            shared += sides == 2;
         }
+        if (shared > 0)
+            out.repairs.push_back(fmt::format("{} wall{} without thickness: rooms on both sides share {}",
+                                              shared, shared == 1 ? "" : "s", shared == 1 ? "it" : "them"));
+        if (solids_ > 0)
+            out.repairs.push_back(
+                fmt::format("{} cut out of the room where {}",
+                            solids_ == 1 ? "1 solid was" : fmt::format("{} solids were", solids_),
+                            solids_ == 1 ? "it stands" : "they stand"));
         out.outside = weldFaces(outside, 1, tolerance_);
         return out;
     }
@@ -297,6 +325,7 @@ private:
     DisjointSets sides_, shells_;
     std::map<uint32_t, Part> parts_; // by the root of their sides
     uint32_t rooms_ = 0;
+    size_t solids_ = 0;    // that stand against walls or floors
     bool unclear_ = false; // two materials in one place
 };
 

@@ -1,6 +1,7 @@
 #include "geometry/shell_nesting.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <glm/geometric.hpp>
 
@@ -15,6 +16,21 @@ double volume(const std::vector<ShellTriangle>& shell) {
     for (const ShellTriangle& t : shell)
         sum -= glm::dot(t.a - origin, glm::cross(t.b - origin, t.c - origin)) / 6;
     return sum;
+}
+
+// Whether the outermost shell s is the outside of walls round the shells right within it.
+bool isOutside(uint32_t s, const std::vector<std::vector<uint32_t>>& around,
+               const std::vector<double>& volumes) {
+    constexpr double kMostlyFilled = 0.5, kFilled = 0.125;
+    double filled = 0;
+    bool inwards = true;
+    for (size_t o = 0; o < around.size(); ++o)
+        if (around[o].size() == 1 && around[o][0] == s) {
+            filled += std::abs(volumes[o]);
+            inwards = inwards && volumes[o] > 0;
+        }
+    const double share = filled / std::abs(volumes[s]);
+    return share > kMostlyFilled || (share > kFilled && inwards && volumes[s] < 0);
 }
 
 } // namespace
@@ -42,16 +58,25 @@ ShellNesting nestShells(const std::vector<std::vector<ShellTriangle>>& shells) {
         for (uint32_t o = 0; o < count; ++o)
             if (s != o && !shells[s].empty() && crossings(shells[o], shells[s].back().a) % 2 == 1)
                 around[s].push_back(o);
+    std::vector<double> volumes;
+    for (const auto& shell : shells) volumes.push_back(volume(shell));
     out.room.assign(count, 0);
+    std::vector<uint32_t> outsides;
     for (uint32_t s = 0; s < count; ++s)
-        if (around[s].size() % 2 == 0) out.room[s] = out.rooms++;
+        if (around[s].empty() && isOutside(s, around, volumes)) outsides.push_back(s);
+    for (const uint32_t s : outsides) {
+        out.room[s] = kNoRoom;
+        for (auto& holders : around) std::erase(holders, s);
+    }
+    for (uint32_t s = 0; s < count; ++s)
+        if (around[s].size() % 2 == 0 && out.room[s] != kNoRoom) out.room[s] = out.rooms++;
     for (uint32_t s = 0; s < count; ++s) {
         const bool solid = around[s].size() % 2 == 1;
         if (solid)
             out.room[s] = out.room[*std::ranges::max_element(around[s], {},
                                                              [&](uint32_t o) { return around[o].size(); })];
         // Air is inside the shells of rooms and outside those of solids.
-        out.inverted.push_back((volume(shells[s]) > 0) == solid);
+        out.inverted.push_back((volumes[s] > 0) == solid);
     }
     return out;
 }

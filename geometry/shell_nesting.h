@@ -12,15 +12,19 @@ struct ShellTriangle {
     glm::dvec3 a, b, c;
 };
 
+constexpr uint32_t kNoRoom = 0xffffffffu;
+
 struct ShellNesting {
-    std::vector<uint32_t> room; // per shell: the room that it bounds or stands in
+    std::vector<uint32_t> room; // per shell: the room that it bounds or stands in; kNoRoom: see below
     std::vector<bool> inverted; // per shell: its triangles look away from the air
     uint32_t rooms = 0;
 };
 
 // The outermost shell bounds a room, a shell within it is a solid that stands in the room's air, and so on
-// inwards. Each shell is closed, its triangles look to one side; shells do not cross. Cost: shells times
-// triangles.
+// inwards. But an outermost shell that is more than half filled by those within it is the outside of walls
+// that have a thickness, and so is one that looks outwards, an eighth or more filled by shells that look
+// inwards: it bounds no room, those within it do. Each shell is closed, its triangles look to one side;
+// shells do not cross. Cost: shells times triangles.
 ShellNesting nestShells(const std::vector<std::vector<ShellTriangle>>& shells);
 
 // How many times a ray from p, in a direction that is no one's normal or edge, passes through the shell: odd

@@ -95,6 +95,7 @@ double modelScale(Run& run, const std::optional<double>& given, const geometry::
 void reportImport(Run& run, const geometry::PatchMesh& mesh, const geometry::Building& building,
                   double worldPerBuilding) {
     constexpr double kStep = 0.25; // metres: more is no floor
+    constexpr double kThin = 0.4;  // metres
     const double foot = 0.3048 * worldPerBuilding;
     const std::vector<geometry::RoomMeasures> rooms = geometry::measureRooms(mesh, kStep * worldPerBuilding);
     json& report = run.report();
@@ -106,6 +107,12 @@ void reportImport(Run& run, const geometry::PatchMesh& mesh, const geometry::Bui
     report["repairs"] = building.repairs;
     report["n_rooms"] = rooms.size();
     report["rooms"] = json::array();
+    for (size_t r = 0; r < rooms.size(); ++r)
+        if (const double depth = 2 * rooms[r].volume / (rooms[r].surface * worldPerBuilding); depth < kThin)
+            run.warn(
+                fmt::format("room {} is {:.2f} m deep on average, as the inside of walls is: the faces of a "
+                            "model must bound the air of its rooms, not their walls",
+                            r, depth));
     for (const geometry::RoomMeasures& room : rooms)
         report["rooms"].push_back({{"floor_area", room.floorArea / (foot * foot)},
                                    {"volume", room.volume / (foot * foot * foot)},

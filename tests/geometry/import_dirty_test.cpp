@@ -82,7 +82,7 @@ std::string written(const Polygons& model) {
 void expectRooms(const Polygons& model, uint32_t rooms, double cubicMetres, const std::string& repair = "") {
     const Building building = importModel(written(model));
     EXPECT_EQ(building.roomCount, rooms);
-    EXPECT_NEAR(volume(meshBuilding(building, {500})), cubicMetres, 1e-3 * cubicMetres);
+    EXPECT_NEAR(volume(meshBuilding(building, {500})), cubicMetres, 1e-4 * cubicMetres);
     if (repair.empty()) return;
     std::string all;
     for (const std::string& r : building.repairs) all += r + "; ";
@@ -327,4 +327,34 @@ TEST(DirtyModel, polygons_that_run_to_their_holes_and_back_have_holes) {
         if (f % 6 > 1) faces.push_back(model.faces[f]);
     model.faces = faces;
     expectRooms(model, 1, 3 * (36 - 4));
+}
+
+TEST(DirtyModel, the_outside_of_walls_with_a_thickness_is_no_room) {
+    for (const bool outwards : {false, true}) { // the faces of the outside
+        Polygons model = room();
+        model.add(box({-0.3, -0.3, -0.3}, {4.3, 2.8, 3.3}), outwards);
+        expectRooms(model, 1, 30, "6 faces of the outside of walls were left out");
+    }
+    // Walls of a metre round a cell: only the way that faces look tells it from a block in a room.
+    for (const bool solid : {false, true}) {
+        Polygons model = box({-1, -1, -1}, {3, 3.2, 3});
+        if (!solid) std::ranges::for_each(model.faces, [](auto& face) { std::ranges::reverse(face); });
+        model.add(box({0, 0, 0}, {2, 2.2, 2}), solid);
+        expectRooms(model, 1, solid ? 4 * 4.2 * 4 - 8.8 : 8.8);
+    }
+}
+
+// Each box drawn by itself, from outside, the room from inside: floor and bottom lie on one another.
+TEST(DirtyModel, things_that_stand_against_walls_are_solid) {
+    for (const Polygons& thing : {box({1, 0, 0}, {1.5, 0.8, 0.6}), box({0, 0, 0}, {0.6, 2, 0.5}),
+                                  box({1, 0, 1}, {1.4, 2.5, 1.4}), box({1, 0, 0}, {1.3, 2.5, 0.3})}) {
+        Polygons model = room();
+        model.add(thing, true);
+        const glm::dvec3 size = thing.vertices[7] - thing.vertices[0];
+        for (const Polygons& drawn : {model, triangles(model), apart(triangles(model), 0)})
+            expectRooms(drawn, 1, 30 - size.x * size.y * size.z);
+    }
+    Polygons closet = room(); // drawn from inside it is a room
+    closet.add(box({4, 0, 0}, {4.5, 2.5, 0.7}));
+    expectRooms(closet, 2, 30 + 0.5 * 2.5 * 0.7);
 }
