@@ -13,9 +13,9 @@ constexpr uint32_t kBlockerCorners = 8;
 
 } // namespace
 
-ClusterScene::ClusterScene(gpu::Device& device, const geometry::PatchMesh& mesh)
-    : tree(buildPatchTree(mesh)) {
+ClusterScene::ClusterScene(gpu::Device& device, const geometry::PatchMesh& mesh) {
     const std::vector<ConvexRegion> regions = blockingRegions(mesh, kBlockerCorners);
+    tree = buildPatchTree(mesh, regions);
     blockerCount = static_cast<uint32_t>(regions.size());
     std::vector<BvhTriangle> triangles;
     for (const ConvexRegion& region : regions)
@@ -31,7 +31,7 @@ ClusterScene::ClusterScene(gpu::Device& device, const geometry::PatchMesh& mesh)
         nodeTexels.push_back(texelOf(node.normal, bitsOf(node.area)));
         nodeTexels.push_back(texelOf(node.axisU, node.firstLeaf));
         nodeTexels.push_back(texelOf(node.axisV, node.leafCount));
-        nodeTexels.push_back({node.child, node.room, 0, 0});
+        nodeTexels.push_back({node.child, node.room, bitsOf(node.reachU), bitsOf(node.reachV)});
     }
     for (const PatchTree::Leaf& leaf : tree.leaves) {
         const glm::dvec3 corner = leaf.corner[0] - blockers.centre,

@@ -50,6 +50,7 @@ struct FormFactorReport {
     std::optional<double> reciprocityRms;
     double claimedRadiosityError = 0;      // what that gives of radiosity, when asked for
     double claimedRowError = 0;       // the kernel's own estimate of the RMS row error; 0 when it makes none
+    double claimedRowSumError = 0;    // of `hierarchical`: what the worst row's sum may be off by; else 0
     std::vector<std::string> skipped; // what was not modelled, with the reason
     std::vector<std::string> warnings;
 };

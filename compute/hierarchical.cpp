@@ -12,6 +12,7 @@
 
 #include "compute/gpu/commands.h"
 #include "compute/gpu/device.h"
+#include "compute/link_claims.h"
 #include "compute/link_maker.h"
 #include "compute/parallel.h"
 #include "compute/stopwatch.h"
@@ -26,7 +27,8 @@ namespace heliodon::compute {
 namespace {
 
 constexpr uint32_t kMostColumns = 4;
-constexpr uint32_t kAttempts = 3;
+constexpr uint32_t kAttempts = 3, kRounds = 8;
+constexpr double kSumOverRow = 10;     // what sums of rows may be off by, over the row error asked
 constexpr size_t kSortedTogether = 64; // nodes' entries, by one thread
 constexpr double kRowCaution = 1.4; // of single rows over their estimates, so that 99 of 100 hold (measured)
 constexpr double kLeastHidden = 5e-4; // row error that samples of visibility reach in useful time
@@ -36,7 +38,7 @@ constexpr VkFormat kUvec4 = VK_FORMAT_R32G32B32A32_UINT, kVec4 = VK_FORMAT_R32G3
 // (measured in rooms of 672 and 2088 patches). What may be hidden costs most and errs most.
 LinkTolerance toleranceFor(double asked) {
     const double hidden = std::max(asked, kLeastHidden);
-    return {0.6 * asked, 0.4 * hidden * std::pow(hidden / 5e-3, 0.35)};
+    return {0.8 * asked, 0.6 * hidden * std::pow(hidden / 5e-3, 0.6)};
 }
 
 glm::dvec3 middleOf(const PatchTree::Leaf& leaf) {
@@ -91,7 +93,8 @@ void HierarchicalFormFactors::uploadTree() {
     parents_ = gpu::Buffer::from(*device_, parents, "hierarchical parents");
 }
 
-// Again with less tolerance where the error that the links are found to have is above what was asked.
+// Finer where sums of rows may be far off, which few links cause; again with less tolerance where the error
+// of all is above what was asked.
 void HierarchicalFormFactors::makeLinks(const HierarchicalOptions& options) {
     double asked = std::max(options.maxError, 1e-6);
     std::vector<io::HierarchicalLink> links;
@@ -101,8 +104,17 @@ void HierarchicalFormFactors::makeLinks(const HierarchicalOptions& options) {
         for (uint32_t a = 0; a < roots; ++a)
             for (uint32_t b = a + 1; b < roots; ++b) maker.add(a, b);
         links = maker.finish();
+        LinkClaims claims(scene_.tree, patchArea_, links);
+        for (uint32_t round = 0; round < kRounds; ++round) {
+            const std::vector<glm::uvec2> pairs = claims.split(links, kSumOverRow * asked);
+            if (pairs.empty()) break;
+            for (const glm::uvec2& pair : pairs) maker.add(pair.x, pair.y);
+            const std::vector<io::HierarchicalLink> finer = maker.finish();
+            claims.add(finer);
+            links.insert(links.end(), finer.begin(), finer.end());
+        }
         statistics_.pairs += maker.pairs();
-        estimateErrors(links);
+        setErrors(claims);
         const double excess = report_.claimedRowError / std::max(options.maxError, 1e-6);
         if (excess <= 1.1 || asked <= kLeastHidden) break;
         asked = std::max(asked * std::pow(0.9 / excess, 1.5), std::min(asked, kLeastHidden));
@@ -112,34 +124,20 @@ void HierarchicalFormFactors::makeLinks(const HierarchicalOptions& options) {
     makeEntries(links);
 }
 
-// Links' errors are independent of one another: variances add up, from the roots down to the patches.
-void HierarchicalFormFactors::estimateErrors(std::span<const io::HierarchicalLink> links) {
-    const PatchTree& tree = scene_.tree;
-    // Entries are those of patches: triangles of one patch err alike.
-    std::vector<double> squares(tree.nodes.size(), 0.0), variance(tree.nodes.size(), 0.0);
-    for (size_t k = tree.nodes.size(); k-- > 0;) {
-        const PatchTree::Node& node = tree.nodes[k];
-        squares[k] = node.child == 0
-                         ? node.area * patchArea_[tree.leaves[node.firstLeaf].patch]
-                         : squares[node.child] + squares[node.child + 1]; // children come after their parents
-    }
-    for (const io::HierarchicalLink& link : links) {
-        const double v = double{link.error} * double{link.error};
-        variance[link.first] += v * squares[link.second];
-        variance[link.second] += v * squares[link.first];
-    }
-    for (size_t k = 0; k < tree.nodes.size(); ++k)
-        if (tree.nodes[k].parent != PatchTree::kNone) variance[k] += variance[tree.nodes[k].parent];
-    std::vector<double> rows(patchCount_, 0.0);
-    for (const PatchTree::Leaf& leaf : tree.leaves)
-        rows[leaf.patch] += leaf.area / patchArea_[leaf.patch] * variance[leaf.node];
+void HierarchicalFormFactors::setErrors(const LinkClaims& claims) {
     double sum = 0;
     rowError_.clear();
-    for (double v : rows) {
+    for (double v : claims.rowSquares()) {
         sum += v;
         rowError_.push_back(static_cast<float>(kRowCaution * std::sqrt(v)));
     }
     report_.claimedRowError = std::sqrt(sum / std::max<double>(patchCount_, 1));
+    rowSumError_.clear();
+    report_.claimedRowSumError = 0;
+    for (double e : claims.rowSums()) {
+        report_.claimedRowSumError = std::max(report_.claimedRowSumError, e);
+        rowSumError_.push_back(static_cast<float>(e));
+    }
 }
 
 // Both ends' lists, each in the order of the other end, whatever order the device found the links in.

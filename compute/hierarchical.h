@@ -17,10 +17,12 @@
 
 namespace heliodon::compute {
 
+class LinkClaims;
+
 struct HierarchicalOptions {
     // Wanted RMS over rows of ||F_i - true||. Tolerances are lowered up to twice where the estimate of what
     // was reached (FormFactorReport::claimedRowError) is above; below 5e-4 not where pairs may be partly
-    // hidden: `exact` goes on from there.
+    // hidden: `exact` goes on from there. Sums of rows are held to ten times as much, each.
     double maxError = 5e-3;
 };
 
@@ -46,13 +48,15 @@ public:
 
     // Per patch: ||F_i - true|| is below on 99 of 100, from what rays and bends leave open.
     std::span<const float> rowError() const { return rowError_; }
+    // Per patch: |sum_j F_ij - true| is below on 99 of 100.
+    std::span<const float> rowSumError() const { return rowSumError_; }
     const HierarchicalStatistics& statistics() const { return statistics_; }
     const FormFactorReport& report() const { return report_; }
 
 private:
     void uploadTree();
     void makeLinks(const HierarchicalOptions& options);
-    void estimateErrors(std::span<const io::HierarchicalLink> links);
+    void setErrors(const LinkClaims& claims);
     void makeEntries(std::span<const io::HierarchicalLink> links);
     void makeOperator();
 
@@ -78,7 +82,7 @@ private:
     std::vector<Extent> extents_; // per node
     std::vector<Spot> spots_;     // per leaf
     std::vector<double> patchArea_;
-    std::vector<float> rowError_;
+    std::vector<float> rowError_, rowSumError_;
     std::vector<glm::uvec4> hostEntries_; // of entries_, where the host does not see them
     gpu::Buffer family_, frames_, parents_, firstEntryTexels_, entries_, firstLeafTexels_, leafNodeTexels_,
         momentTexels_, received_, light_, gathered_;

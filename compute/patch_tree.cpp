@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <glm/geometric.hpp>
 
-#include "compute/convex_regions.h"
+#include "geometry/bounds.h"
 #include "geometry/perpendicular.h"
 
 namespace heliodon::compute {
@@ -13,6 +14,32 @@ namespace heliodon::compute {
 namespace {
 
 using glm::dvec3;
+
+// Where a blocker stands on or passes through a plane.
+struct Foot {
+    dvec3 from, to;
+};
+
+constexpr double kWorthCutting = 0.3; // see cutWorth
+
+std::vector<Foot> feetOn(const dvec3& point, const dvec3& normal, uint32_t room,
+                         std::span<const ConvexRegion> blockers, double flat) {
+    std::vector<Foot> feet;
+    for (const ConvexRegion& blocker : blockers) {
+        if (blocker.room != room) continue;
+        std::vector<dvec3> on;
+        const auto& c = blocker.corners;
+        for (size_t k = 0; k < c.size(); ++k) {
+            const dvec3 &a = c[k], &b = c[(k + 1) % c.size()];
+            const double h = glm::dot(normal, a - point), g = glm::dot(normal, b - point);
+            if (std::abs(h) <= flat) on.push_back(a);
+            if ((h > flat && g < -flat) || (h < -flat && g > flat)) on.push_back(a + h / (h - g) * (b - a));
+        }
+        // One point is a corner that touches; more than two are a blocker that lies in the plane.
+        if (on.size() == 2 && glm::length(on[1] - on[0]) > flat) feet.push_back({on[0], on[1]});
+    }
+    return feet;
+}
 
 // Second moments about a centre along the plane's two directions.
 struct Spread {
@@ -35,7 +62,8 @@ class Builder {
 public:
     explicit Builder(PatchTree& tree) : tree_(tree) {}
 
-    void addRoot(std::vector<PatchTree::Leaf> leaves, const dvec3& normal, uint32_t room) {
+    void addRoot(std::vector<PatchTree::Leaf> leaves, const dvec3& normal, uint32_t room,
+                 std::vector<Foot> feet) {
         PatchTree::Node root;
         root.normal = normal;
         root.room = room;
@@ -43,6 +71,7 @@ public:
         root.leafCount = static_cast<uint32_t>(leaves.size());
         tree_.leaves.insert(tree_.leaves.end(), leaves.begin(), leaves.end());
         tree_.nodes.push_back(root);
+        feet_.push_back(std::move(feet));
     }
 
     // Level by level, so that a level's nodes are successive and so are the two children of each.
@@ -59,31 +88,67 @@ private:
     void finish(uint32_t index) {
         PatchTree::Node node = tree_.nodes[index];
         const dvec3 u = geometry::perpendicular(node.normal), v = glm::cross(node.normal, u);
-        const auto begin = tree_.leaves.begin() + node.firstLeaf, end = begin + node.leafCount;
+        const auto begin = tree_.leaves.begin() + node.firstLeaf;
         measure(node, u, v);
         if (node.leafCount > 1) {
             node.child = static_cast<uint32_t>(tree_.nodes.size());
-            const auto middle = begin + node.leafCount / 2;
-            // Across the longer axis of its spread, half of the triangles each.
-            const dvec3 axis = node.axisU;
-            std::nth_element(begin, middle, end, [&](const PatchTree::Leaf& a, const PatchTree::Leaf& b) {
-                const double x = glm::dot(a.corner[0] + a.corner[1] + a.corner[2], axis),
-                             y = glm::dot(b.corner[0] + b.corner[1] + b.corner[2], axis);
-                return x < y || (x == y && a.patch < b.patch);
-            });
+            std::vector<Foot> feet = std::move(feet_[index]);
+            std::erase_if(feet, [&](const Foot& foot) { return cutWorth(node, foot) == 0; });
+            const uint32_t low = divide(node, feet);
             for (uint32_t half = 0; half < 2; ++half) {
                 PatchTree::Node child;
                 child.normal = node.normal;
                 child.room = node.room;
                 child.parent = index;
-                child.firstLeaf = node.firstLeaf + half * (node.leafCount / 2);
-                child.leafCount = half ? node.leafCount - node.leafCount / 2 : node.leafCount / 2;
+                child.firstLeaf = node.firstLeaf + half * low;
+                child.leafCount = half ? node.leafCount - low : low;
                 tree_.nodes.push_back(child);
+                feet_.push_back(feet);
             }
         } else {
             begin->node = index;
         }
         tree_.nodes[index] = node;
+    }
+
+    auto below(const PatchTree::Node& node, const Foot& foot) const {
+        const dvec3 across = glm::cross(node.normal, foot.to - foot.from);
+        return [across, at = 3 * glm::dot(across, foot.from)](const PatchTree::Leaf& leaf) {
+            return glm::dot(across, leaf.corner[0] + leaf.corner[1] + leaf.corner[2]) < at;
+        };
+    }
+
+    // The more, the more of the cluster's width a foot takes and the more evenly it divides the triangles.
+    double cutWorth(const PatchTree::Node& node, const Foot& foot) const {
+        const dvec3 along = glm::normalize(foot.to - foot.from), d = node.centre - foot.from;
+        const double middle = glm::dot(d, along), off = glm::length(d - middle * along);
+        if (off >= node.radius) return 0;
+        const double half = std::sqrt(node.radius * node.radius - off * off);
+        const double inside =
+            std::min(middle + half, glm::length(foot.to - foot.from)) - std::max(middle - half, 0.0);
+        if (inside <= 0) return 0;
+        const auto begin = tree_.leaves.begin() + node.firstLeaf;
+        const auto low = static_cast<double>(std::count_if(begin, begin + node.leafCount, below(node, foot)));
+        return inside / node.radius * std::sqrt(std::min(low, node.leafCount - low) / node.leafCount);
+    }
+
+    // Orders the triangles so that the first ones, as many as it returns, become one child.
+    uint32_t divide(const PatchTree::Node& node, const std::vector<Foot>& feet) {
+        const auto begin = tree_.leaves.begin() + node.firstLeaf, end = begin + node.leafCount;
+        const Foot* best = nullptr;
+        double worth = kWorthCutting;
+        for (const Foot& foot : feet)
+            if (const double w = cutWorth(node, foot); w > worth) worth = w, best = &foot;
+        if (best) return static_cast<uint32_t>(std::stable_partition(begin, end, below(node, *best)) - begin);
+        // Across the longer axis of its spread, half of the triangles each.
+        const dvec3 axis = node.axisU;
+        const auto middle = begin + node.leafCount / 2;
+        std::nth_element(begin, middle, end, [&](const PatchTree::Leaf& a, const PatchTree::Leaf& b) {
+            const double x = glm::dot(a.corner[0] + a.corner[1] + a.corner[2], axis),
+                         y = glm::dot(b.corner[0] + b.corner[1] + b.corner[2], axis);
+            return x < y || (x == y && a.patch < b.patch);
+        });
+        return node.leafCount / 2;
     }
 
     void measure(PatchTree::Node& node, const dvec3& u, const dvec3& v) const {
@@ -109,9 +174,16 @@ private:
         const double least = 1e-12 * node.radius * node.radius;
         node.axisU = along * std::sqrt(std::max((mean + half) / node.area, least));
         node.axisV = across * std::sqrt(std::max((mean - half) / node.area, least));
+        for (uint32_t k = node.firstLeaf; k < node.firstLeaf + node.leafCount; ++k) {
+            const auto& c = tree_.leaves[k].corner;
+            const auto at = PatchTree::coordinates(node, (c[0] + c[1] + c[2]) / 3.0);
+            node.reachU = std::max(node.reachU, std::abs(at[0]));
+            node.reachV = std::max(node.reachV, std::abs(at[1]));
+        }
     }
 
     PatchTree& tree_;
+    std::vector<std::vector<Foot>> feet_; // per node, of what its parent holds; none once it was divided
 };
 
 void addLeaves(const geometry::PatchMesh& mesh, size_t patch, std::vector<PatchTree::Leaf>& leaves) {
@@ -135,8 +207,9 @@ std::array<double, 2> PatchTree::coordinates(const Node& node, const dvec3& poin
             glm::dot(d, node.axisV) / glm::dot(node.axisV, node.axisV)};
 }
 
-PatchTree buildPatchTree(const geometry::PatchMesh& mesh) {
+PatchTree buildPatchTree(const geometry::PatchMesh& mesh, std::span<const ConvexRegion> blockers) {
     PatchTree tree;
+    const double flat = mesh.vertices.empty() ? 0 : kSamePlane * geometry::boundsOf(mesh.vertices).diagonal();
     const std::vector<uint32_t> plane = planeNumbers(mesh);
     std::vector<std::vector<size_t>> patches; // of each plane
     for (size_t i = 0; i < mesh.patchCount(); ++i) {
@@ -151,8 +224,11 @@ PatchTree buildPatchTree(const geometry::PatchMesh& mesh) {
             sum += geometry::patchAreaVector(mesh, i);
             addLeaves(mesh, i, leaves);
         }
-        if (!leaves.empty())
-            builder.addRoot(std::move(leaves), glm::normalize(sum), mesh.room[patches[k][0]]);
+        if (leaves.empty()) continue;
+        const dvec3 normal = glm::normalize(sum);
+        const uint32_t room = mesh.room[patches[k][0]];
+        std::vector<Foot> feet = feetOn(leaves[0].corner[0], normal, room, blockers, flat);
+        builder.addRoot(std::move(leaves), normal, room, std::move(feet));
     }
     builder.split();
     return tree;

@@ -4,10 +4,12 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <glm/vec3.hpp>
 
+#include "compute/convex_regions.h"
 #include "geometry/patch_mesh.h"
 
 namespace heliodon::compute {
@@ -17,6 +19,7 @@ struct PatchTree {
         glm::dvec3 centre{0}, normal{0, 1, 0}; // of area
         glm::dvec3 axisU{0}, axisV{0}; // in the plane: principal directions times standard deviations of area
         double area = 0, radius = 0;   // of a disc about the centre that holds the cluster
+        double reachU = 0, reachV = 0; // of its triangles' middles along the axes, in units of them
         uint32_t firstLeaf = 0, leafCount = 0; // positions of its triangles, successive
         uint32_t child = 0;                    // the first of two successive nodes; 0: one triangle
         uint32_t parent = kNone;
@@ -38,7 +41,8 @@ struct PatchTree {
     static std::array<double, 2> coordinates(const Node& node, const glm::dvec3& point);
 };
 
-// Triangles without area are left out. n log n.
-PatchTree buildPatchTree(const geometry::PatchMesh& mesh);
+// Clusters are cut along the feet of `blockers` (compute/convex_regions.h), whose two sides see different
+// things, and elsewhere halved. Triangles without area are left out. n log n, and planes times blockers.
+PatchTree buildPatchTree(const geometry::PatchMesh& mesh, std::span<const ConvexRegion> blockers);
 
 } // namespace heliodon::compute

@@ -36,14 +36,38 @@ float errorOfShare(HierarchicalDoubt d, float share) {
 shared vec4 castSums[kHierarchicalGroup];
 shared uint castBlocked[kHierarchicalGroup];
 
+// Of the rays between two clusters, sums: where they begin and end, along the axes of both (x, y of the first's, z, w of the
+// second's), products of two of these, and where those begin and end that pass.
+struct Trend {
+    vec4 at, passedAt;
+    vec4 squares;
+    vec4 products;     // xy, xz, xw, yz
+    vec2 moreProducts; // yw, zw
+};
+
 // Sums over the rays [d.rays, end): what passes, what would in the open, and both squared.
-vec4 castRays(HierarchicalDoubt d, Cluster p, Cluster q, uint seed, uint end, out uint blocked) {
+vec4 castRays(HierarchicalDoubt d, Cluster p, Cluster q, uint seed, uint end, out uint blocked, out Trend trend) {
     vec4 sums = vec4(0.0);
     blocked = 0u;
+    trend = Trend(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec2(0.0));
+    // Only what moves from one triangle to another can be told by a slope.
+    float clusterP = p.child == 0u ? 0.0 : 1.0, clusterQ = q.child == 0u ? 0.0 : 1.0;
+    vec3 up = p.axisU * (clusterP / dot(p.axisU, p.axisU)), vp = p.axisV * (clusterP / dot(p.axisV, p.axisV)),
+         uq = q.axisU * (clusterQ / dot(q.axisU, q.axisU)), vq = q.axisV * (clusterQ / dot(q.axisV, q.axisV));
     [[dont_unroll]] for (uint k = d.rays + gl_LocalInvocationID.x % kLanes; k < end; k += kLanes) {
-        vec2 light = castRay(p, q, seed, k, params.nodeCount, params.flatness);
+        CastRay ray = castRay(p, q, seed, k, params.nodeCount, params.flatness);
+        vec2 light = vec2(ray.passed, ray.open_);
         sums += vec4(light, light * light);
         blocked += light.x > 0.0 ? 0u : 1u;
+        if (kLanes == 1u) {
+            vec3 from = ray.from - p.centre, to = ray.to - q.centre;
+            vec4 x = vec4(dot(from, up), dot(from, vp), dot(to, uq), dot(to, vq));
+            trend.at += x;
+            trend.squares += x * x;
+            trend.products += x.xxxy * x.yzwz;
+            trend.moreProducts += x.yz * x.ww;
+            trend.passedAt += light.x > 0.0 ? x : vec4(0.0);
+        }
     }
     if (kLanes == 1u) return sums;
     uint lane = gl_LocalInvocationID.x, first = lane - lane % kLanes;
@@ -59,6 +83,25 @@ vec4 castRays(HierarchicalDoubt d, Cluster p, Cluster q, uint seed, uint end, ou
     return sums;
 }
 
+// How the share that passes changes along the axes of both clusters: least squares, held back by a ridge (A. Hoerl, R. Kennard,
+// 1970), so that slopes from few rays are small unless these agree on them. `open_` are the slopes without blockers over their
+// mean; both together leave no triangle with less than nothing. `scatter` is what the slopes leave of that about the share.
+const float kTrendRidge = 2.0; // rays' worth of no slope (1 to 5 are alike)
+vec4 slopesOf(Trend t, float rays, float share, vec4 open_, vec4 reach, out float scatter) {
+    vec4 mean = t.at / rays, b = t.passedAt - share * t.at, s = t.squares - t.at * mean;
+    vec4 m = t.products - t.at.xxxy * mean.yzwz;
+    vec2 n = t.moreProducts - t.at.yz * mean.ww;
+    mat4 S = mat4(s.x, m.x, m.y, m.z, m.x, s.y, m.w, n.x, m.y, m.w, s.z, n.y, m.z, n.x, n.y, s.w);
+    mat4 A = inverse(S + mat4(kTrendRidge));
+    vec4 slope = A * b;
+    float parameters = 4.0 - kTrendRidge * (A[0].x + A[1].y + A[2].z + A[3].w);
+    float room = share * max(0.0, 0.99 - dot(abs(open_), reach)), need = dot(abs(slope), reach) - dot(open_, slope);
+    slope *= need > room ? room / need : 1.0;
+    float rest = rays * share * (1.0 - share) - 2.0 * dot(slope, b) + dot(slope, S * slope);
+    scatter = sqrt(max(rest, 0.0) / max(rays - parameters, 1.0));
+    return slope;
+}
+
 void main() {
     uint index = gl_GlobalInvocationID.x / kLanes;
     bool idle = index >= params.pairCount;
@@ -69,7 +112,8 @@ void main() {
     bool triangles = p.child == 0u && q.child == 0u;
     uint end = d.rays + (triangles ? clamp(d.rays, kHierarchicalFewRays, kLanes * kHierarchicalRoundRays) : kHierarchicalRays);
     uint blocked;
-    vec4 sums = castRays(d, p, q, seed, end, blocked);
+    Trend trend;
+    vec4 sums = castRays(d, p, q, seed, end, blocked, trend);
     if (idle || gl_LocalInvocationID.x % kLanes > 0u) return;
     d.passed += sums.x;
     d.open += sums.y;
@@ -95,7 +139,15 @@ void main() {
         }
         share = 1.0 - float(blocked) / float(end);
         // Between two triangles light passes or does not: that is the scatter about the share.
-        error = mixed ? sqrt(share * (1.0 - share)) : 0.3 * doubtOfAgreement(p, q);
+        error = 0.3 * doubtOfAgreement(p, q);
+        if (mixed) {
+            vec4 open_ = vec4(unpackHalf2x16(d.link.firstSlope), unpackHalf2x16(d.link.secondSlope));
+            vec4 slope = slopesOf(trend, float(end), share, open_, vec4(p.reach, q.reach), error);
+            vec4 both = share * open_ + slope;
+            share += dot(open_, slope); // coordinates have a mean square of one
+            d.link.firstSlope = packHalf2x16(both.xy / share);
+            d.link.secondSlope = packHalf2x16(both.zw / share);
+        }
     }
     error *= d.link.density;
     d.link.density *= share;

@@ -20,6 +20,8 @@ void reportFormFactors(Run& run, size_t patches, const compute::FormFactorReport
     if (report.reciprocityRms) run.report()["form_factors"]["reciprocity_rms"] = *report.reciprocityRms;
     if (report.claimedRadiosityError > 0)
         run.report()["form_factors"]["claimed_radiosity_error"] = report.claimedRadiosityError;
+    if (report.claimedRowSumError > 0)
+        run.report()["form_factors"]["claimed_row_sum_error"] = report.claimedRowSumError;
     for (const std::string& reason : report.skipped) run.skipped(reason);
     for (const std::string& warning : report.warnings) run.warn(warning);
 }

@@ -11,7 +11,8 @@ const uint kHierarchicalManyRays = 64u; // which a pair does that has had so man
 const uint kHierarchicalRoundRays = 512u; // of one invocation, at most: loops are far from 65535 turns
 const uint kHierarchicalAlign = 16u; // windows of entries begin at multiples of this: 256 bytes
 // A node takes five texels (uvec4; floats by their bits):
-//   centre.xyz, radius | normal.xyz, area | axis U.xyz, first leaf | axis V.xyz, count of leaves | child, room, -, -
+//   centre.xyz, radius | normal.xyz, area | axis U.xyz, first leaf | axis V.xyz, count of leaves | child, room,
+//   farthest middle of a leaf along U and along V, in units of them
 // A leaf takes three: a corner and the edges to the others; in w what of the corner float32 leaves out. Axes are as long as the standard deviation of area along them.
 // A link says what both nodes exchange per area of either: density * (1 + a.x u + a.y v + b.x u' + b.y v'), with u, v the
 // coordinates along the axes of the first node and u', v' those of the second.

@@ -8,6 +8,7 @@ struct Cluster {
     vec3 centre, normal, axisU, axisV;
     float radius, area;
     uint firstLeaf, leafCount, child, room;
+    vec2 reach; // of its triangles' middles along the axes
 };
 
 Cluster clusterAt(uint index) {
@@ -15,7 +16,8 @@ Cluster clusterAt(uint index) {
           t2 = texelFetch(nodes, int(5u * index + 2u)), t3 = texelFetch(nodes, int(5u * index + 3u)),
           t4 = texelFetch(nodes, int(5u * index + 4u));
     return Cluster(uintBitsToFloat(t0.xyz), uintBitsToFloat(t1.xyz), uintBitsToFloat(t2.xyz), uintBitsToFloat(t3.xyz),
-                   uintBitsToFloat(t0.w), uintBitsToFloat(t1.w), t2.w, t3.w, t4.x, t4.y);
+                   uintBitsToFloat(t0.w), uintBitsToFloat(t1.w), t2.w, t3.w, t4.x, t4.y,
+                   uintBitsToFloat(t4.zw));
 }
 
 // A point of the cluster from three numbers; the first picks the triangle.
@@ -28,14 +30,19 @@ vec3 pointOn(Cluster c, float pick, vec2 place) {
     return a + w.x * ab + w.y * ac;
 }
 
-// Ray `k`, stratified by a rank-1 lattice with a random shift for each pair: x what passes along it, y what would in the open.
-vec2 castRay(Cluster p, Cluster q, uint seed, uint k, uint nodeCount, float flatness) {
+struct CastRay {
+    vec3 from, to;
+    float passed, open_; // what passes along it, what would in the open
+};
+
+// Ray `k`, stratified by a rank-1 lattice with a random shift for each pair.
+CastRay castRay(Cluster p, Cluster q, uint seed, uint k, uint nodeCount, float flatness) {
     // Powers of the root of x^7 = x + 1, as fractions of 2^32: Roberts' generalised golden ratio in six dimensions.
     uvec3 bitsP = uvec3(hashOf(seed), hashOf(seed + 1u), hashOf(seed + 2u)) + k * uvec3(3859688306u, 3468523226u, 3117001274u),
           bitsQ = uvec3(hashOf(seed + 3u), hashOf(seed + 4u), hashOf(seed + 5u)) + k * uvec3(2801104767u, 2517223199u, 2262111973u);
     vec3 up = vec3(unitOf(bitsP.x), unitOf(bitsP.y), unitOf(bitsP.z)), uq = vec3(unitOf(bitsQ.x), unitOf(bitsQ.y), unitOf(bitsQ.z));
     vec3 from = pointOn(p, up.x, up.yz), to = pointOn(q, uq.x, uq.yz), d = to - from;
     float r2 = dot(d, d), open_ = max(0.0, dot(p.normal, d)) * max(0.0, -dot(q.normal, d)) / max(r2 * r2, 1e-30);
-    return vec2(blockedBetween(from, to, p.room, nodeCount, flatness) ? 0.0 : open_, open_);
+    return CastRay(from, to, blockedBetween(from, to, p.room, nodeCount, flatness) ? 0.0 : open_, open_);
 }
 #endif

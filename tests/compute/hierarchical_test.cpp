@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "compute/link_claims.h"
 #include "compute/radiosity.h"
 #include "tests/compute/cases.h"
 #include "tests/compute/form_factor_cases.h"
@@ -31,7 +32,7 @@ double rowError(const std::vector<float>& values, const std::vector<float>& exac
 
 TEST(PatchTree, clusters_hold_their_triangles_and_every_triangle_is_a_leaf) {
     const geometry::PatchMesh mesh = geometry::readPatches(kData + "room3_672.obj");
-    const PatchTree tree = buildPatchTree(mesh);
+    const PatchTree tree = buildPatchTree(mesh, blockingRegions(mesh, 8));
     ASSERT_EQ(tree.leaves.size(), mesh.patchCount());
     double area = 0;
     for (size_t k = 0; k < tree.nodes.size(); ++k) {
@@ -50,6 +51,64 @@ TEST(PatchTree, clusters_hold_their_triangles_and_every_triangle_is_a_leaf) {
     double total = 0;
     for (size_t i = 0; i < mesh.patchCount(); ++i) total += geometry::patchArea(mesh, i);
     EXPECT_NEAR(area, total, 1e-9 * total);
+}
+
+// What stands on a floor parts its clusters, however few triangles lie behind.
+TEST(PatchTree, clusters_end_where_a_blocker_stands) {
+    std::vector<std::vector<glm::dvec3>> squares;
+    for (int i = 0; i < 8; ++i)
+        for (int k = 0; k < 8; ++k) {
+            const double x = i, z = k;
+            squares.push_back({{x, 0, z}, {x, 0, z + 1}, {x + 1, 0, z + 1}, {x + 1, 0, z}});
+        }
+    const geometry::PatchMesh mesh = test::polygons(squares);
+    const ConvexRegion wall{{{1, 0, 0}, {1, 3, 0}, {1, 3, 8}, {1, 0, 8}}, 0, 0};
+    const ConvexRegion beside{
+        {{5, 0.1, 0}, {5, 3, 0}, {5, 3, 8}, {5, 0.1, 8}}, 0, 0}; // does not reach the floor
+    const PatchTree tree = buildPatchTree(mesh, std::vector{wall, beside});
+    size_t across = 0, halves = 0;
+    for (size_t k = 1; k < tree.nodes.size(); ++k) {
+        const PatchTree::Node& node = tree.nodes[k];
+        bool left = false, right = false;
+        for (uint32_t l = node.firstLeaf; l < node.firstLeaf + node.leafCount; ++l) {
+            const auto& c = tree.leaves[l].corner;
+            ((c[0].x + c[1].x + c[2].x) / 3 < 1 ? left : right) = true;
+        }
+        across += left && right;
+        if (node.parent == 0) halves += node.leafCount;
+    }
+    EXPECT_EQ(across, 0u);
+    EXPECT_EQ(halves, 128u);
+}
+
+// Claims of rows as their definition has them, and links of the worst rows taken apart until these hold.
+TEST(LinkClaims, few_links_of_the_worst_rows_are_taken_apart) {
+    const geometry::PatchMesh mesh = geometry::readPatches(kData + "cube_quads_4x4.obj");
+    const PatchTree tree = buildPatchTree(mesh, {});
+    std::vector<double> areas;
+    for (size_t i = 0; i < mesh.patchCount(); ++i) areas.push_back(geometry::patchArea(mesh, i));
+    const auto roots = tree.levelFirst[1];
+    std::vector<io::HierarchicalLink> links;
+    for (uint32_t a = 0; a < roots; ++a)
+        for (uint32_t b = a + 1; b < roots; ++b) links.push_back({a, b, 0.5f, 0, 0, a == 0 ? 0.1f : 0.01f});
+    LinkClaims claims(tree, areas, links);
+    const std::vector<double> sums = claims.rowSums(), squares = claims.rowSquares();
+    for (const PatchTree::Leaf& leaf : tree.leaves) {
+        uint32_t root = leaf.node;
+        while (tree.nodes[root].parent != PatchTree::kNone) root = tree.nodes[root].parent;
+        const double face = 16 * areas[0], others = root == 0 ? 5 * 0.1 : 0.1 + 4 * 0.01;
+        EXPECT_NEAR(sums[leaf.patch], others * face, 1e-6 * face);
+        const double variance = root == 0 ? 5 * 0.01 : 0.01 + 4 * 0.0001;
+        EXPECT_NEAR(squares[leaf.patch], variance * face * areas[0], 1e-6 * face * areas[0]);
+    }
+    const double bound = 0.2 * 16 * areas[0];
+    const std::vector<glm::uvec2> pairs = claims.split(links, bound);
+    EXPECT_LT(links.size(), 15u);
+    EXPECT_GE(links.size(), 10u); // those of other faces are good enough
+    EXPECT_EQ(pairs.size(), 2 * (15 - links.size()));
+    const LinkClaims rest(tree, areas, links);
+    for (size_t i = 0; i < areas.size(); ++i) EXPECT_NEAR(claims.rowSums()[i], rest.rowSums()[i], 1e-9);
+    EXPECT_TRUE(claims.split(links, 16 * areas[0]).empty());
 }
 
 TEST(Hierarchical, rooms_without_blockers_reach_the_error_asked) {
@@ -81,14 +140,23 @@ TEST(Hierarchical, a_room_with_partitions_keeps_the_error_asked_and_the_error_cl
         EXPECT_LT(F.report().claimedRowError, 1.1 * asked);
         EXPECT_LT(error, F.report().claimedRowError);
         EXPECT_GT(error, 0.4 * F.report().claimedRowError); // an estimate, not a bound picked from far above
-        size_t held = 0;
+        size_t held = 0, sumsHeld = 0;
+        double worstSum = 0;
         for (size_t i = 0; i < n; ++i) {
-            double squares = 0;
-            for (size_t j = 0; j < n; ++j)
-                squares += std::pow(double{values[i * n + j]} - double{exact[i * n + j]}, 2);
+            double squares = 0, sum = 0;
+            for (size_t j = 0; j < n; ++j) {
+                const double d = double{values[i * n + j]} - double{exact[i * n + j]};
+                squares += d * d;
+                sum += d;
+            }
             held += std::sqrt(squares) <= double{F.rowError()[i]};
+            sumsHeld += std::abs(sum) <= double{F.rowSumError()[i]};
+            worstSum = std::max(worstSum, std::abs(sum));
         }
         EXPECT_GE(static_cast<double>(held), 0.99 * static_cast<double>(n)) << asked;
+        EXPECT_GE(static_cast<double>(sumsHeld), 0.99 * static_cast<double>(n)) << asked;
+        EXPECT_LE(worstSum, F.report().claimedRowSumError) << asked;
+        EXPECT_LE(F.report().claimedRowSumError, 10 * asked); // what sums are held to
     }
 }
 

@@ -1,0 +1,138 @@
+#include "compute/link_claims.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace heliodon::compute {
+
+namespace {
+
+constexpr double kNotWanted = std::numeric_limits<double>::infinity();
+constexpr double kBelowBound = 0.8;  // of the bound, at which rows above it aim
+constexpr double kAlike = 0.15;      // share of triangles' errors that have one sign (measured)
+constexpr double kLeastShare = 0.05; // of a row's squares, from which a cluster is worth taking apart
+constexpr double kGain = 0.7;        // of a link's error, gone when it is split (a guess: more rounds follow)
+
+double errorOfSum(const PatchTree& tree, const io::HierarchicalLink& link, bool first) {
+    return double{link.error} * tree.nodes[first ? link.second : link.first].area;
+}
+
+} // namespace
+
+LinkClaims::LinkClaims(const PatchTree& tree, std::span<const double> patchArea,
+                       std::span<const io::HierarchicalLink> links)
+    : tree_(&tree), patchArea_(patchArea.begin(), patchArea.end()), entryArea_(tree.nodes.size()),
+      entries_(tree.nodes.size()), sums_(tree.nodes.size()), squares_(tree.nodes.size()) {
+    // Entries are those of patches: triangles of one patch err alike. Children come after their parents.
+    for (size_t k = tree.nodes.size(); k-- > 0;) {
+        const PatchTree::Node& node = tree.nodes[k];
+        entryArea_[k] = node.child == 0 ? node.area * patchArea_[tree.leaves[node.firstLeaf].patch]
+                                        : entryArea_[node.child] + entryArea_[node.child + 1];
+    }
+    add(links);
+}
+
+void LinkClaims::add(std::span<const io::HierarchicalLink> links) {
+    for (const io::HierarchicalLink& link : links) count(link, 1);
+}
+
+void LinkClaims::count(const io::HierarchicalLink& link, double sign) {
+    const double v = double{link.error} * double{link.error};
+    entries_[link.first] += sign * v * entryArea_[link.second];
+    entries_[link.second] += sign * v * entryArea_[link.first];
+    const double a = errorOfSum(*tree_, link, true), b = errorOfSum(*tree_, link, false);
+    sums_[link.first] += sign * a;
+    sums_[link.second] += sign * b;
+    squares_[link.first] += sign * a * a;
+    squares_[link.second] += sign * b * b;
+}
+
+std::vector<double> LinkClaims::sumSquares() const {
+    std::vector<double> squares(sums_.size());
+    for (size_t k = 0; k < sums_.size(); ++k)
+        squares[k] = tree_->nodes[k].child ? sums_[k] * sums_[k]
+                                           : std::max(0.0, squares_[k]) + std::pow(kAlike * sums_[k], 2);
+    return squares;
+}
+
+std::vector<double> LinkClaims::overPatches(std::vector<double> perNode, bool root) const {
+    for (size_t k = 0; k < perNode.size(); ++k)
+        if (tree_->nodes[k].parent != PatchTree::kNone) perNode[k] += perNode[tree_->nodes[k].parent];
+    std::vector<double> rows(patchArea_.size(), 0.0);
+    for (const PatchTree::Leaf& leaf : tree_->leaves) {
+        const double value = std::max(0.0, perNode[leaf.node]);
+        rows[leaf.patch] += leaf.area / patchArea_[leaf.patch] * (root ? std::sqrt(value) : value);
+    }
+    return rows;
+}
+
+// Of each cluster that has much to do with rows above the bound, what its links' errors may add up to.
+std::vector<double> LinkClaims::wantedSums(double bound) const {
+    const std::vector<double> squares = sumSquares();
+    std::vector<double> wanted(squares.size(), kNotWanted);
+    for (const PatchTree::Leaf& leaf : tree_->leaves) {
+        double sum = 0;
+        for (uint32_t p = leaf.node; p != PatchTree::kNone; p = tree_->nodes[p].parent) sum += squares[p];
+        if (sum <= bound * bound) continue;
+        const double share = kBelowBound * bound / std::sqrt(sum);
+        for (uint32_t p = leaf.node; p != PatchTree::kNone; p = tree_->nodes[p].parent)
+            if (tree_->nodes[p].child && squares[p] > kLeastShare * sum)
+                wanted[p] = std::min(wanted[p], share * std::sqrt(squares[p]));
+    }
+    return wanted;
+}
+
+std::vector<glm::uvec2> LinkClaims::split(std::vector<io::HierarchicalLink>& links, double bound) {
+    struct Candidate {
+        double error;
+        size_t link;
+        bool operator<(const Candidate& other) const { // of links alike, the earlier one is the greater
+            return error != other.error ? error < other.error : link > other.link;
+        }
+    };
+    struct Split {
+        bool first = false, second = false;
+    };
+    const std::vector<double> wanted = wantedSums(bound);
+    if (std::all_of(wanted.begin(), wanted.end(), [](double w) { return w == kNotWanted; })) return {};
+    std::vector<std::vector<Candidate>> candidates(wanted.size()); // per node
+    for (size_t l = 0; l < links.size(); ++l)
+        for (const bool first : {true, false}) {
+            const uint32_t node = first ? links[l].first : links[l].second;
+            if (wanted[node] < kNotWanted && links[l].error > 0)
+                candidates[node].push_back({errorOfSum(*tree_, links[l], first), l});
+        }
+    std::vector<Split> splits(links.size());
+    for (size_t node = 0; node < candidates.size(); ++node) {
+        std::vector<Candidate>& heap = candidates[node];
+        std::make_heap(heap.begin(), heap.end());
+        for (double left = sums_[node]; left > wanted[node] && !heap.empty(); heap.pop_back()) {
+            std::pop_heap(heap.begin(), heap.end());
+            const Candidate& largest = heap.back();
+            left -= kGain * largest.error;
+            Split& split = splits[largest.link];
+            (links[largest.link].first == node ? split.first : split.second) = true;
+        }
+    }
+    std::vector<glm::uvec2> pairs;
+    size_t kept = 0;
+    for (size_t l = 0; l < splits.size(); ++l) {
+        const io::HierarchicalLink& link = links[l];
+        const Split& split = splits[l];
+        if (!split.first && !split.second) {
+            links[kept++] = link;
+            continue;
+        }
+        count(link, -1);
+        for (uint32_t a = 0; a < (split.first ? 2u : 1u); ++a)
+            for (uint32_t b = 0; b < (split.second ? 2u : 1u); ++b)
+                pairs.push_back({split.first ? tree_->nodes[link.first].child + a : link.first,
+                                 split.second ? tree_->nodes[link.second].child + b : link.second});
+    }
+    links.resize(kept);
+    return pairs;
+}
+
+} // namespace heliodon::compute

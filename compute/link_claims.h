@@ -1,0 +1,49 @@
+// What links between clusters leave open in each patch's row of form factors, and which of them to take apart
+// where that is too much.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <glm/vec2.hpp>
+
+#include "compute/patch_tree.h"
+#include "shaders/io/hierarchical.io.h"
+
+namespace heliodon::compute {
+
+// Of single entries, links err independently of one another: variances add up, from the roots down to the
+// patches. Of a row's sum they do not: where the foot of a blocker or the border of a shadow divides a
+// cluster, one of its triangles sees more, or less, than the cluster does along all of its links alike. So
+// errors of a cluster's links add up; of different clusters' links, and mostly of triangles' own, their
+// squares.
+class LinkClaims {
+public:
+    // `tree` must outlive this. O(links).
+    LinkClaims(const PatchTree& tree, std::span<const double> patchArea,
+               std::span<const io::HierarchicalLink> links);
+
+    void add(std::span<const io::HierarchicalLink> links);
+
+    // Estimates per patch: the square of ||F_i - true||, and |sum_j F_ij - true|.
+    std::vector<double> rowSquares() const { return overPatches(entries_, false); }
+    std::vector<double> rowSums() const { return overPatches(sumSquares(), true); }
+
+    // Takes out of `links`, all of which were counted here, those by which sums of rows may be off by more
+    // than `bound`, the largest first, and returns the pairs of nodes to link in their place. Empty: none.
+    std::vector<glm::uvec2> split(std::vector<io::HierarchicalLink>& links, double bound);
+
+private:
+    void count(const io::HierarchicalLink& link, double sign);
+    std::vector<double> sumSquares() const; // per node
+    std::vector<double> overPatches(std::vector<double> perNode, bool root) const;
+    std::vector<double> wantedSums(double bound) const;
+
+    const PatchTree* tree_;
+    std::vector<double> patchArea_;
+    std::vector<double> entryArea_; // per node: of areas over which an error's square counts in a row
+    // Per node: variance of rows; errors of sums, in all and, at triangles, their squares.
+    std::vector<double> entries_, sums_, squares_;
+};
+
+} // namespace heliodon::compute
