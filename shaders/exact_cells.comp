@@ -29,7 +29,7 @@ void loadPair(uint record) {
     pair.innerArea = face.area;
     pair.worst = max(1.0, outerFace.area / face.area);
     outerCorners = 3;
-    if (params.firstLevel != 0u) {
+    if (wholePair) {
         loadPiece(outerFrame, origin, outerFace);
         clipTo(outerFrame, face.normal, cornerFrom(origin, face.first));
         outerCorners = pieceCorners;
@@ -45,6 +45,7 @@ float seen(vec2 at) {
     vec3 point = lift(outerFrame, at);
     lineCount = 0;
     linesLost = false;
+    bySampling = false;
     bool hidden = false;
     NO_UNROLL for (uint m = 0u; m < pair.r.listed && !hidden; ++m)
         hidden = castShadow(innerFrame, origin, faceAt(lists[pair.r.firstListed + m]), point, m, pair.innerSize);
@@ -54,7 +55,9 @@ float seen(vec2 at) {
         bySampling = true;
         lineCount = 0;
     }
-    return hidden ? 0.0 : share * max(0.0, litFactor(innerFrame, point, outerFace.normal, pair.innerSize));
+    float lit = hidden ? 0.0 : share * max(0.0, litFactor(innerFrame, point, outerFace.normal, pair.innerSize));
+    views |= lit <= 0.0 ? kSeesNothing : lineCount == 0 && !bySampling ? kSeesAll : kSeesPart;
+    return lit;
 }
 
 vec3 fromInner(vec2 at) { return lift(outerFrame, at) - innerFrame.origin; }

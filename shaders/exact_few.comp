@@ -112,7 +112,9 @@ float seen(vec2 at) {
     // What rounding leaves over: angles are good to 1e-7, of which the piece spans its size over the distance.
     bool hidden;
     float lit = whole - shadowsSum(hidden), left = 2e-6 * max(1.0, length(point) / pair.innerSize);
-    return !hidden && lit > left * whole ? 0.159154943092 * lit : 0.0;
+    bool lost = hidden || lit <= left * whole;
+    views |= lost ? kSeesNothing : lit == whole ? kSeesAll : kSeesPart;
+    return lost ? 0.0 : 0.159154943092 * lit;
 }
 
 // An edge in the outer piece's own plane bends what is seen only at its ends.

@@ -2,7 +2,8 @@
 // outer piece see of the inner one, along four lines across it that stand for equal areas. Of a line a convex blocker hides one
 // stretch, found exactly; stretches are kept as 32 bits, so that what any number of blockers hides is their union.
 // Points: J. Radon, "Zur mechanischen Kubatur", 1948, as in lib/exact_cubature.glsl: four, seven,
-// then four in each of 4, 16, 64 parts, in rounds that only pairs take whose last two results disagree.
+// then four in each of 4, 16, 64 parts, in rounds that only pairs take whose last two results disagree. Pairs of which four
+// points see nothing, or all see everything, go on from the other piece: lib/exact_cubature.glsl says why.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -13,7 +14,7 @@
 #include "shaders/lib/monte_carlo_points.glsl"
 
 layout(local_size_x = kExactGroup) in;
-layout(set = 0, binding = 5, scalar) readonly buffer Records { ExactRecord records[]; };
+layout(set = 0, binding = 5, scalar) buffer Records { ExactRecord records[]; };
 layout(set = 0, binding = 6, scalar) readonly buffer Lists { uint lists[]; };
 layout(set = 0, binding = 7, scalar) buffer Results { uvec3 results[]; }; // per record: form factor, its fraction, error
 layout(set = 0, binding = 8, scalar) readonly buffer Again { uint again[]; }; // records that go on, from level 1
@@ -87,6 +88,7 @@ uvec4 shadowOf(uint face, vec3 point, vec3 a[3], vec4 h, vec4 jitter) {
 }
 
 float open_; // the last point's form factor in the open
+uint hiddenOfLast; // bits of all four lines that are hidden from it: 0 to 128
 
 // Form factor from a point to what it sees of the inner piece, times pi, over its area; the lines differ from point to point.
 float seen(vec3 point, uint k) {
@@ -105,6 +107,8 @@ float seen(vec3 point, uint k) {
         hidden |= shadowOf(lists[record.firstListed + min(m, record.listed - 1u)], point, a, h, jitter);
         ++m;
     } while (subgroupAny(m < record.listed));
+    ivec4 count = bitCount(hidden);
+    hiddenOfLast = uint(count.x + count.y + count.z + count.w);
     // The kernel as a linear function, from points of the rule of degree 2.
     vec3 g = vec3(kernel(0.5 * (middle + a[0])), kernel(0.5 * (middle + a[1])), kernel(0.5 * (middle + a[2])));
     float mean = dot(g, vec3(1.0 / 3.0));
@@ -128,8 +132,10 @@ vec3 placeOf(uint k, uint cell) {
     return place;
 }
 
-// Form factor and its error, from four points or seven.
-vec2 overPiece(vec3 corner, vec3 u, vec3 v, float limit) {
+// Form factor and its error, from four points or seven. `turned` where four agree and prove too little.
+vec2 overPiece(vec3 corner, vec3 u, vec3 v, float limit, out bool turned) {
+    uint hidden = 0u; // from the first four points
+    turned = false;
     vec3 sums = vec3(0.0); // of the far, the near, the centre
     vec2 result = vec2(0.0), range = vec2(1e30, 0.0);
     float open = 0.0; // at the last point of this pair: neighbours may need more
@@ -140,12 +146,14 @@ vec2 overPiece(vec3 corner, vec3 u, vec3 v, float limit) {
         if (k < end) sums += k < 3u ? vec3(f, 0.0, 0.0) : k > 3u ? vec3(0.0, f, 0.0) : vec3(0.0, 0.0, f);
         if (k < end) range = vec2(min(range.x, f), max(range.y, f));
         if (k < end) open = open_;
+        if (k < 4u) hidden += hiddenOfLast;
         ++k;
         float byFar = kRadonFarLow / 3.0 * sums.x + (1.0 - kRadonFarLow) * sums.z;
         float byNear = kRadonNearLow / 3.0 * sums.y + (1.0 - kRadonNearLow) * sums.z;
         if (k == 4u) {
             result = vec2(byFar, max(kQuickError * abs(byFar - sums.z), kLeastError * (range.y - range.x)));
-            end = max(result.y, kMissed * open_) > limit ? 7u : end;
+            turned = params.last == 0u && kMissed * open_ > limit && (hidden == 0u || hidden == 512u);
+            end = !turned && max(result.y, kMissed * open_) > limit ? 7u : end;
         }
         if (k == 7u && end == 7u) {
             result.x = 0.132394152788 * sums.y + 0.125939180545 * sums.x + 0.225 * sums.z;
@@ -186,12 +194,18 @@ void main() {
     seed = hashOf(min(record.outer, record.inner) * 0x9e3779b9u ^ hashOf(max(record.outer, record.inner)));
     float scale = kInversePi * innerFace.area, limit = params.tolerance / (scale * max(1.0, outerFace.area / innerFace.area));
     vec2 result;
+    bool turned = false;
     if (params.level == 0u)
-        result = overPiece(corner, u, v, limit);
+        result = overPiece(corner, u, v, limit, turned);
     else
         result = overCells(corner, u, v, float(results[index].x) / (kExactOne * scale));
     result.y = max(result.y, kMissed * exp2(-2.0 * float(params.level)) * open_);
     if (result.y > limit && params.last == 0u) next[atomicAdd(counters[kExactCellCount], 1u)] = index;
+    if (turned) {
+        records[index].outer = record.inner;
+        records[index].inner = record.outer;
+        scale = kInversePi * outerFace.area;
+    }
     float scaled = scale * max(0.0, result.x) * kExactOne;
     uint whole = uint(scaled);
     results[index] =

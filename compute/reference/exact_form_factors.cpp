@@ -323,6 +323,24 @@ double clearance(const Polygon& polygon, std::span<const Polygon> blockers) {
     return nearest;
 }
 
+// Whether all points of a rule see nothing or all see everything: then a sliver of light or shadow may lie
+// between them, which from the other polygon is plain to see.
+bool pointsAgree(const Polygon& polygon, const Polygon& to, std::span<const Polygon> blockers) {
+    static const Rule rule = gaussRule(5);
+    const dvec3 normal = glm::normalize(areaVector(polygon));
+    bool nothing = true, everything = true;
+    const auto look = [&](const dvec3& x) {
+        const double open = pointToPolygon(x, normal, to);
+        const double visible = visiblePointToPolygon(x, normal, to, blockers);
+        nothing = nothing && visible <= 1e-12 * open;
+        everything = everything && visible >= (1 - 1e-12) * open;
+        return 0.0;
+    };
+    for (size_t k = 1; k + 1 < polygon.size() && (nothing || everything); ++k)
+        overTriangle(look, {polygon[0], polygon[k], polygon[k + 1]}, rule);
+    return nothing || everything;
+}
+
 } // namespace
 
 Estimate exchangeOccluded(const Polygon& from, const Polygon& to, std::span<const Polygon> blockers,
@@ -332,6 +350,7 @@ Estimate exchangeOccluded(const Polygon& from, const Polygon& to, std::span<cons
     if (a.empty() || b.empty()) return {};
     // Points are spread over the side from which shadows are blurred, not cut sharply by a near blocker.
     if (clearance(b, blockers) > clearance(a, blockers)) std::swap(a, b);
+    if (pointsAgree(a, b, blockers)) std::swap(a, b);
     const dvec3 normal = glm::normalize(areaVector(a));
     const auto f = [&](const dvec3& x) { return visiblePointToPolygon(x, normal, b, blockers); };
     return overPolygon(f, a, low, high, tolerance * polygonArea(from), maxCells);

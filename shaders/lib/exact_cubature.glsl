@@ -5,14 +5,18 @@
 //   float seen(vec2 at);               form factor from the point to what it sees of the inner piece
 //   vec3 fromInner(vec2 at);           the point, relative to a corner of the inner piece
 //   float bendDistance(vec2 at);       how far it is from where that bends: the border of the inner piece
-//   bool sampled();                    what was seen holds noise, which splitting does not take away
+//   bool sampled();                    what was last seen holds noise, which splitting does not take away
+// and adds what each point sees, nothing, all or a part, to `views`.
+// A sliver of light or shadow along an edge of the outer piece lies between all points, while every point of the inner piece
+// sees it: pairs of which all points see nothing, or all see everything, are looked at from the inner piece too. What both
+// looks miss is a sliver of a sliver.
 // Rule: J. Radon, "Zur mechanischen Kubatur", 1948 (degree 5), with the degree-2 rule on four of its points.
 // Needs shaders/io/exact_form_factors.io.h. Loops: see exact_shaft.glsl.
 #ifndef EXACT_CUBATURE_GLSL
 #define EXACT_CUBATURE_GLSL
 
 layout(local_size_x = kExactGroup) in;
-layout(set = 0, binding = 5, scalar) readonly buffer Records { ExactRecord records[]; };
+layout(set = 0, binding = 5, scalar) buffer Records { ExactRecord records[]; };
 layout(set = 0, binding = 6, scalar) readonly buffer Lists { uint lists[]; };
 layout(set = 0, binding = 7, scalar) readonly buffer Cells { uint cells[]; };
 layout(set = 0, binding = 8, scalar) buffer Counters { uint counters[]; };
@@ -33,6 +37,10 @@ struct Pair {
 Pair pair;
 vec2 outer[kOuterCap]; // what of the outer piece lies above the inner one's plane
 int outerCorners;
+bool wholePair; // a first look, from either side, not a cell
+const uint kSeesNothing = 1u, kSeesAll = 2u, kSeesPart = 4u;
+uint views;
+bool noisy; // some point of the cell was sampled
 
 void loadPair(uint record);
 float seen(vec2 at);
@@ -43,10 +51,14 @@ bool sampled();
 const float kSmooth = 0.25; // in the open the rule of degree 5 errs much less (by 20 in rooms; where slivers cross, less than 4)
 const float kLeastError = 0.1; // of what differs from point to point
 const float kQuickError = 2.0; // four points agree by accident more often than seven
+const float kMissed = 0.02; // of what is there in the open: a sliver between points that agree
+const float kProbe = 0.02, kBeyond = 0.05; // weight of a corner's two lesser neighbours; area that a corner stands for
+const uint kWholePair = 0xffffffffu; // in the place of a cell's first corner
 
 // x by the rule of degree 5, y how far the farther of two rules of degree 2 is from it.
-// A quick look takes the centre and the far three alone.
-vec2 overCell(vec2 a, vec2 b, vec2 c, bool quick) {
+// A quick look takes the centre and the far three alone. With `probed`, three more points near the corners, of which some lie
+// beyond any straight border of light that crosses the cell: how far they are from what the others lead to expect.
+vec2 overCell(vec2 a, vec2 b, vec2 c, bool quick, bool probed) {
     // Barycentric weight of the two lesser corners. Three points at (1 - 2 t, t, t) and the centre integrate quadratics when
     // the three weigh 1/4 / (1 - 3 t)^2 together; shadows make one such rule agree by accident, seldom both.
     const float kNear = 0.470142064105, kFar = 0.101286507323;
@@ -55,23 +67,34 @@ vec2 overCell(vec2 a, vec2 b, vec2 c, bool quick) {
     vec3 sums = vec3(0.0);
     vec2 range = vec2(1e30, 0.0);
     // One call, so that drivers that inline everything compile it once.
-    int points = quick ? 4 : 7, k = 0;
+    int points = quick ? 4 : 7, all = points + (probed ? 3 : 0), k = 0;
+    views = 0u;
+    noisy = false;
+    vec3 far = vec3(0.0);
+    float beyond = 0.0;
     [[dont_unroll]] do {
-        int turn = k % 4;
+        uint viewsBefore = views;
+        bool probe = k >= points;
+        int turn = probe ? k - points : k % 4;
         vec2 corner = turn == 0 ? a : turn == 1 ? b : c;
-        float t = k == 3 ? 1.0 / 3.0 : k < 3 ? kFar : kNear;
+        float t = probe ? kProbe : k == 3 ? 1.0 / 3.0 : k < 3 ? kFar : kNear;
         float f = seen(t * (a + b + c) + (1.0 - 3.0 * t) * corner);
         if (k < points) sums += k < 3 ? vec3(0.0, f, 0.0) : k > 3 ? vec3(f, 0.0, 0.0) : vec3(0.0, 0.0, f);
         if (k < points) range = vec2(min(range.x, f), max(range.y, f));
+        if (k < 3) far[k] = f;
+        float expected = mix(sums.z, turn == 0 ? far.x : turn == 1 ? far.y : far.z, (1.0 - 3.0 * kProbe) / (1.0 - 3.0 * kFar));
+        if (probe && k < all) beyond += kBeyond * abs(f - max(0.0, expected));
+        if (k >= points) views = viewsBefore; // neighbours may need more points
+        noisy = noisy || k < all && sampled();
         ++k;
-    } while (subgroupAny(k < points));
+    } while (subgroupAny(k < all));
     float centre = sums.z;
     float byFar = kFarLow / 3.0 * sums.y + (1.0 - kFarLow) * centre;
-    if (quick) return vec2(byFar, max(kQuickError * abs(byFar - centre), kLeastError * (range.y - range.x)));
+    if (quick) return vec2(byFar, max(beyond, max(kQuickError * abs(byFar - centre), kLeastError * (range.y - range.x))));
     float value = 0.132394152788 * sums.x + 0.125939180545 * sums.y + 0.225 * centre;
     float byNear = kNearLow / 3.0 * sums.x + (1.0 - kNearLow) * centre;
     float apart = max(abs(value - byNear), abs(value - byFar));
-    return vec2(value, pair.r.listed == 0u && params.quick != 0u ? kSmooth * apart : apart);
+    return vec2(value, max(beyond, pair.r.listed == 0u && params.quick != 0u ? kSmooth * apart : apart));
 }
 
 float crossOf(vec2 a, vec2 b) { return a.x * b.y - a.y * b.x; }
@@ -87,16 +110,14 @@ void storeCell(uint slot, vec2 a, vec2 b, vec2 c) {
     nextCells[w + 6u] = floatBitsToUint(c.y);
 }
 
-// Cells so large that two agreeing rules prove nothing: a bend or a shadow could hide between the points.
-const float kShadowShare = 250.0;
-bool tooLarge(vec2 a, vec2 b, vec2 c, float share) {
-    vec2 middle = (a + b + c) / 3.0;
-    float size = max(length(b - a), max(length(c - b), length(a - c)));
-    if (size > 1.5 * bendDistance(middle)) return share * pair.worst > 6.0 * params.tolerance;
-    vec3 d = fromInner(middle);
-    float most = min(1.0, pair.innerArea * 0.318309886184 / max(dot(d, d) - pair.innerSize * pair.innerSize, 1e-30));
-    return pair.r.listed > 0u && share * pair.worst * most > kShadowShare * params.tolerance;
+// At most the form factor in the open from about a point.
+float mostFrom(vec2 at) {
+    vec3 d = fromInner(at);
+    return min(1.0, pair.innerArea * 0.318309886184 / max(dot(d, d) - pair.innerSize * pair.innerSize, 1e-30));
 }
+
+// Cells so large that two agreeing rules prove nothing: a bend or a shadow could hide between the points.
+const float kShadowShare = 1000.0, kBendShare = 6.0;
 
 // Puts cells on the list of the next round: this one again, or its four quarters. False where the list is full.
 bool refine(vec2 a, vec2 b, vec2 c, bool quarters) {
@@ -116,20 +137,41 @@ bool refine(vec2 a, vec2 b, vec2 c, bool quarters) {
     return fits;
 }
 
-// x the contribution to the form factor, y its error; zero when the cell was split.
-vec2 integrate(vec2 a, vec2 b, vec2 c) {
+// The next round looks at the pair from its other piece.
+void turn() {
+    records[pair.record].outer = pair.r.inner;
+    records[pair.record].inner = pair.r.outer;
+    uint slot = atomicAdd(counters[kExactCellCount], 1u);
+    if (slot >= params.cellCapacity) atomicAdd(counters[kExactOverflowCount], 1u);
+    if (slot >= params.cellCapacity) return;
+    nextCells[slot * kExactCellWords] = pair.record;
+    nextCells[slot * kExactCellWords + 1u] = kWholePair;
+}
+
+// x the contribution to the form factor, y its error; zero when the cell was split. With `mayTurn`, `turned` says that all
+// points agree and prove too little.
+vec2 integrate(vec2 a, vec2 b, vec2 c, bool mayTurn, out bool turned) {
     float share = 0.5 * abs(crossOf(b - a, c - a)) / pair.outerArea;
     bool mayBeSplit = params.maxDepthReached == 0u && share > 0.0;
-    bool quick = params.firstLevel != 0u && params.quick != 0u && pair.r.listed > 0u;
-    bool split = mayBeSplit && tooLarge(a, b, c, share), again = false;
+    bool quick = wholePair && params.quick != 0u && pair.r.listed > 0u;
+    vec2 middle = (a + b + c) / 3.0;
+    bool bent = max(length(b - a), max(length(c - b), length(a - c))) > 1.5 * bendDistance(middle);
+    float most = pair.worst * (bent ? 1.0 : mostFrom(middle)), enough = bent ? kBendShare : pair.r.listed > 0u ? kShadowShare : 1e30;
+    bool split = mayBeSplit && share * most > enough * params.tolerance, again = false;
     vec2 result = vec2(0.0, split ? share : 0.0);
-    if (!split && share > 0.0) {
-        result = share * overCell(a, b, c, quick);
+    mayTurn = mayTurn && mayBeSplit && !bent && most * kMissed > params.tolerance;
+    turned = false;
+    if (mayTurn || !split && share > 0.0) {
+        bool probed = pair.r.listed > 0u && share * most * kMissed > params.tolerance;
+        vec2 found = share * overCell(a, b, c, quick, probed);
+        turned = mayTurn && (views == kSeesNothing || views == kSeesAll);
         // Errors of many small cells add up: the smaller the cell, the less it may add.
-        bool bad = mayBeSplit && result.y * pair.worst > params.tolerance * sqrt(share);
-        split = bad && !quick && !sampled();
-        again = bad && quick; // all seven points in the next round
+        bool bad = mayBeSplit && found.y * pair.worst > params.tolerance * sqrt(share);
+        result = split ? result : found;
+        again = !split && bad && quick; // all seven points in the next round
+        split = split || bad && !quick && !noisy;
     }
+    if (turned) return vec2(0.0);
     if (split || again) result = refine(a, b, c, split) ? vec2(0.0) : result;
     return result;
 }
@@ -139,8 +181,10 @@ void main() {
     if (index >= params.count) return;
     index += params.first;
     uint w = index * kExactCellWords;
-    loadPair(params.firstLevel != 0u ? index : cells[w]);
-    if (params.firstLevel == 0u) {
+    bool first = params.firstLevel != 0u;
+    wholePair = first || cells[w + 1u] == kWholePair;
+    loadPair(first ? index : cells[w]);
+    if (!wholePair) {
         outerCorners = outerCorners == 0 ? 0 : 3;
         [[unroll]] for (uint k = 0u; k < 3u; ++k)
             outer[k] = vec2(uintBitsToFloat(cells[w + 1u + 2u * k]), uintBitsToFloat(cells[w + 2u + 2u * k]));
@@ -148,7 +192,10 @@ void main() {
     vec2 sum = vec2(0.0);
     int k = 1;
     [[dont_unroll]] do {
-        if (k + 1 < outerCorners) sum += integrate(outer[0], outer[k], outer[k + 1]);
+        bool turned = false;
+        if (k + 1 < outerCorners) sum += integrate(outer[0], outer[k], outer[k + 1], k == 1 && first && pair.r.listed > 0u, turned);
+        if (turned) turn();
+        if (turned) outerCorners = 0; // no more from here
         ++k;
     } while (subgroupAny(k + 1 < outerCorners));
     // Whole numbers: the sum is the same in whatever order the cells finish.
@@ -156,9 +203,8 @@ void main() {
     float scaled = sum.x * kExactOne;
     uint value = uint(scaled), rest = uint((scaled - float(value)) * kExactFraction);
     uint error = uint(min(sum.y, 1.0) * kExactOne);
-    bool only = params.firstLevel != 0u; // of this record so far
-    if (only) sums[pair.record] = uvec3(value, rest, error);
-    if (!only && (value | rest | error) != 0u) {
+    if (first) sums[pair.record] = uvec3(value, rest, error); // the first of this record
+    if (!first && (value | rest | error) != 0u) {
         atomicAdd(sums[pair.record].x, value);
         atomicAdd(sums[pair.record].y, rest);
         atomicAdd(sums[pair.record].z, error);

@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <span>
 
 #include <gtest/gtest.h>
 
+#include "compute/parallel.h"
+#include "compute/reference/form_factor_rows.h"
 #include "geometry/model_file.h"
 #include "tests/compute/form_factor_cases.h"
 #include "tests/compute/rooms.h"
@@ -171,6 +175,38 @@ TEST(ExactFormFactors, patches_that_touch_behind_three_blockers_agree_with_the_r
         const double truth = reference::exchangeIn(mesh, 0, 1, 1e-6).value / geometry::patchArea(mesh, 0);
         EXPECT_NEAR(matrixOf(mesh, 1e-4)[1], truth, 1e-5) << "turn " << turn;
     }
+}
+
+// Slivers of light and shadow, narrower than the gaps between points. Reference rows are good to about 1e-5,
+// nearly all of their entries to 2e-6.
+TEST(ExactFormFactors, large_patches_beside_narrow_slots_keep_the_error_asked) {
+    const geometry::PatchMesh mesh = test::roomWithScreens();
+    const size_t n = mesh.patchCount();
+    const ExactFormFactors result =
+        exactFormFactors(test::device(), mesh, {.maxError = 1e-4, .entryErrors = true});
+    const std::vector<float> F = result.factors.values.download<float>(n * n);
+    double sums = 0;
+    for (size_t i = 0; i < n; ++i) {
+        const auto row = std::span(F).subspan(i * n, n);
+        sums += std::pow(std::accumulate(row.begin(), row.end(), -1.0), 2);
+    }
+    EXPECT_LT(std::sqrt(sums / static_cast<double>(n)), 1.5e-4); // errors of entries that do not conspire
+    const reference::FormFactorRows oracle(mesh);
+    constexpr size_t kRows = 16;
+    std::vector<reference::FormFactorRows::Row> truth(kRows);
+    const auto rowOf = [&](size_t k) { return k * n / kRows + k % 3; };
+    inParallel(kRows, [&](size_t k) { truth[k] = oracle.row(rowOf(k), 1e-6, 600); });
+    double squares = 0;
+    size_t within = 0;
+    for (size_t k = 0; k < kRows; ++k)
+        for (size_t j = 0; j < n; ++j) {
+            const size_t at = rowOf(k) * n + j;
+            const double error = std::abs(double{F[at]} - truth[k].factors[j]);
+            squares += error * error;
+            within += error <= double{result.entryError[at]} + 2e-6;
+        }
+    EXPECT_LT(std::sqrt(squares / kRows), 1e-4);
+    EXPECT_GE(within, kRows * n * 995 / 1000);
 }
 
 TEST(ExactFormFactors, same_input_gives_the_same_bits) {

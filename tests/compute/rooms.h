@@ -68,6 +68,17 @@ inline geometry::PatchMesh boxRoom(const BoxRoom& box) {
     return mesh;
 }
 
+// A room of 6 x 3 x 4 m, its patches half a metre square and larger, with two screens 10 cm thick that leave
+// slots of 2 and 3 cm to floor, ceiling and walls.
+inline geometry::PatchMesh roomWithScreens() {
+    geometry::PatchMesh mesh = boxRoom({.low = {0, 0, 0}, .high = {6, 3, 4}, .cells = {6, 4, 4}});
+    const size_t room = mesh.corners.size();
+    addBox(mesh, {.low = {2, 0.02, 0.02}, .high = {2.1, 2.98, 3.98}, .cells = {1, 2, 2}});
+    addBox(mesh, {.low = {4, 0.03, 0.03}, .high = {4.1, 2.97, 3.97}, .cells = {1, 2, 2}});
+    std::reverse(mesh.corners.begin() + static_cast<long>(room), mesh.corners.end()); // screens face outwards
+    return mesh;
+}
+
 // Two rooms side by side along z, 4 x 3 x 5 m each, glass all over the wall between them at z = 5 and, if
 // wanted, over the outer wall at z = 0. Cells of 1 m over `times`.
 inline geometry::PatchMesh twoRooms(bool outerGlass, glm::vec3 wall = glm::vec3(0.5f), uint32_t times = 1,
