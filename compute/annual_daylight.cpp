@@ -25,9 +25,12 @@ constexpr size_t kCheckedSunless = 3, kCheckedSunny = 6;
 // to 400 sensors.
 constexpr double kHourWork = 1.0, kSensorWork = 4.0, kResponseShare = 0.8;
 
-// A sensor's row with what the walls beside it add; `near` is empty without any.
-std::vector<float> rowWith(std::span<const float> row, const std::vector<float>& near) {
+// A sensor's row in one channel, with what tinted panes make of it and what the walls beside it add; `near`
+// is empty without any.
+std::vector<float> rowWith(std::span<const float> row, std::span<const TintedShare> tinted, size_t channel,
+                           const std::vector<float>& near) {
     std::vector<float> sum(row.begin(), row.end());
+    for (const TintedShare& share : tinted) sum[share.patch] += share.more[static_cast<int>(channel)];
     for (size_t i = 0; i < near.size(); ++i) sum[i] += near[i];
     return sum;
 }
@@ -136,7 +139,8 @@ void AnnualDaylight::takeFactors(const TransportParts& parts) {
     const float* values = transport_.formFactors().values.mapped<float>();
     if (gather_ || !values || n > kMostHostPatches) return;
     gather_.emplace(std::span(values, n * n), static_cast<uint32_t>(n));
-    solver_.emplace(*gather_, parts.solver.rowSums());
+    tintedGather_.emplace(*gather_, parts.links);
+    solver_.emplace(*tintedGather_, parts.solver.rowSums());
     solver_->setMatter(parts.solver.matter());
 }
 
@@ -155,7 +159,7 @@ AnnualDaylight::Responses AnnualDaylight::respond(const TransportParts& parts) {
     std::vector<float> weights[3]; // sensors x patches: importance of what falls on patches from the sky
     for (size_t c = 0; c < skies; ++c) weights[c].assign(sensors * n, 0);
     takeFactors(parts);
-    FormFactorOperator& gather = gather_ ? static_cast<FormFactorOperator&>(*gather_) : parts.gather;
+    FormFactorOperator& gather = gather_ ? *tintedGather_ : parts.gather;
     RadiositySolver& solver = solver_ ? *solver_ : parts.solver;
     const RadiosityMatter& matter = parts.solver.matter();
     std::vector<float> area(n);
@@ -173,7 +177,8 @@ AnnualDaylight::Responses AnnualDaylight::respond(const TransportParts& parts) {
         for (size_t s = 0; s < count; ++s) {
             for (uint32_t c = 0; c < channels; ++c) {
                 const std::vector<float> seen =
-                    rowWith(parts.sensorFactors.subspan((first + s) * n, n), parts.near[first + s].smooth[c]);
+                    rowWith(parts.sensorFactors.subspan((first + s) * n, n), parts.tinted[first + s], c,
+                            parts.near[first + s].smooth[c]);
                 for (size_t i = 0; i < n; ++i) perArea[i] = seen[i] / area[i];
                 matter.reflect<float>(c, perArea, {&sent[(s * channels + c) * n], n});
                 channel.push_back(c);
@@ -181,7 +186,7 @@ AnnualDaylight::Responses AnnualDaylight::respond(const TransportParts& parts) {
         }
         // The first bounce apart: what remains to be solved is smooth, so that the solver's tolerance, a
         // share of the largest value, is small everywhere.
-        gather.gather(sent, once, static_cast<uint32_t>(columns));
+        gather.gatherIn(channel, sent, once);
         for (size_t k = 0; k < columns; ++k)
             matter.reflect<float>(channel[k], {&once[k * n], n}, {&twice[k * n], n});
         std::vector<float> importance, rest;
@@ -191,10 +196,11 @@ AnnualDaylight::Responses AnnualDaylight::respond(const TransportParts& parts) {
             double own = 0;
             for (size_t c = 0; c < channels; ++c) {
                 const NearLight& near = parts.near[first + s];
+                const auto& tinted = parts.tinted[first + s];
                 const std::vector<float> seen = rowWith(parts.sensorFactors.subspan((first + s) * n, n),
-                                                        near.smooth[c]),
-                                         even = rowWith(parts.sensorEven.subspan((first + s) * n, n),
-                                                        near.even[c]);
+                                                        tinted, c, near.smooth[c]),
+                                         even = rowWith(parts.sensorEven.subspan((first + s) * n, n), tinted,
+                                                        c, near.even[c]);
                 const size_t at = (s * channels + c) * n;
                 for (size_t shown = c; shown < (channels == 1 ? 3 : c + 1); ++shown) {
                     const auto share = static_cast<float>(kLuminous[shown]);

@@ -92,6 +92,7 @@ private:
     std::vector<Sunny> sunny_;
     SunEdges edges_;                   // hours as in sunny_
     std::optional<HostGather> gather_; // none where the device gathers faster
+    std::optional<TintedFactors> tintedGather_;
     std::optional<RadiositySolver> solver_;
     double checkSquares_ = 0, checkCount_ = 0;
     YearReport report_;

@@ -69,6 +69,7 @@ struct DaylightTransport::State {
     SkyRows patchSky;
     SensorGather sensors;
     std::unique_ptr<RadiosityGather> gather;
+    std::unique_ptr<TintedFactors> tinted; // gather with what links through panes do to colours
     std::unique_ptr<RadiositySolver> solver;
     std::unique_ptr<RelightBasis> relight;
     daylight::SkyPatches skyPatches;
@@ -128,7 +129,11 @@ std::vector<float> DaylightTransport::State::rowsThatReturn() {
     }
     gather->gather(matter, sums, 1);
     // Through an opening goes no more than reaches it, what its blinds send back included.
-    for (size_t i = 0; i < sums.size(); ++i) sums[i] = std::min(sums[i], rowSums[i]);
+    for (size_t i = 0; i < sums.size(); ++i) {
+        const glm::vec3 linked = links->rowSums()[i];
+        const double tint = std::max({linked.x, linked.y, linked.z}) - photometric(linked);
+        sums[i] = std::min(sums[i] + static_cast<float>(tint), rowSums[i]);
+    }
     return sums;
 }
 
@@ -141,8 +146,9 @@ void DaylightTransport::State::findOpenings() {
     if (!slopes) slopes = std::make_unique<PatchSlopes>(mesh);
     if (links) links->remove(factors.values);
     links = std::make_unique<WindowLinks>(*points, factors.values);
-    solver = std::make_unique<RadiositySolver>(*gather, rowsThatReturn());
-    relight = std::make_unique<RelightBasis>(*gather, *solver);
+    tinted = std::make_unique<TintedFactors>(*gather, *links);
+    solver = std::make_unique<RadiositySolver>(*tinted, rowsThatReturn());
+    relight = std::make_unique<RelightBasis>(*tinted, *solver);
     sunScene = std::make_unique<SunScene>(mesh);
     blinds = std::make_unique<GlowingBlinds>(mesh);
     patchSky = {};
@@ -397,7 +403,7 @@ TransportParts DaylightTransport::parts() {
     State& state = *state_;
     state.makeNearLight();
     return {*state.solver,
-            *state.gather,
+            *state.tinted,
             state.columnsPerMoment(),
             state.patchSky.elements,
             state.patchSky.channels,
@@ -407,7 +413,9 @@ TransportParts DaylightTransport::parts() {
             state.sensors.even,
             state.sensors.sensors,
             state.sensors.room,
+            state.sensors.tinted,
             state.sensors.near,
+            *state.links,
             *state.points,
             state.skyPatches,
             *state.sunScene,

@@ -17,6 +17,12 @@ public:
     // device; the same bits for the same input.
     virtual void gather(std::span<const float> in, std::span<float> out, uint32_t columns) = 0;
 
+    // The same of columns in these channels, for an F that is not the same in all.
+    virtual void gatherIn(std::span<const uint32_t> channel, std::span<const float> in,
+                          std::span<float> out) {
+        gather(in, out, static_cast<uint32_t>(channel.size()));
+    }
+
     // sum_j F(i, j), one pass.
     std::vector<float> rowSums() {
         const std::vector<float> ones(patchCount(), 1.0f);

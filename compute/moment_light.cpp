@@ -68,7 +68,7 @@ void lightPatches(const MomentScene& scene, const SolvedColumns& solved, Moment&
         in -= scene.areas[i] * photometric(on);
         absorbed += scene.areas[i] *
                     photometric((glm::vec3(1) - m.reflectance - tau) * parts.total() - straight * direct);
-        if (!scene.linked.empty()) absorbed -= scene.areas[i] * double{scene.linked[i]} * photometric(out);
+        if (!scene.linked.empty()) absorbed -= scene.areas[i] * photometric(scene.linked[i] * out);
         lost += scene.areas[i] * (1 - double{scene.rowSums[i]}) * photometric(out);
         mean += scene.areas[i] * photometric(out);
         total += scene.areas[i];
@@ -128,6 +128,8 @@ void lightSensors(const MomentScene& scene, const SolvedColumns& solved, Moment&
             }
             double lux = dot({&sensors.smooth[s * n], n}, smooth[c]);
             if (sun) lux += dot({&sensors.even[s * n], n}, even[c]);
+            for (const TintedShare& share : sensors.tinted[s])
+                lux += double{share.more[c]} * (smooth[c][share.patch] + (sun ? even[c][share.patch] : 0));
             if (const NearLight& near = sensors.near[s]; !near.isEmpty()) {
                 lux += double{near.own[c]} + dot(near.smooth[c], smooth[c]);
                 if (sun) lux += dot(near.even[c], even[c]);

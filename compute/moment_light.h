@@ -17,8 +17,8 @@ namespace heliodon::compute {
 struct MomentScene {
     const geometry::PatchMesh& mesh;
     std::span<const double> areas;
-    std::span<const float> rowSums; // of form factors, without what runs through panes
-    std::span<const float> linked;  // per patch: sum of its links through panes; empty without any
+    std::span<const float> rowSums;    // of form factors, without what runs through panes
+    std::span<const glm::vec3> linked; // per patch: sum of its links through panes; empty without any
     const RadiosityMatter& matter;
     const std::vector<std::vector<float>>&
         clear; // per channel: diffuse transmittance of clear interior glass

@@ -143,13 +143,14 @@ NearLight nearLight(const PointScene& scene, const PatchSlopes& slopes, dvec3 po
     NearLight result;
     for (uint32_t c = 0; c < channels; ++c) result.smooth[c].assign(n, 0), result.even[c].assign(n, 0);
     std::vector<float> even, smooth;
+    std::vector<TintedShare> tinted;
     dvec3 own(0);
     for (size_t p = 0; p < cells.size(); ++p) {
         const Cell& cell = cells[p];
         const dvec3 answer = answers[p], reflected = answer * reflectance[p];
         own += answer * dvec3(mesh.materials[mesh.material[cell.patch]].exitance);
-        even.assign(n, 0), smooth.assign(n, 0);
-        scene.seePatches(views[p], room, slopes, even.data(), smooth.data());
+        even.assign(n, 0), smooth.assign(n, 0), tinted.clear();
+        scene.seePatches(views[p], room, slopes, even.data(), smooth.data(), tinted);
         for (uint32_t c = 0; c < channels; ++c) {
             const auto axis = static_cast<int>(c);
             const auto times = static_cast<float>(reflected[axis]);
@@ -157,6 +158,11 @@ NearLight nearLight(const PointScene& scene, const PatchSlopes& slopes, dvec3 po
                 result.even[c][j] += times * even[j];
                 result.smooth[c][j] += times * smooth[j];
             }
+            if (channels == 3)
+                for (const TintedShare& share : tinted) {
+                    result.even[c][share.patch] += times * share.more[axis];
+                    result.smooth[c][share.patch] += times * share.more[axis];
+                }
             // What the mesh has there already.
             result.smooth[c][cell.patch] -= static_cast<float>(answer[axis]);
             const dvec3 away = cell.middle - scene.patches()[cell.patch].centre;

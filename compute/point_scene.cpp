@@ -148,7 +148,7 @@ void makeRows(const PointScene& scene, const PatchSlopes& slopes, const PointVie
 
 // Of a room behind glass: from afar, no slope.
 void makeRowBeyond(const PointScene& scene, const PointView& view, const RoomBeyond& beyond,
-                   std::initializer_list<float*> rows) {
+                   std::initializer_list<float*> rows, std::vector<TintedShare>& tinted) {
     std::vector<PointView::Polygon> parts;
     forPatchesOf(scene, view, beyond.room, [&](size_t j, std::span<const dvec3> corners, dvec3) {
         const double factor = view.factor(corners, parts);
@@ -156,8 +156,11 @@ void makeRowBeyond(const PointScene& scene, const PointView& view, const RoomBey
         dvec3 middle(0);
         for (const PointView::Polygon& part : parts)
             for (const dvec3& corner : part) middle += glm::normalize(corner) / double(part.size());
-        const auto share = static_cast<float>(factor * photometric(glm::vec3(beyond.transmittance(middle))));
+        const glm::vec3 through(beyond.transmittance(middle));
+        const auto mean = static_cast<float>(photometric(through)), share = static_cast<float>(factor) * mean;
         for (float* row : rows) row[j] += share;
+        if (through.x != through.y || through.y != through.z)
+            tinted.push_back({static_cast<uint32_t>(j), static_cast<float>(factor) * (through - mean)});
     });
 }
 
@@ -309,18 +312,19 @@ void PointScene::seeSky(const PointView& view, uint32_t room, double angle,
 }
 
 void PointScene::seePatches(const PointView& view, uint32_t room, const PatchSlopes& slopes, float* even,
-                            float* smooth) const {
+                            float* smooth, std::vector<TintedShare>& tinted) const {
     forRoomsSeen(view, {room, {}}, [&](const PointView& seen, const RoomBeyond& beyond) {
         if (beyond.panes.empty())
             makeRows(*this, slopes, seen, room, even, smooth);
         else
-            makeRowBeyond(*this, seen, beyond, {even, smooth});
+            makeRowBeyond(*this, seen, beyond, {even, smooth}, tinted);
     });
 }
 
-void PointScene::seePatchesBeyond(const PointView& view, uint32_t room, float* row) const {
+void PointScene::seePatchesBeyond(const PointView& view, uint32_t room, float* row,
+                                  std::vector<TintedShare>& tinted) const {
     forRoomsSeen(view, {room, {}}, [&](const PointView& seen, const RoomBeyond& beyond) {
-        if (!beyond.panes.empty()) makeRowBeyond(*this, seen, beyond, {row});
+        if (!beyond.panes.empty()) makeRowBeyond(*this, seen, beyond, {row}, tinted);
     });
 }
 

@@ -40,6 +40,13 @@ struct RoomBeyond {
     glm::dvec3 transmittance(glm::dvec3 direction) const; // from the point; any length
 };
 
+// What a point gets of a patch through tinted panes, in each channel, more than by their photometric
+// transmittance; a form factor.
+struct TintedShare {
+    uint32_t patch;
+    glm::vec3 more;
+};
+
 class PointScene {
 public:
     explicit PointScene(const geometry::PatchMesh& mesh); // must outlive this
@@ -62,11 +69,12 @@ public:
     void seeSky(const PointView& view, uint32_t room, double angle, std::vector<SkySample>& samples) const;
 
     // Adds the point's form factors of patches; those seen through panes times their photometric
-    // transmittance (their tint is left out).
+    // transmittance, with what their tint makes of that in `tinted`.
     void seePatches(const PointView& view, uint32_t room, const PatchSlopes& slopes, float* even,
-                    float* smooth) const;
+                    float* smooth, std::vector<TintedShare>& tinted) const;
     // The same of what is seen through panes alone.
-    void seePatchesBeyond(const PointView& view, uint32_t room, float* row) const;
+    void seePatchesBeyond(const PointView& view, uint32_t room, float* row,
+                          std::vector<TintedShare>& tinted) const;
 
     struct Patch {
         glm::dvec3 centre, normal;

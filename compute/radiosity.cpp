@@ -163,7 +163,7 @@ RadiosityReport RadiositySolver::solve(std::span<const float> emitted, std::span
         for (size_t c = 0; c < count; ++c)
             std::transform(columns[c].solution.begin(), columns[c].solution.end(), &radiosity[c * n],
                            [](double x) { return static_cast<float>(x); });
-        factors_->gather(radiosity, gathered, static_cast<uint32_t>(count));
+        factors_->gatherIn(channel, radiosity, gathered);
         ++report.passes;
         report.residual = report.bound = 0;
         for (size_t c = 0; c < count; ++c) {
@@ -190,7 +190,7 @@ RadiosityReport RadiositySolver::solve(std::span<const float> emitted, std::span
             for (size_t c = 0; c < count; ++c)
                 std::transform(columns[c].basis[k].begin(), columns[c].basis[k].end(), &in[c * n],
                                [](double x) { return static_cast<float>(x); });
-            factors_->gather(in, out, static_cast<uint32_t>(count));
+            factors_->gatherIn(channel, in, out);
             ++report.passes;
             growing = false;
             for (size_t c = 0; c < count; ++c) {

@@ -77,7 +77,7 @@ RadiosityReport RelightBasis::solve(std::span<const float> emitted, std::span<co
     radiosity.resize(n * count);
     gathered.assign(n * count, 0);
     // Beyond the first bounce: (I - K F) w = K F E.
-    factors_->gather(emitted, gathered, static_cast<uint32_t>(count));
+    factors_->gatherIn(channel, emitted, gathered);
     report.passes = 1;
     std::vector<float> residual(n * count);
     std::vector<double> scale(count), left(count);

@@ -98,6 +98,7 @@ SensorGather gatherSensors(const PointScene& scene, const PatchSlopes& slopes, s
     gather.room.resize(count);
     gather.even.assign(count * n, 0);
     gather.smooth.assign(count * n, 0);
+    gather.tinted.resize(count);
     gather.nearWall.assign(count, 0);
     gather.near.resize(count);
     std::vector<std::vector<SkySample>> samples(count);
@@ -107,7 +108,7 @@ SensorGather gatherSensors(const PointScene& scene, const PatchSlopes& slopes, s
         gather.room[s] = room;
         if (room == kNoRoom) return;
         const PointView view(scene.blockers(), sensors[s].position, sensors[s].normal, room);
-        scene.seePatches(view, room, slopes, &gather.even[s * n], &gather.smooth[s * n]);
+        scene.seePatches(view, room, slopes, &gather.even[s * n], &gather.smooth[s * n], gather.tinted[s]);
         scene.seeSky(view, room, kSensorSkyAngle, samples[s]);
         gather.nearWall[s] = hasNearWall(scene, sensors[s].position, {&gather.even[s * n], n});
     });
@@ -145,6 +146,10 @@ glm::vec3 sunEdges(const PointScene& scene, const SensorGather& gather, size_t s
             seen.push_back(&lit);
             sum -= double{even[lit.patch]} * dvec3(firstBounce[lit.patch]);
         }
+    for (const TintedShare& share : gather.tinted[sensor])
+        if (std::any_of(seen.begin(), seen.end(),
+                        [&](const SunlitParts* lit) { return lit->patch == share.patch; }))
+            sum -= dvec3(share.more) * dvec3(firstBounce[share.patch]);
     if (const NearLight& near = gather.near[sensor]; !near.isEmpty())
         sum += sunEdgesOnCells(scene, near, gather.room[sensor], partly, strength, firstBounce);
     if (seen.empty()) return glm::vec3(sum);
@@ -154,9 +159,9 @@ glm::vec3 sunEdges(const PointScene& scene, const SensorGather& gather, size_t s
             if (mesh.room[lit->patch] != beyond.room) continue;
             const dvec3 rho(mesh.materials[mesh.material[lit->patch]].reflectance);
             for (const SunlitParts::Part& part : lit->parts) {
-                double factor = from.factor(part.polygon);
-                if (factor > 0 && !beyond.panes.empty())
-                    factor *= photometric(glm::vec3(beyond.transmittance(part.polygon[0] - at.position)));
+                dvec3 factor(from.factor(part.polygon));
+                if (factor.x > 0 && !beyond.panes.empty())
+                    factor *= beyond.transmittance(part.polygon[0] - at.position);
                 sum += strength * factor * rho * dvec3(part.light);
             }
         }

@@ -43,11 +43,12 @@ std::vector<float> patchSkyCoefficients(const PointScene& scene, const daylight:
 // Rows of sensors.
 struct SensorGather {
     std::vector<Sensor> sensors;
-    std::vector<uint32_t> room;    // kNoRoom: outside, sees nothing
-    std::vector<float> even;       // sensors x patches: form factors
-    std::vector<float> smooth;     // the same for light that runs on linearly between patches (PatchSlopes)
-    std::vector<uint8_t> nearWall; // whether a patch beside it is taken apart
-    std::vector<NearLight> near;   // of these; until findNearLight, and of all others, empty
+    std::vector<uint32_t> room; // kNoRoom: outside, sees nothing
+    std::vector<float> even;    // sensors x patches: form factors
+    std::vector<float> smooth;  // the same for light that runs on linearly between patches (PatchSlopes)
+    std::vector<std::vector<TintedShare>> tinted; // per sensor: to be added to both, channel by channel
+    std::vector<uint8_t> nearWall;                // whether a patch beside it is taken apart
+    std::vector<NearLight> near;                  // of these; until findNearLight, and of all others, empty
     SkyView sky;
     std::vector<float> skyCoefficients; // sensors x channels x elements, for products over many skies
 };

@@ -22,10 +22,12 @@ WindowLinks::WindowLinks(const PointScene& scene, gpu::Buffer& factors) {
     const size_t n = mesh.patchCount();
     const PatchViewpoints views = patchViewpoints(mesh, 1);
     std::vector<std::vector<Link>> rows(n);
+    std::vector<std::vector<TintedShare>> seen(n), tints(n);
     inParallel(n, [&](size_t i) {
         const Viewpoint& v = views.viewpoints[i];
         std::vector<float> row(n, 0);
-        scene.seePatchesBeyond(PointView(scene.blockers(), v.position, v.normal, v.room), v.room, row.data());
+        scene.seePatchesBeyond(PointView(scene.blockers(), v.position, v.normal, v.room), v.room, row.data(),
+                               seen[i]);
         for (uint32_t j = 0; j < n; ++j)
             if (row[j] > 0) rows[i].push_back({j, row[j]});
     });
@@ -34,12 +36,12 @@ WindowLinks::WindowLinks(const PointScene& scene, gpu::Buffer& factors) {
     std::vector<float> values;
     float* matrix = factors.mapped<float>();
     if (!matrix) values = factors.download<float>(n * n), matrix = values.data();
-    rowSums_.assign(n, 0);
+    rowSums_.assign(n, glm::vec3(0));
     const auto add = [&](size_t i, size_t j, double factor) {
         float& entry = matrix[i * n + j];
         entries_.push_back({i * n + j, entry});
         entry += static_cast<float>(factor);
-        rowSums_[i] += static_cast<float>(factor);
+        rowSums_[i] += glm::vec3(static_cast<float>(factor));
     };
     for (size_t i = 0; i < n; ++i)
         for (const Link& link : rows[i]) {
@@ -53,6 +55,37 @@ WindowLinks::WindowLinks(const PointScene& scene, gpu::Buffer& factors) {
             if (link.to != i) add(link.to, i, exchange / area[link.to]);
         }
     if (!values.empty()) factors.upload(values);
+    for (uint32_t i = 0; i < n; ++i)
+        for (const TintedShare& share : seen[i]) {
+            const auto back = static_cast<float>(area[i] / area[share.patch]);
+            tints[i].push_back({share.patch, 0.5f * share.more});
+            tints[share.patch].push_back({i, 0.5f * back * share.more});
+        }
+    for (size_t i = 0; i < n; ++i) {
+        firstTint_.push_back(tints_.size());
+        tints_.insert(tints_.end(), tints[i].begin(), tints[i].end());
+        for (const TintedShare& share : tints[i]) rowSums_[i] += share.more;
+    }
+    firstTint_.push_back(tints_.size());
+}
+
+void WindowLinks::addTints(uint32_t channel, std::span<const float> in, std::span<float> out) const {
+    const auto axis = static_cast<int>(channel);
+    for (size_t i = 0; i < out.size(); ++i) {
+        double sum = 0;
+        for (size_t k = firstTint_[i]; k < firstTint_[i + 1]; ++k)
+            sum += double{tints_[k].more[axis]} * in[tints_[k].patch];
+        out[i] += static_cast<float>(sum);
+    }
+}
+
+void TintedFactors::gatherIn(std::span<const uint32_t> channel, std::span<const float> in,
+                             std::span<float> out) {
+    gather(in, out, static_cast<uint32_t>(channel.size()));
+    if (!links_->areTinted()) return;
+    const size_t n = patchCount();
+    inParallel(channel.size(),
+               [&](size_t c) { links_->addTints(channel[c], in.subspan(c * n, n), out.subspan(c * n, n)); });
 }
 
 void WindowLinks::remove(gpu::Buffer& factors) const {

@@ -3,15 +3,20 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include <glm/vec3.hpp>
+
+#include "compute/form_factor_operator.h"
 #include "compute/gpu/buffer.h"
 #include "compute/point_scene.h"
 
 namespace heliodon::compute {
 
-// Form factors through panes, times their transmittance, put into a matrix whose rooms do not see one
-// another. From one point a patch, the mean of both ends: A_i F_ij = A_j F_ji holds.
+// Form factors through panes, times their photometric transmittance, put into a matrix whose rooms do not see
+// one another; what tints make of that is kept beside it (TintedFactors). From one point a patch, the mean of
+// both ends: A_i F_ij = A_j F_ji holds.
 class WindowLinks {
 public:
     // F: float32, patchCount^2, row-major; from now on with the links. Nothing, at no cost, where no room
@@ -21,8 +26,13 @@ public:
     // Takes them out again, to the bit.
     void remove(gpu::Buffer& factors) const;
 
-    // Per patch: sum of its links; empty where there are none.
-    const std::vector<float>& rowSums() const { return rowSums_; }
+    // Per patch and channel: sum of its links; empty where there are none.
+    const std::vector<glm::vec3>& rowSums() const { return rowSums_; }
+
+    // Whether any pane on the way is tinted.
+    bool areTinted() const { return !tints_.empty(); }
+    // out += what tints add to or take from F in, in one channel.
+    void addTints(uint32_t channel, std::span<const float> in, std::span<float> out) const;
 
 private:
     struct Entry {
@@ -30,7 +40,26 @@ private:
         float before;
     };
     std::vector<Entry> entries_;
-    std::vector<float> rowSums_;
+    std::vector<glm::vec3> rowSums_;
+    std::vector<size_t> firstTint_; // of each patch
+    std::vector<TintedShare> tints_;
+};
+
+// F with links that differ from channel to channel. `factors` has them already; both must outlive this.
+class TintedFactors : public FormFactorOperator {
+public:
+    TintedFactors(FormFactorOperator& factors, const WindowLinks& links)
+        : factors_(&factors), links_(&links) {}
+    uint32_t patchCount() const override { return factors_->patchCount(); }
+    void gather(std::span<const float> in, std::span<float> out, uint32_t columns) override {
+        factors_->gather(in, out, columns);
+    }
+    void gatherIn(std::span<const uint32_t> channel, std::span<const float> in,
+                  std::span<float> out) override;
+
+private:
+    FormFactorOperator* factors_;
+    const WindowLinks* links_;
 };
 
 } // namespace heliodon::compute

@@ -81,6 +81,10 @@ TEST(AnnualDaylight, rooms_behind_other_windows_too) {
     expectFull(mesh, {overcast(), sunny({0.2, 0.4, 0.7}), sunny({0.2, 0.5, -0.8})}, 0.02);
     // Edges of sunlight seen through glass are averaged over patches, here of 1 m.
     expectFull(test::twoRooms(true), kSkies, 0.02);
+    mesh = test::twoRooms(true, {0.7f, 0.5f, 0.3f});
+    for (geometry::Material& m : mesh.materials)
+        if (m.isOpening()) m.transmittance = {0.2f, 0.5f, 0.8f};
+    expectFull(mesh, kSkies, 0.02, {{{2, 0.8, 7}, {0, 1, 0}}, {{1, 1.5, 9}, {0, 0, 1}}});
 }
 
 TEST(AnnualDaylight, sensors_a_hair_from_walls_too) {

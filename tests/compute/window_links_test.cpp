@@ -73,9 +73,10 @@ TEST(WindowLinks, one_sees_through_slats_from_both_sides) {
         const daylight::Window window(mesh.materials[3]);
         const auto row = [&](const PointScene& of, size_t i) {
             std::vector<float> values(n, 0);
+            std::vector<TintedShare> tinted;
             of.seePatchesBeyond(PointView(of.blockers(), geometry::patchCentroid(mesh, i),
                                           geometry::patchNormal(mesh, i), mesh.room[i]),
-                                mesh.room[i], values.data());
+                                mesh.room[i], values.data(), tinted);
             return values;
         };
         double compared = 0, passed = 0;
@@ -118,7 +119,7 @@ TEST(WindowLinks, exchange_is_mutual_and_comes_out_again_to_the_bit) {
             sum += there;
             largest = std::max(largest, there);
         }
-        EXPECT_NEAR(links.rowSums()[i], sum, 1e-5);
+        EXPECT_NEAR(links.rowSums()[i].x, sum, 1e-5);
     }
     EXPECT_GT(largest, 1e-3);
     links.remove(factors.values);
@@ -141,6 +142,39 @@ TEST(WindowLinks, glass_may_change) {
     const float lux = fresh.light(sky).sensors[0].interreflected.y;
     EXPECT_LT(lux, 0.5f * bright);
     EXPECT_NEAR(changed.light(sky).sensors[0].interreflected.y, lux, 1e-3f * lux);
+}
+
+// Each channel is a grey room of its own.
+TEST(WindowLinks, tinted_panes_between_coloured_rooms_keep_channels_apart) {
+    const glm::vec3 wall(0.7f, 0.5f, 0.3f), glass(0.2f, 0.5f, 0.8f);
+    geometry::PatchMesh mesh = test::twoRooms(true, wall, 1);
+    for (geometry::Material& m : mesh.materials)
+        if (m.isOpening()) m.transmittance = glass;
+    // In the room behind, in the first, by the glass in a corner.
+    const std::vector<Sensor> sensors{
+        {{2, 0.8, 7}, {0, 1, 0}}, {{1, 1.5, 2}, {0, 0, 1}}, {{0.01, 0.01, 5.02}, {0, 1, 0}}};
+    const daylight::Sky sky = test::sunny({0.4, 0.3, -0.8});
+    DaylightTransport coloured(test::device(), mesh);
+    coloured.setSensors(sensors);
+    const Moment moment = coloured.light(sky);
+    EXPECT_LT(moment.report.energyImbalance, 1e-5);
+    for (int c = 0; c < 3; ++c) {
+        geometry::PatchMesh grey = mesh;
+        for (geometry::Material& m : grey.materials)
+            m.reflectance = glm::vec3(m.reflectance[c]), m.transmittance = glm::vec3(m.transmittance[c]);
+        DaylightTransport alone(test::device(), grey);
+        alone.setSensors(sensors);
+        const Moment one = alone.light(sky);
+        for (size_t s = 0; s < sensors.size(); ++s) {
+            const float lux = one.sensors[s].interreflected[c];
+            EXPECT_GT(lux, 1);
+            EXPECT_NEAR(moment.sensors[s].interreflected[c], lux, 2e-3f * lux) << s << ", channel " << c;
+        }
+        // The solver's tolerance is a share of the brightest patch, in the other room.
+        for (size_t i = 0; i < mesh.patchCount(); ++i)
+            EXPECT_NEAR(moment.patches[i].interreflected[c], one.patches[i].interreflected[c],
+                        2e-3f * one.patches[i].interreflected[c] + 0.5f);
+    }
 }
 
 TEST(WindowLinks, rooms_that_see_no_other_have_none) {
