@@ -24,6 +24,9 @@ constexpr double kBounceError = 0.006; // of reflected light: what earlier bounc
 constexpr double kSensorSkyError = 0.008; // of sky light, from its cubature and that of glass
 constexpr double kPatchSkyError = 0.01;   // the same for four points a patch and sky elements
 constexpr double kPatchError = 0.02;      // of reflected light on a patch
+// Slats send light up or down, not evenly: what a place gets of them straight may be twice as much or none,
+// and what comes by way of the room off by some of that.
+constexpr double kSlatsSeen = 1, kSlatsLater = 0.3;
 
 // How much the light that runs on smoothly changes across each patch, photometric; `smooth` per channel.
 std::vector<float> spreadWithin(const MomentScene& scene, const std::vector<float> (&smooth)[3]) {
@@ -38,6 +41,24 @@ std::vector<float> spreadWithin(const MomentScene& scene, const std::vector<floa
         spread[i] = glm::length(slope) * static_cast<float>(scene.points.patches()[i].size);
     }
     return spread;
+}
+
+// Glow of slats, photometric lux per patch; empty without any.
+std::vector<float> slatsGlow(const geometry::PatchMesh& mesh, const Moment& moment) {
+    std::vector<float> glow;
+    for (size_t i = 0; i < moment.glow.size(); ++i)
+        if (mesh.materials[mesh.material[i]].blind.kind == geometry::Blind::Kind::slats) {
+            glow.resize(mesh.patchCount(), 0);
+            glow[i] = static_cast<float>(photometric(moment.glow[i]));
+        }
+    return glow;
+}
+
+// Of the light that enters, what slats scatter.
+double slatsShare(const MomentScene& scene, const Moment& moment, std::span<const float> glow) {
+    double lumens = 0;
+    for (size_t i = 0; i < glow.size(); ++i) lumens += scene.areas[i] * double{glow[i]};
+    return lumens > 0 ? std::min(1.0, lumens / moment.report.lumensIn) : 0;
 }
 
 } // namespace
@@ -75,14 +96,15 @@ void lightPatches(const MomentScene& scene, const SolvedColumns& solved, Moment&
         most = std::max(most, photometric(out));
     }
     mean /= std::max(total, 1e-30);
+    moment.report.lumensIn = in;
+    const double bySlats = kSlatsLater * slatsShare(scene, moment, slatsGlow(mesh, moment));
     for (size_t i = 0; i < n; ++i) {
         LightParts& parts = moment.patches[i];
         parts.error +=
             static_cast<float>(std::abs(1 - scene.rowSums[i]) * mean + moment.report.radiosity.bound * most +
-                               (scene.rowError + kPatchError) * photometric(parts.interreflected) +
+                               (scene.rowError + kPatchError + bySlats) * photometric(parts.interreflected) +
                                kPatchSkyError * photometric(parts.sky + parts.ground));
     }
-    moment.report.lumensIn = in;
     moment.report.lumensAbsorbed = absorbed;
     moment.report.lumensLost = lost;
     moment.report.energyImbalance = in > 0 ? std::abs(in - absorbed - lost) / in : 0;
@@ -119,6 +141,8 @@ void lightSensors(const MomentScene& scene, const SolvedColumns& solved, Moment&
                 (1 - kApartSunShare) *
                 photometric(mesh.materials[mesh.material[i]].reflectance * moment.patches[i].sun));
     }
+    const std::vector<float> slats = slatsGlow(mesh, moment);
+    const double bySlats = kSlatsLater * slatsShare(scene, moment, slats);
     inParallel(moment.sensors.size(), [&](size_t s) {
         LightParts& parts = moment.sensors[s];
         for (int c = 0; c < 3; ++c) {
@@ -147,6 +171,11 @@ void lightSensors(const MomentScene& scene, const SolvedColumns& solved, Moment&
                                          kSpreadShare * dot({&sensors.even[s * n], n}, spread) +
                                          (scene.rowError + kBounceError) * photometric(parts.interreflected) +
                                          kSensorSkyError * photometric(parts.sky + parts.ground));
+        if (!slats.empty()) {
+            const double seen = dot({&sensors.even[s * n], n}, slats);
+            parts.error += static_cast<float>(
+                kSlatsSeen * seen + bySlats * std::max(0.0, photometric(parts.interreflected) - seen));
+        }
     });
     moment.report.sensorSeconds = clock.seconds();
 }

@@ -1,10 +1,13 @@
 // Blinds before windows, from what falls on them to light in the room and to the year.
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "compute/annual_daylight.h"
 #include "compute/daylight_transport.h"
+#include "tests/compute/path_tracer.h"
 #include "tests/compute/rooms.h"
 #include "tests/compute/skies.h"
 #include "tests/gpu/test_device.h"
@@ -169,6 +172,51 @@ TEST(Blinds, drawn_and_opened_again_the_light_is_what_it_was) {
         EXPECT_EQ(after.sensors[s].total(), before.sensors[s].total());
         EXPECT_LT(photometric(drawn.sensors[s].total()), photometric(before.sensors[s].total()));
     }
+}
+
+// Slats of 6 cm before the open hole, each a sheet with two faces.
+void addSlats(geometry::PatchMesh& mesh, double angleDeg, float reflectance) {
+    const auto slat = static_cast<uint32_t>(mesh.materials.size());
+    mesh.materials.push_back({"slat", glm::vec3(reflectance)});
+    const double width = 0.0625, angle = angleDeg * std::numbers::pi / 180;
+    const glm::dvec3 along(3, 0, 0), across = width * glm::dvec3(0, std::sin(angle), std::cos(angle));
+    for (int k = 0; k < 28; ++k)
+        for (const double side : {1.0, -1.0}) {
+            const glm::dvec3 low = glm::dvec3(0.5, 0.825 + 0.05 * k + 1e-5 * side, -0.034) - 0.5 * across;
+            const auto v = static_cast<uint32_t>(mesh.vertices.size());
+            for (const glm::dvec3& corner : {low, low + across, low + across + along, low + along})
+                mesh.vertices.push_back(corner);
+            std::vector<uint32_t> corners{v, v + 1, v + 2, v + 3}; // seen from above
+            if (side < 0) std::reverse(corners.begin(), corners.end());
+            mesh.addPatch(corners, slat, geometry::Role::projection, 100, 0);
+        }
+}
+
+// The model lets slats glow evenly; sheets in the sun light the ceiling far more than the floor.
+TEST(Blinds, light_of_sheets_traced_one_by_one_lies_in_the_stated_error) {
+    const std::vector<Sensor> sensors{
+        {{2, 0.8, 3}, {0, 1, 0}}, {{2, 2.99, 1.5}, {0, -1, 0}}, {{2, 1.5, 2.5}, {0, 0, -1}}};
+    for (const float angle : {0.0f, 45.0f})
+        for (const daylight::Sky& sky : {sunny({0.3, 0.6, -0.8}), overcast()}) {
+            DaylightTransport transport(test::device(),
+                                        windowRoom({Blind::Kind::slats, 0, 0.7f, angle, 0.8f}, false));
+            transport.setSensors(sensors);
+            const Moment moment = transport.light(sky);
+            geometry::PatchMesh sheets = windowRoom({}, false);
+            addSlats(sheets, double{angle}, 0.7f);
+            test::PathTracer tracer(sheets, sky);
+            double modelled = 0, traced = 0;
+            for (size_t s = 0; s < sensors.size(); ++s) {
+                const auto truth = tracer.at(sensors[s], 25);
+                const double lux = photometric(moment.sensors[s].total());
+                EXPECT_NEAR(lux, truth.lux,
+                            static_cast<double>(moment.sensors[s].error) + 3 * truth.standardError)
+                    << "sensor " << s << ", angle " << angle;
+                EXPECT_LT(static_cast<double>(moment.sensors[s].error), 0.8 * lux); // says something
+                modelled += lux, traced += truth.lux;
+            }
+            EXPECT_NEAR(modelled, traced, 0.15 * traced);
+        }
 }
 
 } // namespace
