@@ -78,15 +78,20 @@ void reportClosure(Run& run, const geometry::ClosureReport& closure) {
 // table's size, 12 times smaller than what it stands for.
 double modelScale(Run& run, const std::optional<double>& given, const geometry::Building& building) {
     if (given) return 1 / *given;
-    constexpr double kLowestRoom = 1.0;    // metres: nobody works in less
-    constexpr double kHighestRoom = 300.0; // nor in one as high: a file in millimetres
+    constexpr double kLowestRoom = 1.0;   // metres: nobody works in less
+    constexpr double kHighestRoom = 30.0; // few work in higher ones: a file in other units
     const geometry::Bounds box = geometry::boundsOf(building.vertices);
     const double height = box.high.y - box.low.y;
     const bool small = height<kLowestRoom, large = height> kHighestRoom;
     std::string what = small ? "model 12 times smaller than its building" : "model as large as its building";
-    if (large)
+    if (large) {
+        constexpr double kInches = 150, kCentimetres = 1000; // rooms of 4 m and 10 m
+        const auto [unit, scale] = height < kInches        ? std::pair("inches", "0.0254")
+                                   : height < kCentimetres ? std::pair("centimetres", "0.01")
+                                                           : std::pair("millimetres", "0.001");
         what +=
-            fmt::format(", which is {:.0f} m high; for one in millimetres give --model-scale 0.001", height);
+            fmt::format(", which is {:.0f} m high; for one in {} give --model-scale {}", height, unit, scale);
+    }
     run.assume(what, small || large);
     return small ? 1.0 / 12 : 1.0;
 }
