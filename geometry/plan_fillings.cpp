@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include <glm/geometric.hpp>
 
@@ -13,8 +14,10 @@ namespace heliodon::geometry {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kFacingSine = 0.26;   // 15 degrees: ends that look at each other
-constexpr double kParallelSine = 0.18; // 10 degrees: walls side by side
+constexpr double kFacingSine = 0.26;     // 15 degrees: ends that look at each other
+constexpr double kParallelSine = 0.18;   // 10 degrees: walls side by side
+constexpr double kNarrowSlot = 1.0;      // inches between walls side by side: less is a crack,
+constexpr double kNarrowestNiche = 0.45; // but for a niche so wide
 
 // Two ends that look at each other over a crack: the crack is the hull of the two end faces.
 std::vector<glm::dvec2> facingFill(const WallEnd& e, const WallEnd& f) {
@@ -38,6 +41,7 @@ public:
     }
 
     void fill() {
+        findNiches();
         for (size_t i = 0; i < ends_.size(); ++i)
             for (size_t j = i + 1; j < ends_.size(); ++j) fillBetweenEnds(ends_[i], ends_[j]);
         for (const WallEnd& end : ends_) fillToFace(end);
@@ -62,6 +66,9 @@ private:
 
     void fillBetweenEnds(const WallEnd& e, const WallEnd& f) {
         const double apart = glm::length(f.middle - e.middle);
+        const glm::dvec2 middle = 0.5 * (e.middle + f.middle);
+        if (std::ranges::any_of(niches_, [&](const Niche& n) { return glm::length(n.mouth - middle) < 0.5; }))
+            return;
         if (apart > 2.5 * width_ || (e.piece == f.piece && apart > width_)) return;
         if (apart <= width_)
             if (auto hull = facingFill(e, f); !hull.empty()) return add(hull);
@@ -131,30 +138,72 @@ private:
         if (!overlaps) add({e.right, e.right + kHair * e.out, e.left + kHair * e.out, e.left});
     }
 
-    // Walls side by side with a crack between them.
-    void fillBetweenFaces(size_t i, size_t j) {
-        const WallPiece &p = plan_.pieces[i], &q = plan_.pieces[j];
-        if (p.curved || q.curved || p.line == q.line) return;
+    // The air between two walls side by side.
+    struct Slot {
+        std::vector<glm::dvec2> outline; // to the walls' centre lines
+        double least = 0, most = 0;      // inches from face to face
+    };
+
+    std::optional<Slot> slotBetween(const WallPiece& p, const WallPiece& q) const {
+        if (p.curved || q.curved || p.line == q.line) return std::nullopt;
         const glm::dvec2 d = glm::normalize(p.b - p.a);
-        if (std::abs(cross(d, glm::normalize(q.b - q.a))) > kParallelSine) return;
+        if (std::abs(cross(d, glm::normalize(q.b - q.a))) > kParallelSine) return std::nullopt;
         const bool same = glm::dot(d, q.b - q.a) > 0;
         const glm::dvec2 qa = same ? q.a : q.b, qb = same ? q.b : q.a;
         const double length = glm::length(p.b - p.a), q0 = glm::dot(qa - p.a, d), q1 = glm::dot(qb - p.a, d);
         const double s0 = std::max(0.0, q0), s1 = std::min(length, q1);
-        if (s1 - s0 < 0.5) return;
+        if (s1 - s0 < 0.5) return std::nullopt;
         const auto onP = [&](double s) { return p.a + s * d; };
         const auto onQ = [&](double s) { return qa + (s - q0) / (q1 - q0) * (qb - qa); };
         const double gap0 = std::abs(cross(d, onQ(s0) - onP(s0))),
-                     gap1 = std::abs(cross(d, onQ(s1) - onP(s1)));
-        const double solid = (p.thickness + q.thickness) / 2;
-        if (std::max(gap0, gap1) > solid + 1.0 || std::min(gap0, gap1) <= solid) return;
-        add({onP(s0), onP(s1), onQ(s1), onQ(s0)});
+                     gap1 = std::abs(cross(d, onQ(s1) - onP(s1))), solid = (p.thickness + q.thickness) / 2;
+        return Slot{
+            {onP(s0), onP(s1), onQ(s1), onQ(s0)}, std::min(gap0, gap1) - solid, std::max(gap0, gap1) - solid};
+    }
+
+    void fillBetweenFaces(size_t i, size_t j) {
+        if (std::ranges::find(niches_, std::pair(i, j), &Niche::walls) != niches_.end()) return;
+        const std::optional<Slot> slot = slotBetween(plan_.pieces[i], plan_.pieces[j]);
+        if (slot && slot->least > 0 && slot->most <= kNarrowSlot) add(slot->outline);
+    }
+
+    // A slot that a third wall ends, with nothing before its mouth: whoever laid that wall meant it.
+    struct Niche {
+        std::pair<size_t, size_t> walls;
+        glm::dvec2 mouth;
+    };
+
+    void findNiches() {
+        for (size_t i = 0; i < plan_.pieces.size(); ++i)
+            for (size_t j = i + 1; j < plan_.pieces.size(); ++j) {
+                const std::optional<Slot> slot = slotBetween(plan_.pieces[i], plan_.pieces[j]);
+                if (!slot || slot->least < kNarrowestNiche || slot->most > width_) continue;
+                if (const auto mouth = mouthOf(i, j)) niches_.push_back({{i, j}, *mouth});
+            }
+    }
+
+    std::optional<glm::dvec2> mouthOf(size_t i, size_t j) const {
+        std::optional<glm::dvec2> mouth;
+        int ends = 0;
+        for (const WallEnd& e : ends_)
+            for (const WallEnd& f : ends_) {
+                if (e.piece != static_cast<int>(i) || f.piece != static_cast<int>(j) ||
+                    glm::dot(e.out, f.out) < 0)
+                    continue;
+                const glm::dvec2 middle = 0.5 * (e.middle + f.middle);
+                if (joined(e, f))
+                    ++ends;
+                else if (firstHit(physical_, middle, e.out, -2) > 2 * width_)
+                    mouth = middle;
+            }
+        return ends == 1 ? mouth : std::nullopt;
     }
 
     PlanWalls& plan_;
     double width_;
     std::vector<WallEnd> ends_;
     std::vector<PlanSolid> physical_;
+    std::vector<Niche> niches_;
 };
 
 } // namespace

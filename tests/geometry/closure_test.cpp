@@ -189,6 +189,36 @@ TEST(Closure, gap_of_any_width_in_an_exterior_wall_is_filled) {
     }
 }
 
+// Whoever lays a wall across the end of a slot means the slot; without that, or closed at both ends, it is a
+// crack between walls side by side.
+TEST(Closure, a_niche_is_as_wide_as_it_was_laid) {
+    const auto outline = [](const std::vector<glm::dvec2>& p) {
+        Sketch s;
+        for (size_t i = 0; i < p.size(); ++i)
+            s.walls.push_back(wall("w" + std::to_string(i), p[i], p[(i + 1) % p.size()]));
+        return s;
+    };
+    for (const double width : {0.6, 0.8, 1.0, 1.1, 1.3, 2.0})
+        for (const double depth : {0.6, 2.0, 4.0}) {
+            const double h = (width + 0.375) / 2;
+            const Closure closure = closeSketch(outline(
+                {{-8, -6}, {8, -6}, {8, 6}, {h, 6}, {h, 6 + depth}, {-h, 6 + depth}, {-h, 6}, {-8, 6}}));
+            ASSERT_EQ(closure.report.rooms.size(), 1u);
+            EXPECT_NEAR(closure.report.rooms[0].floorAreaFt2, net(16, 12) + width * depth, 0.02)
+                << width << " x " << depth;
+        }
+    for (const bool capped : {false, true}) { // two walls 0.6 in apart from the facade into the room
+        Sketch s = box(-8, -6, 8, 6);
+        s.walls.push_back(wall("p", {-0.4875, 6}, {-0.4875, 1}));
+        s.walls.push_back(wall("q", {0.4875, 6}, {0.4875, 1}));
+        if (capped) s.walls.push_back(wall("cap", {-0.4875, 1}, {0.4875, 1}));
+        const Closure closure = closeSketch(s);
+        ASSERT_EQ(closure.report.rooms.size(), 1u);
+        const double length = capped ? 5.0 : 4.8125; // from the facade's face
+        EXPECT_NEAR(closure.report.rooms[0].floorAreaFt2, net(16, 12) - 1.35 * length, 0.1);
+    }
+}
+
 TEST(Closure, garden_wall_encloses_nothing) {
     Sketch s = box(-8, -6, 2, 6);
     s.walls.push_back(wall("garden", {7, -5}, {7, 5}));
