@@ -29,27 +29,6 @@ constexpr double kUniformStrip = 0.8; // of the edge length: a strip this wide n
 // strip has room for points inside.
 constexpr double kHalvedStrip = 1.376, kRoomInside = 1.45;
 
-// Of the longest straight run of the outlines.
-glm::dvec2 mainDirection(const MeshDomain& domain) {
-    glm::dvec2 best{1, 0};
-    double longest = 0;
-    for (size_t l = 0; l < domain.loops.size(); ++l) {
-        const std::vector<glm::dvec2>& loop = domain.planar[l];
-        glm::dvec2 run{0};
-        for (size_t k = 0, n = loop.size(); k < 2 * n; ++k) {
-            const glm::dvec2 d = loop[(k + 1) % n] - loop[k % n];
-            const bool onward =
-                glm::dot(run, d) > 0 && std::abs(cross(run, d)) < 1e-6 * glm::length(run) * glm::length(d);
-            run = onward && k < n + n / 2 ? run + d : d;
-            if (glm::length(run) > longest * (1 + 1e-9)) {
-                longest = glm::length(run);
-                best = run / longest;
-            }
-        }
-    }
-    return best;
-}
-
 // The places that divide the way from the first to the last pair into n parts of as many steps each.
 void divideEvenly(const std::vector<std::pair<double, double>>& steps, double n, std::vector<double>& out) {
     size_t i = 0;
@@ -185,6 +164,15 @@ bool EdgeSampler::hasSmallParts(double edge) const {
     const double least = kWorthGrading * edge / Grading{}.first;
     return std::ranges::any_of(strips_, [&](const Strip& s) { return s.width < kUniformStrip * edge; }) ||
            std::ranges::any_of(surroundings_, [&](double size) { return size < least; });
+}
+
+double EdgeSampler::narrowTriangles(double edge) const {
+    double count = 0;
+    for (const Strip& strip : strips_) {
+        const double step = std::clamp(edge, strip.width / kWideStrip, strip.width / kNarrowStrip);
+        if (strip.width < 0.5 * edge) count += 2 * edges_[strip.side].length / step;
+    }
+    return count;
 }
 
 double EdgeSampler::sizeOf(uint32_t corner) const {
@@ -387,7 +375,7 @@ void EdgeSampler::easeCorners() {
     constexpr int kRounds = 3;
     for (int round = 0; round < kRounds && easeOnce(); ++round) {
     }
-    for (int round = 0; round < kRounds && easeGraded(); ++round) {
+    for (int round = 0; !grading_.sparing && round < kRounds && easeGraded(); ++round) {
     }
 }
 
@@ -490,6 +478,7 @@ PlanarDomain EdgeSampler::planar(size_t d) const {
         plane.loopStart.push_back(static_cast<uint32_t>(plane.boundary.size()));
     }
     plane.direction = directions_[d];
+    plane.dividesSlim = !grading_.sparing;
     plane.size = {std::move(sources), edge_, grading_.growth};
     return plane;
 }

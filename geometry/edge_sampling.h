@@ -14,8 +14,9 @@
 namespace heliodon::geometry {
 
 struct Grading {
-    double first = 1.4;  // edge length at a corner, in multiples of the size of its surroundings
-    double growth = 0.6; // and how fast it grows with the distance; both infinite: uniform
+    double first = 1.4;   // edge length at a corner, in multiples of the size of its surroundings
+    double growth = 0.6;  // and how fast it grows with the distance; both infinite: uniform
+    bool sparing = false; // nothing is added to round off angles beside small parts
 };
 
 class EdgeSampler {
@@ -27,6 +28,9 @@ public:
 
     // Strips or corners that want edges shorter than this (metres).
     bool hasSmallParts(double edge) const;
+
+    // About how many triangles strips take that are narrower than half an edge of this length (metres).
+    double narrowTriangles(double edge) const;
 
     // The division points of the edge from a to b without its ends, as fractions of its length from a.
     std::vector<double> divisions(uint32_t a, uint32_t b) const;

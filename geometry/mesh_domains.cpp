@@ -8,6 +8,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "geometry/perpendicular.h"
+
 namespace heliodon::geometry {
 
 namespace {
@@ -313,6 +315,26 @@ glm::dvec3 faceNormal(const Building& building, const Face& face) {
             sum += glm::cross(building.vertices[loop[i]] - origin,
                               building.vertices[loop[(i + 1) % loop.size()]] - origin);
     return glm::normalize(sum);
+}
+
+glm::dvec2 mainDirection(const MeshDomain& domain) {
+    glm::dvec2 best{1, 0};
+    double longest = 0;
+    for (size_t l = 0; l < domain.loops.size(); ++l) {
+        const std::vector<glm::dvec2>& loop = domain.planar[l];
+        glm::dvec2 run{0};
+        for (size_t k = 0, n = loop.size(); k < 2 * n; ++k) {
+            const glm::dvec2 d = loop[(k + 1) % n] - loop[k % n];
+            const bool onward =
+                glm::dot(run, d) > 0 && std::abs(cross(run, d)) < 1e-6 * glm::length(run) * glm::length(d);
+            run = onward && k < n + n / 2 ? run + d : d;
+            if (glm::length(run) > longest * (1 + 1e-9)) {
+                longest = glm::length(run);
+                best = run / longest;
+            }
+        }
+    }
+    return best;
 }
 
 std::vector<MeshDomain> findMeshDomains(const Building& building, double edge) {

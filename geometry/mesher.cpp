@@ -39,6 +39,9 @@ constexpr double kUniform = std::numeric_limits<double>::infinity();
 constexpr std::array kGradings{Grading{1.4, 0.6}, Grading{2.0, 1.0}, Grading{kUniform, kUniform}};
 constexpr double kFarTooMany = 1.4;     // times what was asked for: such grading is for finer meshes
 constexpr double kMostForGrading = 0.3; // of the triangles that were asked for
+// Of them, in narrow strips: where it is more, others are large beside them whatever is done about angles.
+constexpr double kManyNarrow = 0.06;
+constexpr double kMostStretch = 1.6; // of a regular mesh's edge: longer ones no longer save triangles
 
 // Of regular triangles, so many, that cover the area.
 double regularEdge(double area, double count) {
@@ -74,9 +77,12 @@ public:
     // The count is known before only to within what optimisation adds; where triangles are few that matters.
     PatchMesh mesh() {
         PatchMesh best;
+        const bool sparing =
+            sampler_.narrowTriangles(regularEdge(building_, wanted_)) > kManyNarrow * wanted_;
         double least = std::numeric_limits<double>::infinity();
         for (const Grading& grading : kGradings) {
             grading_ = grading;
+            grading_.sparing = sparing;
             edge_ = added_ = lastEdge_ = lastCount_ = 0;
             addedKnown_ = false;
             counts_.clear();
@@ -229,6 +235,9 @@ private:
             lastEdge_ = edge;
             lastCount_ = count;
             const double guess = edge * std::pow(count / wanted, 1 / power);
+            if (high == 0 && guess > kMostStretch * regularEdge(building_, wanted_) &&
+                std::isfinite(grading_.growth))
+                return false;
             edge = bracketed && (guess <= std::min(low, high) || guess >= std::max(low, high))
                        ? 0.5 * (low + high)
                        : guess;

@@ -158,7 +158,7 @@ private:
         // An equilateral triangle of the size wanted has a circumradius of 0.577 of it.
         const double radius = glm::length(offset), size = domain_.size.at(a + offset);
         const double shortest = std::sqrt(std::min({glm::dot(u, u), glm::dot(v, v), glm::dot(u - v, u - v)}));
-        const bool slim = !domain_.size.uniform() && radius > kSlim * shortest;
+        const bool slim = domain_.dividesSlim && !domain_.size.uniform() && radius > kSlim * shortest;
         if (radius < kLargest * size && !slim) return false;
         const uint32_t target = net_.locate(t, a + offset);
         if (target == kNoTriangle || nearFixedEdge(target, a + offset, kApart * size)) return false;

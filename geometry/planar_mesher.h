@@ -18,6 +18,7 @@ struct PlanarDomain {
     std::vector<uint32_t> loopStart{0}; // loop k is boundary[loopStart[k] .. loopStart[k + 1])
     glm::dvec2 direction{1, 0};         // of its longest straight side
     SizeField size;                     // of the edges wanted
+    bool dividesSlim = true;            // refinement divides slim triangles where sizes are not uniform
 };
 
 // Points of a hexagonal lattice of edge length `lattice` inside the domain, turned along its direction
