@@ -119,9 +119,8 @@ public:
         const CurvedFace outer(piece, index, true, rooms), inner(piece, index, false, rooms);
         if (!outer.isSeen() && !inner.isSeen()) return add(piece);
         std::vector<double> angles{piece.a0, piece.a1};
-        // By the inner side's corners: chords of the outer side lie within the wall, those of the inner one
-        // do not.
-        (inner.isSeen() ? inner : outer).addAngles(angles);
+        for (const CurvedFace* face : {&outer, &inner})
+            if (face->isSeen()) face->addAngles(angles);
         std::ranges::sort(angles);
         const auto repeated =
             std::ranges::unique(angles, [](double a, double b) { return b - a < kSameAngle; });
