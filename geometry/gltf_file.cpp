@@ -22,6 +22,7 @@
 
 #include "geometry/input_error.h"
 #include "geometry/raw_model.h"
+#include "geometry/text_file.h"
 
 namespace heliodon::geometry {
 
@@ -71,8 +72,8 @@ public:
 
     explicit GltfReader(const std::filesystem::path& file) {
         out_.file = file.string();
+        refuseUnreadable(file, "a model (.gltf .glb)");
         std::ifstream in(file, std::ios::binary);
-        if (!in || std::filesystem::is_directory(file)) throw InputError(out_.file, "", "cannot be read");
         char magic[4] = {};
         in.read(magic, 4);
         tinygltf::TinyGLTF loader;

@@ -3,16 +3,15 @@
 // and `blinds`, our own.
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <optional>
-#include <sstream>
 #include <string_view>
 
 #include <fmt/format.h>
 
 #include "geometry/input_error.h"
 #include "geometry/raw_model.h"
+#include "geometry/text_file.h"
 
 namespace heliodon::geometry {
 
@@ -21,13 +20,9 @@ namespace {
 // Walks over the logical lines of a text file (a trailing backslash continues a line) and their words.
 class Lines {
 public:
-    explicit Lines(const std::filesystem::path& file) : file_(file.string()) {
-        std::ifstream in(file, std::ios::binary);
-        if (!in || std::filesystem::is_directory(file)) throw InputError(file_, "", "cannot be read");
-        std::stringstream text;
-        text << in.rdbuf();
-        text_ = text.str();
-    }
+    // `expected`: what the file should be.
+    Lines(const std::filesystem::path& file, const std::string& expected)
+        : file_(file.string()), text_(readText(file, expected)) {}
 
     bool next() {
         line_.clear();
@@ -118,7 +113,7 @@ glm::vec3 readRgb(Lines& lines) {
 }
 
 void readMtl(const std::filesystem::path& file, RawModel& model, MaterialIndex& index) {
-    Lines lines(file);
+    Lines lines(file, "materials (.mtl)");
     std::optional<MaterialDraft> draft;
     while (lines.next()) {
         const std::string_view key = lines.word();
@@ -168,7 +163,7 @@ uint32_t readIndex(std::string_view text, size_t vertexCount, const Lines& lines
 
 class ObjReader {
 public:
-    explicit ObjReader(const std::filesystem::path& file) : path_(file), lines_(file) {
+    explicit ObjReader(const std::filesystem::path& file) : path_(file), lines_(file, "a model (.obj)") {
         model_.file = lines_.file();
     }
 

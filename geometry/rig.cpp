@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <set>
 
 #include <fmt/format.h>
@@ -12,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "geometry/input_error.h"
+#include "geometry/text_file.h"
 
 namespace heliodon::geometry {
 namespace {
@@ -155,21 +155,6 @@ Projector readProjector(const Field& field, size_t index) {
     return projector;
 }
 
-json parseFile(const std::filesystem::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    if (!in) throw InputError(path.string(), "", "cannot be opened, expected a rig (vh-rig/1)");
-    const std::string text((std::istreambuf_iterator<char>(in)), {});
-    try {
-        return json::parse(text);
-    } catch (const json::parse_error& error) {
-        const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
-        const auto line = 1 + std::count(text.begin(), end, '\n');
-        throw InputError(path.string(), std::to_string(line), "not valid JSON, expected a rig (vh-rig/1)");
-    } catch (const json::out_of_range&) { // the parser's word for a number beyond double, without a place
-        throw InputError(path.string(), "", "holds a number too large to represent");
-    }
-}
-
 } // namespace
 
 glm::dvec2 Lens::pixelFromPlane(glm::dvec2 xy) const {
@@ -222,7 +207,7 @@ std::optional<glm::dvec3> OpticalDevice::worldOnPlane(glm::dvec2 pixel, double y
 }
 
 Rig readRig(const std::filesystem::path& path) {
-    const json document = parseFile(path);
+    const json document = readJson(path, "a rig (vh-rig/1)");
     const std::string file = path.string();
     const Field root(file, "", document);
     const Field format = root["format"];
@@ -230,7 +215,8 @@ Rig readRig(const std::filesystem::path& path) {
     if (root.has("units") && root["units"].text() != "metres")
         root["units"].fail(fmt::format("\"{}\", expected \"metres\"", root["units"].text()));
     Rig rig;
-    if (root.has("table")) rig.tableRadius = root["table"]["radius_m"].numberWithin(0.05, 50);
+    rig.tableAssumed = !root.has("table");
+    if (!rig.tableAssumed) rig.tableRadius = root["table"]["radius_m"].numberWithin(0.05, 50);
     readDevice(root["camera"], rig.camera);
     rig.camera.id = "camera";
     if (root.has("projectors")) {

@@ -57,6 +57,7 @@ struct Site {
 
 struct Rig {
     double tableRadius = 0.5334; // metres
+    bool tableAssumed = false;   // the file says nothing of a table: it is taken for the paper's
     OpticalDevice camera;
     std::vector<Projector> projectors;
     std::optional<Site> site;

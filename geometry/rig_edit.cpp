@@ -1,11 +1,10 @@
 #include "geometry/rig_edit.h"
 
-#include <fstream>
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "geometry/input_error.h"
+#include "geometry/text_file.h"
 #include "geometry/whole_file.h"
 
 namespace heliodon::geometry {
@@ -22,13 +21,12 @@ json readBase(const std::filesystem::path& file) {
                    "right-handed; table top is y = 0, y up; seen from above x right and z down the picture"},
                   {"device", "x right, y down, z forward; X_dev = R X_world + t; centre = -R^T t"},
                   {"pixel", "integer = pixel centre"},
-                  {"dist", "Brown-Conrady k1 k2 p1 p2 k3"}}},
-                {"table", {{"radius_m", Rig{}.tableRadius}}}};
-    std::ifstream in(file, std::ios::binary);
-    if (!in) throw InputError(file.string(), "", "cannot be opened, expected a rig (vh-rig/1)");
-    json rig = json::parse(in, nullptr, false);
-    if (rig.is_discarded() || !rig.is_object() || !rig.contains("format") || rig["format"] != "vh-rig/1")
+                  {"dist", "Brown-Conrady k1 k2 p1 p2 k3"}}}};
+    const json rig = readJson(file, "a rig (vh-rig/1)");
+    if (!rig.is_object() || !rig.contains("format") || rig["format"] != "vh-rig/1")
         throw InputError(file.string(), "format", "expected a rig, \"vh-rig/1\"");
+    if (rig.contains("table") && !rig["table"].is_object())
+        throw InputError(file.string(), "table", "expected an object");
     if (rig.contains("camera") && !rig["camera"].is_object())
         throw InputError(file.string(), "camera", "expected an object");
     if (rig.contains("projectors"))
@@ -57,6 +55,11 @@ void put(json& entry, const OpticalDevice& device) {
 
 } // namespace
 
+bool namesTable(const std::filesystem::path& base) {
+    const json rig = readBase(base);
+    return rig.contains("table") && rig["table"].contains("radius_m");
+}
+
 void refuseRigEdit(const std::filesystem::path& target, const std::filesystem::path& base) {
     refuseUnwritable(target);
     readBase(base);
@@ -64,6 +67,7 @@ void refuseRigEdit(const std::filesystem::path& target, const std::filesystem::p
 
 void writeRig(const std::filesystem::path& target, const std::filesystem::path& base, const RigEdit& edit) {
     json rig = readBase(base);
+    if (edit.tableRadius) rig["table"]["radius_m"] = *edit.tableRadius;
     if (edit.camera) put(rig["camera"], *edit.camera);
     for (const OpticalDevice& projector : edit.projectors) {
         json& list = rig["projectors"];
@@ -74,7 +78,7 @@ void writeRig(const std::filesystem::path& target, const std::filesystem::path& 
         if (index == list.size()) list.push_back({{"id", projector.id}});
         put(list[index], projector);
     }
-    writeWholeText(target, rig.dump(1) + "\n");
+    writeWholeText(target, jsonText(rig, 1));
 }
 
 } // namespace heliodon::geometry

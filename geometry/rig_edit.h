@@ -10,6 +10,7 @@
 namespace heliodon::geometry {
 
 struct RigEdit {
+    std::optional<double> tableRadius; // metres
     std::optional<OpticalDevice> camera;
     std::vector<OpticalDevice>
         projectors; // by id: size, K, dist, R and t are replaced, or a new one is put last
@@ -19,6 +20,9 @@ struct RigEdit {
 // rig still without a camera. Throws InputError when `base` is no vh-rig/1, or when `target` cannot be
 // written.
 void writeRig(const std::filesystem::path& target, const std::filesystem::path& base, const RigEdit& edit);
+
+// Whether a rig, which may have no camera yet, says how large its table is.
+bool namesTable(const std::filesystem::path& base);
 
 // Throws what writeRig would, before there is anything to write.
 void refuseRigEdit(const std::filesystem::path& target, const std::filesystem::path& base);

@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <set>
-#include <sstream>
 #include <string_view>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "geometry/input_error.h"
+#include "geometry/text_file.h"
 #include "geometry/whole_file.h"
 
 namespace heliodon::geometry {
@@ -217,23 +216,6 @@ std::vector<Item> readList(const Object& root, const char* field, const std::str
     return items;
 }
 
-Json parse(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    if (!in) throw InputError(file.string(), "", "cannot be read");
-    std::stringstream text;
-    text << in.rdbuf();
-    const std::string bytes = text.str();
-    try {
-        return Json::parse(bytes);
-    } catch (const Json::parse_error& error) {
-        const auto end = bytes.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, bytes.size()));
-        const auto line = 1 + std::count(bytes.begin(), end, '\n');
-        throw InputError(file.string(), std::to_string(line), "is not JSON here");
-    } catch (const Json::exception&) { // a number beyond double's range
-        throw InputError(file.string(), "", "holds a number that is out of range");
-    }
-}
-
 void checkReferences(const Object& root, const Sketch& sketch) {
     for (size_t i = 0; i < sketch.windows.size(); ++i) {
         const std::string& id = sketch.windows[i].wall;
@@ -317,7 +299,7 @@ template<class Item> Json jsonList(const std::vector<Item>& items) {
 
 Sketch readSketch(const std::filesystem::path& file) {
     const std::string name = file.string();
-    const Json json = parse(file);
+    const Json json = readJson<Json>(file, "a sketch (vh-sketch/1)");
     const Object root(name, "", json);
     const std::string format = root.text("format", "");
     if (format != kFormat) root.fail("format", fmt::format("is \"{}\", expected \"{}\"", format, kFormat));

@@ -11,6 +11,7 @@
 #include <zlib.h>
 
 #include "geometry/input_error.h"
+#include "geometry/text_file.h"
 
 namespace heliodon::daylight {
 
@@ -25,8 +26,10 @@ constexpr double kGreatestIrradiance = 1500; // above the sun's outside the atmo
 
 // zlib reads plain files as they are.
 std::string readText(const std::string& file) {
+    const std::string expected = "hourly weather (.epw or .epw.gz)";
+    geometry::refuseUnreadable(file, expected);
     const std::unique_ptr<gzFile_s, int (*)(gzFile)> in(gzopen(file.c_str(), "rb"), gzclose);
-    if (!in) throw InputError(file, "", "cannot be read");
+    if (!in) throw InputError(file, "", "cannot be read, expected " + expected);
     std::string text;
     std::vector<char> block(1 << 16);
     for (;;) {
@@ -162,7 +165,7 @@ void readLocation(const Line& line, EpwFile& epw) {
     epw.elevationM = numbers.within(n - 1, "elevation", -1000, 9000);
     for (size_t i = 1; i < n - 4 && i < 4; ++i) {
         if (cells[i].empty() || cells[i] == "-" || cells[i] == "unknown") continue;
-        epw.place += (epw.place.empty() ? "" : ", ") + std::string(cells[i]);
+        epw.place += (epw.place.empty() ? "" : ", ") + geometry::asUtf8(std::string(cells[i]));
     }
 }
 

@@ -2,7 +2,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <optional>
 
 #include <fmt/format.h>
@@ -12,6 +11,7 @@
 #include "compute/daylight/frame.h"
 #include "compute/daylight/sky.h"
 #include "geometry/input_error.h"
+#include "geometry/text_file.h"
 
 namespace heliodon::daylight {
 
@@ -98,16 +98,6 @@ struct Field {
     }
 };
 
-json parseFile(const std::string& file) {
-    std::ifstream in(file, std::ios::binary);
-    if (!in) throw InputError(file, "", "cannot be read");
-    try {
-        return json::parse(in);
-    } catch (const json::exception& e) {
-        throw InputError(file, "", fmt::format("is not JSON: {}", e.what()));
-    }
-}
-
 double zenithLuminance(const Field& root) {
     const char* key =
         root.has("zenith_luminance_cdm2") || !root.has("Lz_cdm2") ? "zenith_luminance_cdm2" : "Lz_cdm2";
@@ -143,7 +133,7 @@ Sky distribution(const Field& root, geometry::UpAxis axes) {
 
 Sky readSky(const std::filesystem::path& path, geometry::UpAxis axes) {
     const std::string file = path.string();
-    const json document = parseFile(file);
+    const json document = geometry::readJson(file, "a sky (vh-sky/1)");
     const Field root{document, file, ""};
     root.asObject();
     if (root.at("format").value != "vh-sky/1") root.at("format").refuse("expected \"vh-sky/1\"");

@@ -21,6 +21,7 @@
 #include "engine/app/temporal_chart.h"
 #include "engine/app/work_plane.h"
 #include "geometry/input_error.h"
+#include "geometry/text_file.h"
 #include "geometry/whole_file.h"
 
 namespace heliodon::app {
@@ -312,7 +313,7 @@ void execute(Run& run, const AnnualArguments& arguments) {
     all.summary.meanLux = count ? year.occupiedLux / static_cast<double>(count) : 0;
     geometry::writeWholeText(arguments.output / "metrics.csv", metricsTable(sensors, all.sensors));
     const json summary = summaryJson(all, weather, occupied);
-    geometry::writeWholeText(arguments.output / "summary.json", summary.dump(2) + "\n");
+    geometry::writeWholeText(arguments.output / "summary.json", geometry::jsonText(summary));
     run.report()["summary"] = summary;
     run.note(fmt::format("sDA300/50 {:.1f} %, ASE1000,250 {:.1f} %, mean DA {:.1f} %", all.summary.sda.value,
                          all.summary.ase.value, all.summary.meanDa));

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <functional>
 
 #include <CLI/CLI.hpp>
@@ -56,6 +57,7 @@ public:
         for (auto& [sub, command] : commands_) {
             if (!*sub) continue;
             refuseInfinite(*sub);
+            refuseOverwriting(*sub);
             std::string name = sub->get_name();
             if (sub->get_parent() != &app_) name = fmt::format("{} {}", sub->get_parent()->get_name(), name);
             return Arguments{name, common_, command()};
@@ -83,6 +85,36 @@ private:
                 if (!std::isfinite(std::strtod(text.c_str(), nullptr)))
                     throw geometry::InputError(option->get_name(), text, "is no finite number");
         }
+    }
+
+    // One file written twice, or written over what is read. A rig may be calibrated in its place.
+    static void refuseOverwriting(const CLI::App& sub) {
+        namespace fs = std::filesystem;
+        const auto isFile = [](const fs::path& path) {
+            std::error_code none;
+            return fs::is_regular_file(path, none);
+        };
+        const auto same = [](const fs::path& a, const fs::path& b) {
+            std::error_code none;
+            return fs::weakly_canonical(a, none) == fs::weakly_canonical(b, none);
+        };
+        std::vector<std::pair<std::string, std::string>> written;
+        for (const char* name : {"--output", "--report", "--overlay", "--plan"}) {
+            const CLI::Option* option = sub.get_option_no_throw(name);
+            if (!option || option->empty()) continue;
+            const std::string& file = option->results().front();
+            for (const auto& [other, path] : written)
+                if (same(file, path) && (isFile(file) || !fs::exists(file)))
+                    throw geometry::InputError(name, file, "is written by " + other + " too");
+            written.emplace_back(name, file);
+        }
+        for (const CLI::Option* option : sub.get_options())
+            for (const std::string& text : option->results())
+                for (const auto& [name, file] : written)
+                    if (option->get_name() != name && isFile(text) && same(text, file) &&
+                        !(name == "--output" && option->get_name() == "--rig"))
+                        throw geometry::InputError(
+                            name, file, "is read by " + option->get_name() + ", expected another file");
     }
 
     // `group`: the command that this one is a part of, if any.
@@ -166,7 +198,8 @@ private:
         addScene(sub, render_.scene);
         addBlinds(sub, render_.scene);
         addMoment(sub, render_.moment, true);
-        addPicture(sub, render_.picture);
+        addPicture(sub, render_.picture,
+                   "pixels of the preview, and of each on a contact sheet (default 1280x960 and 400x300)");
         auto* sheet = sub->add_flag("--contact-sheet", render_.contactSheet,
                                     "one picture with previews of several days and hours too");
         sub->add_option("--days", render_.days,
@@ -189,7 +222,7 @@ private:
         addScene(sub, timelapse_.scene);
         addBlinds(sub, timelapse_.scene);
         addMoment(sub, timelapse_.moment, false);
-        addPicture(sub, timelapse_.picture);
+        addPicture(sub, timelapse_.picture, "pixels of previews (default 1280x960)");
         sub->add_option("--from", timelapse_.from, "time of the first frame")->required();
         sub->add_option("--to", timelapse_.to, "time of the last frame")->required();
         sub->add_option("--step", timelapse_.step, "time between frames: PT10M, P1D")->required();
@@ -278,6 +311,9 @@ private:
                         "metres from its printed side down to the table in that picture (default 0: the "
                         "printed side is the world's y = 0)")
             ->check(within(0, 0.2));
+        sub->add_option("--table", calibrateCamera_.tableDiameter,
+                        "diameter of the table in metres (default: the rig's, else 1.0668, 42 in)")
+            ->check(within(0.1, 100));
         sub->add_option("--rig", calibrateCamera_.rig,
                         "rig to take projectors and everything else from (.json)");
         sub->add_option("--overlay", calibrateCamera_.overlay,

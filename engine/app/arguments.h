@@ -39,6 +39,7 @@ struct MomentArguments {
 struct PictureArguments {
     std::optional<double> exposure;
     bool falseColor = false, exr = false, skyColour = false;
+    std::string size; // of previews, "1280x960"; empty: the default
 };
 
 struct DetectArguments {
@@ -97,6 +98,7 @@ struct CalibrateTargetArguments {
 struct CalibrateCameraArguments {
     std::vector<std::filesystem::path> images;
     std::string flat; // name of the picture whose board lies on the table; empty: see calibrate_camera.cpp
+    double tableDiameter = 0;                     // metres; 0: the rig's, else the paper's
     double boardEdge = 1.016, boardThickness = 0; // metres
     std::filesystem::path rig, output, overlay;
 };

@@ -21,6 +21,7 @@
 #include "engine/app/output_folder.h"
 #include "engine/app/progress.h"
 #include "geometry/input_error.h"
+#include "geometry/text_file.h"
 #include "geometry/whole_file.h"
 
 namespace heliodon::app {
@@ -391,7 +392,7 @@ void execute(Run& run, const BenchArguments& given) {
                                          {"runs", arguments.runs},
                                          {"form_factors", listOf(bench.results)},
                                          {"gather", listOf(bench.gathers)}};
-        geometry::writeWholeText(arguments.output / "bench.json", all.dump(2) + "\n");
+        geometry::writeWholeText(arguments.output / "bench.json", geometry::jsonText(all));
         progress.advance(k + 1);
     }
     run.report()["results"] = (arguments.output / "bench.json").string();

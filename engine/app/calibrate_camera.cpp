@@ -81,6 +81,15 @@ size_t flatPicture(Run& run, const CalibrateCameraArguments& arguments) {
     return 0;
 }
 
+// None: the rig has one.
+std::optional<double> tableRadius(Run& run, const CalibrateCameraArguments& arguments) {
+    if (arguments.tableDiameter > 0) return 0.5 * arguments.tableDiameter;
+    if (!arguments.rig.empty() && geometry::namesTable(arguments.rig)) return std::nullopt;
+    const double radius = geometry::Rig{}.tableRadius;
+    run.assume(fmt::format("a table {:.4g} m across (--table says another)", 2 * radius));
+    return radius;
+}
+
 void report(Run& run, const std::vector<Picture>& pictures, const std::vector<size_t>& indexOfView,
             const vision::CameraCalibration& result, size_t flat) {
     json& out = run.report();
@@ -233,7 +242,7 @@ void execute(Run& run, const CalibrateCameraArguments& arguments) {
     if (!arguments.rig.empty())
         run.note("the projectors of the rig, if any, were calibrated with its former camera: calibrate them "
                  "again");
-    geometry::writeRig(arguments.output, arguments.rig, {world.camera, {}});
+    geometry::writeRig(arguments.output, arguments.rig, {tableRadius(run, arguments), world.camera, {}});
 }
 
 } // namespace heliodon::app

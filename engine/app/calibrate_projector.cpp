@@ -7,10 +7,12 @@
 #include "engine/app/calibration_report.h"
 #include "engine/app/commands.h"
 #include "engine/app/output_folder.h"
+#include "engine/app/pixel_size.h"
 #include "engine/app/progress.h"
 #include "geometry/input_error.h"
 #include "geometry/picture_file.h"
 #include "geometry/rig_edit.h"
+#include "geometry/text_file.h"
 #include "geometry/whole_file.h"
 #include "vision/calibration_overlay.h"
 #include "vision/projector_calibration.h"
@@ -114,7 +116,8 @@ void drawOverlays(const std::filesystem::path& target, const CalibrationFolder& 
 
 void execute(Run& run, const CalibratePatternsArguments& arguments) {
     vision::PatternSet set;
-    parseSize("--size", arguments.size, set);
+    const PixelSize size = parseSize("--size", arguments.size, kMostPixels);
+    set.width = size.width, set.height = size.height;
     set.cell = arguments.cell;
     if (set.columns() < 4 || set.rows() < 4)
         throw geometry::InputError("--cell", std::to_string(set.cell),
@@ -131,7 +134,7 @@ void execute(Run& run, const CalibratePatternsArguments& arguments) {
                               {"height", set.height},
                               {"cell", set.cell},
                               {"names", names}};
-    geometry::writeWholeText(arguments.output / "patterns.json", description.dump(1) + "\n");
+    geometry::writeWholeText(arguments.output / "patterns.json", geometry::jsonText(description, 1));
     run.note(fmt::format("{} pictures of {} x {} pixels in {}", names.size(), set.width, set.height,
                          arguments.output.string()));
 }

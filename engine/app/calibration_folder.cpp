@@ -1,14 +1,15 @@
 #include "engine/app/calibration_folder.h"
 
 #include <charconv>
-#include <fstream>
 #include <map>
 #include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "engine/app/pixel_size.h"
 #include "geometry/input_error.h"
+#include "geometry/text_file.h"
 
 namespace heliodon::app {
 
@@ -17,13 +18,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kMostPixels = 16384;
-
 // Null where there is no such file. Throws InputError where it is not JSON.
 json readJson(const fs::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    if (!in) return nullptr;
-    json out = json::parse(in, nullptr, false);
+    if (!fs::exists(file)) return nullptr;
+    json out = geometry::readJson(file, "an object");
     if (!out.is_object()) throw geometry::InputError(file.string(), "", "not a JSON object");
     return out;
 }
@@ -73,7 +71,11 @@ void describePatterns(const CalibrateProjectorArguments& arguments, const fs::pa
         if (const auto cell = cellIn(lastBit); cell && !knowsCell)
             out.patterns.cell = *cell, knowsCell = true;
     }
-    if (!arguments.size.empty()) parseSize("--size", arguments.size, out.patterns), knowsSize = true;
+    if (!arguments.size.empty()) {
+        const PixelSize size = parseSize("--size", arguments.size, kMostPixels);
+        out.patterns.width = size.width, out.patterns.height = size.height;
+        knowsSize = true;
+    }
     if (arguments.cell) out.patterns.cell = *arguments.cell, knowsCell = true;
     if (!knowsSize)
         out.assumed = fmt::format("a projector of {} x {} pixels", out.patterns.width, out.patterns.height);
@@ -83,19 +85,6 @@ void describePatterns(const CalibrateProjectorArguments& arguments, const fs::pa
 }
 
 } // namespace
-
-void parseSize(const std::string& option, const std::string& text, vision::PatternSet& set) {
-    const size_t times = text.find('x');
-    const auto number = [&](const std::string& digits) {
-        int value = 0;
-        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-        if (error != std::errc() || end != digits.data() + digits.size() || value < 16 || value > kMostPixels)
-            throw geometry::InputError(option, text, "expected WIDTHxHEIGHT in pixels, as 1024x768");
-        return value;
-    };
-    set.width = number(text.substr(0, times));
-    set.height = number(times == std::string::npos ? "" : text.substr(times + 1));
-}
 
 CalibrationFolder openCalibrationFolder(const CalibrateProjectorArguments& arguments, size_t index) {
     const fs::path& folder = arguments.folders[index];

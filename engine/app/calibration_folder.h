@@ -21,8 +21,7 @@ struct CalibrationFolder {
     std::string assumed;       // what nothing in the folder says
 };
 
-// "1024x768". Throws InputError naming `option`.
-void parseSize(const std::string& option, const std::string& text, vision::PatternSet& set);
+constexpr int kMostPixels = 16384; // along an edge of a projector's picture
 
 // What arguments leave open comes from patterns.json (as `calibrate patterns` writes it), else from
 // projector.json ("id", "width", "height"), else from patterns/white.png and patterns/x_bit0.png as sent to

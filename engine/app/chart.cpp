@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
+#include "engine/app/lettering.h"
 #include "engine/passes/false_colour.h"
 #include "engine/passes/image_file.h"
 #include "geometry/input_error.h"
@@ -98,8 +99,11 @@ std::string Chart::svg() const {
 }
 
 void Chart::writePng(const std::filesystem::path& file) const {
-    cv::Mat canvas(static_cast<int>(std::lround(kPngScale * height_)),
-                   static_cast<int>(std::lround(kPngScale * width_)), CV_8UC3, cv::Scalar(255, 255, 255));
+    passes::Image8 image{static_cast<int>(std::lround(kPngScale * width_)),
+                         static_cast<int>(std::lround(kPngScale * height_)),
+                         {}};
+    image.rgb.assign(3 * static_cast<size_t>(image.width) * static_cast<size_t>(image.height), 255);
+    const cv::Mat canvas(image.height, image.width, CV_8UC3, image.rgb.data());
     const auto scalar = [](Ink ink) { return cv::Scalar(ink[0], ink[1], ink[2]); };
     const auto fixed = [](glm::dvec2 p) {
         return cv::Point(static_cast<int>(std::lround(p.x * kPngScale * (1 << kShift))),
@@ -115,24 +119,14 @@ void Chart::writePng(const std::filesystem::path& file) const {
             cv::polylines(canvas, std::vector{points}, false, scalar(item.ink), thickness, cv::LINE_AA,
                           kShift);
         } else {
-            constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
-            const double scale = item.size * kPngScale / 30; // its capitals are 22 pixels tall at scale 1
-            const int pen = item.size > 13 ? 2 : 1;
-            int below = 0;
-            const cv::Size box = cv::getTextSize(item.words, kFont, scale, pen, &below);
-            cv::Point at(static_cast<int>(std::lround(item.points[0].x * kPngScale)),
-                         static_cast<int>(std::lround(item.points[0].y * kPngScale)));
-            at.x -= item.anchor == Anchor::middle ? box.width / 2
-                    : item.anchor == Anchor::end  ? box.width
-                                                  : 0;
-            if (item.halo)
-                cv::putText(canvas, item.words, at, kFont, scale, cv::Scalar(255, 255, 255), pen + 5,
-                            cv::LINE_AA);
-            cv::putText(canvas, item.words, at, kFont, scale, scalar(item.ink), pen, cv::LINE_AA);
+            // Capitals as tall as those of a sans-serif font of that size.
+            Lettering letters{0.73 * item.size * kPngScale, item.ink};
+            if (item.halo) letters.halo = 1.5 * kPngScale;
+            const double shift = item.anchor == Anchor::start ? 0 : item.anchor == Anchor::middle ? 0.5 : 1;
+            letters.draw(image, item.points[0].x * kPngScale - shift * letters.width(item.words),
+                         item.points[0].y * kPngScale, item.words);
         }
     }
-    passes::Image8 image{canvas.cols, canvas.rows, {}};
-    image.rgb.assign(canvas.datastart, canvas.dataend);
     passes::writePng(image, file);
 }
 

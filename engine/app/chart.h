@@ -30,7 +30,7 @@ public:
     void fill(std::vector<glm::dvec2> outline, Ink ink);
     void rectangle(double x, double y, double width, double height, Ink ink);
     void line(std::vector<glm::dvec2> points, Ink ink, double thickness);
-    // `at`: left end, middle or right end of the baseline; letters about `size` pixels tall. ASCII. With a
+    // `at`: left end, middle or right end of the baseline; letters about `size` pixels tall. UTF-8. With a
     // halo, words stay legible on any colour.
     void text(glm::dvec2 at, const std::string& words, double size, Anchor anchor = Anchor::start,
               Ink ink = kBlack, bool halo = false);

@@ -1,27 +1,24 @@
 #include "engine/app/contact_sheet.h"
 
+#include <algorithm>
 #include <cassert>
 
-#include <opencv2/imgproc.hpp>
+#include <opencv2/core.hpp>
+
+#include "engine/app/lettering.h"
 
 namespace heliodon::app {
 
 namespace {
 
 constexpr int kGap = 8, kTop = 84, kLeft = 150, kTextHeight = 12;
-const cv::Scalar kPaper(24, 24, 26), kInk(225, 225, 225);
+const cv::Scalar kPaper(24, 24, 26);
 
 // Smaller where it would be wider than `room`.
-void label(cv::Mat& sheet, const std::string& text, cv::Point middle, int room) {
-    int below = 0;
-    double scale = 0.6;
-    cv::Size size = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, scale, 1, &below);
-    if (size.width > room) {
-        scale *= static_cast<double>(room) / size.width;
-        size = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, scale, 1, &below);
-    }
-    cv::putText(sheet, text, middle + cv::Point(-size.width / 2, size.height / 2), cv::FONT_HERSHEY_SIMPLEX,
-                scale, kInk, 1, cv::LINE_AA);
+void label(passes::Image8& sheet, const std::string& text, cv::Point middle, int room) {
+    Lettering letters{13, {225, 225, 225}};
+    letters.capital *= std::min(1.0, room / letters.width(text));
+    letters.draw(sheet, middle.x - 0.5 * letters.width(text), middle.y + 0.5 * letters.capital, text);
 }
 
 } // namespace
@@ -39,13 +36,13 @@ passes::Image8 contactSheet(std::span<const passes::Image8> cells, const std::ve
     image.rgb.resize(3 * static_cast<size_t>(image.width) * static_cast<size_t>(image.height));
     cv::Mat sheet(image.height, image.width, CV_8UC3, image.rgb.data());
     sheet = kPaper;
-    label(sheet, title, {cellsWidth / 2, kTop / 3 - 4}, cellsWidth - 2 * kGap);
+    label(image, title, {cellsWidth / 2, kTop / 3 - 4}, cellsWidth - 2 * kGap);
     for (int c = 0; c < across; ++c)
-        label(sheet, columns[static_cast<size_t>(c)],
+        label(image, columns[static_cast<size_t>(c)],
               {kLeft + c * (width + kGap) + width / 2, kTop - kTextHeight - kGap}, width);
     for (int r = 0; r < down; ++r) {
         const int top = kTop + r * (height + kGap);
-        label(sheet, rows[static_cast<size_t>(r)], {kLeft / 2, top + height / 2}, kLeft - kGap);
+        label(image, rows[static_cast<size_t>(r)], {kLeft / 2, top + height / 2}, kLeft - kGap);
         for (int c = 0; c < across; ++c) {
             const passes::Image8& cell =
                 cells[static_cast<size_t>(r) * columns.size() + static_cast<size_t>(c)];

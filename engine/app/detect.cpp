@@ -13,7 +13,9 @@ void execute(Run& run, const DetectArguments& arguments) {
     if (scene.input.extension() == ".json")
         throw geometry::InputError(scene.input.string(), "",
                                    "is a sketch already, expected a photograph (.png .jpg .tif)");
-    const geometry::Rig rig = geometry::readRig(arguments.rig);
+    if (!arguments.overlay.empty() && arguments.overlay.extension() != ".png")
+        throw geometry::InputError("--overlay", arguments.overlay.string(), "is written as .png");
+    const geometry::Rig rig = loadRig(run, arguments.rig);
     const geometry::Sketch sketch = loadSketch(run, scene, rig);
     if (!arguments.overlay.empty())
         vision::drawOverlay(vision::readPhotograph(arguments.photo), rig, sketch, arguments.overlay);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "geometry/text_file.h"
 #include "geometry/whole_file.h"
 
 namespace heliodon::app {
@@ -105,6 +106,7 @@ FrameJob frameJobOf(Run& run, const TimelapseArguments& arguments, const Scene& 
         {"--to", arguments.to},
         {"--step", arguments.step},
         {"--view", orDefault(fmt::format("{}", fmt::join(job.views, " ")))},
+        {"--size", orDefault(picture.size)},
         {"--exposure", orDefault(picture.exposure)},
         {"--false-color", picture.falseColor},
         {"--sky-color", picture.skyColour},
@@ -146,7 +148,7 @@ std::optional<FrameJob> readFrameJob(const std::filesystem::path& file) {
 void writeFrameJob(const FrameJob& job, const std::filesystem::path& file) {
     const ordered_json all{
         {"format", kFormat}, {"frames", job.frames}, {"views", job.views}, {"job", job.options}};
-    geometry::writeWholeText(file, all.dump(2) + "\n");
+    geometry::writeWholeText(file, geometry::jsonText(all));
 }
 
 } // namespace heliodon::app

@@ -26,7 +26,7 @@ constexpr double kOperatorBusy = 1.0 / 30, kOperatorIdle = 0.25; // seconds from
 class LiveSession {
 public:
     LiveSession(Run& run, const LiveArguments& arguments)
-        : run_(run), arguments_(arguments), rig_(geometry::readRig(arguments.scene.rig)),
+        : run_(run), arguments_(arguments), rig_(loadRig(run, arguments.scene.rig)),
           source_(run, arguments.moment, sceneOfRig()), controls_(source_, arguments),
           script_(scriptOf(arguments)), outputs_(std::in_place, run, rig_, arguments), slots_(run),
           light_(board_, present::wakeUp, [this] { makeSceneAgain(); }),

@@ -1,7 +1,6 @@
 #include "engine/app/live_script.h"
 
 #include <cctype>
-#include <fstream>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -9,6 +8,7 @@
 #include "engine/app/moment.h"
 #include "engine/present/operator_window.h"
 #include "geometry/input_error.h"
+#include "geometry/text_file.h"
 
 namespace heliodon::app {
 
@@ -110,8 +110,7 @@ ScriptStep stepOf(const std::string& verb, Line& line, size_t windows, bool weat
 } // namespace
 
 std::vector<ScriptStep> readScript(const std::filesystem::path& file, size_t windows, bool weather) {
-    std::ifstream in(file);
-    if (!in) throw InputError(file.string(), "", "cannot be read");
+    std::istringstream in(geometry::readText(file, "a script, a step a line"));
     std::vector<ScriptStep> steps;
     size_t number = 0;
     for (std::string text; std::getline(in, text);) {

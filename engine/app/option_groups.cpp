@@ -55,7 +55,7 @@ void addWeather(CLI::App* sub, MomentArguments& moment) {
         ->excludes("--sky");
 }
 
-void addPicture(CLI::App* sub, PictureArguments& picture) {
+void addPicture(CLI::App* sub, PictureArguments& picture, const std::string& sizeHelp) {
     sub->add_option("--exposure", picture.exposure,
                     "lux of exitance that shows as white (default: chosen from the picture)")
         ->check(positive());
@@ -63,6 +63,7 @@ void addPicture(CLI::App* sub, PictureArguments& picture) {
                   "lux as colours, with a legend; one scale for a whole film or contact sheet");
     sub->add_flag("--sky-color", picture.skyColour,
                   "light in the colours of sun and sky, not white; lux stay as they are");
+    sub->add_option("--size", picture.size, sizeHelp);
     sub->add_flag("--exr", picture.exr, "linear pictures too, as OpenEXR");
 }
 

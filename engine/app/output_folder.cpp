@@ -1,5 +1,6 @@
 #include "engine/app/output_folder.h"
 
+#include <cctype>
 #include <cerrno>
 #include <system_error>
 
@@ -13,8 +14,27 @@ namespace heliodon::app {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+// A folder of that name would be taken for a broken file.
+void refuseNameOfFile(const fs::path& folder) {
+    std::string extension = folder.extension().string();
+    for (char& letter : extension)
+        letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+    for (const char* film : {".mp4", ".avi", ".mov", ".mkv", ".m4v", ".webm", ".gif"})
+        if (extension == film)
+            throw geometry::InputError(folder.string(), "",
+                                       "is no name of a folder, and films are written as .mp4");
+    for (const char* file : {".png", ".jpg", ".jpeg", ".tif", ".exr", ".svg", ".csv", ".json", ".npy"})
+        if (extension == file)
+            throw geometry::InputError(folder.string(), "", "is the name of a file, expected a folder");
+}
+
+} // namespace
+
 OutputFolder::OutputFolder(const fs::path& folder) {
     std::error_code error;
+    if (!fs::is_directory(folder, error)) refuseNameOfFile(folder);
     for (fs::path at = folder; !at.empty() && !fs::exists(at, error); at = at.parent_path())
         made_.push_back(at);
     fs::create_directories(folder, error);

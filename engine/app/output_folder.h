@@ -8,8 +8,9 @@ namespace heliodon::app {
 
 class OutputFolder {
 public:
-    // Makes the folder when it is missing; throws InputError when it is a file or cannot be made or written
-    // to, or when another run holds it. The system forgets that hold when a run ends, however it ends.
+    // Makes the folder when it is missing; throws InputError when it is a file, is named like one, or cannot
+    // be made or written to, or when another run holds it. The system forgets that hold when a run ends,
+    // however it ends.
     explicit OutputFolder(const std::filesystem::path& folder);
     // Removes what was made and is still empty: of a run that failed.
     ~OutputFolder();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/app/pixel_size.h"
 #include "engine/passes/false_colour.h"
 
 namespace heliodon::app {
@@ -16,6 +17,14 @@ passes::Tone toned(passes::Tone tone, const PictureArguments& arguments, bool fa
     if (falseColour) tone.map = passes::ToneMap::falseColour;
     tone.whiteLux = arguments.exposure;
     return tone;
+}
+
+passes::PreviewOptions sized(passes::PreviewOptions options, const PictureArguments& arguments) {
+    if (arguments.size.empty()) return options;
+    constexpr int kMost = 8192; // twice as many are drawn along each edge
+    const PixelSize size = parseSize("--size", arguments.size, kMost);
+    options.width = size.width, options.height = size.height;
+    return options;
 }
 
 void settle(passes::Tone& tone, const passes::FrameRenderer& renderer,

@@ -14,6 +14,9 @@ namespace heliodon::app {
 // On the run's device, or on another one.
 passes::FrameRenderer makeRenderer(Run& run, const Scene& scene, gpu::Device* device = nullptr);
 
+// Of the size that the arguments ask for, else as `options` have it.
+passes::PreviewOptions sized(passes::PreviewOptions options, const PictureArguments& arguments);
+
 // `tone` as the arguments want it: their exposure, and false colour in place of its map.
 passes::Tone toned(passes::Tone tone, const PictureArguments& arguments, bool falseColour);
 

@@ -23,7 +23,7 @@ namespace {
 
 void renderPreviews(Run& run, passes::FrameRenderer& renderer, const compute::Lighting& light,
                     const RenderArguments& arguments) {
-    passes::PreviewOptions options;
+    passes::PreviewOptions options = sized({}, arguments.picture);
     options.tone = toned(options.tone, arguments.picture, false);
     const StageTimer timer(run, "render");
     passes::writePng(renderer.preview(light, options), arguments.output / "preview.png");
@@ -114,6 +114,7 @@ void renderSheet(Run& run, passes::FrameRenderer& renderer, compute::DaylightTra
     const StageTimer timer(run, "render");
     passes::PreviewOptions options;
     options.width = 400, options.height = 300;
+    options = sized(options, arguments.picture);
     options.tone = toned(options.tone, arguments.picture, arguments.picture.falseColor);
     options.tone.legend = false; // one for the sheet
     settle(options.tone, renderer, moments);
@@ -137,9 +138,10 @@ void renderSheet(Run& run, passes::FrameRenderer& renderer, compute::DaylightTra
 } // namespace
 
 void execute(Run& run, const RenderArguments& arguments) {
-    // A typing error there should not cost the form factors.
+    // A typing error in these should not cost the form factors.
     const std::optional<Sheet> sheet =
         arguments.contactSheet ? std::optional(sheetOf(arguments)) : std::nullopt;
+    sized({}, arguments.picture);
     const Scene scene = loadScene(run, arguments.scene);
     const SkySource source(run, arguments.moment, scene);
     const daylight::Sky sky = source.skyAt(source.moment());

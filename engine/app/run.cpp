@@ -8,6 +8,7 @@
 #include "compute/gpu/error.h"
 #include "engine/app/interrupt.h"
 #include "geometry/input_error.h"
+#include "geometry/text_file.h"
 #include "geometry/whole_file.h"
 
 namespace heliodon::app {
@@ -102,7 +103,7 @@ void Run::finish(const std::string& error) {
     report_["seconds"] = watch_.seconds();
     if (!error.empty()) report_["error"] = error;
     if (device_) report_["device"]["peak_bytes"] = device_->memory().peakBytesInUse();
-    geometry::writeWholeText(reportFile_, report_.dump(2) + "\n");
+    geometry::writeWholeText(reportFile_, geometry::jsonText(report_));
 }
 
 } // namespace heliodon::app

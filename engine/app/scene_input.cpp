@@ -216,6 +216,14 @@ geometry::Sketch loadSketch(Run& run, const SceneArguments& arguments,
     return std::move(found.sketch);
 }
 
+geometry::Rig loadRig(Run& run, const std::filesystem::path& file) {
+    geometry::Rig rig = geometry::readRig(file);
+    if (rig.tableAssumed)
+        run.assume(fmt::format("a table {:.4g} m across (table.radius_m of the rig says another)",
+                               2 * rig.tableRadius));
+    return rig;
+}
+
 Scene loadScene(Run& run, const SceneArguments& arguments) {
     for (const std::string& state : arguments.blinds) parseWindowState(state); // now, not after the meshing
     const InputKind kind = kindOf(arguments.input);
@@ -223,7 +231,7 @@ Scene loadScene(Run& run, const SceneArguments& arguments) {
         throw InputError("--model-scale", "",
                          "is for models from files, what lies on the table is 12 times smaller");
     std::optional<geometry::Rig> rig;
-    if (!arguments.rig.empty()) rig = geometry::readRig(arguments.rig);
+    if (!arguments.rig.empty()) rig = loadRig(run, arguments.rig);
     std::optional<geometry::Sketch> sketch;
     if (kind != InputKind::model) sketch = loadSketch(run, arguments, rig);
     return makeScene(run, arguments, std::move(rig), std::move(sketch));

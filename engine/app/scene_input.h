@@ -30,6 +30,9 @@ struct Scene {
 // True when the input is a picture: what the file's name says.
 bool isPhotograph(const std::filesystem::path& input);
 
+// A rig that says nothing of its table: the paper's is assumed, and noted.
+geometry::Rig loadRig(Run& run, const std::filesystem::path& file);
+
 geometry::UpAxis upAxisOf(const SceneArguments& arguments);
 
 // The sketch in a file, or detected in a photograph (which needs a rig). Fills `stages.detect` and `detected`

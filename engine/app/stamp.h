@@ -12,7 +12,7 @@ namespace heliodon::app {
 
 // Pale words on a darkened ground, whatever lies under them. The first line is the largest; lines shrink
 // where the picture is narrow, and nothing is drawn where it is too small to read (below 120 pixels high).
-// UTF-8 of ASCII and the degree sign. Changes pixels of the lower left corner alone, the same on every run.
+// Words are UTF-8. Changes pixels of the lower left corner alone, the same on every run.
 void drawStamp(passes::Image8& picture, const std::vector<std::string>& lines);
 
 // "sun 34.2° high", "sun 6.0° below the horizon".

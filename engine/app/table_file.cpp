@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "geometry/input_error.h"
+#include "geometry/text_file.h"
 #include "geometry/whole_file.h"
 
 namespace heliodon::app {
@@ -65,8 +66,8 @@ void reserve(const std::filesystem::path& aside, size_t bytes, const std::filesy
 } // namespace
 
 SensorTable readSensors(const std::filesystem::path& file, geometry::UpAxis up) {
+    geometry::refuseUnreadable(file, "a table of sensors (.csv)");
     std::ifstream in(file);
-    if (!in) throw InputError(file.string(), "", "cannot be read, expected a table of sensors (.csv)");
     SensorTable table;
     std::string line;
     if (!getTextLine(in, line))
@@ -152,8 +153,8 @@ void NpyWriter::writeWhole(const std::filesystem::path& file, size_t rowCount, s
 }
 
 std::vector<float> readMatrix(const std::filesystem::path& file, size_t rowCount, size_t columnCount) {
+    geometry::refuseUnreadable(file, "a matrix (.npy or .f32)");
     std::ifstream in(file, std::ios::binary);
-    if (!in) throw InputError(file.string(), "", "cannot be read, expected a matrix (.npy or .f32)");
     if (file.extension() == ".npy") {
         std::array<char, 10> preamble{};
         in.read(preamble.data(), preamble.size());

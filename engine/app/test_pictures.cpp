@@ -1,10 +1,13 @@
 #include "engine/app/test_pictures.h"
 
 #include <algorithm>
+#include <array>
 
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "engine/app/lettering.h"
 
 namespace heliodon::app {
 
@@ -14,16 +17,11 @@ cv::Mat matOf(passes::Image8& picture) {
     return {picture.height, picture.width, CV_8UC3, picture.rgb.data()};
 }
 
-void write(cv::Mat& mat, const std::string& text, double middle, double height, const cv::Scalar& colour) {
-    constexpr double kLetter = 22; // pixels of the font at scale 1
-    double scale = height / kLetter;
-    int below = 0;
-    cv::Size size = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, scale, 1, &below);
-    scale *= std::min(1.0, 0.9 * mat.cols / size.width);
-    const int thick = std::max(1, static_cast<int>(2.5 * scale));
-    size = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, scale, thick, &below);
-    cv::putText(mat, text, {(mat.cols - size.width) / 2, static_cast<int>(middle) + size.height / 2},
-                cv::FONT_HERSHEY_SIMPLEX, scale, colour, thick, cv::LINE_AA);
+void write(passes::Image8& picture, const std::string& text, double middle, double height,
+           const std::array<uint8_t, 3>& ink) {
+    Lettering letters{height, ink};
+    letters.capital *= std::min(1.0, 0.9 * picture.width / letters.width(text));
+    letters.draw(picture, 0.5 * (picture.width - letters.width(text)), middle + 0.5 * letters.capital, text);
 }
 
 } // namespace
@@ -56,15 +54,15 @@ passes::Image8 gridPicture(const geometry::Projector& projector) {
 passes::Image8 namePicture(const geometry::Projector& projector, size_t number) {
     passes::Image8 picture = plainPicture(projector, 24);
     cv::Mat mat = matOf(picture);
-    const cv::Scalar white(255, 255, 255), amber(255, 190, 80);
-    cv::rectangle(mat, cv::Rect(0, 0, mat.cols, mat.rows), white, 3);
-    write(mat, std::to_string(number), 0.40 * mat.rows, 0.42 * mat.rows, white);
-    write(mat, projector.id, 0.72 * mat.rows, 0.07 * mat.rows, amber);
-    write(mat,
+    constexpr std::array<uint8_t, 3> white{255, 255, 255}, amber{255, 190, 80};
+    cv::rectangle(mat, cv::Rect(0, 0, mat.cols, mat.rows), cv::Scalar(255, 255, 255), 3);
+    write(picture, std::to_string(number), 0.40 * mat.rows, 0.42 * mat.rows, white);
+    write(picture, projector.id, 0.72 * mat.rows, 0.07 * mat.rows, amber);
+    write(picture,
           fmt::format("{} x {}{}", projector.width, projector.height,
                       projector.display.empty() ? "" : ", display " + projector.display),
           0.84 * mat.rows, 0.05 * mat.rows, white);
-    write(mat, "top", 0.06 * mat.rows, 0.04 * mat.rows, amber);
+    write(picture, "top", 0.06 * mat.rows, 0.04 * mat.rows, amber);
     return picture;
 }
 

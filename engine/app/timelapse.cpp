@@ -123,7 +123,7 @@ class FramePainter {
 public:
     FramePainter(Run& run, const Scene& scene, const TimelapseArguments& arguments, bool projectors)
         : run_(run), projectors_(projectors), exr_(arguments.picture.exr), device_(run.anotherDevice()),
-          renderer_(makeRenderer(run, scene, device_.get())) {
+          renderer_(makeRenderer(run, scene, device_.get())), preview_(sized({}, arguments.picture)) {
         preview_.tone = toned(preview_.tone, arguments.picture, arguments.picture.falseColor);
         projector_.tone = toned(projector_.tone, arguments.picture, arguments.picture.falseColor);
     }
@@ -227,6 +227,7 @@ void execute(Run& run, const TimelapseArguments& arguments) {
                            to = daylight::parseTime(arguments.to, "--to");
     const std::vector<daylight::Moment> times = daylight::timeSeries(
         from, to, daylight::parseDuration(arguments.step, "--step"), "--from, --to, --step");
+    sized({}, arguments.picture); // now, not after the form factors
     const Scene scene = loadScene(run, arguments.scene);
     MomentArguments moment = arguments.moment;
     moment.time = arguments.from;

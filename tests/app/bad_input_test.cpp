@@ -43,6 +43,56 @@ TEST_F(BadInput, json_that_is_cut_off) {
     expectRefused("model " + in("cut.json") + " -o " + in("out.obj"), {"cut.json"});
 }
 
+TEST_F(BadInput, a_folder_where_a_file_belongs) {
+    const std::string sketch = HELIODON_TEST_DATA "/geometry/sketches/p04_L.json", here = folder.string();
+    std::filesystem::create_directories(folder / "s.json");
+    std::filesystem::create_directories(folder / "m.obj");
+    const std::string moments =
+        " --from 2026-06-21T10:00Z --to 2026-06-21T11:00Z --step PT1H -o " + in("out");
+    for (const std::string& words :
+         {"detect " + kPhoto + " --rig " + here + " -o " + in("out.json"),
+          "model " + in("s.json") + " -o " + in("out.obj"), "model " + in("m.obj") + " -o " + in("out.obj"),
+          "illuminance " + sketch + " --sensors " + here + " -o " + in("out.csv"),
+          "illuminance " + sketch + " --sky " + in("s.json") + " -o " + in("out.csv"),
+          "annual " + sketch + " --weather " + here + " -o " + in("out"),
+          "timelapse " + sketch + " --weather " + here + moments})
+        expectRefused(words, {"is a folder, expected"});
+}
+
+TEST_F(BadInput, outputs_that_would_hurt_what_is_there) {
+    const std::string model = in("m.obj"), scan = "detect " + kPhoto + " --rig " + kRig + " -o ";
+    writeText(model, "v 0 0 0\n");
+    expectRefused("model " + model + " -o " + folder.string() + "/./m.obj", {"--output", "is read by INPUT"});
+    expectRefused("model " + model + " -o " + in("out.obj") + " --report " + model, {"--report", "INPUT"});
+    expectRefused(scan + in("out.json") + " --overlay " + in("out.json"), {"--overlay", "--output"});
+    expectRefused(scan + in("out.json") + " --overlay " + in("out.jpg"), {"out.jpg", ".png"});
+    EXPECT_EQ(readText(model), "v 0 0 0\n");
+}
+
+// They would stand there as folders with such names.
+TEST_F(BadInput, names_of_files_where_a_folder_is_written) {
+    const std::string sketch = HELIODON_TEST_DATA "/geometry/sketches/p04_L.json";
+    const std::string film =
+        "timelapse " + sketch + " --from 2026-06-21T10:00Z --to 2026-06-21T11:00Z --step PT1H -o ";
+    expectRefused("render " + sketch + " -o " + in("out.png"), {"out.png", "folder"});
+    expectRefused(film + in("out.avi"), {"out.avi", ".mp4"});
+    expectRefused(film + in("out.MP4"), {"out.MP4", ".mp4"});
+    for (const char* size :
+         {"1920", "1920x", "x1080", "0x0", "-640x480", "640x480x2", "99999x10", "640.5x480"})
+        expectRefused("render " + sketch + " -o " + in("out") + " --size=" + size,
+                      {"--size", "WIDTHxHEIGHT"});
+}
+
+TEST_F(BadInput, a_rig_that_says_nothing_of_its_table_is_not_passed_over) {
+    std::string rig = readText(kRig);
+    const size_t at = rig.find("\"table\": {");
+    ASSERT_NE(at, std::string::npos);
+    writeText(in("rig.json"), rig.replace(at, 7, "\"tuble\""));
+    const Outcome outcome = heliodon("detect " + kPhoto + " --rig " + in("rig.json") + " -o " + in("s.json"));
+    EXPECT_EQ(outcome.exitCode, 0) << outcome.output;
+    EXPECT_NE(outcome.output.find("assumed: a table 1.067 m across"), std::string::npos) << outcome.output;
+}
+
 TEST_F(BadInput, a_wrong_field_in_a_sketch) {
     writeText(in("s.json"), R"({"format": "vh-sketch/1", "units": "inch", "walls": [
         {"id": "w1", "a": [0, 0], "b": [5, 0], "thickness": "thin", "height_class": "red"}]})");

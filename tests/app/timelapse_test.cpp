@@ -119,6 +119,29 @@ TEST_F(Timelapse, a_film_goes_on_from_its_frames) {
     EXPECT_EQ(readText(folder / "part.mp4"), readText(folder / "whole.mp4"));
 }
 
+// Weather files are as old as their makers' computers: names in ISO 8859-1.
+TEST_F(Timelapse, previews_of_any_size_and_places_of_any_name) {
+    ASSERT_EQ(std::system(("gzip -dc " HELIODON_TEST_DATA "/daylight/chicago_tmy3.epw.gz | "
+                           "sed '1s/^LOCATION,[^,]*/LOCATION,S\\xE3o Paulo/' > " +
+                           in("place.epw"))
+                              .c_str()),
+              0);
+    const std::string film = "timelapse " + kOffice + " --weather " + in("place.epw") +
+                             " --from 2026-06-21T10:00-06:00 --to 2026-06-21T10:00-06:00 --step PT1H --quiet "
+                             "--size 640x200 --report " +
+                             in("report.json") + " -o ";
+    const Outcome outcome = heliodon(film + in("day"));
+    ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
+    const nlohmann::json report = nlohmann::json::parse(readText(folder / "report.json"));
+    EXPECT_EQ(report["weather"]["place"].get<std::string>().substr(0, 10), "S\u00E3o Paulo");
+    const passes::Image8 frame = app::readPicture(folder / "day/00000.png");
+    EXPECT_EQ(frame.width, 640);
+    EXPECT_EQ(frame.height, 200);
+    const Outcome coloured = heliodon(film + in("lux") + " --false-color");
+    ASSERT_EQ(coloured.exitCode, 0) << coloured.output;
+    EXPECT_EQ(app::readPicture(folder / "lux/00000.png").width, 640); // with its legend
+}
+
 // The stamp of previews lies in the lower left corner, and projectors' pictures have none.
 TEST_F(Timelapse, frames_say_when_they_are) {
     ASSERT_EQ(heliodon(day("11:00", "PT1H")).exitCode, 0);

@@ -131,7 +131,7 @@ TEST_F(ModelFile, unphysical_materials_are_named_by_line) {
         "m.mtl:3: material \"a\": reflectance 0.8 and transmittance (Tf) 1 add up to more than 1; an opaque "
         "material has no Tf");
     EXPECT_EQ(withMtl("Kd 0 0 0\n"), "m.mtl:1: Kd stands before any newmtl");
-    EXPECT_EQ(refusal("mtllib missing.mtl\n"), "missing.mtl: cannot be read");
+    EXPECT_EQ(refusal("mtllib missing.mtl\n"), "missing.mtl: does not exist, expected materials (.mtl)");
     EXPECT_EQ(refusal("usemtl red\n"), "m.obj:1: material \"red\" is not defined in any mtllib");
 }
 

@@ -172,7 +172,7 @@ TEST(Rig, survives_a_file_cut_anywhere) {
     const std::string whole = kPlainRig;
     for (size_t length = 0; length + 1 < whole.size(); length += 7) {
         const std::string what = complaint(whole.substr(0, length));
-        EXPECT_NE(what.find("not valid JSON"), std::string::npos) << length << ": " << what;
+        EXPECT_NE(what.find("is not JSON here"), std::string::npos) << length << ": " << what;
     }
     EXPECT_NE(complaint("[1, 2]").find("expected an object"), std::string::npos);
     EXPECT_THROW(readRig("/no/such/rig.json"), InputError);

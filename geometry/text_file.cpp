@@ -1,0 +1,69 @@
+#include "geometry/text_file.h"
+
+#include <fstream>
+#include <sstream>
+#include <system_error>
+
+#include <unistd.h>
+
+namespace heliodon::geometry {
+
+namespace {
+
+// Bytes of the character that starts here; 0 where it is no UTF-8.
+size_t characterLength(std::string_view text) {
+    const auto byte = [&](size_t i) { return static_cast<unsigned char>(text[i]); };
+    const unsigned char first = byte(0);
+    const size_t length = first < 0x80 ? 1 : first < 0xC2 ? 0 : first < 0xE0 ? 2 : first < 0xF0 ? 3 : 4;
+    if (length == 0 || first > 0xF4 || text.size() < length) return 0;
+    for (size_t i = 1; i < length; ++i)
+        if ((byte(i) & 0xC0) != 0x80) return 0;
+    // Longer than need be, half of a pair of UTF-16, or beyond what there is.
+    const bool wrong = (first == 0xE0 && byte(1) < 0xA0) || (first == 0xED && byte(1) >= 0xA0) ||
+                       (first == 0xF0 && byte(1) < 0x90) || (first == 0xF4 && byte(1) >= 0x90);
+    return wrong ? 0 : length;
+}
+
+} // namespace
+
+void refuseUnreadable(const std::filesystem::path& file, const std::string& expected) {
+    std::error_code ignored;
+    const std::filesystem::file_status status = std::filesystem::status(file, ignored);
+    const char* what = nullptr;
+    if (!std::filesystem::exists(status))
+        what = "does not exist";
+    else if (std::filesystem::is_directory(status))
+        what = "is a folder";
+    else if (::access(file.c_str(), R_OK) != 0) // a pipe cannot be opened twice
+        what = "cannot be read";
+    if (what) throw InputError(file.string(), "", std::string(what) + ", expected " + expected);
+}
+
+std::string readText(const std::filesystem::path& file, const std::string& expected) {
+    refuseUnreadable(file, expected);
+    std::ifstream in(file, std::ios::binary);
+    std::ostringstream text;
+    text << in.rdbuf(); // nothing of an empty file fails, too
+    if (text.bad() || !in.is_open())
+        throw InputError(file.string(), "", "cannot be read, expected " + expected);
+    return std::move(text).str();
+}
+
+std::string asUtf8(const std::string& text) {
+    for (size_t at = 0; at < text.size();) {
+        const size_t length = characterLength(std::string_view(text).substr(at));
+        if (length == 0) {
+            std::string out;
+            for (const char letter : text) {
+                const auto code = static_cast<unsigned char>(letter);
+                if (code >= 0x80) out += static_cast<char>(0xC0 | (code >> 6));
+                out += static_cast<char>(code < 0x80 ? code : 0x80 | (code & 0x3F));
+            }
+            return out;
+        }
+        at += length;
+    }
+    return text;
+}
+
+} // namespace heliodon::geometry
