@@ -133,6 +133,8 @@ std::vector<Coloured> findColoured(const PlanView& view, const TableRegion& regi
                 if (high - low < minSaturation * high &&
                     !PaintTable::isFadedSky(hueOf(r, g, b, high, low), (high - low) / high, high))
                     continue;
+                // The table itself, where it is not white.
+                if (white.card && saturationOf(*white.card * glm::vec3(r, g, b)) < minSaturation) continue;
                 if (high < minBright[static_cast<size_t>(ground[x])]) continue;
                 if (white.secondLight && (high < kShade || high - low < minSaturation * high)) {
                     const glm::vec3 p(r, g, b);

@@ -1,6 +1,7 @@
 #include "vision/white_map.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -160,6 +161,82 @@ bool isMixture(const cv::Vec2f& c, const cv::Vec2f& first, const cv::Vec2f& seco
     return cv::norm(off - t * line) < (t < 1 ? kBetween : kSameLight);
 }
 
+// Walls' faces and ends and the rings of tokens are white card. On a table of another colour they are
+// brighter than it in every channel and of one chroma, which no paint is; on a white table nothing is.
+constexpr float kOverTable = 1.05f, kClipped = 250;
+constexpr float kCardChroma = 0.2f;   // log chroma from the table's: less is the white of a lamp near by
+constexpr double kLeastCard = 0.4;    // square inches: the ends of two walls
+constexpr double kShareOfMost = 0.25; // of what is commonest: rims and patches of light are rarer than card
+constexpr double kFullLight = 0.9;    // of the levels: card that faces the lamps, of that which does not
+
+std::optional<glm::vec3> findCard(const PlanView& view, const TableRegion& region, const LightGrid& grid) {
+    constexpr int kStride = 2, kBins = 60;
+    constexpr float kBin = 0.08f; // of log chroma
+    const Photograph& photo = view.photo();
+    const auto& linear = view.linearFromByte();
+    std::vector<glm::vec3> samples;
+    std::vector<std::pair<int, int>> cells;
+    std::vector<std::vector<float>> levels(kBins * kBins); // the dimmest channel's, by chroma
+    const auto cellOf = [](float v) {
+        return std::clamp(static_cast<int>(std::floor(v / kBin + 0.5f)) + kBins / 2, 1, kBins - 2);
+    };
+    for (int y = 0; y < region.height; y += kStride)
+        for (int x = 0; x < region.width; x += kStride) {
+            const size_t at =
+                static_cast<size_t>(y) * static_cast<size_t>(region.width) + static_cast<size_t>(x);
+            if (region.ground[at] != Ground::table) continue;
+            const uint8_t* p =
+                &photo.rgb[3 * (static_cast<size_t>(y + region.y0) * static_cast<size_t>(photo.width) +
+                                static_cast<size_t>(x + region.x0))];
+            const glm::vec3& table =
+                grid.light[static_cast<size_t>(y / kBlock) * static_cast<size_t>(grid.columns) +
+                           static_cast<size_t>(x / kBlock)];
+            const glm::vec3 ratio = glm::vec3(linear[p[0]], linear[p[1]], linear[p[2]]) / table;
+            const float least = std::min({ratio.r, ratio.g, ratio.b});
+            if (least < kOverTable || std::max({p[0], p[1], p[2]}) > kClipped) continue;
+            const cv::Vec2f c = chroma(ratio.r, ratio.g, ratio.b);
+            samples.push_back(ratio);
+            cells.emplace_back(cellOf(c[0]), cellOf(c[1]));
+            levels[static_cast<size_t>(cells.back().first * kBins + cells.back().second)].push_back(least);
+        }
+    const auto neighbour = [&](int i, int j, int d) -> const std::vector<float>& {
+        return levels[static_cast<size_t>((i + d / 3 - 1) * kBins + j + d % 3 - 1)];
+    };
+    const auto countAbout = [&](int i, int j) {
+        size_t count = 0;
+        for (int d = 0; d < 9; ++d) count += neighbour(i, j, d).size();
+        return count;
+    };
+    size_t most = 0;
+    for (int i = 1; i < kBins - 1; ++i)
+        for (int j = 1; j < kBins - 1; ++j) most = std::max(most, countAbout(i, j));
+    const double perInch = view.pixelsPerInch({0, 0}, 0);
+    const double enough = std::max(kLeastCard * perInch * perInch / (kStride * kStride),
+                                   kShareOfMost * static_cast<double>(most));
+    float best = 0;
+    std::pair<int, int> where;
+    for (int i = 1; i < kBins - 1; ++i)
+        for (int j = 1; j < kBins - 1; ++j) {
+            if (static_cast<double>(countAbout(i, j)) < enough) continue;
+            std::vector<float> level;
+            for (int d = 0; d < 9; ++d)
+                level.insert(level.end(), neighbour(i, j, d).begin(), neighbour(i, j, d).end());
+            const auto rank = level.begin() +
+                              static_cast<std::ptrdiff_t>(kFullLight * static_cast<double>(level.size() - 1));
+            std::nth_element(level.begin(), rank, level.end());
+            if (*rank > best) best = *rank, where = {i, j};
+        }
+    if (best == 0) return std::nullopt;
+    std::array<std::vector<float>, 3> channel;
+    for (size_t k = 0; k < samples.size(); ++k)
+        if (std::abs(cells[k].first - where.first) <= 1 && std::abs(cells[k].second - where.second) <= 1)
+            for (int c = 0; c < 3; ++c) channel[static_cast<size_t>(c)].push_back(samples[k][c]);
+    const glm::vec3 card(median(channel[0]), median(channel[1]), median(channel[2]));
+    const cv::Vec2f c = chroma(card.r, card.g, card.b);
+    if (std::max({std::abs(c[0]), std::abs(c[1]), std::abs(c[0] - c[1])}) < kCardChroma) return std::nullopt;
+    return card;
+}
+
 } // namespace
 
 TableRegion findTable(const PlanView& view, double radiusInches, double overEdge) {
@@ -235,6 +312,9 @@ WhiteMap findWhite(const PlanView& view, const TableRegion& region) {
     if (second) out.secondLight = glm::vec3(std::exp((*second)[0]), 1, std::exp((*second)[1]));
     for (const auto& w : near) out.grid.light.emplace_back(w[0], w[1], w[2]);
     out.noise = relativeNoise(view, region);
+    out.card = findCard(view, region, out.grid);
+    if (out.card)
+        for (glm::vec3& light : out.grid.light) light *= *out.card;
     return out;
 }
 

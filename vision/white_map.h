@@ -29,6 +29,8 @@ constexpr int kBlock = 8; // pixels of the grid's squares
 // not.
 struct WhiteMap {
     LightGrid grid; // its light is empty where nothing white and lit is where the table should be
+    // What white card returns over what the table does, where the table has a colour of its own.
+    std::optional<glm::vec3> card;
     // Colour, green 1, of a light that alone reaches the shadows, where it differs from the light elsewhere.
     std::optional<glm::vec3> secondLight;
     double noise = 0; // standard deviation of a pixel on the table over its value

@@ -352,10 +352,11 @@ private:
             ->check(within(0.01, 86400));
         sub->add_flag("--loop", live_.loop, "start a replay again after its last picture");
         sub->add_option("--duration", live_.duration, "end after so many seconds")->check(positive());
-        sub->add_option("--script", live_.script,
-                        "do what this file says, a line each: wait, sleep S, time T, sky SKY (or weather, "
-                        "the file's), wheel N [shift] [ctrl], key K, resize WINDOW WIDTH HEIGHT, close "
-                        "WINDOW, snapshot NAME, quit");
+        sub->add_option(
+            "--script", live_.script,
+            "do what this file says, a line each: wait, look TIMES, sleep S, time T, sky SKY (or weather, "
+            "the file's), wheel N [shift] [ctrl], key K, resize WINDOW WIDTH HEIGHT, close "
+            "WINDOW, snapshot NAME, quit");
         sub->add_option("--snapshots", live_.snapshots,
                         "folder for what the outputs showed at a script's snapshot, and in the end");
     }

@@ -273,6 +273,8 @@ private:
 
     bool scriptReady() const {
         if (step_ >= script_.size() || LiveClock::now() < sleepUntil_) return false;
+        if (const auto* look = std::get_if<LookStep>(&script_[step_]))
+            return board_.looks() >= look->times && settled();
         return !std::holds_alternative<WaitStep>(script_[step_]) || settled();
     }
 

@@ -34,7 +34,8 @@ struct LiveStatus {
     std::string refused;                             // why the latest sketch is not shown
     std::string lightRefused;                        // why its light is not that of the moment asked for
     nlohmann::json scene = nlohmann::json::object(); // report of the sketch that is shown
-    size_t pictures = 0, detections = 0, sketches = 0, refusals = 0, cameraLosses = 0, deviceLosses = 0;
+    size_t pictures = 0, looks = 0;                  // looks: at pictures, for a sketch, or in vain
+    size_t detections = 0, sketches = 0, refusals = 0, cameraLosses = 0, deviceLosses = 0;
 };
 
 // All members may be called from any thread; each holds a lock for as long as a copy of the status takes, and
@@ -50,9 +51,9 @@ public:
         return status_;
     }
 
-    bool anySketchTried() const {
+    size_t looks() const {
         const std::lock_guard lock(mutex_);
-        return status_.detections + status_.refusals > 0;
+        return status_.looks;
     }
 
     // Every piece of work is announced by whoever hands it over, before, and ended by whoever does it, after

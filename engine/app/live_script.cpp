@@ -1,6 +1,7 @@
 #include "engine/app/live_script.h"
 
 #include <cctype>
+#include <cmath>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -31,6 +32,11 @@ public:
         if (!(in_ >> value) || !(value >= low && value <= high))
             refuse(fmt::format("expected {} from {} to {}", what, low, high));
         return value;
+    }
+    size_t count(const std::string& what, size_t low, size_t high) {
+        const double value = number(what, static_cast<double>(low), static_cast<double>(high));
+        if (value != std::floor(value)) refuse("expected a whole number of " + what);
+        return static_cast<size_t>(value);
     }
     size_t index(const std::string& what, size_t count) {
         return static_cast<size_t>(number(what, 0, static_cast<double>(count - 1)));
@@ -77,6 +83,7 @@ std::string skyOf(Line& line, bool weather) {
 
 ScriptStep stepOf(const std::string& verb, Line& line, size_t windows, bool weather) {
     if (verb == "wait") return WaitStep{};
+    if (verb == "look") return LookStep{line.count("times", 1, 1'000'000)};
     if (verb == "quit") return QuitStep{};
     if (verb == "sleep") return SleepStep{line.number("seconds", 0, 86400)};
     if (verb == "time") return TimeStep{daylight::parseTime(line.word("a time"), line.source())};

@@ -12,6 +12,9 @@
 namespace heliodon::app {
 
 struct WaitStep {}; // wait: until all that was asked for is shown on all outputs
+struct LookStep {
+    size_t times;
+}; // look TIMES: the same, once the table has been looked at so often since the start
 struct SleepStep {
     double seconds;
 }; // sleep SECONDS
@@ -36,8 +39,8 @@ struct SnapshotStep {
 };                  // snapshot NAME
 struct QuitStep {}; // quit
 
-using ScriptStep = std::variant<WaitStep, SleepStep, TimeStep, SkyStep, EventStep, ResizeStep, CloseStep,
-                                SnapshotStep, QuitStep>;
+using ScriptStep = std::variant<WaitStep, LookStep, SleepStep, TimeStep, SkyStep, EventStep, ResizeStep,
+                                CloseStep, SnapshotStep, QuitStep>;
 
 // Windows are counted from 0, projectors in the rig's order, then the operator's. `weather`: there is a
 // weather file, which "sky weather" shows. Throws InputError naming file and line.

@@ -58,6 +58,7 @@ private:
             table_.board_.update([&](LiveStatus& status) {
                 status.pictureRefused = error.what();
                 ++status.refusals;
+                ++status.looks;
             });
             return std::nullopt;
         }
@@ -68,20 +69,25 @@ private:
             status.detectWarnings = found.warnings;
             status.detectSeconds = watch.seconds();
             ++status.detections;
+            ++status.looks;
         });
         return std::move(found.sketch);
     }
 
     void detect(const vision::CameraPicture& picture) {
+        table_.board_.begin(); // counted as looked at before what was seen is handed on
         if (const auto sketch = sketchOf(picture)) accept(*sketch, picture.taken);
+        table_.board_.end();
     }
 
     void detectTwice(const vision::CameraPicture& picture) {
-        const auto sketch = sketchOf(picture);
-        if (!sketch) return;
-        const bool agrees = candidate_ && vision::steadied(*candidate_, *sketch).same();
-        candidate_ = *sketch;
-        if (agrees) accept(*sketch, picture.taken);
+        table_.board_.begin();
+        if (const auto sketch = sketchOf(picture)) {
+            const bool agrees = candidate_ && vision::steadied(*candidate_, *sketch).same();
+            candidate_ = *sketch;
+            if (agrees) accept(*sketch, picture.taken);
+        }
+        table_.board_.end();
     }
 
     void accept(const geometry::Sketch& sketch, LiveClock::time_point taken) {
@@ -147,7 +153,7 @@ void LiveTable::run() {
             });
             if (picture) {
                 eye.look(*picture, camera_->isContinuous());
-                if (first && (!camera_->isContinuous() || board_.anySketchTried())) arrived();
+                if (first && (!camera_->isContinuous() || board_.looks() > 0)) arrived();
             }
         } catch (const vision::CameraLost& lost) {
             camera_.reset();
@@ -163,6 +169,7 @@ void LiveTable::run() {
             board_.update([&](LiveStatus& status) {
                 status.pictureRefused = error.what();
                 ++status.refusals;
+                ++status.looks;
             });
             arrived();
             std::this_thread::sleep_for(kLook);

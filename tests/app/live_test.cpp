@@ -7,6 +7,7 @@
 #include <memory>
 #include <thread>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -50,8 +51,8 @@ protected:
     }
     // Waits for a snapshot: everything before it in the script has been done.
     void waitFor(const std::string& name) const {
-        for (int i = 0; i < 1200 && !fs::exists(folder / "shots" / (name + ".png")); ++i)
-            std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        for (int i = 0; i < 2400 && !fs::exists(folder / "shots" / (name + ".png")); ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(50));
         ASSERT_TRUE(fs::exists(folder / "shots" / (name + ".png"))) << name;
     }
 
@@ -137,9 +138,8 @@ TEST_F(Live, a_bad_picture_is_reported_and_leaves_the_last_light_until_a_good_on
         waitFor("bad-operator");
         fs::copy_file(kOther, folder / "table.png", fs::copy_options::overwrite_existing);
     });
-    const Outcome outcome =
-        live("file:" + in("table.png"), "wait\nsnapshot good\nsleep 4\nwait\nsnapshot bad\nsleep 4\nwait\n"
-                                        "snapshot other\nquit\n");
+    const Outcome outcome = live("file:" + in("table.png"),
+                                 "wait\nsnapshot good\nlook 2\nsnapshot bad\nlook 3\nsnapshot other\nquit\n");
     hand.join();
     ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
     EXPECT_EQ(difference(shot("good-projector-0"), shot("bad-projector-0")).first, 0);
@@ -149,33 +149,57 @@ TEST_F(Live, a_bad_picture_is_reported_and_leaves_the_last_light_until_a_good_on
     EXPECT_EQ(report["live"]["sketches"], 2);
 }
 
+geometry::Sketch mixedSketch() {
+    return geometry::readSketch(HELIODON_TEST_DATA "/vision/i01_mixed.sketch.json");
+}
+
+// A picture of the table under lamps of some brightness.
+void paint(const geometry::Sketch& sketch, double light, const fs::path& file) {
+    vision::Lighting lamps;
+    for (size_t c = 0; c < 3; ++c) lamps.left[c] *= light, lamps.right[c] *= light;
+    const vision::Photograph photo = vision::paintTable(sketch, geometry::readRig(kRig), {}, lamps);
+    passes::writePng({photo.width, photo.height, photo.rgb}, file);
+}
+
 TEST_F(Live, only_what_has_changed_on_the_table_is_done_again) {
-    const geometry::Rig rig = geometry::readRig(kRig);
-    geometry::Sketch sketch = geometry::readSketch(HELIODON_TEST_DATA "/vision/i01_mixed.sketch.json");
-    fs::create_directories(folder / "pictures");
-    int number = 0;
-    const auto add = [&](double light) { // painted tables, under lamps of that brightness
-        vision::Lighting lamps;
-        for (size_t c = 0; c < 3; ++c) lamps.left[c] *= light, lamps.right[c] *= light;
-        const vision::Photograph photo = vision::paintTable(sketch, rig, {}, lamps);
-        passes::writePng({photo.width, photo.height, photo.rgb},
-                         folder / "pictures" / (std::to_string(++number) + ".png"));
-    };
-    add(1);
-    add(0.8); // darker: nothing to do
+    geometry::Sketch sketch = mixedSketch();
     ASSERT_TRUE(sketch.north);
-    sketch.north->dirDeg += 20;
-    add(1);
     ASSERT_FALSE(sketch.tokens.empty());
+    paint(sketch, 1, in("table.png"));
+    paint(sketch, 0.8, in("2.png")); // darker: nothing to do
+    sketch.north->dirDeg += 20;
+    paint(sketch, 1, in("3.png"));
     sketch.tokens[0].rgb = {60, 60, 60};
-    add(1);
+    paint(sketch, 1, in("4.png"));
     sketch.windows.erase(sketch.windows.begin());
-    add(1);
-    const Outcome outcome =
-        live("replay:" + in("pictures"), "sleep 22\nwait\nquit\n", "--interval 4 --window-scale 0.25");
+    paint(sketch, 1, in("5.png"));
+    std::string script = "wait\nsnapshot 1\n";
+    for (int k = 2; k <= 5; ++k) script += fmt::format("look {}\nsnapshot {}\n", k, k);
+    std::thread hand([this] {
+        for (int k = 2; k <= 5; ++k) {
+            waitFor(fmt::format("{}-operator", k - 1));
+            fs::rename(folder / fmt::format("{}.png", k), folder / "table.png");
+        }
+    });
+    const Outcome outcome = live("file:" + in("table.png"), script + "quit\n", "--window-scale 0.25");
+    hand.join();
     ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
     EXPECT_EQ(report["live"]["done_again"], json({"geometry", "north", "materials", "geometry"}));
-    EXPECT_GE(report["live"]["detections"], 4);
+    EXPECT_EQ(report["live"]["detections"], 5);
+}
+
+// Pictures come and come, and count when they are still and show something else.
+TEST_F(Live, a_camera_is_followed) {
+    geometry::Sketch sketch = mixedSketch();
+    fs::create_directories(folder / "pictures");
+    paint(sketch, 1, in("pictures/1.png"));
+    sketch.north->dirDeg += 20;
+    paint(sketch, 0.8, in("pictures/2.png"));
+    const Outcome outcome =
+        live("replay:" + in("pictures"), "sleep 5\nwait\nquit\n", "--interval 3 --window-scale 0.25");
+    ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
+    EXPECT_EQ(report["live"]["done_again"], json({"geometry", "north"}));
+    EXPECT_GT(report["live"]["pictures"], 1);
 }
 
 TEST_F(Live, ends_cleanly_with_ctrl_c_and_with_its_windows) {
@@ -241,11 +265,11 @@ TEST_F(Live, sky_file_and_photograph_may_go_and_come_back) {
         waitFor("first-operator");
         fs::remove(sky);
         fs::remove(photo);
-        std::this_thread::sleep_for(std::chrono::seconds(5));
+        std::this_thread::sleep_for(std::chrono::seconds(3)); // after two it is no longer being replaced
         fs::copy_file(kPhoto, photo);
     });
     const Outcome outcome = live("file:" + photo,
-                                 "wait\nsnapshot first\nsleep 3\nwheel 3\nwait\nsleep 8\nsky overcast\n"
+                                 "wait\nsnapshot first\nsleep 1\nwheel 3\nwait\nlook 2\nsky overcast\n"
                                  "wait\nsnapshot last\nquit\n",
                                  "--window-scale 0.25 --sky " + sky);
     user.join();
