@@ -127,15 +127,15 @@ TEST(DetectConditions, tables_of_wood_and_grey_ones) {
     const std::pair<const char*, Color> tables[]{{"cream", {0.78, 0.72, 0.6}}, {"birch", {0.68, 0.56, 0.42}},
                                                  {"beech", {0.6, 0.44, 0.3}},  {"oak", {0.5, 0.38, 0.24}},
                                                  {"grey", {0.35, 0.35, 0.35}}, {"slate", {0.45, 0.5, 0.55}}};
+    // Faces in the light and turned away from it, under lamps of two whites and of one.
+    const std::pair<Color, Lighting> rooms[]{{{0.78, 0.78, 0.77}, {}},
+                                             {{0.45, 0.45, 0.45}, {{0.5, 0.42, 0.3}, {0.45, 0.4, 0.33}}}};
     for (const auto& [name, colour] : tables)
-        for (const Lighting& lamps : {Lighting{}, Lighting{{0.5, 0.42, 0.3}, {0.45, 0.4, 0.33}}}) {
+        for (const auto& [face, lamps] : rooms) {
             SCOPED_TRACE(name);
             PaintBox paints;
-            paints.table = colour;
-            for (const Color& face : {Color{0.78, 0.78, 0.77}, Color{0.45, 0.45, 0.45}}) {
-                paints.face = face; // in the light, and turned away from it
-                expectRead(room(), paintTable(room(), exampleRig(), paints, lamps));
-            }
+            paints.table = colour, paints.face = face;
+            expectRead(room(), paintTable(room(), exampleRig(), paints, lamps));
         }
 }
 
