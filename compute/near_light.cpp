@@ -15,12 +15,12 @@ using glm::dvec3;
 
 namespace {
 
-constexpr double kNear = 0.2;     // share of the view that near patches must fill
-constexpr double kReach = 0.7;    // patches nearer than this times their size are taken apart
-constexpr double kAngle = 2.2;    // of a triangle, seen from the sensor
-constexpr double kFinest = 0.01;  // of a patch's size: smallest distance that counts
-constexpr double kSkyAngle = 0.4; // radians, of one sample of sky
-constexpr int kRounds = 12;       // of light to and fro: what is left is reflectance to this power
+constexpr double kOneNear = 0.2, kAllNear = 0.35; // shares of the view that near patches must fill
+constexpr double kReach = 0.7;                    // patches nearer than this times their size are taken apart
+constexpr double kAngle = 2.2;                    // of a triangle, seen from the sensor
+constexpr double kFinest = 0.01;                  // of a patch's size: smallest distance that counts
+constexpr double kSkyAngle = 0.4;                 // radians, of one sample of sky
+constexpr int kRounds = 12; // of light to and fro: what is left is reflectance to this power
 
 struct Cell {
     uint32_t patch;
@@ -116,15 +116,17 @@ std::vector<dvec3> answersOf(const PointScene& scene, const std::vector<Cell>& c
 } // namespace
 
 bool hasNearWall(const PointScene& scene, dvec3 position, std::span<const float> even) {
-    double share = 0;
-    for (uint32_t j = 0; j < even.size() && share < kNear; ++j) {
+    double together = 0;
+    for (uint32_t j = 0; j < even.size(); ++j) {
+        if (even[j] <= 0) continue;
         bool near = false;
-        if (even[j] > 0)
-            forTriangles(scene.mesh(), j,
-                         [&](const std::array<dvec3, 3>& t) { near |= isInReach(scene, position, j, t); });
-        if (near) share += double{even[j]};
+        forTriangles(scene.mesh(), j,
+                     [&](const std::array<dvec3, 3>& t) { near |= isInReach(scene, position, j, t); });
+        if (!near) continue;
+        together += double{even[j]};
+        if (double{even[j]} >= kOneNear || together >= kAllNear) return true;
     }
-    return share >= kNear;
+    return false;
 }
 
 NearLight nearLight(const PointScene& scene, const PatchSlopes& slopes, dvec3 position, dvec3 normal,

@@ -31,8 +31,8 @@ struct NearLight {
     bool isEmpty() const { return cells.empty(); }
 };
 
-// Whether patches so near that they are taken apart fill a fifth or more of what a sensor sees (`even`: its
-// form factors).
+// Whether a patch so near that it is taken apart fills a fifth or more of what a sensor sees (`even`: its
+// form factors), or several together a third.
 bool hasNearWall(const PointScene& scene, glm::dvec3 position, std::span<const float> even);
 
 // For a sensor of a room. `channels`: 1 where all materials are grey. About 50 ms in a corner of 2000
