@@ -48,9 +48,10 @@ struct FormFactorReport {
     // RMS over pairs of |A_i F_ij - A_j F_ji| / mean patch area; 0 where both are one number by construction,
     // none where that is not so and no whole matrix was there to measure.
     std::optional<double> reciprocityRms;
-    double claimedRadiosityError = 0;      // what that gives of radiosity, when asked for
+    double claimedRadiosityError = 0; // what that gives of radiosity, when asked for
     double claimedRowError = 0;       // the kernel's own estimate of the RMS row error; 0 when it makes none
-    double claimedRowSumError = 0;    // of `hierarchical`: what the worst row's sum may be off by; else 0
+    // Of `hierarchical` and `hemicube` (not streamed): what the worst row's sum may be off by; else 0.
+    double claimedRowSumError = 0;
     std::vector<std::string> skipped; // what was not modelled, with the reason
     std::vector<std::string> warnings;
 };
@@ -74,8 +75,8 @@ struct FormFactorTile {
 };
 
 // Every entry once, in tiles in no set order: for matrices that need not fit into memory, which stays below
-// about 1 GB however many patches. `hemicube` and `montecarlo` give their rows without the averaging of both ends, and
-// no reciprocity. Throws as computeFormFactors.
+// about 1 GB however many patches. `hemicube` and `montecarlo` give their rows without the averaging of both
+// ends, and no reciprocity. Throws as computeFormFactors.
 FormFactorReport streamFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
                                    const FormFactorOptions& options,
                                    const std::function<void(const FormFactorTile&)>& take);

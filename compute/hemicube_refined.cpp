@@ -15,6 +15,9 @@ namespace {
 
 constexpr size_t kBlock = 64;
 constexpr double kPairTolerance = 2e-3; // of one form factor: well below what pixels leave over a row
+constexpr double kWorthPoints = 0.015;  // of a row's sum, in error, from which it gets more points
+constexpr uint32_t kMorePoints = 4;
+constexpr double kMostAdded = 0.15; // viewpoints, over those of all patches
 
 struct Patches {
     explicit Patches(const geometry::PatchMesh& mesh) {
@@ -22,10 +25,20 @@ struct Patches {
             area.push_back(geometry::patchArea(mesh, i));
             centre.push_back(geometry::patchCentroid(mesh, i));
         }
+        share = area;
     }
     std::vector<double> area;
     std::vector<glm::dvec3> centre;
+    std::vector<double> share; // of the area, that one point stands for
 };
+
+// Calls take(i, j) for i < j, in blocks, since one of both entries is found down a column.
+template<class Take> void forPairs(size_t n, const Take& take) {
+    for (size_t i0 = 0; i0 < n; i0 += kBlock)
+        for (size_t j0 = i0; j0 < n; j0 += kBlock)
+            for (size_t i = i0; i < std::min(n, i0 + kBlock); ++i)
+                for (size_t j = std::max(j0, i + 1); j < std::min(n, j0 + kBlock); ++j) take(i, j);
+}
 
 // Pairs i < j of one room, near to one another.
 std::vector<glm::uvec2> nearPairs(const geometry::PatchMesh& mesh, const Patches& patches, double near) {
@@ -52,26 +65,74 @@ double disagreement(const float* F, const Patches& patches, size_t i, size_t j) 
     return d * d * (1 / (a * a) + 1 / (b * b));
 }
 
-// A_i F_ij becomes the mean of both ends' measurements, the more of the end whose patch is small beside the
-// distance: the error of one point falls with the square of its patch's size. Returns the sum of the
-// variances of all entries.
+// Weight of i's measurement of a pair: the error of one point falls with the square of what it stands for.
+double weightOf(const Patches& patches, size_t i, size_t j) {
+    const double a = patches.share[i] * patches.share[i], b = patches.share[j] * patches.share[j];
+    return a + b > 0 ? b / (a + b) : 0.5;
+}
+
+// Per row, what its sum may be off by once both ends are averaged: the difference between what its own few
+// points and what those of the others, which are many and see all of the patch, make of their exchange, times
+// the weight of the worse end. Far pairs only.
+std::vector<double> sumErrors(const float* F, const Patches& patches, std::span<const glm::uvec2> nearPairs) {
+    const size_t n = patches.area.size();
+    std::vector<double> own(n, 0.0), others(n, 0.0);
+    const auto add = [&](size_t i, size_t j, double sign) {
+        const double a = patches.area[i], b = patches.area[j], w = weightOf(patches, i, j);
+        if (!(a > 0 && b > 0)) return;
+        const double d = sign * (a * double{F[i * n + j]} - b * double{F[j * n + i]});
+        own[i] += w * d / a, others[i] += (1 - w) * d / a;
+        own[j] -= (1 - w) * d / b, others[j] -= w * d / b;
+    };
+    forPairs(n, [&](size_t i, size_t j) { add(i, j, 1); });
+    for (const glm::uvec2& pair : nearPairs) add(pair.x, pair.y, -1);
+    for (size_t i = 0; i < n; ++i) own[i] = std::max(std::abs(own[i]), std::abs(others[i]));
+    return own;
+}
+
+// A_i F_ij becomes the mean of both ends' measurements. Returns the sum of the variances of all entries.
 double averageEnds(float* F, const Patches& patches) {
     const size_t n = patches.area.size();
     double variance = 0;
-    for (size_t i0 = 0; i0 < n; i0 += kBlock)
-        for (size_t j0 = i0; j0 < n; j0 += kBlock)
-            for (size_t i = i0; i < std::min(n, i0 + kBlock); ++i)
-                for (size_t j = std::max(j0, i + 1); j < std::min(n, j0 + kBlock); ++j) {
-                    const double a = patches.area[i], b = patches.area[j];
-                    if (!(a > 0 && b > 0)) continue;
-                    variance += disagreement(F, patches, i, j);
-                    float &ij = F[i * n + j], &ji = F[j * n + i];
-                    const double w = b * b / (a * a + b * b);
-                    const double exchange = w * a * double{ij} + (1 - w) * b * double{ji};
-                    ij = static_cast<float>(exchange / a);
-                    ji = static_cast<float>(exchange / b);
-                }
+    forPairs(n, [&](size_t i, size_t j) {
+        const double a = patches.area[i], b = patches.area[j];
+        if (!(a > 0 && b > 0)) return;
+        variance += disagreement(F, patches, i, j);
+        float &ij = F[i * n + j], &ji = F[j * n + i];
+        const double w = weightOf(patches, i, j);
+        const double exchange = w * a * double{ij} + (1 - w) * b * double{ji};
+        ij = static_cast<float>(exchange / a);
+        ji = static_cast<float>(exchange / b);
+    });
     return variance;
+}
+
+// Rows whose points see what the others do not see of them, beside the edges of blockers: again from more
+// points. Returns how many.
+size_t addPoints(Hemicube& hemicube, const geometry::PatchMesh& mesh, std::span<const double> errors,
+                 uint32_t points, Patches& patches, float* F) {
+    const size_t n = patches.area.size();
+    std::vector<uint32_t> rows;
+    for (uint32_t i = 0; i < n; ++i)
+        // Polygons of more corners have no even pattern of so few points.
+        if (errors[i] > kWorthPoints && mesh.patch(i).size() <= 4) rows.push_back(i);
+    const auto most = static_cast<size_t>(std::ceil(kMostAdded * static_cast<double>(n) / kMorePoints));
+    std::stable_sort(rows.begin(), rows.end(), [&](uint32_t a, uint32_t b) { return errors[a] > errors[b]; });
+    rows.resize(std::min(rows.size(), most));
+    if (rows.empty()) return 0;
+    std::vector<Viewpoint> viewpoints;
+    uint32_t each = 1;
+    for (uint32_t i : rows) {
+        const PatchViewpoints views = patchViewpoints(mesh, kMorePoints * points, i, 1);
+        each = views.pointsPerPatch;
+        viewpoints.insert(viewpoints.end(), views.viewpoints.begin(), views.viewpoints.end());
+    }
+    const std::vector<float> seen = hemicube.run(viewpoints, each).factors.download<float>(rows.size() * n);
+    for (size_t k = 0; k < rows.size(); ++k) {
+        std::copy_n(seen.begin() + static_cast<std::ptrdiff_t>(k * n), n, F + rows[k] * n);
+        patches.share[rows[k]] = patches.area[rows[k]] * points / each;
+    }
+    return rows.size();
 }
 
 void setNearPairs(gpu::Device& device, const geometry::PatchMesh& mesh, std::span<const glm::uvec2> pairs,
@@ -104,12 +165,12 @@ FormFactors refinedHemicubeFormFactors(gpu::Device& device, const geometry::Patc
     const size_t n = mesh.patchCount();
     result.patchCount = static_cast<uint32_t>(n);
     const PatchViewpoints views = patchViewpoints(mesh, options.points);
-    result.values =
-        Hemicube(device, mesh, {options.resolution, 0}).run(views.viewpoints, views.pointsPerPatch).factors;
+    Hemicube hemicube(device, mesh, {options.resolution, 0});
+    result.values = hemicube.run(views.viewpoints, views.pointsPerPatch).factors;
     result.report.kernel = "hemicube";
     result.report.resolution = options.resolution;
     result.report.points = views.pointsPerPatch;
-    const Patches patches(mesh);
+    Patches patches(mesh);
     const std::vector<glm::uvec2> pairs = nearPairs(mesh, patches, options.near);
     std::vector<float> copy;
     float* F = result.values.mapped<float>();
@@ -117,6 +178,10 @@ FormFactors refinedHemicubeFormFactors(gpu::Device& device, const geometry::Patc
         copy = result.values.download<float>(n * n);
         F = copy.data();
     }
+    std::vector<double> errors = sumErrors(F, patches, pairs);
+    const size_t refined = addPoints(hemicube, mesh, errors, views.pointsPerPatch, patches, F);
+    if (refined > 0) errors = sumErrors(F, patches, pairs);
+    if (n > 0) result.report.claimedRowSumError = *std::max_element(errors.begin(), errors.end());
     double near = 0;
     for (const glm::uvec2& pair : pairs) near += disagreement(F, patches, pair.x, pair.y);
     const double variance = averageEnds(F, patches) - near;
@@ -124,7 +189,9 @@ FormFactors refinedHemicubeFormFactors(gpu::Device& device, const geometry::Patc
         std::sqrt(std::max(0.0, variance) / static_cast<double>(std::max<size_t>(n, 1)));
     setNearPairs(device, mesh, pairs, patches, F);
     if (!copy.empty()) result.values.upload(copy);
-    result.report.why = fmt::format("{} near pairs in closed form, the others from both ends", pairs.size());
+    result.report.why = fmt::format(
+        "{} near pairs in closed form, the others from both ends, {} rows from {} times the points",
+        pairs.size(), refined, kMorePoints);
     return result;
 }
 

@@ -8,7 +8,9 @@ namespace heliodon::compute {
 
 struct RefinedHemicubeOptions {
     uint32_t resolution = 64;
-    uint32_t points = 1; // viewpoints a patch
+    // Viewpoints a patch. Four times as many where row sums as the patch's own points and as the others see
+    // them differ by more than pixels explain, as beside the edges of blockers: of few rows.
+    uint32_t points = 1;
     // Pairs whose sizes (roots of area) together exceed this share of their distance count as near. Lower
     // costs time and hardly lowers the error, since pixels are what is left.
     double near = 0.7;
