@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 namespace heliodon::app {
 
 using nlohmann::json;
@@ -59,6 +61,8 @@ std::vector<compute::Moment> solveLight(Run& run, compute::DaylightTransport& tr
     const StageTimer timer(run, "solve");
     std::vector<compute::Moment> moments = transport.light(skies);
     if (!moments.empty()) reportMoment(run, moments.back().report);
+    if (const size_t count = transport.report().sensorsNearWalls; count > 0)
+        run.modelled(fmt::format("walls beside {} sensors, taken apart", count));
     return moments;
 }
 
