@@ -117,7 +117,7 @@ float mostFrom(vec2 at) {
 }
 
 // Cells so large that two agreeing rules prove nothing: a bend or a shadow could hide between the points.
-const float kShadowShare = 1000.0, kBendShare = 6.0;
+const float kShadowShare = 250.0, kQuickShadowShare = 1000.0, kBendShare = 6.0;
 
 // Puts cells on the list of the next round: this one again, or its four quarters. False where the list is full.
 bool refine(vec2 a, vec2 b, vec2 c, bool quarters) {
@@ -153,16 +153,18 @@ void turn() {
 vec2 integrate(vec2 a, vec2 b, vec2 c, bool mayTurn, out bool turned) {
     float share = 0.5 * abs(crossOf(b - a, c - a)) / pair.outerArea;
     bool mayBeSplit = params.maxDepthReached == 0u && share > 0.0;
-    bool quick = wholePair && params.quick != 0u && pair.r.listed > 0u;
     vec2 middle = (a + b + c) / 3.0;
     bool bent = max(length(b - a), max(length(c - b), length(a - c))) > 1.5 * bendDistance(middle);
-    float most = pair.worst * (bent ? 1.0 : mostFrom(middle)), enough = bent ? kBendShare : pair.r.listed > 0u ? kShadowShare : 1e30;
+    float most = pair.worst * (bent ? 1.0 : mostFrom(middle)), shadows = params.quick != 0u ? kQuickShadowShare : kShadowShare;
+    float enough = bent ? kBendShare : pair.r.listed > 0u ? shadows : 1e30;
     bool split = mayBeSplit && share * most > enough * params.tolerance, again = false;
+    bool quick = wholePair && pair.r.listed > 0u && (params.quick != 0u || split);
     vec2 result = vec2(0.0, split ? share : 0.0);
     mayTurn = mayTurn && mayBeSplit && !bent && most * kMissed > params.tolerance;
     turned = false;
     if (mayTurn || !split && share > 0.0) {
-        bool probed = pair.r.listed > 0u && share * most * kMissed > params.tolerance;
+        // At small tolerances cells are so small that probes cost more than they find.
+        bool probed = params.quick != 0u && pair.r.listed > 0u && share * most * kMissed > params.tolerance;
         vec2 found = share * overCell(a, b, c, quick, probed);
         turned = mayTurn && (views == kSeesNothing || views == kSeesAll);
         // Errors of many small cells add up: the smaller the cell, the less it may add.
