@@ -307,7 +307,9 @@ void styleOperatorWindow() {
     const char* file = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
     std::error_code none;
     if (std::filesystem::exists(file, none)) {
-        io.Fonts->AddFontFromFileTTF(file, 15);
+        // Names of places and projectors in Latin, Greek or Cyrillic letters.
+        static constexpr ImWchar letters[]{0x20, 0x24F, 0x370, 0x52F, 0x1E00, 0x1EFF, 0x2010, 0x203A, 0};
+        io.Fonts->AddFontFromFileTTF(file, 15, nullptr, letters);
         clockFont = io.Fonts->AddFontFromFileTTF(file, 38);
     } else {
         ImFontConfig config;
