@@ -12,7 +12,8 @@ namespace heliodon::compute {
 
 namespace {
 
-constexpr size_t kBasis = 24; // Krylov vectors before a restart
+constexpr size_t kBasis = 24;      // Krylov vectors before a restart
+constexpr double kRounding = 4e-7; // residual over B that may be rounding of B in float32
 
 double dot(std::span<const double> a, std::span<const double> b) {
     double parts[4]{};
@@ -158,7 +159,8 @@ RadiosityReport RadiositySolver::solve(std::span<const float> emitted, std::span
         return std::all_of(columns.begin(), columns.end(), [](const Column& c) { return c.done; });
     };
 
-    for (;;) {
+    uint32_t idle = 0; // restarts in a row that gained nothing
+    for (double before = 0;;) {
         // The true residual, of B as it will be handed out.
         for (size_t c = 0; c < count; ++c)
             std::transform(columns[c].solution.begin(), columns[c].solution.end(), &radiosity[c * n],
@@ -181,7 +183,10 @@ RadiosityReport RadiositySolver::solve(std::span<const float> emitted, std::span
             report.bound = std::max(report.bound, residual / slack);
         }
         report.converged = allDone();
-        if (report.converged || report.passes >= options.maxPasses) return report;
+        idle = report.residual < kRounding && report.residual > 0.5 * before && before > 0 ? idle + 1 : 0;
+        before = report.residual;
+        // A bound that rounding keeps out of reach is not waited for.
+        if (report.converged || idle >= 2 || report.passes >= options.maxPasses) return report;
 
         for (Column& column : columns) column.begin();
         std::vector<float> in(n * count), out(n * count);
