@@ -68,7 +68,8 @@ void benchFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh, cons
             std::printf(
                 "formfactors hemicube n=%zu resolution=%u points=%u wall_s=%.4f cpu_s=%.4f closure_max=%.2e "
                 "reciprocity=%.2e row_error=%.3e\n",
-                n, resolution, points, time.wall, time.cpu, F.report.closureMax, F.report.reciprocityRms.value(),
+                n, resolution, points, time.wall, time.cpu, F.report.closureMax,
+                F.report.reciprocityRms.value(),
                 reference ? rowError(F.values.download<float>(n * n), exact, n) : std::nan(""));
         }
 }

@@ -22,7 +22,8 @@ class LinkClaims;
 struct HierarchicalOptions {
     // Wanted RMS over rows of ||F_i - true||. Tolerances are lowered up to twice where the estimate of what
     // was reached (FormFactorReport::claimedRowError) is above; below 5e-4 not where pairs may be partly
-    // hidden: `exact` goes on from there. Sums of rows are held to ten times as much, each.
+    // hidden: `exact` goes on from there. Links of rows whose sums may be off by more than ten times as much
+    // are taken apart, in a few rounds; FormFactorReport::claimedRowSumError says what was reached.
     double maxError = 5e-3;
 };
 

@@ -107,6 +107,7 @@ private:
             }
         } else {
             begin->node = index;
+            feet_[index] = std::vector<Foot>();
         }
         tree_.nodes[index] = node;
     }

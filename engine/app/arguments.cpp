@@ -87,24 +87,30 @@ private:
         }
     }
 
-    // One file written twice, or written over what is read. A rig may be calibrated in its place.
+    // One file written twice, or written over what is read. `calibrate` may put a rig in the old one's place.
     static void refuseOverwriting(const CLI::App& sub) {
         namespace fs = std::filesystem;
         const auto isFile = [](const fs::path& path) {
             std::error_code none;
             return fs::is_regular_file(path, none);
         };
-        const auto same = [](const fs::path& a, const fs::path& b) {
+        const auto isNew = [](const fs::path& path) {
             std::error_code none;
-            return fs::weakly_canonical(a, none) == fs::weakly_canonical(b, none);
+            return fs::status(path, none).type() == fs::file_type::not_found;
         };
+        const auto same = [](const fs::path& a, const fs::path& b) {
+            std::error_code unknown;
+            const fs::path where = fs::weakly_canonical(a, unknown);
+            return !unknown && where == fs::weakly_canonical(b, unknown) && !unknown;
+        };
+        const bool renewsRig = sub.get_parent()->get_name() == kCalibrate;
         std::vector<std::pair<std::string, std::string>> written;
         for (const char* name : {"--output", "--report", "--overlay", "--plan"}) {
             const CLI::Option* option = sub.get_option_no_throw(name);
             if (!option || option->empty()) continue;
             const std::string& file = option->results().front();
             for (const auto& [other, path] : written)
-                if (same(file, path) && (isFile(file) || !fs::exists(file)))
+                if (same(file, path) && (isFile(file) || isNew(file)))
                     throw geometry::InputError(name, file, "is written by " + other + " too");
             written.emplace_back(name, file);
         }
@@ -112,7 +118,7 @@ private:
             for (const std::string& text : option->results())
                 for (const auto& [name, file] : written)
                     if (option->get_name() != name && isFile(text) && same(text, file) &&
-                        !(name == "--output" && option->get_name() == "--rig"))
+                        !(renewsRig && name == "--output" && option->get_name() == "--rig"))
                         throw geometry::InputError(
                             name, file, "is read by " + option->get_name() + ", expected another file");
     }

@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "engine/app/lettering.h"
 #include "engine/passes/false_colour.h"
 #include "engine/passes/image_file.h"
+#include "engine/passes/lettering.h"
 #include "geometry/input_error.h"
 #include "geometry/whole_file.h"
 
@@ -120,7 +120,7 @@ void Chart::writePng(const std::filesystem::path& file) const {
                           kShift);
         } else {
             // Capitals as tall as those of a sans-serif font of that size.
-            Lettering letters{0.73 * item.size * kPngScale, item.ink};
+            passes::Lettering letters{0.73 * item.size * kPngScale, item.ink};
             if (item.halo) letters.halo = 1.5 * kPngScale;
             const double shift = item.anchor == Anchor::start ? 0 : item.anchor == Anchor::middle ? 0.5 : 1;
             letters.draw(image, item.points[0].x * kPngScale - shift * letters.width(item.words),

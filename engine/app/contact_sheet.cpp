@@ -1,11 +1,10 @@
 #include "engine/app/contact_sheet.h"
+#include "engine/passes/lettering.h"
 
 #include <algorithm>
 #include <cassert>
 
 #include <opencv2/core.hpp>
-
-#include "engine/app/lettering.h"
 
 namespace heliodon::app {
 
@@ -16,7 +15,7 @@ const cv::Scalar kPaper(24, 24, 26);
 
 // Smaller where it would be wider than `room`.
 void label(passes::Image8& sheet, const std::string& text, cv::Point middle, int room) {
-    Lettering letters{13, {225, 225, 225}};
+    passes::Lettering letters{13, {225, 225, 225}};
     letters.capital *= std::min(1.0, room / letters.width(text));
     letters.draw(sheet, middle.x - 0.5 * letters.width(text), middle.y + 0.5 * letters.capital, text);
 }

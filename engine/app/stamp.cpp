@@ -1,11 +1,10 @@
 #include "engine/app/stamp.h"
+#include "engine/passes/lettering.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
-
-#include "engine/app/lettering.h"
 
 namespace heliodon::app {
 
@@ -30,13 +29,13 @@ void drawStamp(passes::Image8& picture, const std::vector<std::string>& words) {
     const double capital = std::max(9.0, picture.height / 44.0);
     const int margin = static_cast<int>(std::lround(0.7 * capital)), room = picture.width - 4 * margin;
     if (room <= 0) return;
-    const auto advance = [](const Lettering& line) {
+    const auto advance = [](const passes::Lettering& line) {
         return static_cast<int>(std::lround(1.6 * line.capital));
     };
-    std::vector<Lettering> lines;
+    std::vector<passes::Lettering> lines;
     int widest = 0, tall = margin;
     for (const std::string& text : words) {
-        Lettering line{lines.empty() ? capital : std::max(8.0, 0.72 * capital), {240, 240, 240}};
+        passes::Lettering line{lines.empty() ? capital : std::max(8.0, 0.72 * capital), {240, 240, 240}};
         line.capital *= std::min(1.0, room / line.width(text));
         widest = std::max(widest, static_cast<int>(std::ceil(line.width(text))));
         tall += advance(line);

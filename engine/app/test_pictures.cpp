@@ -1,4 +1,5 @@
 #include "engine/app/test_pictures.h"
+#include "engine/passes/lettering.h"
 
 #include <algorithm>
 #include <array>
@@ -6,8 +7,6 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
-
-#include "engine/app/lettering.h"
 
 namespace heliodon::app {
 
@@ -19,7 +18,7 @@ cv::Mat matOf(passes::Image8& picture) {
 
 void write(passes::Image8& picture, const std::string& text, double middle, double height,
            const std::array<uint8_t, 3>& ink) {
-    Lettering letters{height, ink};
+    passes::Lettering letters{height, ink};
     letters.capital *= std::min(1.0, 0.9 * picture.width / letters.width(text));
     letters.draw(picture, 0.5 * (picture.width - letters.width(text)), middle + 0.5 * letters.capital, text);
 }

@@ -4,57 +4,23 @@
 #include <array>
 #include <cmath>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
 #include <glm/common.hpp>
 
+#include "engine/passes/lettering.h"
+
 namespace heliodon::passes {
 
 namespace {
 
-// Rows of five pixels, top first, most significant bit left.
-struct Glyph {
-    char letter;
-    std::array<uint8_t, 7> rows;
-};
-constexpr std::array<Glyph, 15> kGlyphs{{
-    {'0', {0x0E, 0x11, 0x13, 0x15, 0x19, 0x11, 0x0E}},
-    {'1', {0x04, 0x0C, 0x04, 0x04, 0x04, 0x04, 0x0E}},
-    {'2', {0x0E, 0x11, 0x01, 0x06, 0x08, 0x10, 0x1F}},
-    {'3', {0x0E, 0x11, 0x01, 0x06, 0x01, 0x11, 0x0E}},
-    {'4', {0x02, 0x06, 0x0A, 0x12, 0x1F, 0x02, 0x02}},
-    {'5', {0x1F, 0x10, 0x1E, 0x01, 0x01, 0x11, 0x0E}},
-    {'6', {0x06, 0x08, 0x10, 0x1E, 0x11, 0x11, 0x0E}},
-    {'7', {0x1F, 0x01, 0x02, 0x04, 0x08, 0x08, 0x08}},
-    {'8', {0x0E, 0x11, 0x11, 0x0E, 0x11, 0x11, 0x0E}},
-    {'9', {0x0E, 0x11, 0x11, 0x0F, 0x01, 0x02, 0x0C}},
-    {'.', {0x00, 0x00, 0x00, 0x00, 0x00, 0x0C, 0x0C}},
-    {'k', {0x10, 0x10, 0x12, 0x14, 0x18, 0x14, 0x12}},
-    {'l', {0x0C, 0x04, 0x04, 0x04, 0x04, 0x04, 0x0E}},
-    {'u', {0x00, 0x00, 0x11, 0x11, 0x11, 0x13, 0x0D}},
-    {'x', {0x00, 0x00, 0x11, 0x0A, 0x04, 0x0A, 0x11}},
-}};
+constexpr std::array<uint8_t, 3> kInk{235, 235, 235};
 
 void fill(Image8& picture, int x0, int y0, int x1, int y1, std::array<uint8_t, 3> colour) {
     for (int y = std::max(y0, 0); y < std::min(y1, picture.height); ++y)
         for (int x = std::max(x0, 0); x < std::min(x1, picture.width); ++x)
             std::copy(colour.begin(), colour.end(), picture.pixel(x, y));
-}
-
-void drawText(Image8& picture, int x, int y, int scale, std::string_view text) {
-    for (char letter : text) {
-        for (const Glyph& glyph : kGlyphs) {
-            if (glyph.letter != letter) continue;
-            for (int row = 0; row < 7; ++row)
-                for (int column = 0; column < 5; ++column)
-                    if (glyph.rows[static_cast<size_t>(row)] >> (4 - column) & 1)
-                        fill(picture, x + column * scale, y + row * scale, x + (column + 1) * scale,
-                             y + (row + 1) * scale, {235, 235, 235});
-        }
-        x += 6 * scale;
-    }
 }
 
 std::vector<double> ticks(const FalseScale& scale) {
@@ -142,7 +108,8 @@ void drawLegend(Image8& picture, const FalseScale& scale) {
     const int top = margin + 14 * size, bottom = picture.height - margin;
     if (left < 0 || bottom - top < 20) return;
     fill(picture, left, 0, picture.width, picture.height, {24, 24, 24});
-    drawText(picture, right - barWidth - 6 * size, margin, size, "lux");
+    const Lettering letters{9.0 * size, kInk};
+    letters.draw(picture, right - letters.width("lux"), margin + letters.capital, "lux");
     const auto position = [&](double lux) {
         const double t = scale.linear ? (lux - scale.lowLux) / (scale.highLux - scale.lowLux)
                                       : std::log(lux / scale.lowLux) / std::log(scale.highLux / scale.lowLux);
@@ -157,10 +124,10 @@ void drawLegend(Image8& picture, const FalseScale& scale) {
     for (double lux : ticks(scale)) {
         const std::string text = label(lux);
         const int y = position(lux);
-        fill(picture, right - barWidth - 3 * size, y, right - barWidth, y + size, {235, 235, 235});
-        const int textTop = std::clamp(y - 3 * size, top, bottom - 7 * size);
-        drawText(picture, right - barWidth - 5 * size - static_cast<int>(text.size()) * 6 * size, textTop,
-                 size, text);
+        fill(picture, right - barWidth - 3 * size, y, right - barWidth, y + size, kInk);
+        const double baseline =
+            std::clamp(y + 0.5 * (size + letters.capital), top + letters.capital, 1.0 * bottom);
+        letters.draw(picture, right - barWidth - 5 * size - letters.width(text), baseline, text);
     }
 }
 

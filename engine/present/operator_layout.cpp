@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
+#include <span>
 
 #include <fmt/format.h>
 #include <imgui.h>
 
 #include "compute/gpu/image.h"
+#include "engine/passes/lettering.h"
 
 namespace heliodon::present {
 
@@ -304,20 +305,17 @@ const std::vector<std::pair<std::string, std::string>>& operatorKeys() {
 
 void styleOperatorWindow() {
     ImGuiIO& io = ImGui::GetIO();
-    const char* file = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
-    std::error_code none;
-    if (std::filesystem::exists(file, none)) {
-        // Names of places and projectors in Latin, Greek or Cyrillic letters.
-        static constexpr ImWchar letters[]{0x20, 0x24F, 0x370, 0x52F, 0x1E00, 0x1EFF, 0x2010, 0x203A, 0};
-        io.Fonts->AddFontFromFileTTF(file, 15, nullptr, letters);
-        clockFont = io.Fonts->AddFontFromFileTTF(file, 38);
-    } else {
-        ImFontConfig config;
-        config.SizePixels = 15;
-        io.Fonts->AddFontDefault(&config);
-        config.SizePixels = 38;
-        clockFont = io.Fonts->AddFontDefault(&config);
-    }
+    // Names of places and projectors in Latin, Greek or Cyrillic letters.
+    static constexpr ImWchar letters[]{0x20, 0x24F, 0x370, 0x52F, 0x1E00, 0x1EFF, 0x2010, 0x203A, 0};
+    const std::span<const uint8_t> file = passes::fontFile();
+    ImFontConfig ours; // ImGui reads the file where it is
+    ours.FontDataOwnedByAtlas = false;
+    const auto font = [&](float size, const ImWchar* ranges) {
+        return io.Fonts->AddFontFromMemoryTTF(const_cast<uint8_t*>(file.data()),
+                                              static_cast<int>(file.size()), size, &ours, ranges);
+    };
+    font(15, letters);
+    clockFont = font(38, nullptr);
     ImGui::StyleColorsDark();
     ImGuiStyle& style = ImGui::GetStyle();
     style.WindowRounding = 0;

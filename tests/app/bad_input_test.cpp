@@ -67,6 +67,16 @@ TEST_F(BadInput, outputs_that_would_hurt_what_is_there) {
     expectRefused(scan + in("out.json") + " --overlay " + in("out.json"), {"--overlay", "--output"});
     expectRefused(scan + in("out.json") + " --overlay " + in("out.jpg"), {"out.jpg", ".png"});
     EXPECT_EQ(readText(model), "v 0 0 0\n");
+    const std::string rig = readText(kRig);
+    writeText(in("rig.json"), rig);
+    expectRefused("detect " + kPhoto + " --rig " + in("rig.json") + " -o " + in("rig.json"),
+                  {"--output", "is read by --rig"});
+    EXPECT_EQ(readText(in("rig.json")), rig);
+    const std::string nowhere = in(std::string(300, 'x')); // longer than names may be
+    expectRefused("model " + kPhoto + " --rig " + kRig + " -o " + nowhere + ".obj", {"xxx", "too long"});
+    expectRefused("model " + kPhoto + " --rig " + kRig + " -o " + nowhere + "/a.obj --report " + nowhere +
+                      "/b.json",
+                  {"xxx", "too long"});
 }
 
 // They would stand there as folders with such names.

@@ -127,19 +127,20 @@ TEST(ExactLines, agrees_with_the_reference) {
             const Scene scene(7 * listed, listed);
             ASSERT_EQ(scene.blockers.size(), 3u);
             const std::vector<reference::Estimate> values = byKernel(scene, tolerance);
-            size_t off = 0, partial = 0;
+            size_t looked = 0, off = 0, partial = 0;
             double squares = 0;
             for (size_t k = 0; k < values.size(); k += tolerance < 1e-4 ? 3 : 1) {
                 const reference::Estimate truth =
                     reference::formFactorAlongLines(scene.pair(scene.records[k]), tolerance, kLevels);
+                ++looked;
                 partial += truth.value > 0 && truth.error > 0;
                 off += std::abs(values[k].value - truth.value) > 1e-5 * truth.value + 1e-8 ||
                        std::abs(values[k].error - truth.error) > 1e-3 * truth.error + 1e-7;
                 squares += std::pow(values[k].value - truth.value, 2);
             }
-            EXPECT_LE(off, values.size() / 100) << listed << " listed, " << tolerance;
-            EXPECT_GT(partial, values.size() / 10);
-            EXPECT_LT(std::sqrt(squares / static_cast<double>(values.size())), 0.02 * tolerance);
+            EXPECT_LE(off, looked / 100) << listed << " listed, " << tolerance;
+            EXPECT_GT(partial, looked / 10);
+            EXPECT_LT(std::sqrt(squares / static_cast<double>(looked)), 0.02 * tolerance);
         }
 }
 

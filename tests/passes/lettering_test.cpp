@@ -1,16 +1,16 @@
 // Words in pictures: every letter of a name, however its file is coded.
-#include "engine/app/lettering.h"
+#include "engine/passes/lettering.h"
 
 #include <algorithm>
 #include <string>
 
 #include <gtest/gtest.h>
 
-namespace heliodon::app {
+namespace heliodon::passes {
 namespace {
 
-passes::Image8 drawn(const std::string& words, double x = 4, double y = 36) {
-    passes::Image8 picture{200, 48, {}};
+Image8 drawn(const std::string& words, double x = 4, double y = 36) {
+    Image8 picture{200, 48, {}};
     picture.rgb.assign(3 * 200 * 48, 0);
     Lettering{24, {255, 255, 255}}.draw(picture, x, y, words);
     return picture;
@@ -22,7 +22,7 @@ struct Ink {
     size_t count = 0;
 };
 
-Ink inkOf(const passes::Image8& picture) {
+Ink inkOf(const Image8& picture) {
     Ink ink;
     for (int y = 0; y < picture.height; ++y)
         for (int x = 0; x < picture.width; ++x)
@@ -61,9 +61,9 @@ TEST(Lettering, capitals_are_as_tall_and_words_as_wide_as_said) {
 }
 
 TEST(Lettering, what_lies_outside_is_left_out) {
-    const passes::Image8 whole = drawn("Heliodon", 20);
+    const Image8 whole = drawn("Heliodon", 20);
     for (const auto& [x, y] : {std::pair{-30, 36}, {180, 36}, {20, 0}, {20, 60}, {900, 900}, {-900, -900}}) {
-        const passes::Image8 part = drawn("Heliodon", x, y);
+        const Image8 part = drawn("Heliodon", x, y);
         for (int py = 0; py < 48; ++py) // the same letters, moved
             for (int px = 0; px < 200; ++px) {
                 const int fromX = px - x + 20, fromY = py - y + 36;
@@ -74,4 +74,4 @@ TEST(Lettering, what_lies_outside_is_left_out) {
 }
 
 } // namespace
-} // namespace heliodon::app
+} // namespace heliodon::passes

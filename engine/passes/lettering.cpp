@@ -1,4 +1,4 @@
-#include "engine/app/lettering.h"
+#include "engine/passes/lettering.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,14 +12,15 @@
 #include "geometry/text_file.h"
 
 // The font's file as it is, so that pictures need nothing that is installed.
-__asm__(".section .rodata\n"
+__asm__(".pushsection .rodata\n"
         ".balign 16\n"
+        ".globl heliodonFont, heliodonFontEnd\n"
         "heliodonFont: .incbin \"" HELIODON_FONT "\"\n"
-        ".byte 0\n"
-        ".text\n");
-extern "C" const unsigned char heliodonFont[];
+        "heliodonFontEnd: .byte 0\n"
+        ".popsection\n");
+extern "C" const unsigned char heliodonFont[], heliodonFontEnd[];
 
-namespace heliodon::app {
+namespace heliodon::passes {
 
 namespace {
 
@@ -69,7 +70,7 @@ std::vector<Glyph> laidOut(std::string_view words, double scale) {
     return line;
 }
 
-void drawLine(passes::Image8& picture, double x, double y, const std::vector<Glyph>& line, double scale,
+void drawLine(Image8& picture, double x, double y, const std::vector<Glyph>& line, double scale,
               const std::array<uint8_t, 3>& ink) {
     const stbtt_fontinfo& info = font().info;
     const auto size = static_cast<float>(scale);
@@ -100,11 +101,15 @@ void drawLine(passes::Image8& picture, double x, double y, const std::vector<Gly
 
 } // namespace
 
+std::span<const uint8_t> fontFile() {
+    return {heliodonFont, heliodonFontEnd};
+}
+
 double Lettering::width(std::string_view words) const {
     return laidOut(words, capital / font().capital).back().x;
 }
 
-void Lettering::draw(passes::Image8& picture, double x, double y, std::string_view words) const {
+void Lettering::draw(Image8& picture, double x, double y, std::string_view words) const {
     const double scale = capital / font().capital;
     const std::vector<Glyph> line = laidOut(words, scale);
     constexpr int kDirections = 16;
@@ -116,4 +121,4 @@ void Lettering::draw(passes::Image8& picture, double x, double y, std::string_vi
     drawLine(picture, x, y, line, scale, ink);
 }
 
-} // namespace heliodon::app
+} // namespace heliodon::passes

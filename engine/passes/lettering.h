@@ -3,11 +3,14 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string_view>
 
 #include "engine/passes/picture.h"
 
-namespace heliodon::app {
+namespace heliodon::passes {
+
+std::span<const uint8_t> fontFile(); // DejaVuSans.ttf
 
 struct Lettering {
     double capital;               // height of capital letters, pixels
@@ -19,7 +22,7 @@ struct Lettering {
     double width(std::string_view words) const;
 
     // `x`, `y`: left end of the baseline. What lies outside the picture is left out. The same on every run.
-    void draw(passes::Image8& picture, double x, double y, std::string_view words) const;
+    void draw(Image8& picture, double x, double y, std::string_view words) const;
 };
 
-} // namespace heliodon::app
+} // namespace heliodon::passes
