@@ -334,8 +334,8 @@ void DaylightTransport::State::solve(std::span<Moment> moments) {
         exitance.assign(emitted.size(), 0), gathered.assign(emitted.size(), 0);
     }
     const double seconds = clock.seconds() / static_cast<double>(moments.size());
-    const MomentScene scene{mesh,    areas,   rowSums, links->rowSums(), matter, clear,
-                            *slopes, *points, sensors, rowError(),       grey};
+    const MomentScene scene{mesh,    areas,   rowSums, links->rowSums(), matter,     clear,
+                            *slopes, *points, sensors, *gather,          rowError(), grey};
     for (size_t k = 0; k < moments.size(); ++k) {
         Moment& moment = moments[k];
         moment.report.radiosity = solution;

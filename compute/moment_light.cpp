@@ -61,6 +61,12 @@ double slatsShare(const MomentScene& scene, const Moment& moment, std::span<cons
     return lumens > 0 ? std::min(1.0, lumens / moment.report.lumensIn) : 0;
 }
 
+// `seen`: lux of their glow, straight; `bySlats`: share of the rest that is off.
+float slatsError(const LightParts& parts, double seen, double bySlats) {
+    return static_cast<float>(kSlatsSeen * seen +
+                              bySlats * std::max(0.0, photometric(parts.interreflected) - seen));
+}
+
 } // namespace
 
 void lightPatches(const MomentScene& scene, const SolvedColumns& solved, Moment& moment) {
@@ -97,13 +103,17 @@ void lightPatches(const MomentScene& scene, const SolvedColumns& solved, Moment&
     }
     mean /= std::max(total, 1e-30);
     moment.report.lumensIn = in;
-    const double bySlats = kSlatsLater * slatsShare(scene, moment, slatsGlow(mesh, moment));
+    const std::vector<float> slats = slatsGlow(mesh, moment);
+    std::vector<float> seen(slats.size()); // of it, straight
+    if (!slats.empty()) scene.factors.gather(slats, seen, 1);
+    const double bySlats = kSlatsLater * slatsShare(scene, moment, slats);
     for (size_t i = 0; i < n; ++i) {
         LightParts& parts = moment.patches[i];
         parts.error +=
             static_cast<float>(std::abs(1 - scene.rowSums[i]) * mean + moment.report.radiosity.bound * most +
-                               (scene.rowError + kPatchError + bySlats) * photometric(parts.interreflected) +
+                               (scene.rowError + kPatchError) * photometric(parts.interreflected) +
                                kPatchSkyError * photometric(parts.sky + parts.ground));
+        if (!slats.empty()) parts.error += slatsError(parts, double{seen[i]}, bySlats);
     }
     moment.report.lumensAbsorbed = absorbed;
     moment.report.lumensLost = lost;
@@ -171,11 +181,7 @@ void lightSensors(const MomentScene& scene, const SolvedColumns& solved, Moment&
                                          kSpreadShare * dot({&sensors.even[s * n], n}, spread) +
                                          (scene.rowError + kBounceError) * photometric(parts.interreflected) +
                                          kSensorSkyError * photometric(parts.sky + parts.ground));
-        if (!slats.empty()) {
-            const double seen = dot({&sensors.even[s * n], n}, slats);
-            parts.error += static_cast<float>(
-                kSlatsSeen * seen + bySlats * std::max(0.0, photometric(parts.interreflected) - seen));
-        }
+        if (!slats.empty()) parts.error += slatsError(parts, dot({&sensors.even[s * n], n}, slats), bySlats);
     });
     moment.report.sensorSeconds = clock.seconds();
 }

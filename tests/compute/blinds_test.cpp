@@ -219,5 +219,43 @@ TEST(Blinds, light_of_sheets_traced_one_by_one_lies_in_the_stated_error) {
         }
 }
 
+// The middles of the four triangles that a triangle falls into.
+std::vector<Sensor> placesOn(const geometry::PatchMesh& mesh, size_t patch) {
+    const auto corners = mesh.patch(patch);
+    const glm::dvec3 normal = geometry::patchNormal(mesh, patch),
+                     middle = geometry::patchCentroid(mesh, patch);
+    std::vector<Sensor> places{{middle, normal}};
+    for (uint32_t v : corners) places.push_back({0.5 * (middle + mesh.vertices[v]), normal});
+    return places;
+}
+
+TEST(Blinds, light_of_sheets_on_patches_lies_in_the_stated_error) {
+    for (const float angle : {0.0f, 45.0f}) {
+        const daylight::Sky sky = sunny({0.3, 0.6, -0.8});
+        const geometry::PatchMesh room = windowRoom({Blind::Kind::slats, 0, 0.7f, angle, 0.8f}, false);
+        DaylightTransport transport(test::device(), room);
+        const Moment moment = transport.light(sky);
+        geometry::PatchMesh sheets = windowRoom({}, false);
+        addSlats(sheets, double{angle}, 0.7f);
+        test::PathTracer tracer(sheets, sky);
+        double stated = 0, traced = 0;
+        for (size_t i = 3; i < room.patchCount(); i += 14) {
+            if (room.materials[room.material[i]].isOpening()) continue;
+            double lux = 0, squares = 0;
+            const std::vector<Sensor> places = placesOn(room, i);
+            for (const Sensor& place : places) {
+                const auto truth = tracer.at(place, 12);
+                lux += truth.lux / 4, squares += truth.standardError * truth.standardError / 16;
+            }
+            const LightParts& parts = moment.patches[i];
+            EXPECT_NEAR(photometric(parts.total()), lux,
+                        static_cast<double>(parts.error) + 3 * std::sqrt(squares))
+                << "patch " << i << ", angle " << angle;
+            stated += static_cast<double>(parts.error), traced += lux;
+        }
+        EXPECT_LT(stated, 0.6 * traced); // says something
+    }
+}
+
 } // namespace
 } // namespace heliodon::compute
