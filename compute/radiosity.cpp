@@ -40,6 +40,16 @@ struct RadiositySolver::Column {
     std::vector<double> cosines, sines, right;          // right: rotated right-hand side
     double scale = 0, target = 0;                       // largest B; residual to reach (max norm)
     bool done = false;
+    double before = 0; // relative residual at the last restart
+    uint32_t idle = 0; // restarts in a row that gained nothing
+
+    // A bound that rounding keeps out of reach is not waited for.
+    bool hasEnded() const { return done || idle >= 2; }
+    void setResidual(double relative, double allowed) {
+        done = relative <= allowed;
+        idle = relative < kRounding && relative > 0.5 * before && before > 0 ? idle + 1 : 0;
+        before = relative;
+    }
 
     void begin() {
         basis.clear(), hessenberg.clear(), cosines.clear(), sines.clear();
@@ -155,12 +165,8 @@ RadiosityReport RadiositySolver::solve(std::span<const float> emitted, std::span
     std::vector<Column> columns(count);
     std::vector<double> given(n);
     for (size_t c = 0; c < count; ++c) columns[c].solution.assign(&radiosity[c * n], &radiosity[c * n] + n);
-    const auto allDone = [&] {
-        return std::all_of(columns.begin(), columns.end(), [](const Column& c) { return c.done; });
-    };
 
-    uint32_t idle = 0; // restarts in a row that gained nothing
-    for (double before = 0;;) {
+    for (;;) {
         // The true residual, of B as it will be handed out.
         for (size_t c = 0; c < count; ++c)
             std::transform(columns[c].solution.begin(), columns[c].solution.end(), &radiosity[c * n],
@@ -178,15 +184,13 @@ RadiosityReport RadiositySolver::solve(std::span<const float> emitted, std::span
             const double slack = std::max(1 - contraction_[channel[c]], 1e-6);
             const double residual = largest(column.residual) / column.scale;
             column.target = options.tolerance * slack * column.scale;
-            column.done = residual <= options.tolerance * slack;
+            column.setResidual(residual, options.tolerance * slack);
             report.residual = std::max(report.residual, residual);
             report.bound = std::max(report.bound, residual / slack);
         }
-        report.converged = allDone();
-        idle = report.residual < kRounding && report.residual > 0.5 * before && before > 0 ? idle + 1 : 0;
-        before = report.residual;
-        // A bound that rounding keeps out of reach is not waited for.
-        if (report.converged || idle >= 2 || report.passes >= options.maxPasses) return report;
+        report.converged = std::ranges::all_of(columns, &Column::done);
+        if (std::ranges::all_of(columns, &Column::hasEnded) || report.passes >= options.maxPasses)
+            return report;
 
         for (Column& column : columns) column.begin();
         std::vector<float> in(n * count), out(n * count);
@@ -205,11 +209,11 @@ RadiosityReport RadiositySolver::solve(std::span<const float> emitted, std::span
                 // A 2-norm spread over n patches; the true residual decides above, whatever is guessed here.
                 growing |= columns[c].extend(std::move(w)) >
                                columns[c].target * 0.1 * std::sqrt(static_cast<double>(n)) &&
-                           !columns[c].done;
+                           !columns[c].hasEnded();
             }
         }
         for (Column& column : columns)
-            if (!column.done) column.finish();
+            if (!column.hasEnded()) column.finish();
     }
 }
 

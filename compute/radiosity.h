@@ -17,14 +17,14 @@ namespace heliodon::compute {
 
 struct RadiosityOptions {
     double tolerance = 1e-4;  // wanted bound on the error of B, relative to the largest B of the column
-    uint32_t maxPasses = 400; // passes over F
+    uint32_t maxPasses = 400; // passes over F; fewer where rounding of B keeps the tolerance out of reach
 };
 
 struct RadiosityReport {
     uint32_t passes = 0;
-    double residual = 0; // max |E + K F B - B| / max B, worst column
-    double bound = 0;    // on max |B - exact| / max B for this F: residual / (1 - max_i sum_j (K F)_ij)
-    bool converged = true;
+    double residual = 0;   // max |E + K F B - B| / max B, worst column
+    double bound = 0;      // on max |B - exact| / max B for this F: residual / (1 - max_i sum_j (K F)_ij)
+    bool converged = true; // else maxPasses ran out or rounding stood in the way; `bound` is what was reached
 };
 
 // Where the light of one column goes: emitted = absorbed + lost, but for residual and rounding.

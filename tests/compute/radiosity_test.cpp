@@ -1,5 +1,6 @@
 #include "compute/radiosity.h"
 
+#include <algorithm>
 #include <cstring>
 #include <numeric>
 #include <random>
@@ -266,6 +267,34 @@ TEST(Radiosity, a_bound_that_rounding_keeps_out_of_reach_is_not_waited_for) {
     EXPECT_LT(s.report.passes, options.maxPasses / 4);
     EXPECT_LT(s.report.residual, 4e-7);
     EXPECT_LT(s.report.bound, 4e-5); // what was reached
+}
+
+// Columns end one by one: those out of reach hold up no other, and leave what was reached.
+TEST(Radiosity, a_column_that_rounding_stops_does_not_stop_others) {
+    const size_t n = 300;
+    const std::vector<float> F = randomFactors(n, 1, 2);
+    const gpu::Buffer factors = padded(F);
+    RadiosityGather gather(test::device(), factors, static_cast<uint32_t>(n));
+    RadiositySolver solver(gather, gather.rowSums());
+    const std::vector<float> bright(n, 0.99f), dark(n, 0.5f), none(n, 0);
+    solver.setMatter(
+        {static_cast<uint32_t>(n), {bright, dark}, {none, none}, std::vector<int32_t>(n, geometry::kNoTwin)});
+    RadiosityOptions options;
+    options.tolerance = 1e-6;
+    std::vector<float> emitted(3 * n), B, H, alone, seen;
+    emitted[5] = emitted[n + 90] = emitted[2 * n + 7] = 1;
+    const uint32_t channel[]{0, 0, 1};
+    const RadiosityReport report = solver.solve(emitted, channel, B, H, options);
+    EXPECT_FALSE(report.converged);
+    EXPECT_LT(report.passes, options.maxPasses / 4);
+    EXPECT_LT(report.bound, 4e-5);
+    for (size_t c = 0; c < 3; ++c) {
+        const std::span<const float> own(&emitted[c * n], n);
+        alone.clear();
+        const double bound = solver.solve(own, {&channel[c], 1}, alone, seen, options).bound;
+        const double most = *std::max_element(alone.begin(), alone.end());
+        for (size_t i = 0; i < n; ++i) ASSERT_NEAR(B[c * n + i], alone[i], (bound + 1e-6) * 2 * most) << c;
+    }
 }
 
 TEST(Radiosity, interior_glass_hands_on_what_falls_on_its_twin) {
