@@ -350,10 +350,12 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
             }
         });
     }
+    size_t nearWalls = 0;
+    for (const NearLight& near : transport_.parts().near) nearWalls += near.bytes();
     report_.bytes =
         std::max(report_.bytes,
                  luminance_.bytes() + (gather_ ? gather_->bytes() : 0) +
-                     report_.sunlitPatches * sizeof(LitPatch) + edges_.bytes() +
+                     report_.sunlitPatches * sizeof(LitPatch) + edges_.bytes() + nearWalls +
                      sizeof(float) * (sky.size() + reflected.size() + responses.sky.size() + 3 * lux.size() +
                                       (tinted_ ? 4 : 2) * count * transport_.mesh().patchCount()));
     checkAndSetErrors(lux, sun, error);

@@ -125,8 +125,9 @@ public:
     Moment light(const daylight::Sky& sky);
     // Several moments through shared passes over F; bits may differ from one at a time by the solver's
     // tolerance.
-    // Sensors so near to a patch that it fills a fifth of their view, as in corners, get its light anew
-    // (near_light.h): the first call after setSensors or setMaterials takes some 50 ms of one core for each.
+    // Sensors so near to patches that one fills a fifth of their view or several 0.35 of it, as in corners,
+    // get their light anew (near_light.h): the first call after setSensors or setMaterials takes some 50 ms
+    // of one core for each.
     std::vector<Moment> light(std::span<const daylight::Sky> skies);
 
     TransportParts parts();

@@ -115,6 +115,12 @@ std::vector<dvec3> answersOf(const PointScene& scene, const std::vector<Cell>& c
 
 } // namespace
 
+size_t NearLight::bytes() const {
+    size_t floats = 0;
+    for (int c = 0; c < 3; ++c) floats += smooth[c].size() + even[c].size();
+    return floats * sizeof(float) + sky.size() * sizeof(SkySample) + cells.size() * sizeof(Cell);
+}
+
 bool hasNearWall(const PointScene& scene, dvec3 position, std::span<const float> even) {
     double together = 0;
     for (uint32_t j = 0; j < even.size(); ++j) {

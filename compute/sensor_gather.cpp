@@ -146,10 +146,12 @@ glm::vec3 sunEdges(const PointScene& scene, const SensorGather& gather, size_t s
             seen.push_back(&lit);
             sum -= double{even[lit.patch]} * dvec3(firstBounce[lit.patch]);
         }
-    for (const TintedShare& share : gather.tinted[sensor])
-        if (std::any_of(seen.begin(), seen.end(),
-                        [&](const SunlitParts* lit) { return lit->patch == share.patch; }))
-            sum -= dvec3(share.more) * dvec3(firstBounce[share.patch]);
+    if (const std::vector<TintedShare>& tinted = gather.tinted[sensor]; !tinted.empty() && !seen.empty()) {
+        std::vector<char> isSeen(mesh.patchCount(), 0);
+        for (const SunlitParts* lit : seen) isSeen[lit->patch] = 1;
+        for (const TintedShare& share : tinted)
+            if (isSeen[share.patch]) sum -= dvec3(share.more) * dvec3(firstBounce[share.patch]);
+    }
     if (const NearLight& near = gather.near[sensor]; !near.isEmpty())
         sum += sunEdgesOnCells(scene, near, gather.room[sensor], partly, strength, firstBounce);
     if (seen.empty()) return glm::vec3(sum);
