@@ -269,31 +269,36 @@ TEST(Radiosity, a_bound_that_rounding_keeps_out_of_reach_is_not_waited_for) {
     EXPECT_LT(s.report.bound, 4e-5); // what was reached
 }
 
-// Columns end one by one: those out of reach hold up no other, and leave what was reached.
+// Columns end one by one. Patches in a ring see their two neighbours: even light is found at once and then
+// held up by rounding, light of one lamp takes many restarts to get round.
 TEST(Radiosity, a_column_that_rounding_stops_does_not_stop_others) {
     const size_t n = 300;
-    const std::vector<float> F = randomFactors(n, 1, 2);
+    std::vector<float> F(n * n);
+    for (size_t i = 0; i < n; ++i) F[i * n + (i + 1) % n] = F[i * n + (i + n - 1) % n] = 0.5f;
     const gpu::Buffer factors = padded(F);
     RadiosityGather gather(test::device(), factors, static_cast<uint32_t>(n));
     RadiositySolver solver(gather, gather.rowSums());
-    const std::vector<float> bright(n, 0.99f), dark(n, 0.5f), none(n, 0);
-    solver.setMatter(
-        {static_cast<uint32_t>(n), {bright, dark}, {none, none}, std::vector<int32_t>(n, geometry::kNoTwin)});
+    const double rho = double{0.99f};
+    solver.setMatter({static_cast<uint32_t>(n),
+                      {std::vector<float>(n, 0.99f)},
+                      {std::vector<float>(n, 0)},
+                      std::vector<int32_t>(n, geometry::kNoTwin)});
     RadiosityOptions options;
     options.tolerance = 1e-6;
-    std::vector<float> emitted(3 * n), B, H, alone, seen;
-    emitted[5] = emitted[n + 90] = emitted[2 * n + 7] = 1;
-    const uint32_t channel[]{0, 0, 1};
+    std::vector<float> emitted(2 * n, 1.1f), B, H;
+    std::fill_n(&emitted[n], n, 0.0f);
+    emitted[n] = 1;
+    const uint32_t channel[]{0, 0};
     const RadiosityReport report = solver.solve(emitted, channel, B, H, options);
     EXPECT_FALSE(report.converged);
-    EXPECT_LT(report.passes, options.maxPasses / 4);
+    EXPECT_LT(report.passes, options.maxPasses);
     EXPECT_LT(report.bound, 4e-5);
-    for (size_t c = 0; c < 3; ++c) {
-        const std::span<const float> own(&emitted[c * n], n);
-        alone.clear();
-        const double bound = solver.solve(own, {&channel[c], 1}, alone, seen, options).bound;
-        const double most = *std::max_element(alone.begin(), alone.end());
-        for (size_t i = 0; i < n; ++i) ASSERT_NEAR(B[c * n + i], alone[i], (bound + 1e-6) * 2 * most) << c;
+    // B_i - rho / 2 (B_i-1 + B_i+1) = E_i: from the lamp on light falls as q^i, both ways round.
+    const double root = std::sqrt(1 - rho * rho), q = (1 - root) / rho;
+    for (size_t i = 0; i < n; ++i) {
+        ASSERT_NEAR(B[i], double{1.1f} / (1 - rho), 4e-5 * B[i]);
+        const double both = std::pow(q, double(i)) + std::pow(q, double(n - i));
+        ASSERT_NEAR(B[n + i], both / (root * (1 - std::pow(q, double(n)))), 4e-5 * B[n]) << i;
     }
 }
 
