@@ -150,7 +150,7 @@ private:
             Place place{x(logSeconds(*r)) + 9, y(logError(*r)) + 4, 6 * static_cast<double>(words.size())};
             const auto covers = [&](const Place& other) {
                 return place.x < other.x + other.width && other.x < place.x + place.width &&
-                       std::abs(place.y - other.y) < 12;
+                       std::abs(place.y - other.y) < 12 - 1e-6; // less what y + 12 - y may be short of 12
             };
             for (auto other = placed.begin(); other != placed.end();)
                 if (covers(*other)) {

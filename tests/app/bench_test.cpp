@@ -2,12 +2,16 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <random>
+#include <regex>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "compute/form_factors.h"
 #include "compute/parallel.h"
 #include "compute/reference/form_factor_rows.h"
+#include "engine/app/bench_results.h"
 #include "engine/app/bench_scenes.h"
 #include "tests/app/program.h"
 #include "tests/gpu/test_device.h"
@@ -16,6 +20,27 @@ namespace heliodon::test {
 namespace {
 
 class Bench : public InFolder {};
+
+// A plot of marks in a crowd is drawn to its end, whatever rounding makes of twelve pixels.
+TEST_F(Bench, labels_of_a_crowd_stand_apart) {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> crowd(0.9, 1.1);
+    for (int plot = 0; plot < 100; ++plot) {
+        std::vector<app::BenchResult> results(25);
+        for (app::BenchResult& r : results) {
+            r.scene = "box", r.patches = 60, r.kernel = "exact", r.setting = "0.01";
+            r.comparedSeconds = crowd(random), r.rowError = 1e-3 * crowd(random);
+        }
+        const std::string svg = app::plotOf(results, "device", "CPU");
+        const std::regex label("<text x=\"([0-9.]+)\" y=\"([0-9.]+)\" font-size=\"11\"");
+        std::vector<double> y;
+        for (std::sregex_iterator at(svg.begin(), svg.end(), label), end; at != end; ++at)
+            y.push_back(std::stod((*at)[2]));
+        ASSERT_EQ(y.size(), results.size());
+        std::sort(y.begin(), y.end());
+        for (size_t k = 1; k < y.size(); ++k) EXPECT_GT(y[k] - y[k - 1], 11.8); // tenths are written
+    }
+}
 
 TEST_F(Bench, a_convex_room_by_two_kernels) {
     const Outcome outcome = heliodon(
