@@ -168,6 +168,38 @@ constexpr float kCardChroma = 0.2f;   // log chroma from the table's: less is th
 constexpr double kLeastCard = 0.4;    // square inches: the ends of two walls
 constexpr double kShareOfMost = 0.25; // of what is commonest: rims and patches of light are rarer than card
 constexpr double kFullLight = 0.9;    // of the levels: card that faces the lamps, of that which does not
+// Light may lie anywhere on the table, card belongs to painted tops: most of it is next to them, and many of
+// them have some.
+constexpr float kPaint = 0.5f;           // P' against the table
+constexpr double kNextTo = 1;            // inches: faces of high walls in part, ends and rings wholly
+constexpr double kShareNextTo = 0.5;     // of card
+constexpr double kLeastTop = 0.3;        // square inches
+constexpr double kShareOfTops = 1 / 3.0; // arrows and skylights have none
+
+// 1 within that many samples of what is not 0.
+cv::Mat reach(const cv::Mat& mask, double samples) {
+    cv::Mat distance;
+    cv::distanceTransform(mask == 0, distance, cv::DIST_L2, 3);
+    return distance <= samples;
+}
+
+// Whether what is not 0 in `card` is next to many of the painted tops.
+bool isOnTops(const cv::Mat& card, const cv::Mat& paint, double samplesPerInch) {
+    cv::Mat labels, stats, centres;
+    const int count = cv::connectedComponentsWithStats(paint, labels, stats, centres);
+    std::vector<uint8_t> has(static_cast<size_t>(count), 0);
+    const cv::Mat near = reach(card, kNextTo * samplesPerInch);
+    for (int y = 0; y < labels.rows; ++y)
+        for (int x = 0; x < labels.cols; ++x)
+            if (near.at<uint8_t>(y, x)) has[static_cast<size_t>(labels.at<int>(y, x))] = 1;
+    int tops = 0, withCard = 0;
+    for (int k = 1; k < count; ++k) { // 0: what is not painted
+        if (stats.at<int>(k, cv::CC_STAT_AREA) < kLeastTop * samplesPerInch * samplesPerInch) continue;
+        ++tops;
+        withCard += has[static_cast<size_t>(k)];
+    }
+    return withCard > 0 && withCard >= kShareOfTops * tops;
+}
 
 std::optional<glm::vec3> findCard(const PlanView& view, const TableRegion& region, const LightGrid& grid) {
     constexpr int kStride = 2, kBins = 60;
@@ -176,7 +208,9 @@ std::optional<glm::vec3> findCard(const PlanView& view, const TableRegion& regio
     const auto& linear = view.linearFromByte();
     std::vector<glm::vec3> samples;
     std::vector<std::pair<int, int>> cells;
-    std::vector<std::vector<float>> levels(kBins * kBins); // the dimmest channel's, by chroma
+    std::vector<cv::Point> places; // of the samples
+    cv::Mat paint = cv::Mat::zeros((region.height + kStride - 1) / kStride,
+                                   (region.width + kStride - 1) / kStride, CV_8U);
     const auto cellOf = [](float v) {
         return std::clamp(static_cast<int>(std::floor(v / kBin + 0.5f)) + kBins / 2, 1, kBins - 2);
     };
@@ -193,31 +227,52 @@ std::optional<glm::vec3> findCard(const PlanView& view, const TableRegion& regio
                            static_cast<size_t>(x / kBlock)];
             const glm::vec3 ratio = glm::vec3(linear[p[0]], linear[p[1]], linear[p[2]]) / table;
             const float least = std::min({ratio.r, ratio.g, ratio.b});
+            const float most = std::max({ratio.r, ratio.g, ratio.b});
+            if (least < 1 && least < (1 - kPaint) * most) paint.at<uint8_t>(y / kStride, x / kStride) = 1;
             if (least < kOverTable || std::max({p[0], p[1], p[2]}) > kClipped) continue;
             const cv::Vec2f c = chroma(ratio.r, ratio.g, ratio.b);
             samples.push_back(ratio);
             cells.emplace_back(cellOf(c[0]), cellOf(c[1]));
-            levels[static_cast<size_t>(cells.back().first * kBins + cells.back().second)].push_back(least);
+            places.emplace_back(x / kStride, y / kStride);
         }
+    const double perInch = view.pixelsPerInch({0, 0}, 0) / kStride;
+    if (samples.empty()) return std::nullopt;
+    const cv::Mat nextToPaint = reach(paint, kNextTo * perInch);
+    // The dimmest channel's levels, by chroma, and how many samples are not next to paint.
+    std::vector<std::vector<float>> levels(kBins * kBins);
+    std::vector<size_t> apart(kBins * kBins, 0);
+    for (size_t k = 0; k < samples.size(); ++k) {
+        const auto bin = static_cast<size_t>(cells[k].first * kBins + cells[k].second);
+        levels[bin].push_back(std::min({samples[k].r, samples[k].g, samples[k].b}));
+        apart[bin] += nextToPaint.at<uint8_t>(places[k]) == 0;
+    }
+    const auto binAbout = [&](int i, int j, int d) {
+        return static_cast<size_t>((i + d / 3 - 1) * kBins + j + d % 3 - 1);
+    };
     const auto neighbour = [&](int i, int j, int d) -> const std::vector<float>& {
-        return levels[static_cast<size_t>((i + d / 3 - 1) * kBins + j + d % 3 - 1)];
+        return levels[binAbout(i, j, d)];
     };
     const auto countAbout = [&](int i, int j) {
         size_t count = 0;
         for (int d = 0; d < 9; ++d) count += neighbour(i, j, d).size();
         return count;
     };
+    const auto apartAbout = [&](int i, int j) {
+        size_t count = 0;
+        for (int d = 0; d < 9; ++d) count += apart[binAbout(i, j, d)];
+        return count;
+    };
     size_t most = 0;
     for (int i = 1; i < kBins - 1; ++i)
         for (int j = 1; j < kBins - 1; ++j) most = std::max(most, countAbout(i, j));
-    const double perInch = view.pixelsPerInch({0, 0}, 0);
-    const double enough = std::max(kLeastCard * perInch * perInch / (kStride * kStride),
-                                   kShareOfMost * static_cast<double>(most));
+    const double enough = std::max(kLeastCard * perInch * perInch, kShareOfMost * static_cast<double>(most));
     float best = 0;
     std::pair<int, int> where;
     for (int i = 1; i < kBins - 1; ++i)
         for (int j = 1; j < kBins - 1; ++j) {
-            if (static_cast<double>(countAbout(i, j)) < enough) continue;
+            const auto count = static_cast<double>(countAbout(i, j));
+            if (count < enough || static_cast<double>(apartAbout(i, j)) > (1 - kShareNextTo) * count)
+                continue;
             std::vector<float> level;
             for (int d = 0; d < 9; ++d)
                 level.insert(level.end(), neighbour(i, j, d).begin(), neighbour(i, j, d).end());
@@ -228,12 +283,17 @@ std::optional<glm::vec3> findCard(const PlanView& view, const TableRegion& regio
         }
     if (best == 0) return std::nullopt;
     std::array<std::vector<float>, 3> channel;
-    for (size_t k = 0; k < samples.size(); ++k)
-        if (std::abs(cells[k].first - where.first) <= 1 && std::abs(cells[k].second - where.second) <= 1)
-            for (int c = 0; c < 3; ++c) channel[static_cast<size_t>(c)].push_back(samples[k][c]);
+    cv::Mat seen = cv::Mat::zeros(paint.size(), CV_8U);
+    for (size_t k = 0; k < samples.size(); ++k) {
+        if (std::abs(cells[k].first - where.first) > 1 || std::abs(cells[k].second - where.second) > 1)
+            continue;
+        for (int c = 0; c < 3; ++c) channel[static_cast<size_t>(c)].push_back(samples[k][c]);
+        seen.at<uint8_t>(places[k]) = 1;
+    }
     const glm::vec3 card(median(channel[0]), median(channel[1]), median(channel[2]));
     const cv::Vec2f c = chroma(card.r, card.g, card.b);
     if (std::max({std::abs(c[0]), std::abs(c[1]), std::abs(c[0] - c[1])}) < kCardChroma) return std::nullopt;
+    if (!isOnTops(seen, paint, perInch)) return std::nullopt;
     return card;
 }
 

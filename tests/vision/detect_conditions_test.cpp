@@ -9,6 +9,7 @@
 #include "tests/vision/sketch_score.h"
 #include "tests/vision/table_painter.h"
 #include "vision/detect.h"
+#include "vision/white_map.h"
 
 namespace heliodon::vision {
 namespace {
@@ -137,6 +138,43 @@ TEST(DetectConditions, tables_of_wood_and_grey_ones) {
             paints.table = colour, paints.face = face;
             expectRead(room(), paintTable(room(), exampleRig(), paints, lamps));
         }
+}
+
+WhiteMap whiteOf(const Photograph& photo, const geometry::Rig& rig) {
+    const PlanView view(photo, rig.camera, DetectOptions{}.gamma);
+    return findWhite(view, findTable(view, rig.tableRadius / geometry::kMetresPerInch, 0.5));
+}
+
+// A patch of light adds to every channel and has a colour of its own, as card on a coloured table has. It is
+// not taken for card, whether it lies free, across walls or along one. (A skylight it may be taken for.)
+TEST(DetectConditions, daylight_that_falls_on_a_table_under_tungsten_lamps) {
+    const geometry::Rig rig = exampleRig();
+    const Lighting lamps{{0.6, 0.52, 0.42}, {0.56, 0.48, 0.38}};
+    const Photograph white = paintTable(room(), rig, {}, lamps);
+    PaintBox oak;
+    oak.table = {0.5, 0.38, 0.24};
+    const Photograph wood = paintTable(room(), rig, oak, lamps);
+    ASSERT_TRUE(whiteOf(wood, rig).card);
+    const std::vector<glm::dvec2> streaks[]{{{-13, 7}, {-9, 13}, {-7, 12}, {-11, 6.5}},
+                                            {{-2, -2}, {3, -3}, {3.3, -1.5}, {-1.7, -0.5}},
+                                            {{-9, -8}, {-3, 9}, {-2, 9}, {-8, -8}},
+                                            {{-6, -8.5}, {6, -8.5}, {6, -7.5}, {-6, -7.5}}};
+    for (const auto& streak : streaks)
+        for (const double softPx : {0.8, 8.0})
+            for (const Color& gain : {Color{1.12, 1.2, 1.5}, Color{1.2, 1.4, 1.9}}) {
+                SCOPED_TRACE(testing::Message() << streak[0].x << " " << softPx << " " << gain[2]);
+                Photograph photo = white;
+                shade(photo, rig, streak, 0, gain, softPx);
+                EXPECT_FALSE(whiteOf(photo, rig).card);
+                const Score score = scoreSketch(room(), detectSketch(photo, rig).sketch);
+                for (const auto& [kind, k] : score) {
+                    EXPECT_EQ(k.found, k.stated) << kind << "\n" << table(score);
+                    EXPECT_LT(k.placeWorst, 0.08) << kind << "\n" << table(score);
+                }
+                photo = wood;
+                shade(photo, rig, streak, 0, gain, softPx);
+                EXPECT_TRUE(whiteOf(photo, rig).card);
+            }
 }
 
 TEST(DetectConditions, a_hand_that_touches_a_wall) {

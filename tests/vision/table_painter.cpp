@@ -182,10 +182,10 @@ uint8_t encoded(double v) {
 } // namespace
 
 void shade(Photograph& photo, const geometry::Rig& rig, const std::vector<glm::dvec2>& corners, double height,
-           const Color& gain) {
+           const Color& gain, double softPx) {
     cv::Mat soft;
     maskOf(photo, rig, corners, height).convertTo(soft, CV_32F);
-    cv::GaussianBlur(soft, soft, {}, 2);
+    cv::GaussianBlur(soft, soft, {}, softPx);
     for (size_t i = 0; i < photo.rgb.size(); ++i) {
         const double share =
             soft.at<float>(static_cast<int>(i / 3) / photo.width, static_cast<int>(i / 3) % photo.width);

@@ -28,9 +28,9 @@ struct Lighting {
 };
 
 // Multiplies the light within the corners (plan, inches, at that height) by a gain for each channel: a
-// shadow.
+// shadow, or a patch of light; its border is a Gaussian of that standard deviation.
 void shade(Photograph& photo, const geometry::Rig& rig, const std::vector<glm::dvec2>& corners, double height,
-           const Color& gain);
+           const Color& gain, double softPx = 2);
 // Something of that colour, as bright as a white of 1 would be 0.6.
 void cover(Photograph& photo, const geometry::Rig& rig, const std::vector<glm::dvec2>& corners, double height,
            const Color& color);
