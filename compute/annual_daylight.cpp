@@ -294,7 +294,7 @@ void AnnualDaylight::addEdges(const TransportParts& parts, std::span<float> refl
     const size_t n = transport_.mesh().patchCount(), count = parts.sensors.size();
     inParallel(count, [&](size_t s) {
         const uint32_t room = parts.sensorRooms[s];
-        if (room == kNoRoom) return;
+        if (room == geometry::kNoRoom) return;
         const Sensor& at = parts.sensors[s];
         std::vector<float> more(sunny_.size(), 0);
         edges_.addTo(more, PointView(parts.points.blockers(), at.position, at.normal, room), room,

@@ -172,7 +172,7 @@ void DaylightTransport::State::makeSensors() {
     sensors = gatherSensors(*points, *slopes, std::move(sensors.sensors), skyPatches, patchSky.channels);
     hasNearLight = false;
     report.sensorsOutside =
-        static_cast<size_t>(std::count(sensors.room.begin(), sensors.room.end(), kNoRoom));
+        static_cast<size_t>(std::count(sensors.room.begin(), sensors.room.end(), geometry::kNoRoom));
     report.sensorSeconds = clock.seconds();
 }
 
@@ -294,7 +294,7 @@ void DaylightTransport::State::sunOn(Moment& moment, const daylight::SunDisc& di
     }
     inParallel(sensors.sensors.size(), [&](size_t s) {
         const Sensor& sensor = sensors.sensors[s];
-        if (sensors.room[s] == kNoRoom) return;
+        if (sensors.room[s] == geometry::kNoRoom) return;
         moment.sensors[s].sun = strength * sun.atPoint(sensor.position, sensor.normal);
         moment.sensors[s].interreflected += sunEdges(*points, sensors, s, partly, strength, firstBounce);
     });

@@ -250,7 +250,8 @@ void PointScene::findOpenings(std::vector<ConvexRegion> openings, const std::vec
 std::vector<PointView> PointScene::framesOf(const PointView& view,
                                             std::span<const PointView::Polygon> parts) const {
     std::vector<PointView> frames;
-    for (const PointView::Polygon& part : parts) frames.push_back(view.through(blockers_, part, kNoRoom));
+    for (const PointView::Polygon& part : parts)
+        frames.push_back(view.through(blockers_, part, geometry::kNoRoom));
     return frames;
 }
 

@@ -63,7 +63,7 @@ uint32_t roomOfPoint(const geometry::PatchMesh& mesh, dvec3 position, dvec3 norm
                                    glm::dvec2(-0.29, 0.53), glm::dvec2(0.7, -0.9)}) {
         const dvec3 direction = glm::normalize(normal + slant.x * across + slant.y * other);
         double nearest = std::numeric_limits<double>::infinity();
-        uint32_t room = kNoRoom;
+        uint32_t room = geometry::kNoRoom;
         for (size_t i = 0; i < mesh.patchCount(); ++i) {
             const auto corners = mesh.patch(i);
             const dvec3 area = geometry::patchAreaVector(mesh, i);
@@ -88,12 +88,12 @@ uint32_t roomOfPoint(const geometry::PatchMesh& mesh, dvec3 position, dvec3 norm
             if (slope < 0)
                 room = mesh.room[i];
             else if (t < nearest - together)
-                room = kNoRoom;
+                room = geometry::kNoRoom;
             nearest = std::min(nearest, t);
         }
-        if (room != kNoRoom) return room;
+        if (room != geometry::kNoRoom) return room;
     }
-    return kNoRoom;
+    return geometry::kNoRoom;
 }
 
 Blockers::Blockers(const geometry::PatchMesh& mesh) : regions_(blockingRegions(mesh, 16)) {

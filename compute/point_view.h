@@ -16,10 +16,8 @@
 
 namespace heliodon::compute {
 
-constexpr uint32_t kNoRoom = UINT32_MAX;
-
 // The room that a point with this normal is in: that of the patch met first by some ray in front of it, if
-// met from its front. kNoRoom outside of all rooms.
+// met from its front. geometry::kNoRoom outside of all rooms.
 uint32_t roomOfPoint(const geometry::PatchMesh& mesh, glm::dvec3 position, glm::dvec3 normal);
 
 // What can stand between two points of a room.

@@ -106,7 +106,7 @@ SensorGather gatherSensors(const PointScene& scene, const PatchSlopes& slopes, s
         sensors[s].normal = glm::normalize(sensors[s].normal);
         const uint32_t room = roomOfPoint(mesh, sensors[s].position, sensors[s].normal);
         gather.room[s] = room;
-        if (room == kNoRoom) return;
+        if (room == geometry::kNoRoom) return;
         const PointView view(scene.blockers(), sensors[s].position, sensors[s].normal, room);
         scene.seePatches(view, room, slopes, &gather.even[s * n], &gather.smooth[s * n], gather.tinted[s]);
         scene.seeSky(view, room, kSensorSkyAngle, samples[s]);
@@ -136,7 +136,7 @@ glm::vec3 sunEdges(const PointScene& scene, const SensorGather& gather, size_t s
                    std::span<const SunlitParts> partly, double strength,
                    std::span<const glm::vec3> firstBounce) {
     dvec3 sum(0);
-    if (gather.room[sensor] == kNoRoom) return glm::vec3(0);
+    if (gather.room[sensor] == geometry::kNoRoom) return glm::vec3(0);
     const geometry::PatchMesh& mesh = scene.mesh();
     const Sensor& at = gather.sensors[sensor];
     const float* even = &gather.even[sensor * mesh.patchCount()];

@@ -43,7 +43,7 @@ std::vector<float> patchSkyCoefficients(const PointScene& scene, const daylight:
 // Rows of sensors.
 struct SensorGather {
     std::vector<Sensor> sensors;
-    std::vector<uint32_t> room; // kNoRoom: outside, sees nothing
+    std::vector<uint32_t> room; // geometry::kNoRoom: outside, sees nothing
     std::vector<float> even;    // sensors x patches: form factors
     std::vector<float> smooth;  // the same for light that runs on linearly between patches (PatchSlopes)
     std::vector<std::vector<TintedShare>> tinted; // per sensor: to be added to both, channel by channel

@@ -46,7 +46,8 @@ struct Building {
     std::vector<Material> materials;
     uint32_t roomCount = 0;
     Occluders occluders;
-    std::vector<std::string> repairs; // what importModel mended, one sentence each
+    std::vector<std::string> repairs;  // what importModel mended, one sentence each
+    std::vector<std::string> warnings; // the same, where it was guessed what is air: not among the repairs
     double northDeg = 90; // direction of north in the plan, degrees counter-clockwise from +x seen from above
                           // (x right, -z up)
 };

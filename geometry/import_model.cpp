@@ -89,7 +89,7 @@ private:
     // Rooms whose common walls have no thickness; false when that is not what kept them from closing.
     bool shareWalls() {
         const auto space = divideSpace(soup(), kWeldOfExtent * extent_);
-        if (!space || space->repairs.empty() || proveShells(space->outside)[0].selfIntersecting) return false;
+        if (!space || proveShells(space->outside)[0].selfIntersecting) return false;
         for (const auto& [one, other] : space->pairs)
             if (isOpening(one) != isOpening(other))
                 throw InputError(
@@ -100,6 +100,7 @@ private:
         for (const Face& face : building_.faces) source_.push_back(face.surface);
         turnedOver_ = 0;
         building_.repairs.insert(building_.repairs.end(), space->repairs.begin(), space->repairs.end());
+        building_.warnings = space->warnings;
         finish();
         try {
             proveRooms();
@@ -220,8 +221,7 @@ private:
     // A box that stands on a face: its own bottom goes, and the face gets a hole.
     void cutFootprints() {
         dropHiddenBottoms();
-        std::map<uint32_t, uint32_t>
-            next; // the edges that are missing, each from the far end of the one that is there
+        std::map<uint32_t, uint32_t> next; // missing edges, each from the far end of the one that is there
         for (const auto& [edge, faces] : facesOfEdges(building_)) {
             if (faces.size() != 1) continue;
             for (const auto& loop : building_.faces[faces[0]].loops)
@@ -350,8 +350,7 @@ private:
             for (size_t g = 0; g < building_.faces.size() && !hidden[f]; ++g)
                 hidden[f] = f != g && coplanar(building_.faces[g], building_.faces[f].loops[0]) &&
                             inside(building_.faces[g], building_.faces[f].loops[0]);
-        // A pane that lies in a wall face that was not cut is drawn, not hidden: that is for the user to
-        // mend.
+        // A pane that lies in a wall face that was not cut is drawn, not hidden: the user must mend it.
         for (uint32_t f = 0; f < hidden.size(); ++f)
             if (hidden[f] && model_.materials[building_.faces[f].material].isOpening())
                 refuse({f}, "an opening lies on another face that is not cut out for it");
@@ -402,7 +401,8 @@ private:
         std::vector<bool> outside;
         for (const Face& face : building_.faces) outside.push_back(face.room == kNoRoom);
         if (const auto count = std::ranges::count(outside, true); count > 0)
-            building_.repairs.push_back(fmt::format("{} faces of the outside of walls were left out", count));
+            building_.warnings.push_back(fmt::format(
+                "{} faces of the outside of walls were left out: only shells within them are rooms", count));
         leaveOut(outside);
     }
 

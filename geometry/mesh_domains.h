@@ -32,12 +32,12 @@ struct MeshDomain {
 
 glm::dvec3 faceNormal(const Building& building, const Face& face);
 
-// Corners in a straight line that no domain needs are left out of all of them, so that seams between faces of
-// one surface leave no trace. A face with a twin is a domain by itself.
-// `edge`: length that triangles will have, metres; a wall that turns too far within it stays in facets.
 // In the plane, of the longest straight run of the outlines.
 glm::dvec2 mainDirection(const MeshDomain& domain);
 
+// Corners in a straight line that no domain needs are left out of all of them, so that seams between faces of
+// one surface leave no trace. A face with a twin is a domain by itself.
+// `edge`: length that triangles will have, metres; a wall that turns too far within it stays in facets.
 std::vector<MeshDomain> findMeshDomains(const Building& building, double edge);
 
 } // namespace heliodon::geometry

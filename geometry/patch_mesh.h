@@ -33,6 +33,7 @@ struct Material {
 };
 
 constexpr int32_t kNoTwin = -1;
+constexpr uint32_t kNoRoom = UINT32_MAX; // of what is in no room
 
 struct PatchMesh {
     std::vector<glm::dvec3> vertices;

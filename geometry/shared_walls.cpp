@@ -51,7 +51,9 @@ public:
         if (!joinSides()) return std::nullopt;
         makeParts();
         if (!placeParts()) return std::nullopt;
-        return answer();
+        SharedWalls out = answer();
+        if (out.repairs.empty() && out.warnings.empty()) return std::nullopt;
+        return out;
     }
 
 private:
@@ -250,9 +252,10 @@ private:
         };
         for (auto& [id, part] : parts_) {
             if (part.volume <= 0 || isSolid(part.shell)) continue;
-            if (isThing(part))
+            if (isThing(part)) {
                 ++solids_;
-            else
+                largestSolid_ = std::max(largestSolid_, part.volume / largest.volume);
+            } else
                 part.room = static_cast<int>(rooms_++);
         }
         for (auto& [id, part] : parts_) {
@@ -308,10 +311,12 @@ private:
             out.repairs.push_back(fmt::format("{} wall{} without thickness: rooms on both sides share {}",
                                               shared, shared == 1 ? "" : "s", shared == 1 ? "it" : "them"));
         if (solids_ > 0)
-            out.repairs.push_back(
-                fmt::format("{} cut out of the room where {}",
-                            solids_ == 1 ? "1 solid was" : fmt::format("{} solids were", solids_),
-                            solids_ == 1 ? "it stands" : "they stand"));
+            out.warnings.push_back(fmt::format(
+                "{} cut out of the room where {} {:.2g} % of the largest room's volume: a small "
+                "space against a wall whose faces look out of it is solid, those of a room look "
+                "into it",
+                solids_ == 1 ? "1 solid was" : fmt::format("{} solids were", solids_),
+                solids_ == 1 ? "it stands, of" : "they stand, the largest of", 100 * largestSolid_));
         out.outside = weldFaces(outside, 1, tolerance_);
         return out;
     }
@@ -325,8 +330,9 @@ private:
     DisjointSets sides_, shells_;
     std::map<uint32_t, Part> parts_; // by the root of their sides
     uint32_t rooms_ = 0;
-    size_t solids_ = 0;    // that stand against walls or floors
-    bool unclear_ = false; // two materials in one place
+    size_t solids_ = 0;       // that stand against walls or floors
+    double largestSolid_ = 0; // of the largest part's volume
+    bool unclear_ = false;    // two materials in one place
 };
 
 } // namespace

@@ -16,8 +16,8 @@ namespace heliodon::geometry {
 struct SharedWalls {
     std::vector<SoupFace> faces; // with room and `surface` as given; both sides of a shared wall
     uint32_t rooms = 0;
-    std::vector<std::string> repairs; // on walls that two rooms see and solids that stand against walls;
-                                      // empty when there are none
+    std::vector<std::string> repairs;  // on walls that two rooms see; empty when there are none
+    std::vector<std::string> warnings; // on solids that stand against walls; empty when there are none
     std::vector<std::array<uint32_t, 2>> pairs; // given faces (`surface`) that lie on one another
     Building outside; // the same as one closed shell seen from outside: to be proven free of crossings
 };
@@ -27,7 +27,8 @@ struct SharedWalls {
 // rest of its own faces are. Shells that share no wall with a room they stand in are solids in its air; so
 // are small parts of space, against a wall or on the floor, whose faces look out of them where those of the
 // largest part look into it. None where an edge is open, two faces with different materials look the same way
-// from one place, or no part is bounded. Cost: n log n, n^2 in one plane.
+// from one place, no part is bounded, or there is neither a wall that two rooms see nor a solid against a
+// wall. Cost: n log n, n^2 in one plane.
 std::optional<SharedWalls> divideSpace(const std::vector<SoupFace>& faces, double tolerance);
 
 } // namespace heliodon::geometry

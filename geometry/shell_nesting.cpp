@@ -23,12 +23,14 @@ bool isOutside(uint32_t s, const std::vector<std::vector<uint32_t>>& around,
                const std::vector<double>& volumes) {
     constexpr double kMostlyFilled = 0.5, kFilled = 0.125;
     double filled = 0;
-    bool inwards = true;
+    bool inwards = true, outwards = true; // those within
     for (size_t o = 0; o < around.size(); ++o)
         if (around[o].size() == 1 && around[o][0] == s) {
             filled += std::abs(volumes[o]);
             inwards = inwards && volumes[o] > 0;
+            outwards = outwards && volumes[o] < 0;
         }
+    if (volumes[s] > 0 && outwards) return false; // a room with solids, however large, drawn as they are
     const double share = filled / std::abs(volumes[s]);
     return share > kMostlyFilled || (share > kFilled && inwards && volumes[s] < 0);
 }

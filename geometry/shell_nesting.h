@@ -6,13 +6,13 @@
 
 #include <glm/vec3.hpp>
 
+#include "geometry/patch_mesh.h"
+
 namespace heliodon::geometry {
 
 struct ShellTriangle {
     glm::dvec3 a, b, c;
 };
-
-constexpr uint32_t kNoRoom = 0xffffffffu;
 
 struct ShellNesting {
     std::vector<uint32_t> room; // per shell: the room that it bounds or stands in; kNoRoom: see below
@@ -22,9 +22,9 @@ struct ShellNesting {
 
 // The outermost shell bounds a room, a shell within it is a solid that stands in the room's air, and so on
 // inwards. But an outermost shell that is more than half filled by those within it is the outside of walls
-// that have a thickness, and so is one that looks outwards, an eighth or more filled by shells that look
-// inwards: it bounds no room, those within it do. Each shell is closed, its triangles look to one side;
-// shells do not cross. Cost: shells times triangles.
+// that have a thickness, unless it looks inwards and all of those outwards; and so is one that looks
+// outwards, an eighth or more filled by shells that look inwards: it bounds no room, those within it do. Each
+// shell is closed, its triangles look to one side; shells do not cross. Cost: shells times triangles.
 ShellNesting nestShells(const std::vector<std::vector<ShellTriangle>>& shells);
 
 // How many times a ray from p, in a direction that is no one's normal or edge, passes through the shell: odd

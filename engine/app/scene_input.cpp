@@ -110,6 +110,7 @@ void reportImport(Run& run, const geometry::PatchMesh& mesh, const geometry::Bui
     for (const std::string& repair : building.repairs) message += "; " + repair;
     report["message"] = message;
     report["repairs"] = building.repairs;
+    for (const std::string& warning : building.warnings) run.warn(warning);
     report["n_rooms"] = rooms.size();
     report["rooms"] = json::array();
     for (size_t r = 0; r < rooms.size(); ++r)

@@ -106,9 +106,9 @@ TEST(PointView, points_outside_are_in_no_room) {
     const geometry::PatchMesh mesh = test::boxRoom({});
     EXPECT_EQ(roomOfPoint(mesh, {2, 1, 2}, {0, 1, 0}), 0u);
     EXPECT_EQ(roomOfPoint(mesh, {2, 0, 2}, {0, 1, 0}), 0u); // on the floor
-    EXPECT_EQ(roomOfPoint(mesh, {-1, 1, 2}, {1, 0, 0}), kNoRoom);
-    EXPECT_EQ(roomOfPoint(mesh, {2, -1, 2}, {0, 1, 0}), kNoRoom);
-    EXPECT_EQ(roomOfPoint(mesh, {9, 9, 9}, {0, 1, 0}), kNoRoom);
+    EXPECT_EQ(roomOfPoint(mesh, {-1, 1, 2}, {1, 0, 0}), geometry::kNoRoom);
+    EXPECT_EQ(roomOfPoint(mesh, {2, -1, 2}, {0, 1, 0}), geometry::kNoRoom);
+    EXPECT_EQ(roomOfPoint(mesh, {9, 9, 9}, {0, 1, 0}), geometry::kNoRoom);
 }
 
 TEST(RoomOfPoint, a_wall_without_thickness_counts_on_the_side_that_is_seen) {

@@ -79,14 +79,20 @@ std::string written(const Polygons& model) {
     return file;
 }
 
-void expectRooms(const Polygons& model, uint32_t rooms, double cubicMetres, const std::string& repair = "") {
+void expectRooms(const Polygons& model, uint32_t rooms, double cubicMetres, const std::string& repair = "",
+                 const std::string& warning = "") {
     const Building building = importModel(written(model));
     EXPECT_EQ(building.roomCount, rooms);
     EXPECT_NEAR(volume(meshBuilding(building, {500})), cubicMetres, 1e-4 * cubicMetres);
-    if (repair.empty()) return;
-    std::string all;
-    for (const std::string& r : building.repairs) all += r + "; ";
-    EXPECT_NE(all.find(repair), std::string::npos) << all;
+    const auto joined = [](const std::vector<std::string>& sentences) {
+        std::string all;
+        for (const std::string& s : sentences) all += s + "; ";
+        return all;
+    };
+    const std::string repairs = joined(building.repairs), warnings = joined(building.warnings);
+    EXPECT_NE(repairs.find(repair), std::string::npos) << repairs;
+    EXPECT_NE(warnings.find(warning), std::string::npos) << warnings;
+    EXPECT_EQ(warnings.empty(), warning.empty()) << warnings;
 }
 
 void expectRefused(const Polygons& model, const std::string& why) {
@@ -333,15 +339,29 @@ TEST(DirtyModel, the_outside_of_walls_with_a_thickness_is_no_room) {
     for (const bool outwards : {false, true}) { // the faces of the outside
         Polygons model = room();
         model.add(box({-0.3, -0.3, -0.3}, {4.3, 2.8, 3.3}), outwards);
-        expectRooms(model, 1, 30, "6 faces of the outside of walls were left out");
+        expectRooms(model, 1, 30, "", "6 faces of the outside of walls were left out");
     }
     // Walls of a metre round a cell: only the way that faces look tells it from a block in a room.
     for (const bool solid : {false, true}) {
         Polygons model = box({-1, -1, -1}, {3, 3.2, 3});
         if (!solid) std::ranges::for_each(model.faces, [](auto& face) { std::ranges::reverse(face); });
         model.add(box({0, 0, 0}, {2, 2.2, 2}), solid);
-        expectRooms(model, 1, solid ? 4 * 4.2 * 4 - 8.8 : 8.8);
+        expectRooms(model, 1, solid ? 4 * 4.2 * 4 - 8.8 : 8.8, "", solid ? "" : "outside of walls");
     }
+}
+
+TEST(DirtyModel, a_block_that_fills_most_of_a_room_is_solid_where_faces_say_so) {
+    for (const double size : {3.3, 3.9}) { // 56 % and 93 %
+        const double gap = (4 - size) / 2;
+        Polygons model = box({0, 0, 0}, {4, 4, 4});
+        model.add(box({gap, gap, gap}, {4 - gap, 4 - gap, 4 - gap}), true);
+        expectRooms(model, 1, 64 - size * size * size);
+    }
+    // Two blocks, one of them drawn the other way: the faces say nothing sure, most of it is filled.
+    Polygons mixed = box({0, 0, 0}, {4, 4, 4});
+    mixed.add(box({0.2, 0.2, 0.2}, {3.8, 3.8, 1.9}), true);
+    mixed.add(box({0.2, 0.2, 2.1}, {3.8, 3.8, 3.8}));
+    expectRooms(mixed, 2, 2 * 3.6 * 3.6 * 1.7, "", "outside of walls");
 }
 
 // Each box drawn by itself, from outside, the room from inside: floor and bottom lie on one another.
@@ -351,9 +371,17 @@ TEST(DirtyModel, things_that_stand_against_walls_are_solid) {
         Polygons model = room();
         model.add(thing, true);
         const glm::dvec3 size = thing.vertices[7] - thing.vertices[0];
-        for (const Polygons& drawn : {model, triangles(model), apart(triangles(model), 0)})
-            expectRooms(drawn, 1, 30 - size.x * size.y * size.z);
+        for (const Polygons& drawn : {model, triangles(model), apart(triangles(model), 0)}) {
+            // Where it stands within floor and ceiling that are whole, it is cut out whichever way it looks.
+            const bool cut = thing.vertices[0].z > 0 && drawn.faces.size() == model.faces.size();
+            expectRooms(drawn, 1, 30 - size.x * size.y * size.z, "", cut ? "" : "1 solid was cut out");
+        }
     }
+    Polygons two = room();
+    two.add(box({1, 0, 0}, {1.5, 0.8, 0.6}), true);
+    two.add(box({3.5, 0, 0}, {4, 2.5, 0.72}), true);
+    expectRooms(two, 1, 30 - 0.24 - 0.9, "",
+                "2 solids were cut out of the room where they stand, the largest of 3.1 %");
     Polygons closet = room(); // drawn from inside it is a room
     closet.add(box({4, 0, 0}, {4.5, 2.5, 0.7}));
     expectRooms(closet, 2, 30 + 0.5 * 2.5 * 0.7);

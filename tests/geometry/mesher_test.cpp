@@ -75,7 +75,8 @@ INSTANTIATE_TEST_SUITE_P(Sketches, MeshOfSketch,
 // The targets: angles of 36 degrees, as of gmsh's frontal mesher, which reaches 36.1 on the L-shaped room
 // (pmp-library 22.3), but here in every room; areas with a deviation of 0.13 at 2000 and 0.09 at 10,000.
 // Rooms with cracks, steps of half an inch or partitions need a few smaller triangles, and get what was
-// measured for them.
+// measured for them. Curved walls have as few facets here as the chord error allows; the program fits them to
+// the triangles, so that docs/geometry.md has other angles for them (i01_mixed).
 struct RoomQuality {
     std::string sketch;
     double minAngle, deviation2000, deviation10000;
