@@ -125,6 +125,7 @@ public:
         return CameraPicture{picture_, lastShown_};
     }
     bool isContinuous() const override { return true; }
+    bool hasEnded() const override { return !options_.loop && turn_ == files_.size() - 1; }
     std::string description() const override {
         return fmt::format("replay, picture {} of {}", turn_.value_or(0) + 1, files_.size());
     }

@@ -34,6 +34,8 @@ public:
     virtual std::optional<CameraPicture> next(std::chrono::milliseconds longest) = 0;
     // Pictures come all the time, with hands over the table in some of them. Otherwise each picture is meant.
     virtual bool isContinuous() const = 0;
+    // Every picture from now on is the last one again.
+    virtual bool hasEnded() const { return false; }
     virtual std::string description() const = 0;
 };
 

@@ -2,12 +2,19 @@
 
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "compute/gpu/device.h"
 #include "compute/gpu/error.h"
 
 namespace heliodon::gpu {
 
 Image::Image(Device& device, const ImageInfo& info, const std::string& name) : device_(&device), info_(info) {
+    const uint32_t most = device.limits().maxImageDimension2D;
+    if (info.width > most || info.height > most)
+        throw Error(VK_ERROR_FORMAT_NOT_SUPPORTED,
+                    fmt::format("{}: a picture of {} x {} pixels is drawn, the device takes {} along an edge",
+                                name, info.width, info.height, most));
     VkImageCreateInfo create{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
     create.flags = info.flags;
     create.imageType = VK_IMAGE_TYPE_2D;

@@ -21,7 +21,7 @@ struct ImageInfo {
 };
 
 // Optimally tiled, in device memory; freed when the device has done what it was last submitted for. Throws
-// Error when Vulkan refuses.
+// Error when it is larger than the device's limits or Vulkan refuses.
 class Image {
 public:
     Image() = default;

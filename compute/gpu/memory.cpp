@@ -19,6 +19,10 @@ VkDeviceSize alignUp(VkDeviceSize value, VkDeviceSize alignment) {
 Memory::Memory(VkPhysicalDevice physical, VkDevice device, bool mapsOwn)
     : device_(device), mapsOwn_(mapsOwn), keeps_(!mapsOwn) {
     vkGetPhysicalDeviceMemoryProperties(physical, &properties_);
+    VkPhysicalDeviceMaintenance3Properties sizes{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES};
+    VkPhysicalDeviceProperties2 all{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &sizes, {}};
+    vkGetPhysicalDeviceProperties2(physical, &all);
+    largestPiece_ = sizes.maxMemoryAllocationSize;
     for (uint32_t i = 0; i < properties_.memoryTypeCount; ++i) {
         const VkMemoryPropertyFlags flags = properties_.memoryTypes[i].propertyFlags;
         keeps_ |=
@@ -30,6 +34,14 @@ Memory::~Memory() {
     assert(inUse_ == 0);
     for (auto& [key, pool] : pools_)
         for (Block& block : pool) vkFreeMemory(device_, block.memory, nullptr);
+}
+
+VkDeviceSize Memory::largestHeap() const {
+    VkDeviceSize most = 0;
+    for (uint32_t i = 0; i < properties_.memoryTypeCount; ++i)
+        if (properties_.memoryTypes[i].propertyFlags & VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT)
+            most = std::max(most, properties_.memoryHeaps[properties_.memoryTypes[i].heapIndex].size);
+    return most;
 }
 
 uint32_t Memory::memoryType(uint32_t allowed, Place place) const {

@@ -2,6 +2,7 @@
 // vkAllocateMemory.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <list>
 #include <map>
@@ -39,6 +40,10 @@ public:
     Allocation allocate(const VkMemoryRequirements& need, Place place, bool image);
     void free(const Allocation& allocation);
 
+    // Most that Place::device can hold, of which others may have taken some, and most of it in one piece.
+    VkDeviceSize largestHeap() const;
+    VkDeviceSize largestPiece() const { return std::min(largestPiece_, largestHeap()); }
+
     VkDeviceSize bytesInUse() const { return inUse_; }
     VkDeviceSize bytesReserved() const { return reserved_; }
     VkDeviceSize peakBytesInUse() const { return peak_; }
@@ -62,6 +67,7 @@ private:
     VkDevice device_;
     bool mapsOwn_, keeps_;
     VkPhysicalDeviceMemoryProperties properties_{};
+    VkDeviceSize largestPiece_ = 0;
     std::map<uint32_t, Pool> pools_; // key: memory type, + 32 for images
     VkDeviceSize inUse_ = 0, reserved_ = 0, peak_ = 0, kept_ = 0;
 };

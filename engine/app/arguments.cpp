@@ -360,7 +360,9 @@ private:
         sub->add_option("--duration", live_.duration, "end after so many seconds")->check(positive());
         sub->add_option(
             "--script", live_.script,
-            "do what this file says, a line each: wait, look TIMES, sleep S, time T, sky SKY (or weather, "
+            "do what this file says, a line each: wait, look TIMES (until so many pictures of a table that "
+            "had changed have been looked at; with file: those that were written), sleep S, time T, sky SKY "
+            "(or weather, "
             "the file's), wheel N [shift] [ctrl], key K, resize WINDOW WIDTH HEIGHT, close "
             "WINDOW, snapshot NAME, quit");
         sub->add_option("--snapshots", live_.snapshots,

@@ -119,7 +119,9 @@ FrameJob frameJobOf(Run& run, const TimelapseArguments& arguments, const Scene& 
 
 std::optional<std::string> difference(const FrameJob& there, const FrameJob& here) {
     for (const auto& [name, value] : here.options.items()) {
-        const ordered_json old = there.options.value(name, ordered_json("unknown"));
+        // A job that does not name --size is from before it existed: pictures were as the default is now.
+        const ordered_json old =
+            there.options.value(name, ordered_json(name == "--size" ? "default" : "unknown"));
         if (old == value) continue;
         const std::string a = readable(old), b = readable(value);
         if (a.starts_with(kHash) && b.starts_with(kHash))

@@ -278,7 +278,20 @@ private:
         return !std::holds_alternative<WaitStep>(script_[step_]) || settled();
     }
 
+    // What a script waits for must be able to come.
+    void refuseLookAfterTheEnd() const {
+        const auto* look = step_ < script_.size() ? std::get_if<LookStep>(&script_[step_]) : nullptr;
+        if (!look || !board_.cameraEnded() || !settled()) return;
+        const size_t looks = board_.looks();
+        if (looks < look->times)
+            throw geometry::InputError(arguments_.script.string(), fmt::format("look {}", look->times),
+                                       fmt::format("the replay has ended with {} looks at the table, "
+                                                   "expected more pictures or --loop",
+                                                   looks));
+    }
+
     void runScript() {
+        refuseLookAfterTheEnd();
         if (!scriptReady()) return;
         const ScriptStep& step = script_[step_];
         if (const auto* sleep = std::get_if<SleepStep>(&step))

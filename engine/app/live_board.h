@@ -25,6 +25,7 @@ inline double secondsSince(LiveClock::time_point start) {
 struct LiveStatus {
     std::string camera = "no camera yet"; // what it is, or why there is none
     bool cameraFails = false, tableMoves = false;
+    bool cameraEnded = false; // and its last picture has been looked at: no look follows
     std::shared_ptr<const vision::Photograph> photo; // the latest
     geometry::Sketch seen;                           // what was detected last
     double detectSeconds = 0;
@@ -34,7 +35,7 @@ struct LiveStatus {
     std::string refused;                             // why the latest sketch is not shown
     std::string lightRefused;                        // why its light is not that of the moment asked for
     nlohmann::json scene = nlohmann::json::object(); // report of the sketch that is shown
-    size_t pictures = 0, looks = 0;                  // looks: at pictures, for a sketch, or in vain
+    size_t pictures = 0, looks = 0;                  // looks: at changed tables, or in vain
     size_t detections = 0, sketches = 0, refusals = 0, cameraLosses = 0, deviceLosses = 0;
 };
 
@@ -54,6 +55,10 @@ public:
     size_t looks() const {
         const std::lock_guard lock(mutex_);
         return status_.looks;
+    }
+    bool cameraEnded() const {
+        const std::lock_guard lock(mutex_);
+        return status_.cameraEnded;
     }
 
     // Every piece of work is announced by whoever hands it over, before, and ended by whoever does it, after

@@ -21,7 +21,8 @@ class LiveTable::Eye {
 public:
     explicit Eye(LiveTable& table) : table_(table) {}
 
-    void look(const vision::CameraPicture& picture, bool continuous) {
+    void look(const vision::CameraPicture& picture, const vision::Camera& camera) {
+        const bool continuous = camera.isContinuous();
         const bool again = picture.photo == photo_;
         photo_ = picture.photo;
         if (!again || !continuous)
@@ -37,8 +38,11 @@ public:
         using State = vision::TableWatch::State;
         const State state = watch_.look(*picture.photo, picture.taken);
         const bool flicker = watch_.lightIsChanging(picture.taken);
-        table_.board_.update(
-            [&](LiveStatus& status) { status.tableMoves = state == State::moving && !flicker; });
+        const bool ended = camera.hasEnded() && state == State::same && !flicker;
+        table_.board_.update([&](LiveStatus& status) {
+            status.tableMoves = state == State::moving && !flicker;
+            status.cameraEnded = ended;
+        });
         if (state == State::changed) {
             watch_.worked();
             detect(picture);
@@ -49,7 +53,8 @@ public:
     }
 
 private:
-    std::optional<geometry::Sketch> sketchOf(const vision::CameraPicture& picture) {
+    // `counts`: of a table that had changed, not of one that is looked at again under other light.
+    std::optional<geometry::Sketch> sketchOf(const vision::CameraPicture& picture, bool counts) {
         const compute::Stopwatch watch;
         vision::DetectionResult found;
         try {
@@ -58,7 +63,7 @@ private:
             table_.board_.update([&](LiveStatus& status) {
                 status.pictureRefused = error.what();
                 ++status.refusals;
-                ++status.looks;
+                status.looks += counts;
             });
             return std::nullopt;
         }
@@ -69,20 +74,20 @@ private:
             status.detectWarnings = found.warnings;
             status.detectSeconds = watch.seconds();
             ++status.detections;
-            ++status.looks;
+            status.looks += counts;
         });
         return std::move(found.sketch);
     }
 
     void detect(const vision::CameraPicture& picture) {
         table_.board_.begin(); // counted as looked at before what was seen is handed on
-        if (const auto sketch = sketchOf(picture)) accept(*sketch, picture.taken);
+        if (const auto sketch = sketchOf(picture, true)) accept(*sketch, picture.taken);
         table_.board_.end();
     }
 
     void detectTwice(const vision::CameraPicture& picture) {
         table_.board_.begin();
-        if (const auto sketch = sketchOf(picture)) {
+        if (const auto sketch = sketchOf(picture, false)) {
             const bool agrees = candidate_ && vision::steadied(*candidate_, *sketch).same();
             candidate_ = *sketch;
             if (agrees) accept(*sketch, picture.taken);
@@ -152,7 +157,7 @@ void LiveTable::run() {
                 status.cameraFails = false;
             });
             if (picture) {
-                eye.look(*picture, camera_->isContinuous());
+                eye.look(*picture, *camera_);
                 if (first && (!camera_->isContinuous() || board_.looks() > 0)) arrived();
             }
         } catch (const vision::CameraLost& lost) {
@@ -170,6 +175,7 @@ void LiveTable::run() {
                 status.pictureRefused = error.what();
                 ++status.refusals;
                 ++status.looks;
+                status.cameraEnded = camera_ && camera_->hasEnded();
             });
             arrived();
             std::this_thread::sleep_for(kLook);

@@ -2,8 +2,12 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "engine/app/pixel_size.h"
 #include "engine/passes/false_colour.h"
+#include "engine/passes/scene_pass.h"
+#include "geometry/input_error.h"
 
 namespace heliodon::app {
 
@@ -25,6 +29,27 @@ passes::PreviewOptions sized(passes::PreviewOptions options, const PictureArgume
     const PixelSize size = parseSize("--size", arguments.size, kMost);
     options.width = size.width, options.height = size.height;
     return options;
+}
+
+void checkSize(Run& run, const PictureArguments& arguments) {
+    if (arguments.size.empty()) return;
+    const passes::PreviewOptions options = sized({}, arguments);
+    gpu::Device& device = run.device();
+    const int most = static_cast<int>(device.limits().maxImageDimension2D) / options.supersample;
+    if (options.width > most || options.height > most)
+        throw geometry::InputError(
+            "--size", arguments.size,
+            fmt::format("{} draws at most {} pixels along an edge", device.info().name, most));
+    const uint64_t pixels = uint64_t(options.width) * uint64_t(options.height) *
+                            uint64_t(options.supersample) * uint64_t(options.supersample);
+    using Target = passes::SceneTarget;
+    const gpu::Memory& memory = device.memory();
+    if (pixels * Target::kColourBytes > memory.largestPiece() ||
+        pixels * (Target::kColourBytes + Target::kDepthBytes) > memory.largestHeap())
+        throw geometry::InputError(
+            "--size", arguments.size,
+            fmt::format("is drawn with {} million subpixels, for which {} has no memory", pixels / 1'000'000,
+                        device.info().name));
 }
 
 void settle(passes::Tone& tone, const passes::FrameRenderer& renderer,

@@ -17,6 +17,9 @@ passes::FrameRenderer makeRenderer(Run& run, const Scene& scene, gpu::Device* de
 // Of the size that the arguments ask for, else as `options` have it.
 passes::PreviewOptions sized(passes::PreviewOptions options, const PictureArguments& arguments);
 
+// Throws InputError naming --size where it is no size, or the device cannot draw such pictures.
+void checkSize(Run& run, const PictureArguments& arguments);
+
 // `tone` as the arguments want it: their exposure, and false colour in place of its map.
 passes::Tone toned(passes::Tone tone, const PictureArguments& arguments, bool falseColour);
 

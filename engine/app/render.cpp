@@ -141,7 +141,7 @@ void execute(Run& run, const RenderArguments& arguments) {
     // A typing error in these should not cost the form factors.
     const std::optional<Sheet> sheet =
         arguments.contactSheet ? std::optional(sheetOf(arguments)) : std::nullopt;
-    sized({}, arguments.picture);
+    checkSize(run, arguments.picture);
     const Scene scene = loadScene(run, arguments.scene);
     const SkySource source(run, arguments.moment, scene);
     const daylight::Sky sky = source.skyAt(source.moment());

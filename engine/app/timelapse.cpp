@@ -227,7 +227,7 @@ void execute(Run& run, const TimelapseArguments& arguments) {
                            to = daylight::parseTime(arguments.to, "--to");
     const std::vector<daylight::Moment> times = daylight::timeSeries(
         from, to, daylight::parseDuration(arguments.step, "--step"), "--from, --to, --step");
-    sized({}, arguments.picture); // now, not after the form factors
+    checkSize(run, arguments.picture); // now, not after the form factors
     const Scene scene = loadScene(run, arguments.scene);
     MomentArguments moment = arguments.moment;
     moment.time = arguments.from;

@@ -99,14 +99,15 @@ int legendUnit(int height) {
 } // namespace
 
 int legendWidth(int height) {
-    return 72 * legendUnit(height);
+    constexpr int kLeastHeight = 54; // a bar of 20 rows between "lux" and the margins
+    return height < kLeastHeight ? 0 : 72 * legendUnit(height);
 }
 
 void drawLegend(Image8& picture, const FalseScale& scale) {
     const int size = legendUnit(picture.height), barWidth = 12 * size, margin = 10 * size;
     const int right = picture.width - margin, left = picture.width - legendWidth(picture.height);
     const int top = margin + 14 * size, bottom = picture.height - margin;
-    if (left < 0 || bottom - top < 20) return;
+    if (left < 0 || left == picture.width) return;
     fill(picture, left, 0, picture.width, picture.height, {24, 24, 24});
     const Lettering letters{9.0 * size, kInk};
     letters.draw(picture, right - letters.width("lux"), margin + letters.capital, "lux");

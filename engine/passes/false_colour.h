@@ -21,7 +21,7 @@ FalseScale falseScale(const Tone& tone, std::span<const float> lux);
 // Colour at t in 0..1, sRGB-encoded, as shaders/lib/viridis.glsl.
 glm::vec3 viridis(double t);
 
-// Columns that the legend of a picture so high takes.
+// Columns that the legend of a picture so high takes; 0 where it is too low for one.
 int legendWidth(int height);
 
 // A bar with numbers over the last legendWidth() columns, on a dark ground; nothing where the picture is too

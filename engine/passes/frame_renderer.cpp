@@ -389,8 +389,8 @@ double FrameRenderer::reachLux() const {
 
 Image8 FrameRenderer::preview(const compute::Lighting& light, const PreviewOptions& options) {
     const int strip = legendWidth(options.height);
-    const bool legend =
-        options.tone.map == ToneMap::falseColour && options.tone.legend && options.width > 2 * strip;
+    const bool legend = options.tone.map == ToneMap::falseColour && options.tone.legend && strip > 0 &&
+                        options.width > 2 * strip;
     PreviewOptions room = options;
     if (legend) room.width -= strip;
     Image8 picture = bytesOf(state_->drawView(light, state_->previewView(room), options.tone, false));

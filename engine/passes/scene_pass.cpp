@@ -15,7 +15,7 @@ namespace heliodon::passes {
 namespace {
 
 // Adding to half floats takes a software device longer than to whole ones.
-constexpr VkFormat kColour = VK_FORMAT_R32G32B32A32_SFLOAT;
+constexpr VkFormat kColour = VK_FORMAT_R32G32B32A32_SFLOAT; // SceneTarget tells their sizes
 constexpr VkFormat kDepth = VK_FORMAT_D32_SFLOAT_S8_UINT;
 
 const gpu::VertexStream kCornerStream{

@@ -20,6 +20,8 @@ namespace heliodon::passes {
 
 // Attachments of one view.
 struct SceneTarget {
+    static constexpr uint64_t kColourBytes = 16, kDepthBytes = 8; // a pixel
+
     SceneTarget(gpu::Device& device, int width, int height, const std::string& name);
     gpu::Image colour, depth;
 };

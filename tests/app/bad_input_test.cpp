@@ -91,6 +91,10 @@ TEST_F(BadInput, names_of_files_where_a_folder_is_written) {
          {"1920", "1920x", "x1080", "0x0", "-640x480", "640x480x2", "99999x10", "640.5x480"})
         expectRefused("render " + sketch + " -o " + in("out") + " --size=" + size,
                       {"--size", "WIDTHxHEIGHT"});
+    // More than the software device takes in one piece: said before the form factors.
+    if (heliodon("devices").output.find("llvmpipe") == std::string::npos) GTEST_SKIP() << "no llvmpipe";
+    expectRefused("render " + sketch + " -o " + in("out") + " --device llvmpipe --size 8192x8192",
+                  {"--size", "8192x8192", "llvmpipe"});
 }
 
 TEST_F(BadInput, a_rig_that_says_nothing_of_its_table_is_not_passed_over) {

@@ -196,10 +196,24 @@ TEST_F(Live, a_camera_is_followed) {
     sketch.north->dirDeg += 20;
     paint(sketch, 0.8, in("pictures/2.png"));
     const Outcome outcome =
-        live("replay:" + in("pictures"), "sleep 5\nwait\nquit\n", "--interval 3 --window-scale 0.25");
+        live("replay:" + in("pictures"), "look 2\nquit\n", "--interval 3 --window-scale 0.25");
     ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
     EXPECT_EQ(report["live"]["done_again"], json({"geometry", "north"}));
     EXPECT_GT(report["live"]["pictures"], 1);
+}
+
+// Nothing more can come: said, not waited for.
+TEST_F(Live, a_look_after_the_end_of_a_replay_is_an_error) {
+    for (const bool readable : {true, false}) {
+        fs::create_directories(folder / "pictures");
+        fs::copy_file(kPhoto, folder / "pictures/1.png", fs::copy_options::overwrite_existing);
+        if (!readable) writeText(folder / "pictures/2.png", "no picture");
+        const Outcome outcome = live("replay:" + in("pictures"), "look 3\nquit\n",
+                                     "--interval 1 --window-scale 0.25 --duration 200");
+        EXPECT_EQ(outcome.exitCode, 2) << outcome.output;
+        EXPECT_NE(outcome.output.find("look 3: the replay has ended with"), std::string::npos)
+            << outcome.output;
+    }
 }
 
 TEST_F(Live, ends_cleanly_with_ctrl_c_and_with_its_windows) {

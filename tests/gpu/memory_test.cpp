@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "compute/gpu/error.h"
+#include "compute/gpu/image.h"
 #include "tests/gpu/test_device.h"
 
 namespace heliodon::gpu {
@@ -76,6 +78,19 @@ TEST(Memory, random_traffic_never_overlaps_and_merges_back_to_nothing) {
     for (const Allocation& a : live) memory.free(a);
     EXPECT_EQ(memory.bytesInUse(), 0u);
     EXPECT_LE(memory.blockCount(), 2u); // one for buffers and one for images stay ready
+}
+
+TEST(Image, larger_than_the_device_takes_is_refused_by_name) {
+    Device& device = test::device();
+    const uint32_t most = device.limits().maxImageDimension2D;
+    for (const auto& [width, height] : {std::pair{most + 1, 1u}, {1u, most + 1}}) try {
+            const Image image(device, {.width = width, .height = height, .usage = VK_IMAGE_USAGE_SAMPLED_BIT},
+                              "poster");
+            ADD_FAILURE() << width << " x " << height;
+        } catch (const Error& error) {
+            EXPECT_NE(std::string(error.what()).find("poster"), std::string::npos) << error.what();
+            EXPECT_NE(std::string(error.what()).find(std::to_string(most)), std::string::npos);
+        }
 }
 
 } // namespace

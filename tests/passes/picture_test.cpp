@@ -89,6 +89,14 @@ TEST(FalseColour, the_legend_shows_both_ends_of_the_scale) {
     Image8 tiny{3, 3, std::vector<uint8_t>(27, 9)};
     drawLegend(tiny, {}); // no room: nothing happens
     EXPECT_EQ(tiny.rgb, std::vector<uint8_t>(27, 9));
+    // A strip is kept free for it just where it is drawn.
+    for (int height = 16; height < 100; ++height) {
+        Image8 low{400, height, std::vector<uint8_t>(3 * 400 * static_cast<size_t>(height), 128)};
+        drawLegend(low, {});
+        int columns = 0;
+        while (columns < 400 && low.pixel(399 - columns, 0)[0] != 128) ++columns;
+        EXPECT_EQ(columns, legendWidth(height)) << height;
+    }
 }
 
 } // namespace
