@@ -221,10 +221,10 @@ TEST(SkyFile, wrong_fields_are_named) {
         const char* place;
     };
     const std::vector<Case> cases{
-        {"", ": "},
-        {"[1,2", ": "},
+        {"", ":1: "},
+        {"[1,2", ":1: "},
         {"[]", ": "},
-        {"{\"format\":\"vh-sky/1\"", ": "},
+        {"{\"format\":\"vh-sky/1\"", ":1: "},
         {R"({"model":"perez"})", ":format: "},
         {R"({"format":"vh-sky/2","model":"perez"})", ":format: "},
         {R"({"format":"vh-sky/1"})", ":model: "},
