@@ -297,8 +297,8 @@ void AnnualDaylight::addEdges(const TransportParts& parts, std::span<float> refl
         if (room == geometry::kNoRoom) return;
         const Sensor& at = parts.sensors[s];
         std::vector<float> more(sunny_.size(), 0);
-        edges_.addTo(more, PointView(parts.points.blockers(), at.position, at.normal, room), room,
-                     &parts.sensorEven[s * n]);
+        edges_.addTo(more, parts.points, PointView(parts.points.blockers(), at.position, at.normal, room),
+                     room, &parts.sensorEven[s * n]);
         edges_.addTo(more, parts.points, parts.near[s], room);
         for (size_t k = 0; k < more.size(); ++k) reflected[k * count + s] += more[k];
     });

@@ -195,7 +195,7 @@ void explain(FormFactorReport& report, const FormFactorOptions& options, const C
     warnIfAbove("radiosity", report.claimedRadiosityError, options.maxRadiosityError);
     warnIfAbove("rows", report.claimedRowError, options.maxError);
     if (report.kernel == "hierarchical")
-        warnIfAbove("a row's sum", report.claimedRowSumError, 10 * options.maxError);
+        warnIfAbove("a row's sum", report.claimedRowSumError, kSumOverRow * options.maxError);
 }
 
 } // namespace

@@ -28,7 +28,6 @@ namespace {
 
 constexpr uint32_t kMostColumns = 4;
 constexpr uint32_t kAttempts = 3, kRounds = 8;
-constexpr double kSumOverRow = 10;     // what sums of rows may be off by, over the row error asked
 constexpr size_t kSortedTogether = 64; // nodes' entries, by one thread
 constexpr double kRowCaution = 1.4; // of single rows over their estimates, so that 99 of 100 hold (measured)
 constexpr double kLeastHidden = 5e-4; // row error that samples of visibility reach in useful time

@@ -22,10 +22,12 @@ class LinkClaims;
 struct HierarchicalOptions {
     // Wanted RMS over rows of ||F_i - true||. Tolerances are lowered up to twice where the estimate of what
     // was reached (FormFactorReport::claimedRowError) is above; below 5e-4 not where pairs may be partly
-    // hidden: `exact` goes on from there. Links of rows whose sums may be off by more than ten times as much
-    // are taken apart, in a few rounds; FormFactorReport::claimedRowSumError says what was reached.
+    // hidden: `exact` goes on from there. Links of rows whose sums may be off by more than kSumOverRow times
+    // as much are taken apart, in a few rounds; FormFactorReport::claimedRowSumError says what was reached.
     double maxError = 5e-3;
 };
+
+constexpr double kSumOverRow = 10;
 
 struct HierarchicalStatistics {
     uint64_t links = 0; // once for each pair

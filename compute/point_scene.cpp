@@ -312,6 +312,14 @@ void PointScene::seeSky(const PointView& view, uint32_t room, double angle,
     });
 }
 
+double PointScene::factor(const PointView& view, uint32_t patch) const {
+    const Patch& at = patches_[patch];
+    if (glm::dot(view.position() - at.centre, at.normal) <= blockers_.tolerance()) return 0;
+    std::vector<dvec3> corners;
+    cornersOf(*mesh_, patch, corners);
+    return view.factor(corners);
+}
+
 void PointScene::seePatches(const PointView& view, uint32_t room, const PatchSlopes& slopes, float* even,
                             float* smooth, std::vector<TintedShare>& tinted) const {
     forRoomsSeen(view, {room, {}}, [&](const PointView& seen, const RoomBeyond& beyond) {

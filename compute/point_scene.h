@@ -76,6 +76,9 @@ public:
     void seePatchesBeyond(const PointView& view, uint32_t room, float* row,
                           std::vector<TintedShare>& tinted) const;
 
+    // The view's form factor of a patch in its own room; 0 where it looks at its back or along it.
+    double factor(const PointView& view, uint32_t patch) const;
+
     struct Patch {
         glm::dvec3 centre, normal;
         double size; // root of the area

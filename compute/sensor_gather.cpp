@@ -24,17 +24,12 @@ dvec3 sunEdgesOnCells(const PointScene& scene, const NearLight& near, uint32_t r
                       std::span<const SunlitParts> partly, double strength,
                       std::span<const glm::vec3> firstBounce) {
     const geometry::PatchMesh& mesh = scene.mesh();
-    std::vector<dvec3> corners;
     dvec3 sum(0);
     for (const NearLight::Cell& cell : near.cells) {
         const PointView view(scene.blockers(), cell.middle, cell.normal, room);
         for (const SunlitParts& lit : partly) {
             if (mesh.room[lit.patch] != room) continue;
-            const PointScene::Patch& patch = scene.patches()[lit.patch];
-            if (glm::dot(cell.middle - patch.centre, patch.normal) <= scene.blockers().tolerance()) continue;
-            corners.clear();
-            for (uint32_t v : mesh.patch(lit.patch)) corners.push_back(mesh.vertices[v]);
-            const double whole = view.factor(corners);
+            const double whole = scene.factor(view, lit.patch);
             if (whole * photometric(cell.answer) < double{kEdgeShare}) continue;
             dvec3 more = -whole * dvec3(firstBounce[lit.patch]);
             const dvec3 rho(mesh.materials[mesh.material[lit.patch]].reflectance);

@@ -42,7 +42,7 @@ std::vector<SunEdges::Edge> SunEdges::edgesOf(const geometry::PatchMesh& mesh,
     return edges;
 }
 
-SunEdges::SunEdges(const geometry::PatchMesh& mesh, std::vector<std::vector<Edge>> ofHours) : mesh_(&mesh) {
+SunEdges::SunEdges(const geometry::PatchMesh& mesh, std::vector<std::vector<Edge>> ofHours) {
     std::vector<size_t> next(mesh.patchCount() + 1, 0);
     for (const auto& edges : ofHours)
         for (const Edge& edge : edges) ++next[edge.patch + 1];
@@ -67,23 +67,18 @@ SunEdges::SunEdges(const geometry::PatchMesh& mesh, std::vector<std::vector<Edge
         }
 }
 
-std::vector<glm::dvec3> SunEdges::cornersOf(uint32_t patch) const {
-    std::vector<glm::dvec3> corners;
-    for (uint32_t v : mesh_->patch(patch)) corners.push_back(mesh_->vertices[v]);
-    return corners;
-}
-
-void SunEdges::addTo(std::span<float> lux, const PointView& view, uint32_t room, const float* even) const {
+void SunEdges::addTo(std::span<float> lux, const PointScene& scene, const PointView& view, uint32_t room,
+                     const float* even) const {
     const glm::vec3 at(view.position()), up(view.normal());
     std::vector<float> more;
     for (size_t p = 0; p < patches_.size(); ++p) {
         const Patch& patch = patches_[p];
         const float share = even[patch.patch];
-        if (share < kFar || mesh_->room[patch.patch] != room) continue; // through glass: from afar
+        if (share < kFar || scene.mesh().room[patch.patch] != room) continue; // through glass: from afar
         const size_t first = patch.first, last = edgesEnd(p);
         if (share >= kNear) {
             // Not what of the share is seen through windows.
-            addExactly(lux, view, p, view.factor(cornersOf(patch.patch)), glm::vec3(1));
+            addExactly(lux, view, p, scene.factor(view, patch.patch), glm::vec3(1));
             continue;
         }
         const glm::vec3 normal = patch.normal;
@@ -123,11 +118,8 @@ void SunEdges::addTo(std::span<float> lux, const PointScene& scene, const NearLi
         const double answer = photometric(cell.answer);
         for (size_t p = 0; p < patches_.size(); ++p) {
             const uint32_t patch = patches_[p].patch;
-            const PointScene::Patch& at = scene.patches()[patch];
-            if (mesh_->room[patch] != room ||
-                glm::dot(cell.middle - at.centre, at.normal) <= scene.blockers().tolerance())
-                continue;
-            const double straight = view.factor(cornersOf(patch));
+            if (scene.mesh().room[patch] != room) continue;
+            const double straight = scene.factor(view, patch);
             if (straight * answer >= double{kFar}) addExactly(lux, view, p, straight, cell.answer);
         }
     }

@@ -38,7 +38,8 @@ public:
 
     // Adds to `lux`, one entry an hour. `even`: the sensor's form factors of patches. About 3 ns for each
     // edge of patches that count; same bits on any number of threads.
-    void addTo(std::span<float> lux, const PointView& view, uint32_t room, const float* even) const;
+    void addTo(std::span<float> lux, const PointScene& scene, const PointView& view, uint32_t room,
+               const float* even) const;
 
     // The same by way of the cells of a sensor's near walls, exactly.
     void addTo(std::span<float> lux, const PointScene& scene, const NearLight& near, uint32_t room) const;
@@ -54,13 +55,11 @@ private:
     size_t edgesEnd(size_t patch) const {
         return patch + 1 < patches_.size() ? patches_[patch + 1].first : hour_.size();
     }
-    std::vector<glm::dvec3> cornersOf(uint32_t patch) const;
     // Edges of one of patches_, which the view has the form factor `straight` of; `answer`: lux at the sensor
     // for each lux at the view's point.
     void addExactly(std::span<float> lux, const PointView& view, size_t patch, double straight,
                     glm::vec3 answer) const;
 
-    const geometry::PatchMesh* mesh_ = nullptr;
     std::vector<Patch> patches_;
     // Edges, patch by patch.
     std::vector<uint32_t> hour_;

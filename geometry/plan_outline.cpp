@@ -9,7 +9,6 @@
 #include <glm/geometric.hpp>
 
 #include "geometry/perpendicular.h"
-
 #include "geometry/plan_curves.h"
 #include "geometry/plan_rooms.h"
 

@@ -1,7 +1,6 @@
 #include "vision/white_map.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -10,6 +9,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "geometry/sketch.h"
+#include "vision/card_white.h"
+#include "vision/light_samples.h"
 
 namespace heliodon::vision {
 namespace {
@@ -23,12 +24,6 @@ std::vector<cv::Point> circle(const PlanView& view, double radius, double height
                             static_cast<int>(std::lround(std::clamp(p.y, -1e4, 1e4))));
     }
     return points;
-}
-
-float median(std::vector<float>& values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
 }
 
 // Median of second differences, which edges do not move.
@@ -101,11 +96,7 @@ float brightest(const cv::Vec4f& p, const cv::Vec3f& white) {
     return std::max({p[0] / white[0], p[1] / white[1], p[2] / white[2]});
 }
 
-cv::Vec2f chroma(float r, float g, float b) {
-    constexpr float kTiny = 1e-6f;
-    return {std::log((r + kTiny) / (g + kTiny)), std::log((b + kTiny) / (g + kTiny))};
-}
-cv::Vec2f chroma(const cv::Vec4f& p) {
+cv::Vec2f chromaOf(const cv::Vec4f& p) {
     return chroma(p[0], p[1], p[2]);
 }
 
@@ -134,7 +125,7 @@ std::optional<cv::Vec2f> findSecondLight(const std::vector<cv::Vec4f>& blocks,
         ++table;
         const float s = saturation(p, near[i]);
         if (p[1] < 0.03f * typical || s < kWhite || s > 0.6f || brightest(p, near[i]) > kShade) continue;
-        dark.push_back(chroma(p));
+        dark.push_back(chromaOf(p));
     }
     auto binOf = [&](float v) { return std::clamp(static_cast<int>(v / kBin) + kBins / 2, 1, kBins - 2); };
     for (const auto& c : dark) ++histogram[static_cast<size_t>(binOf(c[0]) * kBins + binOf(c[1]))];
@@ -159,142 +150,6 @@ bool isMixture(const cv::Vec2f& c, const cv::Vec2f& first, const cv::Vec2f& seco
     const cv::Vec2f line = second - first, off = c - first;
     const float t = std::clamp(line.dot(off) / std::max(line.dot(line), 1e-6f), 0.0f, 1.0f);
     return cv::norm(off - t * line) < (t < 1 ? kBetween : kSameLight);
-}
-
-// Walls' faces and ends and the rings of tokens are white card. On a table of another colour they are
-// brighter than it in every channel and of one chroma, which no paint is; on a white table nothing is.
-constexpr float kOverTable = 1.05f, kClipped = 250;
-constexpr float kCardChroma = 0.2f;   // log chroma from the table's: less is the white of a lamp near by
-constexpr double kLeastCard = 0.4;    // square inches: the ends of two walls
-constexpr double kShareOfMost = 0.25; // of what is commonest: rims and patches of light are rarer than card
-constexpr double kFullLight = 0.9;    // of the levels: card that faces the lamps, of that which does not
-// Light may lie anywhere on the table, card belongs to painted tops: most of it is next to them, and many of
-// them have some.
-constexpr float kPaint = 0.5f;           // P' against the table
-constexpr double kNextTo = 1;            // inches: faces of high walls in part, ends and rings wholly
-constexpr double kShareNextTo = 0.5;     // of card
-constexpr double kLeastTop = 0.3;        // square inches
-constexpr double kShareOfTops = 1 / 3.0; // arrows and skylights have none
-
-// 1 within that many samples of what is not 0.
-cv::Mat reach(const cv::Mat& mask, double samples) {
-    cv::Mat distance;
-    cv::distanceTransform(mask == 0, distance, cv::DIST_L2, 3);
-    return distance <= samples;
-}
-
-// Whether what is not 0 in `card` is next to many of the painted tops.
-bool isOnTops(const cv::Mat& card, const cv::Mat& paint, double samplesPerInch) {
-    cv::Mat labels, stats, centres;
-    const int count = cv::connectedComponentsWithStats(paint, labels, stats, centres);
-    std::vector<uint8_t> has(static_cast<size_t>(count), 0);
-    const cv::Mat near = reach(card, kNextTo * samplesPerInch);
-    for (int y = 0; y < labels.rows; ++y)
-        for (int x = 0; x < labels.cols; ++x)
-            if (near.at<uint8_t>(y, x)) has[static_cast<size_t>(labels.at<int>(y, x))] = 1;
-    int tops = 0, withCard = 0;
-    for (int k = 1; k < count; ++k) { // 0: what is not painted
-        if (stats.at<int>(k, cv::CC_STAT_AREA) < kLeastTop * samplesPerInch * samplesPerInch) continue;
-        ++tops;
-        withCard += has[static_cast<size_t>(k)];
-    }
-    return withCard > 0 && withCard >= kShareOfTops * tops;
-}
-
-std::optional<glm::vec3> findCard(const PlanView& view, const TableRegion& region, const LightGrid& grid) {
-    constexpr int kStride = 2, kBins = 60;
-    constexpr float kBin = 0.08f; // of log chroma
-    const Photograph& photo = view.photo();
-    const auto& linear = view.linearFromByte();
-    std::vector<glm::vec3> samples;
-    std::vector<std::pair<int, int>> cells;
-    std::vector<cv::Point> places; // of the samples
-    cv::Mat paint = cv::Mat::zeros((region.height + kStride - 1) / kStride,
-                                   (region.width + kStride - 1) / kStride, CV_8U);
-    const auto cellOf = [](float v) {
-        return std::clamp(static_cast<int>(std::floor(v / kBin + 0.5f)) + kBins / 2, 1, kBins - 2);
-    };
-    for (int y = 0; y < region.height; y += kStride)
-        for (int x = 0; x < region.width; x += kStride) {
-            const size_t at =
-                static_cast<size_t>(y) * static_cast<size_t>(region.width) + static_cast<size_t>(x);
-            if (region.ground[at] != Ground::table) continue;
-            const uint8_t* p =
-                &photo.rgb[3 * (static_cast<size_t>(y + region.y0) * static_cast<size_t>(photo.width) +
-                                static_cast<size_t>(x + region.x0))];
-            const glm::vec3& table =
-                grid.light[static_cast<size_t>(y / kBlock) * static_cast<size_t>(grid.columns) +
-                           static_cast<size_t>(x / kBlock)];
-            const glm::vec3 ratio = glm::vec3(linear[p[0]], linear[p[1]], linear[p[2]]) / table;
-            const float least = std::min({ratio.r, ratio.g, ratio.b});
-            const float most = std::max({ratio.r, ratio.g, ratio.b});
-            if (least < 1 && least < (1 - kPaint) * most) paint.at<uint8_t>(y / kStride, x / kStride) = 1;
-            if (least < kOverTable || std::max({p[0], p[1], p[2]}) > kClipped) continue;
-            const cv::Vec2f c = chroma(ratio.r, ratio.g, ratio.b);
-            samples.push_back(ratio);
-            cells.emplace_back(cellOf(c[0]), cellOf(c[1]));
-            places.emplace_back(x / kStride, y / kStride);
-        }
-    const double perInch = view.pixelsPerInch({0, 0}, 0) / kStride;
-    if (samples.empty()) return std::nullopt;
-    const cv::Mat nextToPaint = reach(paint, kNextTo * perInch);
-    // The dimmest channel's levels, by chroma, and how many samples are not next to paint.
-    std::vector<std::vector<float>> levels(kBins * kBins);
-    std::vector<size_t> apart(kBins * kBins, 0);
-    for (size_t k = 0; k < samples.size(); ++k) {
-        const auto bin = static_cast<size_t>(cells[k].first * kBins + cells[k].second);
-        levels[bin].push_back(std::min({samples[k].r, samples[k].g, samples[k].b}));
-        apart[bin] += nextToPaint.at<uint8_t>(places[k]) == 0;
-    }
-    const auto binAbout = [&](int i, int j, int d) {
-        return static_cast<size_t>((i + d / 3 - 1) * kBins + j + d % 3 - 1);
-    };
-    const auto neighbour = [&](int i, int j, int d) -> const std::vector<float>& {
-        return levels[binAbout(i, j, d)];
-    };
-    const auto countAbout = [&](int i, int j) {
-        size_t count = 0;
-        for (int d = 0; d < 9; ++d) count += neighbour(i, j, d).size();
-        return count;
-    };
-    const auto apartAbout = [&](int i, int j) {
-        size_t count = 0;
-        for (int d = 0; d < 9; ++d) count += apart[binAbout(i, j, d)];
-        return count;
-    };
-    size_t most = 0;
-    for (int i = 1; i < kBins - 1; ++i)
-        for (int j = 1; j < kBins - 1; ++j) most = std::max(most, countAbout(i, j));
-    const double enough = std::max(kLeastCard * perInch * perInch, kShareOfMost * static_cast<double>(most));
-    float best = 0;
-    std::pair<int, int> where;
-    for (int i = 1; i < kBins - 1; ++i)
-        for (int j = 1; j < kBins - 1; ++j) {
-            const auto count = static_cast<double>(countAbout(i, j));
-            if (count < enough || static_cast<double>(apartAbout(i, j)) > (1 - kShareNextTo) * count)
-                continue;
-            std::vector<float> level;
-            for (int d = 0; d < 9; ++d)
-                level.insert(level.end(), neighbour(i, j, d).begin(), neighbour(i, j, d).end());
-            const auto rank = level.begin() +
-                              static_cast<std::ptrdiff_t>(kFullLight * static_cast<double>(level.size() - 1));
-            std::nth_element(level.begin(), rank, level.end());
-            if (*rank > best) best = *rank, where = {i, j};
-        }
-    if (best == 0) return std::nullopt;
-    std::array<std::vector<float>, 3> channel;
-    cv::Mat seen = cv::Mat::zeros(paint.size(), CV_8U);
-    for (size_t k = 0; k < samples.size(); ++k) {
-        if (std::abs(cells[k].first - where.first) > 1 || std::abs(cells[k].second - where.second) > 1)
-            continue;
-        for (int c = 0; c < 3; ++c) channel[static_cast<size_t>(c)].push_back(samples[k][c]);
-        seen.at<uint8_t>(places[k]) = 1;
-    }
-    const glm::vec3 card(median(channel[0]), median(channel[1]), median(channel[2]));
-    const cv::Vec2f c = chroma(card.r, card.g, card.b);
-    if (std::max({std::abs(c[0]), std::abs(c[1]), std::abs(c[0] - c[1])}) < kCardChroma) return std::nullopt;
-    if (!isOnTops(seen, paint, perInch)) return std::nullopt;
-    return card;
 }
 
 } // namespace
@@ -355,7 +210,7 @@ WhiteMap findWhite(const PlanView& view, const TableRegion& region) {
             const bool asNear =
                 p[1] > 0.1f * typical && p[1] > 0.2f * near[i][1] && saturation(p, near[i]) < kWhite;
             const bool shaded = second && brightest(p, near[i]) < kShade &&
-                                isMixture(chroma(p), chroma(near[i][0], near[i][1], near[i][2]), *second);
+                                isMixture(chromaOf(p), chroma(near[i][0], near[i][1], near[i][2]), *second);
             if (!asNear && !shaded) continue;
             white.ptr<cv::Vec4f>()[i] = p;
             ++found;

@@ -1,10 +1,11 @@
 #include "engine/app/contact_sheet.h"
-#include "engine/passes/lettering.h"
 
 #include <algorithm>
 #include <cassert>
 
 #include <opencv2/core.hpp>
+
+#include "engine/passes/lettering.h"
 
 namespace heliodon::app {
 
@@ -16,8 +17,8 @@ const cv::Scalar kPaper(24, 24, 26);
 // Smaller where it would be wider than `room`.
 void label(passes::Image8& sheet, const std::string& text, cv::Point middle, int room) {
     passes::Lettering letters{13, {225, 225, 225}};
-    letters.capital *= std::min(1.0, room / letters.width(text));
-    letters.draw(sheet, middle.x - 0.5 * letters.width(text), middle.y + 0.5 * letters.capital, text);
+    letters.shrinkTo(room, text);
+    letters.drawCentred(sheet, middle.x, middle.y, text);
 }
 
 } // namespace

@@ -30,42 +30,37 @@ int codeOf(const std::filesystem::filesystem_error& error) {
     return kFailed;
 }
 
-std::string textOf(const std::filesystem::filesystem_error& error) {
-    return fmt::format("{}: {}", error.path1().string(), error.code().message());
-}
-
-int perform(heliodon::app::Run& run, const heliodon::app::Command& command) {
-    std::string error;
-    int code = 0;
+// The exit code; `error` becomes what was complained of, if anything.
+template<class Work> int guarded(std::string& error, const Work& work) {
     try {
-        const heliodon::app::InterruptGuard guard;
-        std::visit([&](const auto& arguments) { heliodon::app::execute(run, arguments); }, command);
+        work();
+        return 0;
     } catch (const heliodon::geometry::InputError& e) {
-        code = complain(error = e.what(), kBadInput);
+        return complain(error = e.what(), kBadInput);
     } catch (const std::filesystem::filesystem_error& e) {
-        code = complain(error = textOf(e), codeOf(e));
+        return complain(error = fmt::format("{}: {}", e.path1().string(), e.code().message()), codeOf(e));
     } catch (const std::bad_alloc&) {
-        code = complain(error = "out of memory", kFailed);
+        return complain(error = "out of memory", kFailed);
     } catch (const std::exception& e) {
-        code = complain(error = e.what(), kFailed);
+        return complain(error = e.what(), kFailed);
     }
-    run.finish(error);
-    return code;
 }
 
 } // namespace
 
 int main(int argc, char** argv) {
-    try {
+    int code = 0;
+    std::string unreported;
+    const int outside = guarded(unreported, [&] {
         const auto arguments = heliodon::app::parseArguments(argc, argv);
-        if (!arguments) return 0;
+        if (!arguments) return;
         heliodon::app::Run run(*arguments);
-        return perform(run, arguments->command);
-    } catch (const heliodon::geometry::InputError& e) {
-        return complain(e.what(), kBadInput);
-    } catch (const std::filesystem::filesystem_error& e) {
-        return complain(textOf(e), codeOf(e));
-    } catch (const std::exception& e) {
-        return complain(e.what(), kFailed);
-    }
+        std::string error;
+        code = guarded(error, [&] {
+            const heliodon::app::InterruptGuard guard;
+            std::visit([&](const auto& those) { heliodon::app::execute(run, those); }, arguments->command);
+        });
+        run.finish(error);
+    });
+    return outside != 0 ? outside : code;
 }

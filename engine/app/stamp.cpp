@@ -1,10 +1,11 @@
 #include "engine/app/stamp.h"
-#include "engine/passes/lettering.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
+
+#include "engine/passes/lettering.h"
 
 namespace heliodon::app {
 
@@ -36,7 +37,7 @@ void drawStamp(passes::Image8& picture, const std::vector<std::string>& words) {
     int widest = 0, tall = margin;
     for (const std::string& text : words) {
         passes::Lettering line{lines.empty() ? capital : std::max(8.0, 0.72 * capital), {240, 240, 240}};
-        line.capital *= std::min(1.0, room / line.width(text));
+        line.shrinkTo(room, text);
         widest = std::max(widest, static_cast<int>(std::ceil(line.width(text))));
         tall += advance(line);
         lines.push_back(line);

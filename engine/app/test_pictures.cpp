@@ -1,5 +1,4 @@
 #include "engine/app/test_pictures.h"
-#include "engine/passes/lettering.h"
 
 #include <algorithm>
 #include <array>
@@ -7,6 +6,8 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "engine/passes/lettering.h"
 
 namespace heliodon::app {
 
@@ -19,8 +20,8 @@ cv::Mat matOf(passes::Image8& picture) {
 void write(passes::Image8& picture, const std::string& text, double middle, double height,
            const std::array<uint8_t, 3>& ink) {
     passes::Lettering letters{height, ink};
-    letters.capital *= std::min(1.0, 0.9 * picture.width / letters.width(text));
-    letters.draw(picture, 0.5 * (picture.width - letters.width(text)), middle + 0.5 * letters.capital, text);
+    letters.shrinkTo(0.9 * picture.width, text);
+    letters.drawCentred(picture, 0.5 * picture.width, middle, text);
 }
 
 } // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -109,16 +110,24 @@ double Lettering::width(std::string_view words) const {
     return laidOut(words, capital / font().capital).back().x;
 }
 
+void Lettering::shrinkTo(double room, std::string_view words) {
+    capital *= std::min(1.0, room / width(words));
+}
+
 void Lettering::draw(Image8& picture, double x, double y, std::string_view words) const {
     const double scale = capital / font().capital;
     const std::vector<Glyph> line = laidOut(words, scale);
     constexpr int kDirections = 16;
     for (int k = 0; halo > 0 && k < kDirections; ++k) {
-        const double angle = 2 * 3.14159265358979 * k / kDirections;
+        const double angle = 2 * std::numbers::pi * k / kDirections;
         drawLine(picture, x + halo * std::cos(angle), y + halo * std::sin(angle), line, scale,
                  {255, 255, 255});
     }
     drawLine(picture, x, y, line, scale, ink);
+}
+
+void Lettering::drawCentred(Image8& picture, double x, double y, std::string_view words) const {
+    draw(picture, x - 0.5 * width(words), y + 0.5 * capital, words);
 }
 
 } // namespace heliodon::passes

@@ -21,8 +21,13 @@ struct Lettering {
     // that the font lacks are boxes.
     double width(std::string_view words) const;
 
+    // Smaller where the words would be wider than `room` pixels.
+    void shrinkTo(double room, std::string_view words);
+
     // `x`, `y`: left end of the baseline. What lies outside the picture is left out. The same on every run.
     void draw(Image8& picture, double x, double y, std::string_view words) const;
+    // `x`, `y`: the middle of their capitals.
+    void drawCentred(Image8& picture, double x, double y, std::string_view words) const;
 };
 
 } // namespace heliodon::passes

@@ -1,0 +1,18 @@
+// White card on a table of another colour.
+#pragma once
+
+#include <optional>
+
+#include <glm/vec3.hpp>
+
+#include "vision/white_map.h"
+
+namespace heliodon::vision {
+
+// What card returns over what the table under the same light does, per channel; `table`: light that the bare
+// table returns. None on a white table. Walls' faces and ends and the rings of tokens are card: brighter than
+// a table of another colour in every channel and of one chroma, which no paint is. Light may do that too, but
+// lies anywhere; card lies next to painted tops. One pass over the table in the photograph.
+std::optional<glm::vec3> findCard(const PlanView& view, const TableRegion& region, const LightGrid& table);
+
+} // namespace heliodon::vision
