@@ -55,7 +55,7 @@ public:
             card.at<uint8_t>(s.place) = 1;
         }
         const glm::vec3 white(median(channel[0]), median(channel[1]), median(channel[2]));
-        const cv::Vec2f c = chroma(white.r, white.g, white.b);
+        const glm::vec2 c = chroma(white.r, white.g, white.b);
         const float off = std::max({std::abs(c[0]), std::abs(c[1]), std::abs(c[0] - c[1])});
         if (off < kCardChroma || !isOnTops(card)) return std::nullopt;
         return white;
@@ -103,7 +103,7 @@ private:
                 const float most = std::max({ratio.r, ratio.g, ratio.b});
                 if (least < 1 && least < (1 - kPaint) * most) paint_.at<uint8_t>(place) = 1;
                 if (least < kOverTable || std::max({p[0], p[1], p[2]}) > kClipped) continue;
-                const cv::Vec2f c = chroma(ratio.r, ratio.g, ratio.b);
+                const glm::vec2 c = chroma(ratio.r, ratio.g, ratio.b);
                 samples_.push_back({ratio, {binOf(c[0]), binOf(c[1])}, place});
             }
     }

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-#include <opencv2/core.hpp>
+#include <glm/vec2.hpp>
 
 namespace heliodon::vision {
 
@@ -18,7 +18,7 @@ inline float median(std::vector<float>& values) {
 }
 
 // Logarithms of red and blue over green.
-inline cv::Vec2f chroma(float r, float g, float b) {
+inline glm::vec2 chroma(float r, float g, float b) {
     constexpr float kTiny = 1e-6f;
     return {std::log((r + kTiny) / (g + kTiny)), std::log((b + kTiny) / (g + kTiny))};
 }

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <optional>
 
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -96,7 +98,7 @@ float brightest(const cv::Vec4f& p, const cv::Vec3f& white) {
     return std::max({p[0] / white[0], p[1] / white[1], p[2] / white[2]});
 }
 
-cv::Vec2f chromaOf(const cv::Vec4f& p) {
+glm::vec2 chromaOf(const cv::Vec4f& p) {
     return chroma(p[0], p[1], p[2]);
 }
 
@@ -112,12 +114,12 @@ constexpr double kShareOfTable = 0.012; // what a second light must have to itse
 // Where the lamp that dominates is shut out, another light of another colour is alone: the commonest chroma
 // of the dark blocks that are not white by the first light. Paint is vivid, or as bright as the white about
 // it.
-std::optional<cv::Vec2f> findSecondLight(const std::vector<cv::Vec4f>& blocks,
+std::optional<glm::vec2> findSecondLight(const std::vector<cv::Vec4f>& blocks,
                                          const std::vector<cv::Vec3f>& near, float typical) {
     constexpr int kBins = 80;
     constexpr float kBin = 0.05f;
     std::vector<int> histogram(kBins * kBins, 0);
-    std::vector<cv::Vec2f> dark;
+    std::vector<glm::vec2> dark;
     size_t table = 0;
     for (size_t i = 0; i < blocks.size(); ++i) {
         const cv::Vec4f& p = blocks[i];
@@ -139,17 +141,17 @@ std::optional<cv::Vec2f> findSecondLight(const std::vector<cv::Vec4f>& blocks,
             if (sum > best) best = sum, bestX = x, bestY = y;
         }
     if (best < kShareOfTable * static_cast<double>(table)) return std::nullopt;
-    cv::Vec2f mean(0, 0);
+    glm::vec2 mean(0, 0);
     for (const auto& c : dark)
         if (std::abs(binOf(c[0]) - bestX) <= 1 && std::abs(binOf(c[1]) - bestY) <= 1) mean += c;
     return mean * (1.0f / static_cast<float>(best));
 }
 
 // The chroma of a mixture of two lights, within the tolerance.
-bool isMixture(const cv::Vec2f& c, const cv::Vec2f& first, const cv::Vec2f& second) {
-    const cv::Vec2f line = second - first, off = c - first;
-    const float t = std::clamp(line.dot(off) / std::max(line.dot(line), 1e-6f), 0.0f, 1.0f);
-    return cv::norm(off - t * line) < (t < 1 ? kBetween : kSameLight);
+bool isMixture(const glm::vec2& c, const glm::vec2& first, const glm::vec2& second) {
+    const glm::vec2 line = second - first, off = c - first;
+    const float t = std::clamp(glm::dot(line, off) / std::max(glm::dot(line, line), 1e-6f), 0.0f, 1.0f);
+    return glm::length(off - t * line) < (t < 1 ? kBetween : kSameLight);
 }
 
 } // namespace
@@ -196,7 +198,7 @@ WhiteMap findWhite(const PlanView& view, const TableRegion& region) {
     // Against the whole table's white, then against that found near by, then with what only a second light
     // reaches.
     std::vector<cv::Vec3f> near(blocks.size(), global);
-    std::optional<cv::Vec2f> second;
+    std::optional<glm::vec2> second;
     for (int pass = 0; pass < kPasses + 2; ++pass) {
         if (pass == kPasses) {
             second = findSecondLight(blocks, near, typical);
