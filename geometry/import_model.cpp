@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <tuple>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
@@ -16,9 +17,6 @@
 #include "geometry/input_error.h"
 #include "geometry/model_file.h"
 #include "geometry/outline_area.h"
-#include "geometry/perpendicular.h"
-#include "geometry/plan_arrangement.h"
-#include "geometry/plan_regions.h"
 #include "geometry/raw_model.h"
 #include "geometry/shared_walls.h"
 #include "geometry/shell_faces.h"
@@ -58,17 +56,21 @@ public:
     }
 
     Building import() {
+        bool tried = false;
         try {
             weld();
             closeGaps();
-            cutFootprints();
+            if (endsOnFaces()) {
+                tried = true;
+                if (shareWalls()) return std::move(building_);
+            }
             orient();
             nestShells();
             splitSharedCorners();
             finish();
             prove();
         } catch (const InputError&) {
-            if (!shareWalls()) throw;
+            if (tried || !shareWalls()) throw;
         }
         return std::move(building_);
     }
@@ -95,10 +97,12 @@ private:
                 throw InputError(
                     model_.file, model_.place(one),
                     fmt::format("an opening and a wall ({}) lie on one another", model_.place(other)));
+        const auto before = std::tuple(building_, source_, turnedOver_);
         building_ = weldFaces(space->faces, space->rooms, kWeldOfExtent * extent_);
         source_.clear();
         for (const Face& face : building_.faces) source_.push_back(face.surface);
         turnedOver_ = 0;
+        building_.repairs = std::get<0>(before).repairs;
         building_.repairs.insert(building_.repairs.end(), space->repairs.begin(), space->repairs.end());
         building_.warnings = space->warnings;
         finish();
@@ -106,6 +110,7 @@ private:
             proveRooms();
             return true;
         } catch (const InputError&) { // what was wrong before says more
+            std::tie(building_, source_, turnedOver_) = before;
             return false;
         }
     }
@@ -218,143 +223,33 @@ private:
         });
     }
 
-    // A box that stands on a face: its own bottom goes, and the face gets a hole.
-    void cutFootprints() {
-        dropHiddenBottoms();
-        std::map<uint32_t, uint32_t> next; // missing edges, each from the far end of the one that is there
-        for (const auto& [edge, faces] : facesOfEdges(building_)) {
-            if (faces.size() != 1) continue;
-            for (const auto& loop : building_.faces[faces[0]].loops)
-                for (size_t i = 0; i < loop.size(); ++i)
-                    if (Edge(std::minmax(loop[i], loop[(i + 1) % loop.size()])) == edge)
-                        next[loop[(i + 1) % loop.size()]] = loop[i];
+    // Something ends on a face that was not divided there: an edge is open, or a face lies within another.
+    bool endsOnFaces() const {
+        bool ends = std::ranges::any_of(facesOfEdges(building_),
+                                        [](const auto& entry) { return entry.second.size() == 1; });
+        std::vector<std::pair<glm::dvec3, glm::dvec3>> boxes;
+        for (const Face& face : building_.faces) {
+            boxes.emplace_back(building_.vertices[face.loops[0][0]], building_.vertices[face.loops[0][0]]);
+            for (const uint32_t v : face.loops[0])
+                boxes.back() = {glm::min(boxes.back().first, building_.vertices[v]),
+                                glm::max(boxes.back().second, building_.vertices[v])};
         }
-        std::vector<std::vector<uint32_t>> loops;
-        while (!next.empty()) {
-            std::vector<uint32_t> loop;
-            uint32_t at = next.begin()->first;
-            while (next.contains(at)) {
-                loop.push_back(at);
-                const uint32_t to = next[at];
-                next.erase(at);
-                at = to;
-            }
-            if (loop.size() >= 3 && at == loop[0]) loops.push_back(std::move(loop));
-        }
-        bool any = false;
-        for (const auto& loop : loops) any = subtract(loop) || any;
-        if (any) weldAgain();
-    }
-
-    // Takes the polygon out of the faces in its plane that it lies over.
-    bool subtract(std::vector<uint32_t> loop) {
-        std::vector<uint32_t> under;
-        // Not the faces whose own open edges the loop is: a sheet does not stand on itself.
-        const std::set<uint32_t> corners(loop.begin(), loop.end());
-        const auto owns = [&](const Face& face) {
-            return std::ranges::any_of(face.loops, [&](const auto& ring) {
-                for (size_t i = 0; i < ring.size(); ++i)
-                    if (corners.contains(ring[i]) && corners.contains(ring[(i + 1) % ring.size()]))
-                        return true;
-                return false;
-            });
-        };
-        for (uint32_t f = 0; f < building_.faces.size(); ++f)
-            if (coplanar(building_.faces[f], loop) && !owns(building_.faces[f])) under.push_back(f);
-        if (under.empty()) return false;
-        const glm::dvec3 n = normal(building_.faces[under[0]]), origin = building_.vertices[loop[0]];
-        const glm::dvec3 u = perpendicular(n), v = glm::cross(n, u);
-        const auto flat = [&](uint32_t i) {
-            const glm::dvec3 p = building_.vertices[i] - origin;
-            return glm::dvec2(glm::dot(p, u), glm::dot(p, v));
-        };
-        if (glm::dot(areaOf(loop), n) < 0) std::ranges::reverse(loop);
-        std::vector<PlanSegment> segments;
-        std::vector<size_t> owner; // of the segment: face in `under`, or their number for the loop
-        const auto add = [&](const std::vector<uint32_t>& ring, size_t id, bool reversed) {
-            for (size_t i = 0; i < ring.size(); ++i) {
-                const glm::dvec2 a = flat(ring[i]), b = flat(ring[(i + 1) % ring.size()]);
-                segments.push_back({reversed ? b : a, reversed ? a : b, static_cast<int32_t>(owner.size())});
-                owner.push_back(id);
-            }
-        };
-        for (size_t k = 0; k < under.size(); ++k) {
-            const bool turned = glm::dot(normal(building_.faces[under[k]]), n) < 0;
-            for (const auto& ring : building_.faces[under[k]].loops) add(ring, k, turned);
-        }
-        add(loop, under.size(), false);
-        const PlanArrangement map = arrange(segments);
-        std::vector<int> labels(map.cellCount, -1);
-        bool hit = false;
-        for (size_t k = 0; k <= under.size(); ++k) {
-            const auto depth =
-                coverage(map, [&](int32_t tag) { return owner[static_cast<size_t>(tag)] == k; });
-            for (uint32_t c = 0; c < map.cellCount; ++c) {
-                if (depth[c] <= 0) continue;
-                hit = hit || (k == under.size() && labels[c] >= 0);
-                labels[c] = k == under.size() ? -1 : static_cast<int>(k);
-            }
-        }
-        if (!hit) return false;
-        replaceFaces(
-            under, map, labels, [&](glm::dvec2 p) { return origin + p.x * u + p.y * v; }, n);
-        return true;
-    }
-
-    template<class InSpace>
-    void replaceFaces(const std::vector<uint32_t>& under, const PlanArrangement& map,
-                      std::vector<int>& labels, InSpace inSpace, glm::dvec3 n) {
-        absorbThinCells(map, labels, kWeldOfExtent * extent_);
-        std::vector<Face> added;
-        std::vector<uint32_t> addedSource;
-        for (const PlanRegion& region : traceRegions(map, labels)) {
-            const uint32_t f = under[static_cast<size_t>(region.label)];
-            Face face = building_.faces[f];
-            const bool turned = glm::dot(normal(face), n) < 0;
-            face.loops.clear();
-            for (const auto& halves : region.loops) {
-                face.loops.emplace_back();
-                for (const uint32_t h : halves) {
-                    face.loops.back().push_back(static_cast<uint32_t>(building_.vertices.size()));
-                    building_.vertices.push_back(inSpace(map.points[map.source(h)]));
-                }
-                if (turned) std::ranges::reverse(face.loops.back());
-            }
-            added.push_back(std::move(face));
-            addedSource.push_back(source_[f]);
-        }
-        for (size_t k = under.size(); k-- > 0;) {
-            building_.faces.erase(building_.faces.begin() + under[k]);
-            source_.erase(source_.begin() + under[k]);
-        }
-        building_.faces.insert(building_.faces.end(), added.begin(), added.end());
-        source_.insert(source_.end(), addedSource.begin(), addedSource.end());
-    }
-
-    void weldAgain() {
-        std::vector<SoupFace> soup;
-        for (size_t f = 0; f < building_.faces.size(); ++f) {
-            const Face& face = building_.faces[f];
-            soup.push_back({placed(building_.vertices, face.loops), face.material, face.role, source_[f]});
-        }
-        std::vector<std::string> repairs = std::move(building_.repairs);
-        building_ = weldFaces(soup, 1, weldOfExtent_ * extent_);
-        building_.repairs = std::move(repairs);
-        source_.clear();
-        for (const Face& face : building_.faces) source_.push_back(face.surface);
-    }
-
-    void dropHiddenBottoms() {
-        std::vector<bool> hidden(building_.faces.size());
-        for (size_t f = 0; f < building_.faces.size(); ++f)
-            for (size_t g = 0; g < building_.faces.size() && !hidden[f]; ++g)
-                hidden[f] = f != g && coplanar(building_.faces[g], building_.faces[f].loops[0]) &&
-                            inside(building_.faces[g], building_.faces[f].loops[0]);
-        // A pane that lies in a wall face that was not cut is drawn, not hidden: the user must mend it.
-        for (uint32_t f = 0; f < hidden.size(); ++f)
-            if (hidden[f] && model_.materials[building_.faces[f].material].isOpening())
+        const glm::dvec3 margin(kPlanarOfExtent * extent_);
+        for (uint32_t f = 0; f < building_.faces.size(); ++f) {
+            const glm::dvec3 low = boxes[f].first + margin, high = boxes[f].second - margin;
+            const auto& loop = building_.faces[f].loops[0];
+            bool hidden = false;
+            for (uint32_t g = 0; g < building_.faces.size() && !hidden; ++g)
+                hidden = g != f && glm::all(glm::lessThanEqual(boxes[g].first, low)) &&
+                         glm::all(glm::greaterThanEqual(boxes[g].second, high)) &&
+                         coplanar(building_.faces[g], loop) && inside(building_.faces[g], loop);
+            if (!hidden) continue;
+            // A pane that lies in a wall face that was not cut is drawn, not hidden: the user must mend it.
+            if (model_.materials[building_.faces[f].material].isOpening())
                 refuse({f}, "an opening lies on another face that is not cut out for it");
-        leaveOut(hidden);
+            ends = true;
+        }
+        return ends;
     }
 
     [[noreturn]] void refuse(std::vector<uint32_t> faces, const std::string& what) const {
@@ -393,6 +288,13 @@ private:
             if (nesting.inverted[shell_[f]]) turnOver(building_.faces[f]);
             building_.faces[f].room = nesting.room[shell_[f]];
         }
+        if (nesting.solidsThatLookIn > 0)
+            building_.warnings.push_back(
+                fmt::format("{} within a room taken as solid though the faces look into {}, as the room's do",
+                            nesting.solidsThatLookIn == 1
+                                ? "1 closed shell was"
+                                : fmt::format("{} closed shells were", nesting.solidsThatLookIn),
+                            nesting.solidsThatLookIn == 1 ? "it" : "them"));
         dropOutsides();
         building_.roomCount = nesting.rooms;
     }

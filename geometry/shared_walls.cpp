@@ -1,23 +1,21 @@
-// Faces that lie on one another are cut along one another (a planar arrangement in each plane), so that every
-// piece is one sheet with two sides. Round each edge the sheets are sorted by angle; the sides that look at
-// one another over an edge bound the same part of space (the radial-edge structure of Weiler, 1988).
+// Round each edge the sheets are sorted by angle; the sides that look at one another over an edge bound the
+// same part of space (the radial-edge structure of Weiler, 1988).
 #include "geometry/shared_walls.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
-#include <glm/vec2.hpp>
 
 #include "geometry/disjoint_sets.h"
 #include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
-#include "geometry/plan_arrangement.h"
-#include "geometry/plan_regions.h"
 #include "geometry/shell_nesting.h"
+#include "geometry/space_sheets.h"
 
 namespace heliodon::geometry {
 
@@ -25,125 +23,28 @@ namespace {
 
 using glm::dvec3;
 
-constexpr double kMostOfThing = 0.05; // of the largest room's volume
-
-// A piece of a wall, its outline counter-clockwise about the plane's normal; the faces that were drawn there,
-// turned that way and the other, or -1.
-struct Sheet {
-    std::vector<std::vector<dvec3>> loops;
-    std::array<int, 2> drawn{-1, -1};
-};
-
-struct Plane {
-    dvec3 origin, normal;
-    std::vector<uint32_t> faces;
-};
+// A small thing: of the largest room's volume. A thin one, as walls, columns and cupboards are: twice its
+// volume over its surface, of the largest room's height (a wall 0.2 m thick 0.07, a cupboard 0.6 m square
+// 0.09, a lavatory of 0.9 by 1.2 m 0.18).
+constexpr double kSmall = 0.05, kThin = 0.12;
 
 class SpaceDivider {
 public:
     SpaceDivider(const std::vector<SoupFace>& faces, double tolerance)
-        : faces_(faces), tolerance_(tolerance) {}
+        : faces_(faces), tolerance_(tolerance), sheets_(cutIntoSheets(faces, tolerance)) {}
 
     std::optional<SharedWalls> divide() {
-        makeSheets();
-        if (unclear_) return std::nullopt;
         weld();
         if (!joinSides()) return std::nullopt;
         makeParts();
         if (!placeParts()) return std::nullopt;
         SharedWalls out = answer();
+        if (unclear_) return std::nullopt;
         if (out.repairs.empty() && out.warnings.empty()) return std::nullopt;
         return out;
     }
 
 private:
-    std::vector<Plane> planes() const {
-        std::vector<Plane> out;
-        for (uint32_t f = 0; f < faces_.size(); ++f) {
-            const auto& loop = faces_[f].loops[0];
-            const dvec3 area = areaVector(loop);
-            if (!(glm::length(area) > tolerance_ * tolerance_)) continue;
-            const dvec3 n = glm::normalize(area);
-            const auto in = [&](const Plane& plane) {
-                return std::abs(glm::dot(n, plane.normal)) > 0.999 && std::ranges::all_of(loop, [&](dvec3 p) {
-                           return std::abs(glm::dot(p - plane.origin, plane.normal)) <= 2 * tolerance_;
-                       });
-            };
-            auto plane = std::ranges::find_if(out, in);
-            if (plane == out.end()) plane = out.insert(out.end(), {loop[0], n, {}});
-            plane->faces.push_back(f);
-        }
-        return out;
-    }
-
-    void makeSheets() {
-        for (const Plane& plane : planes()) {
-            if (plane.faces.size() > 1) {
-                arrangePlane(plane);
-                continue;
-            }
-            Sheet sheet{faces_[plane.faces[0]].loops, {}};
-            sheet.drawn = {static_cast<int>(plane.faces[0]), -1};
-            sheets_.push_back(std::move(sheet));
-        }
-    }
-
-    void arrangePlane(const Plane& plane) {
-        const dvec3 u = perpendicular(plane.normal), v = glm::cross(plane.normal, u);
-        std::vector<PlanSegment> segments;
-        std::vector<size_t> side; // per face: 0 turned as the plane, 1 the other way
-        for (size_t k = 0; k < plane.faces.size(); ++k) {
-            const auto& loops = faces_[plane.faces[k]].loops;
-            side.push_back(glm::dot(areaVector(loops[0]), plane.normal) < 0 ? 1 : 0);
-            for (const auto& loop : loops)
-                for (size_t i = 0; i < loop.size(); ++i) {
-                    const dvec3 p = loop[i] - plane.origin, q = loop[(i + 1) % loop.size()] - plane.origin;
-                    glm::dvec2 a{glm::dot(p, u), glm::dot(p, v)}, b{glm::dot(q, u), glm::dot(q, v)};
-                    if (side[k]) std::swap(a, b);
-                    if (a != b) segments.push_back({a, b, static_cast<int32_t>(k)});
-                }
-        }
-        const PlanArrangement map = arrange(segments);
-        const auto kind = [&](int face) {
-            if (face < 0) return std::pair(-1, -1);
-            const SoupFace& f = faces_[static_cast<size_t>(face)];
-            return std::pair(static_cast<int>(f.material), static_cast<int>(f.role));
-        };
-        // Per cell the faces over it. What one pair of faces covers is one sheet: other faces may meet its
-        // edges.
-        std::vector<std::array<int, 2>> drawn(map.cellCount, {-1, -1});
-        for (size_t k = 0; k < plane.faces.size(); ++k) {
-            const auto depth = coverage(map, [&](int32_t tag) { return static_cast<size_t>(tag) == k; });
-            for (uint32_t c = 1; c < map.cellCount; ++c)
-                if (depth[c] > 0) {
-                    int& here = drawn[c][side[k]];
-                    unclear_ |= here >= 0 && kind(here) != kind(static_cast<int>(plane.faces[k]));
-                    if (here < 0) here = static_cast<int>(plane.faces[k]);
-                }
-        }
-        std::map<std::array<int, 2>, int> known;
-        std::vector<std::array<int, 2>> drawnOf;
-        std::vector<int> labels(map.cellCount, -1);
-        for (uint32_t c = 1; c < map.cellCount; ++c) {
-            if (drawn[c][0] < 0 && drawn[c][1] < 0) continue;
-            const auto [place, isNew] = known.try_emplace(drawn[c], static_cast<int>(known.size()));
-            if (isNew) drawnOf.push_back(drawn[c]);
-            labels[c] = place->second;
-        }
-        absorbThinCells(map, labels, tolerance_);
-        for (const PlanRegion& region : traceRegions(map, labels)) {
-            Sheet sheet{{}, drawnOf[static_cast<size_t>(region.label)]};
-            for (const auto& halves : region.loops) {
-                sheet.loops.emplace_back();
-                for (const uint32_t h : halves) {
-                    const glm::dvec2 p = map.points[map.source(h)];
-                    sheet.loops.back().push_back(plane.origin + p.x * u + p.y * v);
-                }
-            }
-            sheets_.push_back(std::move(sheet));
-        }
-    }
-
     void weld() {
         std::vector<SoupFace> soup;
         for (size_t s = 0; s < sheets_.size(); ++s) {
@@ -201,35 +102,132 @@ private:
         uint32_t shell = 0;
         std::vector<ShellTriangle> triangles;
         double volume = 0; // negative: what lies outside of the shell
+        double area = 0;   // of all that bounds it
         int room = -1;
-        double drawnInwards = 0; // area of faces that look into it, less that of faces that look out
+        bool solid = false;
+        double drawnInwards = 0; // area of its own faces that look into it, less that of those that look out
         double drawn = 0;        // area of both
-        // Nearly all faces look in, or out.
+        double height() const {
+            double low = 1e300, high = -1e300;
+            for (const ShellTriangle& t : triangles)
+                for (const dvec3 p : {t.a, t.b, t.c}) {
+                    low = std::min(low, p.y);
+                    high = std::max(high, p.y);
+                }
+            return high - low;
+        }
+        // Nearly all of its own faces look in, or out.
         bool looksIn() const { return drawnInwards > 0.5 * drawn; }
         bool looksOut() const { return drawnInwards < -0.5 * drawn; }
     };
 
+    uint32_t partAt(uint32_t face, uint32_t side) { return sides_.root(2 * face + side); }
+    const Sheet& sheetOf(uint32_t face) const { return sheets_[welded_.faces[face].surface]; }
+
     void makeParts() {
+        area_.assign(welded_.faces.size(), 0);
         for (uint32_t f = 0; f < welded_.faces.size(); ++f) {
             const auto triangles = triangulateFace(welded_, welded_.faces[f]);
-            const Sheet& sheet = sheets_[welded_.faces[f].surface];
+            const dvec3 o = welded_.vertices[0];
             for (uint32_t s = 0; s < 2; ++s) {
-                Part& part = parts_[sides_.root(2 * f + s)];
+                Part& part = parts_[partAt(f, s)];
                 part.shell = shells_.root(f);
+                area_[f] = 0;
                 for (const auto& t : triangles) {
                     ShellTriangle in{welded_.vertices[t[0]], welded_.vertices[t[1]], welded_.vertices[t[2]]};
                     if (s) std::swap(in.b, in.c);
-                    const dvec3 o = welded_.vertices[0];
                     part.volume -= glm::dot(in.a - o, glm::cross(in.b - o, in.c - o)) / 6;
-                    const double area = glm::length(glm::cross(in.b - in.a, in.c - in.a));
-                    if ((sheet.drawn[0] < 0) != (sheet.drawn[1] < 0)) {
-                        part.drawnInwards += (sheet.drawn[s] >= 0 ? 1 : -1) * area;
-                        part.drawn += area;
-                    }
+                    area_[f] += 0.5 * glm::length(glm::cross(in.b - in.a, in.c - in.a));
                     part.triangles.push_back(in);
                 }
+                part.area += area_[f];
             }
         }
+        findOwners();
+    }
+
+    // A face as drawn belongs to the part that most of it bounds, in front of it and behind it.
+    void findOwners() {
+        std::vector<std::array<std::map<uint32_t, double>, 2>> bounds(faces_.size()); // areas by part
+        borders_.resize(faces_.size());
+        for (uint32_t f = 0; f < welded_.faces.size(); ++f)
+            for (uint32_t turned = 0; turned < 2; ++turned)
+                for (const uint32_t k : sheetOf(f).drawn[turned]) {
+                    const std::array<uint32_t, 2> parts{partAt(f, turned), partAt(f, 1 - turned)};
+                    for (uint32_t s = 0; s < 2; ++s) bounds[k][s][parts[s]] += area_[f];
+                    if (!borders_[k]) borders_[k].emplace(parts.begin(), parts.end());
+                    std::erase_if(*borders_[k],
+                                  [&](uint32_t id) { return id != parts[0] && id != parts[1]; });
+                }
+        owner_.resize(faces_.size());
+        for (uint32_t k = 0; k < faces_.size(); ++k)
+            for (uint32_t s = 0; s < 2; ++s)
+                if (!bounds[k][s].empty())
+                    owner_[k][s] = std::ranges::max_element(bounds[k][s], {}, [](const auto& b) {
+                                       return b.second;
+                                   })->first;
+        for (uint32_t f = 0; f < welded_.faces.size(); ++f) {
+            const auto& drawn = sheetOf(f).drawn;
+            if (drawn[0].empty() == drawn[1].empty()) continue; // faces that look both ways say nothing
+            const uint32_t turned = drawn[0].empty() ? 1 : 0;
+            for (uint32_t s = 0; s < 2; ++s) {
+                const uint32_t id = partAt(f, s);
+                if (std::ranges::none_of(drawn[turned],
+                                         [&](uint32_t k) { return owner_[k][s == turned ? 0 : 1] == id; }))
+                    continue;
+                parts_[id].drawnInwards += s == turned ? area_[f] : -area_[f];
+                parts_[id].drawn += area_[f];
+            }
+        }
+    }
+
+    // How a part of space stands in another one, told from what was drawn of its boundary.
+    struct Stand {
+        bool within = false; // it takes a piece out of a room that was drawn without regard to it
+        bool touchesWall = false;
+        bool drawnThere = false; // it has faces of its own where it touches that room's
+    };
+
+    static bool contrary(const Part& part, const Part& largest) {
+        return largest.looksIn() && part.looksOut();
+    }
+
+    static bool isSolid(const Stand& stand, const Part& part, const Part& largest) {
+        const bool thin = 2 * part.volume < kThin * largest.height() * part.area,
+                   agreed = largest.looksIn() && part.looksIn();
+        if (contrary(part, largest))
+            return thin || (stand.within && (!stand.touchesWall || part.volume < kSmall * largest.volume));
+        if (!stand.within) return false;
+        if (!stand.touchesWall) return thin || !agreed; // a column, a block on the floor
+        return thin && stand.drawnThere && !agreed;
+    }
+
+    Stand standOf(uint32_t id) {
+        const Part& part = parts_[id];
+        Stand out;
+        double alone = 0; // where nothing but its own faces parts it from the outside
+        bool touches = false;
+        for (uint32_t f = 0; f < welded_.faces.size(); ++f)
+            for (uint32_t s = 0; s < 2; ++s) {
+                const uint32_t other = partAt(f, 1 - s);
+                if (partAt(f, s) != id || other == id) continue;
+                touches |= parts_[other].solid;
+                if (parts_[other].volume > 0) continue;
+                const auto& drawn = sheetOf(f).drawn;
+                bool beyond = false, own = false; // faces that reach beyond its own boundary
+                for (const auto& list : drawn)
+                    for (const uint32_t k : list) (borders_[k]->contains(id) ? own : beyond) = true;
+                if (!beyond && (drawn[0].empty() || drawn[1].empty())) {
+                    alone += area_[f];
+                    continue;
+                }
+                touches = true;
+                out.drawnThere |= own;
+                out.touchesWall |= std::abs(normalOf(welded_.faces[f]).y) < 0.7;
+            }
+        constexpr double kNothing = 1e-3; // of its surface
+        out.within = touches && alone < kNothing * part.area;
+        return out;
     }
 
     // Which parts are rooms, and of which room's air those are that lie outside of a shell.
@@ -242,24 +240,15 @@ private:
                 if (part.shell != shell && part.volume > 0 && !part.triangles.empty() &&
                     crossings(part.triangles, parts_[own[0]].triangles.front().a) % 2 == 1)
                     around[shell].push_back(id);
-        const auto isSolid = [&](uint32_t shell) { // nothing but a closed box in a room's air
-            return around[shell].size() % 2 == 1 && shells[shell].size() == 2;
-        };
-        const Part& largest =
-            std::ranges::max_element(parts_, {}, [](const auto& p) { return p.second.volume; })->second;
-        const auto isThing = [&](const Part& part) { // a cupboard against the wall, a column
-            return largest.looksIn() && part.looksOut() && part.volume < kMostOfThing * largest.volume;
-        };
+        const auto nested = [&](uint32_t shell) { return around[shell].size() % 2 == 1; };
+        dropOutsides(shells, around);
+        for (auto& [id, part] : parts_) // nothing but a closed box in a room's air
+            part.solid |= part.volume > 0 && nested(part.shell) && shells[part.shell].size() == 2;
+        findSolids(nested);
+        for (auto& [id, part] : parts_)
+            if (part.volume > 0 && !part.solid) part.room = static_cast<int>(rooms_++);
         for (auto& [id, part] : parts_) {
-            if (part.volume <= 0 || isSolid(part.shell)) continue;
-            if (isThing(part)) {
-                ++solids_;
-                largestSolid_ = std::max(largestSolid_, part.volume / largest.volume);
-            } else
-                part.room = static_cast<int>(rooms_++);
-        }
-        for (auto& [id, part] : parts_) {
-            if (part.volume > 0 || around[part.shell].size() % 2 == 0) continue;
+            if (part.volume > 0 || !nested(part.shell)) continue;
             const auto& holders = around[part.shell];
             part.room = parts_[*std::ranges::max_element(holders, {}, [&](uint32_t o) {
                             return around[parts_[o].shell].size();
@@ -268,10 +257,69 @@ private:
         return rooms_ > 0;
     }
 
-    // Of the faces drawn on a sheet, the one for the side: that which is turned as those about it.
-    int drawnFor(const Sheet& sheet, uint32_t side, const Part& part) const {
-        const size_t first = part.drawnInwards >= 0 ? side : 1 - side;
-        return sheet.drawn[first] >= 0 ? sheet.drawn[first] : sheet.drawn[1 - first];
+    // The outside of walls that have a thickness is no room, as in nestShells().
+    void dropOutsides(const std::map<uint32_t, std::vector<uint32_t>>& shells,
+                      std::map<uint32_t, std::vector<uint32_t>>& around) {
+        constexpr double kFilled = 0.125;
+        std::vector<uint32_t> outsides;
+        for (const auto& [id, outer] : parts_) {
+            if (outer.volume <= 0 || shells.at(outer.shell).size() != 2 || !around[outer.shell].empty() ||
+                !outer.looksOut())
+                continue;
+            double filled = 0;
+            bool inwards = true;
+            for (const auto& [other, part] : parts_)
+                if (part.volume > 0 && around[part.shell] == std::vector<uint32_t>{id}) {
+                    filled += part.volume;
+                    inwards = inwards && part.looksIn();
+                }
+            if (inwards && filled > kFilled * outer.volume) outsides.push_back(id);
+        }
+        for (const uint32_t id : outsides) {
+            parts_[id].solid = true;
+            for (auto& [shell, holders] : around) std::erase(holders, id);
+        }
+        outsides_ = outsides.size();
+    }
+
+    // What stands on a solid is one after that was found.
+    template<class Nested> void findSolids(Nested nested) {
+        const auto air = [](const auto& p) { return p.second.solid ? 0 : p.second.volume; };
+        const auto& [first, largest] = *std::ranges::max_element(parts_, {}, air);
+        for (bool changed = true; changed;) {
+            changed = false;
+            contrary_ = insides_ = 0;
+            for (auto& [id, part] : parts_) {
+                if (id == first || part.volume <= 0 || part.solid) continue;
+                Stand stand = standOf(id);
+                stand.within |= nested(part.shell);
+                if (isSolid(stand, part, largest)) {
+                    part.solid = changed = true;
+                    ++solids_;
+                    largestSolid_ = std::max(largestSolid_, part.volume / largest.volume);
+                } else {
+                    contrary_ += contrary(part, largest);
+                    insides_ += stand.within && !stand.touchesWall;
+                }
+            }
+        }
+    }
+
+    // Of the faces drawn on a sheet, the one for the side: that which is turned as those about it, and of
+    // several such its own, and the smaller one (drawn on the other).
+    uint32_t drawnFor(const Sheet& sheet, uint32_t side, uint32_t id) {
+        const size_t first = parts_[id].drawnInwards >= 0 ? side : 1 - side;
+        const auto& list = sheet.drawn[first].empty() ? sheet.drawn[1 - first] : sheet.drawn[first];
+        const auto rank = [&](uint32_t k) {
+            return std::pair(owner_[k][0] != id && owner_[k][1] != id,
+                             glm::length(areaVector(faces_[k].loops[0])));
+        };
+        const uint32_t best = *std::ranges::min_element(list, {}, rank);
+        for (const uint32_t k : list)
+            if (rank(k).first == rank(best).first && rank(k).second < rank(best).second * 1.001)
+                unclear_ |=
+                    faces_[k].material != faces_[best].material || faces_[k].role != faces_[best].role;
+        return best;
     }
 
     SharedWalls answer() {
@@ -280,16 +328,16 @@ private:
         size_t shared = 0; // walls that two rooms see
         std::vector<SoupFace> outside;
         for (uint32_t f = 0; f < welded_.faces.size(); ++f) {
-            const std::array<int, 2>& both = sheets_[welded_.faces[f].surface].drawn;
-            if (both[0] >= 0 && both[1] >= 0)
-                out.pairs.push_back({faces_[static_cast<size_t>(both[0])].surface,
-                                     faces_[static_cast<size_t>(both[1])].surface});
+            const Sheet& sheet = sheetOf(f);
+            std::vector<uint32_t> all = sheet.drawn[0];
+            all.insert(all.end(), sheet.drawn[1].begin(), sheet.drawn[1].end());
+            for (size_t k = 1; k < all.size(); ++k)
+                out.pairs.push_back({faces_[all[0]].surface, faces_[all[k]].surface});
             int sides = 0;
             for (uint32_t s = 0; s < 2; ++s) {
-                const Part& part = parts_[sides_.root(2 * f + s)];
-                const Sheet& sheet = sheets_[welded_.faces[f].surface];
-                const int drawn = drawnFor(sheet, s, part);
-                SoupFace face = faces_[static_cast<size_t>(drawn)];
+                const Part& part = parts_[partAt(f, s)];
+                if (part.volume > 0 && part.room < 0) continue;
+                SoupFace face = faces_[drawnFor(sheet, s, partAt(f, s))];
                 face.loops.clear();
                 for (const auto& loop : welded_.faces[f].loops) {
                     face.loops.emplace_back();
@@ -310,29 +358,58 @@ private:
         if (shared > 0)
             out.repairs.push_back(fmt::format("{} wall{} without thickness: rooms on both sides share {}",
                                               shared, shared == 1 ? "" : "s", shared == 1 ? "it" : "them"));
-        if (solids_ > 0)
-            out.warnings.push_back(fmt::format(
-                "{} cut out of the room where {} {:.2g} % of the largest room's volume: a small "
-                "space against a wall whose faces look out of it is solid, those of a room look "
-                "into it",
-                solids_ == 1 ? "1 solid was" : fmt::format("{} solids were", solids_),
-                solids_ == 1 ? "it stands, of" : "they stand, the largest of", 100 * largestSolid_));
+        out.warnings = guesses();
         out.outside = weldFaces(outside, 1, tolerance_);
+        return out;
+    }
+
+    std::vector<std::string> guesses() const {
+        const auto counted = [](size_t n, const char* one, const char* many) {
+            return n == 1 ? fmt::format("1 {}", one) : fmt::format("{} {}", n, many);
+        };
+        std::vector<std::string> out;
+        if (outsides_ > 0)
+            out.push_back(counted(outsides_, "outside of walls was left out: only shells within it are rooms",
+                                  "outsides of walls were left out: only shells within them are rooms"));
+        if (solids_ > 0)
+            out.push_back(
+                fmt::format("{} {:.2g} % of the largest room's volume: what stands in a room is solid unless "
+                            "its faces look into it as those of the room do, and so is what is small or thin "
+                            "and has faces that look out",
+                            counted(solids_, "solid was cut out of the room where it stands, of",
+                                    "solids were cut out of the room where they stand, the largest of"),
+                            100 * largestSolid_));
+        if (insides_ > 0)
+            out.push_back(counted(
+                insides_, "space within a room was taken as a room of its own: its faces look into it",
+                "spaces within a room were taken as rooms: their faces look into them"));
+        if (contrary_ > 0)
+            out.push_back(counted(
+                contrary_,
+                "space was taken as a room though its faces look out of it (those of the largest look in)",
+                "spaces were taken as rooms though their faces look out of them (those of the largest look "
+                "in)"));
         return out;
     }
 
     const std::vector<SoupFace>& faces_;
     double tolerance_;
     std::vector<Sheet> sheets_;
-    Building welded_;
+    Building welded_;          // the sheets; surface: into sheets_
+    std::vector<double> area_; // per sheet as welded
     // Side 2 f of a welded face is the one that its normal points to, 2 f + 1 the other: by the part of space
     // that they bound. Faces by common edges.
     DisjointSets sides_, shells_;
     std::map<uint32_t, Part> parts_; // by the root of their sides
+    // Per given face: the parts that all of it borders on, the owners in front and behind.
+    std::vector<std::optional<std::set<uint32_t>>> borders_;
+    std::vector<std::array<uint32_t, 2>> owner_;
     uint32_t rooms_ = 0;
-    size_t solids_ = 0;       // that stand against walls or floors
-    double largestSolid_ = 0; // of the largest part's volume
-    bool unclear_ = false;    // two materials in one place
+    size_t solids_ = 0;                 // that stand against walls or floors
+    double largestSolid_ = 0;           // of the largest part's volume
+    size_t outsides_ = 0;               // of walls with a thickness
+    size_t contrary_ = 0, insides_ = 0; // rooms whose faces look out, or that stand in others
+    bool unclear_ = false;              // two materials in one place
 };
 
 } // namespace

@@ -74,9 +74,12 @@ ShellNesting nestShells(const std::vector<std::vector<ShellTriangle>>& shells) {
         if (around[s].size() % 2 == 0 && out.room[s] != kNoRoom) out.room[s] = out.rooms++;
     for (uint32_t s = 0; s < count; ++s) {
         const bool solid = around[s].size() % 2 == 1;
-        if (solid)
-            out.room[s] = out.room[*std::ranges::max_element(around[s], {},
-                                                             [&](uint32_t o) { return around[o].size(); })];
+        if (solid) {
+            const uint32_t holder =
+                *std::ranges::max_element(around[s], {}, [&](uint32_t o) { return around[o].size(); });
+            out.room[s] = out.room[holder];
+            out.solidsThatLookIn += volumes[s] > 0 && volumes[holder] > 0;
+        }
         // Air is inside the shells of rooms and outside those of solids.
         out.inverted.push_back((volumes[s] > 0) == solid);
     }

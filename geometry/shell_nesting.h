@@ -18,6 +18,7 @@ struct ShellNesting {
     std::vector<uint32_t> room; // per shell: the room that it bounds or stands in; kNoRoom: see below
     std::vector<bool> inverted; // per shell: its triangles look away from the air
     uint32_t rooms = 0;
+    uint32_t solidsThatLookIn = 0; // drawn as the shell of the room is that they stand in
 };
 
 // The outermost shell bounds a room, a shell within it is a solid that stands in the room's air, and so on

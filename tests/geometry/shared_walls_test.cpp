@@ -197,4 +197,152 @@ TEST(SharedWalls, equal_windows_in_a_row_are_twins_of_those_opposite) {
     EXPECT_EQ(twins, 4u);
 }
 
+// A box without some of its faces, named by the wall: b(ottom), t(op), w, e (low and high x), n, s (low and
+// high z).
+Model part(dvec3 low, dvec3 high, const std::string& without, bool outwards = false) {
+    Model model;
+    box(model, low, high, "B");
+    Model out;
+    for (size_t k = 0; k < model.size(); ++k)
+        if (without.find("btwens"[k]) == std::string::npos) out.push_back(model[k]);
+    if (outwards) reverse(out);
+    return out;
+}
+
+// A hall of 240 m3 with other things in it or beside it.
+Model hall(const std::vector<Model>& others, bool outwards = false) {
+    Model model;
+    box(model, {0, 0, 0}, {10, 3, 8}, "A");
+    if (outwards) reverse(model);
+    for (const Model& other : others) model.insert(model.end(), other.begin(), other.end());
+    return model;
+}
+
+void expectWarning(const Building& building, const std::string& text) {
+    std::string all;
+    for (const std::string& warning : building.warnings) all += warning + "; ";
+    EXPECT_NE(all.find(text), std::string::npos) << all;
+    EXPECT_EQ(all.empty(), text.empty()) << all;
+}
+
+TEST(SharedWalls, a_room_beside_the_middle_of_a_wall_stays_a_room) {
+    for (const bool hallOutwards : {false, true})
+        for (const bool outwards : {false, true})
+            for (const std::string without :
+                 {"", "s"}) // the common wall drawn for both, or for the hall only
+                for (const double floor : {0.0, 0.5}) {
+                    const Building building =
+                        imported(hall({part({4, floor, -2}, {6, 2.5, 0}, without, outwards)}, hallOutwards));
+                    expectVolumes(building, {4 * (2.5 - floor), 240});
+                    expectWarning(building,
+                                  outwards && !hallOutwards ? "though its faces look out of it" : "");
+                }
+}
+
+TEST(SharedWalls, walls_drawn_once_divide_what_they_end_on) {
+    Model across;
+    rectangle(across, {4, 0, 0}, {0, 3, 0}, {0, 0, 8}, "B");
+    expectVolumes(imported(hall({across})), {96, 144});
+    Model corner; // one of the two turned over
+    rectangle(corner, {4, 0, 0}, {0, 3, 0}, {0, 0, 5}, "B");
+    rectangle(corner, {0, 0, 5}, {0, 3, 0}, {4, 0, 0}, "B");
+    expectVolumes(imported(hall({corner})), {60, 180});
+    Model floor;
+    rectangle(floor, {0, 1.2, 0}, {0, 0, 8}, {10, 0, 0}, "B");
+    expectVolumes(imported(hall({floor})), {96, 144});
+    Model screen; // does not reach the wall
+    rectangle(screen, {4, 0, 1}, {0, 3, 0}, {0, 0, 7}, "B");
+    EXPECT_THROW(imported(hall({screen})), InputError);
+    // A room in the hall whose back is the hall's wall, under a ceiling of its own and the hall's.
+    expectVolumes(imported(hall({part({4, 0, 0}, {6, 2.4, 2}, "bn")})), {9.6, 230.4});
+    expectVolumes(imported(hall({part({4, 0, 0}, {6, 3, 2}, "btn")})), {12, 228});
+}
+
+TEST(SharedWalls, rooms_may_overlap_in_half_a_wall) {
+    Model model;
+    box(model, {0, 0, 0}, {4, 3, 4}, "A");
+    box(model, {4, 1, 2}, {8, 4, 6}, "B");
+    expectVolumes(imported(model), {48, 48});
+    reverse(model);
+    expectVolumes(imported(model), {48, 48});
+}
+
+TEST(SharedWalls, columns_and_blocks_are_solid_and_said_to_be) {
+    for (const bool hallOutwards : {false, true})
+        for (const std::string without : {"", "bt"}) {
+            const Building building =
+                imported(hall({part({4, 0, 3}, {4.4, 3, 3.4}, without, true)}, hallOutwards));
+            expectVolumes(building, {240 - 0.48});
+            expectWarning(building, "1 solid was cut out");
+        }
+    // A block that looks inwards as the hall does is a room in it, a column is none.
+    const Building block = imported(hall({part({4, 0, 3}, {6, 2.4, 5}, "b")}));
+    expectVolumes(block, {9.6, 230.4});
+    expectWarning(block, "1 space within a room was taken as a room of its own");
+    const Building column = imported(hall({part({4, 0, 3}, {4.4, 3, 3.4}, "bt")}));
+    expectVolumes(column, {240 - 0.48});
+    expectWarning(column, "1 solid was cut out");
+}
+
+TEST(SharedWalls, tables_stacks_and_rows_of_cupboards_are_solid) {
+    std::vector<Model> table{part({1, 0.7, 1}, {2, 0.75, 1.6}, "", true)};
+    for (const double x : {1.0, 1.95})
+        for (const double z : {1.0, 1.55})
+            table.push_back(part({x, 0, z}, {x + 0.05, 0.7, z + 0.05}, "", true));
+    const std::vector<Model> stack{part({1, 0, 1}, {2, 0.5, 2}, "", true),
+                                   part({1, 0.5, 1}, {2, 1, 2}, "", true),
+                                   part({1.2, 1, 1.2}, {1.8, 1.5, 1.8}, "b", true)};
+    std::vector<Model> row;
+    for (const double x : {0.3, 0.9, 1.5}) row.push_back(part({x, 0, 0}, {x + 0.6, 0.8, 0.6}, "", true));
+    for (const bool outwards : {false, true}) {
+        expectVolumes(imported(hall(table, outwards)), {240 - 0.03 - 4 * 0.00175});
+        expectVolumes(imported(hall(stack, outwards)), {240 - 1 - 0.18});
+        expectVolumes(imported(hall(row, outwards)), {240 - 3 * 0.288});
+    }
+}
+
+TEST(SharedWalls, walls_drawn_as_solids) {
+    // A wall with a thickness from side to side of the hall.
+    for (const bool outwards : {false, true})
+        for (const std::string without : {"", "btns"})
+            if (!outwards || without.empty())
+                expectVolumes(imported(hall({part({4, 0, 0}, {4.2, 3, 8}, without, true)}, outwards)),
+                              {96, 5.8 * 24});
+    Model butted; // four walls between two slabs, nothing else
+    for (const Model& solid :
+         {part({-0.3, 0, -0.3}, {4.3, 2.5, 0}, "", true), part({-0.3, 0, 3}, {4.3, 2.5, 3.3}, "", true),
+          part({-0.3, 0, 0}, {0, 2.5, 3}, "", true), part({4, 0, 0}, {4.3, 2.5, 3}, "", true),
+          part({-0.3, -0.3, -0.3}, {4.3, 0, 3.3}, "", true),
+          part({-0.3, 2.5, -0.3}, {4.3, 2.8, 3.3}, "", true)})
+        butted.insert(butted.end(), solid.begin(), solid.end());
+    const Building building = imported(butted);
+    expectVolumes(building, {30});
+    expectWarning(building, "6 solids were cut out");
+    // Two rooms with a wall between that has no thickness, in walls that have one.
+    Model thick = part({-0.3, -0.3, -0.3}, {8.5, 2.8, 3.3}, "", true);
+    box(thick, {0, 0, 0}, {4, 2.5, 3}, "A");
+    box(thick, {4, 0, 0}, {8.2, 2.5, 3}, "B");
+    const Building two = imported(thick);
+    expectVolumes(two, {30, 31.5});
+    expectWarning(two, "outside of walls was left out");
+}
+
+// Facets that nearly lie in one plane: their corners must stay where those of the next plane have them.
+TEST(SharedWalls, a_ball_beside_a_table_does_not_keep_it_from_closing) {
+    Model ball;
+    const int n = 40;
+    const auto at = [&](int i, int j) {
+        const double a = 3.14159265358979 * i / n, b = 2 * 3.14159265358979 * (j % n) / n;
+        return dvec3(6, 1.5, 4) + dvec3(std::sin(a) * std::cos(b), std::cos(a), std::sin(a) * std::sin(b));
+    };
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+            if (i > 0) ball.push_back({{at(i, j), at(i, j + 1), at(i + 1, j)}, "B"});
+            if (i < n - 1) ball.push_back({{at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)}, "B"});
+        }
+    double volume = 0;
+    for (const Drawn& t : ball) volume += glm::dot(t.corners[0], glm::cross(t.corners[1], t.corners[2])) / 6;
+    expectVolumes(imported(hall({ball, part({1, 0, 1}, {2, 1, 2}, "", true)})), {239 - std::abs(volume)});
+}
+
 } // namespace

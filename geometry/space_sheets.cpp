@@ -1,0 +1,200 @@
+// In each plane a planar arrangement of the outlines of the faces that lie in it, and of the edges of other
+// faces that end there: a wall that is drawn once divides the floor and the walls that it meets.
+#include "geometry/space_sheets.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+
+#include "geometry/disjoint_sets.h"
+#include "geometry/outline_area.h"
+#include "geometry/perpendicular.h"
+#include "geometry/plan_arrangement.h"
+#include "geometry/plan_regions.h"
+#include "geometry/shell_faces.h"
+
+namespace heliodon::geometry {
+
+namespace {
+
+using glm::dvec3;
+
+constexpr int32_t kForeign = -1; // tag of edges of faces that only end in the plane
+
+struct Plane {
+    dvec3 origin, normal;
+    std::vector<uint32_t> faces;
+};
+
+class SheetCutter {
+public:
+    SheetCutter(const std::vector<SoupFace>& faces, double tolerance) : tolerance_(tolerance) {
+        std::vector<SoupFace> numbered = faces;
+        for (uint32_t f = 0; f < numbered.size(); ++f) {
+            numbered[f].surface = f;
+            numbered[f].room = 0;
+        }
+        welded_ = weldFaces(numbered, 1, tolerance_, true);
+        for (const auto& [edge, found] : facesOfEdges(welded_)) edges_.push_back(edge);
+    }
+
+    std::vector<Sheet> cut() {
+        for (const Plane& plane : planes()) {
+            const std::vector<Edge> ends = edgesThatEndIn(plane);
+            if (plane.faces.size() > 1 || !ends.empty()) {
+                arrangePlane(plane, ends);
+                continue;
+            }
+            const Face& face = welded_.faces[plane.faces[0]];
+            Sheet sheet;
+            for (const auto& loop : face.loops) sheet.loops.push_back(placed(loop));
+            sheet.drawn[0] = {face.surface};
+            sheets_.push_back(std::move(sheet));
+        }
+        return std::move(sheets_);
+    }
+
+private:
+    std::vector<dvec3> placed(const std::vector<uint32_t>& loop) const {
+        std::vector<dvec3> out;
+        for (const uint32_t v : loop) out.push_back(welded_.vertices[v]);
+        return out;
+    }
+
+    bool inPlane(const Plane& plane, uint32_t v) const {
+        return std::abs(glm::dot(welded_.vertices[v] - plane.origin, plane.normal)) <= 2 * tolerance_;
+    }
+
+    std::vector<Plane> planes() const {
+        std::vector<Plane> out;
+        for (uint32_t f = 0; f < welded_.faces.size(); ++f) {
+            const auto& loop = welded_.faces[f].loops[0];
+            const dvec3 area = areaVector(welded_.vertices, loop);
+            if (!(glm::length(area) > tolerance_ * tolerance_)) continue;
+            const dvec3 n = glm::normalize(area);
+            const auto in = [&](const Plane& plane) {
+                return std::abs(glm::dot(n, plane.normal)) > 0.999 &&
+                       std::ranges::all_of(loop, [&](uint32_t v) { return inPlane(plane, v); });
+            };
+            auto plane = std::ranges::find_if(out, in);
+            if (plane == out.end()) plane = out.insert(out.end(), {welded_.vertices[loop[0]], n, {}});
+            plane->faces.push_back(f);
+        }
+        return out;
+    }
+
+    // Edges of other faces in the plane that are no edges of its own faces. Corners on edges are welded
+    // already, so that equal edges have equal ends.
+    std::vector<Edge> edgesThatEndIn(const Plane& plane) const {
+        std::set<Edge> own;
+        dvec3 low(1e300), high(-1e300);
+        for (const uint32_t f : plane.faces)
+            for (const auto& loop : welded_.faces[f].loops)
+                for (size_t i = 0; i < loop.size(); ++i) {
+                    own.insert(std::minmax(loop[i], loop[(i + 1) % loop.size()]));
+                    low = glm::min(low, welded_.vertices[loop[i]]);
+                    high = glm::max(high, welded_.vertices[loop[i]]);
+                }
+        std::vector<Edge> out;
+        for (const Edge& edge : edges_) {
+            if (!inPlane(plane, edge.first) || !inPlane(plane, edge.second) || own.contains(edge)) continue;
+            const dvec3 a = welded_.vertices[edge.first], b = welded_.vertices[edge.second];
+            if (glm::any(glm::lessThan(glm::max(a, b), low - tolerance_)) ||
+                glm::any(glm::greaterThan(glm::min(a, b), high + tolerance_)))
+                continue;
+            out.push_back(edge);
+        }
+        return out;
+    }
+
+    void arrangePlane(const Plane& plane, const std::vector<Edge>& ends) {
+        const dvec3 u = perpendicular(plane.normal), v = glm::cross(plane.normal, u);
+        const auto flat = [&](uint32_t i) {
+            const dvec3 p = welded_.vertices[i] - plane.origin;
+            return glm::dvec2(glm::dot(p, u), glm::dot(p, v));
+        };
+        std::vector<PlanSegment> segments;
+        std::vector<size_t> side; // per face: 0 turned as the plane, 1 the other way
+        for (size_t k = 0; k < plane.faces.size(); ++k) {
+            const Face& face = welded_.faces[plane.faces[k]];
+            side.push_back(glm::dot(areaVector(welded_.vertices, face.loops[0]), plane.normal) < 0 ? 1 : 0);
+            for (const auto& loop : face.loops)
+                for (size_t i = 0; i < loop.size(); ++i) {
+                    glm::dvec2 a = flat(loop[i]), b = flat(loop[(i + 1) % loop.size()]);
+                    if (side[k]) std::swap(a, b);
+                    if (a != b) segments.push_back({a, b, static_cast<int32_t>(k)});
+                }
+        }
+        for (const Edge& edge : ends)
+            if (flat(edge.first) != flat(edge.second))
+                segments.push_back({flat(edge.first), flat(edge.second), kForeign});
+        const PlanArrangement map = arrange(segments);
+        // Corners stay where they are: put into the plane they might part from those of other planes.
+        std::map<std::pair<double, double>, dvec3> corners;
+        const auto keep = [&](uint32_t i) {
+            corners.try_emplace({flat(i).x, flat(i).y}, welded_.vertices[i]);
+        };
+        for (const uint32_t f : plane.faces)
+            for (const auto& loop : welded_.faces[f].loops) std::ranges::for_each(loop, keep);
+        for (const Edge& edge : ends) {
+            keep(edge.first);
+            keep(edge.second);
+        }
+
+        std::vector<std::array<std::vector<uint32_t>, 2>> drawn(map.cellCount); // the faces over each cell
+        for (size_t k = 0; k < plane.faces.size(); ++k) {
+            const auto depth = coverage(map, [&](int32_t tag) { return tag == static_cast<int32_t>(k); });
+            for (uint32_t c = 1; c < map.cellCount; ++c)
+                if (depth[c] > 0) drawn[c][side[k]].push_back(welded_.faces[plane.faces[k]].surface);
+        }
+        std::vector<int> labels = cellsOfSheets(map, drawn);
+        absorbThinCells(map, labels, tolerance_);
+        for (const PlanRegion& region : traceRegions(map, labels)) {
+            Sheet sheet{{}, drawn[static_cast<size_t>(region.label)]};
+            for (const auto& halves : region.loops) {
+                sheet.loops.emplace_back();
+                for (const uint32_t h : halves) {
+                    const glm::dvec2 p = map.points[map.source(h)];
+                    const auto corner = corners.find({p.x, p.y});
+                    sheet.loops.back().push_back(corner != corners.end() ? corner->second
+                                                                         : plane.origin + p.x * u + p.y * v);
+                }
+            }
+            sheets_.push_back(std::move(sheet));
+        }
+    }
+
+    // Per cell one of the cells of its sheet, -1 where there is none. Neighbours under the same faces are one
+    // sheet, but where another face ends between them.
+    static std::vector<int> cellsOfSheets(const PlanArrangement& map,
+                                          const std::vector<std::array<std::vector<uint32_t>, 2>>& drawn) {
+        DisjointSets sheets(map.cellCount);
+        for (uint32_t e = 0; e < map.edgeCount(); ++e) {
+            const uint32_t one = map.cell[2 * e], other = map.cell[2 * e + 1];
+            if (drawn[one] == drawn[other] &&
+                std::ranges::none_of(map.tags[e], [](const auto& t) { return t.tag == kForeign; }))
+                sheets.join(one, other);
+        }
+        std::vector<int> labels(map.cellCount, -1);
+        for (uint32_t c = 1; c < map.cellCount; ++c)
+            if (!drawn[c][0].empty() || !drawn[c][1].empty()) labels[c] = static_cast<int>(sheets.root(c));
+        return labels;
+    }
+
+    double tolerance_;
+    Building welded_; // surface: the given face
+    std::vector<Edge> edges_;
+    std::vector<Sheet> sheets_;
+};
+
+} // namespace
+
+std::vector<Sheet> cutIntoSheets(const std::vector<SoupFace>& faces, double tolerance) {
+    return SheetCutter(faces, tolerance).cut();
+}
+
+} // namespace heliodon::geometry

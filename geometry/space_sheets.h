@@ -1,0 +1,23 @@
+// Faces that lie on one another or end on one another, cut along one another: every piece is one sheet with
+// two sides.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "geometry/face_soup.h"
+
+namespace heliodon::geometry {
+
+// A piece of a wall, its outline counter-clockwise about the sheet's normal, holes clockwise.
+struct Sheet {
+    std::vector<std::vector<glm::dvec3>> loops;
+    std::array<std::vector<uint32_t>, 2> drawn; // the given faces over it: turned that way, and the other
+};
+
+// Corners of other faces count as on an edge, and faces as in one plane, within `tolerance` (metres). Faces
+// may cross; they are not cut there. Cost: faces times planes, and n^2 for n faces in one plane.
+std::vector<Sheet> cutIntoSheets(const std::vector<SoupFace>& faces, double tolerance);
+
+} // namespace heliodon::geometry
