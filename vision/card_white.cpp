@@ -16,15 +16,18 @@ namespace {
 
 constexpr int kStride = 2; // pixels from sample to sample
 constexpr float kOverTable = 1.05f, kClipped = 250;
-constexpr float kCardChroma = 0.2f;   // log chroma from the table's: less is the white of a lamp near by
-constexpr double kLeastCard = 0.4;    // square inches: the ends of two walls
-constexpr double kShareOfMost = 0.25; // of what is commonest: rims and patches of light are rarer than card
-constexpr double kFullLight = 0.9;    // of the levels: card that faces the lamps, of that which does not
-constexpr float kPaint = 0.5f;        // P' against the table
-constexpr double kNextTo = 1;         // inches: faces of high walls in part, ends and rings wholly
-constexpr double kShareNextTo = 0.5;  // of card
-constexpr double kLeastTop = 0.3;     // square inches
+constexpr float kCardChroma = 0.2f;      // log chroma from the table's: less is the white of a lamp near by
+constexpr double kLeastCard = 0.4;       // square inches: the ends of two walls
+constexpr float kFullLight = 0.5f;       // of the level: card that faces the lamps, of that which does not
+constexpr float kBrighter = 1.2f;        // than what is brightest in the table's own colour
+constexpr float kBlack = 5;              // times as bright as the table: on a white one no card is
+constexpr float kPaint = 0.5f;           // P' against card
+constexpr float kNotTable = 0.3f;        // P' against the table
+constexpr double kNextTo = 1;            // inches: faces of high walls in part, ends and rings wholly
+constexpr double kShareNextTo = 0.5;     // of card
+constexpr double kLeastTop = 0.3;        // square inches
 constexpr double kShareOfTops = 1 / 3.0; // arrows and skylights have none
+constexpr size_t kMostTried = 8;
 
 // 1 within that many samples of what is not 0.
 cv::Mat reach(const cv::Mat& mask, double samples) {
@@ -33,37 +36,42 @@ cv::Mat reach(const cv::Mat& mask, double samples) {
     return distance <= samples;
 }
 
+float least(glm::vec3 v) {
+    return std::min({v.r, v.g, v.b});
+}
+float most(glm::vec3 v) {
+    return std::max({v.r, v.g, v.b});
+}
+
 class CardFinder {
 public:
     CardFinder(const PlanView& view, const TableRegion& region, const LightGrid& table)
-        : paint_(cv::Mat::zeros((region.height + kStride - 1) / kStride,
-                                (region.width + kStride - 1) / kStride, CV_8U)),
-          perInch_(view.pixelsPerInch({0, 0}, 0) / kStride), bins_(kBins * kBins) {
+        : size_((region.width + kStride - 1) / kStride, (region.height + kStride - 1) / kStride),
+          perInch_(view.pixelsPerInch({0, 0}, 0) / kStride),
+          enough_(static_cast<size_t>(std::ceil(kLeastCard * perInch_ * perInch_))), bins_(kBins * kBins) {
         takeSamples(view, region, table);
     }
 
-    std::optional<glm::vec3> find() {
-        if (samples_.empty()) return std::nullopt;
-        sort();
-        const std::optional<Cell> cell = brightest();
-        if (!cell) return std::nullopt;
-        std::array<std::vector<float>, 3> channel;
-        cv::Mat card = cv::Mat::zeros(paint_.size(), CV_8U);
-        for (const Sample& s : samples_) {
-            if (std::abs(s.cell.i - cell->i) > 1 || std::abs(s.cell.j - cell->j) > 1) continue;
-            for (int c = 0; c < 3; ++c) channel[static_cast<size_t>(c)].push_back(s.ratio[c]);
-            card.at<uint8_t>(s.place) = 1;
+    std::optional<glm::vec3> find() const {
+        // What the table's own white reaches, at the ends of walls for one, is the measure for the others.
+        std::optional<Card> best = cardOf(glm::vec3(1), [](Cell cell) { return isTable(cell); });
+        for (const auto& [level, cell] : brightCells()) {
+            const glm::vec3 colour = colourOf(cell);
+            // All that has the cell's colour is no dimmer than what of it is next to paint.
+            if (best && kInBin * meanOf({colour, level, false}) < meanOf(*best)) continue;
+            const auto about = [&](Cell other) { return distance(cell, other) <= 1; };
+            const std::optional<Card> card = cardOf(colour, about);
+            if (!card || (best && meanOf(*card) < kBrighter * meanOf(*best)) || !card->isOnTops) continue;
+            return card->white;
         }
-        const glm::vec3 white(median(channel[0]), median(channel[1]), median(channel[2]));
-        const glm::vec2 c = chroma(white.r, white.g, white.b);
-        const float off = std::max({std::abs(c[0]), std::abs(c[1]), std::abs(c[0] - c[1])});
-        if (off < kCardChroma || !isOnTops(card)) return std::nullopt;
-        return white;
+        if (best && best->level > kBlack && best->isOnTops) return best->white;
+        return std::nullopt;
     }
 
 private:
     static constexpr int kBins = 60;
-    static constexpr float kBin = 0.08f; // of log chroma
+    static constexpr float kBin = 0.08f;  // of log chroma
+    static constexpr float kInBin = 1.1f; // what a mean can differ by within bins side by side
 
     struct Cell { // of the histogram of chroma
         int i, j;
@@ -72,17 +80,32 @@ private:
         glm::vec3 ratio; // to the table
         Cell cell;
         cv::Point place;
+        bool mayBeCard;
     };
-    struct Bin {
-        std::vector<float> levels; // of the dimmest channel
-        size_t apart = 0;          // how many are not next to paint
+    struct Card {
+        glm::vec3 white;
+        float level; // of the dimmest channel, which the least area of card exceeds
+        bool isOnTops;
     };
+
+    // The level as the mean of its channels, as it is where the table's colour darkens one of them most.
+    static float meanOf(const Card& card) {
+        return card.level * (card.white.r + card.white.g + card.white.b) / (3 * least(card.white));
+    }
 
     static int binOf(float v) {
         return std::clamp(static_cast<int>(std::floor(v / kBin + 0.5f)) + kBins / 2, 1, kBins - 2);
     }
+    static int distance(Cell a, Cell b) { return std::max(std::abs(a.i - b.i), std::abs(a.j - b.j)); }
+    static glm::vec3 colourOf(Cell cell) {
+        return {std::exp(kBin * static_cast<float>(cell.i - kBins / 2)), 1,
+                std::exp(kBin * static_cast<float>(cell.j - kBins / 2))};
+    }
+    static bool isTable(Cell cell) {
+        const int i = cell.i - kBins / 2, j = cell.j - kBins / 2;
+        return static_cast<float>(std::max({std::abs(i), std::abs(j), std::abs(i - j)})) * kBin < kCardChroma;
+    }
 
-    // All that is brighter than the table, and where paint is.
     void takeSamples(const PlanView& view, const TableRegion& region, const LightGrid& table) {
         const Photograph& photo = view.photo();
         const auto& linear = view.linearFromByte();
@@ -98,66 +121,97 @@ private:
                     table.light[static_cast<size_t>(y / kBlock) * static_cast<size_t>(table.columns) +
                                 static_cast<size_t>(x / kBlock)];
                 const glm::vec3 ratio = glm::vec3(linear[p[0]], linear[p[1]], linear[p[2]]) / bare;
-                const cv::Point place(x / kStride, y / kStride);
-                const float least = std::min({ratio.r, ratio.g, ratio.b});
-                const float most = std::max({ratio.r, ratio.g, ratio.b});
-                if (least < 1 && least < (1 - kPaint) * most) paint_.at<uint8_t>(place) = 1;
-                if (least < kOverTable || std::max({p[0], p[1], p[2]}) > kClipped) continue;
+                const bool mayBeCard = least(ratio) >= kOverTable && std::max({p[0], p[1], p[2]}) <= kClipped;
+                if (!mayBeCard && least(ratio) > (1 - kNotTable) * most(ratio)) continue; // of no use
                 const glm::vec2 c = chroma(ratio.r, ratio.g, ratio.b);
-                samples_.push_back({ratio, {binOf(c[0]), binOf(c[1])}, place});
+                const Cell cell{binOf(c[0]), binOf(c[1])};
+                samples_.push_back({ratio, cell, {x / kStride, y / kStride}, mayBeCard});
+                if (mayBeCard) bins_[static_cast<size_t>(cell.i * kBins + cell.j)].push_back(least(ratio));
             }
     }
 
-    void sort() {
-        const cv::Mat nextToPaint = reach(paint_, kNextTo * perInch_);
-        for (const Sample& s : samples_) {
-            Bin& bin = bins_[static_cast<size_t>(s.cell.i * kBins + s.cell.j)];
-            bin.levels.push_back(std::min({s.ratio.r, s.ratio.g, s.ratio.b}));
-            bin.apart += nextToPaint.at<uint8_t>(s.place) == 0;
+    // Levels of the bin with those about it.
+    std::vector<float> levelsAbout(Cell cell) const {
+        std::vector<float> levels;
+        for (int d = 0; d < 9; ++d) {
+            const auto& bin = bins_[static_cast<size_t>((cell.i + d / 3 - 1) * kBins + cell.j + d % 3 - 1)];
+            levels.insert(levels.end(), bin.begin(), bin.end());
         }
+        return levels;
     }
 
-    // The bin with those about it.
-    template<class Take> void forBinsAbout(int i, int j, const Take& take) const {
-        for (int d = 0; d < 9; ++d) take(bins_[static_cast<size_t>((i + d / 3 - 1) * kBins + j + d % 3 - 1)]);
+    // The level that the least area of card exceeds.
+    float levelOf(std::vector<float>& levels) const {
+        const auto rank = levels.end() - static_cast<std::ptrdiff_t>(enough_);
+        std::nth_element(levels.begin(), rank, levels.end());
+        return *rank;
     }
 
-    size_t countAbout(int i, int j) const {
-        size_t count = 0;
-        forBinsAbout(i, j, [&](const Bin& bin) { count += bin.levels.size(); });
-        return count;
-    }
-
-    // Of chromas that are common enough, and mostly next to paint.
-    std::optional<Cell> brightest() const {
-        size_t most = 0;
-        for (int i = 1; i < kBins - 1; ++i)
-            for (int j = 1; j < kBins - 1; ++j) most = std::max(most, countAbout(i, j));
-        const double enough =
-            std::max(kLeastCard * perInch_ * perInch_, kShareOfMost * static_cast<double>(most));
-        float best = 0;
-        std::optional<Cell> where;
+    // Chromas other than the table's that are common enough, with their levels, the brightest first, none
+    // beside another.
+    std::vector<std::pair<float, Cell>> brightCells() const {
+        std::vector<std::pair<float, Cell>> cells;
         for (int i = 1; i < kBins - 1; ++i)
             for (int j = 1; j < kBins - 1; ++j) {
-                const auto count = static_cast<double>(countAbout(i, j));
-                size_t apart = 0;
-                forBinsAbout(i, j, [&](const Bin& bin) { apart += bin.apart; });
-                if (count < enough || static_cast<double>(apart) > (1 - kShareNextTo) * count) continue;
-                std::vector<float> levels;
-                forBinsAbout(i, j, [&](const Bin& bin) {
-                    levels.insert(levels.end(), bin.levels.begin(), bin.levels.end());
-                });
-                const auto rank = levels.begin() + static_cast<std::ptrdiff_t>(kFullLight * (count - 1));
-                std::nth_element(levels.begin(), rank, levels.end());
-                if (*rank > best) best = *rank, where = {i, j};
+                if (isTable({i, j})) continue;
+                std::vector<float> levels = levelsAbout({i, j});
+                if (levels.size() >= enough_) cells.push_back({levelOf(levels), {i, j}});
             }
-        return where;
+        std::stable_sort(cells.begin(), cells.end(),
+                         [](const auto& a, const auto& b) { return a.first > b.first; });
+        std::vector<std::pair<float, Cell>> out;
+        for (const auto& candidate : cells) {
+            if (out.size() == kMostTried) break;
+            if (std::none_of(out.begin(), out.end(), [&](const auto& other) {
+                    return distance(candidate.second, other.second) <= 1;
+                }))
+                out.push_back(candidate);
+        }
+        return out;
+    }
+
+    // What is card if card has that colour over the table's: samples of its chroma next to paint, which has
+    // neither card's chroma nor the table's. None where there is too little, or more of it elsewhere.
+    template<class Has> std::optional<Card> cardOf(glm::vec3 colour, const Has& has) const {
+        cv::Mat paint = cv::Mat::zeros(size_, CV_8U);
+        for (const Sample& s : samples_) {
+            const glm::vec3 c = s.ratio / colour;
+            if (least(c) < (1 - kPaint) * most(c) && least(s.ratio) < (1 - kNotTable) * most(s.ratio))
+                paint.at<uint8_t>(s.place) = 1;
+        }
+        const cv::Mat nextToPaint = reach(paint, kNextTo * perInch_);
+        std::vector<float> levels;
+        size_t apart = 0;
+        for (const Sample& s : samples_) {
+            if (!s.mayBeCard || !has(s.cell)) continue;
+            if (nextToPaint.at<uint8_t>(s.place))
+                levels.push_back(least(s.ratio));
+            else
+                ++apart;
+        }
+        if (levels.size() < enough_) return std::nullopt;
+        const bool ofTable = colour == glm::vec3(1);
+        if (!ofTable &&
+            static_cast<double>(levels.size()) < kShareNextTo * static_cast<double>(levels.size() + apart))
+            return std::nullopt;
+        Card out{{}, levelOf(levels), false};
+        std::array<std::vector<float>, 3> channel;
+        cv::Mat card = cv::Mat::zeros(size_, CV_8U);
+        for (const Sample& s : samples_) {
+            if (!s.mayBeCard || !has(s.cell) || !nextToPaint.at<uint8_t>(s.place)) continue;
+            card.at<uint8_t>(s.place) = 1;
+            if (least(s.ratio) < kFullLight * out.level) continue;
+            for (int c = 0; c < 3; ++c) channel[static_cast<size_t>(c)].push_back(s.ratio[c]);
+        }
+        out.white = {median(channel[0]), median(channel[1]), median(channel[2])};
+        out.isOnTops = isOnTops(paint, card);
+        return out;
     }
 
     // Whether card is next to many of the painted tops.
-    bool isOnTops(const cv::Mat& card) const {
+    bool isOnTops(const cv::Mat& paint, const cv::Mat& card) const {
         cv::Mat labels, stats, centres;
-        const int count = cv::connectedComponentsWithStats(paint_, labels, stats, centres);
+        const int count = cv::connectedComponentsWithStats(paint, labels, stats, centres);
         std::vector<uint8_t> has(static_cast<size_t>(count), 0);
         const cv::Mat near = reach(card, kNextTo * perInch_);
         for (int y = 0; y < labels.rows; ++y)
@@ -172,10 +226,11 @@ private:
         return withCard > 0 && withCard >= kShareOfTops * tops;
     }
 
-    cv::Mat paint_; // 1 where a sample is painted
+    cv::Size size_;
     double perInch_;
-    std::vector<Sample> samples_;
-    std::vector<Bin> bins_;
+    size_t enough_;
+    std::vector<Sample> samples_; // all that may be card or paint
+    std::vector<std::vector<float>> bins_;
 };
 
 } // namespace

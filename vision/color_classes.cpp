@@ -17,6 +17,7 @@ namespace heliodon::vision {
 namespace {
 
 constexpr double kMarkerReach = 0.4; // inches, more than half of a marker's top, seen nearer than the table
+constexpr float kFaint = 0.23f;      // of P': nothing below is looked at
 constexpr double kBeyond = 2;        // inches beyond the table's edge that are looked at
 
 // Hue in degrees of a colour whose smallest component was taken away.
@@ -27,15 +28,31 @@ inline float hueOf(float r, float g, float b, float high, float low) {
     return 240 + 60 * (r - g) / span;
 }
 
+float hueOf(glm::vec3 p) {
+    const float high = std::max(std::max(p.r, p.g), p.b), low = std::min(std::min(p.r, p.g), p.b);
+    return high > low ? hueOf(p.r, p.g, p.b, high, low) : 0;
+}
+
 // P' of a colour.
 inline float saturationOf(glm::vec3 p) {
     const float high = std::max(std::max(p.r, p.g), p.b), low = std::min(std::min(p.r, p.g), p.b);
     return (high - low) / high;
 }
+// The table itself, where it is not white, and what lies between it and card in a blurred edge or in the
+// light that it throws on to card: a sum of both has the table's hue and is no more saturated.
+bool isTableOrCard(glm::vec3 p, glm::vec3 card, float minSaturation) {
+    constexpr float kSameHue = 12, kMore = 1.1f; // degrees; of P'
+    if (saturationOf(card * p) < minSaturation) return true;
+    const glm::vec3 table = 1.0f / card;
+    const float most = saturationOf(table);
+    if (most < kFaint || saturationOf(p) > kMore * most) return false;
+    const float apart = std::abs(hueOf(p) - hueOf(table));
+    return std::min(apart, 360 - apart) < kSameHue;
+}
+
 // White in a shadow that only a second light reaches: darker than the white about it, and white by that
 // light.
 constexpr float kShade = 0.9f, kShadeWhite = 0.2f;
-constexpr float kFaint = 0.23f; // of P': nothing below is looked at
 
 // Rows of linear light, softened by a Gaussian; each row of the picture is read once.
 class SoftRows {
@@ -105,6 +122,8 @@ std::vector<Coloured> findColoured(const PlanView& view, const TableRegion& regi
                                    const DetectOptions& options) {
     std::vector<Coloured> out;
     const float minSaturation = static_cast<float>(options.minSaturation);
+    // Of P' against a table of another colour; dark ones are noisier than all else.
+    const float notTable = std::clamp(4 * static_cast<float>(white.noise), minSaturation, 0.6f);
     // By ground. Beyond the table there is only dark floor to tell from the lit top of a wall.
     // Noise has every colour: where little light comes from, a pixel must stand well out of it.
     const double offTable = std::max(options.minBrightnessOffTable, 4.5 * white.noise);
@@ -133,8 +152,7 @@ std::vector<Coloured> findColoured(const PlanView& view, const TableRegion& regi
                 if (high - low < minSaturation * high &&
                     !PaintTable::isFadedSky(hueOf(r, g, b, high, low), (high - low) / high, high))
                     continue;
-                // The table itself, where it is not white.
-                if (white.card && saturationOf(*white.card * glm::vec3(r, g, b)) < minSaturation) continue;
+                if (white.card && isTableOrCard({r, g, b}, *white.card, notTable)) continue;
                 if (high < minBright[static_cast<size_t>(ground[x])]) continue;
                 if (white.secondLight && (high < kShade || high - low < minSaturation * high)) {
                     const glm::vec3 p(r, g, b);

@@ -140,6 +140,24 @@ TEST(DetectConditions, tables_of_wood_and_grey_ones) {
         }
 }
 
+// Ray-cast, with grain, joints of planks, soft shadows and light between walls: what of the grain is brighter
+// than the table about it is more than all card.
+TEST(DetectConditions, ray_cast_tables_of_birch_oak_and_walnut) {
+    for (const char* name : {"table_birch", "table_oak", "table_walnut"}) {
+        SCOPED_TRACE(name);
+        const std::string stem = std::string(HELIODON_TEST_DATA "/vision/") + name;
+        const geometry::Sketch stated = geometry::readSketch(stem + ".sketch.json");
+        const auto result =
+            detectSketch(readPhotograph(stem + ".jpg"), geometry::readRig(stem + ".rig.json"));
+        const Score score = scoreSketch(stated, result.sketch);
+        for (const auto& [kind, k] : score) {
+            EXPECT_EQ(k.found, k.stated) << kind << "\n" << table(score);
+            EXPECT_EQ(k.extra, 0) << kind << "\n" << table(score);
+            EXPECT_LT(k.placeWorst, 0.2) << kind << "\n" << table(score); // ends under a marker the most
+        }
+    }
+}
+
 WhiteMap whiteOf(const Photograph& photo, const geometry::Rig& rig) {
     const PlanView view(photo, rig.camera, DetectOptions{}.gamma);
     return findWhite(view, findTable(view, rig.tableRadius / geometry::kMetresPerInch, 0.5));
