@@ -336,7 +336,6 @@ private:
                               {normal(), range(), records, sums_, there_, backOf(&a == &b)}, params,
                               gpu::groupsFor(part, io::kExactGroup));
         }
-        commands.barrier(gpu::Stage::compute, gpu::Stage::host);
         device_.submitAndWait(std::move(commands));
         collectErrors(records, first, count);
     }

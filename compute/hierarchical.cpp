@@ -252,7 +252,6 @@ void HierarchicalFormFactors::gather(std::span<const float> in, std::span<float>
             patches,
             {gpu::texel(firstLeafTexels_, kUint), gpu::texel(leafNodeTexels_, kUvec4), received_, gathered_},
             sweep(0, nodes), gpu::groupsFor(size_t{patchCount_} * count, io::kHierarchicalGroup));
-        commands.barrier(kCompute, gpu::Stage::host);
         device_->submitAndWait(std::move(commands));
         std::memcpy(&out[size_t{first} * patchCount_], gathered_.mapped(),
                     size_t{count} * patchCount_ * sizeof(float));

@@ -67,7 +67,6 @@ void RadiosityGather::gather(std::span<const float> in, std::span<float> out, ui
         light_.upload(packed_);
         gpu::Commands commands(*device_);
         record(commands, light_, gathered_, count);
-        commands.barrier(gpu::Stage::compute, gpu::Stage::host);
         device_->submitAndWait(std::move(commands));
         std::memcpy(&out[size_t{first} * patchCount_], gathered_.mapped(),
                     size_t{count} * patchCount_ * sizeof(float));

@@ -37,7 +37,6 @@ public:
             gpu::Commands commands(*device_);
             commands.dispatch(kernel_, {gpu::texel(source_, VK_FORMAT_R32G32B32A32_SFLOAT), sums_}, params_,
                               kInvocations / io::kRooflineGroup);
-            commands.barrier(gpu::Stage::compute, gpu::Stage::host);
             const Stopwatch watch;
             device_->submitAndWait(std::move(commands));
             best = std::min(best, watch.seconds());

@@ -86,9 +86,7 @@ Buffer Buffer::hostCopy(size_t bytes, size_t byteOffset) const {
     Buffer copy(*device_, bytes, "host copy", Place::host);
     if (bytes == 0) return copy;
     Commands commands(*device_);
-    commands.barrier(Stage::any, Stage::transfer);
     commands.copy(*this, byteOffset, copy, 0, bytes);
-    commands.barrier(Stage::transfer, Stage::host);
     device_->submitAndWait(std::move(commands));
     return copy;
 }

@@ -15,6 +15,8 @@ namespace heliodon::gpu {
 
 namespace {
 
+constexpr uint32_t kLargestSubgroup = 64; // the smallest workgroup whose kernels count subgroups
+
 constexpr const char* kNoDriver =
     "no Vulkan device: the loader finds no driver (mesa-vulkan-drivers has one that needs no hardware; "
     "VK_ICD_FILENAMES and VK_DRIVER_FILES, where they are set, must name files that are there)";
@@ -23,13 +25,12 @@ struct Required {
     const char* name;
     VkBool32& (*of)(Features&);
 };
-constexpr std::array<Required, 7> kRequired{{
+constexpr std::array<Required, 6> kRequired{{
     {"synchronization2", [](Features& f) -> VkBool32& { return f.v13.synchronization2; }},
     {"dynamicRendering", [](Features& f) -> VkBool32& { return f.v13.dynamicRendering; }},
     {"maintenance4", [](Features& f) -> VkBool32& { return f.v13.maintenance4; }},
     {"timelineSemaphore", [](Features& f) -> VkBool32& { return f.v12.timelineSemaphore; }},
     {"scalarBlockLayout", [](Features& f) -> VkBool32& { return f.v12.scalarBlockLayout; }},
-    {"hostQueryReset", [](Features& f) -> VkBool32& { return f.v12.hostQueryReset; }},
     {"depthClamp", [](Features& f) -> VkBool32& { return f.base.features.depthClamp; }},
 }};
 
@@ -49,7 +50,9 @@ const char* typeName(VkPhysicalDeviceType type) {
 }
 
 DeviceInfo describe(VkPhysicalDevice physical, uint32_t index, bool swapchains) {
+    VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
     VkPhysicalDeviceDriverProperties driver{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
+    driver.pNext = &subgroup;
     VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
     properties.pNext = &driver;
     vkGetPhysicalDeviceProperties2(physical, &properties);
@@ -70,6 +73,12 @@ DeviceInfo describe(VkPhysicalDevice physical, uint32_t index, bool swapchains) 
     vkGetPhysicalDeviceFeatures2(physical, &features.base);
     for (const Required& required : kRequired)
         if (!required.of(features)) refuse(fmt::format("lacks the feature {}", required.name));
+    constexpr VkSubgroupFeatureFlags kTogether =
+        VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_VOTE_BIT | VK_SUBGROUP_FEATURE_ARITHMETIC_BIT;
+    if ((subgroup.supportedOperations & kTogether) != kTogether ||
+        !(subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT))
+        refuse("lacks votes and sums within subgroups");
+    if (!chooseSubgroupSize(physical)) refuse("has no subgroups of one known size of 64 or less");
     if (swapchains && !hasExtension(physical, VK_KHR_SWAPCHAIN_EXTENSION_NAME))
         refuse("lacks VK_KHR_swapchain");
     if (!findQueueFamily(physical)) refuse("has no queue for both graphics and compute");
@@ -106,6 +115,27 @@ int preference(const DeviceInfo& info) {
 
 void Features::require() {
     for (const Required& required : kRequired) required.of(*this) = VK_TRUE;
+}
+
+std::optional<SubgroupSize> chooseSubgroupSize(VkPhysicalDevice physical) {
+    VkPhysicalDeviceSubgroupSizeControlProperties sizes{
+        VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_PROPERTIES};
+    VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
+    VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
+    subgroup.pNext = &sizes;
+    properties.pNext = &subgroup;
+    vkGetPhysicalDeviceProperties2(physical, &properties);
+    Features available;
+    vkGetPhysicalDeviceFeatures2(physical, &available.base);
+    if (available.v13.subgroupSizeControl &&
+        (sizes.requiredSubgroupSizeStages & VK_SHADER_STAGE_COMPUTE_BIT)) {
+        const uint32_t size = std::clamp(kLargestSubgroup, sizes.minSubgroupSize, subgroup.subgroupSize);
+        return size <= kLargestSubgroup ? std::optional(SubgroupSize{size, true}) : std::nullopt;
+    }
+    const bool oneSize = sizes.minSubgroupSize == sizes.maxSubgroupSize;
+    return oneSize && subgroup.subgroupSize <= kLargestSubgroup
+               ? std::optional(SubgroupSize{subgroup.subgroupSize, false})
+               : std::nullopt;
 }
 
 std::optional<uint32_t> findQueueFamily(VkPhysicalDevice physical) {

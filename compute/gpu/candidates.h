@@ -33,6 +33,14 @@ struct Features {
 VkInstance makeInstance(const std::vector<const char*>& layers, const std::vector<const char*>& extensions,
                         const void* next);
 
+struct SubgroupSize {
+    uint32_t size;
+    bool isAsked; // of each pipeline; false: the device has but one
+};
+// The device's own, or 64 where that is more. Kernels count their subgroups by it: none where a kernel might
+// get another one.
+std::optional<SubgroupSize> chooseSubgroupSize(VkPhysicalDevice physical);
+
 // One for both graphics and compute.
 std::optional<uint32_t> findQueueFamily(VkPhysicalDevice physical);
 bool hasExtension(VkPhysicalDevice physical, const char* name);

@@ -12,14 +12,12 @@
 
 namespace heliodon::gpu {
 
-namespace {
-
-struct Scope {
+struct Commands::Scope {
     VkPipelineStageFlags2 stage;
     VkAccessFlags2 access;
 };
 
-Scope scopeOf(Stage stage) {
+Commands::Scope Commands::scopeOf(Stage stage) {
     switch (stage) {
     case Stage::compute:
         return {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
@@ -27,8 +25,6 @@ Scope scopeOf(Stage stage) {
     case Stage::transfer:
         return {VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
                 VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
-    case Stage::host:
-        return {VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT | VK_ACCESS_2_HOST_WRITE_BIT};
     case Stage::vertexInput:
         return {VK_PIPELINE_STAGE_2_VERTEX_INPUT_BIT,
                 VK_ACCESS_2_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_2_INDEX_READ_BIT};
@@ -53,8 +49,6 @@ Scope scopeOf(Stage stage) {
     return {VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT};
 }
 
-} // namespace
-
 Commands::Commands(Device& device) : device_(&device), buffer_(device.beginCommandBuffer()) {}
 
 Commands::Commands(Commands&& other) noexcept
@@ -77,7 +71,16 @@ void Commands::dispatchBytes(const Kernel& kernel, std::span<const Binding> reso
 }
 
 void Commands::barrier(Stage from, Stage to) {
-    const Scope source = scopeOf(from), target = scopeOf(to);
+    barrier(scopeOf(from), scopeOf(to));
+}
+
+void Commands::close() {
+    const Scope all = scopeOf(Stage::any);
+    barrier(all, {all.stage | VK_PIPELINE_STAGE_2_HOST_BIT, all.access});
+    check(vkEndCommandBuffer(buffer_), "vkEndCommandBuffer");
+}
+
+void Commands::barrier(const Scope& source, const Scope& target) {
     VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
     memory.srcStageMask = source.stage;
     memory.srcAccessMask = source.access;

@@ -1,5 +1,6 @@
-// One command buffer being recorded. Barriers are written by whoever sequences kernels, each naming producer
-// and consumer.
+// One command buffer being recorded. Barriers within it are written by whoever sequences kernels, each naming
+// producer and consumer. None is needed at its end: later submissions see all that it wrote, and so does the
+// host once it has waited for it.
 #pragma once
 
 #include <array>
@@ -19,7 +20,7 @@ class Image;
 class Kernel;
 
 // Who writes or reads on either side of a barrier.
-enum class Stage { compute, transfer, host, vertexInput, vertex, fragment, colour, depth, indirect, any };
+enum class Stage { compute, transfer, vertexInput, vertex, fragment, colour, depth, indirect, any };
 
 class Commands {
 public:
@@ -55,6 +56,11 @@ public:
 
 private:
     friend class Device;
+    struct Scope;
+
+    static Scope scopeOf(Stage stage);
+    void barrier(const Scope& source, const Scope& target);
+    void close(); // ends the recording
 
     Device* device_;
     VkCommandBuffer buffer_ = VK_NULL_HANDLE;

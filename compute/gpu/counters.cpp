@@ -19,7 +19,6 @@ void Counters::clear(Commands& commands) const {
 void Counters::submitAndRead(Commands&& commands) {
     commands.barrier(Stage::compute, Stage::any);
     commands.copy(onDevice_, 0, read_, 0, onDevice_.bytes());
-    commands.barrier(Stage::any, Stage::host);
     device_->submitAndWait(std::move(commands));
 }
 

@@ -89,27 +89,19 @@ void Device::choosePhysical(const DeviceOptions& options) {
 }
 
 void Device::createDevice(const DeviceOptions& options) {
-    VkPhysicalDeviceSubgroupSizeControlProperties sizes{
-        VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_PROPERTIES};
-    VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
-    VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
-    subgroup.pNext = &sizes;
-    properties.pNext = &subgroup;
-    vkGetPhysicalDeviceProperties2(physical_, &properties);
-    limits_ = properties.properties.limits;
-    subgroupSize_ = subgroup.subgroupSize;
+    VkPhysicalDeviceProperties properties{};
+    vkGetPhysicalDeviceProperties(physical_, &properties);
+    limits_ = properties.limits;
+    const SubgroupSize subgroup = *chooseSubgroupSize(physical_);
+    subgroupSize_ = subgroup.size;
+    fixesSubgroupSize_ = subgroup.isAsked;
     queueFamily_ = *findQueueFamily(physical_);
 
     Features available, wanted;
     vkGetPhysicalDeviceFeatures2(physical_, &available.base);
     wanted.require();
     wanted.base.features.fragmentStoresAndAtomics = available.base.features.fragmentStoresAndAtomics;
-    wanted.base.features.shaderFloat64 = available.base.features.shaderFloat64;
-    wanted.base.features.fillModeNonSolid = available.base.features.fillModeNonSolid;
     wanted.v13.subgroupSizeControl = available.v13.subgroupSizeControl;
-    wanted.v13.computeFullSubgroups = available.v13.computeFullSubgroups;
-    fixesSubgroupSize_ =
-        available.v13.subgroupSizeControl && (sizes.requiredSubgroupSizeStages & VK_SHADER_STAGE_COMPUTE_BIT);
 
     std::vector<const char*> extensions;
     const bool pushes =
@@ -195,7 +187,9 @@ void Device::startTiming() {
     vkGetPhysicalDeviceQueueFamilyProperties(physical_, &count, nullptr);
     std::vector<VkQueueFamilyProperties> families(count);
     vkGetPhysicalDeviceQueueFamilyProperties(physical_, &count, families.data());
-    if (families[queueFamily_].timestampValidBits == 0) return;
+    const uint32_t bits = families[queueFamily_].timestampValidBits;
+    if (bits == 0) return;
+    tickMask_ = bits < 64 ? (uint64_t{1} << bits) - 1 : UINT64_MAX;
     VkQueryPoolCreateInfo info{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
     info.queryType = VK_QUERY_TYPE_TIMESTAMP;
     info.queryCount = 2 * kTimedSlots;
@@ -231,7 +225,7 @@ void Device::readTimed(uint32_t slot) {
     std::array<uint64_t, 2> ticks{};
     if (vkGetQueryPoolResults(device_, timing_, 2 * slot, 2, sizeof ticks, ticks.data(), sizeof(uint64_t),
                               VK_QUERY_RESULT_64_BIT) == VK_SUCCESS)
-        timedSeconds_ += 1e-9 * limits_.timestampPeriod * static_cast<double>(ticks[1] - ticks[0]);
+        timedSeconds_ += 1e-9 * limits_.timestampPeriod * static_cast<double>((ticks[1] - ticks[0]) & tickMask_);
     timed_[slot].busy = false;
 }
 
@@ -244,7 +238,7 @@ uint64_t Device::submit(Commands&& commands, VkSemaphore waitFor, VkPipelineStag
     if (beforeSubmit_) beforeSubmit_();
     const VkCommandBuffer buffer = commands.buffer_;
     if (timing_) endTimed(buffer);
-    check(vkEndCommandBuffer(buffer), "vkEndCommandBuffer");
+    commands.close();
     VkCommandBufferSubmitInfo command{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
     command.commandBuffer = buffer;
     VkSemaphoreSubmitInfo wait{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO};

@@ -60,7 +60,7 @@ public:
     uint32_t queueFamily() const { return queueFamily_; }
     const DeviceInfo& info() const { return info_; }
     const VkPhysicalDeviceLimits& limits() const { return limits_; }
-    // Of every Kernel, also where the device knows several.
+    // Of every Kernel, also where the device knows several; 64 at most.
     uint32_t subgroupSize() const { return subgroupSize_; }
     bool fixesSubgroupSize() const { return fixesSubgroupSize_; }
     Memory& memory() { return *memory_; }
@@ -143,6 +143,7 @@ private:
         bool busy = false;
     };
     VkQueryPool timing_ = VK_NULL_HANDLE;
+    uint64_t tickMask_ = 0; // the clock's bits
     std::vector<Timed> timed_;
     double timedSeconds_ = 0;
     std::vector<VkCommandBuffer> freeCommandBuffers_;

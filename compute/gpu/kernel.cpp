@@ -30,6 +30,42 @@ Binding sampled(const Image& image, VkSampler sampler, VkImageLayout layout) {
     return binding;
 }
 
+namespace {
+
+size_t texelBytes(VkFormat format) {
+    switch (format) {
+    case VK_FORMAT_R32_SFLOAT:
+    case VK_FORMAT_R32_UINT:
+        return 4;
+    case VK_FORMAT_R32G32_SFLOAT:
+    case VK_FORMAT_R32G32_UINT:
+        return 8;
+    case VK_FORMAT_R32G32B32A32_SFLOAT:
+    case VK_FORMAT_R32G32B32A32_UINT:
+        return 16;
+    default:
+        throw Error(fmt::format("texel format {} is not used here", static_cast<int>(format)));
+    }
+}
+
+// Vulkan promises 4 storage buffers a stage and 128 invocations a group; several kernels need more.
+void checkLimits(const Device& device, const SpirvModule& module, const std::string& name) {
+    const VkPhysicalDeviceLimits& limits = device.limits();
+    auto need = [&](const char* what, size_t needed, uint32_t most) {
+        if (needed > most)
+            throw Error(fmt::format("{}: needs {} {}, the device allows {}", name, needed, what, most));
+    };
+    size_t storage = 0;
+    for (const SpirvBinding& b : module.bindings)
+        storage += b.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER ? b.count : 0;
+    need("storage buffers", storage, limits.maxPerStageDescriptorStorageBuffers);
+    need("resources", module.bindings.size(), limits.maxPerStageResources);
+    const auto& group = module.groupSize;
+    need("invocations a group", size_t{group[0]} * group[1] * group[2], limits.maxComputeWorkGroupInvocations);
+}
+
+} // namespace
+
 PipelineLayout::PipelineLayout(Device& device, std::span<const SpirvModule> modules) : device_(&device) {
     for (const SpirvModule& module : modules) {
         stages_ |= module.stage;
@@ -103,6 +139,9 @@ void PipelineLayout::push(VkCommandBuffer commands, VkPipelineBindPoint point,
         if (wantsImage ? !r.image : !r.buffer)
             throw Error(fmt::format("binding {} ('{}') was given the wrong kind of resource",
                                     bindings_[i].binding, bindings_[i].name));
+        const size_t bytes = wantsImage || r.bytes != VK_WHOLE_SIZE ? r.bytes : r.buffer->bytes() - r.offset;
+        if (!wantsImage && (r.offset > r.buffer->bytes() || bytes > r.buffer->bytes() - r.offset))
+            throw Error(fmt::format("binding '{}' reaches beyond its buffer", bindings_[i].name));
         if (wantsImage) {
             images[i] = {r.sampler, r.image->view(), r.layout};
             write.pImageInfo = &images[i];
@@ -110,10 +149,13 @@ void PipelineLayout::push(VkCommandBuffer commands, VkPipelineBindPoint point,
                    write.descriptorType == VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER) {
             if (r.format == VK_FORMAT_UNDEFINED)
                 throw Error(fmt::format("texel buffer '{}' was bound without a format", bindings_[i].name));
+            if (const size_t texels = bytes / texelBytes(r.format);
+                texels > device_->limits().maxTexelBufferElements)
+                throw Error(fmt::format("buffer '{}' of {} texels is over the device's {}", bindings_[i].name,
+                                        texels, device_->limits().maxTexelBufferElements));
             views[i] = r.buffer->texelView(r.format, r.offset, r.bytes);
             write.pTexelBufferView = &views[i];
         } else {
-            const size_t bytes = r.bytes == VK_WHOLE_SIZE ? r.buffer->bytes() - r.offset : r.bytes;
             if (write.descriptorType == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER &&
                 bytes > device_->limits().maxStorageBufferRange)
                 throw Error(fmt::format("buffer '{}' of {} bytes is over the device's storage range of {}",
@@ -169,7 +211,9 @@ SpecializationData::SpecializationData(const SpirvModule& module, const Speciali
 }
 
 Kernel::Kernel(WithoutPipeline, Device& device, std::span<const uint32_t> spirv, const std::string& name)
-    : device_(&device), module_(reflectSpirv(spirv)), layout_(device, std::span(&module_, 1)), name_(name) {}
+    : device_(&device), module_(reflectSpirv(spirv)), layout_(device, std::span(&module_, 1)), name_(name) {
+    checkLimits(device, module_, name);
+}
 
 Kernel::Kernel(Device& device, std::span<const uint32_t> spirv, const std::string& name,
                const Specialization& values)

@@ -155,6 +155,24 @@ VkShaderStageFlagBits stageOf(uint32_t model) {
     }
 }
 
+// Of the instructions that are read.
+size_t leastOperands(uint32_t op) {
+    switch (op) {
+    case kOpName:
+    case kOpEntryPoint:
+    case kOpExecutionMode:
+    case kOpExecutionModeId:
+    case kOpDecorate:
+        return 2;
+    case kOpMemberDecorate:
+    case kOpVariable:
+    case kOpConstant:
+        return 3;
+    default:
+        return op >= kOpTypeInt && op <= kOpTypePointer ? 1 : 0;
+    }
+}
+
 std::string literal(std::span<const uint32_t> words) {
     const char* text = reinterpret_cast<const char*>(words.data());
     const size_t limit = words.size() * 4;
@@ -167,16 +185,19 @@ SpirvModule reflectSpirv(std::span<const uint32_t> words) {
     constexpr uint32_t kMagic = 0x07230203;
     if (words.size() < 5 || words[0] != kMagic) throw Error("not a SPIR-V module");
     Reader reader;
+    int entryPoints = 0;
     for (size_t at = 5; at < words.size();) {
         const uint32_t op = words[at] & 0xffffu, length = words[at] >> 16;
         if (length == 0 || at + length > words.size()) throw Error("SPIR-V: a truncated instruction");
         const auto w = words.subspan(at + 1, length - 1);
+        if (w.size() < leastOperands(op)) throw Error("SPIR-V: an instruction lacks operands");
         switch (op) {
         case kOpName:
             reader.names[w[0]] = literal(w.subspan(1));
             break;
         case kOpEntryPoint:
             reader.module.stage = stageOf(w[0]);
+            ++entryPoints;
             break;
         case kOpExecutionMode:
         case kOpExecutionModeId:
@@ -199,6 +220,7 @@ SpirvModule reflectSpirv(std::span<const uint32_t> words) {
         }
         at += length;
     }
+    if (entryPoints != 1) throw Error("SPIR-V: not one entry point");
     for (const Instruction& mode : reader.executionModes) reader.readGroupSize(mode);
     for (uint32_t id : reader.variables) reader.addVariable(id);
     for (const auto& [id, decoration] : reader.decorations)

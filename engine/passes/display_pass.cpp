@@ -112,7 +112,6 @@ void DisplayPass::record(gpu::Commands& commands, const gpu::Image& scene, const
     copy.imageExtent = extent;
     vkCmdCopyImageToBuffer(buffer, target.picture.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
                            target.pixels.handle(), 1, &copy);
-    commands.barrier(Stage::transfer, Stage::host);
 }
 
 } // namespace heliodon::passes

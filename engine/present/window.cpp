@@ -324,7 +324,6 @@ void Window::record(gpu::Commands& commands, const gpu::Image& picture, uint32_t
         region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
         region.imageExtent = {extent.width, extent.height, 1};
         vkCmdCopyImageToBuffer(buffer, image, layout, copy_.handle(), 1, &region);
-        commands.barrier(gpu::Stage::transfer, gpu::Stage::host);
     }
     moveLayout(buffer, image, layout, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
 }
