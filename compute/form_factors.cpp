@@ -140,7 +140,7 @@ FormFactors hierarchicalFormFactors(gpu::Device& device, const geometry::PatchMe
     FormFactors result;
     result.patchCount = n;
     result.report = compressed.report();
-    result.values = gpu::Buffer(device, (size_t{n} * n * sizeof(float) + 15) / 16 * 16, "form factors");
+    result.values = gpu::Buffer(device, size_t{n} * n * sizeof(float), "form factors");
     if (auto* F = result.values.mapped<float>()) {
         inParallel(n,
                    [&](size_t i) { compressed.rows(static_cast<uint32_t>(i), 1, std::span(F + i * n, n)); });

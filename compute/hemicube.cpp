@@ -253,7 +253,7 @@ Hemicube::Result Hemicube::run(const std::vector<Viewpoint>& viewpoints, uint32_
     result.rows = static_cast<uint32_t>(viewpoints.size() / points);
     const size_t factorRow = size_t{params_.patchCount} * sizeof(float);
     const size_t skyRow = size_t{skyElements_} * channels_ * sizeof(float);
-    result.factors = gpu::Buffer(*device_, (result.rows * factorRow + 15) / 16 * 16, "form factors");
+    result.factors = gpu::Buffer(*device_, result.rows * factorRow, "form factors");
     result.sky = gpu::Buffer(*device_, result.rows * skyRow, "sky coefficients");
     if (result.rows == 0 || params_.patchCount == 0) return result;
     makeDeltas(points);

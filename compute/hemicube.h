@@ -47,7 +47,7 @@ public:
     Hemicube(gpu::Device& device, const geometry::PatchMesh& mesh, const HemicubeOptions& options = {});
 
     struct Result {
-        gpu::Buffer factors; // float32, rows x patches, then padding to 16 bytes
+        gpu::Buffer factors; // float32, rows x patches
         gpu::Buffer sky;     // float32, rows x channels x elements
         uint32_t rows = 0;
     };

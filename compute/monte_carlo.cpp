@@ -185,7 +185,7 @@ MonteCarloFormFactors MonteCarlo::run() {
     MonteCarloFormFactors result;
     FormFactors& factors = result.factors;
     factors.patchCount = n;
-    factors.values = gpu::Buffer(*device_, (size_t{n} * n * sizeof(float) + 15) / 16 * 16, "form factors");
+    factors.values = gpu::Buffer(*device_, size_t{n} * n * sizeof(float), "form factors");
     factors.report.kernel = "montecarlo";
     factors.report.points = rays();
     result.rowError.assign(n, 0);

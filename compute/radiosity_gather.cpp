@@ -22,6 +22,13 @@ RadiosityGather::RadiosityGather(gpu::Device& device, const gpu::Buffer& factors
     light_ = gpu::Buffer(device, packed_.size() * sizeof(float), "gather light");
     gathered_ =
         gpu::Buffer(device, size_t{kMostColumns} * patchCount * sizeof(float), "gathered", gpu::Place::host);
+    // The last row's last texel may reach beyond F. No light is there, but nought times what stands in unused
+    // memory need not be nought.
+    const size_t end = size_t{patchCount} * patchCount * sizeof(float);
+    if (end % 16 == 0) return;
+    gpu::Commands commands(device);
+    commands.fill(factors, 0, end, factors.roundedBytes() - end);
+    device.submitAndWait(std::move(commands));
 }
 
 void RadiosityGather::packLight(std::span<const float> in, uint32_t columns) {
@@ -40,8 +47,9 @@ void RadiosityGather::record(gpu::Commands& commands, const gpu::Buffer& light, 
     // buffers to begin.
     const VkPhysicalDeviceLimits& limits = device_->limits();
     const size_t unit = std::max<size_t>(limits.minTexelBufferOffsetAlignment, 16) / sizeof(float);
-    const size_t most =
-        std::min(size_t{limits.maxTexelBufferElements} * 16 / rowBytes, size_t{1} << 30) / unit * unit;
+    const size_t most = std::min<size_t>(size_t{limits.maxTexelBufferElements} * 16 / rowBytes,
+                                         UINT32_MAX / patchCount_) / // of entries: the shader counts in 32 bits
+                        unit * unit;
     if (most == 0)
         throw gpu::Error(fmt::format("{} rows of {} form factors are over the device's {} texels of a buffer",
                                      unit, patchCount_, limits.maxTexelBufferElements));
@@ -49,10 +57,10 @@ void RadiosityGather::record(gpu::Commands& commands, const gpu::Buffer& light, 
     const uint32_t blocksPerGroup = io::kGatherGroup / std::max(1u, device_->subgroupSize());
     for (uint32_t first = 0; first < patchCount_; first += window) {
         const uint32_t rows = std::min(window, patchCount_ - first);
-        const size_t bytes = std::min((rows * rowBytes + 15) / 16 * 16, factors_->bytes() - first * rowBytes);
+        const size_t texels = (rows * rowBytes + 15) / 16;
         const io::RadiosityGatherParams params{patchCount_, rows, first, texelsPerColumn_};
         commands.dispatch(kernels_[columns - 1],
-                          {gpu::texel(*factors_, kVec4, first * rowBytes, bytes / 16 * 16),
+                          {gpu::texel(*factors_, kVec4, first * rowBytes, texels * 16),
                            gpu::texel(light, kVec4), gathered},
                           params,
                           gpu::groupsFor(4 * gpu::groupsFor(rows, 4 * io::kGatherRows), blocksPerGroup));

@@ -16,8 +16,7 @@ class RadiosityGather : public FormFactorOperator {
 public:
     static constexpr uint32_t kMostColumns = 4;
 
-    // `factors`: float32, patchCount^2, row-major, with room for reading up to the next 16 bytes; must
-    // outlive this.
+    // `factors`: float32, patchCount^2, row-major, a whole buffer; must outlive this.
     RadiosityGather(gpu::Device& device, const gpu::Buffer& factors, uint32_t patchCount);
 
     uint32_t patchCount() const override { return patchCount_; }

@@ -2,6 +2,7 @@
 // alike.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstring>
 #include <span>
@@ -38,6 +39,9 @@ public:
 
     VkBuffer handle() const { return buffer_; }
     size_t bytes() const { return bytes_; }
+    // What it really has: up to the next 16 bytes, so that texels of four floats cover it whole. What stands
+    // beyond bytes() is not set.
+    size_t roundedBytes() const { return std::max<size_t>((bytes_ + 15) / 16 * 16, 16); }
     bool valid() const { return buffer_ != VK_NULL_HANDLE; }
     // Null when the host cannot see the memory. Reading or writing it while the device uses it is a race.
     template<class T = std::byte> T* mapped() const { return static_cast<T*>(allocation_.mapped); }

@@ -140,7 +140,8 @@ void PipelineLayout::push(VkCommandBuffer commands, VkPipelineBindPoint point,
             throw Error(fmt::format("binding {} ('{}') was given the wrong kind of resource",
                                     bindings_[i].binding, bindings_[i].name));
         const size_t bytes = wantsImage || r.bytes != VK_WHOLE_SIZE ? r.bytes : r.buffer->bytes() - r.offset;
-        if (!wantsImage && (r.offset > r.buffer->bytes() || bytes > r.buffer->bytes() - r.offset))
+        if (!wantsImage &&
+            (r.offset > r.buffer->bytes() || bytes > r.buffer->roundedBytes() - r.offset))
             throw Error(fmt::format("binding '{}' reaches beyond its buffer", bindings_[i].name));
         if (wantsImage) {
             images[i] = {r.sampler, r.image->view(), r.layout};

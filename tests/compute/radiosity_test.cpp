@@ -18,8 +18,12 @@
 namespace heliodon::compute {
 namespace {
 
-gpu::Buffer padded(const std::vector<float>& values) {
-    gpu::Buffer buffer(test::device(), (values.size() * sizeof(float) + 15) / 16 * 16, "factors");
+// With what is no number behind the last entry, where the last texel reaches.
+gpu::Buffer matrixBuffer(const std::vector<float>& values) {
+    gpu::Buffer buffer(test::device(), values.size() * sizeof(float), "factors");
+    gpu::Commands commands(test::device());
+    commands.fill(buffer, 0x7fc00000u, 0, buffer.roundedBytes());
+    test::device().submitAndWait(std::move(commands));
     buffer.upload(values);
     return buffer;
 }
@@ -43,7 +47,7 @@ TEST(RadiosityGather, agrees_with_the_reference_at_every_alignment_and_column_co
     std::uniform_real_distribution<float> at(0, 1000);
     for (size_t n : {1u, 2u, 3u, 5u, 16u, 17u, 63u, 130u, 257u}) {
         const std::vector<float> F = randomFactors(n, 1, 5);
-        const gpu::Buffer factors = padded(F);
+        const gpu::Buffer factors = matrixBuffer(F);
         RadiosityGather gather(test::device(), factors, static_cast<uint32_t>(n));
         for (uint32_t columns : {1u, 3u, 4u, 7u}) {
             std::vector<float> in(n * columns), out(n * columns, -1);
@@ -68,7 +72,7 @@ struct Solved {
 Solved solve(const std::vector<float>& F, const std::vector<float>& rho, const std::vector<float>& emitted,
              const RadiosityOptions& options = {}) {
     const size_t n = rho.size();
-    const gpu::Buffer factors = padded(F);
+    const gpu::Buffer factors = matrixBuffer(F);
     RadiosityGather gather(test::device(), factors, static_cast<uint32_t>(n));
     std::vector<float> rowSums(n);
     for (size_t i = 0; i < n; ++i)
@@ -224,7 +228,7 @@ TEST(Radiosity, light_is_emitted_absorbed_and_lost_in_balance) {
     const size_t n = mesh.patchCount();
     std::vector<float> F = computeFormFactors(test::device(), mesh).values.download<float>(n * n);
     for (float& f : F) f *= 0.9f;
-    const gpu::Buffer factors = padded(F);
+    const gpu::Buffer factors = matrixBuffer(F);
     RadiosityGather gather(test::device(), factors, static_cast<uint32_t>(n));
     RadiositySolver solver(gather, gather.rowSums());
     solver.setMatter({static_cast<uint32_t>(n),
@@ -275,7 +279,7 @@ TEST(Radiosity, a_column_that_rounding_stops_does_not_stop_others) {
     const size_t n = 300;
     std::vector<float> F(n * n);
     for (size_t i = 0; i < n; ++i) F[i * n + (i + 1) % n] = F[i * n + (i + n - 1) % n] = 0.5f;
-    const gpu::Buffer factors = padded(F);
+    const gpu::Buffer factors = matrixBuffer(F);
     RadiosityGather gather(test::device(), factors, static_cast<uint32_t>(n));
     RadiositySolver solver(gather, gather.rowSums());
     const double rho = double{0.99f};
@@ -306,7 +310,7 @@ TEST(Radiosity, interior_glass_hands_on_what_falls_on_its_twin) {
     // Two patches that see only each other's partner: 0 shines on 1, 1 is the twin of 2, 2 shines on 3.
     std::vector<float> F(16);
     F[0 * 4 + 1] = F[1 * 4 + 0] = F[2 * 4 + 3] = F[3 * 4 + 2] = 1;
-    const gpu::Buffer factors = padded(F);
+    const gpu::Buffer factors = matrixBuffer(F);
     RadiosityGather gather(test::device(), factors, 4);
     RadiositySolver solver(gather, {1, 1, 1, 1});
     solver.setMatter(
