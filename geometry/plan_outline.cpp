@@ -42,10 +42,10 @@ bool straightCorner(glm::dvec2 before, glm::dvec2 at, glm::dvec2 after) {
            std::abs(cross(in, out)) <= kStraightSine * glm::length(in) * glm::length(out);
 }
 
-// One loop of a room; what it does to that never makes the room's outlines cross.
+// One loop of a room; what it does to that never makes outlines cross, of this room or of others.
 class LoopCleaner {
 public:
-    LoopCleaner(std::vector<OutlineLoop>& loops, size_t own) : loops_(loops), loop_(loops[own]) {}
+    LoopCleaner(const std::vector<RoomPlan>& rooms, OutlineLoop& loop) : rooms_(rooms), loop_(loop) {}
 
     void clean() {
         hideCracks();
@@ -65,29 +65,30 @@ private:
         loop_.edges.erase(loop_.edges.begin() + static_cast<std::ptrdiff_t>(i % loop_.edges.size()));
     }
 
-    // Whether the outlines stay apart when the corners between `from` and `to` make way for one at `corner`,
-    // or for none.
+    // Whether the outlines stay apart, those of other rooms too, when the corners between `from` and `to`
+    // make way for one at `corner`, or for none.
     bool fits(size_t from, size_t to, std::optional<glm::dvec2> corner = std::nullopt) const {
         const size_t n = size(), gone = (to + n - from) % n; // edges
         const glm::dvec2 a = point(from), b = point(to);
-        for (const OutlineLoop& other : loops_)
-            for (size_t i = 0, m = other.points.size(); i < m; ++i) {
-                const bool own = &other == &loop_;
-                if (own && (i + n - from % n) % n < gone) continue;
-                const glm::dvec2 c = other.points[i], d = other.points[(i + 1) % m];
-                // Where outlines touch already they are parted later.
-                const auto touching = [&](glm::dvec2 p) {
-                    return glm::length(c - p) < kTouches || glm::length(d - p) < kTouches;
-                };
-                const bool leads = touching(a), follows = touching(b);
-                if (!corner) {
-                    if (!leads && !follows && meet(a, b, c, d)) return false;
-                } else if (!touching(*corner) &&
-                           ((!leads && meet(a, *corner, c, d)) || (!follows && meet(*corner, b, c, d)))) {
-                    return false;
+        for (const RoomPlan& room : rooms_)
+            for (const OutlineLoop& other : room.loops)
+                for (size_t i = 0, m = other.points.size(); i < m; ++i) {
+                    if (&other == &loop_ && (i + n - from % n) % n < gone) continue;
+                    if (!keepsApart(a, b, corner, other.points[i], other.points[(i + 1) % m])) return false;
                 }
-            }
         return true;
+    }
+
+    // The edge from c to d, from those from a to b by the corner.
+    static bool keepsApart(glm::dvec2 a, glm::dvec2 b, std::optional<glm::dvec2> corner, glm::dvec2 c,
+                           glm::dvec2 d) {
+        // Where outlines touch already they are parted later.
+        const auto touching = [&](glm::dvec2 p) {
+            return glm::length(c - p) < kTouches || glm::length(d - p) < kTouches;
+        };
+        if (!corner) return touching(a) || touching(b) || !meet(a, b, c, d);
+        return touching(*corner) ||
+               ((touching(a) || !meet(a, *corner, c, d)) && (touching(b) || !meet(*corner, b, c, d)));
     }
 
     // A crack in a straight side is too narrow to be told from the wall: it is shown as the wall is.
@@ -159,8 +160,8 @@ private:
         return false;
     }
 
-    std::vector<OutlineLoop>& loops_;
-    OutlineLoop& loop_;
+    const std::vector<RoomPlan>& rooms_;
+    OutlineLoop& loop_; // of one of them
 };
 
 double loopArea(const OutlineLoop& loop) {
@@ -278,8 +279,8 @@ void bluntTips(OutlineLoop& loop) {
     loop = std::move(out);
 }
 
-void clean(std::vector<OutlineLoop>& loops) {
-    for (size_t l = 0; l < loops.size(); ++l) LoopCleaner(loops, l).clean();
+void clean(const std::vector<RoomPlan>& rooms, std::vector<OutlineLoop>& loops) {
+    for (OutlineLoop& loop : loops) LoopCleaner(rooms, loop).clean();
     std::erase_if(loops, [](const OutlineLoop& loop) {
         return loop.points.size() < 3 || std::abs(loopArea(loop)) < 0.05;
     });
@@ -289,7 +290,7 @@ void clean(std::vector<OutlineLoop>& loops) {
 
 void cleanOutlines(const PlanWalls& plan, PlanRooms& found) {
     for (RoomPlan& room : found.rooms) {
-        clean(room.loops);
+        clean(found.rooms, room.loops);
         evenFacets(plan, room.loops);
     }
     for (int round = 0; round < 4 && separatePinches(found.rooms); ++round) {
