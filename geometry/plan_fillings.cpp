@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kFacingSine = 0.26;     // 15 degrees: ends that look at each other
+constexpr double kFacingOffset = 0.6;    // inches: by which they may miss one another
 constexpr double kParallelSine = 0.18;   // 10 degrees: walls side by side
 constexpr double kNarrowSlot = 1.0;      // inches between walls side by side: less is a crack,
 constexpr double kNarrowestNiche = 0.45; // but for a niche so wide
@@ -25,7 +26,7 @@ std::vector<glm::dvec2> facingFill(const WallEnd& e, const WallEnd& f) {
     const glm::dvec2 between = f.middle - e.middle;
     // Each lies ahead of the other, not beside it.
     if (glm::dot(between, e.out) < 0 || glm::dot(between, f.out) > 0) return {};
-    if (std::abs(cross(e.out, between)) > 0.3) return {};
+    if (std::abs(cross(e.out, between)) > kFacingOffset) return {};
     return {e.right, f.left, f.right, e.left};
 }
 

@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kLongestBridge = 18; // inches
+constexpr double kWidestMouth = 8;    // inches: between a corner and the wall opposite
 
 class LineBuilder {
 public:
@@ -33,6 +34,8 @@ public:
         findFreeEnds();
         bridgeAlongSides();
         for (const WallEnd& end : freeEnds_) extend(end);
+        for (const WallEnd& end : joinedEnds_)
+            if (isCorner(end)) runOn(end);
         bridgeEnds();
         return std::move(out_);
     }
@@ -52,7 +55,7 @@ private:
             if (p.curved && p.a1 - p.a0 >= 2 * kPi - 1e-9) continue;
             for (const bool atB : {false, true}) {
                 const WallEnd end = wallEnd(p, static_cast<int>(i), atB);
-                if (!touches(plan_.solids, end)) freeEnds_.push_back(end);
+                (touches(plan_.solids, end) ? joinedEnds_ : freeEnds_).push_back(end);
             }
         }
     }
@@ -88,6 +91,34 @@ private:
         if (piece(end).curved) continueArc(end);
         ray(end.right, -side, end.piece, 1.5);
         ray(end.left, side, end.piece, 1.5);
+    }
+
+    // Another wall ends there too, and turns off.
+    bool isCorner(const WallEnd& end) const {
+        return std::ranges::any_of(joinedEnds_, [&](const WallEnd& other) {
+            return other.piece != end.piece && glm::length(other.middle - end.middle) < 1 &&
+                   std::abs(glm::dot(other.out, end.out)) < 0.9;
+        });
+    }
+
+    // Past the corner in which the wall ends, to the wall opposite: where a passage begins behind a corner.
+    void runOn(const WallEnd& end) {
+        for (const glm::dvec2 corner : {end.right, end.left}) {
+            const auto at = [&](double t) { return corner + t * end.out; };
+            double from = -0.01;
+            for (int crossed = 0; crossed < 8; ++crossed) {
+                const double to = from + firstHit(plan_.solids, at(from), end.out, -2);
+                const glm::dvec2 middle = at((from + std::min(to, from + kLongestBridge)) / 2);
+                const bool air = std::ranges::none_of(
+                    plan_.solids, [&](const PlanSolid& solid) { return contains(solid.outline, middle); });
+                if (air) {
+                    if (to - from > 0.025 && to - from < kWidestMouth)
+                        add(at(from - 0.02), at(to + 0.02), {.growth = 1.0 / 16, .start = at(from)});
+                    break;
+                }
+                from = to;
+            }
+        }
     }
 
     // Round the rest of the circle until something solid is met. Both ends walk over the same points.
@@ -152,7 +183,7 @@ private:
 
     const PlanWalls& plan_;
     PlanLines out_;
-    std::vector<WallEnd> freeEnds_;
+    std::vector<WallEnd> freeEnds_, joinedEnds_;
     std::set<std::pair<int, bool>> alongSide_;
     std::set<std::tuple<int, double, int>> arcSteps_;
 };

@@ -32,6 +32,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kThinCell = 0.06; // inches: cells thinner than this belong to a neighbour
 constexpr double kThinRoom = 0.8;  // inches: twice the area over the perimeter; thinner spaces are cracks
+constexpr double kLeastRoom = 2.3; // square inches: the inside of a ring 2 in across is that of a column
 constexpr double kMostOpen = 0.4;  // of the perimeter; what is more open than this is not enclosed
 constexpr double kFewestWalls = 3; // logical walls; an arc counts as one for each quarter turn
 constexpr double kTight = 0.1;     // of the perimeter: with less of it open, an arc and its chord will do
@@ -275,7 +276,7 @@ private:
         bool allThick = true;
         for (const auto& [id, space] : spaces) {
             if (!space.grows) continue;
-            const bool thin = 2 * space.area < kThinRoom * space.perimeter;
+            const bool thin = 2 * space.area < kThinRoom * space.perimeter || space.area < kLeastRoom;
             allThick = allThick && !thin;
             if (!thin && (space.gap > kMostOpen * space.perimeter || tooFewWalls(space))) continue;
             for (uint32_t c = 0; c < map_.cellCount; ++c)

@@ -187,7 +187,13 @@ void expectMeshed(const Building& building) {
         ASSERT_EQ(mesh.twin[j], static_cast<int32_t>(i));
         // Walls that were merged have faces a few degrees off one another, and differ by 0.1 in a side.
         ASSERT_LT(glm::dot(patchNormal(mesh, i), patchNormal(mesh, j)), -0.99);
-        ASSERT_NEAR(patchArea(mesh, i), patchArea(mesh, j), 0.1 * patchArea(mesh, i));
+        const auto corners = mesh.patch(i);
+        double longest = 0;
+        for (size_t k = 0; k < corners.size(); ++k)
+            longest = std::max(longest, glm::length(mesh.vertices[corners[k]] -
+                                                    mesh.vertices[corners[(k + 1) % corners.size()]]));
+        ASSERT_NEAR(patchArea(mesh, i), patchArea(mesh, j),
+                    std::max(0.1 * patchArea(mesh, i), 0.05 * kMetresPerInch * longest));
         const glm::dvec3 across = patchCentroid(mesh, j) - patchCentroid(mesh, i);
         ASSERT_LT(glm::length(across), 2 * kMetresPerInch); // the thickest wall and a half
         ASSERT_LT(glm::dot(across, patchNormal(mesh, i)), 0);
