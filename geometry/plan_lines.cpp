@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kLongestBridge = 18; // inches
+constexpr double kCornerGap = 1;      // inches: less is a corner that was left open
 constexpr double kWidestMouth = 8;    // inches: between a corner and the wall opposite
 
 class LineBuilder {
@@ -34,8 +35,9 @@ public:
         findFreeEnds();
         bridgeAlongSides();
         for (const WallEnd& end : freeEnds_) extend(end);
-        for (const WallEnd& end : joinedEnds_)
-            if (isCorner(end)) runOn(end);
+        for (const auto& ends : {freeEnds_, joinedEnds_})
+            for (const WallEnd& end : ends)
+                if (isCorner(end)) runOn(end);
         bridgeEnds();
         return std::move(out_);
     }
@@ -95,10 +97,11 @@ private:
 
     // Another wall ends there too, and turns off.
     bool isCorner(const WallEnd& end) const {
-        return std::ranges::any_of(joinedEnds_, [&](const WallEnd& other) {
+        const auto turnsOff = [&](const WallEnd& other) {
             return other.piece != end.piece && glm::length(other.middle - end.middle) < 1 &&
                    std::abs(glm::dot(other.out, end.out)) < 0.9;
-        });
+        };
+        return std::ranges::any_of(joinedEnds_, turnsOff) || std::ranges::any_of(freeEnds_, turnsOff);
     }
 
     // Past the corner in which the wall ends, to the wall opposite: where a passage begins behind a corner.
@@ -111,8 +114,8 @@ private:
                 const glm::dvec2 middle = at((from + std::min(to, from + kLongestBridge)) / 2);
                 const bool air = std::ranges::none_of(
                     plan_.solids, [&](const PlanSolid& solid) { return contains(solid.outline, middle); });
-                if (air) {
-                    if (to - from > 0.025 && to - from < kWidestMouth)
+                if (air && to - from > kCornerGap) {
+                    if (to - from < kWidestMouth)
                         add(at(from - 0.02), at(to + 0.02), {.growth = 1.0 / 16, .start = at(from)});
                     break;
                 }
