@@ -1,8 +1,8 @@
 // Question: how large is the error of illuminance at sensors, whole and part by part, for the time that it
-// takes? illuminance_bench FOLDER [TRIANGLES,TRIANGLES... [KERNEL]]: every case in FOLDER (model.obj,
-// sky.json where the sky lights it, sensors.csv with lux_ref), z up. Relative errors, beside the share of
-// sensors whose true error lies within lux_error and the median of lux_error; `beyond noise`: less the
-// reference's own random error (its variance; two standard errors); CPU seconds (all threads) beside wall
+// takes? illuminance_bench FOLDER [TRIANGLES,TRIANGLES... [KERNEL [ROW_ERROR]]]: every case in FOLDER
+// (model.obj, sky.json where the sky lights it, sensors.csv with lux_ref), z up. Relative errors, beside the
+// share of sensors whose true error lies within lux_error and the median of lux_error; `beyond noise`: less
+// the reference's own random error (its variance; two standard errors); CPU seconds (all threads) beside wall
 // seconds.
 #include <algorithm>
 #include <chrono>
@@ -60,7 +60,7 @@ void runCase(gpu::Device& device, const std::filesystem::path& folder, size_t tr
 
 int main(int argc, char** argv) {
     if (argc < 2) {
-        std::fprintf(stderr, "illuminance_bench FOLDER [TRIANGLES,TRIANGLES... [KERNEL]]\n");
+        std::fprintf(stderr, "illuminance_bench FOLDER [TRIANGLES,TRIANGLES... [KERNEL [ROW_ERROR]]]\n");
         return 2;
     }
     gpu::Device device;

@@ -16,7 +16,7 @@ namespace {
 
 using glm::dvec3;
 
-constexpr uint32_t kLeafMost = 4;     // triangles; more only where all share one middle
+constexpr uint32_t kLeafMost = 4;     // triangles; under io::kBvhLeafMost
 constexpr double kTriangleCost = 1.3; // over that of a box
 constexpr int kBins = 16;
 

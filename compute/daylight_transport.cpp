@@ -105,7 +105,7 @@ void DaylightTransport::State::makeFactors() {
     constexpr double kLostLight = 0.05;
     if (factors.report.kernel == "exact" && factors.report.closureMax > kLostLight) {
         FormFactorOptions other = options.formFactors;
-        other.kernel = "hemicube", other.maxError = 0;
+        other.kernel = "hemicube", other.maxError = 0, other.maxRadiosityError = 0;
         FormFactors hemicube = computeFormFactors(device, mesh, other);
         if (hemicube.report.closureRms < 0.2 * factors.report.closureRms) {
             hemicube.report.why =
@@ -153,6 +153,7 @@ void DaylightTransport::State::findOpenings() {
     blinds = std::make_unique<GlowingBlinds>(mesh);
     patchSky = {};
     if (hasOpenings || options.skipNothing) makeSky();
+    report.skipped.clear();
     if (!hasOpenings) report.skipped.emplace_back("sky coefficients: no opening leads outside");
     report.skyElements = patchSky.elements;
 }
@@ -187,13 +188,8 @@ void DaylightTransport::State::makeNearLight() {
 void DaylightTransport::State::readMaterials() {
     hasNearLight = false;
     grey = !options.skipNothing;
-    for (const geometry::Material& m : mesh.materials) {
-        for (int c = 0; c < 3; ++c)
-            if (!(m.reflectance[c] >= 0 && m.reflectance[c] < 1))
-                throw geometry::InputError("material", m.name,
-                                           fmt::format("reflectance {} is outside [0, 1)", m.reflectance[c]));
+    for (const geometry::Material& m : mesh.materials)
         grey &= isGrey(m.reflectance) && isGrey(m.transmittance) && isGrey(m.exitance);
-    }
     report.channels = grey ? 1 : 3;
     RadiosityMatter matter = radiosityMatter(mesh, report.channels);
     // Light goes straight through clear glass (PointScene, SunPatches, WindowLinks).
@@ -353,9 +349,23 @@ void DaylightTransport::State::solve(std::span<Moment> moments) {
     }
 }
 
+namespace {
+
+// Throws InputError.
+void checkMaterials(std::span<const geometry::Material> materials) {
+    for (const geometry::Material& m : materials)
+        for (int c = 0; c < 3; ++c)
+            if (!(m.reflectance[c] >= 0 && m.reflectance[c] < 1))
+                throw geometry::InputError("material", m.name,
+                                           fmt::format("reflectance {} is outside [0, 1)", m.reflectance[c]));
+}
+
+} // namespace
+
 DaylightTransport::DaylightTransport(gpu::Device& device, const geometry::PatchMesh& mesh,
                                      const TransportOptions& options)
     : state_(std::make_unique<State>(device, mesh, options)) {
+    checkMaterials(mesh.materials);
     state_->makeFactors();
     state_->findOpenings();
     state_->readMaterials();
@@ -368,6 +378,7 @@ void DaylightTransport::setMaterials(const std::vector<geometry::Material>& mate
         throw geometry::InputError(
             "materials", "",
             fmt::format("{} given, the mesh has {}", materials.size(), state_->mesh.materials.size()));
+    checkMaterials(materials);
     bool glassChanged = false;
     for (size_t k = 0; k < materials.size(); ++k) {
         const geometry::Material &before = state_->mesh.materials[k], &now = materials[k];

@@ -145,7 +145,6 @@ ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh, uint
         const std::vector<dvec3> point(3, pieces[cluster.first].corners[0]);
         faces.add(cluster.flat ? cluster.rectangle : point, cluster.normal, cluster.room);
     }
-    scene.clusterCount = static_cast<uint32_t>(clusters.size());
     scene.cornerHigh = gpu::Buffer::from(device, faces.high, "exact corners, high");
     scene.cornerLow = gpu::Buffer::from(device, faces.low, "exact corners, low");
     scene.faceNormal = gpu::Buffer::from(device, faces.normal, "exact normals");

@@ -292,7 +292,7 @@ FormFactorReport streamFormFactors(gpu::Device& device, const geometry::PatchMes
         report = factors.report();
         takeRows(factors, taken);
     } else if (choice.kernel == "hemicube") {
-        Hemicube hemicube(device, mesh, {options.resolution, 0});
+        Hemicube hemicube(device, mesh, {options.resolution});
         for (uint32_t first = 0; first < n; first += kStreamedRows) {
             const uint32_t count = std::min(kStreamedRows, n - first);
             const PatchViewpoints views = patchViewpoints(mesh, options.points, first, count);

@@ -44,7 +44,7 @@ struct FormFactorReport {
     std::string kernel, why; // what was chosen and why
     uint32_t resolution = 0, points = 0;
     double seconds = 0;
-    double closureMax = 0, closureRms = 0; // |sum_j F_ij - 1| over rows of closed rooms
+    double closureMax = 0, closureRms = 0; // |sum_j F_ij - 1| over all rows: errors only where rooms are closed
     // RMS over pairs of |A_i F_ij - A_j F_ji| / mean patch area; 0 where both are one number by construction,
     // none where that is not so and no whole matrix was there to measure.
     std::optional<double> reciprocityRms;

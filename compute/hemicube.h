@@ -1,8 +1,6 @@
-// Form factors and sky coefficients by hemicube: what a point sees, pixel by pixel. Host half of
-// shaders/hemicube.comp. One pass gives, for each row, the fraction F of what arrives at (leaves from) the
-// row's viewpoints that comes from each patch, and for each sky element the illuminance per unit of its
-// luminance divided by pi, behind the glazing. Cost: about 0.4 ms a viewpoint at 64^2 with 2000 patches on
-// two cores of a CPU device.
+// Form factors by hemicube: what a point sees, pixel by pixel. Host half of shaders/hemicube.comp. For each
+// row the fraction F of what arrives at (leaves from) the row's viewpoints that comes from each patch. Cost:
+// about 0.4 ms a viewpoint at 64^2 with 2000 patches on two cores of a CPU device.
 #pragma once
 
 #include <cstdint>
@@ -13,6 +11,7 @@
 #include "compute/gpu/buffer.h"
 #include "compute/gpu/commands.h"
 #include "compute/gpu/kernel.h"
+#include "compute/patch_points.h"
 #include "geometry/patch_mesh.h"
 #include "shaders/io/hemicube.io.h"
 
@@ -20,27 +19,7 @@ namespace heliodon::compute {
 
 struct HemicubeOptions {
     uint32_t resolution = 64; // of the top face, pixels along one side; even, at least 2
-    uint32_t skyDivision = 0; // Reinhart's MF; 0: no sky coefficients
 };
-
-// A point that looks along `normal` (unit) into its room.
-struct Viewpoint {
-    glm::dvec3 position{0}, normal{0, 1, 0};
-    uint32_t patch = io::kHemicubeNoPatch; // the patch that it lies on, which it does not see
-    uint32_t room = io::kHemicubeAnyRoom;  // patches of other rooms are not there
-    double turn = 0;                       // of the pixel grid about the normal, radians
-};
-
-// At least `points` viewpoints for each patch, the next square number, evenly spread; each pixel grid is
-// turned differently.
-struct PatchViewpoints {
-    uint32_t pointsPerPatch = 1;
-    std::vector<Viewpoint> viewpoints;
-};
-PatchViewpoints patchViewpoints(const geometry::PatchMesh& mesh, uint32_t points);
-// The same of patches [first, first + count).
-PatchViewpoints patchViewpoints(const geometry::PatchMesh& mesh, uint32_t points, uint32_t first,
-                                uint32_t count);
 
 class Hemicube {
 public:
@@ -48,34 +27,27 @@ public:
 
     struct Result {
         gpu::Buffer factors; // float32, rows x patches
-        gpu::Buffer sky;     // float32, rows x channels x elements
         uint32_t rows = 0;
     };
     // Row r sums over viewpoints [r points, (r + 1) points) with equal weights. Waits for the device; submits
     // in windows that respect its limits.
     Result run(const std::vector<Viewpoint>& viewpoints, uint32_t points = 1);
 
-    uint32_t skyElements() const { return skyElements_; } // sky and ground; 0 without openings or division
-    uint32_t channels() const { return channels_; } // of the sky coefficients: 3 only where glazing is tinted
-    bool hasOpenings() const { return hasOpenings_; }
-
-    // One dispatch: `count` viewpoints, at most batch(). `factors` and `sky` hold a window of rows in fixed
-    // point (io::kHemicubeOneBits), which are added to; its first row is that of viewpoint `firstOfWindow`.
-    // The item buffers are filled and waited for here; barriers on factors and sky are the caller's.
+    // One dispatch: `count` viewpoints, at most batch(). `factors` holds a window of rows in fixed point
+    // (io::kHemicubeOneBits), which are added to; its first row is that of viewpoint `firstOfWindow`. The
+    // item buffers are filled and waited for here; barriers on factors are the caller's.
     struct Inputs {
         const gpu::Buffer& viewpoints;
         uint32_t firstOfWindow = 0, first = 0, count = 0,
                  pointsPerRow = 1; // `first` counts from the window's
     };
-    void record(gpu::Commands& commands, const Inputs& in, const gpu::Binding& factors,
-                const gpu::Binding& sky);
+    void record(gpu::Commands& commands, const Inputs& in, const gpu::Binding& factors);
     uint32_t batch() const { return batch_; }
 
 private:
     void uploadMesh(const geometry::PatchMesh& mesh);
     gpu::Buffer uploadViewpoints(const std::vector<Viewpoint>& viewpoints);
     void makeDeltas(uint32_t points);
-    void recordToFloat(gpu::Commands& commands, const gpu::Buffer& buffer, size_t offset, size_t bytes);
 
     gpu::Device* device_;
     HemicubeOptions options_;
@@ -83,9 +55,8 @@ private:
     glm::dvec3 centre_{0}; // subtracted from all positions before they become float32
     io::HemicubeParams params_{};
     uint32_t deltaPoints_ = 0;
-    uint32_t skyElements_ = 0, channels_ = 1, batch_ = 1;
-    bool hasOpenings_ = false;
-    gpu::Buffer triangles_, openings_, glazings_, deltas_, items_, lists_;
+    uint32_t batch_ = 1;
+    gpu::Buffer triangles_, deltas_, items_, lists_;
 };
 
 // Exact form factors of the pixels of a hemicube from a point to its top and one side, R x R and R/2 x R in

@@ -165,7 +165,7 @@ FormFactors refinedHemicubeFormFactors(gpu::Device& device, const geometry::Patc
     const size_t n = mesh.patchCount();
     result.patchCount = static_cast<uint32_t>(n);
     const PatchViewpoints views = patchViewpoints(mesh, options.points);
-    Hemicube hemicube(device, mesh, {options.resolution, 0});
+    Hemicube hemicube(device, mesh, {options.resolution});
     result.values = hemicube.run(views.viewpoints, views.pointsPerPatch).factors;
     result.report.kernel = "hemicube";
     result.report.resolution = options.resolution;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <span>
 #include <string>
 #include <utility>
@@ -52,14 +51,7 @@ StageKernel kernelOf(LinkStage stage) {
 
 template<class T> void append(std::vector<T>& to, const gpu::Buffer& from, uint32_t count) {
     if (count == 0) return;
-    const size_t at = to.size();
-    to.resize(at + count);
-    if (const T* mapped = from.mapped<T>())
-        std::memcpy(to.data() + at, mapped, count * sizeof(T));
-    else {
-        const std::vector<T> values = from.download<T>(count);
-        std::copy(values.begin(), values.end(), to.begin() + static_cast<std::ptrdiff_t>(at));
-    }
+    to.insert(to.end(), from.mapped<T>(), from.mapped<T>() + count); // made in memory that the host sees
 }
 
 // By first and second node: into one list for each first node, then each list by itself.

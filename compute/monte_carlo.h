@@ -38,8 +38,8 @@ public:
     MonteCarloFormFactors run();
 
     // Standard error of an entry of run()'s matrix, from the hits that it stands for: that of independent
-    // rays, which low discrepancy does not exceed; where none hit, of one. 99 of 100 entries are within two
-    // of it.
+    // rays, which low discrepancy does not exceed; where none hit, of one. 95 of 100 entries are within two
+    // of it, 99 within three.
     static double entryError(double factor, double areaFrom, double areaTo, uint32_t rays);
 
     // Rows [first, first + count) alone, from their own rays; values: count x patchCount, rowError: count.

@@ -246,7 +246,6 @@ void PointScene::findOpenings(std::vector<ConvexRegion> openings, const std::vec
     }
 }
 
-// Of a facade of many windows one shows little from one point: a quick look before polygons are cut.
 std::vector<PointView> PointScene::framesOf(const PointView& view,
                                             std::span<const PointView::Polygon> parts) const {
     std::vector<PointView> frames;
@@ -255,6 +254,7 @@ std::vector<PointView> PointScene::framesOf(const PointView& view,
     return frames;
 }
 
+// Of a facade of many windows one shows little from one point: a quick look before polygons are cut.
 bool PointScene::anyShows(std::span<const PointView> frames, std::span<const dvec3> polygon) {
     return std::any_of(frames.begin(), frames.end(),
                        [&](const PointView& frame) { return frame.mayShow(polygon); });

@@ -5,9 +5,9 @@
 
 #include <glm/geometric.hpp>
 
-#include "compute/hemicube.h"
 #include "compute/lighting.h"
 #include "compute/parallel.h"
+#include "compute/patch_points.h"
 
 namespace heliodon::compute {
 
@@ -19,7 +19,8 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kSensorSkyAngle = 0.1, kPatchSkyAngle = 0.2; // radians, of one sample of sky
 constexpr float kEdgeShare = 2e-4F; // form factor below which an edge of sunlight averages out
 
-// The same by way of the cells of near walls.
+// What edges of sunlight on patches give less their patches' evenly spread sun, by way of the cells of near
+// walls.
 dvec3 sunEdgesOnCells(const PointScene& scene, const NearLight& near, uint32_t room,
                       std::span<const SunlitParts> partly, double strength,
                       std::span<const glm::vec3> firstBounce) {

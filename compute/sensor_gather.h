@@ -32,7 +32,7 @@ struct SkyView {
 };
 
 // Coefficients of sky elements per point, 1/pi of the lux per unit of luminance (points x channels x
-// elements); each `pointsPerRow` points are averaged.
+// elements); those of a row, `pointsOfRow` in number, are averaged.
 std::vector<float> skyCoefficients(const SkyView& view, const daylight::SkyPatches& sky, uint32_t channels,
                                    std::span<const uint32_t> pointsOfRow);
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "compute/hemicube.h"
 #include "compute/parallel.h"
+#include "compute/patch_points.h"
 
 namespace heliodon::compute {
 

@@ -59,7 +59,7 @@ Raster setUp(uint t, Frame frame, uint self, uint room) {
     r.eb = side * cross(r.c, r.a);
     r.ec = side * cross(r.a, r.b);
     r.depth = normal / r.volume;
-    r.id = t0.w * 4u + t2.w * kHemicubeOpening + (r.volume < 0.0 ? 0u : kHemicubeBack);
+    r.id = t0.w * 2u + (r.volume < 0.0 ? 0u : kHemicubeBack);
     r.visible = t0.w != self && (room == kHemicubeAnyRoom || t1.w == room) &&
                 max(r.a.z, max(r.b.z, r.c.z)) > params.flatness &&
                 abs(r.volume) > params.flatness * length(normal);

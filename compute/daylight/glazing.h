@@ -28,7 +28,7 @@ struct Glazing {
 };
 
 // From a material's transmittance and refractive index. No glass passes more than maximumTransmittance(n); a
-// greater wish gets a pane without absorption, and `isPossible` tells so that it can be reported.
+// greater wish gets a pane without absorption.
 Glazing glazingOf(const geometry::Material& material);
 bool isPossible(const geometry::Material& material);
 

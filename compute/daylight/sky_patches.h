@@ -35,10 +35,7 @@ public:
     // alpha.
     std::span<const SkyRow> rows() const { return rows_; }
 
-    // The element that a unit direction points to: the ground's for y <= 0. In a shader, with the rows as a
-    // table:
-    //   row = min(uint(asin(y) / alpha), 7 MF); n = rows[row].patchCount;
-    //   index = rows[row].firstPatch + uint(atan(x, -z) / (2 pi) * n + n + 0.5) % n
+    // The element that a unit direction points to: the ground's for y <= 0.
     size_t elementOf(glm::dvec3 direction) const;
     glm::dvec3 centre(size_t patch) const;
     double solidAngle(size_t patch) const;          // sr; all patches sum to 2 pi

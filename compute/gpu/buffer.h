@@ -85,9 +85,9 @@ private:
 };
 
 // `count` values of a buffer, for the host to read while this lives: the buffer's own memory where the host
-// sees it, else a copy, which it waits for. Cheaper than download(): nothing is copied twice, and no new memory
-// is touched. The buffer must outlive it; the work that writes must have been waited for; `byteOffset` is a
-// multiple of sizeof(T). Throws Error.
+// sees it, else a copy, which it waits for. Cheaper than download(): nothing is copied twice, and no new
+// memory is touched. The buffer must outlive it; the work that writes must have been waited for; `byteOffset`
+// is a multiple of sizeof(T). Throws Error.
 template<class T> class HostView {
 public:
     HostView(const Buffer& buffer, size_t count, size_t byteOffset = 0)

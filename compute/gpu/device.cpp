@@ -225,7 +225,8 @@ void Device::readTimed(uint32_t slot) {
     std::array<uint64_t, 2> ticks{};
     if (vkGetQueryPoolResults(device_, timing_, 2 * slot, 2, sizeof ticks, ticks.data(), sizeof(uint64_t),
                               VK_QUERY_RESULT_64_BIT) == VK_SUCCESS)
-        timedSeconds_ += 1e-9 * limits_.timestampPeriod * static_cast<double>((ticks[1] - ticks[0]) & tickMask_);
+        timedSeconds_ +=
+            1e-9 * limits_.timestampPeriod * static_cast<double>((ticks[1] - ticks[0]) & tickMask_);
     timed_[slot].busy = false;
 }
 

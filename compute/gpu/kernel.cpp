@@ -61,7 +61,8 @@ void checkLimits(const Device& device, const SpirvModule& module, const std::str
     need("storage buffers", storage, limits.maxPerStageDescriptorStorageBuffers);
     need("resources", module.bindings.size(), limits.maxPerStageResources);
     const auto& group = module.groupSize;
-    need("invocations a group", size_t{group[0]} * group[1] * group[2], limits.maxComputeWorkGroupInvocations);
+    need("invocations a group", size_t{group[0]} * group[1] * group[2],
+         limits.maxComputeWorkGroupInvocations);
 }
 
 } // namespace
@@ -140,8 +141,7 @@ void PipelineLayout::push(VkCommandBuffer commands, VkPipelineBindPoint point,
             throw Error(fmt::format("binding {} ('{}') was given the wrong kind of resource",
                                     bindings_[i].binding, bindings_[i].name));
         const size_t bytes = wantsImage || r.bytes != VK_WHOLE_SIZE ? r.bytes : r.buffer->bytes() - r.offset;
-        if (!wantsImage &&
-            (r.offset > r.buffer->bytes() || bytes > r.buffer->roundedBytes() - r.offset))
+        if (!wantsImage && (r.offset > r.buffer->bytes() || bytes > r.buffer->roundedBytes() - r.offset))
             throw Error(fmt::format("binding '{}' reaches beyond its buffer", bindings_[i].name));
         if (wantsImage) {
             images[i] = {r.sampler, r.image->view(), r.layout};

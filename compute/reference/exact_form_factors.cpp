@@ -284,21 +284,6 @@ double visiblePointToPolygon(const dvec3& point, const dvec3& normal, std::span<
     return sum;
 }
 
-double visiblePointFactor(const geometry::PatchMesh& mesh, const dvec3& point, const dvec3& normal,
-                          size_t j) {
-    const Polygon to = polygonOf(mesh, j);
-    const dvec3 plane = areaVector(to);
-    if (dot(point - to[0], plane) <= 0) return 0;
-    std::vector<Polygon> blockers;
-    for (size_t k = 0; k < mesh.patchCount(); ++k) {
-        if (k == j) continue;
-        Polygon between = clipped(polygonOf(mesh, k), point, normal);
-        if (!between.empty()) between = clipped(between, to[0], plane);
-        if (!between.empty()) blockers.push_back(std::move(between));
-    }
-    return visiblePointToPolygon(point, normal, to, blockers);
-}
-
 double exchangeUnoccluded(const Polygon& from, const Polygon& to) {
     const Polygon a = clipped(from, to[0], areaVector(to)), b = clipped(to, from[0], areaVector(from));
     if (a.empty() || b.empty()) return 0;

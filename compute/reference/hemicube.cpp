@@ -5,8 +5,6 @@
 
 #include <glm/geometric.hpp>
 
-#include "compute/daylight/glazing.h"
-#include "compute/daylight/sky_patches.h"
 #include "geometry/bounds.h"
 
 namespace heliodon::compute::reference {
@@ -47,14 +45,10 @@ Hit trace(const geometry::PatchMesh& mesh, const Viewpoint& view, glm::dvec3 dir
 
 } // namespace
 
-HemicubeRow hemicubeRow(const geometry::PatchMesh& mesh, const Viewpoint& view, uint32_t R,
-                        uint32_t skyDivision, uint32_t channels) {
+HemicubeRow hemicubeRow(const geometry::PatchMesh& mesh, const Viewpoint& view, uint32_t R) {
     const double flatness = 1e-6 * geometry::boundsOf(mesh.vertices).diagonal();
     HemicubeRow row;
     row.factors.assign(mesh.patchCount(), 0);
-    const daylight::SkyPatches sky(static_cast<int>(std::max(skyDivision, 1u)));
-    const size_t elements = skyDivision > 0 ? sky.elementCount() : 0;
-    row.sky.assign(elements * channels, 0);
     const glm::dvec3 helper = std::abs(view.normal.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
     const glm::dvec3 u0 = glm::normalize(glm::cross(helper, view.normal)), v0 = glm::cross(view.normal, u0);
     const glm::dvec3 u = std::cos(view.turn) * u0 + std::sin(view.turn) * v0, v = glm::cross(view.normal, u);
@@ -69,18 +63,7 @@ HemicubeRow hemicubeRow(const geometry::PatchMesh& mesh, const Viewpoint& view, 
                 const glm::dvec3 direction = glm::normalize(x * across[face] + y * up[face] + forward[face]);
                 const double delta = deltas[(face == 0 ? 0 : size_t{R} * R) + size_t{j} * R + i];
                 const Hit hit = trace(mesh, view, direction, flatness);
-                if (!hit.front) {
-                    row.lost += delta;
-                    continue;
-                }
-                row.factors[hit.patch] += delta;
-                const geometry::Material& m = mesh.materials[mesh.material[hit.patch]];
-                if (elements == 0 || !m.isOpening() || mesh.twin[hit.patch] != geometry::kNoTwin) continue;
-                const double c = std::abs(glm::dot(direction, geometry::patchNormal(mesh, hit.patch)));
-                const glm::dvec3 through = daylight::glazingOf(m).transmittance(c);
-                for (uint32_t channel = 0; channel < channels; ++channel)
-                    row.sky[channel * elements + sky.elementOf(direction)] +=
-                        delta * through[static_cast<int>(channel)];
+                (hit.front ? row.factors[hit.patch] : row.lost) += delta;
             }
     return row;
 }

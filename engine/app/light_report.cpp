@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "compute/daylight/glazing.h"
+
 namespace heliodon::app {
 
 using nlohmann::json;
@@ -48,6 +50,11 @@ std::unique_ptr<compute::DaylightTransport> makeTransport(Run& run, gpu::Device&
     run.report()["form_factors"]["sky_elements"] = t.skyElements;
     run.report()["form_factors"]["channels"] = t.channels;
     for (const std::string& reason : t.skipped) run.skipped(reason);
+    for (const geometry::Material& m : mesh.materials)
+        if (m.isOpening() && !daylight::isPossible(m))
+            run.warn(fmt::format("material {}: no pane of refractive index {:.3g} passes more than {:.3f}; taken for "
+                                 "one that does not absorb",
+                                 m.name, m.refractiveIndex, daylight::maximumTransmittance(m.refractiveIndex)));
     const auto gives = [&](uint32_t m) {
         return mesh.materials[m].isOpening() || mesh.materials[m].exitance != glm::vec3(0);
     };

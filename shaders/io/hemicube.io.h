@@ -8,12 +8,10 @@ const uint kHemicubeAnyRoom = 0xffffffffu;
 const uint kHemicubeNoPatch = 0xffffffffu;
 // Sums of delta form factors are kept in fixed point, so that their order does not matter: 1 is 2^31.
 const uint kHemicubeOneBits = 31u;
-const uint kHemicubeBack = 1u, kHemicubeOpening = 2u; // flags of an item's id, which is 4 times the patch
+const uint kHemicubeBack = 1u; // flag of an item's id, which is twice the patch
 // A triangle and a viewpoint take three texels each (uvec4; floats by their bits):
-//   triangle:  a.xyz, patch | b.xyz, room | c.xyz, 1 where it is an opening
+//   triangle:  a.xyz, patch | b.xyz, room | c.xyz, -
 //   viewpoint: position.xyz, own patch or kHemicubeNoPatch | normal.xyz, room or kHemicubeAnyRoom | tangent.xyz, -
-// A patch takes one: normal.xyz, index of its glazing. A glazing takes one vec4:
-// transmissivity per channel, refractive index.
 struct HemicubeParams {
     uint firstViewpoint; // of the first workgroup
     uint pointsPerRow;   // successive viewpoints that share a row
@@ -22,11 +20,9 @@ struct HemicubeParams {
     uint triangleCount;
     uint patchCount;     // columns of `factors`
     uint resolution;     // R, even: the top has R x R pixels, each side R x R/2
-    uint idBits;         // low bits of an item: patch * 4 + opening * 2 + seen from behind
+    uint idBits;         // low bits of an item: patch * 2 + seen from behind
     float depthScale;    // items per metre of depth
     float flatness;      // metres: a patch nearer than this to holding the viewpoint in its plane is not seen
-    uint skyElements;    // sky elements + 1 for the ground
-    uint skyDivision;    // Reinhart's MF
-    uint listLength;     // of a workgroup: 10 for each triangle and stripe, and 3 R^2 or more with a sky
+    uint listLength;     // of a workgroup: 10 for each triangle and stripe
 };
 IO_END
