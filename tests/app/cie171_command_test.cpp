@@ -8,6 +8,7 @@
 #include "compute/daylight/sky.h"
 #include "tests/app/program.h"
 #include "tests/compute/cie171_rooms.h"
+#include "tests/compute/rooms.h"
 
 namespace heliodon::test {
 namespace {
@@ -197,6 +198,20 @@ TEST_F(Cie171Command, light_reflected_within_a_cube) {
         for (const Row& patch : illuminance("")) sum += patch.area * patch.lux / 96;
         fmt::print("5.8        rho {:.2f} off {:.4f} %\n", rho, 100 * (sum / there - 1));
         EXPECT_NEAR(sum, there, 0.001 * there) << "reflectance " << rho;
+    }
+}
+
+TEST_F(Cie171Command, glass_that_cannot_be_is_said) {
+    BoxRoom room;
+    room.isGlass = [](glm::dvec3 p) { return p.z < 1e-9; };
+    for (const auto& [transmittance, isPossible] : {std::pair(0.91f, true), std::pair(0.95f, false)}) {
+        room.glass.transmittance = glm::vec3(transmittance);
+        writeModel(boxRoom(room));
+        const Outcome outcome =
+            heliodon("illuminance " + in("room.obj") + " --sky overcast -o " + in("lux.csv"));
+        EXPECT_EQ(outcome.exitCode, 0) << outcome.output;
+        EXPECT_EQ(outcome.output.find("passes more than 0.918") == std::string::npos, isPossible)
+            << outcome.output;
     }
 }
 
