@@ -27,7 +27,10 @@ namespace heliodon::compute {
 namespace {
 
 constexpr uint32_t kMostColumns = 4;
-constexpr uint32_t kAttempts = 3, kRounds = 8;
+constexpr uint32_t kMostAgain = 2, kRounds = 8;
+// Of a tolerance, the error of a link (over the larger end) up to which the shaders keep it at that
+// tolerance.
+constexpr double kSurelyKept = 0.25;
 constexpr size_t kSortedTogether = 64; // nodes' entries, by one thread
 constexpr double kRowCaution = 1.4; // of single rows over their estimates, so that 99 of 100 hold (measured)
 constexpr double kLeastHidden = 5e-4; // row error that samples of visibility reach in useful time
@@ -92,47 +95,50 @@ void HierarchicalFormFactors::uploadTree() {
     parents_ = gpu::Buffer::from(*device_, parents, "hierarchical parents");
 }
 
-// Finer where sums of rows may be far off, which few links cause; again with less tolerance where the error
-// of all is above what was asked.
+// As tolerances have it; finer where sums of rows may be far off, which few links cause; then, where the
+// error of all is above what was asked, those again that err most, with less tolerance.
 void HierarchicalFormFactors::makeLinks(const HierarchicalOptions& options) {
-    double asked = std::max(options.maxError, 1e-6);
-    std::vector<io::HierarchicalLink> links;
-    for (uint32_t attempt = 0; attempt < kAttempts; ++attempt) {
-        LinkMaker maker(*device_, scene_, toleranceFor(asked));
-        const uint32_t roots = scene_.tree.nodes.empty() ? 0 : scene_.tree.levelFirst[1];
-        for (uint32_t a = 0; a < roots; ++a)
-            for (uint32_t b = a + 1; b < roots; ++b) maker.add(a, b);
-        links = maker.finish();
-        LinkClaims claims(scene_.tree, patchArea_, links);
+    const double wanted = std::max(options.maxError, 1e-6);
+    LinkMaker maker(*device_, scene_, toleranceFor(wanted));
+    const uint32_t roots = scene_.tree.nodes.empty() ? 0 : scene_.tree.levelFirst[1];
+    for (uint32_t a = 0; a < roots; ++a)
+        for (uint32_t b = a + 1; b < roots; ++b) maker.add(a, b);
+    std::vector<io::HierarchicalLink> links = maker.finish();
+    LinkClaims claims(scene_.tree, patchArea_, links);
+    const auto makeAgain = [&](std::span<const glm::uvec2> pairs) {
+        for (const glm::uvec2& pair : pairs) maker.add(pair.x, pair.y);
+        const std::vector<io::HierarchicalLink> finer = maker.finish();
+        claims.add(finer);
+        links.insert(links.end(), finer.begin(), finer.end());
+    };
+    const auto refineSums = [&] {
         for (uint32_t round = 0; round < kRounds; ++round) {
-            const std::vector<glm::uvec2> pairs = claims.split(links, kSumOverRow * asked);
+            const std::vector<glm::uvec2> pairs = claims.split(links, kSumOverRow * wanted);
             if (pairs.empty()) break;
-            for (const glm::uvec2& pair : pairs) maker.add(pair.x, pair.y);
-            const std::vector<io::HierarchicalLink> finer = maker.finish();
-            claims.add(finer);
-            links.insert(links.end(), finer.begin(), finer.end());
+            makeAgain(pairs);
         }
-        statistics_.pairs += maker.pairs();
-        setErrors(claims);
-        const double excess = report_.claimedRowError / std::max(options.maxError, 1e-6);
-        if (excess <= 1.1 || asked <= kLeastHidden) break;
+    };
+    refineSums();
+    double asked = wanted;
+    for (uint32_t again = 0; again < kMostAgain && asked > kLeastHidden; ++again) {
+        const double excess = claims.rowError() / wanted;
+        if (excess <= 1.1) break;
         asked = std::max(asked * std::pow(0.9 / excess, 1.5), std::min(asked, kLeastHidden));
+        const LinkTolerance tolerance = toleranceFor(asked);
+        maker.setTolerance(tolerance);
+        makeAgain(claims.takeAbove(links, kSurelyKept * std::min(tolerance.open, tolerance.visible)));
+        refineSums();
     }
+    statistics_.pairs = maker.pairs();
+    setErrors(claims);
     std::erase_if(links, [](const io::HierarchicalLink& link) { return link.density == 0; });
     statistics_.links = links.size();
     makeEntries(links);
 }
 
 void HierarchicalFormFactors::setErrors(const LinkClaims& claims) {
-    double sum = 0;
-    rowError_.clear();
-    for (double v : claims.rowSquares()) {
-        sum += v;
-        rowError_.push_back(static_cast<float>(kRowCaution * std::sqrt(v)));
-    }
-    report_.claimedRowError = std::sqrt(sum / std::max<double>(patchCount_, 1));
-    rowSumError_.clear();
-    report_.claimedRowSumError = 0;
+    for (double v : claims.rowSquares()) rowError_.push_back(static_cast<float>(kRowCaution * std::sqrt(v)));
+    report_.claimedRowError = claims.rowError();
     for (double e : claims.rowSums()) {
         report_.claimedRowSumError = std::max(report_.claimedRowSumError, e);
         rowSumError_.push_back(static_cast<float>(e));

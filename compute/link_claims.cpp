@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace heliodon::compute {
@@ -47,6 +48,23 @@ void LinkClaims::count(const io::HierarchicalLink& link, double sign) {
     sums_[link.second] += sign * b;
     squares_[link.first] += sign * a * a;
     squares_[link.second] += sign * b * b;
+}
+
+double LinkClaims::rowError() const {
+    const std::vector<double> squares = rowSquares();
+    const double sum = std::accumulate(squares.begin(), squares.end(), 0.0);
+    return std::sqrt(sum / std::max<double>(static_cast<double>(squares.size()), 1));
+}
+
+std::vector<glm::uvec2> LinkClaims::takeAbove(std::vector<io::HierarchicalLink>& links, double bound) {
+    std::vector<glm::uvec2> pairs;
+    std::erase_if(links, [&](const io::HierarchicalLink& link) {
+        if (std::max(errorOfSum(*tree_, link, true), errorOfSum(*tree_, link, false)) <= bound) return false;
+        count(link, -1);
+        pairs.push_back({link.first, link.second});
+        return true;
+    });
+    return pairs;
 }
 
 std::vector<double> LinkClaims::sumSquares() const {

@@ -29,6 +29,12 @@ public:
     std::vector<double> rowSquares() const { return overPatches(entries_, false); }
     std::vector<double> rowSums() const { return overPatches(sumSquares(), true); }
 
+    double rowError() const; // RMS over rows of ||F_i - true||
+
+    // Takes out of `links`, all of which were counted here, those whose form factor from the lesser end to
+    // the larger may err by more than `bound`, and returns the pairs of nodes that they link.
+    std::vector<glm::uvec2> takeAbove(std::vector<io::HierarchicalLink>& links, double bound);
+
     // Takes out of `links`, all of which were counted here, those by which sums of rows may be off by more
     // than `bound`, the largest first, and returns the pairs of nodes to link in their place. Empty: none.
     std::vector<glm::uvec2> split(std::vector<io::HierarchicalLink>& links, double bound);

@@ -91,9 +91,13 @@ LinkMaker::LinkMaker(gpu::Device& device, const ClusterScene& scene, const LinkT
       newLongDoubts_(device, kBatch * sizeof(io::HierarchicalDoubt), "new long doubts", gpu::Place::host) {
     params_.nodeCount = scene.blockers.nodeCount;
     params_.flatness = static_cast<float>(5e-7 * scene.blockers.diagonal);
+    params_.mostRays = kMostRays;
+    setTolerance(tolerance);
+}
+
+void LinkMaker::setTolerance(const LinkTolerance& tolerance) {
     params_.tolerance = static_cast<float>(tolerance.open);
     params_.visibilityTolerance = static_cast<float>(tolerance.visible);
-    params_.mostRays = kMostRays;
 }
 
 void LinkMaker::prepareKernels(gpu::Device& device) {

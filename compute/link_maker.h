@@ -33,6 +33,9 @@ public:
     // Both must outlive this.
     LinkMaker(gpu::Device& device, const ClusterScene& scene, const LinkTolerance& tolerance);
 
+    // Of pairs that are added from now on.
+    void setTolerance(const LinkTolerance& tolerance);
+
     // A pair of nodes to link, or their descendants. About 0.3 us of one core for each pair of clusters that
     // is looked at, 0.5 us for each of triangles, 0.1 us a ray.
     void add(uint32_t first, uint32_t second);
