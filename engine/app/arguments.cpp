@@ -420,7 +420,8 @@ private:
     void addBench() {
         CLI::App* sub = add("bench", "error against time of every form-factor kernel, beside other programs",
                             bench_, "--scenes partitions,room.obj --sizes 500,2000 -o bench");
-        sub->add_option("--kernels", bench_.kernels, "kernels, with commas between (default all)")
+        sub->add_option("--kernels", bench_.kernels,
+                        "kernels, with commas between (default all; auto beside them by its name)")
             ->delimiter(',');
         sub->add_option("--scenes", bench_.scenes,
                         "box, ell, partitions, blocks, slot, louvres, all, or .obj files, whose faces are "

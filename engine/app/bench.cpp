@@ -347,8 +347,8 @@ BenchArguments completed(BenchArguments arguments) {
     if (arguments.kernels == std::vector<std::string>{"all"})
         arguments.kernels.assign(known.begin(), known.end());
     for (const std::string& kernel : arguments.kernels)
-        if (std::find(known.begin(), known.end(), kernel) == known.end()) {
-            std::string names = "all";
+        if (kernel != "auto" && std::find(known.begin(), known.end(), kernel) == known.end()) {
+            std::string names = "all, auto";
             for (const std::string_view name : known) names += ", " + std::string(name);
             throw geometry::InputError("--kernels", kernel, "unknown; expected " + names);
         }

@@ -16,6 +16,14 @@ std::string panelName(const BenchResult& r) {
     return fmt::format("{}, {} patches", r.scene, r.patches);
 }
 
+// As RFC 4180 has it: what holds a comma ("64x64, 4 points") stays one cell.
+std::string cell(const std::string& text) {
+    if (text.find_first_of(",\"\n") == std::string::npos) return text;
+    std::string quoted = "\"";
+    for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+    return quoted + "\"";
+}
+
 // Values as the CSV has them, from the JSON: one list of columns for both.
 template<class Result> std::string csv(const std::vector<Result>& results) {
     std::string text;
@@ -29,7 +37,7 @@ template<class Result> std::string csv(const std::vector<Result>& results) {
         for (const auto& [key, value] : row.items()) {
             if (!line.empty()) line += ",";
             line += value.is_number_float() ? fmt::format("{:.6g}", value.template get<double>())
-                    : value.is_string()     ? value.template get<std::string>()
+                    : value.is_string()     ? cell(value.template get<std::string>())
                                             : value.dump();
         }
         text += line + "\n";
@@ -73,7 +81,7 @@ public:
     std::string svg() const {
         std::string text =
             fmt::format("<text x=\"70\" y=\"{:.0f}\" font-size=\"15\" font-weight=\"bold\">{}</text>\n",
-                        top_ + 24, panelName(results_.front()));
+                        top_ + 24, escaped(panelName(results_.front())));
         text += grid() + front();
         for (const BenchResult& r : results_) text += mark(r);
         return text + labels();

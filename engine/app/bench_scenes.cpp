@@ -135,8 +135,13 @@ auto recipeOf(const std::string& name) {
                         [&](const Recipe& r) { return r.scene.name == name; });
 }
 
+// Named after its file; where two are named alike, after the whole path.
 void addUserScene(const std::filesystem::path& file, std::vector<BenchScene>& scenes) {
-    scenes.push_back({file.stem().string(), geometry::readPatches(file)});
+    const std::string stem = file.stem().string();
+    const bool taken =
+        recipeOf(stem) != recipes().end() ||
+        std::any_of(scenes.begin(), scenes.end(), [&](const auto& s) { return s.name == stem; });
+    scenes.push_back({taken ? file.string() : stem, geometry::readPatches(file)});
     if (scenes.back().mesh.patchCount() == 0) throw geometry::InputError(file.string(), "", "has no faces");
 }
 

@@ -42,6 +42,15 @@ TEST_F(Bench, labels_of_a_crowd_stand_apart) {
     }
 }
 
+TEST_F(Bench, names_with_commas_and_quotes_stay_one_cell) {
+    app::BenchResult result;
+    result.scene = "my \"best\" room", result.kernel = "hemicube", result.setting = "64x64, 4 points";
+    const std::string csv = app::csvOf(std::vector{result});
+    EXPECT_NE(csv.find("\n\"my \"\"best\"\" room\",0,hemicube,\"64x64, 4 points\",false,"), std::string::npos)
+        << csv;
+    EXPECT_EQ(app::csvOf(std::vector{app::BenchResult{.scene = "box"}}).find('"'), std::string::npos);
+}
+
 TEST_F(Bench, a_convex_room_by_two_kernels) {
     const Outcome outcome = heliodon(
         "bench --quiet --kernels exact,montecarlo --scenes box --sizes 60 --runs 1 --reference-rows 4 "
