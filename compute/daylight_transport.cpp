@@ -99,7 +99,9 @@ struct DaylightTransport::State {
 void DaylightTransport::State::makeFactors() {
     const size_t n = mesh.patchCount();
     for (size_t i = 0; i < n; ++i) areas.push_back(geometry::patchArea(mesh, i));
-    factors = computeFormFactors(device, mesh, options.formFactors);
+    FormFactorOptions wanted = options.formFactors;
+    wanted.forLight = true;
+    factors = computeFormFactors(device, mesh, wanted);
     // Rows of a closed room sum to one; where they do not, a second kernel tells whether it is the room's
     // doing.
     constexpr double kLostLight = 0.05;

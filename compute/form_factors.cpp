@@ -12,6 +12,7 @@
 #include "compute/hemicube.h"
 #include "compute/hemicube_refined.h"
 #include "compute/hierarchical.h"
+#include "compute/kernel_choice.h"
 #include "compute/monte_carlo.h"
 #include "compute/parallel.h"
 #include "compute/stopwatch.h"
@@ -21,58 +22,9 @@ namespace heliodon::compute {
 
 namespace {
 
-constexpr double kDefaultError = 1e-3;
-constexpr double kLinksPay =
-    2e-3; // from this row error on, links between clusters cost less than exact pairs
-// Patches up to which a discrete device is through with visible polygons before links are made: their making
-// asks the host after each batch (2000 patches on an H100: 14 ms against 73; 10,752: as long as links at
-// 5e-3).
-constexpr size_t kDenseOnDiscrete = 12'000;
 constexpr size_t kEnoughRays = 1u << 18; // of all patches
 constexpr uint32_t kMostResolution = 512, kMostRays = 65536;
 constexpr uint32_t kStreamedRows = 256;
-
-// What `auto` stands for, and why; the other names stay.
-struct Choice {
-    std::string kernel, why;
-    double maxError = 0;
-    double amplification = 0; // of rows' errors into radiosity; 0: not asked
-};
-
-// Of what leaves a patch, a share rho is handed on at most, again and again.
-double amplificationIn(const geometry::PatchMesh& mesh, const FormFactorOptions& options) {
-    double rho = options.reflectance;
-    if (rho <= 0)
-        for (uint32_t m : mesh.material)
-            for (int c = 0; c < 3; ++c) rho = std::max(rho, double{mesh.materials[m].reflectance[c]});
-    rho = std::clamp(rho, 0.01, 0.999);
-    return rho / (1 - rho);
-}
-
-Choice chosen(const gpu::Device& device, const geometry::PatchMesh& mesh, const FormFactorOptions& options) {
-    Choice choice{options.kernel, "", options.maxError};
-    if (options.maxRadiosityError > 0) {
-        choice.amplification = amplificationIn(mesh, options);
-        choice.maxError = std::clamp(options.maxRadiosityError / choice.amplification, 1e-7, 1.0);
-        choice.why = fmt::format("radiosity within {:.2g} asks for rows within {:.2g}",
-                                 options.maxRadiosityError, choice.maxError);
-    }
-    if (options.kernel != "auto") return choice;
-    const double asked = choice.maxError > 0 ? choice.maxError : kDefaultError;
-    choice.maxError = asked;
-    const bool denseSooner = device.info().type == "discrete" && mesh.patchCount() <= kDenseOnDiscrete;
-    const bool links = asked >= kLinksPay && !denseSooner;
-    choice.kernel = links ? "hierarchical" : "exact";
-    if (!choice.why.empty()) choice.why += "; ";
-    choice.why +=
-        fmt::format("auto: row error {:.2g} {}", asked,
-                    links                ? "is reached soonest by links between clusters"
-                    : asked >= kLinksPay ? "is reached soonest by visible polygons on this device"
-                                         : "asks for visible polygons, not for samples of visibility");
-    if (mesh.patchCount() > 0 && blockingRegions(mesh, 8).empty())
-        choice.why += ", and nothing can stand between two patches";
-    return choice;
-}
 
 // Until the kernel's own claim is below what is asked: its error falls about with the 0.6th power of the
 // rays.
@@ -181,7 +133,7 @@ void warnOfLostLight(const geometry::PatchMesh& mesh, FormFactorReport& report) 
         report.closureMax, report.closureRms));
 }
 
-void explain(FormFactorReport& report, const FormFactorOptions& options, const Choice& choice) {
+void explain(FormFactorReport& report, const FormFactorOptions& options, const KernelChoice& choice) {
     if (!choice.why.empty()) report.why = choice.why + "; " + report.why;
     report.claimedRadiosityError = choice.amplification * report.claimedRowError;
     // Claims lie above the errors: in rooms with a reference those of `exact` by 3 to 13 times, others by up
@@ -243,7 +195,7 @@ std::span<const std::string_view> formFactorKernels() {
 FormFactors computeFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
                                const FormFactorOptions& options) {
     const Stopwatch watch;
-    const Choice choice = chosen(device, mesh, options);
+    const KernelChoice choice = chooseKernel(device, mesh, options);
     FormFactors result;
     if (choice.kernel == "exact") {
         ExactOptions exact;
@@ -269,7 +221,7 @@ FormFactorReport streamFormFactors(gpu::Device& device, const geometry::PatchMes
                                    const FormFactorOptions& options,
                                    const std::function<void(const FormFactorTile&)>& take) {
     const Stopwatch watch;
-    const Choice choice = chosen(device, mesh, options);
+    const KernelChoice choice = chooseKernel(device, mesh, options);
     const auto n = static_cast<uint32_t>(mesh.patchCount());
     std::vector<double> sums(n, 0.0);
     const auto taken = [&](const FormFactorTile& tile) {

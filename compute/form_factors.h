@@ -34,6 +34,9 @@ struct FormFactorOptions {
     // (0: that of the mesh's materials, of any channel); used when positive, in place of maxError: rows are
     // asked to be within e (1 - rho) / rho. What errors of one sign do (rows that do not close) is more.
     double maxRadiosityError = 0, reflectance = 0;
+    // The matrix is for light that goes round, to which sums of rows matter more than entries: `auto` takes
+    // links, whose sums may be off by ten times the row error, for coarse errors only.
+    bool forLight = false;
 };
 
 // Rows of closed rooms whose sums are off by more are worth a warning.

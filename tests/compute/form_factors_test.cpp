@@ -1,9 +1,12 @@
 #include "compute/form_factors.h"
 
+#include <numbers>
+
 #include <gtest/gtest.h>
 
 #include "compute/exact_form_factors.h"
 #include "compute/gpu/device.h"
+#include "compute/kernel_choice.h"
 #include "compute/monte_carlo.h"
 #include "compute/reference/radiosity.h"
 #include "tests/compute/cases.h"
@@ -87,6 +90,63 @@ TEST(FormFactors, auto_takes_links_for_coarse_and_visible_polygons_for_fine_erro
     EXPECT_NE(coarse.why.find("nothing can stand between"), std::string::npos);
     EXPECT_EQ(computeFormFactors(test::device(), mesh, asking("auto", 1e-4)).report.kernel, "exact");
     EXPECT_EQ(computeFormFactors(test::device(), mesh).report.kernel, "exact");
+}
+
+TEST(KernelChoice, links_pay_from_lower_errors_on_the_more_stands_between) {
+    double before = 1;
+    for (double blockers : {12.0, 80.0, 130.0, 500.0}) {
+        const double pays = errorFromWhichLinksPay(blockers, false);
+        EXPECT_LT(pays, before);
+        EXPECT_LE(errorFromWhichLinksPay(blockers, true), pays);
+        before = pays;
+    }
+    EXPECT_EQ(errorFromWhichLinksPay(1e6, true), 5e-4); // as far as links go
+    EXPECT_EQ(errorFromWhichLinksPay(1, false), errorFromWhichLinksPay(2, false));
+}
+
+// A room with a few partitions, and one full of small boxes; beside a large empty room, what stands in a
+// small one counts for little.
+TEST(KernelChoice, what_stands_in_a_room_decides_what_auto_takes) {
+    if (test::device().info().type == "discrete") GTEST_SKIP() << "visible polygons, whatever stands there";
+    const auto choice = [](const geometry::PatchMesh& mesh, double asked, bool forLight = false) {
+        FormFactorOptions options = asking("auto", asked);
+        options.forLight = forLight;
+        return chooseKernel(test::device(), mesh, options);
+    };
+    const geometry::PatchMesh partitions = geometry::readPatches(kData + "room3_672.obj");
+    EXPECT_EQ(choice(partitions, 1e-2).kernel, "hierarchical");
+    EXPECT_EQ(choice(partitions, 5e-3).kernel, "exact");
+    EXPECT_NE(choice(partitions, 5e-3).why.find("12 blockers a room"), std::string::npos);
+
+    geometry::PatchMesh full = test::boxRoom({});
+    for (int i = 0; i < 25; ++i)
+        test::addBox(full,
+                     {.low = {0.1 + 0.15 * i, 1, 1}, .high = {0.2 + 0.15 * i, 1.1, 1.1}, .cells = {1, 1, 1}});
+    EXPECT_EQ(choice(full, 1.9e-3).kernel, "hierarchical");
+    EXPECT_EQ(choice(full, 1.9e-3, true).kernel, "exact");
+    EXPECT_NE(choice(full, 1.9e-3, true).why.find("sums of rows"), std::string::npos);
+    EXPECT_EQ(choice(full, 1e-4).kernel, "exact");
+
+    test::addBox(full, {.low = {0, 0, 10}, .high = {20, 20, 30}, .cells = {20, 20, 20}}, 1);
+    EXPECT_EQ(choice(full, 5e-3).kernel, "exact");
+}
+
+// Of a ball, two triangles lie in a plane.
+TEST(KernelChoice, curved_surfaces_are_left_to_links_sooner) {
+    if (test::device().info().type == "discrete") GTEST_SKIP() << "visible polygons, whatever stands there";
+    std::vector<std::vector<glm::dvec3>> faces;
+    const auto at = [](int i, int j) {
+        const double a = 2 * std::numbers::pi * i / 24, b = std::numbers::pi * j / 8;
+        return glm::dvec3(std::sin(b) * std::cos(a), std::cos(b), std::sin(b) * std::sin(a));
+    };
+    for (int i = 0; i < 24; ++i)
+        for (int j = 1; j < 7; ++j) {
+            faces.push_back({at(i, j), at(i, j + 1), at(i + 1, j)});
+            faces.push_back({at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)});
+        }
+    const KernelChoice choice = chooseKernel(test::device(), test::polygons(faces), asking("auto", 1e-3));
+    EXPECT_EQ(choice.kernel, "hierarchical");
+    EXPECT_NE(choice.why.find("curved"), std::string::npos);
 }
 
 size_t heldOf(const std::vector<float>& values, const std::vector<float>& exact,
