@@ -10,6 +10,8 @@ namespace heliodon::compute {
 
 namespace {
 
+constexpr double kRounding = 2.4e-7; // of a pass over F in float32, relative to the largest
+
 void subtract(std::span<float> from, double times, std::span<const float> what) {
     const auto t = static_cast<float>(times);
     for (size_t i = 0; i < from.size(); ++i) from[i] -= t * what[i];
@@ -41,19 +43,22 @@ size_t RelightBasis::size() const {
     return sum;
 }
 
-// Takes from the residual what the basis answers, and adds the answers' illuminance.
-void RelightBasis::project(uint32_t channel, std::span<float> residual, std::span<float> gathered) const {
-    for (const Vector& v : basis_[channel]) {
-        const double share = dot(v.image, residual);
-        subtract(residual, share, v.image);
-        subtract(gathered, -share, v.gathered);
-    }
+double RelightBasis::project(uint32_t channel, std::span<float> residual, std::span<float> gathered) const {
+    double rounding = kRounding * largest(gathered);
+    for (int twice = 0; twice < 2; ++twice) // images are at right angles but for rounding
+        for (const Vector& v : basis_[channel]) {
+            const double share = dot(v.image, residual);
+            subtract(residual, share, v.image);
+            subtract(gathered, -share, v.gathered);
+            rounding += std::abs(share) * v.rounding;
+        }
+    return rounding;
 }
 
-void RelightBasis::learn(uint32_t channel, std::vector<float> image, std::vector<float> gathered) {
-    if (basis_[channel].size() >= kMostVectors) return;
+bool RelightBasis::learn(uint32_t channel, std::vector<float> image, std::vector<float> gathered) {
+    if (basis_[channel].size() >= kMostVectors) return false;
     const double before = std::sqrt(dot(image, image));
-    if (!(before > 0)) return;
+    if (!(before > 0)) return false;
     for (int twice = 0; twice < 2; ++twice)
         for (const Vector& v : basis_[channel]) {
             const double along = dot(v.image, image);
@@ -61,11 +66,37 @@ void RelightBasis::learn(uint32_t channel, std::vector<float> image, std::vector
             subtract(gathered, along, v.gathered);
         }
     const double length = std::sqrt(dot(image, image));
-    if (length < 1e-3 * before) return; // nothing new, or mostly rounding
+    if (length < 1e-3 * before) return false; // nothing new, or mostly rounding
     const auto scale = static_cast<float>(1 / length);
     for (float& x : image) x *= scale;
     for (float& x : gathered) x *= scale;
     basis_[channel].push_back({std::move(image), std::move(gathered)});
+    return true;
+}
+
+void RelightBasis::measure(std::span<const uint32_t> channel) {
+    const RadiosityMatter& matter = solver_->matter();
+    const size_t n = matter.patchCount;
+    std::vector<Vector*> vectors;
+    std::vector<size_t> back(basis_.size(), 0);
+    for (size_t k = channel.size(); k-- > 0;) {
+        auto& of = basis_[channel[k]];
+        vectors.insert(vectors.begin(), &of[of.size() - ++back[channel[k]]]);
+    }
+    std::vector<float> u(n * vectors.size()), gathered(u.size());
+    for (size_t k = 0; k < vectors.size(); ++k) {
+        const std::span<float> at(&u[k * n], n);
+        matter.reflect<float>(channel[k], vectors[k]->gathered, at);
+        for (size_t i = 0; i < n; ++i) at[i] += vectors[k]->image[i];
+    }
+    factors_->gatherIn(channel, u, gathered);
+    for (size_t k = 0; k < vectors.size(); ++k) {
+        Vector& v = *vectors[k];
+        v.gathered.assign(&gathered[k * n], &gathered[k * n] + n);
+        matter.reflect<float>(channel[k], v.gathered, v.image);
+        for (size_t i = 0; i < n; ++i) v.image[i] = u[k * n + i] - v.image[i];
+        v.rounding = kRounding * std::max(largest({&u[k * n], n}), largest(v.gathered));
+    }
 }
 
 RadiosityReport RelightBasis::solve(std::span<const float> emitted, std::span<const uint32_t> channel,
@@ -80,12 +111,12 @@ RadiosityReport RelightBasis::solve(std::span<const float> emitted, std::span<co
     factors_->gatherIn(channel, emitted, gathered);
     report.passes = 1;
     std::vector<float> residual(n * count);
-    std::vector<double> scale(count), left(count);
+    std::vector<double> scale(count), left(count), rounding(count);
     inParallel(count, [&](size_t c) {
         const std::span<float> r(&residual[c * n], n), h(&gathered[c * n], n);
         matter.reflect<float>(channel[c], h, r);
         scale[c] = std::max(largest({&emitted[c * n], n}), 1e-30);
-        project(channel[c], r, h);
+        rounding[c] = project(channel[c], r, h) / scale[c];
         left[c] = largest(r) / scale[c];
     });
     std::vector<uint32_t> open, openChannel;
@@ -102,6 +133,7 @@ RadiosityReport RelightBasis::solve(std::span<const float> emitted, std::span<co
         RadiosityOptions rest = options;
         rest.tolerance = tolerance;
         report.passes += solver_->solve(right, openChannel, answer, seen, rest).passes;
+        std::vector<uint32_t> learnt;
         for (size_t k = 0; k < open.size(); ++k) {
             const size_t at = open[k] * n;
             std::vector<float> image(n);
@@ -112,15 +144,17 @@ RadiosityReport RelightBasis::solve(std::span<const float> emitted, std::span<co
                 gathered[at + i] += seen[k * n + i];
             }
             left[open[k]] = largest({&residual[at], n}) / scale[open[k]];
-            learn(openChannel[k], std::move(image), {&seen[k * n], &seen[k * n] + n});
+            if (learn(openChannel[k], std::move(image), {&seen[k * n], &seen[k * n] + n}))
+                learnt.push_back(openChannel[k]);
         }
+        if (!learnt.empty()) measure(learnt), ++report.passes;
     }
     for (size_t c = 0; c < count; ++c) {
         matter.reflect<float>(channel[c], {&gathered[c * n], n}, {&radiosity[c * n], n});
         for (size_t i = 0; i < n; ++i) radiosity[c * n + i] += emitted[c * n + i];
         // B = E + K F (E + w): what is left of the residual is bounced once more.
         report.residual = std::max(report.residual, left[c]);
-        report.bound = std::max(report.bound, left[c] / slack_[channel[c]]);
+        report.bound = std::max(report.bound, (left[c] + rounding[c]) / slack_[channel[c]]);
         report.converged &= left[c] <= options.tolerance * slack_[channel[c]];
     }
     return report;

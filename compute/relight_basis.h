@@ -25,8 +25,9 @@ public:
     // Forgets everything: to be called first, and after the solver got new matter.
     void restart();
 
-    // As RadiositySolver::solve, to the same tolerance, measured by residual. Results depend on what was
-    // solved before, within the tolerance; the same sequence gives the same bits.
+    // As RadiositySolver::solve, to the same tolerance. The residual is kept, not measured anew; `bound`
+    // counts the rounding of what it was kept by. Results depend on what was solved before, within the
+    // tolerance; the same sequence gives the same bits.
     RadiosityReport solve(std::span<const float> emitted, std::span<const uint32_t> channel,
                           std::vector<float>& radiosity, std::vector<float>& gathered,
                           const RadiosityOptions& options = {});
@@ -37,9 +38,16 @@ private:
     struct Vector {
         std::vector<float> image;    // (I - K F) u, of unit length and at right angles to the others
         std::vector<float> gathered; // F u
+        double rounding = 0;         // by how much the image may miss what `gathered` stands for
     };
-    void project(uint32_t channel, std::span<float> residual, std::span<float> gathered) const;
-    void learn(uint32_t channel, std::vector<float> image, std::vector<float> gathered);
+    // Takes from the residual what the basis answers, and adds the answers' illuminance. Returns the rounding
+    // that the residual does not show.
+    double project(uint32_t channel, std::span<float> residual, std::span<float> gathered) const;
+    // Joins the basis, freed of what it has; false where nothing is left of it.
+    bool learn(uint32_t channel, std::vector<float> image, std::vector<float> gathered);
+    // Makes both halves of the newest vectors, one for each entry of `channel`, one to another's by a pass
+    // over F: what is left of answers that resemble one another is as much rounding as answer.
+    void measure(std::span<const uint32_t> channel);
 
     FormFactorOperator* factors_;
     RadiositySolver* solver_;

@@ -4,6 +4,7 @@
 
 #include "geometry/input_error.h"
 #include "geometry/mesher.h"
+#include "geometry/model_file.h"
 #include "tests/compute/cases.h"
 #include "tests/compute/rooms.h"
 #include "tests/compute/skies.h"
@@ -132,6 +133,33 @@ TEST(DaylightTransport, a_day_of_moments_is_each_moment_alone) {
                         2e-4 * most);
     }
     EXPECT_LT(last, first); // what was solved before is of use
+}
+
+// Answers that resemble one another leave little but rounding of what is new in each.
+TEST(DaylightTransport, moments_close_together_keep_within_their_bound) {
+    const geometry::PatchMesh room =
+        geometry::readPatches(kCases + "c_L_glass_clear_mar21_13_g0.2/model.obj");
+    TransportOptions precise;
+    precise.radiosity.tolerance = 1e-6;
+    DaylightTransport day(test::device(), room), exact(test::device(), room, precise);
+    for (int round = 0; round < 48; ++round) {
+        std::vector<daylight::Sky> skies;
+        for (int k = 0; k < 8; ++k) {
+            const double angle = 0.3 + 0.00436 * (8 * round + k);
+            skies.push_back(sunny({-std::cos(angle), 0.8 * std::sin(angle), 0.6 * std::sin(angle)}));
+        }
+        const Moment moment = day.light(skies).back();
+        if (round % 8 != 7) continue;
+        exact.setMaterials(room.materials); // forgets what was solved before
+        const Moment alone = exact.light(skies.back());
+        double most = 0, off = 0;
+        for (size_t i = 0; i < alone.patches.size(); ++i)
+            for (int c = 0; c < 3; ++c) {
+                const double b = alone.lighting.exitance[i][c];
+                most = std::max(most, b), off = std::max(off, std::abs(b - moment.lighting.exitance[i][c]));
+            }
+        EXPECT_LE(off, (moment.report.radiosity.bound + alone.report.radiosity.bound) * most) << round;
+    }
 }
 
 TEST(DaylightTransport, what_a_moment_does_not_need_is_skipped_with_a_reason) {
