@@ -45,11 +45,23 @@ template<class T> std::vector<T> spread(const std::vector<T>& all, size_t wanted
 
 } // namespace
 
+// Rows of Responses::sun: patches (sun), patches of blinds in the order of their groups (even glow), slats' lobes as
+// in SlatLobes, and lobes of all patches of a group together, by node.
+struct Rows {
+    explicit Rows(const TransportParts& parts, size_t patches) : glow(patches), lobes(patches) {
+        for (const GlowingBlinds::Group& group : parts.blinds.groups()) lobes += group.patches.size();
+        groupLobes = lobes + parts.slats.rows();
+        all = groupLobes;
+        if (!parts.slats.empty()) all += parts.blinds.groups().size() * daylight::kSlatNodes;
+    }
+    size_t glow, lobes, groupLobes, all;
+};
+
 // What the sensors at hand answer to sky elements, to sun on patches and to the room's own emission.
 struct AnnualDaylight::Responses {
     size_t sensors = 0;
     std::vector<float> sky; // sensors x elements, photometric
-    // (patches, then those of blinds) x sensors, each times its channel's luminous share; one unless tinted
+    // Rows x sensors, each times its channel's luminous share; one unless tinted
     std::vector<float> sun[3];
     std::vector<float> own; // per sensor, lux
 };
@@ -119,6 +131,7 @@ void AnnualDaylight::makeSuns() {
                 if (glow != glm::vec3(0)) found[k].patches.push_back({slot, {glow.x, glow.y, glow.z}});
                 ++slot;
             }
+        sunOnLobes(sun, sky.sun, found[k]);
     };
     sunHours_ = hours.size();
     inParallel(hours.size(), work, [&](size_t k) { told(k, 0); });
@@ -131,6 +144,38 @@ void AnnualDaylight::makeSuns() {
     edges_ = SunEdges(transport_.mesh(), std::move(edges));
     report_.withSun = sunny_.size();
     report_.sunOutside = hours.size() - sunny_.size();
+}
+
+// Windows of a group that the sun shines on alike, all unless something shades them, are told as one.
+void AnnualDaylight::sunOnLobes(const SunPatches& sun, const daylight::SunDisc& disc, Sunny& sunny) const {
+    const TransportParts parts = transport_.parts();
+    const Rows rows(parts, transport_.mesh().patchCount());
+    const auto windows = parts.slats.windows();
+    const auto add = [&](size_t row, const daylight::Window::Lobes& lobes, glm::dvec3 lit) {
+        for (size_t node = 0; node < lobes.size(); ++node) {
+            const glm::vec3 value(lit * lobes[node]);
+            sunny.patches.push_back({static_cast<uint32_t>(row + node), {value.x, value.y, value.z}});
+        }
+    };
+    for (size_t first = 0, last = 0; first < windows.size(); first = last) {
+        const size_t g = windows[first].group;
+        std::vector<glm::dvec3> lit;
+        bool alike = true, dark = true;
+        for (; last < windows.size() && windows[last].group == g; ++last) {
+            lit.push_back(disc.normalIlluminance * sun.onOutside(windows[last].patch));
+            alike &= glm::length(lit.back() - lit[0]) <= 1e-6 * glm::length(lit[0]);
+            dark &= lit.back() == glm::dvec3(0);
+        }
+        if (dark) continue;
+        const GlowingBlinds::Group& group = parts.blinds.groups()[g];
+        const daylight::Window::Lobes lobes = group.window.lobes(glm::normalize(disc.direction), group.normal);
+        if (alike) {
+            add(rows.groupLobes + g * daylight::kSlatNodes, lobes, lit[0]);
+            continue;
+        }
+        for (size_t w = first; w < last; ++w)
+            add(rows.lobes + w * daylight::kSlatNodes, lobes, lit[w - first]);
+    }
 }
 
 // Where F lies in the host's memory: sensors are many columns.
@@ -154,7 +199,7 @@ AnnualDaylight::Responses AnnualDaylight::respond(const TransportParts& parts) {
     std::vector<uint32_t> glowing; // patches of blinds, in the order of their groups
     for (const GlowingBlinds::Group& group : parts.blinds.groups())
         glowing.insert(glowing.end(), group.patches.begin(), group.patches.end());
-    for (size_t b = 0; b < beams; ++b) result.sun[b].assign((n + glowing.size()) * sensors, 0);
+    for (size_t b = 0; b < beams; ++b) result.sun[b].assign(Rows(parts, n).all * sensors, 0);
     const size_t skies = parts.skyChannels;
     std::vector<float> weights[3]; // sensors x patches: importance of what falls on patches from the sky
     for (size_t c = 0; c < skies; ++c) weights[c].assign(sensors * n, 0);
@@ -245,6 +290,7 @@ AnnualDaylight::Responses AnnualDaylight::respond(const TransportParts& parts) {
                     reflected[s * elements + e] + share * parts.sensorSky[(s * skies + c) * elements + e];
     }
     addNearSky(parts, result);
+    addLobes(parts, weights, result);
     addGlow(parts, result);
     return result;
 }
@@ -257,6 +303,38 @@ void AnnualDaylight::addNearSky(const TransportParts& parts, Responses& response
             responses.sky[s * elements + parts.sky.elementOf(glm::dvec3(sample.direction))] +=
                 static_cast<float>(photometric(sample.weight) / std::numbers::pi);
     });
+}
+
+// `weights`: per channel of the sky, sensors x patches: importance of what falls on patches, like the sky, not
+// evenly.
+void AnnualDaylight::addLobes(const TransportParts& parts, std::span<const std::vector<float>> weights,
+                              Responses& responses) const {
+    if (parts.slats.empty()) return;
+    const size_t n = transport_.mesh().patchCount(), sensors = responses.sensors;
+    const Rows rows(parts, n);
+    for (size_t b = 0; b < (tinted_ ? 3u : 1u); ++b) {
+        std::vector<float>& answers = responses.sun[b];
+        inParallel(sensors, [&](size_t s) {
+            for (size_t i = 0; i < n; ++i)
+                for (const SlatLobes::Share& share : parts.slats.of(i))
+                    answers[(rows.lobes + share.row) * sensors + s] += weights[b][s * n + i] * share.factor;
+            for (size_t shown = 0; shown < 3; ++shown) {
+                if (tinted_ && shown != b) continue;
+                const auto& own = parts.sensorSlats[s][tinted_ ? b : 0];
+                const auto& near = parts.near[s].slats[parts.channels == 1 ? 0 : shown];
+                const auto luminous = static_cast<float>(kLuminous[shown]);
+                for (size_t row = 0; row < own.size(); ++row)
+                    answers[(rows.lobes + row) * sensors + s] +=
+                        luminous * (own[row] + (near.empty() ? 0 : near[row]));
+            }
+            for (size_t row = 0; row < parts.slats.rows(); ++row)
+                answers[(rows.groupLobes +
+                         parts.slats.windows()[row / daylight::kSlatNodes].group * daylight::kSlatNodes +
+                         row % daylight::kSlatNodes) *
+                            sensors +
+                        s] += answers[(rows.lobes + row) * sensors + s];
+        });
+    }
 }
 
 // The sky's part of what blinds scatter.
@@ -274,6 +352,18 @@ void AnnualDaylight::addGlow(const TransportParts& parts, Responses& responses) 
                     responses.sky[s * elements + e] += answer * coefficients[b * elements + e];
             }
         slot += count;
+        if (!parts.blinds.groups()[g].window.hasSlats()) continue;
+        const std::vector<float> lobes = parts.blinds.lobeCoefficients(g, parts.sky, parts.skyChannels);
+        const Rows rows(parts, transport_.mesh().patchCount());
+        for (size_t node = 0; node < daylight::kSlatNodes; ++node)
+            for (size_t b = 0; b < (tinted_ ? 3u : 1u); ++b)
+                inParallel(sensors, [&](size_t s) {
+                    const float answer =
+                        responses.sun[b][(rows.groupLobes + g * daylight::kSlatNodes + node) * sensors + s];
+                    for (size_t e = 0; e < elements; ++e)
+                        responses.sky[s * elements + e] +=
+                            answer * lobes[(node * parts.skyChannels + b) * elements + e];
+                });
     }
 }
 

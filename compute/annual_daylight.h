@@ -61,7 +61,7 @@ public:
 
 private:
     struct LitPatch {
-        uint32_t patch; // from patchCount() on: the patches of blinds, whose value is their glow
+        uint32_t patch; // row of Responses::sun; after the patches what blinds scatter
         float value[3]; // lux per channel; all channels alike unless tinted_
     };
     struct Sunny {
@@ -75,6 +75,8 @@ private:
     Responses respond(const TransportParts& parts);
     void addNearSky(const TransportParts& parts, Responses& responses) const;
     void addGlow(const TransportParts& parts, Responses& responses) const;
+    void addLobes(const TransportParts& parts, std::span<const std::vector<float>> weights, Responses& responses) const;
+    void sunOnLobes(const SunPatches& sun, const daylight::SunDisc& disc, Sunny& sunny) const;
     void addSun(const Responses& responses, std::span<float> reflected) const;
     void addEdges(const TransportParts& parts, std::span<float> reflected) const;
     void addBeams(std::span<const Sensor> sensors, std::span<float> sun) const;

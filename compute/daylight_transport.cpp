@@ -63,6 +63,7 @@ struct DaylightTransport::State {
     std::unique_ptr<PointScene> points;
     std::unique_ptr<SunScene> sunScene;
     std::unique_ptr<GlowingBlinds> blinds;
+    std::unique_ptr<SlatLobes> slats;
     std::unique_ptr<PatchSlopes> slopes;
     std::unique_ptr<WindowLinks> links;
     std::vector<std::vector<float>> clear; // per channel: diffuse transmittance of clear interior glass
@@ -153,6 +154,7 @@ void DaylightTransport::State::findOpenings() {
     relight = std::make_unique<RelightBasis>(*tinted, *solver);
     sunScene = std::make_unique<SunScene>(mesh);
     blinds = std::make_unique<GlowingBlinds>(mesh);
+    slats = std::make_unique<SlatLobes>(*points, *blinds, factors.values);
     patchSky = {};
     if (hasOpenings || options.skipNothing) makeSky();
     report.skipped.clear();
@@ -172,7 +174,8 @@ void DaylightTransport::State::makeSky() {
 
 void DaylightTransport::State::makeSensors() {
     const Stopwatch clock;
-    sensors = gatherSensors(*points, *slopes, std::move(sensors.sensors), skyPatches, patchSky.channels);
+    sensors = gatherSensors(*points, *slopes, *slats, std::move(sensors.sensors), skyPatches,
+                            patchSky.channels);
     hasNearLight = false;
     report.sensorsOutside =
         static_cast<size_t>(std::count(sensors.room.begin(), sensors.room.end(), geometry::kNoRoom));
@@ -183,7 +186,7 @@ void DaylightTransport::State::makeSensors() {
 void DaylightTransport::State::makeNearLight() {
     if (hasNearLight) return;
     const SecondsAdded clock(report.sensorSeconds);
-    report.sensorsNearWalls = findNearLight(*points, *slopes, columnsPerMoment(), sensors);
+    report.sensorsNearWalls = findNearLight(*points, *slopes, *slats, columnsPerMoment(), sensors);
     hasNearLight = true;
 }
 
@@ -210,6 +213,7 @@ template<class Light> void DaylightTransport::State::glow(Moment& moment, const 
     if (moment.glow.empty()) {
         moment.glow.assign(mesh.patchCount(), glm::vec3(0));
         moment.report.modelled.emplace_back("blinds: what they scatter");
+        moment.lobes.assign(slats->rows(), glm::vec3(0));
     }
     for (size_t g = 0; g < blinds->groups().size(); ++g)
         for (uint32_t patch : blinds->groups()[g].patches) moment.glow[patch] += light(g, patch);
@@ -239,6 +243,9 @@ Moment DaylightTransport::State::direct(const daylight::Sky& sky) const {
         std::vector<glm::vec3> bySky;
         for (size_t g = 0; g < blinds->groups().size(); ++g) bySky.push_back(blinds->bySky(g, sky));
         glow(moment, [&](size_t g, uint32_t) { return bySky[g]; });
+        slats->fill(
+            moment.lobes, [&](size_t g) { return blinds->lobesBySky(g, sky); },
+            [](uint32_t) { return 1.0; });
     }
     moment.report.combineSeconds = combining.seconds();
 
@@ -251,6 +258,9 @@ Moment DaylightTransport::State::direct(const daylight::Sky& sky) const {
         sunOn(moment, sky.sun);
     }
     moment.report.sunSeconds = sunning.seconds();
+    std::vector<glm::vec3> byLobes(n, glm::vec3(0));
+    slats->light(moment.lobes, byLobes);
+    for (size_t i = 0; i < n; ++i) moment.patches[i].interreflected = byLobes[i];
     return moment;
 }
 
@@ -285,6 +295,12 @@ void DaylightTransport::State::sunOn(Moment& moment, const daylight::SunDisc& di
     moment.lighting.sunIlluminance = sun.onPatches(sensors.sensors.empty() ? nullptr : &partly);
     glow(moment,
          [&](size_t g, uint32_t patch) { return strength * blinds->bySun(g, patch, sun, disc.direction); });
+    slats->fill(
+        moment.lobes,
+        [&](size_t g) {
+            return blinds->groups()[g].window.lobes(moment.lighting.sunDirection, blinds->groups()[g].normal);
+        },
+        [&](uint32_t patch) { return glm::dvec3(disc.normalIlluminance * sun.onOutside(patch)); });
     std::vector<glm::vec3> firstBounce(n);
     for (size_t i = 0; i < n; ++i) {
         moment.patches[i].sun = moment.lighting.sunIlluminance[i] *= strength;
@@ -313,12 +329,13 @@ void DaylightTransport::State::solve(std::span<Moment> moments) {
             const auto &rho = matter.reflectance[c], &tau = matter.transmittance[c];
             for (size_t i = 0; i < n; ++i) {
                 const LightParts& parts = moment.patches[i];
-                float out = mesh.materials[mesh.material[i]].exitance[axis] +
-                            rho[i] * (parts.sun[axis] + parts.sky[axis] + parts.ground[axis]);
+                float out =
+                    mesh.materials[mesh.material[i]].exitance[axis] +
+                    rho[i] * (parts.sun[axis] + parts.sky[axis] + parts.ground[axis] + parts.interreflected[axis]);
                 if (!moment.glow.empty()) out += moment.glow[i][axis];
                 if (tau[i] > 0) { // the sun goes through any as a beam
                     const LightParts& other = moment.patches[static_cast<size_t>(mesh.twin[i])];
-                    out += tau[i] * (other.sky[axis] + other.ground[axis]);
+                    out += tau[i] * (other.sky[axis] + other.ground[axis] + other.interreflected[axis]);
                 }
                 anyLight |= out > 0;
                 emitted.push_back(out);
@@ -333,7 +350,7 @@ void DaylightTransport::State::solve(std::span<Moment> moments) {
     }
     const double seconds = clock.seconds() / static_cast<double>(moments.size());
     const MomentScene scene{mesh,    areas,   rowSums, links->rowSums(), matter,     clear,
-                            *slopes, *points, sensors, *gather,          rowError(), grey};
+                            *slopes, *points, sensors, *slats,            *gather, rowError(), grey};
     for (size_t k = 0; k < moments.size(); ++k) {
         Moment& moment = moments[k];
         moment.report.radiosity = solution;
@@ -432,7 +449,9 @@ TransportParts DaylightTransport::parts() {
             *state.points,
             state.skyPatches,
             *state.sunScene,
-            *state.blinds};
+            *state.blinds,
+            *state.slats,
+            state.sensors.slats};
 }
 
 const geometry::PatchMesh& DaylightTransport::mesh() const {

@@ -9,6 +9,7 @@
 // than time does.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -24,6 +25,7 @@
 #include "compute/lighting.h"
 #include "compute/radiosity.h"
 #include "compute/sensor_gather.h"
+#include "compute/slat_lobes.h"
 #include "compute/window_links.h"
 #include "geometry/patch_mesh.h"
 
@@ -65,6 +67,7 @@ struct Moment {
     std::vector<LightParts> patches; // averages over patches
     std::vector<LightParts> sensors; // in setSensors' order
     std::vector<glm::vec3> glow; // per patch: exitance of blinds by light from outside; empty without blinds
+    std::vector<glm::vec3> lobes; // of slats, rows of SlatLobes: how luminance x pi differs from that; or empty
     MomentReport report;
 };
 
@@ -98,6 +101,8 @@ struct TransportParts {
     const daylight::SkyPatches& sky;
     const SunScene& sun; // for SunPatches of many hours
     const GlowingBlinds& blinds;
+    const SlatLobes& slats;
+    std::span<const std::array<std::vector<float>, 3>> sensorSlats;
 };
 
 class DaylightTransport {

@@ -1,5 +1,6 @@
 #include "compute/glowing_blinds.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -57,14 +58,67 @@ GlowingBlinds::GlowingBlinds(const geometry::PatchMesh& mesh) {
     for (const Group& group : groups_) {
         std::vector<Sample>& samples = sky_.emplace_back();
         glm::dvec3& ground = ground_.emplace_back(0);
+        std::vector<daylight::Window::Lobes>& profiles = profiles_.emplace_back();
+        LitProfiles& groundInside = groundInside_.emplace_back();
+        groundInside.fill(glm::dvec3(0));
+        if (group.window.hasSlats())
+            for (size_t k = 0; k < kProfiles; ++k)
+                profiles.push_back(
+                    group.window.lobesBehindGlass(std::asin(1 - (2 * double(k) + 1) / kProfiles)));
         forDirections(group.normal, [&](glm::dvec3 direction, double arriving) {
             const glm::dvec3 weight = arriving * group.window.scattered(direction, group.normal);
+            glm::dvec3 inside(0);
+            size_t profile = 0;
+            if (!profiles.empty()) {
+                inside = arriving * group.window.glazing().transmittance(glm::dot(direction, group.normal));
+                const double sine = daylight::Window::slatSine(-direction, group.normal);
+                profile = std::min(static_cast<size_t>(0.5 * (sine + 1) * kProfiles), kProfiles - 1);
+            }
             if (direction.y > 0)
-                samples.push_back({glm::vec3(direction), glm::vec3(weight)});
+                samples.push_back({glm::vec3(direction), glm::vec3(weight), glm::vec3(inside), profile});
             else
-                ground += weight;
+                ground += weight, groundInside[profile] += inside;
         });
     }
+}
+
+daylight::Window::Lobes GlowingBlinds::lobesOf(size_t group, const LitProfiles& inside) const {
+    daylight::Window::Lobes lobes{};
+    for (size_t k = 0; k < kProfiles; ++k)
+        for (size_t node = 0; node < lobes.size(); ++node)
+            lobes[node] += inside[k] * profiles_[group][k][node];
+    return lobes;
+}
+
+daylight::Window::Lobes GlowingBlinds::lobesBySky(size_t group, const daylight::Sky& sky) const {
+    LitProfiles inside = groundInside_[group];
+    for (glm::dvec3& lux : inside) lux *= sky.ground.luminance;
+    if (sky.formula.scale > 0)
+        for (const Sample& sample : sky_[group])
+            inside[sample.profile] +=
+                glm::dvec3(sample.inside) * sky.luminance(glm::dvec3(sample.direction));
+    return lobesOf(group, inside);
+}
+
+std::vector<float> GlowingBlinds::lobeCoefficients(size_t group, const daylight::SkyPatches& sky,
+                                                   uint32_t channels) const {
+    const size_t elements = sky.elementCount();
+    std::vector<LitProfiles> inside(elements);
+    for (LitProfiles& of : inside) of.fill(glm::dvec3(0));
+    for (const Sample& sample : sky_[group])
+        inside[sky.elementOf(glm::dvec3(sample.direction))][sample.profile] +=
+            glm::dvec3(sample.inside) / kPi;
+    for (size_t k = 0; k < kProfiles; ++k)
+        inside[sky.groundElement()][k] = groundInside_[group][k] / kPi;
+    std::vector<float> values(daylight::kSlatNodes * channels * elements);
+    for (size_t e = 0; e < elements; ++e) {
+        const daylight::Window::Lobes lobes = lobesOf(group, inside[e]);
+        for (size_t node = 0; node < lobes.size(); ++node)
+            for (uint32_t c = 0; c < channels; ++c)
+                values[(node * channels + c) * elements + e] =
+                    static_cast<float>(lobes[node][static_cast<int>(c)]);
+    }
+    return values;
 }
 
 glm::vec3 GlowingBlinds::bySky(size_t group, const daylight::Sky& sky) const {

@@ -82,7 +82,7 @@ void lightPatches(const MomentScene& scene, const SolvedColumns& solved, Moment&
             const size_t channel = static_cast<size_t>(scene.grey ? 0 : c),
                          at = solved.first + channel * n + i;
             out[c] = solved.exitance[at];
-            parts.interreflected[c] = solved.gathered[at];
+            parts.interreflected[c] += solved.gathered[at];
             tau[c] = scene.matter.transmittance[channel][i];
             straight[c] = scene.clear[channel][i];
         }
@@ -153,6 +153,9 @@ void lightSensors(const MomentScene& scene, const SolvedColumns& solved, Moment&
     }
     const std::vector<float> slats = slatsGlow(mesh, moment);
     const double bySlats = kSlatsLater * slatsShare(scene, moment, slats);
+    std::vector<float> lobes[3];
+    for (const glm::vec3& lobe : moment.lobes)
+        for (int c = 0; c < 3; ++c) lobes[c].push_back(lobe[c]);
     inParallel(moment.sensors.size(), [&](size_t s) {
         LightParts& parts = moment.sensors[s];
         for (int c = 0; c < 3; ++c) {
@@ -162,11 +165,16 @@ void lightSensors(const MomentScene& scene, const SolvedColumns& solved, Moment&
             }
             double lux = dot({&sensors.smooth[s * n], n}, smooth[c]);
             if (sun) lux += dot({&sensors.even[s * n], n}, even[c]);
+            if (!lobes[c].empty()) {
+                const auto& rows = sensors.slats[s];
+                lux += dot(rows[rows[c].empty() ? 0 : c], lobes[c]);
+            }
             for (const TintedShare& share : sensors.tinted[s])
                 lux += double{share.more[c]} * (smooth[c][share.patch] + (sun ? even[c][share.patch] : 0));
             if (const NearLight& near = sensors.near[s]; !near.isEmpty()) {
                 lux += double{near.own[c]} + dot(near.smooth[c], smooth[c]);
                 if (sun) lux += dot(near.even[c], even[c]);
+                if (!lobes[c].empty()) lux += dot(near.slats[c], lobes[c]);
             }
             parts.interreflected[c] += static_cast<float>(lux);
         }

@@ -117,7 +117,7 @@ std::vector<dvec3> answersOf(const PointScene& scene, const std::vector<Cell>& c
 
 size_t NearLight::bytes() const {
     size_t floats = 0;
-    for (int c = 0; c < 3; ++c) floats += smooth[c].size() + even[c].size();
+    for (int c = 0; c < 3; ++c) floats += smooth[c].size() + even[c].size() + slats[c].size();
     return floats * sizeof(float) + sky.size() * sizeof(SkySample) + cells.size() * sizeof(Cell);
 }
 
@@ -135,8 +135,8 @@ bool hasNearWall(const PointScene& scene, dvec3 position, std::span<const float>
     return false;
 }
 
-NearLight nearLight(const PointScene& scene, const PatchSlopes& slopes, dvec3 position, dvec3 normal,
-                    uint32_t room, uint32_t channels) {
+NearLight nearLight(const PointScene& scene, const PatchSlopes& slopes, const SlatLobes& slats,
+                    dvec3 position, dvec3 normal, uint32_t room, uint32_t channels) {
     const geometry::PatchMesh& mesh = scene.mesh();
     const size_t n = mesh.patchCount();
     const std::vector<Cell> cells = cellsAround(scene, position, room);
@@ -149,7 +149,10 @@ NearLight nearLight(const PointScene& scene, const PatchSlopes& slopes, dvec3 po
     const std::vector<dvec3> answers =
         answersOf(scene, cells, PointView(scene.blockers(), position, normal, room), views, reflectance);
     NearLight result;
-    for (uint32_t c = 0; c < channels; ++c) result.smooth[c].assign(n, 0), result.even[c].assign(n, 0);
+    for (uint32_t c = 0; c < channels; ++c) {
+        result.smooth[c].assign(n, 0), result.even[c].assign(n, 0);
+        result.slats[c].assign(slats.rows(), 0);
+    }
     std::vector<float> even, smooth;
     std::vector<TintedShare> tinted;
     dvec3 own(0);
@@ -178,6 +181,7 @@ NearLight nearLight(const PointScene& scene, const PatchSlopes& slopes, dvec3 po
                 result.smooth[c][term.patch] -=
                     static_cast<float>(answer[axis] * glm::dot(away, dvec3(term.weight)));
         }
+        slats.see(views[p], room, glm::vec3(reflected), {result.slats, channels});
         const size_t first = result.sky.size();
         scene.seeSky(views[p], room, kSkyAngle, result.sky);
         for (size_t k = first; k < result.sky.size(); ++k) result.sky[k].weight *= glm::vec3(reflected);

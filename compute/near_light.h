@@ -12,6 +12,7 @@
 
 #include "compute/patch_slopes.h"
 #include "compute/point_scene.h"
+#include "compute/slat_lobes.h"
 
 namespace heliodon::compute {
 
@@ -25,7 +26,8 @@ struct NearLight {
     // first bounce), and the sun's first bounce, taken for even across its patch.
     std::vector<float> smooth[3], even[3];
     std::vector<SkySample> sky; // by way of the cells
-    glm::vec3 own{0};           // of what the cells emit themselves, lux
+    std::vector<float> slats[3]; // per channel and row of SlatLobes, by way of the cells
+    glm::vec3 own{0};            // of what the cells emit themselves, lux
     std::vector<Cell> cells;    // where it matters where in a patch the sun shines (sunEdgesOnCells)
 
     bool isEmpty() const { return cells.empty(); }
@@ -38,7 +40,7 @@ bool hasNearWall(const PointScene& scene, glm::dvec3 position, std::span<const f
 
 // For a sensor of a room. `channels`: 1 where all materials are grey. About 50 ms in a corner of 2000
 // patches. Holds until glass or reflectances change.
-NearLight nearLight(const PointScene& scene, const PatchSlopes& slopes, glm::dvec3 position,
-                    glm::dvec3 normal, uint32_t room, uint32_t channels);
+NearLight nearLight(const PointScene& scene, const PatchSlopes& slopes, const SlatLobes& slats,
+                    glm::dvec3 position, glm::dvec3 normal, uint32_t room, uint32_t channels);
 
 } // namespace heliodon::compute

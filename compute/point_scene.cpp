@@ -11,6 +11,7 @@
 #include <glm/vector_relational.hpp>
 
 #include "compute/lighting.h"
+#include "compute/view_cells.h"
 #include "geometry/bounds.h"
 #include "geometry/outline_area.h"
 
@@ -23,45 +24,6 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kSlopeAngle = 0.3; // of one cell of a patch with a slope
 constexpr double kFarSlope = 0.05;  // size over distance below which a slope across a patch averages out
-
-// Cuts a convex polygon (relative to the point) into triangles that span less than `angle`, seen from the
-// point; work(centre, weight) with weights in proportion to the cells' form factors.
-template<class Work>
-void forCells(std::span<const dvec3> polygon, dvec3 normal, double angle, const Work& work) {
-    struct Triangle {
-        dvec3 a, b, c;
-        int depth;
-    };
-    // Halvings. The number of cells follows from the solid angle; those at the feet of a point that almost
-    // touches the polygon are small.
-    constexpr int kDeepest = 64;
-    Triangle stack[kDeepest + 2];
-    for (size_t k = 1; k + 1 < polygon.size(); ++k) {
-        size_t top = 0;
-        stack[top++] = {polygon[0], polygon[k], polygon[k + 1], 0};
-        while (top > 0) {
-            const Triangle t = stack[--top];
-            const dvec3 centre = (t.a + t.b + t.c) / 3.0;
-            const double distance2 = glm::dot(centre, centre);
-            const double ab = glm::dot(t.b - t.a, t.b - t.a), bc = glm::dot(t.c - t.b, t.c - t.b),
-                         ca = glm::dot(t.a - t.c, t.a - t.c), longest = std::max({ab, bc, ca});
-            if (longest <= angle * angle * distance2 || t.depth >= kDeepest) {
-                const dvec3 area = glm::cross(t.b - t.a, t.c - t.a);
-                const double weight = std::abs(glm::dot(area, centre)) * glm::dot(centre, normal);
-                if (weight > 0) work(centre, weight / (distance2 * distance2));
-            } else if (longest == ab) {
-                const dvec3 m = 0.5 * (t.a + t.b);
-                stack[top++] = {t.a, m, t.c, t.depth + 1}, stack[top++] = {m, t.b, t.c, t.depth + 1};
-            } else if (longest == bc) {
-                const dvec3 m = 0.5 * (t.b + t.c);
-                stack[top++] = {t.a, t.b, m, t.depth + 1}, stack[top++] = {t.a, m, t.c, t.depth + 1};
-            } else {
-                const dvec3 m = 0.5 * (t.c + t.a);
-                stack[top++] = {t.a, t.b, m, t.depth + 1}, stack[top++] = {m, t.b, t.c, t.depth + 1};
-            }
-        }
-    }
-}
 
 // The parts of a polygon above and below the horizontal plane through the point.
 void splitAtHorizon(const PointView::Polygon& polygon, PointView::Polygon& sky, PointView::Polygon& ground) {

@@ -86,8 +86,8 @@ std::vector<float> patchSkyCoefficients(const PointScene& scene, const daylight:
     return rows;
 }
 
-SensorGather gatherSensors(const PointScene& scene, const PatchSlopes& slopes, std::vector<Sensor> sensors,
-                           const daylight::SkyPatches& sky, uint32_t channels) {
+SensorGather gatherSensors(const PointScene& scene, const PatchSlopes& slopes, const SlatLobes& slats,
+                           std::vector<Sensor> sensors, const daylight::SkyPatches& sky, uint32_t channels) {
     const geometry::PatchMesh& mesh = scene.mesh();
     const size_t n = mesh.patchCount(), count = sensors.size();
     SensorGather gather;
@@ -97,6 +97,9 @@ SensorGather gatherSensors(const PointScene& scene, const PatchSlopes& slopes, s
     gather.tinted.resize(count);
     gather.nearWall.assign(count, 0);
     gather.near.resize(count);
+    gather.slats.resize(count);
+    for (auto& rows : gather.slats)
+        for (uint32_t c = 0; c < channels; ++c) rows[c].assign(slats.rows(), 0);
     std::vector<std::vector<SkySample>> samples(count);
     inParallel(count, [&](size_t s) {
         sensors[s].normal = glm::normalize(sensors[s].normal);
@@ -106,6 +109,7 @@ SensorGather gatherSensors(const PointScene& scene, const PatchSlopes& slopes, s
         const PointView view(scene.blockers(), sensors[s].position, sensors[s].normal, room);
         scene.seePatches(view, room, slopes, &gather.even[s * n], &gather.smooth[s * n], gather.tinted[s]);
         scene.seeSky(view, room, kSensorSkyAngle, samples[s]);
+        slats.see(view, room, glm::vec3(1), {gather.slats[s].data(), channels});
         gather.nearWall[s] = hasNearWall(scene, sensors[s].position, {&gather.even[s * n], n});
     });
     for (std::vector<SkySample>& of : samples) {
@@ -117,13 +121,13 @@ SensorGather gatherSensors(const PointScene& scene, const PatchSlopes& slopes, s
     return gather;
 }
 
-size_t findNearLight(const PointScene& scene, const PatchSlopes& slopes, uint32_t channels,
-                     SensorGather& gather) {
+size_t findNearLight(const PointScene& scene, const PatchSlopes& slopes, const SlatLobes& slats,
+                     uint32_t channels, SensorGather& gather) {
     inParallel(gather.sensors.size(), [&](size_t s) {
         const Sensor& sensor = gather.sensors[s];
         if (gather.nearWall[s])
             gather.near[s] =
-                nearLight(scene, slopes, sensor.position, sensor.normal, gather.room[s], channels);
+                nearLight(scene, slopes, slats, sensor.position, sensor.normal, gather.room[s], channels);
     });
     return static_cast<size_t>(std::count(gather.nearWall.begin(), gather.nearWall.end(), 1));
 }

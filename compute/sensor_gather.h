@@ -3,6 +3,7 @@
 // alone; light comes in with each moment. Runs on all cores of the host.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "compute/near_light.h"
 #include "compute/patch_slopes.h"
 #include "compute/point_scene.h"
+#include "compute/slat_lobes.h"
 #include "compute/sun_patches.h"
 
 namespace heliodon::compute {
@@ -49,15 +51,17 @@ struct SensorGather {
     std::vector<std::vector<TintedShare>> tinted; // per sensor: to be added to both, channel by channel
     std::vector<uint8_t> nearWall;                // whether a patch beside it is taken apart
     std::vector<NearLight> near;                  // of these; until findNearLight, and of all others, empty
+    // Per sensor, in one channel for all or three: rows of SlatLobes.
+    std::vector<std::array<std::vector<float>, 3>> slats;
     SkyView sky;
     std::vector<float> skyCoefficients; // sensors x channels x elements, for products over many skies
 };
-SensorGather gatherSensors(const PointScene& scene, const PatchSlopes& slopes, std::vector<Sensor> sensors,
-                           const daylight::SkyPatches& sky, uint32_t channels);
+SensorGather gatherSensors(const PointScene& scene, const PatchSlopes& slopes, const SlatLobes& slats,
+                           std::vector<Sensor> sensors, const daylight::SkyPatches& sky, uint32_t channels);
 
 // Makes gather.near, which holds until reflectances change. Returns how many sensors have a near wall.
-size_t findNearLight(const PointScene& scene, const PatchSlopes& slopes, uint32_t channels,
-                     SensorGather& gather);
+size_t findNearLight(const PointScene& scene, const PatchSlopes& slopes, const SlatLobes& slats,
+                     uint32_t channels, SensorGather& gather);
 
 // What sunlit parts of patches send to a sensor beyond what their mean light would, lux. `strength`: the
 // sun's normal illuminance; `firstBounce`: per patch, reflectance times its mean sunlight.

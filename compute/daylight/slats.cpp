@@ -1,8 +1,8 @@
 #include "compute/daylight/slats.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <utility>
 
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
@@ -12,8 +12,6 @@
 namespace heliodon::daylight {
 
 namespace {
-
-constexpr size_t kStrips = 24; // of a face
 
 struct Segment {
     glm::dvec2 a, b;
@@ -26,6 +24,12 @@ double exchange(const Segment& i, const Segment& j) {
 }
 
 } // namespace
+
+BetweenNodes betweenNodes(double sine) {
+    const double at = std::clamp(0.5 * (sine + 1), 0.0, 1.0) * (kSlatNodes - 1);
+    const size_t lower = std::min(static_cast<size_t>(at), kSlatNodes - 2);
+    return {lower, at - static_cast<double>(lower)};
+}
 
 Slats::Slats(double angleDeg, double spacing, double reflectance)
     : angle_(radians(angleDeg)), spacing_(spacing) {
@@ -40,35 +44,67 @@ Slats::Slats(double angleDeg, double spacing, double reflectance)
     }
     const Segment out{outer, outer + above}, in{-outer, -outer + above};
     const double width = 1.0 / kStrips;
-    // Share of what falls on strip k that leaves in the end by an opening: y = rho (F_opening + F y).
-    const auto leaving = [&](const Segment& opening) {
-        std::array<double, 2 * kStrips> first{}, y{}, next{};
-        for (size_t k = 0; k < y.size(); ++k)
-            y[k] = first[k] = reflectance * exchange(strip[k], opening) / width;
+    std::array<std::array<double, kStrips>, kStrips> factor; // from one face to the one opposite; either way
+    for (size_t k = 0; k < kStrips; ++k)
+        for (size_t j = 0; j < kStrips; ++j) factor[k][j] = exchange(strip[k], strip[kStrips + j]) / width;
+    // Light sent to and fro: y = rho (seen + F y), `seen` what one lux that leaves a strip gives at once.
+    const auto settled = [&](const OnStrips& seen) {
+        OnStrips y{}, next{};
+        for (size_t k = 0; k < y.size(); ++k) y[k] = reflectance * seen[k];
         for (double change = 1; change > 1e-13;) {
             change = 0;
-            for (size_t k = 0; k < y.size(); ++k) {
-                double sum = 0;
-                const size_t other = k < kStrips ? kStrips : 0; // the face opposite; its own is flat
-                for (size_t j = other; j < other + kStrips; ++j) sum += exchange(strip[k], strip[j]) * y[j];
-                next[k] = first[k] + reflectance * sum / width;
-                change = std::max(change, std::abs(next[k] - y[k]));
+            for (size_t k = 0; k < kStrips; ++k) {
+                double lower = seen[k], upper = seen[kStrips + k];
+                for (size_t j = 0; j < kStrips; ++j)
+                    lower += factor[k][j] * y[kStrips + j], upper += factor[j][k] * y[j];
+                next[k] = reflectance * lower, next[kStrips + k] = reflectance * upper;
             }
+            for (size_t k = 0; k < y.size(); ++k) change = std::max(change, std::abs(next[k] - y[k]));
             y = next;
         }
         return y;
     };
-    const auto toIn = leaving(in), toOut = leaving(out);
-    lowerIn_.assign(toIn.begin(), toIn.begin() + kStrips),
-        upperIn_.assign(toIn.begin() + kStrips, toIn.end());
-    lowerOut_.assign(toOut.begin(), toOut.begin() + kStrips),
-        upperOut_.assign(toOut.begin() + kStrips, toOut.end());
+    const auto leaving = [&](const Segment& opening) {
+        OnStrips seen;
+        for (size_t k = 0; k < seen.size(); ++k) seen[k] = exchange(strip[k], opening) / width;
+        return settled(seen);
+    };
+    toIn_ = leaving(in), toOut_ = leaving(out);
     transmitted_ = exchange(out, in) / spacing;
     for (size_t k = 0; k < strip.size(); ++k) {
         const double share = exchange(out, strip[k]) / spacing;
-        transmitted_ += share * toIn[k];
-        returned_ += share * toOut[k];
+        transmitted_ += share * toIn_[k];
+        returned_ += share * toOut_[k];
     }
+
+    // What is seen of the strips from about each node's direction: light that travels in from outside at some
+    // elevation falls on what is seen against it; on the room's side the channel's mirror image is seen.
+    constexpr size_t kFine = 16; // looks between two nodes
+    std::array<OnStrips, kSlatNodes> lit{}; // shares of the plane, by light that travels in
+    for (size_t q = 0; q < kFine * (kSlatNodes - 1); ++q) {
+        const double sine = 2 * (static_cast<double>(q) + 0.5) / (kFine * (kSlatNodes - 1)) - 1;
+        const BetweenNodes at = betweenNodes(sine);
+        const double profile = std::asin(-sine), look = 1.0 / (kFine * (kSlatNodes - 1));
+        const OnStrips seen = seenFromOutside(profile);
+        for (const auto& [node, part] : {std::pair(at.lower, 1 - at.part), std::pair(at.lower + 1, at.part)}) {
+            const double weight = part * look / nodeShare(node);
+            onward_[node][node] += weight * straight(profile);
+            for (size_t k = 0; k < seen.size(); ++k) lit[node][k] += weight * seen[k];
+        }
+    }
+    for (size_t node = 0; node < kSlatNodes; ++node) {
+        // Seen from the room is, of light that travels there, what light the same way round falls on in the mirror.
+        OnStrips fromRoom = mirrored(lit[node]), fromOutside = lit[kSlatNodes - 1 - node];
+        for (size_t k = 0; k < strip.size(); ++k)
+            fromRoom[k] *= spacing / width, fromOutside[k] *= spacing / width;
+        nodesIn_[node] = settled(fromRoom), nodesOut_[node] = settled(fromOutside);
+    }
+    for (size_t from = 0; from < kSlatNodes; ++from)
+        for (size_t to = 0; to < kSlatNodes; ++to)
+            for (size_t k = 0; k < strip.size(); ++k) {
+                onward_[from][to] += nodeShare(from) * lit[from][k] * nodesIn_[to][k];
+                backward_[from][to] += nodeShare(from) * lit[from][k] * nodesOut_[to][k];
+            }
 }
 
 // Height of a slat on the blind's plane, cast along the light, over the spacing.
@@ -81,12 +117,29 @@ double Slats::straight(double profile) const {
 }
 
 // Neighbours shade one another from the inner edges on.
-double Slats::byWayOfSlats(double profile, const std::vector<double>& lower,
-                           const std::vector<double>& upper) const {
+Slats::OnStrips Slats::seenFromOutside(double profile) const {
+    OnStrips seen{};
+    const double covered = blocked(profile);
+    if (covered <= 0) return seen;
+    const size_t face = std::sin(angle_ + profile) > 0 ? 0 : kStrips;
+    const double lit = std::min(1.0, 1 / covered) * kStrips; // strips from the outer edge on
+    for (size_t k = 0; k < kStrips && static_cast<double>(k) < lit; ++k)
+        seen[face + k] = std::min(lit - static_cast<double>(k), 1.0) * std::min(1.0, covered) / lit;
+    return seen;
+}
+
+// Turned by half a turn about the channel's middle.
+Slats::OnStrips Slats::mirrored(const OnStrips& strips) {
+    OnStrips turned = strips;
+    std::reverse(turned.begin(), turned.end());
+    return turned;
+}
+
+double Slats::byWayOfSlats(double profile, const OnStrips& toSide) const {
     const double covered = blocked(profile);
     if (covered <= 0) return 0;
-    const std::vector<double>& y = std::sin(angle_ + profile) > 0 ? lower : upper;
-    const double lit = std::min(1.0, 1 / covered) * kStrips; // strips from the outer edge on
+    const double* y = &toSide[std::sin(angle_ + profile) > 0 ? 0 : kStrips];
+    const double lit = std::min(1.0, 1 / covered) * kStrips;
     double sum = 0;
     for (size_t k = 0; k < kStrips && static_cast<double>(k) < lit; ++k) {
         const double end = std::min(lit - static_cast<double>(k), 1.0);
@@ -99,11 +152,30 @@ double Slats::byWayOfSlats(double profile, const std::vector<double>& lower,
 }
 
 double Slats::scattered(double profile) const {
-    return byWayOfSlats(profile, lowerIn_, upperIn_);
+    return byWayOfSlats(profile, toIn_);
 }
 
 double Slats::reflected(double profile) const {
-    return byWayOfSlats(profile, lowerOut_, upperOut_);
+    return byWayOfSlats(profile, toOut_);
+}
+
+SlatLight Slats::scatteredLight(double profile) const {
+    SlatLight light;
+    for (size_t node = 0; node < kSlatNodes; ++node) light[node] = byWayOfSlats(profile, nodesIn_[node]);
+    return light;
+}
+
+SlatLight Slats::reflectedLight(double profile) const {
+    SlatLight light;
+    for (size_t node = 0; node < kSlatNodes; ++node) light[node] = byWayOfSlats(profile, nodesOut_[node]);
+    return light;
+}
+
+SlatLight Slats::times(const SlatLight& arriving, const Exchange& exchange) {
+    SlatLight light{};
+    for (size_t from = 0; from < kSlatNodes; ++from)
+        for (size_t to = 0; to < kSlatNodes; ++to) light[to] += arriving[from] * exchange[from][to];
+    return light;
 }
 
 } // namespace heliodon::daylight

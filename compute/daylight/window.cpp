@@ -1,5 +1,6 @@
 #include "compute/daylight/window.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -13,11 +14,41 @@ namespace {
 
 using Kind = geometry::Blind::Kind;
 
-// Seen along the slats, which run level in the opening's plane; along x where that itself is level.
+// Upwards across the slats, which run level in the opening's plane; along x where that itself is level.
+glm::dvec3 upAcross(glm::dvec3 normal) {
+    const glm::dvec3 up = glm::dvec3(0, 1, 0) - normal.y * normal;
+    return glm::length(up) > 1e-6 ? glm::normalize(up) : glm::dvec3(0, 0, -1);
+}
+
 double profileAngle(glm::dvec3 towards, glm::dvec3 normal) {
-    glm::dvec3 up = glm::dvec3(0, 1, 0) - normal.y * normal;
-    up = glm::length(up) > 1e-6 ? glm::normalize(up) : glm::dvec3(0, 0, -1);
-    return std::atan2(glm::dot(towards, up), -glm::dot(towards, normal));
+    return std::atan2(glm::dot(towards, upAcross(normal)), -glm::dot(towards, normal));
+}
+
+glm::dvec3 mean(const Window::Lobes& lobes) {
+    glm::dvec3 sum(0);
+    for (size_t node = 0; node < kSlatNodes; ++node) sum += nodeShare(node) * lobes[node];
+    return sum;
+}
+
+// What a pane reflects of light about a node's elevation, over all turns along the slats.
+SlatLight mirrorOf(double transmissivity, double refractiveIndex) {
+    constexpr size_t kFine = 8; // between two nodes
+    SlatLight mirror{};
+    for (size_t q = 0; q < kFine * (kSlatNodes - 1); ++q) {
+        const double sine = 2 * (static_cast<double>(q) + 0.5) / (kFine * (kSlatNodes - 1)) - 1;
+        double sum = 0, weights = 0;
+        for (const auto& [x, weight] : kGauss24) {
+            const double turn = 0.5 * std::numbers::pi * x, share = weight * std::cos(turn) * std::cos(turn);
+            sum += share * slabReflectance(std::sqrt(1 - sine * sine) * std::cos(turn), transmissivity,
+                                           refractiveIndex);
+            weights += share;
+        }
+        const BetweenNodes at = betweenNodes(sine);
+        const double look = sum / weights / (kFine * (kSlatNodes - 1));
+        mirror[at.lower] += (1 - at.part) * look / nodeShare(at.lower);
+        mirror[at.lower + 1] += at.part * look / nodeShare(at.lower + 1);
+    }
+    return mirror;
 }
 
 } // namespace
@@ -28,15 +59,47 @@ Window::Window(const geometry::Material& opening) : glazing_(glazingOf(opening))
     if (kind_ == Kind::slats) {
         slats_.emplace(double{blind.slatAngleDeg}, double{blind.slatSpacing}, double{blind.reflectance});
         transmittance_ = slats_->diffuseTransmittance(), reflectance_ = slats_->diffuseReflectance();
-    } else {
-        transmittance_ = double{blind.transmittance}, reflectance_ = double{blind.reflectance};
+        if (!glazing_.isHole()) sendBackByGlass();
+        return;
     }
+    transmittance_ = double{blind.transmittance}, reflectance_ = double{blind.reflectance};
     if (glazing_.isHole()) return;
     for (int c = 0; c < 3; ++c)
         for (const auto& [cosine, weight] : kGauss24)
             glassReflectance_[c] +=
                 weight * 2 * cosine *
                 slabReflectance(cosine, glazing_.transmissivity[c], glazing_.refractiveIndex);
+}
+
+void Window::sendBackByGlass() {
+    for (int c = 0; c < 3; ++c) {
+        const SlatLight mirror = mirrorOf(glazing_.transmissivity[c], glazing_.refractiveIndex);
+        // All that arrives in the end of what leaves towards the glass, then what of it gets into the room.
+        const auto intoRoom = [&](const SlatLight& leaving) {
+            SlatLight arriving{}, all{};
+            for (size_t node = 0; node < kSlatNodes; ++node) arriving[node] = mirror[node] * leaving[node];
+            for (double left = 1; left > 1e-12;) {
+                left = 0;
+                for (size_t node = 0; node < kSlatNodes; ++node)
+                    all[node] += arriving[node], left = std::max(left, arriving[node]);
+                arriving = slats_->backward(arriving);
+                for (size_t node = 0; node < kSlatNodes; ++node) arriving[node] *= mirror[node];
+            }
+            return slats_->onward(all);
+        };
+        SlatLight even;
+        even.fill(1);
+        SlatLight outwards = slats_->onward(even); // from the room: the channel turned by half a turn
+        std::reverse(outwards.begin(), outwards.end());
+        const SlatLight back = intoRoom(outwards);
+        for (size_t from = 0; from < kSlatNodes; ++from) {
+            roomByGlass_[c] += nodeShare(from) * back[from];
+            SlatLight one{};
+            one[from] = 1;
+            const SlatLight light = intoRoom(one);
+            for (size_t to = 0; to < kSlatNodes; ++to) byGlass_[from][to][c] = light[to];
+        }
+    }
 }
 
 glm::dvec3 Window::betweenGlassAndBlind() const {
@@ -53,14 +116,47 @@ glm::dvec3 Window::straight(glm::dvec3 towards, glm::dvec3 normal) const {
 glm::dvec3 Window::scattered(glm::dvec3 towards, glm::dvec3 normal) const {
     const double cosine = -glm::dot(towards, normal);
     if (cosine <= 0 || !hasBlind()) return glm::dvec3(0);
-    const double profile = slats_ ? profileAngle(towards, normal) : 0;
-    const double on = slats_ ? slats_->scattered(profile) : transmittance_,
-                 back = slats_ ? slats_->reflected(profile) : reflectance_;
-    return glazing_.transmittance(cosine) * (on + back * transmittance_ * betweenGlassAndBlind());
+    if (!slats_)
+        return glazing_.transmittance(cosine) * transmittance_ * (1.0 + reflectance_ * betweenGlassAndBlind());
+    const double profile = profileAngle(towards, normal);
+    glm::dvec3 all(slats_->scattered(profile));
+    if (!glazing_.isHole()) {
+        const SlatLight back = slats_->reflectedLight(profile);
+        for (size_t node = 0; node < kSlatNodes; ++node) all += back[node] * mean(byGlass_[node]);
+    }
+    return glazing_.transmittance(cosine) * all;
+}
+
+Window::Lobes Window::lobesBehindGlass(double profile) const {
+    Lobes lobes{};
+    if (!slats_) return lobes;
+    const SlatLight on = slats_->scatteredLight(profile), back = slats_->reflectedLight(profile);
+    for (size_t to = 0; to < kSlatNodes; ++to) {
+        lobes[to] = glm::dvec3(on[to]);
+        for (size_t from = 0; from < kSlatNodes; ++from) lobes[to] += back[from] * byGlass_[from][to];
+    }
+    const glm::dvec3 even = mean(lobes);
+    for (glm::dvec3& lobe : lobes) lobe -= even;
+    return lobes;
+}
+
+Window::Lobes Window::lobes(glm::dvec3 towards, glm::dvec3 normal) const {
+    const double cosine = -glm::dot(towards, normal);
+    if (cosine <= 0 || !slats_) return {};
+    Lobes lobes = lobesBehindGlass(profileAngle(towards, normal));
+    for (glm::dvec3& lobe : lobes) lobe *= glazing_.transmittance(cosine);
+    return lobes;
+}
+
+double Window::slatSine(glm::dvec3 direction, glm::dvec3 normal) {
+    const double up = glm::dot(direction, upAcross(normal)), in = glm::dot(direction, normal);
+    const double length = std::sqrt(up * up + in * in);
+    return length > 0 ? up / length : 0;
 }
 
 glm::dvec3 Window::roomReflectance() const {
     if (!hasBlind()) return glm::dvec3(0);
+    if (slats_) return reflectance_ + roomByGlass_;
     return reflectance_ + transmittance_ * transmittance_ * betweenGlassAndBlind();
 }
 

@@ -20,8 +20,9 @@ namespace heliodon::test {
 
 class PathTracer {
 public:
-    // Time grows with the patches: give few large ones.
-    PathTracer(const geometry::PatchMesh& mesh, const daylight::Sky& sky) : mesh_(mesh), sky_(sky) {
+    // Time grows with the patches: give few large ones. Panes let light through or, as `mirrors`, reflect it too.
+    PathTracer(const geometry::PatchMesh& mesh, const daylight::Sky& sky, bool mirrors = false)
+        : mesh_(mesh), sky_(sky), mirrors_(mirrors) {
         for (const geometry::Material& m : mesh.materials) glass_.push_back(daylight::glazingOf(m));
         for (size_t i = 0; i < mesh.patchCount(); ++i) {
             const auto corners = mesh.patch(i);
@@ -68,6 +69,7 @@ private:
         size_t patch = SIZE_MAX; // none: the ray gets out
         glm::dvec3 point{0};
         double through = 1; // of the panes on the way
+        glm::dvec3 direction{0}; // in the end
     };
 
     double u() { return std::uniform_real_distribution<double>()(rng_); }
@@ -81,12 +83,30 @@ private:
         return true;
     }
 
-    Hit trace(glm::dvec3 from, glm::dvec3 d) const {
+    // With panes that mirror or, to look for the sun, without.
+    Hit trace(glm::dvec3 from, glm::dvec3 d, bool mirrors) {
         Hit hit;
+        hit.direction = d;
         double nearest = 1e300, t = 0;
         for (const Face& wall : walls_)
             if (meets(wall, from, d, nearest, t))
                 nearest = t, hit.patch = wall.patch, hit.point = from + t * d;
+        if (mirrors) {
+            double first = nearest;
+            const Face* mirror = nullptr;
+            for (const Face& pane : panes_)
+                if (meets(pane, from, d, first, t)) first = t, mirror = &pane;
+            if (!mirror) return hit;
+            const double cosine = std::abs(glm::dot(mirror->normal, d));
+            const daylight::Glazing& glass = glass_[mesh_.material[mirror->patch]];
+            const double back =
+                glass.isHole() ? 0
+                               : daylight::slabReflectance(cosine, glass.transmissivity.y, glass.refractiveIndex);
+            const glm::dvec3 on = u() < back ? glm::reflect(d, mirror->normal) : d;
+            hit = trace(from + first * d, on, true);
+            if (on == d) hit.through *= glass.transmittance(cosine).y / (1 - back);
+            return hit;
+        }
         for (const Face& pane : panes_)
             if (meets(pane, from, d, nearest, t)) {
                 const double slope = glm::dot(pane.normal, d);
@@ -96,10 +116,10 @@ private:
         return hit;
     }
 
-    double bySun(glm::dvec3 p, glm::dvec3 n) const {
+    double bySun(glm::dvec3 p, glm::dvec3 n) {
         const double cosine = glm::dot(n, sky_.sun.direction);
         if (!sky_.hasSun() || cosine <= 0) return 0;
-        const Hit hit = trace(p + 1e-6 * n, sky_.sun.direction);
+        const Hit hit = trace(p + 1e-6 * n, sky_.sun.direction, false);
         return hit.patch == SIZE_MAX ? hit.through * cosine * sky_.sun.normalIlluminance : 0;
     }
 
@@ -112,15 +132,15 @@ private:
                 glm::cross(n, std::abs(n.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
             const glm::dvec3 d = glm::normalize(r * std::cos(phi) * a + r * std::sin(phi) * glm::cross(n, a) +
                                                 std::sqrt(1 - u1) * n);
-            const Hit hit = trace(p + 1e-6 * n, d);
+            const Hit hit = trace(p + 1e-6 * n, d, mirrors_);
             if (hit.patch == SIZE_MAX) {
-                const double sky = weight * hit.through * std::numbers::pi * sky_.luminance(d);
+                const double sky = weight * hit.through * std::numbers::pi * sky_.luminance(hit.direction);
                 if (bounce == 0) direct += sky;
                 return lux + sky;
             }
             const double rho = mesh_.materials[mesh_.material[hit.patch]].reflectance.y;
             n = geometry::patchNormal(mesh_, hit.patch);
-            if (glm::dot(n, d) > 0) return lux; // a wall from behind
+            if (glm::dot(n, hit.direction) > 0) return lux; // a wall from behind
             weight *= rho * hit.through;
             p = hit.point;
             lux += weight * bySun(p, n);
@@ -135,6 +155,7 @@ private:
 
     const geometry::PatchMesh& mesh_;
     daylight::Sky sky_;
+    bool mirrors_;
     std::vector<daylight::Glazing> glass_;
     std::vector<Face> walls_, panes_;
     std::mt19937 rng_{1};

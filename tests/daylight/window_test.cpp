@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <random>
 
 #include <glm/geometric.hpp>
@@ -14,12 +15,21 @@ namespace {
 
 struct Shares {
     double straight = 0, scattered = 0, reflected = 0;
+    SlatLight onward{}, back{}; // of scattered and reflected, where to
 };
+
+void addTo(SlatLight& light, double up, double out, double share) {
+    const BetweenNodes at = betweenNodes(up / std::hypot(up, out));
+    light[at.lower] += share * (1 - at.part) / nodeShare(at.lower);
+    light[at.lower + 1] += share * at.part / nodeShare(at.lower + 1);
+}
 
 // Rays through a stack of slats, one by one, Lambertian and in three dimensions; shares no code with Slats.
 // Slats are the segments with middles at (0, k spacing), x outwards, y up, z along; a ray starts on the plane
-// through the outer edges at a random height.
-Shares traced(double angleDeg, double spacing, double rho, double profile, double along, int rays) {
+// through the outer edges at a random height. A pane outside reflects as a slab of this transmissivity does, so
+// far off that where light comes back has nothing to do with where it left.
+Shares traced(double angleDeg, double spacing, double rho, double profile, double along, int rays,
+              std::optional<double> pane = {}) {
     std::minstd_rand random(7);
     std::uniform_real_distribution<double> unit(0, 1);
     const double a = radians(angleDeg);
@@ -45,8 +55,16 @@ Shares traced(double angleDeg, double spacing, double rho, double profile, doubl
                 if (std::abs(glm::dot(p, outer)) < 0.25) nearest = t, hit = k; // |outer|^2
             }
             if (nearest > 1e299) {
+                if (towards.x > 0 && pane &&
+                    unit(random) < slabReflectance(towards.x / glm::length(towards), *pane, 1.52)) {
+                    at = {outer.x, spacing * unit(random) + outer.y, 0};
+                    towards.x = -towards.x;
+                    on = -1000000;
+                    continue;
+                }
                 (towards.x < 0 ? (touched ? shares.scattered : shares.straight) : shares.reflected) +=
                     1.0 / rays;
+                if (touched) addTo(towards.x < 0 ? shares.onward : shares.back, towards.y, towards.x, 1.0 / rays);
                 break;
             }
             if (unit(random) >= rho) break;
@@ -75,7 +93,31 @@ TEST(Slats, agree_with_traced_rays) {
                 EXPECT_NEAR(slats.straight(profile), s.straight, 5e-5) << angle << ' ' << profileDeg;
                 EXPECT_NEAR(slats.scattered(profile), s.scattered, 0.006) << angle << ' ' << profileDeg;
                 EXPECT_NEAR(slats.reflected(profile), s.reflected, 0.006) << angle << ' ' << profileDeg;
+                const SlatLight on = slats.scatteredLight(profile), back = slats.reflectedLight(profile);
+                double onMean = 0, backMean = 0;
+                for (size_t node = 0; node < kSlatNodes; ++node) {
+                    onMean += nodeShare(node) * on[node], backMean += nodeShare(node) * back[node];
+                    // Noise: the root of what a node gets, over the root of its rays.
+                    const auto noise = [&](double light) {
+                        return 4 * std::sqrt(std::max(light, 0.01) / (rays * nodeShare(node))) + 0.005;
+                    };
+                    EXPECT_NEAR(on[node], s.onward[node], noise(on[node]))
+                        << angle << ' ' << profileDeg << ' ' << node;
+                    EXPECT_NEAR(back[node], s.back[node], noise(back[node]))
+                        << angle << ' ' << profileDeg << ' ' << node;
+                }
+                EXPECT_NEAR(onMean, slats.scattered(profile), 1e-3);
+                EXPECT_NEAR(backMean, slats.reflected(profile), 1e-3);
             }
+}
+
+// The sun on level slats lights their upper faces, which only what is above them sees.
+TEST(Slats, send_the_sun_up) {
+    const SlatLight light = Slats(0, 0.8, 0.7).scatteredLight(radians(45));
+    double up = 0, down = 0;
+    for (size_t node = 0; node < kSlatNodes / 2; ++node)
+        down += light[node], up += light[kSlatNodes - 1 - node];
+    EXPECT_GT(down, 0); // by way of the neighbour
 }
 
 TEST(Slats, light_from_everywhere_is_the_mean_of_light_from_each_direction) {
@@ -165,6 +207,32 @@ TEST(Window, glass_and_blind_keep_all_energy) {
     }
     for (const double c : {0.1, 0.5, 1.0})
         EXPECT_NEAR(slabReflectance(c, 1, 1.52) + slabTransmittance(c, 1, 1.52), 1, 1e-12);
+}
+
+TEST(Window, slats_behind_glass_agree_with_traced_rays) {
+    for (const auto& [angle, rho] : {std::pair(0.0f, 0.7f), {45.0f, 0.8f}, {-30.0f, 0.9f}}) {
+        const Window window(withBlind(glass(), {geometry::Blind::Kind::slats, 0, rho, angle, 0.8f}));
+        for (const glm::dvec3& direction : {glm::dvec3(0, 0, -1), {0.4, 0.7, -0.8}, {0, -0.5, -1}, {0.5, 2, -1}}) {
+            const glm::dvec3 towards = glm::normalize(direction);
+            const int rays = 100'000;
+            const Shares s =
+                traced(angle, 0.8, rho, std::atan2(towards.y, -towards.z), towards.x / std::hypot(towards.y, towards.z), rays,
+                       window.glazing().transmissivity.y);
+            const double through = window.glazing().transmittance(-towards.z).y,
+                         scattered = window.scattered(towards, kInwards).y / through;
+            EXPECT_NEAR(scattered, s.scattered, 0.006);
+            const Window::Lobes lobes = window.lobes(towards, kInwards);
+            double mean = 0;
+            for (size_t node = 0; node < kSlatNodes; ++node) {
+                const double light = lobes[node].y / through + scattered;
+                EXPECT_NEAR(light, s.onward[node],
+                            4 * std::sqrt(std::max(light, 0.01) / (rays * nodeShare(node))) + 0.008)
+                    << angle << ' ' << direction.y << ' ' << node;
+                mean += nodeShare(node) * lobes[node].y;
+            }
+            EXPECT_NEAR(mean, 0, 1e-12);
+        }
+    }
 }
 
 TEST(Window, slats_of_skylights_run_along_x) {

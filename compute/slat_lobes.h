@@ -1,0 +1,69 @@
+// Where the light of slats goes: up or down, not evenly (daylight/slats.h). Their even glow is an exitance of
+// patches; here is what patches and points get beyond that, as numbers that GlowingBlinds' lobes are multiplied
+// with: form factors of the windows' patches, shared out among the nodes by the elevation at which light travels.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "compute/glowing_blinds.h"
+#include "compute/gpu/buffer.h"
+#include "compute/point_scene.h"
+
+namespace heliodon::compute {
+
+class SlatLobes {
+public:
+    // `factors`: float32, patchCount^2, row-major, with what runs through panes. Nothing, at no cost, without
+    // slats; else about 0.1 us for each pair of patch and window patch, some ms. Each window's light is kept: what
+    // a node's shares of its form factors add up to is put right. Both outlive this.
+    SlatLobes(const PointScene& scene, const GlowingBlinds& blinds, const gpu::Buffer& factors);
+
+    bool empty() const { return windows_.empty(); }
+    // Lobes are told apart by window patch, then node: row = place in windows() times kSlatNodes, plus node.
+    struct Window {
+        uint32_t patch;
+        size_t group; // of blinds
+    };
+    std::span<const Window> windows() const { return windows_; }
+    size_t rows() const { return windows_.size() * daylight::kSlatNodes; }
+
+    // Lobes of all windows: light(group) gives those of a group, lit(patch) what they are multiplied with.
+    template<class Light, class Lit>
+    void fill(std::span<glm::vec3> lobes, const Light& light, const Lit& lit) const {
+        daylight::Window::Lobes ofGroup{};
+        for (size_t w = 0; w < windows_.size(); ++w) {
+            if (w == 0 || windows_[w].group != windows_[w - 1].group) ofGroup = light(windows_[w].group);
+            const glm::dvec3 times(lit(windows_[w].patch));
+            for (size_t node = 0; node < daylight::kSlatNodes; ++node)
+                lobes[w * daylight::kSlatNodes + node] += glm::vec3(times * ofGroup[node]);
+        }
+    }
+
+    // What a patch gets of lobes: row and form factor.
+    struct Share {
+        uint32_t row;
+        float factor;
+    };
+    std::span<const Share> of(size_t patch) const {
+        return {shares_.data() + first_[patch], first_[patch + 1] - first_[patch]};
+    }
+    // Light on all patches by lobes, added to `onPatches`; nothing where there are no lobes.
+    void light(std::span<const glm::vec3> lobes, std::span<glm::vec3> onPatches) const;
+
+    // Adds what a point gets of each row, times `times`: exact form factors of visible parts. Per channel, one or
+    // three rows.
+    void see(const PointView& view, uint32_t room, glm::vec3 times, std::span<std::vector<float>> channels) const;
+
+private:
+    const PointScene* scene_;
+    const GlowingBlinds* blinds_;
+    std::vector<Window> windows_;
+    std::vector<size_t> first_; // of each patch's shares
+    std::vector<Share> shares_;
+};
+
+} // namespace heliodon::compute
