@@ -20,6 +20,7 @@ constexpr double kReach = 0.7;                    // patches nearer than this ti
 constexpr double kAngle = 2.2;                    // of a triangle, seen from the sensor
 constexpr double kFinest = 0.01;                  // of a patch's size: smallest distance that counts
 constexpr double kSkyAngle = 0.4;                 // radians, of one sample of sky
+constexpr SlopeDetail kDetail{.angle = 0.8, .farSize = 0.2}; // of many cells, whose errors differ
 constexpr int kRounds = 12; // of light to and fro: what is left is reflectance to this power
 
 struct Cell {
@@ -161,7 +162,7 @@ NearLight nearLight(const PointScene& scene, const PatchSlopes& slopes, const Sl
         const dvec3 answer = answers[p], reflected = answer * reflectance[p];
         own += answer * dvec3(mesh.materials[mesh.material[cell.patch]].exitance);
         even.assign(n, 0), smooth.assign(n, 0), tinted.clear();
-        scene.seePatches(views[p], room, slopes, even.data(), smooth.data(), tinted);
+        scene.seePatches(views[p], room, slopes, even.data(), smooth.data(), tinted, kDetail);
         for (uint32_t c = 0; c < channels; ++c) {
             const auto axis = static_cast<int>(c);
             const auto times = static_cast<float>(reflected[axis]);

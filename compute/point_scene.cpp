@@ -22,8 +22,6 @@ using glm::dvec3;
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kSlopeAngle = 0.3; // of one cell of a patch with a slope
-constexpr double kFarSlope = 0.05;  // size over distance below which a slope across a patch averages out
 
 // The parts of a polygon above and below the horizontal plane through the point.
 void splitAtHorizon(const PointView::Polygon& polygon, PointView::Polygon& sky, PointView::Polygon& ground) {
@@ -81,11 +79,11 @@ void forPatchesOf(const PointScene& scene, const PointView& view, uint32_t room,
 
 // One sensor's two rows, as far as they are about patches of its own room.
 void makeRows(const PointScene& scene, const PatchSlopes& slopes, const PointView& view, uint32_t room,
-              float* even, float* smooth) {
+              const SlopeDetail& detail, float* even, float* smooth) {
     std::vector<PointView::Polygon> parts;
     forPatchesOf(scene, view, room, [&](size_t j, std::span<const dvec3> corners, dvec3 away) {
         const auto terms = slopes.terms(j);
-        if (terms.empty() || scene.patches()[j].size < kFarSlope * glm::length(away)) {
+        if (terms.empty() || scene.patches()[j].size < detail.farSize * glm::length(away)) {
             const auto factor = static_cast<float>(view.factor(corners));
             even[j] += factor, smooth[j] += factor;
             return;
@@ -97,7 +95,7 @@ void makeRows(const PointScene& scene, const PatchSlopes& slopes, const PointVie
         dvec3 moment(0);
         double weights = 0;
         for (const PointView::Polygon& part : parts)
-            forCells(part, view.normal(), kSlopeAngle, [&](dvec3 centre, double weight) {
+            forCells(part, view.normal(), detail.angle, [&](dvec3 centre, double weight) {
                 moment += weight * (centre - away);
                 weights += weight;
             });
@@ -283,10 +281,11 @@ double PointScene::factor(const PointView& view, uint32_t patch) const {
 }
 
 void PointScene::seePatches(const PointView& view, uint32_t room, const PatchSlopes& slopes, float* even,
-                            float* smooth, std::vector<TintedShare>& tinted) const {
+                            float* smooth, std::vector<TintedShare>& tinted,
+                            const SlopeDetail& detail) const {
     forRoomsSeen(view, {room, {}}, [&](const PointView& seen, const RoomBeyond& beyond) {
         if (beyond.panes.empty())
-            makeRows(*this, slopes, seen, room, even, smooth);
+            makeRows(*this, slopes, seen, room, detail, even, smooth);
         else
             makeRowBeyond(*this, seen, beyond, {even, smooth}, tinted);
     });

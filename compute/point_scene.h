@@ -47,6 +47,12 @@ struct TintedShare {
     glm::vec3 more;
 };
 
+// How closely a point looks at light that runs on linearly across patches.
+struct SlopeDetail {
+    double angle = 0.3;    // radians, of one cell of a patch
+    double farSize = 0.05; // size over distance below which a slope averages out
+};
+
 class PointScene {
 public:
     explicit PointScene(const geometry::PatchMesh& mesh); // must outlive this
@@ -71,7 +77,7 @@ public:
     // Adds the point's form factors of patches; those seen through panes times their photometric
     // transmittance, with what their tint makes of that in `tinted`.
     void seePatches(const PointView& view, uint32_t room, const PatchSlopes& slopes, float* even,
-                    float* smooth, std::vector<TintedShare>& tinted) const;
+                    float* smooth, std::vector<TintedShare>& tinted, const SlopeDetail& detail = {}) const;
     // The same of what is seen through panes alone.
     void seePatchesBeyond(const PointView& view, uint32_t room, float* row,
                           std::vector<TintedShare>& tinted) const;

@@ -215,29 +215,41 @@ double PointView::unhinderedFactor(std::span<const dvec3> polygon) const {
     return std::abs(sum) / (2 * std::numbers::pi);
 }
 
-double PointView::factor(std::span<const dvec3> polygon) const {
-    constexpr size_t kMost = 16;
-    if (polygon.size() <= kMost) {
-        dvec3 local[kMost];
-        bool below = true, above = true;
-        for (size_t k = 0; k < polygon.size(); ++k) {
-            local[k] = polygon[k] - position_;
-            const double height = glm::dot(local[k], normal_);
-            below &= height <= 0, above &= height >= 0;
-        }
-        if (below) return 0;
-        const std::span<const dvec3> here(local, polygon.size());
-        if (above && frame_.empty() &&
-            std::none_of(cones_.begin(), cones_.end(), [&](const Cone& cone) { return mayHide(cone, here); }))
-            return unhinderedFactor(here);
+PointView::Glance PointView::glance(std::span<const dvec3> polygon, Local& local) const {
+    if (polygon.size() > local.size()) return Glance::unclear;
+    bool below = true, above = true;
+    for (size_t k = 0; k < polygon.size(); ++k) {
+        local[k] = polygon[k] - position_;
+        const double height = glm::dot(local[k], normal_);
+        below &= height <= 0, above &= height >= 0;
     }
+    if (below) return Glance::nothing;
+    const std::span<const dvec3> here(local.data(), polygon.size());
+    const bool all = above && frame_.empty() &&
+                     std::none_of(cones_.begin(), cones_.end(),
+                                  [&](const Cone& cone) { return mayHide(cone, here); });
+    return all ? Glance::all : Glance::unclear;
+}
+
+double PointView::factor(std::span<const dvec3> polygon) const {
+    Local local;
+    const Glance seen = glance(polygon, local);
+    if (seen == Glance::nothing) return 0;
+    if (seen == Glance::all) return unhinderedFactor({local.data(), polygon.size()});
     std::vector<Polygon> parts;
     return factor(polygon, parts);
 }
 
 double PointView::factor(std::span<const dvec3> polygon, std::vector<Polygon>& parts) const {
+    Local seen;
+    const Glance first = glance(polygon, seen);
+    if (first == Glance::all) { // most; the part keeps its memory
+        parts.resize(1);
+        parts[0].assign(seen.begin(), seen.begin() + static_cast<std::ptrdiff_t>(polygon.size()));
+        return unhinderedFactor(parts[0]);
+    }
     parts.clear();
-    if (!mayShow(polygon)) return 0;
+    if (first == Glance::nothing || !mayShow(polygon)) return 0;
     Polygon local, above;
     for (const dvec3& p : polygon) local.push_back(p - position_);
     cut(local, normal_, 0, 1, above);

@@ -4,6 +4,7 @@
 // blocker in the room.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -70,6 +71,10 @@ private:
     PointView(const Blockers& blockers, glm::dvec3 position, glm::dvec3 normal)
         : position_(position), normal_(normal), least_(blockers.tolerance()) {}
     void addCones(const Blockers& blockers, uint32_t room);
+    // A quick look at a polygon, which becomes relative to the point where it has few corners.
+    using Local = std::array<glm::dvec3, 16>;
+    enum class Glance { nothing, all, unclear };
+    Glance glance(std::span<const glm::dvec3> polygon, Local& local) const;
     std::optional<Cone> coneOf(std::span<const glm::dvec3> corners) const; // relative; none if seen edge-on
     bool mayHide(const Cone& cone, std::span<const glm::dvec3> polygon) const;
     static void hide(const Cone& cone, double least, std::vector<Polygon>& parts);
