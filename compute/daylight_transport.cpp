@@ -174,8 +174,8 @@ void DaylightTransport::State::makeSky() {
 
 void DaylightTransport::State::makeSensors() {
     const Stopwatch clock;
-    sensors = gatherSensors(*points, *slopes, *slats, std::move(sensors.sensors), skyPatches,
-                            patchSky.channels);
+    sensors = gatherSensors(*points, *slopes, *slats, options.nearWalls, std::move(sensors.sensors),
+                            skyPatches, patchSky.channels);
     hasNearLight = false;
     report.sensorsOutside =
         static_cast<size_t>(std::count(sensors.room.begin(), sensors.room.end(), geometry::kNoRoom));

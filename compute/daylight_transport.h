@@ -37,6 +37,7 @@ struct TransportOptions {
     FormFactorOptions formFactors{.maxError = 1e-3};
     uint32_t skyDivision = 2; // Reinhart's MF: 2 is 577 sky elements
     RadiosityOptions radiosity;
+    NearWalls nearWalls;
     // Computes in full what is known to give nothing, or the same: dark skies, suns that cannot enter, light
     // where there is none, three channels of grey, the sky of rooms without openings. To check the rules that
     // skip these.
@@ -131,7 +132,7 @@ public:
     // Several moments through shared passes over F; bits may differ from one at a time by the solver's
     // tolerance.
     // Sensors so near to patches that one fills a fifth of their view or several 0.35 of it, as in corners,
-    // get their light anew (near_light.h): the first call after setSensors or setMaterials takes some 50 ms
+    // get their light anew (near_light.h): the first call after setSensors or setMaterials takes some 20 ms
     // of one core for each.
     std::vector<Moment> light(std::span<const daylight::Sky> skies);
 

@@ -64,15 +64,15 @@ GlowingBlinds::GlowingBlinds(const geometry::PatchMesh& mesh) {
         if (group.window.hasSlats())
             for (size_t k = 0; k < kProfiles; ++k)
                 profiles.push_back(
-                    group.window.lobesBehindGlass(std::asin(1 - (2 * double(k) + 1) / kProfiles)));
+                    group.window.lobesBehindGlass(kPi * (0.5 - (double(k) + 0.5) / kProfiles)));
         forDirections(group.normal, [&](glm::dvec3 direction, double arriving) {
             const glm::dvec3 weight = arriving * group.window.scattered(direction, group.normal);
             glm::dvec3 inside(0);
             size_t profile = 0;
             if (!profiles.empty()) {
                 inside = arriving * group.window.glazing().transmittance(glm::dot(direction, group.normal));
-                const double sine = daylight::Window::slatSine(-direction, group.normal);
-                profile = std::min(static_cast<size_t>(0.5 * (sine + 1) * kProfiles), kProfiles - 1);
+                const double elevation = daylight::Window::slatElevation(-direction, group.normal);
+                profile = std::min(static_cast<size_t>((elevation / kPi + 0.5) * kProfiles), kProfiles - 1);
             }
             if (direction.y > 0)
                 samples.push_back({glm::vec3(direction), glm::vec3(weight), glm::vec3(inside), profile});

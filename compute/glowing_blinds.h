@@ -45,7 +45,7 @@ public:
     glm::vec3 bySun(size_t group, uint32_t patch, const SunPatches& sun, glm::dvec3 towardsSun) const;
 
 private:
-    static constexpr size_t kProfiles = 64; // of incoming light, even in the sine
+    static constexpr size_t kProfiles = 64; // of incoming light, even in the angle
     struct Sample {
         glm::vec3 direction;
         glm::vec3 weight;   // lux per unit of luminance

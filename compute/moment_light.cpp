@@ -24,9 +24,9 @@ constexpr double kBounceError = 0.006; // of reflected light: what earlier bounc
 constexpr double kSensorSkyError = 0.008; // of sky light, from its cubature and that of glass
 constexpr double kPatchSkyError = 0.01;   // the same for four points a patch and sky elements
 constexpr double kPatchError = 0.02;      // of reflected light on a patch
-// Slats send light up or down, not evenly: what a place gets of them straight may be twice as much or none,
-// and what comes by way of the room off by some of that.
-constexpr double kSlatsSeen = 1, kSlatsLater = 0.3;
+// Slats against sheets traced one by one (tests/compute/blinds_test.cpp): of their light that a place gets
+// straight, of what it would get were that even, and of what comes by way of the room.
+constexpr double kSlatsSeen = 0.12, kSlatsEven = 0.04, kSlatsLater = 0.05;
 
 // How much the light that runs on smoothly changes across each patch, photometric; `smooth` per channel.
 std::vector<float> spreadWithin(const MomentScene& scene, const std::vector<float> (&smooth)[3]) {
@@ -61,9 +61,11 @@ double slatsShare(const MomentScene& scene, const Moment& moment, std::span<cons
     return lumens > 0 ? std::min(1.0, lumens / moment.report.lumensIn) : 0;
 }
 
-// `seen`: lux of their glow, straight; `bySlats`: share of the rest that is off.
-float slatsError(const LightParts& parts, double seen, double bySlats) {
-    return static_cast<float>(kSlatsSeen * seen +
+// `even`: lux of their even glow, straight; `lobes`: what goes up or down beyond it; `bySlats`: share of the rest
+// that is off.
+float slatsError(const LightParts& parts, double even, double lobes, double bySlats) {
+    const double seen = std::max(0.0, even + lobes);
+    return static_cast<float>(kSlatsSeen * seen + kSlatsEven * even +
                               bySlats * std::max(0.0, photometric(parts.interreflected) - seen));
 }
 
@@ -74,8 +76,10 @@ void lightPatches(const MomentScene& scene, const SolvedColumns& solved, Moment&
     const size_t n = mesh.patchCount();
     moment.lighting.exitance.resize(n);
     double in = 0, absorbed = 0, lost = 0, mean = 0, total = 0, most = 0;
+    std::vector<double> lobes;
     for (size_t i = 0; i < n; ++i) {
         LightParts& parts = moment.patches[i];
+        lobes.push_back(photometric(parts.interreflected));
         const geometry::Material& m = mesh.materials[mesh.material[i]];
         glm::vec3 out(0), tau(0), straight(0);
         for (int c = 0; c < 3; ++c) {
@@ -113,7 +117,7 @@ void lightPatches(const MomentScene& scene, const SolvedColumns& solved, Moment&
             static_cast<float>(std::abs(1 - scene.rowSums[i]) * mean + moment.report.radiosity.bound * most +
                                (scene.rowError + kPatchError) * photometric(parts.interreflected) +
                                kPatchSkyError * photometric(parts.sky + parts.ground));
-        if (!slats.empty()) parts.error += slatsError(parts, double{seen[i]}, bySlats);
+        if (!slats.empty()) parts.error += slatsError(parts, double{seen[i]}, lobes[i], bySlats);
     }
     moment.report.lumensAbsorbed = absorbed;
     moment.report.lumensLost = lost;
@@ -158,6 +162,7 @@ void lightSensors(const MomentScene& scene, const SolvedColumns& solved, Moment&
         for (int c = 0; c < 3; ++c) lobes[c].push_back(lobe[c]);
     inParallel(moment.sensors.size(), [&](size_t s) {
         LightParts& parts = moment.sensors[s];
+        glm::dvec3 byLobes(0);
         for (int c = 0; c < 3; ++c) {
             if (scene.grey && c > 0) {
                 parts.interreflected[c] = parts.interreflected[0];
@@ -167,7 +172,8 @@ void lightSensors(const MomentScene& scene, const SolvedColumns& solved, Moment&
             if (sun) lux += dot({&sensors.even[s * n], n}, even[c]);
             if (!lobes[c].empty()) {
                 const auto& rows = sensors.slats[s];
-                lux += dot(rows[rows[c].empty() ? 0 : c], lobes[c]);
+                byLobes[c] = dot(rows[rows[c].empty() ? 0 : c], lobes[c]);
+                lux += byLobes[c];
             }
             for (const TintedShare& share : sensors.tinted[s])
                 lux += double{share.more[c]} * (smooth[c][share.patch] + (sun ? even[c][share.patch] : 0));
@@ -189,7 +195,9 @@ void lightSensors(const MomentScene& scene, const SolvedColumns& solved, Moment&
                                          kSpreadShare * dot({&sensors.even[s * n], n}, spread) +
                                          (scene.rowError + kBounceError) * photometric(parts.interreflected) +
                                          kSensorSkyError * photometric(parts.sky + parts.ground));
-        if (!slats.empty()) parts.error += slatsError(parts, dot({&sensors.even[s * n], n}, slats), bySlats);
+        if (!slats.empty())
+            parts.error += slatsError(parts, dot({&sensors.even[s * n], n}, slats),
+                                      scene.grey ? byLobes.x : photometric(glm::vec3(byLobes)), bySlats);
     });
     moment.report.sensorSeconds = clock.seconds();
 }

@@ -15,11 +15,9 @@ using glm::dvec3;
 
 namespace {
 
-constexpr double kOneNear = 0.2, kAllNear = 0.35; // shares of the view that near patches must fill
-constexpr double kReach = 0.7;                    // patches nearer than this times their size are taken apart
-constexpr double kAngle = 2.2;                    // of a triangle, seen from the sensor
-constexpr double kFinest = 0.01;                  // of a patch's size: smallest distance that counts
-constexpr double kSkyAngle = 0.4;                 // radians, of one sample of sky
+constexpr double kAngle = 2.2;    // of a triangle, seen from the sensor
+constexpr double kFinest = 0.01;  // of a patch's size: smallest distance that counts
+constexpr double kSkyAngle = 0.4; // radians, of one sample of sky
 constexpr SlopeDetail kDetail{.angle = 0.8, .farSize = 0.2}; // of many cells, whose errors differ
 constexpr int kRounds = 12; // of light to and fro: what is left is reflectance to this power
 
@@ -62,8 +60,9 @@ void takeApart(dvec3 sensor, uint32_t patch, double finest, const std::array<dve
     takeApart(sensor, patch, finest, {m, b, c}, depth - 1, cells);
 }
 
-bool isInReach(const PointScene& scene, dvec3 sensor, uint32_t patch, const std::array<dvec3, 3>& triangle) {
-    return distanceTo(sensor, triangle) < kReach * scene.patches()[patch].size;
+bool isInReach(const PointScene& scene, const NearWalls& walls, dvec3 sensor, uint32_t patch,
+               const std::array<dvec3, 3>& triangle) {
+    return distanceTo(sensor, triangle) < walls.reach * scene.patches()[patch].size;
 }
 
 // Fans of triangles.
@@ -74,13 +73,13 @@ template<class Take> void forTriangles(const geometry::PatchMesh& mesh, uint32_t
                                   mesh.vertices[corners[k + 1]]});
 }
 
-std::vector<Cell> cellsAround(const PointScene& scene, dvec3 sensor, uint32_t room) {
+std::vector<Cell> cellsAround(const PointScene& scene, const NearWalls& walls, dvec3 sensor, uint32_t room) {
     const geometry::PatchMesh& mesh = scene.mesh();
     std::vector<Cell> cells;
     for (uint32_t j = 0; j < mesh.patchCount(); ++j) {
         if (mesh.room[j] != room || mesh.materials[mesh.material[j]].isOpening()) continue;
         forTriangles(mesh, j, [&](const std::array<dvec3, 3>& t) {
-            if (isInReach(scene, sensor, j, t))
+            if (isInReach(scene, walls, sensor, j, t))
                 takeApart(sensor, j, kFinest * scene.patches()[j].size, t, 24, cells);
         });
     }
@@ -122,25 +121,27 @@ size_t NearLight::bytes() const {
     return floats * sizeof(float) + sky.size() * sizeof(SkySample) + cells.size() * sizeof(Cell);
 }
 
-bool hasNearWall(const PointScene& scene, dvec3 position, std::span<const float> even) {
+bool hasNearWall(const PointScene& scene, const NearWalls& walls, dvec3 position,
+                 std::span<const float> even) {
     double together = 0;
     for (uint32_t j = 0; j < even.size(); ++j) {
         if (even[j] <= 0) continue;
         bool near = false;
         forTriangles(scene.mesh(), j,
-                     [&](const std::array<dvec3, 3>& t) { near |= isInReach(scene, position, j, t); });
+                     [&](const std::array<dvec3, 3>& t) { near |= isInReach(scene, walls, position, j, t); });
         if (!near) continue;
         together += double{even[j]};
-        if (double{even[j]} >= kOneNear || together >= kAllNear) return true;
+        if (double{even[j]} >= walls.one || together >= walls.together) return true;
     }
     return false;
 }
 
 NearLight nearLight(const PointScene& scene, const PatchSlopes& slopes, const SlatLobes& slats,
-                    dvec3 position, dvec3 normal, uint32_t room, uint32_t channels) {
+                    const NearWalls& walls, const NearPlace& place, uint32_t channels) {
+    const auto& [position, normal, room] = place;
     const geometry::PatchMesh& mesh = scene.mesh();
     const size_t n = mesh.patchCount();
-    const std::vector<Cell> cells = cellsAround(scene, position, room);
+    const std::vector<Cell> cells = cellsAround(scene, walls, position, room);
     std::vector<PointView> views;
     std::vector<dvec3> reflectance;
     for (const Cell& cell : cells) {

@@ -34,13 +34,23 @@ struct NearLight {
     size_t bytes() const;
 };
 
-// Whether a patch so near that it is taken apart fills a fifth or more of what a sensor sees (`even`: its
-// form factors), or several together 0.35 of it.
-bool hasNearWall(const PointScene& scene, glm::dvec3 position, std::span<const float> even);
+// Which sensors get this: a patch so near that it is taken apart fills at least this share of their view, or
+// several together do. More of them where errors must be small on meshes that are coarse.
+struct NearWalls {
+    double one = 0.2, together = 0.35;
+    double reach = 0.7; // patches nearer than this times their size are taken apart
+};
+// `even`: the sensor's form factors.
+bool hasNearWall(const PointScene& scene, const NearWalls& walls, glm::dvec3 position,
+                 std::span<const float> even);
 
-// For a sensor of a room. `channels`: 1 where all materials are grey. About 50 ms in a corner of 2000
+// For a sensor of a room. `channels`: 1 where all materials are grey. About 20 ms in a corner of 2000
 // patches. Holds until glass or reflectances change.
+struct NearPlace {
+    glm::dvec3 position, normal;
+    uint32_t room;
+};
 NearLight nearLight(const PointScene& scene, const PatchSlopes& slopes, const SlatLobes& slats,
-                    glm::dvec3 position, glm::dvec3 normal, uint32_t room, uint32_t channels);
+                    const NearWalls& walls, const NearPlace& place, uint32_t channels);
 
 } // namespace heliodon::compute

@@ -87,10 +87,12 @@ std::vector<float> patchSkyCoefficients(const PointScene& scene, const daylight:
 }
 
 SensorGather gatherSensors(const PointScene& scene, const PatchSlopes& slopes, const SlatLobes& slats,
-                           std::vector<Sensor> sensors, const daylight::SkyPatches& sky, uint32_t channels) {
+                           const NearWalls& nearWalls, std::vector<Sensor> sensors,
+                           const daylight::SkyPatches& sky, uint32_t channels) {
     const geometry::PatchMesh& mesh = scene.mesh();
     const size_t n = mesh.patchCount(), count = sensors.size();
     SensorGather gather;
+    gather.nearWalls = nearWalls;
     gather.room.resize(count);
     gather.even.assign(count * n, 0);
     gather.smooth.assign(count * n, 0);
@@ -110,7 +112,7 @@ SensorGather gatherSensors(const PointScene& scene, const PatchSlopes& slopes, c
         scene.seePatches(view, room, slopes, &gather.even[s * n], &gather.smooth[s * n], gather.tinted[s]);
         scene.seeSky(view, room, kSensorSkyAngle, samples[s]);
         slats.see(view, room, glm::vec3(1), {gather.slats[s].data(), channels});
-        gather.nearWall[s] = hasNearWall(scene, sensors[s].position, {&gather.even[s * n], n});
+        gather.nearWall[s] = hasNearWall(scene, nearWalls, sensors[s].position, {&gather.even[s * n], n});
     });
     for (std::vector<SkySample>& of : samples) {
         gather.sky.samples.insert(gather.sky.samples.end(), of.begin(), of.end());
@@ -127,7 +129,8 @@ size_t findNearLight(const PointScene& scene, const PatchSlopes& slopes, const S
         const Sensor& sensor = gather.sensors[s];
         if (gather.nearWall[s])
             gather.near[s] =
-                nearLight(scene, slopes, slats, sensor.position, sensor.normal, gather.room[s], channels);
+                nearLight(scene, slopes, slats, gather.nearWalls,
+                                       {sensor.position, sensor.normal, gather.room[s]}, channels);
     });
     return static_cast<size_t>(std::count(gather.nearWall.begin(), gather.nearWall.end(), 1));
 }

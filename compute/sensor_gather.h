@@ -45,6 +45,7 @@ std::vector<float> patchSkyCoefficients(const PointScene& scene, const daylight:
 // Rows of sensors.
 struct SensorGather {
     std::vector<Sensor> sensors;
+    NearWalls nearWalls;
     std::vector<uint32_t> room; // geometry::kNoRoom: outside, sees nothing
     std::vector<float> even;    // sensors x patches: form factors
     std::vector<float> smooth;  // the same for light that runs on linearly between patches (PatchSlopes)
@@ -57,7 +58,8 @@ struct SensorGather {
     std::vector<float> skyCoefficients; // sensors x channels x elements, for products over many skies
 };
 SensorGather gatherSensors(const PointScene& scene, const PatchSlopes& slopes, const SlatLobes& slats,
-                           std::vector<Sensor> sensors, const daylight::SkyPatches& sky, uint32_t channels);
+                           const NearWalls& nearWalls, std::vector<Sensor> sensors,
+                           const daylight::SkyPatches& sky, uint32_t channels);
 
 // Makes gather.near, which holds until reflectances change. Returns how many sensors have a near wall.
 size_t findNearLight(const PointScene& scene, const PatchSlopes& slopes, const SlatLobes& slats,

@@ -55,7 +55,7 @@ public:
 
 private:
     static void add(dvec3 way, dvec3 normal, double weight, std::array<double, kSlatNodes>& shares) {
-        const BetweenNodes at = daylight::betweenNodes(daylight::Window::slatSine(way, normal));
+        const BetweenNodes at = daylight::betweenNodes(daylight::Window::slatElevation(way, normal));
         shares[at.lower] += weight * (1 - at.part);
         shares[at.lower + 1] += weight * at.part;
     }
@@ -139,7 +139,7 @@ void SlatLobes::see(const PointView& view, uint32_t room, glm::vec3 times,
             for (const PointView::Polygon& part : parts)
                 forCells(part, seen.normal(), kSeenAngle, [&](dvec3 centre, double weight) {
                     const BetweenNodes to =
-                        daylight::betweenNodes(daylight::Window::slatSine(-centre, at.normal));
+                        daylight::betweenNodes(daylight::Window::slatElevation(-centre, at.normal));
                     nodes[to.lower] += weight * (1 - to.part);
                     nodes[to.lower + 1] += weight * to.part;
                     weights += weight;

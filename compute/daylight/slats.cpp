@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include <glm/geometric.hpp>
@@ -25,8 +26,22 @@ double exchange(const Segment& i, const Segment& j) {
 
 } // namespace
 
-BetweenNodes betweenNodes(double sine) {
-    const double at = std::clamp(0.5 * (sine + 1), 0.0, 1.0) * (kSlatNodes - 1);
+constexpr double kNodeStep = std::numbers::pi / (kSlatNodes - 1);
+
+// A Lambertian face sends half the cosine of the elevation, here times the tent over the node.
+double nodeShare(size_t node) {
+    static const SlatLight shares = [] {
+        SlatLight values;
+        for (size_t k = 0; k < kSlatNodes; ++k)
+            values[k] = std::sin(kNodeStep * static_cast<double>(k)) * (1 - std::cos(kNodeStep)) / kNodeStep;
+        values.front() = values.back() = 0.5 * (1 - std::sin(kNodeStep) / kNodeStep);
+        return values;
+    }();
+    return shares[node];
+}
+
+BetweenNodes betweenNodes(double elevation) {
+    const double at = std::clamp(elevation / std::numbers::pi + 0.5, 0.0, 1.0) * (kSlatNodes - 1);
     const size_t lower = std::min(static_cast<size_t>(at), kSlatNodes - 2);
     return {lower, at - static_cast<double>(lower)};
 }
@@ -82,9 +97,9 @@ Slats::Slats(double angleDeg, double spacing, double reflectance)
     constexpr size_t kFine = 16; // looks between two nodes
     std::array<OnStrips, kSlatNodes> lit{}; // shares of the plane, by light that travels in
     for (size_t q = 0; q < kFine * (kSlatNodes - 1); ++q) {
-        const double sine = 2 * (static_cast<double>(q) + 0.5) / (kFine * (kSlatNodes - 1)) - 1;
-        const BetweenNodes at = betweenNodes(sine);
-        const double profile = std::asin(-sine), look = 1.0 / (kFine * (kSlatNodes - 1));
+        const double elevation = (static_cast<double>(q) + 0.5) * kNodeStep / kFine - 0.5 * std::numbers::pi;
+        const BetweenNodes at = betweenNodes(elevation);
+        const double profile = -elevation, look = 0.5 * std::cos(elevation) * kNodeStep / kFine;
         const OnStrips seen = seenFromOutside(profile);
         for (const auto& [node, part] : {std::pair(at.lower, 1 - at.part), std::pair(at.lower + 1, at.part)}) {
             const double weight = part * look / nodeShare(node);

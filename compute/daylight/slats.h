@@ -14,23 +14,20 @@
 
 namespace heliodon::daylight {
 
-// Directions in which light travels away from one side of a blind, by the sine of their elevation seen along the
-// slats: nodes in even steps from -1 (down) to 1 (up), light runs linearly between them. What a Lambertian face
-// sends is even in that sine.
-constexpr size_t kSlatNodes = 17;
+// Directions in which light travels away from one side of a blind, by their elevation seen along the slats: nodes
+// every 7.5 degrees from straight down to straight up, light runs linearly between them.
+constexpr size_t kSlatNodes = 25;
 using SlatLight = std::array<double, kSlatNodes>; // luminance x pi at the nodes, per illuminance of the plane
 
 // Share of a Lambertian face's light that belongs to a node; all shares sum to 1.
-constexpr double nodeShare(size_t node) {
-    return (node == 0 || node + 1 == kSlatNodes ? 0.5 : 1.0) / (kSlatNodes - 1);
-}
+double nodeShare(size_t node);
 
-// A sine between two nodes: (1 - part) of the lower one and `part` of the next.
+// An elevation, radians, between two nodes: (1 - part) of the lower one and `part` of the next.
 struct BetweenNodes {
     size_t lower;
     double part;
 };
-BetweenNodes betweenNodes(double sine);
+BetweenNodes betweenNodes(double elevation);
 
 class Slats {
 public:

@@ -35,16 +35,17 @@ SlatLight mirrorOf(double transmissivity, double refractiveIndex) {
     constexpr size_t kFine = 8; // between two nodes
     SlatLight mirror{};
     for (size_t q = 0; q < kFine * (kSlatNodes - 1); ++q) {
-        const double sine = 2 * (static_cast<double>(q) + 0.5) / (kFine * (kSlatNodes - 1)) - 1;
+        const double elevation =
+            std::numbers::pi * ((static_cast<double>(q) + 0.5) / (kFine * (kSlatNodes - 1)) - 0.5);
         double sum = 0, weights = 0;
         for (const auto& [x, weight] : kGauss24) {
             const double turn = 0.5 * std::numbers::pi * x, share = weight * std::cos(turn) * std::cos(turn);
-            sum += share * slabReflectance(std::sqrt(1 - sine * sine) * std::cos(turn), transmissivity,
-                                           refractiveIndex);
+            sum += share * slabReflectance(std::cos(elevation) * std::cos(turn), transmissivity, refractiveIndex);
             weights += share;
         }
-        const BetweenNodes at = betweenNodes(sine);
-        const double look = sum / weights / (kFine * (kSlatNodes - 1));
+        const BetweenNodes at = betweenNodes(elevation);
+        const double look =
+            0.5 * std::cos(elevation) * sum / weights * std::numbers::pi / (kFine * (kSlatNodes - 1));
         mirror[at.lower] += (1 - at.part) * look / nodeShare(at.lower);
         mirror[at.lower + 1] += at.part * look / nodeShare(at.lower + 1);
     }
@@ -148,10 +149,8 @@ Window::Lobes Window::lobes(glm::dvec3 towards, glm::dvec3 normal) const {
     return lobes;
 }
 
-double Window::slatSine(glm::dvec3 direction, glm::dvec3 normal) {
-    const double up = glm::dot(direction, upAcross(normal)), in = glm::dot(direction, normal);
-    const double length = std::sqrt(up * up + in * in);
-    return length > 0 ? up / length : 0;
+double Window::slatElevation(glm::dvec3 direction, glm::dvec3 normal) {
+    return -profileAngle(-direction, normal);
 }
 
 glm::dvec3 Window::roomReflectance() const {

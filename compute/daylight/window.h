@@ -44,8 +44,8 @@ public:
     using Lobes = std::array<glm::dvec3, kSlatNodes>;
     Lobes lobes(glm::dvec3 towards, glm::dvec3 normal) const;
     Lobes lobesBehindGlass(double profile) const; // of what the glass has let in, from a profile angle
-    // Sine of the elevation in which light travels into the room, seen along the slats. `direction`: any length.
-    static double slatSine(glm::dvec3 direction, glm::dvec3 normal);
+    // Elevation at which light travels into the room, seen along the slats, radians. `direction`: any length.
+    static double slatElevation(glm::dvec3 direction, glm::dvec3 normal);
 
     // Of light from the room, by glass and blind together; zero without a blind.
     glm::dvec3 roomReflectance() const;

@@ -19,7 +19,7 @@ struct Shares {
 };
 
 void addTo(SlatLight& light, double up, double out, double share) {
-    const BetweenNodes at = betweenNodes(up / std::hypot(up, out));
+    const BetweenNodes at = betweenNodes(std::atan2(up, out));
     light[at.lower] += share * (1 - at.part) / nodeShare(at.lower);
     light[at.lower + 1] += share * at.part / nodeShare(at.lower + 1);
 }
@@ -64,7 +64,7 @@ Shares traced(double angleDeg, double spacing, double rho, double profile, doubl
                 }
                 (towards.x < 0 ? (touched ? shares.scattered : shares.straight) : shares.reflected) +=
                     1.0 / rays;
-                if (touched) addTo(towards.x < 0 ? shares.onward : shares.back, towards.y, towards.x, 1.0 / rays);
+                if (touched) addTo(towards.x < 0 ? shares.onward : shares.back, towards.y, std::abs(towards.x), 1.0 / rays);
                 break;
             }
             if (unit(random) >= rho) break;
