@@ -9,6 +9,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "compute/glow_rows.h"
 #include "compute/parallel.h"
 #include "compute/stopwatch.h"
 #include "compute/sun_patches.h"
@@ -44,18 +45,6 @@ template<class T> std::vector<T> spread(const std::vector<T>& all, size_t wanted
 }
 
 } // namespace
-
-// Rows of Responses::sun: patches (sun), patches of blinds in the order of their groups (even glow), slats' lobes as
-// in SlatLobes, and lobes of all patches of a group together, by node.
-struct Rows {
-    explicit Rows(const TransportParts& parts, size_t patches) : glow(patches), lobes(patches) {
-        for (const GlowingBlinds::Group& group : parts.blinds.groups()) lobes += group.patches.size();
-        groupLobes = lobes + parts.slats.rows();
-        all = groupLobes;
-        if (!parts.slats.empty()) all += parts.blinds.groups().size() * daylight::kSlatNodes;
-    }
-    size_t glow, lobes, groupLobes, all;
-};
 
 // What the sensors at hand answer to sky elements, to sun on patches and to the room's own emission.
 struct AnnualDaylight::Responses {
@@ -149,7 +138,7 @@ void AnnualDaylight::makeSuns() {
 // Windows of a group that the sun shines on alike, all unless something shades them, are told as one.
 void AnnualDaylight::sunOnLobes(const SunPatches& sun, const daylight::SunDisc& disc, Sunny& sunny) const {
     const TransportParts parts = transport_.parts();
-    const Rows rows(parts, transport_.mesh().patchCount());
+    const GlowRows rows(parts, transport_.mesh().patchCount());
     const auto windows = parts.slats.windows();
     const auto add = [&](size_t row, const daylight::Window::Lobes& lobes, glm::dvec3 lit) {
         for (size_t node = 0; node < lobes.size(); ++node) {
@@ -168,7 +157,8 @@ void AnnualDaylight::sunOnLobes(const SunPatches& sun, const daylight::SunDisc& 
         }
         if (dark) continue;
         const GlowingBlinds::Group& group = parts.blinds.groups()[g];
-        const daylight::Window::Lobes lobes = group.window.lobes(glm::normalize(disc.direction), group.normal);
+        const daylight::Window::Lobes lobes =
+            group.window.lobes(glm::normalize(disc.direction), group.normal);
         if (alike) {
             add(rows.groupLobes + g * daylight::kSlatNodes, lobes, lit[0]);
             continue;
@@ -199,7 +189,7 @@ AnnualDaylight::Responses AnnualDaylight::respond(const TransportParts& parts) {
     std::vector<uint32_t> glowing; // patches of blinds, in the order of their groups
     for (const GlowingBlinds::Group& group : parts.blinds.groups())
         glowing.insert(glowing.end(), group.patches.begin(), group.patches.end());
-    for (size_t b = 0; b < beams; ++b) result.sun[b].assign(Rows(parts, n).all * sensors, 0);
+    for (size_t b = 0; b < beams; ++b) result.sun[b].assign(GlowRows(parts, n).all * sensors, 0);
     const size_t skies = parts.skyChannels;
     std::vector<float> weights[3]; // sensors x patches: importance of what falls on patches from the sky
     for (size_t c = 0; c < skies; ++c) weights[c].assign(sensors * n, 0);
@@ -305,13 +295,13 @@ void AnnualDaylight::addNearSky(const TransportParts& parts, Responses& response
     });
 }
 
-// `weights`: per channel of the sky, sensors x patches: importance of what falls on patches, like the sky, not
-// evenly.
+// `weights`: per channel of the sky, sensors x patches: importance of what falls on patches, like the sky,
+// not evenly.
 void AnnualDaylight::addLobes(const TransportParts& parts, std::span<const std::vector<float>> weights,
                               Responses& responses) const {
     if (parts.slats.empty()) return;
     const size_t n = transport_.mesh().patchCount(), sensors = responses.sensors;
-    const Rows rows(parts, n);
+    const GlowRows rows(parts, n);
     for (size_t b = 0; b < (tinted_ ? 3u : 1u); ++b) {
         std::vector<float>& answers = responses.sun[b];
         inParallel(sensors, [&](size_t s) {
@@ -354,7 +344,7 @@ void AnnualDaylight::addGlow(const TransportParts& parts, Responses& responses) 
         slot += count;
         if (!parts.blinds.groups()[g].window.hasSlats()) continue;
         const std::vector<float> lobes = parts.blinds.lobeCoefficients(g, parts.sky, parts.skyChannels);
-        const Rows rows(parts, transport_.mesh().patchCount());
+        const GlowRows rows(parts, transport_.mesh().patchCount());
         for (size_t node = 0; node < daylight::kSlatNodes; ++node)
             for (size_t b = 0; b < (tinted_ ? 3u : 1u); ++b)
                 inParallel(sensors, [&](size_t s) {

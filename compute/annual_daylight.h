@@ -75,7 +75,8 @@ private:
     Responses respond(const TransportParts& parts);
     void addNearSky(const TransportParts& parts, Responses& responses) const;
     void addGlow(const TransportParts& parts, Responses& responses) const;
-    void addLobes(const TransportParts& parts, std::span<const std::vector<float>> weights, Responses& responses) const;
+    void addLobes(const TransportParts& parts, std::span<const std::vector<float>> weights,
+                  Responses& responses) const;
     void sunOnLobes(const SunPatches& sun, const daylight::SunDisc& disc, Sunny& sunny) const;
     void addSun(const Responses& responses, std::span<float> reflected) const;
     void addEdges(const TransportParts& parts, std::span<float> reflected) const;

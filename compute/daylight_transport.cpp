@@ -244,8 +244,7 @@ Moment DaylightTransport::State::direct(const daylight::Sky& sky) const {
         for (size_t g = 0; g < blinds->groups().size(); ++g) bySky.push_back(blinds->bySky(g, sky));
         glow(moment, [&](size_t g, uint32_t) { return bySky[g]; });
         slats->fill(
-            moment.lobes, [&](size_t g) { return blinds->lobesBySky(g, sky); },
-            [](uint32_t) { return 1.0; });
+            moment.lobes, [&](size_t g) { return blinds->lobesBySky(g, sky); }, [](uint32_t) { return 1.0; });
     }
     moment.report.combineSeconds = combining.seconds();
 
@@ -329,9 +328,9 @@ void DaylightTransport::State::solve(std::span<Moment> moments) {
             const auto &rho = matter.reflectance[c], &tau = matter.transmittance[c];
             for (size_t i = 0; i < n; ++i) {
                 const LightParts& parts = moment.patches[i];
-                float out =
-                    mesh.materials[mesh.material[i]].exitance[axis] +
-                    rho[i] * (parts.sun[axis] + parts.sky[axis] + parts.ground[axis] + parts.interreflected[axis]);
+                float out = mesh.materials[mesh.material[i]].exitance[axis] +
+                            rho[i] * (parts.sun[axis] + parts.sky[axis] + parts.ground[axis] +
+                                      parts.interreflected[axis]);
                 if (!moment.glow.empty()) out += moment.glow[i][axis];
                 if (tau[i] > 0) { // the sun goes through any as a beam
                     const LightParts& other = moment.patches[static_cast<size_t>(mesh.twin[i])];
@@ -349,8 +348,8 @@ void DaylightTransport::State::solve(std::span<Moment> moments) {
         exitance.assign(emitted.size(), 0), gathered.assign(emitted.size(), 0);
     }
     const double seconds = clock.seconds() / static_cast<double>(moments.size());
-    const MomentScene scene{mesh,    areas,   rowSums, links->rowSums(), matter,     clear,
-                            *slopes, *points, sensors, *slats,            *gather, rowError(), grey};
+    const MomentScene scene{mesh,    areas,   rowSums, links->rowSums(), matter,     clear, *slopes,
+                            *points, sensors, *slats,  *gather,          rowError(), grey};
     for (size_t k = 0; k < moments.size(); ++k) {
         Moment& moment = moments[k];
         moment.report.radiosity = solution;

@@ -68,7 +68,8 @@ struct Moment {
     std::vector<LightParts> patches; // averages over patches
     std::vector<LightParts> sensors; // in setSensors' order
     std::vector<glm::vec3> glow; // per patch: exitance of blinds by light from outside; empty without blinds
-    std::vector<glm::vec3> lobes; // of slats, rows of SlatLobes: how luminance x pi differs from that; or empty
+    std::vector<glm::vec3>
+        lobes; // of slats, rows of SlatLobes: how luminance x pi differs from that; or empty
     MomentReport report;
 };
 

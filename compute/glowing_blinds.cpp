@@ -95,8 +95,7 @@ daylight::Window::Lobes GlowingBlinds::lobesBySky(size_t group, const daylight::
     for (glm::dvec3& lux : inside) lux *= sky.ground.luminance;
     if (sky.formula.scale > 0)
         for (const Sample& sample : sky_[group])
-            inside[sample.profile] +=
-                glm::dvec3(sample.inside) * sky.luminance(glm::dvec3(sample.direction));
+            inside[sample.profile] += glm::dvec3(sample.inside) * sky.luminance(glm::dvec3(sample.direction));
     return lobesOf(group, inside);
 }
 
@@ -108,8 +107,7 @@ std::vector<float> GlowingBlinds::lobeCoefficients(size_t group, const daylight:
     for (const Sample& sample : sky_[group])
         inside[sky.elementOf(glm::dvec3(sample.direction))][sample.profile] +=
             glm::dvec3(sample.inside) / kPi;
-    for (size_t k = 0; k < kProfiles; ++k)
-        inside[sky.groundElement()][k] = groundInside_[group][k] / kPi;
+    for (size_t k = 0; k < kProfiles; ++k) inside[sky.groundElement()][k] = groundInside_[group][k] / kPi;
     std::vector<float> values(daylight::kSlatNodes * channels * elements);
     for (size_t e = 0; e < elements; ++e) {
         const daylight::Window::Lobes lobes = lobesOf(group, inside[e]);

@@ -1,6 +1,6 @@
-// Blinds scatter what falls on their windows from outside: the openings glow, evenly over each; fabrics in all
-// directions alike, slats up or down (daylight/window.h). The glow is an exitance of patches and, for slats, how
-// its light in each direction differs from that; both linear in the sky and the sun.
+// Blinds scatter what falls on their windows from outside: the openings glow, evenly over each; fabrics in
+// all directions alike, slats up or down (daylight/window.h). The glow is an exitance of patches and, for
+// slats, how its light in each direction differs from that; both linear in the sky and the sun.
 #pragma once
 
 #include <array>
@@ -36,10 +36,11 @@ public:
     glm::vec3 bySky(size_t group, const daylight::Sky& sky) const;
     // The same as coefficients of sky elements: times pi times an element's luminance. channels x elements.
     std::vector<float> coefficients(size_t group, const daylight::SkyPatches& sky, uint32_t channels) const;
-    // Of slats: how the glow in each direction differs from that exitance, luminance x pi, lux; by sky and ground,
-    // and as coefficients like the above, nodes x channels x elements. The sun's: Window::lobes.
+    // Of slats: how the glow in each direction differs from that exitance, luminance x pi, lux; by sky and
+    // ground, and as coefficients like the above, nodes x channels x elements. The sun's: Window::lobes.
     daylight::Window::Lobes lobesBySky(size_t group, const daylight::Sky& sky) const;
-    std::vector<float> lobeCoefficients(size_t group, const daylight::SkyPatches& sky, uint32_t channels) const;
+    std::vector<float> lobeCoefficients(size_t group, const daylight::SkyPatches& sky,
+                                        uint32_t channels) const;
 
     // Exitance of one patch of a group over the sun's normal illuminance; the building's walls shade.
     glm::vec3 bySun(size_t group, uint32_t patch, const SunPatches& sun, glm::dvec3 towardsSun) const;
@@ -55,7 +56,8 @@ private:
     using LitProfiles = std::array<glm::dvec3, kProfiles>;
     daylight::Window::Lobes lobesOf(size_t group, const LitProfiles& inside) const;
     std::vector<Group> groups_;
-    std::vector<std::vector<daylight::Window::Lobes>> profiles_; // per group with slats, of one lux inside each
+    std::vector<std::vector<daylight::Window::Lobes>>
+        profiles_; // per group with slats, of one lux inside each
     std::vector<LitProfiles> groundInside_;
     std::vector<std::vector<Sample>> sky_; // per group; above the horizon
     std::vector<glm::dvec3> ground_;       // per group

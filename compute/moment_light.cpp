@@ -61,8 +61,8 @@ double slatsShare(const MomentScene& scene, const Moment& moment, std::span<cons
     return lumens > 0 ? std::min(1.0, lumens / moment.report.lumensIn) : 0;
 }
 
-// `even`: lux of their even glow, straight; `lobes`: what goes up or down beyond it; `bySlats`: share of the rest
-// that is off.
+// `even`: lux of their even glow, straight; `lobes`: what goes up or down beyond it; `bySlats`: share of the
+// rest that is off.
 float slatsError(const LightParts& parts, double even, double lobes, double bySlats) {
     const double seen = std::max(0.0, even + lobes);
     return static_cast<float>(kSlatsSeen * seen + kSlatsEven * even +

@@ -37,8 +37,9 @@ struct SolvedColumns {
     size_t first;
 };
 
-// Fills lighting.exitance, each patch's interreflected light and error, and the report's lumens. Direct light,
-// with that of slats' lobes for interreflected, and report.radiosity are there already. Behind slats one pass over F more, for that error.
+// Fills lighting.exitance, each patch's interreflected light and error, and the report's lumens. Direct
+// light, with that of slats' lobes for interreflected, and report.radiosity are there already. Behind slats
+// one pass over F more, for that error.
 void lightPatches(const MomentScene& scene, const SolvedColumns& solved, Moment& moment);
 
 // Adds interreflected light of sensors, and sets their error; after lightPatches.

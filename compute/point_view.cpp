@@ -225,9 +225,9 @@ PointView::Glance PointView::glance(std::span<const dvec3> polygon, Local& local
     }
     if (below) return Glance::nothing;
     const std::span<const dvec3> here(local.data(), polygon.size());
-    const bool all = above && frame_.empty() &&
-                     std::none_of(cones_.begin(), cones_.end(),
-                                  [&](const Cone& cone) { return mayHide(cone, here); });
+    const bool all =
+        above && frame_.empty() &&
+        std::none_of(cones_.begin(), cones_.end(), [&](const Cone& cone) { return mayHide(cone, here); });
     return all ? Glance::all : Glance::unclear;
 }
 

@@ -128,8 +128,7 @@ size_t findNearLight(const PointScene& scene, const PatchSlopes& slopes, const S
     inParallel(gather.sensors.size(), [&](size_t s) {
         const Sensor& sensor = gather.sensors[s];
         if (gather.nearWall[s])
-            gather.near[s] =
-                nearLight(scene, slopes, slats, gather.nearWalls,
+            gather.near[s] = nearLight(scene, slopes, slats, gather.nearWalls,
                                        {sensor.position, sensor.normal, gather.room[s]}, channels);
     });
     return static_cast<size_t>(std::count(gather.nearWall.begin(), gather.nearWall.end(), 1));

@@ -16,9 +16,10 @@ using daylight::BetweenNodes, daylight::kSlatNodes, glm::dvec3;
 
 namespace {
 
-constexpr double kFarPair = 6;     // distance over the larger patch's size from which one direction stands for all
-constexpr double kSeenAngle = 0.1; // radians, of one piece of a window that a point sees
-constexpr uint32_t kPoints = 4;    // on each of two near patches
+constexpr double kFarPair =
+    6; // distance over the larger patch's size from which one direction stands for all
+constexpr double kSeenAngle = 0.1;   // radians, of one piece of a window that a point sees
+constexpr uint32_t kPoints = 4;      // on each of two near patches
 constexpr double kMostCorrected = 2; // times, or to one over it, that a node's shares are put right
 
 // Shares of the exchange of two patches by the nodes of light that leaves a window.
@@ -146,11 +147,12 @@ void SlatLobes::see(const PointView& view, uint32_t room, glm::vec3 times,
                 });
             if (weights <= 0) continue;
             glm::vec3 through = times;
-            if (!beyond.panes.empty()) through *= glm::vec3(beyond.transmittance(at.centre - seen.position()));
+            if (!beyond.panes.empty())
+                through *= glm::vec3(beyond.transmittance(at.centre - seen.position()));
             for (size_t node = 0; node < kSlatNodes; ++node)
                 for (size_t c = 0; c < channels.size(); ++c)
-                    channels[c][w * kSlatNodes + node] += static_cast<float>(factor * nodes[node] / weights) *
-                                                          through[static_cast<int>(c)];
+                    channels[c][w * kSlatNodes + node] +=
+                        static_cast<float>(factor * nodes[node] / weights) * through[static_cast<int>(c)];
         }
     });
 }

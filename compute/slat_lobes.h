@@ -1,6 +1,7 @@
 // Where the light of slats goes: up or down, not evenly (daylight/slats.h). Their even glow is an exitance of
-// patches; here is what patches and points get beyond that, as numbers that GlowingBlinds' lobes are multiplied
-// with: form factors of the windows' patches, shared out among the nodes by the elevation at which light travels.
+// patches; here is what patches and points get beyond that, as numbers that GlowingBlinds' lobes are
+// multiplied with: form factors of the windows' patches, shared out among the nodes by the elevation at which
+// light travels.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +19,8 @@ namespace heliodon::compute {
 class SlatLobes {
 public:
     // `factors`: float32, patchCount^2, row-major, with what runs through panes. Nothing, at no cost, without
-    // slats; else about 0.1 us for each pair of patch and window patch, some ms. Each window's light is kept: what
-    // a node's shares of its form factors add up to is put right. Both outlive this.
+    // slats; else about 0.1 us for each pair of patch and window patch, some ms. Each window's light is kept:
+    // what a node's shares of its form factors add up to is put right. Both outlive this.
     SlatLobes(const PointScene& scene, const GlowingBlinds& blinds, const gpu::Buffer& factors);
 
     bool empty() const { return windows_.empty(); }
@@ -54,9 +55,10 @@ public:
     // Light on all patches by lobes, added to `onPatches`; nothing where there are no lobes.
     void light(std::span<const glm::vec3> lobes, std::span<glm::vec3> onPatches) const;
 
-    // Adds what a point gets of each row, times `times`: exact form factors of visible parts. Per channel, one or
-    // three rows.
-    void see(const PointView& view, uint32_t room, glm::vec3 times, std::span<std::vector<float>> channels) const;
+    // Adds what a point gets of each row, times `times`: exact form factors of visible parts. Per channel,
+    // one or three rows.
+    void see(const PointView& view, uint32_t room, glm::vec3 times,
+             std::span<std::vector<float>> channels) const;
 
 private:
     const PointScene* scene_;

@@ -94,21 +94,23 @@ Slats::Slats(double angleDeg, double spacing, double reflectance)
 
     // What is seen of the strips from about each node's direction: light that travels in from outside at some
     // elevation falls on what is seen against it; on the room's side the channel's mirror image is seen.
-    constexpr size_t kFine = 16; // looks between two nodes
+    constexpr size_t kFine = 16;            // looks between two nodes
     std::array<OnStrips, kSlatNodes> lit{}; // shares of the plane, by light that travels in
     for (size_t q = 0; q < kFine * (kSlatNodes - 1); ++q) {
         const double elevation = (static_cast<double>(q) + 0.5) * kNodeStep / kFine - 0.5 * std::numbers::pi;
         const BetweenNodes at = betweenNodes(elevation);
         const double profile = -elevation, look = 0.5 * std::cos(elevation) * kNodeStep / kFine;
         const OnStrips seen = seenFromOutside(profile);
-        for (const auto& [node, part] : {std::pair(at.lower, 1 - at.part), std::pair(at.lower + 1, at.part)}) {
+        for (const auto& [node, part] :
+             {std::pair(at.lower, 1 - at.part), std::pair(at.lower + 1, at.part)}) {
             const double weight = part * look / nodeShare(node);
             onward_[node][node] += weight * straight(profile);
             for (size_t k = 0; k < seen.size(); ++k) lit[node][k] += weight * seen[k];
         }
     }
     for (size_t node = 0; node < kSlatNodes; ++node) {
-        // Seen from the room is, of light that travels there, what light the same way round falls on in the mirror.
+        // Seen from the room is, of light that travels there, what light the same way round falls on in the
+        // mirror.
         OnStrips fromRoom = mirrored(lit[node]), fromOutside = lit[kSlatNodes - 1 - node];
         for (size_t k = 0; k < strip.size(); ++k)
             fromRoom[k] *= spacing / width, fromOutside[k] *= spacing / width;

@@ -1,11 +1,11 @@
 // What slats do to light: two neighbours and the openings between their edges bound a channel of one cross
-// section, in which every mean over directions along the slats is exact (the enclosure of EN ISO 15099, section
-// 7). Light from one direction: what passes between the slats follows from its profile angle alone; the rest
-// falls on a stretch of the slats with sharp ends and is given on between strips of their faces, Lambertian, by
-// Hottel's crossed strings. Who looks at the blind sees strips of slats, which ones follows from the profile
-// angle of the look: so slats in the sun shine up from their upper faces and hardly down. Exact but for strips of
-// constant light, 24 to a face: within 0.0015 of a million traced rays, which is their noise
-// (tests/daylight/window_test.cpp).
+// section, in which every mean over directions along the slats is exact (the enclosure of EN ISO 15099,
+// section 7). Light from one direction: what passes between the slats follows from its profile angle alone;
+// the rest falls on a stretch of the slats with sharp ends and is given on between strips of their faces,
+// Lambertian, by Hottel's crossed strings. Who looks at the blind sees strips of slats, which ones follows
+// from the profile angle of the look: so slats in the sun shine up from their upper faces and hardly down.
+// Exact but for strips of constant light, 24 to a face: within 0.0015 of a million traced rays, which is
+// their noise (tests/daylight/window_test.cpp).
 #pragma once
 
 #include <array>
@@ -14,8 +14,8 @@
 
 namespace heliodon::daylight {
 
-// Directions in which light travels away from one side of a blind, by their elevation seen along the slats: nodes
-// every 7.5 degrees from straight down to straight up, light runs linearly between them.
+// Directions in which light travels away from one side of a blind, by their elevation seen along the slats:
+// nodes every 7.5 degrees from straight down to straight up, light runs linearly between them.
 constexpr size_t kSlatNodes = 25;
 using SlatLight = std::array<double, kSlatNodes>; // luminance x pi at the nodes, per illuminance of the plane
 
@@ -48,8 +48,8 @@ public:
     double diffuseTransmittance() const { return transmitted_; } // straight and scattered
     double diffuseReflectance() const { return returned_; }
 
-    // What becomes of light from outside, luminance x pi by the elevation of its travel: on the room's side, with
-    // what passes straight, and back.
+    // What becomes of light from outside, luminance x pi by the elevation of its travel: on the room's side,
+    // with what passes straight, and back.
     SlatLight onward(const SlatLight& arriving) const { return times(arriving, onward_); }
     SlatLight backward(const SlatLight& arriving) const { return times(arriving, backward_); }
 
@@ -67,8 +67,8 @@ private:
     double byWayOfSlats(double profile, const OnStrips& toSide) const;
 
     double angle_, spacing_;
-    // Of what falls on a strip, the share that leaves in the end on the room's side (in) or outside (out), and the
-    // light of the nodes there.
+    // Of what falls on a strip, the share that leaves in the end on the room's side (in) or outside (out),
+    // and the light of the nodes there.
     OnStrips toIn_{}, toOut_{};
     std::array<OnStrips, kSlatNodes> nodesIn_{}, nodesOut_{};
     Exchange onward_{}, backward_{};

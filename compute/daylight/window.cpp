@@ -40,7 +40,8 @@ SlatLight mirrorOf(double transmissivity, double refractiveIndex) {
         double sum = 0, weights = 0;
         for (const auto& [x, weight] : kGauss24) {
             const double turn = 0.5 * std::numbers::pi * x, share = weight * std::cos(turn) * std::cos(turn);
-            sum += share * slabReflectance(std::cos(elevation) * std::cos(turn), transmissivity, refractiveIndex);
+            sum += share *
+                   slabReflectance(std::cos(elevation) * std::cos(turn), transmissivity, refractiveIndex);
             weights += share;
         }
         const BetweenNodes at = betweenNodes(elevation);
@@ -118,7 +119,8 @@ glm::dvec3 Window::scattered(glm::dvec3 towards, glm::dvec3 normal) const {
     const double cosine = -glm::dot(towards, normal);
     if (cosine <= 0 || !hasBlind()) return glm::dvec3(0);
     if (!slats_)
-        return glazing_.transmittance(cosine) * transmittance_ * (1.0 + reflectance_ * betweenGlassAndBlind());
+        return glazing_.transmittance(cosine) * transmittance_ *
+               (1.0 + reflectance_ * betweenGlassAndBlind());
     const double profile = profileAngle(towards, normal);
     glm::dvec3 all(slats_->scattered(profile));
     if (!glazing_.isHole()) {

@@ -1,16 +1,17 @@
 // An opening as it stands: its glass, and a blind before it on the room's side. Light from one direction is
-// split into what passes straight on and what the blind scatters: fabrics evenly in all directions (Lambertian),
-// slats as one sees them, up from faces that the sun shines on and hardly down (slats.h). Between glass and blind
-// light goes to and fro, counted to the end.
+// split into what passes straight on and what the blind scatters: fabrics evenly in all directions
+// (Lambertian), slats as one sees them, up from faces that the sun shines on and hardly down (slats.h).
+// Between glass and blind light goes to and fro, counted to the end.
 //   straight  = g(c) b                         g: glass at cosine c; b: straight through the blind
 //   scattered = g(c) (s + r R T / (1 - R Q))   s, r: scattered on and reflected by the blind from that
 //   direction room      = Q + T^2 R / (1 - R Q)          T, Q: of the blind, R: of the glass, light from
 //   everywhere
-// So for a fabric, with b = 0, s = T and r = Q from every direction. For slats r, T and Q are matrices between
-// directions, and R is the glass's mirror, which keeps the elevation of light: its reflectance by that, over all
-// turns along the slats. Errors: Lambertian faces and a blind without end are the model; the glow is even over the
-// opening, right on average and, within about one spacing of the slats, wrong in detail, as is the even shade of
-// what passes between them. What the opening sends back into the room is taken to leave evenly.
+// So for a fabric, with b = 0, s = T and r = Q from every direction. For slats r, T and Q are matrices
+// between directions, and R is the glass's mirror, which keeps the elevation of light: its reflectance by
+// that, over all turns along the slats. Errors: Lambertian faces and a blind without end are the model; the
+// glow is even over the opening, right on average and, within about one spacing of the slats, wrong in
+// detail, as is the even shade of what passes between them. What the opening sends back into the room is
+// taken to leave evenly.
 #pragma once
 
 #include <array>
@@ -39,8 +40,8 @@ public:
     glm::dvec3 straight(glm::dvec3 towards, glm::dvec3 normal) const;
     glm::dvec3 scattered(glm::dvec3 towards, glm::dvec3 normal) const;
 
-    // Of slats: how what is scattered differs from an even glow, as luminance x pi in the nodes' directions. The
-    // mean over their shares is 0.
+    // Of slats: how what is scattered differs from an even glow, as luminance x pi in the nodes' directions.
+    // The mean over their shares is 0.
     using Lobes = std::array<glm::dvec3, kSlatNodes>;
     Lobes lobes(glm::dvec3 towards, glm::dvec3 normal) const;
     Lobes lobesBehindGlass(double profile) const; // of what the glass has let in, from a profile angle
@@ -61,8 +62,9 @@ private:
     std::optional<Slats> slats_;
     double transmittance_ = 0, reflectance_ = 0; // T and Q
     glm::dvec3 glassReflectance_{0};             // R
-    std::array<Lobes, kSlatNodes> byGlass_{};    // light of slats on the room's side, of what leaves towards the glass
-    glm::dvec3 roomByGlass_{0};                  // of light from the room through slats, sent back
+    std::array<Lobes, kSlatNodes>
+        byGlass_{};             // light of slats on the room's side, of what leaves towards the glass
+    glm::dvec3 roomByGlass_{0}; // of light from the room through slats, sent back
 };
 
 // The material of an opening with a blind drawn: its reflectance is that of both.

@@ -20,7 +20,8 @@ namespace heliodon::test {
 
 class PathTracer {
 public:
-    // Time grows with the patches: give few large ones. Panes let light through or, as `mirrors`, reflect it too.
+    // Time grows with the patches: give few large ones. Panes let light through or, as `mirrors`, reflect it
+    // too.
     PathTracer(const geometry::PatchMesh& mesh, const daylight::Sky& sky, bool mirrors = false)
         : mesh_(mesh), sky_(sky), mirrors_(mirrors) {
         for (const geometry::Material& m : mesh.materials) glass_.push_back(daylight::glazingOf(m));
@@ -68,7 +69,7 @@ private:
     struct Hit {
         size_t patch = SIZE_MAX; // none: the ray gets out
         glm::dvec3 point{0};
-        double through = 1; // of the panes on the way
+        double through = 1;      // of the panes on the way
         glm::dvec3 direction{0}; // in the end
     };
 
@@ -99,9 +100,9 @@ private:
             if (!mirror) return hit;
             const double cosine = std::abs(glm::dot(mirror->normal, d));
             const daylight::Glazing& glass = glass_[mesh_.material[mirror->patch]];
-            const double back =
-                glass.isHole() ? 0
-                               : daylight::slabReflectance(cosine, glass.transmissivity.y, glass.refractiveIndex);
+            const double back = glass.isHole() ? 0
+                                               : daylight::slabReflectance(cosine, glass.transmissivity.y,
+                                                                           glass.refractiveIndex);
             const glm::dvec3 on = u() < back ? glm::reflect(d, mirror->normal) : d;
             hit = trace(from + first * d, on, true);
             if (on == d) hit.through *= glass.transmittance(cosine).y / (1 - back);

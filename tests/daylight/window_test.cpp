@@ -26,8 +26,8 @@ void addTo(SlatLight& light, double up, double out, double share) {
 
 // Rays through a stack of slats, one by one, Lambertian and in three dimensions; shares no code with Slats.
 // Slats are the segments with middles at (0, k spacing), x outwards, y up, z along; a ray starts on the plane
-// through the outer edges at a random height. A pane outside reflects as a slab of this transmissivity does, so
-// far off that where light comes back has nothing to do with where it left.
+// through the outer edges at a random height. A pane outside reflects as a slab of this transmissivity does,
+// so far off that where light comes back has nothing to do with where it left.
 Shares traced(double angleDeg, double spacing, double rho, double profile, double along, int rays,
               std::optional<double> pane = {}) {
     std::minstd_rand random(7);
@@ -64,7 +64,9 @@ Shares traced(double angleDeg, double spacing, double rho, double profile, doubl
                 }
                 (towards.x < 0 ? (touched ? shares.scattered : shares.straight) : shares.reflected) +=
                     1.0 / rays;
-                if (touched) addTo(towards.x < 0 ? shares.onward : shares.back, towards.y, std::abs(towards.x), 1.0 / rays);
+                if (touched)
+                    addTo(towards.x < 0 ? shares.onward : shares.back, towards.y, std::abs(towards.x),
+                          1.0 / rays);
                 break;
             }
             if (unit(random) >= rho) break;
@@ -118,6 +120,7 @@ TEST(Slats, send_the_sun_up) {
     for (size_t node = 0; node < kSlatNodes / 2; ++node)
         down += light[node], up += light[kSlatNodes - 1 - node];
     EXPECT_GT(down, 0); // by way of the neighbour
+    EXPECT_GT(up, 2 * down);
 }
 
 TEST(Slats, light_from_everywhere_is_the_mean_of_light_from_each_direction) {
@@ -212,12 +215,13 @@ TEST(Window, glass_and_blind_keep_all_energy) {
 TEST(Window, slats_behind_glass_agree_with_traced_rays) {
     for (const auto& [angle, rho] : {std::pair(0.0f, 0.7f), {45.0f, 0.8f}, {-30.0f, 0.9f}}) {
         const Window window(withBlind(glass(), {geometry::Blind::Kind::slats, 0, rho, angle, 0.8f}));
-        for (const glm::dvec3& direction : {glm::dvec3(0, 0, -1), {0.4, 0.7, -0.8}, {0, -0.5, -1}, {0.5, 2, -1}}) {
+        for (const glm::dvec3& direction :
+             {glm::dvec3(0, 0, -1), {0.4, 0.7, -0.8}, {0, -0.5, -1}, {0.5, 2, -1}}) {
             const glm::dvec3 towards = glm::normalize(direction);
             const int rays = 100'000;
             const Shares s =
-                traced(angle, 0.8, rho, std::atan2(towards.y, -towards.z), towards.x / std::hypot(towards.y, towards.z), rays,
-                       window.glazing().transmissivity.y);
+                traced(angle, 0.8, rho, std::atan2(towards.y, -towards.z),
+                       towards.x / std::hypot(towards.y, towards.z), rays, window.glazing().transmissivity.y);
             const double through = window.glazing().transmittance(-towards.z).y,
                          scattered = window.scattered(towards, kInwards).y / through;
             EXPECT_NEAR(scattered, s.scattered, 0.006);
