@@ -6,8 +6,8 @@
 
 #include <glm/geometric.hpp>
 
-#include "compute/hemicube.h"
 #include "compute/parallel.h"
+#include "compute/patch_points.h"
 #include "compute/view_cells.h"
 
 namespace heliodon::compute {
