@@ -1,11 +1,13 @@
 // glTF 2.0 (.gltf, .glb) through tinygltf: triangles of every mesh node of the default scene, materials after
 // KHR_materials_transmission, KHR_materials_ior and KHR_materials_emissive_strength, blinds after
-// extras.blinds of a material. Textures are not read.
+// extras.blinds of a material, positions after KHR_mesh_quantization. Textures are not read.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <fstream>
 #include <functional>
+#include <limits>
 #include <optional>
 
 #include <fmt/format.h>
@@ -111,7 +113,8 @@ private:
     void checkExtensions() const {
         for (const std::string& name : in_.extensionsRequired)
             if (!name.starts_with("KHR_materials_") && !name.starts_with("KHR_texture_") &&
-                !name.starts_with("EXT_texture_") && name != "KHR_lights_punctual")
+                !name.starts_with("EXT_texture_") && name != "KHR_lights_punctual" &&
+                name != "KHR_mesh_quantization")
                 fail("extensionsRequired", fmt::format("asks for {}, which is not supported", name));
     }
 
@@ -135,6 +138,17 @@ private:
         return m;
     }
 
+    // Bones, morph targets and instances move or repeat the triangles, whether the file requires them or not.
+    void checkRigid(const tinygltf::Node& node, const tinygltf::Mesh& mesh, const std::string& place) const {
+        const char* const instances = "EXT_mesh_gpu_instancing";
+        if (node.skin >= 0) fail(place + ".skin", "bends the mesh, which is not supported");
+        const auto& weights = node.weights.empty() ? mesh.weights : node.weights;
+        if (std::ranges::any_of(weights, [](double weight) { return weight != 0; }))
+            fail(place, "has a mesh with morph targets, which are not supported");
+        if (node.extensions.contains(instances))
+            fail(place + ".extensions", fmt::format("has {}, which is not supported", instances));
+    }
+
     void visit(int index, const glm::dmat4& worldFromParent, int depth) {
         const std::string place = fmt::format("nodes[{}]", index);
         if (index < 0 || static_cast<size_t>(index) >= in_.nodes.size()) fail(place, "does not exist");
@@ -144,6 +158,7 @@ private:
         if (node.mesh >= 0) {
             if (static_cast<size_t>(node.mesh) >= in_.meshes.size()) fail(place + ".mesh", "does not exist");
             const tinygltf::Mesh& mesh = in_.meshes[static_cast<size_t>(node.mesh)];
+            checkRigid(node, mesh, place);
             for (size_t p = 0; p < mesh.primitives.size(); ++p)
                 addPrimitive(mesh.primitives[p], fmt::format("meshes[{}].primitives[{}]", node.mesh, p),
                              mesh.name.empty() ? node.name : mesh.name, worldFromNode);
@@ -175,17 +190,44 @@ private:
         for (size_t i = 0; i < accessor.count; ++i) take(bytes.data() + begin + i * step);
     }
 
-    void addVertices(int index, const std::string& place, const glm::dmat4& worldFromNode) {
-        if (index >= 0 && static_cast<size_t>(index) < in_.accessors.size()) {
-            const tinygltf::Accessor& accessor = in_.accessors[static_cast<size_t>(index)];
-            if (accessor.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT ||
-                accessor.type != TINYGLTF_TYPE_VEC3)
-                fail(place, "is not of three floats");
+    template<class Integer> static glm::dvec3 integers(const unsigned char* bytes, bool normalized) {
+        std::array<Integer, 3> xyz;
+        std::memcpy(xyz.data(), bytes, sizeof xyz);
+        const glm::dvec3 p(xyz[0], xyz[1], xyz[2]);
+        return normalized ? glm::max(p / double{std::numeric_limits<Integer>::max()}, -1.0) : p;
+    }
+
+    // Three floats, or integers after KHR_mesh_quantization.
+    static glm::dvec3 positionAt(const unsigned char* bytes, const tinygltf::Accessor& accessor) {
+        switch (accessor.componentType) {
+        case TINYGLTF_COMPONENT_TYPE_BYTE:
+            return integers<int8_t>(bytes, accessor.normalized);
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+            return integers<uint8_t>(bytes, accessor.normalized);
+        case TINYGLTF_COMPONENT_TYPE_SHORT:
+            return integers<int16_t>(bytes, accessor.normalized);
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+            return integers<uint16_t>(bytes, accessor.normalized);
+        default:
+            break;
         }
+        std::array<float, 3> xyz;
+        std::memcpy(xyz.data(), bytes, sizeof xyz);
+        return {xyz[0], xyz[1], xyz[2]};
+    }
+
+    void addVertices(int index, const std::string& place, const glm::dmat4& worldFromNode) {
+        if (index < 0 || static_cast<size_t>(index) >= in_.accessors.size()) fail(place, "does not exist");
+        const tinygltf::Accessor& accessor = in_.accessors[static_cast<size_t>(index)];
+        const int type = accessor.componentType;
+        const bool packed = type >= TINYGLTF_COMPONENT_TYPE_BYTE &&
+                            type <= TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT &&
+                            std::ranges::find(in_.extensionsRequired, "KHR_mesh_quantization") !=
+                                in_.extensionsRequired.end();
+        if ((type != TINYGLTF_COMPONENT_TYPE_FLOAT && !packed) || accessor.type != TINYGLTF_TYPE_VEC3)
+            fail(place, "is not of three floats");
         forEachElement(index, place, [&](const unsigned char* bytes) {
-            std::array<float, 3> xyz;
-            std::memcpy(xyz.data(), bytes, sizeof xyz);
-            const glm::dvec3 p(worldFromNode * glm::dvec4(xyz[0], xyz[1], xyz[2], 1));
+            const glm::dvec3 p(worldFromNode * glm::dvec4(positionAt(bytes, accessor), 1));
             if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
                 fail(place, "holds a number that is not finite");
             out_.vertices.push_back(p);

@@ -1,6 +1,8 @@
 // glTF scenes as programs write them: nodes that turn, mirror and repeat, and what is not taken, by name.
 #include <array>
+#include <cmath>
 #include <fstream>
+#include <limits>
 #include <string>
 
 #include <fmt/format.h>
@@ -111,8 +113,8 @@ TEST(GltfScene, what_cannot_be_read_is_refused_by_place) {
 
 // Triangles that are packed in a way that we do not know would be read as something else.
 TEST(GltfScene, required_extensions_that_are_not_known_are_refused_by_name) {
-    for (const char* name : {"KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_mesh_quantization",
-                             "EXT_mesh_gpu_instancing"}) {
+    for (const char* name :
+         {"KHR_draco_mesh_compression", "EXT_meshopt_compression", "EXT_mesh_gpu_instancing"}) {
         json scene = roomScene(kOneNode);
         scene["extensionsUsed"] = scene["extensionsRequired"] = json::array({name});
         expectRefused(scene, name);
@@ -120,4 +122,59 @@ TEST(GltfScene, required_extensions_that_are_not_known_are_refused_by_name) {
     json looks = roomScene(kOneNode);
     looks["extensionsUsed"] = looks["extensionsRequired"] = json::array({"KHR_materials_transmission"});
     EXPECT_EQ(importModel(written(looks)).roomCount, 1u);
+}
+
+// Positions of the room as integers, `perMetre` of them a metre, and a node that scales them back.
+template<class Integer> json quantized(int componentType, double perMetre, bool normalized) {
+    json scene = roomScene(kOneNode);
+    std::string data;
+    for (int i = 0; i < 8; ++i)
+        for (const double x : {i & 1 ? 4 : 0.0, i & 2 ? 2.5 : 0.0, i & 4 ? 3 : 0.0, 0.0}) {
+            const auto packed = static_cast<Integer>(std::lround(x * perMetre));
+            data.append(reinterpret_cast<const char*>(&packed), sizeof packed);
+        }
+    scene["buffers"].push_back(
+        {{"byteLength", data.size()}, {"uri", "data:application/octet-stream;base64," + base64(data)}});
+    scene["bufferViews"].push_back(
+        {{"buffer", 1}, {"byteLength", data.size()}, {"byteStride", 4 * sizeof(Integer)}});
+    json& positions = scene["accessors"][0];
+    positions["bufferView"] = 2;
+    positions["componentType"] = componentType;
+    if (normalized) positions["normalized"] = true;
+    const double scale = (normalized ? std::numeric_limits<Integer>::max() : 1) / perMetre;
+    scene["nodes"][0]["scale"] = {scale, scale, scale};
+    scene["extensionsUsed"] = scene["extensionsRequired"] = json::array({"KHR_mesh_quantization"});
+    return scene;
+}
+
+TEST(GltfScene, positions_may_be_integers) {
+    for (const bool normalized : {false, true})
+        for (const json& scene :
+             {quantized<int8_t>(5120, 30, normalized), quantized<uint8_t>(5121, 60, normalized),
+              quantized<int16_t>(5122, 8000, normalized), quantized<uint16_t>(5123, 16000, normalized)}) {
+            const Building building = importModel(written(scene));
+            EXPECT_EQ(building.roomCount, 1u);
+            EXPECT_NEAR(volume(meshBuilding(building, {200})), 30, 1e-9 * 30);
+        }
+    json without = quantized<int16_t>(5122, 8000, false);
+    without.erase("extensionsRequired");
+    expectRefused(without, "is not of three floats");
+}
+
+TEST(GltfScene, meshes_that_bend_or_are_instanced_are_refused_though_the_file_does_not_require_it) {
+    json skinned = roomScene(kOneNode);
+    skinned["skins"] = json::parse(R"([{"joints":[0]}])");
+    skinned["nodes"][0]["skin"] = 0;
+    expectRefused(skinned, "nodes[0].skin");
+    json morphed = roomScene(kOneNode);
+    morphed["meshes"][0]["primitives"][0]["targets"] = json::parse(R"([{"POSITION":0}])");
+    morphed["meshes"][0]["weights"] = {0.0};
+    EXPECT_EQ(importModel(written(morphed)).roomCount, 1u);
+    morphed["meshes"][0]["weights"] = {1.0};
+    expectRefused(morphed, "morph targets");
+    json instanced = roomScene(kOneNode);
+    instanced["extensionsUsed"] = json::array({"EXT_mesh_gpu_instancing"});
+    instanced["nodes"][0]["extensions"] =
+        json::parse(R"({"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":0}}})");
+    expectRefused(instanced, "EXT_mesh_gpu_instancing");
 }
