@@ -14,6 +14,9 @@ namespace {
 
 constexpr size_t kBasis = 24;      // Krylov vectors before a restart
 constexpr double kRounding = 4e-7; // residual over B that may be rounding of B in float32
+constexpr double kLeastSlack = 1e-6;
+constexpr double kSpoilt = 0.5; // of the slack that reflectances leave, below which rows are to blame
+constexpr double kToFind = -1;
 
 double dot(std::span<const double> a, std::span<const double> b) {
     double parts[4]{};
@@ -127,18 +130,44 @@ RadiositySolver::RadiositySolver(FormFactorOperator& factors, std::vector<float>
 
 void RadiositySolver::setMatter(RadiosityMatter matter) {
     matter_ = std::move(matter);
-    contraction_.clear();
-    for (size_t channel = 0; channel < matter_.reflectance.size(); ++channel) {
-        double most = 0;
-        for (size_t i = 0; i < matter_.patchCount; ++i) {
-            double sum = double{matter_.reflectance[channel][i]} * rowSums_[i];
-            if (matter_.twin[i] != geometry::kNoTwin)
-                sum += double{matter_.transmittance[channel][i]} *
-                       rowSums_[static_cast<size_t>(matter_.twin[i])];
-            most = std::max(most, sum);
-        }
-        contraction_.push_back(most);
+    slack_.clear();
+    std::vector<double> handedOn(matter_.patchCount), ofUnit(matter_.patchCount);
+    const std::vector<float> ones(matter_.patchCount, 1.0f);
+    for (uint32_t channel = 0; channel < matter_.reflectance.size(); ++channel) {
+        matter_.reflect<double>(channel, rowSums_, handedOn);
+        matter_.reflect<double>(channel, ones, ofUnit);
+        const double slack = 1 - largest(handedOn), without = 1 - largest(ofUnit);
+        slack_.push_back(slack < kSpoilt * without ? kToFind : std::max(slack, kLeastSlack));
     }
+}
+
+double RadiositySolver::slack(uint32_t channel) {
+    if (slack_[channel] < 0) slack_[channel] = weightedSlack(channel);
+    return slack_[channel];
+}
+
+// With any w > 0 and d_i = ((I - K F) w)_i > 0, an error e of residual r keeps |e_i| <= w_i max_k |r_k| /
+// d_k, since K F has no negative entries (R. Varga, "Matrix Iterative Analysis", 1962, on M-matrices). So w
+// is a rough solution for light of one from every patch.
+double RadiositySolver::weightedSlack(uint32_t channel) {
+    const size_t n = matter_.patchCount;
+    const std::vector<float> ones(n, 1.0f);
+    std::vector<double> given(n);
+    matter_.reflect<double>(channel, ones, given);
+    RadiosityOptions rough;
+    rough.tolerance = 0.2 * std::max(1 - largest(given), 1e-4); // w is about the inverse of that
+    rough.maxPasses = 3 * kBasis;
+    slack_[channel] = 1; // for this solution tolerance is of the residual
+    std::vector<float> w, gathered;
+    solve(ones, std::span(&channel, 1), w, gathered, rough);
+    matter_.reflect<double>(channel, gathered, given);
+    double most = 0, least = INFINITY;
+    for (size_t i = 0; i < n; ++i) {
+        most = std::max(most, double{w[i]});
+        least = w[i] > 0 ? std::min(least, w[i] - given[i]) : 0.0;
+        if (!(least > 0)) break;
+    }
+    return std::max((least - kGatherRounding * most) / std::max(most, 1e-30), kLeastSlack);
 }
 
 EnergyBalance RadiositySolver::balance(std::span<const double> area, uint32_t channel,
@@ -181,12 +210,12 @@ RadiosityReport RadiositySolver::solve(std::span<const float> emitted, std::span
             for (size_t i = 0; i < n; ++i)
                 column.residual[i] = emitted[c * n + i] + given[i] - radiosity[c * n + i];
             column.scale = std::max(largest(column.solution), 1e-30);
-            const double slack = std::max(1 - contraction_[channel[c]], 1e-6);
+            const double room = slack(channel[c]);
             const double residual = largest(column.residual) / column.scale;
-            column.target = options.tolerance * slack * column.scale;
-            column.setResidual(residual, options.tolerance * slack);
+            column.target = options.tolerance * room * column.scale;
+            column.setResidual(residual, options.tolerance * room);
             report.residual = std::max(report.residual, residual);
-            report.bound = std::max(report.bound, residual / slack);
+            report.bound = std::max(report.bound, (residual + kGatherRounding) / room);
         }
         report.converged = std::ranges::all_of(columns, &Column::done);
         if (std::ranges::all_of(columns, &Column::hasEnded) || report.passes >= options.maxPasses)

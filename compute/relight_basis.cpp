@@ -10,8 +10,6 @@ namespace heliodon::compute {
 
 namespace {
 
-constexpr double kRounding = 2.4e-7; // of a pass over F in float32, relative to the largest
-
 void subtract(std::span<float> from, double times, std::span<const float> what) {
     const auto t = static_cast<float>(times);
     for (size_t i = 0; i < from.size(); ++i) from[i] -= t * what[i];
@@ -26,15 +24,7 @@ double largest(std::span<const float> a) {
 } // namespace
 
 void RelightBasis::restart() {
-    const RadiosityMatter& matter = solver_->matter();
-    const size_t channels = matter.reflectance.size();
-    basis_.assign(channels, {});
-    slack_.clear();
-    std::vector<float> reflected(matter.patchCount);
-    for (uint32_t c = 0; c < channels; ++c) {
-        matter.reflect<float>(c, solver_->rowSums(), reflected);
-        slack_.push_back(std::max(1 - largest(reflected), 1e-6));
-    }
+    basis_.assign(solver_->matter().reflectance.size(), {});
 }
 
 size_t RelightBasis::size() const {
@@ -44,7 +34,7 @@ size_t RelightBasis::size() const {
 }
 
 double RelightBasis::project(uint32_t channel, std::span<float> residual, std::span<float> gathered) const {
-    double rounding = kRounding * largest(gathered);
+    double rounding = kGatherRounding * largest(gathered);
     for (int twice = 0; twice < 2; ++twice) // images are at right angles but for rounding
         for (const Vector& v : basis_[channel]) {
             const double share = dot(v.image, residual);
@@ -95,7 +85,7 @@ void RelightBasis::measure(std::span<const uint32_t> channel) {
         v.gathered.assign(&gathered[k * n], &gathered[k * n] + n);
         matter.reflect<float>(channel[k], v.gathered, v.image);
         for (size_t i = 0; i < n; ++i) v.image[i] = u[k * n + i] - v.image[i];
-        v.rounding = kRounding * std::max(largest({&u[k * n], n}), largest(v.gathered));
+        v.rounding = kGatherRounding * std::max(largest({&u[k * n], n}), largest(v.gathered));
     }
 }
 
@@ -122,7 +112,7 @@ RadiosityReport RelightBasis::solve(std::span<const float> emitted, std::span<co
     std::vector<uint32_t> open, openChannel;
     double tolerance = 0.5;
     for (uint32_t c = 0; c < count; ++c) {
-        const double allowed = options.tolerance * slack_[channel[c]];
+        const double allowed = options.tolerance * solver_->slack(channel[c]);
         if (left[c] <= allowed) continue;
         open.push_back(c), openChannel.push_back(channel[c]);
         tolerance = std::min(tolerance, allowed / left[c]);
@@ -154,8 +144,8 @@ RadiosityReport RelightBasis::solve(std::span<const float> emitted, std::span<co
         for (size_t i = 0; i < n; ++i) radiosity[c * n + i] += emitted[c * n + i];
         // B = E + K F (E + w): what is left of the residual is bounced once more.
         report.residual = std::max(report.residual, left[c]);
-        report.bound = std::max(report.bound, (left[c] + rounding[c]) / slack_[channel[c]]);
-        report.converged &= left[c] <= options.tolerance * slack_[channel[c]];
+        report.bound = std::max(report.bound, (left[c] + rounding[c]) / solver_->slack(channel[c]));
+        report.converged &= left[c] <= options.tolerance * solver_->slack(channel[c]);
     }
     return report;
 }

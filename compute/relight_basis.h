@@ -51,7 +51,6 @@ private:
 
     FormFactorOperator* factors_;
     RadiositySolver* solver_;
-    std::vector<double> slack_;              // per channel: 1 - max_i sum_j (K F)_ij
     std::vector<std::vector<Vector>> basis_; // per channel
 };
 
