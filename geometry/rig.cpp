@@ -207,8 +207,10 @@ std::optional<glm::dvec3> OpticalDevice::worldOnPlane(glm::dvec2 pixel, double y
 }
 
 Rig readRig(const std::filesystem::path& path) {
-    const json document = readJson(path, "a rig (vh-rig/1)");
-    const std::string file = path.string();
+    return rigOf(readJson(path, "a rig (vh-rig/1)"), path.string());
+}
+
+Rig rigOf(const json& document, const std::string& file) {
     const Field root(file, "", document);
     const Field format = root["format"];
     if (format.text() != "vh-rig/1") format.fail(fmt::format("\"{}\", expected \"vh-rig/1\"", format.text()));

@@ -12,6 +12,7 @@
 #include <glm/mat3x3.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 namespace heliodon::geometry {
 
@@ -66,5 +67,7 @@ struct Rig {
 // Throws InputError naming the file and the field ("projectors[1].K"). R must be a rotation within 1e-3; it
 // is re-orthonormalised.
 Rig readRig(const std::filesystem::path& file);
+// The same of what such a file holds; `file` names it in complaints.
+Rig rigOf(const nlohmann::json& document, const std::string& file);
 
 } // namespace heliodon::geometry

@@ -10,7 +10,7 @@
 namespace heliodon::geometry {
 namespace {
 
-using json = nlohmann::ordered_json; // keeps the file's order
+using json = nlohmann::ordered_json;
 
 json readBase(const std::filesystem::path& file) {
     if (file.empty())
@@ -55,18 +55,18 @@ void put(json& entry, const OpticalDevice& device) {
 
 } // namespace
 
-bool namesTable(const std::filesystem::path& base) {
-    const json rig = readBase(base);
-    return rig.contains("table") && rig["table"].contains("radius_m");
+RigFile::RigFile(const std::filesystem::path& file) : file_(file), document_(readBase(file)) {}
+
+bool RigFile::namesTable() const {
+    return document_.contains("table") && document_["table"].contains("radius_m");
 }
 
-void refuseRigEdit(const std::filesystem::path& target, const std::filesystem::path& base) {
-    refuseUnwritable(target);
-    readBase(base);
+Rig RigFile::rig() const {
+    return rigOf(document_, file_.string());
 }
 
-void writeRig(const std::filesystem::path& target, const std::filesystem::path& base, const RigEdit& edit) {
-    json rig = readBase(base);
+void RigFile::write(const std::filesystem::path& target, const RigEdit& edit) const {
+    json rig = document_;
     if (edit.tableRadius) rig["table"]["radius_m"] = *edit.tableRadius;
     if (edit.camera) put(rig["camera"], *edit.camera);
     for (const OpticalDevice& projector : edit.projectors) {

@@ -5,6 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "geometry/rig.h"
 
 namespace heliodon::geometry {
@@ -16,15 +18,23 @@ struct RigEdit {
         projectors; // by id: size, K, dist, R and t are replaced, or a new one is put last
 };
 
-// Writes `base` with the edit to `target`, which may be the same file. `base` may be empty: a new rig; or a
-// rig still without a camera. Throws InputError when `base` is no vh-rig/1, or when `target` cannot be
-// written.
-void writeRig(const std::filesystem::path& target, const std::filesystem::path& base, const RigEdit& edit);
+// A rig file as it was when it was opened: it is read once, so that it may be a pipe.
+class RigFile {
+public:
+    // `file` may be empty: a new rig; or a rig still without a camera. Throws InputError when it is no
+    // vh-rig/1.
+    explicit RigFile(const std::filesystem::path& file);
 
-// Whether a rig, which may have no camera yet, says how large its table is.
-bool namesTable(const std::filesystem::path& base);
+    bool namesTable() const; // whether it says how large its table is
+    Rig rig() const;         // throws what readRig would
 
-// Throws what writeRig would, before there is anything to write.
-void refuseRigEdit(const std::filesystem::path& target, const std::filesystem::path& base);
+    // The file with the edit, to `target`, which may be the same file. Throws InputError when it cannot be
+    // written.
+    void write(const std::filesystem::path& target, const RigEdit& edit) const;
+
+private:
+    std::filesystem::path file_;
+    nlohmann::ordered_json document_; // keeps the file's order
+};
 
 } // namespace heliodon::geometry

@@ -63,7 +63,7 @@ bool onIsoLine(ivec2 at, vec4 texel) {
 vec3 shown(ivec2 at) {
     vec4 texel = texelFetch(scene, at, 0);
     if (kTone == kToneRaw && !kProjector) return texel.a == 1.0 ? 1000.0 * texel.rgb : vec3(0);
-    if (!kProjector && texel.a != 1.0) return texel.a == 0.0 ? params.background : texel.rgb;
+    if (!kProjector && texel.a != 1.0) return texel.rgb;
     vec3 value = toned(texel.rgb);
     if (kTone == kToneFalseColour && params.isoCount > 0u && onIsoLine(at, texel))
         value = dot(value, kLuminance) > 0.2 ? vec3(0) : vec3(1);

@@ -12,9 +12,10 @@ namespace heliodon::vision {
 // What card returns over what the table under the same light does, per channel; `table`: light that the bare
 // table returns. None on a white table. Walls' faces and ends and the rings of tokens are card: brighter than
 // a table of another colour in every channel and of one chroma, which no paint is. Light may do that too, and
-// the grain of wood, but they lie anywhere; card lies next to painted tops, and on a coloured table outshines all
-// that has the table's chroma there. So does card on a black table, of the table's chroma as it is. One pass over
-// the table in the photograph; two for each chroma that is bright enough, on a white table seldom any.
+// the grain of wood, but they lie anywhere; card lies next to painted tops, and on a coloured table outshines
+// all that has the table's chroma there. So does card on a black table, of the table's chroma as it is. One
+// pass over the table in the photograph; two for each chroma that is bright enough, on a white table seldom
+// any.
 std::optional<glm::vec3> findCard(const PlanView& view, const TableRegion& region, const LightGrid& table);
 
 } // namespace heliodon::vision

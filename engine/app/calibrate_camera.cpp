@@ -12,6 +12,7 @@
 #include "engine/app/progress.h"
 #include "geometry/input_error.h"
 #include "geometry/rig_edit.h"
+#include "geometry/whole_file.h"
 #include "vision/calibration_overlay.h"
 #include "vision/camera_calibration.h"
 
@@ -82,9 +83,10 @@ size_t flatPicture(Run& run, const CalibrateCameraArguments& arguments) {
 }
 
 // None: the rig has one.
-std::optional<double> tableRadius(Run& run, const CalibrateCameraArguments& arguments) {
+std::optional<double> tableRadius(Run& run, const CalibrateCameraArguments& arguments,
+                                  const geometry::RigFile& rig) {
     if (arguments.tableDiameter > 0) return 0.5 * arguments.tableDiameter;
-    if (!arguments.rig.empty() && geometry::namesTable(arguments.rig)) return std::nullopt;
+    if (rig.namesTable()) return std::nullopt;
     const double radius = geometry::Rig{}.tableRadius;
     run.assume(fmt::format("a table {:.4g} m across (--table says another)", 2 * radius));
     return radius;
@@ -189,7 +191,8 @@ void execute(Run& run, const CalibrateTargetArguments& arguments) {
 void execute(Run& run, const CalibrateCameraArguments& arguments) {
     const vision::CalibrationTarget target = vision::makeTarget(arguments.boardEdge);
     const size_t flat = flatPicture(run, arguments);
-    geometry::refuseRigEdit(arguments.output, arguments.rig);
+    geometry::refuseUnwritable(arguments.output);
+    const geometry::RigFile rig(arguments.rig);
     std::optional<OutputFolder> overlays;
     if (!arguments.overlay.empty()) {
         refuseOverwriting(arguments);
@@ -242,7 +245,7 @@ void execute(Run& run, const CalibrateCameraArguments& arguments) {
     if (!arguments.rig.empty())
         run.note("the projectors of the rig, if any, were calibrated with its former camera: calibrate them "
                  "again");
-    geometry::writeRig(arguments.output, arguments.rig, {tableRadius(run, arguments), world.camera, {}});
+    rig.write(arguments.output, {tableRadius(run, arguments, rig), world.camera, {}});
 }
 
 } // namespace heliodon::app

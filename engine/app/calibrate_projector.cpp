@@ -144,8 +144,9 @@ void execute(Run& run, const CalibrateProjectorArguments& arguments) {
         throw geometry::InputError(
             "--id", "",
             fmt::format("{} names for {} folders", arguments.ids.size(), arguments.folders.size()));
-    const geometry::Rig rig = geometry::readRig(arguments.rig);
-    geometry::refuseRigEdit(arguments.output, arguments.rig);
+    const geometry::RigFile file(arguments.rig);
+    const geometry::Rig rig = file.rig();
+    geometry::refuseUnwritable(arguments.output);
     std::vector<CalibrationFolder> folders;
     std::set<std::string> ids;
     for (size_t i = 0; i < arguments.folders.size(); ++i) {
@@ -180,7 +181,7 @@ void execute(Run& run, const CalibrateProjectorArguments& arguments) {
         edit.projectors.push_back(result.projector);
         edit.projectors.back().id = folder.id;
     }
-    geometry::writeRig(arguments.output, arguments.rig, edit);
+    file.write(arguments.output, edit);
 }
 
 } // namespace heliodon::app

@@ -25,17 +25,42 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "binary tables are written as they lie in memory");
 
-std::vector<std::string> splitCsv(const std::string& line) {
+std::string trimmed(const std::string& text) {
+    const size_t first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
+    return first == std::string::npos ? "" : text.substr(first, last - first + 1);
+}
+
+// After RFC 4180: commas in quotes part nothing, two quotes in quotes are one. Blanks round a cell do not
+// count. Only a cell that goes over several lines is refused.
+std::vector<std::string> splitCsv(const std::string& line, const std::string& file, size_t number) {
     std::vector<std::string> cells;
-    size_t start = 0;
-    while (true) {
-        const size_t comma = line.find(',', start);
-        std::string cell = line.substr(start, comma == std::string::npos ? std::string::npos : comma - start);
-        const size_t first = cell.find_first_not_of(" \t\""), last = cell.find_last_not_of(" \t\"");
-        cells.push_back(first == std::string::npos ? "" : cell.substr(first, last - first + 1));
-        if (comma == std::string::npos) return cells;
-        start = comma + 1;
+    for (size_t at = 0; at <= line.size(); ++at) { // behind a comma, or at the start
+        const size_t first = std::min(line.find_first_not_of(" \t", at), line.size());
+        std::string cell;
+        if (first == line.size() || line[first] != '"') {
+            const size_t comma = std::min(line.find(',', at), line.size());
+            cells.push_back(trimmed(line.substr(at, comma - at)));
+            at = comma;
+            continue;
+        }
+        for (at = first + 1;; ++at) {
+            if (at >= line.size())
+                throw InputError(file, std::to_string(number),
+                                 "a quoted cell does not end in its line, expected a closing quote");
+            if (line[at] == '"') {
+                if (at + 1 >= line.size() || line[at + 1] != '"') break;
+                ++at;
+            }
+            cell += line[at];
+        }
+        const size_t comma = std::min(line.find(',', at), line.size());
+        if (!trimmed(line.substr(at + 1, comma - at - 1)).empty())
+            throw InputError(file, std::to_string(number),
+                             "text follows a closing quote, expected a comma or the line's end");
+        cells.push_back(trimmed(cell));
+        at = comma;
     }
+    return cells;
 }
 
 double numberIn(const std::string& cell, const std::string& file, size_t line, const char* column) {
@@ -76,7 +101,7 @@ SensorTable readSensors(const std::filesystem::path& file, geometry::UpAxis up) 
     table.header = line;
     constexpr std::array<const char*, 6> kNames{"x", "y", "z", "nx", "ny", "nz"};
     std::array<size_t, 6> column{};
-    const std::vector<std::string> header = splitCsv(line);
+    const std::vector<std::string> header = splitCsv(line, file.string(), 1);
     for (size_t k = 0; k < kNames.size(); ++k) {
         const auto found = std::find(header.begin(), header.end(), kNames[k]);
         if (found == header.end())
@@ -88,7 +113,7 @@ SensorTable readSensors(const std::filesystem::path& file, geometry::UpAxis up) 
         throw InputError(file.string(), "1", "has a column lux already, expected sensors without results");
     for (size_t number = 2; getTextLine(in, line); ++number) {
         if (line.find_first_not_of(" \t") == std::string::npos) continue;
-        const std::vector<std::string> cells = splitCsv(line);
+        const std::vector<std::string> cells = splitCsv(line, file.string(), number);
         if (cells.size() != header.size())
             throw InputError(file.string(), std::to_string(number),
                              fmt::format("has {} columns, the header has {}", cells.size(), header.size()));

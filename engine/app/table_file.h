@@ -21,7 +21,8 @@ struct SensorTable {
     std::vector<glm::dvec3> points, normals; // world axes, normals of unit length
 };
 
-// CSV with a header that names x,y,z,nx,ny,nz, in any order among other columns; model units and axes.
+// CSV with a header that names x,y,z,nx,ny,nz, in any order among other columns; model units and axes. Cells
+// may be quoted (RFC 4180), but not go over several lines.
 // Throws InputError naming the line: missing columns, text or NaN where a number belongs, a normal of length
 // zero, no rows.
 SensorTable readSensors(const std::filesystem::path& file, geometry::UpAxis up);

@@ -240,7 +240,6 @@ io::DisplayParams FrameRenderer::State::displayParams(const compute::Lighting& l
     params.white =
         static_cast<float>(1e-3 * tone.whiteLux.value_or(passes::autoWhite(model->scene.mesh, light)));
     params.fullScale = 1;
-    params.background = glm::vec3(0.62f, 0.64f, 0.67f);
     if (tone.map != ToneMap::falseColour) return params;
     const FalseScale scale = falseScale(tone, passes::shownLux(model->scene.mesh, light));
     params.falseLinear = scale.linear;
@@ -311,6 +310,7 @@ SceneInputs FrameRenderer::State::previewInputs(const View& view, const std::opt
     inputs.sun = sun;
     if (quantity == Quantity::exitance) return inputs; // nothing but what is simulated
     // Display colours; alpha 2 marks what is not simulated.
+    inputs.background = {0.62f, 0.64f, 0.67f, 2};
     inputs.solids.push_back(
         {&model->table.corners, model->table.count, {0.46f, 0.45f, 0.44f, 2}, 0, 0, false});
     if (quantity == Quantity::illuminance) { // a see-through wall would falsify what is read off

@@ -106,12 +106,14 @@ void bindStreams(VkCommandBuffer commands, std::initializer_list<const gpu::Buff
                            offsets.data());
 }
 
-void begin(VkCommandBuffer commands, const SceneTarget& target, const PixelRect& drawn) {
+void begin(VkCommandBuffer commands, const SceneTarget& target, const PixelRect& drawn,
+           glm::vec4 background) {
     VkRenderingAttachmentInfo colour{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
     colour.imageView = target.colour.view();
     colour.imageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
     colour.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
     colour.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+    colour.clearValue.color = {{background.r, background.g, background.b, background.a}};
     VkRenderingAttachmentInfo depth{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
     depth.imageView = target.depth.view();
     depth.imageLayout = VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
@@ -157,7 +159,7 @@ void ScenePass::record(gpu::Commands& commands, const SceneTarget& target, const
                         Stage::fragment, Stage::colour);
     commands.transition(target.depth, VK_IMAGE_LAYOUT_UNDEFINED,
                         VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL, Stage::depth, Stage::depth);
-    begin(buffer, target, inputs.view->drawn);
+    begin(buffer, target, inputs.view->drawn, inputs.background);
     io::SceneParams params{};
     params.clipFromWorld = inputs.view->clipFromWorld;
     params.eye = inputs.view->eye;

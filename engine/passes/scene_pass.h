@@ -57,6 +57,7 @@ struct SceneInputs {
     const View* view = nullptr;
     SurfaceStreams surfaces;
     std::vector<SolidDraw> solids;  // see-through ones last
+    glm::vec4 background{0};        // where nothing is drawn; what is seen through is blended over it, too
     std::optional<SunDraw> sun;     // none: neither volumes nor the sun pass are recorded
     bool projector = false;         // alpha = gain of a projector instead of 1
     float shownReflectance = 0.84f; // of the physical surface, for a projector

@@ -13,7 +13,6 @@ struct DisplayParams {
     float fullScale;    // drive of white times gain; 1 in previews
     float blackLevel;   // what the projector leaks, fraction of full
     float gamma;        // of the display; 0: the attachment encodes sRGB
-    vec3 background;    // of previews; linear
     float falseLow;     // log10 lux (or lux where the scale is linear) at both ends of the scale
     float falseHigh;
     uint falseLinear;

@@ -103,7 +103,7 @@ protected:
         scene.patterns = {512, 384, 16};
         scene.projector = vision::deviceLooking({0.8, 1.1, -0.8}, {-0.2, 0, 0.2}, {0, 1, 0},
                                                 {720, 722, 260, 10, 0, {}}, 512, 384);
-        geometry::writeRig(in("rig.json"), "", {{}, scene.camera, {}});
+        geometry::RigFile("").write(in("rig.json"), {{}, scene.camera, {}});
     }
 
     // The camera's pictures of the patterns on plane_0 to plane_2, 6 cm apart, in the folder `name`.

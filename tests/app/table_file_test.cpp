@@ -24,6 +24,31 @@ TEST_F(TableFile, sensors_keep_other_columns_and_turn_with_the_up_axis) {
     EXPECT_EQ(table.normals[0], glm::dvec3(0, 1, 0));
 }
 
+TEST_F(TableFile, sensors_may_be_quoted) {
+    const std::string row = "\"desk, \"\"north\"\" side\",\"1.5\", \"2\" ,\" 3\",0,\"0\",\"-1e0\",";
+    test::writeText(in("s.csv"), "\"place\",\"x\",\"y\",z,nx,ny,nz,\"a, b\"\n" + row + "\n");
+    const SensorTable table = readSensors(in("s.csv"), geometry::UpAxis::y);
+    ASSERT_EQ(table.rows.size(), 1u);
+    EXPECT_EQ(table.rows[0], row);
+    EXPECT_EQ(table.points[0], glm::dvec3(1.5, 2, 3));
+    EXPECT_EQ(table.normals[0], glm::dvec3(0, 0, -1));
+    const std::pair<const char*, const char*> refused[]{
+        {"\"1,2,3,0,0,1", "s.csv:2: a quoted cell does not end in its line, expected a closing quote"},
+        {"1,2,3,0,0,\"1\"\"", "s.csv:2: a quoted cell does not end in its line, expected a closing quote"},
+        {"1,2,\"3\"x,0,0,1", "s.csv:2: text follows a closing quote, expected a comma or the line's end"},
+        {"\"1,2\",3,0,0,1", "s.csv:2: has 5 columns, the header has 6"},
+        {"1,\"two\",3,0,0,1", "s.csv:2: column y is 'two', expected a number"}};
+    for (const auto& [line, message] : refused) {
+        test::writeText(in("s.csv"), std::string("x,y,z,nx,ny,nz\n") + line + "\n");
+        try {
+            readSensors(in("s.csv"), geometry::UpAxis::y);
+            ADD_FAILURE() << line << " was accepted";
+        } catch (const InputError& error) {
+            EXPECT_TRUE(std::string(error.what()).ends_with(message)) << error.what();
+        }
+    }
+}
+
 TEST_F(TableFile, bad_sensors_are_refused_by_line) {
     for (const char* text : {"", "x,y,z\n1,2,3\n", "x,y,z,nx,ny,nz\n", "x,y,z,nx,ny,nz\n1,2,3,0,0\n",
                              "x,y,z,nx,ny,nz\n1,2,nan,0,0,1\n", "x,y,z,nx,ny,nz\n1,2,3,0,0,0\n"}) {

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "geometry/input_error.h"
+#include "geometry/rig_edit.h"
 
 namespace heliodon::geometry {
 namespace {
@@ -166,6 +167,26 @@ TEST(Rig, names_the_wrong_field) {
         const std::string what = complaint(replaced(kPlainRig, c.from, c.to));
         EXPECT_NE(what.find(c.expected), std::string::npos) << what << "\nexpected: " << c.expected;
     }
+}
+
+TEST(RigFile, is_read_once_and_keeps_what_it_does_not_know) {
+    const auto path = std::filesystem::path(testing::TempDir()) / "heliodon_rig_file_test.json";
+    std::ofstream(path) << R"({"format": "vh-rig/1", "colour": "grey", "table": {"radius_m": 0.4}})";
+    const RigFile file(path);
+    std::filesystem::remove(path); // as a pipe is empty once it was read
+    EXPECT_TRUE(file.namesTable());
+    EXPECT_THROW(file.rig(), InputError); // no camera yet
+    OpticalDevice camera;
+    camera.width = 640, camera.height = 480;
+    camera.lens = {700, 700, 320, 240, 0, {}};
+    camera.translation = {0, 0, 2};
+    file.write(path, {0.5, camera, {}});
+    EXPECT_EQ(readRig(path).camera.lens.fx, 700);
+    const RigFile written(path);
+    EXPECT_EQ(written.rig().tableRadius, 0.5);
+    std::ifstream in(path);
+    EXPECT_NE(std::string(std::istreambuf_iterator<char>(in), {}).find("grey"), std::string::npos);
+    EXPECT_FALSE(RigFile("").namesTable());
 }
 
 TEST(Rig, survives_a_file_cut_anywhere) {

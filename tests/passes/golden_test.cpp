@@ -91,5 +91,37 @@ TEST(Golden, a_frame_without_sun_is_the_one_whose_sun_shines_on_nothing) {
     EXPECT_EQ(renderer.preview(night, options).rgb, renderer.preview(below, options).rgb);
 }
 
+// Walls are drawn as on glass, over whatever lies behind them: also over nothing, beyond a small table's
+// edge.
+TEST(Golden, tops_of_walls_show_against_the_background) {
+    const test::SketchScene scene = test::sketchScene(6);
+    FrameRendererOptions small;
+    small.tableRadius = 0.01;
+    FrameRenderer renderer(test::device(), scene.mesh, scene.occluders, nullptr, small);
+    PreviewOptions options;
+    options.width = 256;
+    options.height = 192;
+    const Image8 drawn = renderer.preview(scene.light, options);
+    options.tone.map = ToneMap::falseColour;
+    options.tone.legend = false;
+    const Image8 opaque = renderer.preview(scene.light, options);
+    const uint8_t background[3] = {206, 209, 214}, top[3] = {228, 226, 224}; // sRGB
+    int seen = 0, lost = 0, beyond = 0;
+    for (int y = 0; y < drawn.height; ++y)
+        for (int x = 0; x < drawn.width; ++x) {
+            const auto is = [&](const Image8& picture, const uint8_t* colour) {
+                return std::equal(colour, colour + 3, picture.pixel(x, y),
+                                  [](int a, int b) { return std::abs(a - b) <= 1; });
+            };
+            beyond += is(opaque, background);
+            if (!is(opaque, top)) continue;
+            ++seen;
+            lost += is(drawn, background);
+        }
+    EXPECT_GT(beyond, 1000);
+    EXPECT_GT(seen, 100);
+    EXPECT_EQ(lost, 0);
+}
+
 } // namespace
 } // namespace heliodon::passes
