@@ -13,6 +13,8 @@
 namespace heliodon::vision {
 namespace {
 
+constexpr double kMostOff = 0.01; // of the picture's width, rms: beyond, the corners are no projector's
+
 // One correspondence, with where it comes from.
 struct Origin {
     size_t plane, corner;
@@ -236,6 +238,11 @@ ProjectorCalibration calibrateProjector(const geometry::OpticalDevice& camera, i
     result.projector = deviceOf(solution, width, height);
     result.sigma = solution.fit.sigma;
     result.rms = solution.rms();
+    if (result.rms > kMostOff * width)
+        throw CalibrationError(fmt::format(
+            "the corners lie {:.0f} projector pixels off those of any lens: are the planes in order, their "
+            "heights right, and all pictures of one projector?",
+            result.rms));
     result.coverage = coverageOf({&work.points, 1}, width, height);
     measureOnPlanes(work.points, result);
     examinePlanes(work, solution, planes, width, height, result);

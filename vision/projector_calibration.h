@@ -43,8 +43,9 @@ constexpr size_t kLeastPlanes = 2, kLeastCorners = 12; // of a plane
 // Planes with fewer than kLeastCorners corners are left out. Corners that do not lie on the plane of most are
 // left out first (light that falls beside the board), then those beyond 4.5 robust deviations. The lens gets
 // k1, k2, p1 and p2, k3 only as far as they lower the residual by more than chance.
-// Throws CalibrationError with fewer than kLeastPlanes planes at different heights, or where they do not
-// determine the lens. About 2 s for nine planes of 500 corners.
+// Throws CalibrationError with fewer than kLeastPlanes planes at different heights, where they do not
+// determine the lens, and where no lens comes within a hundredth of the picture's width of the corners. About
+// 2 s for nine planes of 500 corners.
 ProjectorCalibration calibrateProjector(const geometry::OpticalDevice& camera, int width, int height,
                                         const std::vector<ProjectorPlane>& planes);
 

@@ -166,6 +166,9 @@ TEST(CalibrateProjector, a_wrong_height_is_noticed_and_too_little_refused) {
     bool named = false;
     for (const std::string& warning : warnings) named = named || warning.find("off") != std::string::npos;
     EXPECT_TRUE(named);
+    auto swapped = decode(scene, kHeights);
+    std::swap(swapped[1].corners, swapped[swapped.size() - 1].corners);
+    EXPECT_THROW(calibrate(scene, swapped), CalibrationError);
     EXPECT_THROW(calibrate(scene, {planes[0]}), CalibrationError);
     EXPECT_THROW(calibrate(scene, {planes[0], planes[0]}), CalibrationError);
     EXPECT_THROW(calibrate(scene, {{0, {}}, {0.1, {}}}), CalibrationError);
