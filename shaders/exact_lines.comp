@@ -29,6 +29,7 @@ const float kRadonNearLow = 0.25 / ((1.0 - 3.0 * kRadonNear) * (1.0 - 3.0 * kRad
 const float kLeastError = 0.1; // of what differs from point to point
 const float kMissed = 0.02; // of the piece: a corner in light or shadow between points that agree
 const float kQuickError = 2.0; // four points agree by accident more often than seven
+const uint kBitsWith[5] = uint[](0xaaaaaaaau, 0xccccccccu, 0xf0f0f0f0u, 0xff00ff00u, 0xffff0000u); // 1, 2, 4, 8, 16 in their place
 
 Origin origin;
 ExactRecord record;
@@ -99,7 +100,9 @@ float seen(vec3 point, uint k) {
         middle += a[c] / 3.0;
     }
     uint bits = seed + k * 2654435769u; // golden ratio
-    vec4 h = sqrt(0.25 * (vec4(0.0, 1.0, 2.0, 3.0) + unitOf(bits)));
+    // Jittered in strips of equal area, against one another, so that what changes linearly across the strips is exact.
+    float u = unitOf(bits);
+    vec4 h = sqrt(0.25 * (vec4(0.0, 1.0, 2.0, 3.0) + vec4(u, 1.0 - u, 1.0 - u, u)));
     vec4 jitter = fract(unitOf(hashOf(bits)) + vec4(0.0, 0.618034, 0.236068, 0.854102));
     uvec4 hidden = uvec4(0u);
     uint m = 0u;
@@ -109,14 +112,14 @@ float seen(vec3 point, uint k) {
     } while (subgroupAny(m < record.listed));
     ivec4 count = bitCount(hidden);
     hiddenOfLast = uint(count.x + count.y + count.z + count.w);
-    // The kernel as a linear function, from points of the rule of degree 2; a quarter of a line weighs as its middle. Halves
-    // would do for one point, but err alike in all pairs of a piece that a near blocker hides in part.
+    // The kernel as a linear function, from points of the rule of degree 2. Along a line each bit has its own place: quarters would
+    // do for one point, but err alike in all pairs of a piece that a near blocker hides in part.
     vec3 g = vec3(kernel(0.5 * (middle + a[0])), kernel(0.5 * (middle + a[1])), kernel(0.5 * (middle + a[2])));
     float mean = dot(g, vec3(1.0 / 3.0));
     g = mean + 2.0 * (g - mean);
-    vec4 near = g.x + h * (g.y - g.x), along = h * (g.z - g.y), lit = vec4(0.0);
-    [[unroll]] for (int quarter = 0; quarter < 4; ++quarter)
-        lit += (near + (0.25 * float(quarter) + 0.125) * along) * vec4(bitCount(~hidden >> (8 * quarter) & 0xffu));
+    vec4 near = g.x + h * (g.y - g.x), along = h * (g.z - g.y), places = 0.5 * vec4(count); // sum of those of hidden bits
+    [[unroll]] for (int b = 0; b < 5; ++b) places += float(1 << b) * vec4(bitCount(hidden & kBitsWith[b]));
+    vec4 lit = near * (32.0 - vec4(count)) + along * (16.0 - places / 32.0);
     float all = 32.0 * dot(near + 0.5 * along, vec4(1.0)), share = all > 0.0 ? max(0.0, dot(lit, vec4(1.0))) / all : 0.0;
     open_ = mean;
     return mean * share;

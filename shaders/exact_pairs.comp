@@ -91,19 +91,21 @@ float productRule(vec3 normalA, vec3 normalB) {
     return sum * kInversePi;
 }
 
-// How far a point is from a blocker, nearly: beside its plane and beyond its edges.
-float distanceTo(Origin o, vec3 point, uint face) {
+// How far both points are from a blocker, nearly: beside its plane and beyond its edges.
+vec2 distancesTo(Origin o, vec3 p, vec3 q, uint face) {
     uvec4 range = texelFetch(faceRange, int(face));
     vec3 n = texelFetch(faceNormal, int(face)).xyz, k0 = cornerFrom(o, range.x + range.y - 1u);
-    float height = dot(n, point - k0), beyond = 0.0;
+    vec2 height = vec2(dot(n, p - k0), dot(n, q - k0)), beyond = vec2(0.0);
     uint c = 0u;
     [[dont_unroll]] do {
-        vec3 k1 = cornerFrom(o, range.x + min(c, range.y - 1u));
-        if (c < range.y) beyond = max(beyond, dot(normalize(cross(k1 - k0, n)), point - k0));
+        vec3 k1 = cornerFrom(o, range.x + min(c, range.y - 1u)); // the last one again adds nothing
+        vec3 outwards = cross(k1 - k0, n);
+        outwards *= inversesqrt(max(dot(outwards, outwards), 1e-30));
+        beyond = max(beyond, vec2(dot(outwards, p - k0), dot(outwards, q - k0)));
         k0 = k1;
         ++c;
     } while (subgroupAny(c < range.y));
-    return length(vec2(height, beyond));
+    return sqrt(height * height + beyond * beyond);
 }
 
 void addRecord(uint outer, uint inner, uint firstListed, uint count, bool byLines) {
@@ -126,16 +128,15 @@ void addRecord(uint outer, uint inner, uint firstListed, uint count, bool byLine
 void addPartial(uint i, uint j, Origin o, float areaI, float areaJ, bool byLines) {
     // Points lie on the side farther from the blockers, where shadows are blurred; but not on a much larger piece.
     vec3 ci = centreFrom(o, i), cj = centreFrom(o, j);
-    float clearI = 1e30, clearJ = 1e30;
+    vec2 clear = vec2(1e30);
     uint count = min(listedCount, kExactListed);
     uint m = 0u;
     [[dont_unroll]] do {
         uint face = listed[min(m, count - 1u)];
-        clearI = min(clearI, distanceTo(o, ci, face));
-        clearJ = min(clearJ, distanceTo(o, cj, face));
+        clear = min(clear, distancesTo(o, ci, cj, face));
         ++m;
     } while (subgroupAny(m < count));
-    bool iIsOuter = clearI * sqrt(areaJ) >= clearJ * sqrt(areaI);
+    bool iIsOuter = clear.x * sqrt(areaJ) >= clear.y * sqrt(areaI);
     uint first = atomicAdd(counters[kExactListCount], count);
     atomicAdd(counters[kExactPartialCount], 1u);
     bool fits = first + count <= params.listCapacity;

@@ -93,13 +93,14 @@ public:
         Look look;
         double all = 0;
         for (size_t line = 0; line < 4; ++line) {
-            const double h = std::sqrt(0.25 * (static_cast<double>(line) + unitOf(bits)));
+            const double u = unitOf(bits), across = line == 1 || line == 2 ? 1 - u : u;
+            const double h = std::sqrt(0.25 * (static_cast<double>(line) + across));
             const double jitter = std::fmod(unitOf(hashOf(bits)) + kShift[line], 1.0);
             const uint32_t hidden =
                 hiddenOf(point, glm::mix(inner_[0], inner_[1], h), glm::mix(inner_[0], inner_[2], h), jitter);
             look.hiddenBits += static_cast<uint32_t>(std::popcount(hidden));
-            for (uint32_t bit = 0; bit < 32; ++bit) { // as heavy as the middle of its quarter of the line
-                const double along = (bit / 8 + 0.5) / 4;
+            for (uint32_t bit = 0; bit < 32; ++bit) { // as heavy as its middle
+                const double along = (bit + 0.5) / 32;
                 const double weight = g[0] + h * (g[1] + along * (g[2] - g[1]) - g[0]);
                 all += weight;
                 if (!(hidden >> bit & 1u)) look.seen += weight;
