@@ -11,6 +11,7 @@
 #include <glm/vec2.hpp>
 
 #include "geometry/bounds.h"
+#include "geometry/clip_polygon.h"
 #include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
 
@@ -80,15 +81,11 @@ Flat hullOf(const std::vector<Flat>& parts, double flat) {
 
 Flat half(const Flat& polygon, dvec2 point, dvec2 direction, double sign, double flat) {
     Flat result;
-    for (size_t k = 0; k < polygon.size(); ++k) {
-        const dvec2 p = polygon[k], q = polygon[(k + 1) % polygon.size()];
-        double dp = sign * geometry::cross(direction, p - point),
-               dq = sign * geometry::cross(direction, q - point);
-        if (std::abs(dp) <= flat) dp = 0;
-        if (std::abs(dq) <= flat) dq = 0;
-        if (dp >= 0) result.push_back(p);
-        if ((dp > 0 && dq < 0) || (dp < 0 && dq > 0)) result.push_back(p + dp / (dp - dq) * (q - p));
-    }
+    const auto height = [&](dvec2 p) {
+        const double d = sign * geometry::cross(direction, p - point);
+        return std::abs(d) <= flat ? 0 : d;
+    };
+    geometry::clip<dvec2>(polygon, height, result);
     return result;
 }
 
@@ -181,7 +178,7 @@ void convexParts(std::vector<Flat> parts, double flat, int depth, std::vector<Fl
         std::vector<Flat> side;
         for (const Flat& part : parts) {
             Flat piece = half(part, best->point, best->direction, sign, flat);
-            if (piece.size() >= 3 && areaOf(piece) > flat * flat) side.push_back(std::move(piece));
+            if (areaOf(piece) > flat * flat) side.push_back(std::move(piece));
         }
         convexParts(std::move(side), flat, depth - 1, result);
     }

@@ -13,6 +13,7 @@
 #include "compute/lighting.h"
 #include "compute/view_cells.h"
 #include "geometry/bounds.h"
+#include "geometry/clip_polygon.h"
 #include "geometry/outline_area.h"
 
 namespace heliodon::compute {
@@ -25,17 +26,12 @@ constexpr double kPi = std::numbers::pi;
 
 // The parts of a polygon above and below the horizontal plane through the point.
 void splitAtHorizon(const PointView::Polygon& polygon, PointView::Polygon& sky, PointView::Polygon& ground) {
-    sky.clear(), ground.clear();
-    for (size_t k = 0; k < polygon.size(); ++k) {
-        const dvec3 &p = polygon[k], &q = polygon[(k + 1) % polygon.size()];
-        if (p.y >= 0) sky.push_back(p);
-        if (p.y <= 0) ground.push_back(p);
-        if ((p.y > 0 && q.y < 0) || (p.y < 0 && q.y > 0)) {
-            dvec3 on = p + (q - p) * (p.y / (p.y - q.y));
-            on.y = 0;
-            sky.push_back(on), ground.push_back(on);
-        }
-    }
+    geometry::clip<dvec3>(
+        polygon, [](const dvec3& p) { return p.y; }, sky);
+    geometry::clip<dvec3>(
+        polygon, [](const dvec3& p) { return -p.y; }, ground);
+    for (dvec3& p : sky) p.y = std::max(p.y, 0.0);
+    for (dvec3& p : ground) p.y = std::min(p.y, 0.0);
 }
 
 dvec3 normalOf(const ConvexRegion& region) {
@@ -45,14 +41,8 @@ dvec3 normalOf(const ConvexRegion& region) {
 // What of a convex polygon lies more than `least` behind a plane.
 void behind(std::span<const dvec3> polygon, dvec3 origin, dvec3 normal, double least,
             PointView::Polygon& result) {
-    result.clear();
-    const auto depth = [&](dvec3 p) { return glm::dot(origin - p, normal) - least; };
-    for (size_t k = 0; k < polygon.size(); ++k) {
-        const dvec3 &p = polygon[k], &q = polygon[(k + 1) % polygon.size()];
-        const double dp = depth(p), dq = depth(q);
-        if (dp >= 0) result.push_back(p);
-        if ((dp > 0 && dq < 0) || (dp < 0 && dq > 0)) result.push_back(p + (q - p) * (dp / (dp - dq)));
-    }
+    geometry::clip<dvec3>(
+        polygon, [&](const dvec3& p) { return glm::dot(origin - p, normal) - least; }, result);
 }
 
 void cornersOf(const geometry::PatchMesh& mesh, size_t patch, std::vector<dvec3>& corners) {

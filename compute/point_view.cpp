@@ -11,6 +11,7 @@
 #include <glm/vec2.hpp>
 
 #include "geometry/bounds.h"
+#include "geometry/clip_polygon.h"
 #include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
 
@@ -23,18 +24,8 @@ namespace {
 // The part of a convex polygon where dot(p, normal) >= offset (or <= with `sign` -1).
 void cut(std::span<const dvec3> polygon, dvec3 normal, double offset, double sign,
          PointView::Polygon& result) {
-    result.clear();
-    const size_t n = polygon.size();
-    double before = sign * (glm::dot(polygon[n - 1], normal) - offset);
-    for (size_t k = 0; k < n; ++k) {
-        const dvec3 &p = polygon[k], &q = polygon[(k + n - 1) % n];
-        const double now = sign * (glm::dot(p, normal) - offset);
-        if ((before > 0 && now < 0) || (before < 0 && now > 0))
-            result.push_back(q + (p - q) * (before / (before - now)));
-        if (now >= 0) result.push_back(p);
-        before = now;
-    }
-    if (result.size() < 3) result.clear();
+    geometry::clip<dvec3>(
+        polygon, [&](const dvec3& p) { return sign * (glm::dot(p, normal) - offset); }, result);
 }
 
 double areaOf(std::span<const dvec3> polygon) {

@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "geometry/bounds.h"
+#include "geometry/clip_polygon.h"
 #include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
 
@@ -21,38 +22,25 @@ double area(const Polygon& p) {
     return 0.5 * twice;
 }
 
-// The parts of `p` left (inside) and right (outside) of the line a -> b; either may come out empty.
-void split(const Polygon& p, glm::dvec2 a, glm::dvec2 b, Polygon* left, Polygon* right) {
-    const glm::dvec2 along = b - a;
-    for (size_t k = 0; k < p.size(); ++k) {
-        const glm::dvec2 q = p[k], r = p[(k + 1) % p.size()];
-        const double dq = geometry::cross(along, q - a), dr = geometry::cross(along, r - a);
-        if (left && dq >= 0) left->push_back(q);
-        if (right && dq <= 0) right->push_back(q);
-        if ((dq > 0 && dr < 0) || (dq < 0 && dr > 0)) {
-            const glm::dvec2 on = q + (r - q) * (dq / (dq - dr));
-            if (left) left->push_back(on);
-            if (right) right->push_back(on);
-        }
-    }
-    if (left && left->size() < 3) left->clear();
-    if (right && right->size() < 3) right->clear();
+// The part of `p` left of the line a -> b (`side` 1) or right of it (-1).
+Polygon beside(const Polygon& p, glm::dvec2 a, glm::dvec2 b, double side) {
+    Polygon result;
+    geometry::clip<glm::dvec2>(
+        p, [&](glm::dvec2 q) { return side * geometry::cross(b - a, q - a); }, result);
+    return result;
 }
 
 Polygon intersection(Polygon p, const Polygon& convex) {
-    for (size_t k = 0; k < convex.size() && !p.empty(); ++k) {
-        Polygon inside;
-        split(p, convex[k], convex[(k + 1) % convex.size()], &inside, nullptr);
-        p = std::move(inside);
-    }
+    for (size_t k = 0; k < convex.size() && !p.empty(); ++k)
+        p = beside(p, convex[k], convex[(k + 1) % convex.size()], 1);
     return p;
 }
 
 // Appends `p` minus `convex` as convex pieces of more than `least` area.
 void subtract(Polygon p, const Polygon& convex, double least, std::vector<Polygon>& pieces) {
     for (size_t k = 0; k < convex.size() && !p.empty(); ++k) {
-        Polygon inside, outside;
-        split(p, convex[k], convex[(k + 1) % convex.size()], &inside, &outside);
+        const glm::dvec2 a = convex[k], b = convex[(k + 1) % convex.size()];
+        Polygon inside = beside(p, a, b, 1), outside = beside(p, a, b, -1);
         if (!outside.empty() && area(outside) > least) pieces.push_back(std::move(outside));
         p = std::move(inside);
     }
@@ -156,20 +144,13 @@ void SunPatches::project(const SunScene& scene, bool clipAnyway) {
 }
 
 Polygon SunPatches::inFrontOf(const Face& face, const Receiver& receiver) const {
-    const auto& corners = face.region->corners;
-    const double least = 1e-9 * scale_;
+    const auto height = [&](const glm::dvec3& p) { return glm::dot(p - receiver.point, receiver.normal); };
+    std::vector<glm::dvec3> above;
+    geometry::clip<glm::dvec3>(face.region->corners, height, above);
+    if (std::ranges::none_of(above, [&](const glm::dvec3& p) { return height(p) > 1e-9 * scale_; }))
+        return {};
     Polygon result;
-    bool any = false;
-    for (size_t k = 0; k < corners.size(); ++k) {
-        const glm::dvec3 a = corners[k], b = corners[(k + 1) % corners.size()];
-        const double ha = glm::dot(a - receiver.point, receiver.normal),
-                     hb = glm::dot(b - receiver.point, receiver.normal);
-        any |= ha > least;
-        if (ha >= 0) result.push_back(project(a));
-        if ((ha > 0 && hb < 0) || (ha < 0 && hb > 0))
-            result.push_back(project(a + (b - a) * (ha / (ha - hb))));
-    }
-    if (!any || result.size() < 3) return {};
+    for (const glm::dvec3& p : above) result.push_back(project(p));
     if (area(result) < 0) std::reverse(result.begin(), result.end());
     return result;
 }
