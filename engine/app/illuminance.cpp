@@ -34,8 +34,8 @@ std::string patchTable(const Scene& scene, const std::vector<compute::LightParts
         const glm::dvec3 p = modelFromWorld(geometry::patchCentroid(mesh, i), scene.up);
         const glm::dvec3 n = modelFromWorld(geometry::patchNormal(mesh, i), scene.up);
         text += fmt::format("{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6g},{},{}\n", p.x, p.y, p.z, n.x,
-                            n.y, n.z, geometry::patchArea(mesh, i), mesh.materials[mesh.material[i]].name,
-                            luxColumns(patches[i]));
+                            n.y, n.z, geometry::patchArea(mesh, i),
+                            csvField(mesh.materials[mesh.material[i]].name), luxColumns(patches[i]));
     }
     return text;
 }
@@ -83,13 +83,26 @@ struct Solution {
     std::string title; // when, under which sky
 };
 
-Solution solveOn(Run& run, const IlluminanceArguments& arguments, size_t triangles) {
-    // Small files first: a typing error there should not cost the form factors.
+// What is read once, however many meshes are tried.
+struct Input {
+    std::optional<SensorTable> sensors;
+    SceneSource scene;
+};
+
+// Small files first: a typing error there should not cost the detection.
+Input readInput(Run& run, const IlluminanceArguments& arguments) {
+    Input input;
+    if (!arguments.sensors.empty()) input.sensors = readSensors(arguments.sensors, upAxisOf(arguments.scene));
+    input.scene = readSource(run, arguments.scene);
+    return input;
+}
+
+Solution solveOn(Run& run, const IlluminanceArguments& arguments, const Input& input, size_t triangles) {
     Solution s;
-    if (!arguments.sensors.empty()) s.sensors = readSensors(arguments.sensors, upAxisOf(arguments.scene));
+    s.sensors = input.sensors;
     SceneArguments meshed = arguments.scene;
     meshed.triangles = triangles;
-    s.scene = loadScene(run, meshed);
+    s.scene = makeScene(run, meshed, input.scene.rig, input.scene.sketch);
     const SkySource source(run, arguments.moment, s.scene);
     const daylight::Sky sky = source.skyAt(source.moment());
     s.title = source.title();
@@ -123,13 +136,13 @@ Solution solveOn(Run& run, const IlluminanceArguments& arguments, size_t triangl
 
 // The mesh, the form factors and the solution that --max-error asks for: the estimate of what the mesh leaves
 // open falls about as the cube root of the number of triangles, or faster.
-Solution solveToError(Run& run, const IlluminanceArguments& arguments) {
+Solution solveToError(Run& run, const IlluminanceArguments& arguments, const Input& input) {
     constexpr size_t kFirst = 600, kMost = 16000;
     const double wanted = arguments.maxError;
     size_t triangles = arguments.scene.triangles.value_or(kFirst);
     nlohmann::json rounds = nlohmann::json::array();
     for (;;) {
-        Solution s = solveOn(run, arguments, triangles);
+        Solution s = solveOn(run, arguments, input, triangles);
         const double reached = reachedError(arguments.sensors.empty() ? s.moment.patches : s.moment.sensors);
         rounds.push_back({{"triangles", s.scene.mesh.patchCount()}, {"error", reached}});
         const bool enough = reached <= wanted, last = triangles >= kMost || arguments.scene.triangles;
@@ -161,10 +174,11 @@ void execute(Run& run, const IlluminanceArguments& arguments) {
         arguments.plan.extension() != ".svg")
         throw geometry::InputError(arguments.plan.string(), "",
                                    "is no kind of drawing, expected .png or .svg");
+    const Input input = readInput(run, arguments);
     const Solution solution =
         arguments.maxError > 0
-            ? solveToError(run, arguments)
-            : solveOn(run, arguments, arguments.scene.triangles.value_or(kDefaultTriangles));
+            ? solveToError(run, arguments, input)
+            : solveOn(run, arguments, input, arguments.scene.triangles.value_or(kDefaultTriangles));
     const Scene& scene = solution.scene;
     const std::optional<SensorTable>& sensors = solution.sensors;
     const bool perPatch = arguments.sensors.empty();

@@ -1,18 +1,21 @@
 #include "engine/app/interrupt.h"
 
+#include <atomic>
 #include <csignal>
 
 namespace heliodon::app {
 
 namespace {
 
-volatile std::sig_atomic_t interrupted = 0;
+// Written in a signal handler, read by all threads.
+std::atomic<bool> interrupted = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
 
 } // namespace
 
 InterruptGuard::InterruptGuard()
     : before_(std::signal(SIGINT, [](int) {
-          interrupted = 1;
+          interrupted = true;
           std::signal(SIGINT, SIG_DFL);
       })) {
     if (before_ == SIG_IGN) std::signal(SIGINT, SIG_IGN);
@@ -20,7 +23,7 @@ InterruptGuard::InterruptGuard()
 
 InterruptGuard::~InterruptGuard() {
     std::signal(SIGINT, before_);
-    interrupted = 0;
+    interrupted = false;
 }
 
 void throwIfInterrupted() {

@@ -69,7 +69,7 @@ public:
                           {"solve", figures_.solve.summary()},
                           {"draw", figures_.draw.summary()},
                           {"done_again", rows_},
-                          {"outputs", outputs_->report()}};
+                          {"outputs", outputs_ ? outputs_->report() : nlohmann::json::array()}};
         report["table"] = status.scene;
         if (lit_) {
             reportMoment(run_, lit_->moment->report);
@@ -142,12 +142,18 @@ private:
         if (!ready) return;
         const std::unique_ptr<passes::FrameScene> frame = std::move(ready->frame);
         const bool same = lit_ && ready->moment == lit_->moment && !ready->fromPicture;
-        if (ready->fromPicture) rows_.push_back(ready->scene->row);
+        if (ready->fromPicture) noteRow(ready->scene->row);
         lit_ = std::move(*ready);
         if (frame) outputs_->replaceScene(std::move(*frame));
         if (same) return;
         dirty_ = fresh_ = true;
         figures_.solve.add(lit_->solveSeconds);
+    }
+
+    void noteRow(const std::string& row) {
+        constexpr size_t kMostRows = 1000;
+        if (rows_.size() == kMostRows) rows_.erase(rows_.begin());
+        rows_.push_back(row);
     }
 
     // The windows' device has failed: another one, other windows, the same light. Goes on throwing where that
@@ -158,7 +164,7 @@ private:
         constexpr int kAttempts = 5;
         std::erase_if(outputLosses_, [](LiveClock::time_point t) { return secondsSince(t) > kWithin; });
         outputLosses_.push_back(LiveClock::now());
-        if (outputLosses_.size() > kMostLosses) throw error;
+        if (outputLosses_.size() > kMostLosses) throw;
         board_.update([](LiveStatus& status) { ++status.deviceLosses; });
         run_.warn(fmt::format("{}: the windows are opened again", error.what()));
         const LiveOutputs::Arrangement arrangement = outputs_->arrangement();
@@ -329,7 +335,7 @@ private:
     std::optional<LitScene> lit_;
     LiveFigures figures_;
     std::vector<LiveClock::time_point> frameTimes_;
-    std::vector<std::string> rows_; // what each new sketch took
+    std::vector<std::string> rows_; // what each of the latest sketches took
     LiveBoard board_;
     Latest<SeenTable> tables_;
     std::optional<LiveOutputs> outputs_; // none only while others take their place

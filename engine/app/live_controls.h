@@ -1,6 +1,8 @@
 // What keys, wheel, operator's window and play have set: when, where, under which sky, and how it is shown.
 #pragma once
 
+#include <memory>
+
 #include "engine/app/live_light.h"
 #include "engine/app/moment.h"
 #include "engine/passes/tone.h"

@@ -3,6 +3,7 @@
 // left.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <optional>

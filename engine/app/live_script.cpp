@@ -35,11 +35,8 @@ public:
     }
     size_t count(const std::string& what, size_t low, size_t high) {
         const double value = number(what, static_cast<double>(low), static_cast<double>(high));
-        if (value != std::floor(value)) refuse("expected a whole number of " + what);
+        if (value != std::floor(value)) refuse(fmt::format("expected {} as a whole number", what));
         return static_cast<size_t>(value);
-    }
-    size_t index(const std::string& what, size_t count) {
-        return static_cast<size_t>(number(what, 0, static_cast<double>(count - 1)));
     }
     bool optional(std::string& text) { return static_cast<bool>(in_ >> text); }
     const std::string& source() const { return source_; }
@@ -88,16 +85,16 @@ ScriptStep stepOf(const std::string& verb, Line& line, size_t windows, bool weat
     if (verb == "sleep") return SleepStep{line.number("seconds", 0, 86400)};
     if (verb == "time") return TimeStep{daylight::parseTime(line.word("a time"), line.source())};
     if (verb == "sky") return SkyStep{skyOf(line, weather)};
-    if (verb == "close") return CloseStep{line.index("a window", windows)};
+    if (verb == "close") return CloseStep{line.count("a window", 0, windows - 1)};
     if (verb == "snapshot") {
         const std::string name = line.word("a name");
         if (name.find('/') != std::string::npos) line.refuse("a snapshot's name is no path");
         return SnapshotStep{name};
     }
     if (verb == "resize") {
-        const size_t window = line.index("a window", windows);
-        const int width = static_cast<int>(line.number("a width", 1, 16384));
-        return ResizeStep{window, width, static_cast<int>(line.number("a height", 1, 16384))};
+        const size_t window = line.count("a window", 0, windows - 1);
+        const auto width = static_cast<int>(line.count("a width", 1, 16384));
+        return ResizeStep{window, width, static_cast<int>(line.count("a height", 1, 16384))};
     }
     present::Event event;
     if (verb == "wheel") {

@@ -11,33 +11,43 @@
 
 namespace heliodon::app {
 
-struct WaitStep {}; // wait: until all that was asked for is shown on all outputs
+// wait: until all that was asked for is shown on all outputs
+struct WaitStep {};
+// look TIMES: the same, once the table has been looked at so often since the start
 struct LookStep {
     size_t times;
-}; // look TIMES: the same, once the table has been looked at so often since the start
+};
+// sleep SECONDS
 struct SleepStep {
     double seconds;
-}; // sleep SECONDS
+};
+// time 2026-06-21T09:00solar
 struct TimeStep {
     daylight::Moment time;
-}; // time 2026-06-21T09:00solar
+};
+// sky overcast
 struct SkyStep {
     std::string sky;
-}; // sky overcast
+};
+// wheel NOTCHES [shift] [ctrl]; key K (space, escape, letters)
 struct EventStep {
     present::Event event;
-}; // wheel NOTCHES [shift] [ctrl]; key K (space, escape, letters)
+};
+// resize WINDOW WIDTH HEIGHT
 struct ResizeStep {
     size_t window;
     int width, height;
-}; // resize WINDOW WIDTH HEIGHT
+};
+// close WINDOW
 struct CloseStep {
     size_t window;
-}; // close WINDOW
+};
+// snapshot NAME
 struct SnapshotStep {
     std::string name;
-};                  // snapshot NAME
-struct QuitStep {}; // quit
+};
+// quit
+struct QuitStep {};
 
 using ScriptStep = std::variant<WaitStep, LookStep, SleepStep, TimeStep, SkyStep, EventStep, ResizeStep,
                                 CloseStep, SnapshotStep, QuitStep>;

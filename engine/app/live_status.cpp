@@ -50,14 +50,25 @@ std::vector<present::OperatorOutline> outlinesOf(const geometry::Sketch& sketch,
     return list;
 }
 
+void Durations::add(double seconds) {
+    constexpr size_t kKept = 4096;
+    if (latest_.size() < kKept)
+        latest_.push_back(static_cast<float>(seconds));
+    else
+        latest_[count_ % kKept] = static_cast<float>(seconds);
+    ++count_;
+    last_ = seconds;
+    largest_ = std::max(largest_, seconds);
+}
+
 nlohmann::json Durations::summary() const {
-    if (all_.empty()) return {{"count", 0}};
-    std::vector<float> sorted = all_;
+    if (empty()) return {{"count", 0}};
+    std::vector<float> sorted = latest_;
     std::sort(sorted.begin(), sorted.end());
     const auto rank = [&](double share) {
         return sorted[static_cast<size_t>(share * static_cast<double>(sorted.size() - 1))];
     };
-    return {{"count", all_.size()}, {"median", rank(0.5)}, {"p90", rank(0.9)}, {"max", sorted.back()}};
+    return {{"count", count_}, {"median", rank(0.5)}, {"p90", rank(0.9)}, {"max", largest_}};
 }
 
 std::vector<std::pair<std::string, std::string>> factsOf(const LiveStatus& status, const LitScene* lit,

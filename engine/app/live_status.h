@@ -11,16 +11,18 @@ namespace heliodon::app {
 // Outlines of what was detected, with names.
 std::vector<present::OperatorOutline> outlinesOf(const geometry::Sketch& sketch, const geometry::Rig& rig);
 
-// The last few durations of something, seconds.
+// How long something took, again and again, seconds; what is kept does not grow with the hours.
 class Durations {
 public:
-    void add(double seconds) { all_.push_back(static_cast<float>(seconds)); }
-    bool empty() const { return all_.empty(); }
-    double last() const { return all_.empty() ? 0 : all_.back(); }
-    nlohmann::json summary() const; // count, median, p90 and largest, seconds
+    void add(double seconds);
+    bool empty() const { return count_ == 0; }
+    double last() const { return last_; }
+    nlohmann::json summary() const; // count and largest of all; median and p90 of the latest few thousand
 
 private:
-    std::vector<float> all_;
+    std::vector<float> latest_; // a ring
+    size_t count_ = 0;
+    double last_ = 0, largest_ = 0;
 };
 
 struct LiveFigures {

@@ -1,6 +1,7 @@
 #include "engine/app/live_table.h"
 
 #include "compute/stopwatch.h"
+#include "engine/app/scene_input.h"
 #include "geometry/input_error.h"
 #include "vision/detect.h"
 #include "vision/steady_sketch.h"
@@ -58,6 +59,7 @@ private:
         const compute::Stopwatch watch;
         vision::DetectionResult found;
         try {
+            refuseGrey(*picture.photo);
             found = vision::detectSketch(*picture.photo, table_.rig_);
         } catch (const geometry::InputError& error) {
             table_.board_.update([&](LiveStatus& status) {

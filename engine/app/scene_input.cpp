@@ -82,7 +82,8 @@ double modelScale(Run& run, const std::optional<double>& given, const geometry::
     constexpr double kHighestRoom = 30.0; // few work in higher ones: a file in other units
     const geometry::Bounds box = geometry::boundsOf(building.vertices);
     const double height = box.high.y - box.low.y;
-    const bool small = height<kLowestRoom, large = height> kHighestRoom;
+    const bool small = height < kLowestRoom;
+    const bool large = height > kHighestRoom;
     std::string what = small ? "model 12 times smaller than its building" : "model as large as its building";
     if (large) {
         constexpr double kInches = 150, kCentimetres = 1000; // rooms of 4 m and 10 m
@@ -187,6 +188,12 @@ bool isPhotograph(const std::filesystem::path& input) {
     return kindOf(input) == InputKind::photograph;
 }
 
+void refuseGrey(const vision::Photograph& photograph) {
+    if (!vision::hasColor(photograph))
+        throw InputError(photograph.name, "",
+                         "is grey, expected a colour photograph: colours state what the pieces are");
+}
+
 geometry::UpAxis upAxisOf(const SceneArguments& arguments) {
     return arguments.up == "z" ? geometry::UpAxis::z : geometry::UpAxis::y;
 }
@@ -200,9 +207,7 @@ geometry::Sketch loadSketch(Run& run, const SceneArguments& arguments,
     const vision::Photograph photograph = [&] {
         const StageTimer timer(run, "read");
         auto photo = vision::readPhotograph(arguments.input);
-        if (!vision::hasColor(photo))
-            throw geometry::InputError(
-                photo.name, "", "is grey, expected a colour photograph: colours state what the pieces are");
+        refuseGrey(photo);
         return photo;
     }();
     vision::DetectionResult found = [&] {
@@ -225,17 +230,21 @@ geometry::Rig loadRig(Run& run, const std::filesystem::path& file) {
     return rig;
 }
 
-Scene loadScene(Run& run, const SceneArguments& arguments) {
+SceneSource readSource(Run& run, const SceneArguments& arguments) {
     for (const std::string& state : arguments.blinds) parseWindowState(state); // now, not after the meshing
     const InputKind kind = kindOf(arguments.input);
     if (arguments.modelScale && kind != InputKind::model)
         throw InputError("--model-scale", "",
                          "is for models from files, what lies on the table is 12 times smaller");
-    std::optional<geometry::Rig> rig;
-    if (!arguments.rig.empty()) rig = loadRig(run, arguments.rig);
-    std::optional<geometry::Sketch> sketch;
-    if (kind != InputKind::model) sketch = loadSketch(run, arguments, rig);
-    return makeScene(run, arguments, std::move(rig), std::move(sketch));
+    SceneSource source;
+    if (!arguments.rig.empty()) source.rig = loadRig(run, arguments.rig);
+    if (kind != InputKind::model) source.sketch = loadSketch(run, arguments, source.rig);
+    return source;
+}
+
+Scene loadScene(Run& run, const SceneArguments& arguments) {
+    SceneSource source = readSource(run, arguments);
+    return makeScene(run, arguments, std::move(source.rig), std::move(source.sketch));
 }
 
 Scene makeScene(Run& run, const SceneArguments& arguments, std::optional<geometry::Rig> rig,

@@ -6,11 +6,14 @@
 
 #include "engine/app/arguments.h"
 #include "engine/app/run.h"
-#include "geometry/building.h"
 #include "geometry/model_file.h"
 #include "geometry/patch_mesh.h"
 #include "geometry/rig.h"
 #include "geometry/sketch.h"
+
+namespace heliodon::vision {
+struct Photograph;
+}
 
 namespace heliodon::app {
 
@@ -30,6 +33,9 @@ struct Scene {
 // True when the input is a picture: what the file's name says.
 bool isPhotograph(const std::filesystem::path& input);
 
+// Throws InputError: colours state what the pieces are.
+void refuseGrey(const vision::Photograph& photograph);
+
 // A rig that says nothing of its table: the paper's is assumed, and noted.
 geometry::Rig loadRig(Run& run, const std::filesystem::path& file);
 
@@ -39,6 +45,13 @@ geometry::UpAxis upAxisOf(const SceneArguments& arguments);
 // of the report.
 geometry::Sketch loadSketch(Run& run, const SceneArguments& arguments,
                             const std::optional<geometry::Rig>& rig);
+
+// What loadScene reads before it meshes: the rig and the sketch of what has them.
+struct SceneSource {
+    std::optional<geometry::Rig> rig;
+    std::optional<geometry::Sketch> sketch; // none for models
+};
+SceneSource readSource(Run& run, const SceneArguments& arguments);
 
 // Everything up to the mesh. A closure that is refused fills the report (`outcome`, `code`, `message`) and
 // throws InputError.

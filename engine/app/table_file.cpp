@@ -90,6 +90,13 @@ void reserve(const std::filesystem::path& aside, size_t bytes, const std::filesy
 
 } // namespace
 
+std::string csvField(const std::string& text) {
+    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+    std::string quoted = "\"";
+    for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+    return quoted + '"';
+}
+
 SensorTable readSensors(const std::filesystem::path& file, geometry::UpAxis up) {
     geometry::refuseUnreadable(file, "a table of sensors (.csv)");
     std::ifstream in(file);

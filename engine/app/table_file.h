@@ -14,6 +14,9 @@
 
 namespace heliodon::app {
 
+// Text as a field of CSV (RFC 4180): in quotes where it holds a comma, a quote or a line end.
+std::string csvField(const std::string& text);
+
 // A sensor table keeps every column that the file has, as text, so that results can be appended.
 struct SensorTable {
     std::string header;

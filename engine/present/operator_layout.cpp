@@ -1,6 +1,7 @@
 #include "engine/present/operator_layout.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <span>
@@ -14,8 +15,6 @@
 namespace heliodon::present {
 
 namespace {
-
-ImFont* clockFont = nullptr;
 
 const ImVec4 kAmber{1.0f, 0.74f, 0.30f, 1}, kGrey{0.60f, 0.63f, 0.68f, 1}, kRed{1.0f, 0.42f, 0.36f, 1},
     kGreen{0.45f, 0.85f, 0.55f, 1};
@@ -137,9 +136,9 @@ void layOutPictures(std::vector<PlacedPicture>& pictures, const OperatorStatus& 
 }
 
 void layOutTime(OperatorControls& c, const OperatorStatus& status) {
-    if (clockFont) ImGui::PushFont(clockFont);
+    ImGui::PushFont(ImGui::GetIO().Fonts->Fonts.back()); // the large one of styleOperatorWindow
     ImGui::TextColored(kAmber, "%s", status.clock.c_str());
-    if (clockFont) ImGui::PopFont();
+    ImGui::PopFont();
     ImGui::SameLine();
     ImGui::BeginGroup();
     ImGui::TextUnformatted(status.date.c_str());
@@ -150,7 +149,8 @@ void layOutTime(OperatorControls& c, const OperatorStatus& status) {
     slider("##time", c.hour, 0, 24 - 1.0 / 60, fmt::format("{:02}:{:02}", minutes / 60, minutes % 60).c_str(),
            ImGuiSliderFlags_NoInput);
     label("day");
-    ImGui::SliderInt("##day", &c.dayOfYear, 1, 365, "%d of the year");
+    const int days = std::chrono::year(c.year).is_leap() ? 366 : 365;
+    ImGui::SliderInt("##day", &c.dayOfYear, 1, days, "%d of the year");
     label("play");
     if (ImGui::Button(c.playing ? "stop" : "play", {56, 0})) c.playing = !c.playing;
     ImGui::SameLine();
@@ -214,8 +214,7 @@ void layOutLegend(const passes::FalseScale& scale) {
     constexpr int kNumbers = 5;
     for (int i = 0; i < kNumbers; ++i) {
         const double t = static_cast<double>(i) / (kNumbers - 1);
-        const double lux = scale.linear ? scale.lowLux + t * (scale.highLux - scale.lowLux)
-                                        : scale.lowLux * std::pow(scale.highLux / scale.lowLux, t);
+        const double lux = scale.lowLux * std::pow(scale.highLux / scale.lowLux, t);
         const std::string text = lux < 10 ? fmt::format("{:.2g}", lux) : fmt::format("{:.0f}", lux);
         const float x = static_cast<float>(t) * (width - ImGui::CalcTextSize(text.c_str()).x);
         if (i > 0) ImGui::SameLine();
@@ -315,7 +314,7 @@ void styleOperatorWindow() {
                                               static_cast<int>(file.size()), size, &ours, ranges);
     };
     font(15, letters);
-    clockFont = font(38, nullptr);
+    font(38, nullptr);
     ImGui::StyleColorsDark();
     ImGuiStyle& style = ImGui::GetStyle();
     style.WindowRounding = 0;

@@ -81,6 +81,7 @@ struct OperatorWindow::State {
     VkImageView drawn = VK_NULL_HANDLE;
     VkFramebuffer framebuffer = VK_NULL_HANDLE;
     uint64_t ticket = 0;
+    double cursorX = 0, cursorY = 0; // when it was drawn
     // A call failed within ImGui: it may still name a buffer that it has freed, and would free it again. What
     // it had goes with the device.
     bool torn = false;
@@ -197,9 +198,10 @@ bool OperatorWindow::isBusy() const {
     if (!state_->window->handle) return false;
     double x = 0, y = 0;
     glfwGetCursorPos(state_->window->handle, &x, &y);
-    const ImGuiIO& io = ImGui::GetIO();
-    return ImGui::IsAnyItemActive() || io.WantTextInput || std::abs(x - io.MousePos.x) >= 1 ||
-           std::abs(y - io.MousePos.y) >= 1 ||
+    // Of a mouse elsewhere ImGui knows no place.
+    const bool moved = glfwGetWindowAttrib(state_->window->handle, GLFW_HOVERED) &&
+                       (std::abs(x - state_->cursorX) >= 1 || std::abs(y - state_->cursorY) >= 1);
+    return moved || ImGui::IsAnyItemActive() || ImGui::GetIO().WantTextInput ||
            glfwGetMouseButton(state_->window->handle, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS;
 }
 
@@ -211,6 +213,7 @@ const gpu::Image* OperatorWindow::draw(OperatorControls& controls, const Operato
     glfwGetFramebufferSize(s.window->handle, &width, &height);
     if (width <= 0 || height <= 0) return nullptr;
     s.fit(static_cast<uint32_t>(width), static_cast<uint32_t>(height));
+    glfwGetCursorPos(s.window->handle, &s.cursorX, &s.cursorY);
     ImGui_ImplVulkan_NewFrame();
     ImGui_ImplGlfw_NewFrame();
     ImGui::NewFrame();

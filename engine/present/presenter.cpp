@@ -107,7 +107,6 @@ size_t Presenter::State::indexOf(GLFWwindow* handle) const {
 Presenter::Presenter(gpu::Device& device, const std::vector<WindowOptions>& windows) {
     openWindowSystem();
     state_ = std::make_unique<State>(device);
-    state_->windows.reserve(windows.size());
     for (const WindowOptions& options : windows) {
         GLFWwindow* handle = state_->windows.emplace_back(device, options).handle;
         glfwSetWindowUserPointer(handle, state_.get());
@@ -128,11 +127,6 @@ WindowState Presenter::state(size_t i) const {
     const Window& window = state_->windows[i];
     if (!window.handle) return WindowState::closed;
     return window.hidden() ? WindowState::hidden : WindowState::open;
-}
-
-bool Presenter::anyOpen() const {
-    return std::any_of(state_->windows.begin(), state_->windows.end(),
-                       [](const Window& w) { return w.handle; });
 }
 
 const std::string& Presenter::reason(size_t window) const {
@@ -211,17 +205,6 @@ size_t Presenter::present(const std::vector<const gpu::Image*>& pictures) {
     size_t count = 0;
     for (size_t i = 0; i < shown.size(); ++i) count += shown[i]->presented(results[i]);
     return count;
-}
-
-size_t Presenter::present(const std::vector<passes::Image8>& pictures) {
-    std::vector<gpu::Image> images(pictures.size());
-    std::vector<const gpu::Image*> shown(pictures.size(), nullptr);
-    for (size_t i = 0; i < std::min(pictures.size(), size()); ++i) {
-        if (!state_->windows[i].handle || pictures[i].rgb.empty()) continue;
-        images[i] = uploaded(*state_->device, pictures[i], "window upload");
-        shown[i] = &images[i];
-    }
-    return present(shown);
 }
 
 void Presenter::keepCopies(bool keep) {

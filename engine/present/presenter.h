@@ -4,7 +4,6 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -67,7 +66,6 @@ public:
 
     size_t size() const;
     WindowState state(size_t window) const;
-    bool anyOpen() const;
     // Why a window was closed, for the report; empty while it is open.
     const std::string& reason(size_t window) const;
     // What is not as it was wanted, now: names the display that is missing and those that are connected.
@@ -88,8 +86,6 @@ public:
     // for the display, by an sRGB format or, in UNORM ones, by whoever made them. They are stretched where a
     // window has another size. Returns how many windows show something new.
     size_t present(const std::vector<const gpu::Image*>& pictures);
-    // The same from host memory.
-    size_t present(const std::vector<passes::Image8>& pictures);
 
     // What the window's swapchain image held at the latest presentation after `keepCopies(true)`.
     void keepCopies(bool keep);

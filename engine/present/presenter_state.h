@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <deque>
 #include <vector>
 
 #include "engine/present/window.h"
@@ -15,8 +16,8 @@ struct Presenter::State {
     void destroySemaphores();
 
     gpu::Device* device;
-    std::vector<Window> windows;
-    std::vector<Event> events; // since the last pollEvents
+    std::deque<Window> windows; // each stays where it is
+    std::vector<Event> events;  // since the last pollEvents
     // Signalled when a frame's images are written. A ring: the presentation that waits for one has ended long
     // before its turn comes again, as no swapchain has that many images.
     std::array<VkSemaphore, 16> written{};

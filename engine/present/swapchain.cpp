@@ -55,6 +55,18 @@ void Swapchain::chooseFormat(bool codeBefore) {
     format_ = *(srgb == formats.end() || (codeBefore && plain != formats.end()) ? plain : srgb);
 }
 
+VkPresentModeKHR Swapchain::choosePresentMode() const {
+    uint32_t count = 0;
+    check(vkGetPhysicalDeviceSurfacePresentModesKHR(device_->physical(), surface_, &count, nullptr),
+          "vkGetPhysicalDeviceSurfacePresentModesKHR");
+    std::vector<VkPresentModeKHR> modes(count);
+    check(vkGetPhysicalDeviceSurfacePresentModesKHR(device_->physical(), surface_, &count, modes.data()),
+          "vkGetPhysicalDeviceSurfacePresentModesKHR");
+    const bool immediate =
+        !waitForRefresh_ && std::count(modes.begin(), modes.end(), VK_PRESENT_MODE_IMMEDIATE_KHR);
+    return immediate ? VK_PRESENT_MODE_IMMEDIATE_KHR : VK_PRESENT_MODE_FIFO_KHR;
+}
+
 bool Swapchain::rebuild(uint32_t width, uint32_t height) {
     VkSurfaceCapabilitiesKHR can{};
     check(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(device_->physical(), surface_, &can),
@@ -67,12 +79,9 @@ bool Swapchain::rebuild(uint32_t width, uint32_t height) {
         stale_ = true;
         return false;
     }
-    uint32_t modeCount = 0;
-    vkGetPhysicalDeviceSurfacePresentModesKHR(device_->physical(), surface_, &modeCount, nullptr);
-    std::vector<VkPresentModeKHR> modes(modeCount);
-    vkGetPhysicalDeviceSurfacePresentModesKHR(device_->physical(), surface_, &modeCount, modes.data());
-    const bool immediate =
-        !waitForRefresh_ && std::count(modes.begin(), modes.end(), VK_PRESENT_MODE_IMMEDIATE_KHR);
+    if (!(can.supportedUsageFlags & VK_IMAGE_USAGE_TRANSFER_DST_BIT))
+        throw gpu::Error("pictures cannot be copied into the window's images (TRANSFER_DST)");
+    canBeRead_ = can.supportedUsageFlags & VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
     VkSwapchainCreateInfoKHR info{VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR};
     info.surface = surface_;
     info.minImageCount = can.minImageCount + 1;
@@ -81,14 +90,14 @@ bool Swapchain::rebuild(uint32_t width, uint32_t height) {
     info.imageColorSpace = format_.colorSpace;
     info.imageExtent = extent;
     info.imageArrayLayers = 1;
-    info.imageUsage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT |
-                      (can.supportedUsageFlags & VK_IMAGE_USAGE_TRANSFER_SRC_BIT);
+    info.imageUsage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+    if (canBeRead_) info.imageUsage |= VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
     info.imageSharingMode = VK_SHARING_MODE_EXCLUSIVE;
     info.preTransform = can.currentTransform;
-    info.compositeAlpha = can.supportedCompositeAlpha & VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR
-                              ? VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR
-                              : VK_COMPOSITE_ALPHA_INHERIT_BIT_KHR;
-    info.presentMode = immediate ? VK_PRESENT_MODE_IMMEDIATE_KHR : VK_PRESENT_MODE_FIFO_KHR;
+    // Opaque, the lowest bit, where there is that; there is always one.
+    info.compositeAlpha = static_cast<VkCompositeAlphaFlagBitsKHR>(can.supportedCompositeAlpha &
+                                                                   (~can.supportedCompositeAlpha + 1));
+    info.presentMode = choosePresentMode();
     info.clipped = VK_TRUE;
     info.oldSwapchain = swapchain_;
     vkQueueWaitIdle(device_->queue());

@@ -29,6 +29,7 @@ public:
     // VK_ERROR_OUT_OF_DATE_KHR: rebuild first.
     VkResult acquire(uint32_t& index);
 
+    bool canBeRead() const { return canBeRead_; } // copied from
     VkSwapchainKHR handle() const { return swapchain_; }
     VkImage image(uint32_t index) const { return images_[index]; }
     VkExtent2D extent() const { return extent_; }
@@ -36,10 +37,11 @@ public:
 
 private:
     void chooseFormat(bool codeBefore);
+    VkPresentModeKHR choosePresentMode() const;
 
     gpu::Device* device_;
     VkSurfaceKHR surface_;
-    bool waitForRefresh_, stale_ = false;
+    bool waitForRefresh_, stale_ = false, canBeRead_ = false;
     VkSurfaceFormatKHR format_{};
     VkSwapchainKHR swapchain_ = VK_NULL_HANDLE;
     VkFence acquired_ = VK_NULL_HANDLE;

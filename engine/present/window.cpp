@@ -63,6 +63,16 @@ VkFormat eightBit(bool blueFirst, bool srgb) {
                      : (srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM);
 }
 
+bool areSame(VkExtent2D a, VkExtent2D b) {
+    return a.width == b.width && a.height == b.height;
+}
+
+VkExtent2D framebufferOf(GLFWwindow* window) {
+    int width = 0, height = 0;
+    glfwGetFramebufferSize(window, &width, &height);
+    return {static_cast<uint32_t>(std::max(width, 0)), static_cast<uint32_t>(std::max(height, 0))};
+}
+
 constexpr auto kCopyStage = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
 constexpr auto kCopyAccess = VK_ACCESS_2_TRANSFER_WRITE_BIT | VK_ACCESS_2_TRANSFER_READ_BIT;
 
@@ -254,10 +264,14 @@ bool Window::presented(VkResult result) {
         surfaceLost();
         return false;
     }
-    if (result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_SUBOPTIMAL_KHR) {
+    if (result == VK_ERROR_OUT_OF_DATE_KHR) {
         swapchain->markStale();
         damaged = true;
-        if (result != VK_SUBOPTIMAL_KHR) return false;
+        return false;
+    }
+    if (result == VK_SUBOPTIMAL_KHR && !areSame(suboptimal_, asked_)) {
+        swapchain->markStale();
+        suboptimal_ = asked_;
     }
     gpu::check(result, "vkQueuePresentKHR");
     damaged = surfaceLost_ = false;
@@ -266,11 +280,11 @@ bool Window::presented(VkResult result) {
 
 bool Window::makeReady() {
     if (!handle || hidden()) return false;
-    int width = 0, height = 0;
-    glfwGetFramebufferSize(handle, &width, &height);
-    if (width <= 0 || height <= 0) return false;
-    return swapchain->ready() ||
-           swapchain->rebuild(static_cast<uint32_t>(width), static_cast<uint32_t>(height));
+    const VkExtent2D size = framebufferOf(handle);
+    if (size.width == 0 || size.height == 0) return false;
+    if (swapchain->ready()) return true;
+    asked_ = size;
+    return swapchain->rebuild(size.width, size.height);
 }
 
 void Window::update() {
@@ -280,11 +294,7 @@ void Window::update() {
         return;
     }
     followDisplay();
-    int width = 0, height = 0;
-    glfwGetFramebufferSize(handle, &width, &height);
-    const VkExtent2D extent = swapchain->extent();
-    if (static_cast<uint32_t>(width) != extent.width || static_cast<uint32_t>(height) != extent.height)
-        swapchain->markStale();
+    if (!areSame(framebufferOf(handle), asked_)) swapchain->markStale();
     if (!swapchain->ready()) damaged = true;
 }
 
@@ -315,6 +325,8 @@ void Window::record(gpu::Commands& commands, const gpu::Image& picture, uint32_t
         copySame(buffer, coded_.handle(), image, extent);
     }
     if (keepCopy) {
+        if (!swapchain->canBeRead())
+            throw gpu::Error("the window's images cannot be copied for the host (TRANSFER_SRC)");
         copy_ = gpu::Buffer(*device, size_t{4} * extent.width * extent.height, "shown", gpu::Place::host);
         copiedExtent_ = extent;
         copiedFormat_ = format;

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "compute/gpu/buffer.h"
@@ -25,8 +26,8 @@ class Window {
 public:
     // Opens it: full-screen where the display that it names is connected, else as an ordinary window.
     Window(gpu::Device& device, const WindowOptions& options);
-    Window(Window&&) = default;
-    Window& operator=(Window&&) = delete;
+    Window(const Window&) = delete; // listeners know its address
+    Window& operator=(const Window&) = delete;
     ~Window() { close(""); }
     void close(const std::string& why); // for good; the first reason is kept
 
@@ -62,6 +63,9 @@ private:
 
     bool onDisplay_ = false;
     bool surfaceLost_ = false; // since it was presented last
+    // What images were asked for last, and the size at which they were made anew for fitting badly: systems
+    // may give others, and go on calling them suboptimal.
+    VkExtent2D asked_{}, suboptimal_{};
     gpu::Image coded_; // where picture and swapchain differ in format, a picture of the window's size between
     gpu::Buffer copy_;
     VkExtent2D copiedExtent_{};

@@ -2,14 +2,16 @@
 #pragma once
 
 #include <cstdlib>
+#include <map>
 
 #include "tests/app/program.h"
 
 namespace heliodon::test {
 
 struct FaultOutcome : Outcome {
-    bool fired = false;   // the call that was to fail came
-    std::string leftOver; // objects that were never given back
+    bool fired = false;               // the call that was to fail came
+    std::string leftOver;             // objects that were never given back
+    std::map<std::string, long> made; // objects by type
 };
 
 inline FaultOutcome heliodonWithFault(const std::string& fault, const std::string& arguments,
@@ -27,6 +29,10 @@ inline FaultOutcome heliodonWithFault(const std::string& fault, const std::strin
     for (std::string line; std::getline(lines, line);) {
         if (line.starts_with("failed ")) outcome.fired = true;
         if (line.starts_with("left over: ")) outcome.leftOver += line + "\n";
+        if (line.starts_with("made: ")) {
+            const size_t type = line.rfind(' ') + 1;
+            outcome.made[line.substr(type)] = std::stol(line.substr(6));
+        }
     }
     return outcome;
 }

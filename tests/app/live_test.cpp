@@ -136,15 +136,21 @@ TEST_F(Live, a_bad_picture_is_reported_and_leaves_the_last_light_until_a_good_on
         waitFor("good-operator");
         writeText(folder / "table.png", "no picture at all");
         waitFor("bad-operator");
+        vision::Photograph grey = vision::readPhotograph(kPhoto);
+        for (size_t k = 0; k < grey.rgb.size(); k += 3) grey.rgb[k] = grey.rgb[k + 2] = grey.rgb[k + 1];
+        passes::writePng({grey.width, grey.height, grey.rgb}, folder / "table.png");
+        waitFor("grey-operator");
         fs::copy_file(kOther, folder / "table.png", fs::copy_options::overwrite_existing);
     });
-    const Outcome outcome = live("file:" + in("table.png"),
-                                 "wait\nsnapshot good\nlook 2\nsnapshot bad\nlook 3\nsnapshot other\nquit\n");
+    const Outcome outcome =
+        live("file:" + in("table.png"), "wait\nsnapshot good\nlook 2\nsnapshot bad\nlook 3\nsnapshot grey\n"
+                                        "look 4\nsnapshot other\nquit\n");
     hand.join();
     ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
     EXPECT_EQ(difference(shot("good-projector-0"), shot("bad-projector-0")).first, 0);
+    EXPECT_EQ(difference(shot("good-projector-0"), shot("grey-projector-0")).first, 0);
     EXPECT_GT(difference(shot("good-projector-0"), shot("other-projector-0")).first, 40);
-    EXPECT_EQ(report["live"]["refusals"], 1);
+    EXPECT_EQ(report["live"]["refusals"], 2);
     EXPECT_EQ(report["live"]["refused"], ""); // not any more
     EXPECT_EQ(report["live"]["sketches"], 2);
 }
@@ -297,8 +303,9 @@ TEST_F(Live, sky_file_and_photograph_may_go_and_come_back) {
 // Submissions of windows, rooms and light take turns, so the same count meets one or the other.
 TEST_F(Live, goes_on_when_a_device_is_lost_or_a_window_loses_its_surface) {
     writeText(folder / "script", "wait\nwheel -6\nwait\nwheel 3\nwait\nsnapshot last\nquit\n");
+    long swapchains = 0;
     const auto run = [&](const std::string& fault) {
-        const FaultOutcome outcome =
+        FaultOutcome outcome =
             heliodonWithFault(fault,
                               "live --rig " + kRig + " --camera file:" + kPhoto +
                                   " --triangles 100 --windowed --window-scale 0.25 --script " + in("script") +
@@ -306,6 +313,7 @@ TEST_F(Live, goes_on_when_a_device_is_lost_or_a_window_loses_its_surface) {
                               folder);
         EXPECT_EQ(outcome.exitCode, 0) << fault << ": " << outcome.output;
         EXPECT_EQ(outcome.leftOver, "") << fault;
+        swapchains = outcome.made["Swapchain"];
         EXPECT_EQ(outcome.fired, fault != "none:1:lost") << fault;
         report = json::parse(readText(folder / "report.json"));
         EXPECT_EQ(report["live"]["sketches"], 1) << fault;
@@ -313,6 +321,7 @@ TEST_F(Live, goes_on_when_a_device_is_lost_or_a_window_loses_its_surface) {
         return shot("last-projector-0");
     };
     const vision::Photograph whole = run("none:1:lost");
+    const long enough = swapchains;
     for (const char* fault : {"submit:25:lost", "submit:60:lost", "present:4:lost"}) {
         EXPECT_LE(difference(run(fault), whole).first, 2) << fault;
         EXPECT_GE(report["live"]["device_losses"], 1) << fault;
@@ -321,12 +330,17 @@ TEST_F(Live, goes_on_when_a_device_is_lost_or_a_window_loses_its_surface) {
         EXPECT_LE(difference(run(fault), whole).first, 2) << fault;
         EXPECT_EQ(report["live"]["device_losses"], 0) << fault;
     }
+    // Images that never fit are made anew once, not for every presentation.
+    EXPECT_LE(difference(run("present:2:suboptimal:100000"), whole).first, 2);
+    EXPECT_GT(swapchains, enough);
+    EXPECT_LE(swapchains, enough + 2);
 }
 
 TEST_F(Live, bad_words_are_refused_by_name) {
     const std::string start = "live --windowed --rig " + kRig + " --camera ";
     writeText(folder / "script", "wait\nwheel up\n");
     writeText(folder / "weather", "wait\nsky cie:99\n");
+    writeText(folder / "half", "close 1.5\n");
     writeText(folder / "file", "sky weather # which was not given\n");
     const std::pair<std::string, std::string> cases[]{
         {start + "webcam:0", "webcam:0"},
@@ -336,6 +350,7 @@ TEST_F(Live, bad_words_are_refused_by_name) {
         {start + "file:" + kPhoto + " --script " + in("script"), "script:2"},
         {start + "file:" + kPhoto + " --script " + in("weather"), "weather:2"},
         {start + "file:" + kPhoto + " --script " + in("file"), "file:1"},
+        {start + "file:" + kPhoto + " --script " + in("half"), "half:1: expected a window as a whole number"},
         {start + "file:" + kPhoto + " --weather " + in("none.epw"), "none.epw"},
         {start + "file:" + kPhoto + " --snapshots " + in("script"), "script"},
         {"live --camera file:" + kPhoto, "--rig"}};

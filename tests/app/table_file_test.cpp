@@ -49,6 +49,15 @@ TEST_F(TableFile, sensors_may_be_quoted) {
     }
 }
 
+TEST_F(TableFile, text_with_commas_is_one_field) {
+    EXPECT_EQ(csvField("plain"), "plain");
+    EXPECT_EQ(csvField("a, \"b\""), "\"a, \"\"b\"\"\"");
+    EXPECT_EQ(csvField("two\nlines"), "\"two\nlines\"");
+    test::writeText(in("s.csv"),
+                    "name,x,y,z,nx,ny,nz\n" + csvField("a, \"b\"") + ",1,2,3,0,0,1\n2\" up,1,2,3,0,0,1\n");
+    EXPECT_EQ(readSensors(in("s.csv"), geometry::UpAxis::y).points[0], glm::dvec3(1, 2, 3));
+}
+
 TEST_F(TableFile, bad_sensors_are_refused_by_line) {
     for (const char* text : {"", "x,y,z\n1,2,3\n", "x,y,z,nx,ny,nz\n", "x,y,z,nx,ny,nz\n1,2,3,0,0\n",
                              "x,y,z,nx,ny,nz\n1,2,nan,0,0,1\n", "x,y,z,nx,ny,nz\n1,2,3,0,0,0\n"}) {

@@ -3,7 +3,9 @@
 //   HELIODON_FAULT=CALL:N:RESULT[:TIMES]   the Nth such call of the process fails, and the TIMES - 1 after it
 //       CALL    submit, wait, acquire, present, or an object's type: Memory, Buffer, Image, Device, Swapchain
 //       ... RESULT  lost, memory, hostmemory, date, suboptimal, surface, failed
-//   HELIODON_FAULT_LOG=FILE                a line for each call that failed, and for each object left over
+//   HELIODON_FAULT_LOG=FILE                a line for each call that failed, for how many objects of each
+//   type
+//                                          were made, and for each left over
 //
 // After `lost` the same device fails every further submission, wait, acquisition and presentation, as the
 // specification has it. Work that was submitted is done all the same, so objects may be destroyed.
@@ -92,7 +94,7 @@ PFN_vkDestroyInstance nextDestroyInstance = nullptr;
 std::map<void*, PFN_vkGetDeviceProcAddr> devices;
 std::map<void*, VkDevice> handles;
 std::set<void*> lostDevices;
-std::map<std::string, long> alive; // objects by type
+std::map<std::string, long> alive, made; // objects by type
 
 template<class Function, class Handle> Function nextOf(Handle handle, const char* name) {
     PFN_vkGetDeviceProcAddr get = nullptr;
@@ -123,11 +125,13 @@ template<class Handle> VkResult failureOn(Handle handle, const char* call) {
 void count(const char* type, long change) {
     const std::lock_guard lock(mutex);
     alive[type] += change;
+    if (change > 0) made[type] += change;
 }
 
 // What is alive when the program ends.
 void logLeftOver() {
     const std::lock_guard lock(mutex);
+    for (const auto& [type, number] : made) log("made: " + std::to_string(number) + " " + type);
     for (auto& [type, number] : alive)
         if (number != 0) log("left over: " + std::to_string(number) + " " + type);
 }
@@ -203,8 +207,10 @@ VKAPI_ATTR void VKAPI_CALL destroyDevice(VkDevice device, const VkAllocationCall
     X(Buffer, )                                                                                              \
     X(BufferView, )                                                                                          \
     X(Image, )                                                                                               \
-    X(ImageView, ) X(Sampler, ) X(ShaderModule, ) X(DescriptorSetLayout, ) X(PipelineLayout, )               \
-        X(Semaphore, ) X(Fence, ) X(QueryPool, ) X(CommandPool, ) X(Swapchain, KHR)
+    X(ImageView, )                                                                                           \
+    X(Sampler, )                                                                                             \
+    X(ShaderModule, ) X(DescriptorSetLayout, ) X(PipelineLayout, ) X(Semaphore, ) X(Fence, ) X(QueryPool, )  \
+        X(CommandPool, ) X(Swapchain, KHR)
 
 #define DEFINE(type, suffix)                                                                                 \
     VKAPI_ATTR VkResult VKAPI_CALL Create##type(VkDevice device, const Vk##type##CreateInfo##suffix* info,   \
