@@ -56,22 +56,6 @@ Material materialOf(const tinygltf::Material& in) {
 
 class GltfReader {
 public:
-    // extras.blinds, our own.
-    void readBlind(size_t i, Material& material) const {
-        const tinygltf::Value& extras = in_.materials[i].extras;
-        if (!extras.IsObject() || !extras.Has("blinds")) return;
-        const std::string place = fmt::format("materials[{}].extras.blinds", i);
-        const tinygltf::Value& text = extras.Get("blinds");
-        if (!text.IsString()) throw InputError(out_.file, place, "expected a text such as slats:45");
-        if (!material.isOpening()) throw InputError(out_.file, place, "the material transmits nothing");
-        try {
-            material.blind = parseBlind(text.Get<std::string>());
-        } catch (const std::invalid_argument& error) {
-            throw InputError(out_.file, place,
-                             fmt::format("\"{}\": {}", text.Get<std::string>(), error.what()));
-        }
-    }
-
     explicit GltfReader(const std::filesystem::path& file) {
         out_.file = file.string();
         refuseUnreadable(file, "a model (.gltf .glb)");
@@ -104,11 +88,28 @@ public:
         }
         const auto scene = static_cast<size_t>(std::max(in_.defaultScene, 0));
         if (scene >= in_.scenes.size()) throw InputError(out_.file, "scenes", "holds no scene");
+        seen_.assign(in_.nodes.size(), Seen::never);
         for (const int node : in_.scenes[scene].nodes) visit(node, glm::dmat4(1), 0);
         return std::move(out_);
     }
 
 private:
+    // extras.blinds, our own.
+    void readBlind(size_t i, Material& material) const {
+        const tinygltf::Value& extras = in_.materials[i].extras;
+        if (!extras.IsObject() || !extras.Has("blinds")) return;
+        const std::string place = fmt::format("materials[{}].extras.blinds", i);
+        const tinygltf::Value& text = extras.Get("blinds");
+        if (!text.IsString()) throw InputError(out_.file, place, "expected a text such as slats:45");
+        if (!material.isOpening()) throw InputError(out_.file, place, "the material transmits nothing");
+        try {
+            material.blind = parseBlind(text.Get<std::string>());
+        } catch (const std::invalid_argument& error) {
+            throw InputError(out_.file, place,
+                             fmt::format("\"{}\": {}", text.Get<std::string>(), error.what()));
+        }
+    }
+
     // What changes how things look may be passed over; what packs or places the triangles may not.
     void checkExtensions() const {
         for (const std::string& name : in_.extensionsRequired)
@@ -152,7 +153,12 @@ private:
     void visit(int index, const glm::dmat4& worldFromParent, int depth) {
         const std::string place = fmt::format("nodes[{}]", index);
         if (index < 0 || static_cast<size_t>(index) >= in_.nodes.size()) fail(place, "does not exist");
-        if (depth > 256) fail(place, "is its own ancestor");
+        // A tree, as glTF has it: else few nodes could stand for any number of triangles.
+        Seen& seen = seen_[static_cast<size_t>(index)];
+        if (seen == Seen::above) fail(place, "is its own ancestor");
+        if (seen == Seen::before) fail(place, "has two parents");
+        if (depth > 256) fail(place, "lies under more than 256 others");
+        seen = Seen::above;
         const tinygltf::Node& node = in_.nodes[static_cast<size_t>(index)];
         const glm::dmat4 worldFromNode = worldFromParent * parentFromNode(node);
         if (node.mesh >= 0) {
@@ -164,6 +170,7 @@ private:
                              mesh.name.empty() ? node.name : mesh.name, worldFromNode);
         }
         for (const int child : node.children) visit(child, worldFromNode, depth + 1);
+        seen = Seen::before;
     }
 
     // Calls `take(pointer to element, index)` for each element; every byte read lies inside the buffer.
@@ -298,6 +305,8 @@ private:
     tinygltf::Model in_;
     RawModel out_;
     std::optional<uint32_t> greyMaterial_;
+    enum class Seen : uint8_t { never, above, before };
+    std::vector<Seen> seen_; // per node
 };
 
 } // namespace

@@ -76,17 +76,27 @@ public:
                             framesPerSecond, padded_.size());
     }
 
-    void add(const uint8_t* rgb) override {
-        bgrOf(width_, height_, rgb).copyTo(padded_(cv::Rect(0, 0, width_, height_)));
-        writer_.write(padded_);
+    bool add(const uint8_t* rgb) override {
+        try {
+            bgrOf(width_, height_, rgb).copyTo(padded_(cv::Rect(0, 0, width_, height_)));
+            writer_.write(padded_);
+        } catch (const cv::Exception&) {
+            return false;
+        }
         ++count_;
+        return true;
     }
 
     bool finish() override {
-        writer_.release();
-        cv::VideoCapture film(file_, cv::CAP_FFMPEG);
-        if (!film.isOpened() || static_cast<int>(film.get(cv::CAP_PROP_FRAME_COUNT)) != count_) return false;
-        return film.set(cv::CAP_PROP_POS_FRAMES, count_ - 1) && film.grab();
+        try {
+            writer_.release();
+            cv::VideoCapture film(file_, cv::CAP_FFMPEG);
+            if (!film.isOpened() || static_cast<int>(film.get(cv::CAP_PROP_FRAME_COUNT)) != count_)
+                return false;
+            return film.set(cv::CAP_PROP_POS_FRAMES, count_ - 1) && film.grab();
+        } catch (const cv::Exception&) {
+            return false;
+        }
     }
 
 private:

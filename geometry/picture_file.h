@@ -32,11 +32,11 @@ std::optional<GreyPixels> readGreyFile(const std::filesystem::path& file);
 // The file appears whole or not at all. `rgb`: width x height x 3 bytes. Throws std::runtime_error.
 void writePngFile(const std::filesystem::path& file, int width, int height, const uint8_t* rgb);
 
-// H.264 in .mp4. What cannot be written (disk full) is found out by finish().
+// H.264 in .mp4. What cannot be written (disk full) may be found out by finish() only.
 class FilmEncoder {
 public:
     virtual ~FilmEncoder() = default;
-    virtual void add(const uint8_t* rgb) = 0; // width x height x 3 bytes
+    virtual bool add(const uint8_t* rgb) = 0; // width x height x 3 bytes; false when it failed
     // Nothing is added after it. True when the file is complete: every picture is found in it, and the last
     // read.
     virtual bool finish() = 0;
@@ -47,7 +47,7 @@ std::unique_ptr<FilmEncoder> openFilmFile(const std::filesystem::path& file, int
                                           double framesPerSecond);
 
 // Counts up with every change of what stands below: a module of another build is refused, not called.
-constexpr uint32_t kPictureCodecsVersion = 2;
+constexpr uint32_t kPictureCodecsVersion = 3;
 
 // What the module exports, by the name `heliodonPictureCodecs`.
 struct PictureCodecs {

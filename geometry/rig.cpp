@@ -109,7 +109,7 @@ Lens readLens(const Field& device) {
     const Field dist = device["dist"];
     const size_t n = dist.arraySize();
     if (n != 4 && n != 5) dist.fail(fmt::format("expected k1, k2, p1, p2[, k3], found {} numbers", n));
-    for (size_t i = 0; i < n; ++i) lens.dist[i] = dist.at(i).number();
+    for (size_t i = 0; i < n; ++i) lens.dist[i] = dist.at(i).numberWithin(-1e6, 1e6);
     return lens;
 }
 
@@ -127,10 +127,22 @@ glm::dmat3 readRotation(const Field& field) {
     return r;
 }
 
+// A pixel that no ray meets within a hundredth of one. In corners, real calibrations may have some.
+bool foldsBack(const OpticalDevice& device) {
+    for (const double u : {0.25, 0.5, 0.75})
+        for (const double v : {0.25, 0.5, 0.75}) {
+            const glm::dvec2 pixel(u * device.width, v * device.height);
+            const glm::dvec2 back = device.lens.pixelFromPlane(device.lens.planeFromPixel(pixel));
+            if (!(glm::distance(back, pixel) < 0.01)) return true;
+        }
+    return false;
+}
+
 void readDevice(const Field& field, OpticalDevice& device) {
     device.width = field["width"].pixels();
     device.height = field["height"].pixels();
     device.lens = readLens(field);
+    if (foldsBack(device)) field.fail("the lens (K, dist) folds back inside the picture");
     device.deviceFromWorld = readRotation(field["R"]);
     const Field t = field["t"];
     t.expectSize(3);
@@ -223,6 +235,8 @@ Rig rigOf(const json& document, const std::string& file) {
     rig.camera.id = "camera";
     if (root.has("projectors")) {
         const Field list = root["projectors"];
+        if (list.arraySize() > kMostProjectors)
+            list.fail(fmt::format("expected {} at most, found {}", kMostProjectors, list.arraySize()));
         std::set<std::string> ids;
         for (size_t i = 0; i < list.arraySize(); ++i) {
             rig.projectors.push_back(readProjector(list.at(i), i));

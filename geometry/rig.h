@@ -1,4 +1,4 @@
-// The calibrated devices round the table (`vh-rig/1`): one overhead camera, any number of projectors.
+// The calibrated devices round the table (`vh-rig/1`): one overhead camera, up to 31 projectors.
 // World: metres, right-handed, y up, table top y = 0. Device frame (OpenCV): x right, y down, z forward,
 // X_dev = R X_world + t. Pixels: integer = pixel centre, so an image W wide spans [-0.5, W - 0.5].
 #pragma once
@@ -22,7 +22,8 @@ struct Lens {
     std::array<double, 5> dist{}; // k1 k2 p1 p2 k3
 
     // Ideal image-plane point (x/z, y/z) to pixel and back. The inverse is iterated to 1e-10 of the image
-    // plane.
+    // plane; where the lens folds back, as polynomials may towards the corners, there is none, and the point
+    // is merely finite.
     glm::dvec2 pixelFromPlane(glm::dvec2 xy) const;
     glm::dvec2 planeFromPixel(glm::dvec2 pixel) const;
 };
@@ -56,16 +57,18 @@ struct Site {
     double latitudeDeg = 42.73, longitudeDeg = -73.68; // north, east
 };
 
+constexpr size_t kMostProjectors = 31; // with the camera, the bits of a word
+
 struct Rig {
     double tableRadius = 0.5334; // metres
     bool tableAssumed = false;   // the file says nothing of a table: it is taken for the paper's
     OpticalDevice camera;
-    std::vector<Projector> projectors;
+    std::vector<Projector> projectors; // kMostProjectors at most
     std::optional<Site> site;
 };
 
 // Throws InputError naming the file and the field ("projectors[1].K"). R must be a rotation within 1e-3; it
-// is re-orthonormalised.
+// is re-orthonormalised. A lens must not fold back in the middle half of its picture.
 Rig readRig(const std::filesystem::path& file);
 // The same of what such a file holds; `file` names it in complaints.
 Rig rigOf(const nlohmann::json& document, const std::string& file);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <cstdlib>
 #include <fstream>
 #include <mutex>
 #include <set>
@@ -88,8 +89,14 @@ void removeLeftOvers(const fs::path& folder) {
 }
 
 void writeStream(const fs::path& target, const std::function<void(const fs::path&)>& write) {
-    const fs::path aside =
-        fs::temp_directory_path() / fmt::format("heliodon.{}{}", ::getpid(), target.extension().string());
+    // No name that others could foresee and put a link at.
+    const std::string extension = target.extension().string();
+    std::string name = (fs::temp_directory_path() / ("heliodon-XXXXXX" + extension)).string();
+    const int handle = ::mkstemps(name.data(), static_cast<int>(extension.size()));
+    if (handle < 0)
+        throw std::runtime_error(fmt::format("{}: {}", name, std::system_category().message(errno)));
+    ::close(handle);
+    const fs::path aside = name;
     try {
         write(aside);
         std::ofstream out(target, std::ios::binary);

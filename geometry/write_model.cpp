@@ -12,6 +12,7 @@
 
 #include "geometry/input_error.h"
 #include "geometry/model_file.h"
+#include "geometry/text_file.h"
 #include "geometry/whole_file.h"
 
 namespace heliodon::geometry {
@@ -31,22 +32,6 @@ std::map<GroupKey, std::vector<size_t>> groups(const PatchMesh& mesh) {
         std::ranges::stable_sort(patches, {},
                                  [&](size_t i) { return std::pair(mesh.material[i], mesh.surface[i]); });
     return out;
-}
-
-// Unchanged when it is UTF-8 already, as JSON asks; else its bytes are taken for Latin-1.
-std::string asUtf8(const std::string& text) {
-    try {
-        (void)nlohmann::json(text).dump();
-        return text;
-    } catch (const nlohmann::json::type_error&) {
-        std::string out;
-        for (const char c : text) {
-            const auto code = static_cast<unsigned char>(c);
-            if (code >= 0x80) out += static_cast<char>(0xC0 | (code >> 6));
-            out += static_cast<char>(code >= 0x80 ? 0x80 | (code & 0x3F) : code);
-        }
-        return out;
-    }
 }
 
 // Names of materials must differ and hold no blanks at their ends.
@@ -94,10 +79,12 @@ std::string mtlText(const PatchMesh& mesh) {
 void writeObj(const PatchMesh& mesh, const std::filesystem::path& file) {
     std::filesystem::path library = file;
     library.replace_extension(".mtl");
+    std::string name = library.filename().string();
+    std::ranges::replace(name, '#', '_'); // would begin a comment
+    library.replace_filename(name);
     const std::vector<std::string> names = materialNames(mesh);
     std::string text =
-        fmt::format("# metres, y up; faces counter-clockwise seen from the room's air\nmtllib {}\n",
-                    library.filename().string());
+        fmt::format("# metres, y up; faces counter-clockwise seen from the room's air\nmtllib {}\n", name);
     for (const glm::dvec3& p : mesh.vertices)
         text += fmt::format("v {} {} {}\n", p.x, p.y, p.z); // shortest that reads back
     for (const auto& [key, patches] : groups(mesh)) {

@@ -1,7 +1,5 @@
 #include "engine/app/film.h"
 
-#include <condition_variable>
-#include <deque>
 #include <exception>
 #include <mutex>
 #include <stdexcept>
@@ -10,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/app/bounded_queue.h"
 #include "geometry/input_error.h"
 #include "geometry/picture_file.h"
 #include "geometry/whole_file.h"
@@ -25,34 +24,29 @@ passes::Image8 readPicture(const fs::path& file) {
 }
 
 struct Film::Impl {
-    static constexpr size_t kMostWaiting = 8; // frames
-
     fs::path target, aside;
     std::unique_ptr<geometry::FilmEncoder> encoder;
+    BoundedQueue<std::vector<uint8_t>> frames{8};
     std::mutex mutex;
-    std::condition_variable changed;
-    std::deque<std::vector<uint8_t>> waiting;
-    bool ending = false;
-    std::exception_ptr failure; // of the thread, read when it has ended
+    std::exception_ptr failure; // of the thread
     std::thread thread;
 
     void encode() {
-        while (true) {
-            std::vector<uint8_t> rgb;
-            {
-                std::unique_lock lock(mutex);
-                changed.wait(lock, [&] { return ending || !waiting.empty(); });
-                if (waiting.empty()) return;
-                rgb = std::move(waiting.front());
-                waiting.pop_front();
+        while (const auto rgb = frames.pop()) {
+            try {
+                if (!encoder->add(rgb->data()))
+                    throw std::runtime_error(target.string() + ": a frame could not be encoded");
+            } catch (...) {
+                const std::scoped_lock lock(mutex);
+                failure = std::current_exception();
+                frames.close(true);
             }
-            changed.notify_all();
-            if (!failure) try {
-                    encoder->add(rgb.data());
-                } catch (...) {
-                    failure = std::current_exception();
-                }
         }
+    }
+
+    void throwFailure() {
+        const std::scoped_lock lock(mutex);
+        if (failure) std::rethrow_exception(failure);
     }
 
     void discard() {
@@ -61,12 +55,8 @@ struct Film::Impl {
         fs::remove(aside, ignored);
     }
 
-    void end() {
-        {
-            const std::scoped_lock lock(mutex);
-            ending = true;
-        }
-        changed.notify_all();
+    void end(bool drop) {
+        frames.close(drop);
         if (thread.joinable()) thread.join();
     }
 };
@@ -88,26 +78,18 @@ Film::Film(const fs::path& target, uint32_t width, uint32_t height, double frame
 
 Film::~Film() {
     if (!impl_->thread.joinable()) return;
-    {
-        const std::scoped_lock lock(impl_->mutex);
-        impl_->waiting.clear();
-    }
-    impl_->end();
+    impl_->end(true);
     impl_->discard();
 }
 
 void Film::add(std::vector<uint8_t> rgb) {
-    std::unique_lock lock(impl_->mutex);
-    impl_->changed.wait(lock, [&] { return impl_->waiting.size() < Impl::kMostWaiting; });
-    impl_->waiting.push_back(std::move(rgb));
-    lock.unlock();
-    impl_->changed.notify_all();
+    if (!impl_->frames.push(std::move(rgb))) impl_->throwFailure();
 }
 
 void Film::close() {
-    impl_->end();
+    impl_->end(false);
     try {
-        if (impl_->failure) std::rethrow_exception(impl_->failure);
+        impl_->throwFailure();
         if (!impl_->encoder->finish())
             throw std::runtime_error(impl_->target.string() + ": the film could not be written (disk full?)");
         fs::rename(impl_->aside, impl_->target);

@@ -23,7 +23,7 @@ public:
     Film& operator=(const Film&) = delete;
 
     // `rgb`: width x height x 3 bytes, sRGB, first row at the top. Waits when the encoder is several frames
-    // behind, so that memory stays bounded.
+    // behind, so that memory stays bounded. Throws what the encoder has failed on before.
     void add(std::vector<uint8_t> rgb);
     void close();
 

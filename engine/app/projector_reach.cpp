@@ -17,11 +17,8 @@ using nlohmann::json;
 
 namespace {
 
-constexpr size_t kMostProjectors = 31; // one bit of the labels is the camera's
-
 std::vector<geometry::OpticalDevice> projectorsOf(const geometry::Rig& rig) {
-    const size_t count = std::min(rig.projectors.size(), kMostProjectors);
-    return {rig.projectors.begin(), rig.projectors.begin() + static_cast<std::ptrdiff_t>(count)};
+    return {rig.projectors.begin(), rig.projectors.end()};
 }
 
 // Which surface is meant, in feet of building.

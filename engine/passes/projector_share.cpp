@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 
 #include <glm/geometric.hpp>
@@ -31,9 +32,9 @@ std::vector<glm::dvec3> smoothNormals(const geometry::PatchMesh& mesh, const Ver
 
 DrawMesh shownMesh(const geometry::PatchMesh& mesh, const VertexLight& vertexLight,
                    const geometry::Occluders& occluders, const geometry::Rig& rig) {
-    const size_t count = std::min<size_t>(rig.projectors.size(), 32);
-    const std::vector<geometry::OpticalDevice> devices(
-        rig.projectors.begin(), rig.projectors.begin() + static_cast<std::ptrdiff_t>(count));
+    const std::vector<geometry::OpticalDevice> devices(rig.projectors.begin(), rig.projectors.end());
+    const size_t count = devices.size();
+    assert(count <= geometry::kMostProjectors);
     const ProjectorMesh cut = geometry::splitByProjectorVisibility(mesh, occluders, devices);
     const std::vector<glm::dvec3> smooth = smoothNormals(mesh, vertexLight);
     DrawMesh out;
@@ -56,7 +57,7 @@ DrawMesh shownMesh(const geometry::PatchMesh& mesh, const VertexLight& vertexLig
             out.light.push_back(mix);
             out.corners.push_back({glm::vec3(cut.vertices[v]), glm::vec3(normal), reflectance,
                                    glm::vec3(glm::normalize(mean))});
-            std::array<double, 32> weight{};
+            std::array<double, geometry::kMostProjectors> weight{};
             double total = 0;
             for (size_t i = 0; i < count; ++i) {
                 if (!(cut.visible[t] >> i & 1)) continue;

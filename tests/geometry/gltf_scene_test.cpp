@@ -95,8 +95,17 @@ TEST(GltfScene, nodes_turn_mirror_and_repeat) {
 }
 
 TEST(GltfScene, what_cannot_be_read_is_refused_by_place) {
-    expectRefused(roomScene(json::parse(R"([{"mesh":0,"children":[1]},{"children":[0]}])")), "nodes[");
+    expectRefused(roomScene(json::parse(R"([{"mesh":0,"children":[1]},{"children":[0]}])")),
+                  "nodes[0]: is its own ancestor");
     expectRefused(roomScene(json::parse(R"([{"mesh":0,"scale":[1,0,1]}])")), "meshes[0].primitives[0]");
+    json doubling = json::array(); // 2^40 rooms, were it followed
+    for (int k = 1; k <= 40; ++k) doubling.push_back({{"children", {k, k}}});
+    doubling.push_back({{"mesh", 0}});
+    expectRefused(roomScene(doubling), "nodes[40]: has two parents");
+    json deep = json::array();
+    for (int k = 1; k <= 300; ++k) deep.push_back({{"children", {k}}});
+    deep.push_back({{"mesh", 0}});
+    expectRefused(roomScene(deep), "nodes[257]");
     json external = roomScene(kOneNode);
     external["buffers"][0]["uri"] = "gone.bin";
     expectRefused(external, "gone.bin");

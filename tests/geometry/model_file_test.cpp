@@ -262,6 +262,8 @@ TEST_F(ModelFile, written_models_read_back) {
     EXPECT_NEAR(airVolume(importModel(folder / "out.glb"), 0),
                 airVolume(importModel(kModels / "daylight_d" / "model.obj", UpAxis::z), 0), 1e-4);
     EXPECT_THROW(writeModel(mesh, folder / "out.stl"), InputError);
+    writeModel(mesh, folder / "no #1.obj"); // a comment, were it to name its materials so
+    EXPECT_EQ(readPatches(folder / "no #1.obj").materials.size(), obj.materials.size());
 }
 
 // What a modelling program makes objects and materials of, read without our reader.

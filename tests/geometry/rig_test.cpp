@@ -162,6 +162,11 @@ TEST(Rig, names_the_wrong_field) {
         {"-73.68", "-273.68", "site.longitude_deg: -273.68 is not between"},
         {"\"K\": [[5,", "\"dist\": [1, 2, 3], \"K\": [[5,",
          "projectors[0].dist: expected k1, k2, p1, p2[, k3]"},
+        {"\"K\": [[5,", "\"dist\": [0, 1e300, 0, 0], \"K\": [[5,",
+         "projectors[0].dist[1]: 1e+300 is not between"},
+        {"\"K\": [[5,", "\"dist\": [-2, 0, 0, 0], \"K\": [[5,",
+         "projectors[0]: the lens (K, dist) folds back"},
+        {"\"K\": [[50, 0, 49.5]", "\"K\": [[1e-300, 0, 49.5]", "camera: the lens (K, dist) folds back"},
     };
     for (const auto& c : cases) {
         const std::string what = complaint(replaced(kPlainRig, c.from, c.to));
@@ -187,6 +192,31 @@ TEST(RigFile, is_read_once_and_keeps_what_it_does_not_know) {
     std::ifstream in(path);
     EXPECT_NE(std::string(std::istreambuf_iterator<char>(in), {}).find("grey"), std::string::npos);
     EXPECT_FALSE(RigFile("").namesTable());
+}
+
+// As calibration leaves many a wide lens: the polynomial has its largest value before the corner.
+TEST(Rig, takes_a_lens_that_folds_back_in_the_corners_alone) {
+    const Rig rig =
+        readRig(written(replaced(kPlainRig, "\"K\": [[50,", "\"dist\": [-0.3, 0, 0, 0, 0], \"K\": [[50,")));
+    const Lens& lens = rig.camera.lens;
+    const auto missed = [&](glm::dvec2 pixel) {
+        return glm::distance(lens.pixelFromPlane(lens.planeFromPixel(pixel)), pixel);
+    };
+    EXPECT_LT(missed({75, 60}), 1e-6);
+    EXPECT_GT(missed({99, 79}), 1); // there is no such ray
+    EXPECT_TRUE(std::isfinite(lens.planeFromPixel({99, 79}).x));
+}
+
+TEST(Rig, refuses_more_projectors_than_it_can_tell_apart) {
+    const std::string whole = kPlainRig;
+    const size_t from = whole.find("{\"width\": 10,"), to = whole.find("}],") + 1;
+    const std::string projector = whole.substr(from, to - from);
+    std::string list = projector;
+    for (size_t k = 1; k < kMostProjectors; ++k) list += ", " + projector;
+    EXPECT_EQ(complaint(replaced(whole, projector, list)), "accepted");
+    EXPECT_NE(complaint(replaced(whole, projector, list + ", " + projector))
+                  .find("projectors: expected 31 at most"),
+              std::string::npos);
 }
 
 TEST(Rig, survives_a_file_cut_anywhere) {
