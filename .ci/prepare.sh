@@ -1,5 +1,6 @@
-# Sourced by ./run and ./check: installs what Debian packages are missing, builds a preset. Not a command of its own.
+# Sourced by ./run and ./check: reads their option, installs what Debian packages are missing, builds a preset. Not a command of its own.
 set -euo pipefail
+command_file=$(realpath "$0")
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 build_packages=(
@@ -17,6 +18,24 @@ say() { printf '\n== %s\n' "$*"; }
 die() {
     printf '\nFAILED: %s\n' "$*" >&2
     exit 1
+}
+
+# take_option ALLOWED "$@": sets `option`, empty if there is none. Usage is the comment at the top of the command's file.
+take_option() {
+    local allowed=$1 usage
+    shift
+    option=${1:-}
+    usage=$(sed -n '2,/^[^#]/s/^# //p' "$command_file")
+    case $option in
+    -h | --help)
+        printf '%s\n' "$usage"
+        exit 0
+        ;;
+    esac
+    if [ $# -gt 1 ] || { [ $# -eq 1 ] && [ "$option" != "$allowed" ]; }; then
+        printf 'unknown: %s\n%s\n' "$*" "$usage" >&2
+        exit 2
+    fi
 }
 
 # install_packages NAME...: those that are not there yet, as root or through sudo.

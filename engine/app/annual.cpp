@@ -31,7 +31,7 @@ namespace {
 using daylight::Range;
 using nlohmann::json;
 
-constexpr size_t kSensorsAtOnce = 256; // bounds memory: three arrays of so many years of lux
+constexpr size_t kSensorsAtOnce = 256; // of whose years of lux three arrays are held
 
 struct ClockHours {
     double from = 8, to = 18;

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "engine/app/chart.h"
+#include "engine/app/table_file.h"
 
 namespace heliodon::app {
 
@@ -14,14 +15,6 @@ namespace {
 
 std::string panelName(const BenchResult& r) {
     return fmt::format("{}, {} patches", r.scene, r.patches);
-}
-
-// As RFC 4180 has it: what holds a comma ("64x64, 4 points") stays one cell.
-std::string cell(const std::string& text) {
-    if (text.find_first_of(",\"\n") == std::string::npos) return text;
-    std::string quoted = "\"";
-    for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-    return quoted + "\"";
 }
 
 // Values as the CSV has them, from the JSON: one list of columns for both.
@@ -37,7 +30,7 @@ template<class Result> std::string csv(const std::vector<Result>& results) {
         for (const auto& [key, value] : row.items()) {
             if (!line.empty()) line += ",";
             line += value.is_number_float() ? fmt::format("{:.6g}", value.template get<double>())
-                    : value.is_string()     ? cell(value.template get<std::string>())
+                    : value.is_string()     ? csvField(value.template get<std::string>())
                                             : value.dump();
         }
         text += line + "\n";
@@ -132,8 +125,9 @@ private:
         const double px = x(logSeconds(r)), py = y(logError(r));
         const char* colour = colourOf(r.kernel);
         const char* fill = r.onFront ? colour : "white";
-        const std::string title = fmt::format("<title>{} {}: error {:.2g} in {:.3g} s</title>", r.kernel,
-                                              r.setting, r.rowError, r.comparedSeconds);
+        const std::string title =
+            fmt::format("<title>{}: error {:.2g} in {:.3g} s</title>", escaped(r.kernel + " " + r.setting),
+                        r.rowError, r.comparedSeconds);
         if (r.peer)
             return fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"8\" height=\"8\" stroke=\"{}\" "
                                "fill=\"{}\">{}</rect>\n",
@@ -168,7 +162,7 @@ private:
                     ++other;
             placed.push_back(place);
             text += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" font-size=\"11\" fill=\"{}\">{}</text>\n",
-                                place.x, place.y, colourOf(r->kernel), words);
+                                place.x, place.y, colourOf(r->kernel), escaped(words));
         }
         return text;
     }

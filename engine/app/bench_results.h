@@ -24,10 +24,9 @@ struct BenchResult {
     double claimedRowError = 0; // what the kernel says itself; 0 when it says nothing
     double closureMax = 0, closureRms = 0, reciprocityRms = 0; // before any normalisation
     double pairsPerSecond = 0, raysPerSecond = 0, bytesPerSecond = 0;
-    double peakBytes = 0; // of the process while it ran
-    double rooflineFraction =
-        0;                // least time for the work that no method can leave out, over the device's time
-    bool onFront = false; // no other result of the scene has less error in less time
+    double peakBytes = 0;        // of the process while it ran
+    double rooflineFraction = 0; // least time for the work that no method can leave out, over wallSeconds
+    bool onFront = false;        // no other result of the scene has less error in less time
 };
 
 struct GatherResult {

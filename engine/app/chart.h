@@ -27,7 +27,7 @@ public:
     Chart(double width, double height) : width_(width), height_(height) {}
 
     // Coordinates in pixels of the SVG, y down. What is drawn later lies on top.
-    void fill(std::vector<glm::dvec2> outline, Ink ink);
+    void fill(std::vector<glm::dvec2> outline, Ink ink); // convex
     void rectangle(double x, double y, double width, double height, Ink ink);
     void line(std::vector<glm::dvec2> points, Ink ink, double thickness);
     // `at`: left end, middle or right end of the baseline; letters about `size` pixels tall. UTF-8. With a

@@ -119,9 +119,7 @@ FrameJob frameJobOf(Run& run, const TimelapseArguments& arguments, const Scene& 
 
 std::optional<std::string> difference(const FrameJob& there, const FrameJob& here) {
     for (const auto& [name, value] : here.options.items()) {
-        // A job that does not name --size is from before it existed: pictures were as the default is now.
-        const ordered_json old =
-            there.options.value(name, ordered_json(name == "--size" ? "default" : "unknown"));
+        const ordered_json old = there.options.value(name, ordered_json("unknown"));
         if (old == value) continue;
         const std::string a = readable(old), b = readable(value);
         if (a.starts_with(kHash) && b.starts_with(kHash))

@@ -1,10 +1,12 @@
 #include "engine/app/light_report.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "compute/daylight/glazing.h"
+#include "engine/passes/weighted_quantile.h"
 
 namespace heliodon::app {
 
@@ -85,10 +87,7 @@ void reportMoment(Run& run, const compute::MomentReport& r) {
 }
 
 LightFigures lightFigures(const geometry::PatchMesh& mesh, const compute::Moment& moment) {
-    struct Sample {
-        double exitance, area;
-    };
-    std::vector<Sample> samples;
+    std::vector<std::pair<double, double>> exitanceAndArea;
     LightFigures figures;
     double areaSum = 0, fluxSum = 0;
     for (size_t i = 0; i < mesh.patchCount(); ++i) {
@@ -96,20 +95,16 @@ LightFigures lightFigures(const geometry::PatchMesh& mesh, const compute::Moment
             continue;
         const double area = geometry::patchArea(mesh, i);
         const double lux = compute::photometric(moment.patches[i].total());
-        samples.push_back({compute::photometric(moment.lighting.exitance[i]), area});
+        exitanceAndArea.emplace_back(compute::photometric(moment.lighting.exitance[i]), area);
         areaSum += area;
         fluxSum += area * lux;
         figures.maxLux = std::max(figures.maxLux, lux);
     }
     if (areaSum <= 0) return figures;
     figures.meanLux = fluxSum / areaSum;
-    std::sort(samples.begin(), samples.end(),
-              [](const Sample& a, const Sample& b) { return a.exitance < b.exitance; });
-    auto percentile = [&](double share) {
-        double below = 0;
-        for (const Sample& s : samples)
-            if ((below += s.area) >= share * areaSum) return s.exitance;
-        return samples.back().exitance;
+    std::ranges::sort(exitanceAndArea, {}, &std::pair<double, double>::first);
+    const auto percentile = [&](double share) {
+        return passes::weightedQuantile(exitanceAndArea, areaSum, share);
     };
     const double dark = percentile(0.05);
     figures.glareRatio = dark > 0 ? percentile(0.95) / dark : 0;

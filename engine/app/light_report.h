@@ -1,6 +1,10 @@
 // What the light solvers measured and decided, as fields of the report; and figures about one moment's light.
 #pragma once
 
+#include <memory>
+#include <span>
+#include <vector>
+
 #include "compute/daylight_transport.h"
 #include "engine/app/run.h"
 #include "geometry/patch_mesh.h"

@@ -32,7 +32,9 @@ void refuseNameOfFile(const fs::path& folder) {
 
 } // namespace
 
-OutputFolder::OutputFolder(const fs::path& folder) {
+OutputFolder::OutputFolder(const fs::path& named) {
+    // A slash at the end would count as a folder more, without a name.
+    const fs::path folder = named.has_filename() ? named : named.parent_path();
     std::error_code error;
     if (!fs::is_directory(folder, error)) refuseNameOfFile(folder);
     for (fs::path at = folder; !at.empty() && !fs::exists(at, error); at = at.parent_path())

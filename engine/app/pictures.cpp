@@ -68,8 +68,7 @@ void settle(passes::Tone& tone, const passes::FrameRenderer& renderer,
     }
     const passes::FalseScale scale = passes::falseScale(tone, lux);
     constexpr double kMost = 10'000; // darker moments would flatten the others
-    if (!tone.lowLux)
-        tone.lowLux = scale.linear ? scale.lowLux : std::max(scale.lowLux, scale.highLux / kMost);
+    if (!tone.lowLux) tone.lowLux = std::max(scale.lowLux, scale.highLux / kMost);
     if (!tone.highLux) tone.highLux = scale.highLux;
 }
 

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
 
 #include "engine/app/plan_field.h"
 
@@ -275,7 +276,7 @@ void drawNorthAndScale(Chart& chart, const Scene& scene, const PlanDrawing& plan
     const glm::dvec2 key(at.x + 305, at.y);
     chart.line({key, key + glm::dvec2(20, 0)}, kOpening, 3);
     chart.text(key + glm::dvec2(28, 4), "opening", 11);
-    const double angle = scene.northDeg * 3.14159265358979 / 180;
+    const double angle = glm::radians(scene.northDeg);
     const glm::dvec2 north(std::cos(angle), -std::sin(angle)), side(-north.y, north.x);
     const glm::dvec2 foot = glm::dvec2(chart.width() - kLegend - kMargin - 20, at.y) - 12.0 * north;
     chart.line({foot, foot + 24.0 * north}, kBlack, 1.5);

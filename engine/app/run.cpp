@@ -17,9 +17,11 @@ using nlohmann::json;
 
 namespace {
 
-// Said once, however often a loop says it.
-void addOnce(json& list, const std::string& text) {
-    if (std::find(list.begin(), list.end(), text) == list.end()) list.push_back(text);
+// Said once, however often a loop says it. False when it was there.
+bool addOnce(json& list, const std::string& text) {
+    if (std::find(list.begin(), list.end(), text) != list.end()) return false;
+    list.push_back(text);
+    return true;
 }
 
 } // namespace
@@ -80,8 +82,7 @@ void Run::noteAssumed() {
 }
 
 void Run::warn(const std::string& text) {
-    addOnce(report_["warnings"], text);
-    note("warning: " + text);
+    if (addOnce(report_["warnings"], text)) note("warning: " + text);
 }
 
 void Run::modelled(const std::string& what) {

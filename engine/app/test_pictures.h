@@ -1,8 +1,6 @@
 // Pictures for setting projectors up.
 #pragma once
 
-#include <string>
-
 #include "engine/passes/picture.h"
 #include "geometry/rig.h"
 

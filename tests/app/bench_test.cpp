@@ -51,6 +51,16 @@ TEST_F(Bench, names_with_commas_and_quotes_stay_one_cell) {
     EXPECT_EQ(app::csvOf(std::vector{app::BenchResult{.scene = "box"}}).find('"'), std::string::npos);
 }
 
+TEST_F(Bench, names_that_are_no_plain_words_do_not_break_the_plot) {
+    app::BenchResult r;
+    r.scene = "a, <b> & \"c\".obj", r.kernel = "exact", r.setting = "1 < 2";
+    r.comparedSeconds = 1, r.rowError = 1e-3;
+    const std::string svg = app::plotOf({r}, "R&D", "CPU");
+    EXPECT_EQ(svg.find("<b>"), std::string::npos) << svg;
+    EXPECT_EQ(svg.find("1 < 2"), std::string::npos) << svg;
+    EXPECT_FALSE(std::regex_search(svg, std::regex("&(?!amp;|lt;|gt;|quot;)"))) << svg;
+}
+
 TEST_F(Bench, a_convex_room_by_two_kernels) {
     const Outcome outcome = heliodon(
         "bench --quiet --kernels exact,montecarlo --scenes box --sizes 60 --runs 1 --reference-rows 4 "

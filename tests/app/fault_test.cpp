@@ -8,6 +8,8 @@
 #include <thread>
 
 #include "engine/app/film.h"
+#include "engine/app/output_folder.h"
+#include "geometry/input_error.h"
 #include "geometry/whole_file.h"
 #include "tests/app/fault_layer.h"
 
@@ -197,6 +199,15 @@ TEST_F(Fault, a_folder_has_one_writer_and_a_killed_one_is_no_obstacle) {
     }
     const Outcome third = heliodon(render);
     EXPECT_EQ(third.exitCode, 0) << third.output;
+}
+
+TEST_F(Fault, empty_folders_go_with_the_run_however_they_were_named) {
+    for (const char* name : {"new/out", "new/out/", "new//out//"}) {
+        { const app::OutputFolder made(in(name)); }
+        EXPECT_FALSE(fs::exists(folder / "new")) << name;
+    }
+    EXPECT_THROW(app::OutputFolder(in("out.png/")), geometry::InputError);
+    EXPECT_FALSE(fs::exists(folder / "out.png"));
 }
 
 TEST_F(Fault, what_a_killed_run_leaves_is_removed_by_the_next_and_nothing_else_is) {
