@@ -1,14 +1,11 @@
 // Sketch -> Building: infers the closed rooms that were meant and proves them closed.
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include "geometry/patch_mesh.h"
@@ -64,8 +61,8 @@ struct ClosureReport {
 };
 
 struct ClosureOptions {
-    double doorWidth = 2.0;   // inches: an interior hole at least this wide stays open
-    double crackWidth = 1.0;  // inches: an interior hole under this is filled
+    // Inches: an interior hole narrower than this is filled. Doors are 2 wide and more, cracks less than 1.
+    double crackWidth = 1.5;
     double chordError = 0.02; // inches: how far a facet of a curved wall may lie from the arc
     // Facets of curved walls about so long (inches), or some times it where the chord error allows; where it
     // asks for shorter ones it may rise to the coarse one. 0: as few facets as the chord error allows.

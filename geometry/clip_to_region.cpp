@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "geometry/perpendicular.h"
+#include "geometry/ray_crossing.h"
 #include "geometry/region_mesh.h"
 #include "geometry/segment_distance.h"
 
@@ -41,7 +42,7 @@ public:
         bool in = false, on = false;
         eachEdge(p.y, p.y, [&](uint32_t e) {
             const auto& [a, b] = border_[e];
-            if ((a.y > p.y) != (b.y > p.y) && p.x < (b.x - a.x) * (p.y - a.y) / (b.y - a.y) + a.x) in = !in;
+            if (rayCrosses(p, a, b)) in = !in;
             if (std::min(a.y, b.y) > p.y + kSameInRegion || std::max(a.y, b.y) < p.y - kSameInRegion) return;
             on = on || distanceToSegment(p, a, b) <= kSameInRegion;
         });

@@ -36,8 +36,7 @@ std::string joined(const std::vector<std::string>& ids) {
 }
 
 PlanWallsOptions planOptions(const ClosureOptions& options) {
-    return {(options.doorWidth + options.crackWidth) / 2, options.chordError, options.facetLength,
-            options.coarseChord};
+    return {options.crackWidth, options.chordError, options.facetLength, options.coarseChord};
 }
 
 // What is on the table, in an order that does not depend on the file's.

@@ -7,6 +7,8 @@
 
 #include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
+#include "geometry/ray_crossing.h"
+#include "geometry/segment_distance.h"
 #include "geometry/twin_faces.h"
 
 namespace heliodon::geometry {
@@ -120,10 +122,8 @@ private:
             const auto& loop = faceOf(to).loops[0];
             double least = std::numeric_limits<double>::infinity();
             for (size_t i = 0; i < loop.size(); ++i) {
-                const glm::dvec3 q = building_.vertices[loop[i]],
-                                 d = building_.vertices[loop[(i + 1) % loop.size()]] - q;
-                const double t = std::clamp(glm::dot(p - q, d) / glm::dot(d, d), 0.0, 1.0);
-                least = std::min(least, glm::length(p - q - t * d));
+                least = std::min(least, distanceToSegment(p, building_.vertices[loop[i]],
+                                                          building_.vertices[loop[(i + 1) % loop.size()]]));
             }
             return least <= tolerance_;
         });
@@ -151,14 +151,13 @@ private:
         for (const uint32_t v : faceOf(b).loops[0]) sum += building_.vertices[v];
         const glm::dvec3 u = perpendicular(a.normal), v = glm::cross(a.normal, u);
         const glm::dvec3 p = sum / static_cast<double>(faceOf(b).loops[0].size()) - a.origin;
-        const double x = glm::dot(p, u), y = glm::dot(p, v);
+        const auto flat = [&](glm::dvec3 q) { return glm::dvec2(glm::dot(q, u), glm::dot(q, v)); };
         bool in = false;
         const auto& loop = faceOf(a).loops[0];
         for (size_t i = 0; i < loop.size(); ++i) {
             const glm::dvec3 q = building_.vertices[loop[i]] - a.origin,
                              r = building_.vertices[loop[(i + 1) % loop.size()]] - a.origin;
-            const double qx = glm::dot(q, u), qy = glm::dot(q, v), rx = glm::dot(r, u), ry = glm::dot(r, v);
-            if ((qy > y) != (ry > y) && x < (rx - qx) * (y - qy) / (ry - qy) + qx) in = !in;
+            if (rayCrosses(flat(p), flat(q), flat(r))) in = !in;
         }
         return in;
     }

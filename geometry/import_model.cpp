@@ -18,6 +18,7 @@
 #include "geometry/model_file.h"
 #include "geometry/outline_area.h"
 #include "geometry/raw_model.h"
+#include "geometry/ray_crossing.h"
 #include "geometry/shared_walls.h"
 #include "geometry/shell_faces.h"
 #include "geometry/shell_nesting.h"
@@ -215,9 +216,7 @@ private:
                 const glm::dvec3 a = building_.vertices[outline[i]],
                                  b = building_.vertices[outline[(i + 1) % outline.size()]];
                 if (outline[i] == corner) return false;
-                if ((a[v] > p[v]) != (b[v] > p[v]) &&
-                    p[u] < (b[u] - a[u]) * (p[v] - a[v]) / (b[v] - a[v]) + a[u])
-                    in = !in;
+                if (rayCrosses({p[u], p[v]}, {a[u], a[v]}, {b[u], b[v]})) in = !in;
             }
             return in;
         });

@@ -2,6 +2,8 @@
 // where it leaves it, so that no sliver of a facet is left beside the wall that cuts it.
 #pragma once
 
+#include <vector>
+
 #include "geometry/plan_rooms.h"
 
 namespace heliodon::geometry {

@@ -322,7 +322,6 @@ private:
             loop.points.push_back(map_.points[map_.source(h)]);
             loop.edges.push_back(edge);
             gap = edge.gap ? gap + edgeLength(h) : 0;
-            (edge.gap ? room.gapLength : room.wallLength) += edgeLength(h);
             room.widestGap = std::max(room.widestGap, gap);
         }
         return loop;

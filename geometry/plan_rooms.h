@@ -28,7 +28,6 @@ struct RoomPlan {
     std::vector<OutlineLoop> loops; // the outline first
     double area = 0;                // square inches, net of islands
     double widestGap = 0;           // inches: the widest opening that had to be bridged
-    double gapLength = 0, wallLength = 0;
 };
 
 struct PlanRooms {

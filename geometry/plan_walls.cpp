@@ -11,6 +11,7 @@
 
 #include "geometry/perpendicular.h"
 #include "geometry/plan_fillings.h"
+#include "geometry/ray_crossing.h"
 
 namespace heliodon::geometry {
 
@@ -295,11 +296,8 @@ PlanSolid footprint(const WallPiece& piece) {
 
 bool contains(const std::vector<glm::dvec2>& polygon, glm::dvec2 p) {
     bool inside = false;
-    for (size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
-        const glm::dvec2 a = polygon[i], b = polygon[j];
-        if ((a.y > p.y) != (b.y > p.y) && p.x < (b.x - a.x) * (p.y - a.y) / (b.y - a.y) + a.x)
-            inside = !inside;
-    }
+    for (size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++)
+        if (rayCrosses(p, polygon[i], polygon[j])) inside = !inside;
     return inside;
 }
 
@@ -372,6 +370,7 @@ PlanWalls planWalls(const Sketch& sketch, const PlanWallsOptions& options) {
         plan.solids.push_back(footprint(plan.pieces[i]));
         plan.solids.back().piece = static_cast<int>(i);
     }
+    plan.crackWidth = options.crackWidth;
     fillCracks(plan, options.crackWidth);
     reachWalls(plan);
     return plan;

@@ -55,6 +55,7 @@ struct PlanWalls {
     std::vector<WallLine> lines;
     std::vector<PlanSolid> solids; // one a piece, in their order, then the crack fillings
     std::vector<PlanNote> notes;
+    double crackWidth = 0;            // inches: narrower holes were filled
     std::vector<std::string> ignored; // ids that came to nothing
 };
 

@@ -101,7 +101,7 @@ private:
             if (piece.line == id) out.push_back({line.along(piece.a), line.along(piece.b)});
         std::ranges::sort(out, {}, &Stretch::from);
         for (size_t i = 0; i + 1 < out.size();)
-            if (out[i + 1].from <= out[i].to + PlanWallsOptions{}.crackWidth) {
+            if (out[i + 1].from <= out[i].to + plan_.crackWidth) {
                 out[i].to = std::max(out[i].to, out[i + 1].to);
                 out.erase(out.begin() + static_cast<std::ptrdiff_t>(i) + 1);
             } else

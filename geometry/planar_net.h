@@ -1,7 +1,6 @@
 // A triangulation of the plane that can be changed: edges flip, points enter and move.
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <vector>

@@ -18,10 +18,6 @@ layout(location = 0) out vec4 colour;
 
 const vec3 kLuminance = vec3(0.2126, 0.7152, 0.0722);
 
-float luxAt(vec4 texel) {
-    return 1000.0 * dot(texel.rgb, kLuminance);
-}
-
 const float kUnknownGrey = 0.22;
 
 // Fraction of white that stands for the light of one scene texel.
@@ -36,28 +32,11 @@ vec3 toned(vec3 light) {
     if (kTone == kToneFalseColour) {
         float lux = 1000.0 * dot(light, kLuminance);
         if (lux < 0.0) return vec3(kUnknownGrey); // glazing
-        float value = params.falseLinear != 0u ? lux : log(max(lux, 1e-6)) / log(10.0);
+        float value = log(max(lux, 1e-6)) / log(10.0);
         float t = clamp((value - params.falseLow) / (params.falseHigh - params.falseLow), 0.0, 1.0);
         return linearFromSrgb(clamp(viridis(t), 0.0, 1.0));
     }
     return x;
-}
-
-bool onIsoLine(ivec2 at, vec4 texel) {
-    ivec2 last = textureSize(scene, 0) - 1;
-    float here = luxAt(texel);
-    for (int k = 0; k < 2 * kSupersample; ++k) {
-        ivec2 step = k % 2 == 0 ? ivec2(k / 2 + 1, 0) : ivec2(0, k / 2 + 1);
-        vec4 other = texelFetch(scene, min(at + step, last), 0);
-        if (!kProjector && other.a != 1.0) continue;
-        float there = luxAt(other);
-        if (here < 0.0 || there < 0.0) continue;
-        for (uint i = 0u; i < params.isoCount; ++i) {
-            float level = params.iso[i / 4u][i % 4u];
-            if ((here < level) != (there < level)) return true;
-        }
-    }
-    return false;
 }
 
 vec3 shown(ivec2 at) {
@@ -65,8 +44,6 @@ vec3 shown(ivec2 at) {
     if (kTone == kToneRaw && !kProjector) return texel.a == 1.0 ? 1000.0 * texel.rgb : vec3(0);
     if (!kProjector && texel.a != 1.0) return texel.rgb;
     vec3 value = toned(texel.rgb);
-    if (kTone == kToneFalseColour && params.isoCount > 0u && onIsoLine(at, texel))
-        value = dot(value, kLuminance) > 0.2 ? vec3(0) : vec3(1);
     if (!kProjector) return clamp(value, 0.0, 1.0);
     return value * (params.fullScale * texel.a);
 }

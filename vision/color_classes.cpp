@@ -241,7 +241,6 @@ ClassImage classifyPixels(const PlanView& view, const geometry::Rig& rig, const 
     const double perInch = view.pixelsPerInch(glm::dvec2(0), 0);
     const PaintTable learned(coloured, region.width, std::max(2, static_cast<int>(kMarkerReach * perInch)));
     paint(learned);
-    out.hueDegrees = learned.hues();
     out.white = white.grid;
     settleRims(out, coloured, learned.cyanSaturation());
     return out;

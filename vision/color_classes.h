@@ -2,7 +2,6 @@
 // that falls on it.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -26,8 +25,6 @@ struct ClassImage {
     std::vector<Paint> paint;                  // row-major
     bool hasTable = true;                      // false: nothing white and lit where the table should be
     LightGrid white;                           // what the pixels were held against
-    std::array<float, kPaints>
-        hueDegrees{}; // hue that was learned for each paint (linear light, white balanced)
 
     // Photograph pixel; `none` outside.
     Paint at(int x, int y) const {

@@ -1,6 +1,8 @@
 #include "vision/components.h"
 
-#include <numeric>
+#include <algorithm>
+
+#include "geometry/disjoint_sets.h"
 
 namespace heliodon::vision {
 namespace {
@@ -31,28 +33,11 @@ std::vector<LabelledRun> findRuns(const ClassImage& image) {
     return runs;
 }
 
-class Forest {
-public:
-    explicit Forest(size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), size_t{0}); }
-    size_t root(size_t i) {
-        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-        return i;
-    }
-    // The earlier run stays the root, so that the order of components is that of their first runs.
-    void join(size_t a, size_t b) {
-        a = root(a), b = root(b);
-        parent_[std::max(a, b)] = std::min(a, b);
-    }
-
-private:
-    std::vector<size_t> parent_;
-};
-
 } // namespace
 
 std::vector<Component> findComponents(const ClassImage& image, int minArea) {
     const auto runs = findRuns(image);
-    Forest forest(runs.size());
+    geometry::DisjointSets sets(runs.size());
     size_t above = 0; // first run of the row above that may still touch
     for (size_t i = 0; i < runs.size(); ++i) {
         const Run& run = runs[i].run;
@@ -60,14 +45,21 @@ std::vector<Component> findComponents(const ClassImage& image, int minArea) {
                              (runs[above].run.y == run.y - 1 && runs[above].run.x1 <= run.x0)))
             ++above;
         for (size_t k = above; k < i && runs[k].run.y == run.y - 1 && runs[k].run.x0 < run.x1; ++k)
-            if (runs[k].group == runs[i].group) forest.join(k, i);
+            if (runs[k].group == runs[i].group) {
+                // The earlier run stays the root, so that the order of components is that of their first
+                // runs.
+                const uint32_t a = sets.root(static_cast<uint32_t>(k)),
+                               b = sets.root(static_cast<uint32_t>(i));
+                sets.join(std::max(a, b), std::min(a, b));
+            }
     }
     std::vector<int> area(runs.size(), 0);
-    for (size_t i = 0; i < runs.size(); ++i) area[forest.root(i)] += runs[i].run.x1 - runs[i].run.x0;
+    for (size_t i = 0; i < runs.size(); ++i)
+        area[sets.root(static_cast<uint32_t>(i))] += runs[i].run.x1 - runs[i].run.x0;
     std::vector<Component> out;
     std::vector<size_t> place(runs.size());
     for (size_t i = 0; i < runs.size(); ++i) {
-        const size_t root = forest.root(i);
+        const size_t root = sets.root(static_cast<uint32_t>(i));
         if (area[root] < minArea) continue;
         if (root == i) {
             place[i] = out.size();

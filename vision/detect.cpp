@@ -1,7 +1,6 @@
 #include "vision/detect.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <deque>
 
@@ -404,10 +403,7 @@ DetectionResult detectSketch(const Photograph& photo, const geometry::Rig& rig,
                                    fmt::format("{} x {} pixels, but the rig's camera has {} x {}",
                                                photo.width, photo.height, rig.camera.width,
                                                rig.camera.height));
-    const auto begin = std::chrono::steady_clock::now();
-    DetectionResult result = Detector(photo, rig, options).run();
-    result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    return result;
+    return Detector(photo, rig, options).run();
 }
 
 } // namespace heliodon::vision

@@ -42,7 +42,6 @@ struct DetectionResult {
     geometry::Sketch sketch;
     // What was seen and not understood, one line each; also when nothing was seen.
     std::vector<std::string> warnings;
-    double seconds = 0;
 };
 
 // Deterministic. An empty table, a black picture or noise gives a sketch without walls and a warning.

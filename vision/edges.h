@@ -1,7 +1,6 @@
 // Sub-pixel edges, measured in plan inches, and the robust fits through them.
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <vector>
 

@@ -196,10 +196,4 @@ void PaintTable::fill() {
         }
 }
 
-std::array<float, kPaints> PaintTable::hues() const {
-    std::array<float, kPaints> out{};
-    for (size_t i = 0; i < kPaints; ++i) out[i] = tone_[i].hue;
-    return out;
-}
-
 } // namespace heliodon::vision

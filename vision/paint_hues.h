@@ -27,7 +27,6 @@ public:
     PaintTable(const std::vector<Coloured>& coloured, int width, int reach);
 
     Paint at(uint16_t hue, uint8_t saturation) const { return table_[saturation / kStep][hue]; }
-    std::array<float, kPaints> hues() const; // degrees
     // Light-blue card that a camera or the years have faded; white in a bluish shadow is darker.
     static bool isFadedSky(float hue, float saturation, float brightness) {
         return hue > 195 && hue < 226 && saturation > 0.23f && brightness > 0.72f && brightness < 1.5f;

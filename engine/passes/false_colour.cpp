@@ -25,15 +25,6 @@ void fill(Image8& picture, int x0, int y0, int x1, int y1, std::array<uint8_t, 3
 
 std::vector<double> ticks(const FalseScale& scale) {
     std::vector<double> values;
-    if (scale.linear) {
-        const double span = scale.highLux - scale.lowLux, raw = span / 5;
-        const double decade = std::pow(10, std::floor(std::log10(raw))), lead = raw / decade;
-        const double step = decade * (lead < 1.5 ? 1 : lead < 3.5 ? 2 : lead < 7.5 ? 5 : 10);
-        for (double v = std::ceil(scale.lowLux / step - 1e-9) * step; v <= scale.highLux + 1e-9 * span;
-             v += step)
-            values.push_back(v);
-        return values;
-    }
     const bool few = scale.highLux / scale.lowLux < 2000;
     for (double decade = std::pow(10, std::floor(std::log10(scale.lowLux))); decade <= scale.highLux;
          decade *= 10)
@@ -62,20 +53,10 @@ FalseScale falseScale(const Tone& tone, std::span<const float> lux) {
                    : double{positive[static_cast<size_t>(q * static_cast<double>(positive.size() - 1))]};
     };
     FalseScale scale;
-    scale.linear = tone.linearScale;
-    const double low = quantile(0.02), high = quantile(0.99);
-    if (scale.linear) {
-        const double decade = std::pow(10, std::floor(std::log10(high)));
-        scale.lowLux = 0;
-        scale.highLux = std::ceil(high / decade) * decade;
-    } else {
-        scale.lowLux = std::pow(10, std::floor(std::log10(low)));
-        scale.highLux = std::pow(10, std::ceil(std::log10(high)));
-    }
-    scale.lowLux = tone.lowLux.value_or(scale.lowLux);
-    scale.highLux = tone.highLux.value_or(scale.highLux);
-    if (!scale.linear) scale.lowLux = std::max(scale.lowLux, 1e-3);
-    if (!(scale.highLux > scale.lowLux)) scale.highLux = 10 * std::max(scale.lowLux, 1e-3);
+    scale.lowLux = tone.lowLux.value_or(std::pow(10, std::floor(std::log10(quantile(0.02)))));
+    scale.highLux = tone.highLux.value_or(std::pow(10, std::ceil(std::log10(quantile(0.99)))));
+    scale.lowLux = std::max(scale.lowLux, 1e-3);
+    if (!(scale.highLux > scale.lowLux)) scale.highLux = 10 * scale.lowLux;
     return scale;
 }
 
@@ -112,8 +93,7 @@ void drawLegend(Image8& picture, const FalseScale& scale) {
     const Lettering letters{9.0 * size, kInk};
     letters.draw(picture, right - letters.width("lux"), margin + letters.capital, "lux");
     const auto position = [&](double lux) {
-        const double t = scale.linear ? (lux - scale.lowLux) / (scale.highLux - scale.lowLux)
-                                      : std::log(lux / scale.lowLux) / std::log(scale.highLux / scale.lowLux);
+        const double t = std::log(lux / scale.lowLux) / std::log(scale.highLux / scale.lowLux);
         return bottom - 1 - static_cast<int>(std::lround(t * (bottom - 1 - top)));
     };
     for (int y = top; y < bottom; ++y) {

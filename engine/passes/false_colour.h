@@ -1,4 +1,4 @@
-// The scale of false-colour pictures: its ends, and the legend drawn into a picture.
+// The scale of false-colour pictures, logarithmic: its ends, and the legend drawn into a picture.
 #pragma once
 
 #include <span>
@@ -12,7 +12,6 @@ namespace heliodon::passes {
 
 struct FalseScale {
     double lowLux = 10, highLux = 10000;
-    bool linear = false;
 };
 
 // The scale that `tone` asks for; open ends follow `lux`, the values at hand (any order, may be empty).

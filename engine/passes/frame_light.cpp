@@ -5,6 +5,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "engine/passes/weighted_quantile.h"
+
 namespace heliodon::passes {
 
 namespace {
@@ -25,10 +27,7 @@ double autoWhite(const geometry::PatchMesh& mesh, const compute::Lighting& light
         total += area;
     }
     std::sort(luxAndArea.begin(), luxAndArea.end());
-    double sum = 0;
-    for (const auto& [lux, area] : luxAndArea)
-        if ((sum += area) >= 0.95 * total) return std::max(lux, 1e-6);
-    return 1;
+    return luxAndArea.empty() ? 1 : std::max(weightedQuantile(luxAndArea, total, 0.95), 1e-6);
 }
 
 std::vector<glm::vec3> pictureLight(const geometry::PatchMesh& mesh, const compute::Lighting& light) {

@@ -237,17 +237,13 @@ std::optional<SunDraw> FrameRenderer::State::prepareLight(DeviceMesh& target, co
 io::DisplayParams FrameRenderer::State::displayParams(const compute::Lighting& light,
                                                       const Tone& tone) const {
     io::DisplayParams params{};
-    params.white =
-        static_cast<float>(1e-3 * tone.whiteLux.value_or(passes::autoWhite(model->scene.mesh, light)));
+    const double white = tone.whiteLux ? *tone.whiteLux : passes::autoWhite(model->scene.mesh, light);
+    params.white = static_cast<float>(1e-3 * white);
     params.fullScale = 1;
     if (tone.map != ToneMap::falseColour) return params;
     const FalseScale scale = falseScale(tone, passes::shownLux(model->scene.mesh, light));
-    params.falseLinear = scale.linear;
-    params.falseLow = static_cast<float>(scale.linear ? scale.lowLux : std::log10(scale.lowLux));
-    params.falseHigh = static_cast<float>(scale.linear ? scale.highLux : std::log10(scale.highLux));
-    params.isoCount = static_cast<uint32_t>(std::min<size_t>(tone.isoLux.size(), 8));
-    for (uint32_t i = 0; i < params.isoCount; ++i)
-        params.iso[i / 4][static_cast<int>(i % 4)] = static_cast<float>(tone.isoLux[i]);
+    params.falseLow = static_cast<float>(std::log10(scale.lowLux));
+    params.falseHigh = static_cast<float>(std::log10(scale.highLux));
     return params;
 }
 
@@ -397,8 +393,7 @@ Image8 FrameRenderer::preview(const compute::Lighting& light, const PreviewOptio
     if (legend) {
         picture = widened(picture, strip);
         const io::DisplayParams params = state_->displayParams(light, options.tone);
-        const auto lux = [&](float end) { return params.falseLinear ? end : std::pow(10.0, end); };
-        drawLegend(picture, {lux(params.falseLow), lux(params.falseHigh), params.falseLinear != 0});
+        drawLegend(picture, {std::pow(10.0, params.falseLow), std::pow(10.0, params.falseHigh)});
     }
     return picture;
 }

@@ -9,6 +9,9 @@
 
 #include <glm/geometric.hpp>
 
+#include "geometry/perpendicular.h"
+#include "shaders/io/scene.io.h"
+
 namespace heliodon::passes {
 
 namespace {
@@ -114,8 +117,7 @@ void Panes::addPane(const PatchMesh& mesh, const std::vector<uint32_t>& patches)
 }
 
 SunPaneData Panes::seenFromSun(glm::dvec3 towardsSun) const {
-    const glm::dvec3 other = std::abs(towardsSun.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
-    const glm::dvec3 u = glm::normalize(glm::cross(other, towardsSun)), v = glm::cross(towardsSun, u);
+    const glm::dvec3 u = geometry::perpendicular(towardsSun), v = glm::cross(towardsSun, u);
     SunPaneData data;
     std::vector<io::SunPane> list;
     for (const Pane& pane : panes_) {

@@ -6,13 +6,11 @@
 #include <cstdint>
 #include <vector>
 
-#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
 #include "compute/daylight/window.h"
 #include "geometry/patch_mesh.h"
-#include "shaders/io/scene.io.h"
 
 namespace heliodon::passes {
 

@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include <glm/geometric.hpp>
+
+#include "engine/passes/weighted_quantile.h"
 
 namespace heliodon::passes {
 
@@ -59,11 +63,9 @@ double reachableExitance(const DrawMesh& shown, const geometry::Rig& rig, double
     }
     if (reachAndArea.empty()) return 0;
     std::sort(reachAndArea.begin(), reachAndArea.end());
-    double total = 0, sum = 0;
+    double total = 0;
     for (const auto& [reach, area] : reachAndArea) total += area;
-    for (const auto& [reach, area] : reachAndArea)
-        if ((sum += area) >= 0.1 * total) return reach;
-    return reachAndArea.back().first;
+    return weightedQuantile(reachAndArea, total, 0.1);
 }
 
 } // namespace heliodon::passes

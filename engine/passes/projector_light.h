@@ -1,10 +1,6 @@
 // What a projector can do: its intensity, and how bright it can make a surface.
 #pragma once
 
-#include <vector>
-
-#include <glm/vec3.hpp>
-
 #include "engine/passes/draw_mesh.h"
 #include "geometry/rig.h"
 

@@ -2,7 +2,6 @@
 // pixel where the stencil counts no shadow volume.
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
 namespace heliodon::passes {
 
@@ -17,12 +16,10 @@ struct Tone {
     ToneMap map = ToneMap::linear;
     // Simulated exitance shown as white, lux; none: FrameRenderer::autoWhite of the light at hand.
     std::optional<double> whiteLux;
-    // False colour shows illuminance on the surfaces. Ends of its scale in lux; none: decades (or a round
-    // number where the scale is linear) that hold the light at hand.
+    // False colour shows illuminance on the surfaces, logarithmically. Ends of its scale in lux; none:
+    // decades that hold the light at hand.
     std::optional<double> lowLux, highLux;
-    bool linearScale = false;   // default: logarithmic
-    std::vector<double> isoLux; // lines of equal illuminance, at most eight
-    bool legend = true;         // scale with numbers, at the right of previews
+    bool legend = true; // scale with numbers, at the right of previews
 };
 
 } // namespace heliodon::passes

@@ -10,6 +10,8 @@
 #include <glm/matrix.hpp>
 #include <glm/vec2.hpp>
 
+#include "geometry/perpendicular.h"
+
 namespace heliodon::passes {
 
 namespace {
@@ -21,8 +23,7 @@ struct Tangents {
 };
 
 Tangents tangentsOf(glm::dvec3 normal) {
-    const glm::dvec3 other = std::abs(normal.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
-    const glm::dvec3 u = glm::normalize(glm::cross(other, normal));
+    const glm::dvec3 u = geometry::perpendicular(normal);
     return {u, glm::cross(normal, u)};
 }
 

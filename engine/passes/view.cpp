@@ -65,7 +65,8 @@ std::optional<glm::dvec2> pinholePixel(const View& view, glm::dvec3 world) {
 
 } // namespace
 
-View viewOfDevice(const geometry::OpticalDevice& device, int supersample, double nearMetres) {
+View viewOfDevice(const geometry::OpticalDevice& device, int supersample) {
+    constexpr double kNear = 0.02; // metres
     View view;
     view.outputWidth = device.width;
     view.outputHeight = device.height;
@@ -92,7 +93,7 @@ View viewOfDevice(const geometry::OpticalDevice& device, int supersample, double
     const glm::dvec2 centre = toPinhole({ideal.cx, ideal.cy});
     ideal.fx *= s, ideal.fy *= s, ideal.skew *= s;
     ideal.cx = centre.x, ideal.cy = centre.y;
-    view.clipFromWorld = clipFromDevice(ideal, view.width, view.height, nearMetres) *
+    view.clipFromWorld = clipFromDevice(ideal, view.width, view.height, kNear) *
                          rigid(device.deviceFromWorld, device.translation);
     view.drawn = {0, 0, view.width, view.height};
     view.shown = {0, 0, view.outputWidth, view.outputHeight};

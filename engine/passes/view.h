@@ -35,9 +35,9 @@ struct View {
 void confine(View& view, const std::vector<glm::dvec3>& points);
 
 // What a camera or projector sees: outputs are its own panel pixels, so that a world point comes out at
-// OpticalDevice::pixelFromWorld. `supersample` pinhole pixels per panel pixel in each direction. The part of
-// the world nearer than `nearMetres` is clipped.
-View viewOfDevice(const geometry::OpticalDevice& device, int supersample = 1, double nearMetres = 0.02);
+// OpticalDevice::pixelFromWorld. `supersample` pinhole pixels per panel pixel in each direction. What is
+// nearer than 2 cm is clipped.
+View viewOfDevice(const geometry::OpticalDevice& device, int supersample = 1);
 
 struct PerspectiveCamera {
     glm::dvec3 eye{0, 1, 1}, target{0};

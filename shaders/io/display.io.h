@@ -13,12 +13,9 @@ struct DisplayParams {
     float fullScale;  // drive of white times gain; 1 in previews
     float blackLevel; // what the projector leaks, fraction of full
     float gamma;      // of the display; 0: the attachment encodes sRGB
-    float falseLow;   // log10 lux (or lux where the scale is linear) at both ends of the scale
+    float falseLow;   // log10 lux at both ends of the scale
     float falseHigh;
-    uint falseLinear;
-    uint isoCount;
     uint outputWidth;
     uint outputHeight;
-    vec4 iso[2]; // lux, the first isoCount of them
 };
 IO_END

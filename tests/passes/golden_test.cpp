@@ -59,7 +59,6 @@ TEST(Golden, preview_of_a_sunlit_room) {
     options.height = 192;
     expectLike("preview", renderer.preview(scene.light, options));
     options.tone.map = ToneMap::falseColour;
-    options.tone.isoLux = {1000};
     expectLike("false-colour", renderer.preview(scene.light, options));
 }
 

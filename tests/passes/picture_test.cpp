@@ -64,16 +64,15 @@ TEST(FalseColour, open_ends_take_decades_and_stated_ends_are_kept) {
     EXPECT_DOUBLE_EQ(scale.lowLux, 10);
     EXPECT_DOUBLE_EQ(scale.highLux, 1000); // one value in four is not worth a decade
     Tone tone;
-    tone.linearScale = true;
     tone.highLux = 500;
-    EXPECT_DOUBLE_EQ(falseScale(tone, lux).lowLux, 0);
+    EXPECT_DOUBLE_EQ(falseScale(tone, lux).lowLux, 10);
     EXPECT_DOUBLE_EQ(falseScale(tone, lux).highLux, 500);
     EXPECT_GT(falseScale({}, {}).highLux, falseScale({}, {}).lowLux); // night: still a scale
 }
 
 TEST(FalseColour, the_legend_shows_both_ends_of_the_scale) {
     Image8 picture{400, 300, std::vector<uint8_t>(3 * 400 * 300, 128)};
-    drawLegend(picture, {10, 10000, false});
+    drawLegend(picture, {10, 10000});
     const auto has = [&](glm::vec3 colour) {
         for (int y = 0; y < picture.height; ++y)
             for (int x = 0; x < picture.width; ++x)
