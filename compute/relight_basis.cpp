@@ -134,6 +134,9 @@ RadiosityReport RelightBasis::solve(std::span<const float> emitted, std::span<co
                 gathered[at + i] += seen[k * n + i];
             }
             left[open[k]] = largest({&residual[at], n}) / scale[open[k]];
+            rounding[open[k]] += kGatherRounding *
+                                 std::max(largest({&seen[k * n], n}), largest({&answer[k * n], n})) /
+                                 scale[open[k]];
             if (learn(openChannel[k], std::move(image), {&seen[k * n], &seen[k * n] + n}))
                 learnt.push_back(openChannel[k]);
         }

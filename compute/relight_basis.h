@@ -25,9 +25,10 @@ public:
     // Forgets everything: to be called first, and after the solver got new matter.
     void restart();
 
-    // As RadiositySolver::solve, to the same tolerance. The residual is kept, not measured anew; `bound`
-    // counts the rounding of what it was kept by. Results depend on what was solved before, within the
-    // tolerance; the same sequence gives the same bits.
+    // As RadiositySolver::solve, until the residual is within the same tolerance. It is kept, not measured
+    // anew: `bound` counts the rounding of what it was kept by, too, and may exceed the tolerance by that
+    // where `converged` is true. Results depend on what was solved before, within the tolerance; the same
+    // sequence gives the same bits.
     RadiosityReport solve(std::span<const float> emitted, std::span<const uint32_t> channel,
                           std::vector<float>& radiosity, std::vector<float>& gathered,
                           const RadiosityOptions& options = {});

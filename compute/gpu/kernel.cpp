@@ -48,27 +48,35 @@ size_t texelBytes(VkFormat format) {
     }
 }
 
-// Vulkan promises 4 storage buffers a stage and 128 invocations a group; several kernels need more.
-void checkLimits(const Device& device, const SpirvModule& module, const std::string& name) {
-    const VkPhysicalDeviceLimits& limits = device.limits();
-    auto need = [&](const char* what, size_t needed, uint32_t most) {
+} // namespace
+
+void checkLimits(const SpirvModule& module, const VkPhysicalDeviceLimits& limits) {
+    const auto need = [](const char* what, size_t needed, uint32_t most) {
         if (needed > most)
-            throw Error(fmt::format("{}: needs {} {}, the device allows {}", name, needed, what, most));
+            throw Error(fmt::format("a shader needs {} {}, the device allows {}", needed, what, most));
     };
-    size_t storage = 0;
-    for (const SpirvBinding& b : module.bindings)
-        storage += b.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER ? b.count : 0;
+    size_t storage = 0, sampled = 0;
+    for (const SpirvBinding& b : module.bindings) {
+        if (b.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER) storage += b.count;
+        if (b.type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER ||
+            b.type == VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER)
+            sampled += b.count;
+    }
     need("storage buffers", storage, limits.maxPerStageDescriptorStorageBuffers);
+    need("sampled images and texel buffers", sampled, limits.maxPerStageDescriptorSampledImages);
     need("resources", module.bindings.size(), limits.maxPerStageResources);
+    need("bytes of push constants", module.pushConstantBytes, limits.maxPushConstantsSize);
+    if (module.stage != VK_SHADER_STAGE_COMPUTE_BIT) return;
     const auto& group = module.groupSize;
+    for (size_t axis = 0; axis < 3; ++axis)
+        need("invocations along one axis of a group", group[axis], limits.maxComputeWorkGroupSize[axis]);
     need("invocations a group", size_t{group[0]} * group[1] * group[2],
          limits.maxComputeWorkGroupInvocations);
 }
 
-} // namespace
-
 PipelineLayout::PipelineLayout(Device& device, std::span<const SpirvModule> modules) : device_(&device) {
     for (const SpirvModule& module : modules) {
+        checkLimits(module, device.limits());
         stages_ |= module.stage;
         pushConstantBytes_ = std::max(pushConstantBytes_, module.pushConstantBytes);
         for (const SpirvBinding& binding : module.bindings)
@@ -212,9 +220,7 @@ SpecializationData::SpecializationData(const SpirvModule& module, const Speciali
 }
 
 Kernel::Kernel(WithoutPipeline, Device& device, std::span<const uint32_t> spirv, const std::string& name)
-    : device_(&device), module_(reflectSpirv(spirv)), layout_(device, std::span(&module_, 1)), name_(name) {
-    checkLimits(device, module_, name);
-}
+    : device_(&device), module_(reflectSpirv(spirv)), layout_(device, std::span(&module_, 1)), name_(name) {}
 
 Kernel::Kernel(Device& device, std::span<const uint32_t> spirv, const std::string& name,
                const Specialization& values)

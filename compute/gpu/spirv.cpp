@@ -164,12 +164,24 @@ size_t leastOperands(uint32_t op) {
     case kOpExecutionModeId:
     case kOpDecorate:
         return 2;
+    case kOpTypeInt:
+    case kOpTypeFloat:
+    case kOpTypeSampledImage:
+        return 2;
     case kOpMemberDecorate:
     case kOpVariable:
     case kOpConstant:
+    case kOpTypeVector:
+    case kOpTypeMatrix:
+    case kOpTypeArray:
+    case kOpTypePointer:
         return 3;
+    case kOpTypeImage:
+        return 7;
+    case kOpTypeStruct:
+        return 1;
     default:
-        return op >= kOpTypeInt && op <= kOpTypePointer ? 1 : 0;
+        return 0;
     }
 }
 

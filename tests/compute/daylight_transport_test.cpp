@@ -158,6 +158,8 @@ TEST(DaylightTransport, moments_close_together_keep_within_their_bound) {
                 const double b = alone.lighting.exitance[i][c];
                 most = std::max(most, b), off = std::max(off, std::abs(b - moment.lighting.exitance[i][c]));
             }
+        EXPECT_TRUE(moment.report.radiosity.converged);
+        EXPECT_LT(moment.report.radiosity.bound, 2e-4);
         EXPECT_LE(off, (moment.report.radiosity.bound + alone.report.radiosity.bound) * most) << round;
     }
 }

@@ -98,6 +98,34 @@ TEST(Kernel, wrong_resources_are_refused_by_name) {
     EXPECT_THROW(commands.dispatch(kernel, {texel(buffer, VK_FORMAT_R32_SFLOAT), buffer}, 1.0f, 1), Error);
 }
 
+TEST(Kernel, bindings_beyond_their_buffer_are_refused) {
+    const Kernel kernel(test::device(), affine_comp, "affine");
+    const Buffer in(test::device(), 64, "in"), out(test::device(), 64, "out");
+    Commands commands(test::device());
+    const io::AffineParams none{};
+    EXPECT_NO_THROW(commands.dispatch(kernel, {texel(in, VK_FORMAT_R32_SFLOAT), part(out, 16, 48)}, none, 1));
+    EXPECT_THROW(commands.dispatch(kernel, {texel(in, VK_FORMAT_R32_SFLOAT), part(out, 16, 64)}, none, 1),
+                 Error);
+    EXPECT_THROW(commands.dispatch(kernel, {texel(in, VK_FORMAT_R32_SFLOAT, 128), out}, none, 1), Error);
+}
+
+TEST(Kernel, what_a_device_does_not_allow_is_refused) {
+    const SpirvModule module = reflectSpirv(affine_comp);
+    VkPhysicalDeviceLimits limits = test::device().limits();
+    EXPECT_NO_THROW(checkLimits(module, limits));
+    for (uint32_t VkPhysicalDeviceLimits::*limit :
+         {&VkPhysicalDeviceLimits::maxPerStageDescriptorStorageBuffers,
+          &VkPhysicalDeviceLimits::maxPerStageDescriptorSampledImages,
+          &VkPhysicalDeviceLimits::maxPerStageResources, &VkPhysicalDeviceLimits::maxPushConstantsSize,
+          &VkPhysicalDeviceLimits::maxComputeWorkGroupInvocations}) {
+        VkPhysicalDeviceLimits less = limits;
+        less.*limit = 0;
+        EXPECT_THROW(checkLimits(module, less), Error);
+    }
+    limits.maxComputeWorkGroupSize[0] = module.groupSize[0] - 1;
+    EXPECT_THROW(checkLimits(module, limits), Error);
+}
+
 TEST(KernelCache, hands_out_what_was_prepared_as_if_made_on_the_spot) {
     KernelCache cache(test::device());
     for (uint32_t negate : {0u, 1u}) cache.prepare(affine_comp, "affine", {{"kNegate", negate}});
@@ -120,6 +148,19 @@ TEST(KernelCache, may_go_before_what_it_began_is_asked_for) {
         KernelCache cache(test::device());
         for (uint32_t negate : {0u, 1u}) cache.prepare(affine_comp, "affine", {{"kNegate", negate}});
     }
+}
+
+TEST(Spirv, modules_with_two_entry_points_are_refused) {
+    std::vector<uint32_t> twice(std::begin(affine_comp), std::end(affine_comp));
+    for (size_t at = 5; at < twice.size(); at += twice[at] >> 16)
+        if ((twice[at] & 0xffffu) == 15) { // OpEntryPoint
+            const std::vector<uint32_t> entry(twice.begin() + std::ptrdiff_t(at),
+                                              twice.begin() + std::ptrdiff_t(at + (twice[at] >> 16)));
+            twice.insert(twice.begin() + std::ptrdiff_t(at), entry.begin(), entry.end());
+            break;
+        }
+    EXPECT_NO_THROW(reflectSpirv(affine_comp));
+    EXPECT_THROW(reflectSpirv(twice), Error);
 }
 
 TEST(Spirv, truncated_modules_never_crash) {
