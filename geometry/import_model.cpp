@@ -91,7 +91,7 @@ private:
 
     // Rooms whose common walls have no thickness; false when that is not what kept them from closing.
     bool shareWalls() {
-        const auto space = divideSpace(soup(), kWeldOfExtent * extent_);
+        const auto space = divideSpace(soup(), weldOfExtent_ * extent_);
         if (!space || proveShells(space->outside)[0].selfIntersecting) return false;
         for (const auto& [one, other] : space->pairs)
             if (isOpening(one) != isOpening(other))
@@ -99,7 +99,7 @@ private:
                     model_.file, model_.place(one),
                     fmt::format("an opening and a wall ({}) lie on one another", model_.place(other)));
         const auto before = std::tuple(building_, source_, turnedOver_);
-        building_ = weldFaces(space->faces, space->rooms, kWeldOfExtent * extent_);
+        building_ = weldFaces(space->faces, space->rooms, weldOfExtent_ * extent_);
         source_.clear();
         for (const Face& face : building_.faces) source_.push_back(face.surface);
         turnedOver_ = 0;
@@ -187,19 +187,21 @@ private:
         }
     }
 
+    // What closing gaps may move a corner out of its plane by.
+    double offPlane() const { return std::max(kPlanarOfExtent, 2 * weldOfExtent_) * extent_; }
+
     void checkPlanar(const Face& face) const {
         const glm::dvec3 n = normal(face), origin = building_.vertices[face.loops[0][0]];
-        const double most = std::max(kPlanarOfExtent, 2 * weldOfExtent_) * extent_;
         for (const auto& loop : face.loops)
             for (const uint32_t v : loop)
-                if (std::abs(glm::dot(building_.vertices[v] - origin, n)) > most)
+                if (std::abs(glm::dot(building_.vertices[v] - origin, n)) > offPlane())
                     throw InputError(model_.file, model_.place(face.surface), "the face is not planar");
     }
 
     bool coplanar(const Face& face, const std::vector<uint32_t>& loop) const {
         const glm::dvec3 n = normal(face), origin = building_.vertices[face.loops[0][0]];
         return std::ranges::all_of(loop, [&](uint32_t v) {
-            return std::abs(glm::dot(building_.vertices[v] - origin, n)) < kPlanarOfExtent * extent_;
+            return std::abs(glm::dot(building_.vertices[v] - origin, n)) <= offPlane();
         });
     }
 
@@ -233,7 +235,7 @@ private:
                 boxes.back() = {glm::min(boxes.back().first, building_.vertices[v]),
                                 glm::max(boxes.back().second, building_.vertices[v])};
         }
-        const glm::dvec3 margin(kPlanarOfExtent * extent_);
+        const glm::dvec3 margin(offPlane());
         for (uint32_t f = 0; f < building_.faces.size(); ++f) {
             const glm::dvec3 low = boxes[f].first + margin, high = boxes[f].second - margin;
             const auto& loop = building_.faces[f].loops[0];

@@ -40,7 +40,8 @@ public:
         if (!placeParts()) return std::nullopt;
         SharedWalls out = answer();
         if (unclear_) return std::nullopt;
-        if (out.repairs.empty() && out.warnings.empty()) return std::nullopt;
+        if (out.repairs.empty() && out.warnings.empty())
+            return std::nullopt; // nothing lies or ends on another
         return out;
     }
 
@@ -150,9 +151,15 @@ private:
     void findOwners() {
         std::vector<std::array<std::map<uint32_t, double>, 2>> bounds(faces_.size()); // areas by part
         borders_.resize(faces_.size());
+        pieces_.assign(faces_.size(), 0);
+        drawnArea_.assign(faces_.size(), 0);
+        backed_.assign(faces_.size(), 0);
         for (uint32_t f = 0; f < welded_.faces.size(); ++f)
             for (uint32_t turned = 0; turned < 2; ++turned)
                 for (const uint32_t k : sheetOf(f).drawn[turned]) {
+                    ++pieces_[k];
+                    drawnArea_[k] += area_[f];
+                    if (!sheetOf(f).drawn[1 - turned].empty()) backed_[k] += area_[f];
                     const std::array<uint32_t, 2> parts{partAt(f, turned), partAt(f, 1 - turned)};
                     for (uint32_t s = 0; s < 2; ++s) bounds[k][s][parts[s]] += area_[f];
                     if (!borders_[k]) borders_[k].emplace(parts.begin(), parts.end());
@@ -192,8 +199,8 @@ private:
         return largest.looksIn() && part.looksOut();
     }
 
-    static bool isSolid(const Stand& stand, const Part& part, const Part& largest) {
-        const bool thin = 2 * part.volume < kThin * largest.height() * part.area,
+    static bool isSolid(const Stand& stand, const Part& part, const Part& largest, double height) {
+        const bool thin = 2 * part.volume < kThin * height * part.area,
                    agreed = largest.looksIn() && part.looksIn();
         if (contrary(part, largest))
             return thin || (stand.within && (!stand.touchesWall || part.volume < kSmall * largest.volume));
@@ -286,6 +293,7 @@ private:
     template<class Nested> void findSolids(Nested nested) {
         const auto air = [](const auto& p) { return p.second.solid ? 0 : p.second.volume; };
         const auto& [first, largest] = *std::ranges::max_element(parts_, {}, air);
+        const double height = largest.height();
         for (bool changed = true; changed;) {
             changed = false;
             contrary_ = insides_ = 0;
@@ -293,7 +301,7 @@ private:
                 if (id == first || part.volume <= 0 || part.solid) continue;
                 Stand stand = standOf(id);
                 stand.within |= nested(part.shell);
-                if (isSolid(stand, part, largest)) {
+                if (isSolid(stand, part, largest, height)) {
                     part.solid = changed = true;
                     ++solids_;
                     largestSolid_ = std::max(largestSolid_, part.volume / largest.volume);
@@ -306,19 +314,40 @@ private:
     }
 
     // Of the faces drawn on a sheet, the one for the side: that which is turned as those about it, and of
-    // several such its own, and the smaller one (drawn on the other).
-    uint32_t drawnFor(const Sheet& sheet, uint32_t side, uint32_t id) {
+    // several such its own, and the smaller one (drawn on the other). Where nothing is behind the sheet a
+    // smaller one that is turned over is drawn on the other, too, unless its like cover half of that: those
+    // are the wall as seen from outside.
+    uint32_t drawnFor(uint32_t f, uint32_t side) {
+        const Sheet& sheet = sheetOf(f);
+        const uint32_t id = partAt(f, side);
+        const Part& behind = parts_[partAt(f, 1 - side)];
         const size_t first = parts_[id].drawnInwards >= 0 ? side : 1 - side;
         const auto& list = sheet.drawn[first].empty() ? sheet.drawn[1 - first] : sheet.drawn[first];
+        const auto& turned = sheet.drawn[first].empty() ? sheet.drawn[first] : sheet.drawn[1 - first];
         const auto rank = [&](uint32_t k) {
-            return std::pair(owner_[k][0] != id && owner_[k][1] != id,
-                             glm::length(areaVector(faces_[k].loops[0])));
+            return std::pair(owner_[k][0] != id && owner_[k][1] != id, drawnArea_[k]);
+        };
+        // No larger than the other but for rounding.
+        const auto rivals = [&](uint32_t k, uint32_t other) {
+            return rank(k).first == rank(other).first && rank(k).second < rank(other).second * 1.001;
+        };
+        const auto looksOther = [&](uint32_t k, uint32_t other) {
+            return faces_[k].material != faces_[other].material || faces_[k].role != faces_[other].role;
         };
         const uint32_t best = *std::ranges::min_element(list, {}, rank);
-        for (const uint32_t k : list)
-            if (rank(k).first == rank(best).first && rank(k).second < rank(best).second * 1.001)
-                unclear_ |=
-                    faces_[k].material != faces_[best].material || faces_[k].role != faces_[best].role;
+        if (behind.room < 0 && behind.volume <= 0 && !turned.empty()) {
+            const uint32_t over = *std::ranges::min_element(turned, {}, rank);
+            if (!rivals(best, over) && rivals(over, best) && backed_[best] < 0.5 * drawnArea_[best]) {
+                if (looksOther(over, best)) covered_.insert(f);
+                for (const uint32_t k : turned) unclear_ |= rivals(k, over) && looksOther(k, over);
+                return over;
+            }
+        }
+        for (const uint32_t k : list) {
+            if (!looksOther(k, best) || rank(k).first != rank(best).first) continue;
+            unclear_ |= rivals(k, best);
+            covered_.insert(f);
+        }
         return best;
     }
 
@@ -326,6 +355,7 @@ private:
         SharedWalls out;
         out.rooms = rooms_;
         size_t shared = 0; // walls that two rooms see
+        std::set<uint32_t> meeting;
         std::vector<SoupFace> outside;
         for (uint32_t f = 0; f < welded_.faces.size(); ++f) {
             const Sheet& sheet = sheetOf(f);
@@ -337,7 +367,7 @@ private:
             for (uint32_t s = 0; s < 2; ++s) {
                 const Part& part = parts_[partAt(f, s)];
                 if (part.volume > 0 && part.room < 0) continue;
-                SoupFace face = faces_[drawnFor(sheet, s, partAt(f, s))];
+                SoupFace face = faces_[part.room < 0 ? all[0] : drawnFor(f, s)]; // nobody sees the outside
                 face.loops.clear();
                 for (const auto& loop : welded_.faces[f].loops) {
                     face.loops.emplace_back();
@@ -354,10 +384,22 @@ private:
                 out.faces.push_back(std::move(face));
             }
             shared += sides == 2;
+            if (sides == 1 && all.size() > 1) meeting.insert(all.begin(), all.end());
         }
+        for (uint32_t k = 0; k < faces_.size(); ++k)
+            if (pieces_[k] > 1) meeting.insert(k);
         if (shared > 0)
             out.repairs.push_back(fmt::format("{} wall{} without thickness: rooms on both sides share {}",
                                               shared, shared == 1 ? "" : "s", shared == 1 ? "it" : "them"));
+        if (!covered_.empty())
+            out.repairs.push_back(fmt::format(
+                "faces of different materials lie on one another in {} place{}: the smaller is seen",
+                covered_.size(), covered_.size() == 1 ? "" : "s"));
+        if (!meeting.empty())
+            out.repairs.push_back(fmt::format(
+                "{} face{} divided where others lie on or end on {}, and one is seen in each place",
+                meeting.size(), meeting.size() == 1 ? " was" : "s were",
+                meeting.size() == 1 ? "it" : "them"));
         out.warnings = guesses();
         out.outside = weldFaces(outside, 1, tolerance_);
         return out;
@@ -404,6 +446,9 @@ private:
     // Per given face: the parts that all of it borders on, the owners in front and behind.
     std::vector<std::optional<std::set<uint32_t>>> borders_;
     std::vector<std::array<uint32_t, 2>> owner_;
+    std::vector<uint32_t> pieces_;           // sheets that it lies on
+    std::vector<double> drawnArea_, backed_; // of these, and where others lie on it that are turned over
+    std::set<uint32_t> covered_;             // sheets of different materials of which the smaller is seen
     uint32_t rooms_ = 0;
     size_t solids_ = 0;                 // that stand against walls or floors
     double largestSolid_ = 0;           // of the largest part's volume

@@ -16,7 +16,9 @@ namespace heliodon::geometry {
 struct SharedWalls {
     std::vector<SoupFace> faces; // with room and `surface` as given; both sides of a shared wall
     uint32_t rooms = 0;
-    std::vector<std::string> repairs;  // on walls that two rooms see; empty when there are none
+    // On walls that two rooms see, on faces that others divide, and where the smaller of two materials is
+    // seen.
+    std::vector<std::string> repairs;
     std::vector<std::string> warnings; // on what is solid and what is a room; empty when there is no doubt
     std::vector<std::array<uint32_t, 2>> pairs; // given faces (`surface`) that lie on one another
     Building outside; // the same as one closed shell seen from outside: to be proven free of crossings
@@ -24,14 +26,17 @@ struct SharedWalls {
 
 // Faces may look either way, overlap in their planes, end on one another (a wall drawn once) and be given
 // twice; edges must meet within `tolerance` (metres). Where faces lie on one another, each room gets the
-// material of the one that is turned as the rest of its own faces are.
+// material of the one that is turned as the rest of its own faces are, of several such the smallest of those
+// that bound that room (a rug on the floor). Where nothing is behind, a smaller one that is turned over is
+// seen as well, unless such cover half of the face or more: they are the wall's outer side. What that rule
+// chose between materials is a repair.
 // Solid is what was drawn into a room without regard to it (its floor or walls run on behind it) and stands
 // clear of its walls, unless it is not thin and its faces look into it as those of the room do; what is small
 // or thin and has faces that look out of it into such a room; a closed shell that touches nothing. Each such
 // guess is a warning, and so is a room whose faces look the other way than those of the largest.
-// None where an edge is open, faces of different materials look the same way from one place, no part is
-// bounded, or there is neither a wall that two rooms see nor a solid. Cost: faces times planes, n^2 in one
-// plane, sheets times parts.
+// None where an edge is open, faces of one size and different materials look the same way from one place, no
+// part is bounded, or no face lies or ends on another. Cost: faces times planes, n^2 in one plane, and sheets
+// times parts in each of the rounds that find solids: one more than solids stand on one another.
 std::optional<SharedWalls> divideSpace(const std::vector<SoupFace>& faces, double tolerance);
 
 } // namespace heliodon::geometry

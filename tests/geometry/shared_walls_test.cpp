@@ -345,4 +345,62 @@ TEST(SharedWalls, a_ball_beside_a_table_does_not_keep_it_from_closing) {
     expectVolumes(imported(hall({ball, part({1, 0, 1}, {2, 1, 2}, "", true)})), {239 - std::abs(volume)});
 }
 
+// Area that a room sees of a material.
+double areaOf(const Building& building, const std::string& material) {
+    double area = 0;
+    const PatchMesh mesh = meshBuilding(building, {500});
+    for (size_t i = 0; i < mesh.patchCount(); ++i)
+        if (mesh.materials[mesh.material[i]].name == material) area += patchArea(mesh, i);
+    return area;
+}
+
+bool repaired(const Building& building, const std::string& text) {
+    return std::ranges::any_of(building.repairs,
+                               [&](const std::string& r) { return r.find(text) != std::string::npos; });
+}
+
+TEST(SharedWalls, rugs_and_pictures_are_seen_whichever_way_they_look) {
+    for (const bool outwards : {false, true})
+        for (const bool turned : {false, true}) {
+            Model rug, picture, corner;
+            rectangle(rug, {2, 0, 2}, {0, 0, 2}, {3, 0, 0}, "B");
+            rectangle(picture, {3, 1, 0}, {2, 0, 0}, {0, 1, 0}, "B");
+            rectangle(corner, {0, 0, 0}, {0, 0, 2}, {3, 0, 0}, "B"); // two of its edges on the walls
+            for (Model* model : {&rug, &picture, &corner})
+                if (turned) reverse(*model);
+            const std::vector<std::pair<std::vector<Model>, double>> cases{
+                {{rug}, 6}, {{picture}, 2}, {{corner}, 6}, {{rug, picture}, 8}};
+            for (const auto& [things, area] : cases) {
+                const Building building = imported(hall(things, outwards));
+                expectVolumes(building, {240});
+                EXPECT_NEAR(areaOf(building, "B"), area, 1e-6) << outwards << turned;
+                EXPECT_NEAR(areaOf(building, "A"), 268 - area, 1e-6) << outwards << turned;
+                EXPECT_TRUE(repaired(building, "the smaller is seen")) << outwards << turned;
+                EXPECT_TRUE(building.warnings.empty());
+            }
+        }
+    Model rug, inRug; // one on the other
+    rectangle(rug, {2, 0, 2}, {0, 0, 2}, {3, 0, 0}, "B");
+    rectangle(inRug, {3, 0, 3}, {0, 0, 1}, {1, 0, 0}, "A");
+    const Building two = imported(hall({rug, inRug}));
+    EXPECT_NEAR(areaOf(two, "B"), 5, 1e-6);
+    Model beside; // of one size: nobody can say which lies on the other
+    rectangle(beside, {3, 0, 2}, {0, 0, 2}, {3, 0, 0}, "A");
+    EXPECT_THROW(imported(hall({rug, beside})), InputError);
+}
+
+TEST(SharedWalls, the_outer_side_of_a_wall_is_not_seen_inside) {
+    Model shell; // as large, and in panels
+    box(shell, {0, 0, 0}, {10, 3, 8}, "B");
+    reverse(shell);
+    Model panels;
+    for (const double x : {0.0, 5.0}) rectangle(panels, {x, 0, 0}, {0, 3, 0}, {5, 0, 0}, "B");
+    for (const Model& outer : {shell, panels}) {
+        const Building building = imported(hall({outer}));
+        expectVolumes(building, {240});
+        EXPECT_NEAR(areaOf(building, "A"), 268, 1e-6);
+        EXPECT_NEAR(areaOf(building, "B"), 0, 1e-6);
+    }
+}
+
 } // namespace
