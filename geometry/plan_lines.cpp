@@ -17,6 +17,10 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kLongestBridge = 18; // inches
 constexpr double kCornerGap = 1;      // inches: less is a corner that was left open
 constexpr double kWidestMouth = 8;    // inches: between a corner and the wall opposite
+constexpr double kOverlap = 0.02;     // inches: a line runs into what it ends on, so that they cross
+constexpr double kBeforeEnd = 0.01;   // inches: a ray starts within its wall, to meet the end face
+constexpr int kMostCrossed = 8;       // outlines on the way out of walls that meet in a corner
+constexpr double kGrowth = 1.0 / 16;  // of a line's weight along it
 
 class LineBuilder {
 public:
@@ -35,8 +39,8 @@ public:
         findFreeEnds();
         bridgeAlongSides();
         for (const WallEnd& end : freeEnds_) extend(end);
-        for (const auto& ends : {freeEnds_, joinedEnds_})
-            for (const WallEnd& end : ends)
+        for (const auto* ends : {&freeEnds_, &joinedEnds_})
+            for (const WallEnd& end : *ends)
                 if (isCorner(end)) runOn(end);
         bridgeEnds();
         return std::move(out_);
@@ -80,8 +84,8 @@ private:
     }
 
     void ray(glm::dvec2 from, glm::dvec2 direction, int own, double weight) {
-        const double t = std::min(firstHit(plan_.solids, from, direction, own) + 0.02, kLongestBridge);
-        if (t > 0.025) add(from, from + t * direction, {.weight = weight, .growth = 1.0 / 16, .start = from});
+        const double t = std::min(firstHit(plan_.solids, from, direction, own) + kOverlap, kLongestBridge);
+        if (t > 0.025) add(from, from + t * direction, {.weight = weight, .growth = kGrowth, .start = from});
     }
 
     void extend(const WallEnd& end) {
@@ -108,15 +112,15 @@ private:
     void runOn(const WallEnd& end) {
         for (const glm::dvec2 corner : {end.right, end.left}) {
             const auto at = [&](double t) { return corner + t * end.out; };
-            double from = -0.01;
-            for (int crossed = 0; crossed < 8; ++crossed) {
+            double from = -kBeforeEnd;
+            for (int crossed = 0; crossed < kMostCrossed; ++crossed) {
                 const double to = from + firstHit(plan_.solids, at(from), end.out, -2);
                 const glm::dvec2 middle = at((from + std::min(to, from + kLongestBridge)) / 2);
                 const bool air = std::ranges::none_of(
                     plan_.solids, [&](const PlanSolid& solid) { return contains(solid.outline, middle); });
                 if (air && to - from > kCornerGap) {
                     if (to - from < kWidestMouth)
-                        add(at(from - 0.02), at(to + 0.02), {.growth = 1.0 / 16, .start = at(from)});
+                        add(at(from - kOverlap), at(to + kOverlap), {.growth = kGrowth, .start = at(from)});
                     break;
                 }
                 from = to;
@@ -146,7 +150,7 @@ private:
                 length += step;
                 const bool stops = hit < step && hit > 1e-6;
                 if (arcSteps_.insert({end.piece, radius, k}).second || stops)
-                    add(a, stops ? a + (hit + 0.02) / step * (b - a) : b,
+                    add(a, stops ? a + (hit + kOverlap) / step * (b - a) : b,
                         {.weight = 1 + length / 16, .start = end.middle});
                 if (stops) break;
             }

@@ -14,8 +14,8 @@ namespace heliodon::vision {
 // a table of another colour in every channel and of one chroma, which no paint is. Light may do that too, and
 // the grain of wood, but they lie anywhere; card lies next to painted tops, and on a coloured table outshines
 // all that has the table's chroma there. So does card on a black table, of the table's chroma as it is. One
-// pass over the table in the photograph; two for each chroma that is bright enough, on a white table seldom
-// any.
+// pass over the table in the photograph; for the table's chroma and each other that is bright enough, on a
+// white table seldom any, three passes over its samples, two distance transforms and one labelling.
 std::optional<glm::vec3> findCard(const PlanView& view, const TableRegion& region, const LightGrid& table);
 
 } // namespace heliodon::vision

@@ -123,7 +123,7 @@ std::vector<Coloured> findColoured(const PlanView& view, const TableRegion& regi
     std::vector<Coloured> out;
     const float minSaturation = static_cast<float>(options.minSaturation);
     // Of P' against a table of another colour; dark ones are noisier than all else.
-    const float notTable = std::clamp(4 * static_cast<float>(white.noise), minSaturation, 0.6f);
+    const float notTable = std::max(minSaturation, std::min(4 * static_cast<float>(white.noise), 0.6f));
     // By ground. Beyond the table there is only dark floor to tell from the lit top of a wall.
     // Noise has every colour: where little light comes from, a pixel must stand well out of it.
     const double offTable = std::max(options.minBrightnessOffTable, 4.5 * white.noise);
