@@ -1,6 +1,7 @@
 // Pictures in host memory, rows from the top, tightly packed.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
