@@ -37,6 +37,10 @@ double extensionNumber(const tinygltf::Material& material, const char* extension
     return found->second.Get(field).GetNumberAsDouble();
 }
 
+bool hasColour(const tinygltf::Material& in) {
+    return in.values.contains("baseColorFactor"); // else the loader fills in the default
+}
+
 // What is transmitted is tinted by the base colour, the rest of it is reflected.
 Material materialOf(const tinygltf::Material& in) {
     Material out;
@@ -83,6 +87,14 @@ public:
             Material material = materialOf(in_.materials[i]);
             readBlind(i, material);
             if (material.name.empty()) material.name = fmt::format("material{}", i);
+            if (!hasColour(in_.materials[i]) && !material.isOpening()) {
+                // The format's default, 1, is no reflectance; lamps get none, as in an .obj.
+                const float assumed = material.exitance == glm::vec3(0) ? 0.5f : 0.0f;
+                material.reflectance = glm::vec3(assumed);
+                out_.assumed.push_back(
+                    fmt::format("material \"{}\" has no baseColorFactor: a reflectance of {} was assumed",
+                                material.name, assumed));
+            }
             checkMaterial(material, out_.file, fmt::format("materials[{}]", i));
             out_.materials.push_back(std::move(material));
         }

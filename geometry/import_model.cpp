@@ -63,7 +63,7 @@ public:
             closeGaps();
             if (endsOnFaces()) {
                 tried = true;
-                if (shareWalls()) return std::move(building_);
+                if (shareWalls()) return done();
             }
             orient();
             nestShells();
@@ -73,10 +73,15 @@ public:
         } catch (const InputError&) {
             if (tried || !shareWalls()) throw;
         }
-        return std::move(building_);
+        return done();
     }
 
 private:
+    Building done() {
+        building_.repairs.insert(building_.repairs.end(), model_.assumed.begin(), model_.assumed.end());
+        return std::move(building_);
+    }
+
     void finish() {
         findSurfaces();
         building_.materials = model_.materials;

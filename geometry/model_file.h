@@ -1,6 +1,7 @@
 // Models as files: .obj with .mtl, .gltf, .glb.
 // Material conventions: Kd = diffuse reflectance, Tf = visible transmittance at normal incidence (absent =
-// opaque), Ni 1.52 glass or 1.0 open hole, Ke = exitance in lux. glTF: baseColorFactor,
+// opaque), Ni 1.52 glass or 1.0 open hole, Ke = exitance in lux. glTF: baseColorFactor
+// (absent, as an absent Kd: 0.5, or 0 of a lamp; importModel says so among the repairs),
 // KHR_materials_transmission, KHR_materials_emissive_strength.
 #pragma once
 

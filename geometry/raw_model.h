@@ -28,6 +28,7 @@ struct RawModel {
     std::vector<std::string> source; // per group: "" in an .obj, "meshes[0].primitives[1]" in a glTF
     std::vector<Material>
         materials; // checked: finite, reflectance in [0, 1), reflectance + transmittance at most 1
+    std::vector<std::string> assumed; // what the file does not say, one sentence each
 
     size_t faceCount() const { return firstCorner.size() - 1; }
     std::span<const uint32_t> face(size_t i) const {

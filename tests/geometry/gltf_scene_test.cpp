@@ -170,6 +170,27 @@ TEST(GltfScene, positions_may_be_integers) {
     expectRefused(without, "is not of three floats");
 }
 
+TEST(GltfScene, a_material_without_colour_gets_what_it_gets_in_an_obj_and_one_of_1_is_refused) {
+    json scene = roomScene(kOneNode);
+    scene["meshes"][0]["primitives"][0]["material"] = 0;
+    for (const char* material : {R"([{"name":"bare"}])", R"([{"name":"bare","pbrMetallicRoughness":{}}])",
+                                 R"([{"name":"bare","pbrMetallicRoughness":{"roughnessFactor":0.9}}])"}) {
+        scene["materials"] = json::parse(material);
+        const Building building = importModel(written(scene));
+        for (const Face& face : building.faces)
+            EXPECT_EQ(building.materials[face.material].reflectance, glm::vec3(0.5f));
+        ASSERT_EQ(building.repairs.size(), 1u);
+        EXPECT_NE(building.repairs[0].find("\"bare\" has no baseColorFactor"), std::string::npos);
+    }
+    scene["materials"] = json::parse(R"([{"emissiveFactor":[1,1,1]}])");
+    const Building lamp = importModel(written(scene));
+    EXPECT_EQ(lamp.materials[lamp.faces[0].material].reflectance, glm::vec3(0));
+    scene["materials"] = json::parse(R"([{"pbrMetallicRoughness":{"baseColorFactor":[0.2,0.3,0.4,1]}}])");
+    EXPECT_TRUE(importModel(written(scene)).repairs.empty());
+    scene["materials"] = json::parse(R"([{"pbrMetallicRoughness":{"baseColorFactor":[1,1,1,1]}}])");
+    expectRefused(scene, "reflectance (Kd) is 1");
+}
+
 TEST(GltfScene, meshes_that_bend_or_are_instanced_are_refused_though_the_file_does_not_require_it) {
     json skinned = roomScene(kOneNode);
     skinned["skins"] = json::parse(R"([{"joints":[0]}])");
