@@ -314,13 +314,19 @@ std::vector<uint32_t> planeNumbers(const geometry::PatchMesh& mesh) {
     return number;
 }
 
-std::vector<ConvexRegion> blockingRegions(const geometry::PatchMesh& mesh, uint32_t maxCorners) {
+BlockingPlanes blockingPlanes(const geometry::PatchMesh& mesh, uint32_t maxCorners) {
     const double size = sizeOf(mesh);
-    std::vector<ConvexRegion> regions;
-    for (const Plane& plane : planesOf(mesh, size))
+    BlockingPlanes result;
+    for (const Plane& plane : planesOf(mesh, size)) {
+        ++result.planes;
         if (separates(mesh, plane, mesh.room[plane.patches[0]], kSamePlane * size))
-            mergePlane(mesh, plane, 1e-9 * size, maxCorners, 0, regions);
-    return regions;
+            mergePlane(mesh, plane, 1e-9 * size, maxCorners, 0, result.regions);
+    }
+    return result;
+}
+
+std::vector<ConvexRegion> blockingRegions(const geometry::PatchMesh& mesh, uint32_t maxCorners) {
+    return blockingPlanes(mesh, maxCorners).regions;
 }
 
 std::vector<ConvexRegion> mergedRegions(const geometry::PatchMesh& mesh, std::span<const uint32_t> group,

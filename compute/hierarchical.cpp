@@ -28,18 +28,14 @@ namespace {
 
 constexpr uint32_t kMostColumns = 4;
 constexpr uint32_t kMostAgain = 2, kRounds = 8;
-// Of a tolerance, the error of a link (over the larger end) up to which the shaders keep it at that
-// tolerance.
-constexpr double kSurelyKept = 0.25;
 constexpr size_t kSortedTogether = 64; // nodes' entries, by one thread
 constexpr double kRowCaution = 1.4; // of single rows over their estimates, so that 99 of 100 hold (measured)
-constexpr double kLeastHidden = 5e-4; // row error that samples of visibility reach in useful time
 constexpr VkFormat kUvec4 = VK_FORMAT_R32G32B32A32_UINT, kVec4 = VK_FORMAT_R32G32B32A32_SFLOAT;
 
 // Of a link over the row error asked: errors of many add up, and the finer they are, the more there are
 // (measured in rooms of 672 and 2088 patches). What may be hidden costs most and errs most.
 LinkTolerance toleranceFor(double asked) {
-    const double hidden = std::max(asked, kLeastHidden);
+    const double hidden = std::max(asked, kLeastErrorOfLinks);
     return {0.8 * asked, 0.6 * hidden * std::pow(hidden / 5e-3, 0.6)};
 }
 
@@ -120,13 +116,16 @@ void HierarchicalFormFactors::makeLinks(const HierarchicalOptions& options) {
     };
     refineSums();
     double asked = wanted;
-    for (uint32_t again = 0; again < kMostAgain && asked > kLeastHidden; ++again) {
+    for (uint32_t again = 0; again < kMostAgain && asked > kLeastErrorOfLinks; ++again) {
         const double excess = claims.rowError() / wanted;
         if (excess <= 1.1) break;
-        asked = std::max(asked * std::pow(0.9 / excess, 1.5), std::min(asked, kLeastHidden));
+        asked = std::max(asked * std::pow(0.9 / excess, 1.5), std::min(asked, kLeastErrorOfLinks));
         const LinkTolerance tolerance = toleranceFor(asked);
         maker.setTolerance(tolerance);
-        makeAgain(claims.takeAbove(links, kSurelyKept * std::min(tolerance.open, tolerance.visible)));
+        // What errs less the shaders would keep as it is, but for mixed pairs of clusters: those they split
+        // by their form factor alone.
+        makeAgain(
+            claims.takeAbove(links, io::kHierarchicalKept * std::min(tolerance.open, tolerance.visible)));
         refineSums();
     }
     statistics_.pairs = maker.pairs();

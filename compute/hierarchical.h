@@ -22,13 +22,15 @@ class LinkClaims;
 struct HierarchicalOptions {
     // Wanted RMS over rows of ||F_i - true||. Where the estimate of what was reached
     // (FormFactorReport::claimedRowError) is above, the links that err most are made again with less
-    // tolerance, up to twice; below 5e-4 not where pairs may be partly hidden: `exact` goes on from there.
-    // Links of rows whose sums may be off by more than kSumOverRow times as much are taken apart, in a few
-    // rounds; FormFactorReport::claimedRowSumError says what was reached.
+    // tolerance, up to twice; below kLeastErrorOfLinks not where pairs may be partly hidden: `exact` goes on
+    // from there. Links of rows whose sums may be off by more than kSumOverRow times as much are taken apart,
+    // in a few rounds; FormFactorReport::claimedRowSumError says what was reached.
     double maxError = 5e-3;
 };
 
 constexpr double kSumOverRow = 10;
+// The row error that samples of visibility reach in useful time.
+constexpr double kLeastErrorOfLinks = 5e-4;
 
 struct HierarchicalStatistics {
     uint64_t links = 0; // once for each pair

@@ -3,24 +3,31 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <vector>
 
 #include <fmt/format.h>
 
 #include "compute/convex_regions.h"
 #include "compute/gpu/device.h"
+#include "compute/hierarchical.h"
 
 namespace heliodon::compute {
 
 namespace {
 
 constexpr double kDefaultError = 1e-3;
-constexpr double kLeastOfLinks = 5e-4; // below, links do not reach it where pairs may be hidden
+// Where links begin to pay, fitted to what was measured (docs/form-factors.md): kOfOneBlocker over the root
+// of blockers, at most kMostWithBlockers. With any blocker links send rays between clusters that it comes
+// near; without any they send none, and pay sooner: hence the jump from 0 to 1.
+constexpr double kOfOneBlocker = 0.019, kMostWithBlockers = 6e-3, kWithoutBlockers = 2e-3;
+constexpr double kFewAPlaneGain = 1.0 / 3; // of these, with few patches a plane
+// With fewer patches a blocker than this, links do not pay below.
+constexpr double kFewABlocker = 3, kLeastWithFewABlocker = 3e-3;
 // Sums of rows, by which light that goes round grows or dies, may be off by ten times the row error with
 // links and by little with visible polygons: for light only errors this coarse are left to links.
 constexpr double kLeastForLight = 2e-3;
-constexpr double kFlatPatches = 4;     // a plane; with fewer, surfaces count as curved,
-constexpr uint32_t kLeastCurved = 100; // unless there are few planes
+// Fewer patches a plane are few, but not in scenes of few planes, which cost little with either.
+constexpr double kFewAPlane = 4;
+constexpr uint32_t kFewPlanes = 100;
 // Patches up to which a discrete device is through with visible polygons before links are made: their making
 // asks the host after each batch (2000 patches on an H100: 14 ms against 73; 10,752: as long as links at
 // 5e-3).
@@ -36,38 +43,36 @@ double amplificationIn(const geometry::PatchMesh& mesh, const FormFactorOptions&
     return rho / (1 - rho);
 }
 
-struct Obstacles {
-    size_t blockers = 0;
-    double perPair = 0; // of its room, over pairs of patches of one room
-    bool curved = false;
-};
-
 Obstacles obstaclesIn(const geometry::PatchMesh& mesh) {
     struct Room {
         double patches = 0, blockers = 0;
     };
     std::map<uint32_t, Room> rooms;
     for (uint32_t room : mesh.room) ++rooms[room].patches;
-    const std::vector<ConvexRegion> regions = blockingRegions(mesh, 8);
-    for (const ConvexRegion& region : regions) ++rooms[region.room].blockers;
-    Obstacles found{.blockers = regions.size()};
-    double pairs = 0;
+    const BlockingPlanes found = blockingPlanes(mesh, 8);
+    for (const ConvexRegion& region : found.regions) ++rooms[region.room].blockers;
+    double pairs = 0, patches = 0, blockers = 0; // the latter two over all pairs
     for (const auto& [number, room] : rooms) {
-        pairs += room.patches * room.patches;
-        found.perPair += room.patches * room.patches * room.blockers;
+        const double squared = room.patches * room.patches;
+        pairs += squared;
+        patches += squared * room.patches;
+        blockers += squared * room.blockers;
     }
-    found.perPair /= std::max(pairs, 1.0);
-    const std::vector<uint32_t> planes = planeNumbers(mesh);
-    const uint32_t count = planes.empty() ? 0 : *std::max_element(planes.begin(), planes.end());
-    found.curved = count >= kLeastCurved && static_cast<double>(mesh.patchCount()) < kFlatPatches * count;
-    return found;
+    return {.blockers = blockers / std::max(pairs, 1.0),
+            .patchesABlocker = blockers > 0 ? patches / blockers : INFINITY,
+            .fewPatchesAPlane = found.planes >= kFewPlanes &&
+                                static_cast<double>(mesh.patchCount()) < kFewAPlane * found.planes};
 }
 
 } // namespace
 
-double errorFromWhichLinksPay(double blockers, bool curved) {
-    const double flat = blockers > 0 ? std::min(0.019 / std::sqrt(blockers), 6e-3) : 2e-3;
-    return std::max(curved ? flat / 3 : flat, kLeastOfLinks);
+double errorFromWhichLinksPay(const Obstacles& obstacles) {
+    const bool any = obstacles.blockers > 0;
+    double pays =
+        any ? std::min(kOfOneBlocker / std::sqrt(obstacles.blockers), kMostWithBlockers) : kWithoutBlockers;
+    if (any && obstacles.patchesABlocker < kFewABlocker) return std::max(pays, kLeastWithFewABlocker);
+    if (obstacles.fewPatchesAPlane) pays *= kFewAPlaneGain;
+    return std::max(pays, kLeastErrorOfLinks);
 }
 
 KernelChoice chooseKernel(const gpu::Device& device, const geometry::PatchMesh& mesh,
@@ -82,7 +87,7 @@ KernelChoice chooseKernel(const gpu::Device& device, const geometry::PatchMesh& 
     if (options.kernel != "auto") return choice;
     if (!(choice.maxError > 0)) choice.maxError = kDefaultError;
     const Obstacles obstacles = obstaclesIn(mesh);
-    const double measured = errorFromWhichLinksPay(obstacles.perPair, obstacles.curved),
+    const double measured = errorFromWhichLinksPay(obstacles),
                  pays = options.forLight ? std::max(measured, kLeastForLight) : measured;
     const bool denseSooner = device.info().type == "discrete" && mesh.patchCount() <= kDenseOnDiscrete;
     const bool links = choice.maxError >= pays && !denseSooner;
@@ -101,10 +106,12 @@ KernelChoice chooseKernel(const gpu::Device& device, const geometry::PatchMesh& 
         choice.why += fmt::format("is reached soonest by links between clusters, which cost less from {:.2g} "
                                   "on here",
                                   measured);
-    choice.why += obstacles.blockers == 0
-                      ? ": nothing can stand between two patches"
-                      : fmt::format(": {:.0f} blockers a room", std::max(1.0, obstacles.perPair));
-    if (obstacles.curved) choice.why += ", curved surfaces";
+    if (obstacles.blockers == 0)
+        choice.why += ": nothing can stand between two patches";
+    else
+        choice.why += fmt::format(": {:.2g} blockers and {:.2g} patches a blocker, on the mean over pairs",
+                                  obstacles.blockers, obstacles.patchesABlocker);
+    if (obstacles.fewPatchesAPlane) choice.why += ", few patches a plane";
     return choice;
 }
 

@@ -14,14 +14,21 @@ struct KernelChoice {
 };
 
 // Of `auto` the kernel that gets there soonest on this kind of device, by what was measured (the table in
-// docs/form-factors.md); another name stays. Cost: that of blockingRegions and planeNumbers.
+// docs/form-factors.md); another name stays. Cost: that of blockingPlanes.
 KernelChoice chooseKernel(const gpu::Device& device, const geometry::PatchMesh& mesh,
                           const FormFactorOptions& options);
 
+// What decides between both, as means over pairs of patches of one room.
+struct Obstacles {
+    double blockers = 0;           // of that room
+    double patchesABlocker = 0;    // of that room; anything without blockers
+    bool fewPatchesAPlane = false; // as curved surfaces have
+};
+
 // The row error from which links between clusters cost less than visible polygons on a CPU device. Rays
-// between clusters cost the same whatever stands between, visible polygons more with every blocker; where
-// surfaces are curved, `exact` finds no patches of one plane to classify together.
-// blockers: that a pair of patches has in its room, on the average of pairs. curved: few patches a plane.
-double errorFromWhichLinksPay(double blockers, bool curved);
+// between clusters cost the same whatever stands between, visible polygons more with every blocker; where few
+// patches share a plane, `exact` finds none to classify together. Where each blocker is a patch or two, links
+// find no clusters either: each pair takes its own rays, up to hundreds.
+double errorFromWhichLinksPay(const Obstacles& obstacles);
 
 } // namespace heliodon::compute

@@ -1,7 +1,6 @@
 #include "compute/patch_points.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -10,6 +9,8 @@
 namespace heliodon::compute {
 
 namespace {
+
+constexpr double kGolden = std::numbers::phi - 1; // steps of this share, modulo one, spread evenly
 
 // Barycentric centroids of a regular subdivision into m^2 triangles.
 std::vector<glm::dvec3> trianglePoints(uint32_t m) {
@@ -27,7 +28,7 @@ std::vector<glm::dvec3> trianglePoints(uint32_t m) {
 }
 
 // `count` points by area over a fan of triangles about the first corner: equal steps of the area, which also
-// say how far out in its triangle a point lies; across, golden-ratio steps.
+// say how far across its triangle a point lies; out from the first corner, golden-ratio steps.
 std::vector<glm::dvec3> fanPoints(const std::vector<glm::dvec3>& corners, uint32_t count) {
     std::vector<double> upTo{0};
     for (size_t k = 1; k + 1 < corners.size(); ++k)
@@ -39,7 +40,7 @@ std::vector<glm::dvec3> fanPoints(const std::vector<glm::dvec3>& corners, uint32
         const auto k = static_cast<size_t>(std::clamp<std::ptrdiff_t>(
             std::ranges::upper_bound(upTo, area) - upTo.begin(), 1, std::ptrdiff_t(upTo.size()) - 1));
         const double across = (area - upTo[k - 1]) / std::max(upTo[k] - upTo[k - 1], 1e-300);
-        const double out = std::sqrt(std::fmod(0.6180339887498949 * (i + 0.5), 1.0));
+        const double out = std::sqrt(std::fmod(kGolden * (i + 0.5), 1.0));
         result.push_back(corners[0] + out * ((1 - across) * (corners[k] - corners[0]) +
                                              across * (corners[k + 1] - corners[0])));
     }
@@ -86,8 +87,7 @@ PatchViewpoints patchViewpoints(const geometry::PatchMesh& mesh, uint32_t points
             view.position = position;
             // Golden-ratio turns: grids that line up with the walls would alias all in the same way. None is
             // zero, where edges run through the middles of pixels, and rounding would say who has them.
-            view.turn =
-                std::fmod(0.6180339887498949 * static_cast<double>(++number), 1.0) * (std::numbers::pi / 2);
+            view.turn = std::fmod(kGolden * static_cast<double>(++number), 1.0) * (std::numbers::pi / 2);
             result.viewpoints.push_back(view);
         }
     }

@@ -12,8 +12,10 @@ namespace heliodon::compute {
 
 namespace {
 
-constexpr size_t kBasis = 24;      // Krylov vectors before a restart
-constexpr double kRounding = 4e-7; // residual over B that may be rounding of B in float32
+constexpr size_t kBasis = 24; // Krylov vectors before a restart
+// Residual over B that may be all rounding: of the gather, and of B to float32, eps / 2 as such and at most
+// as much again through K F.
+constexpr double kRounding = kGatherRounding + double{std::numeric_limits<float>::epsilon()};
 constexpr double kLeastSlack = 1e-6;
 constexpr double kSpoilt = 0.5; // of the slack that reflectances leave, below which rows are to blame
 constexpr double kToFind = -1;
@@ -142,14 +144,19 @@ void RadiositySolver::setMatter(RadiosityMatter matter) {
 }
 
 double RadiositySolver::slack(uint32_t channel) {
-    if (slack_[channel] < 0) slack_[channel] = weightedSlack(channel);
+    uint32_t passes = 0;
+    return slack(channel, passes);
+}
+
+double RadiositySolver::slack(uint32_t channel, uint32_t& passes) {
+    if (slack_[channel] < 0) slack_[channel] = weightedSlack(channel, passes);
     return slack_[channel];
 }
 
 // With any w > 0 and d_i = ((I - K F) w)_i > 0, an error e of residual r keeps |e_i| <= w_i max_k |r_k| /
 // d_k, since K F has no negative entries (R. Varga, "Matrix Iterative Analysis", 1962, on M-matrices). So w
 // is a rough solution for light of one from every patch.
-double RadiositySolver::weightedSlack(uint32_t channel) {
+double RadiositySolver::weightedSlack(uint32_t channel, uint32_t& passes) {
     const size_t n = matter_.patchCount;
     const std::vector<float> ones(n, 1.0f);
     std::vector<double> given(n);
@@ -157,9 +164,9 @@ double RadiositySolver::weightedSlack(uint32_t channel) {
     RadiosityOptions rough;
     rough.tolerance = 0.2 * std::max(1 - largest(given), 1e-4); // w is about the inverse of that
     rough.maxPasses = 3 * kBasis;
-    slack_[channel] = 1; // for this solution tolerance is of the residual
+    const double ofResidual = 1; // what tolerance is of here
     std::vector<float> w, gathered;
-    solve(ones, std::span(&channel, 1), w, gathered, rough);
+    passes += solveWith(std::span(&ofResidual, 1), ones, std::span(&channel, 1), w, gathered, rough).passes;
     matter_.reflect<double>(channel, gathered, given);
     double most = 0, least = INFINITY;
     for (size_t i = 0; i < n; ++i) {
@@ -186,6 +193,17 @@ EnergyBalance RadiositySolver::balance(std::span<const double> area, uint32_t ch
 RadiosityReport RadiositySolver::solve(std::span<const float> emitted, std::span<const uint32_t> channel,
                                        std::vector<float>& radiosity, std::vector<float>& gathered,
                                        const RadiosityOptions& options) {
+    std::vector<double> slacks;
+    uint32_t passes = 0;
+    for (uint32_t c : channel) slacks.push_back(slack(c, passes));
+    RadiosityReport report = solveWith(slacks, emitted, channel, radiosity, gathered, options);
+    report.passes += passes;
+    return report;
+}
+
+RadiosityReport RadiositySolver::solveWith(std::span<const double> slack, std::span<const float> emitted,
+                                           std::span<const uint32_t> channel, std::vector<float>& radiosity,
+                                           std::vector<float>& gathered, const RadiosityOptions& options) {
     const size_t n = matter_.patchCount, count = channel.size();
     assert(emitted.size() == n * count);
     RadiosityReport report;
@@ -210,7 +228,7 @@ RadiosityReport RadiositySolver::solve(std::span<const float> emitted, std::span
             for (size_t i = 0; i < n; ++i)
                 column.residual[i] = emitted[c * n + i] + given[i] - radiosity[c * n + i];
             column.scale = std::max(largest(column.solution), 1e-30);
-            const double room = slack(channel[c]);
+            const double room = slack[c];
             const double residual = largest(column.residual) / column.scale;
             column.target = options.tolerance * room * column.scale;
             column.setResidual(residual, options.tolerance * room);

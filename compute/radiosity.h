@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -16,8 +17,10 @@
 namespace heliodon::compute {
 
 // Of the largest value: what float32 sums of a pass over F may add to a residual or take from it, and so
-// hide.
-constexpr double kGatherRounding = 2.4e-7;
+// hide. Values of F B are weighted means of at most that. The partial sums of a row grow to its whole, so
+// that the last few additions round most, each by at most eps / 2 of it; the earlier ones, of either sign,
+// mostly cancel. Taken as four such additions at their worst: an estimate, since all of n could go one way.
+constexpr double kGatherRounding = 2 * double{std::numeric_limits<float>::epsilon()};
 
 struct RadiosityOptions {
     double tolerance = 1e-4;  // wanted bound on the error of B, relative to the largest B of the column
@@ -25,7 +28,7 @@ struct RadiosityOptions {
 };
 
 struct RadiosityReport {
-    uint32_t passes = 0;
+    uint32_t passes = 0; // with those that found slack()
     double residual = 0; // max |E + K F B - B| / max B, worst column
     // On max |B - exact| / max B for this F: residual over slack(), and what rounding of the gather may hide.
     double bound = 0;
@@ -88,7 +91,13 @@ public:
 
 private:
     struct Column;
-    double weightedSlack(uint32_t channel);
+    // Both add the passes that they take.
+    double slack(uint32_t channel, uint32_t& passes);
+    double weightedSlack(uint32_t channel, uint32_t& passes);
+    // slack: of each column.
+    RadiosityReport solveWith(std::span<const double> slack, std::span<const float> emitted,
+                              std::span<const uint32_t> channel, std::vector<float>& radiosity,
+                              std::vector<float>& gathered, const RadiosityOptions& options);
 
     FormFactorOperator* factors_;
     std::vector<float> rowSums_;

@@ -124,7 +124,7 @@ void main() {
     if (triangles) {
         share = d.open > 0.0 ? d.passed / d.open : 0.0;
         error = d.open > 0.0 ? errorOfShare(d, share) : 1.0; // all rays began or ended behind the other's plane
-        if (factor * error > 0.25 * params.visibilityTolerance && end < params.mostRays) {
+        if (factor * error > kHierarchicalKept * params.visibilityTolerance && end < params.mostRays) {
             if (end < kHierarchicalManyRays)
                 doubts[atomicAdd(counters[kHierarchicalDoubts], 1u)] = d;
             else

@@ -9,6 +9,7 @@ const uint kHierarchicalFewRays = 4u;   // first between two triangles, then as 
 const uint kHierarchicalLanes = 8u; // share the rays of a pair that needs many: the last pairs to be settled are few
 const uint kHierarchicalManyRays = 64u; // which a pair does that has had so many
 const uint kHierarchicalRoundRays = 512u; // of one invocation, at most: loops are far from 65535 turns
+const float kHierarchicalKept = 0.25f; // of a tolerance, the error over the larger end up to which a pair of triangles is kept
 const uint kHierarchicalAlign = 16u; // windows of entries begin at multiples of this: 256 bytes
 // A node takes five texels (uvec4; floats by their bits):
 //   centre.xyz, radius | normal.xyz, area | axis U.xyz, first leaf | axis V.xyz, count of leaves | child, room,

@@ -6,6 +6,7 @@
 
 #include "compute/exact_form_factors.h"
 #include "compute/gpu/device.h"
+#include "compute/hierarchical.h"
 #include "compute/kernel_choice.h"
 #include "compute/monte_carlo.h"
 #include "compute/reference/radiosity.h"
@@ -95,13 +96,14 @@ TEST(FormFactors, auto_takes_links_for_coarse_and_visible_polygons_for_fine_erro
 TEST(KernelChoice, links_pay_from_lower_errors_on_the_more_stands_between) {
     double before = 1;
     for (double blockers : {12.0, 80.0, 130.0, 500.0}) {
-        const double pays = errorFromWhichLinksPay(blockers, false);
+        const double pays = errorFromWhichLinksPay({blockers, 10, false});
         EXPECT_LT(pays, before);
-        EXPECT_LE(errorFromWhichLinksPay(blockers, true), pays);
+        EXPECT_LE(errorFromWhichLinksPay({blockers, 10, true}), pays);
+        EXPECT_GE(errorFromWhichLinksPay({blockers, 1, true}), pays); // no clusters
         before = pays;
     }
-    EXPECT_EQ(errorFromWhichLinksPay(1e6, true), 5e-4); // as far as links go
-    EXPECT_EQ(errorFromWhichLinksPay(1, false), errorFromWhichLinksPay(2, false));
+    EXPECT_EQ(errorFromWhichLinksPay({1e6, 10, true}), kLeastErrorOfLinks); // as far as links go
+    EXPECT_EQ(errorFromWhichLinksPay({1, 10, false}), errorFromWhichLinksPay({2, 10, false}));
 }
 
 // A room with a few partitions, and one full of small boxes; beside a large empty room, what stands in a
@@ -116,7 +118,7 @@ TEST(KernelChoice, what_stands_in_a_room_decides_what_auto_takes) {
     const geometry::PatchMesh partitions = geometry::readPatches(kData + "room3_672.obj");
     EXPECT_EQ(choice(partitions, 1e-2).kernel, "hierarchical");
     EXPECT_EQ(choice(partitions, 5e-3).kernel, "exact");
-    EXPECT_NE(choice(partitions, 5e-3).why.find("12 blockers a room"), std::string::npos);
+    EXPECT_NE(choice(partitions, 5e-3).why.find("12 blockers and"), std::string::npos);
 
     geometry::PatchMesh full = test::boxRoom({});
     for (int i = 0; i < 25; ++i)
@@ -129,6 +131,23 @@ TEST(KernelChoice, what_stands_in_a_room_decides_what_auto_takes) {
 
     test::addBox(full, {.low = {0, 0, 10}, .high = {20, 20, 30}, .cells = {20, 20, 20}}, 1);
     EXPECT_EQ(choice(full, 5e-3).kernel, "exact");
+}
+
+// Loose boxes whose faces are patches: planes by the hundred, and nothing curved. Links, which find no
+// clusters there, take longer for fine errors, though there are many blockers.
+TEST(KernelChoice, unmeshed_faces_are_left_to_visible_polygons) {
+    if (test::device().info().type == "discrete") GTEST_SKIP() << "visible polygons, whatever stands there";
+    geometry::PatchMesh mesh = test::boxRoom({.cells = {1, 1, 1}, .triangles = false});
+    for (int i = 0; i < 36; ++i) {
+        const double x = 0.5 + 0.5 * (i % 6) + 0.01 * i, y = 1 + 0.02 * i,
+                     z = 0.5 + 0.6 * (i / 6) + 0.003 * i;
+        test::addBox(
+            mesh,
+            {.low = {x, y, z}, .high = {x + 0.2, y + 0.2, z + 0.2}, .cells = {1, 1, 1}, .triangles = false});
+    }
+    for (double asked : {1e-3, 2e-3})
+        EXPECT_EQ(chooseKernel(test::device(), mesh, asking("auto", asked)).kernel, "exact") << asked;
+    EXPECT_EQ(chooseKernel(test::device(), mesh, asking("auto", 5e-3)).kernel, "hierarchical");
 }
 
 // Of a ball, two triangles lie in a plane.
@@ -146,7 +165,7 @@ TEST(KernelChoice, curved_surfaces_are_left_to_links_sooner) {
         }
     const KernelChoice choice = chooseKernel(test::device(), test::polygons(faces), asking("auto", 1e-3));
     EXPECT_EQ(choice.kernel, "hierarchical");
-    EXPECT_NE(choice.why.find("curved"), std::string::npos);
+    EXPECT_NE(choice.why.find("few patches a plane"), std::string::npos);
 }
 
 size_t heldOf(const std::vector<float>& values, const std::vector<float>& exact,
