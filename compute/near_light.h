@@ -44,12 +44,13 @@ struct NearWalls {
 bool hasNearWall(const PointScene& scene, const NearWalls& walls, glm::dvec3 position,
                  std::span<const float> even);
 
-// For a sensor of a room. `channels`: 1 where all materials are grey. About 20 ms in a corner of 2000
-// patches. Holds until glass or reflectances change.
+// A sensor in a room.
 struct NearPlace {
     glm::dvec3 position, normal;
     uint32_t room;
 };
+// What it gets of its near walls. `channels`: 1 where all materials are grey. About 20 ms in a corner of 2000
+// patches. Holds until glass or reflectances change.
 NearLight nearLight(const PointScene& scene, const PatchSlopes& slopes, const SlatLobes& slats,
                     const NearWalls& walls, const NearPlace& place, uint32_t channels);
 

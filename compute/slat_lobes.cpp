@@ -79,36 +79,38 @@ SlatLobes::SlatLobes(const PointScene& scene, const GlowingBlinds& blinds, const
     const float* matrix = factors.mapped<float>();
     if (!matrix) copied = factors.download<float>(n * n), matrix = copied.data();
     const PairShares pairs(mesh, scene.patches());
-    std::vector<std::vector<Share>> shares(n);
+    shares_.resize(n);
     inParallel(n, [&](size_t i) {
+        std::vector<Share> row;
         for (size_t w = 0; w < windows_.size(); ++w) {
             const double factor = double{matrix[i * n + windows_[w].patch]};
             if (factor <= 0) continue;
             const auto split = pairs.of(i, windows_[w].patch);
             for (size_t node = 0; node < kSlatNodes; ++node)
                 if (split[node] > 0)
-                    shares[i].push_back({static_cast<uint32_t>(w * kSlatNodes + node),
-                                         static_cast<float>(factor * split[node])});
+                    row.push_back({static_cast<uint32_t>(w * kSlatNodes + node),
+                                   static_cast<float>(factor * split[node])});
         }
+        shares_[i].assign(row.begin(), row.end()); // no room beyond what it takes
     });
-    std::vector<double> area, arriving(rows(), 0), all(windows_.size(), 0);
+    std::vector<double> arriving(rows(), 0), all(windows_.size(), 0);
     for (size_t i = 0; i < n; ++i) {
-        area.push_back(geometry::patchArea(mesh, i));
-        for (const Share& share : shares[i]) {
-            arriving[share.row] += area[i] * double{share.factor};
-            all[share.row / kSlatNodes] += area[i] * double{share.factor};
+        const double area = geometry::patchArea(mesh, i);
+        for (const Share& share : shares_[i]) {
+            arriving[share.row] += area * double{share.factor};
+            all[share.row / kSlatNodes] += area * double{share.factor};
         }
     }
-    for (size_t i = 0; i < n; ++i) {
-        first_.push_back(shares_.size());
-        for (Share share : shares[i]) {
-            const double wanted = daylight::nodeShare(share.row % kSlatNodes) * all[share.row / kSlatNodes];
-            share.factor *= static_cast<float>(
-                std::clamp(wanted / arriving[share.row], 1 / kMostCorrected, kMostCorrected));
-            shares_.push_back(share);
-        }
+    std::vector<float> corrected(rows());
+    for (size_t row = 0; row < rows(); ++row) {
+        const double wanted = daylight::nodeShare(row % kSlatNodes) * all[row / kSlatNodes];
+        if (arriving[row] > 0)
+            corrected[row] =
+                static_cast<float>(std::clamp(wanted / arriving[row], 1 / kMostCorrected, kMostCorrected));
     }
-    first_.push_back(shares_.size());
+    inParallel(n, [&](size_t i) {
+        for (Share& share : shares_[i]) share.factor *= corrected[share.row];
+    });
 }
 
 void SlatLobes::light(std::span<const glm::vec3> lobes, std::span<glm::vec3> onPatches) const {

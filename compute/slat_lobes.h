@@ -19,8 +19,10 @@ namespace heliodon::compute {
 class SlatLobes {
 public:
     // `factors`: float32, patchCount^2, row-major, with what runs through panes. Nothing, at no cost, without
-    // slats; else about 0.1 us for each pair of patch and window patch, some ms. Each window's light is kept:
-    // what a node's shares of its form factors add up to is put right. Both outlive this.
+    // slats. Else time and memory grow with pairs of a patch and a window patch that it sees: about 0.1 us
+    // and 16 bytes each, near ones up to 200 bytes (16,000 patches, 1600 of them windows: seconds, 400 MB).
+    // Each window's light is kept, node by node, but what a node's form factors add up to is put right by no
+    // more than 2 or 1/2: straight up and down, where few patches lie, some is missing. Both outlive this.
     SlatLobes(const PointScene& scene, const GlowingBlinds& blinds, const gpu::Buffer& factors);
 
     bool empty() const { return windows_.empty(); }
@@ -49,9 +51,7 @@ public:
         uint32_t row;
         float factor;
     };
-    std::span<const Share> of(size_t patch) const {
-        return {shares_.data() + first_[patch], first_[patch + 1] - first_[patch]};
-    }
+    std::span<const Share> of(size_t patch) const { return shares_[patch]; } // not where empty()
     // Light on all patches by lobes, added to `onPatches`; nothing where there are no lobes.
     void light(std::span<const glm::vec3> lobes, std::span<glm::vec3> onPatches) const;
 
@@ -64,8 +64,7 @@ private:
     const PointScene* scene_;
     const GlowingBlinds* blinds_;
     std::vector<Window> windows_;
-    std::vector<size_t> first_; // of each patch's shares
-    std::vector<Share> shares_;
+    std::vector<std::vector<Share>> shares_; // per patch
 };
 
 } // namespace heliodon::compute

@@ -1,14 +1,14 @@
 // What a year of hourly illuminance says about a room. Every metric comes with the interval that the stated
 // error of the illuminances leaves open: low <= true value <= high.
 //
+// clang-format off
 //   DA    share of occupied hours with at least 300 lux (Reinhart, Walkenhorst 2001)
 //   cDA   as DA, hours below counting in proportion E / 300 (Rogers 2006)
 //   UDI   shares below 100, in [100, 300), [300, 3000], and above 3000 lux (Nabil, Mardaljevic 2006, 2012)
-//
 //   sDA   share of sensors with DA of at least 50 % (IES LM-83: sDA300/50%)
-//
 //   ASE   share of sensors with more than 1000 lux of direct sun for more than 250 occupied hours (LM-83:
 //         ASE1000,250h)
+// clang-format on
 //
 // Hours are records of the weather file, weighed by their length.
 #pragma once
