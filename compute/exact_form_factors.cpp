@@ -427,7 +427,10 @@ void report(const Solver& solver, const ExactOptions& options, ExactFormFactors&
                              options.maxError, s.blockers, s.partial, s.cells);
     if (s.blockers == 0) report.skipped.emplace_back("occlusion: nothing can stand between two patches");
     if (s.overflows > 0)
-        report.skipped.push_back(fmt::format("refinement in {} places where a buffer was full", s.overflows));
+        report.warnings.push_back(fmt::format("kernel exact ran out of room in {} places (blockers of one "
+                                              "pair beyond {}, or a buffer): form factors "
+                                              "there are less exact than claimed",
+                                              s.overflows, io::kExactListed));
 }
 
 ExactFormFactors emptyResult(const geometry::PatchMesh& mesh) {
