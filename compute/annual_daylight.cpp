@@ -88,7 +88,8 @@ void AnnualDaylight::makeSkies() {
 
 void AnnualDaylight::makeSuns() {
     const SecondsAdded clock(report_.sunSeconds);
-    if (transport_.parts().skyElements == 0) return;
+    const TransportParts parts = transport_.parts();
+    if (parts.skyElements == 0) return;
     std::vector<uint32_t> hours;
     for (size_t h = 0; h < skies_.size(); ++h)
         if (skies_[h].hasSun()) hours.push_back(static_cast<uint32_t>(h));
@@ -98,11 +99,11 @@ void AnnualDaylight::makeSuns() {
     std::vector<Sunny> found(hours.size());
     std::vector<std::vector<SunEdges::Edge>> foundEdges(hours.size()), edges;
     std::vector<uint8_t> enters(hours.size());
-    const SunScene& panes = transport_.parts().sun;
-    const GlowingBlinds& blinds = transport_.parts().blinds;
+    const GlowingBlinds& blinds = parts.blinds;
+    const GlowRows rows(parts, transport_.mesh().patchCount());
     const auto work = [&](size_t k) {
         const daylight::Sky& sky = skies_[hours[k]];
-        const SunPatches sun(panes, sky.sun.direction);
+        const SunPatches sun(parts.sun, sky.sun.direction);
         found[k].hour = hours[k];
         if (!(enters[k] = sun.canEnter())) return;
         const auto strength = static_cast<float>(sky.sun.normalIlluminance);
@@ -113,14 +114,14 @@ void AnnualDaylight::makeSuns() {
             if (lit[i] != glm::vec3(0))
                 found[k].patches.push_back({static_cast<uint32_t>(i),
                                             {strength * lit[i].x, strength * lit[i].y, strength * lit[i].z}});
-        auto slot = static_cast<uint32_t>(lit.size());
+        auto slot = static_cast<uint32_t>(rows.glow);
         for (size_t g = 0; g < blinds.groups().size(); ++g)
             for (const uint32_t patch : blinds.groups()[g].patches) {
                 const glm::vec3 glow = strength * blinds.bySun(g, patch, sun, sky.sun.direction);
                 if (glow != glm::vec3(0)) found[k].patches.push_back({slot, {glow.x, glow.y, glow.z}});
                 ++slot;
             }
-        sunOnLobes(sun, sky.sun, found[k]);
+        sunOnLobes(parts, rows, sun, sky.sun, found[k]);
     };
     sunHours_ = hours.size();
     inParallel(hours.size(), work, [&](size_t k) { told(k, 0); });
@@ -136,9 +137,8 @@ void AnnualDaylight::makeSuns() {
 }
 
 // Windows of a group that the sun shines on alike, all unless something shades them, are told as one.
-void AnnualDaylight::sunOnLobes(const SunPatches& sun, const daylight::SunDisc& disc, Sunny& sunny) const {
-    const TransportParts parts = transport_.parts();
-    const GlowRows rows(parts, transport_.mesh().patchCount());
+void AnnualDaylight::sunOnLobes(const TransportParts& parts, const GlowRows& rows, const SunPatches& sun,
+                                const daylight::SunDisc& disc, Sunny& sunny) {
     const auto windows = parts.slats.windows();
     const auto add = [&](size_t row, const daylight::Window::Lobes& lobes, glm::dvec3 lit) {
         for (size_t node = 0; node < lobes.size(); ++node) {
@@ -330,7 +330,8 @@ void AnnualDaylight::addLobes(const TransportParts& parts, std::span<const std::
 // The sky's part of what blinds scatter.
 void AnnualDaylight::addGlow(const TransportParts& parts, Responses& responses) const {
     const size_t elements = parts.skyElements, sensors = responses.sensors;
-    size_t slot = transport_.mesh().patchCount();
+    const GlowRows rows(parts, transport_.mesh().patchCount());
+    size_t slot = rows.glow;
     for (size_t g = 0; g < parts.blinds.groups().size() && elements > 0; ++g) {
         const size_t count = parts.blinds.groups()[g].patches.size();
         const std::vector<float> coefficients = parts.blinds.coefficients(g, parts.sky, parts.skyChannels);
@@ -344,7 +345,6 @@ void AnnualDaylight::addGlow(const TransportParts& parts, Responses& responses) 
         slot += count;
         if (!parts.blinds.groups()[g].window.hasSlats()) continue;
         const std::vector<float> lobes = parts.blinds.lobeCoefficients(g, parts.sky, parts.skyChannels);
-        const GlowRows rows(parts, transport_.mesh().patchCount());
         for (size_t node = 0; node < daylight::kSlatNodes; ++node)
             for (size_t b = 0; b < (tinted_ ? 3u : 1u); ++b)
                 inParallel(sensors, [&](size_t s) {

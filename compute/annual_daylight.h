@@ -40,6 +40,8 @@ struct YearReport {
     double checkRms = 0;
 };
 
+struct GlowRows;
+
 class AnnualDaylight {
 public:
     // `share` of the whole work that is done, 0 to 1, of `sensorCount` sensors.
@@ -77,7 +79,8 @@ private:
     void addGlow(const TransportParts& parts, Responses& responses) const;
     void addLobes(const TransportParts& parts, std::span<const std::vector<float>> weights,
                   Responses& responses) const;
-    void sunOnLobes(const SunPatches& sun, const daylight::SunDisc& disc, Sunny& sunny) const;
+    static void sunOnLobes(const TransportParts& parts, const GlowRows& rows, const SunPatches& sun,
+                           const daylight::SunDisc& disc, Sunny& sunny);
     void addSun(const Responses& responses, std::span<float> reflected) const;
     void addEdges(const TransportParts& parts, std::span<float> reflected) const;
     void addBeams(std::span<const Sensor> sensors, std::span<float> sun) const;

@@ -27,12 +27,6 @@ void RelightBasis::restart() {
     basis_.assign(solver_->matter().reflectance.size(), {});
 }
 
-size_t RelightBasis::size() const {
-    size_t sum = 0;
-    for (const auto& vectors : basis_) sum += vectors.size();
-    return sum;
-}
-
 double RelightBasis::project(uint32_t channel, std::span<float> residual, std::span<float> gathered) const {
     double rounding = kGatherRounding * largest(gathered);
     for (int twice = 0; twice < 2; ++twice) // images are at right angles but for rounding

@@ -33,8 +33,6 @@ public:
                           std::vector<float>& radiosity, std::vector<float>& gathered,
                           const RadiosityOptions& options = {});
 
-    size_t size() const; // vectors of all channels
-
 private:
     struct Vector {
         std::vector<float> image;    // (I - K F) u, of unit length and at right angles to the others

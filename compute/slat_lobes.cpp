@@ -68,7 +68,7 @@ private:
 } // namespace
 
 SlatLobes::SlatLobes(const PointScene& scene, const GlowingBlinds& blinds, const gpu::Buffer& factors)
-    : scene_(&scene), blinds_(&blinds) {
+    : scene_(&scene) {
     for (size_t g = 0; g < blinds.groups().size(); ++g)
         if (blinds.groups()[g].window.hasSlats())
             for (const uint32_t patch : blinds.groups()[g].patches) windows_.push_back({patch, g});

@@ -22,7 +22,8 @@ public:
     // slats. Else time and memory grow with pairs of a patch and a window patch that it sees: about 0.1 us
     // and 16 bytes each, near ones up to 200 bytes (16,000 patches, 1600 of them windows: seconds, 400 MB).
     // Each window's light is kept, node by node, but what a node's form factors add up to is put right by no
-    // more than 2 or 1/2: straight up and down, where few patches lie, some is missing. Both outlive this.
+    // more than 2 or 1/2: straight up and down, where few patches lie, some is missing. `scene` outlives
+    // this.
     SlatLobes(const PointScene& scene, const GlowingBlinds& blinds, const gpu::Buffer& factors);
 
     bool empty() const { return windows_.empty(); }
@@ -62,7 +63,6 @@ public:
 
 private:
     const PointScene* scene_;
-    const GlowingBlinds* blinds_;
     std::vector<Window> windows_;
     std::vector<std::vector<Share>> shares_; // per patch
 };

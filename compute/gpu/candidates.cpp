@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "compute/gpu/enumerate.h"
 #include "compute/gpu/error.h"
 
 namespace heliodon::gpu {
@@ -86,11 +87,10 @@ DeviceInfo describe(VkPhysicalDevice physical, uint32_t index, bool swapchains) 
 }
 
 std::vector<VkPhysicalDevice> physicalDevices(VkInstance instance) {
-    uint32_t count = 0;
-    check(vkEnumeratePhysicalDevices(instance, &count, nullptr), "vkEnumeratePhysicalDevices");
-    std::vector<VkPhysicalDevice> devices(count);
-    check(vkEnumeratePhysicalDevices(instance, &count, devices.data()), "vkEnumeratePhysicalDevices");
-    return devices;
+    return enumerate<VkPhysicalDevice>("vkEnumeratePhysicalDevices",
+                                       [&](uint32_t* count, VkPhysicalDevice* devices) {
+                                           return vkEnumeratePhysicalDevices(instance, count, devices);
+                                       });
 }
 
 std::string lower(std::string text) {

@@ -163,7 +163,6 @@ size_t leastOperands(uint32_t op) {
     case kOpExecutionMode:
     case kOpExecutionModeId:
     case kOpDecorate:
-        return 2;
     case kOpTypeInt:
     case kOpTypeFloat:
     case kOpTypeSampledImage:

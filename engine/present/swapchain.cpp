@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "compute/gpu/device.h"
+#include "compute/gpu/enumerate.h"
 #include "compute/gpu/error.h"
 
 namespace heliodon::present {
@@ -36,12 +37,10 @@ Swapchain::~Swapchain() {
 }
 
 void Swapchain::chooseFormat(bool codeBefore) {
-    uint32_t count = 0;
-    check(vkGetPhysicalDeviceSurfaceFormatsKHR(device_->physical(), surface_, &count, nullptr),
-          "vkGetPhysicalDeviceSurfaceFormatsKHR");
-    std::vector<VkSurfaceFormatKHR> formats(count);
-    check(vkGetPhysicalDeviceSurfaceFormatsKHR(device_->physical(), surface_, &count, formats.data()),
-          "vkGetPhysicalDeviceSurfaceFormatsKHR");
+    const auto formats = gpu::enumerate<VkSurfaceFormatKHR>(
+        "vkGetPhysicalDeviceSurfaceFormatsKHR", [&](uint32_t* count, VkSurfaceFormatKHR* list) {
+            return vkGetPhysicalDeviceSurfaceFormatsKHR(device_->physical(), surface_, count, list);
+        });
     const auto find = [&](VkFormat blueFirst, VkFormat redFirst) {
         return std::find_if(formats.begin(), formats.end(), [&](const VkSurfaceFormatKHR& f) {
             return (f.format == blueFirst || f.format == redFirst) &&
@@ -56,12 +55,10 @@ void Swapchain::chooseFormat(bool codeBefore) {
 }
 
 VkPresentModeKHR Swapchain::choosePresentMode() const {
-    uint32_t count = 0;
-    check(vkGetPhysicalDeviceSurfacePresentModesKHR(device_->physical(), surface_, &count, nullptr),
-          "vkGetPhysicalDeviceSurfacePresentModesKHR");
-    std::vector<VkPresentModeKHR> modes(count);
-    check(vkGetPhysicalDeviceSurfacePresentModesKHR(device_->physical(), surface_, &count, modes.data()),
-          "vkGetPhysicalDeviceSurfacePresentModesKHR");
+    const auto modes = gpu::enumerate<VkPresentModeKHR>(
+        "vkGetPhysicalDeviceSurfacePresentModesKHR", [&](uint32_t* count, VkPresentModeKHR* list) {
+            return vkGetPhysicalDeviceSurfacePresentModesKHR(device_->physical(), surface_, count, list);
+        });
     const bool immediate =
         !waitForRefresh_ && std::count(modes.begin(), modes.end(), VK_PRESENT_MODE_IMMEDIATE_KHR);
     return immediate ? VK_PRESENT_MODE_IMMEDIATE_KHR : VK_PRESENT_MODE_FIFO_KHR;
@@ -107,11 +104,9 @@ bool Swapchain::rebuild(uint32_t width, uint32_t height) {
     swapchain_ = fresh;
     extent_ = extent;
     stale_ = false;
-    uint32_t count = 0;
-    check(vkGetSwapchainImagesKHR(device_->handle(), swapchain_, &count, nullptr), "vkGetSwapchainImagesKHR");
-    images_.resize(count);
-    check(vkGetSwapchainImagesKHR(device_->handle(), swapchain_, &count, images_.data()),
-          "vkGetSwapchainImagesKHR");
+    images_ = gpu::enumerate<VkImage>("vkGetSwapchainImagesKHR", [&](uint32_t* count, VkImage* list) {
+        return vkGetSwapchainImagesKHR(device_->handle(), swapchain_, count, list);
+    });
     return true;
 }
 
