@@ -12,7 +12,6 @@
 #include "compute/glow_rows.h"
 #include "compute/parallel.h"
 #include "compute/stopwatch.h"
-#include "compute/sun_patches.h"
 
 namespace heliodon::compute {
 
@@ -53,15 +52,23 @@ struct AnnualDaylight::Responses {
     // Rows x sensors, each times its channel's luminous share; one unless tinted
     std::vector<float> sun[3];
     std::vector<float> own; // per sensor, lux
+
+    // What light on one row gives, added to one value a sensor.
+    void add(size_t row, glm::vec3 lux, float* to) const {
+        for (int b = 0; b < 3 && !sun[b].empty(); ++b) {
+            const float *answer = &sun[b][row * sensors], times = lux[b];
+            for (size_t s = 0; s < sensors; ++s) to[s] += times * answer[s];
+        }
+    }
 };
 
 AnnualDaylight::AnnualDaylight(DaylightTransport& transport, std::vector<daylight::Sky> skies,
-                               size_t sensorCount, Tell tell)
+                               size_t sensorCount, Tell tell, size_t sunBytes)
     : transport_(transport), skies_(std::move(skies)), sensorCount_(sensorCount), tell_(std::move(tell)),
       tinted_(transport.parts().skyChannels == 3) {
     report_.hours = skies_.size();
     makeSkies();
-    makeSuns();
+    makeSuns(sunBytes);
 }
 
 void AnnualDaylight::told(size_t hours, double sensors) const {
@@ -86,86 +93,21 @@ void AnnualDaylight::makeSkies() {
     });
 }
 
-void AnnualDaylight::makeSuns() {
+void AnnualDaylight::makeSuns(size_t sunBytes) {
     const SecondsAdded clock(report_.sunSeconds);
-    const TransportParts parts = transport_.parts();
-    if (parts.skyElements == 0) return;
-    std::vector<uint32_t> hours;
-    for (size_t h = 0; h < skies_.size(); ++h)
-        if (skies_[h].hasSun()) hours.push_back(static_cast<uint32_t>(h));
+    const auto sunny = static_cast<size_t>(
+        std::count_if(skies_.begin(), skies_.end(), [](const daylight::Sky& sky) { return sky.hasSun(); }));
     report_.sunless =
         lit_.size() - static_cast<size_t>(std::count_if(lit_.begin(), lit_.end(),
                                                         [&](uint32_t h) { return skies_[h].hasSun(); }));
-    std::vector<Sunny> found(hours.size());
-    std::vector<std::vector<SunEdges::Edge>> foundEdges(hours.size()), edges;
-    std::vector<uint8_t> enters(hours.size());
-    const GlowingBlinds& blinds = parts.blinds;
-    const GlowRows rows(parts, transport_.mesh().patchCount());
-    const auto work = [&](size_t k) {
-        const daylight::Sky& sky = skies_[hours[k]];
-        const SunPatches sun(parts.sun, sky.sun.direction);
-        found[k].hour = hours[k];
-        if (!(enters[k] = sun.canEnter())) return;
-        const auto strength = static_cast<float>(sky.sun.normalIlluminance);
-        std::vector<SunlitParts> partly;
-        const std::vector<glm::vec3> lit = sun.onPatches(&partly);
-        foundEdges[k] = SunEdges::edgesOf(transport_.mesh(), partly, sky.sun.normalIlluminance);
-        for (size_t i = 0; i < lit.size(); ++i)
-            if (lit[i] != glm::vec3(0))
-                found[k].patches.push_back({static_cast<uint32_t>(i),
-                                            {strength * lit[i].x, strength * lit[i].y, strength * lit[i].z}});
-        auto slot = static_cast<uint32_t>(rows.glow);
-        for (size_t g = 0; g < blinds.groups().size(); ++g)
-            for (const uint32_t patch : blinds.groups()[g].patches) {
-                const glm::vec3 glow = strength * blinds.bySun(g, patch, sun, sky.sun.direction);
-                if (glow != glm::vec3(0)) found[k].patches.push_back({slot, {glow.x, glow.y, glow.z}});
-                ++slot;
-            }
-        sunOnLobes(parts, rows, sun, sky.sun, found[k]);
-    };
-    sunHours_ = hours.size();
-    inParallel(hours.size(), work, [&](size_t k) { told(k, 0); });
-    for (size_t k = 0; k < hours.size(); ++k) {
-        if (!enters[k]) continue;
-        report_.sunlitPatches += found[k].patches.size();
-        sunny_.push_back(std::move(found[k]));
-        edges.push_back(std::move(foundEdges[k]));
-    }
-    edges_ = SunEdges(transport_.mesh(), std::move(edges));
-    report_.withSun = sunny_.size();
-    report_.sunOutside = hours.size() - sunny_.size();
-}
-
-// Windows of a group that the sun shines on alike, all unless something shades them, are told as one.
-void AnnualDaylight::sunOnLobes(const TransportParts& parts, const GlowRows& rows, const SunPatches& sun,
-                                const daylight::SunDisc& disc, Sunny& sunny) {
-    const auto windows = parts.slats.windows();
-    const auto add = [&](size_t row, const daylight::Window::Lobes& lobes, glm::dvec3 lit) {
-        for (size_t node = 0; node < lobes.size(); ++node) {
-            const glm::vec3 value(lit * lobes[node]);
-            sunny.patches.push_back({static_cast<uint32_t>(row + node), {value.x, value.y, value.z}});
-        }
-    };
-    for (size_t first = 0, last = 0; first < windows.size(); first = last) {
-        const size_t g = windows[first].group;
-        std::vector<glm::dvec3> lit;
-        bool alike = true, dark = true;
-        for (; last < windows.size() && windows[last].group == g; ++last) {
-            lit.push_back(disc.normalIlluminance * sun.onOutside(windows[last].patch));
-            alike &= glm::length(lit.back() - lit[0]) <= 1e-6 * glm::length(lit[0]);
-            dark &= lit.back() == glm::dvec3(0);
-        }
-        if (dark) continue;
-        const GlowingBlinds::Group& group = parts.blinds.groups()[g];
-        const daylight::Window::Lobes lobes =
-            group.window.lobes(glm::normalize(disc.direction), group.normal);
-        if (alike) {
-            add(rows.groupLobes + g * daylight::kSlatNodes, lobes, lit[0]);
-            continue;
-        }
-        for (size_t w = first; w < last; ++w)
-            add(rows.lobes + w * daylight::kSlatNodes, lobes, lit[w - first]);
-    }
+    const TransportParts parts = transport_.parts();
+    if (parts.skyElements > 0) sunHours_ = sunny;
+    suns_.emplace(parts, transport_.mesh(), skies_, sunBytes, [&](size_t hours) { told(hours, 0); });
+    report_.sunlitPatches = suns_->litPatches();
+    report_.sunBlocks = suns_->blocks();
+    report_.sunBytes = suns_->mostBytes();
+    report_.withSun = suns_->skies().size();
+    report_.sunOutside = sunHours_ - report_.withSun;
 }
 
 // Where F lies in the host's memory: sensors are many columns.
@@ -357,41 +299,78 @@ void AnnualDaylight::addGlow(const TransportParts& parts, Responses& responses) 
     }
 }
 
-// reflected: sunny hours x sensors.
-void AnnualDaylight::addSun(const Responses& responses, std::span<float> reflected) const {
+// reflected: hours with sun x sensors.
+void AnnualDaylight::addSun(const SunHours::Block& block, const TransportParts& parts,
+                            const Responses& responses, std::span<float> reflected) const {
     const size_t sensors = responses.sensors;
-    inParallel(sunny_.size(), [&](size_t k) {
-        float* row = &reflected[k * sensors];
-        for (const LitPatch& lit : sunny_[k].patches)
-            for (size_t b = 0; b < (tinted_ ? 3u : 1u); ++b) {
-                const float* answer = &responses.sun[b][lit.patch * sensors];
-                for (size_t s = 0; s < sensors; ++s) row[s] += lit.value[b] * answer[s];
-            }
+    inParallel(block.hours.size(), [&](size_t k) {
+        float* row = &reflected[(block.first + k) * sensors];
+        for (const SunHours::Lit& lit : block.hours[k].patches) responses.add(lit.row, lit.lux, row);
+        addBlinds(block.hours[k], parts, responses, row);
     });
 }
 
-void AnnualDaylight::addEdges(const TransportParts& parts, std::span<float> reflected) const {
+// What blinds scatter of one hour's sun. Windows of a group that it shines on alike, all unless something
+// shades them, are told as one.
+void AnnualDaylight::addBlinds(const SunHours::Hour& hour, const TransportParts& parts,
+                               const Responses& responses, float* reflected) const {
+    if (hour.windows.empty()) return;
+    const GlowRows rows(parts, transport_.mesh().patchCount());
+    auto lit = hour.windows.begin();
+    size_t window = 0, slats = 0; // rows of blinds, and of those with slats, before this group's
+    for (size_t g = 0; g < parts.blinds.groups().size(); ++g) {
+        const GlowingBlinds::Group& group = parts.blinds.groups()[g];
+        const size_t count = group.patches.size();
+        const auto last = std::find_if(lit, hour.windows.end(),
+                                       [&](const SunHours::Lit& l) { return l.row >= window + count; });
+        const auto& [even, lobes] = hour.groups[g];
+        for (auto l = lit; l != last; ++l) responses.add(rows.glow + l->row, even * l->lux, reflected);
+        if (group.window.hasSlats() && lit != last) {
+            const auto add = [&](size_t row, glm::vec3 lux) {
+                for (size_t node = 0; node < daylight::kSlatNodes; ++node)
+                    responses.add(row + node, lux * lobes[node], reflected);
+            };
+            const glm::vec3 one = lit->lux;
+            if (static_cast<size_t>(last - lit) == count &&
+                std::all_of(lit, last, [&](const SunHours::Lit& l) {
+                    return glm::length(l.lux - one) <= 1e-6F * glm::length(one);
+                }))
+                add(rows.groupLobes + g * daylight::kSlatNodes, one);
+            else
+                for (auto l = lit; l != last; ++l)
+                    add(rows.lobes + (slats + l->row - window) * daylight::kSlatNodes, l->lux);
+        }
+        if (group.window.hasSlats()) slats += count;
+        window += count;
+        lit = last;
+    }
+}
+
+void AnnualDaylight::addEdges(const SunHours::Block& block, const TransportParts& parts,
+                              std::span<float> reflected) const {
     const size_t n = transport_.mesh().patchCount(), count = parts.sensors.size();
     inParallel(count, [&](size_t s) {
         const uint32_t room = parts.sensorRooms[s];
         if (room == geometry::kNoRoom) return;
         const Sensor& at = parts.sensors[s];
-        std::vector<float> more(sunny_.size(), 0);
-        edges_.addTo(more, parts.points, PointView(parts.points.blockers(), at.position, at.normal, room),
-                     room, &parts.sensorEven[s * n]);
-        edges_.addTo(more, parts.points, parts.near[s], room);
-        for (size_t k = 0; k < more.size(); ++k) reflected[k * count + s] += more[k];
+        std::vector<float> more(block.hours.size(), 0);
+        block.edges.addTo(more, parts.points,
+                          PointView(parts.points.blockers(), at.position, at.normal, room), room,
+                          &parts.sensorEven[s * n]);
+        block.edges.addTo(more, parts.points, parts.near[s], room);
+        for (size_t k = 0; k < more.size(); ++k) reflected[(block.first + k) * count + s] += more[k];
     });
 }
 
 // Sun straight at the sensors: sensors x hours.
 void AnnualDaylight::addBeams(std::span<const Sensor> sensors, std::span<float> sun) const {
     const SunScene& panes = transport_.parts().sun;
-    inParallel(sunny_.size(), [&](size_t k) {
-        const daylight::Sky& sky = skies_[sunny_[k].hour];
+    const std::span<const uint32_t> hours = suns_->skies();
+    inParallel(hours.size(), [&](size_t k) {
+        const daylight::Sky& sky = skies_[hours[k]];
         const SunPatches beam(panes, sky.sun.direction);
         for (size_t s = 0; s < sensors.size(); ++s)
-            sun[s * skies_.size() + sunny_[k].hour] = static_cast<float>(
+            sun[s * skies_.size() + hours[k]] = static_cast<float>(
                 sky.sun.normalIlluminance *
                 photometric(beam.atPoint(sensors[s].position, glm::normalize(sensors[s].normal))));
     });
@@ -403,7 +382,7 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
     if (lux.size() != count * hours || sun.size() != lux.size() || error.size() != lux.size())
         throw std::invalid_argument("AnnualDaylight: arrays are not sensors x hours");
     Responses responses;
-    std::vector<float> sky(count * lit_.size()), reflected(count * sunny_.size());
+    std::vector<float> sky(count * lit_.size()), reflected(count * suns_->skies().size());
     if (lux.empty()) return;
     {
         const SecondsAdded clock(report_.sensorSeconds);
@@ -413,8 +392,11 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
     {
         const SecondsAdded clock(report_.productSeconds);
         multiply(responses.sky, count, luminance_, sky);
-        addSun(responses, reflected);
-        addEdges(transport_.parts(), reflected);
+        const TransportParts parts = transport_.parts();
+        suns_->forBlocks([&](const SunHours::Block& block) {
+            addSun(block, parts, responses, reflected);
+            addEdges(block, parts, reflected);
+        });
         std::fill(sun.begin(), sun.end(), 0.0f);
         addBeams(sensors, sun);
         inParallel(count, [&](size_t s) {
@@ -423,8 +405,9 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
             for (size_t k = 0; k < lit_.size(); ++k) row[lit_[k]] += sky[s * lit_.size() + k];
             // Until errors are set below, `error` holds the part that the sun causes.
             std::fill_n(&error[s * hours], hours, 0.0f);
-            for (size_t k = 0; k < sunny_.size(); ++k) {
-                const size_t at = s * hours + sunny_[k].hour;
+            const std::span<const uint32_t> sunny = suns_->skies();
+            for (size_t k = 0; k < sunny.size(); ++k) {
+                const size_t at = s * hours + sunny[k];
                 error[at] = reflected[k * count + s] + sun[at];
                 lux[at] += error[at];
             }
@@ -432,12 +415,11 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
     }
     size_t nearWalls = 0;
     for (const NearLight& near : transport_.parts().near) nearWalls += near.bytes();
-    report_.bytes =
-        std::max(report_.bytes,
-                 luminance_.bytes() + (gather_ ? gather_->bytes() : 0) +
-                     report_.sunlitPatches * sizeof(LitPatch) + edges_.bytes() + nearWalls +
-                     sizeof(float) * (sky.size() + reflected.size() + responses.sky.size() + 3 * lux.size() +
-                                      (tinted_ ? 4 : 2) * count * transport_.mesh().patchCount()));
+    size_t floats = sky.size() + reflected.size() + responses.sky.size() + 3 * lux.size();
+    for (const std::vector<float>& rows : responses.sun) // and about as many weights of the sky
+        floats += rows.size() + (rows.empty() ? 0 : count * transport_.mesh().patchCount());
+    report_.bytes = std::max(report_.bytes, luminance_.bytes() + (gather_ ? gather_->bytes() : 0) +
+                                                report_.sunBytes + nearWalls + sizeof(float) * floats);
     checkAndSetErrors(lux, sun, error);
     sensorsDone_ += count;
     told(sunHours_, static_cast<double>(sensorsDone_));
@@ -445,8 +427,8 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
 
 // Sunless ones first.
 std::vector<uint32_t> AnnualDaylight::checkedHours(size_t& sunless) const {
-    std::vector<uint32_t> sunny, others;
-    for (const Sunny& s : sunny_) sunny.push_back(s.hour);
+    const std::vector<uint32_t> sunny(suns_->skies().begin(), suns_->skies().end());
+    std::vector<uint32_t> others;
     std::set_difference(lit_.begin(), lit_.end(), sunny.begin(), sunny.end(), std::back_inserter(others));
     std::vector<uint32_t> hours = spread(others, kCheckedSunless);
     sunless = hours.size();

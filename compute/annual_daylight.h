@@ -22,8 +22,7 @@
 #include "compute/daylight_transport.h"
 #include "compute/host_gather.h"
 #include "compute/panel_product.h"
-#include "compute/sun_edges.h"
-#include "compute/sun_patches.h"
+#include "compute/sun_hours.h"
 
 namespace heliodon::compute {
 
@@ -34,23 +33,28 @@ struct YearReport {
     size_t sunless = 0;        // lit, no sun
     double skySeconds = 0, sunSeconds = 0, sensorSeconds = 0, productSeconds = 0, checkSeconds = 0;
     size_t sunlitPatches = 0; // over all hours
+    size_t sunBlocks = 0;     // that the hours with sun are held in, one at a time
+    size_t sunBytes = 0;      // of the largest
     size_t bytes = 0;         // most that was held at once, without the transport's own
     // Against DaylightTransport::light on some hours: RMS of the relative difference over sensors.
     size_t checkedHours = 0;
     double checkRms = 0;
 };
 
-struct GlowRows;
-
 class AnnualDaylight {
 public:
     // `share` of the whole work that is done, 0 to 1, of `sensorCount` sensors.
     using Tell = std::function<void(double share)>;
 
+    static constexpr size_t kSunBytes = 128 << 20;
+
     // Luminances and sun of every sky. `transport` must outlive this and keep its materials. About 1 ms an
-    // hour and core.
+    // hour and core. Where the hours' sun takes more than `sunBytes`, as on large meshes with many windows,
+    // it is made anew for each call of sensors(); the results are the same.
     AnnualDaylight(DaylightTransport& transport, std::vector<daylight::Sky> skies, size_t sensorCount,
-                   Tell tell = {});
+                   Tell tell = {}, size_t sunBytes = kSunBytes);
+    AnnualDaylight(const AnnualDaylight&) = delete;
+    AnnualDaylight& operator=(const AnnualDaylight&) = delete;
 
     // Photometric illuminance of these sensors, which become the transport's: arrays of sensors x hours.
     // `sun` is the direct sun in it, `error` an estimate of the half-width of its interval, made from the
@@ -62,27 +66,21 @@ public:
     const YearReport& report() const { return report_; }
 
 private:
-    struct LitPatch {
-        uint32_t patch; // row of Responses::sun; after the patches what blinds scatter
-        float value[3]; // lux per channel; all channels alike unless tinted_
-    };
-    struct Sunny {
-        uint32_t hour;
-        std::vector<LitPatch> patches;
-    };
     struct Responses;
     void makeSkies();
-    void makeSuns();
+    void makeSuns(size_t sunBytes);
     void takeFactors(const TransportParts& parts);
     Responses respond(const TransportParts& parts);
     void addNearSky(const TransportParts& parts, Responses& responses) const;
     void addGlow(const TransportParts& parts, Responses& responses) const;
     void addLobes(const TransportParts& parts, std::span<const std::vector<float>> weights,
                   Responses& responses) const;
-    static void sunOnLobes(const TransportParts& parts, const GlowRows& rows, const SunPatches& sun,
-                           const daylight::SunDisc& disc, Sunny& sunny);
-    void addSun(const Responses& responses, std::span<float> reflected) const;
-    void addEdges(const TransportParts& parts, std::span<float> reflected) const;
+    void addSun(const SunHours::Block& block, const TransportParts& parts, const Responses& responses,
+                std::span<float> reflected) const;
+    void addBlinds(const SunHours::Hour& hour, const TransportParts& parts, const Responses& responses,
+                   float* reflected) const;
+    void addEdges(const SunHours::Block& block, const TransportParts& parts,
+                  std::span<float> reflected) const;
     void addBeams(std::span<const Sensor> sensors, std::span<float> sun) const;
     void checkAndSetErrors(std::span<const float> lux, std::span<const float> sun, std::span<float> error);
     std::vector<uint32_t> checkedHours(size_t& sunless) const;
@@ -95,8 +93,7 @@ private:
     bool tinted_ = false;
     std::vector<uint32_t> lit_; // hours with sky or ground
     Panels luminance_;          // elements x lit hours, times pi
-    std::vector<Sunny> sunny_;
-    SunEdges edges_;                   // hours as in sunny_
+    std::optional<SunHours> suns_;
     std::optional<HostGather> gather_; // none where the device gathers faster
     std::optional<TintedFactors> tintedGather_;
     std::optional<RadiositySolver> solver_;

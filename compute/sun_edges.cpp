@@ -125,12 +125,11 @@ void SunEdges::addTo(std::span<float> lux, const PointScene& scene, const NearLi
     }
 }
 
-size_t SunEdges::bytes() const {
-    size_t sum = hour_.size() * (sizeof(uint32_t) + 4 * sizeof(float) + sizeof(glm::vec3));
-    for (const auto& parts : parts_) {
-        sum += sizeof parts;
-        for (const Edge::Part& part : parts) sum += sizeof part + part.polygon.size() * sizeof(glm::dvec3);
-    }
+size_t SunEdges::bytesOf(std::span<const Edge> edges) {
+    size_t sum = edges.size() * sizeof(Edge);
+    for (const Edge& edge : edges)
+        for (const Edge::Part& part : edge.parts)
+            sum += sizeof part + part.polygon.size() * sizeof(glm::dvec3);
     return sum;
 }
 

@@ -44,7 +44,8 @@ public:
     // The same by way of the cells of a sensor's near walls, exactly.
     void addTo(std::span<float> lux, const PointScene& scene, const NearLight& near, uint32_t room) const;
 
-    size_t bytes() const;
+    // What edges of one hour take, here and before they are put in order.
+    static size_t bytesOf(std::span<const Edge> edges);
 
 private:
     struct Patch {

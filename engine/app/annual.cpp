@@ -206,6 +206,8 @@ void reportYear(Run& run, const compute::YearReport& year) {
                             {"product_seconds", year.productSeconds},
                             {"check_seconds", year.checkSeconds},
                             {"bytes", year.bytes},
+                            {"sun_bytes", year.sunBytes},
+                            {"sun_blocks", year.sunBlocks},
                             {"checked_hours", year.checkedHours},
                             {"check_rms", year.checkRms}};
 }

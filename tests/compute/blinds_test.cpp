@@ -10,6 +10,7 @@
 
 #include "compute/annual_daylight.h"
 #include "compute/daylight_transport.h"
+#include "compute/sun_hours.h"
 #include "tests/compute/path_tracer.h"
 #include "tests/compute/rooms.h"
 #include "tests/compute/skies.h"
@@ -163,6 +164,51 @@ TEST(Blinds, hours_of_a_year_are_what_the_full_computation_gives) {
                     << "sensor " << s << ", hour " << h;
             }
     }
+}
+
+// A year of windows in part shade is the most that hours hold; in small blocks it gives the same bits.
+TEST(Blinds, a_year_in_blocks_of_bounded_memory_is_the_same_year) {
+    geometry::PatchMesh mesh = windowRoom(kSlats, true, {0.8f, 0.5f, 0.2f}, {0.8f, 0.7f, 0.5f});
+    test::BoxRoom wing;
+    wing.low = {-4, 0, -10}, wing.high = {2, 3, -6};
+    test::addBox(mesh, wing, 1);
+    std::vector<daylight::Sky> skies;
+    for (int k = 0; k < 300; ++k)
+        skies.push_back(k % 7 == 0 ? overcast() : sunny({0.006 * (k - 150), 0.2 + 0.001 * k, -0.8}));
+    DaylightTransport transport(test::device(), mesh);
+    const auto year = [&](size_t sunBytes, std::vector<float>& lux) {
+        AnnualDaylight annual(transport, skies, kSensors.size(), {}, sunBytes);
+        std::vector<float> sun(kSensors.size() * skies.size()), error(sun.size());
+        for (int again = 0; again < 2; ++again) { // the second begins with the block that the first left
+            lux.assign(sun.size(), -1);
+            annual.sensors(kSensors, lux, sun, error);
+        }
+        return annual.report();
+    };
+    std::vector<float> whole, inBlocks;
+    const YearReport kept = year(AnnualDaylight::kSunBytes, whole);
+    ASSERT_EQ(kept.sunBlocks, 1u);
+    ASSERT_GT(kept.withSun, 250u);
+    const size_t bound = kept.sunBytes / 10;
+    const YearReport streamed = year(bound, inBlocks);
+    EXPECT_EQ(inBlocks, whole);
+    EXPECT_GE(streamed.sunBlocks, 8u);
+    EXPECT_LE(streamed.sunBytes, bound + kept.sunBytes / 50); // an hour more
+    EXPECT_EQ(kept.bytes - streamed.bytes, kept.sunBytes - streamed.sunBytes);
+    EXPECT_EQ(streamed.withSun, kept.withSun);
+    EXPECT_EQ(streamed.sunlitPatches, kept.sunlitPatches);
+    // Windows in part shade take a number each, and one shape of light together.
+    size_t windows = 0, unlike = 0;
+    for (size_t i = 0; i < mesh.patchCount(); ++i) windows += mesh.materials[mesh.material[i]].isOpening();
+    SunHours(transport.parts(), mesh, skies, bound).forBlocks([&](const SunHours::Block& block) {
+        for (const SunHours::Hour& hour : block.hours) {
+            EXPECT_LE(hour.windows.size(), windows);
+            EXPECT_EQ(hour.groups.size(), 1u);
+            for (const SunHours::Lit& lit : hour.windows)
+                unlike += std::abs(lit.lux.y / hour.windows[0].lux.y - 1) > 0.01F;
+        }
+    });
+    EXPECT_GT(unlike, 20u);
 }
 
 TEST(Blinds, drawn_and_opened_again_the_light_is_what_it_was) {

@@ -1,0 +1,110 @@
+#include "compute/sun_hours.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "compute/parallel.h"
+
+namespace heliodon::compute {
+
+namespace {
+
+constexpr size_t kAtOnce = 64; // hours that threads work on before they are counted
+
+size_t bytesOf(const SunHours::Hour& hour) {
+    return sizeof hour + (hour.patches.size() + hour.windows.size()) * sizeof(SunHours::Lit) +
+           hour.groups.size() * sizeof(SunHours::Scatter);
+}
+
+} // namespace
+
+SunHours::SunHours(const TransportParts& parts, const geometry::PatchMesh& mesh,
+                   std::span<const daylight::Sky> skies, size_t mostBytes,
+                   const std::function<void(size_t)>& done)
+    : mesh_(&mesh), scene_(&parts.sun), blinds_(&parts.blinds), skies_(skies) {
+    std::vector<uint32_t> sunny;
+    for (size_t h = 0; h < skies.size() && parts.skyElements > 0; ++h)
+        if (skies[h].hasSun()) sunny.push_back(static_cast<uint32_t>(h));
+    std::vector<Made> block;
+    size_t bytes = 0;
+    for (size_t first = 0; first < sunny.size(); first += kAtOnce) {
+        std::vector<Made> made(std::min(kAtOnce, sunny.size() - first));
+        inParallel(made.size(), [&](size_t k) { made[k] = hourOf(sunny[first + k]); });
+        if (done) done(first + made.size());
+        for (Made& one : made) {
+            if (!one.enters) continue;
+            if (firsts_.empty() || bytes >= mostBytes) {
+                firsts_.push_back(entering_.size());
+                block.clear();
+                bytes = 0;
+            }
+            entering_.push_back(one.hour.sky);
+            litPatches_ += one.hour.patches.size();
+            bytes += bytesOf(one.hour) + SunEdges::bytesOf(one.edges);
+            held_ = std::max(held_, bytes);
+            block.push_back(std::move(one));
+        }
+    }
+    if (!firsts_.empty()) hold(firsts_.size() - 1, block);
+}
+
+SunHours::Made SunHours::hourOf(uint32_t at) const {
+    const daylight::SunDisc& disc = skies_[at].sun;
+    const SunPatches sun(*scene_, disc.direction);
+    Made made{sun.canEnter(), {at, {}, {}, {}}, {}};
+    if (!made.enters) return made;
+    const auto strength = static_cast<float>(disc.normalIlluminance);
+    const auto add = [](std::vector<Lit>& lit, size_t row, glm::vec3 lux) {
+        if (lux != glm::vec3(0)) lit.push_back({static_cast<uint32_t>(row), lux});
+    };
+    std::vector<SunlitParts> partly;
+    const std::vector<glm::vec3> onPatches = sun.onPatches(&partly);
+    made.edges = SunEdges::edgesOf(*mesh_, partly, disc.normalIlluminance);
+    for (size_t i = 0; i < onPatches.size(); ++i) add(made.hour.patches, i, strength * onPatches[i]);
+    size_t row = 0;
+    for (const GlowingBlinds::Group& group : blinds_->groups())
+        for (const uint32_t patch : group.patches)
+            add(made.hour.windows, row++, glm::vec3(disc.normalIlluminance * sun.onOutside(patch)));
+    made.hour.patches.shrink_to_fit();
+    made.hour.windows.shrink_to_fit();
+    if (made.hour.windows.empty()) return made;
+    const glm::dvec3 towards = glm::normalize(disc.direction);
+    for (const GlowingBlinds::Group& group : blinds_->groups()) {
+        Scatter& scatter = made.hour.groups.emplace_back(
+            Scatter{glm::vec3(group.window.scattered(towards, group.normal)), {}});
+        const daylight::Window::Lobes lobes = group.window.lobes(towards, group.normal);
+        std::copy(lobes.begin(), lobes.end(), scatter.lobes.begin());
+    }
+    return made;
+}
+
+void SunHours::makeAgain(size_t block) {
+    hours_ = {};
+    edges_ = {};
+    const size_t first = firsts_[block],
+                 last = block + 1 < firsts_.size() ? firsts_[block + 1] : entering_.size();
+    std::vector<Made> made(last - first);
+    inParallel(made.size(), [&](size_t k) { made[k] = hourOf(entering_[first + k]); });
+    hold(block, made);
+}
+
+void SunHours::hold(size_t block, std::vector<Made>& made) {
+    std::vector<std::vector<SunEdges::Edge>> edges;
+    for (Made& one : made) {
+        hours_.push_back(std::move(one.hour));
+        edges.push_back(std::move(one.edges));
+    }
+    edges_ = SunEdges(*mesh_, std::move(edges));
+    block_ = block;
+}
+
+void SunHours::forBlocks(const std::function<void(const Block&)>& work) {
+    const size_t begin = block_;
+    for (size_t k = 0; k < firsts_.size(); ++k) {
+        const size_t block = (begin + k) % firsts_.size();
+        if (block != block_) makeAgain(block);
+        work({firsts_[block], hours_, edges_});
+    }
+}
+
+} // namespace heliodon::compute
