@@ -221,6 +221,12 @@ AnnualDaylight::Responses AnnualDaylight::respond(const TransportParts& parts) {
                 result.sky[s * elements + e] +=
                     reflected[s * elements + e] + share * parts.sensorSky[(s * skies + c) * elements + e];
     }
+    const size_t smooth = GlowRows(parts, n).smooth;
+    for (size_t b = 0; b < beams; ++b)
+        inParallel(n, [&](size_t i) {
+            for (size_t s = 0; s < sensors; ++s)
+                result.sun[b][(smooth + i) * sensors + s] = weights[b][s * n + i];
+        });
     addNearSky(parts, result);
     addLobes(parts, weights, result);
     addGlow(parts, result);
@@ -303,9 +309,12 @@ void AnnualDaylight::addGlow(const TransportParts& parts, Responses& responses) 
 void AnnualDaylight::addSun(const SunHours::Block& block, const TransportParts& parts,
                             const Responses& responses, std::span<float> reflected) const {
     const size_t sensors = responses.sensors;
+    const GlowRows rows(parts, transport_.mesh().patchCount());
     inParallel(block.hours.size(), [&](size_t k) {
         float* row = &reflected[(block.first + k) * sensors];
         for (const SunHours::Lit& lit : block.hours[k].patches) responses.add(lit.row, lit.lux, row);
+        for (const SunHours::Lit& lit : block.hours[k].bounced)
+            responses.add(rows.smooth + lit.row, lit.lux, row);
         addBlinds(block.hours[k], parts, responses, row);
     });
 }

@@ -17,6 +17,7 @@
 #include "compute/relight_basis.h"
 #include "compute/sensor_gather.h"
 #include "compute/stopwatch.h"
+#include "compute/sun_bounce.h"
 #include "compute/sun_patches.h"
 #include "compute/window_links.h"
 #include "geometry/input_error.h"
@@ -62,6 +63,7 @@ struct DaylightTransport::State {
     std::vector<double> areas;
     std::unique_ptr<PointScene> points;
     std::unique_ptr<SunScene> sunScene;
+    std::unique_ptr<SunBounce> sunBounce; // none until there is sun, or without openings
     std::unique_ptr<GlowingBlinds> blinds;
     std::unique_ptr<SlatLobes> slats;
     std::unique_ptr<PatchSlopes> slopes;
@@ -85,6 +87,7 @@ struct DaylightTransport::State {
     void makeSky();
     void makeSensors();
     void makeNearLight();
+    void makeSunBounce();
     void readMaterials();
     Moment direct(const daylight::Sky& sky) const;
     void skyAtSensors(Moment& moment, const daylight::Sky& sky) const;
@@ -122,6 +125,10 @@ void DaylightTransport::State::makeFactors() {
     rowSums = gather->rowSums();
 }
 
+void DaylightTransport::State::makeSunBounce() {
+    if (hasOpenings && !sunBounce) sunBounce = std::make_unique<SunBounce>(*points, factors.values);
+}
+
 // What of a row can come back from where it goes, for the solver's bounds: not what leaves by openings.
 std::vector<float> DaylightTransport::State::rowsThatReturn() {
     if (links->rowSums().empty()) return rowSums;
@@ -153,6 +160,7 @@ void DaylightTransport::State::findOpenings() {
     solver = std::make_unique<RadiositySolver>(*tinted, rowsThatReturn());
     relight = std::make_unique<RelightBasis>(*tinted, *solver);
     sunScene = std::make_unique<SunScene>(mesh);
+    sunBounce.reset();
     blinds = std::make_unique<GlowingBlinds>(mesh);
     slats = std::make_unique<SlatLobes>(*points, *blinds, factors.values);
     patchSky = {};
@@ -259,7 +267,7 @@ Moment DaylightTransport::State::direct(const daylight::Sky& sky) const {
     moment.report.sunSeconds = sunning.seconds();
     std::vector<glm::vec3> byLobes(n, glm::vec3(0));
     slats->light(moment.lobes, byLobes);
-    for (size_t i = 0; i < n; ++i) moment.patches[i].interreflected = byLobes[i];
+    for (size_t i = 0; i < n; ++i) moment.patches[i].interreflected += byLobes[i];
     return moment;
 }
 
@@ -291,7 +299,9 @@ void DaylightTransport::State::sunOn(Moment& moment, const daylight::SunDisc& di
     const auto strength = static_cast<float>(disc.normalIlluminance);
     moment.lighting.sunNormalIlluminance = glm::vec3(strength);
     std::vector<SunlitParts> partly;
-    moment.lighting.sunIlluminance = sun.onPatches(sensors.sensors.empty() ? nullptr : &partly);
+    moment.lighting.sunIlluminance = sun.onPatches(&partly);
+    std::vector<glm::vec3> bounced(n, glm::vec3(0));
+    if (sunBounce) sunBounce->addTo(bounced, partly, disc.normalIlluminance);
     glow(moment,
          [&](size_t g, uint32_t patch) { return strength * blinds->bySun(g, patch, sun, disc.direction); });
     slats->fill(
@@ -303,6 +313,7 @@ void DaylightTransport::State::sunOn(Moment& moment, const daylight::SunDisc& di
     std::vector<glm::vec3> firstBounce(n);
     for (size_t i = 0; i < n; ++i) {
         moment.patches[i].sun = moment.lighting.sunIlluminance[i] *= strength;
+        moment.patches[i].interreflected += bounced[i];
         firstBounce[i] = mesh.materials[mesh.material[i]].reflectance * moment.patches[i].sun;
     }
     inParallel(sensors.sensors.size(), [&](size_t s) {
@@ -423,6 +434,8 @@ Moment DaylightTransport::light(const daylight::Sky& sky) {
 std::vector<Moment> DaylightTransport::light(std::span<const daylight::Sky> skies) {
     std::vector<Moment> moments;
     state_->makeNearLight();
+    if (std::any_of(skies.begin(), skies.end(), [](const daylight::Sky& sky) { return sky.hasSun(); }))
+        state_->makeSunBounce();
     for (const daylight::Sky& sky : skies) moments.push_back(state_->direct(sky));
     if (!moments.empty()) state_->solve(moments);
     return moments;
@@ -431,6 +444,7 @@ std::vector<Moment> DaylightTransport::light(std::span<const daylight::Sky> skie
 TransportParts DaylightTransport::parts() {
     State& state = *state_;
     state.makeNearLight();
+    state.makeSunBounce();
     return {*state.solver,
             *state.tinted,
             state.columnsPerMoment(),
@@ -448,6 +462,7 @@ TransportParts DaylightTransport::parts() {
             *state.points,
             state.skyPatches,
             *state.sunScene,
+            state.sunBounce.get(),
             *state.blinds,
             *state.slats,
             state.sensors.slats};

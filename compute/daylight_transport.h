@@ -83,6 +83,8 @@ struct TransportReport {
     std::vector<std::string> skipped;
 };
 
+class SunBounce;
+
 // The linear parts behind DaylightTransport::light, for products over many moments at once. They hold until
 // materials or sensors change.
 struct TransportParts {
@@ -101,7 +103,8 @@ struct TransportParts {
     const WindowLinks& links;                         // part of what `gather` does
     const PointScene& points;                         // for what points see
     const daylight::SkyPatches& sky;
-    const SunScene& sun; // for SunPatches of many hours
+    const SunScene& sun;        // for SunPatches of many hours
+    const SunBounce* sunBounce; // null without openings
     const GlowingBlinds& blinds;
     const SlatLobes& slats;
     std::span<const std::array<std::vector<float>, 3>> sensorSlats;

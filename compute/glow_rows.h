@@ -8,15 +8,17 @@
 namespace heliodon::compute {
 
 // Rows of what a sensor answers to light of one hour: patches (sun), patches of blinds in the order of their
-// groups (even glow), slats' lobes as in SlatLobes, and lobes of all patches of a group together, by node.
+// groups (even glow), slats' lobes as in SlatLobes, lobes of all patches of a group together, by node,
+// and patches once more, for light that runs on smoothly.
 struct GlowRows {
     explicit GlowRows(const TransportParts& parts, size_t patches) : glow(patches), lobes(patches) {
         for (const GlowingBlinds::Group& group : parts.blinds.groups()) lobes += group.patches.size();
         groupLobes = lobes + parts.slats.rows();
-        all = groupLobes;
-        if (!parts.slats.empty()) all += parts.blinds.groups().size() * daylight::kSlatNodes;
+        smooth = groupLobes;
+        if (!parts.slats.empty()) smooth += parts.blinds.groups().size() * daylight::kSlatNodes;
+        all = smooth + patches;
     }
-    size_t glow, lobes, groupLobes, all;
+    size_t glow, lobes, groupLobes, smooth, all;
 };
 
 } // namespace heliodon::compute

@@ -76,10 +76,8 @@ void lightPatches(const MomentScene& scene, const SolvedColumns& solved, Moment&
     const size_t n = mesh.patchCount();
     moment.lighting.exitance.resize(n);
     double in = 0, absorbed = 0, lost = 0, mean = 0, total = 0, most = 0;
-    std::vector<double> lobes;
     for (size_t i = 0; i < n; ++i) {
         LightParts& parts = moment.patches[i];
-        lobes.push_back(photometric(parts.interreflected));
         const geometry::Material& m = mesh.materials[mesh.material[i]];
         glm::vec3 out(0), tau(0), straight(0);
         for (int c = 0; c < 3; ++c) {
@@ -109,7 +107,11 @@ void lightPatches(const MomentScene& scene, const SolvedColumns& solved, Moment&
     moment.report.lumensIn = in;
     const std::vector<float> slats = slatsGlow(mesh, moment);
     std::vector<float> seen(slats.size()); // of it, straight
-    if (!slats.empty()) scene.factors.gather(slats, seen, 1);
+    std::vector<glm::vec3> lobes(slats.size(), glm::vec3(0));
+    if (!slats.empty()) {
+        scene.factors.gather(slats, seen, 1);
+        scene.slats.light(moment.lobes, lobes);
+    }
     const double bySlats = kSlatsLater * slatsShare(scene, moment, slats);
     for (size_t i = 0; i < n; ++i) {
         LightParts& parts = moment.patches[i];
@@ -117,7 +119,7 @@ void lightPatches(const MomentScene& scene, const SolvedColumns& solved, Moment&
             static_cast<float>(std::abs(1 - scene.rowSums[i]) * mean + moment.report.radiosity.bound * most +
                                (scene.rowError + kPatchError) * photometric(parts.interreflected) +
                                kPatchSkyError * photometric(parts.sky + parts.ground));
-        if (!slats.empty()) parts.error += slatsError(parts, double{seen[i]}, lobes[i], bySlats);
+        if (!slats.empty()) parts.error += slatsError(parts, double{seen[i]}, photometric(lobes[i]), bySlats);
     }
     moment.report.lumensAbsorbed = absorbed;
     moment.report.lumensLost = lost;

@@ -40,6 +40,9 @@ public:
 
     // `normal` unit. `blockers` must outlive this.
     PointView(const Blockers& blockers, glm::dvec3 position, glm::dvec3 normal, uint32_t room);
+    // As if nothing stood in the way.
+    PointView(const Blockers& blockers, glm::dvec3 position, glm::dvec3 normal)
+        : position_(position), normal_(normal), least_(blockers.tolerance()) {}
 
     // What the point sees of a room through a pane, beyond its plane: `frame` is a visible part of the pane.
     PointView through(const Blockers& blockers, const Polygon& frame, uint32_t room) const;
@@ -68,8 +71,6 @@ private:
         glm::dvec3 normal;             // of the blocker's plane, towards what it may hide
         double distance;               // of that plane from the point
     };
-    PointView(const Blockers& blockers, glm::dvec3 position, glm::dvec3 normal)
-        : position_(position), normal_(normal), least_(blockers.tolerance()) {}
     void addCones(const Blockers& blockers, uint32_t room);
     // A quick look at a polygon, which becomes relative to the point where it has few corners.
     using Local = std::array<glm::dvec3, 16>;

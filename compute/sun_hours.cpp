@@ -1,18 +1,23 @@
 #include "compute/sun_hours.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
+#include "compute/lighting.h"
 #include "compute/parallel.h"
+#include "compute/sun_bounce.h"
 
 namespace heliodon::compute {
 
 namespace {
 
-constexpr size_t kAtOnce = 64; // hours that threads work on before they are counted
+constexpr size_t kAtOnce = 64;  // hours that threads work on before they are counted
+constexpr double kTrace = 3e-3; // of what sunlight would give all surfaces at its first bounce, were it even
 
 size_t bytesOf(const SunHours::Hour& hour) {
-    return sizeof hour + (hour.patches.size() + hour.windows.size()) * sizeof(SunHours::Lit) +
+    return sizeof hour +
+           (hour.patches.size() + hour.bounced.size() + hour.windows.size()) * sizeof(SunHours::Lit) +
            hour.groups.size() * sizeof(SunHours::Scatter);
 }
 
@@ -21,7 +26,8 @@ size_t bytesOf(const SunHours::Hour& hour) {
 SunHours::SunHours(const TransportParts& parts, const geometry::PatchMesh& mesh,
                    std::span<const daylight::Sky> skies, size_t mostBytes,
                    const std::function<void(size_t)>& done)
-    : mesh_(&mesh), scene_(&parts.sun), blinds_(&parts.blinds), skies_(skies) {
+    : mesh_(&mesh), scene_(&parts.sun), bounce_(parts.sunBounce), blinds_(&parts.blinds), skies_(skies) {
+    for (size_t i = 0; i < mesh.patchCount(); ++i) area_ += geometry::patchArea(mesh, i);
     std::vector<uint32_t> sunny;
     for (size_t h = 0; h < skies.size() && parts.skyElements > 0; ++h)
         if (skies[h].hasSun()) sunny.push_back(static_cast<uint32_t>(h));
@@ -51,7 +57,7 @@ SunHours::SunHours(const TransportParts& parts, const geometry::PatchMesh& mesh,
 SunHours::Made SunHours::hourOf(uint32_t at) const {
     const daylight::SunDisc& disc = skies_[at].sun;
     const SunPatches sun(*scene_, disc.direction);
-    Made made{sun.canEnter(), {at, {}, {}, {}}, {}};
+    Made made{sun.canEnter(), {at, {}, {}, {}, {}}, {}};
     if (!made.enters) return made;
     const auto strength = static_cast<float>(disc.normalIlluminance);
     const auto add = [](std::vector<Lit>& lit, size_t row, glm::vec3 lux) {
@@ -61,6 +67,7 @@ SunHours::Made SunHours::hourOf(uint32_t at) const {
     const std::vector<glm::vec3> onPatches = sun.onPatches(&partly);
     made.edges = SunEdges::edgesOf(*mesh_, partly, disc.normalIlluminance);
     for (size_t i = 0; i < onPatches.size(); ++i) add(made.hour.patches, i, strength * onPatches[i]);
+    addBounced(made.hour.patches, partly, disc.normalIlluminance, made.hour.bounced);
     size_t row = 0;
     for (const GlowingBlinds::Group& group : blinds_->groups())
         for (const uint32_t patch : group.patches)
@@ -76,6 +83,21 @@ SunHours::Made SunHours::hourOf(uint32_t at) const {
         std::copy(lobes.begin(), lobes.end(), scatter.lobes.begin());
     }
     return made;
+}
+
+void SunHours::addBounced(std::span<const Lit> lit, std::span<const SunlitParts> partly, double strength,
+                          std::vector<Lit>& bounced) const {
+    if (!bounce_) return;
+    std::vector<glm::vec3> more(mesh_->patchCount(), glm::vec3(0));
+    bounce_->addTo(more, partly, strength);
+    double reflected = 0; // lumens of the first bounce
+    for (const Lit& patch : lit)
+        reflected += geometry::patchArea(*mesh_, patch.row) *
+                     photometric(mesh_->materials[mesh_->material[patch.row]].reflectance * patch.lux);
+    for (size_t i = 0; i < more.size(); ++i)
+        if (std::abs(photometric(more[i])) * area_ > kTrace * reflected)
+            bounced.push_back({static_cast<uint32_t>(i), more[i]});
+    bounced.shrink_to_fit();
 }
 
 void SunHours::makeAgain(size_t block) {

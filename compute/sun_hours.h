@@ -33,6 +33,7 @@ public:
     struct Hour {
         uint32_t sky; // which of the skies
         std::vector<Lit> patches;
+        std::vector<Lit> bounced; // what SunBounce adds, which may be negative, but for traces
         // Blinds: light before the glass of windows, in the order of their groups, and what groups make of
         // it; no groups where no window is lit.
         std::vector<Lit> windows;
@@ -66,13 +67,17 @@ private:
         std::vector<SunEdges::Edge> edges;
     };
     Made hourOf(uint32_t sky) const;
+    void addBounced(std::span<const Lit> lit, std::span<const SunlitParts> partly, double strength,
+                    std::vector<Lit>& bounced) const;
     void makeAgain(size_t block);
     void hold(size_t block, std::vector<Made>& made);
 
     const geometry::PatchMesh* mesh_;
     const SunScene* scene_;
+    const SunBounce* bounce_;
     const GlowingBlinds* blinds_;
     std::span<const daylight::Sky> skies_;
+    double area_ = 0; // of all patches
     std::vector<uint32_t> entering_;
     std::vector<size_t> firsts_; // of blocks, in entering_
     size_t litPatches_ = 0, held_ = 0, block_ = 0;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "compute/sun_bounce.h"
 #include "geometry/input_error.h"
 #include "geometry/mesher.h"
 #include "geometry/model_file.h"
@@ -85,6 +86,66 @@ TEST(DaylightTransport, parts_sum_to_what_patches_reflect) {
                         1e-3 * photometric(out) + 0.5); // solver's tolerance
     }
     EXPECT_EQ(transport.report().channels, 3u);
+}
+
+// What sunlight sends on from patches that it lights in part: on patches of 1 m against the same room in
+// patches of 25 cm, which hardly err themselves.
+TEST(SunBounce, is_what_a_mesh_four_times_as_fine_gives) {
+    const auto room = [](uint32_t times) {
+        test::BoxRoom box;
+        box.cells = {4 * times, 3 * times, 5 * times};
+        box.triangles = false;
+        box.isGlass = [](glm::dvec3 p) { return p.z < 1e-9 && p.x > 1 && p.x < 3 && p.y > 1 && p.y < 2; };
+        return test::boxRoom(box);
+    };
+    const geometry::PatchMesh coarse = room(1), fine = room(4);
+    TransportOptions options;
+    options.formFactors.maxError = 1e-4;
+    DaylightTransport few(test::device(), coarse, options), many(test::device(), fine, options);
+    const size_t n = coarse.patchCount();
+    std::vector<size_t> whole(fine.patchCount(), n); // patch of the coarse mesh
+    for (size_t i = 0; i < whole.size(); ++i)
+        for (size_t j = 0; j < n && whole[i] == n; ++j) {
+            const glm::dvec3 away = geometry::patchCentroid(fine, i) - geometry::patchCentroid(coarse, j);
+            if (fine.surface[i] == coarse.surface[j] &&
+                std::max({std::abs(away.x), std::abs(away.y), std::abs(away.z)}) < 0.5)
+                whole[i] = j;
+        }
+    // Light of the first bounce.
+    const auto bounced = [](DaylightTransport& transport, const geometry::PatchMesh& mesh,
+                            const Moment& moment) {
+        const std::vector<float> factors =
+            transport.formFactors().values.download<float>(mesh.patchCount() * mesh.patchCount());
+        std::vector<double> light(mesh.patchCount());
+        for (size_t i = 0; i < light.size(); ++i)
+            for (size_t j = 0; j < light.size(); ++j)
+                light[i] += double{factors[i * light.size() + j]} *
+                            photometric(mesh.materials[mesh.material[j]].reflectance * moment.patches[j].sun);
+        return light;
+    };
+    for (const glm::dvec3 towards : {glm::dvec3(0.5, 0.35, -0.5), {-0.7, 0.5, -0.6}, {0.1, 0.2, -0.9}}) {
+        const daylight::Sky sky = sunny(towards);
+        const std::vector<double> even = bounced(few, coarse, few.light(sky)),
+                                  parts = bounced(many, fine, many.light(sky));
+        std::vector<double> exact(n, 0);
+        for (size_t i = 0; i < parts.size(); ++i) exact[whole[i]] += parts[i] / 16;
+        std::vector<SunlitParts> partly;
+        SunPatches(coarse, sky.sun.direction).onPatches(&partly);
+        ASSERT_FALSE(partly.empty());
+        std::vector<glm::vec3> more(n, glm::vec3(0));
+        SunBounce(few.parts().points, few.formFactors().values)
+            .addTo(more, partly, sky.sun.normalIlluminance);
+        double before = 0, after = 0, made = 0, all = 0;
+        for (size_t i = 0; i < n; ++i) {
+            before += std::pow(even[i] - exact[i], 2);
+            after += std::pow(even[i] + photometric(more[i]) - exact[i], 2);
+            made += geometry::patchArea(coarse, i) * photometric(more[i]);
+            all += geometry::patchArea(coarse, i) * even[i];
+        }
+        EXPECT_GT(before, 0);
+        EXPECT_LT(std::sqrt(after), 0.25 * std::sqrt(before));
+        EXPECT_NEAR(made, 0, 1e-5 * all); // float sums
+    }
 }
 
 TEST(DaylightTransport, grey_scenes_take_one_channel_and_give_the_same_light) {
