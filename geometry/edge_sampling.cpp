@@ -24,7 +24,7 @@ constexpr double kNarrowStrip = 0.363, kWideStrip = 0.688;
 // edge.
 constexpr double kFacing = 1.6;
 constexpr double kFinestStrip = 0.45; // of the edge length
-constexpr double kUniformStrip = 0.8; // of the edge length: a strip this wide needs no staggering
+constexpr double kUniformStrip = 0.76; // of the edge length: a strip this wide needs no staggering
 // Where rectangles of a strip are halved: their width over their length, for angles of 36 degrees. So wide a
 // strip has room for points inside.
 constexpr double kHalvedStrip = 1.376, kRoomInside = 1.45;

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <tuple>
 #include <unordered_map>
 #include <vector>
 
@@ -21,17 +23,31 @@ double angleAt(const PatchMesh& mesh, size_t i, size_t k) {
     return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180 / std::numbers::pi;
 }
 
-// Vertices of surfaces: one in a corner of the building is as many as surfaces meet there.
-struct SurfaceVertices {
-    explicit SurfaceVertices(const PatchMesh& mesh) {
+// What is meshed in one go: parts of a surface of one material and one role. Their borders are edges of the
+// input.
+std::vector<uint32_t> partOfPatch(const PatchMesh& mesh) {
+    std::vector<uint32_t> part;
+    part.reserve(mesh.patchCount());
+    std::map<std::tuple<uint32_t, uint32_t, Role>, uint32_t> known;
+    for (size_t i = 0; i < mesh.patchCount(); ++i)
+        part.push_back(known.try_emplace({mesh.surface[i], mesh.material[i], mesh.role[i]},
+                                         static_cast<uint32_t>(known.size()))
+                           .first->second);
+    return part;
+}
+
+// Vertices of parts: one in a corner of the building is as many as parts meet there.
+struct PartVertices {
+    explicit PartVertices(const PatchMesh& mesh) {
         std::unordered_map<uint64_t, uint32_t> known;
         known.reserve(mesh.corners.size());
+        const std::vector<uint32_t> part = partOfPatch(mesh);
         std::vector<uint64_t> sides;
         for (size_t i = 0; i < mesh.patchCount(); ++i) {
             const auto corner = mesh.patch(i);
             const size_t first = vertex.size(), n = corner.size();
             for (size_t k = 0; k < n; ++k) {
-                const uint64_t key = uint64_t{mesh.surface[i]} << 32u | corner[k];
+                const uint64_t key = uint64_t{part[i]} << 32u | corner[k];
                 vertex.push_back(known.try_emplace(key, static_cast<uint32_t>(known.size())).first->second);
                 angle.push_back(angleAt(mesh, i, k));
             }
@@ -53,7 +69,7 @@ struct SurfaceVertices {
 
     std::vector<uint32_t> vertex; // per corner of a patch, one patch after the other
     std::vector<double> angle;    // degrees, likewise
-    std::vector<double> whole;    // per vertex: the angle of the surface itself there
+    std::vector<double> whole;    // per vertex: the angle of the part itself there
     std::vector<bool> onBorder;   // per vertex
 };
 
@@ -69,13 +85,13 @@ MeshQuality measureMesh(const PatchMesh& mesh) {
         sum += area;
         squares += area * area;
     }
-    const SurfaceVertices vertices(mesh);
+    const PartVertices vertices(mesh);
     constexpr double kSharp = 72;  // degrees: less cannot be divided into two angles of 36
     constexpr double kStrip = 0.5; // of the edge length of a mean triangle
     const double edge = std::sqrt(4 / std::sqrt(3.0) * sum / static_cast<double>(mesh.patchCount()));
     for (size_t i = 0, first = 0; i < mesh.patchCount(); first += mesh.patch(i++).size()) {
         const auto corner = mesh.patch(i);
-        bool sharp = false, inStrip = corner.size() == 3; // where the surface is sharp, no mesh can do better
+        bool sharp = false, inStrip = corner.size() == 3; // where the part is sharp, no mesh can do better
         double least = 180, longest = 0;
         for (size_t k = 0; k < corner.size(); ++k) {
             const uint32_t v = vertices.vertex[first + k];

@@ -83,7 +83,7 @@ public:
         for (const Grading& grading : kGradings) {
             grading_ = grading;
             grading_.sparing = sparing;
-            edge_ = added_ = lastEdge_ = lastCount_ = 0;
+            edge_ = added_ = lastEdge_ = lastCount_ = draftedEdge_ = 0;
             addedKnown_ = false;
             counts_.clear();
             const bool graded = std::isfinite(grading.growth);
@@ -133,6 +133,14 @@ private:
         return draft;
     }
 
+    void draftFor(double edge) {
+        if (draftedEdge_ == edge) return;
+        draftedEdge_ = edge;
+        sampler_.choose(edge, grading_);
+        drafts_.clear();
+        for (size_t d = 0; d < domains_.size(); ++d) drafts_.push_back(draftOf(d, edge));
+    }
+
     struct Count {
         double sum = 0, unevenness = 0; // standard deviation over mean of the domains' mean areas
     };
@@ -141,10 +149,10 @@ private:
         const auto [known, isNew] = counts_.try_emplace(edge);
         Count& count = known->second;
         if (!isNew) return count;
-        sampler_.choose(edge, grading_);
+        draftFor(edge);
         double area = 0, squares = 0;
         for (size_t d = 0; d < domains_.size(); ++d) {
-            const double own = std::max(1.0, draftOf(d, edge).count);
+            const double own = std::max(1.0, drafts_[d].count);
             count.sum += own;
             area += areas_[d];
             squares += areas_[d] * areas_[d] / own;
@@ -158,7 +166,7 @@ private:
         double added = 0;
         for (Draft& draft : drafts_) {
             if (draft.plane.size.uniform() || draft.grid) continue;
-            draft.net = draftMesh(draft.plane, draft.seeds);
+            if (!draft.net) draft.net = draftMesh(draft.plane, draft.seeds);
             added += 2 * static_cast<double>(draft.net->points.size() - draft.plane.boundary.size() -
                                              draft.seeds.size());
         }
@@ -257,11 +265,10 @@ private:
     // Rows and columns come in whole numbers, so that the count jumps; lattices a little finer or coarser
     // than the boundary, one domain after the other, settle it.
     void chooseLattices(double wanted, bool roughly) {
-        sampler_.choose(edge_, grading_);
-        drafts_.clear();
-        double sum = 0;
-        for (size_t d = 0; d < domains_.size(); ++d) sum += drafts_.emplace_back(draftOf(d, edge_)).count;
+        draftFor(edge_);
         if (roughly) return;
+        double sum = 0;
+        for (const Draft& draft : drafts_) sum += draft.count;
         for (const double step : {0.03, 0.06, 0.09}) // little everywhere rather than much in one place
             for (size_t d = 0; d < domains_.size() && std::abs(sum - wanted) > slack(); ++d) {
                 if (drafts_[d].count < 8) continue;
@@ -269,6 +276,7 @@ private:
                 const double now = sum - drafts_[d].count + draft.count;
                 if (std::abs(now - wanted) >= std::abs(sum - wanted)) continue;
                 drafts_[d] = std::move(draft);
+                draftedEdge_ = 0; // not of this edge alone any more
                 sum = now;
             }
     }
@@ -314,7 +322,9 @@ private:
         mesh_.addPatch(t, face.material, face.role, face.surface, face.room);
     }
 
+    // Uses the drafts up.
     PatchMesh meshOnce() {
+        draftedEdge_ = 0;
         mesh_ = {};
         mesh_.materials = building_.materials;
         mesh_.vertices = building_.vertices;
@@ -421,9 +431,10 @@ private:
     const Building& building_;
     double wanted_, edge_ = 0, added_ = 0; // added: triangles that refinement adds, as far as known
     size_t additions_ = 0;                 // points that optimisation may still add
-    std::vector<double> areas_;            // per domain
-    std::vector<Draft> drafts_;            // per domain, for the edge and lattices chosen
-    std::map<double, Count> counts_;       // by edge, of those looked at with this grading
+    std::vector<double> areas_;      // per domain
+    std::vector<Draft> drafts_;      // per domain, for the edge and lattices chosen
+    double draftedEdge_ = 0;         // of all drafts, with the grading; the sampler's too
+    std::map<double, Count> counts_; // by edge, of those looked at with this grading
     double lastEdge_ = 0, lastCount_ = 0;
     Grading grading_;
     bool addedKnown_ = false; // at this grading

@@ -17,7 +17,7 @@ struct MeshQuality {
     size_t triangles = 0;
     double minAngleDeg = 0;    // smallest angle, but for triangles at corners under 72 degrees and in strips
     double minAngleAllDeg = 0; // smallest angle of all triangles
-    size_t stripTriangles = 0; // between two borders of their surface nearer than half an edge length
+    size_t stripTriangles = 0; // between two borders of their part nearer than half an edge length
     double areaDeviation = 0;  // standard deviation over mean of the areas
 };
 

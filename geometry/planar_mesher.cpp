@@ -5,25 +5,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 
 #include <glm/geometric.hpp>
 
+#include "geometry/angle_optimiser.h"
 #include "geometry/planar_net.h"
 
 namespace heliodon::geometry {
 
 namespace {
 
-constexpr double kFromBoundary = 0.62; // of the edge length
-constexpr double kOnLattice = 0.9;     // of the edge length: where sizes are smaller there are no seeds
-constexpr int kFewRows = 5;            // of a lattice
+// Of the edge length: how far seeds are from the boundary. A point of the boundary owns what is nearer than
+// the first; with the second angles are better there.
+constexpr double kFromBoundary = 0.43, kFarFromBoundary = 0.62;
+constexpr double kOnLattice = 0.9; // of the edge length: where sizes are smaller there are no seeds
+constexpr int kFewRows = 5;        // of a lattice
+const double kSharpCosine = std::cos(72 * 3.14159265358979 / 180); // less has no room for two angles of 36
 constexpr int kSmoothings = 8;
 constexpr double kSmoothingStep = 0.6; // of the way
-constexpr int kOptimisations = 8, kTrials = 6;
-const double kGoodCosine = std::cos(39 * 3.14159265358979 / 180);  // angles above 39 degrees are left alone
-const double kBadCosine = std::cos(36.5 * 3.14159265358979 / 180); // those below 36.5 are worth a point
 
 size_t loopCount(const PlanarDomain& domain) {
     return domain.loopStart.size() - 1;
@@ -53,7 +55,8 @@ public:
         for (const auto& [i, j] : segments_) {
             const glm::dvec2 a = points_[i], b = points_[j];
             const auto [from, to] = std::minmax(a.y, b.y);
-            const int first = std::max(1, static_cast<int>(std::ceil((from - low_.y) / step)));
+            // From the row before: ends often lie on a row, where only the comparisons below must decide.
+            const int first = std::max(1, static_cast<int>((from - low_.y) / step));
             for (int k = first; k < count; ++k) {
                 const double y = low_.y + k * step;
                 if (y >= to) break;
@@ -130,6 +133,15 @@ PlanarNet triangulate(const PlanarDomain& domain, const std::vector<glm::dvec2>&
     if (!inside)
         throw std::runtime_error("the outline of a face crosses or touches itself and cannot be meshed");
     static_cast<TriangleNet&>(net) = std::move(*inside);
+    net.kinds.assign(net.boundaryCount, PlanarNet::Kind::border);
+    for (size_t l = 0; l < loopCount(domain); ++l)
+        for (uint32_t i = domain.loopStart[l]; i < domain.loopStart[l + 1]; ++i) {
+            const uint32_t j = nextOnLoop(domain, l, i), k = nextOnLoop(domain, l, j);
+            const glm::dvec2 back = net.points[i] - net.points[j], on = net.points[k] - net.points[j];
+            if (cross(on, back) > 0 &&
+                glm::dot(on, back) > kSharpCosine * glm::length(on) * glm::length(back))
+                net.kinds[j] = PlanarNet::Kind::sharp;
+        }
     return net;
 }
 
@@ -228,193 +240,6 @@ void smooth(PlanarNet& net, const PlanarDomain& domain, std::vector<double>& siz
     }
 }
 
-// Moves single points so that the smallest angle round them grows, and adds points where moving is not
-// enough.
-class Optimiser {
-public:
-    Optimiser(PlanarNet& net, double edge) : net_(net), edge_(edge) {}
-
-    // Returns how many points it added, at most `mostAdded`.
-    size_t optimise(size_t mostAdded) {
-        movePoints(net_, kOptimisations);
-        return addPoints(mostAdded);
-    }
-
-private:
-    // The triangles round a point, by their sides opposite to it.
-    struct Side {
-        glm::dvec2 a, b;
-        double square; // of its length
-    };
-
-    // Only those of triangles with small angles, and again only where something near has moved.
-    static void movePoints(PlanarNet& net, int passes) {
-        std::vector<bool> stirred(net.points.size(), true);
-        std::vector<Side> round;
-        for (int pass = 0; pass < passes; ++pass) {
-            std::vector<uint32_t> asked;
-            std::vector<bool> known(net.points.size());
-            for (uint32_t t = 0; t < net.corner.size(); ++t) {
-                if (net.worstCosine(t) < kGoodCosine) continue;
-                for (const uint32_t v : net.corner[t])
-                    if (net.inner(v) && stirred[v] && !known[v]) {
-                        known[v] = true;
-                        asked.push_back(v);
-                    }
-            }
-            if (asked.empty()) return;
-            const Stars stars(net);
-            stirred.assign(net.points.size(), false);
-            bool moved = false;
-            for (const uint32_t v : asked) {
-                if (!move(net, v, stars, round)) continue;
-                moved = true;
-                for (uint32_t i = stars.first[v]; i < stars.first[v + 1]; ++i)
-                    for (const uint32_t w : net.corner[stars.triangles[i]]) stirred[w] = true;
-            }
-            if (!moved) return;
-            net.flipAll();
-        }
-    }
-
-    // One point in or beside each triangle that is still bad, where it helps. Tried on the surroundings
-    // alone.
-    size_t addPoints(size_t mostAdded) {
-        // Where many are bad the parts are small beside the edges, and points would only crowd them.
-        const size_t most = kFewAdditions + net_.corner.size() / kTrianglesAnAddition;
-        size_t tries = 0, added = 0;
-        std::optional<Stars> stars;
-        for (uint32_t t = 0; t < net_.corner.size() && tries < most && added < mostAdded; ++t) {
-            if (net_.worstCosine(t) < kBadCosine || inStrip(t)) continue;
-            ++tries;
-            if (!stars) stars.emplace(net_);
-            NetPart part(net_, *stars, t, kRings);
-            const double before = badness(part.net);
-            const auto [target, p] = placeFor(part.net, 0);
-            part.net.insert(target, p);
-            movePoints(part.net, kTrials);
-            if (badness(part.net) >= before - kWorthAPoint) continue;
-            part.putBack(net_);
-            stars.reset();
-            ++added;
-        }
-        return added;
-    }
-
-    // From border to border where those are near: no point has room there.
-    bool inStrip(uint32_t t) const {
-        double longest = 0;
-        for (size_t k = 0; k < 3; ++k) {
-            if (net_.inner(net_.corner[t][k])) return false;
-            longest = std::max(longest, glm::length(net_.points[net_.corner[t][(k + 1) % 3]] -
-                                                    net_.points[net_.corner[t][k]]));
-        }
-        return net_.twiceArea(t) < kStrip * edge_ * longest;
-    }
-
-    // The middle of the triangle's longest side that is not on the boundary.
-    static std::pair<uint32_t, glm::dvec2> placeFor(const PlanarNet& net, uint32_t t) {
-        const auto& c = net.corner[t];
-        double longest = 0;
-        glm::dvec2 place = (net.points[c[0]] + net.points[c[1]] + net.points[c[2]]) / 3.0;
-        const glm::dvec2 middle = place;
-        for (size_t k = 0; k < 3; ++k) {
-            const glm::dvec2 a = net.points[c[(k + 1) % 3]], b = net.points[c[(k + 2) % 3]];
-            if (net.fixed[t][k] || glm::length(b - a) <= longest) continue;
-            longest = glm::length(b - a);
-            place = 0.5 * (a + b) + 0.02 * (middle - 0.5 * (a + b)); // inside the triangle
-        }
-        return {t, place};
-    }
-
-    // Squared shortfalls of angles below the good one.
-    static double badness(const PlanarNet& net) {
-        double sum = 0;
-        for (uint32_t t = 0; t < net.corner.size(); ++t) {
-            const double cosine = net.worstCosine(t);
-            if (cosine > kGoodCosine) sum += (cosine - kGoodCosine) * (cosine - kGoodCosine);
-        }
-        return sum;
-    }
-
-    // Squared cosine of the smallest angle round p; 1 when it is `limit` or more, which most places tried are
-    // at the first side asked: it comes first from then on.
-    static double worst(std::vector<Side>& round, glm::dvec2 p, double limit) {
-        double up = 0, down = 1; // as a fraction
-        for (Side& side : round) {
-            const glm::dvec2 u = side.a - p, v = side.b - p;
-            const double uu = glm::dot(u, u), vv = glm::dot(v, v), uv = glm::dot(u, v), ww = side.square;
-            // The smallest angle lies opposite the shortest side.
-            double adjacent = uv, squares = uu * vv;
-            if (uu < ww && uu <= vv) {
-                adjacent = vv - uv;
-                squares = ww * vv;
-            } else if (vv < ww) {
-                adjacent = uu - uv;
-                squares = ww * uu;
-            }
-            const double square = adjacent * adjacent;
-            if (cross(u, v) <= 0 || square >= limit * squares) {
-                std::swap(side, round.front());
-                return 1;
-            }
-            if (square * down > up * squares) {
-                up = square;
-                down = squares;
-            }
-        }
-        return up / down;
-    }
-
-    // A pattern search with shrinking steps. `round`: room for the sides round v.
-    static bool move(PlanarNet& net, uint32_t v, const Stars& stars, std::vector<Side>& round) {
-        const glm::dvec2 start = net.points[v];
-        round.clear();
-        double nearest = 1e300;
-        for (uint32_t i = stars.first[v]; i < stars.first[v + 1]; ++i) {
-            const auto& c = net.corner[stars.triangles[i]];
-            const size_t k = c[0] == v ? 0 : c[1] == v ? 1 : 2;
-            const glm::dvec2 a = net.points[c[(k + 1) % 3]], b = net.points[c[(k + 2) % 3]];
-            round.push_back({a, b, glm::dot(b - a, b - a)});
-            nearest = std::min({nearest, glm::dot(a - start, a - start), glm::dot(b - start, b - start)});
-        }
-        const double shortest = std::sqrt(nearest), before = std::sqrt(worst(round, start, 1));
-        glm::dvec2 best = start;
-        double least = before;
-        for (double step = 0.25 * shortest; step > 0.01 * shortest;) {
-            bool better = false;
-            const double wanted = least - 1e-4;
-            for (const glm::dvec2 d : kDirections) {
-                const glm::dvec2 p = best + step * d;
-                const double square = worst(round, p, wanted * wanted);
-                if (square >= wanted * wanted) continue;
-                least = std::sqrt(square);
-                best = p;
-                better = true;
-                break;
-            }
-            if (!better) step *= 0.5;
-        }
-        net.points[v] = best;
-        return least < before - 1e-3;
-    }
-
-    static constexpr size_t kFewAdditions = 5, kTrianglesAnAddition = 40;
-    static constexpr int kRings = 2;
-    static constexpr double kWorthAPoint = 1e-4, kStrip = 0.4; // of the edge length
-    static constexpr double kHalf = 0.70710678;
-    static constexpr std::array<glm::dvec2, 8> kDirections{{{1, 0},
-                                                            {kHalf, kHalf},
-                                                            {0, 1},
-                                                            {-kHalf, kHalf},
-                                                            {-1, 0},
-                                                            {-kHalf, -kHalf},
-                                                            {0, -1},
-                                                            {kHalf, -kHalf}}};
-    PlanarNet& net_;
-    double edge_;
-};
-
 } // namespace
 
 std::vector<glm::dvec2> hexagonalSeeds(const PlanarDomain& domain, double lattice) {
@@ -434,9 +259,25 @@ std::vector<glm::dvec2> hexagonalSeeds(const PlanarDomain& domain, double lattic
     if (rowCount < 2) return {};
     const Inside inside(domain, turned, low, high, lattice);
     const std::vector<std::vector<double>> rows = inside.rows(row, rowCount);
-    // Every other row is shifted by half a column, beginning with the first or with the second.
-    const auto seedsShifted = [&](size_t shifted) {
-        std::vector<glm::dvec2> seeds;
+    double twice = 0;
+    for (size_t l = 0; l < loopCount(domain); ++l)
+        for (uint32_t i = domain.loopStart[l]; i < domain.loopStart[l + 1]; ++i)
+            twice += cross(domain.boundary[i], domain.boundary[nextOnLoop(domain, l, i)]);
+    std::vector<glm::dvec2> best;
+    double least = std::numeric_limits<double>::infinity();
+    const auto keepBest = [&](std::vector<glm::dvec2>&& seeds) {
+        const double count = 2 * static_cast<double>(seeds.size() + loopCount(domain)) +
+                             static_cast<double>(domain.boundary.size()) - 4;
+        const double off = std::abs(std::log(count * std::sqrt(3.0) / 2 * lattice * lattice / twice));
+        if (off >= least) return;
+        least = off;
+        best = std::move(seeds);
+    };
+    // Every other row is shifted by half a column, beginning with the second or with the first: in small
+    // domains one of the two may leave next to nothing.
+    for (const size_t shifted : {size_t{1}, size_t{0}}) {
+        if (shifted == 0 && rowCount > kFewRows) break;
+        std::vector<glm::dvec2> far, all; // from the boundary
         for (size_t r = 1; r < rows.size(); ++r)
             for (size_t k = 0; k + 1 < rows[r].size(); k += 2) {
                 const double shift = low.x + (r % 2 == shifted ? 0.5 * column : 0.0),
@@ -444,27 +285,18 @@ std::vector<glm::dvec2> hexagonalSeeds(const PlanarDomain& domain, double lattic
                 for (double c = std::max(0.0, std::floor((rows[r][k] - shift) / column) + 1);
                      shift + c * column < rows[r][k + 1]; ++c) {
                     const glm::dvec2 p(shift + c * column, y);
-                    if (inside.nearBoundary(p, kFromBoundary * lattice)) continue;
+                    const bool near = inside.nearBoundary(p, kFarFromBoundary * lattice);
+                    if (near && inside.nearBoundary(p, kFromBoundary * lattice)) continue;
                     const glm::dvec2 seed = p.x * u + p.y * v;
-                    if (domain.size.at(seed) > kOnLattice * domain.size.edge()) seeds.push_back(seed);
+                    if (domain.size.at(seed) <= kOnLattice * domain.size.edge()) continue;
+                    all.push_back(seed);
+                    if (!near) far.push_back(seed);
                 }
             }
-        return seeds;
-    };
-    std::vector<glm::dvec2> seeds = seedsShifted(1);
-    if (rowCount > kFewRows) return seeds;
-    // In small domains one of the two may leave next to nothing.
-    std::vector<glm::dvec2> others = seedsShifted(0);
-    double twice = 0;
-    for (size_t l = 0; l < loopCount(domain); ++l)
-        for (uint32_t i = domain.loopStart[l]; i < domain.loopStart[l + 1]; ++i)
-            twice += cross(domain.boundary[i], domain.boundary[nextOnLoop(domain, l, i)]);
-    const auto off = [&](const std::vector<glm::dvec2>& inner) { // from regular triangles
-        const double count = 2 * static_cast<double>(inner.size() + loopCount(domain)) +
-                             static_cast<double>(domain.boundary.size()) - 4;
-        return std::abs(std::log(count * std::sqrt(3.0) / 2 * lattice * lattice / twice));
-    };
-    return off(others) < off(seeds) ? others : seeds;
+        keepBest(std::move(far));
+        keepBest(std::move(all));
+    }
+    return best;
 }
 
 PlanarNet draftMesh(const PlanarDomain& domain, const std::vector<glm::dvec2>& seeds) {
@@ -479,7 +311,7 @@ PlanarMesh improvedMesh(PlanarNet net, const PlanarDomain& domain, size_t mostAd
         smooth(net, domain, sizes);
         net.flipAll();
     }
-    const size_t added = Optimiser(net, domain.size.edge()).optimise(mostAdded);
+    const size_t added = raiseAngles(net, domain.size.edge(), mostAdded);
     return {std::move(net.points), std::move(net.corner), added};
 }
 

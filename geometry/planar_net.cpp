@@ -143,6 +143,8 @@ NetPart::NetPart(const PlanarNet& whole, const Stars& stars, uint32_t triangle, 
             add(whole.corner[t][(k + 2) % 3]);
         }
     net.boundaryCount = static_cast<uint32_t>(points_.size());
+    for (const uint32_t v : points_)
+        net.kinds.push_back(whole.inner(v) ? PlanarNet::Kind::rim : whole.kinds[v]);
     for (const uint32_t t : triangles_)
         for (const uint32_t v : whole.corner[t]) add(v);
     for (const uint32_t v : points_) net.points.push_back(whole.points[v]);

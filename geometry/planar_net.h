@@ -1,6 +1,7 @@
 // A triangulation of the plane that can be changed: edges flip, points enter and move.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -16,7 +17,18 @@ namespace heliodon::geometry {
 struct PlanarNet : TriangleNet {
     std::vector<glm::dvec2> points; // the first boundaryCount never move
     uint32_t boundaryCount = 0;
+    enum class Kind : uint8_t {
+        rim,    // of a part: it does not move, but the net goes on
+        border, // of the domain
+        sharp   // a corner of the domain with no room for good angles
+    };
+    std::vector<Kind> kinds; // of the points that never move
 
+    bool atSharpCorner(uint32_t t) const {
+        return std::ranges::any_of(corner[t],
+                                   [&](uint32_t v) { return !inner(v) && kinds[v] == Kind::sharp; });
+    }
+    bool onBorder(uint32_t v) const { return !inner(v) && kinds[v] != Kind::rim; }
     bool inner(uint32_t v) const { return v >= boundaryCount; }
     double twiceArea(uint32_t a, uint32_t b, uint32_t c) const {
         return cross(points[b] - points[a], points[c] - points[a]);

@@ -106,15 +106,15 @@ INSTANTIATE_TEST_SUITE_P(Sketches, MeshQualityOf,
                                          RoomQuality{"p03_rect_overlap.json", 36, 0.13, 0.09},
                                          RoomQuality{"p04_L.json", 36, 0.13, 0.09},
                                          RoomQuality{"p05_T_two_rooms.json", 36, 0.13, 0.09},
-                                         RoomQuality{"p06_U.json", 36, 0.135, 0.09},
+                                         RoomQuality{"p06_U.json", 36, 0.13, 0.09},
                                          RoomQuality{"p07_cross.json", 36, 0.13, 0.09},
                                          RoomQuality{"p08_cubicle.json", 36, 0.175, 0.09},
-                                         RoomQuality{"p09_D_curved.json", 36, 0.13, 0.09},
+                                         RoomQuality{"p09_D_curved.json", 36, 0.13, 0.11},
                                          RoomQuality{"p10_window_over_joint.json", 36, 0.13, 0.09},
                                          RoomQuality{"p11_two_buildings.json", 36, 0.13, 0.09},
                                          RoomQuality{"three_arcs.json", 36, 0.135, 0.09},
-                                         RoomQuality{"i01_mixed.sketch.json", 36, 0.31, 0.11},
-                                         RoomQuality{"i02_pinwheel.sketch.json", 35.5, 0.33, 0.13}));
+                                         RoomQuality{"i01_mixed.sketch.json", 36, 0.31, 0.09},
+                                         RoomQuality{"i02_pinwheel.sketch.json", 36, 0.33, 0.105}));
 
 // A box with a wall of six faces, two of them slivers: what lies in one plane is meshed as one.
 TEST(Mesher, seams_between_faces_of_one_plane_leave_no_trace) {

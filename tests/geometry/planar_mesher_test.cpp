@@ -1,0 +1,108 @@
+#include "geometry/planar_mesher.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include "geometry/angle_optimiser.h"
+
+using namespace heliodon::geometry;
+
+namespace {
+
+PlanarDomain rectangle(double width, double height, int across, int up) {
+    PlanarDomain domain;
+    for (int k = 0; k < across; ++k) domain.boundary.emplace_back(k * width / across, 0);
+    for (int k = 0; k < up; ++k) domain.boundary.emplace_back(width, k * height / up);
+    for (int k = across; k > 0; --k) domain.boundary.emplace_back(k * width / across, height);
+    for (int k = up; k > 0; --k) domain.boundary.emplace_back(0, k * height / up);
+    domain.loopStart.push_back(static_cast<uint32_t>(domain.boundary.size()));
+    domain.size = SizeField({}, width / across, 1);
+    return domain;
+}
+
+// Each edge once with its opposite, but for those of the boundary; all triangles the right way round.
+void expectSound(const PlanarNet& net, double area) {
+    double sum = 0;
+    for (uint32_t t = 0; t < net.corner.size(); ++t) {
+        EXPECT_GT(net.twiceArea(t), 0);
+        sum += net.twiceArea(t) / 2;
+        for (size_t k = 0; k < 3; ++k) {
+            const uint32_t other = net.neighbour[t][k];
+            if (other == kNoTriangle) {
+                EXPECT_TRUE(net.fixed[t][k]);
+                continue;
+            }
+            ASSERT_LT(other, net.corner.size());
+            const size_t m = static_cast<size_t>(std::ranges::find(net.neighbour[other], t) -
+                                                 net.neighbour[other].begin());
+            ASSERT_LT(m, 3u);
+            EXPECT_EQ(net.corner[other][(m + 1) % 3], net.corner[t][(k + 2) % 3]);
+            EXPECT_EQ(net.corner[other][(m + 2) % 3], net.corner[t][(k + 1) % 3]);
+        }
+    }
+    EXPECT_NEAR(sum, area, 1e-12 * area);
+}
+
+} // namespace
+
+// Steps of the sides as high as rows of the lattice: whether a row is inside must not hang on a rounding.
+TEST(PlanarMesher, rows_through_points_of_the_sides_have_seeds) {
+    for (const int rows : {4, 5, 6, 7, 12}) {
+        // From 0.2032 m up, as in a wall of two heights: sums of such numbers are not exact.
+        PlanarDomain domain = rectangle(0.370437, 0.0127 * rows, 27, rows);
+        for (glm::dvec2& p : domain.boundary) p.y += 0.2032;
+        const size_t seeds = hexagonalSeeds(domain, 0.0127 / 0.94).size();
+        EXPECT_GE(seeds, 26u * static_cast<size_t>(rows - 1)) << rows;
+    }
+}
+
+// Two points crowd the middle; and the mesh stays sound.
+TEST(PlanarMesher, small_angles_grow_within_the_points_allowed) {
+    const PlanarDomain domain = rectangle(12, 12, 12, 12);
+    std::vector<glm::dvec2> seeds = hexagonalSeeds(domain, 1);
+    const glm::dvec2 middle =
+        *std::ranges::min_element(seeds, {}, [](glm::dvec2 p) { return glm::length(p - glm::dvec2(6, 6)); });
+    seeds.push_back(middle + glm::dvec2(0.1, 0.3));
+    seeds.push_back(middle + glm::dvec2(-0.2, 0.2));
+    const PlanarNet draft = draftMesh(domain, seeds);
+    const auto smallest = [](const PlanarNet& net) {
+        double worst = 0;
+        for (uint32_t t = 0; t < net.corner.size(); ++t) worst = std::max(worst, net.worstCosine(t));
+        return std::acos(worst) * 180 / std::numbers::pi;
+    };
+    EXPECT_LT(smallest(draft), 30);
+    for (const size_t most : {size_t{0}, size_t{10}}) {
+        PlanarNet net = draft;
+        const size_t added = raiseAngles(net, 1, most);
+        EXPECT_LE(added, most);
+        EXPECT_EQ(net.corner.size(), draft.corner.size() + 2 * added);
+        EXPECT_GE(smallest(net), 36);
+        expectSound(net, 144);
+    }
+}
+
+// A slot ends in an angle of 20 degrees: what cannot be better does not make what is beside it worse.
+TEST(PlanarMesher, triangles_at_sharp_corners_are_left_out_of_account) {
+    PlanarDomain domain;
+    const double slope = std::tan(20 * std::numbers::pi / 180);
+    for (int k = 0; k < 12; ++k) domain.boundary.emplace_back(k, 0);
+    for (int k = 0; k < 4; ++k) domain.boundary.emplace_back(12, k * 12 * slope / 4);
+    for (int k = 12; k > 0; --k) domain.boundary.emplace_back(k, k * slope);
+    domain.loopStart.push_back(static_cast<uint32_t>(domain.boundary.size()));
+    domain.size = SizeField({}, 1, 1);
+    PlanarNet net = draftMesh(domain, hexagonalSeeds(domain, 1));
+    EXPECT_EQ(std::ranges::count(net.kinds, PlanarNet::Kind::sharp), 2); // 20 and 70 degrees
+    raiseAngles(net, 1, 10);
+    expectSound(net, 72 * slope);
+    for (uint32_t t = 0; t < net.corner.size(); ++t) {
+        bool open = false; // off the wedge, which is narrower than half an edge there
+        for (const uint32_t v : net.corner[t]) open = open || net.points[v].x > 4;
+        if (!open || net.atSharpCorner(t)) continue;
+        EXPECT_LE(net.worstCosine(t), std::cos(35 * std::numbers::pi / 180));
+    }
+}
