@@ -29,7 +29,6 @@ namespace {
 constexpr uint32_t kMostColumns = 4;
 constexpr uint32_t kMostAgain = 2, kRounds = 8;
 constexpr size_t kSortedTogether = 64; // nodes' entries, by one thread
-constexpr double kRowCaution = 1.4; // of single rows over their estimates, so that 99 of 100 hold (measured)
 constexpr VkFormat kUvec4 = VK_FORMAT_R32G32B32A32_UINT, kVec4 = VK_FORMAT_R32G32B32A32_SFLOAT;
 
 // Of a link over the row error asked: errors of many add up, and the finer they are, the more there are
@@ -136,8 +135,8 @@ void HierarchicalFormFactors::makeLinks(const HierarchicalOptions& options) {
 }
 
 void HierarchicalFormFactors::setErrors(const LinkClaims& claims) {
-    for (double v : claims.rowSquares()) rowError_.push_back(static_cast<float>(kRowCaution * std::sqrt(v)));
-    report_.claimedRowError = claims.rowError();
+    for (double e : claims.rowClaims()) rowError_.push_back(static_cast<float>(e));
+    report_.claimedRowError = claims.claim();
     for (double e : claims.rowSums()) {
         report_.claimedRowSumError = std::max(report_.claimedRowSumError, e);
         rowSumError_.push_back(static_cast<float>(e));

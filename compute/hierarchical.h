@@ -20,11 +20,11 @@ namespace heliodon::compute {
 class LinkClaims;
 
 struct HierarchicalOptions {
-    // Wanted RMS over rows of ||F_i - true||. Where the estimate of what was reached
-    // (FormFactorReport::claimedRowError) is above, the links that err most are made again with less
-    // tolerance, up to twice; below kLeastErrorOfLinks not where pairs may be partly hidden: `exact` goes on
-    // from there. Links of rows whose sums may be off by more than kSumOverRow times as much are taken apart,
-    // in a few rounds; FormFactorReport::claimedRowSumError says what was reached.
+    // Wanted RMS over rows of ||F_i - true||. Where the estimate of what was reached is above (the claim,
+    // FormFactorReport::claimedRowError, is its 99th percentile), the links that err most are made again with
+    // less tolerance, up to twice; below kLeastErrorOfLinks not where pairs may be partly hidden: `exact`
+    // goes on from there. Links of rows whose sums may be off by more than kSumOverRow times as much are
+    // taken apart, in a few rounds; FormFactorReport::claimedRowSumError says what was reached.
     double maxError = 5e-3;
 };
 

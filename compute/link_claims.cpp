@@ -11,10 +11,20 @@ namespace heliodon::compute {
 namespace {
 
 constexpr double kNotWanted = std::numeric_limits<double>::infinity();
-constexpr double kBelowBound = 0.8;  // of the bound, at which rows above it aim
-constexpr double kAlike = 0.15;      // share of triangles' errors that have one sign (measured)
+constexpr double kBelowBound = 0.8; // of the bound, at which rows above it aim
+constexpr double kAlike = 0.15;     // share of triangles' errors that have one sign (measured)
+// Over the estimates, in scenes where few blockers hide much, whose links err most (measured).
+constexpr double kCaution = 1.15, kRowCaution = 1.8, kSumCaution = 1.5;
 constexpr double kLeastShare = 0.05; // of a row's squares, from which a cluster is worth taking apart
 constexpr double kGain = 0.7;        // of a link's error, gone when it is split (a guess: more rounds follow)
+
+// The 99th percentile of the root of a sum of squares over its expectation, of independent normal terms with
+// variances that add up to `sum` and their squares to `squares`.
+double percentile(double sum, double squares) {
+    if (!(sum > 0 && squares > 0)) return 1;
+    const double third = 2 * std::min(squares / (sum * sum), 1.0) / 9;
+    return std::pow(1 - third + 2.326 * std::sqrt(third), 1.5);
+}
 
 double errorOfSum(const PatchTree& tree, const io::HierarchicalLink& link, bool first) {
     return double{link.error} * tree.nodes[first ? link.second : link.first].area;
@@ -25,7 +35,8 @@ double errorOfSum(const PatchTree& tree, const io::HierarchicalLink& link, bool 
 LinkClaims::LinkClaims(const PatchTree& tree, std::span<const double> patchArea,
                        std::span<const io::HierarchicalLink> links)
     : tree_(&tree), patchArea_(patchArea.begin(), patchArea.end()), entryArea_(tree.nodes.size()),
-      entries_(tree.nodes.size()), sums_(tree.nodes.size()), squares_(tree.nodes.size()) {
+      entries_(tree.nodes.size()), sums_(tree.nodes.size()), squares_(tree.nodes.size()),
+      ofEntries_(tree.nodes.size()), ofSquares_(tree.nodes.size()) {
     // Entries are those of patches: triangles of one patch err alike. Children come after their parents.
     for (size_t k = tree.nodes.size(); k-- > 0;) {
         const PatchTree::Node& node = tree.nodes[k];
@@ -41,19 +52,42 @@ void LinkClaims::add(std::span<const io::HierarchicalLink> links) {
 
 void LinkClaims::count(const io::HierarchicalLink& link, double sign) {
     const double v = double{link.error} * double{link.error};
-    entries_[link.first] += sign * v * entryArea_[link.second];
-    entries_[link.second] += sign * v * entryArea_[link.first];
+    const auto countEntries = [&](uint32_t row, uint32_t of) {
+        const double variance = v * entryArea_[of];
+        entries_[row] += sign * variance;
+        ofEntries_[row] +=
+            sign * variance * variance / tree_->nodes[of].leafCount; // each triangle's by itself
+    };
+    countEntries(link.first, link.second);
+    countEntries(link.second, link.first);
     const double a = errorOfSum(*tree_, link, true), b = errorOfSum(*tree_, link, false);
     sums_[link.first] += sign * a;
     sums_[link.second] += sign * b;
     squares_[link.first] += sign * a * a;
     squares_[link.second] += sign * b * b;
+    ofSquares_[link.first] += sign * a * a * a * a;
+    ofSquares_[link.second] += sign * b * b * b * b;
 }
 
 double LinkClaims::rowError() const {
     const std::vector<double> squares = rowSquares();
     const double sum = std::accumulate(squares.begin(), squares.end(), 0.0);
     return std::sqrt(sum / std::max<double>(static_cast<double>(squares.size()), 1));
+}
+
+std::vector<double> LinkClaims::rowClaims() const {
+    std::vector<double> claims = rowSquares();
+    const std::vector<double> squares = overPatches(ofEntries_, false);
+    for (size_t i = 0; i < claims.size(); ++i)
+        claims[i] = kRowCaution * std::sqrt(claims[i]) * percentile(claims[i], squares[i]);
+    return claims;
+}
+
+double LinkClaims::claim() const {
+    const std::vector<double> rows = rowSquares(), squares = overPatches(ofEntries_, false);
+    const double sum = std::accumulate(rows.begin(), rows.end(), 0.0);
+    // Each link errs in the rows of both ends alike.
+    return kCaution * rowError() * percentile(sum, 2 * std::accumulate(squares.begin(), squares.end(), 0.0));
 }
 
 std::vector<glm::uvec2> LinkClaims::takeAbove(std::vector<io::HierarchicalLink>& links, double bound) {
@@ -69,9 +103,13 @@ std::vector<glm::uvec2> LinkClaims::takeAbove(std::vector<io::HierarchicalLink>&
 
 std::vector<double> LinkClaims::sumSquares() const {
     std::vector<double> squares(sums_.size());
-    for (size_t k = 0; k < sums_.size(); ++k)
-        squares[k] = tree_->nodes[k].child ? sums_[k] * sums_[k]
-                                           : std::max(0.0, squares_[k]) + std::pow(kAlike * sums_[k], 2);
+    for (size_t k = 0; k < sums_.size(); ++k) {
+        const double independent = std::max(0.0, squares_[k]);
+        squares[k] = tree_->nodes[k].child
+                         ? sums_[k] * sums_[k]
+                         : independent * std::pow(kSumCaution * percentile(independent, ofSquares_[k]), 2) +
+                               std::pow(kAlike * sums_[k], 2);
+    }
     return squares;
 }
 

@@ -17,6 +17,9 @@ namespace heliodon::compute {
 // cluster, one of its triangles sees more, or less, than the cluster does along all of its links alike. So
 // errors of a cluster's links add up; of different clusters' links, and mostly of triangles' own, their
 // squares.
+//
+// Where few links make most of an error, luck decides by how much it is above what is to be expected: claims
+// are 99th percentiles of sums of as many squares (chi-squared; E. B. Wilson, M. M. Hilferty, 1931).
 class LinkClaims {
 public:
     // `tree` must outlive this. O(links).
@@ -28,8 +31,11 @@ public:
     // Estimates per patch: the square of ||F_i - true||, and |sum_j F_ij - true|.
     std::vector<double> rowSquares() const { return overPatches(entries_, false); }
     std::vector<double> rowSums() const { return overPatches(sumSquares(), true); }
-
     double rowError() const; // RMS over rows of ||F_i - true||
+
+    // Below which 99 of 100 such errors are: of each row, and of the RMS over rows.
+    std::vector<double> rowClaims() const;
+    double claim() const;
 
     // Takes out of `links`, all of which were counted here, those whose form factor from the lesser end to
     // the larger may err by more than `bound`, and returns the pairs of nodes that they link.
@@ -48,8 +54,9 @@ private:
     const PatchTree* tree_;
     std::vector<double> patchArea_;
     std::vector<double> entryArea_; // per node: of areas over which an error's square counts in a row
-    // Per node: variance of rows; errors of sums, in all and, at triangles, their squares.
-    std::vector<double> entries_, sums_, squares_;
+    // Per node: variance of rows; errors of sums, in all and, at triangles, their squares. Of the first and
+    // the last what single links add, squared.
+    std::vector<double> entries_, sums_, squares_, ofEntries_, ofSquares_;
 };
 
 } // namespace heliodon::compute

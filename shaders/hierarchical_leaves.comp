@@ -35,7 +35,8 @@ void main() {
     uint i = pairs[index].x, j = pairs[index].y;
     Cluster p = clusterAt(i), q = clusterAt(j);
     bool near;
-    vec2 exchange = pairExchange(triangleOf(p), triangleOf(q), kNear, near);
+    float allowed = kHierarchicalKept * params.tolerance * min(p.area, q.area);
+    vec2 exchange = pairExchange(triangleOf(p), triangleOf(q), allowed, kNear, near);
     if (!kNear && near) {
         nearPairs[atomicAdd(counters[kHierarchicalPairs], 1u)] = uvec2(i, j);
         return;

@@ -26,11 +26,15 @@ layout(push_constant, scalar) uniform Push { HierarchicalLinksParams params; };
 #include "shaders/lib/link_queues.glsl"
 
 // Two triangles: the error of the share that passes, one standard deviation. Sums over a lattice err less than those of random
-// points, by about the 0.15th power of their number; where all rays agree, about one ray's share may be missed.
+// points, by about the 0.15th power of their number; where all rays agree, about one ray's share may be missed. Of triangles that
+// nearly touch, few rays carry most: what they miss of the exchange in the open, which is known, or have too much of, passes or
+// does not like the rest.
 float errorOfShare(HierarchicalDoubt d, float share) {
+    float missing = min(1.0, abs(1.0 - d.open / (3.14159265359 * d.link.density * float(d.rays))));
     float variance = (1.0 - share) * (1.0 - share) * d.passedSquares + share * share * (d.openSquares - d.passedSquares);
     float random = sqrt(max(variance, 0.0)) / d.open * pow(float(d.rays), -0.15);
-    return max(random, 0.25 * d.openSquares / (d.open * d.open));
+    float unseen = 0.25 * sqrt(d.openSquares / float(d.rays)) / d.open;
+    return length(vec2(max(random, unseen), missing * sqrt(max(share * (1.0 - share), 0.25 / float(d.rays)))));
 }
 
 shared vec4 castSums[kHierarchicalGroup];

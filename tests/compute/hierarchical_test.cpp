@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "compute/exact_form_factors.h"
 #include "compute/link_claims.h"
 #include "compute/radiosity.h"
 #include "compute/reference/radiosity.h"
@@ -139,7 +140,7 @@ TEST(Hierarchical, a_room_with_partitions_keeps_the_error_asked_and_the_error_cl
         const HierarchicalFormFactors twice(test::device(), mesh, {asked});
         EXPECT_EQ(values, dense(twice)) << asked; // whatever order links and rays in doubt came in
         EXPECT_LT(error, asked);
-        EXPECT_LT(F.report().claimedRowError, 1.1 * asked);
+        EXPECT_LT(F.report().claimedRowError, 1.25 * asked);
         EXPECT_LT(error, F.report().claimedRowError);
         EXPECT_GT(error, 0.4 * F.report().claimedRowError); // an estimate, not a bound picked from far above
         size_t held = 0, sumsHeld = 0;
@@ -160,6 +161,62 @@ TEST(Hierarchical, a_room_with_partitions_keeps_the_error_asked_and_the_error_cl
         EXPECT_LE(worstSum, F.report().claimedRowSumError) << asked;
         EXPECT_LE(F.report().claimedRowSumError, 10 * asked); // what sums are held to
     }
+}
+
+// Posts and screens in the open about coarse patches, that stand on the floor across the borders of its
+// patches, a hair over it, and in one another.
+geometry::PatchMesh openScene(uint32_t seed) {
+    std::mt19937 random(seed);
+    const auto between = [&](double low, double high) {
+        return std::uniform_real_distribution<double>(low, high)(random);
+    };
+    std::vector<std::vector<glm::dvec3>> faces;
+    const auto sheet = [&](glm::dvec3 corner, glm::dvec3 u, glm::dvec3 v, int times) {
+        const auto at = [&](int i, int k) {
+            return corner + u * (double(i) / times) + v * (double(k) / times);
+        };
+        for (int i = 0; i < times; ++i)
+            for (int k = 0; k < times; ++k) {
+                faces.push_back({at(i, k), at(i + 1, k), at(i + 1, k + 1)});
+                faces.push_back({at(i, k), at(i + 1, k + 1), at(i, k + 1)});
+            }
+    };
+    sheet({-3, 0, -3}, {0, 0, 6}, {6, 0, 0}, 4);
+    sheet({-3, 2, -3}, {6, 0, 0}, {0, 0, 6}, 2);
+    for (int k = 0; k < 6; ++k) {
+        const double turn = between(0, 3), over = k % 3 == 0 ? 0.01 : 0, size = k % 2 == 0 ? 0.1 : 0.5;
+        const glm::dvec3 u = size * glm::dvec3(std::cos(turn), 0, std::sin(turn)), v(0, between(0.5, 1.8), 0),
+                         w = size * glm::dvec3(-std::sin(turn), 0, std::cos(turn)),
+                         at(between(-2, 2), over, between(-2, 2));
+        sheet(at, v, u, 1), sheet(at, w, v, 1), sheet(at, u, w, 1);
+        sheet(at + u, v, w, 1), sheet(at + w, u, v, 1), sheet(at + v, w, u, 1);
+    }
+    sheet({-1.5, 0, -1}, {0, 1.2, 0}, {2.2, 0, 0.3}, 2);
+    sheet({-1.5, 0, -1}, {2.2, 0, 0.3}, {0, 1.2, 0}, 2);
+    return test::polygons(faces);
+}
+
+TEST(Hierarchical, few_large_patches_in_the_open_keep_the_error_claimed) {
+    constexpr double kReference = 2e-4;
+    size_t rows = 0, held = 0;
+    for (uint32_t seed : {1u, 2u}) {
+        const geometry::PatchMesh mesh = openScene(seed);
+        const size_t n = mesh.patchCount();
+        const auto exact = exactFormFactors(test::device(), mesh, {.maxError = kReference})
+                               .factors.values.download<float>(n * n);
+        for (double asked : {1e-2, 5e-3}) {
+            const HierarchicalFormFactors F(test::device(), mesh, {asked});
+            const std::vector<float> values = dense(F);
+            EXPECT_LT(rowError(values, exact), F.report().claimedRowError) << seed << ", " << asked;
+            for (size_t i = 0; i < n; ++i) {
+                double squares = 0;
+                for (size_t j = 0; j < n; ++j)
+                    squares += std::pow(double{values[i * n + j]} - double{exact[i * n + j]}, 2);
+                ++rows, held += std::sqrt(squares) <= double{F.rowError()[i]} + kReference;
+            }
+        }
+    }
+    EXPECT_GE(static_cast<double>(held), 0.97 * static_cast<double>(rows));
 }
 
 // Float32 sums of a few hundred terms against the same links in double precision.
