@@ -12,6 +12,7 @@
 #include <glm/matrix.hpp>
 
 #include "vision/edges.h"
+#include "vision/median.h"
 #include "vision/pieces.h"
 #include "vision/wall_fit.h"
 
@@ -91,9 +92,7 @@ struct Rings {
 double medianDistance(const std::vector<glm::dvec2>& points, glm::dvec2 centre) {
     std::vector<double> distances;
     for (const auto& p : points) distances.push_back(glm::distance(p, centre));
-    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-    std::nth_element(distances.begin(), middle, distances.end());
-    return *middle;
+    return median(std::move(distances));
 }
 
 // Gauss-Newton on both rings at once; `inner` and `outer` are points on them.

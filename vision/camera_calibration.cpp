@@ -1,4 +1,5 @@
 #include "vision/camera_calibration.h"
+#include "vision/median.h"
 
 #include <algorithm>
 #include <cassert>
@@ -26,10 +27,10 @@ bool reject(Working& work, const LensSolution& solution, std::vector<CalibratedV
     for (size_t v = 0; v < work.views.size(); ++v) {
         off.push_back(residuals(work.views[v], solution.fit.lens, solution.poses[v]));
         all.insert(all.end(), off[v].begin(), off[v].end());
-        ofViews.push_back(medianOf(off[v]));
+        ofViews.push_back(median(off[v]));
     }
-    const double limit = std::max(0.15, 4.5 * medianOf(all) / 1.18);
-    const double viewLimit = std::max(0.3, 4 * medianOf(ofViews));
+    const double limit = std::max(0.15, 4.5 * median(all) / 1.18);
+    const double viewLimit = std::max(0.3, 4 * median(ofViews));
     // One at a time: a bad view bends the lens, so that others look bad as well.
     const size_t worst =
         static_cast<size_t>(std::max_element(ofViews.begin(), ofViews.end()) - ofViews.begin());

@@ -4,12 +4,14 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "vision/light_samples.h"
+#include "vision/chroma.h"
+#include "vision/median.h"
 
 namespace heliodon::vision {
 namespace {
@@ -203,7 +205,8 @@ private:
             if (least(s.ratio) < kFullLight * out.level) continue;
             for (int c = 0; c < 3; ++c) channel[static_cast<size_t>(c)].push_back(s.ratio[c]);
         }
-        out.white = {median(channel[0]), median(channel[1]), median(channel[2])};
+        out.white = {median(std::move(channel[0])), median(std::move(channel[1])),
+                     median(std::move(channel[2]))};
         out.isOnTops = isOnTops(paint, card);
         return out;
     }

@@ -12,6 +12,7 @@
 #include "vision/color_classes.h"
 #include "vision/components.h"
 #include "vision/edges.h"
+#include "vision/median.h"
 #include "vision/pieces.h"
 #include "vision/plan_view.h"
 #include "vision/table_marks.h"
@@ -107,13 +108,12 @@ private:
             }
         }
         if (ends.empty()) return;
-        const auto middle = ends.begin() + static_cast<std::ptrdiff_t>(ends.size() / 2);
-        std::nth_element(ends.begin(), middle, ends.end());
-        if (*middle > kBrighter)
+        const double typical = median(std::move(ends));
+        if (typical > kBrighter)
             out_.warnings.push_back(fmt::format(
                 "the walls' white ends are {:.1f} times as bright as the table, which should be white: "
                 "colours may be misread",
-                *middle));
+                typical));
     }
 
     double radius() const { return rig_.tableRadius / geometry::kMetresPerInch; }

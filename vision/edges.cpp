@@ -1,4 +1,5 @@
 #include "vision/edges.h"
+#include "vision/median.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,12 +13,6 @@ glm::vec3 mean(const std::vector<glm::vec3>& values, size_t begin, size_t end) {
     glm::vec3 sum(0);
     for (size_t i = begin; i < end; ++i) sum += values[i];
     return sum / static_cast<float>(end - begin);
-}
-
-double medianOf(std::vector<double> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
 }
 
 struct Levels {
@@ -99,12 +94,12 @@ std::optional<LineFit> fitLine(const std::vector<glm::dvec2>& points, double out
         const size_t half = i < sorted.size() / 2 ? 0 : 1;
         x[half].push_back(sorted[i].x), y[half].push_back(sorted[i].y);
     }
-    const double run = medianOf(x[1]) - medianOf(x[0]);
+    const double run = median(x[1]) - median(x[0]);
     LineFit fit;
-    fit.slope = run > 1e-9 ? (medianOf(y[1]) - medianOf(y[0])) / run : 0;
+    fit.slope = run > 1e-9 ? (median(y[1]) - median(y[0])) / run : 0;
     std::vector<double> residual;
     for (const auto& p : points) residual.push_back(p.y - fit.slope * p.x);
-    fit.offset = medianOf(residual);
+    fit.offset = median(residual);
 
     double limit = outlier;
     for (int round = 0; round < 4; ++round) {
@@ -128,7 +123,7 @@ std::optional<LineFit> fitLine(const std::vector<glm::dvec2>& points, double out
         fit.rms = std::sqrt(squares / static_cast<double>(residual.size()));
         fit.kept = residual.size();
         // 1.4826: median absolute deviation to standard deviation. Never tighter than a hundredth of an inch.
-        limit = std::min(outlier, std::max(0.01, 3 * 1.4826 * medianOf(residual)));
+        limit = std::min(outlier, std::max(0.01, 3 * 1.4826 * median(residual)));
     }
     return fit;
 }

@@ -11,6 +11,7 @@
 
 #include "vision/homography.h"
 #include "vision/lens_solver.h"
+#include "vision/median.h"
 #include "vision/saddle.h"
 
 namespace heliodon::vision {
@@ -103,7 +104,7 @@ public:
             if (cell.size() < kLeastPixels) continue;
             std::vector<double> x, y;
             for (const glm::ivec2& p : cell) x.push_back(p.x), y.push_back(p.y);
-            out.back() = glm::dvec2(medianOf(std::move(x)), medianOf(std::move(y)));
+            out.back() = glm::dvec2(median(std::move(x)), median(std::move(y)));
         }
         return out;
     }

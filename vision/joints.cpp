@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "vision/edges.h"
+#include "vision/median.h"
 #include "vision/wall_fit.h"
 
 namespace heliodon::vision {
@@ -55,12 +56,6 @@ std::optional<FaceProfile> readFace(const geometry::Wall& wall, double from, dou
     return out;
 }
 
-float medianOf(std::vector<float> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
 // Relative difference of each sample from the face about it.
 std::vector<float> againstSurround(const std::vector<float>& values) {
     std::vector<float> out(values.size());
@@ -69,7 +64,7 @@ std::vector<float> againstSurround(const std::vector<float>& values) {
     for (std::ptrdiff_t i = 0; i < n; ++i) {
         const auto begin = values.begin() + std::max<std::ptrdiff_t>(0, i - reach);
         const auto end = values.begin() + std::min(n, i + reach + 1);
-        const float level = medianOf({begin, end});
+        const float level = median(std::vector<float>(begin, end));
         out[static_cast<size_t>(i)] = level > 1e-6f ? values[static_cast<size_t>(i)] / level - 1 : 0;
     }
     return out;

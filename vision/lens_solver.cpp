@@ -351,13 +351,6 @@ double rmsOf(const std::vector<double>& residuals) {
     return std::sqrt(squares / static_cast<double>(std::max<size_t>(residuals.size(), 1)));
 }
 
-double medianOf(std::vector<double> values) {
-    if (values.empty()) return 0;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
 void widenByJackknife(geometry::Lens& sigma, const std::vector<geometry::Lens>& without) {
     std::array<double, 9> widest = numbersOf(sigma), mean{}, squares{};
     const double n = static_cast<double>(without.size());

@@ -68,7 +68,6 @@ double rmsOf(const std::vector<double>& residuals);
 
 // Share of the picture, in 8 x 6 fields, in which there are points of any view.
 double coverageOf(std::span<const Correspondences> views, int width, int height);
-double medianOf(std::vector<double> values); // 0 of none
 
 // Raises deviations to how much the numbers change when one part of the data is left out: errors within a
 // part are not independent, which a fit's own deviations assume. The jackknife (B. Efron, "The jackknife, the

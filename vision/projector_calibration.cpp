@@ -9,6 +9,7 @@
 #include <glm/glm.hpp>
 
 #include "vision/homography.h"
+#include "vision/median.h"
 
 namespace heliodon::vision {
 namespace {
@@ -76,7 +77,7 @@ Working gather(const geometry::OpticalDevice& camera, int width, const std::vect
 // Leaves out corners beyond 4.5 robust deviations; true when there were some.
 bool reject(Working& work, const LensSolution& solution) {
     const std::vector<double> off = residuals(work.points, solution.fit.lens, solution.poses[0]);
-    const double limit = std::max(0.15, 4.5 * medianOf(off) / 1.18);
+    const double limit = std::max(0.15, 4.5 * median(off) / 1.18);
     Working kept;
     for (size_t i = 0; i < off.size(); ++i)
         if (off[i] <= limit) {

@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "vision/edges.h"
+#include "vision/median.h"
 #include "vision/pieces.h"
 
 namespace heliodon::vision {
@@ -300,11 +301,11 @@ std::optional<geometry::NorthArrow> fitArrow(const Component& component, const P
     const bool forward = widest(kBins / 2, kBins) > widest(0, kBins / 2);
     const double head = forward ? widest(kBins / 2, kBins) : widest(0, kBins / 2);
     // The shaft: median width of the tail's half.
-    std::array<double, kBins / 2> tail{};
+    std::vector<double> tail(kBins / 2);
     for (size_t i = 0; i < kBins / 2; ++i)
         tail[i] = left[forward ? i : i + kBins / 2] + right[forward ? i : i + kBins / 2];
-    std::nth_element(tail.begin(), tail.begin() + kBins / 4, tail.end());
-    if (head < 1.35 * tail[kBins / 4]) return std::nullopt;
+    const double width = median(std::move(tail));
+    if (head < 1.35 * width) return std::nullopt;
 
     // The centre line through the middles of both sides, away from the blurred ends.
     const double pixel = 1 / view.pixelsPerInch(pca.mean, height);
@@ -336,7 +337,7 @@ std::optional<geometry::NorthArrow> fitArrow(const Component& component, const P
     EdgeProbe end;
     end.outward = -sign * along;
     end.at = origin + (forward ? pca.low : pca.high) * along;
-    end.lateral = 0.3 * tail[kBins / 4] * turnedLeft(along);
+    end.lateral = 0.3 * width * turnedLeft(along);
     end.lateralSamples = 5;
     end.height = height;
     if (const auto edge = findEdge(view, end); edge && std::abs(*edge) < 0.15) end.at += *edge * end.outward;
@@ -348,7 +349,7 @@ std::optional<geometry::NorthArrow> fitArrow(const Component& component, const P
     out.dirDeg = std::atan2(pointing.y, pointing.x) * kDegrees;
     if (out.dirDeg < 0) out.dirDeg += 360;
     out.detection.confidence = std::clamp(static_cast<double>(middles.size()) / (kBins - 3), 0.3, 1.0);
-    const double shaft = 0.5 * tail[kBins / 4], neck = 0.7 * options.arrowLength;
+    const double shaft = 0.5 * width, neck = 0.7 * options.arrowLength;
     const glm::dvec2 across = turnedLeft(pointing);
     for (const auto& [s, t] : {std::pair{0.0, shaft},
                                {0.0, -shaft},

@@ -11,6 +11,7 @@
 #include <glm/geometric.hpp>
 
 #include "vision/edges.h"
+#include "vision/median.h"
 #include "vision/pieces.h"
 
 namespace heliodon::vision {
@@ -110,10 +111,7 @@ double sagitta(const std::vector<glm::dvec2>& middles) {
     double m[3];
     for (size_t i = 0; i < 3; ++i) {
         if (thirds[i].size() < 3) return 0;
-        std::nth_element(thirds[i].begin(),
-                         thirds[i].begin() + static_cast<std::ptrdiff_t>(thirds[i].size() / 2),
-                         thirds[i].end());
-        m[i] = thirds[i][thirds[i].size() / 2];
+        m[i] = median(std::move(thirds[i]));
     }
     // Medians of the outer thirds lie 1/3 of the length from the middle: there a parabola has 4/9 of its
     // sagitta.
@@ -205,11 +203,7 @@ struct StripFit {
     double bend = 0; // sagitta, inches
 
     double width() const { // median of the paint's own; 0 without
-        std::vector<double> widths = sides.widths;
-        if (widths.size() < 3) return 0;
-        const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
-        std::nth_element(widths.begin(), middle, widths.end());
-        return *middle;
+        return sides.widths.size() < 3 ? 0 : median(sides.widths);
     }
 };
 

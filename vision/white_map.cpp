@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
@@ -12,7 +13,8 @@
 
 #include "geometry/sketch.h"
 #include "vision/card_white.h"
-#include "vision/light_samples.h"
+#include "vision/chroma.h"
+#include "vision/median.h"
 
 namespace heliodon::vision {
 namespace {
@@ -47,7 +49,8 @@ double relativeNoise(const PlanView& view, const TableRegion& region) {
                                   here);
         }
     if (samples.empty()) return 0;
-    return static_cast<double>(median(samples)) * 1.4826 / std::sqrt(6.0); // 1, -2, 1: six times the variance
+    return static_cast<double>(median(std::move(samples))) * 1.4826 /
+           std::sqrt(6.0); // 1, -2, 1: six times the variance
 }
 
 // Mean light of each block, from every second pixel of every second row; w: 1 where all of it is table.
@@ -186,14 +189,14 @@ WhiteMap findWhite(const PlanView& view, const TableRegion& region) {
     for (const auto& p : blocks)
         if (p[3] > 0) brightness.push_back(p[1]);
     if (brightness.size() < 16) return out;
-    const float typical = median(brightness);
+    const float typical = median(std::move(brightness));
     if (typical < 1e-4f) return out;
     for (const auto& p : blocks) {
         if (p[3] == 0 || p[1] < 0.3f * typical) continue;
         red.push_back(p[0] / p[1]), blue.push_back(p[2] / p[1]);
     }
-    const cv::Vec3f global(typical * std::max(median(red), 1e-3f), typical,
-                           typical * std::max(median(blue), 1e-3f));
+    const cv::Vec3f global(typical * std::max(median(std::move(red)), 1e-3f), typical,
+                           typical * std::max(median(std::move(blue)), 1e-3f));
 
     // Against the whole table's white, then against that found near by, then with what only a second light
     // reaches.
