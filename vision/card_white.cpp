@@ -22,7 +22,6 @@ constexpr float kCardChroma = 0.2f;      // log chroma from the table's: less is
 constexpr double kLeastCard = 0.4;       // square inches: the ends of two walls
 constexpr float kFullLight = 0.5f;       // of the level: card that faces the lamps, of that which does not
 constexpr float kBrighter = 1.2f;        // than what is brightest in the table's own colour
-constexpr float kBlack = 5;              // times as bright as the table: on a white one no card is
 constexpr float kPaint = 0.5f;           // P' against card
 constexpr float kNotTable = 0.3f;        // P' against the table
 constexpr double kNextTo = 1;            // inches: faces of high walls in part, ends and rings wholly
@@ -54,19 +53,19 @@ public:
         takeSamples(view, region, table);
     }
 
-    std::optional<glm::vec3> find() const {
+    std::optional<CardWhite> find() const {
         // What the table's own white reaches, at the ends of walls for one, is the measure for the others.
         std::optional<Card> best = cardOf(glm::vec3(1), [](Cell cell) { return isTable(cell); });
         for (const auto& [level, cell] : brightCells()) {
             const glm::vec3 colour = colourOf(cell);
             // All that has the cell's colour is no dimmer than what of it is next to paint.
-            if (best && kInBin * meanOf({colour, level, false}) < meanOf(*best)) continue;
+            if (best && kInBin * meanOf({colour, {}, level, false}) < meanOf(*best)) continue;
             const auto about = [&](Cell other) { return distance(cell, other) <= 1; };
             const std::optional<Card> card = cardOf(colour, about);
             if (!card || (best && meanOf(*card) < kBrighter * meanOf(*best)) || !card->isOnTops) continue;
-            return card->white;
+            return CardWhite{card->white, card->light};
         }
-        if (best && best->level > kBlack && best->isOnTops) return best->white;
+        if (best && best->level > kDarkTable && best->isOnTops) return CardWhite{best->white, best->light};
         return std::nullopt;
     }
 
@@ -80,13 +79,15 @@ private:
     };
     struct Sample {
         glm::vec3 ratio; // to the table
+        glm::vec2 light; // chroma
         Cell cell;
         cv::Point place;
         bool mayBeCard;
     };
     struct Card {
         glm::vec3 white;
-        float level; // of the dimmest channel, which the least area of card exceeds
+        glm::vec2 light; // chroma
+        float level;     // of the dimmest channel, which the least area of card exceeds
         bool isOnTops;
     };
 
@@ -122,12 +123,17 @@ private:
                 const glm::vec3& bare =
                     table.light[static_cast<size_t>(y / kBlock) * static_cast<size_t>(table.columns) +
                                 static_cast<size_t>(x / kBlock)];
-                const glm::vec3 ratio = glm::vec3(linear[p[0]], linear[p[1]], linear[p[2]]) / bare;
-                const bool mayBeCard = least(ratio) >= kOverTable && std::max({p[0], p[1], p[2]}) <= kClipped;
+                const glm::vec3 light(linear[p[0]], linear[p[1]], linear[p[2]]), ratio = light / bare;
+                const bool overexposed =
+                    std::max({p[0], p[1], p[2]}) > kClipped; // its colour is lost, but not that it is white
+                const bool mayBeCard =
+                    overexposed ? std::min({p[0], p[1], p[2]}) > kClipped && least(ratio) > kDarkTable
+                                : least(ratio) >= kOverTable;
                 if (!mayBeCard && least(ratio) > (1 - kNotTable) * most(ratio)) continue; // of no use
                 const glm::vec2 c = chroma(ratio.r, ratio.g, ratio.b);
                 const Cell cell{binOf(c[0]), binOf(c[1])};
-                samples_.push_back({ratio, cell, {x / kStride, y / kStride}, mayBeCard});
+                samples_.push_back(
+                    {ratio, chroma(light.r, light.g, light.b), cell, {x / kStride, y / kStride}, mayBeCard});
                 if (mayBeCard) bins_[static_cast<size_t>(cell.i * kBins + cell.j)].push_back(least(ratio));
             }
     }
@@ -196,15 +202,18 @@ private:
         if (!ofTable &&
             static_cast<double>(levels.size()) < kShareNextTo * static_cast<double>(levels.size() + apart))
             return std::nullopt;
-        Card out{{}, levelOf(levels), false};
+        Card out{{}, {}, levelOf(levels), false};
         std::array<std::vector<float>, 3> channel;
+        std::array<std::vector<float>, 2> light;
         cv::Mat card = cv::Mat::zeros(size_, CV_8U);
         for (const Sample& s : samples_) {
             if (!s.mayBeCard || !has(s.cell) || !nextToPaint.at<uint8_t>(s.place)) continue;
             card.at<uint8_t>(s.place) = 1;
             if (least(s.ratio) < kFullLight * out.level) continue;
             for (int c = 0; c < 3; ++c) channel[static_cast<size_t>(c)].push_back(s.ratio[c]);
+            for (int c = 0; c < 2; ++c) light[static_cast<size_t>(c)].push_back(s.light[c]);
         }
+        out.light = {median(std::move(light[0])), median(std::move(light[1]))};
         out.white = {median(std::move(channel[0])), median(std::move(channel[1])),
                      median(std::move(channel[2]))};
         out.isOnTops = isOnTops(paint, card);
@@ -238,7 +247,7 @@ private:
 
 } // namespace
 
-std::optional<glm::vec3> findCard(const PlanView& view, const TableRegion& region, const LightGrid& table) {
+std::optional<CardWhite> findCard(const PlanView& view, const TableRegion& region, const LightGrid& table) {
     return CardFinder(view, region, table).find();
 }
 

@@ -9,6 +9,9 @@
 
 namespace heliodon::vision {
 
+constexpr float kDarkTable =
+    5; // least of `overTable` where a table is too dark for the colour of the light on it
+
 // What card returns over what the table under the same light does, per channel; `table`: light that the bare
 // table returns. None on a white table. Walls' faces and ends and the rings of tokens are card: brighter than
 // a table of another colour in every channel and of one chroma, which no paint is. Light may do that too, and
@@ -16,6 +19,6 @@ namespace heliodon::vision {
 // all that has the table's chroma there. So does card on a black table, of the table's chroma as it is. One
 // pass over the table in the photograph; for the table's chroma and each other that is bright enough, on a
 // white table seldom any, three passes over its samples, two distance transforms and one labelling.
-std::optional<glm::vec3> findCard(const PlanView& view, const TableRegion& region, const LightGrid& table);
+std::optional<CardWhite> findCard(const PlanView& view, const TableRegion& region, const LightGrid& table);
 
 } // namespace heliodon::vision

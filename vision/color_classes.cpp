@@ -50,6 +50,15 @@ bool isTableOrCard(glm::vec3 p, glm::vec3 card, float minSaturation) {
     return std::min(apart, 360 - apart) < kSameHue;
 }
 
+// No brighter than the noise of a dark table, of which each pixel has another colour.
+bool isDarkTable(glm::vec3 p, glm::vec3 card, float brightest) {
+    p *= card;
+    return std::max(std::max(p.r, p.g), p.b) < brightest;
+}
+constexpr double kNoiseOfWhite = 3, kMostOfWhite = 0.4; // deviations; of P'
+constexpr double kNoiseOfTable = 3, kMostNoise = 3;     // deviations; times as bright
+constexpr float kGrain = 1.3f;
+
 // White in a shadow that only a second light reaches: darker than the white about it, and white by that
 // light.
 constexpr float kShade = 0.9f, kShadeWhite = 0.2f;
@@ -121,16 +130,22 @@ private:
 std::vector<Coloured> findColoured(const PlanView& view, const TableRegion& region, const WhiteMap& white,
                                    const DetectOptions& options) {
     std::vector<Coloured> out;
-    const float minSaturation = static_cast<float>(options.minSaturation);
+    const double noise = white.noiseOfWhite();
+    const float minSaturation = static_cast<float>(
+        white.darkTable ? std::clamp(kNoiseOfWhite * noise, options.minSaturation, kMostOfWhite)
+                        : options.minSaturation);
     // Of P' against a table of another colour; dark ones are noisier than all else.
-    const float notTable = std::max(minSaturation, std::min(4 * static_cast<float>(white.noise), 0.6f));
+    const float notTable = white.darkTable
+                               ? minSaturation
+                               : std::max(minSaturation, std::min(4 * static_cast<float>(white.noise), 0.6f));
     // By ground. Beyond the table there is only dark floor to tell from the lit top of a wall.
     // Noise has every colour: where little light comes from, a pixel must stand well out of it.
-    const double offTable = std::max(options.minBrightnessOffTable, 4.5 * white.noise);
+    const double offTable = std::max(options.minBrightnessOffTable, 4.5 * noise);
     const float minBright[3] = {1e9f, static_cast<float>(offTable),
                                 static_cast<float>(options.minBrightness)};
+    const float brightest = kGrain + static_cast<float>(std::min(kNoiseOfTable * white.noise, kMostNoise));
     // Averages as much as the noise asks for: a token's rim is only about four pixels wide.
-    SoftRows rows(view, region, std::clamp(0.5 + 12 * white.noise, 0.5, 1.5));
+    SoftRows rows(view, region, std::clamp(0.5 + 12 * noise, 0.5, 1.5));
     for (int y = 0; y < region.height; ++y) {
         const float* row = rows.row(y).data();
         const size_t start = static_cast<size_t>(y) * static_cast<size_t>(region.width);
@@ -154,6 +169,7 @@ std::vector<Coloured> findColoured(const PlanView& view, const TableRegion& regi
                     continue;
                 if (white.card && isTableOrCard({r, g, b}, *white.card, notTable)) continue;
                 if (high < minBright[static_cast<size_t>(ground[x])]) continue;
+                if (white.darkTable && isDarkTable({r, g, b}, *white.card, brightest)) continue;
                 if (white.secondLight && (high < kShade || high - low < minSaturation * high)) {
                     const glm::vec3 p(r, g, b);
                     if (saturationOf(p * shade) < kShadeWhite || saturationOf(p * penumbra) < kShadeWhite)
@@ -168,6 +184,19 @@ std::vector<Coloured> findColoured(const PlanView& view, const TableRegion& regi
         }
     }
     return out;
+}
+
+// Not on the table, or within two pixels of its edge, which are in part of the floor's colour.
+bool mayBeFloor(const TableRegion& region, uint32_t index) {
+    constexpr int kEdge = 2;
+    const int x = static_cast<int>(index) % region.width, y = static_cast<int>(index) / region.width;
+    for (const auto& [i, j] :
+         {std::pair{x, y}, {x - kEdge, y}, {x + kEdge, y}, {x, y - kEdge}, {x, y + kEdge}})
+        if (i >= 0 && j >= 0 && i < region.width && j < region.height &&
+            region.ground[static_cast<size_t>(j) * static_cast<size_t>(region.width) +
+                          static_cast<size_t>(i)] != Ground::table)
+            return true;
+    return false;
 }
 
 // The floor beside the table, a cloth or a chair may have a paint's colour. Tops of walls at the table's edge
@@ -195,8 +224,8 @@ void dropFloor(std::vector<Coloured>& coloured, const TableRegion& region, const
         if (limit[paint] == 0) limit[paint] = anyPaint;
     }
     std::erase_if(coloured, [&](const Coloured& c) {
-        return region.ground[c.index] != Ground::table &&
-               c.brightness <= limit[static_cast<size_t>(groupOf(image.paint[c.index]))];
+        const int brightest = limit[static_cast<size_t>(groupOf(image.paint[c.index]))];
+        return c.brightness <= brightest && mayBeFloor(region, c.index);
     });
 }
 
@@ -223,12 +252,13 @@ void settleRims(ClassImage& image, const std::vector<Coloured>& coloured, float 
 
 } // namespace
 
-ClassImage classifyPixels(const PlanView& view, const geometry::Rig& rig, const DetectOptions& options) {
+ClassImage classifyPixels(const PlanView& view, const geometry::Rig& rig, const DetectOptions& options,
+                          const std::optional<CardWhite>& card) {
     const TableRegion region = findTable(view, rig.tableRadius / geometry::kMetresPerInch, kBeyond);
     ClassImage out;
     out.x0 = region.x0, out.y0 = region.y0, out.width = region.width, out.height = region.height;
     out.paint.assign(region.ground.size(), Paint::none);
-    const WhiteMap white = region.ground.empty() ? WhiteMap{} : findWhite(view, region);
+    const WhiteMap white = region.ground.empty() ? WhiteMap{} : findWhite(view, region, card);
     out.hasTable = !white.grid.light.empty();
     if (!out.hasTable) return out;
     auto coloured = findColoured(view, region, white, options);
@@ -241,7 +271,8 @@ ClassImage classifyPixels(const PlanView& view, const geometry::Rig& rig, const 
     const double perInch = view.pixelsPerInch(glm::dvec2(0), 0);
     const PaintTable learned(coloured, region.width, std::max(2, static_cast<int>(kMarkerReach * perInch)));
     paint(learned);
-    out.white = white.grid;
+    out.white = white.grid, out.noise = white.noiseOfWhite();
+    if (white.card) out.whiteOverTable = *white.card;
     settleRims(out, coloured, learned.cyanSaturation());
     return out;
 }

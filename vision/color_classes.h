@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "geometry/rig.h"
 #include "vision/detect.h"
 #include "vision/plan_view.h"
+#include "vision/white_map.h"
 
 namespace heliodon::vision {
 
@@ -20,11 +22,17 @@ constexpr Paint groupOf(Paint p) {
     return p == Paint::orange ? Paint::red : p == Paint::sky ? Paint::blue : p;
 }
 
+constexpr bool isMarker(Paint p) {
+    return p == Paint::cyan || p == Paint::magenta || p == Paint::yellow;
+}
+
 struct ClassImage {
     int x0 = 0, y0 = 0, width = 0, height = 0; // where it lies in the photograph
     std::vector<Paint> paint;                  // row-major
     bool hasTable = true;                      // false: nothing white and lit where the table should be
     LightGrid white;                           // what the pixels were held against
+    double noise = 0;                          // of a pixel that is white, over its value
+    glm::vec3 whiteOverTable{1};               // where that is card on a table of another colour
 
     // Photograph pixel; `none` outside.
     Paint at(int x, int y) const {
@@ -34,7 +42,8 @@ struct ClassImage {
     }
 };
 
-// About 10 ms for 1392 x 1032.
-ClassImage classifyPixels(const PlanView& view, const geometry::Rig& rig, const DetectOptions& options);
+// `card`: see findWhite. About 10 ms for 1392 x 1032.
+ClassImage classifyPixels(const PlanView& view, const geometry::Rig& rig, const DetectOptions& options,
+                          const std::optional<CardWhite>& card = std::nullopt);
 
 } // namespace heliodon::vision

@@ -9,6 +9,7 @@
 #include <glm/trigonometric.hpp>
 
 #include "geometry/input_error.h"
+#include "vision/chroma.h"
 #include "vision/color_classes.h"
 #include "vision/components.h"
 #include "vision/edges.h"
@@ -16,6 +17,7 @@
 #include "vision/pieces.h"
 #include "vision/plan_view.h"
 #include "vision/table_marks.h"
+#include "vision/wall_evidence.h"
 #include "vision/wall_fit.h"
 
 namespace heliodon::vision {
@@ -25,23 +27,20 @@ using geometry::Sketch;
 
 constexpr double kSmallestInches2 =
     0.06;                            // regions below are noise: the smallest real one is half an inch of wall
-constexpr double kOverEdge = 3;      // inches that a wall may stick out over the table
 constexpr size_t kMostRegions = 600; // more is noise, not a table
 
-bool isMarker(Paint p) {
-    return p == Paint::cyan || p == Paint::magenta || p == Paint::yellow;
-}
 bool isWall(Paint p) {
     return p == Paint::red || p == Paint::blue || p == Paint::green;
 }
 
 class Detector {
 public:
-    Detector(const Photograph& photo, const geometry::Rig& rig, const DetectOptions& options)
-        : rig_(rig), options_(options), view_(photo, rig.camera, options.gamma) {}
+    Detector(const Photograph& photo, const geometry::Rig& rig, const DetectOptions& options,
+             const std::optional<CardWhite>& card = std::nullopt)
+        : rig_(rig), options_(options), view_(photo, rig.camera, options.gamma), card_(card) {}
 
     DetectionResult run() {
-        image_ = classifyPixels(view_, rig_, options_);
+        image_ = classifyPixels(view_, rig_, options_, card_);
         if (!image_.hasTable) {
             out_.warnings.emplace_back("no lit white table is seen where the rig says that it is");
             return out_;
@@ -66,6 +65,30 @@ public:
         warnOfLight();
         nameAll();
         return out_;
+    }
+
+    // The walls' ends are bare foam core, a little nearer to the lamps than the table. What they return where
+    // that is more than what the paints were told by; none on a white table.
+    std::optional<CardWhite> cardAtEnds() const {
+        constexpr float kBrighter = 1.8f;
+        std::array<std::vector<float>, 5> seen; // red, green, blue over white, two chromas of the light
+        const auto look = [&](glm::dvec2 plan, geometry::HeightClass height) {
+            const glm::dvec2 p = view_.pixel(plan, geometry::heightInches(height));
+            const glm::vec3 light = view_.light(p), over = light / view_.white(p);
+            const glm::vec2 colour = chroma(light.r, light.g, light.b);
+            const std::array<float, 5> values{over.r, over.g, over.b, colour[0], colour[1]};
+            for (size_t i = 0; i < seen.size(); ++i) seen[i].push_back(values[i]);
+        };
+        for (const auto& wall : out_.sketch.walls) {
+            const glm::dvec2 in = 0.5 * options_.unpaintedEnd * glm::normalize(wall.b - wall.a);
+            look(wall.a + in, wall.heightClass), look(wall.b - in, wall.heightClass);
+        }
+        if (seen[0].empty()) return std::nullopt;
+        std::array<float, 5> typical{};
+        for (size_t i = 0; i < seen.size(); ++i) typical[i] = median(std::move(seen[i]));
+        if (std::max({typical[0], typical[1], typical[2]}) < kBrighter) return std::nullopt;
+        return CardWhite{image_.whiteOverTable * glm::vec3(typical[0], typical[1], typical[2]),
+                         {typical[3], typical[4]}};
     }
 
 private:
@@ -96,24 +119,12 @@ private:
                 "cannot be seen",
                 where.x, where.y, std::max(1.0, 100 * clipped / table)));
         }
-        // The walls' ends are bare foam core, a little nearer to the lamps than the table.
-        constexpr double kBrighter = 1.8;
-        std::vector<double> ends;
-        for (const auto& wall : out_.sketch.walls) {
-            const glm::dvec2 in = 0.5 * options_.unpaintedEnd * glm::normalize(wall.b - wall.a);
-            for (const glm::dvec2 end : {wall.a + in, wall.b - in}) {
-                const glm::dvec2 p = view_.pixel(end, geometry::heightInches(wall.heightClass));
-                const glm::vec3 c = view_.light(p) / view_.white(p);
-                ends.push_back(std::max({c.r, c.g, c.b}));
-            }
-        }
-        if (ends.empty()) return;
-        const double typical = median(std::move(ends));
-        if (typical > kBrighter)
-            out_.warnings.push_back(fmt::format(
-                "the walls' white ends are {:.1f} times as bright as the table, which should be white: "
-                "colours may be misread",
-                typical));
+        constexpr double kNoisy = 0.1;
+        if (image_.noise > kNoisy)
+            out_.warnings.push_back(fmt::format("the picture is so dark that noise is {:.0f} % of what white "
+                                                "returns: walls may be missed and "
+                                                "colours misread; more light or a longer exposure helps",
+                                                100 * image_.noise));
     }
 
     double radius() const { return rig_.tableRadius / geometry::kMetresPerInch; }
@@ -128,28 +139,7 @@ private:
         return glm::length(plan) + halfWidth < radius() + 0.3;
     }
 
-    // More than half of it over the table, nothing far from it.
-    bool standsOnTable(const std::vector<glm::dvec2>& centreLine) const {
-        size_t on = 0;
-        for (const glm::dvec2& p : centreLine) {
-            if (glm::length(p) > radius() + kOverEdge) return false;
-            on += glm::length(p) < radius();
-        }
-        return 2 * on > centreLine.size();
-    }
-    static std::vector<glm::dvec2> centreLine(const geometry::Wall& wall) {
-        std::vector<glm::dvec2> out;
-        for (int i = 0; i <= 10; ++i) out.push_back(wall.a + 0.1 * i * (wall.b - wall.a));
-        return out;
-    }
-    static std::vector<glm::dvec2> centreLine(const geometry::Arc& arc) {
-        std::vector<glm::dvec2> out;
-        for (int i = 0; i <= 10; ++i) {
-            const double a = glm::radians(arc.a0Deg + 0.1 * i * (arc.a1Deg - arc.a0Deg));
-            out.push_back(arc.center + arc.radius * glm::dvec2(std::cos(a), std::sin(a)));
-        }
-        return out;
-    }
+    WallEvidence evidence() const { return {image_, view_, options_, radius()}; }
 
     void findTokens() {
         auto& tokens = out_.sketch.tokens;
@@ -295,7 +285,7 @@ private:
                 strips_.push_back(std::move(strip));
                 const Chain piece{region.group, {&strips_.back()}, {}};
                 const auto wall = fitStraight(piece, view_, options_);
-                if ((wall && isFlanked(wall->wall)) || fitArc(piece, view_, options_))
+                if ((wall && evidence().isWall(wall->wall)) || fitArc(piece, view_, options_))
                     pieces.push_back(&strips_.back()), any = true;
             }
         }
@@ -304,7 +294,7 @@ private:
 
     void readChain(const Chain& chain) {
         if (const auto wall = fitStraight(chain, view_, options_);
-            wall && isFlanked(wall->wall) && standsOnTable(centreLine(wall->wall))) {
+            wall && evidence().isWall(wall->wall) && evidence().standsOnTable(wall->wall)) {
             for (const StraightWall& part : splitAtJoints(*wall, view_, options_)) {
                 for (auto window : part.windows) {
                     window.wall = std::to_string(out_.sketch.walls.size());
@@ -315,31 +305,14 @@ private:
             return;
         }
         if (chain.markers.empty())
-            if (const auto arc = fitArc(chain, view_, options_); arc && standsOnTable(centreLine(*arc))) {
+            if (const auto arc = fitArc(chain, view_, options_);
+                arc && evidence().isWall(*arc) && evidence().standsOnTable(*arc)) {
                 out_.sketch.arcs.push_back(*arc);
                 return;
             }
         for (const Component* piece : chain.pieces)
             unread(*piece, "coloured like a wall, but not of a wall's shape");
         for (const Component* marker : chain.markers) unread(*marker, "a window marker on no wall");
-    }
-
-    // A wall's paint has something else on either side; a strip cut out of a larger patch has not.
-    bool isFlanked(const geometry::Wall& wall) const {
-        const Paint paint = wall.heightClass == geometry::HeightClass::red    ? Paint::red
-                            : wall.heightClass == geometry::HeightClass::blue ? Paint::blue
-                                                                              : Paint::green;
-        const glm::dvec2 side = turnedLeft(glm::normalize(wall.b - wall.a)) * (0.9 * options_.wallThickness);
-        int same = 0, n = 0;
-        for (int i = 1; i < 20; ++i)
-            for (const double sign : {-1.0, 1.0}) {
-                const glm::dvec2 p =
-                    view_.pixel(wall.a + (i / 20.0) * (wall.b - wall.a) + sign * side, heightOf(paint));
-                same += groupOf(image_.at(static_cast<int>(std::lround(p.x)),
-                                          static_cast<int>(std::lround(p.y)))) == paint;
-                ++n;
-            }
-        return same < 0.2 * n;
     }
 
     void unread(const Component& region, const char* what) {
@@ -354,6 +327,7 @@ private:
     const geometry::Rig& rig_;
     const DetectOptions& options_;
     PlanView view_;
+    std::optional<CardWhite> card_;
     ClassImage image_;
     std::vector<Component> regions_;
     std::deque<Component> paleStrips_;
@@ -403,7 +377,11 @@ DetectionResult detectSketch(const Photograph& photo, const geometry::Rig& rig,
                                    fmt::format("{} x {} pixels, but the rig's camera has {} x {}",
                                                photo.width, photo.height, rig.camera.width,
                                                rig.camera.height));
-    return Detector(photo, rig, options).run();
+    Detector detector(photo, rig, options);
+    const DetectionResult result = detector.run();
+    // Walls that were found although the table is not white show what card returns: all is held against that.
+    if (const auto card = detector.cardAtEnds()) return Detector(photo, rig, options, card).run();
+    return result;
 }
 
 } // namespace heliodon::vision

@@ -11,8 +11,10 @@ namespace {
 constexpr std::array<float, kPaints> kNominalHue = {0, 1, 20, 47, 130, 190, 209, 230, 325};
 constexpr std::array<float, kPaints> kNominalSaturation = {0, 1, 1, 1, 1, 0.8f, 0.47f, 0.82f, 1};
 
-constexpr float kHueReach = 16; // degrees that a paint's hue may lie from the nominal
-constexpr float kHueScale = 8;  // degrees that weigh as much as
+// Degrees that a paint's hue may lie from the nominal. Greens differ more than the others, and nothing else
+// is near.
+constexpr std::array<float, kPaints> kHueReach = {0, 16, 16, 16, 28, 16, 16, 16, 16};
+constexpr float kHueScale = 8; // degrees that weigh as much as
 constexpr float kSaturationScale = 0.2f;
 constexpr float kFarthest = 8; // squared distance, in these scales, from a nominal blue to a peak
 constexpr int kFirstBlue = 172, kLastBlue = 248; // degrees
@@ -120,7 +122,7 @@ void PaintTable::learnHues(const std::vector<Coloured>& coloured) {
     std::vector<Pair> pairs;
     for (size_t paint = 1; paint < kPaints; ++paint)
         for (size_t k = 0; k < peaks.size() && !isBlue(paint); ++k)
-            if (const float d = hueDistance(kNominalHue[paint], peaks[k].hue); d < kHueReach)
+            if (const float d = hueDistance(kNominalHue[paint], peaks[k].hue); d < kHueReach[paint])
                 pairs.push_back({d, paint, k});
     for (const Pair& p : matched(pairs, peaks.size())) tone_[p.paint].hue = peaks[p.peak].hue;
 }

@@ -157,6 +157,60 @@ bool isMixture(const glm::vec2& c, const glm::vec2& first, const glm::vec2& seco
     return glm::length(off - t * line) < (t < 1 ? kBetween : kSameLight);
 }
 
+// Card instead of the table. A dark table's own colour is all noise and rounding, and says nothing of the
+// light's: there card's is that of all of it.
+void holdAgainstCard(WhiteMap& map, const CardWhite& card) {
+    map.card = card.overTable;
+    map.darkTable = std::min({card.overTable.r, card.overTable.g, card.overTable.b}) > kDarkTable;
+    const glm::vec3 colour(std::exp(card.light[0]), 1, std::exp(card.light[1]));
+    for (glm::vec3& light : map.grid.light)
+        light = map.darkTable ? light.g * card.overTable.g * colour : light * card.overTable;
+}
+
+// Light that blocks of table return, spread over those that are none.
+struct Light {
+    std::vector<cv::Vec3f> near;     // of each block; empty: no table
+    std::optional<glm::vec2> second; // chroma of a light that alone reaches the shadows
+};
+
+// `typical`: green of most blocks; `global`: the table's colour at that level; `most`: brighter blocks, over
+// typical, are no table.
+Light lightOnTable(const std::vector<cv::Vec4f>& blocks, int rows, int columns, float typical,
+                   const cv::Vec3f& global, float most) {
+    // Against the whole table's white, then against that found near by, then with what only a second light
+    // reaches.
+    Light out{std::vector<cv::Vec3f>(blocks.size(), global), {}};
+    auto& [near, second] = out;
+    for (int pass = 0; pass < kPasses + 2; ++pass) {
+        if (pass == kPasses) {
+            second = findSecondLight(blocks, near, typical);
+            if (!second) break;
+        }
+        cv::Mat white(rows, columns, CV_32FC4, cv::Scalar::all(0));
+        int found = 0;
+        for (size_t i = 0; i < blocks.size(); ++i) {
+            const auto& p = blocks[i];
+            if (p[3] == 0 || p[1] < 0.03f * typical || p[1] > most * typical) continue;
+            const bool asNear =
+                p[1] > 0.1f * typical && p[1] > 0.2f * near[i][1] && saturation(p, near[i]) < kWhite;
+            const bool shaded = second && brightest(p, near[i]) < kShade &&
+                                isMixture(chromaOf(p), chroma(near[i][0], near[i][1], near[i][2]), *second);
+            if (!asNear && !shaded) continue;
+            white.ptr<cv::Vec4f>()[i] = p;
+            ++found;
+        }
+        if (found < 16) return {};
+        // A narrow window follows the light; a wide one, with little weight, reaches where no white is near.
+        const double sigma = pass == 0 ? 4 : 3;
+        const cv::Mat sum = spread(white, sigma) + 0.02 * spread(white, 4 * sigma);
+        for (size_t i = 0; i < blocks.size(); ++i) {
+            const cv::Vec4f& s = sum.ptr<cv::Vec4f>()[i];
+            for (int c = 0; c < 3; ++c) near[i][c] = s[3] > 1e-6f ? std::max(s[c] / s[3], 1e-5f) : global[c];
+        }
+    }
+    return out;
+}
+
 } // namespace
 
 TableRegion findTable(const PlanView& view, double radiusInches, double overEdge) {
@@ -179,7 +233,7 @@ TableRegion findTable(const PlanView& view, double radiusInches, double overEdge
     return region;
 }
 
-WhiteMap findWhite(const PlanView& view, const TableRegion& region) {
+WhiteMap findWhite(const PlanView& view, const TableRegion& region, const std::optional<CardWhite>& known) {
     WhiteMap out;
     out.grid.x0 = region.x0, out.grid.y0 = region.y0, out.grid.square = kBlock;
     out.grid.columns = (region.width + kBlock - 1) / kBlock,
@@ -198,43 +252,25 @@ WhiteMap findWhite(const PlanView& view, const TableRegion& region) {
     const cv::Vec3f global(typical * std::max(median(std::move(red)), 1e-3f), typical,
                            typical * std::max(median(std::move(blue)), 1e-3f));
 
-    // Against the whole table's white, then against that found near by, then with what only a second light
-    // reaches.
-    std::vector<cv::Vec3f> near(blocks.size(), global);
-    std::optional<glm::vec2> second;
-    for (int pass = 0; pass < kPasses + 2; ++pass) {
-        if (pass == kPasses) {
-            second = findSecondLight(blocks, near, typical);
-            if (!second) break;
-        }
-        cv::Mat white(out.grid.rows, out.grid.columns, CV_32FC4, cv::Scalar::all(0));
-        int found = 0;
-        for (size_t i = 0; i < blocks.size(); ++i) {
-            const auto& p = blocks[i];
-            if (p[3] == 0 || p[1] < 0.03f * typical) continue;
-            const bool asNear =
-                p[1] > 0.1f * typical && p[1] > 0.2f * near[i][1] && saturation(p, near[i]) < kWhite;
-            const bool shaded = second && brightest(p, near[i]) < kShade &&
-                                isMixture(chromaOf(p), chroma(near[i][0], near[i][1], near[i][2]), *second);
-            if (!asNear && !shaded) continue;
-            white.ptr<cv::Vec4f>()[i] = p;
-            ++found;
-        }
-        if (found < 16) return out;
-        // A narrow window follows the light; a wide one, with little weight, reaches where no white is near.
-        const double sigma = pass == 0 ? 4 : 3;
-        const cv::Mat sum = spread(white, sigma) + 0.02 * spread(white, 4 * sigma);
-        for (size_t i = 0; i < blocks.size(); ++i) {
-            const cv::Vec4f& s = sum.ptr<cv::Vec4f>()[i];
-            for (int c = 0; c < 3; ++c) near[i][c] = s[3] > 1e-6f ? std::max(s[c] / s[3], 1e-5f) : global[c];
-        }
+    constexpr float kAny = 1e9f, kOfDark = 2.5f; // times as bright as most of the table
+    Light light = lightOnTable(blocks, out.grid.rows, out.grid.columns, typical, global, kAny);
+    if (light.near.empty()) return out;
+    std::optional<CardWhite> card = known;
+    for (const bool again : {false, true}) {
+        out.grid.light.clear();
+        for (const auto& w : light.near) out.grid.light.emplace_back(w[0], w[1], w[2]);
+        if (!known)
+            if (const auto seen = findCard(view, region, out.grid)) card = seen;
+        if (card) holdAgainstCard(out, *card);
+        // Card in all its faces is of a black table's chroma, but is not table.
+        if (again || !card || !out.darkTable) break;
+        Light anew = lightOnTable(blocks, out.grid.rows, out.grid.columns, typical, global, kOfDark);
+        if (anew.near.empty()) break;
+        light = std::move(anew);
     }
-    if (second) out.secondLight = glm::vec3(std::exp((*second)[0]), 1, std::exp((*second)[1]));
-    for (const auto& w : near) out.grid.light.emplace_back(w[0], w[1], w[2]);
+    if (light.second)
+        out.secondLight = glm::vec3(std::exp((*light.second)[0]), 1, std::exp((*light.second)[1]));
     out.noise = relativeNoise(view, region);
-    out.card = findCard(view, region, out.grid);
-    if (out.card)
-        for (glm::vec3& light : out.grid.light) light *= *out.card;
     return out;
 }
 

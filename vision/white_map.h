@@ -1,10 +1,12 @@
 // Where the table is in the picture, and the light that falls on its white.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include "vision/plan_view.h"
@@ -31,11 +33,22 @@ struct WhiteMap {
     LightGrid grid; // its light is empty where nothing white and lit is where the table should be
     // What white card returns over what the table does, where the table has a colour of its own.
     std::optional<glm::vec3> card;
+    bool darkTable = false; // card outshines it so much that its own colour is not known
     // Colour, green 1, of a light that alone reaches the shadows, where it differs from the light elsewhere.
     std::optional<glm::vec3> secondLight;
     double noise = 0; // standard deviation of a pixel on the table over its value
+    // The same of what the paints are held against: what is brighter is less noisy, as the root of its light.
+    double noiseOfWhite() const { return card ? noise / std::sqrt(static_cast<double>(card->g)) : noise; }
 };
 
-WhiteMap findWhite(const PlanView& view, const TableRegion& region);
+// White card on a table of another colour.
+struct CardWhite {
+    glm::vec3 overTable; // what it returns over what the table under the same light does, per channel
+    glm::vec2 light;     // chroma of what it returns
+};
+
+// `known`: card as it was seen where walls were found; without, it is looked for.
+WhiteMap findWhite(const PlanView& view, const TableRegion& region,
+                   const std::optional<CardWhite>& known = std::nullopt);
 
 } // namespace heliodon::vision

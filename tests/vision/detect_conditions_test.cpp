@@ -140,6 +140,45 @@ TEST(DetectConditions, tables_of_wood_and_grey_ones) {
         }
 }
 
+// The table's noise has every paint's colour there, and its own says nothing of the light's.
+TEST(DetectConditions, a_black_table_in_little_light) {
+    PaintBox paints;
+    paints.table = {0.035, 0.035, 0.035};
+    for (const double electrons : {8000.0, 1500.0}) {
+        SCOPED_TRACE(electrons);
+        Perturbation dim;
+        for (double& gain : dim.gain) gain = 0.25;
+        dim.electronsAtWhite = electrons, dim.readNoise = 6;
+        expectRead(room(), perturbed(paintTable(room(), exampleRig(), paints), dim), 0.12);
+    }
+}
+
+// Few paints, and more white paper than walls: the walls' ends show what white is.
+TEST(DetectConditions, paper_on_a_wooden_table) {
+    PaintBox paints;
+    paints.table = {0.5, 0.38, 0.24};
+    geometry::Sketch sketch;
+    sketch.walls = {wall("w1", {-7, -5}, {7, -5}, HeightClass::red),
+                    wall("w2", {7.4, -4.6}, {7.4, 5}, HeightClass::blue)};
+    Photograph photo = paintTable(sketch, exampleRig(), paints);
+    const Color white{0.84, 0.84, 0.83};
+    cover(photo, exampleRig(), {{-14, 3}, {-8, 3}, {-8, 9}, {-14, 9}}, 0, white);
+    cover(photo, exampleRig(), {{-4, 9}, {3, 8}, {4, 14}, {-3, 15}}, 0, white);
+    expectRead(sketch, photo);
+}
+
+// Without white ends, or wider than a wall, nothing is a wall, whatever its colour.
+TEST(DetectConditions, what_has_a_paint_on_a_dark_table_and_is_no_wall) {
+    const geometry::Rig rig = exampleRig();
+    PaintBox paints;
+    paints.table = {0.05, 0.035, 0.028};
+    Photograph photo = paintTable(room(), rig, paints);
+    const Color skin{0.45, 0.2, 0.13}, red{0.4, 0.06, 0.06};
+    cover(photo, rig, {{9, -14}, {13, -12}, {12, -9.6}, {8.2, -11}}, 2, skin);
+    cover(photo, rig, {{-14, -9}, {-8, -12}, {-7.83, -11.67}, {-13.83, -8.67}}, 10, red);
+    expectRead(room(), photo);
+}
+
 // Ray-cast, with grain, joints of planks, soft shadows and light between walls: what of the grain is brighter
 // than the table about it is more than all card.
 TEST(DetectConditions, ray_cast_tables_of_birch_oak_and_walnut) {
@@ -223,9 +262,9 @@ TEST(DetectConditions, says_that_light_or_table_hide_something) {
     EXPECT_TRUE(detectSketch(photo, rig).warnings.empty());
     cover(photo, rig, {{-5, 8}, {5, 8}, {5, 14}, {-5, 14}}, 0, {2, 2, 2});
     EXPECT_TRUE(warnsOf(detectSketch(photo, rig), "overexposed"));
-    PaintBox grey;
-    grey.table = {0.3, 0.3, 0.3};
-    EXPECT_TRUE(warnsOf(detectSketch(paintTable(room(), rig, grey), rig), "white ends"));
+    Perturbation dark;
+    dark.electronsAtWhite = 60;
+    EXPECT_TRUE(warnsOf(detectSketch(perturbed(paintTable(room(), rig), dark), rig), "noise"));
 }
 
 TEST(Photograph, cut_short_or_grey_is_no_photograph) {
