@@ -10,7 +10,6 @@
 
 #include "engine/app/bounded_queue.h"
 #include "geometry/input_error.h"
-#include "geometry/picture_file.h"
 #include "geometry/whole_file.h"
 
 namespace heliodon::app {
@@ -62,14 +61,18 @@ struct Film::Impl {
 };
 
 Film::Film(const fs::path& target, uint32_t width, uint32_t height, double framesPerSecond)
-    : impl_(std::make_unique<Impl>()) {
+    : Film(target, [&](const fs::path& file) {
+          return geometry::openFilmFile(file, static_cast<int>(width), static_cast<int>(height),
+                                        framesPerSecond);
+      }) {}
+
+Film::Film(const fs::path& target, const Open& open) : impl_(std::make_unique<Impl>()) {
     const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
     if (!fs::is_directory(folder))
         throw geometry::InputError(target.string(), "", "its folder does not exist");
     impl_->target = target;
     impl_->aside = geometry::asideOf(target);
-    impl_->encoder = geometry::openFilmFile(impl_->aside, static_cast<int>(width), static_cast<int>(height),
-                                            framesPerSecond);
+    impl_->encoder = open(impl_->aside);
     if (!impl_->encoder)
         throw std::runtime_error(target.string() +
                                  ": no H.264 encoder could be opened (OpenCV with FFmpeg is needed)");

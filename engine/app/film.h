@@ -3,10 +3,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <vector>
 
 #include "engine/passes/picture.h"
+#include "geometry/picture_file.h"
 
 namespace heliodon::app {
 
@@ -18,6 +20,9 @@ public:
     // Written beside `target` and renamed by close(): the film appears whole or not at all. Throws when no
     // encoder is there.
     Film(const std::filesystem::path& target, uint32_t width, uint32_t height, double framesPerSecond);
+    // With an encoder of the caller's, which writes the file that `open` is given.
+    using Open = std::function<std::unique_ptr<geometry::FilmEncoder>(const std::filesystem::path&)>;
+    Film(const std::filesystem::path& target, const Open& open);
     ~Film(); // without close(): stops and removes what was written
     Film(const Film&) = delete;
     Film& operator=(const Film&) = delete;
