@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <glm/glm.hpp>
@@ -114,9 +115,23 @@ std::optional<glm::dvec2> searchMark(const GreyPicture& picture, glm::dvec2 star
     return bestLikeness > kAlike ? std::optional(best) : std::nullopt;
 }
 
-struct Grey {
-    GreyPicture sharp;
-    std::optional<GreyPicture> soft; // for the fit
+class Grey {
+public:
+    explicit Grey(GreyPicture picture) : sharp(std::move(picture)) {}
+
+    // As blurred as marks of that size want it for the fit. Made once for all tries of one scale; a wrong set
+    // of disks has another, which must not stay for the right one.
+    const GreyPicture& softFor(double markPixels) {
+        const double wanted = saddleBlur(markPixels);
+        if (std::abs(blur_ - wanted) > 0.1 * wanted) soft_ = blurred(sharp, blur_ = wanted);
+        return soft_;
+    }
+
+    const GreyPicture sharp;
+
+private:
+    GreyPicture soft_;
+    double blur_ = 0; // pixels
 };
 
 // Some of the disks, seen.
@@ -130,6 +145,7 @@ std::vector<FoundMark> walk(Grey& grey, const CalibrationTarget& target, const D
         if (disks[i]) map.add(target.disks[i].at, disks[i]->centre);
     std::vector<int> triesLeft(target.marks.size(), 3);
     std::vector<FoundMark> found;
+    const GreyPicture* soft = nullptr; // by the first mark that is seen
     for (bool more = true; more;) {
         more = false;
         std::vector<std::pair<double, size_t>> order; // nearest to what is known first
@@ -147,8 +163,8 @@ std::vector<FoundMark> walk(Grey& grey, const CalibrationTarget& target, const D
             const double reach = std::min(0.33 * target.pitch, 0.15 * distance) / target.square;
             const auto start = searchMark(grey.sharp, expected, pixelFromSquare, reach);
             if (!start) continue;
-            if (!grey.soft) grey.soft = blurred(grey.sharp, saddleBlur(size));
-            const auto saddle = refineSaddle(*grey.soft, *start, pixelFromSquare);
+            if (!soft) soft = &grey.softFor(size);
+            const auto saddle = refineSaddle(*soft, *start, pixelFromSquare);
             if (!saddle || glm::distance(saddle->pixel, *start) > std::max(1.0, 0.25 * size)) continue;
             map.add(mark, saddle->pixel);
             found.push_back({i, saddle->pixel});
@@ -239,7 +255,7 @@ std::optional<FoundTarget> tryDisks(Grey& grey, const CalibrationTarget& target,
 
 FoundTarget findTarget(const Photograph& photo, const CalibrationTarget& target) {
     constexpr std::array kNames{"red", "green", "blue", "yellow"};
-    Grey grey{greyOf(photo), {}};
+    Grey grey(greyOf(photo));
     std::array<bool, 4> seen{};
     // Pale print or stray light wants a lower threshold; hands beside a disk a higher one.
     for (const double saturation : {0.5, 0.35, 0.22}) {
