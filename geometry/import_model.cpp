@@ -173,15 +173,21 @@ private:
     void weld() {
         source_.clear();
         building_ = weldFaces(soup(), 1, weldOfExtent_ * extent_);
-        std::set<std::vector<uint32_t>> known;
+        std::map<std::vector<uint32_t>, uint32_t> known; // by corners, the face of the file
+        std::map<std::pair<uint32_t, uint32_t>, std::vector<std::pair<uint32_t, uint32_t>>> otherMaterials;
         size_t dropped = model_.faceCount() - building_.faces.size(); // fewer than three corners are left
         dropped += std::erase_if(building_.faces, [&](const Face& face) {
             std::vector<uint32_t> corners;
             for (const auto& loop : face.loops) corners.insert(corners.end(), loop.begin(), loop.end());
             std::ranges::sort(corners);
-            const double size = glm::length(areaOf(face.loops[0]));
-            return size < 1e-12 * extent_ * extent_ || !known.insert(corners).second; // no area, or a copy
+            if (glm::length(areaOf(face.loops[0])) < 1e-12 * extent_ * extent_) return true;
+            const auto [first, isNew] = known.try_emplace(corners, face.surface);
+            if (!isNew && model_.material[first->second] != model_.material[face.surface])
+                otherMaterials[{model_.material[face.surface], model_.material[first->second]}].emplace_back(
+                    face.surface, first->second);
+            return !isNew;
         });
+        for (const auto& [materials, copies] : otherMaterials) warnOfCopies(copies);
         if (dropped > 0)
             building_.repairs.push_back(fmt::format("{} face{} without area or drawn twice {} left out",
                                                     dropped, dropped == 1 ? "" : "s",
@@ -190,6 +196,22 @@ private:
             source_.push_back(face.surface);
             checkPlanar(face);
         }
+    }
+
+    // Of one material each, all copies and all those that they are copies of, which are kept.
+    void warnOfCopies(const std::vector<std::pair<uint32_t, uint32_t>>& copies) {
+        const auto [copy, kept] = copies[0];
+        if (isOpening(copy) != isOpening(kept))
+            throw InputError(
+                model_.file, model_.place(copy),
+                fmt::format("an opening and a wall ({}) lie on one another", model_.place(kept)));
+        const auto name = [&](uint32_t face) -> const std::string& {
+            return model_.materials[model_.material[face]].name;
+        };
+        building_.warnings.push_back(fmt::format(
+            "{} face{} of \"{}\" (the first at {}) {} the corners of faces of \"{}\" (at {}): these are seen",
+            copies.size(), copies.size() == 1 ? "" : "s", name(copy), model_.place(copy),
+            copies.size() == 1 ? "has" : "have", name(kept), model_.place(kept)));
     }
 
     // What closing gaps may move a corner out of its plane by.

@@ -3,6 +3,7 @@
 #include "geometry/plan_overlay.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include <glm/geometric.hpp>
@@ -16,6 +17,13 @@ namespace {
 constexpr double kSnap = 0.005;       // inches
 constexpr double kThinPiece = 0.02;   // inches: thinner slips of floor or ceiling go to their neighbour
 constexpr double kTouchSquare = 0.05; // inches: half the side of a square over a point where things touch
+
+// What runs from a to b, as the tags say.
+void addSegments(const std::vector<PlanArrangement::Tag>& tags, glm::dvec2 a, glm::dvec2 b,
+                 std::vector<PlanSegment>& out) {
+    for (const PlanArrangement::Tag& tag : tags)
+        out.push_back({tag.forward ? a : b, tag.forward ? b : a, tag.tag});
+}
 
 // One round of snapping: which point of the arrangement goes where.
 class Snapper {
@@ -49,10 +57,7 @@ public:
         std::vector<PlanSegment> out;
         for (uint32_t e = 0; e < map_.edgeCount(); ++e)
             for (size_t k = 0; k + 1 < chains_[e].size(); ++k)
-                for (const PlanArrangement::Tag& tag : map_.tags[e]) {
-                    const glm::dvec2 a = chains_[e][k], b = chains_[e][k + 1];
-                    out.push_back({tag.forward ? a : b, tag.forward ? b : a, tag.tag});
-                }
+                addSegments(map_.tags[e], chains_[e][k], chains_[e][k + 1], out);
         return out;
     }
 
@@ -157,8 +162,19 @@ public:
 
     PlanOverlay build() {
         constexpr int kMostRounds = 8;
-        place();
-        for (int round = 0; round < kMostRounds && coverTouches(); ++round) place();
+        place(segments_);
+        for (int round = 0; round < kMostRounds; ++round) {
+            const size_t known = segments_.size();
+            if (!coverTouches()) break;
+            // The rest is settled already.
+            std::vector<PlanSegment> segments(segments_.begin() + static_cast<std::ptrdiff_t>(known),
+                                              segments_.end());
+            const PlanArrangement& map = overlay_.map;
+            for (uint32_t e = 0; e < map.edgeCount(); ++e)
+                addSegments(map.tags[e], map.points[map.source(2 * e)], map.points[map.target[2 * e]],
+                            segments);
+            place(segments);
+        }
         return std::move(overlay_);
     }
 
@@ -171,10 +187,10 @@ private:
         }
     }
 
-    void place() {
+    void place(const std::vector<PlanSegment>& segments) {
         if (shapeCount_ == 0) return outlinesAlone();
         constexpr int kMostRounds = 6;
-        overlay_.map = arrange(segments_);
+        overlay_.map = arrange(segments);
         for (int round = 0; round < kMostRounds; ++round) {
             Snapper snapper(overlay_.map, overlay_.outlineTags, corners_);
             if (!snapper.snap()) break;
@@ -182,8 +198,8 @@ private:
         }
         overlay_.room = firstOver(roomOfTag_, 0, roomCount_);
         overlay_.shape = firstOver(shapeOfTag_, static_cast<size_t>(overlay_.outlineTags), shapeCount_);
-        const std::vector<int> square =
-            firstOver(squareOfTag_, static_cast<size_t>(overlay_.outlineTags) + shapeOfTag_.size(), squares_);
+        const std::vector<int> square = firstOver(
+            squareOfTag_, static_cast<size_t>(overlay_.outlineTags) + shapeOfTag_.size(), squares_.size());
         overlay_.label.assign(overlay_.map.cellCount, -1);
         for (uint32_t c = 0; c < overlay_.map.cellCount; ++c)
             if (overlay_.room[c] >= 0) overlay_.label[c] = 2 * overlay_.room[c] + (overlay_.shape[c] >= 0);
@@ -253,14 +269,31 @@ private:
             const bool shaped = std::ranges::any_of(round, [](int label) { return label >= 0 && label % 2; });
             if (!pinched || !shaped) continue;
             const glm::dvec2 p = map.points[map.source(start)], u{kTouchSquare, 0}, v{0, kTouchSquare};
-            addLoop({p - u - v, p + u - v, p + u + v, p - u + v}, squareOfTag_, static_cast<int>(squares_++));
+            // A wedge of a few thousandths of a radian touches anew wherever a square cuts it: squares would
+            // walk along it.
+            int walk = 0;
+            for (const Square& other : squares_)
+                if (std::max(std::abs(p.x - other.middle.x), std::abs(p.y - other.middle.y)) <
+                    kTouchSquare + kSnap)
+                    walk = std::max(walk, other.walk + 1);
+            if (walk > kMostWalk) continue;
+            addLoop({p - u - v, p + u - v, p + u + v, p - u + v}, squareOfTag_,
+                    static_cast<int>(squares_.size()));
+            squares_.push_back({p, walk});
             any = true;
         }
         return any;
     }
 
     Touching touching_;
-    size_t roomCount_, shapeCount_, squares_ = 0;
+    struct Square {
+        glm::dvec2 middle;
+        int walk; // how many squares before it, each at the side of the last
+    };
+
+    static constexpr int kMostWalk = 2;
+    size_t roomCount_, shapeCount_;
+    std::vector<Square> squares_;
     PlanOverlay overlay_;
     std::vector<PlanSegment> segments_;
     std::set<std::pair<double, double>> corners_; // of the outlines

@@ -212,6 +212,28 @@ TEST(DirtyModel, faces_drawn_twice_or_without_area_are_left_out) {
     expectRooms(line, 1, 30, "left out");
 }
 
+TEST(DirtyModel, a_copy_of_another_material_is_named) {
+    const auto file = [](const std::string& copies) {
+        const std::string path = written(room());
+        std::ofstream(testing::TempDir() + "dirty.mtl")
+            << "newmtl red\nKd 0.5 0.1 0.1\nnewmtl pane\nKd 0 0 0\nTf 0.8 0.8 0.8\nNi 1.52\n";
+        std::ofstream(path, std::ios::app) << "mtllib dirty.mtl\n" << copies;
+        return path;
+    };
+    const Building building = importModel(file("usemtl red\nf 2 6 5 1\nf 3 4 8 7\n"));
+    EXPECT_EQ(building.roomCount, 1u);
+    ASSERT_EQ(building.warnings.size(), 1u);
+    EXPECT_NE(building.warnings[0].find("2 faces of \"red\""), std::string::npos) << building.warnings[0];
+    EXPECT_NE(building.warnings[0].find("these are seen"), std::string::npos) << building.warnings[0];
+    for (const Face& face : building.faces) EXPECT_NE(building.materials[face.material].name, "red");
+    try {
+        importModel(file("usemtl pane\nf 2 6 5 1\n"));
+        ADD_FAILURE() << "a pane on a wall of the same corners is taken";
+    } catch (const InputError& error) {
+        EXPECT_NE(std::string(error.what()).find("an opening and a wall"), std::string::npos) << error.what();
+    }
+}
+
 TEST(DirtyModel, a_corner_on_another_faces_edge_divides_it) {
     Polygons model = room();
     model.vertices.emplace_back(2, 0, 0);
