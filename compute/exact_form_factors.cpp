@@ -1,12 +1,14 @@
 #include "compute/exact_form_factors.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "compute/exact_clusters.h"
+#include "compute/exact_kernels.h"
 #include "compute/exact_scene.h"
 #include "compute/exact_tiles.h"
 #include "compute/gpu/commands.h"
@@ -15,18 +17,6 @@
 #include "compute/gpu/kernel.h"
 #include "compute/stopwatch.h"
 #include "shaders/io/exact_form_factors.io.h"
-#include "spirv/exact_blocks_comp.h"
-#include "spirv/exact_cells_comp.h"
-#include "spirv/exact_few_comp.h"
-#include "spirv/exact_few_one_comp.h"
-#include "spirv/exact_few_open_comp.h"
-#include "spirv/exact_few_two_comp.h"
-#include "spirv/exact_finish_comp.h"
-#include "spirv/exact_lines_comp.h"
-#include "spirv/exact_pairs_clear_comp.h"
-#include "spirv/exact_pairs_comp.h"
-#include "spirv/exact_pairs_mixed_comp.h"
-#include "spirv/exact_sides_comp.h"
 
 namespace heliodon::compute {
 
@@ -35,11 +25,12 @@ namespace {
 constexpr uint32_t kTile = 2304; // pieces along a side of what is handled at once
 // Records whose cells are refined together: few on a CPU, which wants them in its cache; a discrete device
 // waits longer for the host between two levels than it works on so many.
-constexpr uint32_t kBatch = 1u << 16, kDiscreteBatch = 1u << 19;
-constexpr size_t kSumBytes = 12;                      // per record: form factor, its fraction, error
-constexpr uint32_t kMaxCells = 1u << 21;              // of one level of one batch
+constexpr uint32_t kBatch = 1u << 16, kDiscreteBatch = 1u << 18;
+constexpr size_t kSumBytes = 12; // per record: form factor, its fraction, error
+constexpr size_t kCellBytes = 4 * io::kExactCellWords;
 constexpr uint32_t kChunk = 65535u * io::kExactGroup; // invocations of one dispatch
 constexpr uint32_t kMostGroups = 65535;
+constexpr uint32_t kManyWords = 8;  // of 32 blockers
 constexpr double kQuickFrom = 3e-5; // row error from which four points settle most pairs
 constexpr double kLinesFrom = 3e-5; // and from which lines across far pieces cost less than exact borders
 constexpr uint32_t kLineLevels = 3; // halvings of a piece in exact_lines.comp
@@ -71,7 +62,8 @@ public:
         scene_ = exactScene(device, mesh, std::min(kTile, side));
         tolerance_ = static_cast<float>(entryTolerance(options.maxError, scene_.pieceCount));
         words_ = std::max(1u, (scene_.blockerCount + 31) / 32);
-        prepareKernels();
+        kernels_ = ExactKernels(device, scene_.mostCorners);
+        kernels_.prepare(byLines(), scene_.blockerCount);
         makeBuffers(storage);
         statistics.blockers = scene_.blockerCount;
         statistics.closed = scene_.closed;
@@ -121,57 +113,10 @@ private:
     const gpu::Buffer& sidesOf(bool diagonal) const { return diagonal ? sidesA_ : sidesB_; }
     const gpu::Buffer& backOf(bool diagonal) const { return diagonal ? there_ : back_; }
 
-    struct Source {
-        std::span<const uint32_t> spirv;
-        std::string name;
-        gpu::Specialization values;
-    };
-    static Source sidesSource() { return {exact_sides_comp, "exact_sides", {}}; }
-    static Source blocksSource() { return {exact_blocks_comp, "exact_blocks", {{"kCorners", 4u}}}; }
-    static Source finishSource() { return {exact_finish_comp, "exact_finish", {}}; }
-    static Source linesSource() { return {exact_lines_comp, "exact_lines", {}}; }
-    static Source manySource() { return {exact_cells_comp, "exact_cells", {}}; }
-    // Patches of three corners have shaders of their own, folded when the program is built.
-    Source pairsSource(bool clear) const {
-        using Words = std::span<const uint32_t>;
-        const Words folded = clear ? Words(exact_pairs_clear_comp) : Words(exact_pairs_mixed_comp);
-        return {scene_.mostCorners == 3 ? folded : Words(exact_pairs_comp),
-                "exact_pairs",
-                {{"kCorners", scene_.mostCorners}, {"kClear", clear ? 1u : 0u}}};
-    }
-    Source fewSource(uint32_t blockers) const {
-        const uint32_t corners = std::min(scene_.mostCorners, io::kExactFewCorners);
-        using Words = std::span<const uint32_t>;
-        static constexpr std::array<Words, io::kExactFew + 1> kFolded{
-            Words(exact_few_open_comp), Words(exact_few_one_comp), Words(exact_few_two_comp)};
-        return {corners == 3 ? kFolded[blockers] : Words(exact_few_comp),
-                "exact_few",
-                {{"kCorners", corners}, {"kBlockers", blockers}}};
-    }
-
-    // Kernels take longer to make than many scenes to compute: those that are likely to have work are begun
-    // together, in the order of their use.
-    void prepareKernels() {
-        std::vector<Source> likely{sidesSource(), blocksSource(), pairsSource(true), pairsSource(false),
-                                   fewSource(0)};
-        if (byLines()) {
-            likely.push_back(linesSource());
-            likely.push_back(fewSource(io::kExactFew));
-        } else {
-            for (uint32_t k = 1; k <= std::min(scene_.blockerCount, io::kExactFew); ++k)
-                likely.push_back(fewSource(k));
-            if (scene_.blockerCount > io::kExactFew) likely.push_back(manySource());
-        }
-        likely.push_back(finishSource());
-        for (const Source& s : likely) device_.kernels().prepare(s.spirv, s.name, s.values);
-    }
-
     // Whether far pairs with blockers are sampled along lines.
     bool byLines() const {
         return options_.maxError >= kLinesFrom && scene_.mostCorners == 3 && scene_.blockerCount > 0;
     }
-
-    const gpu::Kernel& made(const Source& s) { return device_.kernels().get(s.spirv, s.name, s.values); }
 
     void makeBuffers(uint64_t storage) {
         uint64_t pieces = 0, mostClusters = 1;
@@ -183,9 +128,15 @@ private:
         const uint64_t pairs = oneTile ? pieces * (pieces - 1) / 2 : pieces * pieces;
         recordCapacity_ =
             static_cast<uint32_t>(std::clamp<uint64_t>(pairs, 1, storage / sizeof(io::ExactRecord)));
-        listCapacity_ = static_cast<uint32_t>(std::min<uint64_t>(storage / 4, 1u << 25));
-        cellCapacity_ =
-            static_cast<uint32_t>(std::min<uint64_t>(storage / (4 * io::kExactCellWords), kMaxCells));
+        listCapacity_ = static_cast<uint32_t>(std::min<uint64_t>(storage, options_.workBytes / 2) / 4);
+        const uint64_t slack = 4 * (uint64_t{options_.maxDepth} + 2); // four of each level, see `refine`
+        cellCapacity_ = static_cast<uint32_t>(
+            std::max<uint64_t>(std::min<uint64_t>(storage, options_.workBytes / 4) / kCellBytes,
+                               slack + cellsOfPair()) -
+            slack);
+        // exact_lines.comp keeps numbers of records there, too.
+        const uint64_t cellBytes =
+            std::max<uint64_t>((cellCapacity_ + slack) * kCellBytes, 4 * uint64_t{recordCapacity_});
         there_ = gpu::Buffer(device_, pieces * pieces * 4, "form factors");
         if (!oneTile) back_ = gpu::Buffer(device_, pieces * pieces * 4, "exact mirror tile");
         for (gpu::Buffer* sides : {&sidesA_, &sidesB_})
@@ -198,9 +149,7 @@ private:
                                    "exact records");
         lists_ = gpu::Buffer(device_, static_cast<size_t>(listCapacity_) * 4, "exact lists");
         sums_ = gpu::Buffer(device_, static_cast<size_t>(recordCapacity_) * kSumBytes, "exact sums");
-        for (gpu::Buffer& cells : cells_)
-            cells = gpu::Buffer(device_, static_cast<size_t>(cellCapacity_) * io::kExactCellWords * 4,
-                                "exact cells");
+        for (gpu::Buffer& cells : cells_) cells = gpu::Buffer(device_, cellBytes, "exact cells");
     }
 
     void findSides(const ExactTileRange& tile, const gpu::Buffer& sides) {
@@ -210,58 +159,115 @@ private:
                                           tile.firstPiece,   tile.pieces,         tile.firstCluster,
                                           tile.clusters,     scene_.samePlane};
         const size_t count = static_cast<size_t>(tile.pieces + tile.clusters) * words_;
-        commands.dispatch(made(sidesSource()), {high(), low(), normal(), centre(), range(), sides}, params,
+        commands.dispatch(kernels_.sides(), {high(), low(), normal(), centre(), range(), sides}, params,
                           gpu::groupsFor(count, io::kExactGroup));
         commands.barrier(gpu::Stage::compute, gpu::Stage::compute);
         device_.submitAndWait(std::move(commands));
     }
 
+    // Some of a pair of tiles' blocks.
+    struct Window {
+        uint32_t clear, firstMixed, mixed;
+        double share; // of all mixed ones
+    };
+
+    // Blocks that something may stand in are taken in windows: all at once, or as many as have room.
     void runTile(const ExactTileRange& a, const ExactTileRange& b) {
-        classify(a, b);
-        const uint32_t open = std::min(counters_[io::kExactOpenCount], recordCapacity_);
-        const uint32_t one = std::min(counters_[io::kExactOneCount], recordCapacity_);
-        const uint32_t lines = std::min(counters_[io::kExactLineCount], recordCapacity_);
-        const uint32_t two = std::min(counters_[io::kExactTwoCount], recordCapacity_ - std::max(one, lines));
-        const uint32_t many = std::min(counters_[io::kExactManyCount], recordCapacity_ - open);
+        const auto [clear, mixed] = findBlocks(a, b);
+        // A count of listed blockers must not come round.
+        const uint64_t mostOfBlock =
+            uint64_t{kClusterPieces} * kClusterPieces * std::max(1u, scene_.blockerCount);
+        uint32_t size =
+            static_cast<uint32_t>(std::clamp<uint64_t>(UINT32_MAX / mostOfBlock, 1, std::max(1u, mixed)));
+        uint32_t done = 0;
+        do {
+            size = std::min(size, mixed - done);
+            const Window window{done == 0 ? clear : 0, a.clusters * b.clusters - mixed + done, size,
+                                size / std::max(1.0, static_cast<double>(mixed))};
+            if (!classify(a, b, window)) {
+                if (size <= 1)
+                    throw std::runtime_error(fmt::format("kernel exact: {} bytes do not hold what may stand "
+                                                         "between two clusters of patches",
+                                                         options_.workBytes));
+                size /= 2;
+                continue;
+            }
+            integrateWindow(a, b, window.share);
+            done += size;
+        } while (done < mixed);
+    }
+
+    void integrateWindow(const ExactTileRange& a, const ExactTileRange& b, double share) {
+        const uint32_t open = counters_[io::kExactOpenCount], one = counters_[io::kExactOneCount],
+                       two = counters_[io::kExactTwoCount], many = counters_[io::kExactManyCount],
+                       lines = counters_[io::kExactLineCount];
         statistics.partial += counters_[io::kExactPartialCount];
         statistics.visible += open + one + two + many + lines - counters_[io::kExactPartialCount];
         cellTolerance_ = tolerance_;
-        if (lines) integrateLines(lines, a, b);
-        if (open) integrate(made(fewSource(0)), records_, 0, open, a, b);
-        if (byLines()) cellTolerance_ = std::min(tolerance_, pairTolerance(one + two + many, a, b));
-        if (one) integrate(made(fewSource(1)), fewRecords_, 0, one, a, b);
-        if (two) integrate(made(fewSource(2)), fewRecords_, recordCapacity_ - two, two, a, b);
-        if (many) integrate(made(manySource()), records_, recordCapacity_ - many, many, a, b);
+        if (lines) integrateLines(lines, pairTolerance(lines / share, a, b), a, b);
+        if (open) integrate(kernels_.few(0), records_, 0, open, a, b);
+        if (byLines() && share > 0)
+            cellTolerance_ = std::min(tolerance_, pairTolerance((one + two + many) / share, a, b));
+        if (one) integrate(kernels_.few(1), fewRecords_, 0, one, a, b);
+        if (two) integrate(kernels_.few(2), fewRecords_, recordCapacity_ - two, two, a, b);
+        if (many) integrate(kernels_.many(), records_, recordCapacity_ - many, many, a, b);
     }
 
-    void classify(const ExactTileRange& a, const ExactTileRange& b) {
+    // Leaves what the kernels counted in `counters_`.
+    void submit(gpu::Commands&& commands) {
+        counters_.submitAndRead(std::move(commands));
+        if (counters_[io::kExactCutCount] > 0)
+            throw std::runtime_error(
+                fmt::format("kernel exact: more blockers stand between two patches than device "
+                            "'{}' has turns of loops for; smaller patches have fewer",
+                            device_.info().name));
+    }
+
+    // Counts of pairs of clusters that face one another: nothing may stand between, something may.
+    std::pair<uint32_t, uint32_t> findBlocks(const ExactTileRange& a, const ExactTileRange& b) {
         SecondsAdded timer(statistics.classifySeconds);
         const bool diagonal = &a == &b;
-        gpu::Commands find(device_);
-        find.fill(there_, 0, 0, static_cast<size_t>(a.pieces) * b.pieces * 4);
-        if (!diagonal) find.fill(back_, 0, 0, static_cast<size_t>(a.pieces) * b.pieces * 4);
-        counters_.clear(find);
+        gpu::Commands commands(device_);
+        commands.fill(there_, 0, 0, static_cast<size_t>(a.pieces) * b.pieces * 4);
+        if (!diagonal) commands.fill(back_, 0, 0, static_cast<size_t>(a.pieces) * b.pieces * 4);
+        counters_.clear(commands);
         const io::ExactBlocksParams params{scene_.pieceCount, words_,         a.pieces,
                                            b.pieces,          a.firstCluster, a.clusters,
                                            b.firstCluster,    b.clusters,     scene_.closed ? 1u : 0u};
-        find.dispatch(made(blocksSource()),
-                      {high(), low(), normal(), centre(), range(), clusters(), sidesA_, sidesOf(diagonal),
-                       counters_.buffer(), blocks_, masks_},
-                      params, gpu::groupsFor(b.clusters, io::kExactGroup), a.clusters);
-        counters_.submitAndRead(std::move(find));
+        commands.dispatch(kernels_.blocks(),
+                          {high(), low(), normal(), centre(), range(), clusters(), sidesA_, sidesOf(diagonal),
+                           counters_.buffer(), blocks_, masks_},
+                          params, gpu::groupsFor(b.clusters, io::kExactGroup), a.clusters);
+        submit(std::move(commands));
         const uint32_t clear = counters_[io::kExactClearCount], mixed = counters_[io::kExactMixedCount];
         statistics.clearBlocks += clear;
         statistics.mixedBlocks += mixed;
+        return {clear, mixed};
+    }
+
+    // False where records or lists of blockers did not fit; nothing is counted then.
+    bool classify(const ExactTileRange& a, const ExactTileRange& b, const Window& window) {
+        SecondsAdded timer(statistics.classifySeconds);
         gpu::Commands commands(device_);
-        recordPairs(commands, a, b, 0, clear, true);
-        recordPairs(commands, a, b, a.clusters * b.clusters - mixed, mixed, false);
-        counters_.submitAndRead(std::move(commands));
-        statistics.overflows += counters_[io::kExactOverflowCount];
+        counters_.clear(commands);
+        recordPairs(commands, a, b, 0, window.clear, true);
+        recordPairs(commands, a, b, window.firstMixed, window.mixed, false);
+        submit(std::move(commands));
+        const auto fit = [&](uint32_t one, uint32_t other) {
+            return uint64_t{counters_[one]} + counters_[other] <= recordCapacity_;
+        };
+        return counters_[io::kExactListCount] <= listCapacity_ &&
+               fit(io::kExactOpenCount, io::kExactManyCount) && fit(io::kExactOneCount, io::kExactTwoCount) &&
+               fit(io::kExactLineCount, io::kExactTwoCount);
     }
 
     void recordPairs(gpu::Commands& commands, const ExactTileRange& a, const ExactTileRange& b,
                      uint32_t first, uint32_t count, bool clear) {
         const bool diagonal = &a == &b;
+        // Groups that share the pairs of a block: where blockers are many, one pair is enough for an
+        // invocation.
+        const uint32_t strips =
+            words_ > kManyWords ? gpu::groupsFor(kClusterPieces * kClusterPieces, io::kExactGroup) : 1;
         for (uint32_t done = 0; done < count; done += kMostGroups) {
             const io::ExactPairsParams params{scene_.pieceCount,
                                               words_,
@@ -278,35 +284,34 @@ private:
                                               scene_.closed ? 1u : 0u,
                                               byLines() ? 1u : 0u,
                                               tolerance_};
-            commands.dispatch(made(pairsSource(clear)),
+            commands.dispatch(kernels_.pairs(clear),
                               {high(), low(), normal(), centre(), range(), clusters(), sidesA_,
                                sidesOf(diagonal), counters_.buffer(), blocks_, masks_, records_, lists_,
                                there_, backOf(diagonal), fewRecords_},
-                              params, io::kExactStrips, std::min(kMostGroups, count - done));
+                              params, strips, std::min(kMostGroups, count - done));
         }
     }
 
     void integrate(const gpu::Kernel& kernel, const gpu::Buffer& records, uint32_t first, uint32_t count,
                    const ExactTileRange& a, const ExactTileRange& b) {
         SecondsAdded timer(statistics.cubatureSeconds);
-        const uint32_t batch = device_.info().type == "discrete" ? kDiscreteBatch : kBatch;
+        const uint32_t most = device_.info().type == "discrete" ? kDiscreteBatch : kBatch;
+        const uint32_t batch = std::min(most, cellCapacity_ / cellsOfPair());
         for (uint32_t done = 0; done < count; done += batch)
             refine(kernel, records, first + done, std::min(batch, count - done));
         finish(records, first, count, a, b);
     }
 
     // Errors of a row's entries add up as squares: each of so many pairs may have its share.
-    float pairTolerance(uint32_t count, const ExactTileRange& a, const ExactTileRange& b) const {
-        const double perRow =
-            static_cast<double>(count) * (&a == &b ? 2 : 1) / a.pieces * scene_.pieceCount / b.pieces;
+    float pairTolerance(double count, const ExactTileRange& a, const ExactTileRange& b) const {
+        const double perRow = count * (&a == &b ? 2 : 1) / a.pieces * scene_.pieceCount / b.pieces;
         return static_cast<float>(pairCaution(options_.maxError, scene_.pieceCount) * options_.maxError /
                                   std::sqrt(std::max(perRow, kFewestPerRow)));
     }
 
     // Far pairs with blockers: in rounds, of which the next takes pairs that are not good enough.
-    void integrateLines(uint32_t count, const ExactTileRange& a, const ExactTileRange& b) {
+    void integrateLines(uint32_t count, float tolerance, const ExactTileRange& a, const ExactTileRange& b) {
         SecondsAdded timer(statistics.cubatureSeconds);
-        const float tolerance = pairTolerance(count, a, b);
         uint32_t left = count;
         for (uint32_t level = 0; level <= kLineLevels && left > 0; ++level) {
             gpu::Commands commands(device_);
@@ -314,12 +319,12 @@ private:
             for (uint32_t done = 0; done < left; done += kChunk) {
                 const uint32_t part = std::min(kChunk, left - done);
                 const io::ExactLinesParams params{done, part, level, level == kLineLevels, tolerance};
-                commands.dispatch(made(linesSource()),
+                commands.dispatch(kernels_.lines(),
                                   {high(), low(), normal(), centre(), range(), fewRecords_, lists_, sums_,
                                    cells_[level % 2], cells_[(level + 1) % 2], counters_.buffer()},
                                   params, gpu::groupsFor(part, io::kExactGroup));
             }
-            counters_.submitAndRead(std::move(commands));
+            submit(std::move(commands));
             left = std::min(counters_[io::kExactCellCount], left);
             if (level < kLineLevels) statistics.cells += uint64_t{left} << (2 * (level + 1));
         }
@@ -332,7 +337,7 @@ private:
         for (uint32_t done = 0; done < count; done += kChunk) {
             const uint32_t part = std::min(kChunk, count - done);
             const io::ExactFinishParams params{first + done, part, a.pieces, b.pieces};
-            commands.dispatch(made(finishSource()),
+            commands.dispatch(kernels_.finish(),
                               {normal(), range(), records, sums_, there_, backOf(&a == &b)}, params,
                               gpu::groupsFor(part, io::kExactGroup));
         }
@@ -340,42 +345,57 @@ private:
         collectErrors(records, first, count);
     }
 
-    // Level by level: cells that are not good enough come back as four. Pairs whose cells do not fit together
-    // begin again in two halves.
+    // A pair becomes at most four cells for each triangle of a piece that another's plane has cut.
+    uint32_t cellsOfPair() const { return 4 * (scene_.mostCorners - 1); }
+
+    // Level by level, and depth first where a level is large: a step takes so many cells that whatever they
+    // become fits into half of the room left. Levels take turns in two buffers.
     void refine(const gpu::Kernel& kernel, const gpu::Buffer& records, uint32_t firstPair, uint32_t pairs) {
-        bool firstLevel = true;
-        uint32_t first = firstPair, count = pairs;
-        for (uint32_t depth = 0; count > 0; ++depth) {
-            gpu::Commands commands(device_);
-            counters_.clear(commands);
-            for (uint32_t done = 0; done < count; done += kChunk) {
-                const uint32_t part = std::min(kChunk, count - done);
-                const io::ExactCellsParams params{scene_.pieceCount,
-                                                  first + done,
-                                                  part,
-                                                  cellCapacity_,
-                                                  firstLevel ? 1u : 0u,
-                                                  depth >= options_.maxDepth,
-                                                  options_.maxError >= kQuickFrom ? 1u : 0u,
-                                                  cellTolerance_};
-                commands.dispatch(kernel,
-                                  {high(), low(), normal(), centre(), range(), records, lists_,
-                                   cells_[depth % 2], counters_.buffer(), sums_, cells_[(depth + 1) % 2]},
-                                  params, gpu::groupsFor(part, io::kExactGroup));
+        struct Level {
+            uint32_t first, count;
+        };
+        std::vector<Level> levels{{0, refineOnce(kernel, records, firstPair, pairs, 0, 0)}};
+        while (!levels.empty()) {
+            const auto depth = static_cast<uint32_t>(levels.size());
+            Level& level = levels.back();
+            if (level.count == 0) {
+                levels.pop_back();
+                continue;
             }
-            counters_.submitAndRead(std::move(commands));
-            count = std::min(counters_[io::kExactCellCount], cellCapacity_);
-            statistics.cells += count;
-            const uint32_t overflows = counters_[io::kExactOverflowCount];
-            if (overflows > 0 && pairs > 1) {
-                refine(kernel, records, firstPair, pairs / 2);
-                refine(kernel, records, firstPair + pairs / 2, pairs - pairs / 2);
-                return;
-            }
-            statistics.overflows += overflows;
-            first = 0;
-            firstLevel = false;
+            const uint32_t next = depth > 1 ? levels[depth - 2].first + levels[depth - 2].count : 0;
+            const uint32_t left = cellCapacity_ - std::min(cellCapacity_, next);
+            // Pairs that are looked at from the other piece begin there.
+            const uint32_t each = depth > 1 ? 4 : cellsOfPair();
+            const uint32_t part = std::min(level.count, std::max(1u, left / (2 * each)));
+            level.count -= part;
+            const uint32_t first = level.first + level.count;
+            levels.push_back({next, refineOnce(kernel, records, first, part, next, depth)});
         }
+    }
+
+    // Pairs, at depth 0, or cells; how many were written from `next` on.
+    uint32_t refineOnce(const gpu::Kernel& kernel, const gpu::Buffer& records, uint32_t first, uint32_t count,
+                        uint32_t next, uint32_t depth) {
+        gpu::Commands commands(device_);
+        counters_.clear(commands);
+        for (uint32_t done = 0; done < count; done += kChunk) {
+            const uint32_t part = std::min(kChunk, count - done);
+            const io::ExactCellsParams params{scene_.pieceCount,
+                                              first + done,
+                                              part,
+                                              next,
+                                              depth == 0,
+                                              depth >= options_.maxDepth,
+                                              options_.maxError >= kQuickFrom ? 1u : 0u,
+                                              cellTolerance_};
+            commands.dispatch(kernel,
+                              {high(), low(), normal(), centre(), range(), records, lists_,
+                               cells_[(depth + 1) % 2], counters_.buffer(), sums_, cells_[depth % 2]},
+                              params, gpu::groupsFor(part, io::kExactGroup));
+        }
+        submit(std::move(commands));
+        statistics.cells += counters_[io::kExactCellCount];
+        return counters_[io::kExactCellCount];
     }
 
     void collectErrors(const gpu::Buffer& list, uint32_t first, uint32_t count) {
@@ -405,6 +425,7 @@ private:
     uint32_t words_ = 1, recordCapacity_ = 1, listCapacity_ = 1, cellCapacity_ = 1;
     float tolerance_ = 0, cellTolerance_ = 0;
     ExactScene scene_;
+    ExactKernels kernels_;
     gpu::Buffer there_, back_; // the tile and its mirror image
     gpu::Counters counters_;
     gpu::Buffer sidesA_, sidesB_, blocks_, masks_, records_, fewRecords_, lists_, sums_, cells_[2];
@@ -426,11 +447,6 @@ void report(const Solver& solver, const ExactOptions& options, ExactFormFactors&
     report.why = fmt::format("row error {:g} asked; {} blockers, {} pairs partly hidden, {} cells",
                              options.maxError, s.blockers, s.partial, s.cells);
     if (s.blockers == 0) report.skipped.emplace_back("occlusion: nothing can stand between two patches");
-    if (s.overflows > 0)
-        report.warnings.push_back(fmt::format("kernel exact ran out of room in {} places (blockers of one "
-                                              "pair beyond {}, or a buffer): form factors "
-                                              "there are less exact than claimed",
-                                              s.overflows, io::kExactListed));
 }
 
 ExactFormFactors emptyResult(const geometry::PatchMesh& mesh) {

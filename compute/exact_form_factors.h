@@ -1,8 +1,8 @@
 // Kernel `exact`: pairs are proven not facing, hidden or visible, or their visible part is found exactly at
-// cubature points; of far pairs, at row errors from 3e-5 on, along lines across them. No rays: errors are those
-// of cubature across the edges of shadows. The plan: coplanar patches merge into large convex blockers; pairs
-// of clusters, then of patches, are sorted out by shafts that leave few of them; far pairs by a product rule,
-// near ones by Lambert's formula over adaptively split cells, computed once per pair, so reciprocal by
+// cubature points; of far pairs, at row errors from 3e-5 on, along lines across them. No rays: errors are
+// those of cubature across the edges of shadows. The plan: coplanar patches merge into large convex blockers;
+// pairs of clusters, then of patches, are sorted out by shafts that leave few of them; far pairs by a product
+// rule, near ones by Lambert's formula over adaptively split cells, computed once per pair, so reciprocal by
 // construction.
 #pragma once
 
@@ -18,14 +18,16 @@ struct ExactOptions {
     double maxError = 1e-4;   // wanted RMS over rows of ||F_i - true||_2; at least 1e-7
     uint32_t maxDepth = 14;   // halvings of a cell
     bool entryErrors = false; // exactFormFactors keeps an error of each entry too, as large as the matrix
+    // For lists of blockers and cells of cubature; less takes more rounds. Room for those of 16 x 16 patches,
+    // 2 kB a blocker, is needed: throws std::runtime_error.
+    uint64_t workBytes = 256u << 20;
 };
 
 struct ExactStatistics {
-    uint64_t pairs = 0;     // of patches, once each
-    uint64_t visible = 0;   // near and proven visible: adaptive
-    uint64_t partial = 0;   // something stands between
-    uint64_t cells = 0;     // of cubature beyond one per pair
-    uint64_t overflows = 0; // places where a capacity ran out; results there are less exact than claimed
+    uint64_t pairs = 0;   // of patches, once each
+    uint64_t visible = 0; // near and proven visible: adaptive
+    uint64_t partial = 0; // something stands between
+    uint64_t cells = 0;   // of cubature beyond one per pair
     uint32_t blockers = 0;
     bool closed = false;                       // rooms are closed solids: only fronts block
     uint64_t clearBlocks = 0, mixedBlocks = 0; // pairs of clusters that face one another and are not hidden

@@ -1,5 +1,5 @@
-// One pair of clusters: not facing and hidden are dropped; the rest becomes a block, with one bit for each blocker that may
-// stand between.
+// One pair of clusters: not facing and hidden are dropped; the rest becomes a block, with one bit for each blocker that
+// may stand between.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -8,6 +8,7 @@
 #include "shaders/io/exact_form_factors.io.h"
 #include "shaders/lib/exact_scene.glsl"
 #include "shaders/lib/exact_shaft.glsl"
+#include "shaders/lib/loop_limit.glsl"
 
 layout(local_size_x = kExactGroup) in;
 layout(set = 0, binding = 5) uniform usamplerBuffer clusters;
@@ -69,4 +70,5 @@ void main() {
     bool hidden;
     bool clear = findBlockers(a, b, o, block, hidden);
     if (!hidden) addBlock(block, clear);
+    if (cutShort(min(params.pieceCount, 2u))) atomicAdd(counters[kExactCutCount], 1u);
 }

@@ -9,13 +9,21 @@
 #include "shaders/lib/exact_scene.glsl"
 #include "shaders/lib/exact_cubature.glsl"
 #include "shaders/lib/visible_polygon.glsl"
+#include "shaders/lib/hidden_stretches.glsl"
+#include "shaders/lib/monte_carlo_points.glsl"
+#include "shaders/lib/lit_along_lines.glsl"
+
+// Of lines: their errors fall faster than their cost rises, but where they do not matter a few are enough.
+uint foursFor(uint listed) {
+    uint wanted = demand < 32.0 ? 1u : demand < 256.0 ? 4u : 16u;
+    return min(wanted, max(1u, 2560u / listed)); // loop_limit.glsl
+}
 
 // `piece` is what of the inner piece lies above the outer one's plane.
 Face outerFace;
 Frame outerFrame;
 Frame innerFrame;
 Origin origin;
-bool bySampling = false;
 
 void loadPair(uint record) {
     pair.record = record;
@@ -44,19 +52,18 @@ void loadPair(uint record) {
 float seen(vec2 at) {
     vec3 point = lift(outerFrame, at);
     lineCount = 0;
-    linesLost = false;
-    bySampling = false;
+    linesLost = crowded();
     bool hidden = false;
-    NO_UNROLL for (uint m = 0u; m < pair.r.listed && !hidden; ++m)
+    NO_UNROLL for (uint m = 0u; m < pair.r.listed && !hidden && !linesLost; ++m)
         hidden = castShadow(innerFrame, origin, faceAt(lists[pair.r.firstListed + m]), point, m, pair.innerSize);
     float share = 1.0;
     NO_UNROLL for (bool once = linesLost && !hidden; once; once = false) {
-        share = litShareByRays(innerFrame, origin, point, outerFace.normal, innerFrame.n, pair.r.firstListed, pair.r.listed);
-        bySampling = true;
+        share = litShareAlongLines(innerFrame, origin, point, outerFace.normal, pair.r.firstListed, pair.r.listed,
+                                   foursFor(pair.r.listed));
         lineCount = 0;
     }
     float lit = hidden ? 0.0 : share * max(0.0, litFactor(innerFrame, point, outerFace.normal, pair.innerSize));
-    views |= lit <= 0.0 ? kSeesNothing : lineCount == 0 && !bySampling ? kSeesAll : kSeesPart;
+    views |= lit <= 0.0 ? kSeesNothing : lineCount == 0 && share == 1.0 ? kSeesAll : kSeesPart;
     return lit;
 }
 
@@ -82,5 +89,3 @@ float bendDistance(vec2 at) {
     }
     return nearest;
 }
-
-bool sampled() { return bySampling; }

@@ -1,4 +1,5 @@
-// Cubature of pairs with at most two blockers, all faces of at most four corners: most of the work, nearly without arrays.
+// Cubature of pairs with at most two blockers, all faces of at most four corners: most of the work, nearly without
+// arrays.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -123,7 +124,8 @@ float bendDistance(vec2 at) {
     float nearest = 1e30;
     float flat_ = 1e-6 * (pair.innerSize + sqrt(pair.outerArea));
     [[unroll]] for (int k = 0; k <= kCorners; ++k) {
-        vec3 a = vec3(rimFrom[k] + rim[k].x * rimAlong[k], 0.0) - p, b = vec3(rimFrom[k] + rim[k].y * rimAlong[k], 0.0) - p;
+        vec3 a = vec3(rimFrom[k] + rim[k].x * rimAlong[k], 0.0) - p,
+             b = vec3(rimFrom[k] + rim[k].y * rimAlong[k], 0.0) - p;
         vec3 ab = b - a;
         bool inPlane = abs(dot(facing, a)) <= flat_ && abs(dot(facing, b)) <= flat_;
         float length2 = dot(ab, ab), t = length2 > 0.0 ? clamp(-dot(a, ab) / length2, 0.0, 1.0) : 0.0;
@@ -132,5 +134,3 @@ float bendDistance(vec2 at) {
     }
     return nearest;
 }
-
-bool sampled() { return false; }

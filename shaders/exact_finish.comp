@@ -22,7 +22,8 @@ void main() {
     float fromInner =
         fromOuter * texelFetch(faceNormal, int(r.outer)).w / texelFetch(faceNormal, int(r.inner)).w;
     bool outerFirst = r.outer < r.inner;
-    uint row = texelFetch(faceRange, int(min(r.outer, r.inner))).w, column = texelFetch(faceRange, int(max(r.outer, r.inner))).w;
+    uint row = texelFetch(faceRange, int(min(r.outer, r.inner))).w,
+         column = texelFetch(faceRange, int(max(r.outer, r.inner))).w;
     there[row * params.columns + column] = outerFirst ? fromOuter : fromInner;
     back[column * params.rows + row] = outerFirst ? fromInner : fromOuter;
 }

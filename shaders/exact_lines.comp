@@ -1,9 +1,8 @@
-// Far pairs of triangles that something may stand between, at errors where that is cheaper than exact borders: what points of the
-// outer piece see of the inner one, along four lines across it that stand for equal areas. Of a line a convex blocker hides one
-// stretch, found exactly; stretches are kept as 32 bits, so that what any number of blockers hides is their union.
-// Points: J. Radon, "Zur mechanischen Kubatur", 1948, as in lib/exact_cubature.glsl: four, seven,
-// then four in each of 4, 16, 64 parts, in rounds that only pairs take whose last two results disagree. Pairs of which four
-// points see nothing, or all see everything, go on from the other piece: lib/exact_cubature.glsl says why.
+// Far pairs of triangles that something may stand between, at errors where that is cheaper than exact borders: what
+// points of the outer piece see of the inner one, along four lines across it that stand for equal areas
+// (lib/hidden_stretches.glsl). Points: J. Radon, "Zur mechanischen Kubatur", 1948, as in lib/exact_cubature.glsl: four,
+// seven, then four in each of 4, 16, 64 parts, in rounds that only pairs take whose last two results disagree. Pairs of
+// which four points see nothing, or all see everything, go on from the other piece: lib/exact_cubature.glsl says why.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -11,12 +10,15 @@
 #extension GL_KHR_shader_subgroup_vote : require
 #include "shaders/io/exact_form_factors.io.h"
 #include "shaders/lib/exact_scene.glsl"
+#include "shaders/lib/hidden_stretches.glsl"
+#include "shaders/lib/loop_limit.glsl"
 #include "shaders/lib/monte_carlo_points.glsl"
 
 layout(local_size_x = kExactGroup) in;
 layout(set = 0, binding = 5, scalar) buffer Records { ExactRecord records[]; };
 layout(set = 0, binding = 6, scalar) readonly buffer Lists { uint lists[]; };
-layout(set = 0, binding = 7, scalar) buffer Results { uvec3 results[]; }; // per record: form factor, its fraction, error
+// Per record: form factor, its fraction, error.
+layout(set = 0, binding = 7, scalar) buffer Results { uvec3 results[]; };
 layout(set = 0, binding = 8, scalar) readonly buffer Again { uint again[]; }; // records that go on, from level 1
 layout(set = 0, binding = 9, scalar) writeonly buffer Next { uint next[]; };  // to the next level
 layout(set = 0, binding = 10, scalar) buffer Counters { uint counters[]; };
@@ -29,7 +31,8 @@ const float kRadonNearLow = 0.25 / ((1.0 - 3.0 * kRadonNear) * (1.0 - 3.0 * kRad
 const float kLeastError = 0.1; // of what differs from point to point
 const float kMissed = 0.02; // of the piece: a corner in light or shadow between points that agree
 const float kQuickError = 2.0; // four points agree by accident more often than seven
-const uint kBitsWith[5] = uint[](0xaaaaaaaau, 0xccccccccu, 0xf0f0f0f0u, 0xff00ff00u, 0xffff0000u); // 1, 2, 4, 8, 16 in their place
+const uint kBitsWith[5] =
+    uint[](0xaaaaaaaau, 0xccccccccu, 0xf0f0f0f0u, 0xff00ff00u, 0xffff0000u); // 1, 2, 4, 8, 16 in their place
 
 Origin origin;
 ExactRecord record;
@@ -53,19 +56,6 @@ float kernel(vec3 d) {
     return max(0.0, dot(outerNormal, d)) * max(0.0, -dot(innerNormal, d)) / (r2 * r2);
 }
 
-// Stretches of four lines, and values along them that are positive within.
-struct Stretches {
-    vec4 from, to;
-};
-
-void narrow(inout Stretches s, vec4 a, vec4 b) {
-    vec4 t = a / (a - b);
-    bvec4 atA = lessThan(a, vec4(0.0)), atB = lessThan(b, vec4(0.0));
-    vec4 from = mix(max(s.from, t), vec4(2.0), atB);
-    s.from = mix(s.from, from, atA);
-    s.to = mix(mix(s.to, min(s.to, t), atB), s.to, atA);
-}
-
 // What a blocker hides of the lines at `h` of the way to the longest edge.
 uvec4 shadowOf(uint face, vec3 point, vec3 a[3], vec4 h, vec4 jitter) {
     Face f = faceAt(face);
@@ -82,16 +72,13 @@ uvec4 shadowOf(uint face, vec3 point, vec3 a[3], vec4 h, vec4 jitter) {
         narrow(s, d.x + h * (d.y - d.x), d.x + h * (d.z - d.x));
         k0 = k1;
     }
-    uvec4 from = uvec4(clamp(s.from * 32.0 + jitter, 0.0, 32.0)), to = uvec4(clamp(s.to * 32.0 + jitter, 0.0, 32.0));
-    uvec4 count = mix(to - from, uvec4(0u), lessThanEqual(to, from));
-    uvec4 bits = ((uvec4(1u) << (count & 31u)) - 1u) << (from & 31u);
-    return edgeOn ? uvec4(0u) : mix(bits, uvec4(~0u), greaterThan(count, uvec4(31u)));
+    return edgeOn ? uvec4(0u) : bitsOf(s, jitter);
 }
 
 float open_; // the last point's form factor in the open
 uint hiddenOfLast; // bits of all four lines that are hidden from it: 0 to 128
 
-// Form factor from a point to what it sees of the inner piece, times pi, over its area; the lines differ from point to point.
+// From a point to what it sees of the inner piece, times pi, over its area; each point has its own lines.
 float seen(vec3 point, uint k) {
     vec3 a[3];
     vec3 middle = vec3(0.0);
@@ -112,21 +99,23 @@ float seen(vec3 point, uint k) {
     } while (subgroupAny(m < record.listed));
     ivec4 count = bitCount(hidden);
     hiddenOfLast = uint(count.x + count.y + count.z + count.w);
-    // The kernel as a linear function, from points of the rule of degree 2. Along a line each bit has its own place: quarters would
-    // do for one point, but err alike in all pairs of a piece that a near blocker hides in part.
+    // The kernel as a linear function, from points of the rule of degree 2. Along a line each bit has its own place:
+    // quarters would do for one point, but err alike in all pairs of a piece that a near blocker hides in part.
     vec3 g = vec3(kernel(0.5 * (middle + a[0])), kernel(0.5 * (middle + a[1])), kernel(0.5 * (middle + a[2])));
     float mean = dot(g, vec3(1.0 / 3.0));
     g = mean + 2.0 * (g - mean);
-    vec4 near = g.x + h * (g.y - g.x), along = h * (g.z - g.y), places = 0.5 * vec4(count); // sum of those of hidden bits
+    vec4 near = g.x + h * (g.y - g.x), along = h * (g.z - g.y);
+    vec4 places = 0.5 * vec4(count); // sum of those of hidden bits
     [[unroll]] for (int b = 0; b < 5; ++b) places += float(1 << b) * vec4(bitCount(hidden & kBitsWith[b]));
     vec4 lit = near * (32.0 - vec4(count)) + along * (16.0 - places / 32.0);
-    float all = 32.0 * dot(near + 0.5 * along, vec4(1.0)), share = all > 0.0 ? max(0.0, dot(lit, vec4(1.0))) / all : 0.0;
+    float all = 32.0 * dot(near + 0.5 * along, vec4(1.0)),
+          share = all > 0.0 ? max(0.0, dot(lit, vec4(1.0))) / all : 0.0;
     open_ = mean;
     return mean * share;
 }
 
-// Barycentric place of a point: the far three, the centre, the near three of the piece, or of one of the triangles that halving
-// all edges `params.level` times makes of it.
+// Barycentric place of a point: the far three, the centre, the near three of the piece, or of one of the triangles that
+// halving all edges `params.level` times makes of it.
 vec3 placeOf(uint k, uint cell) {
     float t = k == 3u ? 1.0 / 3.0 : k < 3u ? kRadonFar : kRadonNear;
     vec3 place = mix(vec3(t), vec3(1.0 - 2.0 * t), equal(uvec3(k % 4u), uvec3(0u, 1u, 2u)));
@@ -197,7 +186,8 @@ void main() {
     innerNormal = innerFace.normal;
     loadInner(innerFace);
     seed = hashOf(min(record.outer, record.inner) * 0x9e3779b9u ^ hashOf(max(record.outer, record.inner)));
-    float scale = kInversePi * innerFace.area, limit = params.tolerance / (scale * max(1.0, outerFace.area / innerFace.area));
+    float scale = kInversePi * innerFace.area,
+          limit = params.tolerance / (scale * max(1.0, outerFace.area / innerFace.area));
     vec2 result;
     bool turned = false;
     if (params.level == 0u)
@@ -215,4 +205,5 @@ void main() {
     uint whole = uint(scaled);
     results[index] =
         uvec3(whole, uint((scaled - float(whole)) * kExactFraction), uint(min(scale * result.y, 1.0) * kExactOne));
+    if (cutShort(min(record.outer + record.inner, 1u) + 1u)) atomicAdd(counters[kExactCutCount], 1u);
 }

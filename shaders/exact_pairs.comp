@@ -1,5 +1,5 @@
-// Pairs of pieces of one block: not facing and proven hidden stay zero; far and visible is integrated here by a product rule;
-// the rest becomes a record, with the blockers that may stand between.
+// Pairs of pieces of one block: not facing and proven hidden stay zero; far and visible is integrated here by a product
+// rule; the rest becomes a record, with the blockers that may stand between.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -8,6 +8,7 @@
 #include "shaders/io/exact_form_factors.io.h"
 #include "shaders/lib/exact_scene.glsl"
 #include "shaders/lib/exact_shaft.glsl"
+#include "shaders/lib/loop_limit.glsl"
 
 layout(local_size_x = kExactGroup) in;
 layout(set = 0, binding = 5) uniform usamplerBuffer clusters;
@@ -17,7 +18,7 @@ layout(set = 0, binding = 8, scalar) buffer Counters { uint counters[]; };
 layout(set = 0, binding = 9, scalar) readonly buffer Blocks { uint blocks[]; };
 layout(set = 0, binding = 10, scalar) readonly buffer Masks { uint masks[]; };
 layout(set = 0, binding = 11, scalar) writeonly buffer Records { ExactRecord records[]; };
-layout(set = 0, binding = 12, scalar) writeonly buffer Lists { uint lists[]; };
+layout(set = 0, binding = 12, scalar) buffer Lists { uint lists[]; };
 layout(set = 0, binding = 13, scalar) writeonly buffer There { float there[]; }; // [row][column] of the tile
 layout(set = 0, binding = 14, scalar) writeonly buffer Back { float back[]; };   // [column][row]
 layout(set = 0, binding = 15, scalar) writeonly buffer FewRecords { ExactRecord fewRecords[]; };
@@ -26,8 +27,10 @@ layout(constant_id = 1) const bool kClear = true; // nothing can stand in any of
 
 const float kInversePi = 0.318309886184;
 
-uint listed[kExactListed];
+uint listed[kExactListed]; // the first of them
 uint listedCount;
+uint firstListed; // in `lists`
+bool listFits;
 bool few; // exact_few.comp can do the pair
 
 uint betweenOf(uint i, uint j, uint block, uint w, out uint front, out uint wholes) {
@@ -38,30 +41,42 @@ uint betweenOf(uint i, uint j, uint block, uint w, out uint front, out uint whol
     return between(si, sj, params.closed != 0u) & masks[block * params.words + w];
 }
 
-// Lists blockers of the block's mask that may stand between; true when one hides the pair.
+// Lists blockers of the block's mask that may stand between; true when one hides the pair. Those beyond what `listed`
+// holds go straight to `lists`, on a second walk.
 bool listBlockers(uint i, uint j, Origin o, uint block) {
     buildShaft();
-    uint w = 0u, front, wholes;
-    uint bits = betweenOf(i, j, block, w, front, wholes);
-    bool hidden = false;
+    bool hidden = false, walks = true, again = false;
     [[dont_unroll]] do {
-        bool more;
-        [[dont_unroll]] do { // to the next blocker
-            more = bits == 0u && w + 1u < params.words;
-            if (more) bits = betweenOf(i, j, block, ++w, front, wholes);
-        } while (subgroupAny(more));
-        uint bit = bits & (~bits + 1u);
-        bits &= ~bit;
-        uint face = params.pieceCount + 32u * w + uint(max(findLSB(bit), 0));
-        uvec4 range = texelFetch(faceRange, int(face));
-        bvec2 found = standing(o, range, (front & bit) != 0u ? -1.0 : 1.0);
-        if (bit != 0u && !hidden && !found.x) {
-            if (listedCount < kExactListed) listed[listedCount] = face;
-            ++listedCount;
-            few = few && range.y <= kExactFewCorners;
-            hidden = (bit & wholes) != 0u && found.y;
+        uint w = walks ? 0u : params.words - 1u, front, wholes, count = 0u;
+        uint bits = betweenOf(i, j, block, w, front, wholes);
+        bits = walks ? bits : 0u;
+        [[dont_unroll]] do {
+            bool more;
+            [[dont_unroll]] do { // to the next blocker
+                more = bits == 0u && w + 1u < params.words;
+                if (more) bits = betweenOf(i, j, block, ++w, front, wholes);
+            } while (subgroupAny(more));
+            uint bit = bits & (~bits + 1u);
+            bits &= ~bit;
+            uint face = params.pieceCount + 32u * w + uint(max(findLSB(bit), 0));
+            uvec4 range = texelFetch(faceRange, int(face));
+            bvec2 found = standing(o, range, (front & bit) != 0u ? -1.0 : 1.0);
+            if (bit != 0u && !hidden && !found.x) {
+                if (again && count >= kExactListed) lists[firstListed + count] = face;
+                if (!again && count < kExactListed) listed[count] = face;
+                ++count;
+                few = few && range.y <= kExactFewCorners;
+                hidden = (bit & wholes) != 0u && found.y;
+            }
+        } while (subgroupAny(!hidden && (bits != 0u || w + 1u < params.words)));
+        if (!again) {
+            listedCount = hidden ? 0u : count;
+            firstListed = listedCount > 0u ? atomicAdd(counters[kExactListCount], listedCount) : 0u;
+            listFits = firstListed + listedCount <= params.listCapacity;
         }
-    } while (subgroupAny(!hidden && (bits != 0u || w + 1u < params.words)));
+        walks = !again && listFits && listedCount > kExactListed;
+        again = true;
+    } while (subgroupAny(walks));
     return hidden;
 }
 
@@ -108,18 +123,17 @@ vec2 distancesTo(Origin o, vec3 p, vec3 q, uint face) {
     return sqrt(height * height + beyond * beyond);
 }
 
-void addRecord(uint outer, uint inner, uint firstListed, uint count, bool byLines) {
-    uint kind = byLines                                ? kExactLineCount
-                : !few                                 ? kExactManyCount
-                : count == 0u                          ? kExactOpenCount
+void addRecord(uint outer, uint inner, uint first, uint count, bool byLines) {
+    uint kind = byLines                               ? kExactLineCount
+                : !few                                ? kExactManyCount
+                : count == 0u                         ? kExactOpenCount
                 : count == 1u && params.byLines == 0u ? kExactOneCount
-                                                       : kExactTwoCount; // few are left: not worth a kernel of their own
+                                                      : kExactTwoCount; // few are left: not worth a kernel of their own
     bool fromEnd = kind == kExactManyCount || kind == kExactTwoCount;
     uint slot = atomicAdd(counters[kind], 1u), place = fromEnd ? params.recordCapacity - 1u - slot : slot;
-    ExactRecord record = ExactRecord(outer, inner, firstListed, count);
-    if (slot >= params.recordCapacity)
-        atomicAdd(counters[kExactOverflowCount], 1u);
-    else if (byLines || few && count > 0u)
+    ExactRecord record = ExactRecord(outer, inner, first, count);
+    if (slot >= params.recordCapacity) return;
+    if (byLines || few && count > 0u)
         fewRecords[place] = record;
     else
         records[place] = record;
@@ -129,26 +143,19 @@ void addPartial(uint i, uint j, Origin o, float areaI, float areaJ, bool byLines
     // Points lie on the side farther from the blockers, where shadows are blurred; but not on a much larger piece.
     vec3 ci = centreFrom(o, i), cj = centreFrom(o, j);
     vec2 clear = vec2(1e30);
-    uint count = min(listedCount, kExactListed);
+    uint count = listFits ? listedCount : min(listedCount, kExactListed);
     uint m = 0u;
     [[dont_unroll]] do {
-        uint face = listed[min(m, count - 1u)];
+        uint k = min(m, count - 1u);
+        uint face = k < kExactListed ? listed[k] : lists[firstListed + k];
         clear = min(clear, distancesTo(o, ci, cj, face));
+        if (listFits && m < min(count, kExactListed)) lists[firstListed + m] = face;
         ++m;
     } while (subgroupAny(m < count));
     bool iIsOuter = clear.x * sqrt(areaJ) >= clear.y * sqrt(areaI);
-    uint first = atomicAdd(counters[kExactListCount], count);
     atomicAdd(counters[kExactPartialCount], 1u);
-    bool fits = first + count <= params.listCapacity;
-    if (!fits || listedCount > kExactListed) atomicAdd(counters[kExactOverflowCount], 1u);
-    if (!fits) return;
-    m = 0u;
-    [[dont_unroll]] do {
-        if (m < count) lists[first + m] = listed[m];
-        ++m;
-    } while (subgroupAny(m < count));
-    few = few && count <= kExactFew;
-    addRecord(iIsOuter ? i : j, iIsOuter ? j : i, first, count, byLines);
+    few = few && listedCount <= kExactFew;
+    addRecord(iIsOuter ? i : j, iIsOuter ? j : i, firstListed, listedCount, byLines);
 }
 
 void addNear(uint i, uint j, float areaI, float areaJ) {
@@ -175,8 +182,9 @@ void classify(uint i, uint j, uint block) {
     few = max(a.count, b.count) <= kExactFewCorners;
     if (!kClear && facing) {
         hidden = listBlockers(i, j, o, block);
-        bool partial = !hidden && listedCount > 0u;
-        bool byLines = partial && params.byLines != 0u && few && kCorners == 3 && !straddles && isFar(i, j, o, a.area, b.area);
+        bool partial = listedCount > 0u; // and not hidden
+        bool byLines = partial && params.byLines != 0u && listedCount <= kExactLongList && few && kCorners == 3 &&
+                       !straddles && isFar(i, j, o, a.area, b.area);
         if (partial) addPartial(i, j, o, a.area, b.area, byLines);
     }
     bool visible = facing && !hidden && listedCount == 0u;
@@ -198,6 +206,7 @@ void main() {
     [[dont_unroll]] do {
         uint i = a.x + p / b.y, j = b.x + p % b.y;
         if (p < count && i < j) classify(i, j, block);
-        p += kExactStrips * kExactGroup;
+        p += gl_NumWorkGroups.x * kExactGroup;
     } while (subgroupAny(p < count));
+    if (!kClear && cutShort(min(params.pieceCount, 2u))) atomicAdd(counters[kExactCutCount], 1u);
 }

@@ -1,5 +1,6 @@
-// For each piece and cluster, one bit per blocker: piece wholly in front of its plane, wholly behind, blocker wholly behind the
-// piece. A blocker in the piece's own plane counts as behind: rounding must not let a wall hide its own patches.
+// For each piece and cluster, one bit per blocker: piece wholly in front of its plane, wholly behind, blocker wholly
+// behind the piece. A blocker in the piece's own plane counts as behind: rounding must not let a wall hide its own
+// patches.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require

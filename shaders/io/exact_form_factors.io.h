@@ -6,30 +6,31 @@ IO_BEGIN
 const uint kExactGroup = 64u;
 const uint kExactPieceCorners = 6u;    // most corners of a radiating piece; larger patches are cut
 const uint kExactBlockerCorners = 8u;  // of a blocker
-const uint kExactListed = 64u;         // blockers of one pair that classification can name
+const uint kExactListed = 64u;         // blockers of one pair that one walk can name; more take a second
 const float kExactOne = 1073741824.0f; // a form factor of 1 in fixed point: sums do not depend on their order
 const float kExactFraction = 4096.0f;    // and of what is left over, for 2^20 cells a pair
 const uint kExactCellWords = 7u;       // a cell of cubature: record, three corners in the plane of the outer piece
 const uint kExactFew = 2u;             // so many blockers are quickly done, when no face has more corners than these
 const uint kExactFewCorners = 4u;
-const uint kExactStrips = 1u;          // groups that share the pairs of one block
+const uint kExactLongList = 160u; // 256 points behind more blockers are too much at once, lib/loop_limit.glsl
 
-// Counters, one uint each.
+// Counters, one uint each. Lists and records that do not fit are counted, not written: the host asks again for fewer
+// blocks.
 const uint kExactOpenCount = 0u; // pairs that nothing can stand between, exact_few.comp
 const uint kExactManyCount = 1u; // for exact_cells.comp; filled from the end of the same records
 const uint kExactListCount = 2u;
 const uint kExactCellCount = 3u;
-const uint kExactOverflowCount = 4u; // of any capacity: results are less exact than claimed
-const uint kExactClearCount = 5u;    // blocks that nothing can stand in
-const uint kExactMixedCount = 6u;    // and others, filled from the end of the blocks
-const uint kExactOneCount = 7u;     // pairs with one blocker, in records of their own, exact_few.comp too
-const uint kExactTwoCount = 8u;     // with two; filled from their end
-const uint kExactPartialCount = 9u; // pairs with blockers
-const uint kExactLineCount = 10u; // far pairs of triangles with blockers, exact_lines.comp; in the place of those with one
+const uint kExactClearCount = 4u;   // blocks that nothing can stand in
+const uint kExactMixedCount = 5u;   // and others, filled from the end of the blocks
+const uint kExactOneCount = 6u;     // pairs with one blocker, in records of their own, exact_few.comp too
+const uint kExactTwoCount = 7u;     // with two; filled from their end
+const uint kExactPartialCount = 8u; // pairs with blockers
+const uint kExactLineCount = 9u; // far pairs of triangles with blockers, exact_lines.comp; where those with one were
+const uint kExactCutCount = 10u; // invocations whose loops the device ended early, lib/loop_limit.glsl
 const uint kExactCounters = 11u;
 
-// Faces come in this order: pieces, blockers, clusters. A cluster (uvec4) is: first piece, pieces, face of the rectangle that
-// holds them, 1 where it lies in one plane.
+// Faces come in this order: pieces, blockers, clusters. A cluster (uvec4) is: first piece, pieces, face of the
+// rectangle that holds them, 1 where it lies in one plane.
 struct ExactRecord {
     uint outer; // the piece that carries the points
     uint inner;
@@ -85,7 +86,7 @@ struct ExactCellsParams {
     uint pieceCount;
     uint first; // record (first level) or cell
     uint count;
-    uint cellCapacity;
+    uint next;            // where cells of the next level begin; there is room for all that can come
     uint firstLevel;      // 1: whole pairs, 0: cells
     uint maxDepthReached; // 1: do not split any more
     uint quick;           // 1: loose: look at four points of a partly hidden pair first, trust the rules in the open

@@ -1,19 +1,19 @@
-// Cubature over one cell of a pair: Lambert's formula of what is visible from seven points of the outer piece. Cells whose two
-// rules disagree are split in four for the next round. The shader that includes this declares what is seen, from a point given
-// in the plane of the outer piece:
+// Cubature over one cell of a pair: Lambert's formula of what is visible from seven points of the outer piece. Cells
+// whose two rules disagree are split in four for the next round. The shader that includes this declares what is seen,
+// from a point given in the plane of the outer piece:
 //   void loadPair(uint record);        sets `pair` and, at the first level, `outer`
 //   float seen(vec2 at);               form factor from the point to what it sees of the inner piece
 //   vec3 fromInner(vec2 at);           the point, relative to a corner of the inner piece
 //   float bendDistance(vec2 at);       how far it is from where that bends: the border of the inner piece
-//   bool sampled();                    what was last seen holds noise, which splitting does not take away
 // and adds what each point sees, nothing, all or a part, to `views`.
-// A sliver of light or shadow along an edge of the outer piece lies between all points, while every point of the inner piece
-// sees it: pairs of which all points see nothing, or all see everything, are looked at from the inner piece too. What both
-// looks miss is a sliver of a sliver.
-// Rule: J. Radon, "Zur mechanischen Kubatur", 1948 (degree 5), with the degree-2 rule on four of its points.
-// Needs shaders/io/exact_form_factors.io.h. Loops: see exact_shaft.glsl.
+// A sliver of light or shadow along an edge of the outer piece lies between all points, while every point of the inner
+// piece sees it: pairs of which all points see nothing, or all see everything, are looked at from the inner piece too.
+// What both looks miss is a sliver of a sliver.
+// Rule: J. Radon, "Zur mechanischen Kubatur", 1948 (degree 5), with the
+// degree-2 rule on four of its points. Needs shaders/io/exact_form_factors.io.h. Loops: see exact_shaft.glsl.
 #ifndef EXACT_CUBATURE_GLSL
 #define EXACT_CUBATURE_GLSL
+#include "shaders/lib/loop_limit.glsl"
 
 layout(local_size_x = kExactGroup) in;
 layout(set = 0, binding = 5, scalar) buffer Records { ExactRecord records[]; };
@@ -40,27 +40,34 @@ int outerCorners;
 bool wholePair; // a first look, from either side, not a cell
 const uint kSeesNothing = 1u, kSeesAll = 2u, kSeesPart = 4u;
 uint views;
-bool noisy; // some point of the cell was sampled
+float demand; // of the cell: the most that it may exchange over what it may err
 
 void loadPair(uint record);
 float seen(vec2 at);
 vec3 fromInner(vec2 at);
 float bendDistance(vec2 at);
-bool sampled();
 
-const float kSmooth = 0.25; // in the open the rule of degree 5 errs much less (by 20 in rooms; where slivers cross, less than 4)
+const uint kCrowd = 8u; // more blockers than these are looked at along lines, which errs from point to point
+bool crowded() { return pair.r.listed > kCrowd; }
+
+// In the open the rule of degree 5 errs much less: by 20 in rooms; where slivers cross, less than 4.
+const float kSmooth = 0.25;
 const float kLeastError = 0.1; // of what differs from point to point
+const float kNoise = 0.15; // error of the mean of seven independent points, of what differs from point to point
 const float kQuickError = 2.0; // four points agree by accident more often than seven
 const float kMissed = 0.02; // of what is there in the open: a sliver between points that agree
 const float kProbe = 0.02, kBeyond = 0.05; // weight of a corner's two lesser neighbours; area that a corner stands for
+// Behind more blockers one triangle of a piece is enough for an invocation, else two: loop_limit.glsl.
+const uint kOneTriangle = 40u;
 const uint kWholePair = 0xffffffffu; // in the place of a cell's first corner
 
 // x by the rule of degree 5, y how far the farther of two rules of degree 2 is from it.
-// A quick look takes the centre and the far three alone. With `probed`, three more points near the corners, of which some lie
-// beyond any straight border of light that crosses the cell: how far they are from what the others lead to expect.
+// A quick look takes the centre and the far three alone. With `probed`, three more points near the corners, of which
+// some lie beyond any straight border of light that crosses the cell: how far they are from what the others lead to
+// expect.
 vec2 overCell(vec2 a, vec2 b, vec2 c, bool quick, bool probed) {
-    // Barycentric weight of the two lesser corners. Three points at (1 - 2 t, t, t) and the centre integrate quadratics when
-    // the three weigh 1/4 / (1 - 3 t)^2 together; shadows make one such rule agree by accident, seldom both.
+    // Barycentric weight of the two lesser corners. Three points at (1 - 2 t, t, t) and the centre integrate quadratics
+    // when the three weigh 1/4 / (1 - 3 t)^2 together; shadows make one such rule agree by accident, seldom both.
     const float kNear = 0.470142064105, kFar = 0.101286507323;
     const float kFarLow = 0.25 / ((1.0 - 3.0 * kFar) * (1.0 - 3.0 * kFar));
     const float kNearLow = 0.25 / ((1.0 - 3.0 * kNear) * (1.0 - 3.0 * kNear));
@@ -69,7 +76,6 @@ vec2 overCell(vec2 a, vec2 b, vec2 c, bool quick, bool probed) {
     // One call, so that drivers that inline everything compile it once.
     int points = quick ? 4 : 7, all = points + (probed ? 3 : 0), k = 0;
     views = 0u;
-    noisy = false;
     vec3 far = vec3(0.0);
     float beyond = 0.0;
     [[dont_unroll]] do {
@@ -82,18 +88,21 @@ vec2 overCell(vec2 a, vec2 b, vec2 c, bool quick, bool probed) {
         if (k < points) sums += k < 3 ? vec3(0.0, f, 0.0) : k > 3 ? vec3(f, 0.0, 0.0) : vec3(0.0, 0.0, f);
         if (k < points) range = vec2(min(range.x, f), max(range.y, f));
         if (k < 3) far[k] = f;
-        float expected = mix(sums.z, turn == 0 ? far.x : turn == 1 ? far.y : far.z, (1.0 - 3.0 * kProbe) / (1.0 - 3.0 * kFar));
+        float nearest = turn == 0 ? far.x : turn == 1 ? far.y : far.z;
+        float expected = mix(sums.z, nearest, (1.0 - 3.0 * kProbe) / (1.0 - 3.0 * kFar));
         if (probe && k < all) beyond += kBeyond * abs(f - max(0.0, expected));
         if (k >= points) views = viewsBefore; // neighbours may need more points
-        noisy = noisy || k < all && sampled();
         ++k;
     } while (subgroupAny(k < all));
     float centre = sums.z;
     float byFar = kFarLow / 3.0 * sums.y + (1.0 - kFarLow) * centre;
-    if (quick) return vec2(byFar, max(beyond, max(kQuickError * abs(byFar - centre), kLeastError * (range.y - range.x))));
+    if (quick)
+        return vec2(byFar, max(beyond, max(kQuickError * abs(byFar - centre), kLeastError * (range.y - range.x))));
     float value = 0.132394152788 * sums.x + 0.125939180545 * sums.y + 0.225 * centre;
     float byNear = kNearLow / 3.0 * sums.x + (1.0 - kNearLow) * centre;
     float apart = max(abs(value - byNear), abs(value - byFar));
+    // Errors of a crowd's points are as good as independent; the rule of the near three would count them thrice.
+    if (crowded()) return vec2(value, max(abs(value - byFar), kNoise * (range.y - range.x)));
     return vec2(value, max(beyond, pair.r.listed == 0u && params.quick != 0u ? kSmooth * apart : apart));
 }
 
@@ -119,63 +128,61 @@ float mostFrom(vec2 at) {
 // Cells so large that two agreeing rules prove nothing: a bend or a shadow could hide between the points.
 const float kShadowShare = 250.0, kQuickShadowShare = 1000.0, kBendShare = 6.0;
 
-// Puts cells on the list of the next round: this one again, or its four quarters. False where the list is full.
-bool refine(vec2 a, vec2 b, vec2 c, bool quarters) {
+// Puts cells on the list of the next round: this one again, or its four quarters.
+void refine(vec2 a, vec2 b, vec2 c, bool quarters) {
     uint count = quarters ? 4u : 1u;
-    uint slot = atomicAdd(counters[kExactCellCount], count);
-    bool fits = slot + count <= params.cellCapacity;
+    uint slot = params.next + atomicAdd(counters[kExactCellCount], count);
     vec2 ab = 0.5 * (a + b), bc = 0.5 * (b + c), ca = 0.5 * (c + a);
     uint k = 0u;
     [[dont_unroll]] do {
         vec2 p = quarters ? k == 0u ? a : k == 1u ? b : k == 2u ? c : bc : a;
         vec2 q = quarters ? k == 0u ? ab : k == 1u ? bc : ca : b;
         vec2 r = quarters ? k == 0u ? ca : k == 1u ? ab : k == 2u ? bc : ab : c;
-        if (fits && k < count) storeCell(slot + k, p, q, r);
+        if (k < count) storeCell(slot + k, p, q, r);
         ++k;
     } while (subgroupAny(k < count));
-    if (!fits) atomicAdd(counters[kExactOverflowCount], 1u);
-    return fits;
 }
 
 // The next round looks at the pair from its other piece.
 void turn() {
     records[pair.record].outer = pair.r.inner;
     records[pair.record].inner = pair.r.outer;
-    uint slot = atomicAdd(counters[kExactCellCount], 1u);
-    if (slot >= params.cellCapacity) atomicAdd(counters[kExactOverflowCount], 1u);
-    if (slot >= params.cellCapacity) return;
+    uint slot = params.next + atomicAdd(counters[kExactCellCount], 1u);
     nextCells[slot * kExactCellWords] = pair.record;
     nextCells[slot * kExactCellWords + 1u] = kWholePair;
 }
 
-// x the contribution to the form factor, y its error; zero when the cell was split. With `mayTurn`, `turned` says that all
-// points agree and prove too little.
+// x the contribution to the form factor, y its error; zero when the cell was split. With `mayTurn`, `turned` says that
+// all points agree and prove too little.
 vec2 integrate(vec2 a, vec2 b, vec2 c, bool mayTurn, out bool turned) {
     float share = 0.5 * abs(crossOf(b - a, c - a)) / pair.outerArea;
     bool mayBeSplit = params.maxDepthReached == 0u && share > 0.0;
     vec2 middle = (a + b + c) / 3.0;
     bool bent = max(length(b - a), max(length(c - b), length(a - c))) > 1.5 * bendDistance(middle);
-    float most = pair.worst * (bent ? 1.0 : mostFrom(middle)), shadows = params.quick != 0u ? kQuickShadowShare : kShadowShare;
+    float most = pair.worst * (bent ? 1.0 : mostFrom(middle)),
+          shadows = params.quick != 0u ? kQuickShadowShare : kShadowShare;
+    demand = most * sqrt(share) / params.tolerance;
     float enough = bent ? kBendShare : pair.r.listed > 0u ? shadows : 1e30;
     bool split = mayBeSplit && share * most > enough * params.tolerance, again = false;
     bool quick = wholePair && pair.r.listed > 0u && (params.quick != 0u || split);
-    vec2 result = vec2(0.0, split ? share : 0.0);
+    vec2 result = vec2(0.0);
     mayTurn = mayTurn && mayBeSplit && !bent && most * kMissed > params.tolerance;
     turned = false;
     if (mayTurn || !split && share > 0.0) {
         // At small tolerances cells are so small that probes cost more than they find.
-        bool probed = params.quick != 0u && pair.r.listed > 0u && share * most * kMissed > params.tolerance;
-        vec2 found = share * overCell(a, b, c, quick, probed);
+        bool probed =
+            params.quick != 0u && pair.r.listed > 0u && !crowded() && share * most * kMissed > params.tolerance;
+        result = share * overCell(a, b, c, quick, probed);
         turned = mayTurn && (views == kSeesNothing || views == kSeesAll);
         // Errors of many small cells add up: the smaller the cell, the less it may add.
-        bool bad = mayBeSplit && found.y * pair.worst > params.tolerance * sqrt(share);
-        result = split ? result : found;
+        bool bad = mayBeSplit && result.y * pair.worst > params.tolerance * sqrt(share);
         again = !split && bad && quick; // all seven points in the next round
-        split = split || bad && !quick && !noisy;
+        split = split || bad && !quick;
     }
     if (turned) return vec2(0.0);
-    if (split || again) result = refine(a, b, c, split) ? vec2(0.0) : result;
-    return result;
+    bool later = split || again;
+    if (later) refine(a, b, c, split);
+    return later ? vec2(0.0) : result;
 }
 
 void main() {
@@ -195,7 +202,11 @@ void main() {
     int k = 1;
     [[dont_unroll]] do {
         bool turned = false;
-        if (k + 1 < outerCorners) sum += integrate(outer[0], outer[k], outer[k + 1], k == 1 && first && pair.r.listed > 0u, turned);
+        bool there = k + 1 < outerCorners;
+        bool later = pair.r.listed > kExactFew && k > (pair.r.listed > kOneTriangle ? 1 : 2);
+        if (there && later) refine(outer[0], outer[k], outer[k + 1], false);
+        if (there && !later)
+            sum += integrate(outer[0], outer[k], outer[k + 1], k == 1 && first && pair.r.listed > 0u, turned);
         if (turned) turn();
         if (turned) outerCorners = 0; // no more from here
         ++k;
@@ -211,5 +222,6 @@ void main() {
         atomicAdd(sums[pair.record].y, rest);
         atomicAdd(sums[pair.record].z, error);
     }
+    if (cutShort(min(params.pieceCount, 2u))) atomicAdd(counters[kExactCutCount], 1u);
 }
 #endif

@@ -1,6 +1,7 @@
-// What may stand between two convex faces: their shaft, and blockers that hide one from the other. Needs exact_scene.glsl.
-// Loops end when no lane of the subgroup needs them: software devices run a loop's body once more than its condition holds
-// when it is asked at the top, and what lanes that left a loop take out of it is not safe there.
+// What may stand between two convex faces: their shaft, and blockers that hide one from the other. Needs
+// exact_scene.glsl. Loops end when no lane of the subgroup needs them: software devices run a loop's body once more
+// than its condition holds when it is asked at the top, and what lanes that left a loop take out of it is not safe
+// there.
 // Shafts: E. A. Haines, J. R. Wallace, "Shaft culling for efficient ray-cast radiosity", 1991.
 #ifndef EXACT_SHAFT_GLSL
 #define EXACT_SHAFT_GLSL
@@ -61,8 +62,9 @@ void buildShaft() {
     }
 }
 
-// How a convex blocker stands to the shaft, in one walk along its corners: x whether a wall has all of it outside, y whether
-// all segments between corners of both faces cross it, so that it hides all. `sense` is +1 where the first face lies behind.
+// How a convex blocker stands to the shaft, in one walk along its corners: x whether a wall has all of it outside, y
+// whether all segments between corners of both faces cross it, so that it hides all. `sense` is +1 where the first face
+// lies behind.
 bvec2 standing(Origin o, uvec4 range, float sense) {
     uint outside = 0u;
     [[unroll]] for (int w = 0; w < 2 * kCorners; ++w) outside |= wall[w] != vec3(0.0) ? 1u << w : 0u;

@@ -1,7 +1,7 @@
-// How much of a convex polygon is seen from a point behind convex blockers, exactly. In the polygon's plane each blocker's shadow is
-// bounded by lines. The lit part's form factor is the whole's less that of the union of shadows, which is a sum over the union's
-// border of triangles with one corner of the polygon: no polygon is ever cut, rounding moves a border but cannot tear it open.
-// Needs exact_scene.glsl, lambert.glsl and the buffer `lists`.
+// How much of a convex polygon is seen from a point behind convex blockers, exactly. In the polygon's plane each
+// blocker's shadow is bounded by lines. The lit part's form factor is the whole's less that of the union of shadows,
+// which is a sum over the union's border of triangles with one corner of the polygon: no polygon is ever cut, rounding
+// moves a border but cannot tear it open. Needs exact_scene.glsl, lambert.glsl and the buffer `lists`.
 #ifndef VISIBLE_POLYGON_GLSL
 #define VISIBLE_POLYGON_GLSL
 
@@ -9,8 +9,8 @@
 #define NO_UNROLL [[dont_unroll]]
 
 const int kPieceCap = 8;  // corners of a piece: kExactPieceCorners and one for each of two cuts
-const int kLineCap = 48;  // lines of shadows that cross a piece
-const int kStride = 4;    // lines in one turn of a loop: lavapipe seems to end all loops after 65535 turns of an invocation
+const int kLineCap = 24;  // lines of shadows that cross a piece
+const int kStride = 4;    // lines in one turn of a loop: loop_limit.glsl
 
 vec2 piece[kPieceCap]; // counter-clockwise
 int pieceCorners;
@@ -22,8 +22,8 @@ bool linesLost = false; // more lines than that: the shadows are not known
 
 vec3 lift(Frame f, vec2 p) { return f.origin + p.x * f.u + p.y * f.v; }
 
-// A plane through space (unit normal) as a line in the frame: positive inside; xy unit. A plane parallel to the frame's, to
-// within the rounding of normals, is all in or all out; out where both are one.
+// A plane through space (unit normal) as a line in the frame: positive inside; xy unit. A plane parallel to the
+// frame's, to within the rounding of normals, is all in or all out; out where both are one.
 vec3 lineOf(Frame f, vec3 normal, vec3 onPlane) {
     vec3 d = f.origin - onPlane, line = vec3(dot(normal, f.u), dot(normal, f.v), dot(normal, d));
     float size = length(line.xy);
@@ -33,8 +33,8 @@ vec3 lineOf(Frame f, vec3 normal, vec3 onPlane) {
 
 float at(vec3 line, vec2 p) { return dot(line.xy, p) + line.z; }
 
-// How far lines may be from where they should be: angles are good to about 1e-7, so lines to that share of the distance. A
-// line this near to the piece's border does not cross it.
+// How far lines may be from where they should be: angles are good to about 1e-7, so lines to that share of the
+// distance. A line this near to the piece's border does not cross it.
 float nearness(Frame f, vec3 point, float size) { return 5e-7 * (length(f.origin - point) + size); }
 
 // Extent of the piece across a line; rounding errors count as touching.
@@ -63,8 +63,8 @@ float pieceSize() {
     return size;
 }
 
-// Keeps what lies in front of a plane, unless its corners only touch it: to within the rounding of the frame, also where the
-// plane is given by a corner of the piece. A sliver cut off there would leave an edge without direction.
+// Keeps what lies in front of a plane, unless its corners only touch it: to within the rounding of the frame, also
+// where the plane is given by a corner of the piece. A sliver cut off there would leave an edge without direction.
 void clipTo(Frame f, vec3 normal, vec3 onPlane) {
     bool below = false;
     float away = length(f.origin - onPlane);
@@ -87,7 +87,8 @@ void clipTo(Frame f, vec3 normal, vec3 onPlane) {
     pieceCorners = inside;
 }
 
-// Wall number c of the shadow of a blocker as a line, positive inside the shadow; the last wall is the blocker's own plane.
+// Wall number c of the shadow of a blocker as a line, positive inside the shadow; the last wall is the blocker's own
+// plane.
 vec3 shadowLine(Frame f, Origin o, Face blocker, vec3 point, float sense, uint c) {
     vec3 a = cornerFrom(o, blocker.first + (c < blocker.count ? c : 0u)) - point;
     vec3 b = cornerFrom(o, blocker.first + (c + 1u < blocker.count ? c + 1u : 0u)) - point;
@@ -138,8 +139,8 @@ struct Stretch {
 const uint kPiece = 0xffffffffu;
 const float kLeft = 2e-6; // a smaller share of a piece is what rounding leaves over
 
-// Narrows `range` to where a line is positive. Where a stretch runs along the line, whoever comes first counts it when both
-// shadows lie on one side of it, nobody when they meet there.
+// Narrows `range` to where a line is positive. Where a stretch runs along the line, whoever comes first counts it when
+// both shadows lie on one side of it, nobody when they meet there.
 vec2 narrow(vec2 range, Stretch s, vec3 line, uint rank, float near) {
     float d = at(line, s.from), slope = dot(line.xy, s.along);
     vec2 ends = d + slope * s.range;
@@ -176,8 +177,10 @@ float sweep(Frame f, vec3 point, vec3 normal, Stretch s, bool covered, float nea
             }
         bool inShadow = reach > t;
         float end = min(inShadow ? reach : next, s.range.y);
-        NO_UNROLL for (bool counts = inShadow == covered; counts; counts = false)
-            sum += lambertTriangle(apex, lift(f, s.from + t * s.along) - point, lift(f, s.from + end * s.along) - point, normal);
+        NO_UNROLL for (bool counts = inShadow == covered; counts; counts = false) {
+            vec3 from = lift(f, s.from + t * s.along) - point, to = lift(f, s.from + end * s.along) - point;
+            sum += lambertTriangle(apex, from, to, normal);
+        }
         t = end;
     }
     return sum;
@@ -233,53 +236,5 @@ float litFactor(Frame f, vec3 point, vec3 normal, float size) {
     NO_UNROLL for (bool once = lineCount > 0; once; once = false) shadow = shadowSum(f, point, normal, size);
     float lit = whole - shadow;
     return lit > kLeft * whole ? 0.159154943092 * lit : 0.0;
-}
-
-// A convex blocker between two points.
-bool stops(Origin o, Face blocker, vec3 from, vec3 to) {
-    vec3 k0 = cornerFrom(o, blocker.first + blocker.count - 1u), d = to - from;
-    float here = dot(blocker.normal, from - k0), there = dot(blocker.normal, to - k0);
-    bool inside = here * there < 0.0;
-    [[unroll]] for (uint c = 0u; c < kExactBlockerCorners; ++c) {
-        vec3 k1 = cornerFrom(o, blocker.first + min(c, blocker.count - 1u));
-        inside = inside && dot(cross(k0 - from, k1 - k0), d) * there >= 0.0;
-        k0 = k1;
-    }
-    return inside;
-}
-
-uint scrambled(uint x) { // C. Wellons, "Prospecting for hash functions", 2018: lowbias32
-    x = (x ^ (x >> 16)) * 0x7feb352du;
-    x = (x ^ (x >> 15)) * 0x846ca68bu;
-    return x ^ (x >> 16);
-}
-
-float unitOf(uint x) { return float(x >> 8) * 5.9604644775390625e-8; }
-
-const uint kStrata = 4u; // a side
-
-// Where shadows are too many for the lines above: the share of the piece that jittered rays reach, by what they would carry.
-// Blockers: lists[firstListed...]. One standard deviation is at most half over kStrata for each triangle of the piece.
-float litShareByRays(Frame f, Origin o, vec3 point, vec3 normal, vec3 pieceNormal, uint firstListed, uint listed) {
-    float all = 0.0, lit = 0.0;
-    uint seed = scrambled(floatBitsToUint(point.x) ^ scrambled(floatBitsToUint(point.y) ^ scrambled(floatBitsToUint(point.z))));
-    NO_UNROLL for (int t = 1; t + 1 < pieceCorners; ++t) {
-        vec2 u = piece[t] - piece[0], v = piece[t + 1] - piece[0];
-        float area = abs(u.x * v.y - u.y * v.x);
-        NO_UNROLL for (uint k = 0u; k < kStrata * kStrata; ++k) {
-            seed = scrambled(seed + k);
-            float x = (float(k % kStrata) + unitOf(seed)) / float(kStrata);
-            float y = (float(k / kStrata) + unitOf(scrambled(seed))) / float(kStrata);
-            float root = sqrt(x);
-            vec3 to = lift(f, piece[0] + root * ((1.0 - y) * u + y * v)), d = to - point;
-            float r2 = dot(d, d);
-            float weight = area * max(dot(normal, d), 0.0) * abs(dot(pieceNormal, d)) / max(r2 * r2, 1e-30);
-            bool open = true;
-            NO_UNROLL for (uint m = 0u; m < listed && open; ++m) open = !stops(o, faceAt(lists[firstListed + m]), point, to);
-            all += weight;
-            lit += open ? weight : 0.0;
-        }
-    }
-    return all > 0.0 ? lit / all : 0.0;
 }
 #endif

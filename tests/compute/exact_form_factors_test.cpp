@@ -19,7 +19,6 @@ namespace {
 
 std::vector<float> matrixOf(const geometry::PatchMesh& mesh, double maxError) {
     const ExactFormFactors result = exactFormFactors(test::device(), mesh, {maxError});
-    EXPECT_EQ(result.statistics.overflows, 0u);
     return result.factors.values.download<float>(mesh.patchCount() * mesh.patchCount());
 }
 

@@ -1,0 +1,119 @@
+// How much of a convex polygon is seen from a point past a crowd of convex blockers, along lines across it that lie in
+// strips of equal width, jittered. Exact borders (visible_polygon.glsl) cost the square of the shadows' lines, this one
+// walk along the blockers. Needs visible_polygon.glsl (the piece and its frame), hidden_stretches.glsl and the buffer
+// `lists`.
+#ifndef LIT_ALONG_LINES_GLSL
+#define LIT_ALONG_LINES_GLSL
+
+// Both ends of four lines, in the piece's plane.
+struct Chords {
+    vec4 fromX, fromY, toX, toY;
+};
+
+// Along the piece's greatest extent: seldom parallel to the edges of walls and of what stands before them.
+vec2 longest() {
+    vec2 best = vec2(0.0);
+    NO_UNROLL for (int k = 0; k < pieceCorners; ++k)
+        NO_UNROLL for (int m = 0; m < k; ++m) {
+            vec2 d = piece[k] - piece[m];
+            best = dot(d, d) > dot(best, best) ? d : best;
+        }
+    return best / max(length(best), 1e-30);
+}
+
+// At these heights across `along`.
+Chords chordsAt(vec2 along, vec4 height) {
+    vec2 across = vec2(-along.y, along.x), a = piece[pieceCorners - 1];
+    vec4 from = vec4(1e30), to = vec4(-1e30);
+    NO_UNROLL for (int k = 0; k < pieceCorners; ++k) {
+        vec2 b = piece[k];
+        vec4 ha = dot(across, a) - height, hb = dot(across, b) - height;
+        bvec4 crosses = notEqual(lessThan(ha, vec4(0.0)), lessThan(hb, vec4(0.0)));
+        vec4 at = dot(along, a) + ha / (ha - hb) * dot(along, b - a);
+        from = mix(from, min(from, at), crosses);
+        to = mix(to, max(to, at), crosses);
+        a = b;
+    }
+    to = max(to, from);
+    return Chords(from * along.x + height * across.x, from * along.y + height * across.y,
+                  to * along.x + height * across.x, to * along.y + height * across.y);
+}
+
+void narrowBy(inout Stretches s, Frame f, Chords c, vec3 normal, float offset) {
+    float u = dot(normal, f.u), v = dot(normal, f.v);
+    narrow(s, u * c.fromX + v * c.fromY + offset, u * c.toX + v * c.toY + offset);
+}
+
+// What any of the listed blockers hides of the lines from a point. Four corners a turn, whosever they are: turns are
+// few on some devices (loop_limit.glsl).
+uvec4 hiddenOf(Frame f, Origin o, vec3 point, uint firstListed, uint listed, Chords c, vec4 jitter) {
+    uvec4 hidden = uvec4(0u);
+    vec3 toFrame = f.origin - point, k0 = vec3(0.0);
+    Face blocker;
+    Stretches s;
+    float sense = 0.0;
+    bool edgeOn = false;
+    uint m = 0u, corner = 0u;
+    [[dont_unroll]] do {
+        if (corner == 0u) {
+            blocker = faceAt(lists[firstListed + min(m, listed - 1u)]); // the last one again does no harm
+            k0 = cornerFrom(o, blocker.first + blocker.count - 1u) - point;
+            float height = dot(blocker.normal, k0);
+            edgeOn = abs(height) <= kFlat * length(k0);
+            sense = height > 0.0 ? 1.0 : -1.0;
+            s = Stretches(vec4(0.0), vec4(1.0));
+            narrowBy(s, f, c, sense * blocker.normal, sense * (dot(blocker.normal, toFrame) - height));
+        }
+        [[unroll]] for (uint k = 0u; k < 4u; ++k) {
+            vec3 k1 = cornerFrom(o, blocker.first + min(corner + k, blocker.count - 1u)) - point; // nor does a corner
+            vec3 n = sense * cross(k0, k1);
+            narrowBy(s, f, c, n, dot(n, toFrame));
+            k0 = k1;
+        }
+        corner += 4u;
+        if (corner >= blocker.count) {
+            hidden |= edgeOn ? uvec4(0u) : bitsOf(s, jitter);
+            corner = 0u;
+            ++m;
+        }
+    } while (subgroupAny(m < listed));
+    return hidden;
+}
+
+// The share of the piece that is seen, by what it would carry.
+float litShareAlongLines(Frame f, Origin o, vec3 point, vec3 normal, uint firstListed, uint listed, uint fours) {
+    vec2 along = longest(), across = vec2(-along.y, along.x), range = vec2(1e30, -1e30);
+    NO_UNROLL for (int k = 0; k < pieceCorners; ++k)
+        range = vec2(min(range.x, dot(across, piece[k])), max(range.y, dot(across, piece[k])));
+    uint seed = hashOf(floatBitsToUint(point.x) ^ hashOf(floatBitsToUint(point.y) ^ hashOf(floatBitsToUint(point.z))));
+    vec3 away = f.origin - point;
+    float lit = 0.0, all = 0.0, flat_ = dot(f.n, away);
+    float start = unitOf(hashOf(seed ^ 0x9e3779b9u));
+    uint four = 0u;
+    [[dont_unroll]] do {
+        float u = unitOf(seed);
+        seed = hashOf(seed);
+        // Against one another, so that what changes linearly across the strips is exact.
+        vec4 strip = 4.0 * float(four) + vec4(0.0, 1.0, 2.0, 3.0) + vec4(u, 1.0 - u, 1.0 - u, u);
+        vec4 jitter = fract(start + 0.618034 * (4.0 * float(four) + vec4(0.0, 1.0, 2.0, 3.0))); // golden ratio
+        Chords c = chordsAt(along, mix(vec4(range.x), vec4(range.y), strip / (4.0 * float(fours))));
+        uvec4 hidden = hiddenOf(f, o, point, firstListed, listed, c, jitter);
+        vec4 dx = c.toX - c.fromX, dy = c.toY - c.fromY, chord = sqrt(dx * dx + dy * dy);
+        uint bit = 0u;
+        [[dont_unroll]] do { // two bits at a time
+            float t = (float(bit) + 1.0) / 32.0;
+            vec4 x = c.fromX + t * dx, y = c.fromY + t * dy;
+            vec4 px = away.x + x * f.u.x + y * f.v.x, py = away.y + x * f.u.y + y * f.v.y,
+                 pz = away.z + x * f.u.z + y * f.v.z;
+            vec4 r2 = px * px + py * py + pz * pz;
+            vec4 w = chord * max(vec4(0.0), normal.x * px + normal.y * py + normal.z * pz) * abs(flat_) /
+                     max(r2 * r2, vec4(1e-30));
+            if (four < fours) all += 2.0 * dot(w, vec4(1.0));
+            if (four < fours) lit += dot(w, 2.0 - vec4(bitCount(hidden >> bit & 3u)));
+            bit += 2u;
+        } while (bit < 32u);
+        ++four;
+    } while (subgroupAny(four < fours));
+    return all > 0.0 ? lit / all : 0.0;
+}
+#endif

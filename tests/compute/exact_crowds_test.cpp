@@ -1,0 +1,115 @@
+// Kernel `exact` where many blockers stand between two patches.
+#include <cmath>
+#include <random>
+#include <span>
+#include <stdexcept>
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include "compute/exact_form_factors.h"
+#include "compute/reference/exact_form_factors.h"
+#include "tests/compute/rooms.h"
+#include "tests/gpu/test_device.h"
+
+namespace heliodon::compute {
+namespace {
+
+using glm::dvec3;
+
+std::vector<float> matrixOf(const geometry::PatchMesh& mesh, const ExactOptions& options) {
+    const ExactFormFactors result = exactFormFactors(test::device(), mesh, options);
+    return result.factors.values.download<float>(mesh.patchCount() * mesh.patchCount());
+}
+
+// Two unit squares a metre apart and loose triangles between them, which hide about a fifth.
+geometry::PatchMesh crowd(uint32_t triangles) {
+    std::vector<std::vector<dvec3>> faces{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}},
+                                          {{0, 0, 1}, {0, 1, 1}, {1, 1, 1}, {1, 0, 1}}};
+    std::mt19937 random(triangles);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    const double size = 0.45 / std::sqrt(triangles);
+    for (uint32_t k = 0; k < triangles; ++k) {
+        const dvec3 middle(0.5 + 0.4 * unit(random), 0.5 + 0.4 * unit(random), 0.5 + 0.3 * unit(random));
+        std::vector<dvec3> corners;
+        for (int c = 0; c < 3; ++c)
+            corners.push_back(middle + size * dvec3(unit(random), unit(random), unit(random)));
+        if (glm::length(glm::cross(corners[1] - corners[0], corners[2] - corners[0])) < 0.1 * size * size)
+            continue;
+        faces.push_back(corners);
+    }
+    return test::polygons(faces);
+}
+
+// More than 64 once were forgotten. The reference clips polygons in double precision.
+TEST(ExactCrowds, light_past_hundreds_of_loose_triangles_agrees_with_the_reference) {
+    for (uint32_t triangles : {80u, 160u}) {
+        const geometry::PatchMesh mesh = crowd(triangles);
+        const double truth = reference::exchangeIn(mesh, 0, 1, 1e-4, 16).value;
+        EXPECT_LT(truth, 0.185) << "hidden in part"; // 0.1998 in the open
+        const std::vector<float> F = matrixOf(mesh, {.maxError = 1e-3});
+        EXPECT_NEAR(F[1], truth, 1e-3) << triangles << " triangles";
+        EXPECT_NEAR(F[1], F[mesh.patchCount()], 1e-7);
+    }
+}
+
+// A hall of hanging posts: closed, so every row sums to one.
+TEST(ExactCrowds, no_light_is_lost_or_won_among_posts) {
+    for (bool triangles : {false, true}) {
+        geometry::PatchMesh mesh =
+            test::boxRoom({.low = {0, 0, 0}, .high = {10, 3, 8}, .cells = {3, 1, 3}, .triangles = triangles});
+        const size_t room = mesh.corners.size();
+        for (int i = 0; i < 8; ++i)
+            for (int k = 0; k < 6; ++k) {
+                const dvec3 low(0.8 + 1.1 * i + 0.07 * k, 0.1, 0.9 + 1.15 * k - 0.05 * i);
+                test::addBox(mesh, {.low = low,
+                                    .high = low + dvec3(0.08, 2.8, 0.09),
+                                    .cells = {1, 1, 1},
+                                    .triangles = false});
+            }
+        std::reverse(mesh.corners.begin() + static_cast<long>(room),
+                     mesh.corners.end()); // posts face outwards
+        const size_t n = mesh.patchCount();
+        const std::vector<float> F = matrixOf(mesh, {.maxError = 5e-3});
+        double squares = 0, all = 0;
+        for (size_t i = 0; i < n; ++i) {
+            double sum = -1;
+            for (size_t j = 0; j < n; ++j) sum += double{F[i * n + j]};
+            squares += sum * sum;
+            all += sum;
+        }
+        EXPECT_LT(std::sqrt(squares / static_cast<double>(n)), 8e-3);
+        EXPECT_LT(std::abs(all / static_cast<double>(n)), 1e-3); // errors that do not conspire
+    }
+}
+
+geometry::PatchMesh roomWithSlab(bool triangles) {
+    geometry::PatchMesh mesh =
+        test::boxRoom({.low = {0, 0, 0}, .high = {4, 3, 4}, .cells = {4, 3, 4}, .triangles = triangles});
+    const size_t room = mesh.corners.size();
+    test::addBox(
+        mesh, {.low = {1.5, 0.02, 0.1}, .high = {1.6, 2.98, 3}, .cells = {1, 1, 2}, .triangles = triangles});
+    std::reverse(mesh.corners.begin() + static_cast<long>(room), mesh.corners.end()); // facing outwards
+    return mesh;
+}
+
+// Rounds of few blockers and of few cells.
+TEST(ExactCrowds, little_memory_gives_the_same_bits_with_exact_borders) {
+    const geometry::PatchMesh mesh = roomWithSlab(false);
+    EXPECT_EQ(matrixOf(mesh, {.maxError = 2e-3}), matrixOf(mesh, {.maxError = 2e-3, .workBytes = 20000}));
+    EXPECT_THROW(matrixOf(mesh, {.maxError = 2e-3, .workBytes = 100}), std::runtime_error);
+}
+
+// With lines each round estimates what its pairs may err.
+TEST(ExactCrowds, little_memory_keeps_the_error_asked_with_lines) {
+    const geometry::PatchMesh mesh = roomWithSlab(true);
+    const std::vector<float> fine = matrixOf(mesh, {.maxError = 1e-4}),
+                             F = matrixOf(mesh, {.maxError = 1e-3, .workBytes = 60000});
+    double squares = 0;
+    for (size_t k = 0; k < F.size(); ++k) squares += std::pow(double{F[k]} - double{fine[k]}, 2);
+    EXPECT_LT(std::sqrt(squares / static_cast<double>(mesh.patchCount())), 1e-3);
+    EXPECT_GT(squares, 0) << "the same twice";
+}
+
+} // namespace
+} // namespace heliodon::compute
