@@ -55,89 +55,101 @@ struct Moments {
 };
 using MomentsByHeight = std::array<Moments, 3>; // red, blue, green
 
+constexpr Paint kWalls[] = {Paint::red, Paint::blue, Paint::green}; // whose heights a marker may have
+constexpr size_t kMiddleHeight = 1;
+size_t placeOf(Paint wall) {
+    return static_cast<size_t>(std::find(std::begin(kWalls), std::end(kWalls), wall) - std::begin(kWalls));
+}
+
+// The regions that walls are made of, wall paint first, then markers, each where it is in plan.
+struct Regions {
+    std::vector<const Component*> all;
+    size_t pieces = 0;                    // that many are wall paint
+    std::vector<std::array<Pca, 3>> axes; // by height: of a piece only at its own
+    std::vector<MomentsByHeight> moments; // the same
+    double straight = 0;                  // most standard deviation across a strip
+
+    Regions(const std::vector<const Component*>& wallPieces, const std::vector<const Component*>& markers,
+            const PlanView& view, const DetectOptions& options)
+        : all(wallPieces), pieces(wallPieces.size()),
+          straight(1.5 *
+                   stripSpread(view, {}, geometry::heightInches(geometry::HeightClass::blue), options)) {
+        all.insert(all.end(), markers.begin(), markers.end());
+        axes.resize(all.size()), moments.resize(all.size());
+        for (size_t i = 0; i < all.size(); ++i)
+            for (size_t h = 0; h < 3; ++h) {
+                if (isPiece(i) && kWalls[h] != all[i]->group) continue;
+                const double fold = isPiece(i) ? 0 : options.markerThickness;
+                const auto points = planPoints(*all[i], view, heightOf(kWalls[h]) + fold);
+                axes[i][h] = principalAxes(points);
+                moments[i][h].add(points);
+            }
+    }
+    bool isPiece(size_t i) const { return i < pieces; }
+    Paint paintOf(size_t i) const { return isPiece(i) ? all[i]->group : Paint::none; }
+};
+
 struct Link {
     double off;
     size_t a, b;
 };
+
+// Which regions continue one another, the best first; those of markers alone, whose height is not known,
+// last.
+std::vector<Link> findLinks(const Regions& regions) {
+    std::vector<Link> links;
+    for (size_t i = 0; i < regions.pieces; ++i) {
+        const size_t h = placeOf(regions.paintOf(i));
+        if (regions.axes[i][h].minor > regions.straight) continue; // curved: nothing can be hung on it
+        for (size_t k = regions.pieces; k < regions.all.size(); ++k)
+            if (const auto off = continues(regions.axes[i][h], regions.axes[k][h], kMarkerGap))
+                links.push_back({*off, i, k});
+        for (size_t k = i + 1; k < regions.pieces; ++k)
+            if (regions.paintOf(k) == regions.paintOf(i) && regions.axes[k][h].minor < regions.straight)
+                if (const auto off = continues(regions.axes[i][h], regions.axes[k][h], kPieceGap))
+                    links.push_back({*off, i, k});
+    }
+    for (size_t i = regions.pieces; i < regions.all.size(); ++i)
+        for (size_t k = i + 1; k < regions.all.size(); ++k)
+            if (const auto off =
+                    continues(regions.axes[i][kMiddleHeight], regions.axes[k][kMiddleHeight], kMarkerGap))
+                links.push_back({*off + kOffLine, i, k});
+    std::stable_sort(links.begin(), links.end(), [](const Link& a, const Link& b) { return a.off < b.off; });
+    return links;
+}
 
 } // namespace
 
 Chains formChains(const std::vector<const Component*>& wallPieces,
                   const std::vector<const Component*>& markers, const PlanView& view,
                   const DetectOptions& options) {
-    const size_t pieces = wallPieces.size(), n = pieces + markers.size();
-    const Paint heights[] = {Paint::red, Paint::blue, Paint::green};
-    std::vector<Pca> pieceAxes;
-    std::vector<std::array<Pca, 3>> markerAxes;
-    std::vector<MomentsByHeight> moments(n);
-    auto placeOf = [&](Paint paint) {
-        return static_cast<size_t>(std::find(std::begin(heights), std::end(heights), paint) -
-                                   std::begin(heights));
-    };
-    for (size_t i = 0; i < pieces; ++i) {
-        const auto points = planPoints(*wallPieces[i], view, heightOf(wallPieces[i]->group));
-        pieceAxes.push_back(principalAxes(points));
-        moments[i][placeOf(wallPieces[i]->group)].add(points);
-    }
-    for (size_t k = 0; k < markers.size(); ++k) {
-        markerAxes.push_back({});
-        for (size_t h = 0; h < 3; ++h) {
-            const auto points = planPoints(*markers[k], view, heightOf(heights[h]) + options.markerThickness);
-            markerAxes.back()[h] = principalAxes(points);
-            moments[pieces + k][h].add(points);
-        }
-    }
-    const double straight =
-        1.5 * stripSpread(view, {}, geometry::heightInches(geometry::HeightClass::blue), options);
-    std::vector<Link> links;
-    for (size_t i = 0; i < pieces; ++i) {
-        if (pieceAxes[i].minor > straight) continue; // curved: nothing can be hung on it
-        const Paint paint = wallPieces[i]->group;
-        const size_t h = placeOf(paint);
-        for (size_t k = 0; k < markers.size(); ++k)
-            if (const auto off = continues(pieceAxes[i], markerAxes[k][h], kMarkerGap))
-                links.push_back({*off, i, pieces + k});
-        for (size_t k = i + 1; k < pieces; ++k)
-            if (wallPieces[k]->group == paint && pieceAxes[k].minor < straight)
-                if (const auto off = continues(pieceAxes[i], pieceAxes[k], kPieceGap))
-                    links.push_back({*off, i, k});
-    }
-    for (size_t i = 0; i < markers.size(); ++i)
-        for (size_t k = i + 1; k < markers.size(); ++k)
-            if (const auto off = continues(markerAxes[i][1], markerAxes[k][1], kMarkerGap))
-                links.push_back({*off + kOffLine, pieces + i, pieces + k}); // after those that state a height
-    std::stable_sort(links.begin(), links.end(), [](const Link& a, const Link& b) { return a.off < b.off; });
-
+    Regions regions(wallPieces, markers, view, options);
+    const size_t n = regions.all.size();
     std::vector<size_t> set(n);
     std::iota(set.begin(), set.end(), size_t{0});
-    std::vector<Paint> paintOf(n, Paint::none);
-    for (size_t i = 0; i < pieces; ++i) paintOf[i] = wallPieces[i]->group;
-    for (const Link& link : links) {
+    std::vector<Paint> paintOf;
+    for (size_t i = 0; i < n; ++i) paintOf.push_back(regions.paintOf(i));
+    for (const Link& link : findLinks(regions)) {
         const size_t from = set[link.b], to = set[link.a];
         if (from == to) continue;
         if (paintOf[from] != Paint::none && paintOf[to] != Paint::none && paintOf[from] != paintOf[to])
             continue;
         // A marker at a corner continues both walls there: together they must stay one straight strip.
         const Paint paint = paintOf[to] != Paint::none ? paintOf[to] : paintOf[from];
-        const size_t h = paint == Paint::none ? 1 : placeOf(paint);
-        Moments together = moments[to][h];
-        together.add(moments[from][h]);
-        if (together.minor() > straight) continue;
+        const size_t h = paint == Paint::none ? kMiddleHeight : placeOf(paint);
+        Moments together = regions.moments[to][h];
+        together.add(regions.moments[from][h]);
+        if (together.minor() > regions.straight) continue;
         paintOf[to] = paint;
-        for (size_t i = 0; i < 3; ++i) moments[to][i].add(moments[from][i]);
+        for (size_t i = 0; i < 3; ++i) regions.moments[to][i].add(regions.moments[from][i]);
         std::replace(set.begin(), set.end(), from, to);
     }
     Chains out;
     for (size_t root = 0; root < n; ++root) {
         Chain chain;
         chain.paint = paintOf[root];
-        for (size_t i = 0; i < n; ++i) {
-            if (set[i] != root) continue;
-            if (i < pieces)
-                chain.pieces.push_back(wallPieces[i]);
-            else
-                chain.markers.push_back(markers[i - pieces]);
-        }
+        for (size_t i = 0; i < n; ++i)
+            if (set[i] == root) (regions.isPiece(i) ? chain.pieces : chain.markers).push_back(regions.all[i]);
         if (!chain.pieces.empty())
             out.chains.push_back(chain);
         else

@@ -172,6 +172,110 @@ glm::dvec3 meanLight(const Box& box, const PlanView& view, double height, double
     return sum / std::max(n, 1.0);
 }
 
+// What is seen where a token's rim and ring must be. The paper's Euler number, one for a wall and none for a
+// token, but not counted in the region: noise may open the rim, and blur fills a ring of three pixels.
+struct TokenRing {
+    double rimSeen = 0; // share of the rim that has its paint
+    int sides = 0;      // of the ring, that are white
+
+    TokenRing(const Box& box, Paint paint, const ClassImage& image, const PlanView& view,
+              const DetectOptions& options) {
+        const double half = 0.5 * options.tokenSide, band = options.tokenBand;
+        constexpr int kReach = 10, kAlong = 2 * kReach + 1;
+        int rimPixels = 0;
+        std::array<Colour, 4> rim{}, ring{};
+        for (int k = 0; k < 4; ++k)
+            for (int i = -kReach; i <= kReach; ++i) {
+                auto pixelAt = [&](double r) {
+                    const double l = r * i / (kReach + 0.5);
+                    return view.pixel(box.centre + r * box.axis(k) + l * box.axis(k + 1),
+                                      options.tokenThickness);
+                };
+                const glm::dvec2 p = pixelAt(half - 0.5 * band);
+                rimPixels += groupOf(image.at(static_cast<int>(std::lround(p.x)),
+                                              static_cast<int>(std::lround(p.y)))) == paint;
+                rim[static_cast<size_t>(k)].look(view, p);
+                ring[static_cast<size_t>(k)].look(view, pixelAt(half - 1.5 * band));
+            }
+        rimSeen = static_cast<double>(rimPixels) / (4 * kAlong);
+        const glm::dvec3 colour = rim[0].chroma + rim[1].chroma + rim[2].chroma + rim[3].chroma;
+        // Where a file keeps colour more coarsely than brightness, the ring is the brighter one.
+        for (size_t k = 0; k < 4; ++k)
+            sides +=
+                glm::dot(ring[k].chroma, colour) < 0.55 * std::max(glm::dot(rim[k].chroma, colour), 0.0) ||
+                ring[k].light > 1.3 * rim[k].light;
+    }
+
+private:
+    struct Colour { // sums over white's
+        glm::dvec3 chroma{};
+        double light = 0;
+        void look(const PlanView& view, glm::dvec2 p) {
+            const glm::dvec3 c(view.light(p) / view.white(p));
+            const double mean = (c.r + c.g + c.b) / 3;
+            chroma += c - mean, light += mean;
+        }
+    };
+};
+
+// Half widths of a long region in slices along its axis, and what they are of an arrow.
+struct ArrowWidths {
+    static constexpr size_t kBins = 24;
+    std::array<double, kBins> left{}, right{};
+    bool forward = true;        // the broader half, the head, is the one along the axis
+    double head = 0, shaft = 0; // widths: the widest of the head, the median of the tail's half
+
+    ArrowWidths(const std::vector<glm::dvec2>& points, const Pca& pca) {
+        const double length = pca.high - pca.low;
+        for (const auto& p : points) {
+            const double s = glm::dot(p - pca.mean, pca.axis),
+                         t = glm::dot(p - pca.mean, turnedLeft(pca.axis));
+            const auto bin = std::min(kBins - 1, static_cast<size_t>(kBins * (s - pca.low) / length));
+            left[bin] = std::max(left[bin], t), right[bin] = std::max(right[bin], -t);
+        }
+        const double low = widest(0), high = widest(kBins / 2);
+        forward = high > low;
+        head = std::max(low, high);
+        std::vector<double> tail;
+        for (size_t i = 0; i < kBins / 2; ++i) tail.push_back(width(forward ? i : i + kBins / 2));
+        shaft = median(std::move(tail));
+    }
+
+private:
+    double width(size_t bin) const { return left[bin] + right[bin]; }
+    double widest(size_t from) const { // of a half
+        double w = 0;
+        for (size_t i = from; i < from + kBins / 2; ++i) w = std::max(w, width(i));
+        return w;
+    }
+};
+
+// The middles of an arrow's two sides, as (along, across) its axis, away from its blurred ends.
+std::vector<glm::dvec2> middlesOf(const ArrowWidths& widths, const Pca& pca, const PlanView& view,
+                                  double height) {
+    constexpr size_t kBins = ArrowWidths::kBins;
+    const double pixel = 1 / view.pixelsPerInch(pca.mean, height);
+    std::vector<glm::dvec2> middles;
+    for (size_t i = 1; i + 2 < kBins; ++i) {
+        const size_t bin = widths.forward ? i : kBins - 1 - i;
+        const double s = pca.low + (static_cast<double>(bin) + 0.5) * (pca.high - pca.low) / kBins;
+        std::optional<double> side[2];
+        for (int k = 0; k < 2; ++k) {
+            EdgeProbe probe;
+            probe.outward = (k ? -1.0 : 1.0) * turnedLeft(pca.axis);
+            const double half = k ? widths.right[bin] : widths.left[bin];
+            probe.at = pca.mean + s * pca.axis + half * probe.outward;
+            probe.lateral = pixel * pca.axis;
+            probe.height = height;
+            probe.inside = std::min(0.16, half + 0.05);
+            if (const auto edge = findEdge(view, probe); edge && std::abs(*edge) < 0.15)
+                side[k] = half + *edge;
+        }
+        if (side[0] && side[1]) middles.emplace_back(s, 0.5 * (*side[0] - *side[1]));
+    }
+    return middles;
+}
+
 } // namespace
 
 std::optional<geometry::Skylight> fitSkylight(const Component& component, const PlanView& view,
@@ -227,38 +331,8 @@ std::optional<geometry::Token> fitToken(const Component& component, const ClassI
     box.angle = withinQuarter(squareAngle(points, box.centre));
     const BoxFit fit = refineBox(box, view, height, 0.6 * band, 0.75 * band);
 
-    // The paper's Euler number, one for a wall and none for a token, but looked for where rim and ring must
-    // be: noise may open the rim, and blur fills a ring of three pixels. Where a file keeps colour more
-    // coarsely than brightness, the ring is the brighter one.
-    int rimPixels = 0, n = 0;
-    std::array<glm::dvec3, 4> rimColor{}, ringColor{};
-    std::array<double, 4> rimLight{}, ringLight{};
-    for (int k = 0; k < 4; ++k)
-        for (int i = -10; i <= 10; ++i) {
-            auto pixelAt = [&](double r) {
-                const double l = r * i / 10.5;
-                return view.pixel(fit.box.centre + r * fit.box.axis(k) + l * fit.box.axis(k + 1), height);
-            };
-            auto look = [&](glm::dvec2 p, glm::dvec3& chroma, double& light) {
-                const glm::dvec3 c(view.light(p) / view.white(p));
-                const double mean = (c.r + c.g + c.b) / 3;
-                chroma += c - mean, light += mean;
-            };
-            const glm::dvec2 p = pixelAt(half - 0.5 * band);
-            ++n;
-            rimPixels += groupOf(image.at(static_cast<int>(std::lround(p.x)),
-                                          static_cast<int>(std::lround(p.y)))) == component.group;
-            const auto side = static_cast<size_t>(k);
-            look(p, rimColor[side], rimLight[side]);
-            look(pixelAt(half - 1.5 * band), ringColor[side], ringLight[side]);
-        }
-    if (rimPixels < 0.55 * n) return std::nullopt;
-    const glm::dvec3 paint = rimColor[0] + rimColor[1] + rimColor[2] + rimColor[3];
-    int ringSides = 0;
-    for (size_t k = 0; k < 4; ++k)
-        ringSides += glm::dot(ringColor[k], paint) < 0.55 * std::max(glm::dot(rimColor[k], paint), 0.0) ||
-                     ringLight[k] > 1.3 * rimLight[k];
-    if (ringSides < 3) return std::nullopt;
+    const TokenRing ring(fit.box, component.group, image, view, options);
+    if (ring.rimSeen < 0.55 || ring.sides < 3) return std::nullopt;
 
     geometry::Token out;
     out.kind = component.group == Paint::green  ? geometry::TokenKind::floor
@@ -272,7 +346,7 @@ std::optional<geometry::Token> fitToken(const Component& component, const ClassI
     for (int c = 0; c < 3; ++c)
         out.rgb[static_cast<size_t>(c)] =
             srgbByte(options.chipWhite * chipLight[c] / std::max(whiteLight[c], 1e-9));
-    out.detection.confidence = std::clamp(0.5 * rimPixels / n + 0.5 * fit.seen, 0.0, 1.0);
+    out.detection.confidence = std::clamp(0.5 * ring.rimSeen + 0.5 * fit.seen, 0.0, 1.0);
     out.detection.outlinePx = outlineOf(fit.box, height, view);
     return out;
 }
@@ -285,78 +359,40 @@ std::optional<geometry::NorthArrow> fitArrow(const Component& component, const P
     const double length = pca.high - pca.low;
     if (length < 0.6 * options.arrowLength || length > 1.4 * options.arrowLength || pca.major < 2 * pca.minor)
         return std::nullopt;
-    // Half widths along the arrow.
-    constexpr size_t kBins = 24;
-    std::array<double, kBins> left{}, right{};
-    for (const auto& p : points) {
-        const double s = glm::dot(p - pca.mean, pca.axis), t = glm::dot(p - pca.mean, turnedLeft(pca.axis));
-        const auto bin = std::min(kBins - 1, static_cast<size_t>(kBins * (s - pca.low) / length));
-        left[bin] = std::max(left[bin], t), right[bin] = std::max(right[bin], -t);
-    }
-    auto widest = [&](size_t from, size_t to) {
-        double w = 0;
-        for (size_t i = from; i < to; ++i) w = std::max(w, left[i] + right[i]);
-        return w;
-    };
-    const bool forward = widest(kBins / 2, kBins) > widest(0, kBins / 2);
-    const double head = forward ? widest(kBins / 2, kBins) : widest(0, kBins / 2);
-    // The shaft: median width of the tail's half.
-    std::vector<double> tail(kBins / 2);
-    for (size_t i = 0; i < kBins / 2; ++i)
-        tail[i] = left[forward ? i : i + kBins / 2] + right[forward ? i : i + kBins / 2];
-    const double width = median(std::move(tail));
-    if (head < 1.35 * width) return std::nullopt;
+    const ArrowWidths widths(points, pca);
+    if (widths.head < 1.35 * widths.shaft) return std::nullopt;
 
-    // The centre line through the middles of both sides, away from the blurred ends.
     const double pixel = 1 / view.pixelsPerInch(pca.mean, height);
-    std::vector<glm::dvec2> middles;
-    for (size_t i = 1; i + 2 < kBins; ++i) {
-        const double s = pca.low + (static_cast<double>(forward ? i : kBins - 1 - i) + 0.5) * length / kBins;
-        const size_t bin = forward ? i : kBins - 1 - i;
-        std::optional<double> side[2];
-        for (int k = 0; k < 2; ++k) {
-            EdgeProbe probe;
-            probe.outward = (k ? -1.0 : 1.0) * turnedLeft(pca.axis);
-            const double half = k ? right[bin] : left[bin];
-            probe.at = pca.mean + s * pca.axis + half * probe.outward;
-            probe.lateral = pixel * pca.axis;
-            probe.height = height;
-            probe.inside = std::min(0.16, half + 0.05);
-            if (const auto edge = findEdge(view, probe); edge && std::abs(*edge) < 0.15)
-                side[k] = half + *edge;
-        }
-        if (side[0] && side[1]) middles.emplace_back(s, 0.5 * (*side[0] - *side[1]));
-    }
+    const std::vector<glm::dvec2> middles = middlesOf(widths, pca, view, height);
     glm::dvec2 origin = pca.mean, along = pca.axis;
-    const auto line = fitLine(middles, 2 * pixel);
-    if (line) {
+    if (const auto line = fitLine(middles, 2 * pixel)) {
         origin += line->offset * turnedLeft(along);
         along = glm::normalize(along + line->slope * turnedLeft(along));
     }
-    const double sign = forward ? 1 : -1;
+    const glm::dvec2 pointing = (widths.forward ? 1.0 : -1.0) * along;
     EdgeProbe end;
-    end.outward = -sign * along;
-    end.at = origin + (forward ? pca.low : pca.high) * along;
-    end.lateral = 0.3 * width * turnedLeft(along);
+    end.outward = -pointing;
+    end.at = origin + (widths.forward ? pca.low : pca.high) * along;
+    end.lateral = 0.3 * widths.shaft * turnedLeft(along);
     end.lateralSamples = 5;
     end.height = height;
     if (const auto edge = findEdge(view, end); edge && std::abs(*edge) < 0.15) end.at += *edge * end.outward;
 
     geometry::NorthArrow out;
     // A blurred tip looks shorter than it is, so the tail's edge and the known length place the middle.
-    const glm::dvec2 pointing = sign * along;
     out.pos = end.at + 0.5 * options.arrowLength * pointing;
     out.dirDeg = std::atan2(pointing.y, pointing.x) * kDegrees;
     if (out.dirDeg < 0) out.dirDeg += 360;
-    out.detection.confidence = std::clamp(static_cast<double>(middles.size()) / (kBins - 3), 0.3, 1.0);
-    const double shaft = 0.5 * width, neck = 0.7 * options.arrowLength;
+    out.detection.confidence =
+        std::clamp(static_cast<double>(middles.size()) / (ArrowWidths::kBins - 3), 0.3, 1.0);
+    const double shaft = 0.5 * widths.shaft, neck = 0.7 * options.arrowLength;
     const glm::dvec2 across = turnedLeft(pointing);
     for (const auto& [s, t] : {std::pair{0.0, shaft},
                                {0.0, -shaft},
                                {neck, -shaft},
-                               {neck, -0.5 * head},
+                               {neck, -0.5 * widths.head},
                                {options.arrowLength, 0.0},
-                               {neck, 0.5 * head},
+                               {neck, 0.5 * widths.head},
                                {neck, shaft}})
         out.detection.outlinePx.push_back(view.pixel(end.at + s * pointing + t * across, height));
     return out;
