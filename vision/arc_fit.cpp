@@ -149,7 +149,65 @@ std::pair<double, double> angularExtent(const std::vector<glm::dvec2>& points, g
     return {low, high};
 }
 
-// `chromaOnly`: see EdgeProbe.
+// What is known of an arc, and how it is measured.
+struct ArcProbe {
+    const std::vector<glm::dvec2>& points; // its paint, plan
+    const PlanView& view;
+    double height, half, pixel; // of the wall, half its thickness, a pixel: inches
+    bool chromaOnly;            // see EdgeProbe
+};
+
+struct RingPoints {
+    std::vector<glm::dvec2> inner, outer;
+};
+
+// The paint's edges along `n` rays from the centre.
+RingPoints edgesOf(const ArcProbe& arc, const Rings& rings, int n) {
+    RingPoints out;
+    const auto [low, high] = angularExtent(arc.points, rings.centre);
+    const double middle = 0.5 * (rings.inner + rings.outer);
+    for (int i = 1; i < n; ++i) {
+        const glm::dvec2 radial = direction(low + (high - low) * i / n);
+        for (const double sign : {-1.0, 1.0}) {
+            EdgeProbe probe;
+            probe.outward = sign * radial;
+            probe.at = rings.centre + (middle + sign * arc.half) * radial;
+            probe.lateral = 1.2 * arc.pixel * turnedLeft(radial);
+            probe.height = arc.height;
+            probe.chromaOnly = arc.chromaOnly;
+            const auto edge = findEdge(arc.view, probe);
+            if (!edge || std::abs(*edge) > 0.14) continue;
+            (sign < 0 ? out.inner : out.outer).push_back(probe.at + *edge * probe.outward);
+        }
+    }
+    return out;
+}
+
+// The angle at which the paint ends; `sign`: 1 counter-clockwise.
+double refinedEnd(const ArcProbe& arc, const Rings& rings, double angle, double sign) {
+    const double radius = 0.5 * (rings.inner + rings.outer);
+    EdgeProbe probe;
+    probe.outward = sign * turnedLeft(direction(angle));
+    probe.at = rings.centre + radius * direction(angle);
+    probe.lateral = 0.12 * direction(angle);
+    probe.lateralSamples = 7;
+    probe.height = arc.height;
+    const auto edge = findEdge(arc.view, probe);
+    return angle + (edge && std::abs(*edge) < 0.15 ? sign * *edge / radius : 0);
+}
+
+std::vector<glm::dvec2> outlineOf(const ArcProbe& probe, glm::dvec2 centre, double radius, double a0,
+                                  double a1) {
+    std::vector<glm::dvec2> out;
+    const int corners = std::max(4, static_cast<int>((a1 - a0) * 12));
+    for (const double side : {probe.half, -probe.half})
+        for (int i = 0; i <= corners; ++i) {
+            const double a = side > 0 ? a0 + (a1 - a0) * i / corners : a1 - (a1 - a0) * i / corners;
+            out.push_back(probe.view.pixel(centre + (radius + side) * direction(a), probe.height));
+        }
+    return out;
+}
+
 std::optional<geometry::Arc> fitArc(const Chain& chain, const std::vector<glm::dvec2>& points,
                                     const PlanView& view, const DetectOptions& options, bool chromaOnly) {
     const double height = heightOf(chain.paint), half = 0.5 * options.wallThickness;
@@ -157,69 +215,36 @@ std::optional<geometry::Arc> fitArc(const Chain& chain, const std::vector<glm::d
     if (!circle || circle->off > 1.35 * stripSpread(view, points.front(), height, options))
         return std::nullopt;
 
+    const ArcProbe probe{points,    view, height, half, 1 / view.pixelsPerInch(points.front(), height),
+                         chromaOnly};
     Rings rings{circle->centre, circle->radius - half, circle->radius + half};
     auto [low, high] = angularExtent(points, rings.centre);
     const double length = (high - low) * circle->radius;
     if (length < options.shortestWall - 2 * options.unpaintedEnd) return std::nullopt;
-    const double pixel = 1 / view.pixelsPerInch(points.front(), height);
-    const int n = std::max(8, static_cast<int>(length / (3 * pixel)));
-    std::vector<glm::dvec2> inner, outer;
-    int seen = 0;
+    const int n = std::max(8, static_cast<int>(length / (3 * probe.pixel)));
+    size_t seen = 0;
     for (int pass = 0; pass < 3; ++pass) {
-        inner.clear(), outer.clear();
-        std::tie(low, high) = angularExtent(points, rings.centre);
-        const double middle = 0.5 * (rings.inner + rings.outer);
-        for (int i = 1; i < n; ++i) {
-            const glm::dvec2 radial = direction(low + (high - low) * i / n);
-            for (const double sign : {-1.0, 1.0}) {
-                EdgeProbe probe;
-                probe.outward = sign * radial;
-                probe.at = rings.centre + (middle + sign * half) * radial;
-                probe.lateral = 1.2 * pixel * turnedLeft(radial);
-                probe.height = height;
-                probe.chromaOnly = chromaOnly;
-                const auto edge = findEdge(view, probe);
-                if (!edge || std::abs(*edge) > 0.14) continue;
-                (sign < 0 ? inner : outer).push_back(probe.at + *edge * probe.outward);
-            }
-        }
-        seen = static_cast<int>(inner.size() + outer.size());
+        const auto [inner, outer] = edgesOf(probe, rings, n);
+        seen = inner.size() + outer.size();
         if (inner.size() < 4 || outer.size() < 4) return std::nullopt;
         const glm::dvec2 before = rings.centre;
-        refine(rings, inner, outer, (pass == 0 ? 4 : 2) * pixel);
+        refine(rings, inner, outer, (pass == 0 ? 4 : 2) * probe.pixel);
         if (pass > 0 && glm::distance(before, rings.centre) < 0.02) break;
     }
-    const double thickness = rings.outer - rings.inner;
-    if (!isWallThickness(thickness, view, points.front(), height, options)) return std::nullopt;
+    if (!isWallThickness(rings.outer - rings.inner, view, points.front(), height, options))
+        return std::nullopt;
 
-    const double radius = 0.5 * (rings.inner + rings.outer);
-    std::tie(low, high) = angularExtent(points, rings.centre);
-    auto refinedEnd = [&](double angle, double sign) {
-        EdgeProbe probe;
-        probe.outward = sign * turnedLeft(direction(angle));
-        probe.at = rings.centre + radius * direction(angle);
-        probe.lateral = 0.12 * direction(angle);
-        probe.lateralSamples = 7;
-        probe.height = height;
-        const auto edge = findEdge(view, probe);
-        const double painted = angle + (edge && std::abs(*edge) < 0.15 ? sign * *edge / radius : 0);
-        return painted + sign * options.unpaintedEnd / radius;
-    };
-    const double a0 = refinedEnd(low, -1), a1 = refinedEnd(high, 1);
     geometry::Arc arc;
     arc.center = rings.centre;
-    arc.radius = radius;
+    arc.radius = 0.5 * (rings.inner + rings.outer);
+    std::tie(low, high) = angularExtent(points, rings.centre);
+    const double end = options.unpaintedEnd / arc.radius;
+    const double a0 = refinedEnd(probe, rings, low, -1) - end, a1 = refinedEnd(probe, rings, high, 1) + end;
     arc.a0Deg = a0 * 180 / std::numbers::pi, arc.a1Deg = a1 * 180 / std::numbers::pi;
     arc.thickness = options.wallThickness;
     arc.heightClass = heightClassOf(chain.paint);
-    arc.detection.confidence = std::clamp(0.4 + 0.6 * seen / (2.0 * (n - 1)), 0.0, 1.0);
-    const int corners = std::max(4, static_cast<int>((a1 - a0) * 12));
-    for (int side = 0; side < 2; ++side)
-        for (int i = 0; i <= corners; ++i) {
-            const double a = side == 0 ? a0 + (a1 - a0) * i / corners : a1 - (a1 - a0) * i / corners;
-            arc.detection.outlinePx.push_back(
-                view.pixel(rings.centre + (radius + (side == 0 ? half : -half)) * direction(a), height));
-        }
+    arc.detection.confidence = std::clamp(0.4 + 0.6 * static_cast<double>(seen) / (2.0 * (n - 1)), 0.0, 1.0);
+    arc.detection.outlinePx = outlineOf(probe, arc.center, arc.radius, a0, a1);
     return arc;
 }
 
