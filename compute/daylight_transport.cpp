@@ -63,7 +63,8 @@ struct DaylightTransport::State {
     std::vector<double> areas;
     std::unique_ptr<PointScene> points;
     std::unique_ptr<SunScene> sunScene;
-    std::unique_ptr<SunBounce> sunBounce; // none until there is sun, or without openings
+    std::unique_ptr<NearPairs> nearPairs;
+    std::unique_ptr<SunBounce> sunBounce; // none without openings
     std::unique_ptr<GlowingBlinds> blinds;
     std::unique_ptr<SlatLobes> slats;
     std::unique_ptr<PatchSlopes> slopes;
@@ -87,7 +88,6 @@ struct DaylightTransport::State {
     void makeSky();
     void makeSensors();
     void makeNearLight();
-    void makeSunBounce();
     void readMaterials();
     Moment direct(const daylight::Sky& sky) const;
     void skyAtSensors(Moment& moment, const daylight::Sky& sky) const;
@@ -125,10 +125,6 @@ void DaylightTransport::State::makeFactors() {
     rowSums = gather->rowSums();
 }
 
-void DaylightTransport::State::makeSunBounce() {
-    if (hasOpenings && !sunBounce) sunBounce = std::make_unique<SunBounce>(*points, factors.values);
-}
-
 // What of a row can come back from where it goes, for the solver's bounds: not what leaves by openings.
 std::vector<float> DaylightTransport::State::rowsThatReturn() {
     if (links->rowSums().empty()) return rowSums;
@@ -160,7 +156,8 @@ void DaylightTransport::State::findOpenings() {
     solver = std::make_unique<RadiositySolver>(*tinted, rowsThatReturn());
     relight = std::make_unique<RelightBasis>(*tinted, *solver);
     sunScene = std::make_unique<SunScene>(mesh);
-    sunBounce.reset();
+    nearPairs = std::make_unique<NearPairs>(mesh, factors.values);
+    sunBounce = hasOpenings ? std::make_unique<SunBounce>(*points, *nearPairs) : nullptr;
     blinds = std::make_unique<GlowingBlinds>(mesh);
     slats = std::make_unique<SlatLobes>(*points, *blinds, factors.values);
     patchSky = {};
@@ -359,8 +356,8 @@ void DaylightTransport::State::solve(std::span<Moment> moments) {
         exitance.assign(emitted.size(), 0), gathered.assign(emitted.size(), 0);
     }
     const double seconds = clock.seconds() / static_cast<double>(moments.size());
-    const MomentScene scene{mesh,    areas,   rowSums, links->rowSums(), matter,     clear, *slopes,
-                            *points, sensors, *slats,  *gather,          rowError(), grey};
+    const MomentScene scene{mesh,       areas,   rowSums, links->rowSums(), matter,  clear,      *slopes,
+                            *nearPairs, *points, sensors, *slats,           *gather, rowError(), grey};
     for (size_t k = 0; k < moments.size(); ++k) {
         Moment& moment = moments[k];
         moment.report.radiosity = solution;
@@ -434,8 +431,6 @@ Moment DaylightTransport::light(const daylight::Sky& sky) {
 std::vector<Moment> DaylightTransport::light(std::span<const daylight::Sky> skies) {
     std::vector<Moment> moments;
     state_->makeNearLight();
-    if (std::any_of(skies.begin(), skies.end(), [](const daylight::Sky& sky) { return sky.hasSun(); }))
-        state_->makeSunBounce();
     for (const daylight::Sky& sky : skies) moments.push_back(state_->direct(sky));
     if (!moments.empty()) state_->solve(moments);
     return moments;
@@ -444,7 +439,6 @@ std::vector<Moment> DaylightTransport::light(std::span<const daylight::Sky> skie
 TransportParts DaylightTransport::parts() {
     State& state = *state_;
     state.makeNearLight();
-    state.makeSunBounce();
     return {*state.solver,
             *state.tinted,
             state.columnsPerMoment(),

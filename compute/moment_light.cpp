@@ -22,25 +22,40 @@ constexpr double kApartShare = 0.25;   // the same where such patches are taken 
 constexpr double kApartSunShare = 0.2; // of that light, the sun's first bounce, whose shape is known
 constexpr double kBounceError = 0.006; // of reflected light: what earlier bounces between patches leave
 constexpr double kSensorSkyError = 0.008; // of sky light, from its cubature and that of glass
-constexpr double kPatchSkyError = 0.01;   // the same for four points a patch and sky elements
-constexpr double kPatchError = 0.02;      // of reflected light on a patch
+// The same of patches' means, against meshes four and sixteen times as fine (docs/accuracy.md).
+constexpr double kPatchBounceError = 0.01;
+constexpr double kPatchSkyError = 0.02;   // four points a patch, and sky elements
+constexpr float kPatchSpreadShare = 0.3F; // of light's variation within patches nearby
+constexpr float kPatchNearShare = 0.6F;   // of the light of a patch nearby, times its form factor
 // Slats against sheets traced one by one (tests/compute/blinds_test.cpp): of their light that a place gets
 // straight, of what it would get were that even, and of what comes by way of the room.
 constexpr double kSlatsSeen = 0.12, kSlatsEven = 0.04, kSlatsLater = 0.05;
 
-// How much the light that runs on smoothly changes across each patch, photometric; `smooth` per channel.
-std::vector<float> spreadWithin(const MomentScene& scene, const std::vector<float> (&smooth)[3]) {
-    const size_t n = scene.mesh.patchCount();
-    std::vector<float> light(n), spread(n);
-    for (size_t i = 0; i < n; ++i)
-        light[i] = scene.grey ? smooth[0][i]
-                              : static_cast<float>(photometric({smooth[0][i], smooth[1][i], smooth[2][i]}));
-    for (size_t i = 0; i < n; ++i) {
+// How much light that runs on smoothly, photometric, changes across each patch.
+std::vector<float> spreadWithin(const MomentScene& scene, std::span<const float> light) {
+    std::vector<float> spread(light.size());
+    for (size_t i = 0; i < light.size(); ++i) {
         glm::vec3 slope(0);
         for (const PatchSlopes::Term& term : scene.slopes.terms(i)) slope += light[term.patch] * term.weight;
         spread[i] = glm::length(slope) * static_cast<float>(scene.points.patches()[i].size);
     }
     return spread;
+}
+
+// What the light of patches nearby leaves open on each patch: the mesh spreads it evenly over them.
+std::vector<float> nearErrors(const MomentScene& scene, const Moment& moment) {
+    const size_t n = scene.mesh.patchCount();
+    std::vector<float> light(n), errors(n);
+    for (size_t i = 0; i < n; ++i) // but for sunlight, which is sent from where it lies
+        light[i] = static_cast<float>(
+            photometric(moment.lighting.exitance[i] -
+                        scene.mesh.materials[scene.mesh.material[i]].reflectance * moment.patches[i].sun));
+    const std::vector<float> spread = spreadWithin(scene, light);
+    for (size_t j = 0; j < n; ++j)
+        for (const NearPairs::Pair& pair : scene.pairs.nearest(j))
+            errors[pair.to] += pair.factor * (kPatchSpreadShare * spread[j] +
+                                              kPatchNearShare * pair.factor * std::max(0.0F, light[j]));
+    return errors;
 }
 
 // Glow of slats, photometric lux per patch; empty without any.
@@ -113,12 +128,14 @@ void lightPatches(const MomentScene& scene, const SolvedColumns& solved, Moment&
         scene.slats.light(moment.lobes, lobes);
     }
     const double bySlats = kSlatsLater * slatsShare(scene, moment, slats);
+    const std::vector<float> near = nearErrors(scene, moment);
     for (size_t i = 0; i < n; ++i) {
         LightParts& parts = moment.patches[i];
         parts.error +=
             static_cast<float>(std::abs(1 - scene.rowSums[i]) * mean + moment.report.radiosity.bound * most +
-                               (scene.rowError + kPatchError) * photometric(parts.interreflected) +
-                               kPatchSkyError * photometric(parts.sky + parts.ground));
+                               (scene.rowError + kPatchBounceError) * photometric(parts.interreflected) +
+                               kPatchSkyError * photometric(parts.sky + parts.ground)) +
+            near[i];
         if (!slats.empty()) parts.error += slatsError(parts, double{seen[i]}, photometric(lobes[i]), bySlats);
     }
     moment.report.lumensAbsorbed = absorbed;
@@ -131,6 +148,7 @@ void lightSensors(const MomentScene& scene, const SolvedColumns& solved, Moment&
     const geometry::PatchMesh& mesh = scene.mesh;
     const SensorGather& sensors = scene.sensors;
     const size_t n = mesh.patchCount();
+    if (moment.sensors.empty()) return;
     double most = 0;
     for (const glm::vec3& out : moment.lighting.exitance) most = std::max(most, photometric(out));
     // Sunlight has edges, and is even but for those (sunEdges has put them in already); all else runs on
@@ -147,8 +165,11 @@ void lightSensors(const MomentScene& scene, const SolvedColumns& solved, Moment&
             smooth[c][i] -= even[c][i];
         }
     }
-    const std::vector<float> spread =
-        moment.sensors.empty() ? std::vector<float>{} : spreadWithin(scene, smooth);
+    std::vector<float> runsOn(n);
+    for (size_t i = 0; i < n; ++i)
+        runsOn[i] = scene.grey ? smooth[0][i]
+                               : static_cast<float>(photometric({smooth[0][i], smooth[1][i], smooth[2][i]}));
+    const std::vector<float> spread = spreadWithin(scene, runsOn);
     std::vector<float> light(n), apart(n);
     for (size_t i = 0; i < n; ++i) {
         light[i] = apart[i] = static_cast<float>(photometric(moment.lighting.exitance[i]));

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "compute/daylight_transport.h"
+#include "compute/near_pairs.h"
 #include "compute/patch_slopes.h"
 #include "compute/point_scene.h"
 #include "compute/radiosity.h"
@@ -23,6 +24,7 @@ struct MomentScene {
     const std::vector<std::vector<float>>&
         clear; // per channel: diffuse transmittance of clear interior glass
     const PatchSlopes& slopes;
+    const NearPairs& pairs;
     const PointScene& points;
     const SensorGather& sensors;
     const SlatLobes& slats;

@@ -1,7 +1,7 @@
 #include "compute/sun_bounce.h"
 
 #include <algorithm>
-#include <cstddef>
+#include <vector>
 
 #include <glm/geometric.hpp>
 
@@ -14,8 +14,6 @@ using glm::dvec3;
 
 namespace {
 
-// Form factors: below kFar the place of the light on a patch does not matter, from kNear its shape does.
-constexpr float kFar = 1e-3F, kNear = 0.02F;
 constexpr double kMostNearer = 3;
 constexpr double kMostCorrected = 4; // more, or by nothing: what little is seen of the patch says little
 constexpr uint32_t kPoints = 4;      // on a near patch
@@ -50,23 +48,8 @@ double nearness(const PointScene::Patch& to, const PointScene::Patch& from, dvec
 
 } // namespace
 
-SunBounce::SunBounce(const PointScene& scene, const gpu::Buffer& factors)
-    : scene_(&scene), views_(patchViewpoints(scene.mesh(), kPoints)) {
-    const size_t n = scene.mesh().patchCount();
-    const gpu::HostView<float> matrix(factors, n * n);
-    const std::span<const uint32_t> room = scene.mesh().room;
-    const auto forPairs = [&](const auto& take) { // through panes light is spread evenly
-        for (size_t i = 0; i < n; ++i)
-            for (size_t j = 0; j < n; ++j)
-                if (matrix[i * n + j] >= kFar && room[i] == room[j]) take(i, j);
-    };
-    first_.assign(n + 1, 0);
-    forPairs([&](size_t, size_t j) { ++first_[j + 1]; });
-    for (size_t j = 0; j < n; ++j) first_[j + 1] += first_[j];
-    pairs_.resize(first_[n]);
-    std::vector<size_t> next(first_.begin(), first_.end() - 1);
-    forPairs([&](size_t i, size_t j) { pairs_[next[j]++] = {static_cast<uint32_t>(i), matrix[i * n + j]}; });
-}
+SunBounce::SunBounce(const PointScene& scene, const NearPairs& pairs)
+    : scene_(&scene), pairs_(&pairs), views_(patchViewpoints(scene.mesh(), kPoints)) {}
 
 // Light of the lit parts at a near patch over that of the whole patch, were its exitance one.
 std::optional<dvec3> SunBounce::seenNearby(uint32_t to, const SunlitParts& lit,
@@ -90,16 +73,15 @@ void SunBounce::addTo(std::span<glm::vec3> onPatches, std::span<const SunlitPart
     for (const SunlitParts& lit : partly) {
         const auto [middle, mean] = sentBy(lit, geometry::patchArea(mesh, lit.patch));
         const PointScene::Patch& from = scene_->patches()[lit.patch];
-        const std::span pairs(pairs_.begin() + static_cast<std::ptrdiff_t>(first_[lit.patch]),
-                              pairs_.begin() + static_cast<std::ptrdiff_t>(first_[lit.patch + 1]));
+        const std::span<const NearPairs::Pair> pairs = pairs_->of(lit.patch);
         corners.clear();
         for (uint32_t v : mesh.patch(lit.patch)) corners.push_back(mesh.vertices[v]);
         light.clear();
         dvec3 sent(0), arrived(0);
-        for (const Pair& pair : pairs) {
+        for (const NearPairs::Pair& pair : pairs) {
             const PointScene::Patch& to = scene_->patches()[pair.to];
             std::optional<dvec3> seen;
-            if (pair.factor >= kNear) seen = seenNearby(pair.to, lit, corners);
+            if (pair.factor >= NearPairs::kNear) seen = seenNearby(pair.to, lit, corners);
             if (!seen) {
                 const double whole = nearness(to, from, from.centre);
                 seen = mean * (whole > 0 ? std::min(kMostNearer, nearness(to, from, middle) / whole) : 1.0);

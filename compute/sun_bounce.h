@@ -8,11 +8,10 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include <glm/vec3.hpp>
 
-#include "compute/gpu/buffer.h"
+#include "compute/near_pairs.h"
 #include "compute/patch_points.h"
 #include "compute/point_scene.h"
 #include "compute/sun_patches.h"
@@ -21,26 +20,20 @@ namespace heliodon::compute {
 
 class SunBounce {
 public:
-    // `factors`: float32, patchCount^2, row-major. Keeps 8 bytes for each pair that counts (about a hundred
-    // a patch), in one room: to others it is spread evenly. `scene` outlives this. What stands between two
-    // patches is taken to hide what is lit of one as it hides all of it.
-    SunBounce(const PointScene& scene, const gpu::Buffer& factors);
+    // Both outlive this. What stands between two patches is taken to hide what is lit of one as it hides all
+    // of it; to other rooms, through panes, light is spread evenly.
+    SunBounce(const PointScene& scene, const NearPairs& pairs);
 
     // Adds lux to patches. `strength`: the sun's normal illuminance. About 10 us for each patch lit in part.
     void addTo(std::span<glm::vec3> onPatches, std::span<const SunlitParts> partly, double strength) const;
 
 private:
-    struct Pair {
-        uint32_t to;
-        float factor; // from `to` to the patch that sends
-    };
     std::optional<glm::dvec3> seenNearby(uint32_t to, const SunlitParts& lit,
                                          std::span<const glm::dvec3> corners) const;
 
     const PointScene* scene_;
+    const NearPairs* pairs_;
     PatchViewpoints views_;
-    std::vector<size_t> first_; // pairs of each sender
-    std::vector<Pair> pairs_;
 };
 
 } // namespace heliodon::compute

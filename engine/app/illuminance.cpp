@@ -141,11 +141,21 @@ Solution solveToError(Run& run, const IlluminanceArguments& arguments, const Inp
     const double wanted = arguments.maxError;
     size_t triangles = arguments.scene.triangles.value_or(kFirst);
     nlohmann::json rounds = nlohmann::json::array();
+    double before = 0, patchesBefore = 0;
     for (;;) {
         Solution s = solveOn(run, arguments, input, triangles);
-        const double reached = reachedError(arguments.sensors.empty() ? s.moment.patches : s.moment.sensors);
+        const double reached = reachedError(arguments.sensors.empty() ? s.moment.patches : s.moment.sensors),
+                     patches = static_cast<double>(s.scene.mesh.patchCount());
         rounds.push_back({{"triangles", s.scene.mesh.patchCount()}, {"error", reached}});
-        const bool enough = reached <= wanted, last = triangles >= kMost || arguments.scene.triangles;
+        // What the finest mesh would reach, going on as from the last to this.
+        double finest = 0;
+        if (before > 0 && patches > patchesBefore)
+            finest = reached *
+                     std::pow(kMost / patches,
+                              std::min(0.0, std::log(reached / before) / std::log(patches / patchesBefore)));
+        before = reached, patchesBefore = patches;
+        const bool enough = reached <= wanted, vain = finest > 1.1 * wanted,
+                   last = triangles >= kMost || arguments.scene.triangles || vain;
         if (!enough && !last) {
             const double factor = std::clamp(std::pow(reached / wanted, 3), 2.0, 5.0);
             triangles = std::min(kMost, static_cast<size_t>(static_cast<double>(triangles) * factor));
@@ -155,14 +165,20 @@ Solution solveToError(Run& run, const IlluminanceArguments& arguments, const Inp
             {"wanted", wanted},
             {"reached", reached},
             {"rounds", rounds},
-            {"why", enough ? "the coarsest mesh tried that reaches it on 95 of 100 places; form factors to a "
-                             "tenth of it, the solution to a two-hundredth"
-                    : arguments.scene.triangles ? "the mesh was given by --triangles"
-                                                : "the finest mesh allowed"}};
+            {"why",
+             enough ? "the coarsest mesh tried that reaches it on 95 of 100 places; form factors to a "
+                      "tenth of it, the solution to a two-hundredth"
+             : arguments.scene.triangles ? "the mesh was given by --triangles"
+             : vain ? fmt::format("by the last two meshes the finest, of {} triangles, would reach {:.2g}",
+                                  kMost, finest)
+                    : "the finest mesh allowed"}};
         if (!enough)
             run.warn(fmt::format("--max-error {:.3g} is not reached: lux_error is {:.3g} of lux on 95 of 100 "
-                                 "places",
-                                 wanted, reached));
+                                 "places{}",
+                                 wanted, reached,
+                                 arguments.sensors.empty()
+                                     ? ", by light that changes within patches in corners; sensors get less"
+                                     : ""));
         return s;
     }
 }

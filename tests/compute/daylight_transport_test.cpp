@@ -88,29 +88,57 @@ TEST(DaylightTransport, parts_sum_to_what_patches_reflect) {
     EXPECT_EQ(transport.report().channels, 3u);
 }
 
+// A box of 4 x 3 x 5 m with a window, in squares of 1 m over `times`.
+geometry::PatchMesh squares(uint32_t times) {
+    test::BoxRoom box;
+    box.cells = {4 * times, 3 * times, 5 * times};
+    box.triangles = false;
+    box.isGlass = [](glm::dvec3 p) { return p.z < 1e-9 && p.x > 1 && p.x < 3 && p.y > 1 && p.y < 2; };
+    return test::boxRoom(box);
+}
+
+// Of each square the one of the coarser mesh, with squares of `size`, that it is a part of.
+std::vector<size_t> wholes(const geometry::PatchMesh& fine, const geometry::PatchMesh& coarse, double size) {
+    std::vector<size_t> whole(fine.patchCount());
+    for (size_t i = 0; i < whole.size(); ++i)
+        for (size_t j = 0; j < coarse.patchCount(); ++j) {
+            const glm::dvec3 away = geometry::patchCentroid(fine, i) - geometry::patchCentroid(coarse, j);
+            if (fine.surface[i] == coarse.surface[j] &&
+                std::max({std::abs(away.x), std::abs(away.y), std::abs(away.z)}) < size / 2)
+                whole[i] = j;
+        }
+    return whole;
+}
+
+TEST(DaylightTransport, light_on_patches_lies_in_its_stated_error) {
+    const geometry::PatchMesh coarse = squares(3), fine = squares(6);
+    DaylightTransport few(test::device(), coarse), many(test::device(), fine);
+    const std::vector<size_t> whole = wholes(fine, coarse, 1.0 / 3);
+    for (const daylight::Sky& sky : {test::overcast(), sunny(), sunny({0.5, 0.35, -0.5})}) {
+        const Moment stated = few.light(sky), there = many.light(sky);
+        std::vector<double> lux(coarse.patchCount(), 0);
+        for (size_t i = 0; i < whole.size(); ++i) lux[whole[i]] += photometric(there.patches[i].total()) / 4;
+        size_t inside = 0;
+        double error = 0;
+        for (size_t i = 0; i < lux.size(); ++i) {
+            inside += std::abs(photometric(stated.patches[i].total()) - lux[i]) <=
+                      static_cast<double>(stated.patches[i].error);
+            error += static_cast<double>(stated.patches[i].error) / lux[i] / static_cast<double>(lux.size());
+        }
+        EXPECT_GE(static_cast<double>(inside), 0.97 * static_cast<double>(lux.size()));
+        EXPECT_LT(error, 0.06); // says something
+    }
+}
+
 // What sunlight sends on from patches that it lights in part: on patches of 1 m against the same room in
 // patches of 25 cm, which hardly err themselves.
 TEST(SunBounce, is_what_a_mesh_four_times_as_fine_gives) {
-    const auto room = [](uint32_t times) {
-        test::BoxRoom box;
-        box.cells = {4 * times, 3 * times, 5 * times};
-        box.triangles = false;
-        box.isGlass = [](glm::dvec3 p) { return p.z < 1e-9 && p.x > 1 && p.x < 3 && p.y > 1 && p.y < 2; };
-        return test::boxRoom(box);
-    };
-    const geometry::PatchMesh coarse = room(1), fine = room(4);
+    const geometry::PatchMesh coarse = squares(1), fine = squares(4);
     TransportOptions options;
     options.formFactors.maxError = 1e-4;
     DaylightTransport few(test::device(), coarse, options), many(test::device(), fine, options);
     const size_t n = coarse.patchCount();
-    std::vector<size_t> whole(fine.patchCount(), n); // patch of the coarse mesh
-    for (size_t i = 0; i < whole.size(); ++i)
-        for (size_t j = 0; j < n && whole[i] == n; ++j) {
-            const glm::dvec3 away = geometry::patchCentroid(fine, i) - geometry::patchCentroid(coarse, j);
-            if (fine.surface[i] == coarse.surface[j] &&
-                std::max({std::abs(away.x), std::abs(away.y), std::abs(away.z)}) < 0.5)
-                whole[i] = j;
-        }
+    const std::vector<size_t> whole = wholes(fine, coarse, 1);
     // Light of the first bounce.
     const auto bounced = [](DaylightTransport& transport, const geometry::PatchMesh& mesh,
                             const Moment& moment) {
@@ -133,8 +161,8 @@ TEST(SunBounce, is_what_a_mesh_four_times_as_fine_gives) {
         SunPatches(coarse, sky.sun.direction).onPatches(&partly);
         ASSERT_FALSE(partly.empty());
         std::vector<glm::vec3> more(n, glm::vec3(0));
-        SunBounce(few.parts().points, few.formFactors().values)
-            .addTo(more, partly, sky.sun.normalIlluminance);
+        const NearPairs pairs(coarse, few.formFactors().values);
+        SunBounce(few.parts().points, pairs).addTo(more, partly, sky.sun.normalIlluminance);
         double before = 0, after = 0, made = 0, all = 0;
         for (size_t i = 0; i < n; ++i) {
             before += std::pow(even[i] - exact[i], 2);
