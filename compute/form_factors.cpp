@@ -25,6 +25,8 @@ namespace {
 constexpr size_t kEnoughRays = 1u << 18; // of all patches
 constexpr uint32_t kMostResolution = 512, kMostRays = 65536;
 constexpr uint32_t kStreamedRows = 256;
+constexpr uint32_t kSamples = 32, kSampledTogether = 8; // rows by which a stream's rays are chosen
+constexpr double kBelowAsked = 0.9;                     // of the sample, so that all rows are below too
 
 // Until the kernel's own claim is below what is asked: its error falls about with the 0.6th power of the
 // rays.
@@ -48,6 +50,27 @@ FormFactors monteCarloFormFactors(gpu::Device& device, const geometry::PatchMesh
         const double factor = std::pow(claimed / maxError, 1 / 0.6);
         rays =
             static_cast<uint32_t>(std::clamp(kernel.rays() * factor, 2.0 * kernel.rays(), 1.0 * kMostRays));
+    }
+}
+
+// Rays a patch that a sample of the rows needs, each from its own rays, until their claim is below what is
+// asked.
+uint32_t raysOfRows(gpu::Device& device, const geometry::PatchMesh& mesh, double maxError) {
+    const auto n = static_cast<uint32_t>(mesh.patchCount());
+    std::vector<float> values(size_t{kSampledTogether} * n), errors(kSampledTogether);
+    for (uint32_t rays = 256;;) {
+        MonteCarlo kernel(device, mesh, {rays});
+        double squares = 0, rows = 0;
+        for (uint32_t k = 0; k < kSamples; ++k) {
+            const auto first = static_cast<uint32_t>(uint64_t{n} * k / kSamples);
+            const uint32_t count = std::min(kSampledTogether, n - first);
+            kernel.rows(first, count, values, errors);
+            for (uint32_t i = 0; i < count; ++i) squares += double{errors[i]} * double{errors[i]};
+            rows += count;
+        }
+        const double claimed = std::sqrt(squares / std::max(rows, 1.0));
+        if (claimed <= kBelowAsked * maxError || kernel.rays() >= kMostRays) return kernel.rays();
+        rays = 2 * kernel.rays();
     }
 }
 
@@ -244,6 +267,14 @@ FormFactorReport streamFormFactors(gpu::Device& device, const geometry::PatchMes
         report = factors.report();
         takeRows(factors, taken);
     } else if (choice.kernel == "hemicube") {
+        if (choice.maxError > 0)
+            throw geometry::InputError(
+                "--kernel", "hemicube",
+                fmt::format(
+                    "rows of {} patches are written as they come, before what their columns show of the "
+                    "error is known: no error can be asked for; expected --resolution instead, or "
+                    "another kernel",
+                    n));
         Hemicube hemicube(device, mesh, {options.resolution});
         for (uint32_t first = 0; first < n; first += kStreamedRows) {
             const uint32_t count = std::min(kStreamedRows, n - first);
@@ -258,7 +289,8 @@ FormFactorReport streamFormFactors(gpu::Device& device, const geometry::PatchMes
         report.resolution = options.resolution;
     } else if (choice.kernel == "montecarlo") {
         const uint32_t side = std::min(options.resolution, 256u);
-        MonteCarlo kernel(device, mesh, {side * side});
+        MonteCarlo kernel(device, mesh,
+                          {choice.maxError > 0 ? raysOfRows(device, mesh, choice.maxError) : side * side});
         std::vector<float> values(size_t{std::min(n, kStreamedRows)} * n), errors(kStreamedRows);
         double squares = 0;
         for (uint32_t first = 0; first < n; first += kStreamedRows) {
@@ -268,7 +300,7 @@ FormFactorReport streamFormFactors(gpu::Device& device, const geometry::PatchMes
             taken({first, count, 0, n, std::span(values).first(size_t{count} * n)});
         }
         report.kernel = "montecarlo";
-        report.why = "each row from its own rays";
+        report.why = fmt::format("each row from its own {} rays", kernel.rays());
         report.points = kernel.rays();
         report.claimedRowError = std::sqrt(squares / std::max(n, 1u));
     } else {

@@ -47,7 +47,8 @@ struct FormFactorReport {
     std::string kernel, why; // what was chosen and why
     uint32_t resolution = 0, points = 0;
     double seconds = 0;
-    double closureMax = 0, closureRms = 0; // |sum_j F_ij - 1| over all rows: errors only where rooms are closed
+    double closureMax = 0,
+           closureRms = 0; // |sum_j F_ij - 1| over all rows: errors only where rooms are closed
     // RMS over pairs of |A_i F_ij - A_j F_ji| / mean patch area; 0 where both are one number by construction,
     // none where that is not so and no whole matrix was there to measure.
     std::optional<double> reciprocityRms;
@@ -79,7 +80,8 @@ struct FormFactorTile {
 
 // Every entry once, in tiles in no set order: for matrices that need not fit into memory, which stays below
 // about 1 GB however many patches. `hemicube` and `montecarlo` give their rows without the averaging of both
-// ends, and no reciprocity. Throws as computeFormFactors.
+// ends, and no reciprocity; `montecarlo` chooses its rays by a sample of the rows, `hemicube`, whose rows say
+// nothing of their error, refuses maxError and maxRadiosityError. Throws as computeFormFactors.
 FormFactorReport streamFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
                                    const FormFactorOptions& options,
                                    const std::function<void(const FormFactorTile&)>& take);

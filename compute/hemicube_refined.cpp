@@ -15,7 +15,8 @@ namespace {
 
 constexpr size_t kBlock = 64;
 constexpr double kPairTolerance = 2e-3; // of one form factor: well below what pixels leave over a row
-constexpr double kWorthPoints = 0.015;  // of a row's sum, in error, from which it gets more points
+constexpr double kCaution = 1.2; // of the claim, over both ends' disagreement and what links claim (measured)
+constexpr double kWorthPoints = 0.015; // of a row's sum, in error, from which it gets more points
 constexpr uint32_t kMorePoints = 4;
 constexpr double kMostAdded = 0.15; // viewpoints, over those of all patches
 
@@ -135,8 +136,9 @@ size_t addPoints(Hemicube& hemicube, const geometry::PatchMesh& mesh, std::span<
     return rows.size();
 }
 
-void setNearPairs(gpu::Device& device, const geometry::PatchMesh& mesh, std::span<const glm::uvec2> pairs,
-                  const Patches& patches, float* F) {
+// Returns the sum of the variances of their entries, by what the links claim.
+double setNearPairs(gpu::Device& device, const geometry::PatchMesh& mesh, std::span<const glm::uvec2> pairs,
+                    const Patches& patches, float* F) {
     const ClusterScene scene(device, mesh);
     const size_t n = mesh.patchCount();
     std::vector<std::vector<uint32_t>> leavesOf(n);
@@ -147,14 +149,19 @@ void setNearPairs(gpu::Device& device, const geometry::PatchMesh& mesh, std::spa
         for (uint32_t a : leavesOf[pair.x])
             for (uint32_t b : leavesOf[pair.y]) maker.add(std::min(a, b), std::max(a, b));
     }
+    double variance = 0;
     // Sorted: patches of several triangles sum several links in one order, whatever the device's.
     for (const io::HierarchicalLink& link : maker.finish()) {
         const PatchTree::Leaf &a = scene.tree.leaves[scene.tree.nodes[link.first].firstLeaf],
                               &b = scene.tree.leaves[scene.tree.nodes[link.second].firstLeaf];
-        const double exchange = double{link.density} * a.area * b.area;
-        F[a.patch * n + b.patch] += static_cast<float>(exchange / patches.area[a.patch]);
-        F[b.patch * n + a.patch] += static_cast<float>(exchange / patches.area[b.patch]);
+        const double exchange = double{link.density} * a.area * b.area,
+                     error = double{link.error} * a.area * b.area, areaA = patches.area[a.patch],
+                     areaB = patches.area[b.patch];
+        F[a.patch * n + b.patch] += static_cast<float>(exchange / areaA);
+        F[b.patch * n + a.patch] += static_cast<float>(exchange / areaB);
+        variance += error * error * (1 / (areaA * areaA) + 1 / (areaB * areaB));
     }
+    return variance;
 }
 
 } // namespace
@@ -184,10 +191,10 @@ FormFactors refinedHemicubeFormFactors(gpu::Device& device, const geometry::Patc
     if (n > 0) result.report.claimedRowSumError = *std::max_element(errors.begin(), errors.end());
     double near = 0;
     for (const glm::uvec2& pair : pairs) near += disagreement(F, patches, pair.x, pair.y);
-    const double variance = averageEnds(F, patches) - near;
+    const double far = std::max(0.0, averageEnds(F, patches) - near);
+    const double variance = far + setNearPairs(device, mesh, pairs, patches, F);
     result.report.claimedRowError =
-        std::sqrt(std::max(0.0, variance) / static_cast<double>(std::max<size_t>(n, 1)));
-    setNearPairs(device, mesh, pairs, patches, F);
+        kCaution * std::sqrt(variance / static_cast<double>(std::max<size_t>(n, 1)));
     if (!copy.empty()) result.values.upload(copy);
     result.report.why = fmt::format(
         "{} near pairs in closed form, the others from both ends, {} rows from {} times the points",

@@ -135,6 +135,8 @@ void rasterItem(uint item, Frame frame, uint self, uint room, uint base) {
     vec3 low = mix(vec3(-1e9), bound - 1e-4, fromLeft), lowStep = mix(vec3(0), boundStep, fromLeft);
     vec3 high = mix(bound + 1e-4, vec3(1e9), fromLeft), highStep = mix(boundStep, vec3(0), fromLeft);
     float most = min(exp2(32.0 - float(params.idBits)), 16777216.0) - 2.0;
+    // Of sheets without thickness the front is seen, whatever rounding makes of both depths.
+    vec2 bias = (r.id & kHemicubeBack) != 0u ? vec2(1.0 + 2e-6, 2.0) : vec2(1.0, 0.0);
     uint at = base + (face == 0u ? 0u : (face + 1u) * params.resolution * params.resolution / 2u) +
               uint(first) * params.resolution;
     for (int j = first; j <= last; j += stripes) {
@@ -143,7 +145,7 @@ void rasterItem(uint item, Frame frame, uint self, uint room, uint base) {
         int end = int(floor(clamp(min(to.x, min(to.y, to.z)), -1.0, R - 1.0)));
         float inverse = depthRest + depthStep.y * float(j) + depthStep.x * float(i);
         do {
-            float depth = inverse > 0.0 ? min(params.depthScale / inverse, most) : most;
+            float depth = inverse > 0.0 ? min(params.depthScale / inverse * bias.x + bias.y, most) : most;
             uint value = (uint(depth) << params.idBits) | r.id;
             if (i <= end) atomicMin(items[at + uint(i)], value);
             inverse += depthStep.x;

@@ -8,6 +8,7 @@
 
 const float kPairPi = 3.14159265359;
 const float kPairFlat = 1e-6; // heights below this share of the distance are rounding errors
+const float kPairRounded = 2e-7; // and below this share of the longest edge, as at corners that both share
 const float kPairNear = 0.15;  // sizes over distance from which the product rule is left
 
 struct Triangle {
@@ -166,16 +167,16 @@ vec2 pairExchange(Triangle one, Triangle other, float allowed, const bool nearOn
     vec3 cp[3] = vec3[](vec3(0.0), p.ab, p.ac);
     vec3 cq[3] = vec3[](first, first + q.ab, first + q.ac);
     vec3 d = (cq[0] + cq[1] + cq[2] - cp[1] - cp[2]) / 3.0;
+    float longest = max(max(length(p.ab), length(p.ac)), max(length(q.ab), length(q.ac)));
     vec3 overP, overQ; // heights of the other's corners
     for (int k = 0; k < 3; ++k) {
         float h = dot(p.normal, cq[k]), g = dot(q.normal, cp[k] - first);
-        overP[k] = abs(h) <= kPairFlat * length(cq[k]) ? 0.0 : h;
-        overQ[k] = abs(g) <= kPairFlat * length(cp[k] - first) ? 0.0 : g;
+        overP[k] = abs(h) <= max(kPairFlat * length(cq[k]), kPairRounded * longest) ? 0.0 : h;
+        overQ[k] = abs(g) <= max(kPairFlat * length(cp[k] - first), kPairRounded * longest) ? 0.0 : g;
     }
     vec2 lowest = vec2(min(overP.x, min(overP.y, overP.z)), min(overQ.x, min(overQ.y, overQ.z)));
     bool facing = max(overP.x, max(overP.y, overP.z)) > 0.0 && max(overQ.x, max(overQ.y, overQ.z)) > 0.0;
     float size = sqrt(p.area) + sqrt(q.area), distance_ = length(d);
-    float longest = max(max(length(p.ab), length(p.ac)), max(length(q.ab), length(q.ac)));
     near = facing && (min(lowest.x, lowest.y) < 0.0 || max(size, longest) > 2.0 * kPairNear * distance_);
     // Both in units of their size, so that logarithms stay small.
     float unit = 1.0 / max(distance_, size);
