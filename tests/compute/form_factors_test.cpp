@@ -332,14 +332,7 @@ TEST(FormFactors, a_stream_keeps_the_error_asked_or_refuses_it) {
 TEST(FormFactors, of_leaning_sheets_the_front_is_seen_and_nothing_passes_to_the_back) {
     std::vector<std::vector<glm::dvec3>> faces;
     const auto sheet = [&](glm::dvec3 corner, glm::dvec3 u, glm::dvec3 v, int times) {
-        const auto at = [&](int i, int k) {
-            return corner + u * (double(i) / times) + v * (double(k) / times);
-        };
-        for (int i = 0; i < times; ++i)
-            for (int k = 0; k < times; ++k) {
-                faces.push_back({at(i, k), at(i + 1, k), at(i + 1, k + 1)});
-                faces.push_back({at(i, k), at(i + 1, k + 1), at(i, k + 1)});
-            }
+        test::addSheet(faces, corner, u, v, times);
     };
     const auto both = [&](glm::dvec3 corner, glm::dvec3 u, glm::dvec3 v) {
         sheet(corner, u, v, 3);

@@ -172,14 +172,7 @@ geometry::PatchMesh openScene(uint32_t seed) {
     };
     std::vector<std::vector<glm::dvec3>> faces;
     const auto sheet = [&](glm::dvec3 corner, glm::dvec3 u, glm::dvec3 v, int times) {
-        const auto at = [&](int i, int k) {
-            return corner + u * (double(i) / times) + v * (double(k) / times);
-        };
-        for (int i = 0; i < times; ++i)
-            for (int k = 0; k < times; ++k) {
-                faces.push_back({at(i, k), at(i + 1, k), at(i + 1, k + 1)});
-                faces.push_back({at(i, k), at(i + 1, k + 1), at(i, k + 1)});
-            }
+        test::addSheet(faces, corner, u, v, times);
     };
     sheet({-3, 0, -3}, {0, 0, 6}, {6, 0, 0}, 4);
     sheet({-3, 2, -3}, {6, 0, 0}, {0, 0, 6}, 2);

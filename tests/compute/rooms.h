@@ -102,6 +102,17 @@ inline geometry::PatchMesh twoRooms(bool outerGlass, glm::vec3 wall = glm::vec3(
     return mesh;
 }
 
+// A parallelogram in times x times cells of two triangles each, which face u x v.
+inline void addSheet(std::vector<std::vector<glm::dvec3>>& faces, glm::dvec3 corner, glm::dvec3 u,
+                     glm::dvec3 v, int times) {
+    const auto at = [&](int i, int k) { return corner + u * (double(i) / times) + v * (double(k) / times); };
+    for (int i = 0; i < times; ++i)
+        for (int k = 0; k < times; ++k) {
+            faces.push_back({at(i, k), at(i + 1, k), at(i + 1, k + 1)});
+            faces.push_back({at(i, k), at(i + 1, k + 1), at(i, k + 1)});
+        }
+}
+
 // Loose polygons, one room, one material.
 inline geometry::PatchMesh polygons(const std::vector<std::vector<glm::dvec3>>& faces) {
     geometry::PatchMesh mesh;
