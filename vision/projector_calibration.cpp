@@ -15,6 +15,7 @@ namespace heliodon::vision {
 namespace {
 
 constexpr double kMostOff = 0.01; // of the picture's width, rms: beyond, the corners are no projector's
+constexpr double kApart = 0.02;   // metres, least from camera to projector
 
 // One correspondence, with where it comes from.
 struct Origin {
@@ -191,7 +192,7 @@ void examinePlanes(const Working& work, const LensSolution& solution,
     result.centreSigma = glm::sqrt(spread * (count - 1) / count);
 }
 
-void warnOf(ProjectorCalibration& result, const geometry::OpticalDevice& camera) {
+void warnOf(ProjectorCalibration& result) {
     const auto warn = [&](const auto& text) { result.warnings.emplace_back(text); };
     size_t used = 0;
     for (const CalibratedPlane& plane : result.planes) {
@@ -209,15 +210,14 @@ void warnOf(ProjectorCalibration& result, const geometry::OpticalDevice& camera)
         warn(
             fmt::format("the planes catch {:.0f} % of the projector's picture; its lens is guessed elsewhere",
                         100 * result.coverage));
-    if (result.rms > 0.5) warn(fmt::format("corners lie {:.2f} px off", result.rms));
+    if (result.rms > 0.5)
+        warn(fmt::format("corners lie {:.2f} px off; are the planes' heights right?", result.rms));
     const geometry::Lens &lens = result.projector.lens, &sigma = result.sigma;
     if (sigma.fx > 0.005 * lens.fx || sigma.fy > 0.005 * lens.fy)
         warn(fmt::format("the focal length is uncertain: {:.1f} +- {:.1f} px", lens.fx,
                          std::max(sigma.fx, sigma.fy)));
     if (result.projector.centre().y <= 0)
         warn("the projector comes out below the table; are the heights right?");
-    if (glm::distance(result.projector.centre(), camera.centre()) < 0.02)
-        warn("the projector comes out where the camera is; are these its own pictures?");
 }
 
 } // namespace
@@ -244,10 +244,15 @@ ProjectorCalibration calibrateProjector(const geometry::OpticalDevice& camera, i
             "the corners lie {:.0f} projector pixels off those of any lens: are the planes in order, their "
             "heights right, and all pictures of one projector?",
             result.rms));
+    // Corners that stay where they are in the camera's picture fit a projector in its place, and exactly so.
+    if (glm::distance(result.projector.centre(), camera.centre()) < kApart)
+        throw CalibrationError(
+            "the camera sees the corners in the same place whatever the plane's height: do most "
+            "fall beside the board that is raised, or are all pictures of one plane?");
     result.coverage = coverageOf({&work.points, 1}, width, height);
     measureOnPlanes(work.points, result);
     examinePlanes(work, solution, planes, width, height, result);
-    warnOf(result, camera);
+    warnOf(result);
     return result;
 }
 

@@ -174,5 +174,18 @@ TEST(CalibrateProjector, a_wrong_height_is_noticed_and_too_little_refused) {
     EXPECT_THROW(calibrate(scene, {{0, {}}, {0.1, {}}}), CalibrationError);
 }
 
+// Of a small board on a bright table the table carries the most corners, whatever the board's height: they
+// fit a projector in the camera's place, without a residual.
+TEST(CalibrateProjector, corners_on_the_table_beside_the_board_are_refused) {
+    PatternScene scene = usualScene();
+    scene.boardHalf = 0.12, scene.tableWhite = 0.7;
+    try {
+        calibrate(scene, decode(scene, kHeights));
+        FAIL() << "calibrated by the table";
+    } catch (const CalibrationError& error) {
+        EXPECT_NE(std::string(error.what()).find("beside the board"), std::string::npos) << error.what();
+    }
+}
+
 } // namespace
 } // namespace heliodon::vision
