@@ -66,7 +66,7 @@ GraphicsPipeline::GraphicsPipeline(Device& device, const GraphicsPipelineInfo& i
     std::vector<SpirvModule> modules;
     for (const auto& words : info.stages) modules.push_back(reflectSpirv(words));
     refuseUnknownNames(modules, info.specialization);
-    layout_ = PipelineLayout(device, modules);
+    layout_ = PipelineLayout(device, modules, name);
     const ShaderModules shaders(device.handle(), info.stages);
     std::vector<SpecializationData> constants;
     constants.reserve(modules.size());

@@ -50,10 +50,11 @@ size_t texelBytes(VkFormat format) {
 
 } // namespace
 
-void checkLimits(const SpirvModule& module, const VkPhysicalDeviceLimits& limits) {
-    const auto need = [](const char* what, size_t needed, uint32_t most) {
+void checkLimits(const SpirvModule& module, const VkPhysicalDeviceLimits& limits, const std::string& name) {
+    const auto need = [&](const char* what, size_t needed, uint32_t most) {
         if (needed > most)
-            throw Error(fmt::format("a shader needs {} {}, the device allows {}", needed, what, most));
+            throw Error(
+                fmt::format("shader '{}' needs {} {}, the device allows {}", name, needed, what, most));
     };
     size_t storage = 0, sampled = 0;
     for (const SpirvBinding& b : module.bindings) {
@@ -74,9 +75,10 @@ void checkLimits(const SpirvModule& module, const VkPhysicalDeviceLimits& limits
          limits.maxComputeWorkGroupInvocations);
 }
 
-PipelineLayout::PipelineLayout(Device& device, std::span<const SpirvModule> modules) : device_(&device) {
+PipelineLayout::PipelineLayout(Device& device, std::span<const SpirvModule> modules, const std::string& name)
+    : device_(&device) {
     for (const SpirvModule& module : modules) {
-        checkLimits(module, device.limits());
+        checkLimits(module, device.limits(), name);
         stages_ |= module.stage;
         pushConstantBytes_ = std::max(pushConstantBytes_, module.pushConstantBytes);
         for (const SpirvBinding& binding : module.bindings)
@@ -220,7 +222,8 @@ SpecializationData::SpecializationData(const SpirvModule& module, const Speciali
 }
 
 Kernel::Kernel(WithoutPipeline, Device& device, std::span<const uint32_t> spirv, const std::string& name)
-    : device_(&device), module_(reflectSpirv(spirv)), layout_(device, std::span(&module_, 1)), name_(name) {}
+    : device_(&device), module_(reflectSpirv(spirv)), layout_(device, std::span(&module_, 1), name),
+      name_(name) {}
 
 Kernel::Kernel(Device& device, std::span<const uint32_t> spirv, const std::string& name,
                const Specialization& values)

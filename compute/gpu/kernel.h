@@ -41,15 +41,15 @@ Binding part(const Buffer& buffer, size_t offset, size_t bytes);
 Binding sampled(const Image& image, VkSampler sampler,
                 VkImageLayout layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
 
-// Throws Error where a module needs more than that; Vulkan promises 4 storage buffers a stage and 128
-// invocations a group, and several kernels need more.
-void checkLimits(const SpirvModule& module, const VkPhysicalDeviceLimits& limits);
+// Throws Error, which names the shader, where a module needs more than that; Vulkan promises 4 storage
+// buffers a stage and 128 invocations a group, and several kernels need more.
+void checkLimits(const SpirvModule& module, const VkPhysicalDeviceLimits& limits, const std::string& name);
 
 // Layout of set 0 + push constants of one or several stages. Shared by kernels and graphics pipelines.
 class PipelineLayout {
 public:
     PipelineLayout() = default;
-    PipelineLayout(Device& device, std::span<const SpirvModule> stages);
+    PipelineLayout(Device& device, std::span<const SpirvModule> stages, const std::string& name);
     PipelineLayout(PipelineLayout&& other) noexcept { *this = std::move(other); }
     PipelineLayout& operator=(PipelineLayout&& other) noexcept;
     ~PipelineLayout();

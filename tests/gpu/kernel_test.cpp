@@ -112,7 +112,7 @@ TEST(Kernel, bindings_beyond_their_buffer_are_refused) {
 TEST(Kernel, what_a_device_does_not_allow_is_refused) {
     const SpirvModule module = reflectSpirv(affine_comp);
     VkPhysicalDeviceLimits limits = test::device().limits();
-    EXPECT_NO_THROW(checkLimits(module, limits));
+    EXPECT_NO_THROW(checkLimits(module, limits, "affine"));
     for (uint32_t VkPhysicalDeviceLimits::*limit :
          {&VkPhysicalDeviceLimits::maxPerStageDescriptorStorageBuffers,
           &VkPhysicalDeviceLimits::maxPerStageDescriptorSampledImages,
@@ -120,10 +120,15 @@ TEST(Kernel, what_a_device_does_not_allow_is_refused) {
           &VkPhysicalDeviceLimits::maxComputeWorkGroupInvocations}) {
         VkPhysicalDeviceLimits less = limits;
         less.*limit = 0;
-        EXPECT_THROW(checkLimits(module, less), Error);
+        try {
+            checkLimits(module, less, "affine");
+            ADD_FAILURE();
+        } catch (const Error& error) {
+            EXPECT_NE(std::string(error.what()).find("'affine'"), std::string::npos) << error.what();
+        }
     }
     limits.maxComputeWorkGroupSize[0] = module.groupSize[0] - 1;
-    EXPECT_THROW(checkLimits(module, limits), Error);
+    EXPECT_THROW(checkLimits(module, limits, "affine"), Error);
 }
 
 TEST(KernelCache, hands_out_what_was_prepared_as_if_made_on_the_spot) {
