@@ -20,6 +20,7 @@ namespace heliodon::compute {
 namespace {
 
 constexpr uint32_t kRaysEach = 64; // of one invocation: far below 65535 turns of loops even in dense scenes
+constexpr uint64_t kRaysPerSubmit = 1u << 20; // about a second of a processor: a caller may stop in between
 constexpr uint32_t kMostKeptBits = 5;
 constexpr VkFormat kUvec4 = VK_FORMAT_R32G32B32A32_UINT;
 
@@ -141,20 +142,30 @@ void MonteCarlo::trace(const gpu::Buffer& counts, uint32_t firstInBuffer, uint32
     params.rowCount = count;
     params.rays = std::min(kRaysEach, params.halfRays);
     const uint32_t chunks = rays() / params.rays;
-    gpu::Commands commands(*device_);
-    commands.fill(counts, 0, firstInBuffer * rowBytes, count * rowBytes);
-    commands.barrier(gpu::Stage::transfer, gpu::Stage::compute);
-    for (uint32_t chunk = 0; chunk < chunks; chunk += shared ? chunks : 1) {
-        params.firstRay = chunk * params.rays;
-        commands.dispatch(trace_,
-                          {gpu::texel(bvh_.nodes, kUvec4), gpu::texel(bvh_.triangles, kUvec4),
-                           gpu::texel(emitters_, kUvec4), gpu::texel(points_, kUvec4),
-                           gpu::part(counts, firstInBuffer * rowBytes, count * rowBytes)},
-                          params, gpu::groupsFor(count, io::kMonteCarloGroup), shared ? chunks : 1);
-        commands.barrier(gpu::Stage::compute, gpu::Stage::compute); // the next rays add to the same counts
+    const uint64_t ofChunk = uint64_t{std::max(count, 1u)} * params.rays;
+    const uint32_t perSubmit =
+        static_cast<uint32_t>(std::clamp<uint64_t>(kRaysPerSubmit / ofChunk, 1, chunks));
+    for (uint32_t from = 0; from < chunks; from += perSubmit) {
+        const uint32_t to = std::min(chunks, from + perSubmit);
+        gpu::Commands commands(*device_);
+        if (from == 0) {
+            commands.fill(counts, 0, firstInBuffer * rowBytes, count * rowBytes);
+            commands.barrier(gpu::Stage::transfer, gpu::Stage::compute);
+        }
+        const uint32_t each = shared ? to - from : 1;
+        for (uint32_t chunk = from; chunk < to; chunk += each) {
+            params.firstRay = chunk * params.rays;
+            commands.dispatch(trace_,
+                              {gpu::texel(bvh_.nodes, kUvec4), gpu::texel(bvh_.triangles, kUvec4),
+                               gpu::texel(emitters_, kUvec4), gpu::texel(points_, kUvec4),
+                               gpu::part(counts, firstInBuffer * rowBytes, count * rowBytes)},
+                              params, gpu::groupsFor(count, io::kMonteCarloGroup), each);
+            commands.barrier(gpu::Stage::compute,
+                             gpu::Stage::compute); // the next rays add to the same counts
+        }
+        commands.barrier(gpu::Stage::compute, gpu::Stage::any);
+        device_->submitAndWait(std::move(commands));
     }
-    commands.barrier(gpu::Stage::compute, gpu::Stage::any);
-    device_->submitAndWait(std::move(commands));
 }
 
 void MonteCarlo::combine(const gpu::Buffer& counts, const gpu::Buffer& variances) {

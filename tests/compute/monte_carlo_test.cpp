@@ -1,7 +1,11 @@
 #include "compute/monte_carlo.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <span>
+#include <stdexcept>
 
 #include <gtest/gtest.h>
 
@@ -129,6 +133,33 @@ TEST(MonteCarlo, pairs_are_reciprocal_and_every_run_gives_the_same_bits) {
         for (size_t j = 0; j < i; ++j) // one rounding each
             EXPECT_NEAR(geometry::patchArea(mesh, i) * first[i * n + j],
                         geometry::patchArea(mesh, j) * first[j * n + i], 1e-6);
+}
+
+// Many rays go in several submissions, so that whoever asked for them can stop: the same hits as rows one by
+// one, which fit into one submission each.
+TEST(MonteCarlo, long_work_can_be_stopped_between_submissions) {
+    size_t submissions = 0, allowed = std::numeric_limits<size_t>::max();
+    gpu::DeviceOptions options;
+    options.beforeSubmit = [&] {
+        if (submissions++ >= allowed) throw std::runtime_error("stopped");
+    };
+    gpu::Device device(options);
+    const geometry::PatchMesh mesh = test::boxRoom({});
+    const auto n = static_cast<uint32_t>(mesh.patchCount());
+    MonteCarlo kernel(device, mesh, {65536});
+    std::vector<float> all(size_t{n} * n), one(n), errors(n);
+    submissions = 0;
+    kernel.rows(0, n, all, errors);
+    EXPECT_GE(submissions, size_t{n} * 65536 / (1u << 20));
+    for (uint32_t i = 0; i < n; i += n / 5) {
+        const size_t before = submissions;
+        kernel.rows(i, 1, one, errors);
+        EXPECT_EQ(submissions, before + 1);
+        EXPECT_TRUE(std::ranges::equal(one, std::span(all).subspan(size_t{i} * n, n))) << "row " << i;
+    }
+    submissions = 0, allowed = 2;
+    EXPECT_THROW(kernel.run(), std::runtime_error);
+    EXPECT_EQ(submissions, 3u);
 }
 
 TEST(MonteCarlo, empty_meshes_and_degenerate_patches_are_no_special_case) {
