@@ -214,9 +214,23 @@ private:
             if (auto skylight = fitSkylight(region, view_, options_);
                 skylight && liesOnTable(skylight->center, 0)) {
                 used_[i] = true;
+                if (isPatchOfLight(*skylight)) {
+                    unread(region, "a patch of bluish light");
+                    continue;
+                }
                 out_.sketch.skylights.push_back(*skylight);
             }
         }
+    }
+
+    // Light adds to what the white table returns in every channel; light-blue card takes from its red.
+    bool isPatchOfLight(const geometry::Skylight& skylight) const {
+        if (image_.whiteOverTable != glm::vec3(1)) return false;
+        const glm::dvec2 p = view_.pixel(skylight.center, 0);
+        glm::vec3 sum(0);
+        for (int i = -2; i <= 2; ++i)
+            for (int j = -2; j <= 2; ++j) sum += view_.light(p + glm::dvec2(i, j)) / view_.white(p) / 25.0f;
+        return std::min({sum.r, sum.g, sum.b}) > 1;
     }
 
     // Standard deviation across a region's long axis over that of a wall's top, in plan at the height of its

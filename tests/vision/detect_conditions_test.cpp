@@ -203,7 +203,7 @@ WhiteMap whiteOf(const Photograph& photo, const geometry::Rig& rig) {
 }
 
 // A patch of light adds to every channel and has a colour of its own, as card on a coloured table has. It is
-// not taken for card, whether it lies free, across walls or along one. (A skylight it may be taken for.)
+// not taken for card or for a skylight, whether it lies free, across walls or along one.
 TEST(DetectConditions, daylight_that_falls_on_a_table_under_tungsten_lamps) {
     const geometry::Rig rig = exampleRig();
     const Lighting lamps{{0.6, 0.52, 0.42}, {0.56, 0.48, 0.38}};
@@ -226,6 +226,7 @@ TEST(DetectConditions, daylight_that_falls_on_a_table_under_tungsten_lamps) {
                 const Score score = scoreSketch(room(), detectSketch(photo, rig).sketch);
                 for (const auto& [kind, k] : score) {
                     EXPECT_EQ(k.found, k.stated) << kind << "\n" << table(score);
+                    EXPECT_EQ(k.extra, 0) << kind << "\n" << table(score);
                     EXPECT_LT(k.placeWorst, 0.08) << kind << "\n" << table(score);
                 }
                 photo = wood;
