@@ -180,7 +180,13 @@ void readComment(std::string_view text, EpwFile& epw) {
     if (hours && std::abs(*hours) <= 2) epw.irradianceOffsetHours = *hours;
 }
 
-EpwRecord readRecord(const Line& line, bool hoursFromZero) {
+// A direct irradiance that cannot be: it is negative where global less diffuse says that the sun shone.
+bool losesTheSun(double direct, const EpwRecord& record) {
+    constexpr double kSurelySun = 30; // W/m2 horizontal
+    return direct < 0 && record.global && record.diffuse && *record.global - *record.diffuse > kSurelySun;
+}
+
+EpwRecord readRecord(const Line& line, bool hoursFromZero, EpwFile& epw) {
     EpwRecord record;
     record.line = line.number;
     record.date.year = line.whole(0, "year", -9999, 9999);
@@ -193,6 +199,10 @@ EpwRecord readRecord(const Line& line, bool hoursFromZero) {
     record.global = line.irradiance(13, "global horizontal radiation");
     record.direct = line.irradiance(14, "direct normal radiation");
     record.diffuse = line.irradiance(15, "diffuse horizontal radiation");
+    if (record.direct && losesTheSun(line.value(14, "direct normal radiation"), record)) {
+        record.direct.reset();
+        ++epw.directRefuted;
+    }
     return record;
 }
 
@@ -272,7 +282,7 @@ EpwFile readEpw(const std::filesystem::path& path) {
         } else {
             if (epw.records.empty())
                 hoursFromZero = line.cells.size() > 3 && numberFrom(line.cells[3]) == 0.0;
-            EpwRecord record = readRecord(line, hoursFromZero);
+            EpwRecord record = readRecord(line, hoursFromZero, epw);
             sequence->accept(line, record);
             epw.records.push_back(record);
         }

@@ -28,6 +28,8 @@ struct EpwFile {
     int recordsPerHour = 1;                                                      // a divisor of 60
     std::optional<double> irradianceOffsetHours; // "Irradiance Time Offset (h)" of a comment
     std::vector<EpwRecord> records;              // in order, without gaps over each data period
+    size_t directRefuted =
+        0; // records whose negative direct irradiance counts as missing: the others say sun
     std::vector<std::string> warnings;
 };
 

@@ -3,6 +3,7 @@
 #include "compute/daylight/weather.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -27,6 +28,11 @@ SunOptions sunOptions(double elevationM) {
     // The standard atmosphere's pressure there.
     options.pressureMbar = 1013.25 * std::pow(1.0 - 2.25577e-5 * elevationM, 5.25588);
     return options;
+}
+
+// "1 daylit record lacks", "3 daylit records lack"
+std::string daylitThatLack(size_t count) {
+    return fmt::format("{} daylit record{}", count, count == 1 ? " lacks" : "s lack");
 }
 
 // The instant `shift` hours after the end of the record's interval.
@@ -168,14 +174,25 @@ void fillGaps(Weather& weather, const std::vector<Gap>& gaps) {
             ++lost;
     }
     if (derived)
-        weather.warnings.push_back(
-            fmt::format("{} daylit records lack an irradiance; it was derived from the others.", derived));
+        weather.warnings.push_back(daylitThatLack(derived) +
+                                   " an irradiance; it was derived from the others.");
     if (borrowed)
-        weather.warnings.push_back(fmt::format(
-            "{} daylit records lack their irradiance; it was taken from the nearest day.", borrowed));
+        weather.warnings.push_back(daylitThatLack(borrowed) +
+                                   " irradiance; it was taken from the nearest day.");
     if (lost)
-        weather.warnings.push_back(fmt::format(
-            "{} daylit records lack their irradiance and no day within a week has it; they are dark.", lost));
+        weather.warnings.push_back(daylitThatLack(lost) +
+                                   " every irradiance and no day within a week has it: dark.");
+}
+
+// Direct sun all through whose interval the sun is well below the horizon.
+bool shinesAtNight(const EpwFile& epw, const EpwRecord& record, double shift) {
+    constexpr double kSurelySun = 50; // W/m2
+    if (!record.direct || *record.direct < kSurelySun) return false;
+    const Site site{epw.latitudeDeg, epw.longitudeDeg};
+    const double half = 0.5 / epw.recordsPerHour;
+    return std::ranges::all_of(std::array{0.0, -half, half}, [&](double aside) {
+        return sunPosition(instantOf(epw, record, shift + aside), site).trueAltitudeDeg < -1;
+    });
 }
 
 } // namespace
@@ -194,7 +211,7 @@ Weather readWeather(const std::filesystem::path& file) {
     const SunOptions options = sunOptions(epw.elevationM);
 
     std::vector<Gap> gaps;
-    size_t withoutDewPoint = 0;
+    size_t withoutDewPoint = 0, atNight = 0;
     weather.hours.reserve(epw.records.size());
     for (const EpwRecord& record : epw.records) {
         WeatherHour hour;
@@ -206,13 +223,23 @@ Weather readWeather(const std::filesystem::path& file) {
             hour.precipitableWaterCm = precipitableWaterCm(*record.dewPointC);
         else if (hour.sun.isUp())
             ++withoutDewPoint;
+        if (!hour.sun.isUp() && shinesAtNight(epw, record, shift)) ++atNight;
         gaps.push_back(fillFromRecord(record, hour));
         weather.hours.push_back(hour);
     }
+    if (atNight)
+        weather.warnings.push_back(
+            fmt::format("{} of {} records have direct sun while it is below the horizon: are place and time "
+                        "zone ({:+g} h at longitude {:.2f}) of line 1 right?",
+                        atNight, epw.records.size(), epw.timeZoneHours, epw.longitudeDeg));
+    if (epw.directRefuted)
+        weather.warnings.push_back(fmt::format(
+            "{} negative direct irradiance{} counted as missing: global and diffuse say that the sun shone.",
+            epw.directRefuted, epw.directRefuted == 1 ? " is" : "s are"));
     fillGaps(weather, gaps);
     if (withoutDewPoint)
-        weather.warnings.push_back(fmt::format(
-            "{} daylit records lack the dew point; 2 cm of precipitable water is taken.", withoutDewPoint));
+        weather.warnings.push_back(daylitThatLack(withoutDewPoint) +
+                                   " the dew point; 2 cm of precipitable water is taken.");
     return weather;
 }
 

@@ -38,12 +38,17 @@ std::string text(const Row& r) {
            r.diffuse + ",0,0,0,0,130,2.6,4,4,24.1,77777,9\r\n";
 }
 
-// Days of 24 equal rows.
+// Days of 24 rows, equal but for the direct sun, which is there from 7 to 18.
 std::string days(int month, int first, int last, Row row = {}) {
     std::string all;
     row.month = month;
+    const std::string direct = row.direct;
     for (row.day = first; row.day <= last; ++row.day)
-        for (row.hour = 1; row.hour <= 24; ++row.hour) all += text(row);
+        for (row.hour = 1; row.hour <= 24; ++row.hour) {
+            const bool night = (row.hour < 8 || row.hour > 18) && direct.size() < 4;
+            row.direct = night ? "0" : direct.c_str();
+            all += text(row);
+        }
     return all;
 }
 
@@ -255,6 +260,32 @@ TEST(Weather, fills_gaps_and_says_so) {
         ASSERT_EQ(w.warnings.size(), 1u);
         EXPECT_NE(w.warnings[0].find("dark"), std::string::npos);
     }
+}
+
+// The sun of the file's place at the file's clock shines at night where the time zone is another's.
+TEST(Weather, sun_below_the_horizon_asks_for_the_time_zone) {
+    const std::string records = periods("6/1", "6/2") + days(6, 1, 2, {6, 1, 1, "800", "700", "150"});
+    EXPECT_TRUE(weatherOf(kHeader + records).warnings.empty());
+    std::string wrong = kHeader;
+    wrong.replace(wrong.find("-5.0"), 4, "5.0");
+    const Weather w = weatherOf(wrong + records);
+    ASSERT_EQ(w.warnings.size(), 1u);
+    EXPECT_NE(w.warnings[0].find("while it is below the horizon"), std::string::npos) << w.warnings[0];
+    EXPECT_NE(w.warnings[0].find("+5 h at longitude -77.03"), std::string::npos) << w.warnings[0];
+}
+
+// Small negative numbers are noise of the night; where global less diffuse says sun, it is taken from there.
+TEST(Weather, negative_direct_sun_that_the_others_refute_is_missing) {
+    const std::string head = kHeader + periods("6/1", "6/2");
+    const Weather w = weatherOf(head + days(6, 1, 1, {6, 1, 1, "800", "700", "150"}) +
+                                days(6, 2, 2, {6, 1, 1, "800", "-5", "150"}));
+    const WeatherHour noon = w.hours[24 + 12];
+    EXPECT_NEAR(noon.irradiance.directNormal, 650 / std::sin(radians(noon.sun.altitudeDeg)), 1e-9);
+    EXPECT_TRUE(noon.filled);
+    ASSERT_EQ(w.warnings.size(), 2u);
+    EXPECT_NE(w.warnings[0].find("11 negative direct irradiances are counted"), std::string::npos)
+        << w.warnings[0];
+    EXPECT_TRUE(weatherOf(head + days(6, 1, 2, {6, 1, 1, "152", "-5", "150"})).warnings.empty());
 }
 
 TEST(Weather, wrong_lines_are_named_by_number) {
