@@ -213,29 +213,38 @@ void HierarchicalFormFactors::gather(std::span<const float> in, std::span<float>
                       &patches = kernels.get(hierarchical_patches_comp, "hierarchical patches");
     const auto& level = scene_.tree.levelFirst;
     const auto nodes = static_cast<uint32_t>(scene_.tree.nodes.size());
-    // Windows of nodes whose entries fit the device's limit on texels.
+    // Windows of nodes within the device's limits on texels and groups.
     const uint32_t mostEntries = device_->limits().maxTexelBufferElements;
+    const uint32_t mostGroups = device_->limits().maxComputeWorkGroupCount[0];
     const uint32_t nodesPerGroup = io::kHierarchicalGroup / std::max(1u, device_->subgroupSize());
     for (uint32_t first = 0; first < columns; first += kMostColumns) {
         const uint32_t count = std::min(kMostColumns, columns - first);
         light_.upload(in.subspan(size_t{first} * patchCount_, size_t{count} * patchCount_));
         gpu::Commands commands(*device_);
-        const auto sweep = [&](uint32_t begin, uint32_t end) {
+        const auto paramsOf = [&](uint32_t begin, uint32_t end) {
             return io::HierarchicalSweepParams{begin, end - begin, count, patchCount_};
         };
-        const auto groups = [&](uint32_t begin, uint32_t end) {
-            return gpu::groupsFor(size_t{end - begin} * count, io::kHierarchicalGroup);
+        // An invocation for each column of nodes, or of patches, from `begin` to `end`.
+        const auto sweep = [&](const gpu::Kernel& kernel, std::initializer_list<gpu::Binding> resources,
+                               uint32_t begin, uint32_t end) {
+            const size_t most = std::max<size_t>(size_t{mostGroups} * io::kHierarchicalGroup / count, 1);
+            for (size_t first = begin; first < end; first += most) {
+                const auto last = static_cast<uint32_t>(std::min<size_t>(first + most, end));
+                commands.dispatch(kernel, resources, paramsOf(static_cast<uint32_t>(first), last),
+                                  gpu::groupsFor((last - first) * count, io::kHierarchicalGroup));
+            }
         };
         for (size_t l = level.size() - 1; l-- > 0;) {
-            commands.dispatch(
-                moments, {gpu::texel(family_, kUvec4), gpu::texel(frames_, kVec4), light_, momentTexels_},
-                sweep(level[l], level[l + 1]), groups(level[l], level[l + 1]));
+            sweep(moments, {gpu::texel(family_, kUvec4), gpu::texel(frames_, kVec4), light_, momentTexels_},
+                  level[l], level[l + 1]);
             commands.barrier(kCompute, kCompute); // parents read the moments of their children
         }
         for (uint32_t begin = 0; begin < nodes;) {
             uint32_t end = begin + 1;
             const uint32_t firstEntry = firstEntry_[begin] / io::kHierarchicalAlign * io::kHierarchicalAlign;
-            while (end < nodes && firstEntry_[end + 1] - firstEntry <= mostEntries) ++end;
+            while (end < nodes && end - begin < size_t{mostGroups} * nodesPerGroup &&
+                   firstEntry_[end + 1] - firstEntry <= mostEntries)
+                ++end;
             const size_t offset = size_t{firstEntry} * sizeof(glm::uvec4),
                          bytes = size_t{firstEntry_[end] - firstEntry} * sizeof(glm::uvec4);
             commands.dispatch(
@@ -243,19 +252,19 @@ void HierarchicalFormFactors::gather(std::span<const float> in, std::span<float>
                 {gpu::texel(firstEntryTexels_, kUint),
                  bytes > 0 ? gpu::texel(entries_, kUvec4, offset, bytes) : gpu::texel(entries_, kUvec4),
                  gpu::texel(momentTexels_, kVec4), received_},
-                sweep(begin, end), gpu::groupsFor(end - begin, nodesPerGroup));
+                paramsOf(begin, end), gpu::groupsFor(end - begin, nodesPerGroup));
             begin = end;
         }
         commands.barrier(kCompute, kCompute); // children read what their parents received
         for (size_t l = 1; l + 1 < level.size(); ++l) {
-            commands.dispatch(spread, {gpu::texel(parents_, kUint), gpu::texel(frames_, kVec4), received_},
-                              sweep(level[l], level[l + 1]), groups(level[l], level[l + 1]));
+            sweep(spread, {gpu::texel(parents_, kUint), gpu::texel(frames_, kVec4), received_}, level[l],
+                  level[l + 1]);
             commands.barrier(kCompute, kCompute);
         }
-        commands.dispatch(
+        sweep(
             patches,
             {gpu::texel(firstLeafTexels_, kUint), gpu::texel(leafNodeTexels_, kUvec4), received_, gathered_},
-            sweep(0, nodes), gpu::groupsFor(size_t{patchCount_} * count, io::kHierarchicalGroup));
+            0, patchCount_);
         device_->submitAndWait(std::move(commands));
         std::memcpy(&out[size_t{first} * patchCount_], gathered_.mapped(),
                     size_t{count} * patchCount_ * sizeof(float));

@@ -14,13 +14,13 @@ layout(push_constant, scalar) uniform Push { HierarchicalSweepParams params; };
 
 void main() {
     uint index = gl_GlobalInvocationID.x;
-    if (index >= params.patchCount * params.columns) return;
-    uint patch_ = index % params.patchCount, column = index / params.patchCount;
+    if (index >= params.nodeCount * params.columns) return;
+    uint patch_ = params.firstNode + index / params.columns, column = index % params.columns;
     float sum = 0.0;
     uint end = texelFetch(firstLeaf, int(patch_ + 1u)).x;
     [[dont_unroll]] for (uint k = texelFetch(firstLeaf, int(patch_)).x; k < end; ++k) {
         uvec4 leaf = texelFetch(leafNodes, int(k));
         sum += uintBitsToFloat(leaf.y) * received[leaf.x * params.columns + column].x;
     }
-    gathered[index] = sum;
+    gathered[column * params.patchCount + patch_] = sum;
 }

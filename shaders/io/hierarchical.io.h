@@ -51,7 +51,7 @@ struct HierarchicalLinksParams {
     uint mostRays;  // between two triangles
 };
 struct HierarchicalSweepParams {
-    uint firstNode;
+    uint firstNode; // or patch: hierarchical_patches.comp
     uint nodeCount;
     uint columns;
     uint patchCount;
