@@ -1,15 +1,20 @@
 #include "geometry/whole_file.h"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <charconv>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <system_error>
 
+#include <fcntl.h>
 #include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -24,17 +29,47 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Pipes and devices have no neighbour to rename, and are not to be replaced: they are given what is complete.
-bool isStream(const fs::path& target) {
-    const fs::file_status status = fs::status(target);
-    return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
-}
-
 // What a link names, there or not; circles end.
 fs::path linked(fs::path target) {
     for (int links = 0; links < 40 && fs::is_symlink(target); ++links)
         target = target.parent_path() / fs::read_symlink(target);
     return target;
+}
+
+// A descriptor of this program, "/dev/stdout" or "/dev/fd/3", also through links that a user made. What is
+// behind it, a file too, belongs to whoever opened it: it is written to where it stands, not replaced.
+std::optional<int> descriptorOf(fs::path target) {
+    for (int links = 0; links < 40; ++links) {
+        const std::string name = target.string();
+        if (name == "/dev/stdout") return STDOUT_FILENO;
+        if (name == "/dev/stderr") return STDERR_FILENO;
+        for (const std::string_view folder : {"/dev/fd/", "/proc/self/fd/"}) {
+            if (!name.starts_with(folder)) continue;
+            int number = -1;
+            const char* const last = name.data() + name.size();
+            const auto [end, error] = std::from_chars(name.data() + folder.size(), last, number);
+            if (error == std::errc() && end == last && number >= 0) return number;
+        }
+        std::error_code none;
+        if (!fs::is_symlink(target, none)) return std::nullopt;
+        target = target.parent_path() / fs::read_symlink(target);
+    }
+    return std::nullopt;
+}
+
+void writeDescriptor(int descriptor, const fs::path& named, std::istream& in) {
+    std::fflush(stdout); // what was said before comes before
+    std::array<char, 1 << 16> chunk{};
+    while (in.read(chunk.data(), chunk.size()), in.gcount() > 0)
+        for (std::streamsize done = 0; done < in.gcount();) {
+            const ssize_t written =
+                ::write(descriptor, chunk.data() + done, static_cast<size_t>(in.gcount() - done));
+            if (written < 0 && errno == EINTR) continue;
+            if (written <= 0)
+                throw std::runtime_error(fmt::format("{}: could not be written: {}", named.string(),
+                                                     std::system_category().message(errno)));
+            done += written;
+        }
 }
 
 fs::path folderOf(const fs::path& target) {
@@ -99,9 +134,14 @@ void writeStream(const fs::path& target, const std::function<void(const fs::path
     const fs::path aside = name;
     try {
         write(aside);
-        std::ofstream out(target, std::ios::binary);
-        out << std::ifstream(aside, std::ios::binary).rdbuf();
-        if (!out.flush()) throw std::runtime_error(target.string() + ": could not be written");
+        std::ifstream in(aside, std::ios::binary);
+        if (const auto descriptor = descriptorOf(target)) {
+            writeDescriptor(*descriptor, target, in);
+        } else {
+            std::ofstream out(target, std::ios::binary);
+            out << in.rdbuf();
+            if (!out.flush()) throw std::runtime_error(target.string() + ": could not be written");
+        }
     } catch (...) {
         removeQuietly(aside);
         throw;
@@ -111,6 +151,13 @@ void writeStream(const fs::path& target, const std::function<void(const fs::path
 
 } // namespace
 
+bool isStream(const fs::path& target) {
+    if (descriptorOf(target)) return true;
+    std::error_code unknown;
+    const fs::file_status status = fs::status(target, unknown);
+    return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
+}
+
 fs::path asideOf(const fs::path& target) {
     const fs::path folder = folderOf(target);
     removeLeftOvers(folder);
@@ -119,6 +166,12 @@ fs::path asideOf(const fs::path& target) {
 }
 
 void refuseUnwritable(const fs::path& named) {
+    if (const auto descriptor = descriptorOf(named)) {
+        const int flags = ::fcntl(*descriptor, F_GETFL);
+        if (flags < 0 || (flags & O_ACCMODE) == O_RDONLY)
+            throw InputError(named.string(), "", "is not open for writing");
+        return;
+    }
     if (isStream(named)) return;
     const fs::path target = linked(named), folder = folderOf(target);
     if (!fs::is_directory(folder)) throw InputError(target.string(), "", "its folder does not exist");
@@ -129,9 +182,9 @@ void refuseUnwritable(const fs::path& named) {
 }
 
 void writeWhole(const fs::path& named, const std::function<void(const fs::path&)>& write) {
+    refuseUnwritable(named);
     if (isStream(named)) return writeStream(named, write);
     const fs::path target = linked(named);
-    refuseUnwritable(target);
     const fs::path aside = asideOf(target);
     try {
         write(aside);

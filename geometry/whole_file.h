@@ -8,12 +8,16 @@
 namespace heliodon::geometry {
 
 // Calls `write` with a path in the folder of `target` (same extension, so that image writers pick the right
-// format), then renames it to `target`, or to what it links to. A pipe or a device is given what was written
-// elsewhere. When `write` throws, the neighbour is removed and `target` is as it was; one that a killed
-// program has left since this machine was started is removed when another writes into the folder. Throws
-// InputError when the folder is missing or cannot be written to.
+// format), then renames it to `target`, or to what it links to. A stream is given what was written elsewhere.
+// When `write` throws, the neighbour is removed and `target` is as it was; one that a killed program has left
+// since this machine was started is removed when another writes into the folder. Throws InputError when the
+// folder is missing or cannot be written to.
 void writeWhole(const std::filesystem::path& target,
                 const std::function<void(const std::filesystem::path&)>& write);
+
+// A pipe or a device, or a descriptor of this program (/dev/stdout, /dev/fd/3) whatever is behind it: these
+// have no neighbour to rename, and are not to be replaced.
+bool isStream(const std::filesystem::path& target);
 
 // Such a neighbour of `target`, of this process alone.
 std::filesystem::path asideOf(const std::filesystem::path& target);

@@ -71,6 +71,8 @@ template<class Picture>
 Picture readOrComplain(std::optional<Picture> (*read)(const std::filesystem::path&),
                        const std::filesystem::path& file) {
     std::error_code ignored;
+    if (std::filesystem::is_directory(file, ignored))
+        throw geometry::InputError(file.string(), "", "is a folder, expected a photograph (png, jpg or tif)");
     if (!std::filesystem::is_regular_file(file, ignored))
         throw geometry::InputError(file.string(), "",
                                    "no such file, expected a photograph (png, jpg or tif)");

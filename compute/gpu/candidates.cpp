@@ -99,13 +99,6 @@ std::string lower(std::string text) {
     return text;
 }
 
-bool selected(const DeviceInfo& info, const std::string& select) {
-    if (select.empty()) return true;
-    if (std::all_of(select.begin(), select.end(), [](unsigned char c) { return std::isdigit(c); }))
-        return std::to_string(info.index) == select;
-    return lower(info.name).find(lower(select)) != std::string::npos;
-}
-
 int preference(const DeviceInfo& info) {
     constexpr std::array<std::string_view, 4> kOrder{"discrete", "integrated", "virtual", "software"};
     return static_cast<int>(std::find(kOrder.begin(), kOrder.end(), info.type) - kOrder.begin());
@@ -186,6 +179,13 @@ std::vector<DeviceInfo> listDevices() {
     return list;
 }
 
+bool isNamed(const DeviceInfo& info, const std::string& select) {
+    if (select.empty()) return true;
+    if (std::all_of(select.begin(), select.end(), [](unsigned char c) { return std::isdigit(c); }))
+        return std::to_string(info.index) == select;
+    return lower(info.name).find(lower(select)) != std::string::npos;
+}
+
 Candidate chooseDevice(VkInstance instance, const std::string& select, bool swapchains) {
     Candidate chosen;
     std::string refusals;
@@ -193,7 +193,7 @@ Candidate chooseDevice(VkInstance instance, const std::string& select, bool swap
     const std::vector<VkPhysicalDevice> candidates = physicalDevices(instance);
     for (uint32_t i = 0; i < candidates.size(); ++i) {
         const DeviceInfo info = describe(candidates[i], i, swapchains);
-        const bool wanted = selected(info, select);
+        const bool wanted = isNamed(info, select);
         const std::string why = !wanted ? "not the one asked for" : info.refused;
         if (!why.empty()) {
             refusals += fmt::format("\n  {} {}: {}", info.index, info.name, why);

@@ -50,6 +50,9 @@ struct Candidate {
     DeviceInfo info;
 };
 
+// Whether `select`, as in DeviceOptions, names this device, usable or not.
+bool isNamed(const DeviceInfo& info, const std::string& select);
+
 // `select` is as in DeviceOptions; the best of those that fit: discrete, integrated, virtual, software.
 // Throws NoDevice that lists every device with why it was refused.
 Candidate chooseDevice(VkInstance instance, const std::string& select, bool swapchains);

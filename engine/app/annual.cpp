@@ -129,6 +129,10 @@ private:
     std::vector<float> values_; // sensors x records: text goes the other way round
 };
 
+std::string temporalName(size_t row) {
+    return fmt::format("temporal-{:04}", row);
+}
+
 void drawYear(Run& run, const AnnualArguments& arguments, const Scene& scene,
               const daylight::Weather& weather, const SensorTable& sensors, const Year& year) {
     const StageTimer timer(run, "draw");
@@ -139,7 +143,7 @@ void drawYear(Run& run, const AnnualArguments& arguments, const Scene& scene,
         .write(arguments.output / ("temporal-mean" + extension));
     for (const auto& [row, values] : year.rows)
         temporalChart(weather, values, lux, fmt::format("Illuminance at sensor {}", row))
-            .write(arguments.output / fmt::format("temporal-{:04}{}", row, extension));
+            .write(arguments.output / (temporalName(row) + extension));
     const std::string when = fmt::format("{} o'clock, weather of {}", arguments.occupied, weather.place);
     const auto plan = [&](const char* name, const std::string& title,
                           Range daylight::SensorMetrics::*metric) {
@@ -150,6 +154,15 @@ void drawYear(Run& run, const AnnualArguments& arguments, const Scene& scene,
     };
     plan("plan-da", "Daylight autonomy, 300 lux", &daylight::SensorMetrics::da);
     plan("plan-udi", "Useful daylight, 100 to 3000 lux", &daylight::SensorMetrics::udiUseful);
+}
+
+std::vector<std::string> filesOf(const AnnualArguments& arguments, const std::vector<size_t>& mapped) {
+    const std::string extension = arguments.svg ? ".svg" : ".png";
+    std::vector<std::string> files{"illuminance.npy", "metrics.csv", "summary.json"};
+    if (arguments.ill) files.emplace_back("illuminance.ill");
+    for (const char* drawing : {"temporal-mean", "plan-da", "plan-udi"}) files.push_back(drawing + extension);
+    for (const size_t row : mapped) files.push_back(temporalName(row) + extension);
+    return files;
 }
 
 json rangeJson(const Range& range) {
@@ -306,6 +319,7 @@ void execute(Run& run, const AnnualArguments& arguments) {
             out.write(lux);
             if (ill) ill->add(lux);
         }
+        startFiles(arguments.output, "annual", filesOf(arguments, mapped));
     });
     reportYear(run, annual->report());
 

@@ -146,7 +146,9 @@ private:
                             "photo.png --rig rig.json -o sketch.json --overlay found.png");
         sub->add_option("PHOTO", detect_.photo, "overhead photograph (.png .jpg .tif)")->required();
         sub->add_option("--rig", detect_.rig, "calibrated camera (.json)")->required();
-        sub->add_option("-o,--output", detect_.output, "the sketch (.json)")->required();
+        sub->add_option("-o,--output", detect_.output, "the sketch (.json)")
+            ->transform(resultNamed(".json"))
+            ->required();
         sub->add_option("--overlay", detect_.overlay,
                         "the photograph with everything that was found drawn on it (.png)");
     }
@@ -177,7 +179,9 @@ private:
         addRadiosityError(sub, formFactors_.maxRadiosityError)->excludes(resolution)->excludes(maxError);
         sub->add_option("--reference", formFactors_.reference,
                         "compare with this matrix (.npy, or raw little-endian .f32) in the report");
-        sub->add_option("-o,--output", formFactors_.output, "n x n float32 (.npy)")->required();
+        sub->add_option("-o,--output", formFactors_.output, "n x n float32 (.npy)")
+            ->transform(resultNamed(".npy"))
+            ->required();
     }
 
     void addIlluminance() {
@@ -195,7 +199,9 @@ private:
         sub->add_option("--max-error", illuminance_.maxError,
                         "wanted lux_error over lux, on 95 of 100 places; picks mesh, kernel and solution")
             ->check(within(1e-4, 1.0));
-        sub->add_option("-o,--output", illuminance_.output, "the table (.csv)")->required();
+        sub->add_option("-o,--output", illuminance_.output, "the table (.csv)")
+            ->transform(resultNamed(".csv"))
+            ->required();
     }
 
     void addRender() {
@@ -246,7 +252,10 @@ private:
             "--resume", timelapse_.resume,
             "go on where an interrupted run of the same options stopped; a film's frames are kept in "
             "OUT.frames until it is whole, if it had --resume too");
-        sub->add_option("-o,--output", timelapse_.output, "film (.mp4), or folder for numbered pictures")
+        sub->add_option(
+               "-o,--output", timelapse_.output,
+               "film (.mp4; OUT-projector-0.mp4 ... of several projectors), with OUT.frames.csv beside it, "
+               "or folder for numbered pictures and frames.csv")
             ->required();
     }
 
@@ -324,7 +333,9 @@ private:
                         "rig to take projectors and everything else from (.json)");
         sub->add_option("--overlay", calibrateCamera_.overlay,
                         "folder for the pictures with the marks found; made when missing");
-        sub->add_option("-o,--output", calibrateCamera_.output, "the rig (.json)")->required();
+        sub->add_option("-o,--output", calibrateCamera_.output, "the rig (.json)")
+            ->transform(resultNamed(".json"))
+            ->required();
     }
 
     void addLive() {
@@ -414,6 +425,7 @@ private:
                         "folder for pictures with the corners found; made when missing");
         sub->add_option("-o,--output", calibrateProjector_.output,
                         "the rig with the projectors put in (.json)")
+            ->transform(resultNamed(".json"))
             ->required();
     }
 

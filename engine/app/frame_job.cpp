@@ -105,7 +105,7 @@ FrameJob frameJobOf(Run& run, const TimelapseArguments& arguments, const Scene& 
         {"--from", arguments.from},
         {"--to", arguments.to},
         {"--step", arguments.step},
-        {"--view", orDefault(fmt::format("{}", fmt::join(job.views, " ")))},
+        {"--view", job.views.empty() ? "none" : fmt::format("{}", fmt::join(job.views, " "))},
         {"--size", orDefault(picture.size)},
         {"--exposure", orDefault(picture.exposure)},
         {"--false-color", picture.falseColor},

@@ -18,6 +18,7 @@ constexpr const char* kJobFile = "frames.json";
 // Pictures in the folder that a job may have written, by their names.
 std::vector<fs::path> picturesOf(const FrameJob& job, const fs::path& folder) {
     std::vector<fs::path> found;
+    if (job.views.empty()) return found;
     std::error_code missing;
     for (const auto& entry : fs::directory_iterator(folder, missing)) {
         const std::string extension = entry.path().extension().string();
@@ -71,8 +72,10 @@ void FrameSink::startFolder() {
     started_ = true;
     const fs::path file = folder_ / kJobFile;
     if (!options_.resume)
-        if (const std::optional<FrameJob> before = readFrameJob(file))
+        if (const std::optional<FrameJob> before = readFrameJob(file)) {
             for (const fs::path& old : picturesOf(*before, folder_)) fs::remove(old);
+            if (!isFilm_) fs::remove(table());
+        }
     writeFrameJob(options_.job, file);
 }
 
@@ -81,7 +84,8 @@ FrameSink::~FrameSink() {
 }
 
 fs::path FrameSink::table() const {
-    return isFilm_ ? fs::path(options_.output).replace_extension(".csv") : options_.output / "frames.csv";
+    return isFilm_ ? fs::path(options_.output).replace_extension(".frames.csv")
+                   : options_.output / "frames.csv";
 }
 
 fs::path FrameSink::picture(size_t view, size_t frame, const char* extension) const {
@@ -96,11 +100,18 @@ fs::path FrameSink::filmOf(size_t view) const {
     return file.replace_filename(fmt::format("{}-{}.mp4", file.stem().string(), options_.job.views[view]));
 }
 
+std::vector<fs::path> FrameSink::films() const {
+    std::vector<fs::path> files;
+    if (isFilm_)
+        for (size_t v = 0; v < options_.job.views.size(); ++v) files.push_back(filmOf(v));
+    return files;
+}
+
 bool FrameSink::done(size_t frame) const {
     if (!options_.resume) return false;
     for (size_t v = 0; v < options_.job.views.size(); ++v)
-        if (!fs::exists(picture(v, frame, ".png")) ||
-            (options_.exr && !fs::exists(picture(v, frame, ".exr"))))
+        if (!passes::isWholePng(picture(v, frame, ".png")) ||
+            (options_.exr && !passes::isWholeExr(picture(v, frame, ".exr"))))
             return false;
     return true;
 }
@@ -166,6 +177,7 @@ void FrameSink::filmsFromPictures() {
 void FrameSink::close() {
     endThread();
     throwFailure();
+    if (!folder_.empty() && !started_) startFolder(); // nothing was drawn
     if (!isFilm_) return;
     if (options_.resume) filmsFromPictures();
     for (auto& film : films_) film->close();

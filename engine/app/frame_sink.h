@@ -36,10 +36,12 @@ public:
     FrameSink(const FrameSink&) = delete;
     FrameSink& operator=(const FrameSink&) = delete;
 
-    // Where `frames.csv` goes: into the folder, or beside the film under its name.
+    // Where `frames.csv` goes: into the folder, or beside the film as OUT.frames.csv.
     std::filesystem::path table() const;
-    // Pictures appear whole or not at all, so one that is there is done.
+    // Its pictures are there and whole: a disk that filled up or was unplugged leaves empty or cut ones.
     bool done(size_t frame) const;
+    // The films, one a view; none where a folder is written.
+    std::vector<std::filesystem::path> films() const;
 
     // In order of frames; one picture a view. Errors of the threads are thrown by the next call.
     void add(size_t frame, std::vector<passes::Image8> pictures, std::vector<passes::ImageF> linear = {});

@@ -1,5 +1,6 @@
 #include "engine/app/interrupt.h"
 
+#include <array>
 #include <atomic>
 #include <csignal>
 
@@ -11,18 +12,25 @@ namespace {
 std::atomic<bool> interrupted = false;
 static_assert(std::atomic<bool>::is_always_lock_free);
 
+constexpr std::array<int, 3> kSignals{SIGINT, SIGTERM, SIGHUP};
+
+extern "C" void noteSignal(int number) {
+    interrupted = true;
+    // A terminal that is closed sends several.
+    if (number != SIGHUP) std::signal(number, SIG_DFL);
+}
+
 } // namespace
 
-InterruptGuard::InterruptGuard()
-    : before_(std::signal(SIGINT, [](int) {
-          interrupted = true;
-          std::signal(SIGINT, SIG_DFL);
-      })) {
-    if (before_ == SIG_IGN) std::signal(SIGINT, SIG_IGN);
+InterruptGuard::InterruptGuard() {
+    for (size_t k = 0; k < kSignals.size(); ++k) {
+        before_[k] = std::signal(kSignals[k], noteSignal);
+        if (before_[k] == SIG_IGN) std::signal(kSignals[k], SIG_IGN);
+    }
 }
 
 InterruptGuard::~InterruptGuard() {
-    std::signal(SIGINT, before_);
+    for (size_t k = 0; k < kSignals.size(); ++k) std::signal(kSignals[k], before_[k]);
     interrupted = false;
 }
 

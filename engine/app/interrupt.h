@@ -1,7 +1,8 @@
-// Ctrl-C as an error: work ends at the next place that asks, with nothing half-written; a second one ends the
-// program at once.
+// Ctrl-C as an error, and a system or a terminal that ends the program likewise (SIGINT, SIGTERM, SIGHUP):
+// work ends at the next place that asks, with nothing half-written; a second Ctrl-C ends the program at once.
 #pragma once
 
+#include <array>
 #include <stdexcept>
 
 namespace heliodon::app {
@@ -11,8 +12,8 @@ public:
     Interrupted() : std::runtime_error("interrupted") {}
 };
 
-// While it lives, Ctrl-C is noted and throwIfInterrupted() throws. A program started with it ignored (in the
-// background of a script) goes on ignoring it. One at a time.
+// While it lives, these signals are noted and throwIfInterrupted() throws. One that the program was started
+// with ignored (in the background of a script, under nohup) goes on being ignored. One at a time.
 class InterruptGuard {
 public:
     InterruptGuard();
@@ -21,7 +22,7 @@ public:
     InterruptGuard& operator=(const InterruptGuard&) = delete;
 
 private:
-    void (*before_)(int);
+    std::array<void (*)(int), 3> before_{};
 };
 
 // Asked at every step of a progress bar and before every submission to a device; from any thread.

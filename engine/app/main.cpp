@@ -3,9 +3,11 @@
 #include <filesystem>
 #include <new>
 #include <string>
+#include <variant>
 
 #include <fmt/format.h>
 
+#include "compute/gpu/candidates.h"
 #include "engine/app/arguments.h"
 #include "engine/app/commands.h"
 #include "engine/app/interrupt.h"
@@ -46,6 +48,30 @@ template<class Work> int guarded(std::string& error, const Work& work) {
     }
 }
 
+using heliodon::app::Command;
+
+// Those that would never find out that --device names none.
+bool opensNoDevice(const Command& command) {
+    using namespace heliodon::app;
+    return std::holds_alternative<DetectArguments>(command) ||
+           std::holds_alternative<ModelArguments>(command) ||
+           std::holds_alternative<CalibrateTargetArguments>(command) ||
+           std::holds_alternative<CalibrateCameraArguments>(command) ||
+           std::holds_alternative<CalibratePatternsArguments>(command) ||
+           std::holds_alternative<CalibrateProjectorArguments>(command) ||
+           std::holds_alternative<DevicesArguments>(command);
+}
+
+void refuseUnknownDevice(const std::string& select) {
+    std::string there;
+    for (const heliodon::gpu::DeviceInfo& info : heliodon::gpu::listDevices()) {
+        if (heliodon::gpu::isNamed(info, select)) return;
+        there += fmt::format("{}{} {}", there.empty() ? "" : ", ", info.index, info.name);
+    }
+    throw heliodon::geometry::InputError("--device", select,
+                                         "names no Vulkan device, expected one of: " + there);
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
@@ -58,6 +84,8 @@ int main(int argc, char** argv) {
         std::string error;
         code = guarded(error, [&] {
             const heliodon::app::InterruptGuard guard;
+            const std::string& device = arguments->common.device;
+            if (!device.empty() && opensNoDevice(arguments->command)) refuseUnknownDevice(device);
             std::visit([&](const auto& those) { heliodon::app::execute(run, those); }, arguments->command);
         });
         run.finish(error);

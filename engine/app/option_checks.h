@@ -2,11 +2,14 @@
 #pragma once
 
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <string>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+
+#include "geometry/whole_file.h"
 
 namespace heliodon::app {
 
@@ -23,6 +26,19 @@ inline CLI::Validator number(const std::function<bool(double)>& fits, const std:
 
 inline CLI::Validator within(double low, double high) {
     return number([=](double x) { return x >= low && x <= high; }, fmt::format("from {} to {}", low, high));
+}
+
+// A file to write that has this ending; "-" becomes /dev/stdout, and streams may have any name.
+inline CLI::Validator resultNamed(const std::string& ending) {
+    const auto check = [=](std::string& text) {
+        if (text == "-") text = "/dev/stdout";
+        const std::filesystem::path file = text;
+        return file.extension() == ending || geometry::isStream(file)
+                   ? std::string()
+                   : fmt::format("'{}' is no {} file, expected that ending, or - for the standard output",
+                                 text, ending);
+    };
+    return {check, ""};
 }
 
 inline CLI::Validator positive() {

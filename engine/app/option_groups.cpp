@@ -64,7 +64,9 @@ void addPicture(CLI::App* sub, PictureArguments& picture, const std::string& siz
     sub->add_flag("--sky-color", picture.skyColour,
                   "light in the colours of sun and sky, not white; lux stay as they are");
     sub->add_option("--size", picture.size, sizeHelp);
-    sub->add_flag("--exr", picture.exr, "linear pictures too, as OpenEXR");
+    sub->add_flag("--exr", picture.exr,
+                  "OpenEXR too, 32-bit float: previews hold exitance in lux per channel, projectors' "
+                  "pictures their drive, linear, 1 = full");
 }
 
 CLI::Option* addRadiosityError(CLI::App* sub, double& value) {

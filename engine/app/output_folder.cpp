@@ -1,14 +1,20 @@
 #include "engine/app/output_folder.h"
 
+#include <algorithm>
 #include <cctype>
 #include <cerrno>
+#include <fstream>
 #include <system_error>
 
 #include <fcntl.h>
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <nlohmann/json.hpp>
+
 #include "geometry/input_error.h"
+#include "geometry/text_file.h"
+#include "geometry/whole_file.h"
 
 namespace heliodon::app {
 
@@ -18,6 +24,9 @@ namespace {
 
 // A folder of that name would be taken for a broken file.
 void refuseNameOfFile(const fs::path& folder) {
+    if (folder == "-")
+        throw geometry::InputError("--output", "-",
+                                   "means one file to the standard output, expected a folder");
     std::string extension = folder.extension().string();
     for (char& letter : extension)
         letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
@@ -30,7 +39,33 @@ void refuseNameOfFile(const fs::path& folder) {
             throw geometry::InputError(folder.string(), "", "is the name of a file, expected a folder");
 }
 
+constexpr const char* kFormat = "heliodon-files/1";
+
+// Nothing where there is no record, or one of something else.
+std::vector<std::string> recorded(const fs::path& record, const std::string& command) {
+    std::ifstream in(record);
+    const nlohmann::json all = nlohmann::json::parse(in, nullptr, false);
+    try {
+        if (!all.is_object() || all.at("format") != kFormat || all.at("command") != command) return {};
+        return all.at("files").get<std::vector<std::string>>();
+    } catch (const nlohmann::json::exception&) {
+        return {};
+    }
+}
+
 } // namespace
+
+void startFiles(const fs::path& folder, const std::string& command, const std::vector<std::string>& files) {
+    const fs::path record = folder / (command + ".files.json");
+    for (const std::string& old : recorded(record, command)) {
+        const bool here = !old.empty() && fs::path(old).filename() == old; // not "..", nor in another folder
+        if (!here || std::find(files.begin(), files.end(), old) != files.end()) continue;
+        std::error_code error;
+        if (fs::is_regular_file(fs::symlink_status(folder / old, error))) fs::remove(folder / old);
+    }
+    geometry::writeWholeText(record, geometry::jsonText(nlohmann::json{
+                                         {"format", kFormat}, {"command", command}, {"files", files}}));
+}
 
 OutputFolder::OutputFolder(const fs::path& named) {
     // A slash at the end would count as a folder more, without a name.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace heliodon::app {
@@ -21,5 +22,11 @@ private:
     std::vector<std::filesystem::path> made_; // innermost first
     int handle_ = -1;                         // holds the lock, where the file system has such
 };
+
+// Before the first file of `command` is written: removes what an earlier run of it wrote into the folder, by
+// that run's record COMMAND.files.json, and is not in `files` (names in the folder, without this one); then
+// records those. Files without a record are never touched.
+void startFiles(const std::filesystem::path& folder, const std::string& command,
+                const std::vector<std::string>& files);
 
 } // namespace heliodon::app

@@ -56,6 +56,20 @@ std::vector<std::string> listOf(const std::string& text) {
     return items;
 }
 
+std::vector<std::string> filesOf(const RenderArguments& arguments, const Scene& scene) {
+    std::vector<std::string> files{"preview.png"};
+    if (arguments.picture.exr) files.emplace_back("preview.exr");
+    if (arguments.picture.falseColor) files.emplace_back("false-color.png");
+    if (arguments.contactSheet) files.emplace_back("contact-sheet.png");
+    if (!scene.rig) return files;
+    for (size_t p = 0; p < scene.rig->projectors.size(); ++p) {
+        files.push_back(fmt::format("projector-{}.png", p));
+        if (arguments.picture.exr) files.push_back(fmt::format("projector-{}.exr", p));
+    }
+    if (isPhotograph(arguments.scene.input)) files.emplace_back("overlay.png");
+    return files;
+}
+
 // Hours of apparent solar time on a few days of the year, as in figure 11 of the paper.
 struct Sheet {
     std::vector<std::string> days, columns; // "21 June", "09:00"
@@ -161,9 +175,12 @@ void execute(Run& run, const RenderArguments& arguments) {
         {"max_lux", figures.maxLux},
         {"glare_ratio", figures.glareRatio},
         {"white_lux", arguments.picture.exposure.value_or(renderer.autoWhite(moment.lighting))}};
+    startFiles(arguments.output, "render", filesOf(arguments, scene));
     renderPreviews(run, renderer, moment.lighting, arguments);
     if (sheet) renderSheet(run, renderer, *transport, source, *sheet, arguments);
     if (scene.rig) {
+        if (scene.rig->projectors.empty())
+            run.warn(arguments.scene.rig.string() + ": projectors: there is none, only previews are drawn");
         renderProjectors(run, renderer, moment.lighting, arguments);
         reportReach(run, scene);
         if (isPhotograph(arguments.scene.input))

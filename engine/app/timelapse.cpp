@@ -2,6 +2,7 @@
 #include <exception>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/resource.h>
 
 #include "compute/stopwatch.h"
@@ -220,6 +221,31 @@ std::vector<std::string> viewsOf(const TimelapseArguments& arguments, const Scen
     return views;
 }
 
+// H.264 as players know it holds even numbers of pixels.
+void refuseOddFilm(const TimelapseArguments& arguments) {
+    if (arguments.output.extension() != ".mp4" || arguments.picture.size.empty()) return;
+    const passes::PreviewOptions options = sized({}, arguments.picture);
+    if (options.width % 2 != 0 || options.height % 2 != 0)
+        throw geometry::InputError("--size", arguments.picture.size,
+                                   "is odd, expected even numbers of pixels for a film");
+}
+
+// What is not under the name that was given.
+void noteFilms(Run& run, const Scene& scene, const FrameSink& sink, const std::vector<std::string>& views) {
+    const std::vector<std::filesystem::path> films = sink.films();
+    if (films.size() > 1) {
+        std::vector<std::string> names;
+        for (const std::filesystem::path& film : films) names.push_back(film.string());
+        run.note(fmt::format("one film a projector: {}", fmt::join(names, ", ")));
+    }
+    if (films.empty() || views[0] == "preview") return;
+    for (const geometry::Projector& p : scene.rig->projectors)
+        if (p.width % 2 != 0 || p.height % 2 != 0)
+            run.warn(
+                fmt::format("projector '{}' has {} x {} pixels, its film {} x {}: films have even numbers",
+                            p.id, p.width, p.height, p.width + p.width % 2, p.height + p.height % 2));
+}
+
 } // namespace
 
 void execute(Run& run, const TimelapseArguments& arguments) {
@@ -227,16 +253,17 @@ void execute(Run& run, const TimelapseArguments& arguments) {
                            to = daylight::parseTime(arguments.to, "--to");
     const std::vector<daylight::Moment> times = daylight::timeSeries(
         from, to, daylight::parseDuration(arguments.step, "--step"), "--from, --to, --step");
+    refuseOddFilm(arguments);
     checkSize(run, arguments.picture); // now, not after the form factors
     const Scene scene = loadScene(run, arguments.scene);
     MomentArguments moment = arguments.moment;
     moment.time = arguments.from;
     const SkySource source(run, moment, scene);
     const std::vector<std::string> views = viewsOf(arguments, scene);
-    FrameJob job;
-    if (!views.empty()) job = frameJobOf(run, arguments, scene, views, times.size());
+    FrameJob job = frameJobOf(run, arguments, scene, views, times.size());
     FrameSink sink({arguments.output, arguments.framesPerSecond, arguments.picture.exr, arguments.resume,
                     std::move(job)});
+    noteFilms(run, scene, sink, views);
 
     const auto transport = makeTransport(run, scene.mesh);
     std::optional<FramePainter> painter;

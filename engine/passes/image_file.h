@@ -10,7 +10,12 @@ namespace heliodon::passes {
 
 void writePng(const Image8& picture, const std::filesystem::path& file);
 
-// OpenEXR 2, one part of scan lines, three 32-bit float channels, not compressed, Rec. 709 primaries.
+// OpenEXR 2, one part of scan lines, three 32-bit float channels (half floats end at 65504, sunlit surfaces
+// do not), ZIP compression, Rec. 709 primaries.
 void writeExr(const ImageF& picture, const std::filesystem::path& file);
+
+// Whether such a file is there to its end; what lies between is not looked at. False where there is none.
+bool isWholePng(const std::filesystem::path& file);
+bool isWholeExr(const std::filesystem::path& file); // as writeExr writes them
 
 } // namespace heliodon::passes

@@ -63,6 +63,15 @@ TEST_F(Annual, a_folder_of_results_appears) {
     EXPECT_EQ(report["year"]["hours"], records);
     EXPECT_FALSE(report["skipped"].empty());
     EXPECT_FALSE(report["warnings"].empty()); // the missing hour
+
+    writeText(folder / "year/notes.ill", "the user's own");
+    ASSERT_EQ(
+        heliodon("annual " + kOffice + " --weather " + in("days.epw") + " --svg -o " + in("year")).exitCode,
+        0);
+    for (const char* old : {"illuminance.ill", "temporal-0000.png", "temporal-mean.png", "plan-da.png"})
+        EXPECT_FALSE(std::filesystem::exists(folder / "year" / old)) << old;
+    for (const char* kept : {"notes.ill", "illuminance.npy", "metrics.csv", "summary.json", "plan-da.svg"})
+        EXPECT_TRUE(std::filesystem::exists(folder / "year" / kept)) << kept;
 }
 
 TEST_F(Annual, blinds_dim_every_command_that_computes_light) {

@@ -49,8 +49,10 @@ TEST_F(BadInput, a_folder_where_a_file_belongs) {
     std::filesystem::create_directories(folder / "m.obj");
     const std::string moments =
         " --from 2026-06-21T10:00Z --to 2026-06-21T11:00Z --step PT1H -o " + in("out");
+    std::filesystem::create_directories(folder / "p.png");
     for (const std::string& words :
-         {"detect " + kPhoto + " --rig " + here + " -o " + in("out.json"),
+         {"detect " + in("p.png") + " --rig " + kRig + " -o " + in("out.json"),
+          "detect " + kPhoto + " --rig " + here + " -o " + in("out.json"),
           "model " + in("s.json") + " -o " + in("out.obj"), "model " + in("m.obj") + " -o " + in("out.obj"),
           "illuminance " + sketch + " --sensors " + here + " -o " + in("out.csv"),
           "illuminance " + sketch + " --sky " + in("s.json") + " -o " + in("out.csv"),
@@ -192,6 +194,39 @@ TEST_F(BadInput, numbers_that_are_none_and_devices_that_are_not_there) {
                       "clear --quiet --device none -o " +
                       in("out.csv"),
                   {"--device", "none"});
+}
+
+TEST_F(BadInput, devices_that_are_not_there_where_none_is_opened) {
+    const std::string sketch = HELIODON_TEST_DATA "/geometry/sketches/p04_L.json";
+    expectRefused("devices --device nosuch", {"--device:nosuch", "expected one of"});
+    expectRefused("model " + sketch + " --device nosuch -o " + in("out.obj"), {"--device:nosuch"});
+    EXPECT_EQ(heliodon("devices --device 0").exitCode, 0);
+}
+
+TEST_F(BadInput, results_under_names_of_other_kinds_of_files) {
+    const std::string sketch = HELIODON_TEST_DATA "/geometry/sketches/p04_L.json";
+    expectRefused("formfactors " + sketch + " -o " + in("out.csv"), {"--output", "out.csv", ".npy"});
+    expectRefused("illuminance " + sketch + " -o " + in("out.txt"), {"--output", "out.txt", ".csv"});
+    expectRefused("detect " + kPhoto + " --rig " + kRig + " -o " + in("out.txt"), {"--output", ".json"});
+    expectRefused("render " + sketch + " -o -", {"--output", "folder"});
+}
+
+// What is behind it is not replaced: lines before stay, as `>>` has them.
+TEST_F(BadInput, the_standard_output_is_written_to_where_it_stands) {
+    const std::string sketch = HELIODON_TEST_DATA "/geometry/sketches/p04_L.json",
+                      command = std::string(HELIODON_PROGRAM) + " illuminance " + sketch +
+                                " --triangles 60 --sky overcast --quiet -o ";
+    ASSERT_EQ(std::system((command + in("lux.csv")).c_str()), 0);
+    const std::string table = readText(folder / "lux.csv");
+    for (const std::string name : {"-", "/dev/stdout", "/dev/fd/1"}) {
+        writeText(in("here.txt"), "before\n");
+        std::filesystem::create_hard_link(folder / "here.txt", folder / "same.txt");
+        ASSERT_EQ(std::system((command + name + " >> " + in("here.txt")).c_str()), 0) << name;
+        EXPECT_EQ(readText(folder / "here.txt"), "before\n" + table) << name;
+        EXPECT_EQ(readText(folder / "same.txt"), "before\n" + table) << name; // the same file still
+        std::filesystem::remove(folder / "same.txt");
+    }
+    expectRefused("illuminance " + sketch + " -o /dev/fd/77", {"/dev/fd/77", "not open for writing"});
 }
 
 TEST_F(BadInput, windows_in_a_state_that_is_none) {

@@ -9,6 +9,19 @@ namespace {
 
 const std::string kOffice = HELIODON_TEST_DATA "/compute/office/model.obj --up z --triangles 100";
 
+// mean_lux of every frame.
+std::vector<double> meanLux(const std::filesystem::path& file) {
+    std::istringstream table(readText(file));
+    std::vector<double> lux;
+    std::string line, field;
+    for (std::getline(table, line); std::getline(table, line);) {
+        std::istringstream fields(line);
+        for (int k = 0; k < 4; ++k) std::getline(fields, field, ',');
+        lux.push_back(std::stod(field));
+    }
+    return lux;
+}
+
 class Timelapse : public InFolder {
 protected:
     std::string day(const std::string& to, const std::string& step, const std::string& more = "") const {
@@ -56,17 +69,50 @@ TEST_F(Timelapse, a_new_job_leaves_no_frame_of_the_old_one) {
     EXPECT_TRUE(has("notes.png"));
 }
 
-// mean_lux of every frame.
-std::vector<double> meanLux(const std::filesystem::path& file) {
-    std::istringstream table(readText(file));
-    std::vector<double> lux;
-    std::string line, field;
-    for (std::getline(table, line); std::getline(table, line);) {
-        std::istringstream fields(line);
-        for (int k = 0; k < 4; ++k) std::getline(fields, field, ',');
-        lux.push_back(std::stod(field));
+// Names beside a film that are the user's stay the user's, and what goes beside it is said.
+TEST_F(Timelapse, a_film_overwrites_no_table_of_another_name) {
+    writeText(folder / "film.csv", "precious");
+    const std::string film = "timelapse " + kOffice +
+                             " --sky overcast --from 2026-06-21T10:00solar --to 2026-06-21T11:00solar --step "
+                             "PT1H -o " +
+                             in("film.mp4");
+    const Outcome odd = heliodon(film + " --size 321x240");
+    EXPECT_EQ(odd.exitCode, 2) << odd.output;
+    EXPECT_NE(odd.output.find("--size:321x240"), std::string::npos) << odd.output;
+    const Outcome outcome = heliodon(film + " --size 320x240 --rig " HELIODON_SOURCE "/examples/rig.json");
+    ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
+    EXPECT_EQ(readText(folder / "film.csv"), "precious");
+    EXPECT_EQ(meanLux(folder / "film.frames.csv").size(), 2u);
+    for (const char* name : {"film-projector-0.mp4", "film-projector-1.mp4"}) {
+        EXPECT_NE(outcome.output.find(in(name)), std::string::npos) << outcome.output;
+        EXPECT_TRUE(std::filesystem::exists(folder / name));
     }
-    return lux;
+}
+
+TEST_F(Timelapse, frames_that_are_empty_or_cut_are_made_anew) {
+    ASSERT_EQ(heliodon(day("12:00", "PT1H", "--exr")).exitCode, 0);
+    std::vector<std::pair<std::string, std::string>> before;
+    const std::vector<std::pair<std::string, size_t>> cuts{{"00000.png", 0}, {"00001.exr", 5000}};
+    for (const auto& [name, size] : cuts) {
+        before.emplace_back(name, readText(folder / "day" / name));
+        std::filesystem::resize_file(folder / "day" / name, size);
+    }
+    ASSERT_EQ(heliodon(day("12:00", "PT1H", "--exr --resume")).exitCode, 0);
+    EXPECT_EQ(drawn(), 2u);
+    for (const auto& [name, bytes] : before) EXPECT_EQ(readText(folder / "day" / name), bytes) << name;
+}
+
+TEST_F(Timelapse, a_table_alone_is_a_job_like_any_other) {
+    ASSERT_EQ(heliodon(day("12:00", "PT1H")).exitCode, 0);
+    const Outcome resumed = heliodon(day("11:00", "PT1H", "--resume --view none"));
+    EXPECT_EQ(resumed.exitCode, 2) << resumed.output;
+    EXPECT_TRUE(has("00002.png"));
+    ASSERT_EQ(heliodon(day("11:00", "PT1H", "--view none")).exitCode, 0);
+    EXPECT_FALSE(has("00000.png"));
+    EXPECT_EQ(meanLux(folder / "day/frames.csv").size(), 2u);
+    EXPECT_EQ(nlohmann::json::parse(readText(folder / "day/frames.json"))["frames"], 2);
+    ASSERT_EQ(heliodon(day("10:00", "PT1H")).exitCode, 0);
+    EXPECT_TRUE(has("00000.png"));
 }
 
 TEST_F(Timelapse, polar_day_and_polar_night) {
@@ -207,21 +253,50 @@ TEST_F(Timelapse, a_contact_sheet_has_a_cell_for_every_day_and_hour) {
         EXPECT_GT(mean(two.width - 0.5 * cell, y), mean(two.width - 1.5 * cell, y) + 20);
 }
 
+// What the earlier run wrote goes, by its record; what others put there stays, also under such a name.
+TEST_F(Timelapse, pictures_of_an_earlier_render_do_not_stay_among_the_new) {
+    const std::string render = "render " + kOffice + " --quiet -o " + in("out") + " ",
+                      rig = "--rig " HELIODON_SOURCE "/examples/rig.json ";
+    std::filesystem::create_directories(folder / "out");
+    writeText(folder / "out/contact-sheet.png", "the user's own");
+    ASSERT_EQ(heliodon(render + rig + "--false-color --exr").exitCode, 0);
+    const std::vector<std::string> extra{"false-color.png", "preview.exr", "projector-0.png",
+                                         "projector-0.exr"};
+    for (const std::string& name : extra) EXPECT_TRUE(std::filesystem::exists(folder / "out" / name)) << name;
+    EXPECT_EQ(heliodon(render + "--sky nonsense").exitCode, 2);
+    for (const std::string& name : extra) EXPECT_TRUE(std::filesystem::exists(folder / "out" / name)) << name;
+    ASSERT_EQ(heliodon(render).exitCode, 0);
+    for (const std::string& name : extra)
+        EXPECT_FALSE(std::filesystem::exists(folder / "out" / name)) << name;
+    EXPECT_TRUE(std::filesystem::exists(folder / "out/preview.png"));
+    EXPECT_EQ(readText(folder / "out/contact-sheet.png"), "the user's own");
+
+    // A record that somebody wrote removes nothing outside the folder.
+    writeText(folder / "precious.txt", "precious");
+    writeText(
+        folder / "out/render.files.json",
+        R"({"format": "heliodon-files/1", "command": "render", "files": ["../precious.txt", "..", ""]})");
+    ASSERT_EQ(heliodon(render).exitCode, 0);
+    EXPECT_EQ(readText(folder / "precious.txt"), "precious");
+}
+
+// By Ctrl-C, by a system that shuts down, by a terminal that is closed.
 TEST_F(Timelapse, an_interrupted_run_says_so_and_leaves_nothing) {
-    const std::string program = HELIODON_PROGRAM;
-    // In the foreground, or the whole group would get the signal: the second one ends the program at once.
-    // Leaks are looked for in one process, see program.h.
-    const std::string command = "ASAN_OPTIONS=detect_leaks=0:detect_odr_violation=0 timeout --foreground "
-                                "--preserve-status -s INT 2 " +
-                                program + " annual " + HELIODON_TEST_DATA +
-                                "/compute/office/model.obj --up z --triangles 8000 --quiet --weather " +
-                                HELIODON_TEST_DATA + "/daylight/chicago_tmy3.epw.gz -o " + in("new/year");
-    FILE* pipe = popen((command + " 2>&1; echo \"code $?\"").c_str(), "r");
-    std::string output(4096, '\0');
-    output.resize(fread(output.data(), 1, output.size(), pipe));
-    pclose(pipe);
-    EXPECT_EQ(output, "heliodon: interrupted\ncode 1\n");
-    EXPECT_FALSE(std::filesystem::exists(folder / "new"));
+    for (const std::string signal : {"INT", "TERM", "HUP"}) {
+        // In the foreground, or the whole group would get the signal: the second one ends the program at
+        // once. Leaks are looked for in one process, see program.h.
+        const std::string command =
+            "ASAN_OPTIONS=detect_leaks=0:detect_odr_violation=0 timeout --foreground --preserve-status -s " +
+            signal + " 2 " HELIODON_PROGRAM " annual " + HELIODON_TEST_DATA +
+            "/compute/office/model.obj --up z --triangles 8000 --quiet --weather " + HELIODON_TEST_DATA +
+            "/daylight/chicago_tmy3.epw.gz -o " + in("new/year");
+        FILE* pipe = popen((command + " 2>&1; echo \"code $?\"").c_str(), "r");
+        std::string output(4096, '\0');
+        output.resize(fread(output.data(), 1, output.size(), pipe));
+        pclose(pipe);
+        EXPECT_EQ(output, "heliodon: interrupted\ncode 1\n") << signal;
+        EXPECT_FALSE(std::filesystem::exists(folder / "new")) << signal;
+    }
 }
 
 } // namespace

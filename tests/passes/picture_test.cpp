@@ -1,3 +1,4 @@
+#include <bit>
 #include <cstdlib>
 #include <filesystem>
 
@@ -39,6 +40,42 @@ TEST(ImageFile, exr_is_read_by_another_implementation_with_every_bit) {
     for (int y = 0; y < 4; ++y)
         for (int x = 0; x < 7; ++x)
             for (int c = 0; c < 3; ++c) EXPECT_EQ(back.at<cv::Vec3f>(y, x)[2 - c], picture.pixel(x, y)[c]);
+}
+
+// Several blocks of lines: smooth ones, and noise that compression would make longer.
+TEST(ImageFile, exr_is_compressed_and_every_cut_is_seen) {
+    setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 1);
+    ImageF picture{61, 41, {}};
+    uint32_t noise = 1;
+    for (int i = 0; i < 3 * 61 * 41; ++i) {
+        noise = noise * 1664525u + 1013904223u;
+        const bool smooth = i < 3 * 61 * 20;
+        picture.rgb.push_back(smooth ? 1000.0f : std::bit_cast<float>(noise >> 2));
+    }
+    const std::filesystem::path file = scratch("blocks.exr"), cut = scratch("cut.exr");
+    writeExr(picture, file);
+    const cv::Mat back = cv::imread(file.string(), cv::IMREAD_UNCHANGED);
+    ASSERT_EQ(back.rows, 41);
+    for (int y = 0; y < 41; ++y)
+        for (int x = 0; x < 61; ++x)
+            for (int c = 0; c < 3; ++c) ASSERT_EQ(back.at<cv::Vec3f>(y, x)[2 - c], picture.pixel(x, y)[c]);
+    const uintmax_t size = std::filesystem::file_size(file);
+    EXPECT_LT(size, 12u * 61 * 41 * 3 / 4);
+    EXPECT_TRUE(isWholeExr(file));
+    for (uintmax_t left = 0; left < size; left += left < 1000 ? 1 : 500) {
+        std::filesystem::copy_file(file, cut, std::filesystem::copy_options::overwrite_existing);
+        std::filesystem::resize_file(cut, left);
+        EXPECT_FALSE(isWholeExr(cut)) << left;
+    }
+    EXPECT_FALSE(isWholeExr(scratch("none.exr")));
+    const std::filesystem::path png = scratch("whole.png");
+    writePng({2, 1, {1, 2, 3, 4, 5, 6}}, png);
+    EXPECT_TRUE(isWholePng(png));
+    EXPECT_FALSE(isWholePng(scratch("none.png")));
+    for (uintmax_t left = std::filesystem::file_size(png); left-- > 0;) {
+        std::filesystem::resize_file(png, left);
+        EXPECT_FALSE(isWholePng(png)) << left;
+    }
 }
 
 TEST(ImageFile, a_missing_folder_is_named_and_nothing_is_left) {
