@@ -181,8 +181,11 @@ void FrameSink::close() {
     if (!isFilm_) return;
     if (options_.resume) filmsFromPictures();
     for (auto& film : films_) film->close();
+    if (!options_.resume) return;
     std::error_code ignored;
-    if (options_.resume) fs::remove_all(folder_, ignored);
+    for (const fs::path& frame : picturesOf(options_.job, folder_)) fs::remove(frame, ignored);
+    fs::remove(folder_ / kJobFile, ignored);
+    fs::remove(folder_, ignored); // unless others put something there
 }
 
 } // namespace heliodon::app

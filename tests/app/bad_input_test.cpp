@@ -226,7 +226,8 @@ TEST_F(BadInput, the_standard_output_is_written_to_where_it_stands) {
         EXPECT_EQ(readText(folder / "same.txt"), "before\n" + table) << name; // the same file still
         std::filesystem::remove(folder / "same.txt");
     }
-    expectRefused("illuminance " + sketch + " -o /dev/fd/77", {"/dev/fd/77", "not open for writing"});
+    expectRefused("illuminance " + sketch + " --triangles 60 --quiet -o /dev/fd/77",
+                  {"/dev/fd/77", "not open for writing"});
 }
 
 TEST_F(BadInput, windows_in_a_state_that_is_none) {

@@ -163,9 +163,11 @@ TEST_F(Timelapse, a_film_goes_on_from_its_frames) {
     ASSERT_EQ(film("part.frames", "").exitCode, 0);
     for (const char* missing : {"00002.png", "00003.png"})
         std::filesystem::remove(folder / "part.frames" / missing);
+    writeText(folder / "part.frames/notes.txt", "the user's own");
     ASSERT_EQ(film("part.mp4", " --resume").exitCode, 0);
     EXPECT_EQ(drawn(), 2u);
-    EXPECT_FALSE(std::filesystem::exists(folder / "part.frames"));
+    EXPECT_FALSE(std::filesystem::exists(folder / "part.frames/00000.png"));
+    EXPECT_EQ(readText(folder / "part.frames/notes.txt"), "the user's own");
     EXPECT_GT(std::filesystem::file_size(folder / "part.mp4"), 1000u);
     EXPECT_EQ(readText(folder / "part.mp4"), readText(folder / "whole.mp4"));
 }
