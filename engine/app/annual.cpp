@@ -149,10 +149,13 @@ void drawYear(Run& run, const AnnualArguments& arguments, const Scene& scene,
                           Range daylight::SensorMetrics::*metric) {
         std::vector<double> values;
         for (const daylight::SensorMetrics& m : year.sensors) values.push_back((m.*metric).value);
-        planChart(scene, sensors.points, sensors.normals, values, percentScale(), title, when)
-            .write(arguments.output / (name + extension));
+        const Plan drawn =
+            planChart(scene, sensors.points, sensors.normals, values, percentScale(), title, when);
+        drawn.chart.write(arguments.output / (name + extension));
+        return drawn.shown;
     };
-    plan("plan-da", "Daylight autonomy, 300 lux", &daylight::SensorMetrics::da);
+    if (plan("plan-da", "Daylight autonomy, 300 lux", &daylight::SensorMetrics::da) == 0)
+        run.warn(kEmptyPlan);
     plan("plan-udi", "Useful daylight, 100 to 3000 lux", &daylight::SensorMetrics::udiUseful);
 }
 

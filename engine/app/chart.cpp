@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
@@ -37,7 +38,11 @@ std::string shortNumber(double value) {
 }
 
 void Chart::fill(std::vector<glm::dvec2> outline, Ink ink) {
-    items_.push_back({Item::Kind::fill, std::move(outline), ink, 0, {}, Anchor::start, false});
+    items_.push_back({Item::Kind::fill, {std::move(outline)}, ink, 0.3, {}, Anchor::start, false});
+}
+
+void Chart::fill(std::vector<std::vector<glm::dvec2>> outlines, Ink ink) {
+    items_.push_back({Item::Kind::fill, std::move(outlines), ink, 1, {}, Anchor::start, false});
 }
 
 void Chart::rectangle(double x, double y, double width, double height, Ink ink) {
@@ -45,11 +50,11 @@ void Chart::rectangle(double x, double y, double width, double height, Ink ink) 
 }
 
 void Chart::line(std::vector<glm::dvec2> points, Ink ink, double thickness) {
-    items_.push_back({Item::Kind::line, std::move(points), ink, thickness, {}, Anchor::start, false});
+    items_.push_back({Item::Kind::line, {std::move(points)}, ink, thickness, {}, Anchor::start, false});
 }
 
 void Chart::text(glm::dvec2 at, const std::string& words, double size, Anchor anchor, Ink ink, bool halo) {
-    items_.push_back({Item::Kind::text, {at}, ink, size, words, anchor, halo});
+    items_.push_back({Item::Kind::text, {{at}}, ink, size, words, anchor, halo});
 }
 
 void Chart::write(const std::filesystem::path& file) const {
@@ -68,24 +73,27 @@ std::string Chart::svg() const {
                     "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
                     width_, height_);
     for (const Item& item : items_) {
-        std::string points;
-        for (glm::dvec2 p : item.points) points += fmt::format("{:.2f},{:.2f} ", p.x, p.y);
-        if (!points.empty()) points.pop_back();
+        std::string path;
+        for (const auto& outline : item.outlines) {
+            for (size_t k = 0; k < outline.size(); ++k)
+                path += fmt::format("{}{:.2f} {:.2f}", k ? 'L' : 'M', outline[k].x, outline[k].y);
+            if (item.kind == Item::Kind::fill) path += 'Z';
+        }
         switch (item.kind) {
         case Item::Kind::fill: // a hairline of its own colour closes the seams between neighbours
-            text +=
-                fmt::format("<polygon points=\"{0}\" fill=\"{1}\" stroke=\"{1}\" stroke-width=\"0.3\"/>\n",
-                            points, hex(item.ink));
+            text += fmt::format("<path d=\"{0}\" fill=\"{1}\" fill-rule=\"evenodd\" stroke=\"{1}\" "
+                                "stroke-width=\"{2:g}\"/>\n",
+                                path, hex(item.ink), item.size);
             break;
         case Item::Kind::line:
-            text += fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{:g}\" "
+            text += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{:g}\" "
                                 "stroke-linecap=\"round\"/>\n",
-                                points, hex(item.ink), item.size);
+                                path, hex(item.ink), item.size);
             break;
         case Item::Kind::text:
             text += fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"{:g}\" text-anchor=\"{}\" "
                                 "fill=\"{}\"{}>{}</text>\n",
-                                item.points[0].x, item.points[0].y, item.size,
+                                item.outlines[0][0].x, item.outlines[0][0].y, item.size,
                                 item.anchor == Anchor::start    ? "start"
                                 : item.anchor == Anchor::middle ? "middle"
                                                                 : "end",
@@ -110,21 +118,22 @@ void Chart::writePng(const std::filesystem::path& file) const {
                          static_cast<int>(std::lround(p.y * kPngScale * (1 << kShift))));
     };
     for (const Item& item : items_) {
-        std::vector<cv::Point> points;
-        for (glm::dvec2 p : item.points) points.push_back(fixed(p));
+        std::vector<std::vector<cv::Point>> outlines;
+        for (const auto& outline : item.outlines)
+            std::transform(outline.begin(), outline.end(), std::back_inserter(outlines.emplace_back()),
+                           fixed);
         const int thickness = std::max(1, static_cast<int>(std::lround(item.size * kPngScale)));
         if (item.kind == Item::Kind::fill) {
-            cv::fillConvexPoly(canvas, points, scalar(item.ink), cv::LINE_8, kShift);
+            cv::fillPoly(canvas, outlines, scalar(item.ink), cv::LINE_8, kShift);
         } else if (item.kind == Item::Kind::line) {
-            cv::polylines(canvas, std::vector{points}, false, scalar(item.ink), thickness, cv::LINE_AA,
-                          kShift);
+            cv::polylines(canvas, outlines, false, scalar(item.ink), thickness, cv::LINE_AA, kShift);
         } else {
             // Capitals as tall as those of a sans-serif font of that size.
             passes::Lettering letters{0.73 * item.size * kPngScale, item.ink};
             if (item.halo) letters.halo = 1.5 * kPngScale;
             const double shift = item.anchor == Anchor::start ? 0 : item.anchor == Anchor::middle ? 0.5 : 1;
-            letters.draw(image, item.points[0].x * kPngScale - shift * letters.width(item.words),
-                         item.points[0].y * kPngScale, item.words);
+            const glm::dvec2 at = kPngScale * item.outlines[0][0];
+            letters.draw(image, at.x - shift * letters.width(item.words), at.y, item.words);
         }
     }
     passes::writePng(image, file);
@@ -148,8 +157,10 @@ Ink ValueScale::ink(double value) const {
 ValueScale luxScale(std::vector<double> lux) {
     std::erase_if(lux, [](double v) { return !(v > 0); });
     std::sort(lux.begin(), lux.end());
+    // Rounded outwards: of a few values the scale holds each.
     const auto quantile = [&](double q) {
-        return lux.empty() ? 100.0 : lux[static_cast<size_t>(q * static_cast<double>(lux.size() - 1))];
+        const double rank = q * (static_cast<double>(lux.size()) - 1);
+        return lux.empty() ? 100.0 : lux[static_cast<size_t>(q < 0.5 ? std::floor(rank) : std::ceil(rank))];
     };
     ValueScale scale;
     scale.logarithmic = true;

@@ -27,7 +27,9 @@ public:
     Chart(double width, double height) : width_(width), height_(height) {}
 
     // Coordinates in pixels of the SVG, y down. What is drawn later lies on top.
-    void fill(std::vector<glm::dvec2> outline, Ink ink); // convex
+    void fill(std::vector<glm::dvec2> outline, Ink ink);
+    // One area within several outlines; what lies within an even number of them is a hole.
+    void fill(std::vector<std::vector<glm::dvec2>> outlines, Ink ink);
     void rectangle(double x, double y, double width, double height, Ink ink);
     void line(std::vector<glm::dvec2> points, Ink ink, double thickness);
     // `at`: left end, middle or right end of the baseline; letters about `size` pixels tall. UTF-8. With a
@@ -44,7 +46,7 @@ public:
 private:
     struct Item {
         enum class Kind { fill, line, text } kind;
-        std::vector<glm::dvec2> points;
+        std::vector<std::vector<glm::dvec2>> outlines; // a line's points or a text's place are the only one
         Ink ink;
         double size = 0;
         std::string words;
@@ -69,7 +71,8 @@ struct ValueScale {
     Ink ink(double value) const;      // viridis
 };
 
-// Whole decades (1, 2, 5 as ticks) that hold nearly all of the positive values.
+// Whole decades (1, 2, 5 as ticks) that hold nearly all of the positive values: of fewer than 200, all but
+// the smallest hundredth.
 ValueScale luxScale(std::vector<double> lux);
 ValueScale percentScale();
 

@@ -131,6 +131,7 @@ Solution solveOn(Run& run, const IlluminanceArguments& arguments, const Input& i
         run.warn(
             fmt::format("{} of {} sensors lie in no room and stay dark", outside, s.sensors->points.size()));
     s.moment = std::move(solveLight(run, *transport, std::span(&sky, 1))[0]);
+    warnOfNight(run, source, lightFigures(s.scene.mesh, s.moment).maxLux);
     return s;
 }
 
@@ -206,8 +207,10 @@ void execute(Run& run, const IlluminanceArguments& arguments) {
     if (!arguments.plan.empty()) {
         std::vector<double> lux;
         for (const compute::LightParts& p : moment.sensors) lux.push_back(compute::photometric(p.total()));
-        planChart(scene, sensors->points, sensors->normals, lux, luxScale(lux), "Illuminance", solution.title)
-            .write(arguments.plan);
+        const Plan plan = planChart(scene, sensors->points, sensors->normals, lux, luxScale(lux),
+                                    "Illuminance", solution.title);
+        plan.chart.write(arguments.plan);
+        if (plan.shown == 0) run.warn(kEmptyPlan);
     }
 }
 

@@ -77,9 +77,10 @@ std::vector<std::pair<std::string, std::string>> factsOf(const LiveStatus& statu
     const auto add = [&](const char* name, std::string value) { facts.emplace_back(name, std::move(value)); };
     if (status.detections > 0) {
         const geometry::Sketch& s = status.seen;
-        add("seen", fmt::format("{} walls, {} windows, {} skylights, {} tokens{}",
-                                s.walls.size() + s.arcs.size(), s.windows.size(), s.skylights.size(),
-                                s.tokens.size(), s.north ? ", north" : ", no north arrow"));
+        const std::string arcs = s.arcs.empty() ? "" : fmt::format(", {} arcs", s.arcs.size());
+        add("seen", fmt::format("{} walls{}, {} windows, {} skylights, {} tokens{}", s.walls.size(), arcs,
+                                s.windows.size(), s.skylights.size(), s.tokens.size(),
+                                s.north ? ", north" : ", no north arrow"));
     }
     if (lit) {
         const nlohmann::json& scene = lit->scene->report;

@@ -107,6 +107,13 @@ daylight::Sky SkySource::skyAt(const daylight::Moment& moment) const {
     return *sky;
 }
 
+void warnOfNight(Run& run, const SkySource& source, double maxLux) {
+    const daylight::SunPosition sun = source.sunAt(source.moment());
+    if (maxLux <= 0 && source.followsTime() && !sun.isUp())
+        run.warn(
+            fmt::format("the sun is {:.1f} degrees below the horizon: everything is dark", -sun.altitudeDeg));
+}
+
 bool sameLight(const daylight::Sky& a, const daylight::Sky& b) {
     if (a.isDark() && b.isDark()) return true;
     const daylight::SkyFormula &f = a.formula, &g = b.formula;

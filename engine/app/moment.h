@@ -48,6 +48,9 @@ private:
     std::shared_ptr<const daylight::Weather> weather_;
 };
 
+// A warning where nothing is lit, `maxLux` being 0, because the sun of `source.moment()` has set.
+void warnOfNight(Run& run, const SkySource& source, double maxLux);
+
 // Whether two skies give the same light: nothing need be solved or drawn again.
 bool sameLight(const daylight::Sky& a, const daylight::Sky& b);
 

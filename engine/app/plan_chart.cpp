@@ -18,8 +18,13 @@ namespace {
 using Points = std::vector<glm::dvec2>;
 
 constexpr double kPlan = 720, kNarrowest = 420, kMargin = 40, kLegend = 90, kHead = 62, kFoot = 40; // pixels
+constexpr double kOutline = 0.01; // pixels to which areas of one colour are joined
 constexpr Ink kOpening{60, 150, 255};
 constexpr size_t kBands = 40; // of colour between the ends of the scale
+constexpr size_t kFew = 12;   // sensors whose numbers are written beside them
+// Building metres around the sensors that are coloured at least: a grid of sensors leaves out a border of
+// half a metre along the walls (EN 12464-1, EN 17037).
+constexpr double kBorder = 0.5;
 
 glm::dvec2 flat(glm::dvec3 p) {
     return {p.x, p.z};
@@ -93,7 +98,8 @@ std::vector<Sample> clipped(const std::vector<Sample>& polygon, double level, bo
 
 class PlanDrawing {
 public:
-    PlanDrawing(const Scene& scene, const ValueScale& scale) : mesh_(scene.mesh), scale_(scale) {
+    PlanDrawing(const Scene& scene, const ValueScale& scale)
+        : mesh_(scene.mesh), scale_(scale), border_(kBorder * scene.worldPerBuilding) {
         for (const glm::dvec3& v : mesh_.vertices)
             low_ = glm::min(low_, flat(v)), high_ = glm::max(high_, flat(v));
         const glm::dvec2 extent = glm::max(high_ - low_, glm::dvec2(1e-9));
@@ -108,14 +114,21 @@ public:
     double pixelsPerWorld() const { return pixels_; }
     glm::dvec2 size() const { return size_; }
 
-    void colours(Chart& chart, const Floor& floor, std::vector<Sample> samples) {
-        const double spacing = spacingOf(samples);
-        extend(floor, samples, spacing);
+    // Few sensors that do not cover the floor tell nothing about what they do not surround, and no lines.
+    void colours(Chart& chart, const Floor& floor, std::vector<Sample> samples, bool few) {
+        const double spacing = std::max(spacingOf(samples), border_);
+        const Points reach = reachOf(samples, spacing * (1 + 1e-6));
+        const bool alone =
+            few && !std::all_of(floor.outline.begin(), floor.outline.end(),
+                                [&](const auto& edge) { return isWithin(reach, flat(edge[0])); });
+        if (!alone) extend(floor, samples, spacing);
         std::vector<SampleTriangle> triangles = smoothTriangles(samples, partsFor(spacing));
         // Triangles of samples reach over concave corners: what has its middle outside is left out.
         std::erase_if(triangles, [&](const SampleTriangle& t) {
             return !isOverFloor(floor, (t[0].at + t[1].at + t[2].at) / 3.0);
         });
+        triangles = within(triangles, reach);
+        std::vector<std::vector<Points>> bands(kBands);
         for (const SampleTriangle& triangle : triangles) {
             std::vector<Sample> polygon(triangle.begin(), triangle.end());
             size_t first = kBands, last = 0;
@@ -130,9 +143,13 @@ public:
                 if (part.size() < 3) continue;
                 Points outline;
                 for (const Sample& s : part) outline.push_back(pixel(s.at));
-                chart.fill(std::move(outline), inkAt(0.5 * (bandEnd(band) + bandEnd(band + 1))));
+                bands[band].push_back(std::move(outline));
             }
         }
+        for (size_t band = 0; band < kBands; ++band)
+            if (auto outlines = unitedOutlines(std::move(bands[band]), kOutline); !outlines.empty())
+                chart.fill(std::move(outlines), inkAt(0.5 * (bandEnd(band) + bandEnd(band + 1))));
+        if (alone) return;
         for (double level : scale_.ticks) {
             if (level <= scale_.low || level >= scale_.high) continue;
             for (Points& line : isoLines(triangles, level)) {
@@ -143,10 +160,33 @@ public:
         }
     }
 
+    // Small squares; of few sensors rounds of their colour with their numbers.
+    void sensors(Chart& chart, const std::vector<Sample>& samples, bool few) {
+        for (const Sample& s : samples) {
+            const glm::dvec2 p = pixel(s.at);
+            if (!few) {
+                chart.rectangle(p.x - 0.8, p.y - 0.8, 1.6, 1.6, {90, 90, 90});
+                continue;
+            }
+            for (const auto& [radius, ink] :
+                 {std::pair(8.0, kBlack), std::pair(7.2, kPaper), std::pair(5.8, scale_.ink(s.value))}) {
+                Points round;
+                for (int k = 0; k < 24; ++k) {
+                    const double turn = glm::radians(15.0 * k);
+                    round.push_back(p + radius * glm::dvec2(std::cos(turn), std::sin(turn)));
+                }
+                chart.fill(std::move(round), ink);
+            }
+            const glm::dvec2 at = p - glm::dvec2(0, 13);
+            chart.text(at, shortNumber(s.value), 12, Anchor::middle, kBlack, true);
+            numbers_.insert(numbers_.end(), {p, at});
+        }
+    }
+
     // A number a line, where it is clear of walls and openings, of other numbers and, best, of other lines.
     void labels(Chart& chart, const std::vector<Floor>& floors) const {
         constexpr double kShortest = 50, kWall = 17, kLabel = 42, kLine = 24; // pixels
-        Points obstacles, placed;
+        Points obstacles, placed = numbers_;
         const auto along = [&](const std::array<glm::dvec3, 2>& edge) {
             const glm::dvec2 a = pixel(flat(edge[0])), b = pixel(flat(edge[1]));
             const double steps = std::ceil(glm::distance(a, b) / 6 + 1e-9);
@@ -195,14 +235,6 @@ private:
         Points points; // pixels
     };
     static double bandEnd(size_t band) { return static_cast<double>(band) / kBands; }
-    // World metres from sensor to sensor, about.
-    static double spacingOf(const std::vector<Sample>& samples) {
-        glm::dvec2 low(1e300), high(-1e300);
-        for (const Sample& s : samples) low = glm::min(low, s.at), high = glm::max(high, s.at);
-        const double count = static_cast<double>(samples.size());
-        return std::max(std::sqrt((high.x - low.x) * (high.y - low.y) / count),
-                        std::max(high.x - low.x, high.y - low.y) / count);
-    }
     // Parts of about ten pixels for the edges of triangles.
     size_t partsFor(double spacing) const {
         return static_cast<size_t>(std::clamp(std::round(pixels_ * spacing / 10), 1.0, 10.0));
@@ -258,7 +290,9 @@ private:
     }
     const geometry::PatchMesh& mesh_;
     const ValueScale& scale_;
+    double border_; // world metres
     std::vector<IsoLine> lines_;
+    Points numbers_; // pixels, where the sensors' stand
     glm::dvec2 low_{1e300}, high_{-1e300}, size_{0};
     double pixels_ = 1;
 };
@@ -287,9 +321,9 @@ void drawNorthAndScale(Chart& chart, const Scene& scene, const PlanDrawing& plan
 
 } // namespace
 
-Chart planChart(const Scene& scene, std::span<const glm::dvec3> points, std::span<const glm::dvec3> normals,
-                std::span<const double> values, const ValueScale& scale, const std::string& title,
-                const std::string& subtitle) {
+Plan planChart(const Scene& scene, std::span<const glm::dvec3> points, std::span<const glm::dvec3> normals,
+               std::span<const double> values, const ValueScale& scale, const std::string& title,
+               const std::string& subtitle) {
     double top = -1e300;
     for (size_t s = 0; s < points.size(); ++s)
         if (normals[s].y >= 0.5) top = std::max(top, points[s].y);
@@ -307,22 +341,20 @@ Chart planChart(const Scene& scene, std::span<const glm::dvec3> points, std::spa
                 break;
             }
     }
+    size_t shown = 0;
+    for (const auto& room : samples) shown += room.size();
     PlanDrawing plan(scene, scale);
     Chart chart = plan.chart();
     for (size_t f = 0; f < floors.size(); ++f)
-        if (!samples[f].empty()) plan.colours(chart, floors[f], samples[f]);
+        if (!samples[f].empty()) plan.colours(chart, floors[f], samples[f], shown <= kFew);
     plan.walls(chart, floors);
-    for (const auto& room : samples)
-        for (const Sample& s : room) {
-            const glm::dvec2 p = plan.pixel(s.at);
-            chart.rectangle(p.x - 0.8, p.y - 0.8, 1.6, 1.6, {90, 90, 90});
-        }
+    for (const auto& room : samples) plan.sensors(chart, room, shown <= kFew);
     plan.labels(chart, floors);
     chart.text({kMargin, 22}, title, 15);
     chart.text({kMargin, 40}, subtitle, 11);
     drawScale(chart, scale, {chart.width() - kLegend, kHead + 10}, std::max(plan.size().y, 260.0) - 20);
     drawNorthAndScale(chart, scene, plan);
-    return chart;
+    return {std::move(chart), shown};
 }
 
 } // namespace heliodon::app

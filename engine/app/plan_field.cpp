@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <numbers>
+#include <set>
 
 #include <glm/geometric.hpp>
 #include <opencv2/imgproc.hpp>
@@ -79,6 +81,29 @@ std::vector<glm::dvec2> slopes(const std::vector<Sample>& samples, const std::ve
     return slope;
 }
 
+// Corners of the convex hull, counterclockwise where y is up: Andrew's monotone chain.
+std::vector<glm::dvec2> convexHull(const std::vector<Sample>& samples) {
+    std::vector<glm::dvec2> points;
+    for (const Sample& s : samples) points.push_back(s.at);
+    std::sort(points.begin(), points.end(),
+              [](glm::dvec2 a, glm::dvec2 b) { return std::pair(a.x, a.y) < std::pair(b.x, b.y); });
+    points.erase(std::unique(points.begin(), points.end()), points.end());
+    if (points.size() < 3) return points;
+    std::vector<glm::dvec2> hull;
+    for (int way = 0; way < 2; ++way) { // the lower side from left to right, then the upper one back
+        const size_t start = hull.size();
+        for (glm::dvec2 p : points) {
+            while (hull.size() > start + 1 &&
+                   geometry::cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 0)
+                hull.pop_back();
+            hull.push_back(p);
+        }
+        hull.pop_back(); // where the other side starts
+        std::reverse(points.begin(), points.end());
+    }
+    return hull;
+}
+
 } // namespace
 
 std::vector<SampleTriangle> smoothTriangles(const std::vector<Sample>& samples, size_t parts) {
@@ -110,6 +135,119 @@ std::vector<SampleTriangle> smoothTriangles(const std::vector<Sample>& samples, 
             }
     }
     return result;
+}
+
+double spacingOf(const std::vector<Sample>& samples) {
+    if (samples.size() < 2) return 0;
+    constexpr size_t kMost = 300;
+    const size_t stride = (samples.size() + kMost - 1) / kMost;
+    std::vector<double> distances;
+    for (size_t i = 0; i < samples.size(); i += stride) {
+        double least = 1e300;
+        for (size_t j = 0; j < samples.size(); ++j)
+            if (j != i) least = std::min(least, glm::distance(samples[i].at, samples[j].at));
+        distances.push_back(least);
+    }
+    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+    std::nth_element(distances.begin(), middle, distances.end());
+    return *middle;
+}
+
+std::vector<glm::dvec2> reachOf(const std::vector<Sample>& samples, double reach) {
+    const std::vector<glm::dvec2> hull = convexHull(samples);
+    std::vector<glm::dvec2> result;
+    if (hull.size() < 2) {
+        constexpr int kCorners = 32;
+        for (int k = 0; k < kCorners && !hull.empty(); ++k) {
+            const double turn = 2 * std::numbers::pi * k / kCorners;
+            result.push_back(hull[0] + reach * glm::dvec2(std::cos(turn), std::sin(turn)));
+        }
+        return result;
+    }
+    const auto outwards = [&](size_t k) { // of the side after corner k
+        const glm::dvec2 side = glm::normalize(hull[(k + 1) % hull.size()] - hull[k]);
+        return glm::dvec2(side.y, -side.x);
+    };
+    for (size_t k = 0; k < hull.size(); ++k) {
+        const glm::dvec2 before = outwards((k + hull.size() - 1) % hull.size()), after = outwards(k);
+        // Where two sides' parallels meet.
+        const auto corner = [&](glm::dvec2 n, glm::dvec2 m) {
+            result.push_back(hull[k] + reach / (1 + glm::dot(n, m)) * (n + m));
+        };
+        if (glm::dot(before, after) > -1e-6) {
+            corner(before, after);
+        } else {
+            const glm::dvec2 along(-before.y, before.x), back(after.y, -after.x);
+            const glm::dvec2 between = glm::normalize(along + back);
+            corner(before, between);
+            corner(between, after);
+        }
+    }
+    return result;
+}
+
+bool isWithin(const std::vector<glm::dvec2>& convex, glm::dvec2 p) {
+    for (size_t k = 0; k < convex.size(); ++k)
+        if (geometry::cross(convex[(k + 1) % convex.size()] - convex[k], p - convex[k]) < 0) return false;
+    return !convex.empty();
+}
+
+std::vector<SampleTriangle> within(const std::vector<SampleTriangle>& triangles,
+                                   const std::vector<glm::dvec2>& convex) {
+    std::vector<SampleTriangle> result;
+    for (const SampleTriangle& t : triangles) {
+        std::vector<Sample> part(t.begin(), t.end()), next;
+        for (size_t k = 0; k < convex.size() && part.size() > 2; ++k) {
+            const glm::dvec2 a = convex[k], side = convex[(k + 1) % convex.size()] - a;
+            next.clear();
+            for (size_t i = 0; i < part.size(); ++i) {
+                const Sample &p = part[i], &q = part[(i + 1) % part.size()];
+                const double dp = geometry::cross(side, p.at - a), dq = geometry::cross(side, q.at - a);
+                if (dp >= 0) next.push_back(p);
+                if ((dp > 0 && dq < 0) || (dp < 0 && dq > 0)) {
+                    const double share = dp / (dp - dq);
+                    next.push_back({p.at + share * (q.at - p.at), p.value + share * (q.value - p.value)});
+                }
+            }
+            part.swap(next);
+        }
+        for (size_t i = 2; i < part.size(); ++i) result.push_back({part[0], part[i - 1], part[i]});
+    }
+    return result;
+}
+
+std::vector<std::vector<glm::dvec2>> unitedOutlines(std::vector<std::vector<glm::dvec2>> polygons,
+                                                    double step) {
+    const auto key = [&](glm::dvec2 p) { return Key{std::llround(p.x / step), std::llround(p.y / step)}; };
+    std::multiset<std::pair<Key, Key>> sides; // in order of where they start
+    for (std::vector<glm::dvec2>& polygon : polygons) {
+        double twice = 0;
+        for (size_t k = 0; k < polygon.size(); ++k)
+            twice += geometry::cross(polygon[k], polygon[(k + 1) % polygon.size()]);
+        if (twice < 0) std::reverse(polygon.begin(), polygon.end());
+        for (size_t k = 0; k < polygon.size(); ++k) {
+            const Key a = key(polygon[k]), b = key(polygon[(k + 1) % polygon.size()]);
+            if (a == b) continue;
+            const auto other = sides.find({b, a});
+            if (other != sides.end())
+                sides.erase(other);
+            else
+                sides.insert({a, b});
+        }
+    }
+    std::vector<std::vector<glm::dvec2>> outlines;
+    while (!sides.empty()) { // as many sides lead to a corner as away from it: each way ends where it began
+        std::vector<glm::dvec2>& outline = outlines.emplace_back();
+        const Key first = sides.begin()->first;
+        for (Key at = first;;) {
+            outline.push_back(step * glm::dvec2(at.first, at.second));
+            const auto side = sides.lower_bound({at, {INT64_MIN, INT64_MIN}});
+            at = side->second;
+            sides.erase(side);
+            if (at == first) break;
+        }
+    }
+    return outlines;
 }
 
 std::vector<std::vector<glm::dvec2>> isoLines(const std::vector<SampleTriangle>& triangles, double level) {

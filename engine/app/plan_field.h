@@ -20,6 +20,25 @@ using SampleTriangle = std::array<Sample, 3>;
 // and Jespersen 1989 do, and a smooth weight leads from corner to corner. One part: linear between samples.
 std::vector<SampleTriangle> smoothTriangles(const std::vector<Sample>& samples, size_t parts);
 
+// Metres from a sample to the one nearest to it: the median over at most some hundreds of the samples. 0 of
+// one.
+double spacingOf(const std::vector<Sample>& samples);
+
+// The convex polygon around the samples, its sides moved outwards by `reach` > 0. Corners of 90 degrees and
+// more stay corners, sharper ones are cut at `reach`. One sample has a round one.
+std::vector<glm::dvec2> reachOf(const std::vector<Sample>& samples, double reach);
+
+bool isWithin(const std::vector<glm::dvec2>& convex, glm::dvec2 p);
+
+// The part of the triangles within a convex polygon as reachOf() returns it.
+std::vector<SampleTriangle> within(const std::vector<SampleTriangle>& triangles,
+                                   const std::vector<glm::dvec2>& convex);
+
+// Outlines of the union of polygons, any way round, that overlap nowhere and share whole sides: sides that
+// two of them have are gone. Corners are joined and returned on a grid of `step`; holes have an outline too.
+std::vector<std::vector<glm::dvec2>> unitedOutlines(std::vector<std::vector<glm::dvec2>> polygons,
+                                                    double step);
+
 // Lines along which the value, linear in each triangle, is `level`: chains of points, closed where first and
 // last are the same.
 std::vector<std::vector<glm::dvec2>> isoLines(const std::vector<SampleTriangle>& triangles, double level);

@@ -170,6 +170,7 @@ void execute(Run& run, const RenderArguments& arguments) {
     if (arguments.picture.skyColour) tintLight(*transport, std::span(&sky, 1), std::span(&moment, 1));
     passes::FrameRenderer renderer = makeRenderer(run, scene);
     const LightFigures figures = lightFigures(scene.mesh, moment);
+    warnOfNight(run, source, figures.maxLux);
     run.report()["light"] = {
         {"mean_lux", figures.meanLux},
         {"max_lux", figures.maxLux},

@@ -98,7 +98,7 @@ std::vector<glm::dvec3> gridPoints(const geometry::PatchMesh& mesh, const std::v
 } // namespace
 
 glm::dvec3 modelFromWorld(glm::dvec3 p, geometry::UpAxis up) {
-    return up == geometry::UpAxis::y ? p : glm::dvec3(p.x, -p.z, p.y);
+    return up == geometry::UpAxis::y ? p : glm::dvec3(p.x, 0.0 - p.z, p.y); // no negative zero
 }
 
 SensorTable workPlaneSensors(const geometry::PatchMesh& mesh, geometry::UpAxis up, WorkPlane plane) {
@@ -114,7 +114,7 @@ SensorTable workPlaneSensors(const geometry::PatchMesh& mesh, geometry::UpAxis u
     table.normals.assign(table.points.size(), {0, 1, 0});
     const glm::dvec3 n = modelFromWorld({0, 1, 0}, up);
     for (glm::dvec3 p : table.points) {
-        p = modelFromWorld(p, up);
+        p = glm::round(modelFromWorld(p, up) * 1e6) / 1e6 + 0.0; // no negative zero
         table.rows.push_back(
             fmt::format("{:.6f},{:.6f},{:.6f},{:.0f},{:.0f},{:.0f}", p.x, p.y, p.z, n.x, n.y, n.z));
     }

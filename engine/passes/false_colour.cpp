@@ -23,7 +23,9 @@ void fill(Image8& picture, int x0, int y0, int x1, int y1, std::array<uint8_t, 3
             std::copy(colour.begin(), colour.end(), picture.pixel(x, y));
 }
 
-std::vector<double> ticks(const FalseScale& scale) {
+} // namespace
+
+std::vector<double> legendTicks(const FalseScale& scale) {
     std::vector<double> values;
     const bool few = scale.highLux / scale.lowLux < 2000;
     for (double decade = std::pow(10, std::floor(std::log10(scale.lowLux))); decade <= scale.highLux;
@@ -36,11 +38,9 @@ std::vector<double> ticks(const FalseScale& scale) {
     return values;
 }
 
-std::string label(double lux) {
+std::string legendNumber(double lux) {
     return lux >= 1000 ? fmt::format("{:.3g}k", lux / 1000) : fmt::format("{:.3g}", lux);
 }
-
-} // namespace
 
 FalseScale falseScale(const Tone& tone, std::span<const float> lux) {
     std::vector<float> positive;
@@ -102,8 +102,8 @@ void drawLegend(Image8& picture, const FalseScale& scale) {
             picture, right - barWidth, y, right, y + 1,
             {static_cast<uint8_t>(colour.r), static_cast<uint8_t>(colour.g), static_cast<uint8_t>(colour.b)});
     }
-    for (double lux : ticks(scale)) {
-        const std::string text = label(lux);
+    for (double lux : legendTicks(scale)) {
+        const std::string text = legendNumber(lux);
         const int y = position(lux);
         fill(picture, right - barWidth - 3 * size, y, right - barWidth, y + size, kInk);
         const double baseline =

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <span>
+#include <string>
+#include <vector>
 
 #include <glm/vec3.hpp>
 
@@ -16,6 +18,13 @@ struct FalseScale {
 
 // The scale that `tone` asks for; open ends follow `lux`, the values at hand (any order, may be empty).
 FalseScale falseScale(const Tone& tone, std::span<const float> lux);
+
+// Where a legend of the scale has its numbers, ascending: 1, 2, 5 times powers of ten within it, over more
+// than three decades the powers alone.
+std::vector<double> legendTicks(const FalseScale& scale);
+
+// A legend's number: "500", "2k".
+std::string legendNumber(double lux);
 
 // Colour at t in 0..1, sRGB-encoded, as shaders/lib/viridis.glsl.
 glm::vec3 viridis(double t);

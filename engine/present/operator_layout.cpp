@@ -211,16 +211,19 @@ void layOutLegend(const passes::FalseScale& scale) {
                             packed({c.x, c.y, c.z}));
     }
     ImGui::Dummy({width, height});
-    constexpr int kNumbers = 5;
-    for (int i = 0; i < kNumbers; ++i) {
-        const double t = static_cast<double>(i) / (kNumbers - 1);
-        const double lux = scale.lowLux * std::pow(scale.highLux / scale.lowLux, t);
-        const std::string text = lux < 10 ? fmt::format("{:.2g}", lux) : fmt::format("{:.0f}", lux);
-        const float x = static_cast<float>(t) * (width - ImGui::CalcTextSize(text.c_str()).x);
-        if (i > 0) ImGui::SameLine();
-        ImGui::SetCursorScreenPos({at.x + x, ImGui::GetCursorScreenPos().y});
-        grey(text.c_str());
+    const ImVec2 numbers = ImGui::GetCursorScreenPos();
+    float free = at.x; // to the right of the numbers so far
+    for (double lux : passes::legendTicks(scale)) {
+        const double t = std::log(lux / scale.lowLux) / std::log(scale.highLux / scale.lowLux);
+        const std::string text = passes::legendNumber(lux);
+        const float x = at.x + width * static_cast<float>(t), wide = ImGui::CalcTextSize(text.c_str()).x;
+        const float left = std::clamp(x - wide / 2, at.x, at.x + width - wide);
+        if (left < free) continue;
+        free = left + wide + 6;
+        list->AddLine({x, at.y + height}, {x, at.y + height + 3}, ImGui::GetColorU32(kGrey));
+        list->AddText({left, numbers.y}, ImGui::GetColorU32(kGrey), text.c_str());
     }
+    ImGui::Dummy({width, ImGui::GetTextLineHeight()});
 }
 
 void layOutPicture(OperatorControls& c, const OperatorStatus& status) {
@@ -326,8 +329,10 @@ void styleOperatorWindow() {
     style.Colors[ImGuiCol_FrameBg] = {0.18f, 0.19f, 0.22f, 1};
     style.Colors[ImGuiCol_FrameBgHovered] = {0.23f, 0.24f, 0.28f, 1};
     style.Colors[ImGuiCol_FrameBgActive] = {0.27f, 0.28f, 0.33f, 1};
-    style.Colors[ImGuiCol_SliderGrab] = {0.85f, 0.60f, 0.22f, 1};
-    style.Colors[ImGuiCol_SliderGrabActive] = style.Colors[ImGuiCol_CheckMark] = {1.0f, 0.74f, 0.30f, 1};
+    // Dark enough that a slider's value can be read over its handle.
+    style.Colors[ImGuiCol_SliderGrab] = {0.50f, 0.34f, 0.10f, 1};
+    style.Colors[ImGuiCol_SliderGrabActive] = {0.60f, 0.41f, 0.12f, 1};
+    style.Colors[ImGuiCol_CheckMark] = {1.0f, 0.74f, 0.30f, 1};
     style.Colors[ImGuiCol_Button] = {0.22f, 0.23f, 0.27f, 1};
     style.Colors[ImGuiCol_ButtonHovered] = {0.32f, 0.30f, 0.28f, 1};
     style.Colors[ImGuiCol_ButtonActive] = {0.62f, 0.43f, 0.14f, 1};

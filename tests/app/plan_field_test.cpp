@@ -1,12 +1,16 @@
 // Values between the sensors of a plan, and lines of equal value.
 #include "engine/app/plan_field.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <random>
 
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
+
+#include "engine/app/chart.h"
+#include "engine/app/work_plane.h"
 
 namespace heliodon::test {
 namespace {
@@ -93,6 +97,81 @@ TEST(PlanField, a_hill_has_one_closed_line_and_a_slope_an_open_one) {
     ASSERT_EQ(open.size(), 1u);
     EXPECT_NEAR(glm::distance(open[0].front(), open[0].back()), 8, 1e-6);
     EXPECT_TRUE(app::isoLines(triangles, 1000).empty());
+}
+
+TEST(PlanField, colours_reach_a_spacing_around_the_sensors) {
+    // A grid reaches the corners of its room.
+    const auto grid = scattered([](glm::dvec2) { return 1; }, 0);
+    EXPECT_NEAR(app::spacingOf(grid), 1, 1e-12);
+    const auto room = app::reachOf(grid, 1 + 1e-9);
+    for (glm::dvec2 p : {glm::dvec2(-1, -1), glm::dvec2(9, -1), glm::dvec2(9, 9), glm::dvec2(-1, 9)})
+        EXPECT_TRUE(app::isWithin(room, p));
+    EXPECT_FALSE(app::isWithin(room, {4, 9.01}));
+    // A row is a strip, one sensor a disc, a sharp corner is cut.
+    const auto row = app::reachOf({{{0, 0}, 1}, {{2, 2}, 1}, {{1, 1}, 1}}, 0.5);
+    EXPECT_TRUE(app::isWithin(row, glm::dvec2(1 + 0.35, 1 - 0.35)));
+    EXPECT_FALSE(app::isWithin(row, glm::dvec2(1 + 0.36, 1 - 0.36)));
+    EXPECT_TRUE(app::isWithin(row, glm::dvec2(2.35)));
+    EXPECT_FALSE(app::isWithin(row, glm::dvec2(2.36)));
+    const auto one = app::reachOf({{{3, 3}, 1}}, 0.5);
+    EXPECT_TRUE(app::isWithin(one, {3, 3.49}));
+    EXPECT_FALSE(app::isWithin(one, {3.4, 3.4}));
+    const auto sharp = app::reachOf({{{0, 0}, 1}, {{10, 1}, 1}, {{10, -1}, 1}}, 0.5);
+    EXPECT_TRUE(app::isWithin(sharp, {-0.49, 0}));
+    EXPECT_FALSE(app::isWithin(sharp, {-0.51, 0}));
+    EXPECT_TRUE(app::reachOf({}, 1).empty());
+}
+
+TEST(PlanField, what_lies_within_is_the_whole_field_cut) {
+    const auto plane = [](glm::dvec2 p) { return 3 * p.x - 2 * p.y + 7; };
+    const auto triangles = app::smoothTriangles(scattered(plane, 0), 3);
+    const auto cut = app::within(triangles, {{2.1, 1.3}, {5.4, 2.2}, {3.3, 6.7}});
+    double area = 0;
+    for (const auto& t : cut) {
+        const glm::dvec2 a = t[1].at - t[0].at, b = t[2].at - t[0].at;
+        area += std::abs(a.x * b.y - a.y * b.x) / 2;
+        for (const Sample& s : t) EXPECT_NEAR(s.value, plane(s.at), 1e-9);
+    }
+    EXPECT_NEAR(area, (3.3 * 5.4 - 0.9 * 1.2) / 2, 1e-9);
+    EXPECT_EQ(app::within(triangles, {{-1, -1}, {9, -1}, {9, 9}, {-1, 9}}).size(), triangles.size());
+}
+
+TEST(PlanField, areas_of_one_colour_are_outlined_once) {
+    std::vector<std::vector<glm::dvec2>>
+        ring; // squares around an empty one, every other one the wrong way round
+    for (int x = 0; x < 3; ++x)
+        for (int y = 0; y < 3; ++y) {
+            if (x == 1 && y == 1) continue;
+            ring.push_back({{x, y}, {x + 1, y}, {x + 1, y + 1}, {x, y + 1}});
+            if (x == y) std::reverse(ring.back().begin(), ring.back().end());
+        }
+    const auto outlines = app::unitedOutlines(ring, 0.01);
+    ASSERT_EQ(outlines.size(), 2u);
+    EXPECT_EQ(outlines[0].size() + outlines[1].size(), 16u);
+    double area = 0;
+    for (const auto& outline : outlines)
+        for (size_t k = 0; k < outline.size(); ++k) {
+            const glm::dvec2 a = outline[k], b = outline[(k + 1) % outline.size()];
+            area += (a.x * b.y - a.y * b.x) / 2;
+        }
+    EXPECT_NEAR(area, 8, 1e-9);
+}
+
+TEST(LuxScale, holds_the_largest_of_a_few_values) {
+    std::vector<double> lux(150, 300.0);
+    lux[7] = 4200;
+    lux[8] = 40;
+    const app::ValueScale scale = app::luxScale(lux);
+    EXPECT_EQ(scale.high, 5000);
+    EXPECT_EQ(scale.low, 200);
+    lux.resize(2000, 300); // of many, one that stands out leaves the others their colours
+    EXPECT_EQ(app::luxScale(lux).high, 1000);
+}
+
+TEST(WorkPlane, tables_have_no_negative_zero) {
+    const glm::dvec3 up = app::modelFromWorld({0, 1, 0}, geometry::UpAxis::z);
+    EXPECT_EQ(up, glm::dvec3(0, 0, 1));
+    EXPECT_FALSE(std::signbit(up.y));
 }
 
 } // namespace
