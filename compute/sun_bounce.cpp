@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "compute/lighting.h"
+#include "compute/parallel.h"
 #include "compute/point_view.h"
 
 namespace heliodon::compute {
@@ -49,47 +50,65 @@ double nearness(const PointScene::Patch& to, const PointScene::Patch& from, dvec
 } // namespace
 
 SunBounce::SunBounce(const PointScene& scene, const NearPairs& pairs)
-    : scene_(&scene), pairs_(&pairs), views_(patchViewpoints(scene.mesh(), kPoints)) {}
+    : scene_(&scene), pairs_(&pairs), views_(patchViewpoints(scene.mesh(), kPoints)) {
+    const geometry::PatchMesh& mesh = scene.mesh();
+    first_.push_back(0);
+    for (size_t i = 0; i < mesh.patchCount(); ++i) first_.push_back(first_[i] + pairs.of(i).size());
+    whole_.resize(first_.back());
+    inParallel(mesh.patchCount(), [&](size_t i) {
+        std::vector<dvec3> corners;
+        for (uint32_t v : mesh.patch(i)) corners.push_back(mesh.vertices[v]);
+        const std::span<const NearPairs::Pair> all = pairs.of(i);
+        const PointScene::Patch& from = scene.patches()[i];
+        for (size_t k = 0; k < all.size(); ++k) {
+            double whole = 0;
+            if (k < pairs.nearest(i).size())
+                for (uint32_t p = 0; p < views_.pointsPerPatch; ++p) {
+                    const Viewpoint& at = views_.viewpoints[size_t{all[k].to} * views_.pointsPerPatch + p];
+                    whole += PointView(scene.blockers(), at.position, at.normal).factor(corners);
+                }
+            else
+                whole = nearness(scene.patches()[all[k].to], from, from.centre);
+            whole_[first_[i] + k] = static_cast<float>(whole);
+        }
+    });
+}
 
-// Light of the lit parts at a near patch over that of the whole patch, were its exitance one.
-std::optional<dvec3> SunBounce::seenNearby(uint32_t to, const SunlitParts& lit,
-                                           std::span<const dvec3> corners) const {
-    double whole = 0;
+// Light of the lit parts from a near patch, summed over its points.
+dvec3 SunBounce::seenNearby(uint32_t to, const SunlitParts& lit) const {
     dvec3 sum(0);
     for (uint32_t p = 0; p < views_.pointsPerPatch; ++p) {
         const Viewpoint& at = views_.viewpoints[size_t{to} * views_.pointsPerPatch + p];
         const PointView view(scene_->blockers(), at.position, at.normal);
-        whole += view.factor(corners);
         for (const SunlitParts::Part& part : lit.parts) sum += view.factor(part.polygon) * dvec3(part.light);
     }
-    if (!(whole > 0)) return std::nullopt;
-    return sum / whole;
+    return sum;
 }
 
 void SunBounce::addTo(std::span<glm::vec3> onPatches, std::span<const SunlitParts> partly,
                       double strength) const {
     const geometry::PatchMesh& mesh = scene_->mesh();
-    std::vector<dvec3> corners, light;
+    std::vector<dvec3> light;
     for (const SunlitParts& lit : partly) {
         const auto [middle, mean] = sentBy(lit, geometry::patchArea(mesh, lit.patch));
         const PointScene::Patch& from = scene_->patches()[lit.patch];
         const std::span<const NearPairs::Pair> pairs = pairs_->of(lit.patch);
-        corners.clear();
-        for (uint32_t v : mesh.patch(lit.patch)) corners.push_back(mesh.vertices[v]);
+        const size_t nearest = pairs_->nearest(lit.patch).size();
+        const float* wholes = whole_.data() + first_[lit.patch];
         light.clear();
         dvec3 sent(0), arrived(0);
-        for (const NearPairs::Pair& pair : pairs) {
-            const PointScene::Patch& to = scene_->patches()[pair.to];
-            std::optional<dvec3> seen;
-            if (pair.factor >= NearPairs::kNear) seen = seenNearby(pair.to, lit, corners);
-            if (!seen) {
-                const double whole = nearness(to, from, from.centre);
-                seen = mean * (whole > 0 ? std::min(kMostNearer, nearness(to, from, middle) / whole) : 1.0);
-            }
-            const double flux = to.size * to.size * double{pair.factor};
+        for (size_t k = 0; k < pairs.size(); ++k) {
+            const PointScene::Patch& to = scene_->patches()[pairs[k].to];
+            const double whole = wholes[k];
+            dvec3 seen = mean;
+            if (k < nearest && whole > 0)
+                seen = seenNearby(pairs[k].to, lit) / whole;
+            else if (whole > 0)
+                seen *= std::min(kMostNearer, nearness(to, from, middle) / whole);
+            const double flux = to.size * to.size * double{pairs[k].factor};
             sent += flux * mean;
-            arrived += flux * *seen;
-            light.push_back(*seen);
+            arrived += flux * seen;
+            light.push_back(seen);
         }
         dvec3 kept(1); // what is sent stays what it was
         for (int c = 0; c < 3; ++c)

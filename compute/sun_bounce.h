@@ -6,8 +6,8 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
+#include <vector>
 
 #include <glm/vec3.hpp>
 
@@ -28,12 +28,15 @@ public:
     void addTo(std::span<glm::vec3> onPatches, std::span<const SunlitParts> partly, double strength) const;
 
 private:
-    std::optional<glm::dvec3> seenNearby(uint32_t to, const SunlitParts& lit,
-                                         std::span<const glm::dvec3> corners) const;
+    glm::dvec3 seenNearby(uint32_t to, const SunlitParts& lit) const;
 
     const PointScene* scene_;
     const NearPairs* pairs_;
     PatchViewpoints views_;
+    // Of pairs, those of a sender from first_ on: what all of the sender is to the other patch, by its
+    // points' form factors for the nearest, by nearness for the rest.
+    std::vector<size_t> first_;
+    std::vector<float> whole_;
 };
 
 } // namespace heliodon::compute

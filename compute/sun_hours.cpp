@@ -13,7 +13,7 @@ namespace heliodon::compute {
 namespace {
 
 constexpr size_t kAtOnce = 64;  // hours that threads work on before they are counted
-constexpr double kTrace = 3e-3; // of what sunlight would give all surfaces at its first bounce, were it even
+constexpr double kTrace = 2e-2; // of what sunlight would give all surfaces at its first bounce, were it even
 
 size_t bytesOf(const SunHours::Hour& hour) {
     return sizeof hour +
