@@ -72,11 +72,16 @@ Film::Film(const fs::path& target, const Open& open) : impl_(std::make_unique<Im
         throw geometry::InputError(target.string(), "", "its folder does not exist");
     impl_->target = target;
     impl_->aside = geometry::asideOf(target);
-    impl_->encoder = open(impl_->aside);
-    if (!impl_->encoder)
-        throw std::runtime_error(target.string() +
-                                 ": no H.264 encoder could be opened (OpenCV with FFmpeg is needed)");
-    impl_->thread = std::thread([impl = impl_.get()] { impl->encode(); });
+    try {
+        impl_->encoder = open(impl_->aside);
+        if (!impl_->encoder)
+            throw std::runtime_error(target.string() +
+                                     ": no H.264 encoder could be opened (OpenCV with FFmpeg is needed)");
+        impl_->thread = std::thread([impl = impl_.get()] { impl->encode(); });
+    } catch (...) { // the file may have been begun
+        impl_->discard();
+        throw;
+    }
 }
 
 Film::~Film() {

@@ -20,7 +20,8 @@ public:
     // Written beside `target` and renamed by close(): the film appears whole or not at all. Throws when no
     // encoder is there.
     Film(const std::filesystem::path& target, uint32_t width, uint32_t height, double framesPerSecond);
-    // With an encoder of the caller's, which writes the file that `open` is given.
+    // With an encoder of the caller's, which writes the file that `open` is given. Where `open` throws or
+    // returns none, what it has begun is removed.
     using Open = std::function<std::unique_ptr<geometry::FilmEncoder>(const std::filesystem::path&)>;
     Film(const std::filesystem::path& target, const Open& open);
     ~Film(); // without close(): stops and removes what was written

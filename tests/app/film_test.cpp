@@ -83,6 +83,27 @@ TEST_F(FilmTest, that_fails_at_its_last_frame_fails_at_the_end) {
     EXPECT_EQ(files(), 0u);
 }
 
+TEST_F(FilmTest, whose_encoder_begins_the_file_and_does_not_open_leaves_nothing) {
+    int begun = 0;
+    const auto begin = [&](const std::filesystem::path& file) {
+        std::ofstream(file) << 'x';
+        begun += std::filesystem::file_size(file) == 1;
+    };
+    const auto none = [&](const std::filesystem::path& file) {
+        begin(file);
+        return std::unique_ptr<geometry::FilmEncoder>();
+    };
+    const auto failing = [&](const std::filesystem::path& file) -> std::unique_ptr<geometry::FilmEncoder> {
+        begin(file);
+        throw std::bad_alloc();
+    };
+    EXPECT_THROW(app::Film(in("film.mp4"), none), std::runtime_error);
+    EXPECT_EQ(files(), 0u);
+    EXPECT_THROW(app::Film(in("film.mp4"), failing), std::bad_alloc); // as it was thrown
+    EXPECT_EQ(files(), 0u);
+    EXPECT_EQ(begun, 2);
+}
+
 TEST_F(FilmTest, without_an_encoder_or_a_folder_is_refused) {
     EXPECT_THROW(app::Film(in("film.mp4"), [](const auto&) { return nullptr; }), std::runtime_error);
     EXPECT_THROW(app::Film(in("none/film.mp4"), 64, 48, 24), std::runtime_error);
