@@ -182,8 +182,9 @@ void DaylightTransport::State::makeSensors() {
     sensors = gatherSensors(*points, *slopes, *slats, options.nearWalls, std::move(sensors.sensors),
                             skyPatches, patchSky.channels);
     hasNearLight = false;
-    report.sensorsOutside =
-        static_cast<size_t>(std::count(sensors.room.begin(), sensors.room.end(), geometry::kNoRoom));
+    report.sensorsOutside.clear();
+    for (size_t s = 0; s < sensors.room.size(); ++s)
+        if (sensors.room[s] == geometry::kNoRoom) report.sensorsOutside.push_back(s);
     report.sensorSeconds = clock.seconds();
 }
 

@@ -78,8 +78,8 @@ struct TransportReport {
     double skySeconds = 0; // sky coefficients of patches, where they are not part of the form-factor pass
     double sensorSeconds = 0;
     uint32_t skyElements = 0, channels = 1;
-    size_t sensorsOutside = 0;   // in no room: dark
-    size_t sensorsNearWalls = 0; // so near that walls are taken apart (near_light.h)
+    std::vector<size_t> sensorsOutside; // in no room: dark
+    size_t sensorsNearWalls = 0;        // so near that walls are taken apart (near_light.h)
     std::vector<std::string> skipped;
 };
 

@@ -75,8 +75,13 @@ public:
         const bool good = binary ? loader.LoadBinaryFromFile(&in_, &errors, &warnings, out_.file)
                                  : loader.LoadASCIIFromFile(&in_, &errors, &warnings, out_.file);
         if (!good) {
+            // In one line, and without the file's name, which stands in front.
+            for (size_t at; (at = errors.find(out_.file)) != std::string::npos;)
+                errors.erase(at, out_.file.size());
             for (char& c : errors)
                 if (c == '\n') c = ' ';
+            for (size_t at; (at = errors.find("file: :")) != std::string::npos;) errors.erase(at + 4, 2);
+            while (!errors.empty() && (errors.back() == ' ' || errors.back() == ':')) errors.pop_back();
             throw InputError(out_.file, "", "is no glTF 2.0: " + errors);
         }
     }

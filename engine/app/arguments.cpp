@@ -190,6 +190,7 @@ private:
         addScene(sub, illuminance_.scene);
         addBlinds(sub, illuminance_.scene);
         addMoment(sub, illuminance_.moment, true);
+        addGround(sub, illuminance_.moment);
         sub->add_option("--sensors", illuminance_.sensors,
                         "points (.csv with x,y,z,nx,ny,nz); without: one row per patch");
         sub->add_option(
@@ -210,6 +211,7 @@ private:
         addScene(sub, render_.scene);
         addBlinds(sub, render_.scene);
         addMoment(sub, render_.moment, true);
+        addGround(sub, render_.moment);
         addPicture(sub, render_.picture,
                    "pixels of the preview, and of each on a contact sheet (default 1280x960 and 400x300)");
         auto* sheet = sub->add_flag("--contact-sheet", render_.contactSheet,
@@ -234,6 +236,7 @@ private:
         addScene(sub, timelapse_.scene);
         addBlinds(sub, timelapse_.scene);
         addMoment(sub, timelapse_.moment, false);
+        addGround(sub, timelapse_.moment);
         addPicture(sub, timelapse_.picture, "pixels of previews (default 1280x960)");
         sub->add_option("--from", timelapse_.from, "time of the first frame")->required();
         sub->add_option("--to", timelapse_.to, "time of the last frame")->required();

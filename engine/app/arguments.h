@@ -34,6 +34,7 @@ struct SceneArguments {
 struct MomentArguments {
     std::string site, time, sky;
     std::filesystem::path weather; // in place of `sky`
+    std::optional<double> groundAlbedo;
 };
 
 struct PictureArguments {
@@ -52,7 +53,7 @@ struct ModelArguments {
 struct FormFactorArguments {
     SceneArguments scene;
     std::string kernel = "auto";
-    unsigned resolution = 64, points = 1;
+    std::optional<unsigned> resolution, points; // 64 and 1
     double maxError = 0, maxRadiosityError = 0;
     std::filesystem::path reference, output;
 };

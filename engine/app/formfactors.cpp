@@ -19,6 +19,9 @@ constexpr size_t kLargestDense = 16000; // patches, 1 GB; larger matrices go to 
 geometry::PatchMesh loadPatches(Run& run, const SceneArguments& arguments) {
     const std::string extension = arguments.input.extension().string();
     const bool facesAsTheyAre = extension == ".obj" && !arguments.triangles;
+    if (facesAsTheyAre && arguments.chordError)
+        throw geometry::InputError("--chord-error", "",
+                                   "is for curved walls on the table, a model's faces are flat");
     if (!facesAsTheyAre) return loadScene(run, arguments).mesh;
     const StageTimer timer(run, "read");
     return geometry::readPatches(arguments.input, upAxisOf(arguments));
@@ -43,6 +46,14 @@ nlohmann::json errorAgainst(std::span<const float> reference, std::span<const fl
             {"entry_max", worstEntry}};
 }
 
+// Settings of kernels that are not at work.
+void warnOfIdle(Run& run, const FormFactorArguments& arguments) {
+    const bool hemicube = arguments.kernel == "hemicube", rays = arguments.kernel == "montecarlo";
+    if (arguments.resolution && !hemicube && !rays)
+        run.warn("--resolution is not used: it is for --kernel hemicube or montecarlo");
+    if (arguments.points && !hemicube) run.warn("--points is not used: it is for --kernel hemicube");
+}
+
 } // namespace
 
 void execute(Run& run, const FormFactorArguments& arguments) {
@@ -50,8 +61,9 @@ void execute(Run& run, const FormFactorArguments& arguments) {
     gpu::Device& device = run.device();
     compute::FormFactorOptions options;
     options.kernel = arguments.kernel;
-    options.resolution = arguments.resolution;
-    options.points = arguments.points;
+    options.resolution = arguments.resolution.value_or(options.resolution);
+    options.points = arguments.points.value_or(options.points);
+    warnOfIdle(run, arguments);
     options.maxError = arguments.maxError;
     options.maxRadiosityError = arguments.maxRadiosityError;
     const size_t n = mesh.patchCount();

@@ -101,6 +101,7 @@ FrameJob frameJobOf(Run& run, const TimelapseArguments& arguments, const Scene& 
         {"the model made of INPUT", hashOfScene(scene)},
         {"--site", orDefault(arguments.moment.site)},
         {"--sky", hashIfFile(orDefault(arguments.moment.sky))},
+        {"--ground", orDefault(arguments.moment.groundAlbedo)},
         {"--weather", arguments.moment.weather.empty() ? "none" : hashOfFile(arguments.moment.weather)},
         {"--from", arguments.from},
         {"--to", arguments.to},

@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <string>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "engine/app/commands.h"
 #include "engine/app/light_report.h"
@@ -104,7 +106,7 @@ Solution solveOn(Run& run, const IlluminanceArguments& arguments, const Input& i
     meshed.triangles = triangles;
     s.scene = makeScene(run, meshed, input.scene.rig, input.scene.sketch);
     const SkySource source(run, arguments.moment, s.scene);
-    const daylight::Sky sky = source.skyAt(source.moment());
+    const daylight::Sky sky = source.reportedSky(run);
     s.title = source.title();
     compute::TransportOptions options;
     if (arguments.maxError > 0) {
@@ -127,9 +129,13 @@ Solution solveOn(Run& run, const IlluminanceArguments& arguments, const Input& i
             points.push_back({s.sensors->points[i], s.sensors->normals[i]});
         transport->setSensors(std::move(points));
     }
-    if (const size_t outside = transport->report().sensorsOutside; outside > 0)
-        run.warn(
-            fmt::format("{} of {} sensors lie in no room and stay dark", outside, s.sensors->points.size()));
+    if (const std::vector<size_t>& outside = transport->report().sensorsOutside; !outside.empty()) {
+        constexpr size_t kFew = 5;
+        const std::span few(outside.data(), std::min(outside.size(), kFew));
+        run.warn(fmt::format("{} of {} sensors lie in no room and stay dark: row{} {}{}, counted from 0",
+                             outside.size(), s.sensors->points.size(), outside.size() == 1 ? "" : "s",
+                             fmt::join(few, ", "), outside.size() > kFew ? " ..." : ""));
+    }
     s.moment = std::move(solveLight(run, *transport, std::span(&sky, 1))[0]);
     warnOfNight(run, source, lightFigures(s.scene.mesh, s.moment).maxLux);
     return s;

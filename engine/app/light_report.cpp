@@ -22,7 +22,9 @@ void reportFormFactors(Run& run, size_t patches, const compute::FormFactorReport
                                     {"closure_max", report.closureMax},
                                     {"closure_rms", report.closureRms},
                                     {"reciprocity_rms", nullptr},
-                                    {"claimed_row_error", report.claimedRowError}};
+                                    {"claimed_row_error", nullptr}};
+    if (report.claimedRowError > 0 || report.kernel != "hemicube") // which claims nothing unless it refines
+        run.report()["form_factors"]["claimed_row_error"] = report.claimedRowError;
     if (report.reciprocityRms) run.report()["form_factors"]["reciprocity_rms"] = *report.reciprocityRms;
     if (report.claimedRadiosityError > 0)
         run.report()["form_factors"]["claimed_radiosity_error"] = report.claimedRadiosityError;
@@ -54,9 +56,10 @@ std::unique_ptr<compute::DaylightTransport> makeTransport(Run& run, gpu::Device&
     for (const std::string& reason : t.skipped) run.skipped(reason);
     for (const geometry::Material& m : mesh.materials)
         if (m.isOpening() && !daylight::isPossible(m))
-            run.warn(fmt::format("material {}: no pane of refractive index {:.3g} passes more than {:.3f}; taken for "
-                                 "one that does not absorb",
-                                 m.name, m.refractiveIndex, daylight::maximumTransmittance(m.refractiveIndex)));
+            run.warn(fmt::format(
+                "material {}: no pane of refractive index {:.3g} passes more than {:.3f}; taken for "
+                "one that does not absorb",
+                m.name, m.refractiveIndex, daylight::maximumTransmittance(m.refractiveIndex)));
     const auto gives = [&](uint32_t m) {
         return mesh.materials[m].isOpening() || mesh.materials[m].exitance != glm::vec3(0);
     };

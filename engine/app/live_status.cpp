@@ -29,7 +29,8 @@ std::string duration(double seconds) {
 }
 
 double at(const nlohmann::json& object, const char* group, const char* name) {
-    return object.value(group, nlohmann::json::object()).value(name, 0.0);
+    const nlohmann::json value = object.value(group, nlohmann::json::object()).value(name, nlohmann::json(0));
+    return value.is_number() ? value.get<double>() : 0;
 }
 
 } // namespace

@@ -30,6 +30,8 @@ daylight::Site parseSite(const std::string& text) {
 SkySource::SkySource(Run& run, const MomentArguments& arguments, const Scene& scene)
     : option_(arguments.sky.empty() ? "clear" : arguments.sky), up_(scene.up) {
     setting_.northDeg = scene.northDeg;
+    groundAlbedo_ = arguments.groundAlbedo;
+    setting_.groundAlbedo = groundAlbedo_.value_or(setting_.groundAlbedo);
     if (!arguments.weather.empty()) {
         const StageTimer timer(run, "weather");
         weather_ = std::make_shared<daylight::Weather>(daylight::readWeather(arguments.weather));
@@ -43,7 +45,9 @@ SkySource::SkySource(Run& run, const MomentArguments& arguments, const Scene& sc
     if (weather_) {
         if (named) run.warn("--site is not used: the light is that of the weather file's site");
         site_ = weather_->site;
-    } else if (!named && scene.rig && scene.rig->site)
+    } else if (named && !followsTime())
+        run.warn("--site is not used: the sky file says where the sun stands");
+    else if (!named && scene.rig && scene.rig->site)
         site_ = *scene.rig->site;
     else if (!named)
         assume(fmt::format("site {},{}", site_.latitudeDeg, site_.longitudeDeg));
@@ -96,7 +100,11 @@ daylight::SunPosition SkySource::sunAt(const daylight::Moment& moment) const {
 }
 
 daylight::Sky SkySource::skyAt(const daylight::Moment& moment) const {
-    if (!weather_) return daylight::skyFromOption(option_, sunAt(moment), setting_, up_);
+    if (!weather_) {
+        daylight::Sky sky = daylight::skyFromOption(option_, sunAt(moment), setting_, up_);
+        if (groundAlbedo_ && !daylight::skyDependsOnTime(option_)) daylight::lightGround(sky, *groundAlbedo_);
+        return sky;
+    }
     daylight::WeatherSky options;
     options.setting = setting_;
     const std::optional<daylight::Sky> sky =
@@ -112,6 +120,17 @@ void warnOfNight(Run& run, const SkySource& source, double maxLux) {
     if (maxLux <= 0 && source.followsTime() && !sun.isUp())
         run.warn(
             fmt::format("the sun is {:.1f} degrees below the horizon: everything is dark", -sun.altitudeDeg));
+}
+
+daylight::Sky SkySource::reportedSky(Run& run) const {
+    const daylight::Sky sky = skyAt(moment_);
+    const double diffuse = daylight::diffuseHorizontalIlluminance(sky),
+                 direct = daylight::directHorizontalIlluminance(sky);
+    run.report()["sky"]["model"] = sky.model;
+    run.report()["sky"]["ground_reflectance"] = sky.ground.albedo;
+    run.report()["sky"]["outside_lux"] = {
+        {"global", diffuse + direct}, {"diffuse", diffuse}, {"direct", direct}};
+    return sky;
 }
 
 bool sameLight(const daylight::Sky& a, const daylight::Sky& b) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "compute/daylight/sky.h"
@@ -38,6 +39,8 @@ public:
     daylight::SunPosition sunAt(const daylight::Moment& moment) const;
     // Throws InputError for moments that the weather file does not cover.
     daylight::Sky skyAt(const daylight::Moment& moment) const;
+    // skyAt(moment()), with what it gives an unobstructed horizontal plane in the report's `sky`.
+    daylight::Sky reportedSky(Run& run) const;
 
 private:
     daylight::Site site_;
@@ -45,6 +48,7 @@ private:
     std::string option_;
     geometry::UpAxis up_ = geometry::UpAxis::y;
     daylight::SkySetting setting_;
+    std::optional<double> groundAlbedo_; // as asked for: goes before that of a sky file
     std::shared_ptr<const daylight::Weather> weather_;
 };
 

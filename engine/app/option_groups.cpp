@@ -55,6 +55,12 @@ void addWeather(CLI::App* sub, MomentArguments& moment) {
         ->excludes("--sky");
 }
 
+void addGround(CLI::App* sub, MomentArguments& moment) {
+    sub->add_option("--ground", moment.groundAlbedo,
+                    "diffuse reflectance of the ground outside (default 0.2); goes before a sky file's")
+        ->check(within(0.0, 1.0));
+}
+
 void addPicture(CLI::App* sub, PictureArguments& picture, const std::string& sizeHelp) {
     sub->add_option("--exposure", picture.exposure,
                     "lux of exitance that shows as white (default: chosen from the picture)")

@@ -1,6 +1,7 @@
 #include "engine/app/progress.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 #include <unistd.h>
 
@@ -11,6 +12,8 @@
 namespace heliodon::app {
 
 namespace {
+
+std::atomic<int> barsDrawn = 0; // they keep the line
 
 std::string clockText(double seconds) {
     const auto s = static_cast<long>(seconds + 0.5);
@@ -26,6 +29,7 @@ Progress::Progress(std::string what, size_t total, bool shown)
 
 Progress::~Progress() {
     if (drawn_ && terminal_) fmt::print(stderr, "\n");
+    if (drawn_) --barsDrawn;
 }
 
 void Progress::advance(size_t done) {
@@ -38,6 +42,7 @@ void Progress::advance(size_t done) {
     const bool finished = done >= total_;
     if (elapsed < 2 || (since < pause && !(finished && drawn_))) return;
     last_ = now;
+    if (!drawn_) ++barsDrawn;
     drawn_ = true;
     const double fraction = static_cast<double>(done) / static_cast<double>(total_);
     const std::string left = done > 0 ? clockText(elapsed / fraction - elapsed) : "?";
@@ -51,6 +56,61 @@ void Progress::advance(size_t done) {
         fmt::print(stderr, "{}: {} of {}, {} left\n", what_, done, total_, left);
     }
     std::fflush(stderr);
+}
+
+Heartbeat::Heartbeat(bool shown) : shown_(shown && ::isatty(STDERR_FILENO) == 1) {}
+
+Heartbeat::~Heartbeat() {
+    {
+        const std::lock_guard lock(mutex_);
+        finished_ = true;
+    }
+    finish_.notify_all();
+    if (thread_.joinable()) thread_.join();
+}
+
+void Heartbeat::begin(const std::string& stage) {
+    if (!shown_) return;
+    const std::lock_guard lock(mutex_);
+    stages_.push_back({stage, Clock::now()});
+    if (!thread_.joinable()) thread_ = std::thread([this] { beat(); });
+}
+
+void Heartbeat::end(const std::string& stage) {
+    if (!shown_) return;
+    const std::lock_guard lock(mutex_);
+    const auto named =
+        std::find_if(stages_.rbegin(), stages_.rend(), [&](const Stage& s) { return s.name == stage; });
+    if (named != stages_.rend()) stages_.erase(std::next(named).base());
+    wipeLocked();
+}
+
+void Heartbeat::wipe() {
+    if (!shown_) return;
+    const std::lock_guard lock(mutex_);
+    wipeLocked();
+}
+
+void Heartbeat::wipeLocked() {
+    if (drawn_ && barsDrawn == 0) {
+        fmt::print(stderr, "\r\x1b[K");
+        std::fflush(stderr);
+    }
+    drawn_ = false;
+}
+
+void Heartbeat::beat() {
+    std::unique_lock lock(mutex_);
+    while (!finish_.wait_for(lock, std::chrono::milliseconds(500), [&] { return finished_; })) {
+        if (stages_.empty() || barsDrawn > 0) continue;
+        const auto& [name, start] = stages_.back();
+        const double elapsed = std::chrono::duration<double>(Clock::now() - start).count();
+        if (elapsed < 2) continue;
+        fmt::print(stderr, "\r{}: {} \x1b[K", name, clockText(elapsed));
+        std::fflush(stderr);
+        drawn_ = true;
+    }
+    wipeLocked();
 }
 
 } // namespace heliodon::app

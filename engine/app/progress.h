@@ -1,10 +1,14 @@
-// How far a long job is: a bar with the time left on a terminal, a plain line now and then elsewhere, nothing
-// when quiet.
+// How far a long job is, or that it goes on: a bar with the time left on a terminal, a plain line now and
+// then elsewhere, nothing when quiet.
 #pragma once
 
 #include <chrono>
+#include <condition_variable>
 #include <cstddef>
+#include <mutex>
 #include <string>
+#include <thread>
+#include <vector>
 
 namespace heliodon::app {
 
@@ -26,6 +30,36 @@ private:
     size_t total_;
     bool shown_, terminal_, drawn_ = false;
     Clock::time_point start_, last_;
+};
+
+// The stage at work and how long it has taken, on a terminal, for stages that cannot tell how much is left.
+// Nothing in a stage's first two seconds, nor under a bar of Progress. From any thread.
+class Heartbeat {
+public:
+    explicit Heartbeat(bool shown); // never drawn where stderr is no terminal
+    ~Heartbeat();
+    Heartbeat(const Heartbeat&) = delete;
+    Heartbeat& operator=(const Heartbeat&) = delete;
+
+    void begin(const std::string& stage); // within the one begun before
+    void end(const std::string& stage);
+    void wipe(); // its line, before another is written
+
+private:
+    using Clock = std::chrono::steady_clock;
+    struct Stage {
+        std::string name;
+        Clock::time_point start;
+    };
+
+    void beat();
+    void wipeLocked();
+
+    bool shown_, drawn_ = false, finished_ = false;
+    std::mutex mutex_;
+    std::condition_variable finish_;
+    std::vector<Stage> stages_;
+    std::thread thread_; // from the first stage on
 };
 
 } // namespace heliodon::app

@@ -158,7 +158,7 @@ void execute(Run& run, const RenderArguments& arguments) {
     checkSize(run, arguments.picture);
     const Scene scene = loadScene(run, arguments.scene);
     const SkySource source(run, arguments.moment, scene);
-    const daylight::Sky sky = source.skyAt(source.moment());
+    const daylight::Sky sky = source.reportedSky(run);
     const OutputFolder folder(arguments.output);
     compute::TransportOptions options;
     if (arguments.maxRadiosityError > 0) { // most of it for the form factors, which cost more

@@ -28,7 +28,8 @@ bool addOnce(json& list, const std::string& text) {
 
 Run::Run(const Arguments& arguments)
     : deviceName_(arguments.common.device), reportFile_(arguments.common.report),
-      quiet_(arguments.common.quiet) {
+      quiet_(arguments.common.quiet),
+      heartbeat_(!quiet_ && arguments.commandName != "live") { // which says in its windows what it does
     report_ = {{"program", "heliodon"},    {"version", HELIODON_VERSION}, {"command", arguments.commandName},
                {"stages", json::object()}, {"modelled", json::array()},   {"skipped", json::array()},
                {"warnings", json::array()}};
@@ -66,7 +67,9 @@ Run::anotherDevice(const std::function<gpu::DeviceOptions(gpu::DeviceOptions)>& 
 }
 
 void Run::note(const std::string& text) {
-    if (!quiet_) fmt::print(stderr, "{}\n", text);
+    if (quiet_) return;
+    heartbeat_.wipe();
+    fmt::print(stderr, "{}\n", text);
 }
 
 void Run::assume(const std::string& what, bool aloud) {
@@ -96,6 +99,11 @@ void Run::skipped(const std::string& whatAndWhy) {
 void Run::addStageSeconds(const std::string& stage, double seconds) {
     json& entry = report_["stages"][stage];
     entry = (entry.is_number() ? entry.get<double>() : 0.0) + seconds;
+}
+
+void Run::endStage(const std::string& stage, double seconds) {
+    heartbeat_.end(stage);
+    addStageSeconds(stage, seconds);
 }
 
 void Run::finish(const std::string& error) {

@@ -11,6 +11,7 @@
 #include "compute/gpu/device.h"
 #include "compute/stopwatch.h"
 #include "engine/app/arguments.h"
+#include "engine/app/progress.h"
 
 namespace heliodon::app {
 
@@ -35,6 +36,9 @@ public:
     void modelled(const std::string& what);
     void skipped(const std::string& whatAndWhy);
     bool showsProgress() const { return !quiet_; }
+    // What is at work is shown while it takes long; see StageTimer.
+    void beginStage(const std::string& stage) { heartbeat_.begin(stage); }
+    void endStage(const std::string& stage, double seconds);
     void addStageSeconds(const std::string& stage, double seconds); // adds up over several calls
 
     // The report with total seconds, and `error` when the run failed; written whole, only with --report.
@@ -48,13 +52,14 @@ private:
     std::string assumed_; // not yet noted
     std::unique_ptr<gpu::Device> device_;
     compute::Stopwatch watch_;
+    Heartbeat heartbeat_;
 };
 
-// Measures from construction to destruction and adds to `stages` in the report.
+// Measures from construction to destruction, adds to `stages` in the report, and shows that it goes on.
 class StageTimer {
 public:
-    StageTimer(Run& run, std::string stage) : run_(run), stage_(std::move(stage)) {}
-    ~StageTimer() { run_.addStageSeconds(stage_, watch_.seconds()); }
+    StageTimer(Run& run, std::string stage) : run_(run), stage_(std::move(stage)) { run_.beginStage(stage_); }
+    ~StageTimer() { run_.endStage(stage_, watch_.seconds()); }
     StageTimer(const StageTimer&) = delete;
     StageTimer& operator=(const StageTimer&) = delete;
 

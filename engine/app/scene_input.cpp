@@ -28,6 +28,7 @@ InputKind kindOf(const std::filesystem::path& input) {
     std::string extension = input.extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(),
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    if (input.empty()) throw InputError("command line", "INPUT", "is empty, expected a file");
     if (!std::filesystem::exists(input)) throw InputError(input.string(), "", "does not exist");
     if (extension == ".json") return InputKind::sketch;
     if (extension == ".obj" || extension == ".gltf" || extension == ".glb") return InputKind::model;
@@ -236,6 +237,8 @@ SceneSource readSource(Run& run, const SceneArguments& arguments) {
     if (arguments.modelScale && kind != InputKind::model)
         throw InputError("--model-scale", "",
                          "is for models from files, what lies on the table is 12 times smaller");
+    if (arguments.chordError && kind == InputKind::model)
+        throw InputError("--chord-error", "", "is for curved walls on the table, a model's faces are flat");
     SceneSource source;
     if (!arguments.rig.empty()) source.rig = loadRig(run, arguments.rig);
     if (kind != InputKind::model) source.sketch = loadSketch(run, arguments, source.rig);

@@ -78,6 +78,14 @@ bool getTextLine(std::istream& in, std::string& line) {
     return true;
 }
 
+std::string inUnits(size_t bytes) {
+    double value = static_cast<double>(bytes);
+    size_t unit = 0;
+    constexpr std::array<const char*, 5> kUnits{"bytes", "KiB", "MiB", "GiB", "TiB"};
+    for (; value >= 1024 && unit + 1 < kUnits.size(); ++unit) value /= 1024;
+    return fmt::format("{:.3g} {}", value, kUnits[unit]);
+}
+
 // Disk space for all of it, so that a full disk is found before the work and not after.
 void reserve(const std::filesystem::path& aside, size_t bytes, const std::filesystem::path& named) {
     const int handle = ::open(aside.c_str(), O_WRONLY | O_CLOEXEC);
@@ -85,7 +93,7 @@ void reserve(const std::filesystem::path& aside, size_t bytes, const std::filesy
     if (handle >= 0) ::close(handle);
     if (error != 0)
         throw std::runtime_error(
-            fmt::format("{}: no room for {} bytes: {}", named.string(), bytes, std::strerror(error)));
+            fmt::format("{}: no room for its {}: {}", named.string(), inUnits(bytes), std::strerror(error)));
 }
 
 } // namespace

@@ -1,4 +1,6 @@
 // `heliodon annual` and the plans as a user runs them.
+#include <numbers>
+
 #include <nlohmann/json.hpp>
 
 #include "engine/app/table_file.h"
@@ -140,6 +142,34 @@ TEST_F(Annual, illuminance_to_a_wanted_error_says_how_it_got_there) {
     EXPECT_GT(given["accuracy"]["reached"].get<double>(), 0.001);
     EXPECT_EQ(given["accuracy"]["why"], "the mesh was given by --triangles");
     EXPECT_FALSE(given["warnings"].empty());
+}
+
+// What an open field gets stands in the report; under a uniform ground of albedo 1 a sky file's luminance is
+// replaced by E / pi.
+TEST_F(Annual, illuminance_says_what_is_outside_and_takes_another_ground) {
+    writeText(in("sky.json"), R"({"format": "vh-sky/1", "model": "cie_overcast",
+        "zenith_luminance_cdm2": 9000, "ground": {"luminance_cdm2": 100}})");
+    writeText(in("s.csv"), "x,y,z,nx,ny,nz\n1.8,4,0.8,0,0,1\n500,4,0.8,0,0,1\n");
+    const auto ran = [&](const std::string& more) {
+        const Outcome outcome =
+            heliodon("illuminance " + kOffice + " --site 10,20 --sky " + in("sky.json") + " --sensors " +
+                     in("s.csv") + " -o " + in("lux.csv") + " --report " + in("report.json") + more);
+        EXPECT_EQ(outcome.exitCode, 0) << outcome.output;
+        EXPECT_NE(outcome.output.find("1 of 2 sensors lie in no room and stay dark: row 1, counted from 0"),
+                  std::string::npos)
+            << outcome.output;
+        EXPECT_NE(outcome.output.find("--site is not used"), std::string::npos) << outcome.output;
+        return nlohmann::json::parse(readText(folder / "report.json"));
+    };
+    const nlohmann::json dark = ran(""), bright = ran(" --ground 1");
+    // Moon and Spencer: E = 7 pi Lz / 9.
+    const double outside = 7.0 / 9.0 * std::numbers::pi * 9000;
+    for (const nlohmann::json& report : {dark, bright}) {
+        EXPECT_NEAR(report["sky"]["outside_lux"]["global"].get<double>(), outside, 1e-4 * outside);
+        EXPECT_EQ(report["sky"]["outside_lux"]["direct"], 0.0);
+    }
+    EXPECT_EQ(bright["sky"]["ground_reflectance"], 1.0);
+    EXPECT_GT(bright["lux"]["max"].get<double>(), 1.1 * dark["lux"]["max"].get<double>());
 }
 
 TEST_F(Annual, a_plan_of_illuminance_is_a_drawing) {

@@ -168,6 +168,22 @@ TEST_F(BadModel, an_unknown_kernel) {
     expectRefused(command() + " --kernel magic", {"magic", "hemicube"});
 }
 
+// Options that would do nothing.
+TEST_F(BadModel, options_that_are_for_other_input_or_other_kernels) {
+    writeModel("f 2 4 3", "0.5 0.5 0.5");
+    expectRefused(command() + " --chord-error 0.1", {"--chord-error", "curved"});
+    expectRefused("model " + in("m.obj") + " --chord-error 0.1 -o " + in("out.glb"),
+                  {"--chord-error", "curved"});
+    expectRefused("illuminance \"\" -o " + in("out.csv"), {"INPUT", "is empty"});
+    const std::string report = " --report " + in("report.json");
+    Outcome outcome = heliodon(command() + " --kernel exact --resolution 16 --points 2" + report);
+    EXPECT_EQ(outcome.exitCode, 0) << outcome.output;
+    EXPECT_NE(outcome.output.find("--resolution is not used"), std::string::npos) << outcome.output;
+    EXPECT_NE(outcome.output.find("--points is not used"), std::string::npos) << outcome.output;
+    outcome = heliodon(command() + " --kernel hemicube --resolution 16 --points 2" + report);
+    EXPECT_EQ(outcome.output.find("not used"), std::string::npos) << outcome.output;
+}
+
 TEST_F(BadModel, sensors_with_text_where_a_number_belongs) {
     writeModel("f 2 4 3", "0.5 0.5 0.5");
     writeText(in("s.csv"), "x,y,z,nx,ny,nz\n0.1,0.1,0.1,0,1,0\n0.1,zero,0.1,0,1,0\n");
