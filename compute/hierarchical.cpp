@@ -228,10 +228,10 @@ void HierarchicalFormFactors::gather(std::span<const float> in, std::span<float>
         const auto sweep = [&](const gpu::Kernel& kernel, std::initializer_list<gpu::Binding> resources,
                                uint32_t begin, uint32_t end) {
             const size_t most = std::max<size_t>(size_t{mostGroups} * io::kHierarchicalGroup / count, 1);
-            for (size_t first = begin; first < end; first += most) {
-                const auto last = static_cast<uint32_t>(std::min<size_t>(first + most, end));
-                commands.dispatch(kernel, resources, paramsOf(static_cast<uint32_t>(first), last),
-                                  gpu::groupsFor((last - first) * count, io::kHierarchicalGroup));
+            for (size_t from = begin; from < end; from += most) {
+                const auto last = static_cast<uint32_t>(std::min<size_t>(from + most, end));
+                commands.dispatch(kernel, resources, paramsOf(static_cast<uint32_t>(from), last),
+                                  gpu::groupsFor((last - from) * count, io::kHierarchicalGroup));
             }
         };
         for (size_t l = level.size() - 1; l-- > 0;) {
