@@ -121,6 +121,7 @@ void DaylightTransport::State::makeFactors() {
         }
     }
     report.formFactors = factors.report;
+    nearPairs = std::make_unique<NearPairs>(mesh, factors.values); // links through windows are no near pairs
     gather = std::make_unique<RadiosityGather>(device, factors.values, static_cast<uint32_t>(n));
     rowSums = gather->rowSums();
 }
@@ -156,7 +157,6 @@ void DaylightTransport::State::findOpenings() {
     solver = std::make_unique<RadiositySolver>(*tinted, rowsThatReturn());
     relight = std::make_unique<RelightBasis>(*tinted, *solver);
     sunScene = std::make_unique<SunScene>(mesh);
-    nearPairs = std::make_unique<NearPairs>(mesh, factors.values);
     sunBounce = hasOpenings ? std::make_unique<SunBounce>(*points, *nearPairs) : nullptr;
     blinds = std::make_unique<GlowingBlinds>(mesh);
     slats = std::make_unique<SlatLobes>(*points, *blinds, factors.values);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -16,8 +17,8 @@ namespace heliodon::geometry {
 namespace {
 
 constexpr int kOptimisations = 8, kTrials = 6, kJointPasses = 3;
-const double kGoodCosine = std::cos(39 * 3.14159265358979 / 180);  // angles above 39 degrees are left alone
-const double kBadCosine = std::cos(36.5 * 3.14159265358979 / 180); // those below 36.5 are worth a point
+const double kGoodCosine = std::cos(39 * std::numbers::pi / 180);  // angles above 39 degrees are left alone
+const double kBadCosine = std::cos(36.5 * std::numbers::pi / 180); // those below 36.5 are worth a point
 
 class Optimiser {
 public:

@@ -86,7 +86,6 @@ MeshQuality measureMesh(const PatchMesh& mesh) {
         squares += area * area;
     }
     const PartVertices vertices(mesh);
-    constexpr double kSharp = 72;  // degrees: less cannot be divided into two angles of 36
     constexpr double kStrip = 0.5; // of the edge length of a mean triangle
     const double edge = std::sqrt(4 / std::sqrt(3.0) * sum / static_cast<double>(mesh.patchCount()));
     for (size_t i = 0, first = 0; i < mesh.patchCount(); first += mesh.patch(i++).size()) {
@@ -95,7 +94,7 @@ MeshQuality measureMesh(const PatchMesh& mesh) {
         double least = 180, longest = 0;
         for (size_t k = 0; k < corner.size(); ++k) {
             const uint32_t v = vertices.vertex[first + k];
-            sharp = sharp || vertices.whole[v] < kSharp;
+            sharp = sharp || vertices.whole[v] < kSharpCorner;
             inStrip = inStrip && vertices.onBorder[v];
             least = std::min(least, vertices.angle[first + k]);
             longest = std::max(longest, glm::length(mesh.vertices[corner[(k + 1) % corner.size()]] -

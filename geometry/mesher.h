@@ -13,9 +13,11 @@ struct MeshOptions {
         2000; // aimed at; the result is within a few percent where the building's own edges allow
 };
 
+constexpr double kSharpCorner = 72; // degrees: below, there is no room for two angles of 36
+
 struct MeshQuality {
     size_t triangles = 0;
-    double minAngleDeg = 0;    // smallest angle, but for triangles at corners under 72 degrees and in strips
+    double minAngleDeg = 0;    // smallest angle, but for triangles at sharp corners and in strips
     double minAngleAllDeg = 0; // smallest angle of all triangles
     size_t stripTriangles = 0; // between two borders of their part nearer than half an edge length
     double areaDeviation = 0;  // standard deviation over mean of the areas

@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <stdexcept>
 
 #include <glm/geometric.hpp>
 
 #include "geometry/angle_optimiser.h"
+#include "geometry/mesher.h"
 #include "geometry/planar_net.h"
 
 namespace heliodon::geometry {
@@ -23,7 +25,7 @@ namespace {
 constexpr double kFromBoundary = 0.43, kFarFromBoundary = 0.62;
 constexpr double kOnLattice = 0.9; // of the edge length: where sizes are smaller there are no seeds
 constexpr int kFewRows = 5;        // of a lattice
-const double kSharpCosine = std::cos(72 * 3.14159265358979 / 180); // less has no room for two angles of 36
+const double kSharpCosine = std::cos(kSharpCorner * std::numbers::pi / 180);
 constexpr int kSmoothings = 8;
 constexpr double kSmoothingStep = 0.6; // of the way
 

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <span>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -141,6 +142,28 @@ Solution solveOn(Run& run, const IlluminanceArguments& arguments, const Input& i
     return s;
 }
 
+struct MeshError {
+    size_t triangles;
+    double error;
+};
+
+// The error that a mesh of `finest` triangles would have, going on as from a mesh at least four times coarser
+// than the last to the last; 0 while there is none. Over less, what differs is as much how meshes happen to
+// lie as how fine they are.
+double errorOfFinest(std::span<const MeshError> tried, size_t finest) {
+    constexpr size_t kApart = 4;
+    const MeshError& now = tried.back();
+    const auto before = std::find_if(tried.rbegin(), tried.rend(), [&](const MeshError& m) {
+        return kApart * m.triangles <= now.triangles;
+    });
+    if (before == tried.rend() || !(before->error > 0)) return 0;
+    const double slope =
+        std::log(now.error / before->error) /
+        std::log(static_cast<double>(now.triangles) / static_cast<double>(before->triangles));
+    const double further = static_cast<double>(finest) / static_cast<double>(now.triangles);
+    return now.error * std::pow(std::max(1.0, further), std::min(0.0, slope));
+}
+
 // The mesh, the form factors and the solution that --max-error asks for: the estimate of what the mesh leaves
 // open falls about as the cube root of the number of triangles, or faster.
 Solution solveToError(Run& run, const IlluminanceArguments& arguments, const Input& input) {
@@ -148,44 +171,36 @@ Solution solveToError(Run& run, const IlluminanceArguments& arguments, const Inp
     const double wanted = arguments.maxError;
     size_t triangles = arguments.scene.triangles.value_or(kFirst);
     nlohmann::json rounds = nlohmann::json::array();
-    double before = 0, patchesBefore = 0;
+    std::vector<MeshError> tried;
     for (;;) {
         Solution s = solveOn(run, arguments, input, triangles);
-        const double reached = reachedError(arguments.sensors.empty() ? s.moment.patches : s.moment.sensors),
-                     patches = static_cast<double>(s.scene.mesh.patchCount());
+        const double reached = reachedError(arguments.sensors.empty() ? s.moment.patches : s.moment.sensors);
+        tried.push_back({s.scene.mesh.patchCount(), reached});
         rounds.push_back({{"triangles", s.scene.mesh.patchCount()}, {"error", reached}});
-        // What the finest mesh would reach, going on as from the last to this.
-        double finest = 0;
-        if (before > 0 && patches > patchesBefore)
-            finest = reached *
-                     std::pow(kMost / patches,
-                              std::min(0.0, std::log(reached / before) / std::log(patches / patchesBefore)));
-        before = reached, patchesBefore = patches;
-        const bool enough = reached <= wanted, vain = finest > 1.1 * wanted,
+        const double finest = errorOfFinest(tried, kMost);
+        const bool enough = reached <= wanted, vain = triangles < kMost && finest > 1.1 * wanted,
                    last = triangles >= kMost || arguments.scene.triangles || vain;
         if (!enough && !last) {
             const double factor = std::clamp(std::pow(reached / wanted, 3), 2.0, 5.0);
             triangles = std::min(kMost, static_cast<size_t>(static_cast<double>(triangles) * factor));
             continue;
         }
+        const std::string why =
+            enough
+                ? "the coarsest mesh tried that reaches it on 95 of 100 places; form factors to a tenth of "
+                  "it, the solution to a two-hundredth"
+            : arguments.scene.triangles ? "the mesh was given by --triangles"
+            : vain ? fmt::format("by this mesh and one at least four times coarser, the finest of {} "
+                                 "triangles would leave {:.2g}",
+                                 kMost, finest)
+                   : "it is the finest mesh allowed";
         run.report()["accuracy"] = {
-            {"wanted", wanted},
-            {"reached", reached},
-            {"rounds", rounds},
-            {"why",
-             enough ? "the coarsest mesh tried that reaches it on 95 of 100 places; form factors to a "
-                      "tenth of it, the solution to a two-hundredth"
-             : arguments.scene.triangles ? "the mesh was given by --triangles"
-             : vain ? fmt::format("by the last two meshes the finest, of {} triangles, would reach {:.2g}",
-                                  kMost, finest)
-                    : "the finest mesh allowed"}};
+            {"wanted", wanted}, {"reached", reached}, {"rounds", rounds}, {"why", why}};
         if (!enough)
             run.warn(fmt::format("--max-error {:.3g} is not reached: lux_error is {:.3g} of lux on 95 of 100 "
-                                 "places{}",
-                                 wanted, reached,
-                                 arguments.sensors.empty()
-                                     ? ", by light that changes within patches in corners; sensors get less"
-                                     : ""));
+                                 "places with {} triangles; {}{}",
+                                 wanted, reached, s.scene.mesh.patchCount(), why,
+                                 arguments.sensors.empty() ? "; sensors may get less than patches" : ""));
         return s;
     }
 }

@@ -156,9 +156,10 @@ float lambertMean(vec3 a, vec3 b, vec3 c, vec3 normal, vec3 q[4], bool wanted) {
 const float kPairUneven = 3000.0; // ratio of areas from which a point stands for the smaller one
 const uint kPairMostPanels = 4u;
 
-// A_p F_pq and, in y, its error, estimated: of sums round borders, made again in parts where it is above `allowed`, or of the
-// product rule, which falls with the cube of size over distance. Corners are relative to one of the smaller triangle, so that it keeps its digits however large the other is. Of pairs that are `near` only with
-// `nearOnes`, of others only without: a constant, so that a pipeline has the code of one kind.
+// A_p F_pq and, in y, its error, estimated: of sums round borders, made again in parts where it is above
+// `allowed`, or of the product rule, which falls with the cube of size over distance. Corners are relative to
+// one of the smaller triangle, so that it keeps its digits however large the other is. Of pairs that are
+// `near` only with `nearOnes`, of others only without: a constant, so that a pipeline has the code of one kind.
 vec2 pairExchange(Triangle one, Triangle other, float allowed, const bool nearOnes, out bool near) {
     bool swapped = other.area < one.area;
     Triangle p = one, q = other;

@@ -322,6 +322,11 @@ TEST(FormFactors, a_stream_keeps_the_error_asked_or_refuses_it) {
         EXPECT_LE(std::sqrt(squares / static_cast<double>(n)), asked);
         EXPECT_GE(report.claimedRowError, 0.3 * asked); // no more rays than it takes
     }
+    box.cells = {1, 1, 1};
+    const FormFactorReport most = streamFormFactors(test::device(), test::boxRoom(box),
+                                                    asking("montecarlo", 1e-6), [](const FormFactorTile&) {});
+    EXPECT_GT(most.claimedRowError, 1e-6);
+    EXPECT_NE(most.why.find("the most there are"), std::string::npos) << most.why;
     EXPECT_THROW(
         streamFormFactors(test::device(), mesh, asking("hemicube", 1e-2), [](const FormFactorTile&) {}),
         geometry::InputError);
