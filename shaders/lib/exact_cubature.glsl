@@ -47,8 +47,11 @@ float seen(vec2 at);
 vec3 fromInner(vec2 at);
 float bendDistance(vec2 at);
 
-const uint kCrowd = 8u; // more blockers than these are looked at along lines, which errs from point to point
-bool crowded() { return pair.r.listed > kCrowd; }
+// More blockers than these are looked at along lines, which errs from point to point: where little may be wrong, that
+// takes more cells than exact borders cost.
+const uint kCrowd = 8u, kCrowdExact = 64u;
+const float kCrowdTolerance = 1e-4;
+bool crowded() { return pair.r.listed > (params.tolerance < kCrowdTolerance ? kCrowdExact : kCrowd); }
 
 // In the open the rule of degree 5 errs much less: by 20 in rooms; where slivers cross, less than 4.
 const float kSmooth = 0.25;

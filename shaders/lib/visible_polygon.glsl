@@ -9,7 +9,7 @@
 #define NO_UNROLL [[dont_unroll]]
 
 const int kPieceCap = 8;  // corners of a piece: kExactPieceCorners and one for each of two cuts
-const int kLineCap = 24;  // lines of shadows that cross a piece
+const int kLineCap = 48;  // lines of shadows that cross a piece
 const int kStride = 4;    // lines in one turn of a loop: loop_limit.glsl
 
 vec2 piece[kPieceCap]; // counter-clockwise
