@@ -190,7 +190,8 @@ geometry::PatchMesh openScene(uint32_t seed) {
 }
 
 TEST(Hierarchical, few_large_patches_in_the_open_keep_the_error_claimed) {
-    constexpr double kReference = 2e-4;
+    // A reference five times finer takes five times as long and moves the errors by 3 % at most.
+    constexpr double kReference = 1e-3, kRowSlack = 2e-4;
     size_t rows = 0, held = 0;
     for (uint32_t seed : {1u, 2u}) {
         const geometry::PatchMesh mesh = openScene(seed);
@@ -205,7 +206,7 @@ TEST(Hierarchical, few_large_patches_in_the_open_keep_the_error_claimed) {
                 double squares = 0;
                 for (size_t j = 0; j < n; ++j)
                     squares += std::pow(double{values[i * n + j]} - double{exact[i * n + j]}, 2);
-                ++rows, held += std::sqrt(squares) <= double{F.rowError()[i]} + kReference;
+                ++rows, held += std::sqrt(squares) <= double{F.rowError()[i]} + kRowSlack;
             }
         }
     }
