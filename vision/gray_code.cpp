@@ -237,6 +237,9 @@ DecodedPatterns decodePatterns(const PatternSet& set,
     out.litShare = static_cast<double>(cells.lit()) / pixels;
     out.decodedShare =
         static_cast<double>(cells.decoded()) / static_cast<double>(std::max<size_t>(cells.lit(), 1));
+    std::vector<float> lit = cells.light().values;
+    std::erase_if(lit, [&](float value) { return value <= least; });
+    if (!lit.empty()) out.contrast = static_cast<double>(median(std::move(lit)));
     const double cellPixels = std::sqrt(static_cast<double>(cells.lit()) / (used.columns() * used.rows()));
     const auto even = [&](const std::string& name) {
         return evenCheckers(difference(read(name), read(name + "_inv")), cells.light(), least);

@@ -41,6 +41,7 @@ struct DecodedPatterns {
     int cell = 0;            // projector pixels along the cells used: the set's, or a power of two more
     double litShare = 0;     // of the camera's picture: lit by the projector
     double decodedShare = 0; // of those: every bit of the cells used sure
+    double contrast = 0;     // median of white less black where lit, of the files' range
 };
 
 // `read` gives the camera's picture of the pattern of that name, all of one size (precondition); the

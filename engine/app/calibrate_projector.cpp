@@ -37,16 +37,19 @@ vision::ProjectorPlane decodePlane(Run& run, const CalibrationFolder& folder, si
                                                        camera.height));
             return picture;
         });
-    report = {{"folder", plane.folder.string()},
-              {"height_m", plane.height},
-              {"lit_share", decoded.litShare},
-              {"decoded_share", decoded.decodedShare},
-              {"cell", decoded.cell},
+    report = {{"folder", plane.folder.string()},  {"height_m", plane.height},
+              {"lit_share", decoded.litShare},    {"decoded_share", decoded.decodedShare},
+              {"contrast", decoded.contrast},     {"cell", decoded.cell},
               {"corners", decoded.corners.size()}};
     if (decoded.cell != folder.patterns.cell)
         run.warn(
             fmt::format("{}: the camera does not resolve cells of {} projector pixels; read as cells of {}",
                         plane.folder.string(), folder.patterns.cell, decoded.cell));
+    constexpr double kFaint = 16.0 / 255;
+    if (decoded.contrast < kFaint)
+        run.warn(fmt::format("{}: the projector's white is only {:.1f} of 255 steps over its black: corners "
+                             "are less exact; a longer exposure or less other light helps",
+                             plane.folder.string(), 255 * decoded.contrast));
     return {plane.height, decoded.corners};
 }
 

@@ -75,6 +75,27 @@ TEST(GrayCode, neighbouring_cells_differ_in_one_bit_and_names_are_complete) {
         }
 }
 
+// Ambient and black level add to white and black alike.
+TEST(GrayCode, contrast_is_white_less_black_where_the_projector_shines) {
+    PatternScene scene = usualScene();
+    scene.height = 0.1;
+    scene.gamma = 1;
+    const auto contrast = [&] {
+        const PatternPainter painter(scene);
+        const GreyPicture white = painter("white"), black = painter("black");
+        float most = 0;
+        for (size_t i = 0; i < white.values.size(); ++i)
+            most = std::max(most, white.values[i] - black.values[i]);
+        const double seen = decodePatterns(scene.patterns, std::cref(painter)).contrast;
+        EXPECT_GT(seen, 0.3f * most);
+        EXPECT_LE(seen, most);
+        return seen;
+    };
+    const double usual = contrast();
+    scene.exposure /= 4;
+    EXPECT_NEAR(contrast(), usual / 4, 0.1 * usual / 4);
+}
+
 TEST(GrayCode, every_corner_found_is_where_the_projector_put_it) {
     PatternScene scene = usualScene();
     scene.height = 0.1;
