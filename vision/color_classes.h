@@ -2,6 +2,7 @@
 // that falls on it.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -39,6 +40,10 @@ struct ClassImage {
         const int i = x - x0, j = y - y0;
         if (i < 0 || j < 0 || i >= width || j >= height) return Paint::none;
         return paint[static_cast<size_t>(j) * static_cast<size_t>(width) + static_cast<size_t>(i)];
+    }
+    // The group of the pixel that a position in the photograph lies in.
+    Paint groupAt(glm::dvec2 pixel) const {
+        return groupOf(at(static_cast<int>(std::lround(pixel.x)), static_cast<int>(std::lround(pixel.y))));
     }
 };
 

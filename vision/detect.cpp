@@ -29,6 +29,10 @@ constexpr double kSmallestInches2 =
     0.06;                            // regions below are noise: the smallest real one is half an inch of wall
 constexpr size_t kMostRegions = 600; // more is noise, not a table
 
+size_t wallsIn(const DetectionResult& result) {
+    return result.sketch.walls.size() + result.sketch.arcs.size();
+}
+
 bool isWall(Paint p) {
     return p == Paint::red || p == Paint::blue || p == Paint::green;
 }
@@ -69,26 +73,35 @@ public:
 
     // The walls' ends are bare foam core, a little nearer to the lamps than the table. What they return where
     // that is more than what the paints were told by; none on a white table.
-    std::optional<CardWhite> cardAtEnds() const {
+    struct BrightEnds {
+        CardWhite card;
+        float overWhite = 1;
+        size_t count = 0;
+    };
+    std::optional<BrightEnds> brightEnds() const {
         constexpr float kBrighter = 1.8f;
         std::array<std::vector<float>, 5> seen; // red, green, blue over white, two chromas of the light
-        const auto look = [&](glm::dvec2 plan, geometry::HeightClass height) {
-            const glm::dvec2 p = view_.pixel(plan, geometry::heightInches(height));
-            const glm::vec3 light = view_.light(p), over = light / view_.white(p);
-            const glm::vec2 colour = chroma(light.r, light.g, light.b);
-            const std::array<float, 5> values{over.r, over.g, over.b, colour[0], colour[1]};
-            for (size_t i = 0; i < seen.size(); ++i) seen[i].push_back(values[i]);
+        const auto look = [&](const auto& shape) {
+            for (const glm::dvec2 end : evidence().endsOf(shape)) {
+                const glm::dvec2 p = view_.pixel(end, geometry::heightInches(shape.heightClass));
+                const glm::vec3 light = view_.light(p), over = light / view_.white(p);
+                const glm::vec2 colour = chroma(light.r, light.g, light.b);
+                const std::array<float, 5> values{over.r, over.g, over.b, colour[0], colour[1]};
+                for (size_t i = 0; i < seen.size(); ++i) seen[i].push_back(values[i]);
+            }
         };
-        for (const auto& wall : out_.sketch.walls) {
-            const glm::dvec2 in = 0.5 * options_.unpaintedEnd * glm::normalize(wall.b - wall.a);
-            look(wall.a + in, wall.heightClass), look(wall.b - in, wall.heightClass);
-        }
-        if (seen[0].empty()) return std::nullopt;
+        for (const auto& wall : out_.sketch.walls) look(wall);
+        for (const auto& arc : out_.sketch.arcs) look(arc);
+        const size_t count = seen[0].size();
+        if (count == 0) return std::nullopt;
         std::array<float, 5> typical{};
         for (size_t i = 0; i < seen.size(); ++i) typical[i] = median(std::move(seen[i]));
-        if (std::max({typical[0], typical[1], typical[2]}) < kBrighter) return std::nullopt;
-        return CardWhite{image_.whiteOverTable * glm::vec3(typical[0], typical[1], typical[2]),
-                         {typical[3], typical[4]}};
+        const float most = std::max({typical[0], typical[1], typical[2]});
+        if (most < kBrighter) return std::nullopt;
+        return BrightEnds{
+            {image_.whiteOverTable * glm::vec3(typical[0], typical[1], typical[2]), {typical[3], typical[4]}},
+            most,
+            count};
     }
 
 private:
@@ -391,10 +404,23 @@ DetectionResult detectSketch(const Photograph& photo, const geometry::Rig& rig,
                                    fmt::format("{} x {} pixels, but the rig's camera has {} x {}",
                                                photo.width, photo.height, rig.camera.width,
                                                rig.camera.height));
-    Detector detector(photo, rig, options);
-    const DetectionResult result = detector.run();
+    constexpr size_t kEnough = 4; // ends; a single wall can be one misread under a lamp
+    Detector first(photo, rig, options);
+    DetectionResult result = first.run();
+    auto ends = first.brightEnds();
     // Walls that were found although the table is not white show what card returns: all is held against that.
-    if (const auto card = detector.cardAtEnds()) return Detector(photo, rig, options, card).run();
+    // It loses no walls, or those left agree with it: what was read before may have been paper.
+    if (ends && ends->count >= kEnough) {
+        Detector second(photo, rig, options, ends->card);
+        DetectionResult again = second.run();
+        const auto after = second.brightEnds();
+        if (wallsIn(again) >= wallsIn(result) || (!after && 2 * wallsIn(again) >= kEnough))
+            result = std::move(again), ends = after;
+    }
+    if (ends)
+        result.warnings.push_back(fmt::format("the walls' white ends are {:.1f} times as bright as what was "
+                                              "taken for white: colours may be misread",
+                                              ends->overWhite));
     return result;
 }
 

@@ -192,8 +192,7 @@ struct TokenRing {
                                       options.tokenThickness);
                 };
                 const glm::dvec2 p = pixelAt(half - 0.5 * band);
-                rimPixels += groupOf(image.at(static_cast<int>(std::lround(p.x)),
-                                              static_cast<int>(std::lround(p.y)))) == paint;
+                rimPixels += image.groupAt(p) == paint;
                 rim[static_cast<size_t>(k)].look(view, p);
                 ring[static_cast<size_t>(k)].look(view, pixelAt(half - 1.5 * band));
             }

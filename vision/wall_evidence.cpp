@@ -47,21 +47,30 @@ template<class Shape> std::vector<glm::dvec2> paintedLine(const Shape& shape, do
     return along(shape, end, 1 - end, static_cast<int>(4 * length) + 2);
 }
 
-// The middles of the two ends.
-template<class Shape> std::vector<glm::dvec2> endsOf(const Shape& shape, double unpainted) {
+template<class Shape> std::vector<glm::dvec2> middlesOfEnds(const Shape& shape, double unpainted) {
     const double in = 0.5 * unpainted / lengthOf(shape);
     return along(shape, in, 1 - in, 1);
 }
 
 } // namespace
 
+WallEvidence::Line WallEvidence::endsOf(const geometry::Wall& wall) const {
+    return middlesOfEnds(wall, options_.unpaintedEnd);
+}
+WallEvidence::Line WallEvidence::endsOf(const geometry::Arc& arc) const {
+    return middlesOfEnds(arc, options_.unpaintedEnd);
+}
+
 bool WallEvidence::isWall(const geometry::Wall& wall) const {
-    const Line ends = endsOf(wall, options_.unpaintedEnd);
-    return isWall(paintedLine(wall, options_.unpaintedEnd), paintOf(wall.heightClass), ends[0], ends[1]);
+    return isWallWithEnds(wall);
 }
 bool WallEvidence::isWall(const geometry::Arc& arc) const {
-    const Line ends = endsOf(arc, options_.unpaintedEnd);
-    return isWall(paintedLine(arc, options_.unpaintedEnd), paintOf(arc.heightClass), ends[0], ends[1]);
+    return isWallWithEnds(arc);
+}
+template<class Shape> bool WallEvidence::isWallWithEnds(const Shape& shape) const {
+    if (lengthOf(shape) <= 2 * options_.unpaintedEnd) return false; // nothing between its ends
+    const Line ends = endsOf(shape);
+    return isWall(paintedLine(shape, options_.unpaintedEnd), paintOf(shape.heightClass), ends[0], ends[1]);
 }
 bool WallEvidence::isWall(const Line& painted, Paint paint, glm::dvec2 end, glm::dvec2 otherEnd) const {
     return isStripOfPaint(painted, paint) &&
@@ -102,8 +111,7 @@ bool WallEvidence::isBare(glm::dvec2 end, double height) const {
 }
 
 Paint WallEvidence::paintSeen(glm::dvec2 plan, double height) const {
-    const glm::dvec2 p = view_.pixel(plan, height);
-    return groupOf(image_.at(static_cast<int>(std::lround(p.x)), static_cast<int>(std::lround(p.y))));
+    return image_.groupAt(view_.pixel(plan, height));
 }
 
 bool WallEvidence::standsOnTable(const geometry::Wall& wall) const {

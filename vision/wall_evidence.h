@@ -17,8 +17,10 @@ public:
     WallEvidence(const ClassImage& image, const PlanView& view, const DetectOptions& options, double radius)
         : image_(image), view_(view), options_(options), radius_(radius) {}
 
+    using Line = std::vector<glm::dvec2>; // plan
+
     // Its paint covers it and has something else on either side, and not both ends, which are white card,
-    // look like a table of another colour or the floor.
+    // look like a table of another colour or the floor. None is shorter than its two unpainted ends.
     bool isWall(const geometry::Wall& wall) const;
     bool isWall(const geometry::Arc& arc) const;
 
@@ -26,9 +28,12 @@ public:
     bool standsOnTable(const geometry::Wall& wall) const;
     bool standsOnTable(const geometry::Arc& arc) const;
 
-private:
-    using Line = std::vector<glm::dvec2>; // plan
+    // The middles of the two unpainted ends.
+    Line endsOf(const geometry::Wall& wall) const;
+    Line endsOf(const geometry::Arc& arc) const;
 
+private:
+    template<class Shape> bool isWallWithEnds(const Shape& shape) const;
     bool isWall(const Line& painted, Paint paint, glm::dvec2 end, glm::dvec2 otherEnd) const;
     bool isStripOfPaint(const Line& painted, Paint paint) const;
     bool isBare(glm::dvec2 end, double height) const;

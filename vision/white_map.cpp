@@ -157,11 +157,15 @@ bool isMixture(const glm::vec2& c, const glm::vec2& first, const glm::vec2& seco
     return glm::length(off - t * line) < (t < 1 ? kBetween : kSameLight);
 }
 
+bool isDark(const CardWhite& card) {
+    return std::min({card.overTable.r, card.overTable.g, card.overTable.b}) > kDarkTable;
+}
+
 // Card instead of the table. A dark table's own colour is all noise and rounding, and says nothing of the
 // light's: there card's is that of all of it.
 void holdAgainstCard(WhiteMap& map, const CardWhite& card) {
     map.card = card.overTable;
-    map.darkTable = std::min({card.overTable.r, card.overTable.g, card.overTable.b}) > kDarkTable;
+    map.darkTable = isDark(card);
     const glm::vec3 colour(std::exp(card.light[0]), 1, std::exp(card.light[1]));
     for (glm::vec3& light : map.grid.light)
         light = map.darkTable ? light.g * card.overTable.g * colour : light * card.overTable;
@@ -253,21 +257,25 @@ WhiteMap findWhite(const PlanView& view, const TableRegion& region, const std::o
                            typical * std::max(median(std::move(blue)), 1e-3f));
 
     constexpr float kAny = 1e9f, kOfDark = 2.5f; // times as bright as most of the table
-    Light light = lightOnTable(blocks, out.grid.rows, out.grid.columns, typical, global, kAny);
-    if (light.near.empty()) return out;
-    std::optional<CardWhite> card = known;
-    for (const bool again : {false, true}) {
-        out.grid.light.clear();
-        for (const auto& w : light.near) out.grid.light.emplace_back(w[0], w[1], w[2]);
-        if (!known)
-            if (const auto seen = findCard(view, region, out.grid)) card = seen;
-        if (card) holdAgainstCard(out, *card);
-        // Card in all its faces is of a black table's chroma, but is not table.
-        if (again || !card || !out.darkTable) break;
-        Light anew = lightOnTable(blocks, out.grid.rows, out.grid.columns, typical, global, kOfDark);
-        if (anew.near.empty()) break;
-        light = std::move(anew);
-    }
+    Light light;
+    std::optional<CardWhite> card;
+    // Card is held over the light that it was measured over: false, and the light before stays, where there
+    // is none.
+    const auto read = [&](float most, bool needsCard) {
+        Light found = lightOnTable(blocks, out.grid.rows, out.grid.columns, typical, global, most);
+        if (found.near.empty()) return false;
+        LightGrid grid = out.grid;
+        grid.light.clear();
+        for (const auto& w : found.near) grid.light.emplace_back(w[0], w[1], w[2]);
+        const std::optional<CardWhite> seen = known ? known : findCard(view, region, grid);
+        if (needsCard && !seen) return false;
+        light = std::move(found), out.grid = std::move(grid), card = seen;
+        return true;
+    };
+    if (!read(kAny, false)) return out;
+    // Card in all its faces is of a black table's chroma, but is not table.
+    if (card && isDark(*card)) read(kOfDark, true);
+    if (card) holdAgainstCard(out, *card);
     if (light.second)
         out.secondLight = glm::vec3(std::exp((*light.second)[0]), 1, std::exp((*light.second)[1]));
     out.noise = relativeNoise(view, region);

@@ -167,6 +167,34 @@ TEST(DetectConditions, paper_on_a_wooden_table) {
     expectRead(sketch, photo);
 }
 
+// Lamps on nothing but the ends of walls on a white table: what the ends say must lose no wall, and where
+// they stay brighter than white that is said.
+TEST(DetectConditions, lamps_on_the_ends_of_walls) {
+    const geometry::Rig rig = exampleRig();
+    const Lighting dim{{0.3, 0.29, 0.27}, {0.26, 0.27, 0.29}};
+    const auto seen = [&](size_t walls, const Color& gain) {
+        geometry::Sketch sketch = room();
+        sketch.walls.resize(walls);
+        sketch.windows.clear(), sketch.skylights.clear();
+        Photograph photo = paintTable(sketch, rig, {}, dim);
+        for (const auto& w : sketch.walls)
+            for (const glm::dvec2 end : {w.a, w.b}) {
+                std::vector<glm::dvec2> corners;
+                for (const auto& [x, y] : {std::pair{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}})
+                    corners.push_back(end + glm::dvec2(x, y));
+                shade(photo, rig, corners, geometry::heightInches(w.heightClass), gain, 1);
+            }
+        return detectSketch(photo, rig);
+    };
+    const DetectionResult single = seen(1, {1, 2.5, 2.5});
+    EXPECT_EQ(single.sketch.walls.size(), 1u);
+    EXPECT_TRUE(warnsOf(single, "white ends"));
+    for (const Color& gain : {Color{1, 3.5, 3.5}, Color{3.5, 1, 1}, Color{3, 3, 3}}) {
+        const DetectionResult two = seen(2, gain);
+        EXPECT_EQ(two.sketch.walls.size(), 2u) << gain[0];
+    }
+}
+
 // Without white ends, or wider than a wall, nothing is a wall, whatever its colour.
 TEST(DetectConditions, what_has_a_paint_on_a_dark_table_and_is_no_wall) {
     const geometry::Rig rig = exampleRig();
