@@ -1,5 +1,5 @@
-// One pair of triangles: what they exchange in the open; left to rays where something may stand between. Near pairs, which take
-// ten times the work, are handed on to a dispatch of their own.
+// One pair of triangles: what they exchange in the open; left to rays where something may stand between. Near pairs,
+// which take ten times the work, are handed on to a dispatch of their own.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -44,7 +44,8 @@ void main() {
     if (p.room != q.room || exchange.x <= 0.0) return;
     exchange /= p.area * q.area;
     HierarchicalLink link = HierarchicalLink(i, j, exchange.x, 0u, 0u, exchange.y);
-    if (params.nodeCount > 0u && maybeBlocked(p.centre, p.normal, p.radius, q.centre, q.normal, q.radius, params.nodeCount))
+    if (params.nodeCount > 0u &&
+        maybeBlocked(p.centre, p.normal, p.radius, q.centre, q.normal, q.radius, params.nodeCount))
         doubts[atomicAdd(counters[kHierarchicalDoubts], 1u)] = HierarchicalDoubt(link, 0u, 0.0, 0.0, 0.0, 0.0);
     else
         links[atomicAdd(counters[kHierarchicalLinks], 1u)] = link;

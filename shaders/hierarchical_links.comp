@@ -1,7 +1,7 @@
-// One pair of clusters: dropped where they do not face, linked where what they exchange varies little over both, left to rays
-// where something may stand between and little could be missed by them, else handed on as pairs of their children.
-// P. Hanrahan, D. Salzman, L. Aupperle, "A Rapid Hierarchical Radiosity Algorithm", 1991, with links that vary linearly over
-// both ends, so that their error falls with the square of size over distance.
+// One pair of clusters: dropped where they do not face, linked where what they exchange varies little over both, left
+// to rays where something may stand between and little could be missed by them, else handed on as pairs of their
+// children. P. Hanrahan, D. Salzman, L. Aupperle, "A Rapid Hierarchical Radiosity Algorithm", 1991, with links that
+// vary linearly over both ends, so that their error falls with the square of size over distance.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -64,7 +64,8 @@ void main() {
     slope /= density;
     // What a straight line through the bends leaves (u^2 - 1 has a mean square of 0.8 over a rectangle), and
     // bends along both ends at once.
-    HierarchicalLink link = HierarchicalLink(i, j, density, packHalf2x16(slope.xy), packHalf2x16(slope.zw), 0.8 * length(bend));
+    HierarchicalLink link =
+        HierarchicalLink(i, j, density, packHalf2x16(slope.xy), packHalf2x16(slope.zw), 0.8 * length(bend));
     if (maybe)
         doubts[atomicAdd(counters[kHierarchicalDoubts], 1u)] = HierarchicalDoubt(link, 0u, 0.0, 0.0, 0.0, 0.0);
     else

@@ -6,7 +6,8 @@
 
 layout(local_size_x = kHierarchicalGroup) in;
 layout(set = 0, binding = 0) uniform usamplerBuffer family; // child, patch of a leaf, area, -
-layout(set = 0, binding = 1) uniform samplerBuffer frames;  // two a node: centre's coordinates in its parent | axes in the parent's
+// Two a node: centre's coordinates in its parent | axes in the parent's
+layout(set = 0, binding = 1) uniform samplerBuffer frames;
 layout(set = 0, binding = 2, scalar) readonly buffer Light { float light[]; }; // columns x patchCount
 layout(set = 0, binding = 3, scalar) buffer Moments { vec4 moments[]; };       // nodes x columns
 layout(push_constant, scalar) uniform Push { HierarchicalSweepParams params; };

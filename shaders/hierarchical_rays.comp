@@ -1,6 +1,6 @@
-// Rays between the ends of a link that something may stand in the way of: the share of light that passes. Two clusters get a
-// few, and are handed on as pairs of their children where these disagree and much is at stake; two triangles as many again as
-// before, time after time, until the share is known well enough.
+// Rays between the ends of a link that something may stand in the way of: the share of light that passes. Two
+// clusters get a few, and are handed on as pairs of their children where these disagree and much is at stake; two
+// triangles as many again as before, time after time, until the share is known well enough.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -25,13 +25,14 @@ layout(push_constant, scalar) uniform Push { HierarchicalLinksParams params; };
 #include "shaders/lib/cluster.glsl"
 #include "shaders/lib/link_queues.glsl"
 
-// Two triangles: the error of the share that passes, one standard deviation. Sums over a lattice err less than those of random
-// points, by about the 0.15th power of their number; where all rays agree, about one ray's share may be missed. Of triangles that
-// nearly touch, few rays carry most: what they miss of the exchange in the open, which is known, or have too much of, passes or
-// does not like the rest.
+// Two triangles: the error of the share that passes, one standard deviation. Sums over a lattice err less than those
+// of random points, by about the 0.15th power of their number; where all rays agree, about one ray's share may be
+// missed. Of triangles that nearly touch, few rays carry most: what they miss of the exchange in the open, which is
+// known, or have too much of, passes or does not like the rest.
 float errorOfShare(HierarchicalDoubt d, float share) {
     float missing = min(1.0, abs(1.0 - d.open / (3.14159265359 * d.link.density * float(d.rays))));
-    float variance = (1.0 - share) * (1.0 - share) * d.passedSquares + share * share * (d.openSquares - d.passedSquares);
+    float variance =
+        (1.0 - share) * (1.0 - share) * d.passedSquares + share * share * (d.openSquares - d.passedSquares);
     float random = sqrt(max(variance, 0.0)) / d.open * pow(float(d.rays), -0.15);
     float unseen = 0.25 * sqrt(d.openSquares / float(d.rays)) / d.open;
     return length(vec2(max(random, unseen), missing * sqrt(max(share * (1.0 - share), 0.25 / float(d.rays)))));
@@ -40,8 +41,8 @@ float errorOfShare(HierarchicalDoubt d, float share) {
 shared vec4 castSums[kHierarchicalGroup];
 shared uint castBlocked[kHierarchicalGroup];
 
-// Of the rays between two clusters, sums: where they begin and end, along the axes of both (x, y of the first's, z, w of the
-// second's), products of two of these, and where those begin and end that pass.
+// Of the rays between two clusters, sums: where they begin and end, along the axes of both (x, y of the first's, z, w
+// of the second's), products of two of these, and where those begin and end that pass.
 struct Trend {
     vec4 at, passedAt;
     vec4 squares;
@@ -87,9 +88,10 @@ vec4 castRays(HierarchicalDoubt d, Cluster p, Cluster q, uint seed, uint end, ou
     return sums;
 }
 
-// How the share that passes changes along the axes of both clusters: least squares, held back by a ridge (A. Hoerl, R. Kennard,
-// 1970), so that slopes from few rays are small unless these agree on them. `open_` are the slopes without blockers over their
-// mean; both together leave no triangle with less than nothing. `scatter` is what the slopes leave of that about the share.
+// How the share that passes changes along the axes of both clusters: least squares, held back by a ridge (A. Hoerl,
+// R. Kennard, 1970), so that slopes from few rays are small unless these agree on them. `open_` are the slopes
+// without blockers over their mean; both together leave no triangle with less than nothing. `scatter` is what the
+// slopes leave of that about the share.
 const float kTrendRidge = 2.0; // rays' worth of no slope (1 to 5 are alike)
 vec4 slopesOf(Trend t, float rays, float share, vec4 open_, vec4 reach, out float scatter) {
     vec4 mean = t.at / rays, b = t.passedAt - share * t.at, s = t.squares - t.at * mean;
@@ -114,7 +116,8 @@ void main() {
     uint i = d.link.first, j = d.link.second, seed = hashOf(i * 0x9e3779b9u ^ hashOf(j));
     Cluster p = clusterAt(i), q = clusterAt(j);
     bool triangles = p.child == 0u && q.child == 0u;
-    uint end = d.rays + (triangles ? clamp(d.rays, kHierarchicalFewRays, kLanes * kHierarchicalRoundRays) : kHierarchicalRays);
+    uint end =
+        d.rays + (triangles ? clamp(d.rays, kHierarchicalFewRays, kLanes * kHierarchicalRoundRays) : kHierarchicalRays);
     uint blocked;
     Trend trend;
     vec4 sums = castRays(d, p, q, seed, end, blocked, trend);
