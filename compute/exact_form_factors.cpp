@@ -11,6 +11,7 @@
 #include "compute/exact_kernels.h"
 #include "compute/exact_scene.h"
 #include "compute/exact_tiles.h"
+#include "compute/exact_tolerances.h"
 #include "compute/gpu/commands.h"
 #include "compute/gpu/counters.h"
 #include "compute/gpu/device.h"
@@ -26,7 +27,7 @@ constexpr uint32_t kTile = 2304; // pieces along a side of what is handled at on
 // Records whose cells are refined together: few on a CPU, which wants them in its cache; a discrete device
 // waits longer for the host between two levels than it works on so many.
 constexpr uint32_t kBatch = 1u << 16, kDiscreteBatch = 1u << 18;
-constexpr size_t kSumBytes = 12; // per record: form factor, its fraction, error
+constexpr size_t kSumWords = 4; // per record: form factor, its fraction, error, its fraction
 constexpr size_t kCellBytes = 4 * io::kExactCellWords;
 constexpr uint32_t kChunk = 65535u * io::kExactGroup; // invocations of one dispatch
 constexpr uint32_t kMostGroups = 65535;
@@ -34,23 +35,7 @@ constexpr uint32_t kManyWords = 8;  // of 32 blockers
 constexpr double kQuickFrom = 3e-5; // row error from which four points settle most pairs
 constexpr double kLinesFrom = 3e-5; // and from which lines across far pieces cost less than exact borders
 constexpr uint32_t kLineLevels = 3; // halvings of a piece in exact_lines.comp
-constexpr double kFewestPerRow = 8; // of fewer pairs each is held to about the row's error
 constexpr double kRowCaution = 1.3; // of single rows over their estimates, so that 99 of 100 hold (measured)
-// Estimates of partly hidden pairs lie above their errors, the more so the finer the mesh (measured in twelve
-// rooms of 500 to 2088 patches).
-double pairCaution(double rowError, uint32_t pieces) {
-    return 2.2 * std::clamp(std::pow(rowError / 1e-4, 0.2), 0.5, 1.0) *
-           std::clamp(std::pow(pieces / 500.0, 0.2), 1.0, 1.4);
-}
-
-// Tolerance of one form factor over that of a row. The finer the mesh and the looser the tolerance, the more
-// entries end far below it (calibrated on rooms of 672 and 2088 patches with partitions: measured errors stay
-// below what is asked).
-double entryTolerance(double rowError, uint32_t pieces) {
-    const double share = std::clamp(0.02 * std::sqrt(static_cast<double>(pieces)), 0.2, 1.0) *
-                         std::clamp(std::pow(rowError / 1e-4, 0.3), 0.2, 1.0);
-    return std::max(rowError * share, 1e-7); // below lies the rounding of float32
-}
 
 class Solver {
 public:
@@ -60,7 +45,7 @@ public:
         const uint64_t storage = device_.limits().maxStorageBufferRange;
         const auto side = static_cast<uint32_t>(std::sqrt(static_cast<double>(storage) / 4));
         scene_ = exactScene(device, mesh, std::min(kTile, side));
-        tolerance_ = static_cast<float>(entryTolerance(options.maxError, scene_.pieceCount));
+        tolerance_ = exactEntryTolerance(options.maxError, scene_.pieceCount);
         words_ = std::max(1u, (scene_.blockerCount + 31) / 32);
         kernels_ = ExactKernels(device, scene_.mostCorners);
         kernels_.prepare(byLines(), scene_.blockerCount);
@@ -128,7 +113,8 @@ private:
         const uint64_t pairs = oneTile ? pieces * (pieces - 1) / 2 : pieces * pieces;
         recordCapacity_ =
             static_cast<uint32_t>(std::clamp<uint64_t>(pairs, 1, storage / sizeof(io::ExactRecord)));
-        listCapacity_ = static_cast<uint32_t>(std::min<uint64_t>(storage, options_.workBytes / 2) / 4);
+        listCapacity_ = static_cast<uint32_t>(
+            std::max<uint64_t>(1, std::min<uint64_t>(storage, options_.workBytes / 2) / 4));
         const uint64_t slack = 4 * (uint64_t{options_.maxDepth} + 2); // four of each level, see `refine`
         cellCapacity_ = static_cast<uint32_t>(
             std::max<uint64_t>(std::min<uint64_t>(storage, options_.workBytes / 4) / kCellBytes,
@@ -145,10 +131,9 @@ private:
         masks_ = gpu::Buffer(device_, mostClusters * mostClusters * words_ * 4, "exact masks");
         counters_ = gpu::Counters(device_, io::kExactCounters, "exact counters");
         for (gpu::Buffer* records : {&records_, &fewRecords_})
-            *records = gpu::Buffer(device_, static_cast<size_t>(recordCapacity_) * sizeof(io::ExactRecord),
-                                   "exact records");
+            *records = gpu::Buffer(device_, sizeof(io::ExactRecord) * recordCapacity_, "exact records");
         lists_ = gpu::Buffer(device_, static_cast<size_t>(listCapacity_) * 4, "exact lists");
-        sums_ = gpu::Buffer(device_, static_cast<size_t>(recordCapacity_) * kSumBytes, "exact sums");
+        sums_ = gpu::Buffer(device_, 4 * kSumWords * recordCapacity_, "exact sums");
         for (gpu::Buffer& cells : cells_) cells = gpu::Buffer(device_, cellBytes, "exact cells");
     }
 
@@ -182,16 +167,25 @@ private:
         uint32_t done = 0;
         do {
             size = std::min(size, mixed - done);
-            const Window window{done == 0 ? clear : 0, a.clusters * b.clusters - mixed + done, size,
+            const uint32_t firstMixed = a.clusters * b.clusters - mixed;
+            if (done == 0 &&
+                size < mixed) { // they came as invocations end; what a window holds sets tolerances
+                std::vector<uint32_t> blocks = blocks_.download<uint32_t>(mixed, size_t{firstMixed} * 4);
+                std::sort(blocks.begin(), blocks.end());
+                blocks_.upload(blocks, size_t{firstMixed} * 4);
+            }
+            const Window window{done == 0 ? clear : 0, firstMixed + done, size,
                                 size / std::max(1.0, static_cast<double>(mixed))};
             if (!classify(a, b, window)) {
                 if (size <= 1)
-                    throw std::runtime_error(fmt::format("kernel exact: {} bytes do not hold what may stand "
-                                                         "between two clusters of patches",
-                                                         options_.workBytes));
+                    throw std::runtime_error(fmt::format(
+                        "kernel exact: {} bytes, in storage buffers as device '{}' has them, do not hold "
+                        "what may stand between two clusters of patches",
+                        options_.workBytes, device_.info().name));
                 size /= 2;
                 continue;
             }
+            ++statistics.windows;
             integrateWindow(a, b, window.share);
             done += size;
         } while (done < mixed);
@@ -302,11 +296,9 @@ private:
         finish(records, first, count, a, b);
     }
 
-    // Errors of a row's entries add up as squares: each of so many pairs may have its share.
     float pairTolerance(double count, const ExactTileRange& a, const ExactTileRange& b) const {
         const double perRow = count * (&a == &b ? 2 : 1) / a.pieces * scene_.pieceCount / b.pieces;
-        return static_cast<float>(pairCaution(options_.maxError, scene_.pieceCount) * options_.maxError /
-                                  std::sqrt(std::max(perRow, kFewestPerRow)));
+        return exactPairTolerance(options_.maxError, scene_.pieceCount, perRow);
     }
 
     // Far pairs with blockers: in rounds, of which the next takes pairs that are not good enough.
@@ -367,6 +359,7 @@ private:
             // Pairs that are looked at from the other piece begin there.
             const uint32_t each = depth > 1 ? 4 : cellsOfPair();
             const uint32_t part = std::min(level.count, std::max(1u, left / (2 * each)));
+            if (part < level.count) ++statistics.depthFirstSteps;
             level.count -= part;
             const uint32_t first = level.first + level.count;
             levels.push_back({next, refineOnce(kernel, records, first, part, next, depth)});
@@ -400,10 +393,10 @@ private:
 
     void collectErrors(const gpu::Buffer& list, uint32_t first, uint32_t count) {
         const gpu::HostView<io::ExactRecord> records(list, count, first * sizeof(io::ExactRecord));
-        const gpu::HostView<uint32_t> sums(sums_, 3 * static_cast<size_t>(count),
-                                           static_cast<size_t>(first) * kSumBytes);
+        const gpu::HostView<uint32_t> sums(sums_, kSumWords * count, 4 * kSumWords * first);
         for (uint32_t k = 0; k < count; ++k) {
-            const double error = sums[3 * k + 2] / static_cast<double>(io::kExactOne);
+            const uint32_t* sum = sums.data() + kSumWords * k;
+            const double error = (sum[2] + sum[3] / double{io::kExactFraction}) / double{io::kExactOne};
             const io::ExactRecord& r = records[k];
             const double back = error * scene_.area[r.outer] / scene_.area[r.inner];
             rowSquares_[r.outer] += error * error;

@@ -1,9 +1,10 @@
 // Kernel `exact`: pairs are proven not facing, hidden or visible, or their visible part is found exactly at
-// cubature points; of far pairs, at row errors from 3e-5 on, along lines across them. No rays: errors are
-// those of cubature across the edges of shadows. The plan: coplanar patches merge into large convex blockers;
-// pairs of clusters, then of patches, are sorted out by shafts that leave few of them; far pairs by a product
-// rule, near ones by Lambert's formula over adaptively split cells, computed once per pair, so reciprocal by
-// construction.
+// cubature points; of far pairs, at row errors from 3e-5 on, along lines across them. Behind crowds, more
+// than eight blockers or borders of too many edges, a point samples along jittered lines; its error is
+// estimated from how points differ. No rays: errors are those of cubature across the edges of shadows. The
+// plan: coplanar patches merge into large convex blockers; pairs of clusters, then of patches, are sorted out
+// by shafts that leave few of them; far pairs by a product rule, near ones by Lambert's formula over
+// adaptively split cells, computed once per pair, so reciprocal by construction.
 #pragma once
 
 #include <functional>
@@ -28,6 +29,8 @@ struct ExactStatistics {
     uint64_t visible = 0; // near and proven visible: adaptive
     uint64_t partial = 0; // something stands between
     uint64_t cells = 0;   // of cubature beyond one per pair
+    uint64_t windows = 0; // rounds of blocks, as many as have room: where all have, one for each two tiles
+    uint64_t depthFirstSteps = 0; // levels of cells that were refined in parts, for want of room
     uint32_t blockers = 0;
     bool closed = false;                       // rooms are closed solids: only fronts block
     uint64_t clearBlocks = 0, mixedBlocks = 0; // pairs of clusters that face one another and are not hidden
@@ -52,6 +55,8 @@ struct ExactTile {
 
 // Every patch of a room blocks from both sides; patches of different rooms exchange nothing. Patches must be
 // planar and convex; degenerate ones have zero rows and columns. Memory: the dense matrix and about 0.5 GB.
+// Throws std::runtime_error where so many blockers stand between two patches that the device ends loops along
+// them early (lavapipe: 65,535 turns).
 ExactFormFactors exactFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
                                   const ExactOptions& options = {});
 

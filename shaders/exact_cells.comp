@@ -58,8 +58,8 @@ float seen(vec2 at) {
         hidden = castShadow(innerFrame, origin, faceAt(lists[pair.r.firstListed + m]), point, m, pair.innerSize);
     float share = 1.0;
     NO_UNROLL for (bool once = linesLost && !hidden; once; once = false) {
-        share = litShareAlongLines(innerFrame, origin, point, outerFace.normal, pair.r.firstListed, pair.r.listed,
-                                   foursFor(pair.r.listed));
+        share = litShareAlongLines(innerFrame, origin, point, outerFace.normal, pair.r.inner, pair.r.firstListed,
+                                   pair.r.listed, foursFor(pair.r.listed));
         lineCount = 0;
     }
     float lit = hidden ? 0.0 : share * max(0.0, litFactor(innerFrame, point, outerFace.normal, pair.innerSize));

@@ -8,7 +8,7 @@ layout(local_size_x = kExactGroup) in;
 layout(set = 0, binding = 0) uniform samplerBuffer faceNormal; // w area
 layout(set = 0, binding = 1) uniform usamplerBuffer faceRange; // w place in its tile
 layout(set = 0, binding = 2, scalar) readonly buffer Records { ExactRecord records[]; };
-layout(set = 0, binding = 3, scalar) readonly buffer Sums { uint sums[]; };
+layout(set = 0, binding = 3, scalar) readonly buffer Sums { uvec4 sums[]; };
 layout(set = 0, binding = 4, scalar) writeonly buffer There { float there[]; }; // [row][column] of the tile
 layout(set = 0, binding = 5, scalar) writeonly buffer Back { float back[]; };   // [column][row]
 layout(push_constant, scalar) uniform Push { ExactFinishParams params; };
@@ -18,7 +18,7 @@ void main() {
     if (index >= params.count) return;
     index += params.firstRecord;
     ExactRecord r = records[index];
-    float fromOuter = (float(sums[3u * index]) + float(sums[3u * index + 1u]) / kExactFraction) / kExactOne;
+    float fromOuter = (float(sums[index].x) + float(sums[index].y) / kExactFraction) / kExactOne;
     float fromInner =
         fromOuter * texelFetch(faceNormal, int(r.outer)).w / texelFetch(faceNormal, int(r.inner)).w;
     bool outerFirst = r.outer < r.inner;

@@ -17,8 +17,7 @@
 layout(local_size_x = kExactGroup) in;
 layout(set = 0, binding = 5, scalar) buffer Records { ExactRecord records[]; };
 layout(set = 0, binding = 6, scalar) readonly buffer Lists { uint lists[]; };
-// Per record: form factor, its fraction, error.
-layout(set = 0, binding = 7, scalar) buffer Results { uvec3 results[]; };
+layout(set = 0, binding = 7, scalar) buffer Results { uvec4 results[]; }; // as `sums` in exact_cubature.glsl
 layout(set = 0, binding = 8, scalar) readonly buffer Again { uint again[]; }; // records that go on, from level 1
 layout(set = 0, binding = 9, scalar) writeonly buffer Next { uint next[]; };  // to the next level
 layout(set = 0, binding = 10, scalar) buffer Counters { uint counters[]; };
@@ -201,9 +200,6 @@ void main() {
         records[index].inner = record.outer;
         scale = kInversePi * outerFace.area;
     }
-    float scaled = scale * max(0.0, result.x) * kExactOne;
-    uint whole = uint(scaled);
-    results[index] =
-        uvec3(whole, uint((scaled - float(whole)) * kExactFraction), uint(min(scale * result.y, 1.0) * kExactOne));
+    results[index] = uvec4(fixedOf(scale * max(0.0, result.x)), fixedOf(min(scale * result.y, 1.0)));
     if (cutShort(min(record.outer + record.inner, 1u) + 1u)) atomicAdd(counters[kExactCutCount], 1u);
 }

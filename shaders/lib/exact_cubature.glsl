@@ -20,7 +20,7 @@ layout(set = 0, binding = 5, scalar) buffer Records { ExactRecord records[]; };
 layout(set = 0, binding = 6, scalar) readonly buffer Lists { uint lists[]; };
 layout(set = 0, binding = 7, scalar) readonly buffer Cells { uint cells[]; };
 layout(set = 0, binding = 8, scalar) buffer Counters { uint counters[]; };
-layout(set = 0, binding = 9, scalar) buffer Sums { uvec3 sums[]; }; // per record: form factor, its fraction, error
+layout(set = 0, binding = 9, scalar) buffer Sums { uvec4 sums[]; }; // per record: form factor, error, with fractions
 layout(set = 0, binding = 10, scalar) writeonly buffer NextCells { uint nextCells[]; };
 layout(push_constant, scalar) uniform Push { ExactCellsParams params; };
 
@@ -188,6 +188,9 @@ vec2 integrate(vec2 a, vec2 b, vec2 c, bool mayTurn, out bool turned) {
     return later ? vec2(0.0) : result;
 }
 
+// The carry of a fraction that comes round: the sum of both is the same in whatever order cells finish.
+uint carryOf(uint before, uint added) { return before > ~0u - added ? kExactCarry : 0u; }
+
 void main() {
     uint index = gl_GlobalInvocationID.x;
     if (index >= params.count) return;
@@ -214,16 +217,13 @@ void main() {
         if (turned) outerCorners = 0; // no more from here
         ++k;
     } while (subgroupAny(k + 1 < outerCorners));
-    // Whole numbers: the sum is the same in whatever order the cells finish.
-    // The fraction is summed apart: rounding a hundred thousand cells alike would show in the sixth digit.
-    float scaled = sum.x * kExactOne;
-    uint value = uint(scaled), rest = uint((scaled - float(value)) * kExactFraction);
-    uint error = uint(min(sum.y, 1.0) * kExactOne);
-    if (first) sums[pair.record] = uvec3(value, rest, error); // the first of this record
-    if (!first && (value | rest | error) != 0u) {
-        atomicAdd(sums[pair.record].x, value);
-        atomicAdd(sums[pair.record].y, rest);
-        atomicAdd(sums[pair.record].z, error);
+    uvec4 fixed_ = uvec4(fixedOf(sum.x), fixedOf(min(sum.y, 1.0)));
+    if (first) sums[pair.record] = fixed_; // the first of this record
+    if (!first && fixed_ != uvec4(0u)) {
+        uint carry = carryOf(atomicAdd(sums[pair.record].y, fixed_.y), fixed_.y);
+        uint errorCarry = carryOf(atomicAdd(sums[pair.record].w, fixed_.w), fixed_.w);
+        atomicAdd(sums[pair.record].x, fixed_.x + carry);
+        atomicAdd(sums[pair.record].z, fixed_.z + errorCarry);
     }
     if (cutShort(min(params.pieceCount, 2u))) atomicAdd(counters[kExactCutCount], 1u);
 }

@@ -81,11 +81,14 @@ uvec4 hiddenOf(Frame f, Origin o, vec3 point, uint firstListed, uint listed, Cho
 }
 
 // The share of the piece that is seen, by what it would carry.
-float litShareAlongLines(Frame f, Origin o, vec3 point, vec3 normal, uint firstListed, uint listed, uint fours) {
+// `inner` is the piece's number: pairs that share a point must not err alike.
+float litShareAlongLines(Frame f, Origin o, vec3 point, vec3 normal, uint inner, uint firstListed, uint listed,
+                         uint fours) {
     vec2 along = longest(), across = vec2(-along.y, along.x), range = vec2(1e30, -1e30);
     NO_UNROLL for (int k = 0; k < pieceCorners; ++k)
         range = vec2(min(range.x, dot(across, piece[k])), max(range.y, dot(across, piece[k])));
-    uint seed = hashOf(floatBitsToUint(point.x) ^ hashOf(floatBitsToUint(point.y) ^ hashOf(floatBitsToUint(point.z))));
+    uint seed = hashOf(floatBitsToUint(point.x) ^
+                       hashOf(floatBitsToUint(point.y) ^ hashOf(floatBitsToUint(point.z) ^ hashOf(inner))));
     vec3 away = f.origin - point;
     float lit = 0.0, all = 0.0, flat_ = dot(f.n, away);
     float start = unitOf(hashOf(seed ^ 0x9e3779b9u));

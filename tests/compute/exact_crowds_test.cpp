@@ -17,8 +17,10 @@ namespace {
 
 using glm::dvec3;
 
-std::vector<float> matrixOf(const geometry::PatchMesh& mesh, const ExactOptions& options) {
+std::vector<float> matrixOf(const geometry::PatchMesh& mesh, const ExactOptions& options,
+                            ExactStatistics* statistics = nullptr) {
     const ExactFormFactors result = exactFormFactors(test::device(), mesh, options);
+    if (statistics) *statistics = result.statistics;
     return result.factors.values.download<float>(mesh.patchCount() * mesh.patchCount());
 }
 
@@ -96,15 +98,26 @@ geometry::PatchMesh roomWithSlab(bool triangles) {
 // Rounds of few blockers and of few cells.
 TEST(ExactCrowds, little_memory_gives_the_same_bits_with_exact_borders) {
     const geometry::PatchMesh mesh = roomWithSlab(false);
-    EXPECT_EQ(matrixOf(mesh, {.maxError = 2e-3}), matrixOf(mesh, {.maxError = 2e-3, .workBytes = 20000}));
-    EXPECT_THROW(matrixOf(mesh, {.maxError = 2e-3, .workBytes = 100}), std::runtime_error);
+    ExactStatistics much, little;
+    EXPECT_EQ(matrixOf(mesh, {.maxError = 2e-3}, &much),
+              matrixOf(mesh, {.maxError = 2e-3, .workBytes = 10000}, &little));
+    EXPECT_EQ(much.windows, 1u);
+    EXPECT_GT(little.windows, 1u);
+    EXPECT_GT(little.depthFirstSteps, 1u);
+    EXPECT_EQ(little.cells, much.cells);
+    for (uint64_t bytes : {0u, 1u, 100u})
+        EXPECT_THROW(matrixOf(mesh, {.maxError = 2e-3, .workBytes = bytes}), std::runtime_error);
 }
 
 // With lines each round estimates what its pairs may err.
 TEST(ExactCrowds, little_memory_keeps_the_error_asked_with_lines) {
     const geometry::PatchMesh mesh = roomWithSlab(true);
+    const ExactOptions little{.maxError = 1e-3, .workBytes = 60000};
+    ExactStatistics statistics;
     const std::vector<float> fine = matrixOf(mesh, {.maxError = 1e-4}),
-                             F = matrixOf(mesh, {.maxError = 1e-3, .workBytes = 60000});
+                             F = matrixOf(mesh, little, &statistics);
+    EXPECT_GT(statistics.windows, 1u);
+    EXPECT_EQ(F, matrixOf(mesh, little)) << "windows hold what they held";
     double squares = 0;
     for (size_t k = 0; k < F.size(); ++k) squares += std::pow(double{F[k]} - double{fine[k]}, 2);
     EXPECT_LT(std::sqrt(squares / static_cast<double>(mesh.patchCount())), 1e-3);

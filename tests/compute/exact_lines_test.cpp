@@ -85,7 +85,7 @@ std::vector<reference::Estimate> byKernel(const Scene& scene, double tolerance) 
     const size_t count = scene.records.size();
     const gpu::Buffer records = gpu::Buffer::from(device, scene.records, "records"),
                       lists = gpu::Buffer::from(device, scene.lists, "lists"),
-                      results(device, count * 12, "results");
+                      results(device, count * 16, "results");
     const gpu::Buffer again[2]{{device, count * 4, "again"}, {device, count * 4, "next"}};
     gpu::Counters counters(device, io::kExactCounters, "counters");
     constexpr VkFormat kFloats = VK_FORMAT_R32G32B32A32_SFLOAT;
@@ -104,16 +104,18 @@ std::vector<reference::Estimate> byKernel(const Scene& scene, double tolerance) 
         counters.submitAndRead(std::move(commands));
         left = counters[io::kExactCellCount];
     }
-    const auto sums = results.download<uint32_t>(3 * count);
+    const auto sums = results.download<uint32_t>(4 * count);
     const auto ends = records.download<io::ExactRecord>(count);
     std::vector<reference::Estimate> values;
     for (size_t k = 0; k < count; ++k) {
-        const double one = double{io::kExactOne}, fraction = sums[3 * k + 1] / double{io::kExactFraction};
+        const double one = double{io::kExactOne}, fraction = sums[4 * k + 1] / double{io::kExactFraction};
+        const double errorFraction = sums[4 * k + 3] / double{io::kExactFraction};
         const bool turned = ends[k].outer != scene.records[k].outer;
         EXPECT_EQ(ends[k].outer + ends[k].inner, scene.records[k].outer + scene.records[k].inner);
         const auto area = [&](uint32_t piece) { return double{scene.onDevice.area[piece]}; };
         const double back = turned ? area(ends[k].outer) / area(ends[k].inner) : 1;
-        values.push_back({back * (sums[3 * k] + fraction) / one, back * sums[3 * k + 2] / one});
+        values.push_back(
+            {back * (sums[4 * k] + fraction) / one, back * (sums[4 * k + 2] + errorFraction) / one});
     }
     return values;
 }
