@@ -33,10 +33,6 @@ std::string escaped(const std::string& words) {
     return result;
 }
 
-std::string shortNumber(double value) {
-    return value >= 1000 ? fmt::format("{:.3g}k", value / 1000) : fmt::format("{:.3g}", value);
-}
-
 void Chart::fill(std::vector<glm::dvec2> outline, Ink ink) {
     items_.push_back({Item::Kind::fill, {std::move(outline)}, ink, 0.3, {}, Anchor::start, false});
 }
@@ -207,7 +203,7 @@ void drawScale(Chart& chart, const ValueScale& scale, glm::dvec2 at, double heig
     for (double tick : scale.ticks) {
         const double y = at.y + height * (1 - scale.share(tick));
         chart.line({{at.x + kWidth, y}, {at.x + kWidth + 4, y}}, kBlack, 0.8);
-        chart.text({at.x + kWidth + 7, y + 4}, shortNumber(tick), 11);
+        chart.text({at.x + kWidth + 7, y + 4}, passes::legendNumber(tick), 11);
     }
     chart.text({at.x, at.y - 8}, scale.unit, 12);
 }

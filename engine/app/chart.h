@@ -17,9 +17,6 @@ inline constexpr Ink kBlack{20, 20, 20}, kGrey{130, 130, 130}, kPaper{255, 255, 
 // Words as they may stand in SVG.
 std::string escaped(const std::string& words);
 
-// "500", "2k": three digits.
-std::string shortNumber(double value);
-
 enum class Anchor { start, middle, end };
 
 class Chart {

@@ -10,6 +10,8 @@
 #include <glm/trigonometric.hpp>
 
 #include "engine/app/plan_field.h"
+#include "engine/passes/false_colour.h"
+#include "geometry/clip_polygon.h"
 
 namespace heliodon::app {
 
@@ -83,16 +85,8 @@ bool covers(const geometry::PatchMesh& mesh, size_t patch, glm::dvec2 p) {
 // The part of a convex polygon where the linear field reaches `level` (or stays below it).
 std::vector<Sample> clipped(const std::vector<Sample>& polygon, double level, bool above) {
     std::vector<Sample> result;
-    for (size_t k = 0; k < polygon.size(); ++k) {
-        const Sample &a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
-        const double da = above ? a.value - level : level - a.value,
-                     db = above ? b.value - level : level - b.value;
-        if (da >= 0) result.push_back(a);
-        if ((da > 0 && db < 0) || (da < 0 && db > 0)) {
-            const double t = da / (da - db);
-            result.push_back({a.at + t * (b.at - a.at), level});
-        }
-    }
+    geometry::clip(
+        polygon, [&](const Sample& s) { return above ? s.value - level : level - s.value; }, result);
     return result;
 }
 
@@ -140,7 +134,7 @@ public:
             for (size_t band = first; band <= last; ++band) {
                 auto part = band == first ? polygon : clipped(polygon, bandEnd(band), true);
                 if (band < last) part = clipped(part, bandEnd(band + 1), false);
-                if (part.size() < 3) continue;
+                if (part.empty()) continue;
                 Points outline;
                 for (const Sample& s : part) outline.push_back(pixel(s.at));
                 bands[band].push_back(std::move(outline));
@@ -178,7 +172,7 @@ public:
                 chart.fill(std::move(round), ink);
             }
             const glm::dvec2 at = p - glm::dvec2(0, 13);
-            chart.text(at, shortNumber(s.value), 12, Anchor::middle, kBlack, true);
+            chart.text(at, passes::legendNumber(s.value), 12, Anchor::middle, kBlack, true);
             numbers_.insert(numbers_.end(), {p, at});
         }
     }
@@ -218,7 +212,8 @@ public:
             }
             if (!place) continue;
             placed.push_back(*place);
-            chart.text(*place + glm::dvec2(0, 4), shortNumber(line.level), 11, Anchor::middle, kBlack, true);
+            chart.text(*place + glm::dvec2(0, 4), passes::legendNumber(line.level), 11, Anchor::middle,
+                       kBlack, true);
         }
     }
 

@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "geometry/clip_polygon.h"
 #include "geometry/perpendicular.h"
 
 namespace heliodon::app {
@@ -81,26 +82,15 @@ std::vector<glm::dvec2> slopes(const std::vector<Sample>& samples, const std::ve
     return slope;
 }
 
-// Corners of the convex hull, counterclockwise where y is up: Andrew's monotone chain.
+// Corners of the convex hull, counterclockwise where y is up.
 std::vector<glm::dvec2> convexHull(const std::vector<Sample>& samples) {
-    std::vector<glm::dvec2> points;
-    for (const Sample& s : samples) points.push_back(s.at);
-    std::sort(points.begin(), points.end(),
-              [](glm::dvec2 a, glm::dvec2 b) { return std::pair(a.x, a.y) < std::pair(b.x, b.y); });
-    points.erase(std::unique(points.begin(), points.end()), points.end());
-    if (points.size() < 3) return points;
+    std::vector<cv::Point2f> points;
+    for (const Sample& s : samples)
+        points.emplace_back(static_cast<float>(s.at.x), static_cast<float>(s.at.y));
+    std::vector<int> corners;
+    if (!points.empty()) cv::convexHull(points, corners);
     std::vector<glm::dvec2> hull;
-    for (int way = 0; way < 2; ++way) { // the lower side from left to right, then the upper one back
-        const size_t start = hull.size();
-        for (glm::dvec2 p : points) {
-            while (hull.size() > start + 1 &&
-                   geometry::cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 0)
-                hull.pop_back();
-            hull.push_back(p);
-        }
-        hull.pop_back(); // where the other side starts
-        std::reverse(points.begin(), points.end());
-    }
+    for (const int k : corners) hull.push_back(samples[static_cast<size_t>(k)].at);
     return hull;
 }
 
@@ -197,18 +187,10 @@ std::vector<SampleTriangle> within(const std::vector<SampleTriangle>& triangles,
     std::vector<SampleTriangle> result;
     for (const SampleTriangle& t : triangles) {
         std::vector<Sample> part(t.begin(), t.end()), next;
-        for (size_t k = 0; k < convex.size() && part.size() > 2; ++k) {
+        for (size_t k = 0; k < convex.size(); ++k) {
             const glm::dvec2 a = convex[k], side = convex[(k + 1) % convex.size()] - a;
-            next.clear();
-            for (size_t i = 0; i < part.size(); ++i) {
-                const Sample &p = part[i], &q = part[(i + 1) % part.size()];
-                const double dp = geometry::cross(side, p.at - a), dq = geometry::cross(side, q.at - a);
-                if (dp >= 0) next.push_back(p);
-                if ((dp > 0 && dq < 0) || (dp < 0 && dq > 0)) {
-                    const double share = dp / (dp - dq);
-                    next.push_back({p.at + share * (q.at - p.at), p.value + share * (q.value - p.value)});
-                }
-            }
+            geometry::clip(
+                part, [&](const Sample& p) { return geometry::cross(side, p.at - a); }, next);
             part.swap(next);
         }
         for (size_t i = 2; i < part.size(); ++i) result.push_back({part[0], part[i - 1], part[i]});

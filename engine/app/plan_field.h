@@ -12,6 +12,16 @@ struct Sample {
     glm::dvec2 at;
     double value;
 };
+// Places and values alike, as geometry::clip wants them.
+inline Sample operator+(const Sample& a, const Sample& b) {
+    return {a.at + b.at, a.value + b.value};
+}
+inline Sample operator-(const Sample& a, const Sample& b) {
+    return {a.at - b.at, a.value - b.value};
+}
+inline Sample operator*(const Sample& a, double times) {
+    return {a.at * times, a.value * times};
+}
 using SampleTriangle = std::array<Sample, 3>;
 
 // The Delaunay triangles of the samples, each cut into parts^2. The value is that of the sample at a sample,

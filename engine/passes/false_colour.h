@@ -23,7 +23,7 @@ FalseScale falseScale(const Tone& tone, std::span<const float> lux);
 // than three decades the powers alone.
 std::vector<double> legendTicks(const FalseScale& scale);
 
-// A legend's number: "500", "2k".
+// A number of a legend or a drawing, three digits: "500", "2k".
 std::string legendNumber(double lux);
 
 // Colour at t in 0..1, sRGB-encoded, as shaders/lib/viridis.glsl.
