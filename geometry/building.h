@@ -32,7 +32,8 @@ struct RoomReport {
 
 struct WallRole {
     std::string id;
-    std::string role; // exterior | interior | partition | outside_extra | ignored
+    std::string role;   // exterior | interior | partition | outside_extra | ignored
+    std::string reason; // why it takes no part, or which wall it repeats ("repeats w1"); else empty
 };
 
 // A Building is only made by closeSketch and importModel, which prove it: every directed edge exactly once

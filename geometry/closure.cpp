@@ -18,6 +18,7 @@
 #include "geometry/plan_windows.h"
 #include "geometry/room_faces.h"
 #include "geometry/twin_faces.h"
+#include "geometry/wall_roles.h"
 
 namespace heliodon::geometry {
 
@@ -40,7 +41,7 @@ PlanWallsOptions planOptions(const ClosureOptions& options) {
 }
 
 // What is on the table, in an order that does not depend on the file's.
-Sketch onTable(const Sketch& sketch, std::vector<PlanNote>& notes, std::vector<std::string>& ignored) {
+Sketch onTable(const Sketch& sketch, std::vector<PlanNote>& notes, std::vector<IgnoredWall>& ignored) {
     Sketch out = sketch;
     const double radius = sketch.tableDiameter / 2;
     const auto off = [&](const auto& item, double nearest, double farthest, const char* kind) {
@@ -49,7 +50,7 @@ Sketch onTable(const Sketch& sketch, std::vector<PlanNote>& notes, std::vector<s
         if (nearest <= radius) return false;
         notes.push_back(
             {"WALL_OFF_TABLE", fmt::format("{} {} lies off the table and is ignored", kind, item.id)});
-        ignored.push_back(item.id);
+        ignored.push_back({item.id, "lies off the table"});
         return true;
     };
     std::erase_if(out.walls, [&](const Wall& wall) {
@@ -79,7 +80,7 @@ public:
         if (possible)
             build();
         else
-            roles({}, {});
+            roles({});
         return std::move(out_);
     }
 
@@ -120,11 +121,19 @@ private:
         return length * inside / count;
     }
 
+    // With what was ignored: it may be why.
     void refuse(const std::string& code, const std::string& sentence) {
         out_.report.outcome = Outcome::refuse;
         out_.report.code = code;
         out_.report.message = sentence;
+        std::ranges::sort(ignored_, {}, &IgnoredWall::id);
+        for (const IgnoredWall& wall : ignored_)
+            out_.report.message += fmt::format("; {} is ignored: it {}", wall.id, wall.reason);
         out_.building.reset();
+    }
+
+    void roles(const std::vector<bool>& partitionUsed) {
+        out_.report.walls = wallRoles(sketch_, plan_, spaces_, partitionUsed, ignored_);
     }
 
     bool plan() {
@@ -138,9 +147,8 @@ private:
         ignored_.insert(ignored_.end(), plan_.ignored.begin(), plan_.ignored.end());
         if (!plan_.pieces.empty()) return true;
         if (plan_.partitions.empty())
-            refuse("NO_WALLS", ignored_.empty()
-                                   ? "there are no walls on the table"
-                                   : "no wall is left: " + joined(sortedIds(ignored_)) + " are ignored");
+            refuse("NO_WALLS",
+                   ignored_.empty() ? "there are no walls on the table" : "no wall of the sketch is left");
         else
             refuse("ONLY_PARTITIONS", "there are only low (green) walls, which cannot enclose a room: " +
                                           joined(idsOf(plan_.partitions)));
@@ -230,7 +238,7 @@ private:
         out_.report.windowCount = windows.openings;
         out_.report.skylightPaneCount = faces.skylightPanes;
         noteSkylights(faces);
-        roles(faces.partitionUsed, faces.floorArea);
+        roles(faces.partitionUsed);
         if (prove(made, ceilings)) {
             out_.building = std::move(building);
             conclude();
@@ -350,44 +358,6 @@ private:
         return good;
     }
 
-    // By what the rooms see of this primitive's own part of the piece that it was merged into.
-    const char* roleOf(size_t piece, const std::string& id) const {
-        const WallPiece& merged = plan_.pieces[piece];
-        double from = 0, to = 1e9;
-        const auto wall = std::ranges::find(sketch_.walls, id, &Wall::id);
-        if (!merged.curved && wall != sketch_.walls.end()) {
-            const glm::dvec2 d = glm::normalize(merged.b - merged.a);
-            std::tie(from, to) =
-                std::minmax({glm::dot(wall->a - merged.a, d), glm::dot(wall->b - merged.a, d)});
-        }
-        double sum = 0, both = 0;
-        const auto& [right, left] = spaces_.seen[piece];
-        const auto common = [](double a, double b, double c, double d) {
-            return std::max(0.0, std::min(b, d) - std::max(a, c));
-        };
-        for (const auto& side : {right, left})
-            for (const auto& [a, b] : side) sum += common(a, b, from, to);
-        for (const auto& [a, b] : right)
-            for (const auto& [c, d] : left) both += common(std::max(a, c), std::min(b, d), from, to);
-        if (sum < 0.3) return "outside_extra";
-        return both > sum - 2 * both ? "interior" : "exterior";
-    }
-
-    void roles(const std::vector<bool>& partitionUsed, const std::vector<double>& rooms) {
-        std::vector<WallRole>& walls = out_.report.walls;
-        for (size_t i = 0; i < plan_.pieces.size(); ++i)
-            for (const std::string& id : plan_.pieces[i].ids) {
-                walls.push_back({id, rooms.empty() ? "outside_extra" : roleOf(i, id)});
-                if (!rooms.empty() && walls.back().role == "outside_extra") outside_.push_back(id);
-            }
-        for (size_t i = 0; i < plan_.partitions.size(); ++i)
-            for (const std::string& id : plan_.partitions[i].ids)
-                walls.push_back(
-                    {id, partitionUsed.empty() || !partitionUsed[i] ? "outside_extra" : "partition"});
-        for (const std::string& id : ignored_) walls.push_back({id, "ignored"});
-        std::ranges::sort(walls, {}, [](const WallRole& w) { return std::pair(w.id.size(), w.id); });
-    }
-
     void conclude() {
         ClosureReport& report = out_.report;
         for (const RoomPlan& room : spaces_.rooms)
@@ -397,10 +367,15 @@ private:
         std::ranges::sort(notes_, {}, [](const PlanNote& n) { return std::pair(n.code, n.sentence); });
         const size_t count = report.rooms.size();
         report.message = fmt::format("{} room{}", count, count == 1 ? "" : "s");
-        if (!outside_.empty())
+        std::vector<std::string> outside;
+        for (const WallRole& wall : report.walls)
+            if (wall.role == "outside_extra") outside.push_back(wall.id);
+        if (!outside.empty())
             report.message +=
-                fmt::format("; {} enclose{} nothing and only cast{} shadows", joined(sortedIds(outside_)),
-                            outside_.size() == 1 ? "s" : "", outside_.size() == 1 ? "s" : "");
+                fmt::format("; {} enclose{} nothing and only cast{} shadows", joined(sortedIds(outside)),
+                            outside.size() == 1 ? "s" : "", outside.size() == 1 ? "s" : "");
+        for (const WallRole& wall : report.walls)
+            if (wall.reason.starts_with("repeats")) report.message += "; " + wall.id + " " + wall.reason;
         for (const PlanNote& note : notes_) report.message += "; " + note.sentence;
         report.outcome = notes_.empty() ? Outcome::ok : Outcome::warn;
         report.code = notes_.empty() ? "OK" : notes_[0].code;
@@ -408,7 +383,7 @@ private:
 
     const ClosureOptions& options_;
     std::vector<PlanNote> notes_;
-    std::vector<std::string> ignored_, outside_;
+    std::vector<IgnoredWall> ignored_;
     Sketch sketch_;
     PlanWalls plan_;
     PlanRooms spaces_;

@@ -43,7 +43,7 @@ std::vector<WallPiece> straightPieces(const Sketch& sketch, bool green, PlanWall
         if (glm::length(wall.b - wall.a) < kShortestWall) {
             plan.notes.push_back(
                 {"ZERO_LENGTH_WALL", fmt::format("wall {} has no length and is ignored", wall.id)});
-            plan.ignored.push_back(wall.id);
+            plan.ignored.push_back({wall.id, "has no length"});
             continue;
         }
         WallPiece piece;
@@ -67,7 +67,7 @@ std::vector<WallPiece> curvedPieces(const Sketch& sketch, bool green, PlanWalls&
         if (sweep * arc.radius < kShortestWall || arc.radius < arc.thickness) {
             plan.notes.push_back(
                 {"ZERO_LENGTH_WALL", fmt::format("arc {} is too small to be a wall and is ignored", arc.id)});
-            plan.ignored.push_back(arc.id);
+            plan.ignored.push_back({arc.id, "too small to be a wall"});
             continue;
         }
         WallPiece piece;

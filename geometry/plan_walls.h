@@ -49,6 +49,10 @@ struct PlanNote {
     std::string code, sentence;
 };
 
+struct IgnoredWall {
+    std::string id, reason; // "has no length"
+};
+
 struct PlanWalls {
     std::vector<WallPiece> pieces;     // full height: red and blue
     std::vector<WallPiece> partitions; // green
@@ -56,7 +60,7 @@ struct PlanWalls {
     std::vector<PlanSolid> solids; // one a piece, in their order, then the crack fillings
     std::vector<PlanNote> notes;
     double crackWidth = 0;            // inches: narrower holes were filled
-    std::vector<std::string> ignored; // ids that came to nothing
+    std::vector<IgnoredWall> ignored; // what came to nothing
 };
 
 struct PlanWallsOptions {

@@ -16,6 +16,11 @@ namespace {
 constexpr double kMeets = 0.4;     // inches between markers that make one window
 constexpr double kNarrowest = 0.2; // inches
 constexpr double kToCorner = 0.1;  // inches: a strip narrower than this beside a window is not worth a face
+// What of a marker may lie beyond its wall without a word: markers are laid to a corner by eye. With more
+// than this, and more than a quarter of the width, another window was meant than the one that is made.
+constexpr double kByEye = 1.2; // inches
+constexpr double kMostCut = 0.25;
+constexpr double kIntoCorner = 0.375; // inches: walls reach so far beyond the corner that a room sees
 
 struct Stretch {
     double from, to;
@@ -68,12 +73,35 @@ private:
         const double s = line.along(middle);
         SideWindow window{
             piece->line, marker.kind, {s - marker.width / 2, s + marker.width / 2}, marker.id, marker.blind};
+        if (marker.width < kNarrowest)
+            return note("WINDOW_TOO_NARROW", marker, "is too narrow for a window and is ignored");
         const double own = std::max(0.0, std::min(window.on.to, line.along(piece->b)) -
                                              std::max(window.on.from, line.along(piece->a)));
         if (own < kNarrowest)
             return note("WINDOW_OFF_WALL", marker,
                         "does not lie on its wall " + marker.wall + " and is ignored");
+        if (const double beyond = beyondWall(window); beyond > std::max(kByEye, kMostCut * marker.width))
+            note("WINDOW_BEYOND_WALL", marker,
+                 fmt::format("reaches {:.1f} ft beyond its wall {} and is cut to it", beyond, marker.wall));
         windows_.push_back(window);
+    }
+
+    // How much of a window has no wall of its side behind it, or one that runs on outside the rooms. 0 where
+    // no room sees the side.
+    double beyondWall(const SideWindow& window) const {
+        const WallLine& line = plan_.lines[static_cast<size_t>(window.line)];
+        Stretch rooms{1e9, -1e9};
+        for (const WallRun& run : runs_) {
+            if (run.line != window.line) continue;
+            const auto [low, high] = std::minmax({line.along(run.from), line.along(run.to)});
+            rooms = {std::min(rooms.from, low - kIntoCorner), std::max(rooms.to, high + kIntoCorner)};
+        }
+        if (rooms.from > rooms.to) return 0;
+        double on = 0;
+        for (const Stretch& cover : covered(window.line))
+            on += std::max(0.0, std::min({window.on.to, cover.to, rooms.to}) -
+                                    std::max({window.on.from, cover.from, rooms.from}));
+        return window.on.to - window.on.from - on;
     }
 
     void merge() {

@@ -71,8 +71,11 @@ void reportClosure(Run& run, const geometry::ClosureReport& closure) {
     report["n_windows"] = closure.windowCount;
     report["n_skylight_panes"] = closure.skylightPaneCount;
     report["walls"] = json::array();
-    for (const geometry::WallRole& wall : closure.walls)
-        report["walls"].push_back({{"id", wall.id}, {"role", wall.role}});
+    for (const geometry::WallRole& wall : closure.walls) {
+        json entry = {{"id", wall.id}, {"role", wall.role}};
+        if (!wall.reason.empty()) entry["reason"] = wall.reason;
+        report["walls"].push_back(std::move(entry));
+    }
 }
 
 // World metres a metre of building: a model whose rooms are less than a metre high is taken for one of the

@@ -48,6 +48,21 @@ std::string roleOf(const ClosureReport& report, const std::string& id) {
     return "missing";
 }
 
+std::string reasonOf(const ClosureReport& report, const std::string& id) {
+    for (const WallRole& w : report.walls)
+        if (w.id == id) return w.reason;
+    return "missing";
+}
+
+WindowMarker window(const std::string& id, const std::string& on, double pos, double width) {
+    WindowMarker w;
+    w.id = id;
+    w.wall = on;
+    w.pos = pos;
+    w.width = width;
+    return w;
+}
+
 // Net area of a rectangle of centre lines: half a thickness comes off on each side.
 double net(double width, double height) {
     return (width - 0.375) * (height - 0.375);
@@ -283,6 +298,71 @@ TEST(Closure, what_cannot_enclose_is_refused_with_a_reason) {
     point.walls = {wall("dot", {1, 1}, {1, 1})};
     EXPECT_EQ(closeSketch(point).report.code, "NO_WALLS");
     EXPECT_NE(closeSketch(point).report.message.find("dot"), std::string::npos);
+}
+
+TEST(Closure, walls_that_take_no_part_have_a_reason) {
+    Sketch s = box(-8, -6, 8, 6);
+    s.walls.push_back(wall("far", {30, -3}, {30, 3}));
+    s.walls.push_back(wall("dot", {1, 1}, {1, 1}));
+    s.walls.push_back(wall("copy", {-8.1, -6.05}, {8.1, -5.95}));
+    s.walls.push_back(wall("piece", {8, -2}, {8, 3}));
+    s.walls.push_back(wall("garden", {-8, 9}, {8, 9}));
+    s.walls.push_back(wall("hedge", {-8, -9}, {8, -9}, HeightClass::green));
+    const ClosureReport report = closeSketch(s).report;
+    const std::vector<WallRole> expected{{"far", "ignored", "lies off the table"},
+                                         {"dot", "ignored", "has no length"},
+                                         {"copy", "exterior", "repeats s"},
+                                         {"piece", "exterior", "repeats e"},
+                                         {"garden", "outside_extra", "encloses nothing"},
+                                         {"hedge", "outside_extra", "stands in no room"},
+                                         {"n", "exterior", ""}};
+    for (const WallRole& wall : expected) {
+        EXPECT_EQ(roleOf(report, wall.id), wall.role) << wall.id;
+        EXPECT_EQ(reasonOf(report, wall.id), wall.reason) << wall.id;
+        if (!wall.reason.empty()) {
+            EXPECT_NE(report.message.find(wall.id), std::string::npos) << report.message;
+        }
+    }
+
+    Sketch open; // a refusal names what was ignored: it may be why
+    open.walls = {wall("a", {-5, 0}, {5, 0}), wall("b", {-5, 30}, {5, 30})};
+    const ClosureReport refused = closeSketch(open).report;
+    EXPECT_EQ(refused.code, "NOT_ENCLOSED");
+    EXPECT_NE(refused.message.find("b is ignored: it lies off the table"), std::string::npos)
+        << refused.message;
+    EXPECT_EQ(reasonOf(refused, "a"), "encloses nothing");
+}
+
+TEST(Closure, copies_of_arcs_are_named) {
+    Sketch s;
+    for (const auto& [id, from, to] : {std::tuple("ring", 0.0, 360.0), {"part", 350.0, 420.0}}) {
+        Arc arc;
+        arc.id = id;
+        arc.radius = 5;
+        arc.a0Deg = from;
+        arc.a1Deg = to;
+        s.arcs.push_back(arc);
+    }
+    const ClosureReport report = closeSketch(s).report;
+    EXPECT_EQ(reasonOf(report, "part"), "repeats ring");
+    EXPECT_EQ(reasonOf(report, "ring"), "");
+}
+
+TEST(Closure, a_window_that_reaches_far_beyond_its_wall_is_named) {
+    const auto codeOf = [](const WindowMarker& marker) {
+        Sketch s = box(-10, -6, 10, 6);
+        s.walls.push_back(wall("tail", {10, -6}, {18, -6})); // runs on outside
+        s.windows = {marker};
+        const Closure closure = closeSketch(s);
+        expectProven(closure);
+        return closure.report.code;
+    };
+    EXPECT_EQ(codeOf(window("fits", "n", 10, 20)), "OK");
+    EXPECT_EQ(codeOf(window("to_the_corner", "n", 0.5, 3)), "OK");
+    EXPECT_EQ(codeOf(window("wide", "n", 10, 30)), "WINDOW_BEYOND_WALL");
+    EXPECT_EQ(codeOf(window("half", "w", 0.5, 5)), "WINDOW_BEYOND_WALL");
+    EXPECT_EQ(codeOf(window("on_the_tail", "tail", 0, 6)), "WINDOW_BEYOND_WALL");
+    EXPECT_EQ(codeOf(window("slit", "n", 10, 0.1)), "WINDOW_TOO_NARROW");
 }
 
 TEST(Closure, partitions_may_touch_walls_and_cross_each_other) {
