@@ -1,5 +1,8 @@
 #include "compute/sun_edges.h"
 
+#include <algorithm>
+#include <numbers>
+
 #include <glm/geometric.hpp>
 
 #include "compute/lighting.h"
@@ -11,6 +14,49 @@ namespace {
 // Form factors of patches at a sensor: below kFar edges of sunlight average out, from kNear they are seen
 // exactly.
 constexpr float kFar = 2e-4F, kNear = 0.02F, kMostNearer = 3;
+
+struct Middles {
+    const float *x, *y, *z;
+    size_t count;
+};
+// A point, and what its nearness to a patch is measured in.
+struct Place {
+    glm::vec3 position, up; // up: the point's normal over the height of the patch's middle above its plane
+    float square;           // of the distance of that middle
+};
+
+// How many times nearer and squarer middles of light stand than that of their patch, less one. The point's
+// height over the patch's plane is the same for all.
+[[gnu::always_inline]] inline void howMuchNearer(const Middles& middles, const Place& from,
+                                                 float* __restrict nearer) {
+    for (size_t k = 0; k < middles.count; ++k) {
+        const float x = middles.x[k] - from.position.x, y = middles.y[k] - from.position.y,
+                    z = middles.z[k] - from.position.z;
+        const float above = x * from.up.x + y * from.up.y + z * from.up.z,
+                    closer = from.square / (x * x + y * y + z * z + 1e-30F);
+        const float times = (above > 0 ? above : 0) * closer * closer;
+        nearer[k] = (times < kMostNearer ? times : kMostNearer) - 1;
+    }
+}
+
+using HowMuchNearer = void (*)(const Middles&, const Place&, float*);
+
+void narrow(const Middles& middles, const Place& from, float* nearer) {
+    howMuchNearer(middles, from, nearer);
+}
+
+#if defined(__x86_64__)
+[[gnu::target("avx2")]] void wide(const Middles& middles, const Place& from, float* nearer) {
+    howMuchNearer(middles, from, nearer);
+}
+#endif
+
+HowMuchNearer ofThisProcessor() {
+#if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx2")) return wide;
+#endif
+    return narrow;
+}
 
 } // namespace
 
@@ -42,15 +88,37 @@ std::vector<SunEdges::Edge> SunEdges::edgesOf(const geometry::PatchMesh& mesh,
     return edges;
 }
 
+SunEdges::Patch SunEdges::patchOf(const geometry::PatchMesh& mesh, uint32_t patch, size_t first) {
+    const glm::dvec3 middle = geometry::patchCentroid(mesh, patch);
+    double reach = 0;
+    for (const uint32_t v : mesh.patch(patch))
+        reach = std::max(reach, glm::length(mesh.vertices[v] - middle));
+    return {patch,
+            first,
+            glm::vec3(middle),
+            glm::vec3(geometry::patchNormal(mesh, patch)),
+            static_cast<float>(geometry::patchArea(mesh, patch)),
+            static_cast<float>(reach)};
+}
+
+// The largest factors under the integral of the form factor, with the whole area.
+double SunEdges::mostOf(const Patch& patch, const PointView& view) {
+    const glm::vec3 middle = patch.middle - glm::vec3(view.position());
+    const float nearest = glm::length(middle) - patch.reach;
+    if (nearest < patch.reach) return 1;
+    const float above = glm::dot(middle, glm::vec3(view.normal())) + patch.reach,
+                before = -glm::dot(middle, patch.normal);
+    if (above <= 0) return 0;
+    const float square = nearest * nearest, least = 1e-3F * nearest; // rounding
+    return patch.area * above * std::max(before, least) / (std::numbers::pi_v<float> * square * square);
+}
+
 SunEdges::SunEdges(const geometry::PatchMesh& mesh, std::vector<std::vector<Edge>> ofHours) {
     std::vector<size_t> next(mesh.patchCount() + 1, 0);
     for (const auto& edges : ofHours)
         for (const Edge& edge : edges) ++next[edge.patch + 1];
     for (size_t i = 0; i < mesh.patchCount(); ++i) {
-        if (next[i + 1] > 0)
-            patches_.push_back({static_cast<uint32_t>(i), next[i],
-                                glm::vec3(geometry::patchCentroid(mesh, i)),
-                                glm::vec3(geometry::patchNormal(mesh, i))});
+        if (next[i + 1] > 0) patches_.push_back(patchOf(mesh, static_cast<uint32_t>(i), next[i]));
         next[i + 1] += next[i];
     }
     const size_t count = next.back();
@@ -67,37 +135,31 @@ SunEdges::SunEdges(const geometry::PatchMesh& mesh, std::vector<std::vector<Edge
         }
 }
 
+bool SunEdges::findNearer(const PointView& view, size_t patch, std::vector<float>& nearer) const {
+    const Patch& of = patches_[patch];
+    const glm::vec3 middle = of.middle - glm::vec3(view.position());
+    const float above = glm::dot(middle, glm::vec3(view.normal()));
+    if (!(above > 0 && glm::dot(middle, of.normal) < 0)) return false;
+    const size_t first = of.first, count = edgesEnd(patch) - first;
+    nearer.resize(count);
+    const Middles middles{&x_[first], &y_[first], &z_[first], count};
+    const Place from{glm::vec3(view.position()), glm::vec3(view.normal()) / above, glm::dot(middle, middle)};
+    ofThisProcessor()(middles, from, nearer.data());
+    return true;
+}
+
 void SunEdges::addTo(std::span<float> lux, const PointScene& scene, const PointView& view, uint32_t room,
                      const float* even) const {
-    const glm::vec3 at(view.position()), up(view.normal());
-    std::vector<float> more;
+    std::vector<float> nearer;
     for (size_t p = 0; p < patches_.size(); ++p) {
         const Patch& patch = patches_[p];
         const float share = even[patch.patch];
         if (share < kFar || scene.mesh().room[patch.patch] != room) continue; // through glass: from afar
-        const size_t first = patch.first, last = edgesEnd(p);
-        if (share >= kNear) {
-            // Not what of the share is seen through windows.
+        if (share >= kNear) // not what of the share is seen through windows
             addExactly(lux, view, p, scene.factor(view, patch.patch), glm::vec3(1));
-            continue;
-        }
-        const glm::vec3 normal = patch.normal;
-        const auto nearness = [at, up, normal](float x, float y, float z) {
-            const float dx = x - at.x, dy = y - at.y, dz = z - at.z;
-            const float square = dx * dx + dy * dy + dz * dz;
-            const float above = dx * up.x + dy * up.y + dz * up.z,
-                        before = -(dx * normal.x + dy * normal.y + dz * normal.z);
-            return (above > 0 ? above : 0) * (before > 0 ? before : 0) / (square * square + 1e-30F);
-        };
-        const float whole = nearness(patch.middle.x, patch.middle.y, patch.middle.z);
-        if (!(whole > 0)) continue;
-        const float scale = 1 / whole;
-        more.resize(last - first);
-        for (size_t e = first; e < last; ++e) {
-            const float times = nearness(x_[e], y_[e], z_[e]) * scale;
-            more[e - first] = share * exitance_[e] * ((times < kMostNearer ? times : kMostNearer) - 1);
-        }
-        for (size_t e = first; e < last; ++e) lux[hour_[e]] += more[e - first];
+        else if (findNearer(view, p, nearer))
+            for (size_t k = 0; k < nearer.size(); ++k)
+                lux[hour_[patch.first + k]] += share * exitance_[patch.first + k] * nearer[k];
     }
 }
 
@@ -113,14 +175,23 @@ void SunEdges::addExactly(std::span<float> lux, const PointView& view, size_t pa
 
 void SunEdges::addTo(std::span<float> lux, const PointScene& scene, const NearLight& near,
                      uint32_t room) const {
+    std::vector<float> nearer;
     for (const NearLight::Cell& cell : near.cells) {
         const PointView view(scene.blockers(), cell.middle, cell.normal, room);
         const double answer = photometric(cell.answer);
         for (size_t p = 0; p < patches_.size(); ++p) {
-            const uint32_t patch = patches_[p].patch;
-            if (scene.mesh().room[patch] != room) continue;
-            const double straight = scene.factor(view, patch);
-            if (straight * answer >= double{kFar}) addExactly(lux, view, p, straight, cell.answer);
+            const Patch& patch = patches_[p];
+            if (scene.mesh().room[patch.patch] != room || mostOf(patch, view) * answer < double{kFar})
+                continue;
+            const double straight = scene.factor(view, patch.patch);
+            if (straight * answer < double{kFar}) continue;
+            if (straight >= double{kNear})
+                addExactly(lux, view, p, straight, cell.answer);
+            else if (findNearer(view, p, nearer))
+                for (size_t k = 0; k < nearer.size(); ++k)
+                    lux[hour_[patch.first + k]] +=
+                        static_cast<float>(straight) * nearer[k] *
+                        static_cast<float>(photometric(cell.answer * colour_[patch.first + k]));
         }
     }
 }
