@@ -49,17 +49,20 @@ std::string sensorTable(const SensorTable& sensors, const std::vector<compute::L
     return text;
 }
 
-void reportLux(Run& run, const std::vector<compute::LightParts>& parts) {
+// The mean is by area where these are patches of the mesh, else over sensors.
+void reportLux(Run& run, const geometry::PatchMesh* mesh, const std::vector<compute::LightParts>& parts) {
     if (parts.empty()) return;
-    double sum = 0, least = 1e300, most = 0;
-    for (const compute::LightParts& p : parts) {
-        const double lux = compute::photometric(p.total());
-        sum += lux;
+    double sum = 0, weights = 0, least = 1e300, most = 0;
+    for (size_t i = 0; i < parts.size(); ++i) {
+        const double lux = compute::photometric(parts[i].total()),
+                     weight = mesh ? geometry::patchArea(*mesh, i) : 1;
+        sum += weight * lux;
+        weights += weight;
         least = std::min(least, lux);
         most = std::max(most, lux);
     }
     run.report()["lux"] = {{"count", parts.size()},
-                           {"mean", sum / static_cast<double>(parts.size())},
+                           {"mean", sum / weights},
                            {"min", least},
                            {"max", most}};
 }
@@ -222,7 +225,7 @@ void execute(Run& run, const IlluminanceArguments& arguments) {
     const bool perPatch = arguments.sensors.empty();
     const compute::Moment& moment = solution.moment;
     const std::vector<compute::LightParts>& parts = perPatch ? moment.patches : moment.sensors;
-    reportLux(run, parts);
+    reportLux(run, perPatch ? &scene.mesh : nullptr, parts);
     geometry::writeWholeText(arguments.output,
                              perPatch ? patchTable(scene, parts) : sensorTable(*sensors, parts));
     if (!arguments.plan.empty()) {
