@@ -155,51 +155,34 @@ vec2 narrow(vec2 range, Stretch s, vec3 line, uint rank, float near) {
     return slope == 0.0 && d < 0.0 ? vec2(1e30, -1e30) : range;
 }
 
-// Sums the triangles over those parts of a stretch that other shadows cover, or leave free.
-float sweep(Frame f, vec3 point, vec3 normal, Stretch s, bool covered, float near) {
-    float sum = 0.0, t = s.range.x;
-    vec3 apex = lift(f, piece[0]) - point;
-    NO_UNROLL while (t < s.range.y) {
-        float reach = t, next = s.range.y;
-        vec2 range = s.range;
-        NO_UNROLL for (int first = 0; first < lineCount; first += kStride)
-            [[unroll]] for (int q = 0; q < kStride; ++q) {
-                int w = first + q;
-                if (w >= lineCount) continue;
-                uint rank = owner[w];
-                range = narrow(range, s, lines[w], rank, near);
-                if (w + 1 == lineCount || owner[w + 1] != rank) { // all lines of this blocker seen
-                    bool filled = rank != s.rank && range.x < range.y;
-                    if (filled && range.x <= t) reach = max(reach, range.y);
-                    if (filled && range.x > t) next = min(next, range.x);
-                    range = s.range;
-                }
-            }
-        bool inShadow = reach > t;
-        float end = min(inShadow ? reach : next, s.range.y);
-        NO_UNROLL for (bool counts = inShadow == covered; counts; counts = false) {
-            vec3 from = lift(f, s.from + t * s.along) - point, to = lift(f, s.from + end * s.along) - point;
-            sum += lambertTriangle(apex, from, to, normal);
-        }
-        t = end;
-    }
-    return sum;
-}
-
-// Twice pi times the form factor of the union of the listed shadows within the piece.
-float shadowSum(Frame f, vec3 point, vec3 normal, float size) {
-    float sum = 0.0;
-    float near = nearness(f, point, size);
-    // The piece's own border; edges at the first corner span no triangle with it.
-    NO_UNROLL for (int k = 1; k + 1 < pieceCorners; ++k) {
+// Border number k of the union of shadows within the piece: the piece's own edges, then the shadows' lines.
+Stretch stretchAt(int k, float size) {
+    if (k < pieceCorners) {
         vec2 along = piece[k + 1] - piece[k];
         float reach = length(along);
-        Stretch s = Stretch(piece[k], along / reach, vec2(0.0, reach), vec2(-along.y, along.x) / reach, kPiece);
-        sum += sweep(f, point, normal, s, true, near);
+        return Stretch(piece[k], along / reach, vec2(0.0, reach), vec2(-along.y, along.x) / reach, kPiece);
     }
+    vec3 line = lines[k - pieceCorners];
+    return Stretch(-line.z * line.xy, vec2(line.y, -line.x), vec2(-size, size), line.xy, owner[k - pieceCorners]);
+}
+
+// Drivers run invocations in step: what all of them do is done first for all borders, so that nobody waits where only
+// some have work.
+int borders[kLineCap + kPieceCap]; // numbers of those that are not empty
+vec2 ranges[kLineCap + kPieceCap];
+int borderCount;
+
+// Lines are cut by the piece and by the others of their own shadow.
+void listBorders(float size, float near) {
+    borderCount = 0;
+    // Edges at the first corner span no triangle with it.
+    NO_UNROLL for (int k = 1; k + 1 < pieceCorners; ++k) {
+        borders[borderCount] = k;
+        ranges[borderCount++] = vec2(0.0, length(piece[k + 1] - piece[k]));
+    }
+    int firstOfOwner = 0;
     NO_UNROLL for (int w = 0; w < lineCount; ++w) {
-        vec3 line = lines[w];
-        Stretch s = Stretch(-line.z * line.xy, vec2(line.y, -line.x), vec2(-size, size), line.xy, owner[w]);
+        Stretch s = stretchAt(pieceCorners + w, size);
         vec2 range = s.range;
         vec2 a = piece[pieceCorners - 1];
         NO_UNROLL for (int k = 0; k < pieceCorners; ++k) {
@@ -210,15 +193,78 @@ float shadowSum(Frame f, vec3 point, vec3 normal, float size) {
             if (slope == 0.0 && d < 0.0) range = vec2(1e30, -1e30);
             a = b;
         }
+        firstOfOwner = owner[firstOfOwner] == s.rank ? firstOfOwner : w;
         Stretch mate = s; // of two lines of one shadow that coincide (a blocker that stands on the piece) one counts
         mate.rank = uint(w);
-        NO_UNROLL for (int first = 0; first < lineCount; first += kStride)
-            [[unroll]] for (int q = 0; q < kStride; ++q) {
-                int m = first + q;
-                if (m < lineCount && m != w && owner[m] == s.rank) range = narrow(range, mate, lines[m], uint(m), near);
+        NO_UNROLL for (int m = firstOfOwner; m < lineCount && owner[m] == s.rank; ++m)
+            if (m != w) range = narrow(range, mate, lines[m], uint(m), near);
+        if (range.x < range.y) {
+            borders[borderCount] = pieceCorners + w;
+            ranges[borderCount++] = range;
+        }
+    }
+}
+
+vec2 spans[kLineCap]; // of a stretch, each in another blocker's shadow
+int spanCount;
+
+void findSpans(Stretch s, float near) {
+    vec2 range = s.range;
+    spanCount = 0;
+    NO_UNROLL for (int first = 0; first < lineCount; first += kStride)
+        [[unroll]] for (int q = 0; q < kStride; ++q) {
+            int w = first + q;
+            if (w >= lineCount) continue;
+            uint rank = owner[w];
+            range = narrow(range, s, lines[w], rank, near);
+            if (w + 1 == lineCount || owner[w + 1] != rank) { // all lines of this blocker seen
+                if (rank != s.rank && range.x < range.y) spans[spanCount++] = range;
+                range = s.range;
             }
-        s.range = range;
-        sum += sweep(f, point, normal, s, false, near);
+        }
+}
+
+const int kSegmentCap = 2 * kLineCap; // a stretch leaves at most one more than there are spans
+vec4 segments[kSegmentCap];           // both ends
+int segmentCount;
+
+// Lists those parts of a stretch that its spans cover, or leave free.
+void sweep(Stretch s, bool covered) {
+    float t = s.range.x;
+    NO_UNROLL while (t < s.range.y) {
+        float reach = t, next = s.range.y;
+        NO_UNROLL for (int first = 0; first < spanCount; first += kStride)
+            [[unroll]] for (int q = 0; q < kStride; ++q) {
+                if (first + q >= spanCount) continue;
+                vec2 span = spans[first + q];
+                if (span.x <= t) reach = max(reach, span.y);
+                if (span.x > t) next = min(next, span.x);
+            }
+        bool inShadow = reach > t;
+        float end = min(inShadow ? reach : next, s.range.y);
+        if (inShadow == covered) segments[segmentCount++] = vec4(s.from + t * s.along, s.from + end * s.along);
+        t = end;
+    }
+}
+
+// Twice pi times the form factor of the union of the listed shadows within the piece.
+float shadowSum(Frame f, vec3 point, vec3 normal, float size) {
+    float sum = 0.0, near = nearness(f, point, size);
+    vec3 apex = lift(f, piece[0]) - point;
+    listBorders(size, near);
+    int k = 0;
+    NO_UNROLL while (k < borderCount) {
+        segmentCount = 0;
+        NO_UNROLL for (; k < borderCount && segmentCount < kLineCap; ++k) {
+            Stretch s = stretchAt(borders[k], size);
+            s.range = ranges[k];
+            findSpans(s, near);
+            sweep(s, s.rank == kPiece);
+        }
+        NO_UNROLL for (int m = 0; m < segmentCount; ++m) {
+            vec3 from = lift(f, segments[m].xy) - point, to = lift(f, segments[m].zw) - point;
+            sum += lambertTriangle(apex, from, to, normal);
+        }
     }
     return sum;
 }
