@@ -23,7 +23,9 @@ constexpr double kNarrowStrip = 0.363, kWideStrip = 0.688;
 // A triangle may be so much longer along a strip than the strip is wide, beside what it may be at a short
 // edge.
 constexpr double kFacing = 1.6;
-constexpr double kFinestStrip = 0.45; // of the edge length
+constexpr double kFinestStrip = 0.45;  // of the edge length
+constexpr double kRowLength = 1.1;     // of the next side: as long, but for slanted ends
+constexpr double kHalfStep = 0.55;     // of the step beside it: what half a step is at most
 constexpr double kUniformStrip = 0.76; // of the edge length: a strip this wide needs no staggering
 // Where rectangles of a strip are halved: their width over their length, for angles of 36 degrees. So wide a
 // strip has room for points inside.
@@ -203,9 +205,10 @@ void EdgeSampler::divide(SampledEdge& edge) const {
     const auto steps = stepsAlong(edge, edge_);
     edge.graded = steps.size() > 2;
     edge.divisions.clear();
-    const double most = edge.graded ? kInfinity : edge.most,
-                 wanted = std::floor(std::min(steps.back().second + 0.5 + 1e-7, most));
-    divideEvenly(steps, std::max(1.0, wanted), edge.divisions);
+    // Steps as many times too long or too short: one of 1.45 is worse than two of 0.73.
+    const double count = steps.back().second, fewer = std::floor(count),
+                 wanted = count * count > fewer * (fewer + 1) - 1e-7 ? fewer + 1 : fewer;
+    divideEvenly(steps, std::max(1.0, std::min(wanted, edge.graded ? kInfinity : edge.most)), edge.divisions);
 }
 
 // For each edge the corners of its domains that may want steps along it shorter than `reach`.
@@ -254,6 +257,33 @@ void EdgeSampler::findStrips() {
                     considerStrip(d, s.edge, s.a, s.b, o.edge, o.a, o.b);
     }
     std::ranges::stable_sort(strips_, {}, &Strip::width);
+    orderRows();
+}
+
+// Strips side by side, as facets of a column are, follow one another: begun in several places, their
+// divisions would not be staggered where those meet.
+void EdgeSampler::orderRows() {
+    constexpr double kAlike = 1.3; // times as wide
+    std::vector<std::vector<uint32_t>> stripsAt(edges_.size());
+    for (uint32_t i = 0; i < strips_.size(); ++i)
+        for (const uint32_t e : {strips_[i].side, strips_[i].other}) stripsAt[e].push_back(i);
+    std::vector<bool> placed(strips_.size());
+    std::vector<Strip> ordered;
+    for (uint32_t first = 0; first < strips_.size(); ++first) {
+        if (placed[first]) continue;
+        placed[first] = true;
+        size_t next = ordered.size();
+        for (ordered.push_back(strips_[first]); next < ordered.size(); ++next) {
+            const Strip strip = ordered[next];
+            for (const uint32_t e : {strip.side, strip.other})
+                for (const uint32_t i : stripsAt[e]) {
+                    if (placed[i] || strips_[i].width > kAlike * strip.width) continue;
+                    placed[i] = true;
+                    ordered.push_back(strips_[i]);
+                }
+        }
+    }
+    strips_ = std::move(ordered);
 }
 
 // They run against one another, and the other one stands before all of the shorter one.
@@ -287,26 +317,46 @@ void EdgeSampler::stagger(const Strip& strip) {
                 most * edge_ > kLongest * e->length)
                 e->most = std::min(e->most, most);
     if (strip.width > kUniformStrip * edge_ || step < kFinestStrip * edge_) return;
-    if (!side.pins.empty() || other.even) return;
-    if (!side.even) {
-        const auto steps = stepsAlong(side, step);
-        const double least = std::ceil(side.length / longest - 0.05);
-        side.divisions.clear();
-        divideEvenly(steps, std::max({1.0, least, std::round(steps.back().second)}), side.divisions);
-        side.even = true;
+    // The one that a strip beside this one has divided leads: strips in a row go by turns.
+    const bool turned = other.even || !other.pins.empty();
+    if (turned && (side.even || !side.pins.empty())) return;
+    SampledEdge &lead = turned ? other : side, &follower = turned ? side : other;
+    if (!lead.pins.empty()) {
+        if (lead.length > kRowLength * follower.length) return; // pins may come from elsewhere too
+        fillBetweenPins(lead);
+        lead.pins.clear();
+        lead.even = true;
+    } else if (!lead.even) {
+        const auto steps = stepsAlong(lead, step);
+        const double least = std::ceil(lead.length / longest - 0.05);
+        lead.divisions.clear();
+        divideEvenly(steps, std::max({1.0, least, std::round(steps.back().second)}), lead.divisions);
+        lead.even = true;
     }
-    const glm::dvec3 from = position(other.a), along = (position(other.b) - from) / other.length;
-    std::vector<double> at; // of the shorter side's points on the longer one
-    const glm::dvec3 a = position(side.a), d = position(side.b) - a;
-    at.push_back(glm::dot(a - from, along));
-    for (const double t : side.divisions) at.push_back(glm::dot(a + t * d - from, along));
+    pinBetween(lead, follower);
+}
+
+// Half a step off the divisions of the edge on the other side of a strip.
+void EdgeSampler::pinBetween(const SampledEdge& lead, SampledEdge& follower) const {
+    const glm::dvec3 from = position(follower.a), along = (position(follower.b) - from) / follower.length;
+    const glm::dvec3 a = position(lead.a), d = position(lead.b) - a;
+    std::vector<double> at{glm::dot(a - from, along)}; // of the leading side's points on this one
+    for (const double t : lead.divisions) at.push_back(glm::dot(a + t * d - from, along));
     at.push_back(glm::dot(a + d - from, along));
-    // Beyond the ends of the shorter side too, where the longer one goes on.
+    // Half a step at an end counts as none: else steps would shrink from strip to strip.
+    const auto isHalf = [&](size_t end, size_t next, size_t after) {
+        return at.size() > 3 && std::abs(at[next] - at[end]) < kHalfStep * std::abs(at[after] - at[next]);
+    };
+    const size_t last = at.size() - 1;
+    const bool shortLast = isHalf(last, last - 1, last - 2);
+    if (isHalf(0, 1, 2)) at.erase(at.begin());
+    if (shortLast) at.pop_back();
+    // Beyond the ends of a shorter side too, where this one goes on.
     at.insert(at.begin(), 2 * at[0] - at[1]);
     at.push_back(2 * at.back() - at[at.size() - 2]);
     for (size_t k = 0; k + 1 < at.size(); ++k) {
         const double middle = 0.5 * (at[k] + at[k + 1]), half = 0.5 * std::abs(at[k + 1] - at[k]);
-        if (middle > 0.5 * half && middle < other.length - 0.5 * half) other.pins.push_back(middle);
+        if (middle > 0.5 * half && middle < follower.length - 0.5 * half) follower.pins.push_back(middle);
     }
 }
 

@@ -79,9 +79,11 @@ private:
     void shareDivisions(const TwinEdges& group);
     void findNearCorners(double reach);
     void findStrips();
+    void orderRows();
     void considerStrip(size_t domain, uint32_t side, glm::dvec2 a, glm::dvec2 b, uint32_t other, glm::dvec2 c,
                        glm::dvec2 d);
     void stagger(const Strip& strip);
+    void pinBetween(const SampledEdge& lead, SampledEdge& follower) const;
     void divide(SampledEdge& edge) const;
     void fillBetweenPins(SampledEdge& edge) const;
     void easeCorners();
@@ -102,7 +104,7 @@ private:
     std::vector<double> eased_;          // per corner: metres, most for the first steps from there
     std::vector<glm::dvec2> directions_; // per domain: of its longest side
     std::vector<TwinEdges> twins_;
-    std::vector<Strip> strips_;   // narrow ones first
+    std::vector<Strip> strips_;   // narrow ones first, those beside them next
     double edge_ = 0, reach_ = 0; // metres; of the steps for which near corners are known
     Grading grading_;
 };

@@ -40,7 +40,7 @@ constexpr std::array kGradings{Grading{1.4, 0.6}, Grading{2.0, 1.0}, Grading{kUn
 constexpr double kFarTooMany = 1.4;     // times what was asked for: such grading is for finer meshes
 constexpr double kMostForGrading = 0.3; // of the triangles that were asked for
 // Of them, in narrow strips: where it is more, others are large beside them whatever is done about angles.
-constexpr double kManyNarrow = 0.06;
+constexpr double kManyNarrow = 0.15;
 constexpr double kMostStretch = 1.6; // of a regular mesh's edge: longer ones no longer save triangles
 
 // Of regular triangles, so many, that cover the area.
@@ -431,10 +431,10 @@ private:
     const Building& building_;
     double wanted_, edge_ = 0, added_ = 0; // added: triangles that refinement adds, as far as known
     size_t additions_ = 0;                 // points that optimisation may still add
-    std::vector<double> areas_;      // per domain
-    std::vector<Draft> drafts_;      // per domain, for the edge and lattices chosen
-    double draftedEdge_ = 0;         // of all drafts, with the grading; the sampler's too
-    std::map<double, Count> counts_; // by edge, of those looked at with this grading
+    std::vector<double> areas_;            // per domain
+    std::vector<Draft> drafts_;            // per domain, for the edge and lattices chosen
+    double draftedEdge_ = 0;               // of all drafts, with the grading; the sampler's too
+    std::map<double, Count> counts_;       // by edge, of those looked at with this grading
     double lastEdge_ = 0, lastCount_ = 0;
     Grading grading_;
     bool addedKnown_ = false; // at this grading
