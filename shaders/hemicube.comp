@@ -3,8 +3,8 @@
 // Conversion using 2D Homogeneous Coordinates, 1997): planes through the viewpoint and an edge, so that triangles that
 // cross the horizon or touch the viewpoint need no clipping. One workgroup, one viewpoint.
 // CPU devices run what is in an `if` whether or not a lane wants it, and a loop as long as its longest lane: so work is
-// first listed by face and size, then done by lanes that all have some. Loops also stay short because such devices end an
-// invocation's loops after 65535 turns in all.
+// first listed by face and size, then done by lanes that all have some. Loops also stay short because such devices
+// end an invocation's loops after 65535 turns in all.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -73,12 +73,13 @@ uint listPlace(uint size, uint k) {
     return gl_WorkGroupID.x * params.listLength + place;
 }
 
-// Lists the faces of the hemicube that a stripe of a triangle may touch: not those where all its corners lie behind one of
-// the planes that bound the face's pyramid.
+// Lists the faces of the hemicube that a stripe of a triangle may touch: not those where all its corners lie behind
+// one of the planes that bound the face's pyramid.
 void classify(uint work, Frame frame, uint self, uint room) {
     Raster r = setUp(work / params.stripes, frame, self, room);
     vec3 x = vec3(r.a.x, r.b.x, r.c.x), y = vec3(r.a.y, r.b.y, r.c.y), z = vec3(r.a.z, r.b.z, r.c.z);
-    bvec4 zOver = bvec4(any(greaterThan(z, x)), any(greaterThan(z, -x)), any(greaterThan(z, y)), any(greaterThan(z, -y)));
+    bvec4 zOver = bvec4(any(greaterThan(z, x)), any(greaterThan(z, -x)), any(greaterThan(z, y)),
+                        any(greaterThan(z, -y)));
     bool xOverY = any(greaterThan(x, y)), yOverX = any(greaterThan(y, x)), xOverMinusY = any(greaterThan(x, -y)),
          minusYOverX = any(greaterThan(-y, x));
     uint faces = 0u;

@@ -1,5 +1,5 @@
-// Hemicube in compute, second half: sums the delta form factors of what each pixel sees, by patch. Sums are in fixed point,
-// so that their order does not matter.
+// Hemicube in compute, second half: sums the delta form factors of what each pixel sees, by patch. Sums are in
+// fixed point, so that their order does not matter.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require

@@ -1,6 +1,7 @@
-// Rays from points on patches, with the density of the cosine, to the patch that each meets first: F(i, j) is the share of
-// the rays of i that end on the front of j. One invocation sends rays of one patch: lanes of a subgroup have neighbouring
-// patches and, by the bits of direction that all patches share, nearly the same direction, so they visit the same boxes.
+// Rays from points on patches, with the density of the cosine, to the patch that each meets first: F(i, j) is the
+// share of the rays of i that end on the front of j. One invocation sends rays of one patch: lanes of a subgroup
+// have neighbouring patches and, by the bits of direction that all patches share, nearly the same direction, so
+// they visit the same boxes.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -31,7 +32,8 @@ void main() {
     uint second = first >= params.halfRays ? 1u : 0u;
     // A random digital shift for each patch and half: every elementary interval keeps its number of points.
     uint seed = hashOf(2u * row + second + 1u);
-    uvec4 shift = uvec4(hashOf(seed), hashOf(seed + 0x9e3779b9u), hashOf(seed + 0x3c6ef372u), hashOf(seed + 0xdaa66d2bu));
+    uvec4 shift = uvec4(hashOf(seed), hashOf(seed + 0x9e3779b9u), hashOf(seed + 0x3c6ef372u),
+                        hashOf(seed + 0xdaa66d2bu));
     shift.xy &= 0xffffffffu >> params.keptBits;
     [[dont_unroll]] for (uint k = 0u; k < params.rays; ++k) {
         uvec4 bits = texelFetch(points, int(first + k - second * params.halfRays)) ^ shift;

@@ -1,6 +1,7 @@
-// Counts of hits become form factors, in place. A_i F_ij = A_j F_ji: both counts of a pair measure the same exchange, with
-// variances in proportion to A_i and A_j, so that (c_ij + c_ji) A_j / (A_i + A_j) has the least. The difference between both
-// halves of the rays, which are independent, gives the variance of each. One group, one tile of pairs and its mirror image.
+// Counts of hits become form factors, in place. A_i F_ij = A_j F_ji: both counts of a pair measure the same
+// exchange, with variances in proportion to A_i and A_j, so that (c_ij + c_ji) A_j / (A_i + A_j) has the least. The
+// difference between both halves of the rays, which are independent, gives the variance of each. One group, one
+// tile of pairs and its mirror image.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require

@@ -1,6 +1,6 @@
-// H = F B for one to four columns of light at once: illuminance that patches receive from all others. A subgroup sums eight
-// rows, so that light is fetched once for eight; F is read once from a texel buffer, the fastest way for read-only data on
-// devices without large caches. The order of every sum is fixed.
+// H = F B for one to four columns of light at once: illuminance that patches receive from all others. A subgroup
+// sums eight rows, so that light is fetched once for eight; F is read once from a texel buffer, the fastest way for
+// read-only data on devices without large caches. The order of every sum is fixed.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -23,13 +23,15 @@ void main() {
     uint shift = (first * n) % 4u;
     if (first >= params.rowCount) return;
     uint start[kGatherRows];
-    for (uint k = 0u; k < kGatherRows; ++k) start[k] = (first + (first + 4u * k < params.rowCount ? 4u * k : 0u)) * n / 4u;
+    for (uint k = 0u; k < kGatherRows; ++k)
+        start[k] = (first + (first + 4u * k < params.rowCount ? 4u * k : 0u)) * n / 4u;
     float sums[kGatherRows * 4u];
     for (uint k = 0u; k < kGatherRows * kColumns; ++k) sums[k] = 0.0;
     uint texels = (n + shift + 3u) / 4u;
     for (uint m = gl_SubgroupInvocationID; m < texels; m += gl_SubgroupSize) {
         vec4 b[4];
-        for (uint c = 0u; c < kColumns; ++c) b[c] = texelFetch(light, int((c * 4u + shift) * params.texelsPerColumn + m));
+        for (uint c = 0u; c < kColumns; ++c)
+            b[c] = texelFetch(light, int((c * 4u + shift) * params.texelsPerColumn + m));
         for (uint k = 0u; k < kGatherRows; ++k) {
             vec4 f = texelFetch(factors, int(start[k] + m));
             // Pairwise: a fourth of the additions one after another.

@@ -1,5 +1,5 @@
-// What a device can do at most: multiply-adds out of registers, or reads of a texel buffer in order. Results are stored, so
-// that nothing may be left out.
+// What a device can do at most: multiply-adds out of registers, or reads of a texel buffer in order. Results are
+// stored, so that nothing may be left out.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require

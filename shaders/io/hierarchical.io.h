@@ -9,14 +9,16 @@ const uint kHierarchicalFewRays = 4u;   // first between two triangles, then as 
 const uint kHierarchicalLanes = 8u; // share the rays of a pair that needs many: the last pairs to be settled are few
 const uint kHierarchicalManyRays = 64u; // which a pair does that has had so many
 const uint kHierarchicalRoundRays = 512u; // of one invocation, at most: loops are far from 65535 turns
-const float kHierarchicalKept = 0.25f; // of a tolerance, the error over the larger end up to which a pair of triangles is kept
+// Of a tolerance, the error over the larger end up to which a pair of triangles is kept.
+const float kHierarchicalKept = 0.25f;
 const uint kHierarchicalAlign = 16u; // windows of entries begin at multiples of this: 256 bytes
 // A node takes five texels (uvec4; floats by their bits):
 //   centre.xyz, radius | normal.xyz, area | axis U.xyz, first leaf | axis V.xyz, count of leaves | child, room,
 //   farthest middle of a leaf along U and along V, in units of them
-// A leaf takes three: a corner and the edges to the others; in w what of the corner float32 leaves out. Axes are as long as the standard deviation of area along them.
-// A link says what both nodes exchange per area of either: density * (1 + a.x u + a.y v + b.x u' + b.y v'), with u, v the
-// coordinates along the axes of the first node and u', v' those of the second.
+// A leaf takes three: a corner and the edges to the others; in w what of the corner float32 leaves out. Axes are as
+// long as the standard deviation of area along them.
+// A link says what both nodes exchange per area of either: density * (1 + a.x u + a.y v + b.x u' + b.y v'), with u, v
+// the coordinates along the axes of the first node and u', v' those of the second.
 struct HierarchicalLink {
     uint first;
     uint second;
@@ -25,8 +27,8 @@ struct HierarchicalLink {
     uint secondSlope;
     float error; // of the density between two of their triangles, RMS, estimated
 };
-// A link that something may stand in the way of, and the rays between its ends so far: sums of what they would carry in the
-// open and of what passes, and of the squares of both.
+// A link that something may stand in the way of, and the rays between its ends so far: sums of what they would
+// carry in the open and of what passes, and of the squares of both.
 struct HierarchicalDoubt {
     HierarchicalLink link; // in the open
     uint rays;

@@ -1,6 +1,6 @@
-// Rays through a bounding volume hierarchy in depth-first order (compute/bvh.h). Software devices run what is in an `if`
-// for all lanes and a loop as long as its longest lane: so boxes and triangles have loops of their own (T. Aila, S. Laine,
-// "Understanding the Efficiency of Ray Traversal on GPUs", 2009), and nothing needs a stack.
+// Rays through a bounding volume hierarchy in depth-first order (compute/bvh.h). Software devices run what is in an
+// `if` for all lanes and a loop as long as its longest lane: so boxes and triangles have loops of their own
+// (T. Aila, S. Laine, "Understanding the Efficiency of Ray Traversal on GPUs", 2009), and nothing needs a stack.
 // Before this: uniform usamplerBuffer bvhNodes, bvhTriangles.
 #ifndef BVH_GLSL
 #define BVH_GLSL
@@ -24,7 +24,8 @@ BvhRay bvhRay(vec3 origin, vec3 direction, uint nodeCount) {
     return BvhRay(origin, direction, 1.0 / d, octant * nodeCount, nodeCount);
 }
 
-// Goes on from `node` to the next leaf nearer than `reach`, of boxes grown by `radius`; returns its triangles, 0 at the end.
+// Goes on from `node` to the next leaf nearer than `reach`, of boxes grown by `radius`; returns its triangles, 0 at
+// the end.
 uint nextLeafWithin(BvhRay ray, float radius, float reach, inout uint node) {
     uint leaf = 0u;
     [[dont_unroll]] while (node < ray.end && leaf == 0u) {
@@ -63,8 +64,8 @@ BvhCrossing crossingOf(BvhRay ray, uint at) {
                        min(u, v) >= -kBvhEdge && u + v <= 1.0 + kBvhEdge);
 }
 
-// The nearest patch that a ray meets, times two, plus one seen from behind; kBvhNothing when there is none. Patches of other
-// rooms, `self`, and planes nearer to the origin than `flatness` are not there.
+// The nearest patch that a ray meets, times two, plus one seen from behind; kBvhNothing when there is none. Patches
+// of other rooms, `self`, and planes nearer to the origin than `flatness` are not there.
 uint nearestPatch(BvhRay ray, uint self, uint room, float flatness) {
     float reach = 1e30;
     uint result = kBvhNothing, node = 0u;
@@ -75,7 +76,8 @@ uint nearestPatch(BvhRay ray, uint self, uint room, float flatness) {
             BvhCrossing c = crossingOf(ray, at);
             float isBack = c.determinant > 0.0 ? 0.0 : 1.0, wasBack = float(result & 1u);
             bool hit = k < count && c.patch_ != self && c.room == room && c.inside && c.t > 0.0 &&
-                       c.t < reach * (1.0 + kBvhTie * (wasBack - isBack)) && abs(c.height) * c.inverseTwiceArea > flatness;
+                       c.t < reach * (1.0 + kBvhTie * (wasBack - isBack)) &&
+                       abs(c.height) * c.inverseTwiceArea > flatness;
             reach = hit ? c.t : reach;
             result = hit ? 2u * c.patch_ + (c.determinant > 0.0 ? 0u : 1u) : result;
             at += 3u;
@@ -85,7 +87,8 @@ uint nearestPatch(BvhRay ray, uint self, uint room, float flatness) {
     return result;
 }
 
-// Whether a triangle of `room` stands between two points. Planes that hold either point, to within `flatness`, do not block.
+// Whether a triangle of `room` stands between two points. Planes that hold either point, to within `flatness`, do
+// not block.
 bool blockedBetween(vec3 from, vec3 to, uint room, uint nodeCount, float flatness) {
     BvhRay ray = bvhRay(from, to - from, nodeCount);
     bool blocked = false;
@@ -106,9 +109,10 @@ bool blockedBetween(vec3 from, vec3 to, uint room, uint nodeCount, float flatnes
     return blocked;
 }
 
-// Whether a triangle might stand between two discs: it may reach into the capsule about both, and its plane does not have both
-// on one side. Never false where one does.
-bool maybeBlocked(vec3 from, vec3 fromNormal, float fromRadius, vec3 to, vec3 toNormal, float toRadius, uint nodeCount) {
+// Whether a triangle might stand between two discs: it may reach into the capsule about both, and its plane does
+// not have both on one side. Never false where one does.
+bool maybeBlocked(vec3 from, vec3 fromNormal, float fromRadius, vec3 to, vec3 toNormal, float toRadius,
+                  uint nodeCount) {
     float radius = max(fromRadius, toRadius);
     vec3 along = to - from;
     float size = length(along);

@@ -1,4 +1,5 @@
-// Clusters of coplanar triangles, and rays between them. Before this: uniform usamplerBuffer nodes, leaves, and those of bvh.glsl.
+// Clusters of coplanar triangles, and rays between them. Before this: uniform usamplerBuffer nodes, leaves, and
+// those of bvh.glsl.
 #ifndef CLUSTER_GLSL
 #define CLUSTER_GLSL
 #include "shaders/lib/bvh.glsl"
@@ -38,9 +39,12 @@ struct CastRay {
 // Ray `k`, stratified by a rank-1 lattice with a random shift for each pair.
 CastRay castRay(Cluster p, Cluster q, uint seed, uint k, uint nodeCount, float flatness) {
     // Powers of the root of x^7 = x + 1, as fractions of 2^32: Roberts' generalised golden ratio in six dimensions.
-    uvec3 bitsP = uvec3(hashOf(seed), hashOf(seed + 1u), hashOf(seed + 2u)) + k * uvec3(3859688306u, 3468523226u, 3117001274u),
-          bitsQ = uvec3(hashOf(seed + 3u), hashOf(seed + 4u), hashOf(seed + 5u)) + k * uvec3(2801104767u, 2517223199u, 2262111973u);
-    vec3 up = vec3(unitOf(bitsP.x), unitOf(bitsP.y), unitOf(bitsP.z)), uq = vec3(unitOf(bitsQ.x), unitOf(bitsQ.y), unitOf(bitsQ.z));
+    uvec3 bitsP = uvec3(hashOf(seed), hashOf(seed + 1u), hashOf(seed + 2u)) +
+                  k * uvec3(3859688306u, 3468523226u, 3117001274u),
+          bitsQ = uvec3(hashOf(seed + 3u), hashOf(seed + 4u), hashOf(seed + 5u)) +
+                  k * uvec3(2801104767u, 2517223199u, 2262111973u);
+    vec3 up = vec3(unitOf(bitsP.x), unitOf(bitsP.y), unitOf(bitsP.z)),
+         uq = vec3(unitOf(bitsQ.x), unitOf(bitsQ.y), unitOf(bitsQ.z));
     vec3 from = pointOn(p, up.x, up.yz), to = pointOn(q, uq.x, uq.yz), d = to - from;
     float r2 = dot(d, d), open_ = max(0.0, dot(p.normal, d)) * max(0.0, -dot(q.normal, d)) / max(r2 * r2, 1e-30);
     return CastRay(from, to, blockedBetween(from, to, p.room, nodeCount, flatness) ? 0.0 : open_, open_);

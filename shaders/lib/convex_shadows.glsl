@@ -1,13 +1,14 @@
-// Form factor from a point to what is lit of a triangle or quadrangle behind at most two convex blockers of at most four
-// corners, in registers. In the frame of the piece (origin at its first corner, z along its normal) a shadow is an intersection
-// of half planes; F(lit) = F(piece) - F(A) - F(B) + F(A and B), each a sum of Lambert's formula over the border
-// (visible_polygon.glsl does any number of blockers, at eight times the cost). Needs exact_scene.glsl, lambert.glsl and
-// kCorners.
+// Form factor from a point to what is lit of a triangle or quadrangle behind at most two convex blockers of at most
+// four corners, in registers. In the frame of the piece (origin at its first corner, z along its normal) a shadow
+// is an intersection of half planes; F(lit) = F(piece) - F(A) - F(B) + F(A and B), each a sum of Lambert's formula
+// over the border (visible_polygon.glsl does any number of blockers, at eight times the cost). Needs
+// exact_scene.glsl, lambert.glsl and kCorners.
 #ifndef CONVEX_SHADOWS_GLSL
 #define CONVEX_SHADOWS_GLSL
 
 const int kWalls = 5; // through the point and an edge of the blocker, four times; the blocker's own plane
-const int kRim = int(kExactFewCorners) + 1; // of which kCorners + 1 are used: the last where the receiver's plane cuts the piece
+// Of which kCorners + 1 are used: the last where the receiver's plane cuts the piece.
+const int kRim = int(kExactFewCorners) + 1;
 const vec3 kNoLine = vec3(0.0, 0.0, 1e30);
 const vec2 kEmpty = vec2(1e30, -1e30);
 
@@ -22,7 +23,8 @@ struct Shadow {
     vec2 rim[kRim];     // the stretch of each edge of the piece within the shadow
 };
 
-// The piece above the receiver's plane: edges counter-clockwise, `from + t along` for t in `rim`, and the corners in any order.
+// The piece above the receiver's plane: edges counter-clockwise, `from + t along` for t in `rim`, and the corners
+// in any order.
 vec2 rimFrom[kRim];
 vec2 rimAlong[kRim];
 vec2 rim[kRim];
@@ -144,8 +146,8 @@ float shadowSum(inout Shadow s) {
     return sum;
 }
 
-// The same for those of a shadow's lines that another covers: with the other's, and both rims, the border of what both have
-// in common. Where lines of both run together the first shadow's counts.
+// The same for those of a shadow's lines that another covers: with the other's, and both rims, the border of what
+// both have in common. Where lines of both run together the first shadow's counts.
 float coveredSum(Shadow s, Shadow by, bool first) {
     float sum = 0.0;
     int w = 0;

@@ -1,4 +1,5 @@
-// Pairs of clusters handed on. Before this: uniform usamplerBuffer nodes, buffers counters, next and leafPairs, cluster.glsl.
+// Pairs of clusters handed on. Before this: uniform usamplerBuffer nodes, buffers counters, next and leafPairs,
+// cluster.glsl.
 #ifndef LINK_QUEUES_GLSL
 #define LINK_QUEUES_GLSL
 

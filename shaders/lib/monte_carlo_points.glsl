@@ -11,12 +11,14 @@ uint hashOf(uint x) {
 
 float unitOf(uint bits) { return float(bits >> 8u) * 5.9604644775390625e-8; }
 
-// Area-preserving and continuous: E. Heitz, "A Low-Distortion Map Between Triangle and Square", 2019. Returns the weights
-// of both edges.
-vec2 squareToTriangle(vec2 s) { return s.y > s.x ? vec2(0.5 * s.x, s.y - 0.5 * s.x) : vec2(s.x - 0.5 * s.y, 0.5 * s.y); }
+// Area-preserving and continuous: E. Heitz, "A Low-Distortion Map Between Triangle and Square", 2019. Returns the
+// weights of both edges.
+vec2 squareToTriangle(vec2 s) {
+    return s.y > s.x ? vec2(0.5 * s.x, s.y - 0.5 * s.x) : vec2(s.x - 0.5 * s.y, 0.5 * s.y);
+}
 
-// Square to disk, lifted to the hemisphere: density cosine / pi. P. Shirley, K. Chiu, "A Low Distortion Map Between Disk and
-// Square", 1997; N. Malley.
+// Square to disk, lifted to the hemisphere: density cosine / pi. P. Shirley, K. Chiu, "A Low Distortion Map Between
+// Disk and Square", 1997; N. Malley.
 vec3 squareToCosine(vec2 s) {
     vec2 c = 2.0 * s - 1.0;
     bool wide = abs(c.x) > abs(c.y);

@@ -1,7 +1,7 @@
-// What two triangles exchange when nothing stands between: A_p F_pq = 1/pi int int cos cos / r^2, parts behind either's plane
-// cut away. Near pairs by the double integral round both borders (E. M. Sparrow, "A New and Simpler Formulation for Radiative
-// Angle Factors", 1963), the inner one in closed form, the outer one by Gauss' rule under a substitution that smooths its
-// ends, where borders touch; others by a product rule.
+// What two triangles exchange when nothing stands between: A_p F_pq = 1/pi int int cos cos / r^2, parts behind
+// either's plane cut away. Near pairs by the double integral round both borders (E. M. Sparrow, "A New and Simpler
+// Formulation for Radiative Angle Factors", 1963), the inner one in closed form, the outer one by Gauss' rule under
+// a substitution that smooths its ends, where borders touch; others by a product rule.
 #ifndef PAIR_EXCHANGE_GLSL
 #define PAIR_EXCHANGE_GLSL
 #include "shaders/lib/lambert.glsl"
@@ -24,7 +24,8 @@ float kernelBetween(vec3 x, vec3 nx, vec3 y, vec3 ny) {
     return max(0.0, dot(nx, d)) * max(0.0, -dot(ny, d)) / (kPairPi * r2 * r2);
 }
 
-// int ln |p - x| along a segment that begins at `from` relative to p; `less` is taken from the angle under which p sees it.
+// int ln |p - x| along a segment that begins at `from` relative to p; `less` is taken from the angle under which p
+// sees it.
 float logAlong(vec3 from, vec3 unit, float size, float less) {
     float t0 = dot(from, unit), t1 = t0 + size;
     vec3 across = from - t0 * unit;
@@ -40,9 +41,9 @@ float slantAlong(float h, float x) {
     return 0.5 * (x * far + (h > 0.0 ? h * h * log((x + far) / h) : 0.0));
 }
 
-// A line that passes close over the inside of a segment sees it under an angle of nearly pi there, and the distance that this is
-// multiplied by has a kink where it passes, which no rule of few points follows. Whether it does, and pi times the integral of
-// that distance along the line's own segment.
+// A line that passes close over the inside of a segment sees it under an angle of nearly pi there, and the distance
+// that this is multiplied by has a kink where it passes, which no rule of few points follows. Whether it does, and
+// pi times the integral of that distance along the line's own segment.
 bool passesOver(vec3 from, vec3 along, float length_, vec3 start, vec3 unit, float size, out float integral) {
     vec3 a = along / length_, w = from - start, n = cross(a, unit);
     float c = dot(a, unit), s2 = dot(n, n), aw = dot(a, w), uw = dot(unit, w);
@@ -72,8 +73,8 @@ void cutAtPlane(vec3 corner[3], vec3 h, out vec3 part[4]) {
     }
 }
 
-// Gauss and Legendre's rule of eight points, its positive half; Legendre's polynomials of degree 4 to 7 there, each times (2 n + 1)
-// / 2 and the weight, so that sums with them are the coefficients of what is integrated.
+// Gauss and Legendre's rule of eight points, its positive half; Legendre's polynomials of degree 4 to 7 there, each
+// times (2 n + 1) / 2 and the weight, so that sums with them are the coefficients of what is integrated.
 const vec4 kPairNodes = vec4(0.183434642496, 0.525532409916, 0.796666477414, 0.960289856498);
 const vec4 kPairWeights = vec4(0.362683783378, 0.313706645878, 0.222381034453, 0.101228536290);
 const vec4 kPairLegendre[4] = vec4[](vec4(0.414176097, 0.581608863, -0.267389671, -0.784906558),
@@ -84,10 +85,13 @@ const vec4 kPairLegendre[4] = vec4[](vec4(0.414176097, 0.581608863, -0.267389671
 const float kPairRounding = 5e-9; // of sums round both borders, which cancel, over the product of their lengths
 const float kPairErrorOfLast = 0.3; // measured: 99 of 100 pairs that touch err by less
 
-float around(vec3 p[4]) { return length(p[1] - p[0]) + length(p[2] - p[1]) + length(p[3] - p[2]) + length(p[0] - p[3]); }
+float around(vec3 p[4]) {
+    return length(p[1] - p[0]) + length(p[2] - p[1]) + length(p[3] - p[2]) + length(p[0] - p[3]);
+}
 
-// The double integral over 2 pi, by Gauss' rule in each of `panels` parts of an edge, and in y its error, estimated: the last two
-// coefficients of what is integrated along an edge, as far as these fall from the two before.
+// The double integral over 2 pi, by Gauss' rule in each of `panels` parts of an edge, and in y its error,
+// estimated: the last two coefficients of what is integrated along an edge, as far as these fall from the two
+// before.
 vec2 bordersIntegral(vec3 p[4], vec3 q[4], uint panels) {
     vec2 sum = vec2(0.0);
     [[dont_unroll]] for (uint edge = 0u; edge < 4u; ++edge) {
@@ -99,7 +103,8 @@ vec2 bordersIntegral(vec3 p[4], vec3 q[4], uint panels) {
             vec3 edge_ = q[(e + 1) % 4] - q[e];
             float size = length(edge_), integral;
             bool any = length_ > 0.0 && size > 0.0;
-            if (passesOver(from, along, any ? length_ : 1.0, q[e], any ? edge_ / size : vec3(0.0), size, integral) && any) {
+            if (passesOver(from, along, any ? length_ : 1.0, q[e], any ? edge_ / size : vec3(0.0), size, integral) &&
+                any) {
                 less[e] = kPairPi;
                 sum.x += dot(along, edge_) / (size * length_) * integral;
             }
@@ -130,7 +135,8 @@ vec2 bordersIntegral(vec3 p[4], vec3 q[4], uint panels) {
     return sum / (2.0 * kPairPi);
 }
 
-// Twice pi times the factor from a point of a plane to a polygon wholly over it, corners relative to the point: Lambert's formula.
+// Twice pi times the factor from a point of a plane to a polygon wholly over it, corners relative to the point:
+// Lambert's formula.
 float lambertSum(vec3 corner[4], vec3 normal) {
     float sum = 0.0;
     for (int e = 0; e < 4; ++e) sum += lambertEdge(corner[e], corner[(e + 1) % 4], normal);
