@@ -458,7 +458,7 @@ private:
                "work and the device is the processor")
             ->check(CLI::IsMember({"wall", "CPU"}));
         sub->add_option("-o,--output", bench_.output,
-                        "folder for bench.csv, .json and .svg; made when missing")
+                        "folder for bench.csv, .json, .svg and .png; made when missing")
             ->required();
     }
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <functional>
@@ -14,6 +15,7 @@
 #include "compute/stopwatch.h"
 #include "engine/app/bench_clock.h"
 #include "engine/app/bench_peers.h"
+#include "engine/app/bench_plot.h"
 #include "engine/app/bench_results.h"
 #include "engine/app/bench_scenes.h"
 #include "engine/app/commands.h"
@@ -50,9 +52,10 @@ std::vector<Setting> settingsOf(const std::string& kernel) {
         for (const uint32_t R : {32u, 64u, 128u}) add(fmt::format("{0}x{0}", R), R, 1, 0, 3.0 * R * R);
         add("64x64, 4 points", 64, 4, 0, 4 * 3.0 * 64 * 64);
     } else if (kernel == "montecarlo") {
-        for (const uint32_t R : {16u, 32u, 64u, 128u}) add(fmt::format("{} rays", R * R), R, 1, 0, R * R);
+        for (const uint32_t R : {16u, 32u, 64u, 128u}) add(std::to_string(R * R), R, 1, 0, R * R);
     } else {
-        for (const double error : {1e-2, 1e-3, 1e-4, 1e-5}) add(fmt::format("{:g}", error), 64, 1, error, 0);
+        for (const int decade : {-2, -3, -4, -5})
+            add(fmt::format("1e{}", decade), 64, 1, std::pow(10, decade), 0);
     }
     return settings;
 }
@@ -222,9 +225,9 @@ private:
         }
         if (const std::string program = findView3d();
             !program.empty() && scene_->mesh.patchCount() <= kMostForView3d)
-            for (const double epsilon : {1e-3, 1e-4, 1e-6})
-                add("view3d", fmt::format("{:g}", epsilon),
-                    [&, epsilon] { return view3d(program, scene_->mesh, epsilon); });
+            for (const int decade : {-3, -4, -6})
+                add("view3d", fmt::format("1e{}", decade),
+                    [&, decade] { return view3d(program, scene_->mesh, std::pow(10, decade)); });
     }
 
     void gather();
@@ -401,8 +404,9 @@ void execute(Run& run, const BenchArguments& given) {
         // After every scene, so that a long bench that is stopped has something to show.
         geometry::writeWholeText(arguments.output / "bench.csv", csvOf(bench.results));
         geometry::writeWholeText(arguments.output / "gather.csv", csvOf(bench.gathers));
-        geometry::writeWholeText(arguments.output / "bench.svg",
-                                 plotOf(bench.results, device, arguments.clock));
+        const Chart plot = plotOf(bench.results, device, arguments.clock);
+        plot.write(arguments.output / "bench.svg");
+        plot.write(arguments.output / "bench.png");
         const nlohmann::ordered_json all{{"version", HELIODON_VERSION},
                                          {"device", device},
                                          {"compared_by", arguments.clock + " time"},

@@ -1,4 +1,4 @@
-// What a bench found, as a table (CSV), as JSON and as a plot of error against time.
+// What a bench found, as a table (CSV) and as JSON.
 #pragma once
 
 #include <string>
@@ -45,10 +45,5 @@ std::string csvOf(const std::vector<BenchResult>& results);
 std::string csvOf(const std::vector<GatherResult>& results);
 nlohmann::ordered_json jsonOf(const BenchResult& result);
 nlohmann::ordered_json jsonOf(const GatherResult& result);
-
-// One panel for each scene and size, both axes logarithmic; filled marks are on the front, which a line
-// joins. `clock` names the time that is compared.
-std::string plotOf(const std::vector<BenchResult>& results, const std::string& device,
-                   const std::string& clock);
 
 } // namespace heliodon::app

@@ -75,27 +75,29 @@ std::string Chart::svg() const {
                 path += fmt::format("{}{:.2f} {:.2f}", k ? 'L' : 'M', outline[k].x, outline[k].y);
             if (item.kind == Item::Kind::fill) path += 'Z';
         }
+        const std::string title =
+            item.title.empty() ? "" : fmt::format("<title>{}</title>", escaped(item.title));
         switch (item.kind) {
         case Item::Kind::fill: // a hairline of its own colour closes the seams between neighbours
             text += fmt::format("<path d=\"{0}\" fill=\"{1}\" fill-rule=\"evenodd\" stroke=\"{1}\" "
-                                "stroke-width=\"{2:g}\"/>\n",
-                                path, hex(item.ink), item.size);
+                                "stroke-width=\"{2:g}\">{3}</path>\n",
+                                path, hex(item.ink), item.size, title);
             break;
         case Item::Kind::line:
             text += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{:g}\" "
-                                "stroke-linecap=\"round\"/>\n",
-                                path, hex(item.ink), item.size);
+                                "stroke-linecap=\"round\">{}</path>\n",
+                                path, hex(item.ink), item.size, title);
             break;
         case Item::Kind::text:
             text += fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\" font-size=\"{:g}\" text-anchor=\"{}\" "
-                                "fill=\"{}\"{}>{}</text>\n",
+                                "fill=\"{}\"{}>{}{}</text>\n",
                                 item.outlines[0][0].x, item.outlines[0][0].y, item.size,
                                 item.anchor == Anchor::start    ? "start"
                                 : item.anchor == Anchor::middle ? "middle"
                                                                 : "end",
                                 hex(item.ink),
                                 item.halo ? " stroke=\"#fff\" stroke-width=\"3\" paint-order=\"stroke\"" : "",
-                                escaped(item.words));
+                                title, escaped(item.words));
             break;
         }
     }

@@ -34,11 +34,15 @@ public:
     void text(glm::dvec2 at, const std::string& words, double size, Anchor anchor = Anchor::start,
               Ink ink = kBlack, bool halo = false);
 
+    // What a viewer of the SVG shows when the pointer is on the last thing drawn. PNG has none.
+    void explain(const std::string& words) { items_.back().title = words; }
+
     double width() const { return width_; }
     double height() const { return height_; }
 
     // By extension, .svg or .png; whole or not at all.
     void write(const std::filesystem::path& file) const;
+    std::string svg() const;
 
 private:
     struct Item {
@@ -49,8 +53,8 @@ private:
         std::string words;
         Anchor anchor = Anchor::start;
         bool halo = false;
+        std::string title = {};
     };
-    std::string svg() const;
     void writePng(const std::filesystem::path& file) const;
 
     double width_, height_;
