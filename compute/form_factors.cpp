@@ -23,8 +23,7 @@ namespace heliodon::compute {
 
 namespace {
 
-constexpr size_t kEnoughRays = 1u << 18; // of all patches
-constexpr uint32_t kMostResolution = 512, kMostRays = 65536;
+constexpr uint32_t kMostResolution = 512, kFirstRays = 1024, kMostRays = 65536;
 constexpr uint32_t kStreamedRows = 256;
 constexpr uint32_t kSamples = 32, kSampledTogether = 8; // rows by which a stream's rays are chosen
 constexpr double kBelowAsked = 0.9;                     // of the sample, so that all rows are below too
@@ -42,10 +41,7 @@ std::string allRaysCast(double claimed) {
 FormFactors monteCarloFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
                                   const FormFactorOptions& options, double maxError) {
     const uint32_t side = std::min(options.resolution, 256u);
-    // Two halves of few entries may agree by luck.
-    const size_t enough = kEnoughRays / std::max<size_t>(mesh.patchCount(), 1);
-    uint32_t rays =
-        maxError > 0 ? static_cast<uint32_t>(std::clamp<size_t>(enough, 1024, kMostRays)) : side * side;
+    uint32_t rays = maxError > 0 ? kFirstRays : side * side;
     for (;;) {
         MonteCarlo kernel(device, mesh, {rays});
         FormFactors result = kernel.run().factors;
@@ -66,18 +62,20 @@ FormFactors monteCarloFormFactors(gpu::Device& device, const geometry::PatchMesh
 uint32_t raysOfRows(gpu::Device& device, const geometry::PatchMesh& mesh, double maxError) {
     const auto n = static_cast<uint32_t>(mesh.patchCount());
     const uint32_t samples = std::min(kSamples, (n + kSampledTogether - 1) / kSampledTogether);
-    std::vector<float> values(size_t{kSampledTogether} * n), errors(kSampledTogether);
+    std::vector<float> values(size_t{kSampledTogether} * n);
+    std::vector<MonteCarloSpread> spreads(kSampledTogether);
     for (uint32_t rays = 256;;) {
         MonteCarlo kernel(device, mesh, {rays});
-        double squares = 0, rows = 0;
+        MonteCarloSpread sampled;
+        double rows = 0;
         for (uint32_t k = 0; k < samples; ++k) {
             const auto first = static_cast<uint32_t>(uint64_t{n} * k / samples);
             const uint32_t count = std::min(kSampledTogether, n - first);
-            kernel.rows(first, count, values, errors);
-            for (uint32_t i = 0; i < count; ++i) squares += double{errors[i]} * double{errors[i]};
+            kernel.rows(first, count, values, spreads);
+            for (uint32_t i = 0; i < count; ++i) sampled.add(spreads[i]);
             rows += count;
         }
-        const double claimed = std::sqrt(squares / std::max(rows, 1.0));
+        const double claimed = sampled.claim() / std::sqrt(std::max(rows, 1.0));
         const double wanted = kBelowAsked * maxError, now = kernel.rays();
         if (claimed <= wanted || kernel.rays() >= kMostRays) return kernel.rays();
         // Kernels cast powers of two: from the one below, since all rows pay for rays too many.
@@ -303,18 +301,19 @@ FormFactorReport streamFormFactors(gpu::Device& device, const geometry::PatchMes
         const uint32_t side = std::min(options.resolution, 256u);
         MonteCarlo kernel(device, mesh,
                           {choice.maxError > 0 ? raysOfRows(device, mesh, choice.maxError) : side * side});
-        std::vector<float> values(size_t{std::min(n, kStreamedRows)} * n), errors(kStreamedRows);
-        double squares = 0;
+        std::vector<float> values(size_t{std::min(n, kStreamedRows)} * n);
+        std::vector<MonteCarloSpread> spreads(kStreamedRows);
+        MonteCarloSpread all;
         for (uint32_t first = 0; first < n; first += kStreamedRows) {
             const uint32_t count = std::min(kStreamedRows, n - first);
-            kernel.rows(first, count, values, errors);
-            for (uint32_t k = 0; k < count; ++k) squares += double{errors[k]} * double{errors[k]};
+            kernel.rows(first, count, values, spreads);
+            for (uint32_t k = 0; k < count; ++k) all.add(spreads[k]);
             taken({first, count, 0, n, std::span(values).first(size_t{count} * n)});
         }
         report.kernel = "montecarlo";
         report.why = fmt::format("each row from its own {} rays", kernel.rays());
         report.points = kernel.rays();
-        report.claimedRowError = std::sqrt(squares / std::max(n, 1u));
+        report.claimedRowError = all.claim() / std::sqrt(std::max(n, 1u));
         if (choice.maxError > 0 && report.claimedRowError > choice.maxError && kernel.rays() >= kMostRays)
             report.why += allRaysCast(report.claimedRowError);
     } else {

@@ -22,6 +22,8 @@ namespace {
 constexpr uint32_t kRaysEach = 64; // of one invocation: far below 65535 turns of loops even in dense scenes
 constexpr uint64_t kRaysPerSubmit = 1u << 20; // about a second of a processor: a caller may stop in between
 constexpr uint32_t kMostKeptBits = 5;
+// Standard deviations: somewhat above 99 in 100 (2.33), since neighbours' hits are not independent.
+constexpr double kPercentile = 2.8;
 constexpr VkFormat kUvec4 = VK_FORMAT_R32G32B32A32_UINT;
 
 uint32_t reversed(uint32_t x) {
@@ -63,6 +65,27 @@ std::array<uint32_t, 32> directionNumbers(uint32_t s, uint32_t a, std::array<uin
 }
 
 } // namespace
+
+void MonteCarloSpread::add(const MonteCarloSpread& other) {
+    halves += other.halves;
+    rays += other.rays;
+    squares += other.squares;
+}
+
+double MonteCarloSpread::estimate() const {
+    return std::sqrt(halves);
+}
+
+// Sums of squares of as many normal values as `rays` and `squares` say: of such a sum over its expectation by
+// chi-squared, of one over another by F (E. B. Wilson, M. M. Hilferty, 1931; E. Paulson, 1942).
+double MonteCarloSpread::claim() const {
+    if (!(rays > 0)) return estimate();
+    const double third = 2.0 / 9 * std::min(1.0, squares / (rays * rays)), rest = 1 - third;
+    const double ofRays = rays * std::pow(rest + kPercentile * std::sqrt(third), 3);
+    const double c = kPercentile * kPercentile * third / (rest * rest);
+    if (c >= 1) return std::sqrt(ofRays);
+    return std::sqrt(std::min(ofRays, halves * std::pow((1 + std::sqrt(c * (2 - c))) / (1 - c), 3)));
+}
 
 std::vector<glm::uvec4> monteCarloPoints(uint32_t halfRays) {
     const std::array<std::array<uint32_t, 32>, 4> numbers{
@@ -168,11 +191,11 @@ void MonteCarlo::trace(const gpu::Buffer& counts, uint32_t firstInBuffer, uint32
     }
 }
 
-void MonteCarlo::combine(const gpu::Buffer& counts, const gpu::Buffer& variances) {
+void MonteCarlo::combine(const gpu::Buffer& counts, const gpu::Buffer& spreads) {
     const uint32_t n = params_.patchCount, window = windowRows(), tile = io::kMonteCarloTile;
     const size_t rowBytes = size_t{n} * sizeof(uint32_t);
     gpu::Commands commands(*device_);
-    commands.fill(variances, 0);
+    commands.fill(spreads, 0);
     commands.barrier(gpu::Stage::transfer, gpu::Stage::compute);
     for (uint32_t row = 0; row < n; row += window)
         for (uint32_t column = row; column < n; column += window) {
@@ -184,7 +207,7 @@ void MonteCarlo::combine(const gpu::Buffer& counts, const gpu::Buffer& variances
                 combine_,
                 {gpu::texel(areas_, VK_FORMAT_R32_SFLOAT),
                  gpu::part(counts, row * rowBytes, (rowEnd - row) * rowBytes),
-                 gpu::part(counts, column * rowBytes, (columnEnd - column) * rowBytes), variances},
+                 gpu::part(counts, column * rowBytes, (columnEnd - column) * rowBytes), spreads},
                 params, gpu::groupsFor(columnEnd - column, tile), gpu::groupsFor(rowEnd - row, tile));
         }
     commands.barrier(gpu::Stage::compute, gpu::Stage::any);
@@ -199,24 +222,31 @@ MonteCarloFormFactors MonteCarlo::run() {
     factors.values = gpu::Buffer(*device_, size_t{n} * n * sizeof(float), "form factors");
     factors.report.kernel = "montecarlo";
     factors.report.points = rays();
-    result.rowError.assign(n, 0);
+    result.rows.resize(n);
     if (n == 0) return result;
     for (uint32_t first = 0; first < n; first += window)
         trace(factors.values, first, first, std::min(window, n - first));
     const uint32_t tiles = gpu::groupsFor(n, io::kMonteCarloTile);
-    const gpu::Buffer variances(*device_, size_t{tiles} * n * sizeof(float), "monte carlo variances");
-    combine(factors.values, variances);
-    const auto parts = variances.download<float>(size_t{tiles} * n);
-    double total = 0;
+    const gpu::Buffer spreads(*device_, size_t{tiles} * n * sizeof(glm::vec3), "monte carlo spreads");
+    combine(factors.values, spreads);
+    const auto parts = spreads.download<glm::vec3>(size_t{tiles} * n);
+    MonteCarloSpread all;
     for (uint32_t i = 0; i < n; ++i) {
-        double sum = 0;
-        for (uint32_t t = 0; t < tiles; ++t) sum += parts[size_t{t} * n + i];
-        result.rowError[i] = static_cast<float>(std::sqrt(sum));
-        total += sum;
+        glm::dvec3 hits(0);
+        for (uint32_t t = 0; t < tiles; ++t) hits += parts[size_t{t} * n + i];
+        result.rows[i] = spreadOf(hits);
+        all.add(result.rows[i]);
     }
-    factors.report.claimedRowError = std::sqrt(total / n);
+    all.squares *= 2; // each pair errs in both its rows alike
+    factors.report.claimedRowError = all.claim() / std::sqrt(n);
     factors.report.why = fmt::format("{} rays a patch, each pair measured from both ends", rays());
     return result;
+}
+
+// Of hits, with one more, that may have been missed.
+MonteCarloSpread MonteCarlo::spreadOf(const glm::dvec3& hits) const {
+    const double ofOne = 1.0 / rays() / rays();
+    return {(hits.x + 1) * ofOne, (hits.y + 1) * ofOne, (hits.z + 1) * ofOne * ofOne};
 }
 
 double MonteCarlo::entryError(double factor, double areaFrom, double areaTo, uint32_t rays) {
@@ -224,25 +254,26 @@ double MonteCarlo::entryError(double factor, double areaFrom, double areaTo, uin
     return ofOneHit * std::sqrt(std::max(factor / ofOneHit, 1.0));
 }
 
-void MonteCarlo::rows(uint32_t first, uint32_t count, std::span<float> values, std::span<float> rowError) {
+void MonteCarlo::rows(uint32_t first, uint32_t count, std::span<float> values,
+                      std::span<MonteCarloSpread> spreads) {
     const uint32_t n = params_.patchCount, window = windowRows();
     if (n == 0 || count == 0) return;
     const gpu::Buffer counts(*device_, size_t{std::min(window, count)} * n * sizeof(uint32_t),
                              "monte carlo counts", gpu::Place::host);
-    const float scale = 1.0f / static_cast<float>(rays());
+    const double scale = 1.0 / rays();
     for (uint32_t done = 0; done < count; done += window) {
         const uint32_t part = std::min(window, count - done);
         trace(counts, 0, first + done, part);
         const auto* hits = counts.mapped<uint32_t>();
         for (uint32_t i = 0; i < part; ++i) {
-            uint64_t squares = 0;
+            glm::dvec3 spread(0);
             for (uint32_t j = 0; j < n; ++j) {
-                const uint32_t low = hits[size_t{i} * n + j] & 0xffffu, high = hits[size_t{i} * n + j] >> 16;
-                const int64_t d = int64_t{low} - int64_t{high};
-                values[size_t{done + i} * n + j] = static_cast<float>(low + high) * scale;
-                squares += static_cast<uint64_t>(d * d);
+                const double low = hits[size_t{i} * n + j] & 0xffffu, high = hits[size_t{i} * n + j] >> 16;
+                const double factor = (low + high) * scale, ofRays = (low + high) * (1 - factor);
+                values[size_t{done + i} * n + j] = static_cast<float>(factor);
+                spread += glm::dvec3((low - high) * (low - high), ofRays, ofRays * ofRays);
             }
-            rowError[done + i] = static_cast<float>(std::sqrt(static_cast<double>(squares)) * scale);
+            spreads[done + i] = spreadOf(spread);
         }
     }
 }

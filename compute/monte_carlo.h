@@ -2,12 +2,13 @@
 // Host half of shaders/monte_carlo.comp. Unbiased and blind to nothing that a ray can hit, so an independent
 // check of the others and a fallback for scenes that suit none. Points are Owen-scrambled Sobol in four
 // dimensions (A. B. Owen, 1995; direction numbers of S. Joe and F. Kuo, 2008) under a random digital shift
-// for each patch; two independent halves give a standard error for each row.
+// for each patch; two independent halves give an error for each row.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
+#include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
 #include "compute/bvh.h"
@@ -21,11 +22,23 @@ struct MonteCarloOptions {
     uint32_t rays = 4096; // a patch; taken to the next power of two in [64, 65536]
 };
 
+// How far hits scatter, of a row or of several together; squared, in form factors. Entries of a row are few
+// where patches are few, and both halves of the rays may then agree by luck: what independent rays do, which
+// low discrepancy does not exceed, bounds what they say.
+struct MonteCarloSpread {
+    double halves = 0;  // the halves' difference: of the error, by its expectation
+    double rays = 0;    // the error of independent rays, by its expectation
+    double squares = 0; // of what single entries are of `rays`
+
+    void add(const MonteCarloSpread& other);
+
+    double estimate() const; // of the root of the error's square
+    double claim() const;    // below which it is in 99 of 100 cases
+};
+
 struct MonteCarloFormFactors {
-    FormFactors factors;         // report.claimedRowError is set
-    std::vector<float> rowError; // per patch: standard error of F_i, root of the sum over its entries'
-                                 // variances; in rooms 99 of 100 rows are within 1.6 of it,
-                                 // in scenes of few patches 84 to 98
+    FormFactors factors;                // report.claimedRowError is a claim
+    std::vector<MonteCarloSpread> rows; // per patch, of ||F_i - true||
 };
 
 class MonteCarlo {
@@ -43,14 +56,15 @@ public:
     // of it, 99 within three.
     static double entryError(double factor, double areaFrom, double areaTo, uint32_t rays);
 
-    // Rows [first, first + count) alone, from their own rays; values: count x patchCount, rowError: count.
-    void rows(uint32_t first, uint32_t count, std::span<float> values, std::span<float> rowError);
+    // Rows [first, first + count) alone, from their own rays; values: count x patchCount, spreads: count.
+    void rows(uint32_t first, uint32_t count, std::span<float> values, std::span<MonteCarloSpread> spreads);
 
 private:
     void uploadEmitters(const geometry::PatchMesh& mesh);
     void trace(const gpu::Buffer& counts, uint32_t firstInBuffer, uint32_t first, uint32_t count);
-    void combine(const gpu::Buffer& counts, const gpu::Buffer& variances);
+    void combine(const gpu::Buffer& counts, const gpu::Buffer& spreads);
     uint32_t windowRows() const;
+    MonteCarloSpread spreadOf(const glm::dvec3& hits) const;
 
     gpu::Device* device_;
     Bvh bvh_;

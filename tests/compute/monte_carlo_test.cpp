@@ -40,18 +40,20 @@ TEST(MonteCarlo, directions_are_stratified_and_places_fill_the_square) {
 void expectLikeReference(const geometry::PatchMesh& mesh, uint32_t rays) {
     MonteCarlo kernel(test::device(), mesh, {rays});
     const auto n = static_cast<uint32_t>(mesh.patchCount());
-    std::vector<float> values(size_t{n} * n), errors(n);
-    kernel.rows(0, n, values, errors);
+    std::vector<float> values(size_t{n} * n);
+    std::vector<MonteCarloSpread> spreads(n);
+    kernel.rows(0, n, values, spreads);
     for (uint32_t i = 0; i < n; ++i) {
         const auto row = reference::monteCarloRow(mesh, i, kernel.rays());
-        double difference = 0, variance = 0;
+        double difference = 0, variance = 1; // a hit may have been missed
         for (uint32_t j = 0; j < n; ++j) {
             const double a = row.hits[0][j], b = row.hits[1][j];
             difference += std::abs(double{values[i * n + j]} * kernel.rays() - (a + b));
             variance += (a - b) * (a - b);
         }
         EXPECT_LE(difference, 4) << "row " << i; // two rays of 256
-        EXPECT_NEAR(errors[i], std::sqrt(variance) / kernel.rays(), 4.0 / kernel.rays()) << "row " << i;
+        EXPECT_NEAR(spreads[i].estimate(), std::sqrt(variance) / kernel.rays(), 4.0 / kernel.rays())
+            << "row " << i;
     }
 }
 
@@ -74,7 +76,7 @@ double rowError(const std::vector<float>& values, const std::vector<float>& exac
     return std::sqrt(squares / std::sqrt(static_cast<double>(values.size())));
 }
 
-// The claim is an estimate from two halves, summed over all entries of all rows; single rows scatter more.
+// The claim is a 99th percentile: of thousands of entries, little above the error.
 TEST(MonteCarlo, the_claimed_error_is_the_error_and_falls_with_the_rays) {
     for (const char* name : {"cube_quads_4x4", "room3_672"}) {
         const geometry::PatchMesh mesh = geometry::readPatches(kData + name + ".obj");
@@ -83,11 +85,34 @@ TEST(MonteCarlo, the_claimed_error_is_the_error_and_falls_with_the_rays) {
         for (uint32_t rays : {256u, 1024u}) {
             const MonteCarloFormFactors F = MonteCarlo(test::device(), mesh, {rays}).run();
             const double error = rowError(F.factors.values.download<float>(exact.size()), exact);
-            EXPECT_NEAR(F.factors.report.claimedRowError, error, 0.12 * error) << name;
+            EXPECT_GE(F.factors.report.claimedRowError, error) << name;
+            EXPECT_LE(F.factors.report.claimedRowError, 1.3 * error) << name;
             EXPECT_LT(error, 0.55 * before) << name; // plain random points: 0.5
             before = error;
         }
     }
+}
+
+// Where entries are few, both halves agree by luck in one row of ten.
+TEST(MonteCarlo, rows_of_few_patches_keep_their_claims) {
+    size_t rows = 0, held = 0;
+    for (const char* name : {"cube_quads_1x1", "cylinder24", "tetra_regular", "thin_slab_1_1_0.001"}) {
+        const geometry::PatchMesh mesh = geometry::readPatches(kData + name + ".obj");
+        const std::vector<float> exact = test::readFloats(kData + name + ".f32");
+        const size_t n = mesh.patchCount();
+        for (uint32_t rays : {64u, 256u, 1024u, 4096u}) {
+            const MonteCarloFormFactors F = MonteCarlo(test::device(), mesh, {rays}).run();
+            const auto values = F.factors.values.download<float>(n * n);
+            EXPECT_LE(rowError(values, exact), F.factors.report.claimedRowError) << name << rays;
+            for (size_t i = 0; i < n; ++i) {
+                double squares = 0;
+                for (size_t j = 0; j < n; ++j)
+                    squares += std::pow(double{values[i * n + j]} - exact[i * n + j], 2);
+                ++rows, held += std::sqrt(squares) <= F.rows[i].claim();
+            }
+        }
+    }
+    EXPECT_GE(static_cast<double>(held), 0.99 * static_cast<double>(rows));
 }
 
 // Rooms with blockers, slots and hidden pairs: within four standard errors of a plain random count, which
@@ -147,13 +172,14 @@ TEST(MonteCarlo, long_work_can_be_stopped_between_submissions) {
     const geometry::PatchMesh mesh = test::boxRoom({});
     const auto n = static_cast<uint32_t>(mesh.patchCount());
     MonteCarlo kernel(device, mesh, {65536});
-    std::vector<float> all(size_t{n} * n), one(n), errors(n);
+    std::vector<float> all(size_t{n} * n), one(n);
+    std::vector<MonteCarloSpread> spreads(n);
     submissions = 0;
-    kernel.rows(0, n, all, errors);
+    kernel.rows(0, n, all, spreads);
     EXPECT_GE(submissions, size_t{n} * 65536 / (1u << 20));
     for (uint32_t i = 0; i < n; i += n / 5) {
         const size_t before = submissions;
-        kernel.rows(i, 1, one, errors);
+        kernel.rows(i, 1, one, spreads);
         EXPECT_EQ(submissions, before + 1);
         EXPECT_TRUE(std::ranges::equal(one, std::span(all).subspan(size_t{i} * n, n))) << "row " << i;
     }
