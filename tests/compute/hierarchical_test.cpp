@@ -1,15 +1,20 @@
 #include "compute/hierarchical.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <random>
 
+#include <glm/packing.hpp>
 #include <gtest/gtest.h>
 
 #include "compute/exact_form_factors.h"
 #include "compute/link_claims.h"
+#include "compute/link_maker.h"
 #include "compute/radiosity.h"
+#include "compute/reference/hierarchical.h"
 #include "compute/reference/radiosity.h"
 #include "tests/compute/cases.h"
 #include "tests/compute/form_factor_cases.h"
@@ -112,6 +117,52 @@ TEST(LinkClaims, few_links_of_the_worst_rows_are_taken_apart) {
     const LinkClaims rest(tree, areas, links);
     for (size_t i = 0; i < areas.size(); ++i) EXPECT_NEAR(claims.rowSums()[i], rest.rowSums()[i], 1e-9);
     EXPECT_TRUE(claims.split(links, 16 * areas[0]).empty());
+}
+
+// The same clusters linked, with the same densities and slopes, as in double precision. Where a value is as
+// good as the tolerance, rounding decides: few pairs.
+TEST(LinkMaker, links_in_the_open_are_those_of_the_reference) {
+    test::BoxRoom box;
+    box.cells = {4, 3, 5};
+    geometry::PatchMesh mesh = test::boxRoom(box);
+    test::BoxRoom inner;
+    inner.low = {1, 1, 1}, inner.high = {3, 2, 3};
+    test::addBox(mesh, inner, 1); // lies inside the other, yet in a room of its own
+    const ClusterScene scene(test::device(), mesh);
+    ASSERT_EQ(scene.blockers.nodeCount, 0u);
+    for (double tolerance : {1e-2, 3e-3}) {
+        LinkMaker maker(test::device(), scene, {tolerance, tolerance});
+        for (uint32_t a = 0; a < scene.tree.levelFirst[1]; ++a)
+            for (uint32_t b = a + 1; b < scene.tree.levelFirst[1]; ++b) maker.add(a, b);
+        std::map<std::pair<uint32_t, uint32_t>, io::HierarchicalLink> links;
+        for (const io::HierarchicalLink& link : maker.finish()) links[{link.first, link.second}] = link;
+        const std::vector<reference::Link> truth = reference::openLinks(scene.tree, tolerance);
+        size_t missing = 0, clusters = 0;
+        for (const reference::Link& expected : truth) {
+            const auto found = links.find({expected.first, expected.second});
+            missing += found == links.end();
+            if (found == links.end()) continue;
+            const io::HierarchicalLink& link = found->second;
+            const PatchTree::Node &p = scene.tree.nodes[link.first], &q = scene.tree.nodes[link.second];
+            if (p.child == 0 && q.child == 0) { // a rule of few points, or integrals round borders
+                const double allowed = double{io::kHierarchicalKept} * tolerance / std::max(p.area, q.area);
+                EXPECT_NEAR(link.density, expected.density, allowed + 1e-5 * expected.density);
+                continue;
+            }
+            ++clusters;
+            EXPECT_NEAR(link.density, expected.density, 1e-5 * expected.density);
+            EXPECT_NEAR(link.error, expected.error, 1e-5 * expected.density);
+            const glm::vec2 first = glm::unpackHalf2x16(link.firstSlope),
+                            second = glm::unpackHalf2x16(link.secondSlope);
+            const std::array<float, 4> slopes{first.x, first.y, second.x, second.y};
+            for (size_t k = 0; k < 4; ++k) // ten bits
+                EXPECT_NEAR(slopes[k], expected.slopes[k], 1e-5 + std::abs(expected.slopes[k]) / 1024);
+        }
+        EXPECT_GT(clusters, 100u);
+        EXPECT_LE(missing, truth.size() / 200);
+        EXPECT_NEAR(static_cast<double>(links.size()), static_cast<double>(truth.size()),
+                    0.01 * static_cast<double>(truth.size()));
+    }
 }
 
 TEST(Hierarchical, rooms_without_blockers_reach_the_error_asked) {
