@@ -5,8 +5,8 @@
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
 
+#include "geometry/film_codec.h"
 #include "geometry/picture_file.h"
 
 namespace heliodon::geometry {
@@ -60,60 +60,6 @@ bool writePng(const std::filesystem::path& file, int width, int height, const ui
         return static_cast<bool>(out.flush());
     } catch (const cv::Exception&) {
         return false;
-    }
-}
-
-class Encoder : public FilmEncoder {
-public:
-    Encoder(int width, int height)
-        : width_(width), height_(height),
-          // 4:2:0 needs even sizes
-          padded_(height + height % 2, width + width % 2, CV_8UC3, cv::Scalar::all(0)) {}
-
-    bool open(const std::filesystem::path& file, double framesPerSecond) {
-        file_ = file.string();
-        return writer_.open(file.string(), cv::CAP_FFMPEG, cv::VideoWriter::fourcc('a', 'v', 'c', '1'),
-                            framesPerSecond, padded_.size());
-    }
-
-    bool add(const uint8_t* rgb) override {
-        try {
-            bgrOf(width_, height_, rgb).copyTo(padded_(cv::Rect(0, 0, width_, height_)));
-            writer_.write(padded_);
-        } catch (const cv::Exception&) {
-            return false;
-        }
-        ++count_;
-        return true;
-    }
-
-    bool finish() override {
-        try {
-            writer_.release();
-            cv::VideoCapture film(file_, cv::CAP_FFMPEG);
-            if (!film.isOpened() || static_cast<int>(film.get(cv::CAP_PROP_FRAME_COUNT)) != count_)
-                return false;
-            return film.set(cv::CAP_PROP_POS_FRAMES, count_ - 1) && film.grab();
-        } catch (const cv::Exception&) {
-            return false;
-        }
-    }
-
-private:
-    std::string file_;
-    int width_, height_, count_ = 0;
-    cv::Mat padded_;
-    cv::VideoWriter writer_;
-};
-
-std::unique_ptr<FilmEncoder> openFilm(const std::filesystem::path& file, int width, int height,
-                                      double framesPerSecond) {
-    try {
-        auto encoder = std::make_unique<Encoder>(width, height);
-        if (!encoder->open(file, framesPerSecond)) return nullptr;
-        return encoder;
-    } catch (const cv::Exception&) {
-        return nullptr;
     }
 }
 

@@ -1,4 +1,4 @@
-// Pictures and films as files. What is behind them (OpenCV with some two hundred libraries of formats, a
+// Pictures and films as files. What is behind them (OpenCV, FFmpeg: some two hundred libraries of formats, a
 // tenth of a second to load) is a module beside the program, loaded when first used. Throws
 // std::runtime_error where that module is missing.
 #pragma once
@@ -32,13 +32,12 @@ std::optional<GreyPixels> readGreyFile(const std::filesystem::path& file);
 // The file appears whole or not at all. `rgb`: width x height x 3 bytes. Throws std::runtime_error.
 void writePngFile(const std::filesystem::path& file, int width, int height, const uint8_t* rgb);
 
-// H.264 in .mp4. What cannot be written (disk full) may be found out by finish() only.
+// H.264 in .mp4, in the colours of BT.709 and sRGB, as the file says. What cannot be written (disk full) may be found out by finish() only.
 class FilmEncoder {
 public:
     virtual ~FilmEncoder() = default;
     virtual bool add(const uint8_t* rgb) = 0; // width x height x 3 bytes; false when it failed
-    // Nothing is added after it. True when the file is complete: every picture is found in it, and the last
-    // read.
+    // Nothing is added after it. True when the file is complete.
     virtual bool finish() = 0;
 };
 

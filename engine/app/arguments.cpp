@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
+#include <set>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -58,6 +59,7 @@ public:
             if (!*sub) continue;
             refuseInfinite(*sub);
             refuseOverwriting(*sub);
+            noteWritten(*sub);
             std::string name = sub->get_name();
             if (sub->get_parent() != &app_) name = fmt::format("{} {}", sub->get_parent()->get_name(), name);
             return Arguments{name, common_, command()};
@@ -123,6 +125,18 @@ private:
                             name, file, "is read by " + option->get_name() + ", expected another file");
     }
 
+    // A file that a command writes.
+    CLI::Option* written(CLI::Option* option) {
+        writtenFiles_.insert(option);
+        return option;
+    }
+
+    void noteWritten(const CLI::App& sub) {
+        for (const CLI::Option* option : sub.get_options())
+            if (writtenFiles_.contains(option) && !option->empty())
+                common_.writtenFiles.emplace_back(option->as<std::string>());
+    }
+
     // `group`: the command that this one is a part of, if any.
     template<class T>
     CLI::App* add(const std::string& name, const std::string& what, T& values, const std::string& example,
@@ -134,11 +148,18 @@ private:
         sub->option_defaults()->always_capture_default(false);
         sub->add_option("--device", common_.device,
                         "Vulkan device: part of its name, or its index (heliodon devices)");
-        sub->add_option("--report", common_.report,
-                        "write everything worth knowing about the run to this JSON file");
+        written(sub->add_option("--report", common_.report,
+                                "write everything worth knowing about the run to this JSON file"));
         sub->add_flag("--quiet", common_.quiet, "no progress and no notes");
         commands_.emplace_back(sub, [&values] { return Command(values); });
         return sub;
+    }
+
+    // What the words in a command's results mean.
+    static void explain(CLI::App* sub, const std::vector<std::pair<std::string, std::string>>& words) {
+        std::string text = sub->get_footer() + "\n\nIn the results:\n";
+        for (const auto& [word, meaning] : words) text += fmt::format("  {:<22} {}\n", word, meaning);
+        sub->footer(text);
     }
 
     void addDetect() {
@@ -146,18 +167,18 @@ private:
                             "photo.png --rig rig.json -o sketch.json --overlay found.png");
         sub->add_option("PHOTO", detect_.photo, "overhead photograph (.png .jpg .tif)")->required();
         sub->add_option("--rig", detect_.rig, "calibrated camera (.json)")->required();
-        sub->add_option("-o,--output", detect_.output, "the sketch (.json)")
+        written(sub->add_option("-o,--output", detect_.output, "the sketch (.json)"))
             ->transform(resultNamed(".json"))
             ->required();
-        sub->add_option("--overlay", detect_.overlay,
-                        "the photograph with everything that was found drawn on it (.png)");
+        written(sub->add_option("--overlay", detect_.overlay,
+                                "the photograph with everything that was found drawn on it (.png)"));
     }
 
     void addModel() {
         CLI::App* sub = add("model", "infer the closed rooms and mesh them", model_,
                             "sketch.json --triangles 2000 -o room.obj");
         addScene(sub, model_.scene);
-        sub->add_option("-o,--output", model_.output, "the model (.obj with .mtl, or .glb)")->required();
+        written(sub->add_option("-o,--output", model_.output, "the model (.obj with .mtl, or .glb)"))->required();
     }
 
     void addFormFactors() {
@@ -179,7 +200,7 @@ private:
         addRadiosityError(sub, formFactors_.maxRadiosityError)->excludes(resolution)->excludes(maxError);
         sub->add_option("--reference", formFactors_.reference,
                         "compare with this matrix (.npy, or raw little-endian .f32) in the report");
-        sub->add_option("-o,--output", formFactors_.output, "n x n float32 (.npy)")
+        written(sub->add_option("-o,--output", formFactors_.output, "n x n float32 (.npy)"))
             ->transform(resultNamed(".npy"))
             ->required();
     }
@@ -187,20 +208,25 @@ private:
     void addIlluminance() {
         CLI::App* sub = add("illuminance", "lux at sensors or patches", illuminance_,
                             "room.obj --up z --sky sky.json --sensors desk.csv -o lux.csv");
+        explain(sub, {{"lux", "illuminance of a point's plane, or the mean over a patch: the sum of"},
+                      {"lux_sun", "straight from the sun"},
+                      {"lux_sky, lux_ground", "straight from the sky and the ground outside"},
+                      {"lux_interreflected", "by way of surfaces of the room, and what they emit"},
+                      {"lux_error", "the true lux is expected within this of lux, at 99 of 100 places"}});
         addScene(sub, illuminance_.scene);
         addBlinds(sub, illuminance_.scene);
         addMoment(sub, illuminance_.moment, true);
         addGround(sub, illuminance_.moment);
         sub->add_option("--sensors", illuminance_.sensors,
                         "points (.csv with x,y,z,nx,ny,nz); without: one row per patch");
-        sub->add_option(
+        written(sub->add_option(
             "--plan", illuminance_.plan,
             "draw a plan with iso-lux lines (.png or .svg) of the sensors, or without of a work plane "
-            "0.76 m above the floor");
+            "0.76 m above the floor"));
         sub->add_option("--max-error", illuminance_.maxError,
                         "wanted lux_error over lux, on 95 of 100 places; picks mesh, kernel and solution")
             ->check(within(1e-4, 1.0));
-        sub->add_option("-o,--output", illuminance_.output, "the table (.csv)")
+        written(sub->add_option("-o,--output", illuminance_.output, "the table (.csv)"))
             ->transform(resultNamed(".csv"))
             ->required();
     }
@@ -265,6 +291,14 @@ private:
     void addAnnual() {
         CLI::App* sub = add("annual", "a year of weather: hourly lux and what it says about the room",
                             annual_, "room.obj --up z --weather chicago.epw --sensors desk.csv -o year");
+        explain(sub, {{"DA300_pct", "percent of occupied hours with at least 300 lux"},
+                      {"cDA300_pct", "the same, darker hours counted by their share of 300 lux"},
+                      {"UDI_..._pct", "percent with so many lux: below 100, 100 to 300, to 3000, above"},
+                      {"direct_gt1000lx_hours", "occupied hours with over 1000 lux straight from the sun"},
+                      {"annual_lux_hours", "lux times hours over the whole year"},
+                      {"..._low, ..._high", "what the error of lux leaves open"},
+                      {"sDA", "percent of sensors with 300 lux in half of the occupied hours"},
+                      {"ASE", "percent of sensors with over 250 hours of such direct sun"}});
         addScene(sub, annual_.scene);
         addBlinds(sub, annual_.scene);
         sub->add_option("--weather", annual_.weather, "hourly weather (.epw or .epw.gz); its site is used")
@@ -309,7 +343,7 @@ private:
         CLI::App* sub = add("target", "the board of marks, to print in true size", calibrateTarget_,
                             "-o target.pdf", group);
         addBoardEdge(sub, calibrateTarget_.boardEdge);
-        sub->add_option("-o,--output", calibrateTarget_.output, "the drawing (.pdf or .svg)")->required();
+        written(sub->add_option("-o,--output", calibrateTarget_.output, "the drawing (.pdf or .svg)"))->required();
     }
 
     void addCalibrateCamera(CLI::App* group) {
@@ -336,7 +370,7 @@ private:
                         "rig to take projectors and everything else from (.json)");
         sub->add_option("--overlay", calibrateCamera_.overlay,
                         "folder for the pictures with the marks found; made when missing");
-        sub->add_option("-o,--output", calibrateCamera_.output, "the rig (.json)")
+        written(sub->add_option("-o,--output", calibrateCamera_.output, "the rig (.json)"))
             ->transform(resultNamed(".json"))
             ->required();
     }
@@ -426,8 +460,8 @@ private:
             ->check(within(1, 256));
         sub->add_option("--overlay", calibrateProjector_.overlay,
                         "folder for pictures with the corners found; made when missing");
-        sub->add_option("-o,--output", calibrateProjector_.output,
-                        "the rig with the projectors put in (.json)")
+        written(sub->add_option("-o,--output", calibrateProjector_.output,
+                                "the rig with the projectors put in (.json)"))
             ->transform(resultNamed(".json"))
             ->required();
     }
@@ -483,6 +517,7 @@ private:
     BenchArguments bench_;
     DevicesArguments devices_;
     std::vector<std::pair<CLI::App*, std::function<Command()>>> commands_;
+    std::set<const CLI::Option*> writtenFiles_;
 };
 
 } // namespace

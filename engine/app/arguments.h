@@ -16,6 +16,7 @@ namespace heliodon::app {
 struct CommonArguments {
     std::string device; // name or index; empty: the default choice
     std::filesystem::path report;
+    std::vector<std::filesystem::path> writtenFiles; // the report and results that are one file
     bool quiet = false;
 };
 

@@ -12,7 +12,6 @@
 #include "engine/app/progress.h"
 #include "geometry/input_error.h"
 #include "geometry/rig_edit.h"
-#include "geometry/whole_file.h"
 #include "vision/calibration_overlay.h"
 #include "vision/camera_calibration.h"
 
@@ -191,7 +190,6 @@ void execute(Run& run, const CalibrateTargetArguments& arguments) {
 void execute(Run& run, const CalibrateCameraArguments& arguments) {
     const vision::CalibrationTarget target = vision::makeTarget(arguments.boardEdge);
     const size_t flat = flatPicture(run, arguments);
-    geometry::refuseUnwritable(arguments.output);
     const geometry::RigFile rig(arguments.rig);
     std::optional<OutputFolder> overlays;
     if (!arguments.overlay.empty()) {

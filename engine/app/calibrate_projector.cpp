@@ -149,7 +149,6 @@ void execute(Run& run, const CalibrateProjectorArguments& arguments) {
             fmt::format("{} names for {} folders", arguments.ids.size(), arguments.folders.size()));
     const geometry::RigFile file(arguments.rig);
     const geometry::Rig rig = file.rig();
-    geometry::refuseUnwritable(arguments.output);
     std::vector<CalibrationFolder> folders;
     std::set<std::string> ids;
     for (size_t i = 0; i < arguments.folders.size(); ++i) {

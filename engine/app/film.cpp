@@ -76,7 +76,7 @@ Film::Film(const fs::path& target, const Open& open) : impl_(std::make_unique<Im
         impl_->encoder = open(impl_->aside);
         if (!impl_->encoder)
             throw std::runtime_error(target.string() +
-                                     ": no H.264 encoder could be opened (OpenCV with FFmpeg is needed)");
+                                     ": no H.264 encoder could be opened (FFmpeg with libx264 is needed)");
         impl_->thread = std::thread([impl = impl_.get()] { impl->encode(); });
     } catch (...) { // the file may have been begun
         impl_->discard();

@@ -13,6 +13,7 @@
 #include "engine/app/interrupt.h"
 #include "engine/app/run.h"
 #include "geometry/input_error.h"
+#include "geometry/whole_file.h"
 
 namespace {
 
@@ -84,6 +85,8 @@ int main(int argc, char** argv) {
         std::string error;
         code = guarded(error, [&] {
             const heliodon::app::InterruptGuard guard;
+            // Before the work, not after it.
+            for (const auto& file : arguments->common.writtenFiles) heliodon::geometry::refuseUnwritable(file);
             const std::string& device = arguments->common.device;
             if (!device.empty() && opensNoDevice(arguments->command)) refuseUnknownDevice(device);
             std::visit([&](const auto& those) { heliodon::app::execute(run, those); }, arguments->command);
