@@ -93,6 +93,11 @@ struct DaylightTransport::State {
     void skyAtSensors(Moment& moment, const daylight::Sky& sky) const;
     void sunOn(Moment& moment, const daylight::SunDisc& disc) const;
     template<class Light> void glow(Moment& moment, const Light& light) const;
+    struct PlaceErrors {
+        std::vector<float> exitance, gathered; // per patch, photometric; empty: one bound for all
+    };
+    PlaceErrors errorsByPlace(const Moment& moment, std::span<const float> emitted,
+                              std::span<const uint32_t> channel, const SolvedColumns& solved);
     void solve(std::span<Moment> moments);
     double rowError() const {
         return factors.report.claimedRowError > 0 ? factors.report.claimedRowError : kHemicubeRowError;
@@ -370,10 +375,45 @@ void DaylightTransport::State::solve(std::span<Moment> moments) {
         if (grey)
             moment.report.skipped.emplace_back(
                 "colour: all materials are grey, one channel stands for three");
-        const SolvedColumns solved{exitance, gathered, k * perMoment * n};
+        SolvedColumns solved{exitance, gathered, k * perMoment * n, {}, {}};
+        const PlaceErrors errors = anyLight && options.errorByPlace
+                                       ? errorsByPlace(moment, emitted, channel, solved)
+                                       : PlaceErrors{};
+        solved.exitanceError = errors.exitance, solved.gatheredError = errors.gathered;
         lightPatches(scene, solved, moment);
         lightSensors(scene, solved, moment);
     }
+}
+
+// Those of the solver, where one bound for all is over kSeen of the light of more than kOften of the patches.
+DaylightTransport::State::PlaceErrors
+DaylightTransport::State::errorsByPlace(const Moment& moment, std::span<const float> emitted,
+                                        std::span<const uint32_t> channel, const SolvedColumns& solved) {
+    constexpr double kSeen = 0.003, kOften = 0.05;
+    const size_t n = mesh.patchCount(), columns = columnsPerMoment();
+    const auto photometricOf = [&](std::span<const float> values, size_t i) {
+        return grey ? double{values[i]} : photometric(glm::vec3(values[i], values[n + i], values[2 * n + i]));
+    };
+    const std::span<const float> exitance = solved.exitance.subspan(solved.first, columns * n),
+                                 gathered = solved.gathered.subspan(solved.first, columns * n);
+    double most = 0;
+    for (size_t i = 0; i < n; ++i) most = std::max(most, photometricOf(exitance, i));
+    size_t seen = 0;
+    for (size_t i = 0; i < n; ++i)
+        seen += moment.report.radiosity.bound * most >
+                kSeen * (photometricOf(gathered, i) + photometric(moment.patches[i].total()));
+    PlaceErrors errors;
+    std::vector<float> onExitance, onGathered;
+    if (static_cast<double>(seen) < kOften * static_cast<double>(n) ||
+        !solver->findErrors(emitted.subspan(solved.first, columns * n),
+                            channel.subspan(solved.first / n, columns), exitance, gathered, onExitance,
+                            onGathered))
+        return errors;
+    for (size_t i = 0; i < n; ++i) {
+        errors.exitance.push_back(static_cast<float>(photometricOf(onExitance, i)));
+        errors.gathered.push_back(static_cast<float>(photometricOf(onGathered, i)));
+    }
+    return errors;
 }
 
 namespace {

@@ -38,6 +38,10 @@ struct TransportOptions {
     uint32_t skyDivision = 2; // Reinhart's MF: 2 is 577 sky elements
     RadiosityOptions radiosity;
     NearWalls nearWalls;
+    // Where the solver's bound is much of what dark places get, as behind a door from a room in the sun, its
+    // share of `error` is found place by place, for as many passes over F again. For tables; pictures show
+    // none.
+    bool errorByPlace = false;
     // Computes in full what is known to give nothing, or the same: dark skies, suns that cannot enter, light
     // where there is none, three channels of grey, the sky of rooms without openings. To check the rules that
     // skip these.

@@ -84,6 +84,18 @@ float slatsError(const LightParts& parts, double even, double lobes, double bySl
                               bySlats * std::max(0.0, photometric(parts.interreflected) - seen));
 }
 
+// What of errors on patches reaches a sensor, by way of the walls beside it too.
+double solverError(const SensorGather& sensors, size_t sensor, std::span<const float> errors) {
+    const size_t n = errors.size();
+    double sum = dot({&sensors.even[sensor * n], n}, errors), most = 0;
+    for (const std::vector<float>& more : sensors.near[sensor].smooth) {
+        double byWalls = 0;
+        for (size_t i = 0; i < more.size(); ++i) byWalls += double{std::abs(more[i])} * double{errors[i]};
+        most = std::max(most, byWalls);
+    }
+    return sum + most;
+}
+
 } // namespace
 
 void lightPatches(const MomentScene& scene, const SolvedColumns& solved, Moment& moment) {
@@ -132,7 +144,9 @@ void lightPatches(const MomentScene& scene, const SolvedColumns& solved, Moment&
     for (size_t i = 0; i < n; ++i) {
         LightParts& parts = moment.patches[i];
         parts.error +=
-            static_cast<float>(std::abs(1 - scene.rowSums[i]) * mean + moment.report.radiosity.bound * most +
+            static_cast<float>(std::abs(1 - scene.rowSums[i]) * mean +
+                               (solved.gatheredError.empty() ? moment.report.radiosity.bound * most
+                                                             : double{solved.gatheredError[i]}) +
                                (scene.rowError + kPatchBounceError) * photometric(parts.interreflected) +
                                kPatchSkyError * photometric(parts.sky + parts.ground)) +
             near[i];
@@ -214,7 +228,9 @@ void lightSensors(const MomentScene& scene, const SolvedColumns& solved, Moment&
             near += share * share * double{(sensors.nearWall[s] ? apart : light)[i]};
         }
         const double nearShare = sensors.nearWall[s] ? kApartShare : kNearShare;
-        parts.error = static_cast<float>(moment.report.radiosity.bound * most + nearShare * near +
+        const double bySolver = solved.exitanceError.empty() ? moment.report.radiosity.bound * most
+                                                             : solverError(sensors, s, solved.exitanceError);
+        parts.error = static_cast<float>(bySolver + nearShare * near +
                                          kSpreadShare * dot({&sensors.even[s * n], n}, spread) +
                                          (scene.rowError + kBounceError) * photometric(parts.interreflected) +
                                          kSensorSkyError * photometric(parts.sky + parts.ground));

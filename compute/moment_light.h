@@ -37,6 +37,9 @@ struct MomentScene {
 struct SolvedColumns {
     std::span<const float> exitance, gathered;
     size_t first;
+    // Photometric errors that the solver leaves, per patch: on its exitance, and on what it gathers. Empty:
+    // the report's bound on each.
+    std::span<const float> exitanceError, gatheredError;
 };
 
 // Fills lighting.exitance, each patch's interreflected light and error, and the report's lumens. Direct

@@ -177,6 +177,50 @@ double RadiositySolver::weightedSlack(uint32_t channel, uint32_t& passes) {
     return std::max((least - kGatherRounding * most) / std::max(most, 1e-30), kLeastSlack);
 }
 
+// As above, with w for the light r of the residual itself: |e_i| <= w_i max_k r_k / d_k, a little over w_i.
+bool RadiositySolver::findErrors(std::span<const float> emitted, std::span<const uint32_t> channel,
+                                 std::span<const float> radiosity, std::span<const float> gathered,
+                                 std::vector<float>& error, std::vector<float>& ofGathered) {
+    constexpr double kLeast = 0.01, kOfLeast = 0.3; // of the largest residual; how exact w is, of that
+    const size_t n = matter_.patchCount;
+    std::vector<float> light(radiosity.size());
+    std::vector<double> given(n);
+    RadiosityOptions rough;
+    rough.tolerance = kLeast * kOfLeast;
+    rough.maxPasses = 3 * kBasis;
+    std::vector<float> measured(radiosity.size());
+    factors_->gatherIn(channel, radiosity, measured);
+    for (size_t c = 0; c < channel.size(); ++c) {
+        float* residual = &light[c * n];
+        matter_.reflect<double>(channel[c], {&measured[c * n], n}, given);
+        for (size_t i = 0; i < n; ++i)
+            residual[i] = static_cast<float>(std::abs(emitted[c * n + i] + given[i] - radiosity[c * n + i]) +
+                                             kGatherRounding * given[i]);
+        const float most = *std::max_element(residual, residual + n);
+        for (size_t i = 0; i < n; ++i)
+            residual[i] = std::max(residual[i], std::max(static_cast<float>(kLeast) * most, 1e-30F));
+        uint32_t passes = 0;
+        rough.tolerance = std::min(rough.tolerance, kLeast * kOfLeast * slack(channel[c], passes));
+    }
+    const std::vector<double> ofResidual(channel.size(), 1); // what tolerance is of here
+    error.clear();
+    solveWith(ofResidual, light, channel, error, ofGathered, rough);
+    for (size_t c = 0; c < channel.size(); ++c) {
+        matter_.reflect<double>(channel[c], {&ofGathered[c * n], n}, given);
+        double times = 0;
+        for (size_t i = 0; i < n; ++i) {
+            const double d = error[c * n + i] - (1 + kGatherRounding) * given[i];
+            if (!(d > 0)) return false;
+            times = std::max(times, light[c * n + i] / d);
+        }
+        for (size_t i = c * n; i < (c + 1) * n; ++i) {
+            error[i] *= static_cast<float>(times);
+            ofGathered[i] = ofGathered[i] * static_cast<float>(times) + std::abs(measured[i] - gathered[i]);
+        }
+    }
+    return true;
+}
+
 EnergyBalance RadiositySolver::balance(std::span<const double> area, uint32_t channel,
                                        std::span<const float> emitted, std::span<const float> radiosity,
                                        std::span<const float> gathered) const {

@@ -278,7 +278,7 @@ void execute(Run& run, const AnnualArguments& arguments) {
     const SensorTable sensors = given ? std::move(*given) : sensorsFor(run, arguments, scene);
     const size_t records = weather.hours.size(), count = sensors.points.size();
     const std::vector<size_t> mapped = temporalRows(arguments.temporal, count);
-    const auto transport = makeTransport(run, scene.mesh);
+    const auto transport = makeTransport(run, scene.mesh, compute::TransportOptions{.errorByPlace = true});
 
     std::vector<uint8_t> occupiedRecords(records);
     for (size_t h = 0; h < records; ++h)

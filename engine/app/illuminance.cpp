@@ -61,10 +61,7 @@ void reportLux(Run& run, const geometry::PatchMesh* mesh, const std::vector<comp
         least = std::min(least, lux);
         most = std::max(most, lux);
     }
-    run.report()["lux"] = {{"count", parts.size()},
-                           {"mean", sum / weights},
-                           {"min", least},
-                           {"max", most}};
+    run.report()["lux"] = {{"count", parts.size()}, {"mean", sum / weights}, {"min", least}, {"max", most}};
 }
 
 // lux_error over lux that 95 of 100 places stay below; places that get hardly any light do not count.
@@ -113,6 +110,7 @@ Solution solveOn(Run& run, const IlluminanceArguments& arguments, const Input& i
     const daylight::Sky sky = source.reportedSky(run);
     s.title = source.title();
     compute::TransportOptions options;
+    options.errorByPlace = true;
     if (arguments.maxError > 0) {
         options.formFactors.maxError = std::clamp(arguments.maxError / 10, 1e-5, 2e-3);
         options.radiosity.tolerance = std::clamp(arguments.maxError / 200, 1e-6, 1e-4);

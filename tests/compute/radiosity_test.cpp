@@ -171,6 +171,41 @@ TEST(Radiosity, bounds_count_what_rounding_hides) {
     RecordProperty("error", std::to_string(worst / s.report.bound));
 }
 
+// Two rooms of random patches and a gap between them: all light is emitted in the first.
+TEST(Radiosity, errors_are_found_place_by_place) {
+    constexpr size_t n = 120, half = n / 2;
+    constexpr float gap = 1e-3f; // of what each patch sees
+    std::vector<float> F(n * n, 0), emitted(n, 0), rho(n, 0.6f);
+    for (size_t room = 0; room < 2; ++room) {
+        const std::vector<float> own = randomFactors(half, 1 - double{gap}, 8 + static_cast<unsigned>(room));
+        for (size_t i = 0; i < half; ++i) {
+            std::copy_n(&own[i * half], half, &F[(room * half + i) * n + room * half]);
+            F[(room * half + i) * n + (1 - room) * half + i] = gap; // of the one across
+        }
+    }
+    for (size_t i = 0; i < half; i += 7) emitted[i] = 20000;
+    const gpu::Buffer factors = matrixBuffer(F);
+    RadiosityGather gather(test::device(), factors, n);
+    RadiositySolver solver(gather, gather.rowSums());
+    solver.setMatter({n, {rho}, {std::vector<float>(n, 0)}, std::vector<int32_t>(n, geometry::kNoTwin)});
+    const std::vector<double> exact = reference::radiosity(F, rho, emitted),
+                              exactF =
+                                  reference::gather(F, n, std::vector<float>(exact.begin(), exact.end()), 1);
+    for (const double tolerance : {1e-2, 1e-4}) {
+        const std::vector<uint32_t> channel{0};
+        std::vector<float> b, g, error, ofG;
+        const RadiosityReport report = solver.solve(emitted, channel, b, g, {tolerance});
+        ASSERT_TRUE(solver.findErrors(emitted, channel, b, g, error, ofG));
+        const double alike = report.bound * *std::max_element(b.begin(), b.end());
+        for (size_t i = 0; i < n; ++i) {
+            EXPECT_LE(std::abs(b[i] - exact[i]), error[i]) << i << " " << tolerance;
+            // The reference's own input is rounded to float32.
+            EXPECT_LE(std::abs(g[i] - exactF[i]), ofG[i] + 1e-7 * exactF[i]) << i << " " << tolerance;
+            EXPECT_LT(error[i], (i < half ? 2 : 0.1) * alike) << i << " " << tolerance;
+        }
+    }
+}
+
 TEST(Radiosity, a_bright_closed_box_converges_in_few_passes) {
     const geometry::PatchMesh mesh = test::boxRoom({});
     const size_t n = mesh.patchCount();
