@@ -13,6 +13,7 @@
 #include "geometry/building.h"
 #include "geometry/face_soup.h"
 #include "geometry/occluder_solids.h"
+#include "geometry/plan_curves.h"
 #include "geometry/plan_materials.h"
 #include "geometry/plan_rooms.h"
 #include "geometry/plan_windows.h"
@@ -213,6 +214,7 @@ private:
     }
 
     void build() {
+        evenPartitions(plan_, spaces_.rooms);
         std::vector<double> ceilings;
         for (const RoomPlan& room : spaces_.rooms) ceilings.push_back(ceilingOf(room));
         const std::vector<WallRun> runs = wallRuns(plan_, spaces_.rooms);

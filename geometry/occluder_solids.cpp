@@ -29,11 +29,15 @@ public:
                 for (size_t i = 0; i < loop.points.size(); ++i)
                     if (loop.edges[i].piece == index && !loop.edges[i].gap)
                         see(loop.points[i], loop.points[(i + 1) % loop.points.size()]);
-        const std::vector<glm::dvec2> outline = footprint(piece).outline;
-        const size_t count = outline.size() / 2;
-        for (size_t k = 0; k < count; ++k)
-            plan(glm::mix(piece.a0, piece.a1, static_cast<double>(k) / static_cast<double>(count - 1)),
-                 outline[outer ? k : outline.size() - 1 - k]);
+        const std::vector<glm::dvec2> corners = faceCorners(piece, outer);
+        for (size_t k = 0; k < corners.size(); ++k)
+            plan(k == 0                    ? piece.a0
+                 : k + 1 == corners.size() ? piece.a1
+                 : !piece.corners[0].empty()
+                     ? angleOf(corners[k])
+                     : glm::mix(piece.a0, piece.a1,
+                                static_cast<double>(k) / static_cast<double>(corners.size() - 1)),
+                 corners[k]);
         std::ranges::sort(corners_, {}, &Corner::angle);
         for (size_t i = 1; i + 1 < corners_.size();)
             if (corners_[i + 1].angle - corners_[i].angle < kSameAngle ||
@@ -118,13 +122,10 @@ public:
     void addSeen(const WallPiece& piece, int index, const std::vector<RoomPlan>& rooms) {
         const CurvedFace outer(piece, index, true, rooms), inner(piece, index, false, rooms);
         if (!outer.isSeen() && !inner.isSeen()) return add(piece);
-        std::vector<double> angles{piece.a0, piece.a1};
+        std::vector<const CurvedFace*> seen;
         for (const CurvedFace* face : {&outer, &inner})
-            if (face->isSeen()) face->addAngles(angles);
-        std::ranges::sort(angles);
-        const auto repeated =
-            std::ranges::unique(angles, [](double a, double b) { return b - a < kSameAngle; });
-        angles.erase(repeated.begin(), repeated.end());
+            if (face->isSeen()) seen.push_back(face);
+        const std::vector<double> angles = cornerAngles(piece, seen);
         // A side that nobody sees is parallel to the other one.
         const auto at = [&](const CurvedFace& face, const CurvedFace& other, double angle) {
             return face.isSeen() ? face.at(angle)
@@ -136,9 +137,30 @@ public:
                      piece.height);
     }
 
+    // A partition whose two faces have corners at angles of their own.
+    void addUneven(const WallPiece& piece) {
+        const CurvedFace outer(piece, -1, true, {}), inner(piece, -1, false, {});
+        const std::vector<double> angles = cornerAngles(piece, {&outer, &inner});
+        for (size_t k = 0; k + 1 < angles.size(); ++k)
+            addPrism(
+                {outer.at(angles[k]), outer.at(angles[k + 1]), inner.at(angles[k + 1]), inner.at(angles[k])},
+                piece.height);
+    }
+
     Occluders take() { return std::move(out_); }
 
 private:
+    static std::vector<double> cornerAngles(const WallPiece& piece,
+                                            const std::vector<const CurvedFace*>& faces) {
+        std::vector<double> angles{piece.a0, piece.a1};
+        for (const CurvedFace* face : faces) face->addAngles(angles);
+        std::ranges::sort(angles);
+        const auto repeated =
+            std::ranges::unique(angles, [](double a, double b) { return b - a < kSameAngle; });
+        angles.erase(repeated.begin(), repeated.end());
+        return angles;
+    }
+
     void addPrism(const std::array<glm::dvec2, 4>& base, double height) {
         const auto first = static_cast<uint32_t>(out_.vertices.size());
         for (const double y : {0.0, height})
@@ -168,7 +190,11 @@ Occluders occluderSolids(const PlanWalls& plan, const std::vector<RoomPlan>& roo
             builder.addSeen(plan.pieces[i], static_cast<int>(i), rooms);
         else
             builder.add(plan.pieces[i]);
-    for (const WallPiece& piece : plan.partitions) builder.add(piece);
+    for (const WallPiece& piece : plan.partitions)
+        if (piece.corners[0].empty())
+            builder.add(piece);
+        else
+            builder.addUneven(piece);
     return builder.take();
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <glm/geometric.hpp>
 
@@ -136,7 +137,119 @@ private:
     size_t own_;
 };
 
+constexpr double kTurn = 2 * std::numbers::pi;
+
+// One long face of a curved partition, cut by what stands across it.
+class PartitionFace {
+public:
+    PartitionFace(const WallPiece& piece, bool outer)
+        : piece_(piece), radius_(piece.radius + (outer ? 0.5 : -0.5) * piece.thickness),
+          planned_(faceCorners(piece, outer)) {}
+
+    void cutBy(glm::dvec2 a, glm::dvec2 b) {
+        const glm::dvec2 d = b - a, off = a - piece_.center;
+        const double dd = glm::dot(d, d), half = glm::dot(off, d),
+                     root = half * half - dd * (glm::dot(off, off) - radius_ * radius_);
+        if (dd == 0 || root <= 0) return;
+        for (const double sign : {-1.0, 1.0})
+            if (const double t = (-half + sign * std::sqrt(root)) / dd; t > 0 && t < 1) cutAt(a + t * d);
+    }
+
+    void cutBy(const WallPiece& arc, double radius) {
+        const glm::dvec2 d = arc.center - piece_.center;
+        const double apart = glm::length(d);
+        if (apart < kOffCircle) return;
+        const double along = (apart * apart + radius_ * radius_ - radius * radius) / (2 * apart),
+                     square = radius_ * radius_ - along * along;
+        if (square <= 0) return;
+        const glm::dvec2 u = d / apart, v(-u.y, u.x);
+        for (const double side : {-std::sqrt(square), std::sqrt(square)}) {
+            const glm::dvec2 p = piece_.center + along * u + side * v;
+            if (onArc(arc, angleFrom(arc, p))) cutAt(p);
+        }
+    }
+
+    // Even facets from cut to cut; the ends stay.
+    std::vector<glm::dvec2> corners() {
+        std::ranges::sort(cuts_, {}, &Cut::angle);
+        std::vector<Cut> ends{{piece_.a0, planned_.front()}};
+        for (const Cut& cut : cuts_)
+            if ((cut.angle - ends.back().angle) * radius_ > kKeepsOff &&
+                (piece_.a1 - cut.angle) * radius_ > kKeepsOff)
+                ends.push_back(cut);
+        ends.push_back({piece_.a1, planned_.back()});
+        if (ends.size() == 2) return planned_;
+        std::vector<glm::dvec2> out{ends.front().at};
+        const double step = (piece_.a1 - piece_.a0) / piece_.facets;
+        for (size_t k = 0; k + 1 < ends.size(); ++k) {
+            const double from = ends[k].angle, turn = ends[k + 1].angle - from;
+            const double count =
+                std::max({1.0, std::round(turn / step), std::ceil(turn / piece_.widestFacet - kRounding)});
+            const double reach = count > 1 ? cornerReach(turn, static_cast<int>(count), false) : 1;
+            for (double i = 1; i < count; ++i) {
+                const double angle = from + turn * i / count;
+                out.push_back(piece_.center + reach * radius_ * glm::dvec2(std::cos(angle), std::sin(angle)));
+            }
+            out.push_back(ends[k + 1].at);
+        }
+        return out;
+    }
+
+private:
+    struct Cut {
+        double angle;
+        glm::dvec2 at;
+    };
+
+    static double angleFrom(const WallPiece& arc, glm::dvec2 p) {
+        const double middle = (arc.a0 + arc.a1) / 2;
+        return middle + std::remainder(std::atan2(p.y - arc.center.y, p.x - arc.center.x) - middle, kTurn);
+    }
+    static bool onArc(const WallPiece& arc, double angle) { return angle > arc.a0 && angle < arc.a1; }
+
+    void cutAt(glm::dvec2 p) {
+        if (const double angle = angleFrom(piece_, p); onArc(piece_, angle)) cuts_.push_back({angle, p});
+    }
+
+    const WallPiece& piece_;
+    double radius_;
+    std::vector<glm::dvec2> planned_;
+    std::vector<Cut> cuts_;
+};
+
+std::vector<glm::dvec2> evenFace(const PlanWalls& plan, size_t own, bool outer,
+                                 const std::vector<RoomPlan>& rooms) {
+    PartitionFace face(plan.partitions[own], outer);
+    const auto cutByLoop = [&](const std::vector<glm::dvec2>& points) {
+        for (size_t i = 0; i < points.size(); ++i) face.cutBy(points[i], points[(i + 1) % points.size()]);
+    };
+    for (const RoomPlan& room : rooms)
+        for (const OutlineLoop& loop : room.loops) cutByLoop(loop.points);
+    for (size_t i = 0; i < plan.partitions.size(); ++i) {
+        const WallPiece& other = plan.partitions[i];
+        if (i == own) continue;
+        if (!other.curved) {
+            cutByLoop(footprint(other).outline);
+            continue;
+        }
+        for (const double half : {-0.5, 0.5}) face.cutBy(other, other.radius + half * other.thickness);
+        for (const bool atB : {false, true}) {
+            const WallEnd end = wallEnd(other, static_cast<int>(i), atB);
+            face.cutBy(end.right, end.left);
+        }
+    }
+    return face.corners();
+}
+
 } // namespace
+
+void evenPartitions(PlanWalls& plan, const std::vector<RoomPlan>& rooms) {
+    for (size_t i = 0; i < plan.partitions.size(); ++i) {
+        WallPiece& piece = plan.partitions[i];
+        if (!piece.curved || piece.a1 - piece.a0 > kTurn - kRounding) continue;
+        piece.corners = {evenFace(plan, i, true, rooms), evenFace(plan, i, false, rooms)};
+    }
+}
 
 void evenFacets(const PlanWalls& plan, std::vector<OutlineLoop>& loops) {
     for (size_t l = 0; l < loops.size(); ++l) FacetEvener(plan, loops, l).even();

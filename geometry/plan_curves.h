@@ -13,4 +13,8 @@ namespace heliodon::geometry {
 // stays as it is.
 void evenFacets(const PlanWalls& plan, std::vector<OutlineLoop>& loops);
 
+// Likewise of curved partitions from where outlines and other partitions cross their faces
+// (WallPiece::corners).
+void evenPartitions(PlanWalls& plan, const std::vector<RoomPlan>& rooms);
+
 } // namespace heliodon::geometry

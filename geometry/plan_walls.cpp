@@ -224,16 +224,6 @@ void mergeOverlaps(std::vector<WallPiece>& pieces, const std::vector<WallLine>& 
     }
 }
 
-// How much farther than the arc corners between its facets lie from its centre, so that the facets enclose
-// the arc's own area. Its ends are where they are.
-double cornerReach(double sweep, int count, bool full) {
-    const double step = sweep / count, sine = std::sin(step);
-    if (full) return std::sqrt(step / sine);
-    // (count - 2) sine x^2 + 2 sine x = count step, in radii.
-    const double inner = (count - 2) * sine;
-    return count * step / (sine + std::sqrt(sine * sine + inner * count * step));
-}
-
 void chooseFacets(WallPiece& piece, const PlanWallsOptions& options) {
     const double sweep = std::min(piece.a1 - piece.a0, 2 * kPi), outer = piece.radius + piece.thickness / 2;
     const auto widest = [&](double chordError, double most) {
@@ -260,36 +250,46 @@ void chooseFacets(WallPiece& piece, const PlanWallsOptions& options) {
 
 } // namespace
 
+double cornerReach(double sweep, int count, bool full) {
+    const double step = sweep / count, sine = std::sin(step);
+    if (full) return std::sqrt(step / sine);
+    // (count - 2) sine x^2 + 2 sine x = count step, in radii.
+    const double inner = (count - 2) * sine;
+    return count * step / (sine + std::sqrt(sine * sine + inner * count * step));
+}
+
+std::vector<glm::dvec2> faceCorners(const WallPiece& piece, bool outer) {
+    if (!piece.corners[0].empty()) return piece.corners[outer ? 0 : 1];
+    const double radius = piece.radius + (outer ? 0.5 : -0.5) * piece.thickness;
+    // A full circle closes in the very same points, so that its seam cancels.
+    const bool full = piece.a1 - piece.a0 >= 2 * kPi - 1e-9;
+    const double sweep = full ? 2 * kPi : piece.a1 - piece.a0;
+    const int count = piece.facets;
+    const double reach = cornerReach(sweep, count, full);
+    std::vector<glm::dvec2> corners;
+    for (int k = 0; k <= count; ++k) {
+        // The last angle is that of wallEnd() to the last bit: fillings share these corners.
+        const double angle = piece.a0 + (k < count ? sweep * k / count : full ? 0 : sweep);
+        const bool between = full || (k > 0 && k < count);
+        corners.push_back(piece.center + (between ? reach * radius : radius) * onCircle(angle));
+    }
+    return corners;
+}
+
 PlanSolid footprint(const WallPiece& piece) {
     PlanSolid solid;
-    const double half = piece.thickness / 2;
     if (!piece.curved) {
-        const glm::dvec2 n = half * leftOf(glm::normalize(piece.b - piece.a));
+        const glm::dvec2 n = piece.thickness / 2 * leftOf(glm::normalize(piece.b - piece.a));
         solid.outline = {piece.a - n, piece.b - n, piece.b + n, piece.a + n};
         solid.sides = {SolidSide::right, SolidSide::end, SolidSide::left, SolidSide::end};
         return solid;
     }
-    // A full circle closes in the very same points, so that its seam cancels.
-    const bool full = piece.a1 - piece.a0 >= 2 * kPi - 1e-9;
-    const double sweep = full ? 2 * kPi : piece.a1 - piece.a0, outer = piece.radius + half,
-                 inner = piece.radius - half;
-    const int count = piece.facets;
-    // The last angle is that of wallEnd() to the last bit: fillings share these corners.
-    const auto angle = [&](int k) {
-        if (k == count) return piece.a0 + (full ? 0 : sweep);
-        return piece.a0 + sweep * k / count;
-    };
-    const double reach = cornerReach(sweep, count, full);
-    const auto at = [&](int k, double radius) {
-        return piece.center + (full || (k > 0 && k < count) ? reach * radius : radius) * onCircle(angle(k));
-    };
-    for (int k = 0; k <= count; ++k) {
-        solid.outline.push_back(at(k, outer));
-        solid.sides.push_back(k < count ? SolidSide::right : SolidSide::end);
-    }
-    for (int k = count; k >= 0; --k) {
-        solid.outline.push_back(at(k, inner));
-        solid.sides.push_back(k > 0 ? SolidSide::left : SolidSide::end);
+    for (const bool outer : {true, false}) {
+        std::vector<glm::dvec2> corners = faceCorners(piece, outer);
+        if (!outer) std::ranges::reverse(corners);
+        solid.outline.insert(solid.outline.end(), corners.begin(), corners.end());
+        solid.sides.insert(solid.sides.end(), corners.size() - 1, outer ? SolidSide::right : SolidSide::left);
+        solid.sides.push_back(SolidSide::end);
     }
     return solid;
 }

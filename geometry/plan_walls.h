@@ -3,6 +3,7 @@
 // does not matter.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -22,6 +23,8 @@ struct WallPiece {
     double radius = 0, a0 = 0, a1 = 0; // radians
     int facets = 0;                    // of an arc
     double widestFacet = 0;            // radians: what the chord error allows
+    // Of an arc's outer and inner face from a0 to a1, where they are not those of even facets; may be empty.
+    std::array<std::vector<glm::dvec2>, 2> corners;
     double thickness = 0.375, height = 10;
     int line = -1; // straight side that it belongs to, -1 for arcs
 };
@@ -70,6 +73,13 @@ struct PlanWallsOptions {
 };
 
 PlanWalls planWalls(const Sketch& sketch, const PlanWallsOptions& options);
+
+// How much farther than the arc corners between its facets lie from its centre, so that the facets enclose
+// the arc's own area. Its ends, but for a full circle, are where they are.
+double cornerReach(double sweep, int count, bool full);
+
+// Corners of one long face of an arc, from a0 to a1.
+std::vector<glm::dvec2> faceCorners(const WallPiece& piece, bool outer);
 
 // The footprint of a piece, counter-clockwise.
 PlanSolid footprint(const WallPiece& piece);

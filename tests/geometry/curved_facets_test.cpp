@@ -24,18 +24,40 @@ Arc arc(const char* id, glm::dvec2 center, double radius, double from, double to
     return out;
 }
 
-// Two round rooms through one another: each arc is cut twice, at angles that fit no facet.
-Sketch twoCircles() {
-    Sketch sketch;
-    sketch.arcs = {arc("left", {-4.3, 0.4}, 7, 0, 360), arc("right", {4.1, -0.7}, 8, 0, 360)};
-    return sketch;
-}
-
 ClosureOptions fittedOptions(const Sketch& sketch) {
     ClosureOptions options;
     options.facetLength = fittingFacet(surfaceOfRooms(sketch));
     options.coarseChord = 0.06;
     return options;
+}
+
+Sketch box(double width, double depth) {
+    const double x = width / 2, y = depth / 2, h = 0.1875;
+    Sketch sketch;
+    const glm::dvec2 ends[4][2] = {{{-x - h, -y}, {x + h, -y}},
+                                   {{x, -y - h}, {x, y + h}},
+                                   {{x + h, y}, {-x - h, y}},
+                                   {{-x, y + h}, {-x, -y - h}}};
+    for (const auto& end : ends) {
+        Wall& wall = sketch.walls.emplace_back();
+        wall.id = "w" + std::to_string(sketch.walls.size());
+        wall.a = end[0];
+        wall.b = end[1];
+    }
+    return sketch;
+}
+
+MeshQuality qualityOf(const Sketch& sketch) {
+    const Closure closure = closeSketch(sketch, fittedOptions(sketch));
+    EXPECT_TRUE(closure.building) << closure.report.message;
+    return measureMesh(meshBuilding(*closure.building));
+}
+
+// Two round rooms through one another: each arc is cut twice, at angles that fit no facet.
+Sketch twoCircles() {
+    Sketch sketch;
+    sketch.arcs = {arc("left", {-4.3, 0.4}, 7, 0, 360), arc("right", {4.1, -0.7}, 8, 0, 360)};
+    return sketch;
 }
 
 // Convex prisms of 36 indices: whether one of them holds the point.
@@ -85,6 +107,26 @@ TEST(CurvedFacets, even_ones_leave_no_slivers_in_the_mesh) {
     const MeshQuality quality = measureMesh(meshBuilding(*closure.building));
     EXPECT_GE(quality.minAngleDeg, 30);
     EXPECT_LE(quality.areaDeviation, 0.11);
+}
+
+// Two low arcs and a low wall through one another: 5.2 degrees where facets were even along the whole arc.
+TEST(CurvedFacets, of_partitions_leave_no_slivers_where_others_cross_them) {
+    Sketch sketch = box(20, 14);
+    sketch.arcs = {arc("large", {0, -2}, 5, 10, 170), arc("small", {4, 1}, 3, 100, 260)};
+    for (Arc& low : sketch.arcs) low.heightClass = HeightClass::green;
+    Wall& wall = sketch.walls.emplace_back();
+    wall.id = "low";
+    wall.a = {-3.1, -5};
+    wall.b = {-2.2, 5};
+    wall.heightClass = HeightClass::green;
+    EXPECT_GE(qualityOf(sketch).minAngleDeg, 29);
+}
+
+// Their facets are strips side by side, and staggered by turns all the way round: 24 degrees before.
+TEST(CurvedFacets, of_columns_are_staggered) {
+    Sketch sketch = box(20, 12);
+    sketch.arcs = {arc("thick", {-4, 0}, 0.9, 0, 360), arc("thin", {4, 0}, 0.7, 0, 360)};
+    EXPECT_GE(qualityOf(sketch).minAngleDeg, 33);
 }
 
 // Areas of the two lunes and of the lens between, walls 3/8 in thick, from circles.
