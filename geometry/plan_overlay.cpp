@@ -128,7 +128,8 @@ private:
         }
         std::ranges::sort(found);
         chains_.back().push_back(a);
-        for (const auto& [t, i] : found) chains_.back().push_back(settled_[i].at);
+        for (const auto& [t, i] : found) // crossings may round to one point
+            if (settled_[i].at != chains_.back().back()) chains_.back().push_back(settled_[i].at);
         chains_.back().push_back(b);
         return !found.empty();
     }
