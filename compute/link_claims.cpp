@@ -18,12 +18,16 @@ constexpr double kCaution = 1.15, kRowCaution = 1.8, kSumCaution = 1.5;
 constexpr double kLeastShare = 0.05; // of a row's squares, from which a cluster is worth taking apart
 constexpr double kGain = 0.7;        // of a link's error, gone when it is split (a guess: more rounds follow)
 
-// The 99th percentile of the root of a sum of squares over its expectation, of independent normal terms with
+// Standard deviations of the 99th percentile; more for sums of rows, to which few pairs of triangles
+// contribute that rays saw alike by luck: no normal distribution.
+constexpr double kPercentile = 2.326, kSumPercentile = 4.5;
+
+// Such a percentile of the root of a sum of squares over its expectation, of independent normal terms with
 // variances that add up to `sum` and their squares to `squares`.
-double percentile(double sum, double squares) {
+double percentile(double sum, double squares, double deviations = kPercentile) {
     if (!(sum > 0 && squares > 0)) return 1;
     const double third = 2 * std::min(squares / (sum * sum), 1.0) / 9;
-    return std::pow(1 - third + 2.326 * std::sqrt(third), 1.5);
+    return std::pow(1 - third + deviations * std::sqrt(third), 1.5);
 }
 
 double errorOfSum(const PatchTree& tree, const io::HierarchicalLink& link, bool first) {
@@ -105,10 +109,12 @@ std::vector<double> LinkClaims::sumSquares() const {
     std::vector<double> squares(sums_.size());
     for (size_t k = 0; k < sums_.size(); ++k) {
         const double independent = std::max(0.0, squares_[k]);
-        squares[k] = tree_->nodes[k].child
-                         ? sums_[k] * sums_[k]
-                         : independent * std::pow(kSumCaution * percentile(independent, ofSquares_[k]), 2) +
-                               std::pow(kAlike * sums_[k], 2);
+        squares[k] =
+            tree_->nodes[k].child
+                ? sums_[k] * sums_[k]
+                : independent *
+                          std::pow(kSumCaution * percentile(independent, ofSquares_[k], kSumPercentile), 2) +
+                      std::pow(kAlike * sums_[k], 2);
     }
     return squares;
 }
