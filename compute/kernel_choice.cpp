@@ -22,6 +22,8 @@ constexpr double kOfOneBlocker = 0.019, kMostWithBlockers = 6e-3, kWithoutBlocke
 constexpr double kFewAPlaneGain = 1.0 / 3; // of these, with few patches a plane
 // With fewer patches a blocker than this, links do not pay below.
 constexpr double kFewABlocker = 3, kLeastWithFewABlocker = 3e-3;
+// Nor with more than this: between small patches few of a room's blockers matter, however many there are.
+constexpr double kManyABlocker = 8, kLeastWithManyABlocker = 3e-3;
 // Sums of rows, by which light that goes round grows or dies, may be off by ten times the row error with
 // links and by little with visible polygons: for light only errors this coarse are left to links.
 constexpr double kLeastForLight = 2e-3;
@@ -71,7 +73,10 @@ double errorFromWhichLinksPay(const Obstacles& obstacles) {
     double pays =
         any ? std::min(kOfOneBlocker / std::sqrt(obstacles.blockers), kMostWithBlockers) : kWithoutBlockers;
     if (any && obstacles.patchesABlocker < kFewABlocker) return std::max(pays, kLeastWithFewABlocker);
-    if (obstacles.fewPatchesAPlane) pays *= kFewAPlaneGain;
+    if (obstacles.fewPatchesAPlane)
+        pays *= kFewAPlaneGain;
+    else if (any && obstacles.patchesABlocker >= kManyABlocker)
+        pays = std::max(pays, kLeastWithManyABlocker);
     return std::max(pays, kLeastErrorOfLinks);
 }
 

@@ -26,9 +26,10 @@ struct Obstacles {
 };
 
 // The row error from which links between clusters cost less than visible polygons on a CPU device. Rays
-// between clusters cost the same whatever stands between, visible polygons more with every blocker; where few
-// patches share a plane, `exact` finds none to classify together. Where each blocker is a patch or two, links
-// find no clusters either: each pair takes its own rays, up to hundreds.
+// between clusters cost the same whatever stands between, visible polygons more with every blocker that comes
+// between two patches: few where patches are small beside blockers. Where few patches share a plane, `exact`
+// finds none to classify together. Where each blocker is a patch or two, links find no clusters either: each
+// pair takes its own rays, up to hundreds.
 double errorFromWhichLinksPay(const Obstacles& obstacles);
 
 } // namespace heliodon::compute

@@ -98,10 +98,11 @@ TEST(FormFactors, auto_takes_links_for_coarse_and_visible_polygons_for_fine_erro
 TEST(KernelChoice, links_pay_from_lower_errors_on_the_more_stands_between) {
     double before = 1;
     for (double blockers : {12.0, 80.0, 130.0, 500.0}) {
-        const double pays = errorFromWhichLinksPay({blockers, 10, false});
+        const double pays = errorFromWhichLinksPay({blockers, 5, false});
         EXPECT_LT(pays, before);
-        EXPECT_LE(errorFromWhichLinksPay({blockers, 10, true}), pays);
-        EXPECT_GE(errorFromWhichLinksPay({blockers, 1, true}), pays); // no clusters
+        EXPECT_LE(errorFromWhichLinksPay({blockers, 5, true}), pays);
+        EXPECT_GE(errorFromWhichLinksPay({blockers, 1, true}), pays);   // no clusters
+        EXPECT_GT(errorFromWhichLinksPay({blockers, 20, false}), 2e-3); // few of them between two patches
         before = pays;
     }
     EXPECT_EQ(errorFromWhichLinksPay({1e6, 10, true}), kLeastErrorOfLinks); // as far as links go
