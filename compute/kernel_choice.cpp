@@ -21,7 +21,7 @@ constexpr double kDefaultError = 1e-3;
 constexpr double kOfOneBlocker = 0.019, kMostWithBlockers = 6e-3, kWithoutBlockers = 2e-3;
 constexpr double kFewAPlaneGain = 1.0 / 3; // of these, with few patches a plane
 // With fewer patches a blocker than this, links do not pay below.
-constexpr double kFewABlocker = 3, kLeastWithFewABlocker = 3e-3;
+constexpr double kFewABlocker = 2.3, kLeastWithFewABlocker = 3e-3;
 // Nor with more than this: between small patches few of a room's blockers matter, however many there are.
 constexpr double kManyABlocker = 8, kLeastWithManyABlocker = 3e-3;
 // Sums of rows, by which light that goes round grows or dies, may be off by ten times the row error with
