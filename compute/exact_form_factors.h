@@ -1,6 +1,6 @@
 // Kernel `exact`: pairs are proven not facing, hidden or visible, or their visible part is found exactly at
 // cubature points; of far pairs, at row errors from 3e-5 on, along lines across them. Behind crowds, more
-// than eight blockers (64 where a pair may err by less than 1e-4) or borders of too many edges, a point
+// than twelve blockers (64 where a pair may err by less than 1e-4) or borders of too many edges, a point
 // samples along jittered lines; its error is estimated from how points differ. No rays: errors are those of
 // cubature across the edges of shadows. The plan: coplanar patches merge into large convex blockers; pairs of
 // clusters, then of patches, are sorted out by shafts that leave few of them; far pairs by a product rule,

@@ -49,6 +49,10 @@ void loadPair(uint record) {
     pair.innerSize = pieceSize();
 }
 
+float openFrom(vec2 at) {
+    return 0.159154943092 * max(0.0, wholeSum(innerFrame, lift(outerFrame, at), outerFace.normal));
+}
+
 float seen(vec2 at) {
     vec3 point = lift(outerFrame, at);
     lineCount = 0;
@@ -63,6 +67,7 @@ float seen(vec2 at) {
         lineCount = 0;
     }
     float lit = hidden ? 0.0 : share * max(0.0, litFactor(innerFrame, point, outerFace.normal, pair.innerSize));
+    views |= linesLost && !hidden ? kSeesByLines : 0u;
     views |= lit <= 0.0 ? kSeesNothing : lineCount == 0 && share == 1.0 ? kSeesAll : kSeesPart;
     return lit;
 }

@@ -105,10 +105,16 @@ float shadowsSum(out bool hidden) {
     return sum;
 }
 
-float seen(vec2 at) {
+float wholeFrom(vec2 at) {
     point = fromInner(at);
     near = 5e-7 * (length(point) + pair.innerSize);
-    float whole = overRim(rim);
+    return overRim(rim);
+}
+
+float openFrom(vec2 at) { return kBlockers == 0u ? 1.0 : 0.159154943092 * max(0.0, wholeFrom(at)); }
+
+float seen(vec2 at) {
+    float whole = wholeFrom(at);
     if (kBlockers == 0u) return 0.159154943092 * max(0.0, whole);
     // What rounding leaves over: angles are good to 1e-7, of which the piece spans its size over the distance.
     bool hidden;

@@ -4,8 +4,9 @@
 //   void loadPair(uint record);        sets `pair` and, at the first level, `outer`
 //   float seen(vec2 at);               form factor from the point to what it sees of the inner piece
 //   vec3 fromInner(vec2 at);           the point, relative to a corner of the inner piece
+//   float openFrom(vec2 at);           form factor in the open, or 1 where that does not matter
 //   float bendDistance(vec2 at);       how far it is from where that bends: the border of the inner piece
-// and adds what each point sees, nothing, all or a part, to `views`.
+// and adds what each point sees, nothing, all or a part, and whether it guessed along lines, to `views`.
 // A sliver of light or shadow along an edge of the outer piece lies between all points, while every point of the inner
 // piece sees it: pairs of which all points see nothing, or all see everything, are looked at from the inner piece too.
 // What both looks miss is a sliver of a sliver.
@@ -38,18 +39,19 @@ Pair pair;
 vec2 outer[kOuterCap]; // what of the outer piece lies above the inner one's plane
 int outerCorners;
 bool wholePair; // a first look, from either side, not a cell
-const uint kSeesNothing = 1u, kSeesAll = 2u, kSeesPart = 4u;
+const uint kSeesNothing = 1u, kSeesAll = 2u, kSeesPart = 4u, kSeesByLines = 8u;
 uint views;
 float demand; // of the cell: the most that it may exchange over what it may err
 
 void loadPair(uint record);
 float seen(vec2 at);
 vec3 fromInner(vec2 at);
+float openFrom(vec2 at);
 float bendDistance(vec2 at);
 
 // More blockers than these are looked at along lines, which errs from point to point: where little may be wrong, that
 // takes more cells than exact borders cost.
-const uint kCrowd = 8u, kCrowdExact = 64u;
+const uint kCrowd = 12u, kCrowdExact = 64u;
 const float kCrowdTolerance = 1e-4;
 bool crowded() { return pair.r.listed > (params.tolerance < kCrowdTolerance ? kCrowdExact : kCrowd); }
 
@@ -104,8 +106,8 @@ vec2 overCell(vec2 a, vec2 b, vec2 c, bool quick, bool probed) {
     float value = 0.132394152788 * sums.x + 0.125939180545 * sums.y + 0.225 * centre;
     float byNear = kNearLow / 3.0 * sums.x + (1.0 - kNearLow) * centre;
     float apart = max(abs(value - byNear), abs(value - byFar));
-    // Errors of a crowd's points are as good as independent; the rule of the near three would count them thrice.
-    if (crowded()) return vec2(value, max(abs(value - byFar), kNoise * (range.y - range.x)));
+    // What lines err by is as good as independent; the rule of the near three would count it thrice.
+    if ((views & kSeesByLines) != 0u) return vec2(value, max(abs(value - byFar), kNoise * (range.y - range.x)));
     return vec2(value, max(beyond, pair.r.listed == 0u && params.quick != 0u ? kSmooth * apart : apart));
 }
 
@@ -122,10 +124,12 @@ void storeCell(uint slot, vec2 a, vec2 b, vec2 c) {
     nextCells[w + 6u] = floatBitsToUint(c.y);
 }
 
+const float kAbout = 3.0; // what is seen from a cell over what its middle sees
+
 // At most the form factor in the open from about a point.
 float mostFrom(vec2 at) {
     vec3 d = fromInner(at);
-    return min(1.0, pair.innerArea * 0.318309886184 / max(dot(d, d) - pair.innerSize * pair.innerSize, 1e-30));
+    return min(min(1.0, kAbout * openFrom(at)), pair.innerArea * 0.318309886184 / max(dot(d, d) - pair.innerSize * pair.innerSize, 1e-30));
 }
 
 // Cells so large that two agreeing rules prove nothing: a bend or a shadow could hide between the points.
@@ -176,7 +180,8 @@ vec2 integrate(vec2 a, vec2 b, vec2 c, bool mayTurn, out bool turned) {
         bool probed =
             params.quick != 0u && pair.r.listed > 0u && !crowded() && share * most * kMissed > params.tolerance;
         result = share * overCell(a, b, c, quick, probed);
-        turned = mayTurn && (views == kSeesNothing || views == kSeesAll);
+        uint alike = views & ~kSeesByLines;
+        turned = mayTurn && (alike == kSeesNothing || alike == kSeesAll);
         // Errors of many small cells add up: the smaller the cell, the less it may add.
         bool bad = mayBeSplit && result.y * pair.worst > params.tolerance * sqrt(share);
         again = !split && bad && quick; // all seven points in the next round

@@ -224,14 +224,16 @@ void findSpans(Stretch s, float near) {
         }
 }
 
-const int kSegmentCap = 2 * kLineCap; // a stretch leaves at most one more than there are spans
-vec4 segments[kSegmentCap];           // both ends
+const int kSegmentCap = 48;
+vec4 segments[kSegmentCap]; // both ends
 int segmentCount;
 
-// Lists those parts of a stretch that its spans cover, or leave free.
-void sweep(Stretch s, bool covered) {
-    float t = s.range.x;
-    NO_UNROLL while (t < s.range.y) {
+// Lists those parts of a stretch that its spans cover, or leave free, from `t` on. How far it came: to the end, unless
+// there is no more room. Loops ask at their foot, as what an invocation takes out of one that others go on with may be
+// lost (docs/form-factors.md).
+float sweep(Stretch s, float t, bool covered, bool wanted) {
+    bool more = wanted;
+    [[dont_unroll]] do {
         float reach = t, next = s.range.y;
         NO_UNROLL for (int first = 0; first < spanCount; first += kStride)
             [[unroll]] for (int q = 0; q < kStride; ++q) {
@@ -242,35 +244,48 @@ void sweep(Stretch s, bool covered) {
             }
         bool inShadow = reach > t;
         float end = min(inShadow ? reach : next, s.range.y);
-        if (inShadow == covered) segments[segmentCount++] = vec4(s.from + t * s.along, s.from + end * s.along);
-        t = end;
-    }
+        more = more && t < s.range.y && segmentCount < kSegmentCap;
+        if (more && inShadow == covered) segments[segmentCount++] = vec4(s.from + t * s.along, s.from + end * s.along);
+        t = more ? end : t;
+        more = more && t < s.range.y && segmentCount < kSegmentCap;
+    } while (subgroupAny(more));
+    return t;
 }
 
 // Twice pi times the form factor of the union of the listed shadows within the piece.
 float shadowSum(Frame f, vec3 point, vec3 normal, float size) {
-    float sum = 0.0, near = nearness(f, point, size);
+    float sum = 0.0, near = nearness(f, point, size), t = -1e30; // along border number k
     vec3 apex = lift(f, piece[0]) - point;
     listBorders(size, near);
     int k = 0;
-    NO_UNROLL while (k < borderCount) {
+    [[dont_unroll]] do {
         segmentCount = 0;
-        NO_UNROLL for (; k < borderCount && segmentCount < kLineCap; ++k) {
-            Stretch s = stretchAt(borders[k], size);
-            s.range = ranges[k];
+        bool more = k < borderCount;
+        [[dont_unroll]] do {
+            int border = max(0, min(k, borderCount - 1));
+            Stretch s = stretchAt(borders[border], size);
+            s.range = ranges[border];
             findSpans(s, near);
-            sweep(s, s.rank == kPiece);
-        }
-        NO_UNROLL for (int m = 0; m < segmentCount; ++m) {
-            vec3 from = lift(f, segments[m].xy) - point, to = lift(f, segments[m].zw) - point;
-            sum += lambertTriangle(apex, from, to, normal);
-        }
-    }
+            float reached = sweep(s, max(t, s.range.x), s.rank == kPiece, more);
+            bool done = more && reached >= s.range.y;
+            t = !more ? t : done ? -1e30 : reached;
+            k += done ? 1 : 0;
+            more = more && k < borderCount && segmentCount < kSegmentCap;
+        } while (subgroupAny(more));
+        int m = 0;
+        [[dont_unroll]] do {
+            vec4 ends = segments[min(m, kSegmentCap - 1)];
+            vec3 from = lift(f, ends.xy) - point, to = lift(f, ends.zw) - point;
+            float triangle = lambertTriangle(apex, from, to, normal);
+            if (m < segmentCount) sum += triangle;
+            ++m;
+        } while (subgroupAny(m < segmentCount));
+    } while (subgroupAny(k < borderCount));
     return sum;
 }
 
-// Form factor from a point to what is lit of the piece behind the listed shadows.
-float litFactor(Frame f, vec3 point, vec3 normal, float size) {
+// Twice pi times the form factor from a point to the whole piece.
+float wholeSum(Frame f, vec3 point, vec3 normal) {
     float whole = 0.0;
     vec3 a = lift(f, piece[pieceCorners - 1]) - point;
     NO_UNROLL for (int k = 0; k < pieceCorners; ++k) {
@@ -278,7 +293,12 @@ float litFactor(Frame f, vec3 point, vec3 normal, float size) {
         whole -= lambertEdge(a, b, normal); // clockwise seen from the point
         a = b;
     }
-    float shadow = 0.0;
+    return whole;
+}
+
+// Form factor from a point to what is lit of the piece behind the listed shadows.
+float litFactor(Frame f, vec3 point, vec3 normal, float size) {
+    float whole = wholeSum(f, point, normal), shadow = 0.0;
     NO_UNROLL for (bool once = lineCount > 0; once; once = false) shadow = shadowSum(f, point, normal, size);
     float lit = whole - shadow;
     return lit > kLeft * whole ? 0.159154943092 * lit : 0.0;
