@@ -51,7 +51,6 @@ public:
         kernels_.prepare(byLines(), scene_.blockerCount);
         makeBuffers(storage);
         statistics.blockers = scene_.blockerCount;
-        statistics.closed = scene_.closed;
         statistics.pairs = static_cast<uint64_t>(mesh.patchCount()) * (mesh.patchCount() - 1) / 2;
         rowSquares_.assign(scene_.pieceCount, 0.0);
         if (!options.entryErrors) return;
@@ -196,7 +195,6 @@ private:
                        two = counters_[io::kExactTwoCount], many = counters_[io::kExactManyCount],
                        lines = counters_[io::kExactLineCount];
         statistics.partial += counters_[io::kExactPartialCount];
-        statistics.visible += open + one + two + many + lines - counters_[io::kExactPartialCount];
         cellTolerance_ = tolerance_;
         if (lines) integrateLines(lines, pairTolerance(lines / share, a, b), a, b);
         if (open) integrate(kernels_.few(0), records_, 0, open, a, b);
@@ -234,8 +232,6 @@ private:
                           params, gpu::groupsFor(b.clusters, io::kExactGroup), a.clusters);
         submit(std::move(commands));
         const uint32_t clear = counters_[io::kExactClearCount], mixed = counters_[io::kExactMixedCount];
-        statistics.clearBlocks += clear;
-        statistics.mixedBlocks += mixed;
         return {clear, mixed};
     }
 

@@ -27,14 +27,11 @@ struct ExactOptions {
 
 struct ExactStatistics {
     uint64_t pairs = 0;   // of patches, once each
-    uint64_t visible = 0; // near and proven visible: adaptive
     uint64_t partial = 0; // something stands between
     uint64_t cells = 0;   // of cubature beyond one per pair
     uint64_t windows = 0; // rounds of blocks, as many as have room: where all have, one for each two tiles
     uint64_t depthFirstSteps = 0; // levels of cells that were refined in parts, for want of room
     uint32_t blockers = 0;
-    bool closed = false;                       // rooms are closed solids: only fronts block
-    uint64_t clearBlocks = 0, mixedBlocks = 0; // pairs of clusters that face one another and are not hidden
     double setupSeconds = 0, classifySeconds = 0, cubatureSeconds = 0;
 };
 

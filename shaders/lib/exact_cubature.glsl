@@ -129,7 +129,9 @@ const float kAbout = 3.0; // what is seen from a cell over what its middle sees
 // At most the form factor in the open from about a point.
 float mostFrom(vec2 at) {
     vec3 d = fromInner(at);
-    return min(min(1.0, kAbout * openFrom(at)), pair.innerArea * 0.318309886184 / max(dot(d, d) - pair.innerSize * pair.innerSize, 1e-30));
+    float byDistance =
+        pair.innerArea * 0.318309886184 / max(dot(d, d) - pair.innerSize * pair.innerSize, 1e-30);
+    return min(min(1.0, kAbout * openFrom(at)), byDistance);
 }
 
 // Cells so large that two agreeing rules prove nothing: a bend or a shadow could hide between the points.
