@@ -154,7 +154,7 @@ struct ArcProbe {
     const std::vector<glm::dvec2>& points; // its paint, plan
     const PlanView& view;
     double height, half, pixel; // of the wall, half its thickness, a pixel: inches
-    bool chromaOnly;            // see EdgeProbe
+    EdgeLook look;
 };
 
 struct RingPoints {
@@ -174,7 +174,7 @@ RingPoints edgesOf(const ArcProbe& arc, const Rings& rings, int n) {
             probe.at = rings.centre + (middle + sign * arc.half) * radial;
             probe.lateral = 1.2 * arc.pixel * turnedLeft(radial);
             probe.height = arc.height;
-            probe.chromaOnly = arc.chromaOnly;
+            probe.look = arc.look;
             const auto edge = findEdge(arc.view, probe);
             if (!edge || std::abs(*edge) > 0.14) continue;
             (sign < 0 ? out.inner : out.outer).push_back(probe.at + *edge * probe.outward);
@@ -209,14 +209,14 @@ std::vector<glm::dvec2> outlineOf(const ArcProbe& probe, glm::dvec2 centre, doub
 }
 
 std::optional<geometry::Arc> fitArc(const Chain& chain, const std::vector<glm::dvec2>& points,
-                                    const PlanView& view, const DetectOptions& options, bool chromaOnly) {
+                                    const PlanView& view, const DetectOptions& options, EdgeLook look) {
     const double height = heightOf(chain.paint), half = 0.5 * options.wallThickness;
     const auto circle = centreCircle(points);
     if (!circle || circle->off > 1.35 * stripSpread(view, points.front(), height, options))
         return std::nullopt;
 
     const ArcProbe probe{points,    view, height, half, 1 / view.pixelsPerInch(points.front(), height),
-                         chromaOnly};
+                         look};
     Rings rings{circle->centre, circle->radius - half, circle->radius + half};
     auto [low, high] = angularExtent(points, rings.centre);
     const double length = (high - low) * circle->radius;
@@ -254,8 +254,9 @@ std::optional<geometry::Arc> fitArc(const Chain& chain, const PlanView& view, co
     std::vector<glm::dvec2> points;
     for (const Component* piece : chain.pieces)
         for (const auto& p : planPoints(*piece, view, heightOf(chain.paint))) points.push_back(p);
-    if (auto arc = fitArc(chain, points, view, options, false)) return arc;
-    return fitArc(chain, points, view, options, true);
+    for (const EdgeLook look : {EdgeLook::light, EdgeLook::colour})
+        if (auto arc = fitArc(chain, points, view, options, look)) return arc;
+    return std::nullopt;
 }
 
 } // namespace heliodon::vision

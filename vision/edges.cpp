@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
 
 namespace heliodon::vision {
@@ -57,7 +58,9 @@ std::optional<double> findEdge(const PlanView& view, const EdgeProbe& probe) {
             (view.pixel(to + side * probe.lateral, probe.height) - a) / static_cast<double>(n - 1);
         for (size_t i = 0; i < n; ++i) profile[i] += view.light(a + static_cast<double>(i) * step);
     }
-    if (probe.chromaOnly) {
+    if (probe.look == EdgeLook::encoded)
+        for (glm::vec3& p : profile) p = glm::sqrt(p);
+    if (probe.look == EdgeLook::colour) {
         const glm::vec3 gain = 1.0f / view.white(view.pixel(probe.at, probe.height));
         for (glm::vec3& p : profile) {
             p *= gain;

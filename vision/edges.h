@@ -10,6 +10,13 @@
 
 namespace heliodon::vision {
 
+// What an edge is an edge of.
+enum class EdgeLook {
+    light,
+    colour,  // a white face, lit or in shadow, beside the paint is nothing then; noisier
+    encoded, // values as a display takes them (about the square root of light)
+};
+
 // Looks across an edge that is expected at `at`: from `inside` inches before it to `outside` inches behind it
 // along `outward` (unit). `lateral` runs along the edge; the picture is averaged from -lateral to +lateral.
 struct EdgeProbe {
@@ -17,13 +24,13 @@ struct EdgeProbe {
     double height = 0; // inches over the table
     double inside = 0.16, outside = 0.2;
     int lateralSamples = 3;
-    // Looks at colour alone: a white face, lit or in shadow, beside the paint is nothing then. Noisier.
-    bool chromaOnly = false;
+    EdgeLook look = EdgeLook::light;
 };
 
-// Where linear light crosses half the way between the two sides' levels, nearest to the expected place, in
-// inches along `outward` from `at`: the lens blurs an edge symmetrically in linear light, so this is the edge
-// itself. None without contrast.
+// Where the profile crosses half the way between the two sides' levels, nearest to the expected place, in
+// inches along `outward` from `at`. A lens blurs an edge symmetrically in light, so there this is the edge
+// itself; a picture that was scaled or smoothed afterwards was so in encoded values, where light puts a dark
+// strip's edges up to half a pixel outwards. None without contrast.
 std::optional<double> findEdge(const PlanView& view, const EdgeProbe& probe);
 
 struct LineFit {

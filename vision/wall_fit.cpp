@@ -60,7 +60,7 @@ struct Sides {
 };
 
 Sides measureSides(const std::vector<Span>& spans, const Axis& axis, const PlanView& view, double height,
-                   const DetectOptions& options, bool chromaOnly) {
+                   const DetectOptions& options, EdgeLook look) {
     Sides out;
     const double pixel = 1 / view.pixelsPerInch(axis.origin, height);
     for (const Span& span : spans) {
@@ -79,7 +79,7 @@ Sides measureSides(const std::vector<Span>& spans, const Axis& axis, const PlanV
                 probe.at = axis.at(s) + half * probe.outward;
                 probe.lateral = 1.2 * pixel * axis.along;
                 probe.height = top;
-                probe.chromaOnly = chromaOnly;
+                probe.look = look;
                 if (const auto edge = findEdge(view, probe); edge && std::abs(*edge) < 0.14)
                     side[k] = half + *edge;
             }
@@ -208,13 +208,13 @@ struct StripFit {
 };
 
 StripFit fitStrip(const Chain& chain, const Pca& pca, const PlanView& view, const DetectOptions& options,
-                  bool chromaOnly) {
+                  EdgeLook look) {
     const double height = heightOf(chain.paint);
     StripFit fit;
     fit.axis = axisOf(pca);
     for (int pass = 0; pass < 2; ++pass) {
         fit.spans = spansOf(chain, fit.axis, view, height, options.markerThickness);
-        fit.sides = measureSides(fit.spans, fit.axis, view, height, options, chromaOnly);
+        fit.sides = measureSides(fit.spans, fit.axis, view, height, options, look);
         fit.line = fitLine(fit.sides.middles, 2 / view.pixelsPerInch(fit.axis.origin, height));
         if (!fit.line) break;
         fit.bend = sagitta(fit.sides.middles);
@@ -262,22 +262,27 @@ std::optional<StraightWall> fitStraight(const Chain& chain, const PlanView& view
         pca.minor > 1.5 * stripSpread(view, pca.mean, height, options))
         return std::nullopt;
 
-    StripFit fit = fitStrip(chain, pca, view, options, false);
+    const double thickness = options.wallThickness;
+    const auto isWall = [&](const StripFit& fit) {
+        if (chain.markers.empty() && std::abs(fit.bend) > 0.06) return false;
+        if (fit.sides.widths.size() >= 3)
+            return isWallThickness(fit.width(), view, axisOf(pca).origin, height, options);
+        // Its sides were not seen: the shape of its paint counts.
+        return pca.minor <= 1.25 * strip && pca.minor >= 0.6 * strip && pca.high - pca.low >= 2 * thickness;
+    };
+    StripFit fit = fitStrip(chain, pca, view, options, EdgeLook::light);
     // A narrow face in its own shadow beside the paint: where it is as dark as the paint, its far edge looks
     // like the paint's.
-    if (std::abs(fit.width() / options.wallThickness - 1) > 0.12)
-        if (StripFit byChroma = fitStrip(chain, pca, view, options, true);
-            byChroma.line && std::abs(byChroma.width() - options.wallThickness) <
-                                 std::abs(fit.width() - options.wallThickness))
-            fit = std::move(byChroma);
-    if (chain.markers.empty() && std::abs(fit.bend) > 0.06) return std::nullopt;
-    const double thickness = options.wallThickness;
-    if (fit.sides.widths.size() >= 3) {
-        if (!isWallThickness(fit.width(), view, axisOf(pca).origin, height, options)) return std::nullopt;
-    } else if (pca.minor > 1.25 * strip || pca.minor < 0.6 * strip ||
-               pca.high - pca.low < 2 * options.wallThickness) {
-        return std::nullopt; // neither sides nor shape speak for a wall
-    }
+    if (std::abs(fit.width() / thickness - 1) > 0.12)
+        if (StripFit byColour = fitStrip(chain, pca, view, options, EdgeLook::colour);
+            byColour.line && std::abs(byColour.width() - thickness) < std::abs(fit.width() - thickness))
+            fit = std::move(byColour);
+    // A strip that is too wide in light and in colour can be a wall's in a picture that was scaled.
+    if (!isWall(fit) && fit.width() > thickness)
+        if (StripFit encoded = fitStrip(chain, pca, view, options, EdgeLook::encoded);
+            encoded.line && encoded.width() > 0)
+            fit = std::move(encoded);
+    if (!isWall(fit)) return std::nullopt;
 
     const auto& [axis, spans, sides, line, bend] = fit;
     const Span first = spans.front();

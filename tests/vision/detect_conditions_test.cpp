@@ -1,5 +1,6 @@
 // Tables, lamps and cameras that are not as one would wish: each test is a class of photographs that was once
 // misread.
+#include <cmath>
 #include <fstream>
 
 #include <gtest/gtest.h>
@@ -121,6 +122,29 @@ TEST(DetectConditions, markers_next_to_a_corner_of_walls_of_one_colour) {
         scoreSketch(sketch, detectSketch(paintTable(sketch, exampleRig()), exampleRig()).sketch);
     EXPECT_EQ(found.at("wall").found, 2) << table(found);
     EXPECT_EQ(found.at("window").found, 2) << table(found);
+}
+
+// Scaled in an editor: edges are blended in encoded values, which puts a dark strip's outwards; a shaded face
+// beside it does so too.
+TEST(DetectConditions, a_picture_that_was_scaled_after_it_was_taken) {
+    const auto bytes = [](double r, double g, double b) { return Color{r / 255, g / 255, b / 255}; };
+    PaintBox paints;
+    paints.green = bytes(50, 140, 60), paints.blue = bytes(40, 60, 160), paints.red = bytes(190, 45, 40);
+    paints.table = bytes(213, 211, 207);
+    geometry::Sketch sketch;
+    sketch.walls = {wall("w1", {-3.61, -0.64}, {-1.24, -0.16}, HeightClass::blue),
+                    wall("w2", {1.5, 0}, {6.5, 0}, HeightClass::green),
+                    wall("w3", {-6.59, 2.39}, {-0.97, 4.55}, HeightClass::green),
+                    wall("w4", {-2.54, -4.71}, {-1.39, -2.47}, HeightClass::green),
+                    wall("w5", {1, -4}, {5.5, -6}, HeightClass::red)};
+    for (const double side : {110, 170, 210}) {
+        SCOPED_TRACE(side);
+        paints.face = bytes(side, side, 0.98 * side);
+        Photograph photo = paintTable(sketch, exampleRig(), paints, {{0.86, 0.88, 0.85}, {0.97, 1, 0.98}});
+        for (uint8_t& value : photo.rgb) // the painter encodes what here is encoded already
+            value = static_cast<uint8_t>(std::lround(255 * std::pow(value / 255.0, 2.2)));
+        expectRead(sketch, photo, 0.1);
+    }
 }
 
 // What white card returns, not what the table does, is what paints are told by.
