@@ -50,6 +50,7 @@ public:
     }
 
     void report() {
+        warnOfRefusals();
         const LiveStatus status = board_.read();
         nlohmann::json& report = run_.report();
         report["live"] = {{"seconds", secondsSince(started_)},
@@ -113,6 +114,12 @@ private:
         runScript();
         take();
         draw(events);
+        warnOfRefusals();
+    }
+
+    // The windows show the latest reason; who runs without them reads it here. Once for each.
+    void warnOfRefusals() {
+        for (const std::string& why : board_.takeUnsaid()) run_.warn("not shown: " + why);
     }
 
     // What the user did, and the light that follows from it, asked for at once. True if there was anything.

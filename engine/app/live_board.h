@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -37,6 +38,14 @@ struct LiveStatus {
     nlohmann::json scene = nlohmann::json::object(); // report of the sketch that is shown
     size_t pictures = 0, looks = 0;                  // looks: at changed tables, or in vain
     size_t detections = 0, sketches = 0, refusals = 0, cameraLosses = 0, deviceLosses = 0;
+    std::vector<std::string> unsaid; // reasons of refusals that the thread that shows has not taken yet
+
+    // `field`: pictureRefused or refused.
+    void refuse(std::string LiveStatus::* field, const std::string& why) {
+        this->*field = why;
+        ++refusals;
+        unsaid.push_back(why);
+    }
 };
 
 // All members may be called from any thread; each holds a lock for as long as a copy of the status takes, and
@@ -50,6 +59,11 @@ public:
     LiveStatus read() const {
         const std::lock_guard lock(mutex_);
         return status_;
+    }
+
+    std::vector<std::string> takeUnsaid() {
+        const std::lock_guard lock(mutex_);
+        return std::exchange(status_.unsaid, {});
     }
 
     size_t looks() const {

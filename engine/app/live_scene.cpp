@@ -110,9 +110,8 @@ LiveSceneMaker::~LiveSceneMaker() {
 void LiveSceneMaker::run() {
     const auto refuse = [this](const std::string& why) {
         board_.update([&](LiveStatus& status) {
-            status.refused = why;
+            status.refuse(&LiveStatus::refused, why);
             status.working.clear();
-            ++status.refusals;
         });
     };
     while (const std::optional<SeenTable> seen = in_.take()) {

@@ -28,6 +28,10 @@ std::string duration(double seconds) {
     return seconds < 1 ? fmt::format("{:.0f} ms", 1e3 * seconds) : fmt::format("{:.2f} s", seconds);
 }
 
+std::string counted(size_t count, const char* what) {
+    return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
 double at(const nlohmann::json& object, const char* group, const char* name) {
     const nlohmann::json value = object.value(group, nlohmann::json::object()).value(name, nlohmann::json(0));
     return value.is_number() ? value.get<double>() : 0;
@@ -78,10 +82,10 @@ std::vector<std::pair<std::string, std::string>> factsOf(const LiveStatus& statu
     const auto add = [&](const char* name, std::string value) { facts.emplace_back(name, std::move(value)); };
     if (status.detections > 0) {
         const geometry::Sketch& s = status.seen;
-        const std::string arcs = s.arcs.empty() ? "" : fmt::format(", {} arcs", s.arcs.size());
-        add("seen", fmt::format("{} walls{}, {} windows, {} skylights, {} tokens{}", s.walls.size(), arcs,
-                                s.windows.size(), s.skylights.size(), s.tokens.size(),
-                                s.north ? ", north" : ", no north arrow"));
+        const std::string arcs = s.arcs.empty() ? "" : ", " + counted(s.arcs.size(), "arc");
+        add("seen", fmt::format("{}{}, {}, {}, {}{}", counted(s.walls.size(), "wall"), arcs,
+                                counted(s.windows.size(), "window"), counted(s.skylights.size(), "skylight"),
+                                counted(s.tokens.size(), "token"), s.north ? ", north" : ", no north arrow"));
     }
     if (lit) {
         const nlohmann::json& scene = lit->scene->report;

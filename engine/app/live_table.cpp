@@ -63,8 +63,7 @@ private:
             found = vision::detectSketch(*picture.photo, table_.rig_);
         } catch (const geometry::InputError& error) {
             table_.board_.update([&](LiveStatus& status) {
-                status.pictureRefused = error.what();
-                ++status.refusals;
+                status.refuse(&LiveStatus::pictureRefused, error.what());
                 status.looks += counts;
             });
             return std::nullopt;
@@ -174,8 +173,7 @@ void LiveTable::run() {
                 std::this_thread::sleep_for(kLook);
         } catch (const geometry::InputError& error) { // a picture that cannot be read; the next one may be
             board_.update([&](LiveStatus& status) {
-                status.pictureRefused = error.what();
-                ++status.refusals;
+                status.refuse(&LiveStatus::pictureRefused, error.what());
                 ++status.looks;
                 status.cameraEnded = camera_ && camera_->hasEnded();
             });
