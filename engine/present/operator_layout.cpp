@@ -54,6 +54,7 @@ void drawOutlines(const PlacedPicture& placed, const std::vector<OperatorOutline
     ImDrawList* list = ImGui::GetWindowDrawList();
     const float scale = (placed.right - placed.left) / static_cast<float>(placed.picture->info().width);
     list->PushClipRect({placed.left, placed.top}, {placed.right, placed.bottom}, true);
+    std::vector<std::pair<ImVec2, const OperatorOutline*>> labels; // over all outlines
     for (const OperatorOutline& outline : outlines) {
         std::vector<ImVec2> points;
         ImVec2 middle{0, 0};
@@ -66,17 +67,21 @@ void drawOutlines(const PlacedPicture& placed, const std::vector<OperatorOutline
         const int count = static_cast<int>(points.size());
         list->AddPolyline(points.data(), count, IM_COL32(10, 10, 14, 190), ImDrawFlags_Closed, 3.5f);
         list->AddPolyline(points.data(), count, packed(outline.colour), ImDrawFlags_Closed, 1.6f);
-        if (outline.label.empty()) continue;
-        const ImVec2 size = ImGui::CalcTextSize(outline.label.c_str());
-        const ImVec2 at{middle.x / static_cast<float>(count) - size.x / 2,
-                        middle.y / static_cast<float>(count) - size.y / 2};
+        if (!outline.label.empty())
+            labels.push_back(
+                {{middle.x / static_cast<float>(count), middle.y / static_cast<float>(count)}, &outline});
+    }
+    for (const auto& [middle, outline] : labels) {
+        const ImVec2 size = ImGui::CalcTextSize(outline->label.c_str());
+        const ImVec2 at{middle.x - size.x / 2, middle.y - size.y / 2};
         list->AddRectFilled({at.x - 4, at.y - 1}, {at.x + size.x + 4, at.y + size.y + 1},
                             IM_COL32(15, 16, 20, 190), 4);
-        list->AddText(at, packed(outline.colour), outline.label.c_str());
+        list->AddText(at, packed(outline->colour), outline->label.c_str());
     }
     list->PopClipRect();
 }
 
+// One pixel around: pictures keep that far from the edge of their room.
 void frame(const PlacedPicture& p) {
     ImGui::GetWindowDrawList()->AddRect({p.left - 1, p.top - 1}, {p.right + 1, p.bottom + 1},
                                         IM_COL32(70, 74, 84, 255));
@@ -98,7 +103,8 @@ void layOutPictures(std::vector<PlacedPicture>& pictures, const OperatorStatus& 
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const ImVec2 size{room.x, std::max(60.0f, room.y - below - line)};
     if (status.cameraPicture) {
-        const PlacedPicture placed = fitted(*status.cameraPicture, at, size);
+        const PlacedPicture placed =
+            fitted(*status.cameraPicture, {at.x + 1, at.y}, {size.x - 2, size.y});
         pictures.push_back(placed);
         frame(placed);
         drawOutlines(placed, status.outlines);
@@ -110,7 +116,7 @@ void layOutPictures(std::vector<PlacedPicture>& pictures, const OperatorStatus& 
     // What each output shows.
     for (size_t i = 0; i < status.outputs.size(); ++i) {
         const OperatorOutput& output = status.outputs[i];
-        const float left = at.x + static_cast<float>(i) * (thumb + gap);
+        const float left = at.x + 1 + static_cast<float>(i) * (thumb + gap);
         ImGui::SetCursorScreenPos({left, at.y + size.y + gap});
         ImGui::PushID(static_cast<int>(i));
         ImGui::BeginGroup();
