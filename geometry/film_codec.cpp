@@ -14,7 +14,7 @@ namespace heliodon::geometry {
 
 namespace {
 
-constexpr const char* kQuality = "18"; // of x264, where eyes no longer find a difference
+constexpr const char* kQuality = "18";    // of x264, where eyes no longer find a difference
 constexpr int kLargestRateTerm = 1001000; // 30000/1001 frames a second and its like are exact
 
 struct Release {
@@ -82,7 +82,8 @@ private:
                                      nullptr));
         const int* bt709 = sws_getCoefficients(SWS_CS_ITU709);
         constexpr int kFull = 1, kLimited = 0, kOne = 1 << 16;
-        if (!scaler_ || sws_setColorspaceDetails(scaler_.get(), bt709, kFull, bt709, kLimited, 0, kOne, kOne) < 0)
+        if (!scaler_ ||
+            sws_setColorspaceDetails(scaler_.get(), bt709, kFull, bt709, kLimited, 0, kOne, kOne) < 0)
             return false;
         frame_.reset(av_frame_alloc());
         packet_.reset(av_packet_alloc());

@@ -1,6 +1,7 @@
 // glTF 2.0 (.gltf, .glb) through tinygltf: triangles of every mesh node of the default scene, materials after
 // KHR_materials_transmission, KHR_materials_ior and KHR_materials_emissive_strength, blinds after
-// extras.blinds of a material, positions after KHR_mesh_quantization. Textures are not read.
+// extras.blinds of a material, asset.extras.north_deg, positions after KHR_mesh_quantization. Textures are
+// not read.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -88,6 +89,7 @@ public:
 
     RawModel read() {
         checkExtensions();
+        readNorth();
         for (size_t i = 0; i < in_.materials.size(); ++i) {
             Material material = materialOf(in_.materials[i]);
             readBlind(i, material);
@@ -111,6 +113,16 @@ public:
     }
 
 private:
+    // asset.extras.north_deg, our own.
+    void readNorth() {
+        const tinygltf::Value& extras = in_.asset.extras;
+        if (!extras.IsObject() || !extras.Has("north_deg")) return;
+        const tinygltf::Value& north = extras.Get("north_deg");
+        if (!north.IsNumber() || !std::isfinite(north.GetNumberAsDouble()))
+            throw InputError(out_.file, "asset.extras.north_deg", "expected a finite number of degrees");
+        out_.northDeg = north.GetNumberAsDouble();
+    }
+
     // extras.blinds, our own.
     void readBlind(size_t i, Material& material) const {
         const tinygltf::Value& extras = in_.materials[i].extras;

@@ -78,6 +78,7 @@ public:
 
 private:
     Building done() {
+        building_.northDeg = model_.northDeg;
         building_.repairs.insert(building_.repairs.end(), model_.assumed.begin(), model_.assumed.end());
         return std::move(building_);
     }

@@ -2,7 +2,8 @@
 // Material conventions: Kd = diffuse reflectance, Tf = visible transmittance at normal incidence (absent =
 // opaque), Ni 1.52 glass or 1.0 open hole, Ke = exitance in lux. glTF: baseColorFactor
 // (absent, as an absent Kd: 0.5, or 0 of a lamp; importModel says so among the repairs),
-// KHR_materials_transmission, KHR_materials_emissive_strength.
+// KHR_materials_transmission, KHR_materials_emissive_strength. North, where it is not -z (y with z up): a
+// line "north DEG" in an .obj, asset.extras.north_deg in a glTF; both heliodon's own.
 #pragma once
 
 #include <filesystem>
@@ -16,6 +17,8 @@ namespace heliodon::geometry {
 
 enum class UpAxis { y, z };
 
+constexpr double kModelNorthDeg = 90; // of files that say nothing of it
+
 // A model with z up is turned to y up: (x, y, z) -> (x, z, -y). The same turn applies to sensors and skies of
 // that model.
 glm::dvec3 worldFromModel(glm::dvec3 p, UpAxis up);
@@ -28,7 +31,8 @@ PatchMesh readPatches(const std::filesystem::path& file, UpAxis up = UpAxis::y);
 // safe; otherwise refused with the faces named. A model that is not closed is refused.
 Building importModel(const std::filesystem::path& file, UpAxis up = UpAxis::y);
 
-// .obj (+ .mtl beside it) or .glb, by extension; written whole. Groups carry role and room.
-void writeModel(const PatchMesh& mesh, const std::filesystem::path& file);
+// .obj (+ .mtl beside it) or .glb, by extension; written whole. Groups carry role and room. `northDeg`:
+// direction of north in the plan, degrees counter-clockwise from +x seen from above.
+void writeModel(const PatchMesh& mesh, const std::filesystem::path& file, double northDeg = kModelNorthDeg);
 
 } // namespace heliodon::geometry

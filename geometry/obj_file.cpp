@@ -1,5 +1,5 @@
 // Wavefront .obj and .mtl. Our own reader because every refusal must name its line; what lights need is a
-// small part of the format: v, f, usemtl, mtllib, g, o; Kd, Tf, Ni, Ke,
+// small part of the format: v, f, usemtl, mtllib, g, o, north; Kd, Tf, Ni, Ke,
 // and `blinds`, our own.
 #include <charconv>
 #include <cmath>
@@ -180,6 +180,8 @@ public:
                 useMaterial(lines_.remainder());
             else if (key == "g" || key == "o")
                 useGroup(lines_.remainder());
+            else if (key == "north")
+                model_.northDeg = lines_.number("north DEG");
         }
         return std::move(model_);
     }

@@ -1,4 +1,5 @@
 // The module behind picture_file.h. Nothing is thrown out of it.
+#include <array>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -14,6 +15,9 @@ namespace heliodon::geometry {
 namespace {
 
 constexpr int kPngCompression = 3;
+// What says that the colours are sRGB (PNG, third edition, 11.3.2.5): length, name, perceptual intent, check.
+constexpr std::array<uint8_t, 13> kSrgbChunk{0, 0, 0, 1, 's', 'R', 'G', 'B', 0, 0xAE, 0xCE, 0x1C, 0xE9};
+constexpr std::ptrdiff_t kAfterPngHeader = 33;
 
 cv::Mat bgrOf(int width, int height, const uint8_t* rgb) {
     cv::Mat bgr;
@@ -55,6 +59,7 @@ bool writePng(const std::filesystem::path& file, int width, int height, const ui
         if (!cv::imencode(".png", bgrOf(width, height, rgb), bytes,
                           {cv::IMWRITE_PNG_COMPRESSION, kPngCompression}))
             return false;
+        bytes.insert(bytes.begin() + kAfterPngHeader, kSrgbChunk.begin(), kSrgbChunk.end());
         std::ofstream out(file, std::ios::binary);
         out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
         return static_cast<bool>(out.flush());

@@ -10,6 +10,7 @@
 
 #include <glm/vec3.hpp>
 
+#include "geometry/model_file.h"
 #include "geometry/patch_mesh.h"
 
 namespace heliodon::geometry {
@@ -28,6 +29,7 @@ struct RawModel {
     std::vector<std::string> source; // per group: "" in an .obj, "meshes[0].primitives[1]" in a glTF
     std::vector<Material>
         materials; // checked: finite, reflectance in [0, 1), reflectance + transmittance at most 1
+    double northDeg = kModelNorthDeg; // direction of north, as Building has it
     std::vector<std::string> assumed; // what the file does not say, one sentence each
 
     size_t faceCount() const { return firstCorner.size() - 1; }

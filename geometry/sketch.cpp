@@ -1,6 +1,7 @@
 #include "geometry/sketch.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <set>
 #include <string_view>
@@ -41,8 +42,28 @@ public:
         return place_.empty() ? std::string(field) : place_ + "." + std::string(field);
     }
 
+    // Fields that nobody has asked for.
+    std::vector<std::string> unread() const {
+        std::vector<std::string> fields;
+        for (const auto& [field, value] : json_.items())
+            if (!asked_.contains(field)) fields.push_back(field);
+        return fields;
+    }
+    // Whether it has the beginning of one that was asked for: "Window" of "windows".
+    bool isLikeOne(const std::string& field) const {
+        constexpr size_t kBeginning = 3;
+        const auto beginning = [=](std::string text) {
+            text.resize(std::min(text.size(), kBeginning));
+            for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+            return text;
+        };
+        return std::ranges::any_of(
+            asked_, [&](const std::string& known) { return beginning(known) == beginning(field); });
+    }
+
     // nullptr when absent; null counts as absent.
     const Json* find(const char* field) const {
+        asked_.insert(field);
         const auto it = json_.find(field);
         return it == json_.end() || it->is_null() ? nullptr : &*it;
     }
@@ -99,6 +120,7 @@ private:
     const std::string& file_;
     std::string place_;
     const Json& json_;
+    mutable std::set<std::string> asked_;
 };
 
 constexpr std::array kHeights{"red", "blue", "green"};
@@ -191,7 +213,8 @@ Token readToken(const Object& in) {
 
 // Reads a list; entries without an id get prefix + number, skipping ids that are taken.
 template<class Item, class Read>
-std::vector<Item> readList(const Object& root, const char* field, const std::string& prefix, Read read) {
+std::vector<Item> readList(const Object& root, const char* field, const std::string& prefix, Read read,
+                           std::vector<std::string>& unknown) {
     std::vector<Item> items;
     const Json* list = root.find(field);
     if (!list) return items;
@@ -202,6 +225,7 @@ std::vector<Item> readList(const Object& root, const char* field, const std::str
         Item item = read(in);
         item.id = in.text("id", "");
         item.detection = readDetection(in);
+        for (const std::string& other : in.unread()) unknown.push_back(in.at(other));
         if (!item.id.empty() && !taken.insert(item.id).second)
             in.fail("id", fmt::format("\"{}\" is used twice", item.id));
         items.push_back(std::move(item));
@@ -304,20 +328,27 @@ Sketch readSketch(const std::filesystem::path& file) {
     const std::string format = root.text("format", "");
     if (format != kFormat) root.fail("format", fmt::format("is \"{}\", expected \"{}\"", format, kFormat));
 
+    // What is on the table is as large as it is: other words would change nothing.
+    for (const auto& [field, only] : {std::pair("units", "inch"), std::pair("scale", "1in=1ft")})
+        if (const std::string said = root.text(field, only); said != only)
+            root.fail(field, fmt::format("is \"{}\", expected \"{}\"", said, only));
+
     Sketch sketch;
     sketch.id = root.text("id", file.stem().string());
     sketch.title = root.text("title", "");
     if (const Json* table = root.find("table"))
         sketch.tableDiameter = Object(name, "table", *table).positive("diameter", Sketch{}.tableDiameter);
-    sketch.walls = readList<Wall>(root, "walls", "w", readWall);
-    sketch.arcs = readList<Arc>(root, "arcs", "a", readArc);
-    sketch.windows = readList<WindowMarker>(root, "windows", "win", readWindow);
-    sketch.skylights = readList<Skylight>(root, "skylights", "sky", readSkylight);
-    sketch.tokens = readList<Token>(root, "tokens", "token", readToken);
+    sketch.walls = readList<Wall>(root, "walls", "w", readWall, sketch.unknownFields);
+    sketch.arcs = readList<Arc>(root, "arcs", "a", readArc, sketch.unknownFields);
+    sketch.windows = readList<WindowMarker>(root, "windows", "win", readWindow, sketch.unknownFields);
+    sketch.skylights = readList<Skylight>(root, "skylights", "sky", readSkylight, sketch.unknownFields);
+    sketch.tokens = readList<Token>(root, "tokens", "token", readToken, sketch.unknownFields);
     if (const Json* northJson = root.find("north")) {
         const Object in(name, "north", *northJson);
         sketch.north = NorthArrow{in.point("pos"), in.number("dir_deg"), readDetection(in)};
     }
+    for (const std::string& other : root.unread()) // notes of other programs are welcome, misspellings not
+        if (root.isLikeOne(other)) sketch.unknownFields.push_back(other);
     checkReferences(root, sketch);
     return sketch;
 }

@@ -92,11 +92,13 @@ struct Sketch {
     std::vector<Skylight> skylights;
     std::vector<Token> tokens;
     std::optional<NorthArrow> north;
+    // Of the file, and not of this format: "walls[3].height"; at the top level those that look like
+    // misspellings.
+    std::vector<std::string> unknownFields;
 };
 
-// Throws InputError naming the file and the field ("walls[3].thickness"); unknown fields are ignored,
-// `expect` too. Ids must be unique within a list; missing ids are given ("w1", "a1", "win1", "sky1",
-// "token1").
+// Throws InputError naming the file and the field ("walls[3].thickness"); unknown fields make no difference.
+// Ids must be unique within a list; missing ids are given ("w1", "a1", "win1", "sky1", "token1").
 Sketch readSketch(const std::filesystem::path& file);
 // Written whole or not at all. Reading it back gives the same sketch.
 void writeSketch(const Sketch& sketch, const std::filesystem::path& file);

@@ -76,7 +76,7 @@ std::string mtlText(const PatchMesh& mesh) {
     return text;
 }
 
-void writeObj(const PatchMesh& mesh, const std::filesystem::path& file) {
+void writeObj(const PatchMesh& mesh, const std::filesystem::path& file, double northDeg) {
     std::filesystem::path library = file;
     library.replace_extension(".mtl");
     std::string name = library.filename().string();
@@ -85,6 +85,10 @@ void writeObj(const PatchMesh& mesh, const std::filesystem::path& file) {
     const std::vector<std::string> names = materialNames(mesh);
     std::string text =
         fmt::format("# metres, y up; faces counter-clockwise seen from the room's air\nmtllib {}\n", name);
+    if (northDeg != kModelNorthDeg)
+        text += fmt::format(
+            "# north: degrees counter-clockwise from +x seen from above; heliodon's own\nnorth {}\n",
+            northDeg);
     for (const glm::dvec3& p : mesh.vertices)
         text += fmt::format("v {} {} {}\n", p.x, p.y, p.z); // shortest that reads back
     for (const auto& [key, patches] : groups(mesh)) {
@@ -107,7 +111,7 @@ void writeObj(const PatchMesh& mesh, const std::filesystem::path& file) {
 
 class GlbWriter {
 public:
-    explicit GlbWriter(const PatchMesh& mesh) : mesh_(mesh) {}
+    GlbWriter(const PatchMesh& mesh, double northDeg) : mesh_(mesh), northDeg_(northDeg) {}
 
     std::string bytes() {
         // Every list first: an ordered object moves its members when it grows.
@@ -115,6 +119,7 @@ public:
                                  "bufferViews", "buffers"})
             json_[list] = nlohmann::ordered_json::array();
         json_["asset"] = {{"version", "2.0"}, {"generator", "heliodon " HELIODON_VERSION}};
+        if (northDeg_ != kModelNorthDeg) json_["asset"]["extras"] = {{"north_deg", northDeg_}};
         json_["scene"] = 0;
         addMaterials();
         addPositions();
@@ -234,16 +239,17 @@ private:
     }
 
     const PatchMesh& mesh_;
+    double northDeg_;
     nlohmann::ordered_json json_;
     std::string data_;
 };
 
 } // namespace
 
-void writeModel(const PatchMesh& mesh, const std::filesystem::path& file) {
+void writeModel(const PatchMesh& mesh, const std::filesystem::path& file, double northDeg) {
     if (mesh.patchCount() == 0) throw InputError(file.string(), "", "would hold no faces");
-    if (file.extension() == ".obj") return writeObj(mesh, file);
-    if (file.extension() == ".glb") return writeWholeText(file, GlbWriter(mesh).bytes());
+    if (file.extension() == ".obj") return writeObj(mesh, file, northDeg);
+    if (file.extension() == ".glb") return writeWholeText(file, GlbWriter(mesh, northDeg).bytes());
     throw InputError(file.string(), "", "is no model to write, expected .obj or .glb");
 }
 

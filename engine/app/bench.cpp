@@ -365,20 +365,34 @@ template<class Result> nlohmann::ordered_json listOf(const std::vector<Result>& 
     return list;
 }
 
+// Each once; "all" stands for `known`, beside others too.
+template<class Names>
+std::vector<std::string> expanded(const std::vector<std::string>& given, const Names& known) {
+    std::vector<std::string> names;
+    const auto add = [&](std::string_view name) {
+        if (std::ranges::find(names, name) == names.end()) names.emplace_back(name);
+    };
+    for (const std::string& name : given) {
+        if (name != "all")
+            add(name);
+        else
+            std::ranges::for_each(known, add);
+    }
+    return names;
+}
+
 BenchArguments completed(BenchArguments arguments) {
     const auto known = compute::formFactorKernels();
-    if (arguments.kernels == std::vector<std::string>{"all"})
-        arguments.kernels.assign(known.begin(), known.end());
+    arguments.kernels = expanded(arguments.kernels, known);
     for (const std::string& kernel : arguments.kernels)
         if (kernel != "auto" && std::find(known.begin(), known.end(), kernel) == known.end()) {
             std::string names = "all, auto";
             for (const std::string_view name : known) names += ", " + std::string(name);
             throw geometry::InputError("--kernels", kernel, "unknown; expected " + names);
         }
-    if (arguments.scenes == std::vector<std::string>{"all"}) {
-        arguments.scenes.clear();
-        for (const BuiltInScene& scene : builtInScenes()) arguments.scenes.emplace_back(scene.name);
-    }
+    std::vector<std::string_view> scenes;
+    for (const BuiltInScene& scene : builtInScenes()) scenes.emplace_back(scene.name);
+    arguments.scenes = expanded(arguments.scenes, scenes);
     return arguments;
 }
 

@@ -86,7 +86,8 @@ int main(int argc, char** argv) {
         code = guarded(error, [&] {
             const heliodon::app::InterruptGuard guard;
             // Before the work, not after it.
-            for (const auto& file : arguments->common.writtenFiles) heliodon::geometry::refuseUnwritable(file);
+            for (const auto& file : arguments->common.writtenFiles)
+                heliodon::geometry::refuseUnwritable(file);
             const std::string& device = arguments->common.device;
             if (!device.empty() && opensNoDevice(arguments->command)) refuseUnknownDevice(device);
             std::visit([&](const auto& those) { heliodon::app::execute(run, those); }, arguments->command);

@@ -10,7 +10,7 @@ void execute(Run& run, const ModelArguments& arguments) {
     if (extension != ".obj" && extension != ".glb")
         throw geometry::InputError(arguments.output.string(), "", "a model is written as .obj or .glb");
     const Scene scene = loadScene(run, arguments.scene);
-    geometry::writeModel(scene.mesh, arguments.output);
+    geometry::writeModel(scene.mesh, arguments.output, scene.northDeg);
 }
 
 } // namespace heliodon::app

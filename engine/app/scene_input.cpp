@@ -178,6 +178,16 @@ geometry::Building closeOrRefuse(Run& run, const SceneArguments& arguments, cons
     return std::move(*closure.building);
 }
 
+void warnOfUnknown(Run& run, const std::filesystem::path& file, const std::vector<std::string>& fields) {
+    if (fields.empty()) return;
+    constexpr size_t kFew = 5;
+    const std::span few(fields.data(), std::min(fields.size(), kFew));
+    run.warn(fmt::format("{}: {}{} {} no part of a sketch and make{} no difference", file.string(),
+                         fmt::join(few, ", "),
+                         fields.size() > kFew ? fmt::format(" and {} more", fields.size() - kFew) : "",
+                         fields.size() == 1 ? "is" : "are", fields.size() == 1 ? "s" : ""));
+}
+
 // More triangles than were asked for, or so few to an arc that they are slivers.
 bool tooManyFacets(const geometry::PatchMesh& mesh, size_t wanted) {
     const geometry::MeshQuality quality = geometry::measureMesh(mesh);
@@ -204,7 +214,11 @@ geometry::UpAxis upAxisOf(const SceneArguments& arguments) {
 
 geometry::Sketch loadSketch(Run& run, const SceneArguments& arguments,
                             const std::optional<geometry::Rig>& rig) {
-    if (kindOf(arguments.input) == InputKind::sketch) return geometry::readSketch(arguments.input);
+    if (kindOf(arguments.input) == InputKind::sketch) {
+        geometry::Sketch sketch = geometry::readSketch(arguments.input);
+        warnOfUnknown(run, arguments.input, sketch.unknownFields);
+        return sketch;
+    }
     if (!rig)
         throw InputError(arguments.input.string(), "",
                          "a photograph needs the calibrated camera, expected --rig RIG.json");

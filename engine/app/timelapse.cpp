@@ -277,7 +277,7 @@ void execute(Run& run, const TimelapseArguments& arguments) {
 
     Progress progress("frames", times.size(), run.showsProgress());
     std::string table = "time,sun_azimuth_deg,sun_altitude_deg,mean_lux,max_lux,glare_ratio\n";
-    size_t drawn = 0;
+    size_t drawn = 0, dark = 0;
     std::vector<float> frameMs;
     MomentStream stream(source, times, *transport, arguments.picture.skyColour);
     Solved before;
@@ -287,6 +287,7 @@ void execute(Run& run, const TimelapseArguments& arguments) {
         const Solved solved = stream.next();
         if (solved != before) figures = lightFigures(scene.mesh, *solved);
         before = solved;
+        dark += source.followsTime() && figures.maxLux <= 0;
         table += tableRow(times[frame], source.sunAt(times[frame]), figures);
         if (painter && !sink.done(frame)) {
             painter->paint(frame, solved,
@@ -308,7 +309,12 @@ void execute(Run& run, const TimelapseArguments& arguments) {
     }
     geometry::writeWholeText(sink.table(), table);
     run.report()["frames"] = frameTimes(frameMs);
-    run.report()["frames"].update({{"count", times.size()}, {"drawn", drawn}, {"white_lux", white}});
+    run.report()["frames"].update(
+        {{"count", times.size()}, {"drawn", drawn}, {"dark", dark}, {"white_lux", white}});
+    if (dark > 0)
+        run.note(
+            fmt::format("{} of {} frames are dark: the sun is below the horizon, twilight is not modelled",
+                        dark, times.size()));
 }
 
 } // namespace heliodon::app

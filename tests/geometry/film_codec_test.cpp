@@ -93,7 +93,8 @@ Decoded decode(const std::filesystem::path& file) {
 }
 
 TEST_F(FilmCodecTest, every_picture_is_in_it_in_its_colour) {
-    const std::vector<Rgb> colours = {{255, 255, 255}, {0, 0, 0}, {200, 30, 40}, {20, 160, 60}, {30, 60, 190}};
+    const std::vector<Rgb> colours = {
+        {255, 255, 255}, {0, 0, 0}, {200, 30, 40}, {20, 160, 60}, {30, 60, 190}};
     for (const auto& [width, height] : {std::pair(1280, 720), std::pair(65, 49)}) {
         const auto encoder = openFilmFile(film(), width, height, 30000.0 / 1001);
         ASSERT_TRUE(encoder);
@@ -125,7 +126,8 @@ TEST_F(FilmCodecTest, that_has_no_room_is_not_complete) {
     const auto noise = [](int frame) {
         std::vector<uint8_t> rgb(640 * 480 * 3);
         uint32_t state = 1u + static_cast<uint32_t>(frame);
-        for (uint8_t& value : rgb) value = static_cast<uint8_t>((state = state * 1664525u + 1013904223u) >> 24);
+        for (uint8_t& value : rgb)
+            value = static_cast<uint8_t>((state = state * 1664525u + 1013904223u) >> 24);
         return rgb;
     };
     const auto old = std::signal(SIGXFSZ, SIG_IGN);

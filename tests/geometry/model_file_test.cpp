@@ -266,6 +266,20 @@ TEST_F(ModelFile, written_models_read_back) {
     EXPECT_EQ(readPatches(folder / "no #1.obj").materials.size(), obj.materials.size());
 }
 
+TEST_F(ModelFile, north_goes_along) {
+    const Building room = importModel(kModels / "daylight_d" / "model.obj", UpAxis::z);
+    EXPECT_EQ(room.northDeg, 90);
+    const PatchMesh mesh = meshBuilding(room, {500});
+    for (const char* name : {"turned.obj", "turned.glb"}) {
+        writeModel(mesh, folder / name, 37.25);
+        EXPECT_EQ(importModel(folder / name).northDeg, 37.25) << name;
+        writeModel(mesh, folder / name);
+        EXPECT_EQ(importModel(folder / name).northDeg, 90) << name;
+    }
+    std::ofstream(folder / "bad.obj") << "v 0 0 0\nnorth up\n";
+    EXPECT_THROW(importModel(folder / "bad.obj"), InputError);
+}
+
 // What a modelling program makes objects and materials of, read without our reader.
 TEST_F(ModelFile, objects_are_rooms_and_roles_in_what_is_written) {
     const PatchMesh mesh = meshBuilding(importModel(kModels / "daylight_d" / "model.obj", UpAxis::z), {500});
