@@ -1,5 +1,10 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -16,6 +21,30 @@ namespace {
 
 constexpr size_t kLargestDense = 16000; // patches, 1 GB; larger matrices go to the file as they are made
 
+// Faces in one place that face one way: the rows of a closed room with such faces sum to more than one.
+void warnOfDoubles(Run& run, const geometry::PatchMesh& mesh) {
+    std::map<std::vector<std::array<double, 3>>, size_t> seen;
+    std::vector<std::string> pairs;
+    for (size_t i = 0; i < mesh.patchCount(); ++i) {
+        std::vector<std::array<double, 3>> corners;
+        for (const uint32_t v : mesh.patch(i)) {
+            const glm::dvec3& p = mesh.vertices[v];
+            corners.push_back({p.x, p.y, p.z});
+        }
+        std::ranges::rotate(corners, std::ranges::min_element(corners));
+        const auto [first, isNew] = seen.emplace(std::move(corners), i);
+        if (!isNew) pairs.push_back(fmt::format("{} and {}", first->second, i));
+    }
+    if (pairs.empty()) return;
+    constexpr size_t kFew = 3;
+    run.warn(
+        fmt::format("{} face{} the place of another and face{} the same way (faces {}{}, counted from 0): "
+                    "exact, hemicube and hierarchical count both whole, montecarlo one of them",
+                    pairs.size(), pairs.size() == 1 ? " takes" : "s take", pairs.size() == 1 ? "s" : "",
+                    fmt::join(std::span(pairs).first(std::min(pairs.size(), kFew)), ", "),
+                    pairs.size() > kFew ? " ..." : ""));
+}
+
 geometry::PatchMesh loadPatches(Run& run, const SceneArguments& arguments) {
     const std::string extension = arguments.input.extension().string();
     const bool facesAsTheyAre = extension == ".obj" && !arguments.triangles;
@@ -24,7 +53,9 @@ geometry::PatchMesh loadPatches(Run& run, const SceneArguments& arguments) {
                                    "is for curved walls on the table, a model's faces are flat");
     if (!facesAsTheyAre) return loadScene(run, arguments).mesh;
     const StageTimer timer(run, "read");
-    return geometry::readPatches(arguments.input, upAxisOf(arguments));
+    geometry::PatchMesh mesh = geometry::readPatches(arguments.input, upAxisOf(arguments));
+    warnOfDoubles(run, mesh);
+    return mesh;
 }
 
 nlohmann::json errorAgainst(std::span<const float> reference, std::span<const float> values, size_t n) {
