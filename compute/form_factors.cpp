@@ -23,7 +23,7 @@ namespace heliodon::compute {
 
 namespace {
 
-constexpr uint32_t kMostResolution = 512, kFirstRays = 1024, kMostRays = 65536;
+constexpr uint32_t kFirstRays = 1024, kMostRays = 65536;
 constexpr uint32_t kStreamedRows = 256;
 constexpr uint32_t kSamples = 32, kSampledTogether = 8; // rows by which a stream's rays are chosen
 constexpr double kBelowAsked = 0.9;                     // of the sample, so that all rows are below too
@@ -84,18 +84,32 @@ uint32_t raysOfRows(gpu::Device& device, const geometry::PatchMesh& mesh, double
     }
 }
 
+// From few pixels on, until the claim is below what is asked or what lacks falls no more. Past 64 pixels points
+// do as much as pixels and see more of each patch.
 FormFactors hemicubeFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
                                 const FormFactorOptions& options, double maxError) {
     RefinedHemicubeOptions hemicube{options.resolution, options.points};
-    if (maxError > 0) hemicube.resolution = 32;
-    for (;;) {
-        FormFactors result = refinedHemicubeFormFactors(device, mesh, hemicube);
-        if (!(maxError > 0) || result.report.claimedRowError <= maxError) return result;
-        if (hemicube.resolution >= kMostResolution) {
-            result.report.why += fmt::format("; {:.1e} remains", result.report.claimedRowError);
-            return result;
+    if (!(maxError > 0)) return refinedHemicubeFormFactors(device, mesh, hemicube).factors;
+    constexpr std::array<std::array<uint32_t, 2>, 5> kSteps{{{32, 1}, {64, 1}, {64, 4}, {128, 4}, {128, 16}}};
+    constexpr double kPart = 0.7, kFalls = 0.9; // of both errors; of one, when more is spent on it
+    double lastNear = INFINITY, lastFar = INFINITY;
+    for (size_t step = 0;;) {
+        hemicube.resolution = kSteps[step][0], hemicube.points = kSteps[step][1];
+        RefinedHemicube result = refinedHemicubeFormFactors(device, mesh, hemicube);
+        FormFactorReport& report = result.factors.report;
+        if (report.claimedRowError <= maxError) return std::move(result.factors);
+        const bool near = result.nearError > kPart * maxError, far = result.farError > kPart * maxError;
+        if ((near && result.nearError > kFalls * lastNear) ||
+            (far && (result.farError > kFalls * lastFar || step + 1 == kSteps.size()))) {
+            report.why += fmt::format("; {:.1e} remains", report.claimedRowError);
+            return std::move(result.factors);
         }
-        hemicube.resolution *= 2;
+        lastNear = lastFar = INFINITY;
+        if (near) {
+            hemicube.pairTolerance *= std::clamp(0.5 * maxError / result.nearError, 0.1, 0.5);
+            lastNear = result.nearError;
+        }
+        if (far) ++step, lastFar = result.farError;
     }
 }
 

@@ -28,7 +28,7 @@ struct FormFactorOptions {
     uint32_t resolution = 64;
     uint32_t points = 1; // viewpoints a patch, of `hemicube`
     // Wanted RMS over rows of ||F_i - true||; 0: as resolution says, or 1e-3. Kernels with a resolution raise
-    // it until the error that they claim is below; the others refine until theirs is.
+    // it, and points, until the error that they claim is below; the others refine until theirs is.
     double maxError = 0;
     // Wanted error of radiosity over its largest value, for rooms whose largest reflectance is `reflectance`
     // (0: that of the mesh's materials, of any channel); used when positive, in place of maxError: rows are

@@ -14,23 +14,42 @@ namespace heliodon::compute {
 namespace {
 
 constexpr size_t kBlock = 64;
-constexpr double kPairTolerance = 2e-3; // of one form factor: well below what pixels leave over a row
+constexpr double kOfSpread = 4.5; // area of a triangle of half a square over its spread
 constexpr double kCaution = 1.2; // of the claim, over both ends' disagreement and what links claim (measured)
 constexpr double kWorthPoints = 0.015; // of a row's sum, in error, from which it gets more points
 constexpr uint32_t kMorePoints = 4;
 constexpr double kMostAdded = 0.15; // viewpoints, over those of all patches
+
+// Mean square of the distance from the centroid, which the error of one point grows with where the kernel is
+// smooth.
+double spreadOf(const geometry::PatchMesh& mesh, size_t patch, glm::dvec3 centre) {
+    const auto corners = mesh.patch(patch);
+    const auto from = [&](size_t k) { return mesh.vertices[corners[k]] - centre; };
+    const glm::dvec3 normal = geometry::patchNormal(mesh, patch);
+    double area = 0, moment = 0;
+    for (size_t k = 0; k < corners.size(); ++k) {
+        // Triangles with the centroid as apex; signed, for polygons that are not convex.
+        const glm::dvec3 a = from(k), b = from((k + 1) % corners.size());
+        const double twice = glm::dot(glm::cross(a, b), normal);
+        area += twice;
+        moment += twice * (glm::dot(a, a) + glm::dot(b, b) + glm::dot(a, b)) / 6;
+    }
+    return area > 0 ? moment / area : 0;
+}
 
 struct Patches {
     explicit Patches(const geometry::PatchMesh& mesh) {
         for (size_t i = 0; i < mesh.patchCount(); ++i) {
             area.push_back(geometry::patchArea(mesh, i));
             centre.push_back(geometry::patchCentroid(mesh, i));
+            extent.push_back(std::max(area[i], kOfSpread * spreadOf(mesh, i, centre[i])));
         }
         share = area;
     }
     std::vector<double> area;
     std::vector<glm::dvec3> centre;
-    std::vector<double> share; // of the area, that one point stands for
+    std::vector<double> share;  // of the area, that one point stands for
+    std::vector<double> extent; // the area, or more where a patch is long
 };
 
 // Calls take(i, j) for i < j, in blocks, since one of both entries is found down a column.
@@ -46,7 +65,7 @@ std::vector<glm::uvec2> nearPairs(const geometry::PatchMesh& mesh, const Patches
     std::vector<glm::uvec2> pairs;
     const auto n = static_cast<uint32_t>(mesh.patchCount());
     std::vector<double> size(n);
-    for (uint32_t i = 0; i < n; ++i) size[i] = std::sqrt(patches.area[i]) / near;
+    for (uint32_t i = 0; i < n; ++i) size[i] = std::sqrt(patches.extent[i]) / near;
     for (uint32_t i = 0; i < n; ++i)
         for (uint32_t j = i + 1; j < n; ++j) {
             const glm::dvec3 d = patches.centre[j] - patches.centre[i];
@@ -138,12 +157,12 @@ size_t addPoints(Hemicube& hemicube, const geometry::PatchMesh& mesh, std::span<
 
 // Returns the sum of the variances of their entries, by what the links claim.
 double setNearPairs(gpu::Device& device, const geometry::PatchMesh& mesh, std::span<const glm::uvec2> pairs,
-                    const Patches& patches, float* F) {
+                    double tolerance, const Patches& patches, float* F) {
     const ClusterScene scene(device, mesh);
     const size_t n = mesh.patchCount();
     std::vector<std::vector<uint32_t>> leavesOf(n);
     for (const PatchTree::Leaf& leaf : scene.tree.leaves) leavesOf[leaf.patch].push_back(leaf.node);
-    LinkMaker maker(device, scene, {kPairTolerance, kPairTolerance});
+    LinkMaker maker(device, scene, {tolerance, tolerance});
     for (const glm::uvec2& pair : pairs) {
         F[pair.x * n + pair.y] = F[pair.y * n + pair.x] = 0;
         for (uint32_t a : leavesOf[pair.x])
@@ -166,9 +185,10 @@ double setNearPairs(gpu::Device& device, const geometry::PatchMesh& mesh, std::s
 
 } // namespace
 
-FormFactors refinedHemicubeFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
-                                       const RefinedHemicubeOptions& options) {
-    FormFactors result;
+RefinedHemicube refinedHemicubeFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
+                                           const RefinedHemicubeOptions& options) {
+    RefinedHemicube refined;
+    FormFactors& result = refined.factors;
     const size_t n = mesh.patchCount();
     result.patchCount = static_cast<uint32_t>(n);
     const PatchViewpoints views = patchViewpoints(mesh, options.points);
@@ -186,20 +206,23 @@ FormFactors refinedHemicubeFormFactors(gpu::Device& device, const geometry::Patc
         F = copy.data();
     }
     std::vector<double> errors = sumErrors(F, patches, pairs);
-    const size_t refined = addPoints(hemicube, mesh, errors, views.pointsPerPatch, patches, F);
-    if (refined > 0) errors = sumErrors(F, patches, pairs);
+    const size_t rows = addPoints(hemicube, mesh, errors, views.pointsPerPatch, patches, F);
+    if (rows > 0) errors = sumErrors(F, patches, pairs);
     if (n > 0) result.report.claimedRowSumError = *std::max_element(errors.begin(), errors.end());
     double near = 0;
     for (const glm::uvec2& pair : pairs) near += disagreement(F, patches, pair.x, pair.y);
     const double far = std::max(0.0, averageEnds(F, patches) - near);
-    const double variance = far + setNearPairs(device, mesh, pairs, patches, F);
-    result.report.claimedRowError =
-        kCaution * std::sqrt(variance / static_cast<double>(std::max<size_t>(n, 1)));
+    near = setNearPairs(device, mesh, pairs, options.pairTolerance, patches, F);
+    const auto claim = [n](double variance) {
+        return kCaution * std::sqrt(variance / static_cast<double>(std::max<size_t>(n, 1)));
+    };
+    refined.nearError = claim(near), refined.farError = claim(far);
+    result.report.claimedRowError = claim(near + far);
     if (!copy.empty()) result.values.upload(copy);
     result.report.why = fmt::format(
         "{} near pairs in closed form, the others from both ends, {} rows from {} times the points",
-        pairs.size(), refined, kMorePoints);
-    return result;
+        pairs.size(), rows, kMorePoints);
+    return refined;
 }
 
 } // namespace heliodon::compute

@@ -269,6 +269,47 @@ TEST(FormFactors, light_lost_in_closed_rooms_is_warned_of) {
         computeFormFactors(test::device(), open, asking("hierarchical", 1e-2)).report.warnings.empty());
 }
 
+// A closed room, 3 x 3 x 2 m: one wall in strips over its whole width, one in needles from a corner, the others in
+// four cells each.
+geometry::PatchMesh thinPatches(int strips, int needles) {
+    using glm::dvec3;
+    std::vector<std::vector<dvec3>> faces;
+    const dvec3 o(0), x(3, 0, 0), y(0, 3, 0), z(0, 0, 2);
+    for (int k = 0; k < strips; ++k) {
+        const dvec3 low = y * (double(k) / strips), high = y * (double(k + 1) / strips);
+        faces.push_back({low, x + low, x + high, high});
+    }
+    for (int k = 0; k < needles; ++k) {
+        const double low = double(k) / needles, high = double(k + 1) / needles;
+        faces.push_back({z, z + y + x * low, z + y + x * high});
+        faces.push_back({z, z + x + y * high, z + x + y * low});
+    }
+    const auto wall = [&](dvec3 corner, dvec3 u, dvec3 v) { test::addSheet(faces, corner, u, v, 2); };
+    wall(o, y, z), wall(x, z, y), wall(o, z, x), wall(y, x, z);
+    return test::polygons(faces);
+}
+
+TEST(FormFactors, hemicubes_keep_their_claim_on_thin_patches_and_the_error_asked_at_few_pixels) {
+    for (const auto& [strips, needles] : {std::pair(60, 2), std::pair(3, 16), std::pair(40, 12)}) {
+        const geometry::PatchMesh mesh = thinPatches(strips, needles);
+        const size_t n = mesh.patchCount();
+        const auto exact =
+            exactFormFactors(test::device(), mesh, {.maxError = 3e-4}).factors.values.download<float>(n * n);
+        for (double asked : {0.0, 2e-2, 6e-3}) {
+            const FormFactors F = computeFormFactors(test::device(), mesh, asking("hemicube", asked));
+            const double error = rowError(F.values.download<float>(n * n), exact);
+            EXPECT_LE(error, 1.2 * F.report.claimedRowError) << strips << " " << asked;
+            if (asked > 0) {
+                EXPECT_LE(F.report.claimedRowError, asked) << strips << " " << F.report.why;
+                EXPECT_LE(F.report.resolution * F.report.points, 256u) << strips; // 64 pixels, 4 points
+            }
+            EXPECT_LE(F.report.closureMax, 0.04) << strips; // one point alone: 0.07 and more
+        }
+        const FormFactorReport most = computeFormFactors(test::device(), mesh, asking("hemicube", 1e-5)).report;
+        EXPECT_NE(most.why.find("remains"), std::string::npos) << most.why;
+    }
+}
+
 TEST(FormFactors, tiles_make_up_the_matrix) {
     test::BoxRoom box;
     box.cells = {9, 7, 8}; // more rows than one block of a stream
