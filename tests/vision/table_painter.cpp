@@ -201,6 +201,11 @@ void cover(Photograph& photo, const geometry::Rig& rig, const std::vector<glm::d
             photo.rgb[i] = encoded(0.6 * color[i % 3]);
 }
 
+void smoothEncoded(Photograph& photo, double px) {
+    cv::Mat picture(photo.height, photo.width, CV_8UC3, photo.rgb.data());
+    cv::GaussianBlur(picture, picture, {}, px);
+}
+
 void mixChannels(Photograph& photo, double share) {
     for (size_t i = 0; i < photo.rgb.size(); i += 3) {
         const double p[3] = {linear(photo.rgb[i]), linear(photo.rgb[i + 1]), linear(photo.rgb[i + 2])};

@@ -34,6 +34,8 @@ void shade(Photograph& photo, const geometry::Rig& rig, const std::vector<glm::d
 // Something of that colour, as bright as a white of 1 would be 0.6.
 void cover(Photograph& photo, const geometry::Rig& rig, const std::vector<glm::dvec2>& corners, double height,
            const Color& color);
+// As where a picture is scaled after it was taken: blurred in encoded values, not in light.
+void smoothEncoded(Photograph& photo, double px);
 // A camera whose filters overlap: each channel takes that share of either other one.
 void mixChannels(Photograph& photo, double share);
 
