@@ -67,7 +67,6 @@ float seen(vec2 at) {
         lineCount = 0;
     }
     float lit = hidden ? 0.0 : share * max(0.0, litFactor(innerFrame, point, outerFace.normal, pair.innerSize));
-    views |= linesLost && !hidden ? kSeesByLines : 0u;
     views |= lit <= 0.0 ? kSeesNothing : lineCount == 0 && share == 1.0 ? kSeesAll : kSeesPart;
     return lit;
 }

@@ -6,7 +6,7 @@
 //   vec3 fromInner(vec2 at);           the point, relative to a corner of the inner piece
 //   float openFrom(vec2 at);           form factor in the open, or 1 where that does not matter
 //   float bendDistance(vec2 at);       how far it is from where that bends: the border of the inner piece
-// and adds what each point sees, nothing, all or a part, and whether it guessed along lines, to `views`.
+// and adds what each point sees, nothing, all or a part, to `views`.
 // A sliver of light or shadow along an edge of the outer piece lies between all points, while every point of the inner
 // piece sees it: pairs of which all points see nothing, or all see everything, are looked at from the inner piece too.
 // What both looks miss is a sliver of a sliver.
@@ -39,7 +39,7 @@ Pair pair;
 vec2 outer[kOuterCap]; // what of the outer piece lies above the inner one's plane
 int outerCorners;
 bool wholePair; // a first look, from either side, not a cell
-const uint kSeesNothing = 1u, kSeesAll = 2u, kSeesPart = 4u, kSeesByLines = 8u;
+const uint kSeesNothing = 1u, kSeesAll = 2u, kSeesPart = 4u;
 uint views;
 float demand; // of the cell: the most that it may exchange over what it may err
 
@@ -106,8 +106,8 @@ vec2 overCell(vec2 a, vec2 b, vec2 c, bool quick, bool probed) {
     float value = 0.132394152788 * sums.x + 0.125939180545 * sums.y + 0.225 * centre;
     float byNear = kNearLow / 3.0 * sums.x + (1.0 - kNearLow) * centre;
     float apart = max(abs(value - byNear), abs(value - byFar));
-    // What lines err by is as good as independent; the rule of the near three would count it thrice.
-    if ((views & kSeesByLines) != 0u) return vec2(value, max(abs(value - byFar), kNoise * (range.y - range.x)));
+    // Errors of a crowd's points are as good as independent; the rule of the near three would count them thrice.
+    if (crowded()) return vec2(value, max(abs(value - byFar), kNoise * (range.y - range.x)));
     return vec2(value, max(beyond, pair.r.listed == 0u && params.quick != 0u ? kSmooth * apart : apart));
 }
 
@@ -182,8 +182,7 @@ vec2 integrate(vec2 a, vec2 b, vec2 c, bool mayTurn, out bool turned) {
         bool probed =
             params.quick != 0u && pair.r.listed > 0u && !crowded() && share * most * kMissed > params.tolerance;
         result = share * overCell(a, b, c, quick, probed);
-        uint alike = views & ~kSeesByLines;
-        turned = mayTurn && (alike == kSeesNothing || alike == kSeesAll);
+        turned = mayTurn && (views == kSeesNothing || views == kSeesAll);
         // Errors of many small cells add up: the smaller the cell, the less it may add.
         bool bad = mayBeSplit && result.y * pair.worst > params.tolerance * sqrt(share);
         again = !split && bad && quick; // all seven points in the next round
