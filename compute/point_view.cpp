@@ -206,6 +206,13 @@ double PointView::unhinderedFactor(std::span<const dvec3> polygon) const {
     return std::abs(sum) / (2 * std::numbers::pi);
 }
 
+double PointView::openFactor(std::span<const dvec3> polygon, Polygon& above) const {
+    cut(polygon, normal_, glm::dot(position_, normal_), 1, above);
+    if (above.empty()) return 0;
+    for (dvec3& p : above) p -= position_;
+    return unhinderedFactor(above);
+}
+
 PointView::Glance PointView::glance(std::span<const dvec3> polygon, Local& local) const {
     if (polygon.size() > local.size()) return Glance::unclear;
     bool below = true, above = true;

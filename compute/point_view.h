@@ -59,6 +59,10 @@ public:
     // Of a polygon relative to the point and above its horizon, regardless of blockers.
     double unhinderedFactor(std::span<const glm::dvec3> polygon) const;
 
+    // Of the part of a convex polygon (world) above the horizon, regardless of blockers; `above` is
+    // overwritten.
+    double openFactor(std::span<const glm::dvec3> polygon, Polygon& above) const;
+
     // Takes from parts what a polygon (world) hides that stands beyond all of them, as outside of a window.
     void hideBeyond(std::span<const glm::dvec3> polygon, std::vector<Polygon>& parts) const;
 

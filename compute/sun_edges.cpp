@@ -14,6 +14,10 @@ namespace {
 // Form factors of patches at a sensor: below kFar edges of sunlight average out, from kNear they are seen
 // exactly.
 constexpr float kFar = 2e-4F, kNear = 0.02F, kMostNearer = 3;
+// From here on a patch that the sensor's horizon cuts shows what is above: its middle says little. Less than
+// this share of its height on one side of the horizon does not count as cut.
+constexpr float kCut = 2e-3F;
+constexpr double kSliver = 0.05;
 
 struct Middles {
     const float *x, *y, *z;
@@ -157,9 +161,34 @@ void SunEdges::addTo(std::span<float> lux, const PointScene& scene, const PointV
         if (share < kFar || scene.mesh().room[patch.patch] != room) continue; // through glass: from afar
         if (share >= kNear) // not what of the share is seen through windows
             addExactly(lux, view, p, scene.factor(view, patch.patch), glm::vec3(1));
+        else if (share >= kCut && isCut(scene.mesh(), patch.patch, view))
+            addAboveHorizon(lux, scene.mesh(), view, p, share);
         else if (findNearer(view, p, nearer))
             for (size_t k = 0; k < nearer.size(); ++k)
                 lux[hour_[patch.first + k]] += share * exitance_[patch.first + k] * nearer[k];
+    }
+}
+
+bool SunEdges::isCut(const geometry::PatchMesh& mesh, uint32_t patch, const PointView& view) {
+    double lowest = 0, highest = 0;
+    for (const uint32_t v : mesh.patch(patch)) {
+        const double height = glm::dot(mesh.vertices[v] - view.position(), view.normal());
+        lowest = std::min(lowest, height), highest = std::max(highest, height);
+    }
+    return std::min(-lowest, highest) > kSliver * (highest - lowest);
+}
+
+void SunEdges::addAboveHorizon(std::span<float> lux, const geometry::PatchMesh& mesh, const PointView& view,
+                               size_t patch, float share) const {
+    std::vector<glm::dvec3> polygon, above;
+    for (const uint32_t v : mesh.patch(patches_[patch].patch)) polygon.push_back(mesh.vertices[v]);
+    const double whole = view.openFactor(polygon, above);
+    if (!(whole > 0)) return;
+    for (size_t e = patches_[patch].first; e < edgesEnd(patch); ++e) {
+        double light = 0;
+        for (const Edge::Part& part : parts_[e])
+            light += view.openFactor(part.polygon, above) * photometric(part.exitance);
+        lux[hour_[e]] += share * (static_cast<float>(light / whole) - exitance_[e]);
     }
 }
 

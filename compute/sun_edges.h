@@ -1,6 +1,7 @@
 // Where sunlight ends within patches, over many hours: what a sensor gets beyond what the patches' mean
-// exitance would send it. Exactly for patches that loom large at the sensor; for others by how much nearer
-// and squarer the middle of the light stands than that of the patch.
+// exitance would send it. Exactly for patches that loom large at the sensor; for others that its horizon
+// cuts, by what of the light is above; for the rest by how much nearer and squarer the middle of the light
+// stands than that of the patch.
 #pragma once
 
 #include <cstdint>
@@ -63,6 +64,12 @@ private:
     // Per edge of one of patches_, how many times nearer and squarer its light stands to the view's point
     // than the patch's middle, less one; false where the middle lies below either's horizon.
     bool findNearer(const PointView& view, size_t patch, std::vector<float>& nearer) const;
+    // Whether the view's horizon runs through it, leaving more than a sliver on both sides.
+    static bool isCut(const geometry::PatchMesh& mesh, uint32_t patch, const PointView& view);
+    // Edges of one of patches_ that the horizon cuts: of what is above, each lit part by its form factor in
+    // the open. `share`: the patch's own, of which as much is hidden from each part.
+    void addAboveHorizon(std::span<float> lux, const geometry::PatchMesh& mesh, const PointView& view,
+                         size_t patch, float share) const;
     // Edges of one of patches_, which the view has the form factor `straight` of; `answer`: lux at the sensor
     // for each lux at the view's point.
     void addExactly(std::span<float> lux, const PointView& view, size_t patch, double straight,

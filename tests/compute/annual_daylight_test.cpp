@@ -102,6 +102,17 @@ TEST(AnnualDaylight, sensors_a_hair_from_walls_too) {
     EXPECT_EQ(transport.report().sensorsNearWalls, corners.size());
 }
 
+// A spot of sun at the foot of the far wall, on patches of which the sensors see a part.
+TEST(AnnualDaylight, sunlit_patches_that_a_horizon_cuts_count_by_what_is_above) {
+    const std::vector<Sensor> nearFarWall{{{2.2, 1, 4.3}, {0, 0, -1}},
+                                          {{1.4, 0.7, 4.4}, {0, 0, -1}},
+                                          {{2.5, 0.8, 4.7}, {0, 0, -1}},
+                                          {{2.5, 0.8, 4.3}, {0, 0, 1}}};
+    expectFull(windowRoom(glm::vec3(0.6f), glm::vec3(0.8f)),
+               {overcast(), sunny({0, 0.45, -0.945}), sunny({0.1, 0.2, -0.96}), sunny({-0.1, 0.5, -0.95})},
+               0.01, nearFarWall);
+}
+
 TEST(AnnualDaylight, surfaces_that_emit_light_the_night) {
     geometry::PatchMesh mesh = windowRoom(glm::vec3(0.6f), glm::vec3(0.8f));
     mesh.materials[0].exitance = glm::vec3(50);
