@@ -70,5 +70,5 @@ void main() {
     bool hidden;
     bool clear = findBlockers(a, b, o, block, hidden);
     if (!hidden) addBlock(block, clear);
-    if (cutShort(min(params.pieceCount, 2u))) atomicAdd(counters[kExactCutCount], 1u);
+    if (cutShort(2u + min(params.pieceCount, 2u))) atomicAdd(counters[kExactCutCount], 1u);
 }

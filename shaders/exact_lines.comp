@@ -201,5 +201,5 @@ void main() {
         scale = kInversePi * outerFace.area;
     }
     results[index] = uvec4(fixedOf(scale * max(0.0, result.x)), fixedOf(min(scale * result.y, 1.0)));
-    if (cutShort(min(record.outer + record.inner, 1u) + 1u)) atomicAdd(counters[kExactCutCount], 1u);
+    if (cutShort(3u + min(record.outer + record.inner, 1u))) atomicAdd(counters[kExactCutCount], 1u);
 }

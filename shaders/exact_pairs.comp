@@ -208,5 +208,5 @@ void main() {
         if (p < count && i < j) classify(i, j, block);
         p += gl_NumWorkGroups.x * kExactGroup;
     } while (subgroupAny(p < count));
-    if (!kClear && cutShort(min(params.pieceCount, 2u))) atomicAdd(counters[kExactCutCount], 1u);
+    if (!kClear && cutShort(2u + min(params.pieceCount, 2u))) atomicAdd(counters[kExactCutCount], 1u);
 }

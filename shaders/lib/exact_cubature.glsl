@@ -231,6 +231,6 @@ void main() {
         atomicAdd(sums[pair.record].x, fixed_.x + carry);
         atomicAdd(sums[pair.record].z, fixed_.z + errorCarry);
     }
-    if (cutShort(min(params.pieceCount, 2u))) atomicAdd(counters[kExactCutCount], 1u);
+    if (cutShort(2u + min(params.pieceCount, 2u))) atomicAdd(counters[kExactCutCount], 1u);
 }
 #endif
