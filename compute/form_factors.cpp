@@ -84,8 +84,8 @@ uint32_t raysOfRows(gpu::Device& device, const geometry::PatchMesh& mesh, double
     }
 }
 
-// From few pixels on, until the claim is below what is asked or what lacks falls no more. Past 64 pixels points
-// do as much as pixels and see more of each patch.
+// From few pixels on, until the claim is below what is asked or what lacks falls no more. Past 64 pixels
+// points do as much as pixels and see more of each patch.
 FormFactors hemicubeFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
                                 const FormFactorOptions& options, double maxError) {
     RefinedHemicubeOptions hemicube{options.resolution, options.points};

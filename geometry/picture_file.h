@@ -32,7 +32,8 @@ std::optional<GreyPixels> readGreyFile(const std::filesystem::path& file);
 // The file appears whole or not at all. `rgb`: width x height x 3 bytes. Throws std::runtime_error.
 void writePngFile(const std::filesystem::path& file, int width, int height, const uint8_t* rgb);
 
-// H.264 in .mp4, in the colours of BT.709 and sRGB, as the file says. What cannot be written (disk full) may be found out by finish() only.
+// H.264 in .mp4, in the colours of BT.709 and sRGB, as the file says. What cannot be written (disk full) may
+// be found out by finish() only.
 class FilmEncoder {
 public:
     virtual ~FilmEncoder() = default;

@@ -215,8 +215,7 @@ std::optional<geometry::Arc> fitArc(const Chain& chain, const std::vector<glm::d
     if (!circle || circle->off > 1.35 * stripSpread(view, points.front(), height, options))
         return std::nullopt;
 
-    const ArcProbe probe{points,    view, height, half, 1 / view.pixelsPerInch(points.front(), height),
-                         look};
+    const ArcProbe probe{points, view, height, half, 1 / view.pixelsPerInch(points.front(), height), look};
     Rings rings{circle->centre, circle->radius - half, circle->radius + half};
     auto [low, high] = angularExtent(points, rings.centre);
     const double length = (high - low) * circle->radius;

@@ -178,7 +178,8 @@ private:
         CLI::App* sub = add("model", "infer the closed rooms and mesh them", model_,
                             "sketch.json --triangles 2000 -o room.obj");
         addScene(sub, model_.scene);
-        written(sub->add_option("-o,--output", model_.output, "the model (.obj with .mtl, or .glb)"))->required();
+        written(sub->add_option("-o,--output", model_.output, "the model (.obj with .mtl, or .glb)"))
+            ->required();
     }
 
     void addFormFactors() {
@@ -343,7 +344,8 @@ private:
         CLI::App* sub = add("target", "the board of marks, to print in true size", calibrateTarget_,
                             "-o target.pdf", group);
         addBoardEdge(sub, calibrateTarget_.boardEdge);
-        written(sub->add_option("-o,--output", calibrateTarget_.output, "the drawing (.pdf or .svg)"))->required();
+        written(sub->add_option("-o,--output", calibrateTarget_.output, "the drawing (.pdf or .svg)"))
+            ->required();
     }
 
     void addCalibrateCamera(CLI::App* group) {

@@ -10,6 +10,7 @@
 
 #include "compute/form_factors.h"
 #include "engine/app/commands.h"
+#include "engine/app/first_few.h"
 #include "engine/app/light_report.h"
 #include "engine/app/scene_input.h"
 #include "engine/app/table_file.h"
@@ -36,13 +37,10 @@ void warnOfDoubles(Run& run, const geometry::PatchMesh& mesh) {
         if (!isNew) pairs.push_back(fmt::format("{} and {}", first->second, i));
     }
     if (pairs.empty()) return;
-    constexpr size_t kFew = 3;
-    run.warn(
-        fmt::format("{} face{} the place of another and face{} the same way (faces {}{}, counted from 0): "
-                    "exact, hemicube and hierarchical count both whole, montecarlo one of them",
-                    pairs.size(), pairs.size() == 1 ? " takes" : "s take", pairs.size() == 1 ? "s" : "",
-                    fmt::join(std::span(pairs).first(std::min(pairs.size(), kFew)), ", "),
-                    pairs.size() > kFew ? " ..." : ""));
+    run.warn(fmt::format("{} face{} the place of another and face{} the same way (faces {}, counted from 0): "
+                         "exact, hemicube and hierarchical count both whole, montecarlo one of them",
+                         pairs.size(), pairs.size() == 1 ? " takes" : "s take", pairs.size() == 1 ? "s" : "",
+                         firstFew(pairs, 3)));
 }
 
 geometry::PatchMesh loadPatches(Run& run, const SceneArguments& arguments) {

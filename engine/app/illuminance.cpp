@@ -5,9 +5,9 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "engine/app/commands.h"
+#include "engine/app/first_few.h"
 #include "engine/app/light_report.h"
 #include "engine/app/moment.h"
 #include "engine/app/plan_chart.h"
@@ -132,11 +132,9 @@ Solution solveOn(Run& run, const IlluminanceArguments& arguments, const Input& i
         transport->setSensors(std::move(points));
     }
     if (const std::vector<size_t>& outside = transport->report().sensorsOutside; !outside.empty()) {
-        constexpr size_t kFew = 5;
-        const std::span few(outside.data(), std::min(outside.size(), kFew));
-        run.warn(fmt::format("{} of {} sensors lie in no room and stay dark: row{} {}{}, counted from 0",
+        run.warn(fmt::format("{} of {} sensors lie in no room and stay dark: row{} {}, counted from 0",
                              outside.size(), s.sensors->points.size(), outside.size() == 1 ? "" : "s",
-                             fmt::join(few, ", "), outside.size() > kFew ? " ..." : ""));
+                             firstFew(outside, 5)));
     }
     s.moment = std::move(solveLight(run, *transport, std::span(&sky, 1))[0]);
     warnOfNight(run, source, lightFigures(s.scene.mesh, s.moment).maxLux);

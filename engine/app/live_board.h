@@ -41,7 +41,7 @@ struct LiveStatus {
     std::vector<std::string> unsaid; // reasons of refusals that the thread that shows has not taken yet
 
     // `field`: pictureRefused or refused.
-    void refuse(std::string LiveStatus::* field, const std::string& why) {
+    void refuse(std::string LiveStatus::*field, const std::string& why) {
         this->*field = why;
         ++refusals;
         unsaid.push_back(why);

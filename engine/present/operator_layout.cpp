@@ -103,8 +103,7 @@ void layOutPictures(std::vector<PlacedPicture>& pictures, const OperatorStatus& 
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const ImVec2 size{room.x, std::max(60.0f, room.y - below - line)};
     if (status.cameraPicture) {
-        const PlacedPicture placed =
-            fitted(*status.cameraPicture, {at.x + 1, at.y}, {size.x - 2, size.y});
+        const PlacedPicture placed = fitted(*status.cameraPicture, {at.x + 1, at.y}, {size.x - 2, size.y});
         pictures.push_back(placed);
         frame(placed);
         drawOutlines(placed, status.outlines);

@@ -155,7 +155,8 @@ TEST_F(Live, a_bad_picture_is_reported_and_leaves_the_last_light_until_a_good_on
     EXPECT_EQ(report["live"]["sketches"], 2);
     // Said where nobody looks at the windows too, once for each reason.
     EXPECT_EQ(report["warnings"].size(), 2u) << report["warnings"];
-    EXPECT_NE(outcome.output.find("warning: not shown: " + in("table.png")), std::string::npos) << outcome.output;
+    EXPECT_NE(outcome.output.find("warning: not shown: " + in("table.png")), std::string::npos)
+        << outcome.output;
     EXPECT_NE(outcome.output.find("is grey"), std::string::npos) << outcome.output;
 }
 

@@ -269,8 +269,8 @@ TEST(FormFactors, light_lost_in_closed_rooms_is_warned_of) {
         computeFormFactors(test::device(), open, asking("hierarchical", 1e-2)).report.warnings.empty());
 }
 
-// A closed room, 3 x 3 x 2 m: one wall in strips over its whole width, one in needles from a corner, the others in
-// four cells each.
+// A closed room, 3 x 3 x 2 m: one wall in strips over its whole width, one in needles from a corner, the
+// others in four cells each.
 geometry::PatchMesh thinPatches(int strips, int needles) {
     using glm::dvec3;
     std::vector<std::vector<dvec3>> faces;
@@ -305,7 +305,8 @@ TEST(FormFactors, hemicubes_keep_their_claim_on_thin_patches_and_the_error_asked
             }
             EXPECT_LE(F.report.closureMax, 0.04) << strips; // one point alone: 0.07 and more
         }
-        const FormFactorReport most = computeFormFactors(test::device(), mesh, asking("hemicube", 1e-5)).report;
+        const FormFactorReport most =
+            computeFormFactors(test::device(), mesh, asking("hemicube", 1e-5)).report;
         EXPECT_NE(most.why.find("remains"), std::string::npos) << most.why;
     }
 }

@@ -42,16 +42,17 @@ Sketch box(double x0, double y0, double x1, double y1, HeightClass height = Heig
     return s;
 }
 
+WallRole entryOf(const ClosureReport& report, const std::string& id) {
+    const auto found = std::ranges::find(report.walls, id, &WallRole::id);
+    return found != report.walls.end() ? *found : WallRole{id, "missing", "missing"};
+}
+
 std::string roleOf(const ClosureReport& report, const std::string& id) {
-    for (const WallRole& w : report.walls)
-        if (w.id == id) return w.role;
-    return "missing";
+    return entryOf(report, id).role;
 }
 
 std::string reasonOf(const ClosureReport& report, const std::string& id) {
-    for (const WallRole& w : report.walls)
-        if (w.id == id) return w.reason;
-    return "missing";
+    return entryOf(report, id).reason;
 }
 
 WindowMarker window(const std::string& id, const std::string& on, double pos, double width) {
