@@ -9,6 +9,7 @@ layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(push_constant, scalar) uniform Push { SolidParams params; };
 
+invariant gl_Position;
 layout(location = 0) flat out vec4 colour;
 
 void main() {

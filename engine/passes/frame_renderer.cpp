@@ -316,9 +316,9 @@ SceneInputs FrameRenderer::State::previewInputs(const View& view, const std::opt
     }
     // Walls as a sketch on glass, so that those in front do not hide the room.
     inputs.solids.push_back(
-        {&model->sides.corners, model->sides.count, {0.85f, 0.84f, 0.82f, 0.13f}, 0.6f, kPushBack, true});
-    inputs.solids.push_back(
         {&model->tops.corners, model->tops.count, {0.90f, 0.89f, 0.87f, 0.55f}, 0, kPushBack, true});
+    inputs.solids.push_back(
+        {&model->sides.corners, model->sides.count, {0.85f, 0.84f, 0.82f, 0.13f}, 0.6f, kPushBack, true});
     return inputs;
 }
 

@@ -85,17 +85,37 @@ gpu::GraphicsPipeline sunPipeline(gpu::Device& device) {
     return {device, info, "sun"};
 }
 
-gpu::GraphicsPipeline solidPipeline(gpu::Device& device, bool seeThrough) {
+gpu::GraphicsPipelineInfo solidInfo() {
     gpu::GraphicsPipelineInfo info = surfaceInfo();
     info.stages = {solid_vert, solid_frag};
     info.streams = {kCornerStream};
     info.streams[0].attributes.resize(2); // position and normal
-    if (seeThrough) {
-        info.depthWrite = false;
-        info.blend = gpu::Blend::alpha;
-        info.writeMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT;
-    }
-    return {device, info, seeThrough ? "see-through solids" : "solids"};
+    return info;
+}
+
+constexpr uint32_t kMark = 0xFF; // in the stencil: to be blended over
+
+// Depth, and a mark where a see-through solid is nearest. What shadow volumes left in the stencil is of no use
+// any more.
+gpu::GraphicsPipeline frontPipeline(gpu::Device& device) {
+    gpu::GraphicsPipelineInfo info = solidInfo();
+    info.stages = {solid_vert};
+    info.writeMask = 0;
+    info.stencilFront = {VK_STENCIL_OP_KEEP, VK_STENCIL_OP_REPLACE, VK_STENCIL_OP_KEEP, VK_COMPARE_OP_ALWAYS,
+                         0xFF,               0xFF,                  kMark};
+    return {device, info, "fronts of see-through solids"};
+}
+
+// There, once: where two solids overlap neither they nor what is inside them shines through twice.
+gpu::GraphicsPipeline seeThroughPipeline(gpu::Device& device) {
+    gpu::GraphicsPipelineInfo info = solidInfo();
+    info.depthWrite = false;
+    info.depthCompare = VK_COMPARE_OP_EQUAL;
+    info.blend = gpu::Blend::alpha;
+    info.writeMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT;
+    info.stencilFront = {VK_STENCIL_OP_KEEP, VK_STENCIL_OP_ZERO, VK_STENCIL_OP_KEEP, VK_COMPARE_OP_EQUAL,
+                         0xFF,               0xFF,               kMark};
+    return {device, info, "see-through solids"};
 }
 
 void bindStreams(VkCommandBuffer commands, std::initializer_list<const gpu::Buffer*> buffers) {
@@ -148,8 +168,8 @@ SceneTarget::SceneTarget(gpu::Device& device, int width, int height, const std::
 ScenePass::ScenePass(gpu::Device& device)
     : ambient_(ambientPipeline(device, false)), ambientProjector_(ambientPipeline(device, true)),
       volumeCaps_(volumePipeline(device, true)), volumeSides_(volumePipeline(device, false)),
-      sun_(sunPipeline(device)), solid_(solidPipeline(device, false)),
-      seeThrough_(solidPipeline(device, true)) {}
+      sun_(sunPipeline(device)), solid_(device, solidInfo(), "solids"), front_(frontPipeline(device)),
+      seeThrough_(seeThroughPipeline(device)) {}
 
 void ScenePass::record(gpu::Commands& commands, const SceneTarget& target, const SceneInputs& inputs) const {
     using gpu::Stage;
@@ -172,18 +192,16 @@ void ScenePass::record(gpu::Commands& commands, const SceneTarget& target, const
     (inputs.projector ? ambientProjector_ : ambient_).bind(buffer, {}, params);
     bindStreams(buffer, {surfaces.corners, surfaces.light, surfaces.share});
     vkCmdDraw(buffer, surfaces.count, 1, 0, 0);
-    const auto drawSolids = [&](bool seeThrough) {
-        for (const SolidDraw& solid : inputs.solids) {
-            if (solid.seeThrough != seeThrough || solid.count == 0) continue;
-            const io::SolidParams solidParams{glm::mat4(inputs.view->clipFromWorld), solid.colour,
-                                              glm::normalize(glm::vec3(0.35f, 1.0f, 0.6f)), solid.shading,
-                                              solid.pushBack};
-            (seeThrough ? seeThrough_ : solid_).bind(buffer, {}, solidParams);
-            bindStreams(buffer, {solid.corners});
-            vkCmdDraw(buffer, solid.count, 1, 0, 0);
-        }
+    const auto draw = [&](const gpu::GraphicsPipeline& pipeline, const SolidDraw& solid) {
+        const io::SolidParams solidParams{glm::mat4(inputs.view->clipFromWorld), solid.colour,
+                                          glm::normalize(glm::vec3(0.35f, 1.0f, 0.6f)), solid.shading,
+                                          solid.pushBack};
+        pipeline.bind(buffer, {}, solidParams);
+        bindStreams(buffer, {solid.corners});
+        vkCmdDraw(buffer, solid.count, 1, 0, 0);
     };
-    drawSolids(false);
+    for (const SolidDraw& solid : inputs.solids)
+        if (!solid.seeThrough && solid.count > 0) draw(solid_, solid);
     if (inputs.sun) {
         volumeCaps_.bind(buffer, {}, params);
         bindStreams(buffer, {inputs.sun->volumes});
@@ -196,7 +214,11 @@ void ScenePass::record(gpu::Commands& commands, const SceneTarget& target, const
         bindStreams(buffer, {surfaces.corners, surfaces.light, surfaces.share});
         vkCmdDraw(buffer, surfaces.count, 1, 0, 0);
     }
-    drawSolids(true);
+    for (const SolidDraw& solid : inputs.solids) {
+        if (!solid.seeThrough || solid.count == 0) continue;
+        draw(front_, solid);
+        draw(seeThrough_, solid);
+    }
     vkCmdEndRendering(buffer);
     commands.transition(target.colour, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
                         VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, Stage::colour, Stage::fragment);

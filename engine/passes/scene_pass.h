@@ -40,7 +40,9 @@ struct SolidDraw {
     glm::vec4 colour{0};
     float shading = 0;       // 0: plain
     float pushBack = 0;      // metres
-    bool seeThrough = false; // blended by `opacity` over what lies behind, hides nothing
+    // Blended once a pixel, by alpha, over the room and what of these was drawn before; hides what lies behind
+    // it of itself and of those drawn later.
+    bool seeThrough = false;
 };
 
 struct SunDraw {
@@ -70,7 +72,8 @@ public:
     void record(gpu::Commands& commands, const SceneTarget& target, const SceneInputs& inputs) const;
 
 private:
-    gpu::GraphicsPipeline ambient_, ambientProjector_, volumeCaps_, volumeSides_, sun_, solid_, seeThrough_;
+    gpu::GraphicsPipeline ambient_, ambientProjector_, volumeCaps_, volumeSides_, sun_, solid_, front_,
+        seeThrough_;
 };
 
 } // namespace heliodon::passes

@@ -90,6 +90,20 @@ TEST(Golden, a_frame_without_sun_is_the_one_whose_sun_shines_on_nothing) {
     EXPECT_EQ(renderer.preview(night, options).rgb, renderer.preview(below, options).rgb);
 }
 
+// Nor does what lies inside a wall shine through: the faces between the chords of a round one, say.
+TEST(Golden, walls_of_glass_that_overlap_are_as_one) {
+    const test::SketchScene scene = test::sketchScene(6);
+    geometry::Occluders twice = scene.occluders;
+    test::addSolid(twice, scene.occluders.vertices.front(), scene.occluders.vertices[7]);
+    test::addSolid(twice, 0.7 * twice.vertices[0] + 0.3 * twice.vertices[7], twice.vertices[7]);
+    PreviewOptions options;
+    options.width = 256;
+    options.height = 192;
+    FrameRenderer one(test::device(), scene.mesh, scene.occluders, nullptr),
+        overlapping(test::device(), scene.mesh, twice, nullptr);
+    EXPECT_EQ(one.preview(scene.light, options).rgb, overlapping.preview(scene.light, options).rgb);
+}
+
 // Walls are drawn as on glass, over whatever lies behind them: also over nothing, beyond a small table's
 // edge.
 TEST(Golden, tops_of_walls_show_against_the_background) {
