@@ -1,5 +1,7 @@
 #include "geometry/text_file.h"
 
+#include <array>
+#include <cstdint>
 #include <fstream>
 #include <sstream>
 #include <system_error>
@@ -22,6 +24,27 @@ size_t characterLength(std::string_view text) {
     const bool wrong = (first == 0xE0 && byte(1) < 0xA0) || (first == 0xED && byte(1) >= 0xA0) ||
                        (first == 0xF0 && byte(1) < 0x90) || (first == 0xF4 && byte(1) >= 0x90);
     return wrong ? 0 : length;
+}
+
+// Windows-1252: ISO 8859-1 with quotation marks, dashes and a few letters from 0x80 to 0x9F.
+std::string fromWindows(const std::string& text) {
+    constexpr std::array<uint16_t, 32> kMarks{0x20AC, 0x81,   0x201A, 0x0192, 0x201E, 0x2026, 0x2020, 0x2021,
+                                              0x02C6, 0x2030, 0x0160, 0x2039, 0x0152, 0x8D,   0x017D, 0x8F,
+                                              0x90,   0x2018, 0x2019, 0x201C, 0x201D, 0x2022, 0x2013, 0x2014,
+                                              0x02DC, 0x2122, 0x0161, 0x203A, 0x0153, 0x9D,   0x017E, 0x0178};
+    std::string out;
+    for (const char letter : text) {
+        const auto byte = static_cast<unsigned char>(letter);
+        const unsigned code = byte >= 0x80 && byte < 0xA0 ? kMarks[byte - 0x80] : byte;
+        if (code >= 0x800) {
+            out += static_cast<char>(0xE0 | (code >> 12));
+            out += static_cast<char>(0x80 | (code >> 6 & 0x3F));
+        } else if (code >= 0x80) {
+            out += static_cast<char>(0xC0 | (code >> 6));
+        }
+        out += static_cast<char>(code < 0x80 ? code : 0x80 | (code & 0x3F));
+    }
+    return out;
 }
 
 } // namespace
@@ -52,15 +75,7 @@ std::string readText(const std::filesystem::path& file, const std::string& expec
 std::string asUtf8(const std::string& text) {
     for (size_t at = 0; at < text.size();) {
         const size_t length = characterLength(std::string_view(text).substr(at));
-        if (length == 0) {
-            std::string out;
-            for (const char letter : text) {
-                const auto code = static_cast<unsigned char>(letter);
-                if (code >= 0x80) out += static_cast<char>(0xC0 | (code >> 6));
-                out += static_cast<char>(code < 0x80 ? code : 0x80 | (code & 0x3F));
-            }
-            return out;
-        }
+        if (length == 0) return fromWindows(text);
         at += length;
     }
     return text;

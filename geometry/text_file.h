@@ -38,7 +38,7 @@ template<class Json> std::string jsonText(const Json& json, int indent = 2) {
     return json.dump(indent, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-// `text` if it is UTF-8, else read as ISO 8859-1, which old files are in.
+// `text` if it is UTF-8, else read as Windows-1252 (ISO 8859-1 and more), which old files are in.
 std::string asUtf8(const std::string& text);
 
 } // namespace heliodon::geometry

@@ -46,6 +46,15 @@ std::string readText(const std::string& file) {
     }
 }
 
+// Text with lines that end as they do on every system.
+std::string readLines(const std::string& file) {
+    std::string text = readText(file);
+    if (text.starts_with("PK\x03\x04"))
+        throw InputError(file, "", "is a zip archive, expected the .epw in it");
+    if (text.find('\n') == text.npos) std::replace(text.begin(), text.end(), '\r', '\n');
+    return text;
+}
+
 std::string_view trim(std::string_view text) {
     const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\x1a' || c == '"'; };
     while (!text.empty() && blank(text.front())) text.remove_prefix(1);
@@ -155,6 +164,10 @@ std::vector<Period> dataPeriods(const Line& line, EpwFile& epw) {
 void readLocation(const Line& line, EpwFile& epw) {
     Cells cells = line.cells;
     while (!cells.empty() && cells.back().empty()) cells.pop_back();
+    if (line.cells.size() == 10 && cells.size() == 9) {
+        epw.warnings.push_back(fmt::format("Line {}: the elevation is missing; 0 m is taken.", line.number));
+        cells.emplace_back("0");
+    }
     if (cells.size() < 6) line.refuse(fmt::format("LOCATION has {} fields, expected 10", cells.size()));
     // Counted from the end: names may hold commas.
     const Line numbers{line.file, line.number, cells};
@@ -162,7 +175,7 @@ void readLocation(const Line& line, EpwFile& epw) {
     epw.latitudeDeg = numbers.within(n - 4, "latitude", -90, 90);
     epw.longitudeDeg = numbers.within(n - 3, "longitude", -180, 180);
     epw.timeZoneHours = numbers.within(n - 2, "time zone", -14, 15);
-    epw.elevationM = numbers.within(n - 1, "elevation", -1000, 9000);
+    epw.elevationM = numbers.within(n - 1, "elevation", -1000, 9999.9);
     for (size_t i = 1; i < n - 4 && i < 4; ++i) {
         if (cells[i].empty() || cells[i] == "-" || cells[i] == "unknown") continue;
         epw.place += (epw.place.empty() ? "" : ", ") + geometry::asUtf8(std::string(cells[i]));
@@ -219,11 +232,13 @@ public:
     void accept(const Line& line, EpwRecord& record) {
         const bool leapDay = record.date.month == 2 && record.date.day == 29;
         // 29 February has been stepped over already: step back to it.
-        if (leapDay && hour_ == 1 && part_ == 0 && date_.month == 3 && date_.day == 1) date_ = {2001, 2, 29};
+        if (leapDay && !leapDayDone_ && hour_ == 1 && part_ == 0 && date_.month == 3 && date_.day == 1)
+            date_ = {2001, 2, 29};
         if (finished()) line.refuse("a record after the end of the data period");
         if (record.date.month != date_.month || record.date.day != date_.day || record.hour != hour_)
-            line.refuse(fmt::format("is {}/{} hour {}, expected {}", record.date.month, record.date.day,
-                                    record.hour, expected()));
+            line.refuse(fmt::format("is {}/{} hour {}, expected {} ({} record{} an hour by DATA PERIODS)",
+                                    record.date.month, record.date.day, record.hour, expected(), perHour_,
+                                    perHour_ == 1 ? "" : "s"));
         record.part = part_;
         if (++part_ < perHour_) return;
         part_ = 0;
@@ -234,12 +249,12 @@ public:
 
 private:
     void nextDay(const Date& done) {
+        leapDayDone_ = done.month == 2 && done.day == 29;
         if (done.month == periods_[period_].last.month && done.day == periods_[period_].last.day) {
             if (++period_ < periods_.size()) date_ = periods_[period_].first;
             return;
         }
-        const bool leapDay = done.month == 2 && done.day == 29;
-        date_ = leapDay ? Date{2001, 3, 1} : dateFromDays(daysSinceEpoch(date_) + 1);
+        date_ = leapDayDone_ ? Date{2001, 3, 1} : dateFromDays(daysSinceEpoch(date_) + 1);
         date_.year = 2001; // a period may run over New Year
     }
 
@@ -248,13 +263,14 @@ private:
     size_t period_ = 0;
     Date date_;
     int hour_ = 1, part_ = 0;
+    bool leapDayDone_ = false; // by the last record
 };
 
 } // namespace
 
 EpwFile readEpw(const std::filesystem::path& path) {
     const std::string file = path.string();
-    const std::string text = readText(file);
+    const std::string text = readLines(file);
     std::string_view rest = text;
     if (rest.starts_with("\xef\xbb\xbf")) rest.remove_prefix(3);
 
@@ -267,7 +283,8 @@ EpwFile readEpw(const std::filesystem::path& path) {
         const std::string_view content = trim(rest.substr(0, end));
         rest.remove_prefix(end == rest.npos ? rest.size() : end + 1);
         ++number;
-        if (content.empty() || content[0] == '#' || content[0] == '!') continue;
+        if (content.find_first_not_of(", \t") == content.npos || content[0] == '#' || content[0] == '!')
+            continue;
         const Line line{file, number, splitCells(content)};
         if (!located) {
             if (line.cells[0] != "LOCATION") line.refuse("expected LOCATION, the first line of an EPW file");

@@ -15,7 +15,6 @@ namespace {
 
 constexpr double kSolarConstant = 1367.0; // W/m2
 constexpr double kMaxClearness = 11.9, kMinBrightness = 0.01, kMaxBrightness = 0.6;
-constexpr double kTwilightDeg = -6.0;
 
 // Upper bounds of the clearness bins; the last is open.
 constexpr std::array<double, 7> kBinEnds{1.065, 1.23, 1.5, 1.95, 2.8, 4.5, 6.2};

@@ -114,7 +114,8 @@ struct Irradiance {
 // horizontal illuminance exactly that of the efficacy model. Solar constant 1367 W/m2, air mass of Kasten
 // 1965; epsilon is kept in [1, 11.9] and delta in [0.01, 0.6], the range of the fit. With the sun down there
 // is no direct light, and the diffuse light is distributed as if the sun stood on the horizon (twilight);
-// below -6 degrees the sky is dark.
+// below kTwilightDeg the sky is dark.
+inline constexpr double kTwilightDeg = -6;
 Sky skyFromIrradiance(const Irradiance& irradiance, const SunPosition& sun, const SkySetting& setting = {});
 double precipitableWaterCm(double dewPointC); // exp(0.07 Td - 0.075), same paper
 

@@ -22,8 +22,9 @@ struct SunOptions {
 
 struct SunPosition {
     double azimuthDeg = 0; // topocentric, [0, 360), from north clockwise
-    double altitudeDeg =
-        -90; // apparent (refracted) altitude of the disc's centre: where its light comes from
+    // Apparent (refracted) altitude of the disc's centre: where its light comes from. As SPA ends refraction
+    // below the sunrise's true altitude, -0.83 degrees, it jumps there by 0.6 degrees, down to the true one.
+    double altitudeDeg = -90;
     double trueAltitudeDeg = -90;                     // without refraction
     double rightAscensionDeg = 0, declinationDeg = 0; // geocentric
     double hourAngleDeg = 0;                          // geocentric, (-180, 180], afternoon positive

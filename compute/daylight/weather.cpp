@@ -10,6 +10,7 @@
 
 #include "compute/daylight/epw.h"
 #include "compute/daylight/frame.h"
+#include "geometry/input_error.h"
 
 namespace heliodon::daylight {
 
@@ -153,7 +154,7 @@ bool borrow(Weather& weather, const std::vector<Gap>& gaps, size_t i) {
             const size_t away = days * day;
             if (before ? i < away : i + away >= weather.hours.size()) continue;
             const size_t other = before ? i - away : i + away;
-            if (gaps[other] == Gap::open) continue;
+            if (gaps[other] == Gap::open || !weather.hours[other].sun.isUp()) continue;
             weather.hours[i].irradiance = weather.hours[other].irradiance;
             weather.hours[i].globalHorizontal = weather.hours[other].globalHorizontal;
             return true;
@@ -184,14 +185,31 @@ void fillGaps(Weather& weather, const std::vector<Gap>& gaps) {
                                    " every irradiance and no day within a week has it: dark.");
 }
 
-// Direct sun all through whose interval the sun is well below the horizon.
+// Where no record by day has an irradiance, all would be dark.
+void refuseWithoutLight(const std::filesystem::path& file, const EpwFile& epw, const Weather& weather,
+                        const std::vector<Gap>& gaps) {
+    const auto byDay = std::ranges::find_if(weather.hours, [](const WeatherHour& h) { return h.sun.isUp(); });
+    if (byDay == weather.hours.end()) return;
+    for (size_t i = 0; i < gaps.size(); ++i)
+        if (weather.hours[i].sun.isUp() && gaps[i] != Gap::open) return;
+    const EpwRecord& first = epw.records[static_cast<size_t>(byDay - weather.hours.begin())];
+    throw geometry::InputError(file.string(), std::to_string(first.line),
+                               "neither this record nor any other by day has global, or direct and diffuse, "
+                               "irradiance (fields 14 to 16), expected W/m2");
+}
+
+// Light all through whose interval the sun is too low for it: direct sun well below the horizon, or diffuse
+// light beyond twilight.
 bool shinesAtNight(const EpwFile& epw, const EpwRecord& record, double shift) {
-    constexpr double kSurelySun = 50; // W/m2
-    if (!record.direct || *record.direct < kSurelySun) return false;
+    constexpr double kSurelySun = 50, kSurelySky = 20; // W/m2
+    const bool sun = record.direct && *record.direct >= kSurelySun,
+               sky = record.diffuse && *record.diffuse >= kSurelySky;
+    if (!sun && !sky) return false;
+    const double lowest = sun ? -1 : kTwilightDeg;
     const Site site{epw.latitudeDeg, epw.longitudeDeg};
     const double half = 0.5 / epw.recordsPerHour;
     return std::ranges::all_of(std::array{0.0, -half, half}, [&](double aside) {
-        return sunPosition(instantOf(epw, record, shift + aside), site).trueAltitudeDeg < -1;
+        return sunPosition(instantOf(epw, record, shift + aside), site).trueAltitudeDeg < lowest;
     });
 }
 
@@ -229,13 +247,14 @@ Weather readWeather(const std::filesystem::path& file) {
     }
     if (atNight)
         weather.warnings.push_back(
-            fmt::format("{} of {} records have direct sun while it is below the horizon: are place and time "
-                        "zone ({:+g} h at longitude {:.2f}) of line 1 right?",
+            fmt::format("{} of {} records have light of the sun while it is below the horizon: are place and "
+                        "time zone ({:+g} h at longitude {:.2f}) of line 1 right?",
                         atNight, epw.records.size(), epw.timeZoneHours, epw.longitudeDeg));
     if (epw.directRefuted)
         weather.warnings.push_back(fmt::format(
             "{} negative direct irradiance{} counted as missing: global and diffuse say that the sun shone.",
             epw.directRefuted, epw.directRefuted == 1 ? " is" : "s are"));
+    refuseWithoutLight(file, epw, weather, gaps);
     fillGaps(weather, gaps);
     if (withoutDewPoint)
         weather.warnings.push_back(daylitThatLack(withoutDewPoint) +

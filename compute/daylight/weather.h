@@ -44,13 +44,14 @@ struct Weather {
     double recordHours() const { return 1.0 / recordsPerHour; }
 };
 
-// Accepts gzip, CRLF, a byte-order mark, blank and '#' lines, leap days, hours 0 to 23, several records an
-// hour and partial years. 9999 and above is missing: one missing irradiance is derived from the other two
-// (GHI = DNI sin h + DHI), both components from GHI alone by Erbs, Klein and Duffie 1982, all three borrowed
-// from the same hour of the nearest day within a week. A negative direct irradiance is 0 (noise of the
-// night), or missing where global less diffuse says that the sun shone; direct sun below the horizon is
-// warned of. Throws InputError(file, line, ...): a wrong number, a record out of order, an end before the
-// data period's. 0.2 s a year.
+// Accepts gzip, CRLF, a byte-order mark, blank and '#' lines, lines of commas, Windows-1252, a missing
+// elevation (0 m), leap days, hours 0 to 23, several records an hour and partial years. Minutes and the
+// header's summer time are not asked: records follow one another. 9999 and above is missing: one missing
+// irradiance is derived from the other two (GHI = DNI sin h + DHI), both components from GHI alone by Erbs,
+// Klein and Duffie 1982, all three borrowed from the same hour of the nearest day within a week. A negative
+// direct irradiance is 0 (noise of the night), or missing where global less diffuse says that the sun shone;
+// light of the sun in the night is warned of and left out. Throws InputError(file, line, ...): a wrong
+// number, a record out of order, an end before the data period's, no irradiance by day at all. 0.2 s a year.
 Weather readWeather(const std::filesystem::path& file);
 
 struct WeatherSky {

@@ -17,8 +17,8 @@ struct Lettering {
     std::array<uint8_t, 3> ink{}; // sRGB
     double halo = 0;              // pixels of white about the letters
 
-    // Pixels that the words take along their line. Bytes that are no UTF-8 are read as ISO 8859-1; characters
-    // that the font lacks are boxes.
+    // Pixels that the words take along their line. Bytes that are no UTF-8 are read as Windows-1252;
+    // characters that the font lacks are boxes.
     double width(std::string_view words) const;
 
     // Smaller where the words would be wider than `room` pixels.

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -38,15 +39,18 @@ std::string text(const Row& r) {
            r.diffuse + ",0,0,0,0,130,2.6,4,4,24.1,77777,9\r\n";
 }
 
-// Days of 24 rows, equal but for the direct sun, which is there from 7 to 18.
+// Days of 24 rows, equal but for the light, which is there from 7 to 18 o'clock; what is missing is so by
+// night, too.
 std::string days(int month, int first, int last, Row row = {}) {
     std::string all;
     row.month = month;
-    const std::string direct = row.direct;
+    const Row day = row;
     for (row.day = first; row.day <= last; ++row.day)
         for (row.hour = 1; row.hour <= 24; ++row.hour) {
-            const bool night = (row.hour < 8 || row.hour > 18) && direct.size() < 4;
-            row.direct = night ? "0" : direct.c_str();
+            const auto at = [&](const char* value) {
+                return (row.hour < 8 || row.hour > 18) && std::strlen(value) < 4 ? "0" : value;
+            };
+            row.global = at(day.global), row.direct = at(day.direct), row.diffuse = at(day.diffuse);
             all += text(row);
         }
     return all;
@@ -219,6 +223,21 @@ TEST(Weather, accepts_the_oddities_of_real_files) {
     EXPECT_DOUBLE_EQ(fine.hours[1].utc - fine.hours[0].utc, 900);
 }
 
+TEST(Weather, accepts_what_spreadsheets_and_old_editors_make_of_files) {
+    const std::string records = periods("6/1", "6/1") + days(6, 1, 1);
+    EXPECT_EQ(weatherOf(kHeader + records + ",,,,\r\n , ,\r\n").hours.size(), 24u);
+    std::string mac = kHeader + records;
+    std::erase(mac, '\n');
+    EXPECT_EQ(weatherOf(mac).hours.size(), 24u);
+    EXPECT_EQ(weatherOf("LOCATION,Malm\xf6 \x96 Lund,-,SWE,a,b,38.87,-77.03,-5.0,1.0\n" + records).place,
+              "Malm\xc3\xb6 \xe2\x80\x93 Lund, SWE"); // Windows-1252
+    const Weather flat = weatherOf("LOCATION,a,b,c,d,e,38.87,-77.03,-5.0,\n" + records);
+    EXPECT_EQ(flat.elevationM, 0);
+    ASSERT_EQ(flat.warnings.size(), 1u);
+    EXPECT_NE(flat.warnings[0].find("elevation"), std::string::npos);
+    EXPECT_NE(refusalOf("PK\x03\x04 and more").find("zip"), std::string::npos);
+}
+
 TEST(Weather, fills_gaps_and_says_so) {
     const auto noon = [](const Weather& w, int day) { return w.hours[static_cast<size_t>(day * 24 + 12)]; };
     const Row full{6, 1, 1, "800", "700", "150"};
@@ -255,10 +274,17 @@ TEST(Weather, fills_gaps_and_says_so) {
         EXPECT_EQ(w.warnings.size(), 2u); // irradiance and dew point
     }
     {
-        const Weather w = weatherOf(head + days(6, 1, 2, {6, 1, 1, "999900", "999900", "999900"}));
-        EXPECT_EQ(noon(w, 1).irradiance.diffuseHorizontal, 0);
-        ASSERT_EQ(w.warnings.size(), 1u);
-        EXPECT_NE(w.warnings[0].find("dark"), std::string::npos);
+        // None within a week of the 9th, all of the 1st: what is borrowed is a day's light, not a night's.
+        const Row none{6, 1, 1, "999900", "999900", "999900"};
+        const Weather w =
+            weatherOf(kHeader + periods("6/1", "6/10") + days(6, 1, 1, full) + days(6, 2, 10, none));
+        EXPECT_EQ(noon(w, 7).irradiance.directNormal, 700);
+        EXPECT_EQ(noon(w, 8).irradiance.diffuseHorizontal, 0);
+        ASSERT_EQ(w.warnings.size(), 2u);
+        EXPECT_NE(w.warnings[1].find("dark"), std::string::npos);
+        // A file that is dark by day is none.
+        EXPECT_EQ(refusalOf(head + days(6, 1, 2, none)).substr(0, 24), ":11: neither this record");
+        EXPECT_EQ(refusalOf(head + days(6, 1, 2, {6, 1, 1, "9999", "700", "9999"})).substr(0, 4), ":11:");
     }
 }
 
@@ -272,6 +298,14 @@ TEST(Weather, sun_below_the_horizon_asks_for_the_time_zone) {
     ASSERT_EQ(w.warnings.size(), 1u);
     EXPECT_NE(w.warnings[0].find("while it is below the horizon"), std::string::npos) << w.warnings[0];
     EXPECT_NE(w.warnings[0].find("+5 h at longitude -77.03"), std::string::npos) << w.warnings[0];
+    // So does the sky.
+    std::string night = records;
+    const std::string dark = text({6, 2, 2}), glow = text({6, 2, 2, "30", "0", "30"});
+    night.replace(night.find(dark), dark.size(), glow);
+    const Weather lit = weatherOf(kHeader + night);
+    ASSERT_EQ(lit.warnings.size(), 1u);
+    EXPECT_NE(lit.warnings[0].find("1 of 48 records have light"), std::string::npos) << lit.warnings[0];
+    EXPECT_TRUE(skyOfHour(lit.hours[25]).isDark());
 }
 
 // Small negative numbers are noise of the night; where global less diffuse says sun, it is taken from there.
@@ -308,6 +342,11 @@ TEST(Weather, wrong_lines_are_named_by_number) {
     EXPECT_EQ(refusalOf(head + text({6, 31, 1})).substr(0, 4), ":6: ");
     EXPECT_EQ(refusalOf(head + "1999,6,1\n").substr(0, 4), ":6: ");
     EXPECT_EQ(refusalOf(kHeader + periods("6/1", "6/1", 7) + good).substr(0, 4), ":5: ");
+    EXPECT_EQ(refusalOf(kHeader + periods("6/1", "6/1", 2) + good),
+              ":7: is 6/1 hour 2, expected 6/1 hour 1 (2 records an hour by DATA PERIODS)");
+    const std::string february = kHeader + periods("2/28", "3/1") + days(2, 28, 28), leap = days(2, 29, 29);
+    EXPECT_EQ(refusalOf(february + leap + leap + days(3, 1, 1)).substr(0, 40),
+              ":54: is 2/29 hour 1, expected 3/1 hour 1");
     EXPECT_THROW(readWeather("no/such/file.epw"), geometry::InputError);
     EXPECT_THROW(readWeather(testing::TempDir()), geometry::InputError);
 }
