@@ -14,6 +14,7 @@
 #include "geometry/face_soup.h"
 #include "geometry/occluder_solids.h"
 #include "geometry/plan_curves.h"
+#include "geometry/plan_fillings.h"
 #include "geometry/plan_materials.h"
 #include "geometry/plan_rooms.h"
 #include "geometry/plan_windows.h"
@@ -113,11 +114,8 @@ private:
             const glm::dvec2 at =
                 piece.curved ? piece.center + piece.radius * glm::dvec2(std::cos(angle), std::sin(angle))
                              : glm::mix(piece.a, piece.b, k / count);
-            inside += std::ranges::any_of(spaces_.rooms, [&](const RoomPlan& room) {
-                return std::ranges::count_if(room.loops, [&](const OutlineLoop& loop) {
-                           return contains(loop.points, at);
-                       }) == 1; // in its outline and in no island
-            });
+            inside +=
+                std::ranges::any_of(spaces_.rooms, [&](const RoomPlan& room) { return contains(room, at); });
         }
         return length * inside / count;
     }
@@ -169,6 +167,7 @@ private:
 
     bool findSpaces() {
         spaces_ = findRooms(plan_);
+        if (openDoorsInCorners(plan_, spaces_.rooms)) spaces_ = findRooms(plan_);
         cleanOutlines(plan_, spaces_);
         if (!spaces_.rooms.empty()) return true;
         refuse("NOT_ENCLOSED", "the walls enclose no space: " + joined(idsOf(plan_.pieces)));

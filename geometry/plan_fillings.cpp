@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <ranges>
 
 #include <glm/geometric.hpp>
 
@@ -16,6 +17,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kFacingSine = 0.26;     // 15 degrees: ends that look at each other
 constexpr double kFacingOffset = 0.6;    // inches: by which they may miss one another
+constexpr double kDoor = 1.25;           // times a crack's width from end to end: as wide as a door
 constexpr double kParallelSine = 0.18;   // 10 degrees: walls side by side
 constexpr double kNarrowSlot = 1.0;      // inches between walls side by side: less is a crack,
 constexpr double kNarrowestNiche = 0.45; // but for a niche so wide
@@ -90,7 +92,8 @@ private:
         return false;
     }
 
-    // A corner that was left open: both walls run on to the far face of the other.
+    // A corner that was left open: both walls run on to the far face of the other. Where they turn little it
+    // may be as wide as a door.
     void fillCorner(const WallEnd& e, const WallEnd& f) {
         const double sine = cross(e.out, f.out);
         if (std::abs(sine) < kFacingSine) return;
@@ -98,12 +101,22 @@ private:
         const double te = cross(between, f.out) / sine, tf = cross(between, e.out) / sine;
         const double behindE = -thickness(f) / std::abs(sine), behindF = -thickness(e) / std::abs(sine);
         if (te < behindE || tf < behindF || te > width_ || tf > width_) return;
+        const size_t first = plan_.solids.size();
         const glm::dvec2 crossing = e.middle + te * e.out;
         const glm::dvec2 u = e.out * (0.5 * thickness(f) / std::abs(sine));
         const glm::dvec2 v = f.out * (0.5 * thickness(e) / sine);
         addStub(e, crossing + u - v, crossing + u + v);
         addStub(f, crossing + v * std::copysign(1.0, sine) + u * std::copysign(1.0, sine),
                 crossing + v * std::copysign(1.0, sine) - u * std::copysign(1.0, sine));
+        if (clearance(e, f) <= kDoor * width_) return;
+        const glm::dvec2 beyond = crossing - 0.5 * (e.middle + f.middle);
+        const glm::dvec2 off = (glm::length(u - v) + 0.1) / glm::length(beyond) * beyond;
+        plan_.wideCorners.push_back({first, plan_.solids.size(), {crossing + off, crossing - off}});
+    }
+
+    static double clearance(const WallEnd& e, const WallEnd& f) {
+        return std::min({glm::length(e.right - f.right), glm::length(e.right - f.left),
+                         glm::length(e.left - f.right), glm::length(e.left - f.left)});
     }
 
     // Lets the wall run on from its end face to `right` and `left`, where these lie ahead of it.
@@ -211,6 +224,19 @@ private:
 
 void fillCracks(PlanWalls& plan, double width) {
     CrackFiller(plan, width).fill();
+}
+
+bool openDoorsInCorners(PlanWalls& plan, const std::vector<RoomPlan>& rooms) {
+    const size_t before = plan.solids.size();
+    const auto inRoom = [&](glm::dvec2 p) {
+        return std::ranges::any_of(rooms, [&](const RoomPlan& room) { return contains(room, p); });
+    };
+    for (const WideCorner& corner : std::views::reverse(plan.wideCorners))
+        if (std::ranges::all_of(corner.beside, inRoom))
+            plan.solids.erase(plan.solids.begin() + static_cast<std::ptrdiff_t>(corner.firstSolid),
+                              plan.solids.begin() + static_cast<std::ptrdiff_t>(corner.endSolid));
+    plan.wideCorners.clear();
+    return plan.solids.size() < before;
 }
 
 void reachWalls(PlanWalls& plan) {

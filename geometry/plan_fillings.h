@@ -1,6 +1,7 @@
 // What closes the cracks and corners that a drawing leaves open between walls.
 #pragma once
 
+#include "geometry/plan_rooms.h"
 #include "geometry/plan_walls.h"
 
 namespace heliodon::geometry {
@@ -8,6 +9,10 @@ namespace heliodon::geometry {
 // Adds solids where ends of walls lie within `width` (inches) of one another or of a face, where a corner was
 // left open, and between walls side by side.
 void fillCracks(PlanWalls& plan, double width);
+
+// Takes the fillings of corners as wide as a door out again where rooms are on both sides: in an outer wall
+// they are gaps, within they are doors. True if there were any.
+bool openDoorsInCorners(PlanWalls& plan, const std::vector<RoomPlan>& rooms);
 
 // A partition that stops a hair (0.3 in) short of a wall was meant to touch it, one that looks out of its
 // other side by a hair to end there.

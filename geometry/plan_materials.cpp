@@ -37,15 +37,13 @@ double distanceToPiece(glm::dvec2 p, const WallPiece& piece) {
 }
 
 double distanceToRoom(glm::dvec2 p, const RoomPlan& room) {
+    if (contains(room, p)) return 0;
     double nearest = std::numeric_limits<double>::infinity();
-    bool inside = false;
-    for (const OutlineLoop& loop : room.loops) {
-        inside = inside != contains(loop.points, p);
+    for (const OutlineLoop& loop : room.loops)
         for (size_t i = 0; i < loop.points.size(); ++i)
             nearest = std::min(
                 nearest, distanceToSegment(p, loop.points[i], loop.points[(i + 1) % loop.points.size()]));
-    }
-    return inside ? 0 : nearest;
+    return nearest;
 }
 
 class MaterialPlanner {

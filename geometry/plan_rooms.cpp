@@ -354,6 +354,12 @@ private:
 
 } // namespace
 
+bool contains(const RoomPlan& room, glm::dvec2 p) {
+    return std::ranges::count_if(room.loops, [&](const OutlineLoop& loop) {
+               return contains(loop.points, p);
+           }) == 1; // in its outline and in no island
+}
+
 PlanRooms findRooms(const PlanWalls& plan) {
     if (plan.pieces.empty()) return {};
     return RoomFinder(plan).find();

@@ -30,6 +30,8 @@ struct RoomPlan {
     double widestGap = 0;           // inches: the widest opening that had to be bridged
 };
 
+bool contains(const RoomPlan& room, glm::dvec2 p);
+
 struct PlanRooms {
     std::vector<RoomPlan> rooms; // from left to right by their lowest point
     // Per piece, for its right and its left face: stretches of its centre line, in inches from its end a,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <tuple>
@@ -195,34 +196,74 @@ private:
     std::vector<WallLine>& lines_;
 };
 
-// Pieces on one line that overlap become one; where heights or thicknesses differ the lower one is cut back.
-void mergeOverlaps(std::vector<WallPiece>& pieces, const std::vector<WallLine>& lines) {
-    const auto from = [&](const WallPiece& p) { return lines[static_cast<size_t>(p.line)].along(p.a); };
-    const auto to = [&](const WallPiece& p) { return lines[static_cast<size_t>(p.line)].along(p.b); };
-    std::ranges::stable_sort(pieces, {}, [&](const WallPiece& p) { return std::pair(p.line, from(p)); });
-    for (size_t i = 0; i + 1 < pieces.size();) {
-        WallPiece &p = pieces[i], &q = pieces[i + 1];
-        if (p.line != q.line || from(q) > to(p) + 1e-6) {
-            ++i;
-            continue;
-        }
-        const bool alike = p.height == q.height && std::abs(p.thickness - q.thickness) < 0.05;
-        const bool covered = to(q) <= to(p) + kShortestWall || from(q) <= from(p) + kShortestWall;
-        if (alike || covered) {
-            if (to(q) > to(p)) p.b = q.b;
-            p.height = std::max(p.height, q.height);
-            p.thickness = std::max(p.thickness, q.thickness);
-            p.ids.insert(p.ids.end(), q.ids.begin(), q.ids.end());
-            pieces.erase(pieces.begin() + static_cast<std::ptrdiff_t>(i) + 1);
-        } else {
-            if (p.height >= q.height)
-                q.a = p.b;
-            else
-                p.b = q.a;
-            ++i;
+// Pieces on one line that overlap become one. Where one of them is higher or thicker, that holds as far as
+// it reaches, or a little farther, where what is left of the other is too short to have been meant.
+class OverlapMerger {
+public:
+    OverlapMerger(std::vector<WallPiece>& pieces, const std::vector<WallLine>& lines)
+        : pieces_(pieces), lines_(lines) {}
+
+    void merge() {
+        sort();
+        for (size_t i = 0; i + 1 < pieces_.size();) {
+            const WallPiece &p = pieces_[i], &q = pieces_[i + 1];
+            const bool meet = p.line == q.line && from(q) <= to(p) + 1e-6;
+            if (!meet || (!alike(p, q) && std::min(to(p), to(q)) - from(q) < 1e-6)) {
+                ++i;
+                continue;
+            }
+            const std::vector<WallPiece> apart = divided(p, q);
+            pieces_[i] = apart[0];
+            pieces_.erase(pieces_.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+            pieces_.insert(pieces_.end(), apart.begin() + 1, apart.end());
+            sort();
         }
     }
-}
+
+private:
+    static constexpr double kShortestEnd = 1; // inches: copies are laid by eye
+
+    double from(const WallPiece& p) const { return lines_[static_cast<size_t>(p.line)].along(p.a); }
+    double to(const WallPiece& p) const { return lines_[static_cast<size_t>(p.line)].along(p.b); }
+    void sort() {
+        std::ranges::stable_sort(pieces_, {}, [&](const WallPiece& p) { return std::pair(p.line, from(p)); });
+    }
+
+    static bool alike(const WallPiece& p, const WallPiece& q) {
+        return p.height == q.height && std::abs(p.thickness - q.thickness) < 0.05;
+    }
+
+    // Two pieces, p the first, as one to three that do not overlap: what is before both, both, what is
+    // beyond.
+    std::vector<WallPiece> divided(const WallPiece& p, const WallPiece& q) const {
+        const WallPiece& last = to(q) > to(p) ? q : p;
+        WallPiece both = p;
+        both.a = q.a;
+        both.b = (&last == &p ? q : p).b;
+        both.height = std::max(p.height, q.height);
+        both.thickness = std::max(p.thickness, q.thickness);
+        std::ranges::copy_if(q.ids, std::back_inserter(both.ids),
+                             [&](const std::string& id) { return !std::ranges::count(p.ids, id); });
+        std::vector<WallPiece> out;
+        if (alike(both, p) || from(q) - from(p) < kShortestEnd) {
+            both.a = p.a;
+        } else {
+            out.push_back(p);
+            out.back().b = both.a;
+        }
+        out.push_back(both);
+        if (alike(both, last) || to(last) - to(both) < kShortestEnd) {
+            out.back().b = last.b;
+        } else {
+            out.push_back(last);
+            out.back().a = both.b;
+        }
+        return out;
+    }
+
+    std::vector<WallPiece>& pieces_;
+    const std::vector<WallLine>& lines_;
+};
 
 void chooseFacets(WallPiece& piece, const PlanWallsOptions& options) {
     const double sweep = std::min(piece.a1 - piece.a0, 2 * kPi), outer = piece.radius + piece.thickness / 2;
@@ -358,7 +399,7 @@ PlanWalls planWalls(const Sketch& sketch, const PlanWallsOptions& options) {
         std::vector<WallPiece>& pieces = green ? plan.partitions : plan.pieces;
         pieces = straightPieces(sketch, green, plan);
         LineFinder(pieces, plan.lines).find();
-        mergeOverlaps(pieces, plan.lines);
+        OverlapMerger(pieces, plan.lines).merge();
         std::vector<WallPiece> arcs = curvedPieces(sketch, green, plan);
         mergeArcs(arcs);
         pieces.insert(pieces.end(), arcs.begin(), arcs.end());

@@ -48,6 +48,12 @@ struct PlanSolid {
     int piece = -1;               // the wall piece that it is, -1 for the filling of a crack
 };
 
+// A corner left open as wide as a door, and filled.
+struct WideCorner {
+    size_t firstSolid = 0, endSolid = 0; // its fillings
+    std::array<glm::dvec2, 2> beside{};  // points on its two sides
+};
+
 struct PlanNote {
     std::string code, sentence;
 };
@@ -61,6 +67,7 @@ struct PlanWalls {
     std::vector<WallPiece> partitions; // green
     std::vector<WallLine> lines;
     std::vector<PlanSolid> solids; // one a piece, in their order, then the crack fillings
+    std::vector<WideCorner> wideCorners;
     std::vector<PlanNote> notes;
     double crackWidth = 0;            // inches: narrower holes were filled
     std::vector<IgnoredWall> ignored; // what came to nothing

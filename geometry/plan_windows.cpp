@@ -75,15 +75,23 @@ private:
             piece->line, marker.kind, {s - marker.width / 2, s + marker.width / 2}, marker.id, marker.blind};
         if (marker.width < kNarrowest)
             return note("WINDOW_TOO_NARROW", marker, "is too narrow for a window and is ignored");
-        const double own = std::max(0.0, std::min(window.on.to, line.along(piece->b)) -
-                                             std::max(window.on.from, line.along(piece->a)));
-        if (own < kNarrowest)
+        if (onItsWall(window, marker.wall) < kNarrowest)
             return note("WINDOW_OFF_WALL", marker,
                         "does not lie on its wall " + marker.wall + " and is ignored");
         if (const double beyond = beyondWall(window); beyond > std::max(kByEye, kMostCut * marker.width))
             note("WINDOW_BEYOND_WALL", marker,
                  fmt::format("reaches {:.1f} ft beyond its wall {} and is cut to it", beyond, marker.wall));
         windows_.push_back(window);
+    }
+
+    double onItsWall(const SideWindow& window, const std::string& wall) const {
+        const WallLine& line = plan_.lines[static_cast<size_t>(window.line)];
+        double on = 0;
+        for (const WallPiece& piece : plan_.pieces)
+            if (std::ranges::find(piece.ids, wall) != piece.ids.end())
+                on += std::max(0.0, std::min(window.on.to, line.along(piece.b)) -
+                                        std::max(window.on.from, line.along(piece.a)));
+        return on;
     }
 
     // How much of a window has no wall of its side behind it, or one that runs on outside the rooms. 0 where
@@ -178,7 +186,7 @@ private:
         if (out_.openings == before)
             out_.notes.push_back(
                 {"WINDOW_OUTSIDE",
-                 fmt::format("window {} is on a wall that encloses nothing and is ignored", window.id)});
+                 fmt::format("window {} is where its wall encloses nothing and is ignored", window.id)});
     }
 
     // What is left of a stretch outside the shared ones, a wall's thickness away from them.

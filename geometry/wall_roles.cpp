@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <tuple>
 #include <utility>
@@ -12,7 +13,8 @@ namespace heliodon::geometry {
 
 namespace {
 
-constexpr double kCopyOff = 0.2; // inches: how far a copy may reach beyond the wall that it repeats
+constexpr double kCopyOff = 0.2; // inches: how far a copy may reach beyond the wall that it repeats,
+constexpr double kAlike = 0.05;  // and how much thicker than that it may be
 
 struct Stretch {
     double from = 0, to = 0; // inches along a piece, from its end a
@@ -29,23 +31,36 @@ public:
         : sketch_(sketch), plan_(plan), spaces_(spaces) {}
 
     void add(std::vector<WallRole>& out, const std::vector<bool>& partitionUsed) const {
-        for (size_t i = 0; i < plan_.pieces.size(); ++i)
-            for (const std::string& id : plan_.pieces[i].ids)
-                out.push_back(reasoned(plan_.pieces[i], id, roleOf(i, id), "encloses nothing"));
+        for (const auto& [key, pieces] : piecesById(plan_.pieces)) {
+            const std::string& id = key.second;
+            out.push_back(reasoned(plan_.pieces, pieces, id, roleOf(pieces, id), "encloses nothing"));
+        }
         const char* outside = plan_.pieces.empty() ? "too low to enclose a room" : "stands in no room";
-        for (size_t i = 0; i < plan_.partitions.size(); ++i) {
-            const bool used = !partitionUsed.empty() && partitionUsed[i];
-            for (const std::string& id : plan_.partitions[i].ids)
-                out.push_back(
-                    reasoned(plan_.partitions[i], id, used ? "partition" : "outside_extra", outside));
+        for (const auto& [key, pieces] : piecesById(plan_.partitions)) {
+            const bool used = !partitionUsed.empty() &&
+                              std::ranges::any_of(pieces, [&](size_t i) { return partitionUsed[i]; });
+            out.push_back(reasoned(plan_.partitions, pieces, key.second, used ? "partition" : "outside_extra",
+                                   outside));
         }
     }
 
 private:
-    WallRole reasoned(const WallPiece& piece, const std::string& id, const std::string& role,
-                      const char* outside) const {
-        const std::string other = repeated(piece, id);
-        return {id, role, !other.empty() ? "repeats " + other : role == "outside_extra" ? outside : ""};
+    // A primitive lies in several pieces where another one on its line is higher or thicker.
+    // Walls and arcs may have the same ids.
+    static std::map<std::pair<bool, std::string>, std::vector<size_t>>
+    piecesById(const std::vector<WallPiece>& pieces) {
+        std::map<std::pair<bool, std::string>, std::vector<size_t>> out;
+        for (size_t i = 0; i < pieces.size(); ++i)
+            for (const std::string& id : pieces[i].ids) out[{pieces[i].curved, id}].push_back(i);
+        return out;
+    }
+
+    WallRole reasoned(const std::vector<WallPiece>& all, const std::vector<size_t>& pieces,
+                      const std::string& id, const std::string& role, const char* outside) const {
+        for (const size_t i : pieces)
+            if (const std::string other = repeated(all[i], id); !other.empty())
+                return {id, role, "repeats " + other};
+        return {id, role, role == "outside_extra" ? outside : ""};
     }
 
     // Where the primitive lies along the piece that it was merged into.
@@ -65,6 +80,21 @@ private:
         return {from, to};
     }
 
+    // Height and thickness.
+    std::pair<double, double> sizeOf(const WallPiece& piece, const std::string& id) const {
+        const auto size = [](const auto& item) {
+            return std::pair(heightInches(item.heightClass), item.thickness);
+        };
+        return piece.curved ? size(*std::ranges::find(sketch_.arcs, id, &Arc::id))
+                            : size(*std::ranges::find(sketch_.walls, id, &Wall::id));
+    }
+
+    bool standsOut(const WallPiece& piece, const std::string& id, const std::string& of) const {
+        const auto [height, thickness] = sizeOf(piece, id);
+        const auto [otherHeight, otherThickness] = sizeOf(piece, of);
+        return height > otherHeight || thickness > otherThickness + kAlike;
+    }
+
     // Another primitive of the piece within whose length this one lies; of two that repeat one another the
     // shorter one does, of equals the one named last.
     std::string repeated(const WallPiece& piece, const std::string& id) const {
@@ -78,6 +108,7 @@ private:
         for (const std::string& other : piece.ids) {
             if (other == id) continue;
             const Stretch cover = stretchOf(piece, other);
+            if (standsOut(piece, id, other)) continue;
             const bool within =
                 cover.length() > round || (own.from > cover.from - kCopyOff && own.to < cover.to + kCopyOff);
             if (within && rank(other) < rank(id) && (best.empty() || rank(other) < rank(best))) best = other;
@@ -85,17 +116,19 @@ private:
         return best;
     }
 
-    // By what the rooms see of this primitive's own part of the piece that it was merged into.
-    const char* roleOf(size_t index, const std::string& id) const {
+    // By what the rooms see of this primitive's own part of the pieces that it was merged into.
+    const char* roleOf(const std::vector<size_t>& pieces, const std::string& id) const {
         if (spaces_.rooms.empty()) return "outside_extra";
-        const WallPiece& piece = plan_.pieces[index];
-        const Stretch own = piece.curved ? Stretch{0, 1e9} : stretchOf(piece, id);
         double sum = 0, both = 0;
-        const auto& [right, left] = spaces_.seen[index];
-        for (const auto& side : {right, left})
-            for (const auto& [a, b] : side) sum += common({a, b}, own);
-        for (const auto& [a, b] : right)
-            for (const auto& [c, d] : left) both += common({std::max(a, c), std::min(b, d)}, own);
+        for (const size_t index : pieces) {
+            const WallPiece& piece = plan_.pieces[index];
+            const Stretch own = piece.curved ? Stretch{0, 1e9} : stretchOf(piece, id);
+            const auto& [right, left] = spaces_.seen[index];
+            for (const auto& side : {right, left})
+                for (const auto& [a, b] : side) sum += common({a, b}, own);
+            for (const auto& [a, b] : right)
+                for (const auto& [c, d] : left) both += common({std::max(a, c), std::min(b, d)}, own);
+        }
         if (sum < 0.3) return "outside_extra";
         return both > sum - 2 * both ? "interior" : "exterior";
     }

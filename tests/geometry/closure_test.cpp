@@ -286,6 +286,50 @@ TEST(Closure, copies_and_nearly_collinear_pieces_are_one_wall) {
     EXPECT_EQ(c.building->faces.size(), 6u);
 }
 
+TEST(Closure, a_wall_on_another_is_higher_and_thicker_no_farther_than_it_reaches) {
+    Sketch sketch = box(-12, -4, 12, 4, HeightClass::blue);
+    sketch.walls[2].heightClass = HeightClass::red;
+    sketch.walls.push_back(wall("tall", {-2, -4.05}, {2, -4}));
+    sketch.walls.push_back(wall("pier", {6, 4}, {8, 4}));
+    sketch.walls.back().thickness = 1;
+    sketch.windows = {window("win", "s", 13, 6)}; // over the tall one's end
+    const Closure closure = closeSketch(sketch);
+    expectProven(closure);
+    EXPECT_EQ(closure.report.outcome, Outcome::ok) << closure.report.message;
+    ASSERT_EQ(closure.report.rooms.size(), 1u);
+    EXPECT_EQ(closure.report.rooms[0].ceilingFt, 8); // of 64 in of wall 36 are low
+    EXPECT_NEAR(closure.report.rooms[0].floorAreaFt2, net(24, 8) - 2 * (1 - 0.375) / 2, 0.3);
+    EXPECT_EQ(closure.report.windowCount, 1);
+    for (const char* id : {"s", "tall", "n", "pier"}) {
+        EXPECT_EQ(roleOf(closure.report, id), "exterior") << id;
+        EXPECT_EQ(reasonOf(closure.report, id), "") << id;
+    }
+    sketch.walls.push_back(wall("low", {-6, 4}, {0, 4}, HeightClass::blue));
+    EXPECT_EQ(reasonOf(closeSketch(sketch).report, "low"), "repeats n");
+}
+
+// Both walls would run on to the corner; as wide as a door it is one between rooms, and a gap in a facade.
+TEST(Closure, door_in_a_corner_stays_open_within_and_is_filled_outside) {
+    for (const double bend : {20.0, 45.0, 70.0})
+        for (const double opening : {1.2, 2.25, 2.6}) {
+            const double turn = bend * std::numbers::pi / 180, reach = opening / 2 / std::cos(turn / 2);
+            const glm::dvec2 out{std::sin(turn), std::cos(turn)};
+            const double length = std::min(12 / out.x, 10 / out.y);
+            Sketch sketch = box(-12, -10, 12, 10);
+            sketch.walls.push_back(wall("straight", {0, -10}, {0, -reach}));
+            sketch.walls.push_back(wall("turned", reach * out, length * out));
+            const Closure within = closeSketch(sketch);
+            expectProven(within);
+            EXPECT_EQ(within.report.rooms.size(), opening < 2 ? 2u : 1u) << bend << " " << opening;
+            std::erase_if(sketch.walls, [](const Wall& w) { return w.id == "w"; });
+            sketch.walls[0].a.x = -0.1875; // south and north begin at the divider, now the facade
+            sketch.walls[2].b.x = length * out.x - 0.1;
+            const Closure outside = closeSketch(sketch);
+            expectProven(outside);
+            EXPECT_EQ(outside.report.rooms.size(), 1u) << bend << " " << opening;
+        }
+}
+
 TEST(Closure, what_cannot_enclose_is_refused_with_a_reason) {
     Sketch one;
     one.walls = {wall("lonely", {-5, 0}, {5, 0})};
