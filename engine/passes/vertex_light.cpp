@@ -88,9 +88,8 @@ Patches measure(const PatchMesh& mesh) {
 
 } // namespace
 
-VertexLight::VertexLight(const PatchMesh& mesh) : pairOfCorner_(mesh.corners.size()) {
-    std::vector<std::vector<uint32_t>> patchesAt; // per pair, the patches that touch it
-    std::vector<uint32_t> vertexOf;
+void VertexLight::findCorners(const PatchMesh& mesh, std::vector<std::vector<uint32_t>>& patchesAt,
+                              std::vector<uint32_t>& vertexOf) {
     for (uint32_t p = 0; p < mesh.patchCount(); ++p)
         for (uint32_t c = mesh.firstCorner[p]; c < mesh.firstCorner[p + 1]; ++c) {
             const auto [entry, fresh] = pairs_.try_emplace({mesh.corners[c], mesh.surface[p]},
@@ -99,9 +98,37 @@ VertexLight::VertexLight(const PatchMesh& mesh) : pairOfCorner_(mesh.corners.siz
                 patchesAt.emplace_back();
                 vertexOf.push_back(mesh.corners[c]);
             }
-            pairOfCorner_[c] = entry->second;
+            corners_[c].pair = entry->second;
             patchesAt[entry->second].push_back(p);
         }
+}
+
+void VertexLight::weighCorners(const PatchMesh& mesh) {
+    std::vector<double> around(pairs_.size()), area(corners_.size());
+    for (uint32_t p = 0; p < mesh.patchCount(); ++p) {
+        const uint32_t first = firstCorner_[p], end = firstCorner_[p + 1];
+        const auto at = [&](uint32_t c) { return mesh.vertices[mesh.corners[c]]; };
+        double whole = 1e-300;
+        for (uint32_t c = first + 1; c + 1 < end; ++c) { // as drawMesh() fans it out
+            const double third = glm::length(glm::cross(at(c) - at(first), at(c + 1) - at(first))) / 6;
+            for (const uint32_t corner : {first, c, c + 1}) area[corner] += third;
+            whole += 3 * third;
+        }
+        for (uint32_t c = first; c < end; ++c) {
+            corners_[c].share = static_cast<float>(area[c] / whole);
+            around[corners_[c].pair] += area[c];
+        }
+    }
+    for (size_t c = 0; c < corners_.size(); ++c)
+        corners_[c].pull = static_cast<float>(area[c] / std::max(around[corners_[c].pair], 1e-300));
+}
+
+VertexLight::VertexLight(const PatchMesh& mesh)
+    : firstCorner_(mesh.firstCorner), corners_(mesh.corners.size()) {
+    std::vector<std::vector<uint32_t>> patchesAt; // per pair, the patches that touch it
+    std::vector<uint32_t> vertexOf;
+    findCorners(mesh, patchesAt, vertexOf);
+    weighCorners(mesh);
     const Patches patches = measure(mesh);
     constexpr int kMostRings = 4;
     for (size_t pair = 0; pair < patchesAt.size(); ++pair) {
@@ -126,7 +153,7 @@ VertexLight::VertexLight(const PatchMesh& mesh) : pairOfCorner_(mesh.corners.siz
             std::set<uint32_t> wider = ring;
             for (uint32_t p : ring)
                 for (uint32_t c = mesh.firstCorner[p]; c < mesh.firstCorner[p + 1]; ++c) {
-                    const auto& around = patchesAt[pairOfCorner_[c]];
+                    const auto& around = patchesAt[corners_[c].pair];
                     wider.insert(around.begin(), around.end());
                 }
             if (wider.size() == ring.size()) break; // the whole surface is in use
@@ -148,7 +175,31 @@ std::vector<glm::vec3> VertexLight::evaluate(std::span<const glm::vec3> patchVal
         for (uint32_t k = first_[pair]; k < first_[pair + 1]; ++k) sum += weight_[k] * patchValues[patch_[k]];
         values[pair] = glm::max(sum, glm::vec3(0));
     }
+    keepMeans(patchValues, values);
     return values;
+}
+
+void VertexLight::keepMeans(std::span<const glm::vec3> patchValues, std::vector<glm::vec3>& values) const {
+    constexpr int kRounds = 4; // the first does most; later ones sharpen borders of light
+    // A vertex stays between its fit and the patches at it: beyond, dark spots stand beside steep edges.
+    std::vector<glm::vec3> low = values, high = values, lacking(values.size());
+    for (size_t p = 0; p < patchValues.size(); ++p)
+        for (uint32_t c = firstCorner_[p]; c < firstCorner_[p + 1]; ++c) {
+            const uint32_t i = corners_[c].pair;
+            low[i] = glm::min(low[i], patchValues[p]), high[i] = glm::max(high[i], patchValues[p]);
+        }
+    for (int round = 0; round < kRounds; ++round) {
+        std::fill(lacking.begin(), lacking.end(), glm::vec3(0));
+        for (size_t p = 0; p < patchValues.size(); ++p) {
+            glm::vec3 lack = patchValues[p];
+            for (uint32_t c = firstCorner_[p]; c < firstCorner_[p + 1]; ++c)
+                lack -= corners_[c].share * values[corners_[c].pair];
+            for (uint32_t c = firstCorner_[p]; c < firstCorner_[p + 1]; ++c)
+                lacking[corners_[c].pair] += corners_[c].pull * lack;
+        }
+        for (size_t i = 0; i < values.size(); ++i)
+            values[i] = glm::clamp(values[i] + lacking[i], low[i], high[i]);
+    }
 }
 
 std::vector<glm::vec3> indirectExitance(const PatchMesh& mesh, const compute::Lighting& lighting) {

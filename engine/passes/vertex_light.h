@@ -1,8 +1,10 @@
 // From one value per patch to one value per vertex, so that light can be drawn linear between vertices.
 // At each vertex a plane is fitted to the values of the patches around it (weighted least squares over their
 // centroids) and read off at the vertex: a field that is linear over a surface is reproduced exactly, at its
-// border too. Values never mix across surfaces. The fit depends on geometry alone and is made once; applying
-// it costs a few multiply-adds per vertex.
+// border too. Then the vertices take up, a few times over, what the means drawn on the patches around them lack,
+// by area (Cimmino's method), but not out of the range of the fit and of these patches: what is drawn on a patch
+// comes near to the light that it has, and on a surface to all of its light. Values never mix across surfaces.
+// What depends on geometry alone is worked out once; evaluating costs some twenty multiply-adds a corner.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +26,7 @@ public:
     // Number of (vertex, surface) pairs.
     size_t size() const { return first_.size() - 1; }
     // The pair that belongs to mesh.corners[corner].
-    uint32_t ofCorner(size_t corner) const { return pairOfCorner_[corner]; }
+    uint32_t ofCorner(size_t corner) const { return corners_[corner].pair; }
     // The pair of a vertex that some patch of the surface has as a corner.
     uint32_t pairOf(uint32_t vertex, uint32_t surface) const { return pairs_.at({vertex, surface}); }
 
@@ -32,8 +34,19 @@ public:
     std::vector<glm::vec3> evaluate(std::span<const glm::vec3> patchValues) const;
 
 private:
+    struct Corner {
+        uint32_t pair;
+        float share; // of the corner in the mean that is drawn on its patch
+        float pull;  // of its patch among those that its pair belongs to
+    };
+    void findCorners(const geometry::PatchMesh& mesh, std::vector<std::vector<uint32_t>>& patchesAt,
+                     std::vector<uint32_t>& vertexOf);
+    void weighCorners(const geometry::PatchMesh& mesh);
+    void keepMeans(std::span<const glm::vec3> patchValues, std::vector<glm::vec3>& values) const;
+
     std::map<std::pair<uint32_t, uint32_t>, uint32_t> pairs_;
-    std::vector<uint32_t> pairOfCorner_;
+    std::vector<uint32_t> firstCorner_; // of the mesh
+    std::vector<Corner> corners_;
     std::vector<uint32_t> first_{0}, patch_; // pair i combines patch_[first_[i] .. first_[i + 1])
     std::vector<float> weight_;
 };

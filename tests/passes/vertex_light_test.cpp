@@ -72,6 +72,29 @@ TEST(VertexLight, a_steep_edge_never_gives_negative_light) {
     }
 }
 
+// A lamp near the wall. Fits alone round its light off: they leave 13 % on average and lose 4 % in all.
+TEST(VertexLight, each_patch_is_drawn_with_the_light_that_it_has) {
+    const PatchMesh mesh = unevenWall(8);
+    const glm::dvec3 lamp(0.4, 0.4, 0.05);
+    std::vector<glm::vec3> values;
+    for (size_t p = 0; p < mesh.patchCount(); ++p) {
+        const glm::dvec3 d = geometry::patchCentroid(mesh, p) - lamp;
+        values.emplace_back(static_cast<float>(1 / glm::dot(d, d)));
+    }
+    const VertexLight light(mesh);
+    const auto atVertices = light.evaluate(values);
+    double has = 0, drawn = 0, off = 0, area = 0;
+    for (size_t p = 0; p < mesh.patchCount(); ++p) {
+        double mean = 0;
+        for (uint32_t c = mesh.firstCorner[p]; c < mesh.firstCorner[p + 1]; ++c)
+            mean += double{atVertices[light.ofCorner(c)].x} / 3;
+        const double a = geometry::patchArea(mesh, p), value = double{values[p].x};
+        has += a * value, drawn += a * mean, off += a * (mean - value) * (mean - value), area += a;
+    }
+    EXPECT_NEAR(drawn / has, 1, 5e-3); // the top is not drawn higher than patches and fit say
+    EXPECT_LT(std::sqrt(off / area), 0.04 * has / area);
+}
+
 TEST(VertexLight, lone_patches_and_slivers_keep_their_value) {
     PatchMesh mesh;
     mesh.materials = {{"white", glm::vec3(0.5f)}};
