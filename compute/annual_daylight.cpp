@@ -21,9 +21,10 @@ constexpr std::array<double, 3> kLuminous{0.2126, 0.7152, 0.0722};
 constexpr size_t kColumnsAtOnce = 48;     // right-hand sides that share passes over F
 constexpr size_t kMostHostPatches = 8000; // 256 MB of form factors once more
 constexpr size_t kCheckedSunless = 3, kCheckedSunny = 6;
-// Work of an hour with sun and of a sensor, whose responses are the largest part, for the bar: measured on 78
-// to 400 sensors.
-constexpr double kHourWork = 1.0, kSensorWork = 4.0, kResponseShare = 0.8;
+// Work in about milliseconds, for the bar, measured on 40 to 400 sensors, 600 to 2000 patches, whole and half
+// hours: an hour's sky, its sun; of a sensor what it answers, by patches, and its products, by hours with
+// light.
+constexpr double kSkyWork = 0.5, kSunWork = 0.8, kAnswerWork = 5e-3, kProductWork = 4e-4;
 
 // A sensor's row in one channel, with what tinted panes make of it and what the walls beside it add; `near`
 // is empty without any.
@@ -52,6 +53,9 @@ struct AnnualDaylight::Responses {
     // Rows x sensors, each times its channel's luminous share; one unless tinted
     std::vector<float> sun[3];
     std::vector<float> own; // per sensor, lux
+    // Per channel of the sky, sensors x patches: importance of what falls on patches like the sky, smoothly.
+    // Empty once it is part of `sky` and `sun`.
+    std::vector<float> smooth[3];
 
     // What light on one row gives, added to one value a sensor.
     void add(size_t row, glm::vec3 lux, float* to) const {
@@ -62,52 +66,78 @@ struct AnnualDaylight::Responses {
     }
 };
 
+// What sensors send into the room: a column for each and for each channel.
+struct AnnualDaylight::Importance {
+    size_t first = 0, count = 0;   // sensors
+    std::vector<float> sent, once; // reflected where sensors look, and what of that falls on patches
+    std::vector<float> more, rest; // exitance and gathered light of all that follows
+};
+
 AnnualDaylight::AnnualDaylight(DaylightTransport& transport, std::vector<daylight::Sky> skies,
-                               size_t sensorCount, Tell tell, size_t sunBytes)
-    : transport_(transport), skies_(std::move(skies)), sensorCount_(sensorCount), tell_(std::move(tell)),
+                               size_t sensorCount, Tell told, size_t sunBytes)
+    : transport_(transport), skies_(std::move(skies)), sensorCount_(sensorCount), tell_(std::move(told)),
       tinted_(transport.parts().skyChannels == 3) {
-    report_.hours = skies_.size();
-    makeSkies();
-    makeSuns(sunBytes);
-}
-
-void AnnualDaylight::told(size_t hours, double sensors) const {
-    if (!tell_) return;
-    const auto work = [](size_t h, double s) { return kHourWork * static_cast<double>(h) + kSensorWork * s; };
-    tell_(work(hours, sensors) / work(sunHours_, static_cast<double>(std::max<size_t>(sensorCount_, 1))));
-}
-
-void AnnualDaylight::makeSkies() {
-    const SecondsAdded clock(report_.skySeconds);
     const TransportParts parts = transport_.parts();
+    const geometry::PatchMesh& mesh = transport_.mesh();
+    for (size_t i = 0; i < mesh.patchCount(); ++i) {
+        area_.push_back(static_cast<float>(geometry::patchArea(mesh, i)));
+        clear_.push_back(mesh.twin[i] != geometry::kNoTwin && isClear(mesh.materials[mesh.material[i]]));
+    }
+    suns_.emplace(parts, mesh, skies_, sunBytes, [this](size_t hours) {
+        sunDone_ += kSunWork * static_cast<double>(hours);
+        tell(kSunWork * static_cast<double>(hours));
+    });
+    sunWork_ = kSunWork * static_cast<double>(suns_->sunny());
+    makeSkies(parts);
+    report_.hours = skies_.size();
+    report_.lit = lit_.size();
+    report_.sunless = static_cast<size_t>(
+        std::ranges::count_if(lit_, [&](uint32_t hour) { return !skies_[hour].hasSun(); }));
+}
+
+double AnnualDaylight::answerWork() const {
+    return kAnswerWork * static_cast<double>(area_.size());
+}
+
+// Where the hours' sun is not kept, all but its last block is made again in each call that is still to come,
+// taken to be of as many sensors as the last.
+void AnnualDaylight::foreseeSun(size_t sensors) {
+    const size_t left = sensorCount_ - std::min(sensorsDone_, sensorCount_),
+                 calls = (left + sensors - 1) / sensors;
+    const auto blocks = static_cast<double>(std::max<size_t>(suns_->blocks(), 1));
+    sunWork_ = sunDone_ + static_cast<double>(calls) * (1 - 1 / blocks) * kSunWork *
+                              static_cast<double>(suns_->skies().size());
+}
+
+void AnnualDaylight::tell(double work) {
+    if (!tell_) return;
+    workDone_ += work;
+    const auto lit = static_cast<double>(lit_.size());
+    const double all =
+        kSkyWork * lit + sunWork_ +
+        (answerWork() + kProductWork * lit) * static_cast<double>(std::max<size_t>(sensorCount_, 1));
+    tell_(std::min(1.0, workDone_ / all));
+}
+
+void AnnualDaylight::makeSkies(const TransportParts& parts) {
+    const SecondsAdded clock(report_.skySeconds);
     if (parts.skyElements == 0) return;
     for (size_t h = 0; h < skies_.size(); ++h)
         if (skies_[h].formula.scale > 0 || skies_[h].ground.luminance > 0)
             lit_.push_back(static_cast<uint32_t>(h));
-    report_.lit = lit_.size();
     luminance_ = Panels(parts.skyElements, lit_.size());
-    inParallel(lit_.size(), [&](size_t k) {
-        const std::vector<double> values = parts.sky.luminances(skies_[lit_[k]]);
-        for (size_t e = 0; e < values.size(); ++e)
-            luminance_.at(e, k) = static_cast<float>(std::numbers::pi * values[e]);
-    });
-}
-
-void AnnualDaylight::makeSuns(size_t sunBytes) {
-    const SecondsAdded clock(report_.sunSeconds);
-    const auto sunny = static_cast<size_t>(
-        std::count_if(skies_.begin(), skies_.end(), [](const daylight::Sky& sky) { return sky.hasSun(); }));
-    report_.sunless =
-        lit_.size() - static_cast<size_t>(std::count_if(lit_.begin(), lit_.end(),
-                                                        [&](uint32_t h) { return skies_[h].hasSun(); }));
-    const TransportParts parts = transport_.parts();
-    if (parts.skyElements > 0) sunHours_ = sunny;
-    suns_.emplace(parts, transport_.mesh(), skies_, sunBytes, [&](size_t hours) { told(hours, 0); });
-    report_.sunlitPatches = suns_->litPatches();
-    report_.sunBlocks = suns_->blocks();
-    report_.sunBytes = suns_->mostBytes();
-    report_.withSun = suns_->skies().size();
-    report_.sunOutside = sunHours_ - report_.withSun;
+    size_t told = 0;
+    inParallel(
+        lit_.size(),
+        [&](size_t k) {
+            const std::vector<double> values = parts.sky.luminances(skies_[lit_[k]]);
+            for (size_t e = 0; e < values.size(); ++e)
+                luminance_.at(e, k) = static_cast<float>(std::numbers::pi * values[e]);
+        },
+        [&](size_t hours) {
+            tell(kSkyWork * static_cast<double>(hours - told));
+            told = hours;
+        });
 }
 
 // Where F lies in the host's memory: sensors are many columns.
@@ -122,115 +152,118 @@ void AnnualDaylight::takeFactors(const TransportParts& parts) {
 }
 
 AnnualDaylight::Responses AnnualDaylight::respond(const TransportParts& parts) {
-    const geometry::PatchMesh& mesh = transport_.mesh();
-    const size_t n = mesh.patchCount(), sensors = parts.sensors.size(), channels = parts.channels;
-    const size_t beams = tinted_ ? 3 : 1;
+    const size_t n = transport_.mesh().patchCount(), sensors = parts.sensors.size();
     Responses result;
     result.sensors = sensors;
     result.own.assign(sensors, 0);
-    std::vector<uint32_t> glowing; // patches of blinds, in the order of their groups
-    for (const GlowingBlinds::Group& group : parts.blinds.groups())
-        glowing.insert(glowing.end(), group.patches.begin(), group.patches.end());
-    for (size_t b = 0; b < beams; ++b) result.sun[b].assign(GlowRows(parts, n).all * sensors, 0);
-    const size_t skies = parts.skyChannels;
-    std::vector<float> weights[3]; // sensors x patches: importance of what falls on patches from the sky
-    for (size_t c = 0; c < skies; ++c) weights[c].assign(sensors * n, 0);
+    for (size_t b = 0; b < beams(); ++b) result.sun[b].assign(GlowRows(parts, n).all * sensors, 0);
+    for (size_t c = 0; c < parts.skyChannels; ++c) result.smooth[c].assign(sensors * n, 0);
     takeFactors(parts);
+    const size_t atOnce = std::max<size_t>(1, kColumnsAtOnce / parts.channels);
+    for (size_t first = 0; first < sensors; first += atOnce) {
+        const Importance sent = importanceOf(parts, first, std::min(atOnce, sensors - first));
+        inParallel(sent.count, [&](size_t k) { addAnswers(parts, sent, k, result); });
+        tell(answerWork() * static_cast<double>(sent.count));
+    }
+    addSky(parts, result);
+    addNearSky(parts, result);
+    addLobes(parts, result);
+    addGlow(parts, result);
+    for (std::vector<float>& smooth : result.smooth) smooth = {};
+    return result;
+}
+
+// The first bounce is taken apart: what remains to be solved is smooth, so that the solver's tolerance, a
+// share of the largest value, is small everywhere.
+AnnualDaylight::Importance AnnualDaylight::importanceOf(const TransportParts& parts, size_t first,
+                                                        size_t count) {
+    const size_t n = area_.size(), columns = count * parts.channels;
     FormFactorOperator& gather = gather_ ? *tintedGather_ : parts.gather;
     RadiositySolver& solver = solver_ ? *solver_ : parts.solver;
     const RadiosityMatter& matter = parts.solver.matter();
-    std::vector<float> area(n);
-    std::vector<uint8_t> clear(n);
-    for (size_t i = 0; i < n; ++i) {
-        area[i] = static_cast<float>(geometry::patchArea(mesh, i));
-        clear[i] = mesh.twin[i] != geometry::kNoTwin && isClear(mesh.materials[mesh.material[i]]);
+    Importance result{first, count, std::vector<float>(columns * n), std::vector<float>(columns * n), {}, {}};
+    std::vector<float> twice(columns * n), perArea(n);
+    std::vector<uint32_t> channel;
+    for (size_t k = 0; k < columns; ++k) {
+        const size_t s = first + k / parts.channels;
+        channel.push_back(static_cast<uint32_t>(k % parts.channels));
+        const std::vector<float> seen = rowWith(parts.sensorFactors.subspan(s * n, n), parts.tinted[s],
+                                                channel[k], parts.near[s].smooth[channel[k]]);
+        for (size_t i = 0; i < n; ++i) perArea[i] = seen[i] / area_[i];
+        matter.reflect<float>(channel[k], perArea, {&result.sent[k * n], n});
     }
+    gather.gatherIn(channel, result.sent, result.once);
+    for (size_t k = 0; k < columns; ++k)
+        matter.reflect<float>(channel[k], {&result.once[k * n], n}, {&twice[k * n], n});
+    solver.solve(twice, channel, result.more, result.rest, {});
+    return result;
+}
 
-    const size_t atOnce = std::max<size_t>(1, kColumnsAtOnce / channels);
-    for (size_t first = 0; first < sensors; first += atOnce) {
-        const size_t count = std::min(atOnce, sensors - first), columns = count * channels;
-        std::vector<float> sent(columns * n), once(columns * n), twice(columns * n), perArea(n);
-        std::vector<uint32_t> channel;
-        for (size_t s = 0; s < count; ++s) {
-            for (uint32_t c = 0; c < channels; ++c) {
-                const std::vector<float> seen =
-                    rowWith(parts.sensorFactors.subspan((first + s) * n, n), parts.tinted[first + s], c,
-                            parts.near[first + s].smooth[c]);
-                for (size_t i = 0; i < n; ++i) perArea[i] = seen[i] / area[i];
-                matter.reflect<float>(c, perArea, {&sent[(s * channels + c) * n], n});
-                channel.push_back(c);
+// Of the k-th sensor of `sent`.
+void AnnualDaylight::addAnswers(const TransportParts& parts, const Importance& sent, size_t k,
+                                Responses& result) const {
+    const geometry::PatchMesh& mesh = transport_.mesh();
+    const size_t n = area_.size(), s = sent.first + k;
+    const NearLight& near = parts.near[s];
+    double own = 0;
+    std::vector<float> later(n); // answer to what falls on patches, but for what the sensor sees itself
+    for (size_t c = 0; c < parts.channels; ++c) {
+        const auto seenRow = parts.sensorFactors.subspan(s * n, n),
+                   evenRow = parts.sensorEven.subspan(s * n, n);
+        const std::vector<float> seen = rowWith(seenRow, parts.tinted[s], c, near.smooth[c]),
+                                 even = rowWith(evenRow, parts.tinted[s], c, near.even[c]);
+        const std::vector<float>& rho = parts.solver.matter().reflectance[c];
+        const size_t at = (k * parts.channels + c) * n;
+        for (size_t i = 0; i < n; ++i) later[i] = area_[i] * (sent.once[at + i] + sent.rest[at + i]);
+        // Grey stands for three.
+        for (size_t shown = c; shown < (parts.channels == 1 ? 3 : c + 1); ++shown) {
+            const auto axis = static_cast<int>(shown);
+            const auto share = static_cast<float>(kLuminous[shown]);
+            float* sky = &result.smooth[parts.skyChannels == 1 ? 0 : shown][s * n];
+            float* sun = &result.sun[beams() == 1 ? 0 : shown][s];
+            for (size_t i = 0; i < n; ++i) {
+                const float received = seen[i] + later[i];
+                // What falls on clear interior glass goes straight on and is counted where it lands.
+                sky[i] += share * (clear_[i] ? rho[i] * received
+                                             : area_[i] * (sent.sent[at + i] + sent.more[at + i]));
+                sun[i * result.sensors] += share * rho[i] * (even[i] + later[i]);
+                own +=
+                    static_cast<double>(share * received * mesh.materials[mesh.material[i]].exitance[axis]);
             }
+            own += static_cast<double>(share * near.own[axis]);
+            size_t row = n;
+            for (const GlowingBlinds::Group& group : parts.blinds.groups())
+                for (const uint32_t i : group.patches)
+                    sun[row++ * result.sensors] += share * (seen[i] + later[i]);
         }
-        // The first bounce apart: what remains to be solved is smooth, so that the solver's tolerance, a
-        // share of the largest value, is small everywhere.
-        gather.gatherIn(channel, sent, once);
-        for (size_t k = 0; k < columns; ++k)
-            matter.reflect<float>(channel[k], {&once[k * n], n}, {&twice[k * n], n});
-        std::vector<float> importance, rest;
-        solver.solve(twice, channel, importance, rest, {});
-
-        inParallel(count, [&](size_t s) {
-            double own = 0;
-            for (size_t c = 0; c < channels; ++c) {
-                const NearLight& near = parts.near[first + s];
-                const auto& tinted = parts.tinted[first + s];
-                const std::vector<float> seen = rowWith(parts.sensorFactors.subspan((first + s) * n, n),
-                                                        tinted, c, near.smooth[c]),
-                                         even = rowWith(parts.sensorEven.subspan((first + s) * n, n), tinted,
-                                                        c, near.even[c]);
-                const size_t at = (s * channels + c) * n;
-                for (size_t shown = c; shown < (channels == 1 ? 3 : c + 1); ++shown) {
-                    const auto share = static_cast<float>(kLuminous[shown]);
-                    float* sky = &weights[skies == 1 ? 0 : shown][(first + s) * n];
-                    float* sun = &result.sun[beams == 1 ? 0 : shown][first + s];
-                    for (size_t i = 0; i < n; ++i) {
-                        const float later = area[i] * (once[at + i] + rest[at + i]),
-                                    received = seen[i] + later;
-                        // What falls on clear interior glass goes straight on and is counted where it lands.
-                        sky[i] += share * (clear[i] ? matter.reflectance[c][i] * received
-                                                    : area[i] * (sent[at + i] + importance[at + i]));
-                        sun[i * sensors] += share * matter.reflectance[c][i] * (even[i] + later);
-                        own += static_cast<double>(
-                            share * received *
-                            mesh.materials[mesh.material[i]].exitance[static_cast<int>(shown)]);
-                    }
-                    own += static_cast<double>(share * near.own[static_cast<int>(shown)]);
-                    for (size_t k = 0; k < glowing.size(); ++k) {
-                        const size_t i = glowing[k];
-                        sun[(n + k) * sensors] += share * (seen[i] + area[i] * (once[at + i] + rest[at + i]));
-                    }
-                }
-            }
-            result.own[first + s] = static_cast<float>(own);
-        });
-        told(sunHours_, kResponseShare * static_cast<double>(sensorsDone_ + first + count));
     }
+    result.own[s] = static_cast<float>(own);
+}
 
-    const size_t elements = parts.skyElements;
+// The sky by way of patches, and straight.
+void AnnualDaylight::addSky(const TransportParts& parts, Responses& result) const {
+    const size_t n = area_.size(), sensors = result.sensors, elements = parts.skyElements,
+                 channels = parts.skyChannels;
     result.sky.assign(sensors * elements, 0);
     std::vector<float> reflected(sensors * elements);
-    for (size_t c = 0; c < skies && elements > 0; ++c) {
+    for (size_t c = 0; c < channels && elements > 0; ++c) {
         Panels coefficients(n, elements);
         for (size_t i = 0; i < n; ++i)
             for (size_t e = 0; e < elements; ++e)
-                coefficients.at(i, e) = parts.patchSky[(i * skies + c) * elements + e];
-        multiply(weights[c], sensors, coefficients, reflected);
-        const auto share = static_cast<float>(skies == 1 ? 1.0 : kLuminous[c]);
+                coefficients.at(i, e) = parts.patchSky[(i * channels + c) * elements + e];
+        multiply(result.smooth[c], sensors, coefficients, reflected);
+        const auto share = static_cast<float>(channels == 1 ? 1.0 : kLuminous[c]);
         for (size_t s = 0; s < sensors; ++s)
             for (size_t e = 0; e < elements; ++e)
                 result.sky[s * elements + e] +=
-                    reflected[s * elements + e] + share * parts.sensorSky[(s * skies + c) * elements + e];
+                    reflected[s * elements + e] + share * parts.sensorSky[(s * channels + c) * elements + e];
     }
     const size_t smooth = GlowRows(parts, n).smooth;
-    for (size_t b = 0; b < beams; ++b)
+    for (size_t b = 0; b < beams(); ++b)
         inParallel(n, [&](size_t i) {
             for (size_t s = 0; s < sensors; ++s)
-                result.sun[b][(smooth + i) * sensors + s] = weights[b][s * n + i];
+                result.sun[b][(smooth + i) * sensors + s] = result.smooth[b][s * n + i];
         });
-    addNearSky(parts, result);
-    addLobes(parts, weights, result);
-    addGlow(parts, result);
-    return result;
 }
 
 // The sky by way of walls beside the sensor.
@@ -243,19 +276,17 @@ void AnnualDaylight::addNearSky(const TransportParts& parts, Responses& response
     });
 }
 
-// `weights`: per channel of the sky, sensors x patches: importance of what falls on patches, like the sky,
-// not evenly.
-void AnnualDaylight::addLobes(const TransportParts& parts, std::span<const std::vector<float>> weights,
-                              Responses& responses) const {
+void AnnualDaylight::addLobes(const TransportParts& parts, Responses& responses) const {
     if (parts.slats.empty()) return;
     const size_t n = transport_.mesh().patchCount(), sensors = responses.sensors;
     const GlowRows rows(parts, n);
-    for (size_t b = 0; b < (tinted_ ? 3u : 1u); ++b) {
+    for (size_t b = 0; b < beams(); ++b) {
         std::vector<float>& answers = responses.sun[b];
         inParallel(sensors, [&](size_t s) {
             for (size_t i = 0; i < n; ++i)
                 for (const SlatLobes::Share& share : parts.slats.of(i))
-                    answers[(rows.lobes + share.row) * sensors + s] += weights[b][s * n + i] * share.factor;
+                    answers[(rows.lobes + share.row) * sensors + s] +=
+                        responses.smooth[b][s * n + i] * share.factor;
             for (size_t shown = 0; shown < 3; ++shown) {
                 if (tinted_ && shown != b) continue;
                 const auto& own = parts.sensorSlats[s][tinted_ ? b : 0];
@@ -283,7 +314,7 @@ void AnnualDaylight::addGlow(const TransportParts& parts, Responses& responses) 
     for (size_t g = 0; g < parts.blinds.groups().size() && elements > 0; ++g) {
         const size_t count = parts.blinds.groups()[g].patches.size();
         const std::vector<float> coefficients = parts.blinds.coefficients(g, parts.sky, parts.skyChannels);
-        for (size_t b = 0; b < (tinted_ ? 3u : 1u); ++b)
+        for (size_t b = 0; b < beams(); ++b)
             for (size_t s = 0; s < sensors; ++s) {
                 float answer = 0;
                 for (size_t k = slot; k < slot + count; ++k) answer += responses.sun[b][k * sensors + s];
@@ -294,7 +325,7 @@ void AnnualDaylight::addGlow(const TransportParts& parts, Responses& responses) 
         if (!parts.blinds.groups()[g].window.hasSlats()) continue;
         const std::vector<float> lobes = parts.blinds.lobeCoefficients(g, parts.sky, parts.skyChannels);
         for (size_t node = 0; node < daylight::kSlatNodes; ++node)
-            for (size_t b = 0; b < (tinted_ ? 3u : 1u); ++b)
+            for (size_t b = 0; b < beams(); ++b)
                 inParallel(sensors, [&](size_t s) {
                     const float answer =
                         responses.sun[b][(rows.groupLobes + g * daylight::kSlatNodes + node) * sensors + s];
@@ -390,22 +421,18 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
     const size_t count = sensors.size(), hours = skies_.size();
     if (lux.size() != count * hours || sun.size() != lux.size() || error.size() != lux.size())
         throw std::invalid_argument("AnnualDaylight: arrays are not sensors x hours");
-    Responses responses;
-    std::vector<float> sky(count * lit_.size()), reflected(count * suns_->skies().size());
     if (lux.empty()) return;
+    Responses responses;
     {
         const SecondsAdded clock(report_.sensorSeconds);
         transport_.setSensors({sensors.begin(), sensors.end()});
         responses = respond(transport_.parts());
     }
+    const std::vector<float> reflected = sunOf(responses);
     {
         const SecondsAdded clock(report_.productSeconds);
+        std::vector<float> sky(count * lit_.size());
         multiply(responses.sky, count, luminance_, sky);
-        const TransportParts parts = transport_.parts();
-        suns_->forBlocks([&](const SunHours::Block& block) {
-            addSun(block, parts, responses, reflected);
-            addEdges(block, parts, reflected);
-        });
         std::fill(sun.begin(), sun.end(), 0.0f);
         addBeams(sensors, sun);
         inParallel(count, [&](size_t s) {
@@ -422,16 +449,41 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
             }
         });
     }
-    size_t nearWalls = 0;
-    for (const NearLight& near : transport_.parts().near) nearWalls += near.bytes();
-    size_t floats = sky.size() + reflected.size() + responses.sky.size() + 3 * lux.size();
-    for (const std::vector<float>& rows : responses.sun) // and about as many weights of the sky
-        floats += rows.size() + (rows.empty() ? 0 : count * transport_.mesh().patchCount());
-    report_.bytes = std::max(report_.bytes, luminance_.bytes() + (gather_ ? gather_->bytes() : 0) +
-                                                report_.sunBytes + nearWalls + sizeof(float) * floats);
+    reportOf(responses, lux.size());
     checkAndSetErrors(lux, sun, error);
     sensorsDone_ += count;
-    told(sunHours_, static_cast<double>(sensorsDone_));
+    foreseeSun(count);
+    tell(kProductWork * static_cast<double>(lit_.size() * count));
+}
+
+// The sun by way of patches: hours whose sun enters x sensors.
+std::vector<float> AnnualDaylight::sunOf(const Responses& responses) {
+    const TransportParts parts = transport_.parts();
+    std::vector<float> reflected;
+    suns_->forBlocks([&](const SunHours::Block& block) {
+        const SecondsAdded clock(report_.productSeconds);
+        reflected.resize(std::max(reflected.size(), (block.first + block.hours.size()) * responses.sensors));
+        addSun(block, parts, responses, reflected);
+        addEdges(block, parts, reflected);
+    });
+    return reflected;
+}
+
+void AnnualDaylight::reportOf(const Responses& responses, size_t values) {
+    report_.withSun = suns_->skies().size();
+    report_.sunOutside = suns_->sunny() - report_.withSun;
+    report_.sunlitPatches = suns_->litPatches();
+    report_.sunBlocks = suns_->blocks();
+    report_.sunBytes = suns_->mostBytes();
+    report_.sunSeconds = suns_->seconds();
+    size_t nearWalls = 0;
+    for (const NearLight& near : transport_.parts().near) nearWalls += near.bytes();
+    const size_t count = responses.sensors;
+    size_t floats = count * (lit_.size() + report_.withSun) + responses.sky.size() + 3 * values;
+    for (const std::vector<float>& rows : responses.sun) // and about as many importances of the sky
+        floats += rows.size() + (rows.empty() ? 0 : count * area_.size());
+    report_.bytes = std::max(report_.bytes, luminance_.bytes() + (gather_ ? gather_->bytes() : 0) +
+                                                report_.sunBytes + nearWalls + sizeof(float) * floats);
 }
 
 // Sunless ones first.

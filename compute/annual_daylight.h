@@ -48,17 +48,18 @@ public:
 
     static constexpr size_t kSunBytes = 128 << 20;
 
-    // Luminances and sun of every sky. `transport` must outlive this and keep its materials. About 1 ms an
-    // hour and core. Where the hours' sun takes more than `sunBytes`, as on large meshes with many windows,
-    // it is made anew for each call of sensors(); the results are the same.
+    // Luminances of every sky, about half a millisecond each and core. `transport` must outlive this and keep
+    // its materials.
     AnnualDaylight(DaylightTransport& transport, std::vector<daylight::Sky> skies, size_t sensorCount,
-                   Tell tell = {}, size_t sunBytes = kSunBytes);
+                   Tell told = {}, size_t sunBytes = kSunBytes);
     AnnualDaylight(const AnnualDaylight&) = delete;
     AnnualDaylight& operator=(const AnnualDaylight&) = delete;
 
     // Photometric illuminance of these sensors, which become the transport's: arrays of sensors x hours.
     // `sun` is the direct sun in it, `error` an estimate of the half-width of its interval, made from the
-    // errors that the transport states for some hours. To be called with a few hundred sensors at a time.
+    // errors that the transport states for some hours. To be called with a few hundred sensors at a time: the
+    // first call makes the hours' sun, about 1 ms an hour and core, and where that takes more than
+    // `sunBytes`, as on large meshes with many windows, so does each other one.
     void sensors(std::span<const Sensor> sensors, std::span<float> lux, std::span<float> sun,
                  std::span<float> error);
 
@@ -67,14 +68,18 @@ public:
 
 private:
     struct Responses;
-    void makeSkies();
-    void makeSuns(size_t sunBytes);
+    struct Importance;
+    size_t beams() const { return tinted_ ? 3 : 1; } // that a sensor answers to apart
+    void makeSkies(const TransportParts& parts);
     void takeFactors(const TransportParts& parts);
     Responses respond(const TransportParts& parts);
+    Importance importanceOf(const TransportParts& parts, size_t first, size_t count);
+    void addAnswers(const TransportParts& parts, const Importance& sent, size_t k, Responses& result) const;
+    void addSky(const TransportParts& parts, Responses& result) const;
     void addNearSky(const TransportParts& parts, Responses& responses) const;
     void addGlow(const TransportParts& parts, Responses& responses) const;
-    void addLobes(const TransportParts& parts, std::span<const std::vector<float>> weights,
-                  Responses& responses) const;
+    void addLobes(const TransportParts& parts, Responses& responses) const;
+    std::vector<float> sunOf(const Responses& responses);
     void addSun(const SunHours::Block& block, const TransportParts& parts, const Responses& responses,
                 std::span<float> reflected) const;
     void addBlinds(const SunHours::Hour& hour, const TransportParts& parts, const Responses& responses,
@@ -84,13 +89,19 @@ private:
     void addBeams(std::span<const Sensor> sensors, std::span<float> sun) const;
     void checkAndSetErrors(std::span<const float> lux, std::span<const float> sun, std::span<float> error);
     std::vector<uint32_t> checkedHours(size_t& sunless) const;
-    void told(size_t hours, double sensors) const; // hours with sun and sensors that are done
+    void reportOf(const Responses& responses, size_t values);
+    double answerWork() const; // of a sensor
+    void foreseeSun(size_t sensors);
+    void tell(double work); // that was done
 
     DaylightTransport& transport_;
     std::vector<daylight::Sky> skies_;
-    size_t sensorCount_, sensorsDone_ = 0, sunHours_ = 0;
+    size_t sensorCount_, sensorsDone_ = 0;
     Tell tell_;
+    double workDone_ = 0, sunDone_ = 0, sunWork_ = 0; // sunWork_: done and to come
     bool tinted_ = false;
+    std::vector<float> area_;    // of patches
+    std::vector<uint8_t> clear_; // patches of clear glass between rooms
     std::vector<uint32_t> lit_; // hours with sky or ground
     Panels luminance_;          // elements x lit hours, times pi
     std::optional<SunHours> suns_;

@@ -6,6 +6,7 @@
 
 #include "compute/lighting.h"
 #include "compute/parallel.h"
+#include "compute/stopwatch.h"
 #include "compute/sun_bounce.h"
 
 namespace heliodon::compute {
@@ -24,26 +25,35 @@ size_t bytesOf(const SunHours::Hour& hour) {
 } // namespace
 
 SunHours::SunHours(const TransportParts& parts, const geometry::PatchMesh& mesh,
-                   std::span<const daylight::Sky> skies, size_t mostBytes,
-                   const std::function<void(size_t)>& done)
-    : mesh_(&mesh), scene_(&parts.sun), bounce_(parts.sunBounce), blinds_(&parts.blinds), skies_(skies) {
+                   std::span<const daylight::Sky> skies, size_t mostBytes, std::function<void(size_t)> done)
+    : mesh_(&mesh), scene_(&parts.sun), bounce_(parts.sunBounce), blinds_(&parts.blinds), skies_(skies),
+      wantedBytes_(mostBytes), done_(std::move(done)) {
     for (size_t i = 0; i < mesh.patchCount(); ++i) area_ += geometry::patchArea(mesh, i);
-    std::vector<uint32_t> sunny;
     for (size_t h = 0; h < skies.size() && parts.skyElements > 0; ++h)
-        if (skies[h].hasSun()) sunny.push_back(static_cast<uint32_t>(h));
+        if (skies[h].hasSun()) sunny_.push_back(static_cast<uint32_t>(h));
+}
+
+// Finds out which hours' sun enters and where blocks end.
+void SunHours::makeFirst(const std::function<void(const Block&)>& work) {
+    made_ = true;
     std::vector<Made> block;
     size_t bytes = 0;
-    for (size_t first = 0; first < sunny.size(); first += kAtOnce) {
-        std::vector<Made> made(std::min(kAtOnce, sunny.size() - first));
-        inParallel(made.size(), [&](size_t k) { made[k] = hourOf(sunny[first + k]); });
-        if (done) done(first + made.size());
+    for (size_t first = 0; first < sunny_.size(); first += kAtOnce) {
+        std::vector<Made> made(std::min(kAtOnce, sunny_.size() - first));
+        {
+            const SecondsAdded clock(seconds_);
+            inParallel(made.size(), [&](size_t k) { made[k] = hourOf(sunny_[first + k]); });
+        }
+        if (done_) done_(made.size());
         for (Made& one : made) {
             if (!one.enters) continue;
-            if (firsts_.empty() || bytes >= mostBytes) {
-                firsts_.push_back(entering_.size());
-                block.clear();
+            if (bytes >= wantedBytes_ && !block.empty()) {
+                hold(firsts_.size() - 1, block);
+                work(held());
+                hours_ = {}, edges_ = {};
                 bytes = 0;
             }
+            if (block.empty()) firsts_.push_back(entering_.size());
             entering_.push_back(one.hour.sky);
             litPatches_ += one.hour.patches.size();
             bytes += bytesOf(one.hour) + SunEdges::bytesOf(one.edges);
@@ -51,7 +61,9 @@ SunHours::SunHours(const TransportParts& parts, const geometry::PatchMesh& mesh,
             block.push_back(std::move(one));
         }
     }
-    if (!firsts_.empty()) hold(firsts_.size() - 1, block);
+    if (block.empty()) return;
+    hold(firsts_.size() - 1, block);
+    work(held());
 }
 
 SunHours::Made SunHours::hourOf(uint32_t at) const {
@@ -101,31 +113,39 @@ void SunHours::addBounced(std::span<const Lit> lit, std::span<const SunlitParts>
 }
 
 void SunHours::makeAgain(size_t block) {
-    hours_ = {};
-    edges_ = {};
     const size_t first = firsts_[block],
                  last = block + 1 < firsts_.size() ? firsts_[block + 1] : entering_.size();
+    hours_ = {};
+    edges_ = {};
     std::vector<Made> made(last - first);
-    inParallel(made.size(), [&](size_t k) { made[k] = hourOf(entering_[first + k]); });
+    {
+        const SecondsAdded clock(seconds_);
+        inParallel(made.size(), [&](size_t k) { made[k] = hourOf(entering_[first + k]); });
+    }
+    if (done_) done_(made.size());
     hold(block, made);
 }
 
+// Takes what was made.
 void SunHours::hold(size_t block, std::vector<Made>& made) {
+    hours_.clear();
     std::vector<std::vector<SunEdges::Edge>> edges;
     for (Made& one : made) {
         hours_.push_back(std::move(one.hour));
         edges.push_back(std::move(one.edges));
     }
+    made.clear();
     edges_ = SunEdges(*mesh_, std::move(edges));
     block_ = block;
 }
 
 void SunHours::forBlocks(const std::function<void(const Block&)>& work) {
+    if (!made_) return makeFirst(work);
     const size_t begin = block_;
     for (size_t k = 0; k < firsts_.size(); ++k) {
         const size_t block = (begin + k) % firsts_.size();
         if (block != block_) makeAgain(block);
-        work({firsts_[block], hours_, edges_});
+        work(held());
     }
 }
 

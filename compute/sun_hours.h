@@ -1,7 +1,7 @@
 // The sun of many hours, each clipped exactly by openings and walls: what of it falls on patches and on the
 // outside of windows with blinds, and where it ends within patches. Hours follow one another in blocks of
-// bounded memory: a year that fits into one is kept, else one block is held and the others are made anew
-// whenever they are asked for.
+// bounded memory, made when they are first asked for: a year that fits into one is kept, else the last block
+// is held and the others are made anew when they are asked for again.
 #pragma once
 
 #include <array>
@@ -45,20 +45,22 @@ public:
         const SunEdges& edges; // hours counted from `first`
     };
 
-    // About 1 ms an hour and core. `parts`, but for its sensors, and `skies` outlive this. A block ends with
-    // the hour that fills `mostBytes`; while it is made, 64 hours more are held. `done`: hours so far.
+    // `parts`, but for its sensors, and `skies` outlive this. A block ends with the hour that fills
+    // `mostBytes`; while it is made, 64 hours more are held. `done` is told how many hours more were made.
     SunHours(const TransportParts& parts, const geometry::PatchMesh& mesh,
-             std::span<const daylight::Sky> skies, size_t mostBytes,
-             const std::function<void(size_t)>& done = {});
+             std::span<const daylight::Sky> skies, size_t mostBytes, std::function<void(size_t)> done = {});
 
-    // Those whose sun enters, in their order.
-    std::span<const uint32_t> skies() const { return entering_; }
-    // Every block once, beginning with the one at hand; the same hours in the same blocks each time.
+    // Every block once, beginning with the one at hand; the same hours in the same blocks each time. About
+    // 1 ms an hour and core for those that are made.
     void forBlocks(const std::function<void(const Block&)>& work);
 
+    size_t sunny() const { return sunny_.size(); } // with the sun in the sky
+    // Known after the first forBlocks: those whose sun enters, in their order, ...
+    std::span<const uint32_t> skies() const { return entering_; }
     size_t blocks() const { return firsts_.size(); }
     size_t litPatches() const { return litPatches_; } // over all hours
     size_t mostBytes() const { return held_; }        // of the largest block
+    double seconds() const { return seconds_; }       // taken to make blocks, again and again
 
 private:
     struct Made {
@@ -69,18 +71,25 @@ private:
     Made hourOf(uint32_t sky) const;
     void addBounced(std::span<const Lit> lit, std::span<const SunlitParts> partly, double strength,
                     std::vector<Lit>& bounced) const;
+    void makeFirst(const std::function<void(const Block&)>& work);
     void makeAgain(size_t block);
     void hold(size_t block, std::vector<Made>& made);
+    Block held() const { return {firsts_[block_], hours_, edges_}; }
 
     const geometry::PatchMesh* mesh_;
     const SunScene* scene_;
     const SunBounce* bounce_;
     const GlowingBlinds* blinds_;
     std::span<const daylight::Sky> skies_;
+    size_t wantedBytes_;
+    std::function<void(size_t)> done_;
     double area_ = 0; // of all patches
+    bool made_ = false;
+    std::vector<uint32_t> sunny_;
     std::vector<uint32_t> entering_;
     std::vector<size_t> firsts_; // of blocks, in entering_
     size_t litPatches_ = 0, held_ = 0, block_ = 0;
+    double seconds_ = 0;
     std::vector<Hour> hours_; // of block_
     SunEdges edges_;
 };

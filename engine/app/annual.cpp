@@ -31,7 +31,8 @@ namespace {
 using daylight::Range;
 using nlohmann::json;
 
-constexpr size_t kSensorsAtOnce = 256; // of whose years of lux three arrays are held
+// Of sensors at once five arrays of the year are held: 36 MB each at most.
+constexpr size_t kSensorsAtOnce = 256, kValuesAtOnce = kSensorsAtOnce * 4 * 8760;
 
 struct ClockHours {
     double from = 8, to = 18;
@@ -61,6 +62,29 @@ std::vector<daylight::Sky> skiesOf(const daylight::Weather& weather, const Annua
                         [&](size_t h) { skies[h] = daylight::skyOfHour(weather.hours[h], options); });
     return skies;
 }
+
+// What a year is computed from.
+struct Job {
+    const AnnualArguments& arguments;
+    ClockHours occupied;
+    daylight::Weather weather;
+    Scene scene;
+    SensorTable sensors;
+    std::vector<size_t> mapped; // sensors with a map of their own
+
+    size_t records() const { return weather.hours.size(); }
+    daylight::AnnualOptions options() const {
+        daylight::AnnualOptions options;
+        options.recordHours = weather.recordHours();
+        return options;
+    }
+    std::vector<uint8_t> occupiedRecords() const {
+        std::vector<uint8_t> occupiedRecords;
+        for (const daylight::WeatherHour& hour : weather.hours)
+            occupiedRecords.push_back(daylight::isOccupied(hour, occupied.from, occupied.to));
+        return occupiedRecords;
+    }
+};
 
 // Metrics of all sensors, block by block.
 struct Year {
@@ -133,8 +157,8 @@ std::string temporalName(size_t row) {
     return fmt::format("temporal-{:04}", row);
 }
 
-void drawYear(Run& run, const AnnualArguments& arguments, const Scene& scene,
-              const daylight::Weather& weather, const SensorTable& sensors, const Year& year) {
+void drawYear(Run& run, const Job& job, const Year& year) {
+    const auto& [arguments, occupied, weather, scene, sensors, mapped] = job;
     const StageTimer timer(run, "draw");
     const std::string extension = arguments.svg ? ".svg" : ".png";
     const ValueScale lux = luxScale({year.meanLux.begin(), year.meanLux.end()});
@@ -261,81 +285,99 @@ SensorTable sensorsFor(Run& run, const AnnualArguments& arguments, const Scene& 
     return table;
 }
 
-} // namespace
-
-void execute(Run& run, const AnnualArguments& arguments) {
-    // Small files first: a typing error there should not cost the form factors.
-    const ClockHours occupied = parseOccupied(arguments.occupied);
-    std::optional<SensorTable> given;
-    if (!arguments.sensors.empty()) given = readSensors(arguments.sensors, upAxisOf(arguments.scene));
-    const daylight::Weather weather = [&] {
-        const StageTimer timer(run, "weather");
-        return daylight::readWeather(arguments.weather);
-    }();
+daylight::Weather weatherFor(Run& run, const AnnualArguments& arguments) {
+    const StageTimer timer(run, "weather");
+    daylight::Weather weather = daylight::readWeather(arguments.weather);
     for (const std::string& warning : weather.warnings) run.warn(warning);
-    const OutputFolder folder(arguments.output);
-    const Scene scene = loadScene(run, arguments.scene);
-    const SensorTable sensors = given ? std::move(*given) : sensorsFor(run, arguments, scene);
-    const size_t records = weather.hours.size(), count = sensors.points.size();
-    const std::vector<size_t> mapped = temporalRows(arguments.temporal, count);
-    const auto transport = makeTransport(run, scene.mesh, compute::TransportOptions{.errorByPlace = true});
+    return weather;
+}
 
-    std::vector<uint8_t> occupiedRecords(records);
-    for (size_t h = 0; h < records; ++h)
-        occupiedRecords[h] = daylight::isOccupied(weather.hours[h], occupied.from, occupied.to);
-    daylight::AnnualOptions options;
-    options.recordHours = weather.recordHours();
+// What one block of sensors adds to the year: arrays of sensors x records.
+void addBlock(Year& year, const Job& job, size_t first, std::span<const float> lux) {
+    const size_t records = job.records(), block = lux.size() / records;
+    for (size_t s = 0; s < block; ++s)
+        for (size_t h = 0; h < records; ++h)
+            year.meanLux[h] += lux[s * records + h] / static_cast<float>(job.sensors.points.size());
+    for (const size_t row : job.mapped)
+        if (row >= first && row < first + block) {
+            const auto from = lux.begin() + static_cast<std::ptrdiff_t>((row - first) * records);
+            year.rows[row].assign(from, from + static_cast<std::ptrdiff_t>(records));
+        }
+}
 
+// Computes the year, and writes it hour by hour.
+Year computeYear(Run& run, const Job& job) {
+    const size_t records = job.records(), count = job.sensors.points.size();
+    const std::filesystem::path& output = job.arguments.output;
+    const std::vector<uint8_t> occupied = job.occupiedRecords();
+    const auto transport =
+        makeTransport(run, job.scene.mesh, compute::TransportOptions{.errorByPlace = true});
     Progress progress("year", 1000, run.showsProgress());
     Year year;
     year.meanLux.assign(records, 0);
     std::optional<IllWriter> ill;
-    if (arguments.ill) ill.emplace(weather, count);
+    if (job.arguments.ill) ill.emplace(job.weather, count);
     std::optional<compute::AnnualDaylight> annual;
     {
-        const StageTimer timer(run, "sun");
-        annual.emplace(*transport, skiesOf(weather, arguments, scene.northDeg), count,
+        const StageTimer timer(run, "sky");
+        annual.emplace(*transport, skiesOf(job.weather, job.arguments, job.scene.northDeg), count,
                        [&](double share) { progress.advance(static_cast<size_t>(1000 * share)); });
     }
-    NpyWriter::writeWhole(arguments.output / "illuminance.npy", count, records, [&](NpyWriter& out) {
+    NpyWriter::writeWhole(output / "illuminance.npy", count, records, [&](NpyWriter& out) {
+        const size_t atOnce = std::clamp<size_t>(kValuesAtOnce / records, 1, kSensorsAtOnce);
         std::vector<float> lux, sun, error;
-        for (size_t first = 0; first < count; first += kSensorsAtOnce) {
+        for (size_t first = 0; first < count; first += atOnce) {
             throwIfInterrupted();
-            const size_t block = std::min(kSensorsAtOnce, count - first);
             std::vector<compute::Sensor> points;
-            for (size_t s = first; s < first + block; ++s)
-                points.push_back({sensors.points[s], sensors.normals[s]});
-            for (auto* values : {&lux, &sun, &error}) values->resize(block * records);
+            for (size_t s = first; s < std::min(first + atOnce, count); ++s)
+                points.push_back({job.sensors.points[s], job.sensors.normals[s]});
+            for (auto* values : {&lux, &sun, &error}) values->resize(points.size() * records);
             {
                 const StageTimer timer(run, "solve");
                 annual->sensors(points, lux, sun, error);
             }
             const StageTimer timer(run, "metrics");
-            addMetrics(year, daylight::annualMetrics(lux, sun, occupiedRecords, options, error));
-            for (size_t s = 0; s < block; ++s)
-                for (size_t h = 0; h < records; ++h)
-                    year.meanLux[h] += lux[s * records + h] / static_cast<float>(count);
-            for (size_t row : mapped)
-                if (row >= first && row < first + block)
-                    year.rows[row].assign(&lux[(row - first) * records],
-                                          &lux[(row - first) * records] + records);
+            addMetrics(year, daylight::annualMetrics(lux, sun, occupied, job.options(), error));
+            addBlock(year, job, first, lux);
             out.write(lux);
             if (ill) ill->add(lux);
         }
-        startFiles(arguments.output, "annual", filesOf(arguments, mapped));
+        startFiles(output, "annual", filesOf(job.arguments, job.mapped));
     });
     reportYear(run, annual->report());
+    if (ill) ill->write(output / "illuminance.ill");
+    return year;
+}
 
-    if (ill) ill->write(arguments.output / "illuminance.ill");
-    drawYear(run, arguments, scene, weather, sensors, year);
-    daylight::AnnualMetrics all = daylight::summarized(std::move(year.sensors), occupiedRecords, options);
+void writeMetrics(Run& run, const Job& job, Year&& year) {
+    const std::filesystem::path& output = job.arguments.output;
+    const size_t count = job.sensors.points.size();
+    daylight::AnnualMetrics all =
+        daylight::summarized(std::move(year.sensors), job.occupiedRecords(), job.options());
     all.summary.meanLux = count ? year.occupiedLux / static_cast<double>(count) : 0;
-    geometry::writeWholeText(arguments.output / "metrics.csv", metricsTable(sensors, all.sensors));
-    const json summary = summaryJson(all, weather, occupied);
-    geometry::writeWholeText(arguments.output / "summary.json", geometry::jsonText(summary));
+    geometry::writeWholeText(output / "metrics.csv", metricsTable(job.sensors, all.sensors));
+    const json summary = summaryJson(all, job.weather, job.occupied);
+    geometry::writeWholeText(output / "summary.json", geometry::jsonText(summary));
     run.report()["summary"] = summary;
     run.note(fmt::format("sDA300/50 {:.1f} %, ASE1000,250 {:.1f} %, mean DA {:.1f} %", all.summary.sda.value,
                          all.summary.ase.value, all.summary.meanDa));
+}
+
+} // namespace
+
+void execute(Run& run, const AnnualArguments& arguments) {
+    // Small files first: a typing error there should not cost the form factors.
+    Job job{arguments, parseOccupied(arguments.occupied), {}, {}, {}, {}};
+    std::optional<SensorTable> given;
+    if (!arguments.sensors.empty()) given = readSensors(arguments.sensors, upAxisOf(arguments.scene));
+    job.weather = weatherFor(run, arguments);
+    const OutputFolder folder(arguments.output);
+    job.scene = loadScene(run, arguments.scene);
+    job.sensors = given ? std::move(*given) : sensorsFor(run, arguments, job.scene);
+    job.mapped = temporalRows(arguments.temporal, job.sensors.points.size());
+    Year year = computeYear(run, job);
+    drawYear(run, job, year);
+    writeMetrics(run, job, std::move(year));
 }
 
 } // namespace heliodon::app

@@ -139,6 +139,21 @@ TEST(AnnualDaylight, a_room_without_openings_is_dark_all_year) {
     EXPECT_EQ(year.report.withSun, 0u);
 }
 
+// Sensors one by one, each hour's sun made anew for each.
+TEST(AnnualDaylight, what_is_told_of_its_work_ends_with_all) {
+    DaylightTransport transport(test::device(), windowRoom(glm::vec3(0.6f), glm::vec3(0.8f)));
+    std::vector<double> told;
+    AnnualDaylight annual(
+        transport, kSkies, kSensors.size(), [&](double share) { told.push_back(share); }, 1);
+    std::vector<float> lux(kSkies.size()), sun(lux.size()), error(lux.size());
+    for (const Sensor& sensor : kSensors) {
+        EXPECT_TRUE(told.empty() || told.back() < 0.8);
+        annual.sensors({&sensor, 1}, lux, sun, error);
+    }
+    EXPECT_EQ(annual.report().sunBlocks, 3u);
+    EXPECT_NEAR(told.back(), 1, 1e-9);
+}
+
 TEST(AnnualDaylight, no_hours_and_no_sensors_are_fine) {
     DaylightTransport transport(test::device(), windowRoom(glm::vec3(0.6f), glm::vec3(0.8f)));
     EXPECT_TRUE(yearOf(transport, {}).lux.empty());
