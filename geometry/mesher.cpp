@@ -74,37 +74,32 @@ public:
         }
     }
 
-    // The count is known before only to within what optimisation adds; where triangles are few that matters.
+    // Optimisation adds no more points than the count has room for, so that it is known before.
     PatchMesh mesh() {
-        PatchMesh best;
         const bool sparing =
             sampler_.narrowTriangles(regularEdge(building_, wanted_)) > kManyNarrow * wanted_;
-        double least = std::numeric_limits<double>::infinity();
+        std::optional<Plan> best;
         for (const Grading& grading : kGradings) {
             grading_ = grading;
             grading_.sparing = sparing;
             edge_ = added_ = lastEdge_ = lastCount_ = draftedEdge_ = 0;
             addedKnown_ = false;
             counts_.clear();
-            const bool graded = std::isfinite(grading.growth);
-            const double additions = mostAdditions();
-            double aim = wanted_; // half of them are expected
-            if (sampler_.hasSmallParts(regularEdge(building_, wanted_))) aim -= additions;
+            double aim = wanted_; // half of the additions are expected
+            if (sampler_.hasSmallParts(regularEdge(building_, wanted_))) aim -= mostAdditions(grading);
             for (int attempt = 0; attempt < kAttempts; ++attempt) {
                 // Without grading there is no way but this one.
-                if (!chooseSizes(aim) && graded) break;
-                additions_ = static_cast<size_t>(additions);
-                PatchMesh made = meshOnce();
-                const double count = static_cast<double>(made.patchCount()), off = std::abs(count - wanted_);
-                if (off < least) {
-                    least = off;
-                    best = std::move(made);
-                }
-                if (off <= kCountReached * wanted_) return best;
+                if (!chooseSizes(aim) && std::isfinite(grading.growth)) break;
+                const double count = finishDrafts();
+                const bool reached = off(count) <= kCountReached * wanted_;
+                if (reached || !best || off(count) < off(best->count))
+                    best.emplace(grading, count, std::move(drafts_), sampler_);
+                if (reached) return meshOnce(*best);
+                draftedEdge_ = 0; // drafts may be gone
                 aim *= wanted_ / count;
             }
         }
-        return best;
+        return meshOnce(*best);
     }
 
 private:
@@ -118,6 +113,16 @@ private:
         std::optional<PlanarNet> net;   // of the seeds, where it was asked for already
         double count = 0;               // of triangles, without those that refinement adds
     };
+
+    // All that is left to do is to raise angles.
+    struct Plan {
+        Grading grading;
+        double count; // of triangles
+        std::vector<Draft> drafts;
+        EdgeSampler sampler;
+    };
+
+    double off(double count) const { return std::abs(count - wanted_); }
 
     Draft draftOf(size_t d, double lattice) const {
         Draft draft{sampler_.planar(d), {}, {}, {}};
@@ -158,6 +163,17 @@ private:
             squares += areas_[d] * areas_[d] / own;
         }
         count.unevenness = std::sqrt(std::max(0.0, squares * count.sum / (area * area) - 1));
+        return count;
+    }
+
+    // Triangulates what is left to; returns how many triangles there are.
+    double finishDrafts() {
+        double count = 0;
+        for (Draft& draft : drafts_) {
+            if (!draft.grid && !draft.net) draft.net = draftMesh(draft.plane, draft.seeds);
+            count +=
+                static_cast<double>(draft.grid ? draft.grid->triangles.size() : draft.net->corner.size());
+        }
         return count;
     }
 
@@ -255,11 +271,12 @@ private:
 
     // How far the count may be off before what optimisation adds.
     double slack() const {
-        return std::max(kCountTolerance * wanted_, 0.95 * (kCountReached * wanted_ - mostAdditions()));
+        return std::max(kCountTolerance * wanted_,
+                        0.95 * (kCountReached * wanted_ - mostAdditions(grading_)));
     }
 
-    double mostAdditions() const {
-        return std::isfinite(grading_.growth) ? std::min(kMostAdditions, kAdditionsOfCount * wanted_) : 0;
+    double mostAdditions(const Grading& grading) const {
+        return std::isfinite(grading.growth) ? std::min(kMostAdditions, kAdditionsOfCount * wanted_) : 0;
     }
 
     // Rows and columns come in whole numbers, so that the count jumps; lattices a little finer or coarser
@@ -287,7 +304,7 @@ private:
         if (isNew) {
             const auto [from, to] = place->first;
             const glm::dvec3 p = building_.vertices[from], q = building_.vertices[to];
-            for (const double t : sampler_.divisions(from, to)) {
+            for (const double t : plan_->sampler.divisions(from, to)) {
                 place->second.push_back(static_cast<uint32_t>(mesh_.vertices.size()));
                 mesh_.vertices.push_back(p + t * (q - p));
             }
@@ -322,9 +339,10 @@ private:
         mesh_.addPatch(t, face.material, face.role, face.surface, face.room);
     }
 
-    // Uses the drafts up.
-    PatchMesh meshOnce() {
-        draftedEdge_ = 0;
+    PatchMesh meshOnce(Plan& plan) {
+        plan_ = &plan;
+        const double room = 0.5 * (wanted_ * (1 + kCountReached) - plan.count);
+        additions_ = static_cast<size_t>(std::max(0.0, std::min(mostAdditions(plan.grading), room)));
         mesh_ = {};
         mesh_.materials = building_.materials;
         mesh_.vertices = building_.vertices;
@@ -346,9 +364,8 @@ private:
     }
 
     void meshDomain(size_t d) {
-        Draft& draft = drafts_[d];
+        Draft& draft = plan_->drafts[d];
         std::vector<uint32_t> vertices = boundaryVertices(domains_[d]);
-        if (!draft.grid && !draft.net) draft.net = draftMesh(draft.plane, draft.seeds);
         const PlanarMesh flat = draft.grid ? std::move(*draft.grid)
                                            : improvedMesh(std::move(*draft.net), draft.plane, additions_);
         additions_ -= flat.added;
@@ -440,6 +457,7 @@ private:
     bool addedKnown_ = false; // at this grading
     std::vector<MeshDomain> domains_;
     EdgeSampler sampler_;
+    Plan* plan_ = nullptr; // that is being meshed
     PatchMesh mesh_;
     std::map<std::pair<uint32_t, uint32_t>, std::vector<uint32_t>> edgeVertices_;
     std::vector<std::vector<uint32_t>> trianglesOf_; // per domain
