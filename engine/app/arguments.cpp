@@ -482,7 +482,14 @@ private:
         sub->add_option("--sizes", bench_.sizes, "triangles of the built-in scenes (default 500,2000)")
             ->delimiter(',')
             ->check(within(12, 200000));
-        sub->add_option("--runs", bench_.runs, "counted runs of each setting; the median is kept (default 3)")
+        sub->add_option("--errors", bench_.errors,
+                        "row errors asked of the kernels that refine to one (default 1e-2,1e-3,1e-4)")
+            ->delimiter(',')
+            ->check(within(1e-7, 1.0));
+        sub->add_option(
+               "--runs", bench_.runs,
+               "counted runs of each setting; the median is kept (default 3, and 1 of settings that take "
+               "over 2 s)")
             ->check(within(1, 1000));
         sub->add_option("--reference-rows", bench_.referenceRows,
                         "rows of double precision to compare with (default 12)")

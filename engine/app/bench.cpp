@@ -1,19 +1,16 @@
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <fstream>
 #include <functional>
-#include <thread>
 
 #include <fmt/format.h>
 
 #include "compute/form_factors.h"
 #include "compute/parallel.h"
-#include "compute/radiosity_gather.h"
 #include "compute/reference/form_factor_rows.h"
 #include "compute/roofline.h"
-#include "compute/stopwatch.h"
 #include "engine/app/bench_clock.h"
+#include "engine/app/bench_gather.h"
 #include "engine/app/bench_peers.h"
 #include "engine/app/bench_plot.h"
 #include "engine/app/bench_results.h"
@@ -25,6 +22,7 @@
 #include "geometry/input_error.h"
 #include "geometry/text_file.h"
 #include "geometry/whole_file.h"
+#include "vision/median.h"
 
 namespace heliodon::app {
 
@@ -36,8 +34,8 @@ struct Setting {
     double raysPerPatch = 0;
 };
 
-// What each kernel is asked for. One that is not named here is asked for errors.
-std::vector<Setting> settingsOf(const std::string& kernel) {
+// What each kernel is asked for. One that is not named here is asked for `errors`.
+std::vector<Setting> settingsOf(const std::string& kernel, const std::vector<double>& errors) {
     std::vector<Setting> settings;
     const auto add = [&](const std::string& name, uint32_t resolution, uint32_t points, double maxError,
                          double rays) {
@@ -52,10 +50,9 @@ std::vector<Setting> settingsOf(const std::string& kernel) {
         for (const uint32_t R : {32u, 64u, 128u}) add(fmt::format("{0}x{0}", R), R, 1, 0, 3.0 * R * R);
         add("64x64, 4 points", 64, 4, 0, 4 * 3.0 * 64 * 64);
     } else if (kernel == "montecarlo") {
-        for (const uint32_t R : {16u, 32u, 64u, 128u}) add(std::to_string(R * R), R, 1, 0, R * R);
+        for (const uint32_t R : {32u, 64u, 128u}) add(std::to_string(R * R), R, 1, 0, R * R);
     } else {
-        for (const int decade : {-2, -3, -4, -5})
-            add(fmt::format("1e{}", decade), 64, 1, std::pow(10, decade), 0);
+        for (const double error : errors) add(errorText(error), 64, 1, error, 0);
     }
     return settings;
 }
@@ -66,17 +63,17 @@ struct Reference {
     std::vector<compute::reference::FormFactorRows::Row> values;
 };
 
-Reference referenceOf(Run& run, const BenchScene& scene, size_t count) {
+Reference referenceOf(const geometry::PatchMesh& mesh, size_t count) {
     Reference result;
-    const size_t n = scene.mesh.patchCount();
+    const size_t n = mesh.patchCount();
     for (size_t k = 0; k < std::min(count, n); ++k)
         result.rows.push_back((2 * k + 1) * n / (2 * std::min(count, n)));
     result.values.resize(result.rows.size());
-    const compute::reference::FormFactorRows oracle(scene.mesh);
-    Progress progress("reference of " + scene.name, result.rows.size(), run.showsProgress());
-    compute::inParallel(
-        result.rows.size(), [&](size_t k) { result.values[k] = oracle.row(result.rows[k]); },
-        [&](size_t done) { progress.advance(done); });
+    const compute::reference::FormFactorRows oracle(mesh);
+    compute::inParallel(result.rows.size(), [&](size_t k) {
+        throwIfInterrupted();
+        result.values[k] = oracle.row(result.rows[k]);
+    });
     return result;
 }
 
@@ -109,31 +106,42 @@ double peakMemory() {
     return 0;
 }
 
-double median(std::vector<double> values) {
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
-                     values.end());
-    return values[values.size() / 2];
-}
-
 // Neither method nor device can do with less than writing the matrix once and one product rule of a single
 // point, about 60 operations, for each pair.
 double leastSeconds(const compute::Roofline& roofline, double n) {
     return roofline.seconds(60 * n * n / 2, 4 * n * n);
 }
 
+// How often a setting is run where --runs does not say.
+constexpr int kRuns = 3;
+constexpr double kLongRun = 2; // seconds; noise is small beside such a run, one counts
+
 class Bench {
 public:
-    Bench(Run& run, const BenchArguments& arguments)
-        : run_(run), arguments_(arguments), roofline_(compute::measureRoofline(run.device())) {}
+    Bench(Run& run, const BenchArguments& arguments, const std::vector<BenchScene>& scenes)
+        : run_(run), arguments_(arguments), scenes_(scenes),
+          roofline_(compute::measureRoofline(run.device())) {}
 
-    void scene(const BenchScene& scene) {
-        scene_ = &scene;
-        reference_ = referenceOf(run_, scene, arguments_.referenceRows);
-        for (const std::string& kernel : arguments_.kernels)
-            for (const Setting& setting : settingsOf(kernel))
-                guarded(setting.kernel, setting.name, [&] { ours(setting); });
-        if (arguments_.peers) peers();
-        guarded("gather", "", [&] { gather(); });
+    // All settings on all scenes; `sceneDone` after each. What throws leaves the results so far.
+    void all(const std::function<void()>& sceneDone) {
+        size_t total = 0, done = 0;
+        double work = 0, finished = 0; // a setting's grows about as its patches do
+        for (const BenchScene& scene : scenes_) {
+            scene_ = &scene;
+            total += steps().size();
+            work += static_cast<double>(steps().size() * scene.mesh.patchCount());
+        }
+        Progress progress("bench", total, run_.showsProgress());
+        for (const BenchScene& scene : scenes_) {
+            scene_ = &scene;
+            for (const Step& step : steps()) {
+                const StageTimer timer(run_, "bench");
+                guarded(step);
+                finished += static_cast<double>(scene.mesh.patchCount());
+                progress.advance(++done, finished / work);
+            }
+            sceneDone();
+        }
     }
 
     std::vector<BenchResult> results;
@@ -141,18 +149,37 @@ public:
     const compute::Roofline& roofline() const { return roofline_; }
 
 private:
+    struct Step {
+        std::string kernel, setting;
+        std::function<void()> work;
+    };
+
+    // Of the scene at hand.
+    std::vector<Step> steps() {
+        std::vector<Step> steps;
+        steps.push_back(
+            {"reference", "", [this] { reference_ = referenceOf(scene_->mesh, arguments_.referenceRows); }});
+        for (const std::string& kernel : arguments_.kernels)
+            for (const Setting& setting : settingsOf(kernel, arguments_.errors))
+                steps.push_back({kernel, setting.name, [this, setting] { ours(setting); }});
+        if (arguments_.peers) addPeers(steps);
+        steps.push_back({"gather", "", [this] { gather(); }});
+        return steps;
+    }
+
     // One setting that fails (memory, say) is a row less, not the end.
-    void guarded(const std::string& kernel, const std::string& setting, const std::function<void()>& work) {
+    void guarded(const Step& step) {
         throwIfInterrupted();
         try {
-            work();
+            step.work();
         } catch (const geometry::InputError&) {
             throw;
         } catch (const Interrupted&) {
             throw;
         } catch (const std::exception& error) {
+            throwIfInterrupted(); // a peer's own program had the signal too
             run_.warn(fmt::format("{}, {} patches: {} {}: {}", scene_->name, scene_->mesh.patchCount(),
-                                  kernel, setting, error.what()));
+                                  step.kernel, step.setting, error.what()));
         }
     }
 
@@ -162,8 +189,9 @@ private:
         gpu::Device& device = run_.device();
         std::vector<double> wall, cpu, onDevice;
         compute::FormFactors F;
+        result.runs = arguments_.runs.value_or(kRuns);
         // The first run pays for compilation and is not counted.
-        for (int k = 0; k <= arguments_.runs; ++k) {
+        for (int k = 0; k <= result.runs; ++k) {
             F = {};
             if (k == 1) resetPeakMemory();
             device.startTiming();
@@ -175,15 +203,16 @@ private:
             const BenchClock measuring; // closure and reciprocity are not the kernel's work
             compute::measureFormFactors(scene_->mesh, F.values, F.report);
             measuring.stop(measureWall, measureCpu);
+            if (k == 0 && !arguments_.runs && F.report.seconds > kLongRun) result.runs = 1;
             if (k == 0) continue;
             wall.push_back(F.report.seconds);
             cpu.push_back(std::max(0.0, cpuSeconds - measureCpu));
             onDevice.push_back(onClock);
         }
         result.peakBytes = peakMemory();
-        result.wallSeconds = median(wall);
-        result.cpuSeconds = median(cpu);
-        result.deviceSeconds = median(onDevice);
+        result.wallSeconds = vision::median(wall);
+        result.cpuSeconds = vision::median(cpu);
+        result.deviceSeconds = vision::median(onDevice);
         result.claimedRowError = F.report.claimedRowError;
         result.closureMax = F.report.closureMax;
         result.closureRms = F.report.closureRms;
@@ -194,43 +223,52 @@ private:
                F.values.download<float>(scene_->mesh.patchCount() * scene_->mesh.patchCount()));
     }
 
-    void peers() {
+    void peer(BenchResult result, const std::function<PeerResult()>& work) {
+        PeerResult peer = work();
+        result.peer = true;
+        result.wallSeconds = peer.wallSeconds;
+        result.cpuSeconds = peer.cpuSeconds;
+        result.raysPerSecond = peer.rays / peer.wallSeconds;
+        gpu::Buffer values(run_.device(), peer.factors.size() * sizeof(float), "peer", gpu::Place::host);
+        values.upload(peer.factors);
+        compute::FormFactorReport report;
+        compute::measureFormFactors(scene_->mesh, values, report);
+        result.closureMax = report.closureMax;
+        result.closureRms = report.closureRms;
+        result.reciprocityRms = report.reciprocityRms.value();
+        finish(std::move(result), peer.factors);
+    }
+
+    void addPeers(std::vector<Step>& steps) {
         const auto add = [&](const std::string& kernel, const std::string& setting,
                              const std::function<PeerResult()>& work) {
-            guarded(kernel, setting, [&] {
-                BenchResult result = begin(kernel, setting);
-                result.peer = true;
-                PeerResult peer = work();
-                result.wallSeconds = peer.wallSeconds;
-                result.cpuSeconds = peer.cpuSeconds;
-                result.raysPerSecond = peer.rays / peer.wallSeconds;
-                gpu::Buffer values(run_.device(), peer.factors.size() * sizeof(float), "peer",
-                                   gpu::Place::host);
-                values.upload(peer.factors);
-                compute::FormFactorReport report;
-                compute::measureFormFactors(scene_->mesh, values, report);
-                result.closureMax = report.closureMax;
-                result.closureRms = report.closureRms;
-                result.reciprocityRms = report.reciprocityRms.value();
-                finish(std::move(result), peer.factors);
-            });
+            steps.push_back({kernel, setting, [=, this] { peer(begin(kernel, setting), work); }});
         };
         if (hasEmbree()) {
             for (const uint32_t R : {32u, 64u, 128u})
                 add("embree hemicube", fmt::format("{0}x{0}", R),
-                    [&, R] { return embreeHemicube(scene_->mesh, R); });
+                    [this, R] { return embreeHemicube(scene_->mesh, R); });
             for (const uint32_t rays : {1024u, 4096u, 16384u})
                 add("embree rays", std::to_string(rays),
-                    [&, rays] { return embreeRays(scene_->mesh, rays); });
+                    [this, rays] { return embreeRays(scene_->mesh, rays); });
         }
         if (const std::string program = findView3d();
             !program.empty() && scene_->mesh.patchCount() <= kMostForView3d)
-            for (const int decade : {-3, -4, -6})
-                add("view3d", fmt::format("1e{}", decade),
-                    [&, decade] { return view3d(program, scene_->mesh, std::pow(10, decade)); });
+            for (const double epsilon : {1e-3, 1e-4, 1e-6})
+                add("view3d", errorText(epsilon),
+                    [this, program, epsilon] { return view3d(program, scene_->mesh, epsilon); });
     }
 
-    void gather();
+    void gather() {
+        for (GatherResult& result : benchGather(run_.device(), scene_->mesh, roofline_)) {
+            result.scene = scene_->name;
+            run_.note(fmt::format(
+                "{:<12} {:>6} patches  gather, {} column{}  {:.3f} ms, {:.2f} of native, error {:.1e}",
+                result.scene, result.patches, result.columns, result.columns > 1 ? "s" : " ",
+                1e3 * result.wallSeconds, result.wallSeconds / result.nativeSeconds, result.error));
+            gathers.push_back(std::move(result));
+        }
+    }
 
     BenchResult begin(const std::string& kernel, const std::string& setting) {
         BenchResult result;
@@ -261,108 +299,36 @@ private:
 
     Run& run_;
     const BenchArguments& arguments_;
+    const std::vector<BenchScene>& scenes_;
     compute::Roofline roofline_;
     const BenchScene* scene_ = nullptr;
     Reference reference_;
 };
 
-// F B as the processor itself does it best: eight floats at a time, four sums, rows spread over all cores.
-typedef float Float8 __attribute__((vector_size(32)));
-
-[[gnu::always_inline]] inline void multiplyRows(const float* F, const float* B, float* out, size_t n,
-                                                size_t columns, size_t first, size_t last) {
-    for (size_t i = first; i < last; ++i)
-        for (size_t c = 0; c < columns; ++c) {
-            const float *row = F + i * n, *light = B + c * n;
-            Float8 sums[4]{}, f, b;
-            size_t j = 0;
-            for (; j + 32 <= n; j += 32)
-                for (size_t k = 0; k < 4; ++k) {
-                    std::memcpy(&f, row + j + 8 * k, sizeof f);
-                    std::memcpy(&b, light + j + 8 * k, sizeof b);
-                    sums[k] += f * b;
-                }
-            float sum = 0;
-            for (; j < n; ++j) sum += row[j] * light[j];
-            for (const Float8& part : sums)
-                for (int k = 0; k < 8; ++k) sum += part[k];
-            out[c * n + i] = sum;
-        }
-}
-
-using MultiplyRows = void (*)(const float*, const float*, float*, size_t, size_t, size_t, size_t);
-
-#if defined(__x86_64__)
-[[gnu::target("avx2,fma")]] void multiplyRowsWide(const float* F, const float* B, float* out, size_t n,
-                                                  size_t columns, size_t first, size_t last) {
-    multiplyRows(F, B, out, n, columns, first, last);
-}
-#endif
-
-void multiplyRowsPlain(const float* F, const float* B, float* out, size_t n, size_t columns, size_t first,
-                       size_t last) {
-    multiplyRows(F, B, out, n, columns, first, last);
-}
-
-MultiplyRows bestMultiplyRows() {
-#if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return multiplyRowsWide;
-#endif
-    return multiplyRowsPlain;
-}
-
-double nativeSeconds(const std::vector<float>& F, const std::vector<float>& B, size_t n, size_t columns) {
-    std::vector<float> out(n * columns);
-    const size_t workers = std::max(1u, std::thread::hardware_concurrency());
-    const auto repeats = std::max<size_t>(3, 400'000'000 / (n * n * columns));
-    const MultiplyRows multiply = bestMultiplyRows();
-    const compute::Stopwatch watch;
-    compute::inParallel(workers, [&](size_t w) {
-        for (size_t k = 0; k < repeats; ++k)
-            multiply(F.data(), B.data(), out.data(), n, columns, w * n / workers, (w + 1) * n / workers);
-    });
-    return watch.seconds() / static_cast<double>(repeats);
-}
-
-void Bench::gather() {
-    gpu::Device& device = run_.device();
-    const auto n = static_cast<uint32_t>(scene_->mesh.patchCount());
-    compute::FormFactorOptions options; // any matrix of the scene will do
-    options.kernel = "hemicube";
-    options.resolution = 32;
-    const compute::FormFactors F = compute::computeFormFactors(device, scene_->mesh, options);
-    const std::vector<float> matrix = F.values.download<float>(size_t{n} * n);
-    compute::RadiosityGather gather(device, F.values, n);
-    for (const uint32_t columns : {1u, 3u}) {
-        std::vector<float> B(size_t{n} * columns), out(B.size());
-        for (size_t k = 0; k < B.size(); ++k) B[k] = 1 + static_cast<float>(k % 17) / 16;
-        std::vector<double> seconds;
-        for (int k = 0; k < 22; ++k) {
-            const compute::Stopwatch watch;
-            gather.gather(B, out, columns);
-            if (k > 0) seconds.push_back(watch.seconds());
-        }
-        GatherResult result{scene_->name, n, columns, median(seconds), nativeSeconds(matrix, B, n, columns)};
-        result.bytesPerSecond = 4.0 * n * n / result.wallSeconds;
-        result.rooflineFraction = roofline_.seconds(2.0 * n * n * columns, 4.0 * n * n) / result.wallSeconds;
-        for (size_t i = 0; i < n; ++i)
-            for (uint32_t c = 0; c < columns; ++c) {
-                double sum = 0;
-                for (size_t j = 0; j < n; ++j) sum += double{matrix[i * n + j]} * double{B[c * n + j]};
-                if (sum > 0) result.error = std::max(result.error, std::abs(out[c * n + i] - sum) / sum);
-            }
-        run_.note(fmt::format(
-            "{:<12} {:>6} patches  gather, {} column{}  {:.3f} ms, {:.2f} of native, error {:.1e}",
-            result.scene, n, columns, columns > 1 ? "s" : " ", 1e3 * result.wallSeconds,
-            result.wallSeconds / result.nativeSeconds, result.error));
-        gathers.push_back(result);
-    }
-}
-
 template<class Result> nlohmann::ordered_json listOf(const std::vector<Result>& results) {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const Result& result : results) list.push_back(jsonOf(result));
     return list;
+}
+
+void writeResults(Run& run, const BenchArguments& arguments, Bench& bench, bool complete) {
+    const std::string device = run.device().info().name;
+    markFront(bench.results);
+    geometry::writeWholeText(arguments.output / "bench.csv", csvOf(bench.results));
+    geometry::writeWholeText(arguments.output / "gather.csv", csvOf(bench.gathers));
+    const Chart plot = plotOf(bench.results, device, arguments.clock);
+    plot.write(arguments.output / "bench.svg");
+    plot.write(arguments.output / "bench.png");
+    const nlohmann::ordered_json all{{"version", HELIODON_VERSION},
+                                     {"complete", complete},
+                                     {"device", device},
+                                     {"compared_by", arguments.clock + " time"},
+                                     {"flops_per_second", bench.roofline().flopsPerSecond},
+                                     {"bytes_per_second", bench.roofline().bytesPerSecond},
+                                     {"reference_rows", arguments.referenceRows},
+                                     {"form_factors", listOf(bench.results)},
+                                     {"gather", listOf(bench.gathers)}};
+    geometry::writeWholeText(arguments.output / "bench.json", geometry::jsonText(all));
 }
 
 // Each once; "all" stands for `known`, beside others too.
@@ -406,33 +372,21 @@ void execute(Run& run, const BenchArguments& given) {
         const StageTimer timer(run, "scenes");
         return benchScenes(arguments.scenes, arguments.sizes, arguments.output);
     }();
-    Bench bench(run, arguments);
+    Bench bench(run, arguments, scenes);
     if (arguments.peers && !hasEmbree()) run.skipped("embree: the library was not there when this was built");
     if (arguments.peers && findView3d().empty()) run.skipped("view3d: no such program on the PATH");
-    const std::string device = run.device().info().name;
-    Progress progress("bench", scenes.size(), run.showsProgress());
-    for (size_t k = 0; k < scenes.size(); ++k) {
-        const StageTimer timer(run, "bench");
-        bench.scene(scenes[k]);
-        markFront(bench.results);
-        // After every scene, so that a long bench that is stopped has something to show.
-        geometry::writeWholeText(arguments.output / "bench.csv", csvOf(bench.results));
-        geometry::writeWholeText(arguments.output / "gather.csv", csvOf(bench.gathers));
-        const Chart plot = plotOf(bench.results, device, arguments.clock);
-        plot.write(arguments.output / "bench.svg");
-        plot.write(arguments.output / "bench.png");
-        const nlohmann::ordered_json all{{"version", HELIODON_VERSION},
-                                         {"device", device},
-                                         {"compared_by", arguments.clock + " time"},
-                                         {"flops_per_second", bench.roofline().flopsPerSecond},
-                                         {"bytes_per_second", bench.roofline().bytesPerSecond},
-                                         {"reference_rows", arguments.referenceRows},
-                                         {"runs", arguments.runs},
-                                         {"form_factors", listOf(bench.results)},
-                                         {"gather", listOf(bench.gathers)}};
-        geometry::writeWholeText(arguments.output / "bench.json", geometry::jsonText(all));
-        progress.advance(k + 1);
+    try {
+        // After every scene: a system that runs out of memory asks nobody.
+        bench.all([&] { writeResults(run, arguments, bench, false); });
+    } catch (...) {
+        if (!bench.results.empty()) {
+            writeResults(run, arguments, bench, false);
+            run.note(fmt::format("{} finished settings are in {}", bench.results.size(),
+                                 arguments.output.string()));
+        }
+        throw;
     }
+    writeResults(run, arguments, bench, true);
     run.report()["results"] = (arguments.output / "bench.json").string();
 }
 

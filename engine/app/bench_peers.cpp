@@ -17,6 +17,7 @@
 
 #include "compute/parallel.h"
 #include "engine/app/bench_clock.h"
+#include "engine/app/interrupt.h"
 #include "geometry/bounds.h"
 #include "geometry/perpendicular.h"
 #ifdef HELIODON_WITH_EMBREE
@@ -213,6 +214,7 @@ PeerResult embreeHemicube(const geometry::PatchMesh& mesh, uint32_t resolution) 
     result.rays = static_cast<double>(n) * static_cast<double>(bundle.rays);
     const compute::PatchViewpoints views = compute::patchViewpoints(mesh, 1);
     compute::inParallel(n, [&](size_t i) {
+        throwIfInterrupted();
         const compute::Viewpoint& view = views.viewpoints[i];
         const Frame frame = frameOf(view.normal, view.turn);
         const Lanes x = everywhere(view.position.x), y = everywhere(view.position.y),
@@ -279,6 +281,7 @@ PeerResult embreeRays(const geometry::PatchMesh& mesh, uint32_t raysPerPatch) {
                    1.0 / raysPerPatch);
     }
     compute::inParallel(n, [&](size_t i) {
+        throwIfInterrupted();
         const double shift = std::fmod(0.6180339887498949 * static_cast<double>(i), 1.0);
         const Starts places(mesh, i, shift);
         const Frame frame = frameOf(geometry::patchNormal(mesh, i), 2 * std::numbers::pi * shift);

@@ -49,11 +49,6 @@ std::string secondsText(double seconds) {
     return seconds >= 0.999 ? fmt::format("{:g} s", seconds) : fmt::format("{:g} ms", 1000 * seconds);
 }
 
-std::string errorText(double error) {
-    const int decade = static_cast<int>(std::floor(std::log10(error) + 1e-6));
-    return fmt::format("{:.0f}e{}", error / std::pow(10, decade), decade);
-}
-
 // A logarithmic axis with some air about its values, at least a decade.
 class Axis {
 public:

@@ -1,6 +1,7 @@
 #include "engine/app/bench_results.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -13,12 +14,11 @@ namespace {
 // Values as the CSV has them, from the JSON: one list of columns for both.
 template<class Result> std::string csv(const std::vector<Result>& results) {
     std::string text;
+    const nlohmann::ordered_json columns = jsonOf(Result{});
+    for (const auto& [key, value] : columns.items()) text += (text.empty() ? "" : ",") + key;
+    text += "\n";
     for (const Result& result : results) {
         const nlohmann::ordered_json row = jsonOf(result);
-        if (text.empty()) {
-            for (const auto& [key, value] : row.items()) text += (text.empty() ? "" : ",") + key;
-            text += "\n";
-        }
         std::string line;
         for (const auto& [key, value] : row.items()) {
             if (!line.empty()) line += ",";
@@ -32,6 +32,11 @@ template<class Result> std::string csv(const std::vector<Result>& results) {
 }
 
 } // namespace
+
+std::string errorText(double error) {
+    const int decade = static_cast<int>(std::floor(std::log10(error) + 1e-6));
+    return fmt::format("{:.3g}e{}", error / std::pow(10, decade), decade);
+}
 
 void markFront(std::vector<BenchResult>& results) {
     for (BenchResult& r : results)
@@ -47,6 +52,7 @@ nlohmann::ordered_json jsonOf(const BenchResult& r) {
             {"kernel", r.kernel},
             {"setting", r.setting},
             {"peer", r.peer},
+            {"runs", r.runs},
             {"seconds", r.wallSeconds},
             {"cpu_seconds", r.cpuSeconds},
             {"device_seconds", r.deviceSeconds},

@@ -13,6 +13,7 @@ struct BenchResult {
     size_t patches = 0;
     std::string kernel, setting;
     bool peer = false;          // another program
+    int runs = 1;               // counted
     double wallSeconds = 0;     // submit to wait, median of the runs
     double cpuSeconds = 0;      // all threads
     double comparedSeconds = 0; // either of them: by which plot and front go
@@ -37,6 +38,9 @@ struct GatherResult {
     double bytesPerSecond = 0, rooflineFraction = 0;
     double error = 0; // worst relative deviation from sums in double precision
 };
+
+// 3e-4, as settings and axes have it.
+std::string errorText(double error);
 
 // Marks, scene by scene, what is on the Pareto front of error against time.
 void markFront(std::vector<BenchResult>& results);

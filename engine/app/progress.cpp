@@ -21,6 +21,11 @@ std::string clockText(double seconds) {
                      : fmt::format("{}:{:02}", s / 60, s % 60);
 }
 
+void eraseLine() {
+    fmt::print(stderr, "\r\x1b[K");
+    std::fflush(stderr);
+}
+
 } // namespace
 
 Progress::Progress(std::string what, size_t total, bool shown)
@@ -32,7 +37,7 @@ Progress::~Progress() {
     if (drawn_) --barsDrawn;
 }
 
-void Progress::advance(size_t done) {
+void Progress::advance(size_t done, double share) {
     throwIfInterrupted();
     if (!shown_ || total_ == 0) return;
     const Clock::time_point now = Clock::now();
@@ -44,11 +49,10 @@ void Progress::advance(size_t done) {
     last_ = now;
     if (!drawn_) ++barsDrawn;
     drawn_ = true;
-    const double fraction = static_cast<double>(done) / static_cast<double>(total_);
-    const std::string left = done > 0 ? clockText(elapsed / fraction - elapsed) : "?";
+    const std::string left = share > 0 ? clockText(elapsed / share - elapsed) : "?";
     if (terminal_) {
         constexpr int kWidth = 30;
-        const int filled = std::clamp(static_cast<int>(fraction * kWidth), 0, kWidth);
+        const int filled = std::clamp(static_cast<int>(share * kWidth), 0, kWidth);
         fmt::print(stderr, "\r{} [{}{}] {}/{}, {} left \x1b[K", what_,
                    std::string(static_cast<size_t>(filled), '#'),
                    std::string(static_cast<size_t>(kWidth - filled), '.'), done, total_, left);
@@ -88,14 +92,12 @@ void Heartbeat::end(const std::string& stage) {
 void Heartbeat::wipe() {
     if (!shown_) return;
     const std::lock_guard lock(mutex_);
+    if (barsDrawn > 0) eraseLine(); // the bar comes back with its next step
     wipeLocked();
 }
 
 void Heartbeat::wipeLocked() {
-    if (drawn_ && barsDrawn == 0) {
-        fmt::print(stderr, "\r\x1b[K");
-        std::fflush(stderr);
-    }
+    if (drawn_ && barsDrawn == 0) eraseLine();
     drawn_ = false;
 }
 

@@ -20,8 +20,9 @@ public:
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
 
-    // Throws Interrupted after Ctrl-C.
-    void advance(size_t done);
+    // Throws Interrupted after Ctrl-C. `share`: of all the work, where steps differ.
+    void advance(size_t done) { advance(done, static_cast<double>(done) / static_cast<double>(total_)); }
+    void advance(size_t done, double share);
 
 private:
     using Clock = std::chrono::steady_clock;
@@ -43,7 +44,7 @@ public:
 
     void begin(const std::string& stage); // within the one begun before
     void end(const std::string& stage);
-    void wipe(); // its line, before another is written
+    void wipe(); // its line, or a bar's, before another is written
 
 private:
     using Clock = std::chrono::steady_clock;

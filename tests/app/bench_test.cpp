@@ -1,6 +1,9 @@
 // The bench as a user runs it: a table whose errors are those that the methods have.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <csignal>
+#include <cstring>
 #include <map>
 #include <random>
 #include <regex>
@@ -74,6 +77,7 @@ TEST_F(Bench, a_convex_room_by_two_kernels) {
         in("out"));
     ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
     const auto json = nlohmann::json::parse(readText(in("out/bench.json")));
+    EXPECT_TRUE(json["complete"].get<bool>());
     EXPECT_GT(json["flops_per_second"].get<double>(), 0);
     std::map<std::string, double> rowError;
     for (const auto& row : json["form_factors"]) {
@@ -99,6 +103,33 @@ TEST_F(Bench, a_convex_room_by_two_kernels) {
     EXPECT_EQ(marks, json["form_factors"].size());
     EXPECT_TRUE(std::filesystem::exists(in("out/bench.png")));
     EXPECT_TRUE(std::filesystem::exists(in("out/scenes/box-60.obj")));
+}
+
+// Ctrl-C after the first row: what was finished is there, whole, and says that there was more.
+TEST_F(Bench, an_interrupted_run_keeps_what_it_finished) {
+    FILE* pipe = popen(("echo $$; ASAN_OPTIONS=detect_leaks=0:detect_odr_violation=0 exec " HELIODON_PROGRAM
+                        " bench --kernels exact --scenes box --sizes 60 --runs 20 --reference-rows 4 -o " +
+                        in("out") + " 2>&1")
+                           .c_str(),
+                       "r");
+    std::array<char, 4096> line{};
+    ASSERT_TRUE(fgets(line.data(), line.size(), pipe));
+    const auto program = static_cast<pid_t>(std::stoi(line.data()));
+    std::string said;
+    while (fgets(line.data(), line.size(), pipe)) {
+        if (said.find("row error") == std::string::npos && std::strstr(line.data(), "row error"))
+            kill(program, SIGINT);
+        said += line.data();
+    }
+    EXPECT_EQ(WEXITSTATUS(pclose(pipe)), 1);
+    EXPECT_NE(said.find("heliodon: interrupted\n"), std::string::npos) << said;
+    const auto json = nlohmann::json::parse(readText(in("out/bench.json")));
+    EXPECT_FALSE(json["complete"].get<bool>());
+    ASSERT_FALSE(json["form_factors"].empty());
+    EXPECT_EQ(json["form_factors"][0]["setting"], "1e-2");
+    const std::string csv = readText(in("out/bench.csv"));
+    EXPECT_EQ(static_cast<size_t>(std::count(csv.begin(), csv.end(), '\n')), json["form_factors"].size() + 1);
+    EXPECT_TRUE(readText(in("out/bench.svg")).ends_with("</svg>\n"));
 }
 
 // Partitions' edges are where light is lost: closure of every row, and rows spread over the patches against
