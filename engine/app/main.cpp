@@ -1,3 +1,4 @@
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -76,6 +77,8 @@ void refuseUnknownDevice(const std::string& select) {
 } // namespace
 
 int main(int argc, char** argv) {
+    // A file that outgrows the limit on its size (ulimit -f) is an error of writing, as on a full disk.
+    std::signal(SIGXFSZ, SIG_IGN);
     int code = 0;
     std::string unreported;
     const int outside = guarded(unreported, [&] {

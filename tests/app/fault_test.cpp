@@ -66,7 +66,7 @@ protected:
     }
     // Writing fails beyond so many blocks of 512 bytes, as on a full disk.
     Outcome onFullDisk(int blocks, const std::string& arguments) const {
-        const std::string program = "sh -c \"trap '' XFSZ; ulimit -f " + std::to_string(blocks) +
+        const std::string program = "sh -c \"ulimit -f " + std::to_string(blocks) +
                                     "; exec " HELIODON_PROGRAM " " + arguments + "\" 2>&1";
         FILE* pipe = popen(("ASAN_OPTIONS=detect_leaks=0:detect_odr_violation=0 " + program).c_str(), "r");
         Outcome outcome;
