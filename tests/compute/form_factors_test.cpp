@@ -262,6 +262,11 @@ TEST(FormFactors, light_lost_in_closed_rooms_is_warned_of) {
     ASSERT_EQ(coarse.warnings.size(), 1u);
     EXPECT_NE(coarse.warnings[0].find("closed"), std::string::npos);
     EXPECT_TRUE(computeFormFactors(test::device(), room, asking("exact", 1e-3)).report.warnings.empty());
+    geometry::PatchMesh insideOut = geometry::readPatches(kData + "cube_quads_1x1.obj");
+    std::reverse(insideOut.corners.begin(), insideOut.corners.end()); // squares, alike in all else
+    const FormFactorReport dark = computeFormFactors(test::device(), insideOut, asking("exact", 1e-3)).report;
+    ASSERT_EQ(dark.warnings.size(), 1u);
+    EXPECT_NE(dark.warnings[0].find("look out"), std::string::npos) << dark.warnings[0];
     // Two squares in the open: most light goes elsewhere, and should.
     const geometry::PatchMesh open = test::polygons(
         {{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}, {{0, 1, 0}, {1, 1, 0}, {1, 1, 1}, {0, 1, 1}}});
