@@ -122,6 +122,8 @@ SensorTable readSensors(const std::filesystem::path& file, geometry::UpAxis up) 
         if (found == header.end())
             throw InputError(file.string(), "1",
                              fmt::format("the header has no column {}, expected x,y,z,nx,ny,nz", kNames[k]));
+        if (std::find(found + 1, header.end(), kNames[k]) != header.end())
+            throw InputError(file.string(), "1", fmt::format("the header has column {} twice", kNames[k]));
         column[k] = static_cast<size_t>(found - header.begin());
     }
     if (std::find(header.begin(), header.end(), "lux") != header.end())

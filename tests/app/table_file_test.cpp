@@ -24,6 +24,16 @@ TEST_F(TableFile, sensors_keep_other_columns_and_turn_with_the_up_axis) {
     EXPECT_EQ(table.normals[0], glm::dvec3(0, 1, 0));
 }
 
+TEST_F(TableFile, a_column_of_the_place_stands_once_in_a_header) {
+    test::writeText(in("s.csv"), "x,y,z,nx,ny,nz,x\n1,2,3,0,0,1,4\n");
+    try {
+        readSensors(in("s.csv"), geometry::UpAxis::y);
+        ADD_FAILURE() << "was accepted";
+    } catch (const InputError& error) {
+        EXPECT_TRUE(std::string(error.what()).ends_with("s.csv:1: the header has column x twice")) << error.what();
+    }
+}
+
 TEST_F(TableFile, sensors_may_be_quoted) {
     const std::string row = "\"desk, \"\"north\"\" side\",\"1.5\", \"2\" ,\" 3\",0,\"0\",\"-1e0\",";
     test::writeText(in("s.csv"), "\"place\",\"x\",\"y\",z,nx,ny,nz,\"a, b\"\n" + row + "\n");
