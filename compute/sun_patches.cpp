@@ -79,11 +79,11 @@ SunScene::SunScene(const geometry::PatchMesh& mesh) : mesh_(&mesh) {
     scale_ = geometry::boundsOf(mesh.vertices).diagonal();
 }
 
-// A patch that faces the sun.
+// A flat polygon that faces the sun.
 struct SunPatches::Receiver {
-    uint32_t patch;
-    glm::dvec3 point, normal;
-    Polygon outline;
+    std::vector<glm::dvec3> corners; // convex
+    glm::dvec3 normal;
+    Polygon outline; // as the sun sees it
 };
 
 // Whether the patch lies in the face's plane: its own wall, or the other side of that, which rounding may
@@ -91,8 +91,8 @@ struct SunPatches::Receiver {
 bool SunPatches::isPartOf(const Face& face, const Receiver& receiver) const {
     if (std::abs(glm::dot(face.normal, receiver.normal)) < 0.999) return false;
     const glm::dvec3 origin = face.region->corners[0];
-    return std::ranges::all_of(mesh_->patch(receiver.patch), [&](uint32_t corner) {
-        return std::abs(glm::dot(mesh_->vertices[corner] - origin, face.normal)) <= kSamePlane * scale_;
+    return std::ranges::all_of(receiver.corners, [&](const glm::dvec3& corner) {
+        return std::abs(glm::dot(corner - origin, face.normal)) <= kSamePlane * scale_;
     });
 }
 
@@ -144,7 +144,7 @@ void SunPatches::project(const SunScene& scene, bool clipAnyway) {
 }
 
 Polygon SunPatches::inFrontOf(const Face& face, const Receiver& receiver) const {
-    const auto height = [&](const glm::dvec3& p) { return glm::dot(p - receiver.point, receiver.normal); };
+    const auto height = [&](const glm::dvec3& p) { return glm::dot(p - receiver.corners[0], receiver.normal); };
     std::vector<glm::dvec3> above;
     geometry::clip<glm::dvec3>(face.region->corners, height, above);
     if (std::ranges::none_of(above, [&](const glm::dvec3& p) { return height(p) > 1e-9 * scale_; }))
@@ -252,14 +252,44 @@ void SunPatches::dimByPanes(const Receiver& receiver, const std::vector<Face>& p
     }
 }
 
-glm::vec3 SunPatches::onPatch(const Receiver& receiver, SunlitParts* partly) const {
-    const double whole = area(receiver.outline);
-    if (!(whole > 0)) return glm::vec3(0);
+// All but the normal, which those who are out of the way need not know.
+void SunPatches::see(size_t patch, Receiver& receiver) const {
+    receiver.corners.clear(), receiver.outline.clear();
+    for (uint32_t corner : mesh_->patch(patch)) {
+        receiver.corners.push_back(mesh_->vertices[corner]);
+        receiver.outline.push_back(project(mesh_->vertices[corner]));
+    }
+}
+
+std::vector<SunPatches::Piece> SunPatches::litPieces(const Receiver& receiver) const {
     std::vector<Piece> pieces = throughPanes(receiver);
     std::erase_if(pieces, [](const Piece& piece) { return piece.transmittance == glm::dvec3(0); });
     keepVisible(receiver, pieces);
-    if (pieces.empty()) return glm::vec3(0);
+    return pieces;
+}
+
+// Back along the sun on to the receiver's plane.
+std::vector<SunlitParts::Part> SunPatches::partsOf(const std::vector<Piece>& pieces,
+                                                   const Receiver& receiver) const {
     const double facing = glm::dot(receiver.normal, sun_);
+    std::vector<SunlitParts::Part> parts;
+    for (const Piece& piece : pieces) {
+        SunlitParts::Part part{{}, glm::vec3(piece.transmittance * facing)};
+        for (const glm::dvec2& q : piece.outline) {
+            const glm::dvec3 flat = q.x * across_ + q.y * up_;
+            part.polygon.push_back(
+                flat + sun_ * (glm::dot(receiver.corners[0] - flat, receiver.normal) / facing));
+        }
+        parts.push_back(std::move(part));
+    }
+    return parts;
+}
+
+glm::vec3 SunPatches::onPatch(const Receiver& receiver, SunlitParts* partly) const {
+    const double whole = area(receiver.outline);
+    if (!(whole > 0)) return glm::vec3(0);
+    const std::vector<Piece> pieces = litPieces(receiver);
+    if (pieces.empty()) return glm::vec3(0);
     glm::dvec3 lit(0);
     double covered = 0;
     bool even = true;
@@ -269,19 +299,8 @@ glm::vec3 SunPatches::onPatch(const Receiver& receiver, SunlitParts* partly) con
         lit += share * piece.transmittance;
         even &= piece.transmittance == pieces[0].transmittance;
     }
-    if (partly && !(even && covered > 1 - 1e-6)) {
-        partly->patch = receiver.patch;
-        for (const Piece& piece : pieces) {
-            SunlitParts::Part part{{}, glm::vec3(piece.transmittance * facing)};
-            for (const glm::dvec2& q : piece.outline) { // back along the sun on to the receiver's plane
-                const glm::dvec3 flat = q.x * across_ + q.y * up_;
-                part.polygon.push_back(flat +
-                                       sun_ * (glm::dot(receiver.point - flat, receiver.normal) / facing));
-            }
-            partly->parts.push_back(std::move(part));
-        }
-    }
-    return glm::vec3(lit * facing);
+    if (partly && !(even && covered > 1 - 1e-6)) partly->parts = partsOf(pieces, receiver);
+    return glm::vec3(lit * glm::dot(receiver.normal, sun_));
 }
 
 std::vector<glm::vec3> SunPatches::onPatches(std::vector<SunlitParts>* partly) const {
@@ -292,31 +311,31 @@ std::vector<glm::vec3> SunPatches::onPatches(std::vector<SunlitParts>* partly) c
     for (const Face& pane : panes_) low = glm::min(low, pane.low), high = glm::max(high, pane.high);
     Receiver receiver;
     for (size_t i = 0; i < mesh_->patchCount(); ++i) {
-        const auto corners = mesh_->patch(i);
-        receiver.outline.clear();
-        for (uint32_t corner : corners) receiver.outline.push_back(project(mesh_->vertices[corner]));
+        see(i, receiver);
         const Box box(receiver.outline);
         if (apart(box.low, box.high, low, high)) continue;
-        receiver.patch = static_cast<uint32_t>(i);
-        receiver.point = mesh_->vertices[corners[0]];
         receiver.normal = geometry::patchNormal(*mesh_, i);
         if (!(glm::dot(receiver.normal, sun_) > 1e-9)) continue;
-        SunlitParts parts;
+        SunlitParts parts{static_cast<uint32_t>(i), {}};
         result[i] = onPatch(receiver, partly ? &parts : nullptr);
         if (!parts.parts.empty()) partly->push_back(std::move(parts));
     }
     return result;
 }
 
+std::vector<SunlitParts::Part> SunPatches::onPolygon(std::span<const glm::dvec3> corners) const {
+    Receiver receiver{{corners.begin(), corners.end()}, glm::normalize(geometry::areaVector(corners)), {}};
+    for (const glm::dvec3& corner : corners) receiver.outline.push_back(project(corner));
+    if (panes_.empty() || !(glm::dot(receiver.normal, sun_) > 1e-9)) return {};
+    return partsOf(litPieces(receiver), receiver);
+}
+
 glm::dvec3 SunPatches::onOutside(size_t patch) const {
     Receiver receiver;
-    receiver.patch = static_cast<uint32_t>(patch);
+    see(patch, receiver);
     receiver.normal = -geometry::patchNormal(*mesh_, patch);
     const double facing = glm::dot(receiver.normal, sun_);
     if (!(facing > 1e-9)) return glm::dvec3(0);
-    const auto corners = mesh_->patch(patch);
-    receiver.point = mesh_->vertices[corners[0]];
-    for (uint32_t corner : corners) receiver.outline.push_back(project(mesh_->vertices[corner]));
     std::reverse(receiver.outline.begin(), receiver.outline.end()); // seen from outside
     const double whole = area(receiver.outline);
     if (!(whole > 0)) return glm::dvec3(0);

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include <glm/vec2.hpp>
@@ -60,7 +61,11 @@ public:
     // building shade it, its other windows dim what comes through them.
     glm::dvec3 onOutside(size_t patch) const;
 
-    // The same at a point of the air of a room with unit normal.
+    // The lit parts, disjoint, of any flat convex polygon in the air, counter-clockwise seen from the side that it
+    // faces: all of it takes part, whichever rooms it reaches through.
+    std::vector<SunlitParts::Part> onPolygon(std::span<const glm::dvec3> corners) const;
+
+    // onPatches' value at a point of the air of a room with unit normal.
     glm::vec3 atPoint(glm::dvec3 position, glm::dvec3 normal) const;
 
 private:
@@ -90,6 +95,9 @@ private:
     void dimByPanes(const Receiver& receiver, const std::vector<Face>& panes,
                     std::vector<Piece>& pieces) const;
     void keepVisible(const Receiver& receiver, std::vector<Piece>& pieces) const;
+    void see(size_t patch, Receiver& receiver) const;
+    std::vector<Piece> litPieces(const Receiver& receiver) const;
+    std::vector<SunlitParts::Part> partsOf(const std::vector<Piece>& pieces, const Receiver& receiver) const;
     glm::vec3 onPatch(const Receiver& receiver, SunlitParts* partly) const;
 
     const geometry::PatchMesh* mesh_;

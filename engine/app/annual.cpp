@@ -174,7 +174,7 @@ void drawYear(Run& run, const Job& job, const Year& year) {
         std::vector<double> values;
         for (const daylight::SensorMetrics& m : year.sensors) values.push_back((m.*metric).value);
         const Plan drawn =
-            planChart(scene, sensors.points, sensors.normals, values, percentScale(), title, when);
+            planChart(scene, {sensors.points, sensors.normals, values}, percentScale(), title, when);
         drawn.chart.write(arguments.output / (name + extension));
         return drawn.shown;
     };

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <glm/geometric.hpp>
 
 #include "engine/app/commands.h"
 #include "engine/app/first_few.h"
@@ -204,6 +205,23 @@ Solution solveToError(Run& run, const IlluminanceArguments& arguments, const Inp
     }
 }
 
+Plan planOf(const Solution& solution) {
+    const compute::Lighting& light = solution.moment.lighting;
+    std::vector<double> lux, direct;
+    for (const compute::LightParts& p : solution.moment.sensors) {
+        lux.push_back(compute::photometric(p.total()));
+        direct.push_back(compute::photometric(p.sun));
+    }
+    PlanValues values{solution.sensors->points, solution.sensors->normals, lux};
+    std::optional<compute::SunPatches> sun;
+    if (glm::length(light.sunDirection) > 0) {
+        values.sun = direct;
+        values.sunPatches = &sun.emplace(solution.scene.mesh, light.sunDirection);
+        values.sunLux = compute::photometric(light.sunNormalIlluminance);
+    }
+    return planChart(solution.scene, values, std::nullopt, "Illuminance", solution.title);
+}
+
 } // namespace
 
 void execute(Run& run, const IlluminanceArguments& arguments) {
@@ -225,10 +243,7 @@ void execute(Run& run, const IlluminanceArguments& arguments) {
     geometry::writeWholeText(arguments.output,
                              perPatch ? patchTable(scene, parts) : sensorTable(*sensors, parts));
     if (!arguments.plan.empty()) {
-        std::vector<double> lux;
-        for (const compute::LightParts& p : moment.sensors) lux.push_back(compute::photometric(p.total()));
-        const Plan plan = planChart(scene, sensors->points, sensors->normals, lux, luxScale(lux),
-                                    "Illuminance", solution.title);
+        const Plan plan = planOf(solution);
         plan.chart.write(arguments.plan);
         if (plan.shown == 0) run.warn(kEmptyPlan);
     }

@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
+#include <optional>
 #include <set>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
+#include "compute/lighting.h"
 #include "engine/app/plan_field.h"
 #include "engine/passes/false_colour.h"
 #include "geometry/clip_polygon.h"
@@ -21,7 +24,7 @@ using Points = std::vector<glm::dvec2>;
 
 constexpr double kPlan = 720, kNarrowest = 420, kMargin = 40, kLegend = 90, kHead = 62, kFoot = 40; // pixels
 constexpr double kOutline = 0.01; // pixels to which areas of one colour are joined
-constexpr Ink kOpening{60, 150, 255};
+constexpr Ink kOpening{60, 150, 255}, kSunEdge{225, 85, 0};
 constexpr size_t kBands = 40; // of colour between the ends of the scale
 constexpr size_t kFew = 12;   // sensors whose numbers are written beside them
 // Building metres around the sensors that are coloured at least: a grid of sensors leaves out a border of
@@ -53,9 +56,23 @@ std::vector<std::array<glm::dvec3, 2>> borders(const geometry::PatchMesh& mesh,
     return result;
 }
 
+// Where the sun falls on the planes of a floor's sensors.
+struct Sunlight {
+    std::vector<double> heights; // of the planes
+    struct Part {
+        size_t plane;
+        Points polygon; // convex
+        double lux;
+    };
+    std::vector<Part> parts;
+};
+
 struct Floor {
     std::vector<size_t> patches;
     std::vector<std::array<glm::dvec3, 2>> outline;
+    std::vector<Sample> samples; // all that is shown
+    std::optional<Sunlight> sun; // of all samples, which have their values without it in `shaded`
+    std::vector<Sample> shaded;
 };
 
 // Tops of walls that no sensor stands above, `top` being the highest, are no floor.
@@ -109,7 +126,8 @@ public:
     glm::dvec2 size() const { return size_; }
 
     // Few sensors that do not cover the floor tell nothing about what they do not surround, and no lines.
-    void colours(Chart& chart, const Floor& floor, std::vector<Sample> samples, bool few) {
+    void colours(Chart& chart, const Floor& floor, bool few) {
+        std::vector<Sample> samples = floor.sun ? floor.shaded : floor.samples;
         const double spacing = std::max(spacingOf(samples), border_);
         const Points reach = reachOf(samples, spacing * (1 + 1e-6));
         const bool alone =
@@ -122,6 +140,16 @@ public:
             return !isOverFloor(floor, (t[0].at + t[1].at + t[2].at) / 3.0);
         });
         triangles = within(triangles, reach);
+        if (floor.sun) triangles = sunlit(std::move(triangles), *floor.sun);
+        fillBands(chart, triangles);
+        if (alone) return;
+        isoLux(chart, triangles);
+        if (floor.sun) sunEdges(chart, floor, reach);
+    }
+
+    bool hasSunEdges() const { return hasSunEdges_; }
+
+    void fillBands(Chart& chart, const std::vector<SampleTriangle>& triangles) const {
         std::vector<std::vector<Points>> bands(kBands);
         for (const SampleTriangle& triangle : triangles) {
             std::vector<Sample> polygon(triangle.begin(), triangle.end());
@@ -143,13 +171,43 @@ public:
         for (size_t band = 0; band < kBands; ++band)
             if (auto outlines = unitedOutlines(std::move(bands[band]), kOutline); !outlines.empty())
                 chart.fill(std::move(outlines), inkAt(0.5 * (bandEnd(band) + bandEnd(band + 1))));
-        if (alone) return;
+    }
+
+    void isoLux(Chart& chart, const std::vector<SampleTriangle>& triangles) {
         for (double level : scale_.ticks) {
             if (level <= scale_.low || level >= scale_.high) continue;
             for (Points& line : isoLines(triangles, level)) {
                 for (glm::dvec2& p : line) p = pixel(p);
                 chart.line(line, scale_.share(level) > 0.6 ? Ink{40, 40, 40} : Ink{245, 245, 245}, 1.2);
                 lines_.push_back({level, std::move(line)});
+            }
+        }
+    }
+
+    // Only over the floor and where there are colours: in bits of a few pixels.
+    void sunEdges(Chart& chart, const Floor& floor, const Points& reach) {
+        for (size_t plane = 0; plane < floor.sun->heights.size(); ++plane) {
+            std::vector<Points> polygons;
+            std::vector<double> lux;
+            for (const Sunlight::Part& part : floor.sun->parts)
+                if (part.plane == plane) polygons.push_back(part.polygon), lux.push_back(part.lux);
+            for (const auto& [a, b] : stepsBetween(polygons, lux, 1e-6 * (size_.x + size_.y) / pixels_)) {
+                const double bits = std::ceil(pixels_ * glm::distance(a, b) / 3);
+                Points line;
+                const auto draw = [&] {
+                    if (line.size() > 1) chart.line(std::move(line), kSunEdge, 1.2), hasSunEdges_ = true;
+                    line.clear();
+                };
+                for (double k = 0; k < bits; ++k) {
+                    const glm::dvec2 middle = glm::mix(a, b, (k + 0.5) / bits);
+                    if (!isWithin(reach, middle) || !isOverFloor(floor, middle)) {
+                        draw();
+                        continue;
+                    }
+                    if (line.empty()) line.push_back(pixel(glm::mix(a, b, k / bits)));
+                    line.push_back(pixel(glm::mix(a, b, (k + 1) / bits)));
+                }
+                draw();
             }
         }
     }
@@ -229,6 +287,21 @@ private:
         double level;
         Points points; // pixels
     };
+    // The sun's part added to triangles, each on the plane that is nearest to it.
+    static std::vector<SampleTriangle> sunlit(std::vector<SampleTriangle> triangles, const Sunlight& sun) {
+        std::vector<std::vector<SampleTriangle>> on(sun.heights.size());
+        for (const SampleTriangle& t : triangles) {
+            const double height = (t[0].height + t[1].height + t[2].height) / 3;
+            const auto off = [&](double plane) { return std::abs(plane - height); };
+            on[static_cast<size_t>(std::ranges::min_element(sun.heights, {}, off) - sun.heights.begin())]
+                .push_back(t);
+        }
+        for (const Sunlight::Part& part : sun.parts)
+            on[part.plane] = raisedWithin(on[part.plane], part.polygon, part.lux);
+        triangles.clear();
+        for (const auto& some : on) triangles.insert(triangles.end(), some.begin(), some.end());
+        return triangles;
+    }
     static double bandEnd(size_t band) { return static_cast<double>(band) / kBands; }
     // Parts of about ten pixels for the edges of triangles.
     size_t partsFor(double spacing) const {
@@ -257,7 +330,7 @@ private:
             for (double k = 0; k < steps; ++k) {
                 const glm::dvec2 p = flat(a + k / steps * (b - a));
                 struct {
-                    double distance = 1e300, along = 0, value = 0;
+                    double distance = 1e300, along = 0, value = 0, height = 0;
                 } side[2];
                 for (size_t s = 0; s < sensors; ++s) {
                     const double along = glm::dot(samples[s].at - p, wall),
@@ -267,7 +340,8 @@ private:
                     const glm::dvec2 away = samples[s].at - p;
                     if (wall.y * away.x - wall.x * away.y < 0) continue;
                     auto& nearest = side[along > 0];
-                    if (distance < nearest.distance) nearest = {distance, std::abs(along), samples[s].value};
+                    if (distance < nearest.distance)
+                        nearest = {distance, std::abs(along), samples[s].value, samples[s].height};
                 }
                 const auto &near = side[side[1].distance < side[0].distance],
                            &far = side[!(side[1].distance < side[0].distance)];
@@ -275,7 +349,7 @@ private:
                 const double span = near.along + far.along;
                 const bool both = far.distance < 3 * near.distance && span > 0;
                 samples.push_back(
-                    {p, both ? (far.along * near.value + near.along * far.value) / span : near.value});
+                    {p, both ? (far.along * near.value + near.along * far.value) / span : near.value, near.height});
             }
         }
     }
@@ -288,6 +362,7 @@ private:
     double border_; // world metres
     std::vector<IsoLine> lines_;
     Points numbers_; // pixels, where the sensors' stand
+    bool hasSunEdges_ = false;
     glm::dvec2 low_{1e300}, high_{-1e300}, size_{0};
     double pixels_ = 1;
 };
@@ -295,16 +370,20 @@ private:
 void drawNorthAndScale(Chart& chart, const Scene& scene, const PlanDrawing& plan) {
     const double metre = plan.pixelsPerWorld() * scene.worldPerBuilding;
     double length = 1; // building metres, about a fifth of the plan
-    while (length * metre > 220) length /= 2;
+    while (length * metre > 150) length /= 2;
     while (length * metre < 70) length *= 2;
     const glm::dvec2 at(kMargin, chart.height() - kFoot + 8);
     chart.line({at, at + glm::dvec2(length * metre, 0)}, kBlack, 2);
     for (double end : {0.0, length * metre})
         chart.line({at + glm::dvec2(end, -4), at + glm::dvec2(end, 4)}, kBlack, 1.2);
     chart.text(at + glm::dvec2(length * metre + 8, 4), fmt::format("{:g} m", length), 11);
-    const glm::dvec2 key(at.x + 305, at.y);
-    chart.line({key, key + glm::dvec2(20, 0)}, kOpening, 3);
-    chart.text(key + glm::dvec2(28, 4), "opening", 11);
+    const auto key = [&](double down, Ink ink, double thickness, const char* words) {
+        const glm::dvec2 p(at.x + 215, at.y + down);
+        chart.line({p, p + glm::dvec2(20, 0)}, ink, thickness);
+        chart.text(p + glm::dvec2(28, 4), words, 11);
+    };
+    key(plan.hasSunEdges() ? -9 : 0, kOpening, 3, "opening");
+    if (plan.hasSunEdges()) key(9, kSunEdge, 1.2, "edge of direct sun");
     const double angle = glm::radians(scene.northDeg);
     const glm::dvec2 north(std::cos(angle), -std::sin(angle)), side(-north.y, north.x);
     const glm::dvec2 foot = glm::dvec2(chart.width() - kLegend - kMargin - 20, at.y) - 12.0 * north;
@@ -314,40 +393,90 @@ void drawNorthAndScale(Chart& chart, const Scene& scene, const PlanDrawing& plan
     chart.text(foot + 24.0 * north + 14.0 * side + glm::dvec2(0, 4), "N", 12, Anchor::middle);
 }
 
+// Sensors by the floor that they stand over.
+void sortIn(const Scene& scene, const PlanValues& given, std::vector<Floor>& floors) {
+    std::set<std::pair<int64_t, int64_t>> taken;
+    for (size_t s = 0; s < given.points.size(); ++s) {
+        const glm::dvec2 p = flat(given.points[s]);
+        if (given.normals[s].y < 0.5 ||
+            !taken.insert({std::llround(p.x * 1e5), std::llround(p.y * 1e5)}).second)
+            continue;
+        const auto floor = std::ranges::find_if(floors, [&](const Floor& f) {
+            return std::ranges::any_of(f.patches, [&](size_t i) { return covers(scene.mesh, i, p); });
+        });
+        if (floor == floors.end()) continue;
+        floor->samples.push_back({p, given.values[s], given.points[s].y});
+        if (!given.sunPatches) continue;
+        floor->shaded.push_back({p, given.values[s] - given.sun[s], given.points[s].y});
+        if (floor->samples.size() == 1) floor->sun.emplace();
+        if (given.normals[s].y < 1 - 1e-6) floor->sun.reset();
+    }
+}
+
+void findSunlight(const Scene& scene, const PlanValues& given, Floor& floor) {
+    constexpr size_t kMostPlanes = 8;
+    const double same = 1e-3 * scene.worldPerBuilding;
+    glm::dvec2 low(1e300), high(-1e300);
+    for (const auto& [a, b] : floor.outline) low = glm::min(low, flat(a)), high = glm::max(high, flat(a));
+    Sunlight& sun = *floor.sun;
+    for (const Sample& s : floor.samples)
+        if (std::ranges::none_of(sun.heights, [&](double h) { return std::abs(h - s.height) < same; }))
+            sun.heights.push_back(s.height);
+    if (sun.heights.size() > kMostPlanes) return floor.sun.reset();
+    for (size_t plane = 0; plane < sun.heights.size(); ++plane) {
+        const double y = sun.heights[plane];
+        const std::array corners{glm::dvec3(low.x, y, low.y), glm::dvec3(low.x, y, high.y),
+                                 glm::dvec3(high.x, y, high.y), glm::dvec3(high.x, y, low.y)};
+        for (const compute::SunlitParts::Part& part : given.sunPatches->onPolygon(corners)) {
+            Points polygon;
+            std::ranges::transform(part.polygon, std::back_inserter(polygon), flat);
+            std::ranges::reverse(polygon); // as isWithin() has it: seen from above z runs down
+            sun.parts.push_back({plane, std::move(polygon), given.sunLux * compute::photometric(part.light)});
+        }
+    }
+}
+
+// Of the sensors, and of sun that falls between them as though it had as many.
+ValueScale scaleOf(const PlanValues& given, const std::vector<Floor>& floors) {
+    std::vector<double> lux(given.values.begin(), given.values.end());
+    for (const Floor& floor : floors) {
+        if (!floor.sun) continue;
+        const double spacing = std::max(spacingOf(floor.samples), 1e-9);
+        for (const Sunlight::Part& part : floor.sun->parts) {
+            const bool seen = std::ranges::any_of(
+                floor.samples, [&](const Sample& s) { return isWithin(part.polygon, s.at); });
+            const double share = std::round(areaOf(part.polygon) / (spacing * spacing));
+            if (!seen) lux.insert(lux.end(), static_cast<size_t>(std::min(share, 1e3)), part.lux);
+        }
+    }
+    return luxScale(std::move(lux));
+}
+
 } // namespace
 
-Plan planChart(const Scene& scene, std::span<const glm::dvec3> points, std::span<const glm::dvec3> normals,
-               std::span<const double> values, const ValueScale& scale, const std::string& title,
-               const std::string& subtitle) {
+Plan planChart(const Scene& scene, const PlanValues& given, std::optional<ValueScale> scale,
+               const std::string& title, const std::string& subtitle) {
     double top = -1e300;
-    for (size_t s = 0; s < points.size(); ++s)
-        if (normals[s].y >= 0.5) top = std::max(top, points[s].y);
-    const std::vector<Floor> floors = floorsOf(scene.mesh, top);
-    std::vector<std::vector<Sample>> samples(floors.size());
-    std::set<std::pair<int64_t, int64_t>> taken;
-    for (size_t s = 0; s < points.size(); ++s) {
-        const glm::dvec2 p = flat(points[s]);
-        if (normals[s].y < 0.5 || !taken.insert({std::llround(p.x * 1e5), std::llround(p.y * 1e5)}).second)
-            continue;
-        for (size_t f = 0; f < floors.size(); ++f)
-            if (std::any_of(floors[f].patches.begin(), floors[f].patches.end(),
-                            [&](size_t i) { return covers(scene.mesh, i, p); })) {
-                samples[f].push_back({p, values[s]});
-                break;
-            }
-    }
+    for (size_t s = 0; s < given.points.size(); ++s)
+        if (given.normals[s].y >= 0.5) top = std::max(top, given.points[s].y);
+    std::vector<Floor> floors = floorsOf(scene.mesh, top);
+    sortIn(scene, given, floors);
     size_t shown = 0;
-    for (const auto& room : samples) shown += room.size();
-    PlanDrawing plan(scene, scale);
+    for (Floor& floor : floors) {
+        if (floor.sun) findSunlight(scene, given, floor);
+        shown += floor.samples.size();
+    }
+    if (!scale) scale = scaleOf(given, floors);
+    PlanDrawing plan(scene, *scale);
     Chart chart = plan.chart();
-    for (size_t f = 0; f < floors.size(); ++f)
-        if (!samples[f].empty()) plan.colours(chart, floors[f], samples[f], shown <= kFew);
+    for (const Floor& floor : floors)
+        if (!floor.samples.empty()) plan.colours(chart, floor, shown <= kFew);
     plan.walls(chart, floors);
-    for (const auto& room : samples) plan.sensors(chart, room, shown <= kFew);
+    for (const Floor& floor : floors) plan.sensors(chart, floor.samples, shown <= kFew);
     plan.labels(chart, floors);
     chart.text({kMargin, 22}, title, 15);
     chart.text({kMargin, 40}, subtitle, 11);
-    drawScale(chart, scale, {chart.width() - kLegend, kHead + 10}, std::max(plan.size().y, 260.0) - 20);
+    drawScale(chart, *scale, {chart.width() - kLegend, kHead + 10}, std::max(plan.size().y, 260.0) - 20);
     drawNorthAndScale(chart, scene, plan);
     return {std::move(chart), shown};
 }

@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 #include <set>
+#include <span>
 
 #include <glm/geometric.hpp>
 #include <opencv2/imgproc.hpp>
@@ -82,6 +83,26 @@ std::vector<glm::dvec2> slopes(const std::vector<Sample>& samples, const std::ve
     return slope;
 }
 
+double twiceArea(const std::vector<glm::dvec2>& polygon) {
+    double twice = 0;
+    for (size_t k = 0; k < polygon.size(); ++k)
+        twice += geometry::cross(polygon[k], polygon[(k + 1) % polygon.size()]);
+    return twice;
+}
+
+double twiceArea(const std::vector<Sample>& polygon) {
+    double twice = 0;
+    for (size_t k = 2; k < polygon.size(); ++k)
+        twice += geometry::cross(polygon[k - 1].at - polygon[0].at, polygon[k].at - polygon[0].at);
+    return std::abs(twice);
+}
+
+void addFan(std::span<const Sample> polygon, double more, std::vector<SampleTriangle>& triangles) {
+    const auto raised = [&](Sample s) { return Sample{s.at, s.value + more, s.height}; };
+    for (size_t i = 2; i < polygon.size(); ++i)
+        triangles.push_back({raised(polygon[0]), raised(polygon[i - 1]), raised(polygon[i])});
+}
+
 // Corners of the convex hull, counterclockwise where y is up.
 std::vector<glm::dvec2> convexHull(const std::vector<Sample>& samples) {
     std::vector<cv::Point2f> points;
@@ -107,7 +128,8 @@ std::vector<SampleTriangle> smoothTriangles(const std::vector<Sample>& samples, 
                          v = static_cast<double>(j) / n;
             const double share[]{static_cast<double>(parts - i - j) / n, u, v};
             Sample s{{0, 0}, 0};
-            for (size_t k = 0; k < 3; ++k) s.at += share[k] * samples[t[k]].at;
+            for (size_t k = 0; k < 3; ++k)
+                s.at += share[k] * samples[t[k]].at, s.height += share[k] * samples[t[k]].height;
             double weights = 0;
             for (size_t k = 0; k < 3; ++k) {
                 const Sample& corner = samples[t[k]];
@@ -176,6 +198,10 @@ std::vector<glm::dvec2> reachOf(const std::vector<Sample>& samples, double reach
     return result;
 }
 
+double areaOf(const std::vector<glm::dvec2>& polygon) {
+    return 0.5 * std::abs(twiceArea(polygon));
+}
+
 bool isWithin(const std::vector<glm::dvec2>& convex, glm::dvec2 p) {
     for (size_t k = 0; k < convex.size(); ++k)
         if (geometry::cross(convex[(k + 1) % convex.size()] - convex[k], p - convex[k]) < 0) return false;
@@ -193,9 +219,73 @@ std::vector<SampleTriangle> within(const std::vector<SampleTriangle>& triangles,
                 part, [&](const Sample& p) { return geometry::cross(side, p.at - a); }, next);
             part.swap(next);
         }
-        for (size_t i = 2; i < part.size(); ++i) result.push_back({part[0], part[i - 1], part[i]});
+        addFan(part, 0, result);
     }
     return result;
+}
+
+std::vector<SampleTriangle> raisedWithin(const std::vector<SampleTriangle>& triangles,
+                                         std::vector<glm::dvec2> convex, double more) {
+    if (twiceArea(convex) < 0) std::reverse(convex.begin(), convex.end());
+    glm::dvec2 low(1e300), high(-1e300);
+    for (glm::dvec2 p : convex) low = glm::min(low, p), high = glm::max(high, p);
+    std::vector<SampleTriangle> result, cut;
+    std::vector<Sample> inside, outside, next;
+    for (const SampleTriangle& t : triangles) {
+        const glm::dvec2 least = glm::min(t[0].at, glm::min(t[1].at, t[2].at)),
+                         most = glm::max(t[0].at, glm::max(t[1].at, t[2].at));
+        cut.clear();
+        inside.assign(t.begin(), t.end());
+        const double sliver = 1e-6 * twiceArea(inside);
+        if (least.x > high.x || least.y > high.y || most.x < low.x || most.y < low.y) inside.clear();
+        for (size_t k = 0; k < convex.size() && !inside.empty(); ++k) {
+            const glm::dvec2 a = convex[k], side = convex[(k + 1) % convex.size()] - a;
+            const auto left = [&](const Sample& p) { return geometry::cross(side, p.at - a); };
+            geometry::clip(inside, [&](const Sample& p) { return -left(p); }, outside);
+            if (twiceArea(outside) > sliver) addFan(outside, 0, cut);
+            geometry::clip(inside, left, next);
+            inside.swap(next);
+        }
+        if (twiceArea(inside) > sliver) {
+            addFan(inside, more, result);
+            result.insert(result.end(), cut.begin(), cut.end());
+        } else {
+            result.push_back(t);
+        }
+    }
+    return result;
+}
+
+std::vector<std::array<glm::dvec2, 2>> stepsBetween(const std::vector<std::vector<glm::dvec2>>& polygons,
+                                                    const std::vector<double>& values, double eps) {
+    std::vector<std::vector<glm::dvec2>> turned = polygons;
+    for (auto& polygon : turned)
+        if (twiceArea(polygon) < 0) std::reverse(polygon.begin(), polygon.end());
+    std::vector<std::array<glm::dvec2, 2>> steps;
+    for (size_t i = 0; i < turned.size(); ++i)
+        for (size_t k = 0; k < turned[i].size(); ++k) {
+            const glm::dvec2 a = turned[i][k], b = turned[i][(k + 1) % turned[i].size()];
+            const double length = glm::distance(a, b);
+            if (length <= eps) continue;
+            const glm::dvec2 along = (b - a) / length, outwards(along.y, -along.x);
+            std::vector<double> ends{0, length}; // and where others' corners touch the side
+            for (const auto& other : turned)
+                for (glm::dvec2 p : other)
+                    if (const double x = glm::dot(p - a, along);
+                        x > eps && x < length - eps && std::abs(glm::dot(p - a, outwards)) < eps)
+                        ends.push_back(x);
+            std::sort(ends.begin(), ends.end());
+            for (size_t e = 1; e < ends.size(); ++e) {
+                if (ends[e] - ends[e - 1] <= eps) continue;
+                const glm::dvec2 beyond = a + 0.5 * (ends[e - 1] + ends[e]) * along + 2 * eps * outwards;
+                bool same = false;
+                for (size_t j = 0; j < turned.size() && !same; ++j)
+                    same = j != i && isWithin(turned[j], beyond) &&
+                           std::abs(values[j] - values[i]) <= 1e-6 * std::abs(values[i]);
+                if (!same) steps.push_back({a + ends[e - 1] * along, a + ends[e] * along});
+            }
+        }
+    return steps;
 }
 
 std::vector<std::vector<glm::dvec2>> unitedOutlines(std::vector<std::vector<glm::dvec2>> polygons,
@@ -203,10 +293,7 @@ std::vector<std::vector<glm::dvec2>> unitedOutlines(std::vector<std::vector<glm:
     const auto key = [&](glm::dvec2 p) { return Key{std::llround(p.x / step), std::llround(p.y / step)}; };
     std::multiset<std::pair<Key, Key>> sides; // in order of where they start
     for (std::vector<glm::dvec2>& polygon : polygons) {
-        double twice = 0;
-        for (size_t k = 0; k < polygon.size(); ++k)
-            twice += geometry::cross(polygon[k], polygon[(k + 1) % polygon.size()]);
-        if (twice < 0) std::reverse(polygon.begin(), polygon.end());
+        if (twiceArea(polygon) < 0) std::reverse(polygon.begin(), polygon.end());
         for (size_t k = 0; k < polygon.size(); ++k) {
             const Key a = key(polygon[k]), b = key(polygon[(k + 1) % polygon.size()]);
             if (a == b) continue;

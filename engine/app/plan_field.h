@@ -11,16 +11,17 @@ namespace heliodon::app {
 struct Sample {
     glm::dvec2 at;
     double value;
+    double height = 0; // in a room; linear between samples
 };
 // Places and values alike, as geometry::clip wants them.
 inline Sample operator+(const Sample& a, const Sample& b) {
-    return {a.at + b.at, a.value + b.value};
+    return {a.at + b.at, a.value + b.value, a.height + b.height};
 }
 inline Sample operator-(const Sample& a, const Sample& b) {
-    return {a.at - b.at, a.value - b.value};
+    return {a.at - b.at, a.value - b.value, a.height - b.height};
 }
 inline Sample operator*(const Sample& a, double times) {
-    return {a.at * times, a.value * times};
+    return {a.at * times, a.value * times, a.height * times};
 }
 using SampleTriangle = std::array<Sample, 3>;
 
@@ -38,11 +39,24 @@ double spacingOf(const std::vector<Sample>& samples);
 // more stay corners, sharper ones are cut at `reach`. One sample has a round one.
 std::vector<glm::dvec2> reachOf(const std::vector<Sample>& samples, double reach);
 
+// Of a polygon, any way round.
+double areaOf(const std::vector<glm::dvec2>& polygon);
+
 bool isWithin(const std::vector<glm::dvec2>& convex, glm::dvec2 p);
 
 // The part of the triangles within a convex polygon as reachOf() returns it.
 std::vector<SampleTriangle> within(const std::vector<SampleTriangle>& triangles,
                                    const std::vector<glm::dvec2>& convex);
+
+// The triangles with `more` added within a convex polygon, any way round: cut along its outline where it crosses
+// them. Cut pieces of less than a millionth of a triangle are left out.
+std::vector<SampleTriangle> raisedWithin(const std::vector<SampleTriangle>& triangles,
+                                         std::vector<glm::dvec2> convex, double more);
+
+// Where disjoint convex polygons, any way round, with a value each border on others or on nothing: sides, but for
+// the parts of them that have the same value on both sides. What lies nearer together than `eps` is as one.
+std::vector<std::array<glm::dvec2, 2>> stepsBetween(const std::vector<std::vector<glm::dvec2>>& polygons,
+                                                    const std::vector<double>& values, double eps);
 
 // Outlines of the union of polygons, any way round, that overlap nowhere and share whole sides: sides that
 // two of them have are gone. Corners are joined and returned on a grid of `step`; holes have an outline too.

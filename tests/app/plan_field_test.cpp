@@ -136,6 +136,38 @@ TEST(PlanField, what_lies_within_is_the_whole_field_cut) {
     EXPECT_EQ(app::within(triangles, {{-1, -1}, {9, -1}, {9, 9}, {-1, 9}}).size(), triangles.size());
 }
 
+TEST(PlanField, what_lies_in_the_sun_is_raised_with_an_exact_edge) {
+    const auto plane = [](glm::dvec2 p) { return 3 * p.x - 2 * p.y + 7; };
+    const auto triangles = app::smoothTriangles(scattered(plane, 0), 3);
+    const std::vector<glm::dvec2> patch{{2.1, 1.3}, {3.3, 6.7}, {5.4, 2.2}}, beside{{20, 1}, {21, 1}, {20, 2}};
+    const auto lit = app::raisedWithin(app::raisedWithin(triangles, patch, 100), beside, 50);
+    double area = 0, raised = 0;
+    for (const auto& t : lit) {
+        const glm::dvec2 a = t[1].at - t[0].at, b = t[2].at - t[0].at, middle = (t[0].at + t[1].at + t[2].at) / 3.0;
+        const double one = std::abs(a.x * b.y - a.y * b.x) / 2, more = t[0].value - plane(t[0].at);
+        area += one, raised += one * more / 100;
+        if (one < 1e-9) continue; // a sliver along the edge, whose middle may lie on either side
+        const bool inside = app::isWithin({patch[0], patch[2], patch[1]}, middle);
+        for (const Sample& s : t) EXPECT_NEAR(s.value, plane(s.at) + (inside ? 100 : 0), 1e-9);
+    }
+    EXPECT_NEAR(area, 64, 1e-9);
+    EXPECT_NEAR(raised, app::areaOf(patch), 1e-5);
+    EXPECT_EQ(app::raisedWithin(triangles, beside, 50).size(), triangles.size());
+}
+
+TEST(PlanField, edges_are_where_the_value_differs) {
+    // Two squares of one value that share half a side, and one of another beside them.
+    const std::vector<std::vector<glm::dvec2>> polygons{
+        {{0, 0}, {2, 0}, {2, 2}, {0, 2}}, {{2, 1}, {2, 3}, {4, 3}, {4, 1}}, {{4, 1}, {5, 1}, {5, 3}, {4, 3}}};
+    double length = 0;
+    for (const auto& [a, b] : app::stepsBetween(polygons, {1, 1, 7}, 1e-9)) {
+        length += glm::distance(a, b);
+        const glm::dvec2 middle = 0.5 * (a + b);
+        EXPECT_FALSE(middle.x > 1.9 && middle.x < 2.1 && middle.y > 1 && middle.y < 2);
+    }
+    EXPECT_NEAR(length, (8 - 1) + (8 - 1) + 6, 1e-9); // the side between 1 and 7 is told from both
+}
+
 TEST(PlanField, areas_of_one_colour_are_outlined_once) {
     std::vector<std::vector<glm::dvec2>>
         ring; // squares around an empty one, every other one the wrong way round

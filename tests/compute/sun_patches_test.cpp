@@ -125,6 +125,38 @@ TEST(SunPatches, what_falls_on_a_blind_has_passed_the_windows_before_it) {
         }
 }
 
+// A work plane under a skylight and beside a partition: what its lit parts cover is what points of it get.
+TEST(SunPatches, any_polygon_in_the_air_has_its_lit_parts) {
+    const auto room = test::readCase(kCases + "d_skylight_partition_overcast_mar21_13_g0.2");
+    const geometry::PatchMesh mesh = test::subdivided(room.faces, 0.9);
+    glm::dvec3 low(1e300), high(-1e300);
+    for (const glm::dvec3& v : mesh.vertices) low = glm::min(low, v), high = glm::max(high, v);
+    const double y = low.y + 0.3 * (high.y - low.y);
+    const std::array plane{glm::dvec3(low.x, y, low.z), glm::dvec3(low.x, y, high.z), glm::dvec3(high.x, y, high.z),
+                           glm::dvec3(high.x, y, low.z)};
+    const SunPatches sun(mesh, glm::normalize(glm::dvec3(-0.26, 0.70, 0.66)));
+    const auto parts = sun.onPolygon(plane);
+    size_t lit = 0;
+    for (int i = 0; i < 40; ++i)
+        for (int j = 0; j < 40; ++j) {
+            const glm::dvec3 p(glm::mix(low.x, high.x, (i + 0.43) / 40), y, glm::mix(low.z, high.z, (j + 0.57) / 40));
+            glm::vec3 covered(0);
+            for (const SunlitParts::Part& part : parts) {
+                bool inside = true;
+                for (size_t k = 0; k < part.polygon.size(); ++k) {
+                    const glm::dvec3 side = part.polygon[(k + 1) % part.polygon.size()] - part.polygon[k];
+                    inside &= glm::cross(side, p - part.polygon[k]).y >= 0;
+                }
+                if (inside) covered += part.light;
+            }
+            EXPECT_NEAR(covered.y, sun.atPoint(p, {0, 1, 0}).y, 1e-6) << p.x << ' ' << p.z;
+            lit += covered.y > 0;
+        }
+    EXPECT_GT(lit, 20u);
+    EXPECT_LT(lit, 800u);
+    EXPECT_TRUE(sun.onPolygon(std::array{plane[3], plane[2], plane[1], plane[0]}).empty()); // from below
+}
+
 TEST(SunPatches, points_in_sun_and_shade_are_those_of_the_reference_sensors) {
     const auto room = test::readCase(kCases + "c_L_glass_clear_mar21_13_g0.2");
     const geometry::PatchMesh mesh = test::subdivided(room.faces, 0.5);
