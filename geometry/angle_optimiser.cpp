@@ -165,24 +165,33 @@ private:
         return bad;
     }
 
+    struct Angle {
+        double square, squares; // of its cosine, as a fraction
+        bool turned;            // over
+    };
+
+    // The smallest one of the triangle from p to a side: opposite its shortest side.
+    static Angle smallestAngle(const Side& side, glm::dvec2 p) {
+        const glm::dvec2 u = side.a - p, v = side.b - p;
+        const double uu = glm::dot(u, u), vv = glm::dot(v, v), uv = glm::dot(u, v), ww = side.square;
+        double adjacent = uv, squares = uu * vv;
+        if (uu < ww && uu <= vv) {
+            adjacent = vv - uv;
+            squares = ww * vv;
+        } else if (vv < ww) {
+            adjacent = uu - uv;
+            squares = ww * uu;
+        }
+        return {adjacent * adjacent, squares, cross(u, v) <= 0};
+    }
+
     // Squared cosine of the smallest angle round p; 1 when it is `limit` or more, which most places tried are
     // at the first side asked: it comes first from then on.
     static double worst(std::vector<Side>& round, glm::dvec2 p, double limit) {
         double up = 0, down = 1; // as a fraction
         for (Side& side : round) {
-            const glm::dvec2 u = side.a - p, v = side.b - p;
-            const double uu = glm::dot(u, u), vv = glm::dot(v, v), uv = glm::dot(u, v), ww = side.square;
-            // The smallest angle lies opposite the shortest side.
-            double adjacent = uv, squares = uu * vv;
-            if (uu < ww && uu <= vv) {
-                adjacent = vv - uv;
-                squares = ww * vv;
-            } else if (vv < ww) {
-                adjacent = uu - uv;
-                squares = ww * uu;
-            }
-            const double square = adjacent * adjacent;
-            if (cross(u, v) <= 0 || square >= limit * squares) {
+            const auto [square, squares, turned] = smallestAngle(side, p);
+            if (turned || square >= limit * squares) {
                 std::swap(side, round.front());
                 return 1;
             }
@@ -222,12 +231,15 @@ private:
         }
     }
 
-    static double shortfalls(const std::vector<Side>& round, glm::dvec2 p) {
+    // Sum over the triangles round p; no less than `limit` as soon as it is that.
+    static double shortfalls(const std::vector<Side>& round, glm::dvec2 p, double limit) {
         double sum = 0;
         for (const Side& side : round) {
-            const double cosine = PlanarNet::worstCosine(p, side.a, side.b);
-            if (cosine >= 1) return 1e300;
-            if (!side.sharp) sum += shortfall(cosine);
+            const auto [square, squares, turned] = smallestAngle(side, p);
+            if (turned) return kTurned;
+            if (side.sharp || square <= kGoodCosine * kGoodCosine * squares) continue;
+            sum += shortfall(std::sqrt(square / squares));
+            if (sum >= limit) return sum;
         }
         return sum;
     }
@@ -235,13 +247,13 @@ private:
     static bool moveTogether(PlanarNet& net, uint32_t v, const Stars& stars, std::vector<Side>& round) {
         const double shortest = std::sqrt(findSides(net, v, stars, round));
         glm::dvec2 best = net.points[v];
-        const double before = shortfalls(round, best);
+        const double before = shortfalls(round, best, kTurned);
         double least = before;
         for (double step = 0.1 * shortest; least > 0 && step > 0.01 * shortest;) {
             bool better = false;
             for (const glm::dvec2 d : kDirections) {
                 const glm::dvec2 p = best + step * d;
-                const double sum = shortfalls(round, p);
+                const double sum = shortfalls(round, p, 0.999 * least);
                 if (sum >= 0.999 * least) continue;
                 least = sum;
                 best = p;
@@ -282,7 +294,7 @@ private:
     static constexpr size_t kFewTries = 5, kTrianglesATry = 40;
     static constexpr int kRings = 2;
     static constexpr double kWorthMoving = 0.001, kWorthAPoint = 0.004; // in terms of a cosine
-    static constexpr double kGoodEnough = 0.03;
+    static constexpr double kGoodEnough = 0.03, kTurned = 1e300;
     static constexpr double kStrip = 0.4; // of the edge length
     static constexpr double kHalf = 0.70710678;
     static constexpr std::array<glm::dvec2, 8> kDirections{{{1, 0},

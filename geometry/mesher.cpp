@@ -189,6 +189,13 @@ private:
         return added;
     }
 
+    // With so many added the drafts have the count, with room for half of what optimisation may add.
+    bool fits(double added) const {
+        for (const Draft& draft : drafts_) added += draft.count;
+        return added >= wanted_ * (1 - kCountReached) &&
+               added <= wanted_ * (1 + kCountReached) - mostAdditions(grading_);
+    }
+
     // False when there are too few triangles for such grading.
     bool chooseSizes(double wanted) {
         for (int round = 0;; ++round) {
@@ -200,7 +207,7 @@ private:
             // A few triangles more change the edge length, and so their own number, by next to nothing.
             if (round == 2 || addedKnown_) return true;
             const double now = addedTriangles();
-            const bool settled = !roughly && std::abs(now - added_) < 0.01 * wanted_;
+            const bool settled = !roughly && (std::abs(now - added_) < 0.01 * wanted_ || fits(now));
             added_ = now;
             if (!roughly && added_ > kMostForGrading * std::min(wanted, wanted_)) return false;
             addedKnown_ = settled || round == 1;

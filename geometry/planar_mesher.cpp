@@ -70,22 +70,24 @@ public:
         return out;
     }
 
-    // At most a cell.
-    bool nearBoundary(glm::dvec2 p, double distance) const {
+    // The square of the distance to the boundary as far as `reach`, at most a cell; once it is under `enough`
+    // it may be less than what is returned.
+    double squareToBoundary(glm::dvec2 p, double reach, double enough) const {
+        double nearest = reach * reach;
         const int c = column(p.x), r = row(p.y);
-        for (int dr = -1; dr <= 1; ++dr)
-            for (int dc = -1; dc <= 1; ++dc) {
-                if (c + dc < 0 || r + dr < 0 || c + dc >= columns_ || r + dr >= rows_) continue;
-                const size_t cell = at(c + dc, r + dr);
-                for (uint32_t k = first_[cell]; k < first_[cell + 1]; ++k) {
-                    const auto [i, j] = segments_[inCell_[k]];
-                    const glm::dvec2 a = points_[i], d = points_[j] - a;
-                    const double t = std::clamp(glm::dot(p - a, d) / glm::dot(d, d), 0.0, 1.0);
-                    const glm::dvec2 off = p - a - t * d;
-                    if (glm::dot(off, off) < distance * distance) return true;
-                }
+        for (int row = std::max(0, r - 1); row <= std::min(rows_ - 1, r + 1); ++row)
+            // Cells of a row follow one another.
+            for (uint32_t k = first_[at(std::max(0, c - 1), row)],
+                          end = first_[at(std::min(columns_ - 1, c + 1), row) + 1];
+                 k < end; ++k) {
+                const auto [i, j] = segments_[inCell_[k]];
+                const glm::dvec2 a = points_[i], d = points_[j] - a;
+                const double t = std::clamp(glm::dot(p - a, d) / glm::dot(d, d), 0.0, 1.0);
+                const glm::dvec2 off = p - a - t * d;
+                nearest = std::min(nearest, glm::dot(off, off));
+                if (nearest < enough * enough) return nearest;
             }
-        return false;
+        return nearest;
     }
 
 private:
@@ -265,6 +267,7 @@ std::vector<glm::dvec2> hexagonalSeeds(const PlanarDomain& domain, double lattic
     for (size_t l = 0; l < loopCount(domain); ++l)
         for (uint32_t i = domain.loopStart[l]; i < domain.loopStart[l + 1]; ++i)
             twice += cross(domain.boundary[i], domain.boundary[nextOnLoop(domain, l, i)]);
+    const double nearReach = kFromBoundary * lattice, farReach = kFarFromBoundary * lattice;
     std::vector<glm::dvec2> best;
     double least = std::numeric_limits<double>::infinity();
     const auto keepBest = [&](std::vector<glm::dvec2>&& seeds) {
@@ -287,8 +290,9 @@ std::vector<glm::dvec2> hexagonalSeeds(const PlanarDomain& domain, double lattic
                 for (double c = std::max(0.0, std::floor((rows[r][k] - shift) / column) + 1);
                      shift + c * column < rows[r][k + 1]; ++c) {
                     const glm::dvec2 p(shift + c * column, y);
-                    const bool near = inside.nearBoundary(p, kFarFromBoundary * lattice);
-                    if (near && inside.nearBoundary(p, kFromBoundary * lattice)) continue;
+                    const double square = inside.squareToBoundary(p, farReach, nearReach);
+                    if (square < nearReach * nearReach) continue;
+                    const bool near = square < farReach * farReach;
                     const glm::dvec2 seed = p.x * u + p.y * v;
                     if (domain.size.at(seed) <= kOnLattice * domain.size.edge()) continue;
                     all.push_back(seed);

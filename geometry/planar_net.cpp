@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_map>
 
 #include <glm/geometric.hpp>
 
@@ -121,24 +120,26 @@ Stars::Stars(const PlanarNet& net) : first(net.points.size() + 1, 0) {
 
 NetPart::NetPart(const PlanarNet& whole, const Stars& stars, uint32_t triangle, int rings)
     : triangles_{triangle} {
-    std::unordered_map<uint32_t, uint32_t> place{{triangle, 0}}; // of triangles
+    // Parts are small: looking through them takes less time than hashing.
+    const auto indexIn = [](const std::vector<uint32_t>& all, uint32_t of) {
+        const auto found = std::ranges::find(all, of);
+        return found != all.end() ? static_cast<uint32_t>(found - all.begin()) : kNoTriangle;
+    };
     for (size_t from = 0, ring = 0; ring < static_cast<size_t>(rings); ++ring) {
         const size_t to = triangles_.size();
         for (; from < to; ++from)
             for (const uint32_t v : whole.corner[triangles_[from]])
                 for (uint32_t i = stars.first[v]; i < stars.first[v + 1]; ++i)
-                    if (place.try_emplace(stars.triangles[i], static_cast<uint32_t>(triangles_.size()))
-                            .second)
+                    if (indexIn(triangles_, stars.triangles[i]) == kNoTriangle)
                         triangles_.push_back(stars.triangles[i]);
     }
-    std::unordered_map<uint32_t, uint32_t> local; // of points
     const auto add = [&](uint32_t v) {
-        if (local.try_emplace(v, static_cast<uint32_t>(points_.size())).second) points_.push_back(v);
+        if (indexIn(points_, v) == kNoTriangle) points_.push_back(v);
     };
     for (const uint32_t t : triangles_)
         for (size_t k = 0; k < 3; ++k) {
             if (!whole.inner(whole.corner[t][k])) add(whole.corner[t][k]);
-            if (place.contains(whole.neighbour[t][k])) continue;
+            if (indexIn(triangles_, whole.neighbour[t][k]) != kNoTriangle) continue;
             add(whole.corner[t][(k + 1) % 3]);
             add(whole.corner[t][(k + 2) % 3]);
         }
@@ -151,11 +152,10 @@ NetPart::NetPart(const PlanarNet& whole, const Stars& stars, uint32_t triangle, 
     for (const uint32_t t : triangles_) {
         std::array<uint32_t, 3> corner{}, neighbour{};
         std::array<bool, 3> fixed = whole.fixed[t];
-        for (size_t k = 0; k < 3; ++k) corner[k] = local.at(whole.corner[t][k]);
+        for (size_t k = 0; k < 3; ++k) corner[k] = indexIn(points_, whole.corner[t][k]);
         for (size_t k = 0; k < 3; ++k) {
-            const auto inside = place.find(whole.neighbour[t][k]);
-            neighbour[k] = inside == place.end() ? kNoTriangle : inside->second;
-            if (inside != place.end()) continue;
+            neighbour[k] = indexIn(triangles_, whole.neighbour[t][k]);
+            if (neighbour[k] != kNoTriangle) continue;
             rims_.push_back({corner[(k + 1) % 3], corner[(k + 2) % 3], whole.neighbour[t][k], fixed[k]});
             fixed[k] = true;
         }
