@@ -47,6 +47,21 @@ present::WindowOptions operatorWindow(const geometry::Rig& rig, bool windowed) {
     return options;
 }
 
+// Of projectors that the rig gives no display, or one that has another's picture over it.
+void warnOfDisplays(Run& run, const geometry::Rig& rig, const std::string& file) {
+    const auto& all = rig.projectors;
+    for (size_t i = 0; i < all.size(); ++i) {
+        const std::string& name = all[i].display;
+        const auto first = std::find_if(all.begin(), all.end(), [&](const auto& p) { return p.display == name; });
+        std::string wrong;
+        if (name.empty())
+            wrong = fmt::format("names no display: '{}' is shown in a window", all[i].id);
+        else if (first != all.begin() + static_cast<ptrdiff_t>(i))
+            wrong = fmt::format("'{}' is also of '{}': only one of the two is seen", name, first->id);
+        if (!wrong.empty()) run.warn(fmt::format("{}: projectors[{}].display: {}", file, i, wrong));
+    }
+}
+
 } // namespace
 
 LiveOutputs::LiveOutputs(Run& run, const geometry::Rig& rig, const LiveArguments& arguments)
@@ -56,12 +71,9 @@ LiveOutputs::LiveOutputs(Run& run, const geometry::Rig& rig, const LiveArguments
                                    "there is none to show anything on");
     device_ = run.anotherDevice(present::withWindows);
     std::vector<present::WindowOptions> windows;
-    for (size_t i = 0; i < rig.projectors.size(); ++i) {
+    for (size_t i = 0; i < rig.projectors.size(); ++i)
         windows.push_back(projectorWindow(rig.projectors[i], i, arguments));
-        if (!arguments.windowed && rig.projectors[i].display.empty())
-            run.warn(fmt::format("{}: projectors[{}].display: names no display: '{}' is shown in a window",
-                                 arguments.scene.rig.string(), i, rig.projectors[i].id));
-    }
+    if (!arguments.windowed) warnOfDisplays(run, rig, arguments.scene.rig.string());
     windows.push_back(operatorWindow(rig, arguments.windowed));
     presenter_.emplace(*device_, windows);
     operator_ = std::make_unique<present::OperatorWindow>(*device_, *presenter_, operatorIndex());

@@ -253,12 +253,13 @@ TEST_F(Live, ends_cleanly_with_ctrl_c_and_with_its_windows) {
 
 TEST_F(Live, a_missing_display_is_named_and_the_picture_shown_in_a_window) {
     json rig = json::parse(readText(kRig));
-    rig["projectors"][2]["display"] = "NO-SUCH-OUTPUT";
+    rig["projectors"][2]["display"] = rig["projectors"][3]["display"] = "NO-SUCH-OUTPUT";
     writeText(folder / "rig.json", rig.dump());
     const Outcome outcome = heliodon("live --rig " + in("rig.json") + " --camera file:" + kPhoto + kFast +
                                      "--duration 1 --report " + in("report.json"));
     EXPECT_EQ(outcome.exitCode, 0) << outcome.output;
-    EXPECT_NE(outcome.output.find("NO-SUCH-OUTPUT"), std::string::npos) << outcome.output;
+    EXPECT_NE(outcome.output.find("display 'NO-SUCH-OUTPUT' is not"), std::string::npos) << outcome.output;
+    EXPECT_NE(outcome.output.find("projectors[3].display: 'NO-SUCH-OUTPUT' is also of"), std::string::npos);
     report = json::parse(readText(folder / "report.json"));
     EXPECT_FALSE(report["live"]["outputs"][2]["full_screen"]);
     EXPECT_NE(report["live"]["outputs"][2]["notice"], "");
