@@ -169,6 +169,7 @@ AnnualDaylight::Responses AnnualDaylight::respond(const TransportParts& parts) {
     addNearSky(parts, result);
     addLobes(parts, result);
     addGlow(parts, result);
+    hideGlow(parts, result);
     for (std::vector<float>& smooth : result.smooth) smooth = {};
     return result;
 }
@@ -334,6 +335,32 @@ void AnnualDaylight::addGlow(const TransportParts& parts, Responses& responses) 
                             answer * lobes[(node * parts.skyChannels + b) * elements + e];
                 });
     }
+}
+
+// What the building hides before windows with blinds.
+void AnnualDaylight::hideGlow(const TransportParts& parts, Responses& responses) const {
+    const size_t elements = parts.skyElements, sensors = responses.sensors;
+    const GlowRows rows(parts, area_.size());
+    inParallel(elements > 0 ? sensors : 0, [&](size_t s) {
+        std::vector<float> seen(elements); // of one patch, were nothing hidden
+        const auto see = [&](float answer, const float* coefficients) {
+            for (size_t e = 0; e < elements; ++e) seen[e] += answer * coefficients[e];
+        };
+        for (const HiddenSky::Patch& p : parts.hiddenSky.patches()) {
+            std::ranges::fill(seen, 0.0f);
+            for (size_t b = 0; b < beams(); ++b) {
+                const float* answers = &responses.sun[b][s];
+                see(answers[(rows.glow + p.row) * sensors],
+                    &parts.hiddenSky.coefficients(p.group)[b * elements]);
+                if (!parts.blinds.groups()[p.group].window.hasSlats()) continue;
+                const std::vector<float>& lobes = parts.hiddenSky.lobeCoefficients(p.group);
+                for (size_t node = 0; node < daylight::kSlatNodes; ++node)
+                    see(answers[(rows.lobes + p.slats * daylight::kSlatNodes + node) * sensors],
+                        &lobes[(node * 3 + b) * elements]);
+            }
+            for (size_t e = 0; e < elements; ++e) responses.sky[s * elements + e] -= p.hidden[e] * seen[e];
+        }
+    });
 }
 
 // reflected: hours with sun x sensors.

@@ -78,6 +78,7 @@ private:
     void addSky(const TransportParts& parts, Responses& result) const;
     void addNearSky(const TransportParts& parts, Responses& responses) const;
     void addGlow(const TransportParts& parts, Responses& responses) const;
+    void hideGlow(const TransportParts& parts, Responses& responses) const;
     void addLobes(const TransportParts& parts, Responses& responses) const;
     std::vector<float> sunOf(const Responses& responses);
     void addSun(const SunHours::Block& block, const TransportParts& parts, const Responses& responses,

@@ -67,6 +67,7 @@ struct DaylightTransport::State {
     std::unique_ptr<SunBounce> sunBounce; // none without openings
     std::unique_ptr<GlowingBlinds> blinds;
     std::unique_ptr<SlatLobes> slats;
+    std::unique_ptr<HiddenSky> hiddenSky; // before blinds
     std::unique_ptr<PatchSlopes> slopes;
     std::unique_ptr<WindowLinks> links;
     std::vector<std::vector<float>> clear; // per channel: diffuse transmittance of clear interior glass
@@ -93,6 +94,7 @@ struct DaylightTransport::State {
     void skyAtSensors(Moment& moment, const daylight::Sky& sky) const;
     void sunOn(Moment& moment, const daylight::SunDisc& disc) const;
     template<class Light> void glow(Moment& moment, const Light& light) const;
+    void hideSky(Moment& moment, std::span<const double> luminances) const;
     struct PlaceErrors {
         std::vector<float> exitance, gathered; // per patch, photometric; empty: one bound for all
     };
@@ -165,6 +167,7 @@ void DaylightTransport::State::findOpenings() {
     sunBounce = hasOpenings ? std::make_unique<SunBounce>(*points, *nearPairs) : nullptr;
     blinds = std::make_unique<GlowingBlinds>(mesh);
     slats = std::make_unique<SlatLobes>(*points, *blinds, factors.values);
+    hiddenSky = std::make_unique<HiddenSky>(mesh, *sunScene, *blinds, skyPatches);
     patchSky = {};
     if (hasOpenings || options.skipNothing) makeSky();
     report.skipped.clear();
@@ -230,6 +233,18 @@ template<class Light> void DaylightTransport::State::glow(Moment& moment, const 
         for (uint32_t patch : blinds->groups()[g].patches) moment.glow[patch] += light(g, patch);
 }
 
+// Takes off what of the sky's glow the building hides; `luminances` of its elements.
+void DaylightTransport::State::hideSky(Moment& moment, std::span<const double> luminances) const {
+    inParallel(hiddenSky->patches().size(), [&](size_t k) {
+        const HiddenSky::Patch& p = hiddenSky->patches()[k];
+        moment.glow[p.patch] = glm::max(glm::vec3(0), moment.glow[p.patch] - hiddenSky->glow(p, luminances));
+        if (!blinds->groups()[p.group].window.hasSlats()) return;
+        const daylight::Window::Lobes hidden = hiddenSky->lobes(p, luminances);
+        for (size_t node = 0; node < hidden.size(); ++node)
+            moment.lobes[p.slats * hidden.size() + node] -= glm::vec3(hidden[node]);
+    });
+}
+
 // What arrives straight from outside, on patches and at sensors.
 Moment DaylightTransport::State::direct(const daylight::Sky& sky) const {
     Moment moment;
@@ -256,6 +271,7 @@ Moment DaylightTransport::State::direct(const daylight::Sky& sky) const {
         glow(moment, [&](size_t g, uint32_t) { return bySky[g]; });
         slats->fill(
             moment.lobes, [&](size_t g) { return blinds->lobesBySky(g, sky); }, [](uint32_t) { return 1.0; });
+        hideSky(moment, means);
     }
     moment.report.combineSeconds = combining.seconds();
 
@@ -499,6 +515,7 @@ TransportParts DaylightTransport::parts() {
             *state.sunScene,
             state.sunBounce.get(),
             *state.blinds,
+            *state.hiddenSky,
             *state.slats,
             state.sensors.slats};
 }

@@ -22,6 +22,7 @@
 #include "compute/daylight/sky_patches.h"
 #include "compute/form_factors.h"
 #include "compute/glowing_blinds.h"
+#include "compute/hidden_sky.h"
 #include "compute/lighting.h"
 #include "compute/radiosity.h"
 #include "compute/sensor_gather.h"
@@ -110,6 +111,7 @@ struct TransportParts {
     const SunScene& sun;        // for SunPatches of many hours
     const SunBounce* sunBounce; // null without openings
     const GlowingBlinds& blinds;
+    const HiddenSky& hiddenSky; // to be taken off what those scatter
     const SlatLobes& slats;
     std::span<const std::array<std::vector<float>, 3>> sensorSlats;
 };

@@ -32,7 +32,7 @@ public:
     std::span<const Group> groups() const { return groups_; }
 
     // Exitance of a group's patches by light from sky and ground, lux per channel: the sky's own formula in
-    // some 8000 directions before the window, where nothing of the building is in the way.
+    // some 8000 directions before the window, as if nothing of the building were in the way (HiddenSky).
     glm::vec3 bySky(size_t group, const daylight::Sky& sky) const;
     // The same as coefficients of sky elements: times pi times an element's luminance. channels x elements.
     std::vector<float> coefficients(size_t group, const daylight::SkyPatches& sky, uint32_t channels) const;

@@ -143,6 +143,53 @@ TEST(Blinds, sky_elements_stand_for_the_sky) {
                 window.diffuseTransmittance().y, 1e-3);
 }
 
+// Whether a ray meets a box.
+bool meets(const test::BoxRoom& box, glm::dvec3 from, glm::dvec3 direction) {
+    const glm::dvec3 a = (box.low - from) / direction, b = (box.high - from) / direction;
+    const glm::dvec3 in = glm::min(a, b), out = glm::max(a, b);
+    return std::max({in.x, in.y, in.z, 0.0}) < std::min({out.x, out.y, out.z});
+}
+
+// A wing before the left half of the window, by rays through nine points of each patch.
+TEST(Blinds, what_a_wing_hides_of_the_sky_is_not_scattered) {
+    constexpr int kAcross = 60, kPoints = 3;
+    test::BoxRoom wing;
+    wing.low = {-4, 0, -10}, wing.high = {2, 6, -4};
+    for (const Blind& blind : {kFabric, kSlats}) {
+        geometry::PatchMesh mesh = windowRoom(blind);
+        const size_t n = mesh.patchCount();
+        test::addBox(mesh, wing, 1);
+        const daylight::Window window(mesh.materials[1]);
+        for (const daylight::Sky& sky : {overcast(), uniform(3000)}) {
+            const Moment moment = lightOf(mesh, sky), open = lightOf(windowRoom(blind), sky);
+            size_t lit = 0;
+            for (size_t i = 0; i < n; ++i) {
+                if (!mesh.materials[mesh.material[i]].isOpening()) continue;
+                const auto corners = mesh.patch(i);
+                const glm::dvec3 a = mesh.vertices[corners[0]], b = mesh.vertices[corners[1]] - a,
+                                 c = mesh.vertices[corners[2]] - a;
+                double glow = 0;
+                for (int k = 0; k < kPoints * kPoints * kAcross * kAcross; ++k) {
+                    const int point = k / (kAcross * kAcross), u = k / kAcross % kAcross, v = k % kAcross;
+                    const double along = std::sqrt((point / kPoints + 0.5) / kPoints),
+                                 part = (point % kPoints + 0.5) / kPoints;
+                    const double r = std::sqrt((u + 0.5) / kAcross),
+                                 turn = 2 * std::numbers::pi * v / kAcross;
+                    const glm::dvec3 towards(r * std::cos(turn), r * std::sin(turn), -std::sqrt(1 - r * r));
+                    if (!meets(wing, a + along * ((1 - part) * b + part * c), towards))
+                        glow += sky.luminance(towards) * window.scattered(towards, {0, 0, 1}).y;
+                }
+                glow *= std::numbers::pi / (kPoints * kPoints * kAcross * kAcross);
+                EXPECT_NEAR(double{moment.glow[i].y}, glow, 0.03 * glow); // elements of 5 degrees
+                EXPECT_LT(moment.glow[i].y, 0.9F * open.glow[i].y);
+                ++lit;
+            }
+            EXPECT_EQ(moment.lobes.size(), blind.kind == Blind::Kind::slats ? lit * daylight::kSlatNodes : 0);
+            EXPECT_LT(photometric(moment.sensors[0].total()), 0.9 * photometric(open.sensors[0].total()));
+        }
+    }
+}
+
 TEST(Blinds, hours_of_a_year_are_what_the_full_computation_gives) {
     const std::vector<daylight::Sky> skies{overcast(), sunny({0.2, 0.3, -0.8}), sunny({-0.6, 0.2, -0.4}),
                                            sunny({0, 0.01, -1}), sunny({0, 0.5, 1})};
