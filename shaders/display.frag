@@ -33,6 +33,7 @@ vec3 toned(vec3 light) {
         float lux = 1000.0 * dot(light, kLuminance);
         if (lux < 0.0) return vec3(kUnknownGrey); // glazing
         float value = log(max(lux, 1e-6)) / log(10.0);
+        if (value < params.falseLow - 1e-6) return vec3(0);
         float t = clamp((value - params.falseLow) / (params.falseHigh - params.falseLow), 0.0, 1.0);
         return linearFromSrgb(clamp(viridis(t), 0.0, 1.0));
     }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
@@ -145,7 +146,12 @@ double ValueScale::share(double value) const {
     return std::clamp((value - low) / (high - low), 0.0, 1.0);
 }
 
+bool ValueScale::isBelow(double value) const {
+    return logarithmic && value < low * (1 - 1e-9);
+}
+
 Ink ValueScale::ink(double value) const {
+    if (isBelow(value)) return kDark;
     const glm::vec3 colour = passes::viridis(share(value));
     Ink ink;
     for (int c = 0; c < 3; ++c) ink[static_cast<size_t>(c)] = static_cast<uint8_t>(255 * colour[c] + 0.5f);
@@ -153,37 +159,8 @@ Ink ValueScale::ink(double value) const {
 }
 
 ValueScale luxScale(std::vector<double> lux) {
-    std::erase_if(lux, [](double v) { return !(v > 0); });
-    std::sort(lux.begin(), lux.end());
-    // Rounded outwards: of a few values the scale holds each.
-    const auto quantile = [&](double q) {
-        const double rank = q * (static_cast<double>(lux.size()) - 1);
-        return lux.empty() ? 100.0 : lux[static_cast<size_t>(q < 0.5 ? std::floor(rank) : std::ceil(rank))];
-    };
-    ValueScale scale;
-    scale.logarithmic = true;
-    scale.unit = "lux";
-    // From and to the next of 1, 2, 5 times a power of ten.
-    const auto step = [](double v, bool up) {
-        const double decade = std::pow(10, std::floor(std::log10(v) + 1e-9));
-        double best = up ? 10 * decade : decade;
-        for (double lead : {1.0, 2.0, 5.0, 10.0})
-            if (up ? lead * decade >= v * (1 - 1e-9) && lead * decade < best : lead * decade <= v)
-                best = lead * decade;
-        return best;
-    };
-    scale.low = step(std::max(quantile(0.01), 0.1), false);
-    scale.high = step(std::max(quantile(0.995), 1.0), true);
-    if (scale.high < 5 * scale.low) scale.high = step(5 * scale.low, true);
-    for (double decade = std::pow(10, std::floor(std::log10(scale.low) + 1e-9)); decade <= scale.high * 1.001;
-         decade *= 10)
-        for (double lead : {1.0, 2.0, 5.0}) {
-            const double v = lead * decade;
-            if (v >= scale.low * 0.999 && v <= scale.high * 1.001 &&
-                (scale.high / scale.low < 3000 || lead == 1))
-                scale.ticks.push_back(v);
-        }
-    return scale;
+    const passes::FalseScale held = passes::scaleHolding(std::move(lux));
+    return {held.lowLux, held.highLux, true, "lux", passes::legendTicks(held)};
 }
 
 ValueScale percentScale() {
@@ -208,6 +185,9 @@ void drawScale(Chart& chart, const ValueScale& scale, glm::dvec2 at, double heig
         chart.text({at.x + kWidth + 7, y + 4}, passes::legendNumber(tick), 11);
     }
     chart.text({at.x, at.y - 8}, scale.unit, 12);
+    if (!scale.logarithmic) return;
+    chart.rectangle(at.x, at.y + height + 5, kWidth, 9, kDark);
+    chart.text({at.x + kWidth + 7, at.y + height + 14}, passes::belowScale({scale.low, scale.high}), 11);
 }
 
 } // namespace heliodon::app

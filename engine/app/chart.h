@@ -12,7 +12,7 @@
 namespace heliodon::app {
 
 using Ink = std::array<uint8_t, 3>; // sRGB
-inline constexpr Ink kBlack{20, 20, 20}, kGrey{130, 130, 130}, kPaper{255, 255, 255};
+inline constexpr Ink kBlack{20, 20, 20}, kDark{0, 0, 0}, kGrey{130, 130, 130}, kPaper{255, 255, 255};
 
 // Words as they may stand in SVG.
 std::string escaped(const std::string& words);
@@ -69,15 +69,16 @@ struct ValueScale {
     std::vector<double> ticks; // numbers beside the bar, and lines of equal value in plans
 
     double share(double value) const; // 0 at low, 1 at high, clamped
-    Ink ink(double value) const;      // viridis
+    bool isBelow(double value) const; // a logarithmic scale: darker than what it tells apart
+    Ink ink(double value) const;      // viridis, or black
 };
 
-// Whole decades (1, 2, 5 as ticks) that hold nearly all of the positive values: of fewer than 200, all but
-// the smallest hundredth.
+// Logarithmic: passes::scaleHolding() of these.
 ValueScale luxScale(std::vector<double> lux);
 ValueScale percentScale();
 
-// A bar with numbers, `height` tall, its left edge at `at`.
+// A bar with numbers, `height` tall, its left edge at `at`, and some 14 pixels below it black, where the scale is
+// logarithmic.
 void drawScale(Chart& chart, const ValueScale& scale, glm::dvec2 at, double height);
 
 } // namespace heliodon::app

@@ -24,7 +24,7 @@ void checkSize(Run& run, const PictureArguments& arguments);
 passes::Tone toned(passes::Tone tone, const PictureArguments& arguments, bool falseColour);
 
 // What `tone` leaves open, one for all of these moments: white is the brightest that one of them asks for; a
-// false-colour scale has the decades that hold the light of all, the brightest four where there are more.
+// false-colour scale holds the light of all, the brightest four decades where there are more.
 void settle(passes::Tone& tone, const passes::FrameRenderer& renderer,
             std::span<const compute::Moment> moments);
 

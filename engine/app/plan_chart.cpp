@@ -151,8 +151,14 @@ public:
 
     void fillBands(Chart& chart, const std::vector<SampleTriangle>& triangles) const {
         std::vector<std::vector<Points>> bands(kBands);
+        std::vector<Points> dark;
         for (const SampleTriangle& triangle : triangles) {
             std::vector<Sample> polygon(triangle.begin(), triangle.end());
+            if (std::ranges::any_of(polygon, [&](const Sample& s) { return scale_.isBelow(s.value); })) {
+                addOutline(clipped(polygon, scale_.low, false), dark);
+                polygon = clipped(polygon, scale_.low, true);
+                if (polygon.empty()) continue;
+            }
             size_t first = kBands, last = 0;
             for (Sample& s : polygon) {
                 s.value = scale_.share(s.value);
@@ -162,15 +168,22 @@ public:
             for (size_t band = first; band <= last; ++band) {
                 auto part = band == first ? polygon : clipped(polygon, bandEnd(band), true);
                 if (band < last) part = clipped(part, bandEnd(band + 1), false);
-                if (part.empty()) continue;
-                Points outline;
-                for (const Sample& s : part) outline.push_back(pixel(s.at));
-                bands[band].push_back(std::move(outline));
+                addOutline(part, bands[band]);
             }
         }
+        const auto fill = [&](std::vector<Points>& parts, Ink ink) {
+            if (auto outlines = unitedOutlines(std::move(parts), kOutline); !outlines.empty())
+                chart.fill(std::move(outlines), ink);
+        };
+        fill(dark, kDark);
         for (size_t band = 0; band < kBands; ++band)
-            if (auto outlines = unitedOutlines(std::move(bands[band]), kOutline); !outlines.empty())
-                chart.fill(std::move(outlines), inkAt(0.5 * (bandEnd(band) + bandEnd(band + 1))));
+            fill(bands[band], inkAt(0.5 * (bandEnd(band) + bandEnd(band + 1))));
+    }
+
+    void addOutline(const std::vector<Sample>& part, std::vector<Points>& outlines) const {
+        if (part.empty()) return;
+        std::ranges::transform(part, std::back_inserter(outlines.emplace_back()),
+                               [&](const Sample& s) { return pixel(s.at); });
     }
 
     void isoLux(Chart& chart, const std::vector<SampleTriangle>& triangles) {

@@ -23,7 +23,7 @@ Chart temporalChart(const daylight::Weather& weather, std::span<const float> lux
         const daylight::WeatherHour& hour = weather.hours[h];
         const double x = kLeft + kDay * (daylight::dayOfYear({year, hour.date.month, hour.date.day}) - 1);
         const double y = kTop + height - kHour * hour.clockHour - 0.5 * tall;
-        chart.rectangle(x, y, kDay, tall, lux[h] > 0 ? scale.ink(lux[h]) : kBlack);
+        chart.rectangle(x, y, kDay, tall, scale.ink(double{lux[h]}));
     }
     for (int month = 1; month <= 12; ++month) {
         const double x = kLeft + kDay * (daylight::dayOfYear({year, month, 1}) - 1);
@@ -38,10 +38,10 @@ Chart temporalChart(const daylight::Weather& weather, std::span<const float> lux
     }
     chart.text({kLeft, 26}, title, 15);
     chart.text({kLeft, 44},
-               fmt::format("Weather of {}; standard time, UTC{:+g} h; black is dark{}", weather.place,
+               fmt::format("Weather of {}; standard time, UTC{:+g} h{}", weather.place,
                            weather.timeZoneHours,
                            weather.hours.size() < static_cast<size_t>(8760 * weather.recordsPerHour)
-                               ? ", grey is not in the file"
+                               ? "; grey is not in the file"
                                : ""),
                11);
     drawScale(chart, scale, {kLeft + width + 20, kTop + 10}, height - 10);

@@ -27,12 +27,14 @@ void fill(Image8& picture, int x0, int y0, int x1, int y1, std::array<uint8_t, 3
 
 std::vector<double> legendTicks(const FalseScale& scale) {
     std::vector<double> values;
-    const bool few = scale.highLux / scale.lowLux < 2000;
-    for (double decade = std::pow(10, std::floor(std::log10(scale.lowLux))); decade <= scale.highLux;
-         decade *= 10)
+    const bool few = scale.highLux / scale.lowLux < 3000;
+    const auto is = [](double v, double end) { return std::abs(v - end) <= 1e-6 * end; };
+    for (double decade = std::pow(10, std::floor(std::log10(scale.lowLux) + 1e-9));
+         decade <= scale.highLux * (1 + 1e-6); decade *= 10)
         for (double lead : {1.0, 2.0, 5.0}) {
             const double v = lead * decade;
-            if ((few || lead == 1) && v >= scale.lowLux * (1 - 1e-9) && v <= scale.highLux * (1 + 1e-9))
+            if ((few || lead == 1 || is(v, scale.lowLux) || is(v, scale.highLux)) &&
+                v >= scale.lowLux * (1 - 1e-6) && v <= scale.highLux * (1 + 1e-6))
                 values.push_back(v);
         }
     return values;
@@ -42,20 +44,38 @@ std::string legendNumber(double lux) {
     return lux >= 1000 ? fmt::format("{:.3g}k", lux / 1000) : fmt::format("{:.3g}", lux);
 }
 
-FalseScale falseScale(const Tone& tone, std::span<const float> lux) {
-    std::vector<float> positive;
-    for (float value : lux)
-        if (value > 0) positive.push_back(value);
-    std::sort(positive.begin(), positive.end());
+std::string belowScale(const FalseScale& scale) {
+    return "< " + legendNumber(scale.lowLux);
+}
+
+FalseScale scaleHolding(std::vector<double> lux) {
+    std::erase_if(lux, [](double v) { return !(v > 0); });
+    std::sort(lux.begin(), lux.end());
+    // Rounded outwards: of a few values the scale holds each.
     const auto quantile = [&](double q) {
-        return positive.empty()
-                   ? 100.0
-                   : double{positive[static_cast<size_t>(q * static_cast<double>(positive.size() - 1))]};
+        const double rank = q * (static_cast<double>(lux.size()) - 1);
+        return lux.empty() ? 100.0 : lux[static_cast<size_t>(q < 0.5 ? std::floor(rank) : std::ceil(rank))];
+    };
+    // From and to the next of 1, 2, 5 times a power of ten.
+    const auto step = [](double v, bool up) {
+        const double decade = std::pow(10, std::floor(std::log10(v) + 1e-9));
+        double best = up ? 10 * decade : decade;
+        for (double lead : {1.0, 2.0, 5.0})
+            if (up ? lead * decade >= v * (1 - 1e-6) && lead * decade < best : lead * decade <= v * (1 + 1e-6))
+                best = lead * decade;
+        return best;
     };
     FalseScale scale;
-    scale.lowLux = tone.lowLux.value_or(std::pow(10, std::floor(std::log10(quantile(0.02)))));
-    scale.highLux = tone.highLux.value_or(std::pow(10, std::ceil(std::log10(quantile(0.99)))));
-    scale.lowLux = std::max(scale.lowLux, 1e-3);
+    scale.lowLux = step(std::max(quantile(0.01), 0.1), false);
+    scale.highLux = step(std::max({quantile(0.995), 1.0, 5 * scale.lowLux}), true);
+    return scale;
+}
+
+FalseScale falseScale(const Tone& tone, std::span<const float> lux) {
+    FalseScale scale;
+    if (!tone.lowLux || !tone.highLux) scale = scaleHolding({lux.begin(), lux.end()});
+    scale.lowLux = std::max(tone.lowLux.value_or(scale.lowLux), 1e-3);
+    scale.highLux = tone.highLux.value_or(scale.highLux);
     if (!(scale.highLux > scale.lowLux)) scale.highLux = 10 * scale.lowLux;
     return scale;
 }
@@ -80,14 +100,15 @@ int legendUnit(int height) {
 } // namespace
 
 int legendWidth(int height) {
-    constexpr int kLeastHeight = 54; // a bar of 20 rows between "lux" and the margins
+    constexpr int kLeastHeight = 68; // a bar of 20 rows between "lux", what is below it and the margins
     return height < kLeastHeight ? 0 : 72 * legendUnit(height);
 }
 
 void drawLegend(Image8& picture, const FalseScale& scale) {
     const int size = legendUnit(picture.height), barWidth = 12 * size, margin = 10 * size;
     const int right = picture.width - margin, left = picture.width - legendWidth(picture.height);
-    const int top = margin + 14 * size, bottom = picture.height - margin;
+    const int black = picture.height - margin - 10 * size; // from here to the margin
+    const int top = margin + 14 * size, bottom = black - 4 * size;
     if (left < 0 || left == picture.width) return;
     fill(picture, left, 0, picture.width, picture.height, {24, 24, 24});
     const Lettering letters{9.0 * size, kInk};
@@ -102,14 +123,27 @@ void drawLegend(Image8& picture, const FalseScale& scale) {
             picture, right - barWidth, y, right, y + 1,
             {static_cast<uint8_t>(colour.r), static_cast<uint8_t>(colour.g), static_cast<uint8_t>(colour.b)});
     }
-    for (double lux : legendTicks(scale)) {
-        const std::string text = legendNumber(lux);
+    const auto write = [&](const std::string& text, double baseline) {
+        letters.draw(picture, right - barWidth - 5 * size - letters.width(text), baseline, text);
+    };
+    // Numbers below one another: where they have no room, those that are no powers of ten go.
+    double before = 1e9;
+    const std::vector<double> ticks = legendTicks(scale);
+    const double factor = position(1) - position(2);
+    for (double lux : ticks) {
+        const double power = std::log10(lux);
+        if (factor < 1.2 * letters.capital && std::abs(power - std::round(power)) > 1e-6) continue;
         const int y = position(lux);
-        fill(picture, right - barWidth - 3 * size, y, right - barWidth, y + size, kInk);
         const double baseline =
             std::clamp(y + 0.5 * (size + letters.capital), top + letters.capital, 1.0 * bottom);
-        letters.draw(picture, right - barWidth - 5 * size - letters.width(text), baseline, text);
+        if (baseline > before - 1.1 * letters.capital) continue;
+        before = baseline;
+        fill(picture, right - barWidth - 3 * size, y, right - barWidth, y + size, kInk);
+        write(legendNumber(lux), baseline);
     }
+    fill(picture, right - barWidth, black, right, picture.height - margin, kInk);
+    fill(picture, right - barWidth + 1, black + 1, right - 1, picture.height - margin - 1, {0, 0, 0});
+    write(belowScale(scale), picture.height - margin);
 }
 
 } // namespace heliodon::passes

@@ -392,8 +392,7 @@ Image8 FrameRenderer::preview(const compute::Lighting& light, const PreviewOptio
     Image8 picture = bytesOf(state_->drawView(light, state_->previewView(room), options.tone, false));
     if (legend) {
         picture = widened(picture, strip);
-        const io::DisplayParams params = state_->displayParams(light, options.tone);
-        drawLegend(picture, {std::pow(10.0, params.falseLow), std::pow(10.0, params.falseHigh)});
+        drawLegend(picture, falseScale(options.tone, shownLux(light)));
     }
     return picture;
 }

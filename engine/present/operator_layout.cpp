@@ -205,9 +205,14 @@ void layOutSky(OperatorControls& c, const OperatorStatus& status) {
 }
 
 void layOutLegend(const passes::FalseScale& scale) {
-    const ImVec2 at = ImGui::GetCursorScreenPos();
-    const float width = ImGui::GetContentRegionAvail().x, height = 14;
+    ImVec2 at = ImGui::GetCursorScreenPos();
+    constexpr float kBelow = 20; // black, and a gap
+    const float width = ImGui::GetContentRegionAvail().x - kBelow, height = 14;
     ImDrawList* list = ImGui::GetWindowDrawList();
+    list->AddRectFilled(at, {at.x + 14, at.y + height}, packed({0, 0, 0}));
+    list->AddRect(at, {at.x + 14, at.y + height}, ImGui::GetColorU32(kGrey));
+    list->AddText({at.x + 3, at.y + height + 3}, ImGui::GetColorU32(kGrey), "<");
+    at.x += kBelow;
     constexpr int kSteps = 64;
     for (int i = 0; i < kSteps; ++i) {
         const glm::vec3 c = passes::viridis((i + 0.5) / kSteps);

@@ -104,6 +104,29 @@ TEST(Golden, walls_of_glass_that_overlap_are_as_one) {
     EXPECT_EQ(one.preview(scene.light, options).rgb, overlapping.preview(scene.light, options).rgb);
 }
 
+// Darkness is not the scale's lowest colour.
+TEST(Golden, what_lies_below_the_scale_is_black) {
+    const test::SketchScene scene = test::sketchScene(6);
+    FrameRenderer renderer(test::device(), scene.mesh, scene.occluders, nullptr);
+    compute::Lighting night = scene.light;
+    night.sunDirection = glm::dvec3(0);
+    std::fill(night.exitance.begin(), night.exitance.end(), glm::vec3(0));
+    PreviewOptions options;
+    options.width = 160;
+    options.height = 120;
+    options.tone.map = ToneMap::falseColour;
+    options.tone.legend = false;
+    const Image8 picture = renderer.preview(night, options);
+    int black = 0;
+    for (int y = 0; y < picture.height; ++y)
+        for (int x = 0; x < picture.width; ++x) {
+            const uint8_t* p = picture.pixel(x, y);
+            black += p[0] == 0 && p[1] == 0 && p[2] == 0;
+            EXPECT_FALSE(p[0] == 68 && p[1] == 1 && p[2] == 84) << x << ' ' << y; // viridis at 0
+        }
+    EXPECT_GT(black, 1000);
+}
+
 // Walls are drawn as on glass, over whatever lies behind them: also over nothing, beyond a small table's
 // edge.
 TEST(Golden, tops_of_walls_show_against_the_background) {

@@ -95,16 +95,20 @@ TEST(FalseColour, the_scale_grows_lighter_all_along) {
     }
 }
 
-TEST(FalseColour, open_ends_take_decades_and_stated_ends_are_kept) {
+TEST(FalseColour, open_ends_take_steps_of_1_2_5_and_stated_ends_are_kept) {
     const std::vector<float> lux{0, 30, 200, 4000};
     const FalseScale scale = falseScale({}, lux);
-    EXPECT_DOUBLE_EQ(scale.lowLux, 10);
-    EXPECT_DOUBLE_EQ(scale.highLux, 1000); // one value in four is not worth a decade
+    EXPECT_NEAR(scale.lowLux, 20, 1e-9);
+    EXPECT_NEAR(scale.highLux, 5000, 1e-6);
     Tone tone;
     tone.highLux = 500;
-    EXPECT_DOUBLE_EQ(falseScale(tone, lux).lowLux, 10);
+    EXPECT_NEAR(falseScale(tone, lux).lowLux, 20, 1e-9);
     EXPECT_DOUBLE_EQ(falseScale(tone, lux).highLux, 500);
     EXPECT_GT(falseScale({}, {}).highLux, falseScale({}, {}).lowLux); // night: still a scale
+    const std::vector<double> wide = legendTicks({5, 20000});
+    EXPECT_EQ(wide.front(), 5); // both ends are told, however far apart
+    EXPECT_NEAR(wide.back(), 20000, 1e-6);
+    EXPECT_EQ(wide.size(), 6u);
 }
 
 TEST(FalseColour, the_legend_shows_both_ends_of_the_scale) {
@@ -121,6 +125,7 @@ TEST(FalseColour, the_legend_shows_both_ends_of_the_scale) {
     };
     EXPECT_TRUE(has(viridis(0)));
     EXPECT_TRUE(has(viridis(1)));
+    EXPECT_TRUE(has(glm::vec3(0))); // below the scale
     EXPECT_EQ(picture.pixel(10, 150)[0], 128); // the rest of the picture is left alone
     Image8 tiny{3, 3, std::vector<uint8_t>(27, 9)};
     drawLegend(tiny, {}); // no room: nothing happens
