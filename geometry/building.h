@@ -45,7 +45,7 @@ struct Building {
     uint32_t roomCount = 0;
     Occluders occluders;
     std::vector<std::string> repairs;  // what importModel mended, one sentence each
-    std::vector<std::string> warnings; // the same, where it was guessed what is air: not among the repairs
+    std::vector<std::string> warnings; // the same, where it was guessed what was meant: not among the repairs
     double northDeg = 90; // direction of north in the plan, degrees counter-clockwise from +x seen from above
                           // (x right, -z up)
 };

@@ -103,6 +103,10 @@ public:
                                 material.name, assumed));
             }
             checkMaterial(material, out_.file, fmt::format("materials[{}]", i));
+            const double opacity = in_.materials[i].pbrMetallicRoughness.baseColorFactor.at(3);
+            if (in_.materials[i].alphaMode == "BLEND" && opacity < 1 && !material.isOpening())
+                out_.doubts[static_cast<uint32_t>(i)] =
+                    seeThroughButOpaque(material.name, opacity, "KHR_materials_transmission");
             out_.materials.push_back(std::move(material));
         }
         const auto scene = static_cast<size_t>(std::max(in_.defaultScene, 0));

@@ -80,6 +80,8 @@ private:
     Building done() {
         building_.northDeg = model_.northDeg;
         building_.repairs.insert(building_.repairs.end(), model_.assumed.begin(), model_.assumed.end());
+        for (const auto& [material, doubt] : model_.doubts)
+            if (std::ranges::count(model_.material, material) > 0) building_.warnings.push_back(doubt);
         return std::move(building_);
     }
 
@@ -241,13 +243,13 @@ private:
         return std::ranges::all_of(loop, [&](uint32_t corner) {
             const glm::dvec3 p = building_.vertices[corner];
             bool in = false;
-            const auto& outline = face.loops[0];
-            for (size_t i = 0; i < outline.size(); ++i) {
-                const glm::dvec3 a = building_.vertices[outline[i]],
-                                 b = building_.vertices[outline[(i + 1) % outline.size()]];
-                if (outline[i] == corner) return false;
-                if (rayCrosses({p[u], p[v]}, {a[u], a[v]}, {b[u], b[v]})) in = !in;
-            }
+            for (const auto& border : face.loops) // a hole's corners are not inside either
+                for (size_t i = 0; i < border.size(); ++i) {
+                    const glm::dvec3 a = building_.vertices[border[i]],
+                                     b = building_.vertices[border[(i + 1) % border.size()]];
+                    if (border[i] == corner) return false;
+                    if (rayCrosses({p[u], p[v]}, {a[u], a[v]}, {b[u], b[v]})) in = !in;
+                }
             return in;
         });
     }

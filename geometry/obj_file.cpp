@@ -90,20 +90,37 @@ struct MaterialDraft {
     Material material;
     std::string place;
     bool hasKd = false;
+    double opacity = 1;
 };
 
 void finishMaterial(const MaterialDraft& draft, const std::string& file, RawModel& model,
                     MaterialIndex& index) {
     Material material = draft.material;
     const bool active = material.isOpening() || material.exitance != glm::vec3(0);
-    if (!draft.hasKd && !active) material.reflectance = glm::vec3(0.5f);
+    if (!draft.hasKd && !active) {
+        material.reflectance = glm::vec3(0.5f);
+        model.assumed.push_back(
+            fmt::format("material \"{}\" has no Kd: a reflectance of 0.5 was assumed", material.name));
+    }
     checkMaterial(material, file, draft.place);
     if (material.blind != Blind{} && !material.isOpening())
         throw InputError(
             file, draft.place,
             fmt::format("material \"{}\" has blinds but lets no light through (Tf)", material.name));
-    index[material.name] = static_cast<uint32_t>(model.materials.size());
+    const auto number = static_cast<uint32_t>(model.materials.size());
+    if (draft.opacity < 1 && !material.isOpening())
+        model.doubts[number] = seeThroughButOpaque(material.name, draft.opacity, "transmittance (Tf)");
+    index[material.name] = number;
     model.materials.push_back(std::move(material));
+}
+
+// "d 0.4", "d -halo 0.4"; "Tr 0.6" is what is let through. 1 where it is no number.
+double readOpacity(bool through, Lines& lines) {
+    std::string_view word = lines.word();
+    if (word == "-halo") word = lines.word();
+    double value = through ? 0 : 1;
+    std::from_chars(word.data(), word.data() + word.size(), value);
+    return through ? 1 - value : value;
 }
 
 glm::vec3 readRgb(Lines& lines) {
@@ -136,6 +153,8 @@ void readMtl(const std::filesystem::path& file, RawModel& model, MaterialIndex& 
             draft->material.exitance = readRgb(lines);
         } else if (key == "Ni") {
             draft->material.refractiveIndex = static_cast<float>(lines.number("a refractive index"));
+        } else if ((key == "d" || key == "Tr") && draft) {
+            draft->opacity = readOpacity(key == "Tr", lines);
         } else if (key == "blinds") {
             try {
                 draft->material.blind = parseBlind(lines.remainder());

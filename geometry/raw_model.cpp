@@ -54,6 +54,11 @@ std::vector<std::vector<uint32_t>> RawModel::loops(size_t i) const {
     return loops;
 }
 
+std::string seeThroughButOpaque(const std::string& material, double opacity, const char* transmittance) {
+    return fmt::format("material \"{}\" is see-through (opacity {}) but has no {}: it was taken as opaque",
+                       material, opacity, transmittance);
+}
+
 void checkMaterial(const Material& material, const std::string& file, const std::string& place) {
     const auto fail = [&](const std::string& what) {
         throw InputError(file, place, fmt::format("material \"{}\": {}", material.name, what));

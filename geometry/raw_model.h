@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -29,8 +30,9 @@ struct RawModel {
     std::vector<std::string> source; // per group: "" in an .obj, "meshes[0].primitives[1]" in a glTF
     std::vector<Material>
         materials; // checked: finite, reflectance in [0, 1), reflectance + transmittance at most 1
-    double northDeg = kModelNorthDeg; // direction of north, as Building has it
-    std::vector<std::string> assumed; // what the file does not say, one sentence each
+    double northDeg = kModelNorthDeg;       // direction of north, as Building has it
+    std::vector<std::string> assumed;       // what the file does not say, one sentence each
+    std::map<uint32_t, std::string> doubts; // by material: what may have been meant otherwise, one sentence
 
     size_t faceCount() const { return firstCorner.size() - 1; }
     std::span<const uint32_t> face(size_t i) const {
@@ -49,6 +51,10 @@ RawModel readGltf(const std::filesystem::path& file);
 // By extension; throws InputError for others, for a model without faces, and for one that names a face with a
 // corner more than 1e7 m from the origin along an axis.
 RawModel readRawModel(const std::filesystem::path& file);
+
+// Of a material that is see-through, so that `opacity` of what is behind it is hidden, but transmits nothing:
+// glass may be meant, and is not made of it, for how much light passes at what angle is not known.
+std::string seeThroughButOpaque(const std::string& material, double opacity, const char* transmittance);
 
 // Throws InputError(file, place, ...) unless the material's values are physical.
 void checkMaterial(const Material& material, const std::string& file, const std::string& place);

@@ -182,6 +182,11 @@ TEST(GltfScene, a_material_without_colour_gets_what_it_gets_in_an_obj_and_one_of
         ASSERT_EQ(building.repairs.size(), 1u);
         EXPECT_NE(building.repairs[0].find("\"bare\" has no baseColorFactor"), std::string::npos);
     }
+    scene["materials"] = json::parse(
+        R"([{"name":"pane","alphaMode":"BLEND","pbrMetallicRoughness":{"baseColorFactor":[0.2,0.3,0.4,0.25]}}])");
+    const std::vector<std::string> warnings = importModel(written(scene)).warnings;
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_NE(warnings[0].find("\"pane\" is see-through (opacity 0.25)"), std::string::npos) << warnings[0];
     scene["materials"] = json::parse(R"([{"emissiveFactor":[1,1,1]}])");
     const Building lamp = importModel(written(scene));
     EXPECT_EQ(lamp.materials[lamp.faces[0].material].reflectance, glm::vec3(0));

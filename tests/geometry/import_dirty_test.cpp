@@ -5,6 +5,7 @@
 #include <random>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
@@ -366,6 +367,37 @@ TEST(DirtyModel, polygons_that_run_to_their_holes_and_back_have_holes) {
         if (f % 6 > 1) faces.push_back(model.faces[f]);
     model.faces = faces;
     expectRooms(model, 1, 3 * (36 - 4));
+}
+
+// A wall that runs to the hole for its window and back, and the pane in it.
+Building roomWithPane(const std::string& pane) {
+    Polygons model = room();
+    for (const glm::dvec3 v : {glm::dvec3(1, 1, 0), {3, 1, 0}, {3, 2, 0}, {1, 2, 0}})
+        model.vertices.push_back(v);
+    model.faces[2] = {1, 3, 2, 0, 1, 8, 11, 10, 9, 8}; // at z = 0
+    const std::string file = written(model), folder = testing::TempDir();
+    std::ofstream(file, std::ios::app) << "mtllib pane.mtl\nusemtl pane\nf 9 10 11 12\n";
+    std::ofstream(folder + "pane.mtl") << "newmtl unused\nd 0.3\nnewmtl pane\n" << pane;
+    return importModel(file);
+}
+
+TEST(DirtyModel, a_pane_in_a_hole_is_a_window_and_see_through_without_transmittance_is_named) {
+    const Building window = roomWithPane("Kd 0 0 0\nd 0.2\nTf 0.8 0.8 0.8\n");
+    EXPECT_TRUE(window.warnings.empty());
+    EXPECT_EQ(std::ranges::count_if(window.faces,
+                                    [&](const Face& f) { return window.materials[f.material].isOpening(); }),
+              1);
+    for (const char* pane :
+         {"Kd 0.6 0.7 0.8\nd 0.4\n", "Kd 0.6 0.7 0.8\nTr 0.6\n", "Kd .1 .1 .1\nd -halo .4\n"}) {
+        const Building opaque = roomWithPane(pane);
+        ASSERT_EQ(opaque.warnings.size(), 1u) << pane;
+        EXPECT_NE(opaque.warnings[0].find("\"pane\" is see-through (opacity 0.4)"), std::string::npos)
+            << opaque.warnings[0];
+    }
+    EXPECT_TRUE(roomWithPane("Kd 0.5 0.5 0.5\nd 1\n").warnings.empty());
+    const std::vector<std::string> repairs = roomWithPane("map_Kd tiles.png\n").repairs;
+    EXPECT_EQ(std::ranges::count(repairs, "material \"pane\" has no Kd: a reflectance of 0.5 was assumed"), 1)
+        << fmt::format("{}", fmt::join(repairs, "; "));
 }
 
 TEST(DirtyModel, the_outside_of_walls_with_a_thickness_is_no_room) {
