@@ -28,7 +28,7 @@ struct Bvh {
     uint32_t nodeCount = 0; // of one octant's order
     gpu::Buffer nodes;      // uvec4 texels, two a node; octant after octant
     gpu::Buffer triangles;  // uvec4 texels, three a triangle: corner, patch | edge, room | other
-                            // edge, 1 / twice the area
+                            // edge, 1 / (twice the area, and more of slivers: heightScale)
 };
 
 // Patches as fans of triangles.

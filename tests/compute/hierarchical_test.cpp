@@ -265,6 +265,26 @@ TEST(Hierarchical, few_large_patches_in_the_open_keep_the_error_claimed) {
 }
 
 // Float32 sums of a few hundred terms against the same links in double precision.
+// Heights over a needle are rounded far more than its area tells: its own rays must not find it in their way.
+TEST(Hierarchical, needles_do_not_stand_in_their_own_light) {
+    std::vector<std::vector<glm::dvec3>> faces;
+    const geometry::PatchMesh room = test::boxRoom({.cells = {1, 1, 1}});
+    for (size_t i = 0; i < room.patchCount(); ++i) {
+        faces.emplace_back();
+        for (uint32_t corner : room.patch(i)) faces.back().push_back(room.vertices[corner]);
+    }
+    faces.push_back({{1.1, 0.4, 1.3}, {1.7, 1.1, 1.7}, {1.34, 0.69, 1.455}}); // 1 m by 1 cm
+    faces.emplace_back(faces.back().rbegin(), faces.back().rend());
+    const HierarchicalFormFactors F(test::device(), test::polygons(faces), {.maxError = 2e-3});
+    const size_t n = faces.size();
+    const std::vector<float> values = dense(F);
+    for (size_t i = 0; i < n; ++i) {
+        double sum = 0;
+        for (size_t j = 0; j < n; ++j) sum += double{values[i * n + j]};
+        EXPECT_NEAR(sum, 1, kSumOverRow * 2e-3) << "row " << i;
+    }
+}
+
 TEST(Hierarchical, a_gather_is_the_product_with_its_rows) {
     for (bool triangles : {true, false}) {
         test::BoxRoom box;
