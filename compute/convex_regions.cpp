@@ -290,18 +290,6 @@ void mergePlane(const geometry::PatchMesh& mesh, const Plane& plane, double flat
         }
 }
 
-bool pierces(const dvec3& a, const dvec3& b, const ConvexRegion& region, const dvec3& normal, double flat) {
-    const double ha = glm::dot(a - region.corners[0], normal), hb = glm::dot(b - region.corners[0], normal);
-    if (!((ha > flat && hb < -flat) || (ha < -flat && hb > flat))) return false;
-    const dvec3 x = a + ha / (ha - hb) * (b - a);
-    for (size_t k = 0; k < region.corners.size(); ++k) {
-        const dvec3 edge = region.corners[(k + 1) % region.corners.size()] - region.corners[k];
-        if (glm::dot(glm::cross(edge, x - region.corners[k]), normal) <= flat * glm::length(edge))
-            return false;
-    }
-    return true;
-}
-
 } // namespace
 
 std::vector<uint32_t> planeNumbers(const geometry::PatchMesh& mesh) {
@@ -345,37 +333,6 @@ std::vector<ConvexRegion> mergedRegions(const geometry::PatchMesh& mesh, std::sp
         for (const auto& [id, part] : byGroup) mergePlane(mesh, part, 1e-9 * size, maxCorners, id, regions);
     }
     return regions;
-}
-
-bool isClosedSolid(const geometry::PatchMesh& mesh, const std::vector<ConvexRegion>& regions) {
-    // Checking for intersections costs edges x regions; beyond this it would cost more than it saves.
-    if (static_cast<double>(mesh.corners.size()) * static_cast<double>(regions.size()) > 2e7) return false;
-    const auto key = [](const dvec3& p) { return std::array<double, 3>{p.x, p.y, p.z}; };
-    std::map<std::array<double, 3>, uint32_t> welded;
-    std::vector<uint32_t> id;
-    for (const dvec3& p : mesh.vertices)
-        id.push_back(welded.try_emplace(key(p), static_cast<uint32_t>(welded.size())).first->second);
-    std::set<std::array<uint32_t, 3>> edges;
-    for (size_t i = 0; i < mesh.patchCount(); ++i)
-        for (size_t k = 0; k < mesh.patch(i).size(); ++k) {
-            const uint32_t a = id[mesh.patch(i)[k]], b = id[mesh.patch(i)[(k + 1) % mesh.patch(i).size()]];
-            if (!edges.insert({mesh.room[i], a, b}).second) return false;
-        }
-    for (const auto& [room, a, b] : edges)
-        if (!edges.count({room, b, a})) return false;
-    const double flat = 1e-8 * sizeOf(mesh);
-    for (const ConvexRegion& region : regions) {
-        const dvec3 normal = glm::normalize(geometry::areaVector(region.corners));
-        for (size_t i = 0; i < mesh.patchCount(); ++i) {
-            if (mesh.room[i] != region.room) continue;
-            const auto corner = mesh.patch(i);
-            for (size_t k = 0; k < corner.size(); ++k)
-                if (pierces(mesh.vertices[corner[k]], mesh.vertices[corner[(k + 1) % corner.size()]], region,
-                            normal, flat))
-                    return false;
-        }
-    }
-    return true;
 }
 
 } // namespace heliodon::compute

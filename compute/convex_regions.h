@@ -41,8 +41,4 @@ constexpr uint32_t kNoGroup = UINT32_MAX;
 std::vector<ConvexRegion> mergedRegions(const geometry::PatchMesh& mesh, std::span<const uint32_t> group,
                                         uint32_t maxCorners);
 
-// Whether each room's patches form closed surfaces (every edge used once in either direction) that do not
-// pass through one another, so that whoever stands in front of a patch meets a front first.
-bool isClosedSolid(const geometry::PatchMesh& mesh, const std::vector<ConvexRegion>& regions);
-
 } // namespace heliodon::compute

@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec4.hpp>
 
+#include "compute/closed_solid.h"
 #include "compute/convex_regions.h"
 #include "compute/exact_clusters.h"
 #include "compute/gpu/device.h"

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "compute/convex_regions.h"
+#include "compute/closed_solid.h"
 #include "compute/exact_form_factors.h"
 #include "compute/gpu/device.h"
 #include "compute/hemicube.h"

@@ -208,6 +208,25 @@ TEST(ExactFormFactors, large_patches_beside_narrow_slots_keep_the_error_asked) {
     EXPECT_GE(within, kRows * n * 995 / 1000);
 }
 
+// What the floor has beneath the box is inside it: nothing of the room may reach there past the box's backs.
+TEST(ExactFormFactors, a_floor_that_goes_on_beneath_a_box_sees_the_room_beside_it_only) {
+    geometry::PatchMesh mesh = test::boxRoom({.low = {0, 0, 0}, .high = {4, 2, 4}, .cells = {1, 1, 2}});
+    const size_t room = mesh.corners.size();
+    test::addBox(mesh, {.low = {1.2, 0, 0.7}, .high = {2.1, 0.8, 1.9}, .cells = {1, 1, 1}});
+    std::reverse(mesh.corners.begin() + static_cast<long>(room), mesh.corners.end());
+    const size_t n = mesh.patchCount();
+    const auto F =
+        exactFormFactors(test::device(), mesh, {.maxError = 1e-4}).factors.values.download<float>(n * n);
+    const reference::FormFactorRows oracle(mesh);
+    for (size_t i = 0; i < n; ++i) {
+        if (std::abs(geometry::patchNormal(mesh, i).y) < 0.9) continue;
+        const auto row = oracle.row(i, 1e-6, 100).factors;
+        double squares = 0;
+        for (size_t j = 0; j < n; ++j) squares += std::pow(double{F[i * n + j]} - row[j], 2);
+        EXPECT_LT(std::sqrt(squares), 3e-4) << "row " << i; // 3 times what was asked on the mean of rows
+    }
+}
+
 TEST(ExactFormFactors, same_input_gives_the_same_bits) {
     const geometry::PatchMesh mesh =
         geometry::readPatches(HELIODON_TEST_DATA "/geometry/models/room3_672.obj");

@@ -1,0 +1,51 @@
+#include "compute/closed_solid.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "tests/compute/rooms.h"
+
+namespace heliodon::compute {
+namespace {
+
+using glm::dvec3;
+
+// A room of 4 x 3 x 5 m and solid boxes in it, faces looking outwards.
+geometry::PatchMesh roomWith(const std::vector<std::array<dvec3, 2>>& boxes) {
+    geometry::PatchMesh mesh = test::boxRoom({});
+    const size_t room = mesh.corners.size();
+    for (const auto& [low, high] : boxes) test::addBox(mesh, {.low = low, .high = high, .cells = {2, 2, 2}});
+    std::reverse(mesh.corners.begin() + static_cast<long>(room), mesh.corners.end());
+    return mesh;
+}
+
+bool isClosed(const geometry::PatchMesh& mesh) {
+    return isClosedSolid(mesh, blockingRegions(mesh, 8));
+}
+
+TEST(ClosedSolid, boxes_that_stand_free_in_a_room_leave_it_one) {
+    EXPECT_TRUE(isClosed(test::boxRoom({})));
+    EXPECT_TRUE(isClosed(roomWith({{{{1, 1, 1}, {2, 2, 2}}}, {{{2.5, 1e-4, 1}, {3, 1, 2}}}})));
+}
+
+TEST(ClosedSolid, what_a_box_stands_on_lies_inside_it) {
+    EXPECT_FALSE(isClosed(roomWith({{{{1.1, 0, 1.1}, {2, 1, 2}}}}))); // on the floor
+    EXPECT_FALSE(
+        isClosed(roomWith({{{{1, 1, 1}, {2, 2, 2}}}, {{{1.5, 2, 1.5}, {3, 2.5, 2}}}}))); // on another
+}
+
+TEST(ClosedSolid, solids_in_solids_and_solids_that_cross_are_none) {
+    EXPECT_FALSE(isClosed(roomWith({{{{1, 1, 1}, {3, 2, 3}}}, {{{1.5, 1.2, 1.5}, {2, 1.5, 2}}}})));
+    EXPECT_FALSE(isClosed(roomWith({{{{1, 1, 1}, {2, 2, 2}}}, {{{1.5, 1.5, 1.2}, {3, 2.5, 1.7}}}})));
+}
+
+TEST(ClosedSolid, both_sides_of_a_sheet_without_thickness_are_a_solid) {
+    std::vector<std::vector<dvec3>> faces{{{1, 1, 1}, {2, 1, 1}, {2, 1.3, 2}, {1, 1.3, 2}}};
+    EXPECT_FALSE(isClosed(test::polygons(faces)));
+    faces.emplace_back(faces[0].rbegin(), faces[0].rend());
+    EXPECT_TRUE(isClosed(test::polygons(faces)));
+}
+
+} // namespace
+} // namespace heliodon::compute
