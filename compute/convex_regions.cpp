@@ -246,17 +246,73 @@ std::vector<Plane> planesOf(const geometry::PatchMesh& mesh, double size) {
     return result;
 }
 
-bool separates(const geometry::PatchMesh& mesh, const Plane& plane, uint32_t room, double flat) {
-    bool front = false, back = false;
-    for (size_t i = 0; i < mesh.patchCount() && !(front && back); ++i) {
-        if (mesh.room[i] != room) continue;
-        for (uint32_t corner : mesh.patch(i)) {
-            const double h = glm::dot(mesh.vertices[corner] - plane.origin, plane.normal);
-            front = front || h > flat;
-            back = back || h < -flat;
-        }
+// Points in a tree of boxes: whether any lies beyond a plane is found without asking them all, which no plane
+// of a round room, all of it on one side, would be spared.
+class PointTree {
+public:
+    explicit PointTree(std::vector<dvec3> points) : points_(std::move(points)) {
+        if (!points_.empty()) add(0, static_cast<uint32_t>(points_.size()));
     }
-    return front && back;
+
+    // Farther than `least` along `normal` from `origin`.
+    bool reaches(const dvec3& origin, const dvec3& normal, double least) const {
+        return !points_.empty() && reaches(0, origin, normal, least);
+    }
+
+private:
+    static constexpr uint32_t kLeaf = 16;
+
+    struct Node {
+        geometry::Bounds box;
+        uint32_t first = 0, end = 0; // of the points
+        uint32_t second = 0;         // the first child comes next; no children: 0
+    };
+
+    void add(uint32_t first, uint32_t end) {
+        const size_t at = nodes_.size();
+        const geometry::Bounds box = geometry::boundsOf(std::span(points_).subspan(first, end - first));
+        nodes_.push_back({box, first, end, 0});
+        if (end - first <= kLeaf) return;
+        const dvec3 extent = box.high - box.low;
+        const int axis = extent.x >= std::max(extent.y, extent.z) ? 0 : extent.y >= extent.z ? 1 : 2;
+        const uint32_t middle = first + (end - first) / 2;
+        std::nth_element(points_.begin() + first, points_.begin() + middle, points_.begin() + end,
+                         [axis](const dvec3& a, const dvec3& b) { return a[axis] < b[axis]; });
+        add(first, middle);
+        nodes_[at].second = static_cast<uint32_t>(nodes_.size());
+        add(middle, end);
+    }
+
+    bool reaches(uint32_t at, const dvec3& origin, const dvec3& normal, double least) const {
+        const Node& node = nodes_[at];
+        const auto beyond = [&](const dvec3& p) { return glm::dot(p - origin, normal) > least; };
+        dvec3 farthest;
+        for (int k = 0; k < 3; ++k) farthest[k] = normal[k] > 0 ? node.box.high[k] : node.box.low[k];
+        if (!beyond(farthest)) return false;
+        if (node.second == 0)
+            return std::any_of(points_.begin() + node.first, points_.begin() + node.end, beyond);
+        return reaches(at + 1, origin, normal, least) || reaches(node.second, origin, normal, least);
+    }
+
+    std::vector<dvec3> points_;
+    std::vector<Node> nodes_;
+};
+
+std::map<uint32_t, PointTree> cornersOfRooms(const geometry::PatchMesh& mesh) {
+    std::map<uint32_t, std::vector<uint32_t>> corners;
+    for (size_t i = 0; i < mesh.patchCount(); ++i) {
+        const auto patch = mesh.patch(i);
+        corners[mesh.room[i]].insert(corners[mesh.room[i]].end(), patch.begin(), patch.end());
+    }
+    std::map<uint32_t, PointTree> result;
+    for (auto& [room, of] : corners) {
+        std::sort(of.begin(), of.end());
+        of.erase(std::unique(of.begin(), of.end()), of.end());
+        std::vector<dvec3> points;
+        for (uint32_t corner : of) points.push_back(mesh.vertices[corner]);
+        result.emplace(room, PointTree(std::move(points)));
+    }
+    return result;
 }
 
 // The plane's patches as convex regions.
@@ -304,10 +360,13 @@ std::vector<uint32_t> planeNumbers(const geometry::PatchMesh& mesh) {
 
 BlockingPlanes blockingPlanes(const geometry::PatchMesh& mesh, uint32_t maxCorners) {
     const double size = sizeOf(mesh);
+    const std::map<uint32_t, PointTree> corners = cornersOfRooms(mesh);
     BlockingPlanes result;
     for (const Plane& plane : planesOf(mesh, size)) {
         ++result.planes;
-        if (separates(mesh, plane, mesh.room[plane.patches[0]], kSamePlane * size))
+        const PointTree& room = corners.at(mesh.room[plane.patches[0]]);
+        if (room.reaches(plane.origin, plane.normal, kSamePlane * size) &&
+            room.reaches(plane.origin, -plane.normal, kSamePlane * size))
             mergePlane(mesh, plane, 1e-9 * size, maxCorners, 0, result.regions);
     }
     return result;

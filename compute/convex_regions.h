@@ -28,7 +28,7 @@ std::vector<uint32_t> planeNumbers(const geometry::PatchMesh& mesh);
 
 // Covers the patches of each plane and room; regions that cannot stand between any two points of their room
 // (all of it on one side) are left out. At most `maxCorners` corners each (at least 4). Where patches of one
-// plane overlap, each is its own region. Cost about n log n for meshed walls, n m in the number m of planes.
+// plane overlap, each is its own region. Cost about n log n.
 struct BlockingPlanes {
     std::vector<ConvexRegion> regions;
     uint32_t planes = 0; // of all patches, whether they block or not

@@ -1,10 +1,14 @@
 #include "compute/convex_regions.h"
 
+#include <cmath>
 #include <functional>
+#include <numbers>
 #include <random>
 
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
+
+#include "tests/compute/rooms.h"
 
 namespace heliodon::compute {
 namespace {
@@ -88,6 +92,30 @@ TEST(ConvexRegions, a_wall_is_few_polygons_however_it_is_meshed) {
                 EXPECT_EQ(regions.size(), c.regions) << c.name << " " << jitter << " " << seed;
                 EXPECT_NEAR(area, c.area, 1e-5) << c.name << " " << jitter << " " << seed;
             }
+}
+
+// A dome over a round floor; every facet has the whole room on one side until a plate hangs in it.
+TEST(ConvexRegions, planes_block_that_have_some_of_their_room_on_both_sides) {
+    constexpr uint32_t kRings = 60, kSides = 240;
+    std::vector<std::vector<dvec3>> faces;
+    const auto at = [](uint32_t ring, uint32_t side) {
+        const double up = 0.5 * std::numbers::pi * ring / kRings,
+                     round = 2 * std::numbers::pi * (side % kSides) / kSides;
+        return 3.0 * dvec3(std::cos(up) * std::cos(round), std::sin(up), std::cos(up) * std::sin(round));
+    };
+    for (uint32_t ring = 0; ring < kRings; ++ring)
+        for (uint32_t side = 0; side < kSides; ++side) {
+            faces.push_back({at(ring, side), at(ring, side + 1), at(ring + 1, side)});
+            if (ring + 1 < kRings)
+                faces.push_back({at(ring, side + 1), at(ring + 1, side + 1), at(ring + 1, side)});
+        }
+    for (uint32_t side = 0; side < kSides; ++side)
+        faces.push_back({dvec3(0), at(0, side + 1), at(0, side)});
+    EXPECT_TRUE(blockingPlanes(test::polygons(faces), 8).regions.empty());
+    faces.push_back({{-1, 1, -1}, {-1, 1, 1}, {1, 1, 1}, {1, 1, -1}});
+    const BlockingPlanes found = blockingPlanes(test::polygons(faces), 8);
+    ASSERT_EQ(found.regions.size(), 1u);
+    EXPECT_NEAR(areaOf(found.regions[0]), 4, 1e-9);
 }
 
 } // namespace
