@@ -128,7 +128,8 @@ void FrameSink::addToFilms(std::vector<passes::Image8>&& pictures) {
         film(v, pictures[v].width, pictures[v].height).add(std::move(pictures[v].rgb));
 }
 
-void FrameSink::add(size_t frame, std::vector<passes::Image8> pictures, std::vector<passes::ImageF> linear) {
+void FrameSink::add(size_t frame, std::vector<passes::Image8> pictures, std::vector<passes::ImageF> linear,
+                    passes::ExrAttributes attributes) {
     throwFailure();
     if (folder_.empty()) {
         addToFilms(std::move(pictures));
@@ -138,8 +139,9 @@ void FrameSink::add(size_t frame, std::vector<passes::Image8> pictures, std::vec
     // std::function copies what it holds; the pictures are many megabytes.
     const auto shared = std::make_shared<std::vector<passes::Image8>>(std::move(pictures));
     const auto floats = std::make_shared<std::vector<passes::ImageF>>(std::move(linear));
-    writing_.push([this, frame, shared, floats] {
-        for (size_t v = 0; v < floats->size(); ++v) passes::writeExr((*floats)[v], picture(v, frame, ".exr"));
+    writing_.push([this, frame, shared, floats, attributes = std::move(attributes)] {
+        for (size_t v = 0; v < floats->size(); ++v)
+            passes::writeExr((*floats)[v], picture(v, frame, ".exr"), attributes);
         for (size_t v = 0; v < shared->size(); ++v) passes::writePng((*shared)[v], picture(v, frame, ".png"));
     });
 }

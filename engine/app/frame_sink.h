@@ -15,6 +15,7 @@
 #include "engine/app/film.h"
 #include "engine/app/frame_job.h"
 #include "engine/app/output_folder.h"
+#include "engine/passes/image_file.h"
 #include "engine/passes/picture.h"
 
 namespace heliodon::app {
@@ -44,7 +45,8 @@ public:
     std::vector<std::filesystem::path> films() const;
 
     // In order of frames; one picture a view. Errors of the threads are thrown by the next call.
-    void add(size_t frame, std::vector<passes::Image8> pictures, std::vector<passes::ImageF> linear = {});
+    void add(size_t frame, std::vector<passes::Image8> pictures, std::vector<passes::ImageF> linear = {},
+             passes::ExrAttributes attributes = {});
     void close();
 
 private:

@@ -21,31 +21,45 @@ namespace heliodon::app {
 
 namespace {
 
-void renderPreviews(Run& run, passes::FrameRenderer& renderer, const compute::Lighting& light,
+// What one moment's pictures have in common.
+struct Shown {
+    const compute::Lighting& light;
+    const SkySource& source;
+    double whiteLux;
+};
+
+void renderPreviews(Run& run, passes::FrameRenderer& renderer, const Shown& shown,
                     const RenderArguments& arguments) {
     passes::PreviewOptions options = sized({}, arguments.picture);
     options.tone = toned(options.tone, arguments.picture, false);
+    const auto write = [&](const char* name, double white) {
+        passes::Image8 picture = renderer.preview(shown.light, options);
+        if (arguments.stamp) drawStamp(picture, stampOf(shown.source, shown.source.moment(), white));
+        passes::writePng(picture, arguments.output / name);
+    };
     const StageTimer timer(run, "render");
-    passes::writePng(renderer.preview(light, options), arguments.output / "preview.png");
+    write("preview.png", shown.whiteLux);
     if (arguments.picture.exr)
-        passes::writeExr(renderer.previewHdr(light, options), arguments.output / "preview.exr");
+        passes::writeExr(renderer.previewHdr(shown.light, options), arguments.output / "preview.exr",
+                         previewAttributes(shown.source, shown.source.moment(), shown.whiteLux));
     if (!arguments.picture.falseColor) return;
     options.tone = toned(options.tone, arguments.picture, true);
-    passes::writePng(renderer.preview(light, options), arguments.output / "false-color.png");
+    write("false-color.png", 0);
 }
 
-void renderProjectors(Run& run, passes::FrameRenderer& renderer, const compute::Lighting& light,
+void renderProjectors(Run& run, passes::FrameRenderer& renderer, const Shown& shown,
                       const RenderArguments& arguments) {
     passes::ProjectorOptions options;
     options.tone = toned(options.tone, arguments.picture, false);
     const StageTimer timer(run, "render");
-    const std::vector<passes::Image8> pictures = renderer.projectors(light, options);
+    const std::vector<passes::Image8> pictures = renderer.projectors(shown.light, options);
     for (size_t p = 0; p < pictures.size(); ++p)
         passes::writePng(pictures[p], arguments.output / fmt::format("projector-{}.png", p));
     if (!arguments.picture.exr) return;
-    const std::vector<passes::ImageF> linear = renderer.projectorsHdr(light, options);
+    const std::vector<passes::ImageF> linear = renderer.projectorsHdr(shown.light, options);
     for (size_t p = 0; p < linear.size(); ++p)
-        passes::writeExr(linear[p], arguments.output / fmt::format("projector-{}.exr", p));
+        passes::writeExr(linear[p], arguments.output / fmt::format("projector-{}.exr", p),
+                         projectorAttributes(shown.source, shown.source.moment(), shown.whiteLux));
 }
 
 std::vector<std::string> listOf(const std::string& text) {
@@ -171,18 +185,20 @@ void execute(Run& run, const RenderArguments& arguments) {
     passes::FrameRenderer renderer = makeRenderer(run, scene);
     const LightFigures figures = lightFigures(scene.mesh, moment);
     warnOfNight(run, source, figures.maxLux);
+    const Shown shown{moment.lighting, source,
+                      arguments.picture.exposure.value_or(renderer.autoWhite(moment.lighting))};
     run.report()["light"] = {
         {"mean_lux", figures.meanLux},
         {"max_lux", figures.maxLux},
         {"glare_ratio", figures.glareRatio},
-        {"white_lux", arguments.picture.exposure.value_or(renderer.autoWhite(moment.lighting))}};
+        {"white_lux", shown.whiteLux}};
     startFiles(arguments.output, "render", filesOf(arguments, scene));
-    renderPreviews(run, renderer, moment.lighting, arguments);
+    renderPreviews(run, renderer, shown, arguments);
     if (sheet) renderSheet(run, renderer, *transport, source, *sheet, arguments);
     if (scene.rig) {
         if (scene.rig->projectors.empty())
             run.warn(arguments.scene.rig.string() + ": projectors: there is none, only previews are drawn");
-        renderProjectors(run, renderer, moment.lighting, arguments);
+        renderProjectors(run, renderer, shown, arguments);
         reportReach(run, scene);
         if (isPhotograph(arguments.scene.input))
             drawReachOverlay(scene, arguments.scene.input, arguments.output / "overlay.png");

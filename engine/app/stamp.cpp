@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -53,6 +55,53 @@ void drawStamp(passes::Image8& picture, const std::vector<std::string>& words) {
 std::string sunInWords(const daylight::SunPosition& sun) {
     const double shown = std::abs(sun.altitudeDeg);
     return fmt::format("sun {:.1f}\u00B0 {}", shown, sun.altitudeDeg < 0 ? "below the horizon" : "high");
+}
+
+std::vector<std::string> stampOf(const SkySource& source, const daylight::Moment& moment, double whiteLux) {
+    const std::string white = whiteLux >= 100 ? fmt::format("; white is {:.0f} lux", whiteLux)
+                              : whiteLux > 0  ? fmt::format("; white is {:.2g} lux", whiteLux)
+                                              : "";
+    if (!source.followsTime()) return {source.skyInWords() + white};
+    return {daylight::timeInWords(moment),
+            sunInWords(source.sunAt(moment)) + ", " + source.skyInWords() + white};
+}
+
+namespace {
+
+passes::ExrAttributes attributesOf(const SkySource& source, const daylight::Moment& moment, double whiteLux) {
+    passes::ExrAttributes attributes;
+    attributes.text = {{"software", "Heliodon " HELIODON_VERSION}, {"heliodon:sky", source.skyInWords()}};
+    attributes.numbers = {{"heliodon:whiteLux", static_cast<float>(whiteLux)}};
+    if (!source.followsTime()) return attributes;
+    attributes.text.emplace_back("heliodon:time", daylight::formatTime(moment));
+    const daylight::SunPosition sun = source.sunAt(moment);
+    for (const auto& [name, value] : {std::pair("latitude", source.site().latitudeDeg),
+                                      std::pair("longitude", source.site().longitudeDeg),
+                                      std::pair("heliodon:sunAltitudeDeg", sun.altitudeDeg),
+                                      std::pair("heliodon:sunAzimuthDeg", sun.azimuthDeg)})
+        attributes.numbers.emplace_back(name, static_cast<float>(value));
+    return attributes;
+}
+
+} // namespace
+
+passes::ExrAttributes previewAttributes(const SkySource& source, const daylight::Moment& moment,
+                                        double whiteLux) {
+    passes::ExrAttributes attributes = attributesOf(source, moment, whiteLux);
+    attributes.text.emplace_back("heliodon:unit", "lux");
+    attributes.text.emplace_back("comments", "exitance of diffuse surfaces, lux per linear Rec. 709 channel; "
+                                             "luminance in cd/m2 is a pi-th; 0 where nothing is simulated");
+    attributes.numbers.emplace_back("whiteLuminance", std::numbers::inv_pi_v<float>); // of 1 lux
+    return attributes;
+}
+
+passes::ExrAttributes projectorAttributes(const SkySource& source, const daylight::Moment& moment,
+                                          double whiteLux) {
+    passes::ExrAttributes attributes = attributesOf(source, moment, whiteLux);
+    attributes.text.emplace_back("heliodon:unit", "share of full drive");
+    attributes.text.emplace_back("comments", "drive of a projector, linear per Rec. 709 channel, 1 = full, not clipped; "
+                                             "heliodon:whiteLux of simulated exitance show as white");
+    return attributes;
 }
 
 } // namespace heliodon::app

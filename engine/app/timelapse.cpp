@@ -123,7 +123,7 @@ std::vector<daylight::Sky> brightAndSpread(const SkySource& source,
 class FramePainter {
 public:
     FramePainter(Run& run, const Scene& scene, const TimelapseArguments& arguments, bool projectors)
-        : run_(run), projectors_(projectors), exr_(arguments.picture.exr), device_(run.anotherDevice()),
+        : run_(run), projectors_(projectors), exr_(arguments.picture.exr), stamp_(arguments.stamp), device_(run.anotherDevice()),
           renderer_(makeRenderer(run, scene, device_.get())), preview_(sized({}, arguments.picture)) {
         preview_.tone = toned(preview_.tone, arguments.picture, arguments.picture.falseColor);
         projector_.tone = toned(projector_.tone, arguments.picture, arguments.picture.falseColor);
@@ -145,8 +145,9 @@ public:
         return *tone.whiteLux;
     }
 
-    // Frames of the same light are drawn once. `stamp`: lines, for previews.
-    void paint(size_t frame, const Solved& solved, const std::vector<std::string>& stamp, FrameSink& sink) {
+    // Frames of the same light are drawn once.
+    void paint(size_t frame, const Solved& solved, const SkySource& source, const daylight::Moment& time,
+               FrameSink& sink) {
         if (solved != drawn_) {
             const StageTimer timer(run_, "render");
             drawn_ = solved;
@@ -159,13 +160,19 @@ public:
         }
         const StageTimer timer(run_, "hand_over"); // long where the encoder is slower than everything else
         std::vector<passes::Image8> pictures = pictures_;
-        if (!projectors_) drawStamp(pictures[0], stamp);
-        sink.add(frame, std::move(pictures), linear_);
+        const double white = *preview_.tone.whiteLux;
+        if (!projectors_ && stamp_)
+            drawStamp(pictures[0],
+                      stampOf(source, time, preview_.tone.map == passes::ToneMap::falseColour ? 0 : white));
+        sink.add(frame, std::move(pictures), linear_,
+                 !exr_         ? passes::ExrAttributes{}
+                 : projectors_ ? projectorAttributes(source, time, white)
+                               : previewAttributes(source, time, white));
     }
 
 private:
     Run& run_;
-    bool projectors_, exr_;
+    bool projectors_, exr_, stamp_;
     std::unique_ptr<gpu::Device> device_;
     passes::FrameRenderer renderer_;
     passes::PreviewOptions preview_;
@@ -197,12 +204,6 @@ std::string tableRow(const daylight::Moment& time, const daylight::SunPosition& 
                      const LightFigures& figures) {
     return fmt::format("{},{:.3f},{:.3f},{:.2f},{:.2f},{:.3f}\n", daylight::formatTime(time), sun.azimuthDeg,
                        sun.altitudeDeg, figures.meanLux, figures.maxLux, figures.glareRatio);
-}
-
-// "21 June 2026, 13:00 solar time", "sun 70.6° high, clear sky, 42.73 N 73.68 W".
-std::vector<std::string> stampOf(const SkySource& source, const daylight::Moment& time) {
-    const std::string sun = source.followsTime() ? sunInWords(source.sunAt(time)) + ", " : "";
-    return {daylight::timeInWords(time), sun + source.skyInWords()};
 }
 
 std::vector<std::string> viewsOf(const TimelapseArguments& arguments, const Scene& scene) {
@@ -290,9 +291,7 @@ void execute(Run& run, const TimelapseArguments& arguments) {
         dark += source.followsTime() && figures.maxLux <= 0;
         table += tableRow(times[frame], source.sunAt(times[frame]), figures);
         if (painter && !sink.done(frame)) {
-            painter->paint(frame, solved,
-                           arguments.stamp ? stampOf(source, times[frame]) : std::vector<std::string>{},
-                           sink);
+            painter->paint(frame, solved, source, times[frame], sink);
             ++drawn;
         }
         progress.advance(frame + 1);

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstdint>
 #include <fstream>
+#include <istream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -35,6 +36,7 @@ public:
     void text(const std::string& value) {
         bytes_.insert(bytes_.end(), value.c_str(), value.c_str() + value.size() + 1);
     }
+    void letters(const std::string& value) { bytes_.insert(bytes_.end(), value.begin(), value.end()); }
     void attribute(const std::string& name, const std::string& type, const Bytes& value) {
         text(name);
         text(type);
@@ -54,7 +56,7 @@ template<class... T> Bytes packed(const T&... values) {
     return bytes;
 }
 
-Bytes exrHeader(int32_t width, int32_t height) {
+Bytes exrHeader(int32_t width, int32_t height, const ExrAttributes& attributes) {
     Bytes channels;
     for (const char* name : {"B", "G", "R"}) { // in alphabetical order, as their samples are
         channels.text(name);
@@ -76,8 +78,30 @@ Bytes exrHeader(int32_t width, int32_t height) {
     header.attribute("pixelAspectRatio", "float", packed(1.0f));
     header.attribute("screenWindowCenter", "v2f", packed(0.0f, 0.0f));
     header.attribute("screenWindowWidth", "float", packed(1.0f));
+    header.attribute("chromaticities", "chromaticities", // Rec. 709, D65
+                     packed(0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f));
+    for (const auto& [name, words] : attributes.text) {
+        Bytes value;
+        value.letters(words);
+        header.attribute(name, "string", value);
+    }
+    for (const auto& [name, number] : attributes.numbers) header.attribute(name, "float", packed(number));
     header.add(uint8_t{0});
     return header;
+}
+
+// Bytes before the table of blocks; 0 where they do not end in the file.
+uint64_t exrHeaderSize(std::istream& in) {
+    in.seekg(8); // behind magic and version
+    std::string name, type;
+    while (std::getline(in, name, '\0') && !name.empty()) {
+        int32_t size = -1;
+        std::getline(in, type, '\0');
+        in.read(reinterpret_cast<char*>(&size), sizeof size);
+        if (!in || size < 0) return 0;
+        in.seekg(size, std::ios::cur);
+    }
+    return in ? static_cast<uint64_t>(in.tellg()) : 0;
 }
 
 // ZIP compression of OpenEXR: even bytes before odd ones, differences to the byte before, then zlib. What
@@ -102,9 +126,9 @@ void writePng(const Image8& picture, const std::filesystem::path& file) {
     geometry::writePngFile(file, picture.width, picture.height, picture.rgb.data());
 }
 
-void writeExr(const ImageF& picture, const std::filesystem::path& file) {
+void writeExr(const ImageF& picture, const std::filesystem::path& file, const ExrAttributes& attributes) {
     const auto width = static_cast<size_t>(picture.width), height = static_cast<size_t>(picture.height);
-    const Bytes header = exrHeader(picture.width, picture.height);
+    const Bytes header = exrHeader(picture.width, picture.height, attributes);
     const size_t blocks = (height + kLinesOfBlock - 1) / kLinesOfBlock;
     geometry::writeWhole(file, [&](const std::filesystem::path& path) {
         std::ofstream out(path, std::ios::binary);
@@ -157,7 +181,7 @@ bool isWholeExr(const std::filesystem::path& file) {
         in.read(reinterpret_cast<char*>(&value), sizeof value);
         return value;
     };
-    const uint64_t head = exrHeader(1, 1).size(), first = at(head, uint64_t{0}); // as long for every size
+    const uint64_t head = exrHeaderSize(in), first = head > 0 ? at(head, uint64_t{0}) : 0;
     if (!in || at(0, uint32_t{0}) != kExrMagic || first < head + 8 || first > size) return false;
     const uint64_t last = at(first - 8, uint64_t{0});
     if (last < first || last > size) return false;

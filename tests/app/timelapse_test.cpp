@@ -265,6 +265,10 @@ TEST_F(Timelapse, pictures_of_an_earlier_render_do_not_stay_among_the_new) {
     const std::vector<std::string> extra{"false-color.png", "preview.exr", "projector-0.png",
                                          "projector-0.exr"};
     for (const std::string& name : extra) EXPECT_TRUE(std::filesystem::exists(folder / "out" / name)) << name;
+    for (const char* name : {"out/preview.exr", "out/projector-0.exr"})
+        for (const char* attribute : {"heliodon:unit", "heliodon:time", "latitude", "heliodon:whiteLux"})
+            EXPECT_NE(readText(folder / name).find(attribute), std::string::npos) << name << ' ' << attribute;
+    const std::string stamped = readText(folder / "out/preview.png");
     EXPECT_EQ(heliodon(render + "--sky nonsense").exitCode, 2);
     for (const std::string& name : extra) EXPECT_TRUE(std::filesystem::exists(folder / "out" / name)) << name;
     ASSERT_EQ(heliodon(render).exitCode, 0);
@@ -278,8 +282,9 @@ TEST_F(Timelapse, pictures_of_an_earlier_render_do_not_stay_among_the_new) {
     writeText(
         folder / "out/render.files.json",
         R"({"format": "heliodon-files/1", "command": "render", "files": ["../precious.txt", "..", ""]})");
-    ASSERT_EQ(heliodon(render).exitCode, 0);
+    ASSERT_EQ(heliodon(render + "--no-stamp").exitCode, 0);
     EXPECT_EQ(readText(folder / "precious.txt"), "precious");
+    EXPECT_NE(readText(folder / "out/preview.png"), stamped);
 }
 
 // By Ctrl-C, by a system that shuts down, by a terminal that is closed.

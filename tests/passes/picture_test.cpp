@@ -1,6 +1,8 @@
 #include <bit>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
@@ -53,7 +55,12 @@ TEST(ImageFile, exr_is_compressed_and_every_cut_is_seen) {
         picture.rgb.push_back(smooth ? 1000.0f : std::bit_cast<float>(noise >> 2));
     }
     const std::filesystem::path file = scratch("blocks.exr"), cut = scratch("cut.exr");
-    writeExr(picture, file);
+    writeExr(picture, file,
+             {{{"heliodon:unit", "lux"}, {"comments", "\u00B0 of an angle"}}, {{"whiteLuminance", 0.3183f}}});
+    std::ifstream in(file, std::ios::binary);
+    const std::string bytes(std::istreambuf_iterator<char>(in), {});
+    for (const char* name : {"chromaticities", "heliodon:unit", "comments", "whiteLuminance"})
+        EXPECT_NE(bytes.find(name), std::string::npos) << name;
     const cv::Mat back = cv::imread(file.string(), cv::IMREAD_UNCHANGED);
     ASSERT_EQ(back.rows, 41);
     for (int y = 0; y < 41; ++y)
