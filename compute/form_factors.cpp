@@ -27,6 +27,7 @@ constexpr uint32_t kFirstRays = 1024, kMostRays = 65536;
 constexpr uint32_t kStreamedRows = 256;
 constexpr uint32_t kSamples = 32, kSampledTogether = 8; // rows by which a stream's rays are chosen
 constexpr double kBelowAsked = 0.9;                     // of the sample, so that all rows are below too
+constexpr double kMargin = 1.5; // over what was asked, that claims of all but `exact` may have without a word
 
 // How many times the rays bring `claimed` to `wanted`: a kernel's error falls about with their 0.6th power.
 double moreRays(double claimed, double wanted) {
@@ -161,6 +162,19 @@ std::string kernelList() {
     throw geometry::InputError("--kernel", kernel, "unknown; expected " + kernelList());
 }
 
+FormFactors factorsOf(gpu::Device& device, const geometry::PatchMesh& mesh, const FormFactorOptions& options,
+                      const KernelChoice& choice) {
+    if (choice.kernel == "exact") {
+        ExactOptions exact;
+        if (choice.maxError > 0) exact.maxError = choice.maxError;
+        return exactFormFactors(device, mesh, exact).factors;
+    }
+    if (choice.kernel == "hemicube") return hemicubeFormFactors(device, mesh, options, choice.maxError);
+    if (choice.kernel == "hierarchical") return hierarchicalFormFactors(device, mesh, choice.maxError);
+    if (choice.kernel == "montecarlo") return monteCarloFormFactors(device, mesh, options, choice.maxError);
+    refuse(choice.kernel);
+}
+
 void measureClosure(std::span<const double> rowSums, FormFactorReport& report) {
     double squares = 0;
     report.closureMax = 0;
@@ -197,7 +211,7 @@ void explain(FormFactorReport& report, const FormFactorOptions& options, const K
     report.claimedRadiosityError = choice.amplification * report.claimedRowError;
     // Claims lie above the errors: in rooms with a reference those of `exact` by 3 to 13 times, others by up
     // to 2, of scenes hard for the hemicube its own by up to 5.
-    const double margin = report.kernel == "exact" ? 5 : 1.5;
+    const double margin = report.kernel == "exact" ? 5 : kMargin;
     const auto warnIfAbove = [&](const char* of, double claimed, double asked) {
         if (asked > 0 && claimed > margin * asked)
             report.warnings.push_back(fmt::format(
@@ -254,20 +268,16 @@ std::span<const std::string_view> formFactorKernels() {
 FormFactors computeFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
                                const FormFactorOptions& options) {
     const Stopwatch watch;
-    const KernelChoice choice = chooseKernel(device, mesh, options);
-    FormFactors result;
-    if (choice.kernel == "exact") {
-        ExactOptions exact;
-        if (choice.maxError > 0) exact.maxError = choice.maxError;
-        result = exactFormFactors(device, mesh, exact).factors;
-    } else if (choice.kernel == "hemicube") {
-        result = hemicubeFormFactors(device, mesh, options, choice.maxError);
-    } else if (choice.kernel == "hierarchical") {
-        result = hierarchicalFormFactors(device, mesh, choice.maxError);
-    } else if (choice.kernel == "montecarlo") {
-        result = monteCarloFormFactors(device, mesh, options, choice.maxError);
-    } else {
-        refuse(choice.kernel);
+    KernelChoice choice = chooseKernel(device, mesh, options);
+    FormFactors result = factorsOf(device, mesh, options, choice);
+    const double claimed = result.report.claimedRowError, sums = result.report.claimedRowSumError;
+    if (options.kernel == "auto" && choice.kernel == "hierarchical" &&
+        std::max(claimed, sums / kSumOverRow) > kMargin * choice.maxError) {
+        choice.kernel = "exact";
+        choice.why += fmt::format("; these leave up to {:.2g}, {:.2g} of a row's sum: visible polygons instead",
+                                  claimed, sums);
+        result = {}; // both matrices would take twice the memory
+        result = factorsOf(device, mesh, options, choice);
     }
     explain(result.report, options, choice);
     result.report.seconds = watch.seconds();

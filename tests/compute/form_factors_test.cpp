@@ -254,6 +254,22 @@ TEST(FormFactors, radiosity_keeps_the_error_asked_of_it) {
     EXPECT_NE(report.why.find("rows within 0.009"), std::string::npos) << report.why;
 }
 
+// Slabs of 3 mm that lie on one another: what the gaps' sides exchange is seen along few rays.
+TEST(FormFactors, auto_goes_on_with_visible_polygons_where_links_miss_what_was_asked) {
+    geometry::PatchMesh mesh = test::boxRoom({.cells = {2, 2, 2}});
+    const size_t room = mesh.corners.size();
+    for (int k = 0; k < 3; ++k)
+        test::addBox(mesh, {.low = {0.5 + 0.05 * k, 0.5 + 0.003 * k, 0.6},
+                            .high = {1.5 + 0.05 * k, 0.503 + 0.003 * k, 1.6 + 0.04 * k},
+                            .cells = {1, 1, 1}});
+    std::reverse(mesh.corners.begin() + static_cast<long>(room), mesh.corners.end()); // boxes face outwards
+    const FormFactorReport report = computeFormFactors(test::device(), mesh, asking("auto", 6e-3)).report;
+    EXPECT_EQ(report.kernel, "exact");
+    EXPECT_LE(report.claimedRowError, 6e-3);
+    EXPECT_NE(report.why.find("visible polygons instead"), std::string::npos) << report.why;
+    EXPECT_TRUE(report.warnings.empty());
+}
+
 TEST(FormFactors, light_lost_in_closed_rooms_is_warned_of) {
     const geometry::PatchMesh room = geometry::readPatches(kData + "room3_672.obj");
     const FormFactorReport coarse =
