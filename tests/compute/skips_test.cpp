@@ -5,6 +5,7 @@
 
 #include "compute/annual_daylight.h"
 #include "compute/daylight/glazing.h"
+#include "compute/daylight/window.h"
 #include "compute/daylight_transport.h"
 #include "compute/reference/form_factor_rows.h"
 #include "compute/reference/sun.h"
@@ -100,17 +101,24 @@ TEST(Skips, colour_where_all_is_grey) {
     expectRule(windowRoom(), sunny({0.2, 0.5, -0.8}), "colour: all materials are grey");
 }
 
+// Both kernels that have the rule.
 TEST(Skips, occlusion_in_a_convex_room) {
     const geometry::PatchMesh mesh = windowRoom();
-    const FormFactors F = computeFormFactors(test::device(), mesh, {.kernel = "exact", .maxError = 1e-4});
-    EXPECT_TRUE(skips(F.report.skipped, "occlusion"));
-    const auto values = F.values.download<float>(mesh.patchCount() * mesh.patchCount());
+    const size_t n = mesh.patchCount();
     // The oracle asks every blocker.
     const reference::FormFactorRows oracle(mesh);
-    for (const size_t i : {size_t{0}, size_t{17}, mesh.patchCount() - 1}) {
-        const auto row = oracle.row(i);
-        for (size_t j = 0; j < mesh.patchCount(); ++j)
-            EXPECT_NEAR(values[i * mesh.patchCount() + j], row.factors[j], 1e-5) << i << " to " << j;
+    const std::pair<FormFactorOptions, double> kernels[]{
+        {{.kernel = "exact", .maxError = 1e-4}, 1e-5}, {{.kernel = "hierarchical", .maxError = 2e-3}, 2e-3}};
+    for (const auto& [options, most] : kernels) {
+        const FormFactors F = computeFormFactors(test::device(), mesh, options);
+        EXPECT_TRUE(skips(F.report.skipped, "occlusion")) << options.kernel;
+        const auto values = F.values.download<float>(n * n);
+        for (const size_t i : {size_t{0}, size_t{17}, n - 1}) {
+            const auto row = oracle.row(i);
+            for (size_t j = 0; j < n; ++j)
+                EXPECT_NEAR(values[i * n + j], row.factors[j], most)
+                    << options.kernel << ": " << i << " to " << j;
+        }
     }
     // A column in the room is in the way, and the rule does not hold.
     test::BoxRoom column;
@@ -124,8 +132,27 @@ TEST(Skips, occlusion_in_a_convex_room) {
         }
         hall.addPatch(corners, 0, geometry::Role::projection, 99, 0);
     }
-    EXPECT_FALSE(
-        skips(computeFormFactors(test::device(), hall, {.kernel = "exact"}).report.skipped, "occlusion"));
+    for (const auto& [options, most] : kernels)
+        EXPECT_FALSE(skips(computeFormFactors(test::device(), hall, options).report.skipped, "occlusion"));
+}
+
+// Nothing is asked of the sky before blinds where nothing stands there; a slab far aside, which hides none of
+// it, is asked of and changes nothing.
+TEST(Skips, hidden_sky_where_nothing_stands_before_blinds) {
+    test::BoxRoom box;
+    box.glass = daylight::withBlind(box.glass, {geometry::Blind::Kind::fabric, 0.3f, 0.5f});
+    box.isGlass = [](glm::dvec3 p) { return p.z < 1e-9 && p.x > 1 && p.x < 3 && p.y > 1 && p.y < 2; };
+    const geometry::PatchMesh mesh = test::boxRoom(box);
+    geometry::PatchMesh aside = mesh;
+    test::BoxRoom slab;
+    slab.low = {-2, -1, -1e-3}, slab.high = {-1, -0.9, 1}, slab.cells = {1, 1, 1};
+    test::addBox(aside, slab, 1);
+    DaylightTransport alone(test::device(), mesh), both(test::device(), aside);
+    EXPECT_TRUE(alone.parts().hiddenSky.patches().empty());
+    const Moment a = alone.light(overcast()), b = both.light(overcast());
+    ASSERT_FALSE(a.glow.empty());
+    for (size_t i = 0; i < mesh.patchCount(); ++i)
+        EXPECT_NEAR(a.glow[i].y, b.glow[i].y, 1e-3 * double{a.glow[i].y});
 }
 
 // The year leaves out the sun of hours behind cloud and of hours that it cannot enter in, and dark hours.
