@@ -153,20 +153,27 @@ TEST(KernelChoice, unmeshed_faces_are_left_to_visible_polygons) {
     EXPECT_EQ(chooseKernel(test::device(), mesh, asking("auto", 5e-3)).kernel, "hierarchical");
 }
 
-// Of a ball, two triangles lie in a plane.
-TEST(KernelChoice, curved_surfaces_are_left_to_links_sooner) {
-    if (test::device().info().type == "discrete") GTEST_SKIP() << "visible polygons, whatever stands there";
+// Seen from inside, without its poles; two triangles lie in a plane.
+geometry::PatchMesh ball(int sides, int rings) {
     std::vector<std::vector<glm::dvec3>> faces;
-    const auto at = [](int i, int j) {
-        const double a = 2 * std::numbers::pi * i / 24, b = std::numbers::pi * j / 8;
+    const auto at = [&](int i, int j) {
+        const double a = 2 * std::numbers::pi * i / sides, b = std::numbers::pi * j / rings;
         return glm::dvec3(std::sin(b) * std::cos(a), std::cos(b), std::sin(b) * std::sin(a));
     };
-    for (int i = 0; i < 24; ++i)
-        for (int j = 1; j < 7; ++j) {
+    for (int i = 0; i < sides; ++i)
+        for (int j = 1; j < rings - 1; ++j) {
             faces.push_back({at(i, j), at(i, j + 1), at(i + 1, j)});
             faces.push_back({at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)});
         }
-    const KernelChoice choice = chooseKernel(test::device(), test::polygons(faces), asking("auto", 1e-3));
+    return test::polygons(faces);
+}
+
+TEST(KernelChoice, curved_surfaces_are_left_to_links_sooner_while_their_pairs_can_be_kept) {
+    if (test::device().info().type == "discrete") GTEST_SKIP() << "visible polygons, whatever stands there";
+    const KernelChoice many = chooseKernel(test::device(), ball(200, 40), asking("auto", 1e-2));
+    EXPECT_EQ(many.kernel, "exact") << many.why;
+    EXPECT_NE(many.why.find("link to be kept"), std::string::npos) << many.why;
+    const KernelChoice choice = chooseKernel(test::device(), ball(24, 8), asking("auto", 1e-3));
     EXPECT_EQ(choice.kernel, "hierarchical");
     EXPECT_NE(choice.why.find("few patches a plane"), std::string::npos);
 }
