@@ -41,7 +41,6 @@ class Solver {
 public:
     Solver(gpu::Device& device, const geometry::PatchMesh& mesh, const ExactOptions& options)
         : device_(device), options_(options) {
-        SecondsAdded timer(statistics.setupSeconds);
         const uint64_t storage = device_.limits().maxStorageBufferRange;
         const auto side = static_cast<uint32_t>(std::sqrt(static_cast<double>(storage) / 4));
         scene_ = exactScene(device, mesh, std::min(kTile, side));
@@ -51,7 +50,6 @@ public:
         kernels_.prepare(byLines(), scene_.blockerCount);
         makeBuffers(storage);
         statistics.blockers = scene_.blockerCount;
-        statistics.pairs = static_cast<uint64_t>(mesh.patchCount()) * (mesh.patchCount() - 1) / 2;
         rowSquares_.assign(scene_.pieceCount, 0.0);
         if (!options.entryErrors) return;
         entryErrors_.assign(size_t{scene_.patchCount} * scene_.patchCount, 0.0f);
@@ -137,7 +135,6 @@ private:
     }
 
     void findSides(const ExactTileRange& tile, const gpu::Buffer& sides) {
-        SecondsAdded timer(statistics.classifySeconds);
         gpu::Commands commands(device_);
         const io::ExactSidesParams params{scene_.pieceCount, scene_.blockerCount, words_,
                                           tile.firstPiece,   tile.pieces,         tile.firstCluster,
@@ -217,7 +214,6 @@ private:
 
     // Counts of pairs of clusters that face one another: nothing may stand between, something may.
     std::pair<uint32_t, uint32_t> findBlocks(const ExactTileRange& a, const ExactTileRange& b) {
-        SecondsAdded timer(statistics.classifySeconds);
         const bool diagonal = &a == &b;
         gpu::Commands commands(device_);
         commands.fill(there_, 0, 0, static_cast<size_t>(a.pieces) * b.pieces * 4);
@@ -237,7 +233,6 @@ private:
 
     // False where records or lists of blockers did not fit; nothing is counted then.
     bool classify(const ExactTileRange& a, const ExactTileRange& b, const Window& window) {
-        SecondsAdded timer(statistics.classifySeconds);
         gpu::Commands commands(device_);
         counters_.clear(commands);
         recordPairs(commands, a, b, 0, window.clear, true);
@@ -284,7 +279,6 @@ private:
 
     void integrate(const gpu::Kernel& kernel, const gpu::Buffer& records, uint32_t first, uint32_t count,
                    const ExactTileRange& a, const ExactTileRange& b) {
-        SecondsAdded timer(statistics.cubatureSeconds);
         const uint32_t most = device_.info().type == "discrete" ? kDiscreteBatch : kBatch;
         const uint32_t batch = std::min(most, cellCapacity_ / cellsOfPair());
         for (uint32_t done = 0; done < count; done += batch)
@@ -299,7 +293,6 @@ private:
 
     // Far pairs with blockers: in rounds, of which the next takes pairs that are not good enough.
     void integrateLines(uint32_t count, float tolerance, const ExactTileRange& a, const ExactTileRange& b) {
-        SecondsAdded timer(statistics.cubatureSeconds);
         uint32_t left = count;
         for (uint32_t level = 0; level <= kLineLevels && left > 0; ++level) {
             gpu::Commands commands(device_);

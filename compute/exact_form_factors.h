@@ -26,13 +26,11 @@ struct ExactOptions {
 };
 
 struct ExactStatistics {
-    uint64_t pairs = 0;   // of patches, once each
     uint64_t partial = 0; // something stands between
     uint64_t cells = 0;   // of cubature beyond one per pair
     uint64_t windows = 0; // rounds of blocks, as many as have room: where all have, one for each two tiles
     uint64_t depthFirstSteps = 0; // levels of cells that were refined in parts, for want of room
     uint32_t blockers = 0;
-    double setupSeconds = 0, classifySeconds = 0, cubatureSeconds = 0;
 };
 
 struct ExactFormFactors {

@@ -8,8 +8,10 @@
 #include "compute/gpu/commands.h"
 #include "compute/gpu/error.h"
 #include "shaders/io/affine.io.h"
+#include "shaders/io/long_loop.io.h"
 #include "spirv/affine_comp.h"
 #include "spirv/affine_negated_comp.h"
+#include "spirv/long_loop_comp.h"
 #include "tests/gpu/test_device.h"
 
 namespace heliodon::gpu {
@@ -34,6 +36,30 @@ TEST(Kernel, computes_for_one_odd_and_many_elements) {
         std::iota(input.begin(), input.end(), 0.0f);
         const std::vector<float> output = runAffine(kernel, input);
         for (size_t i = 0; i < n; ++i) ASSERT_EQ(output[i], 2.0f * input[i] + 1.0f);
+    }
+}
+
+// lavapipe ends an invocation's loops after 65,535 turns in sum.
+TEST(Kernel, loops_that_a_device_cuts_short_do_not_go_unnoticed) {
+    const Kernel kernel(test::device(), long_loop_comp, "long loop");
+    struct Case {
+        uint32_t loops, turns;
+    };
+    for (const auto& [loops, turns] :
+         {Case{1, 1000}, Case{30, 1000}, Case{1, 70000}, Case{2, 40000}, Case{70, 1000}}) {
+        const Buffer y(test::device(), io::kLongLoopGroup * 2 * sizeof(uint32_t), "y");
+        Commands commands(test::device());
+        commands.dispatch(kernel, {y}, io::LongLoopParams{loops, turns}, 1);
+        test::device().submitAndWait(std::move(commands));
+        const std::vector<uint32_t> found = y.download<uint32_t>(2 * io::kLongLoopGroup);
+        for (uint32_t i = 0; i < io::kLongLoopGroup; ++i) {
+            uint32_t number = i;
+            for (uint32_t k = 0; k < loops * turns; ++k)
+                number = (number ^ (number >> 15)) * 747796405u + 2891336453u;
+            const bool cut = found[2 * i + 1] != 0;
+            EXPECT_TRUE(cut || found[2 * i] == number) << loops << " loops of " << turns;
+            EXPECT_FALSE(cut && loops * turns < 50000) << loops << " loops of " << turns;
+        }
     }
 }
 
