@@ -93,15 +93,21 @@ FormFactors hemicubeFormFactors(gpu::Device& device, const geometry::PatchMesh& 
     if (!(maxError > 0)) return refinedHemicubeFormFactors(device, mesh, hemicube).factors;
     constexpr std::array<std::array<uint32_t, 2>, 5> kSteps{{{32, 1}, {64, 1}, {64, 4}, {128, 4}, {128, 16}}};
     constexpr double kPart = 0.7, kFalls = 0.9; // of both errors; of one, when more is spent on it
+    constexpr double kCounts = 0.3; // of the other error: less is not worth going on for alone
     double lastNear = INFINITY, lastFar = INFINITY;
+    bool nearFalls = true, farFalls = true;
     for (size_t step = 0;;) {
         hemicube.resolution = kSteps[step][0], hemicube.points = kSteps[step][1];
         RefinedHemicube result = refinedHemicubeFormFactors(device, mesh, hemicube);
         FormFactorReport& report = result.factors.report;
         if (report.claimedRowError <= maxError) return std::move(result.factors);
-        const bool near = result.nearError > kPart * maxError, far = result.farError > kPart * maxError;
-        if ((near && result.nearError > kFalls * lastNear) ||
-            (far && (result.farError > kFalls * lastFar || step + 1 == kSteps.size()))) {
+        nearFalls = nearFalls && result.nearError <= kFalls * lastNear;
+        farFalls = farFalls && result.farError <= kFalls * lastFar && step + 1 < kSteps.size();
+        const bool near = nearFalls && result.nearError > kPart * maxError &&
+                          (farFalls || result.nearError > kCounts * result.farError),
+                   far = farFalls && result.farError > kPart * maxError &&
+                         (nearFalls || result.farError > kCounts * result.nearError);
+        if (!near && !far) {
             report.why += fmt::format("; {:.1e} remains", report.claimedRowError);
             return std::move(result.factors);
         }

@@ -178,6 +178,12 @@ TEST(KernelChoice, curved_surfaces_are_left_to_links_sooner_while_their_pairs_ca
     EXPECT_NE(choice.why.find("few patches a plane"), std::string::npos);
 }
 
+// Pairs in closed form come to the end of floats, which is no reason for others to be left coarse.
+TEST(FormFactors, hemicubes_go_on_where_near_pairs_can_get_no_better) {
+    const auto report = computeFormFactors(test::device(), ball(8, 6), asking("hemicube", 1e-6)).report;
+    EXPECT_EQ(report.points, 16u) << report.why;
+}
+
 size_t heldOf(const std::vector<float>& values, const std::vector<float>& exact,
               std::span<const float> claimed) {
     size_t held = 0;
