@@ -103,8 +103,8 @@ private:
     bool tinted_ = false;
     std::vector<float> area_;    // of patches
     std::vector<uint8_t> clear_; // patches of clear glass between rooms
-    std::vector<uint32_t> lit_; // hours with sky or ground
-    Panels luminance_;          // elements x lit hours, times pi
+    std::vector<uint32_t> lit_;  // hours with sky or ground
+    Panels luminance_;           // elements x lit hours, times pi
     std::optional<SunHours> suns_;
     std::optional<HostGather> gather_; // none where the device gathers faster
     std::optional<TintedFactors> tintedGather_;

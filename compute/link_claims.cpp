@@ -6,6 +6,8 @@
 #include <numeric>
 #include <utility>
 
+#include "compute/chi_squared.h"
+
 namespace heliodon::compute {
 
 namespace {
@@ -26,8 +28,7 @@ constexpr double kPercentile = 2.326, kSumPercentile = 4.5;
 // variances that add up to `sum` and their squares to `squares`.
 double percentile(double sum, double squares, double deviations = kPercentile) {
     if (!(sum > 0 && squares > 0)) return 1;
-    const double third = 2 * std::min(squares / (sum * sum), 1.0) / 9;
-    return std::pow(1 - third + deviations * std::sqrt(third), 1.5);
+    return std::sqrt(chiSquaredOverMean(chiSquaredSpread(sum, squares), deviations));
 }
 
 double errorOfSum(const PatchTree& tree, const io::HierarchicalLink& link, bool first) {

@@ -19,7 +19,7 @@ namespace heliodon::compute {
 // squares.
 //
 // Where few links make most of an error, luck decides by how much it is above what is to be expected: claims
-// are 99th percentiles of sums of as many squares (chi-squared; E. B. Wilson, M. M. Hilferty, 1931).
+// are 99th percentiles of sums of as many squares (chi_squared.h).
 class LinkClaims {
 public:
     // `tree` must outlive this. O(links).

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include "compute/chi_squared.h"
 #include "compute/gpu/commands.h"
 #include "compute/gpu/device.h"
 #include "compute/texel.h"
@@ -77,12 +78,12 @@ double MonteCarloSpread::estimate() const {
 }
 
 // Sums of squares of as many normal values as `rays` and `squares` say: of such a sum over its expectation by
-// chi-squared, of one over another by F (E. B. Wilson, M. M. Hilferty, 1931; E. Paulson, 1942).
+// chi-squared, of one over another by F (E. Paulson, 1942, from Wilson and Hilferty's roots).
 double MonteCarloSpread::claim() const {
     if (!(rays > 0)) return estimate();
-    const double third = 2.0 / 9 * std::min(1.0, squares / (rays * rays)), rest = 1 - third;
-    const double ofRays = rays * std::pow(rest + kPercentile * std::sqrt(third), 3);
-    const double c = kPercentile * kPercentile * third / (rest * rest);
+    const double spread = chiSquaredSpread(rays, squares), rest = 1 - spread;
+    const double ofRays = rays * chiSquaredOverMean(spread, kPercentile);
+    const double c = kPercentile * kPercentile * spread / (rest * rest);
     if (c >= 1) return std::sqrt(ofRays);
     return std::sqrt(std::min(ofRays, halves * std::pow((1 + std::sqrt(c * (2 - c))) / (1 - c), 3)));
 }

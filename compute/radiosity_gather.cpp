@@ -47,9 +47,11 @@ void RadiosityGather::record(gpu::Commands& commands, const gpu::Buffer& light, 
     // buffers to begin.
     const VkPhysicalDeviceLimits& limits = device_->limits();
     const size_t unit = std::max<size_t>(limits.minTexelBufferOffsetAlignment, 16) / sizeof(float);
-    const size_t most = std::min<size_t>(size_t{limits.maxTexelBufferElements} * 16 / rowBytes,
-                                         UINT32_MAX / patchCount_) / // of entries: the shader counts in 32 bits
-                        unit * unit;
+    const size_t most =
+        std::min<size_t>(size_t{limits.maxTexelBufferElements} * 16 / rowBytes,
+                         UINT32_MAX / patchCount_) / // of entries: the shader counts in 32 bits
+        unit *
+        unit;
     if (most == 0)
         throw gpu::Error(fmt::format("{} rows of {} form factors are over the device's {} texels of a buffer",
                                      unit, patchCount_, limits.maxTexelBufferElements));
@@ -59,11 +61,10 @@ void RadiosityGather::record(gpu::Commands& commands, const gpu::Buffer& light, 
         const uint32_t rows = std::min(window, patchCount_ - first);
         const size_t texels = (rows * rowBytes + 15) / 16;
         const io::RadiosityGatherParams params{patchCount_, rows, first, texelsPerColumn_};
-        commands.dispatch(kernels_[columns - 1],
-                          {gpu::texel(*factors_, kVec4, first * rowBytes, texels * 16),
-                           gpu::texel(light, kVec4), gathered},
-                          params,
-                          gpu::groupsFor(4 * gpu::groupsFor(rows, 4 * io::kGatherRows), blocksPerGroup));
+        commands.dispatch(
+            kernels_[columns - 1],
+            {gpu::texel(*factors_, kVec4, first * rowBytes, texels * 16), gpu::texel(light, kVec4), gathered},
+            params, gpu::groupsFor(4 * gpu::groupsFor(rows, 4 * io::kGatherRows), blocksPerGroup));
     }
 }
 

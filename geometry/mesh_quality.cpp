@@ -30,8 +30,9 @@ std::vector<uint32_t> partOfPatch(const PatchMesh& mesh) {
     part.reserve(mesh.patchCount());
     std::map<std::tuple<uint32_t, uint32_t, Role>, uint32_t> known;
     for (size_t i = 0; i < mesh.patchCount(); ++i)
-        part.push_back(known.try_emplace({mesh.surface[i], mesh.material[i], mesh.role[i]},
-                                         static_cast<uint32_t>(known.size()))
+        part.push_back(known
+                           .try_emplace({mesh.surface[i], mesh.material[i], mesh.role[i]},
+                                        static_cast<uint32_t>(known.size()))
                            .first->second);
     return part;
 }

@@ -26,16 +26,6 @@ struct SkyAngles {
 // Unit vector towards a point of the sky.
 glm::dvec3 directionInWorld(SkyAngles angles, double northDeg);
 
-// The inverse; `direction` need not have unit length but must not be zero. Straight up and down have azimuth
-// 0.
-SkyAngles anglesInWorld(glm::dvec3 direction, double northDeg);
-
-// North of a model: -z where y is up, +y where z is up, turned clockwise (seen from above) by the user's
-// `--north`.
-constexpr double northOfModel(double turnedClockwiseDeg = 0) {
-    return 90.0 - turnedClockwiseDeg;
-}
-
 // A direction given in a model's own axes, in world axes: (x, y, z) -> (x, z, -y) for a model with z up.
 constexpr glm::dvec3 directionFromModel(glm::dvec3 d, geometry::UpAxis up) {
     return up == geometry::UpAxis::y ? d : glm::dvec3(d.x, d.z, -d.y);

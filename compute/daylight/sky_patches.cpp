@@ -155,10 +155,4 @@ std::vector<double> SkyPatches::luminances(const Sky& sky) const {
     return result;
 }
 
-double patchHorizontalIlluminance(const SkyPatches& patches, std::span<const double> luminances) {
-    double sum = 0;
-    for (size_t i = 0; i < patches.patchCount(); ++i) sum += luminances[i] * patches.projectedSolidAngle(i);
-    return sum;
-}
-
 } // namespace heliodon::daylight

@@ -59,8 +59,4 @@ private:
     std::vector<glm::dvec3> samples_; // first-level nodes of each patch, in luminances()'s order
 };
 
-// Sum over patches of luminance * projected solid angle: the horizontal illuminance of the cut-up sky, lux.
-// Its difference from diffuseHorizontalIlluminance is what cutting costs there.
-double patchHorizontalIlluminance(const SkyPatches& patches, std::span<const double> luminances);
-
 } // namespace heliodon::daylight

@@ -59,6 +59,64 @@ VkPipelineColorBlendAttachmentState blendState(const GraphicsPipelineInfo& info)
     return state;
 }
 
+// Streams in the order of their bindings; `info` points into it.
+struct VertexInput {
+    explicit VertexInput(const std::vector<VertexStream>& streams) {
+        for (uint32_t i = 0; i < streams.size(); ++i) {
+            bindings.push_back({i, streams[i].stride, VK_VERTEX_INPUT_RATE_VERTEX});
+            for (VkVertexInputAttributeDescription attribute : streams[i].attributes) {
+                attribute.binding = i;
+                attributes.push_back(attribute);
+            }
+        }
+        info.vertexBindingDescriptionCount = static_cast<uint32_t>(bindings.size());
+        info.pVertexBindingDescriptions = bindings.data();
+        info.vertexAttributeDescriptionCount = static_cast<uint32_t>(attributes.size());
+        info.pVertexAttributeDescriptions = attributes.data();
+    }
+    VertexInput(const VertexInput&) = delete;
+    VertexInput& operator=(const VertexInput&) = delete;
+
+    std::vector<VkVertexInputBindingDescription> bindings;
+    std::vector<VkVertexInputAttributeDescription> attributes;
+    VkPipelineVertexInputStateCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
+};
+
+VkPipelineRasterizationStateCreateInfo rasterState(const GraphicsPipelineInfo& info) {
+    VkPipelineRasterizationStateCreateInfo raster{VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
+    raster.depthClampEnable = info.depthClamp;
+    raster.cullMode = info.cull;
+    raster.frontFace = info.front;
+    raster.depthBiasEnable = info.depthBiasConstant != 0 || info.depthBiasSlope != 0;
+    raster.depthBiasConstantFactor = info.depthBiasConstant;
+    raster.depthBiasSlopeFactor = info.depthBiasSlope;
+    raster.lineWidth = 1;
+    return raster;
+}
+
+VkPipelineDepthStencilStateCreateInfo depthStencilState(const GraphicsPipelineInfo& info) {
+    VkPipelineDepthStencilStateCreateInfo depth{VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};
+    depth.depthTestEnable = info.depthTest;
+    depth.depthWriteEnable = info.depthWrite;
+    depth.depthCompareOp = info.depthCompare;
+    depth.stencilTestEnable = info.stencilFront.has_value();
+    depth.front = info.stencilFront.value_or(VkStencilOpState{});
+    depth.back = info.stencilBack.value_or(depth.front);
+    return depth;
+}
+
+// Points into `info`.
+VkPipelineRenderingCreateInfo targetFormats(const GraphicsPipelineInfo& info) {
+    VkPipelineRenderingCreateInfo rendering{VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO};
+    rendering.colorAttachmentCount = static_cast<uint32_t>(info.colourFormats.size());
+    rendering.pColorAttachmentFormats = info.colourFormats.data();
+    rendering.depthAttachmentFormat = info.depthFormat;
+    const bool hasStencil =
+        info.depthFormat == VK_FORMAT_D32_SFLOAT_S8_UINT || info.depthFormat == VK_FORMAT_D24_UNORM_S8_UINT;
+    rendering.stencilAttachmentFormat = hasStencil ? info.depthFormat : VK_FORMAT_UNDEFINED;
+    return rendering;
+}
+
 } // namespace
 
 GraphicsPipeline::GraphicsPipeline(Device& device, const GraphicsPipelineInfo& info, const std::string& name)
@@ -69,7 +127,7 @@ GraphicsPipeline::GraphicsPipeline(Device& device, const GraphicsPipelineInfo& i
     layout_ = PipelineLayout(device, modules, name);
     const ShaderModules shaders(device.handle(), info.stages);
     std::vector<SpecializationData> constants;
-    constants.reserve(modules.size());
+    constants.reserve(modules.size()); // stages point into them
     std::vector<VkPipelineShaderStageCreateInfo> stages;
     for (size_t i = 0; i < modules.size(); ++i) {
         constants.emplace_back(modules[i], namesOf(modules[i], info.specialization));
@@ -77,47 +135,21 @@ GraphicsPipeline::GraphicsPipeline(Device& device, const GraphicsPipelineInfo& i
         stage.stage = modules[i].stage;
         stage.module = shaders.handles[i];
         stage.pName = "main";
+        stage.pSpecializationInfo = &constants[i].info;
         stages.push_back(stage);
     }
-    for (size_t i = 0; i < stages.size(); ++i) stages[i].pSpecializationInfo = &constants[i].info;
 
-    std::vector<VkVertexInputBindingDescription> bindings;
-    std::vector<VkVertexInputAttributeDescription> attributes;
-    for (uint32_t i = 0; i < info.streams.size(); ++i) {
-        bindings.push_back({i, info.streams[i].stride, VK_VERTEX_INPUT_RATE_VERTEX});
-        for (VkVertexInputAttributeDescription attribute : info.streams[i].attributes) {
-            attribute.binding = i;
-            attributes.push_back(attribute);
-        }
-    }
-    VkPipelineVertexInputStateCreateInfo input{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
-    input.vertexBindingDescriptionCount = static_cast<uint32_t>(bindings.size());
-    input.pVertexBindingDescriptions = bindings.data();
-    input.vertexAttributeDescriptionCount = static_cast<uint32_t>(attributes.size());
-    input.pVertexAttributeDescriptions = attributes.data();
+    const VertexInput input(info.streams);
     VkPipelineInputAssemblyStateCreateInfo assembly{
         VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
     assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
     VkPipelineViewportStateCreateInfo viewport{VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO};
     viewport.viewportCount = viewport.scissorCount = 1;
-    VkPipelineRasterizationStateCreateInfo raster{VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
-    raster.depthClampEnable = info.depthClamp;
-    raster.cullMode = info.cull;
-    raster.frontFace = info.front;
-    raster.depthBiasEnable = info.depthBiasConstant != 0 || info.depthBiasSlope != 0;
-    raster.depthBiasConstantFactor = info.depthBiasConstant;
-    raster.depthBiasSlopeFactor = info.depthBiasSlope;
-    raster.lineWidth = 1;
+    const VkPipelineRasterizationStateCreateInfo raster = rasterState(info);
     VkPipelineMultisampleStateCreateInfo multisample{
         VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
     multisample.rasterizationSamples = info.samples;
-    VkPipelineDepthStencilStateCreateInfo depth{VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};
-    depth.depthTestEnable = info.depthTest;
-    depth.depthWriteEnable = info.depthWrite;
-    depth.depthCompareOp = info.depthCompare;
-    depth.stencilTestEnable = info.stencilFront.has_value();
-    depth.front = info.stencilFront.value_or(VkStencilOpState{});
-    depth.back = info.stencilBack.value_or(depth.front);
+    const VkPipelineDepthStencilStateCreateInfo depth = depthStencilState(info);
     const std::vector<VkPipelineColorBlendAttachmentState> attachments(info.colourFormats.size(),
                                                                        blendState(info));
     VkPipelineColorBlendStateCreateInfo blend{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
@@ -127,19 +159,13 @@ GraphicsPipeline::GraphicsPipeline(Device& device, const GraphicsPipelineInfo& i
     VkPipelineDynamicStateCreateInfo dynamic{VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO};
     dynamic.dynamicStateCount = static_cast<uint32_t>(dynamicStates.size());
     dynamic.pDynamicStates = dynamicStates.data();
-    VkPipelineRenderingCreateInfo rendering{VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO};
-    rendering.colorAttachmentCount = static_cast<uint32_t>(info.colourFormats.size());
-    rendering.pColorAttachmentFormats = info.colourFormats.data();
-    rendering.depthAttachmentFormat = info.depthFormat;
-    const bool hasStencil =
-        info.depthFormat == VK_FORMAT_D32_SFLOAT_S8_UINT || info.depthFormat == VK_FORMAT_D24_UNORM_S8_UINT;
-    rendering.stencilAttachmentFormat = hasStencil ? info.depthFormat : VK_FORMAT_UNDEFINED;
+    const VkPipelineRenderingCreateInfo targets = targetFormats(info);
 
     VkGraphicsPipelineCreateInfo create{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO};
-    create.pNext = &rendering;
+    create.pNext = &targets;
     create.stageCount = static_cast<uint32_t>(stages.size());
     create.pStages = stages.data();
-    create.pVertexInputState = &input;
+    create.pVertexInputState = &input.info;
     create.pInputAssemblyState = &assembly;
     create.pViewportState = &viewport;
     create.pRasterizationState = &raster;

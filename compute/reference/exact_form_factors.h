@@ -34,8 +34,8 @@ double visiblePointToPolygon(const glm::dvec3& point, const glm::dvec3& normal,
 // where they are near, cubature of Lambert's formula over the smaller one where they are apart.
 double exchangeUnoccluded(const Polygon& from, const Polygon& to);
 
-// A_i F_ij behind blockers: adaptive cubature over the one farther from the blockers. Stops when the estimated
-// error of F_ij is below `tolerance` or after `maxCells` cells.
+// A_i F_ij behind blockers: adaptive cubature over the one farther from the blockers. Stops when the
+// estimated error of F_ij is below `tolerance` or after `maxCells` cells.
 Estimate exchangeOccluded(const Polygon& from, const Polygon& to, std::span<const Polygon> blockers,
                           double tolerance = 1e-8, size_t maxCells = 20000);
 

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "engine/app/bounded_queue.h"
-#include "geometry/input_error.h"
 #include "geometry/whole_file.h"
 
 namespace heliodon::app {
@@ -67,9 +66,6 @@ Film::Film(const fs::path& target, uint32_t width, uint32_t height, double frame
       }) {}
 
 Film::Film(const fs::path& target, const Open& open) : impl_(std::make_unique<Impl>()) {
-    const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
-    if (!fs::is_directory(folder))
-        throw geometry::InputError(target.string(), "", "its folder does not exist");
     impl_->target = target;
     impl_->aside = geometry::asideOf(target);
     try {

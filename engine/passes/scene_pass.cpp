@@ -95,14 +95,19 @@ gpu::GraphicsPipelineInfo solidInfo() {
 
 constexpr uint32_t kMark = 0xFF; // in the stencil: to be blended over
 
-// Depth, and a mark where a see-through solid is nearest. What shadow volumes left in the stencil is of no use
-// any more.
+// Depth, and a mark where a see-through solid is nearest. What shadow volumes left in the stencil is of no
+// use any more.
 gpu::GraphicsPipeline frontPipeline(gpu::Device& device) {
     gpu::GraphicsPipelineInfo info = solidInfo();
     info.stages = {solid_vert};
     info.writeMask = 0;
-    info.stencilFront = {VK_STENCIL_OP_KEEP, VK_STENCIL_OP_REPLACE, VK_STENCIL_OP_KEEP, VK_COMPARE_OP_ALWAYS,
-                         0xFF,               0xFF,                  kMark};
+    info.stencilFront = {VK_STENCIL_OP_KEEP,
+                         VK_STENCIL_OP_REPLACE,
+                         VK_STENCIL_OP_KEEP,
+                         VK_COMPARE_OP_ALWAYS,
+                         0xFF,
+                         0xFF,
+                         kMark};
     return {device, info, "fronts of see-through solids"};
 }
 
@@ -113,8 +118,8 @@ gpu::GraphicsPipeline seeThroughPipeline(gpu::Device& device) {
     info.depthCompare = VK_COMPARE_OP_EQUAL;
     info.blend = gpu::Blend::alpha;
     info.writeMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT;
-    info.stencilFront = {VK_STENCIL_OP_KEEP, VK_STENCIL_OP_ZERO, VK_STENCIL_OP_KEEP, VK_COMPARE_OP_EQUAL,
-                         0xFF,               0xFF,               kMark};
+    info.stencilFront = {
+        VK_STENCIL_OP_KEEP, VK_STENCIL_OP_ZERO, VK_STENCIL_OP_KEEP, VK_COMPARE_OP_EQUAL, 0xFF, 0xFF, kMark};
     return {device, info, "see-through solids"};
 }
 

@@ -38,10 +38,10 @@ struct SolidDraw {
     const gpu::Buffer* corners = nullptr; // DrawCorner
     uint32_t count = 0;
     glm::vec4 colour{0};
-    float shading = 0;       // 0: plain
-    float pushBack = 0;      // metres
-    // Blended once a pixel, by alpha, over the room and what of these was drawn before; hides what lies behind
-    // it of itself and of those drawn later.
+    float shading = 0;  // 0: plain
+    float pushBack = 0; // metres
+    // Blended once a pixel, by alpha, over the room and what of these was drawn before; hides what lies
+    // behind it of itself and of those drawn later.
     bool seeThrough = false;
 };
 

@@ -1,10 +1,11 @@
 // From one value per patch to one value per vertex, so that light can be drawn linear between vertices.
 // At each vertex a plane is fitted to the values of the patches around it (weighted least squares over their
 // centroids) and read off at the vertex: a field that is linear over a surface is reproduced exactly, at its
-// border too. Then the vertices take up, a few times over, what the means drawn on the patches around them lack,
-// by area (Cimmino's method), but not out of the range of the fit and of these patches: what is drawn on a patch
-// comes near to the light that it has, and on a surface to all of its light. Values never mix across surfaces.
-// What depends on geometry alone is worked out once; evaluating costs some twenty multiply-adds a corner.
+// border too. Then the vertices take up, a few times over, what the means drawn on the patches around them
+// lack, by area (Cimmino's method), but not out of the range of the fit and of these patches: what is drawn
+// on a patch comes near to the light that it has, and on a surface to all of its light. Values never mix
+// across surfaces. What depends on geometry alone is worked out once; evaluating costs some twenty
+// multiply-adds a corner.
 #pragma once
 
 #include <cstdint>
