@@ -323,6 +323,7 @@ Year computeYear(Run& run, const Job& job) {
         annual.emplace(*transport, skiesOf(job.weather, job.arguments, job.scene.northDeg), count,
                        [&](double share) { progress.advance(static_cast<size_t>(1000 * share)); });
     }
+    std::vector<size_t> outside;
     NpyWriter::writeWhole(output / "illuminance.npy", count, records, [&](NpyWriter& out) {
         const size_t atOnce = std::clamp<size_t>(kValuesAtOnce / records, 1, kSensorsAtOnce);
         std::vector<float> lux, sun, error;
@@ -336,6 +337,7 @@ Year computeYear(Run& run, const Job& job) {
                 const StageTimer timer(run, "solve");
                 annual->sensors(points, lux, sun, error);
             }
+            for (const size_t s : transport->report().sensorsOutside) outside.push_back(first + s);
             const StageTimer timer(run, "metrics");
             addMetrics(year, daylight::annualMetrics(lux, sun, occupied, job.options(), error));
             addBlock(year, job, first, lux);
@@ -344,6 +346,7 @@ Year computeYear(Run& run, const Job& job) {
         }
         startFiles(output, "annual", filesOf(job.arguments, job.mapped));
     });
+    warnOfSensorsOutside(run, outside, count);
     reportYear(run, annual->report());
     if (ill) ill->write(output / "illuminance.ill");
     return year;

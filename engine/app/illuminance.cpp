@@ -8,7 +8,6 @@
 #include <glm/geometric.hpp>
 
 #include "engine/app/commands.h"
-#include "engine/app/first_few.h"
 #include "engine/app/light_report.h"
 #include "engine/app/moment.h"
 #include "engine/app/plan_chart.h"
@@ -132,11 +131,7 @@ Solution solveOn(Run& run, const IlluminanceArguments& arguments, const Input& i
             points.push_back({s.sensors->points[i], s.sensors->normals[i]});
         transport->setSensors(std::move(points));
     }
-    if (const std::vector<size_t>& outside = transport->report().sensorsOutside; !outside.empty()) {
-        run.warn(fmt::format("{} of {} sensors lie in no room and stay dark: row{} {}, counted from 0",
-                             outside.size(), s.sensors->points.size(), outside.size() == 1 ? "" : "s",
-                             firstFew(outside, 5)));
-    }
+    if (s.sensors) warnOfSensorsOutside(run, transport->report().sensorsOutside, s.sensors->points.size());
     s.moment = std::move(solveLight(run, *transport, std::span(&sky, 1))[0]);
     warnOfNight(run, source, lightFigures(s.scene.mesh, s.moment).maxLux);
     return s;

@@ -6,11 +6,18 @@
 #include <fmt/format.h>
 
 #include "compute/daylight/glazing.h"
+#include "engine/app/first_few.h"
 #include "engine/passes/weighted_quantile.h"
 
 namespace heliodon::app {
 
 using nlohmann::json;
+
+void warnOfSensorsOutside(Run& run, const std::vector<size_t>& outside, size_t count) {
+    if (outside.empty()) return;
+    run.warn(fmt::format("{} of {} sensors lie in no room and stay dark: row{} {}, counted from 0", outside.size(), count,
+                         outside.size() == 1 ? "" : "s", firstFew(outside, 5)));
+}
 
 void reportFormFactors(Run& run, size_t patches, const compute::FormFactorReport& report) {
     run.report()["form_factors"] = {{"patches", patches},

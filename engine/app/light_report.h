@@ -30,6 +30,9 @@ std::vector<compute::Moment> solveLight(Run& run, compute::DaylightTransport& tr
 // What one moment's solution measured: `radiosity`, `modelled` and `skipped`.
 void reportMoment(Run& run, const compute::MomentReport& report);
 
+// A warning that names the rows, counted from 0, of sensors that lie in no room; none without any.
+void warnOfSensorsOutside(Run& run, const std::vector<size_t>& outside, size_t count);
+
 struct LightFigures {
     double meanLux = 0, maxLux = 0; // of the illuminance on the surfaces that are shown, by area
     double glareRatio =

@@ -161,6 +161,10 @@ TEST_F(Annual, illuminance_says_what_is_outside_and_takes_another_ground) {
         EXPECT_NE(outcome.output.find("--site is not used"), std::string::npos) << outcome.output;
         return nlohmann::json::parse(readText(folder / "report.json"));
     };
+    const std::string year = heliodon("annual " + kOffice + " --weather " + in("days.epw") + " --sensors " +
+                                      in("s.csv") + " -o " + in("year"))
+                                 .output;
+    EXPECT_NE(year.find("1 of 2 sensors lie in no room"), std::string::npos) << year;
     const nlohmann::json dark = ran(""), bright = ran(" --ground 1");
     // Moon and Spencer: E = 7 pi Lz / 9.
     const double outside = 7.0 / 9.0 * std::numbers::pi * 9000;
