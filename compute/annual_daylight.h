@@ -20,8 +20,8 @@
 
 #include "compute/daylight/sky.h"
 #include "compute/daylight_transport.h"
-#include "compute/host_gather.h"
 #include "compute/panel_product.h"
+#include "compute/sensor_responses.h"
 #include "compute/sun_hours.h"
 
 namespace heliodon::compute {
@@ -67,30 +67,18 @@ public:
     const YearReport& report() const { return report_; }
 
 private:
-    struct Responses;
-    struct Importance;
-    size_t beams() const { return tinted_ ? 3 : 1; } // that a sensor answers to apart
     void makeSkies(const TransportParts& parts);
-    void takeFactors(const TransportParts& parts);
-    Responses respond(const TransportParts& parts);
-    Importance importanceOf(const TransportParts& parts, size_t first, size_t count);
-    void addAnswers(const TransportParts& parts, const Importance& sent, size_t k, Responses& result) const;
-    void addSky(const TransportParts& parts, Responses& result) const;
-    void addNearSky(const TransportParts& parts, Responses& responses) const;
-    void addGlow(const TransportParts& parts, Responses& responses) const;
-    void hideGlow(const TransportParts& parts, Responses& responses) const;
-    void addLobes(const TransportParts& parts, Responses& responses) const;
-    std::vector<float> sunOf(const Responses& responses);
-    void addSun(const SunHours::Block& block, const TransportParts& parts, const Responses& responses,
+    std::vector<float> sunOf(const SensorResponses& responses);
+    void addSun(const SunHours::Block& block, const TransportParts& parts, const SensorResponses& responses,
                 std::span<float> reflected) const;
-    void addBlinds(const SunHours::Hour& hour, const TransportParts& parts, const Responses& responses,
+    void addBlinds(const SunHours::Hour& hour, const TransportParts& parts, const SensorResponses& responses,
                    float* reflected) const;
     void addEdges(const SunHours::Block& block, const TransportParts& parts,
                   std::span<float> reflected) const;
     void addBeams(std::span<const Sensor> sensors, std::span<float> sun) const;
     void checkAndSetErrors(std::span<const float> lux, std::span<const float> sun, std::span<float> error);
     std::vector<uint32_t> checkedHours(size_t& sunless) const;
-    void reportOf(const Responses& responses, size_t values);
+    void reportOf(const SensorResponses& responses, size_t values);
     double answerWork() const; // of a sensor
     void foreseeSun(size_t sensors);
     void tell(double work); // that was done
@@ -100,15 +88,10 @@ private:
     size_t sensorCount_, sensorsDone_ = 0;
     Tell tell_;
     double workDone_ = 0, sunDone_ = 0, sunWork_ = 0; // sunWork_: done and to come
-    bool tinted_ = false;
-    std::vector<float> area_;    // of patches
-    std::vector<uint8_t> clear_; // patches of clear glass between rooms
-    std::vector<uint32_t> lit_;  // hours with sky or ground
-    Panels luminance_;           // elements x lit hours, times pi
+    SensorResponder responder_;
+    std::vector<uint32_t> lit_; // hours with sky or ground
+    Panels luminance_;          // elements x lit hours, times pi
     std::optional<SunHours> suns_;
-    std::optional<HostGather> gather_; // none where the device gathers faster
-    std::optional<TintedFactors> tintedGather_;
-    std::optional<RadiositySolver> solver_;
     double checkSquares_ = 0, checkCount_ = 0;
     YearReport report_;
 };

@@ -1,0 +1,270 @@
+#include "compute/sensor_responses.h"
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+
+#include "compute/glow_rows.h"
+#include "compute/parallel.h"
+
+namespace heliodon::compute {
+
+namespace {
+
+constexpr std::array<double, 3> kLuminous{0.2126, 0.7152, 0.0722};
+constexpr size_t kColumnsAtOnce = 48;     // right-hand sides that share passes over F
+constexpr size_t kMostHostPatches = 8000; // 256 MB of form factors once more
+
+// A sensor's row in one channel, with what tinted panes make of it and what the walls beside it add; `near`
+// is empty without any.
+std::vector<float> rowWith(std::span<const float> row, std::span<const TintedShare> tinted, size_t channel,
+                           const std::vector<float>& near) {
+    std::vector<float> sum(row.begin(), row.end());
+    for (const TintedShare& share : tinted) sum[share.patch] += share.more[static_cast<int>(channel)];
+    for (size_t i = 0; i < near.size(); ++i) sum[i] += near[i];
+    return sum;
+}
+
+} // namespace
+
+// What sensors send into the room: a column for each and for each channel.
+struct SensorResponder::Importance {
+    size_t first = 0, count = 0;   // sensors
+    std::vector<float> sent, once; // reflected where sensors look, and what of that falls on patches
+    std::vector<float> more, rest; // exitance and gathered light of all that follows
+};
+
+SensorResponder::SensorResponder(DaylightTransport& transport)
+    : transport_(transport), beams_(transport.parts().skyChannels == 3 ? 3 : 1) {
+    const geometry::PatchMesh& mesh = transport_.mesh();
+    for (size_t i = 0; i < mesh.patchCount(); ++i) {
+        area_.push_back(static_cast<float>(geometry::patchArea(mesh, i)));
+        clear_.push_back(mesh.twin[i] != geometry::kNoTwin && isClear(mesh.materials[mesh.material[i]]));
+    }
+}
+
+// Where F lies in the host's memory: sensors are many columns.
+void SensorResponder::takeFactors(const TransportParts& parts) {
+    const size_t n = transport_.mesh().patchCount();
+    const float* values = transport_.formFactors().values.mapped<float>();
+    if (gather_ || !values || n > kMostHostPatches) return;
+    gather_.emplace(std::span(values, n * n), static_cast<uint32_t>(n));
+    tintedGather_.emplace(*gather_, parts.links);
+    solver_.emplace(*tintedGather_, parts.solver.rowSums());
+    solver_->setMatter(parts.solver.matter());
+}
+
+SensorResponses SensorResponder::respond(const TransportParts& parts, const Told& told) {
+    const size_t n = transport_.mesh().patchCount(), sensors = parts.sensors.size();
+    SensorResponses result;
+    result.sensors = sensors;
+    result.own.assign(sensors, 0);
+    for (size_t b = 0; b < beams_; ++b) result.sun[b].assign(GlowRows(parts, n).all * sensors, 0);
+    Smooth smooth;
+    for (size_t c = 0; c < parts.skyChannels; ++c) smooth[c].assign(sensors * n, 0);
+    takeFactors(parts);
+    const size_t atOnce = std::max<size_t>(1, kColumnsAtOnce / parts.channels);
+    for (size_t first = 0; first < sensors; first += atOnce) {
+        const Importance sent = importanceOf(parts, first, std::min(atOnce, sensors - first));
+        inParallel(sent.count, [&](size_t k) { addAnswers(parts, sent, k, result, smooth); });
+        told(sent.count);
+    }
+    addSky(parts, smooth, result);
+    addNearSky(parts, result);
+    addLobes(parts, smooth, result);
+    addGlow(parts, result);
+    hideGlow(parts, result);
+    return result;
+}
+
+// The first bounce is taken apart: what remains to be solved is smooth, so that the solver's tolerance, a
+// share of the largest value, is small everywhere.
+SensorResponder::Importance SensorResponder::importanceOf(const TransportParts& parts, size_t first,
+                                                          size_t count) {
+    const size_t n = area_.size(), columns = count * parts.channels;
+    FormFactorOperator& gather = gather_ ? *tintedGather_ : parts.gather;
+    RadiositySolver& solver = solver_ ? *solver_ : parts.solver;
+    const RadiosityMatter& matter = parts.solver.matter();
+    Importance result{first, count, std::vector<float>(columns * n), std::vector<float>(columns * n), {}, {}};
+    std::vector<float> twice(columns * n), perArea(n);
+    std::vector<uint32_t> channel;
+    for (size_t k = 0; k < columns; ++k) {
+        const size_t s = first + k / parts.channels;
+        channel.push_back(static_cast<uint32_t>(k % parts.channels));
+        const std::vector<float> seen = rowWith(parts.sensorFactors.subspan(s * n, n), parts.tinted[s],
+                                                channel[k], parts.near[s].smooth[channel[k]]);
+        for (size_t i = 0; i < n; ++i) perArea[i] = seen[i] / area_[i];
+        matter.reflect<float>(channel[k], perArea, {&result.sent[k * n], n});
+    }
+    gather.gatherIn(channel, result.sent, result.once);
+    for (size_t k = 0; k < columns; ++k)
+        matter.reflect<float>(channel[k], {&result.once[k * n], n}, {&twice[k * n], n});
+    solver.solve(twice, channel, result.more, result.rest, {});
+    return result;
+}
+
+// Of the k-th sensor of `sent`.
+void SensorResponder::addAnswers(const TransportParts& parts, const Importance& sent, size_t k,
+                                 SensorResponses& result, Smooth& smooth) const {
+    const geometry::PatchMesh& mesh = transport_.mesh();
+    const size_t n = area_.size(), s = sent.first + k;
+    const NearLight& near = parts.near[s];
+    double own = 0;
+    std::vector<float> later(n); // answer to what falls on patches, but for what the sensor sees itself
+    for (size_t c = 0; c < parts.channels; ++c) {
+        const auto seenRow = parts.sensorFactors.subspan(s * n, n),
+                   evenRow = parts.sensorEven.subspan(s * n, n);
+        const std::vector<float> seen = rowWith(seenRow, parts.tinted[s], c, near.smooth[c]),
+                                 even = rowWith(evenRow, parts.tinted[s], c, near.even[c]);
+        const std::vector<float>& rho = parts.solver.matter().reflectance[c];
+        const size_t at = (k * parts.channels + c) * n;
+        for (size_t i = 0; i < n; ++i) later[i] = area_[i] * (sent.once[at + i] + sent.rest[at + i]);
+        // Grey stands for three.
+        for (size_t shown = c; shown < (parts.channels == 1 ? 3 : c + 1); ++shown) {
+            const auto axis = static_cast<int>(shown);
+            const auto share = static_cast<float>(kLuminous[shown]);
+            float* sky = &smooth[parts.skyChannels == 1 ? 0 : shown][s * n];
+            float* sun = &result.sun[beams_ == 1 ? 0 : shown][s];
+            for (size_t i = 0; i < n; ++i) {
+                const float received = seen[i] + later[i];
+                // What falls on clear interior glass goes straight on and is counted where it lands.
+                sky[i] += share * (clear_[i] ? rho[i] * received
+                                             : area_[i] * (sent.sent[at + i] + sent.more[at + i]));
+                sun[i * result.sensors] += share * rho[i] * (even[i] + later[i]);
+                own +=
+                    static_cast<double>(share * received * mesh.materials[mesh.material[i]].exitance[axis]);
+            }
+            own += static_cast<double>(share * near.own[axis]);
+            size_t row = n;
+            for (const GlowingBlinds::Group& group : parts.blinds.groups())
+                for (const uint32_t i : group.patches)
+                    sun[row++ * result.sensors] += share * (seen[i] + later[i]);
+        }
+    }
+    result.own[s] = static_cast<float>(own);
+}
+
+// The sky by way of patches, and straight.
+void SensorResponder::addSky(const TransportParts& parts, const Smooth& smooth,
+                             SensorResponses& result) const {
+    const size_t n = area_.size(), sensors = result.sensors, elements = parts.skyElements,
+                 channels = parts.skyChannels;
+    result.sky.assign(sensors * elements, 0);
+    std::vector<float> reflected(sensors * elements);
+    for (size_t c = 0; c < channels && elements > 0; ++c) {
+        Panels coefficients(n, elements);
+        for (size_t i = 0; i < n; ++i)
+            for (size_t e = 0; e < elements; ++e)
+                coefficients.at(i, e) = parts.patchSky[(i * channels + c) * elements + e];
+        multiply(smooth[c], sensors, coefficients, reflected);
+        const auto share = static_cast<float>(channels == 1 ? 1.0 : kLuminous[c]);
+        for (size_t s = 0; s < sensors; ++s)
+            for (size_t e = 0; e < elements; ++e)
+                result.sky[s * elements + e] +=
+                    reflected[s * elements + e] + share * parts.sensorSky[(s * channels + c) * elements + e];
+    }
+    const size_t row = GlowRows(parts, n).smooth;
+    for (size_t b = 0; b < beams_; ++b)
+        inParallel(n, [&](size_t i) {
+            for (size_t s = 0; s < sensors; ++s)
+                result.sun[b][(row + i) * sensors + s] = smooth[b][s * n + i];
+        });
+}
+
+// The sky by way of walls beside the sensor.
+void SensorResponder::addNearSky(const TransportParts& parts, SensorResponses& result) const {
+    const size_t elements = parts.skyElements;
+    inParallel(elements > 0 ? result.sensors : 0, [&](size_t s) {
+        for (const SkySample& sample : parts.near[s].sky)
+            result.sky[s * elements + parts.sky.elementOf(glm::dvec3(sample.direction))] +=
+                static_cast<float>(photometric(sample.weight) / std::numbers::pi);
+    });
+}
+
+void SensorResponder::addLobes(const TransportParts& parts, const Smooth& smooth,
+                               SensorResponses& result) const {
+    if (parts.slats.empty()) return;
+    const size_t n = transport_.mesh().patchCount(), sensors = result.sensors;
+    const GlowRows rows(parts, n);
+    for (size_t b = 0; b < beams_; ++b) {
+        std::vector<float>& answers = result.sun[b];
+        inParallel(sensors, [&](size_t s) {
+            for (size_t i = 0; i < n; ++i)
+                for (const SlatLobes::Share& share : parts.slats.of(i))
+                    answers[(rows.lobes + share.row) * sensors + s] += smooth[b][s * n + i] * share.factor;
+            for (size_t shown = 0; shown < 3; ++shown) {
+                if (beams_ == 3 && shown != b) continue;
+                const auto& own = parts.sensorSlats[s][b];
+                const auto& near = parts.near[s].slats[parts.channels == 1 ? 0 : shown];
+                const auto luminous = static_cast<float>(kLuminous[shown]);
+                for (size_t row = 0; row < own.size(); ++row)
+                    answers[(rows.lobes + row) * sensors + s] +=
+                        luminous * (own[row] + (near.empty() ? 0 : near[row]));
+            }
+            for (size_t row = 0; row < parts.slats.rows(); ++row)
+                answers[(rows.groupLobes +
+                         parts.slats.windows()[row / daylight::kSlatNodes].group * daylight::kSlatNodes +
+                         row % daylight::kSlatNodes) *
+                            sensors +
+                        s] += answers[(rows.lobes + row) * sensors + s];
+        });
+    }
+}
+
+// The sky's part of what blinds scatter.
+void SensorResponder::addGlow(const TransportParts& parts, SensorResponses& result) const {
+    const size_t elements = parts.skyElements, sensors = result.sensors;
+    const GlowRows rows(parts, transport_.mesh().patchCount());
+    size_t slot = rows.glow;
+    for (size_t g = 0; g < parts.blinds.groups().size() && elements > 0; ++g) {
+        const size_t count = parts.blinds.groups()[g].patches.size();
+        const std::vector<float> coefficients = parts.blinds.coefficients(g, parts.sky, parts.skyChannels);
+        for (size_t b = 0; b < beams_; ++b)
+            for (size_t s = 0; s < sensors; ++s) {
+                float answer = 0;
+                for (size_t k = slot; k < slot + count; ++k) answer += result.sun[b][k * sensors + s];
+                for (size_t e = 0; e < elements; ++e)
+                    result.sky[s * elements + e] += answer * coefficients[b * elements + e];
+            }
+        slot += count;
+        if (!parts.blinds.groups()[g].window.hasSlats()) continue;
+        const std::vector<float> lobes = parts.blinds.lobeCoefficients(g, parts.sky, parts.skyChannels);
+        for (size_t node = 0; node < daylight::kSlatNodes; ++node)
+            for (size_t b = 0; b < beams_; ++b)
+                inParallel(sensors, [&](size_t s) {
+                    const float answer =
+                        result.sun[b][(rows.groupLobes + g * daylight::kSlatNodes + node) * sensors + s];
+                    for (size_t e = 0; e < elements; ++e)
+                        result.sky[s * elements + e] +=
+                            answer * lobes[(node * parts.skyChannels + b) * elements + e];
+                });
+    }
+}
+
+// What the building hides before windows with blinds.
+void SensorResponder::hideGlow(const TransportParts& parts, SensorResponses& result) const {
+    const size_t elements = parts.skyElements, sensors = result.sensors;
+    const GlowRows rows(parts, area_.size());
+    inParallel(elements > 0 ? sensors : 0, [&](size_t s) {
+        std::vector<float> seen(elements); // of one patch, were nothing hidden
+        const auto see = [&](float answer, const float* coefficients) {
+            for (size_t e = 0; e < elements; ++e) seen[e] += answer * coefficients[e];
+        };
+        for (const HiddenSky::Patch& p : parts.hiddenSky.patches()) {
+            std::ranges::fill(seen, 0.0f);
+            for (size_t b = 0; b < beams_; ++b) {
+                const float* answers = &result.sun[b][s];
+                see(answers[(rows.glow + p.row) * sensors],
+                    &parts.hiddenSky.coefficients(p.group)[b * elements]);
+                if (!parts.blinds.groups()[p.group].window.hasSlats()) continue;
+                const std::vector<float>& lobes = parts.hiddenSky.lobeCoefficients(p.group);
+                for (size_t node = 0; node < daylight::kSlatNodes; ++node)
+                    see(answers[(rows.lobes + p.slats * daylight::kSlatNodes + node) * sensors],
+                        &lobes[(node * 3 + b) * elements]);
+            }
+            for (size_t e = 0; e < elements; ++e) result.sky[s * elements + e] -= p.hidden[e] * seen[e];
+        }
+    });
+}
+
+} // namespace heliodon::compute
