@@ -15,4 +15,11 @@ namespace heliodon::compute {
 // looked for. Cost: edges x regions, and patches x separate surfaces round them.
 bool isClosedSolid(const geometry::PatchMesh& mesh, const std::vector<ConvexRegion>& regions);
 
+// Of a closed solid: whether its faces are seen from outside what they enclose.
+bool facesLookOutwards(const geometry::PatchMesh& mesh);
+
+// What users are told of one.
+constexpr const char* kFacesLookOutwards = "the faces look out of what they enclose: the side that counts is the one "
+                                           "from which their corners run counter-clockwise, a room's inside";
+
 } // namespace heliodon::compute

@@ -191,20 +191,11 @@ void measureClosure(std::span<const double> rowSums, FormFactorReport& report) {
     report.closureRms = std::sqrt(squares / static_cast<double>(std::max<size_t>(rowSums.size(), 1)));
 }
 
-// Of a closed mesh: whether the volume on the side from which its faces are seen is negative.
-bool facesLookOutwards(const geometry::PatchMesh& mesh) {
-    double sixVolumes = 0;
-    for (size_t i = 0; i < mesh.patchCount(); ++i)
-        sixVolumes += glm::dot(geometry::patchAreaVector(mesh, i), geometry::patchCentroid(mesh, i) - mesh.vertices[0]);
-    return sixVolumes > 0;
-}
-
 // Open scenes' rows end where their light leaves; of closed rooms all of it arrives.
 void warnOfLostLight(const geometry::PatchMesh& mesh, FormFactorReport& report) {
     if (report.closureMax <= kClosureBound || !isClosedSolid(mesh, {})) return;
     if (facesLookOutwards(mesh))
-        report.warnings.push_back("the faces look out of what they enclose: the side that counts is the one from "
-                                  "which their corners run counter-clockwise, a room's inside");
+        report.warnings.emplace_back(kFacesLookOutwards);
     else
         report.warnings.push_back(fmt::format(
             "the room is closed, but the form factors of a patch sum to 1 +- {:.2g} (RMS of all {:.1g}): a lower "

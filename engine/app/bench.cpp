@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "compute/closed_solid.h"
 #include "compute/form_factors.h"
 #include "compute/parallel.h"
 #include "compute/reference/form_factor_rows.h"
@@ -331,6 +332,13 @@ void writeResults(Run& run, const BenchArguments& arguments, Bench& bench, bool 
     geometry::writeWholeText(arguments.output / "bench.json", geometry::jsonText(all));
 }
 
+// Nothing reaches anything there: all kernels, and the reference, would agree on zeros.
+void warnOfOutwardFaces(Run& run, const std::vector<BenchScene>& scenes) {
+    for (const BenchScene& scene : scenes)
+        if (compute::isClosedSolid(scene.mesh, {}) && compute::facesLookOutwards(scene.mesh))
+            run.warn(fmt::format("{}: {}", scene.name, compute::kFacesLookOutwards));
+}
+
 // Each once; "all" stands for `known`, beside others too.
 template<class Names>
 std::vector<std::string> expanded(const std::vector<std::string>& given, const Names& known) {
@@ -372,6 +380,7 @@ void execute(Run& run, const BenchArguments& given) {
         const StageTimer timer(run, "scenes");
         return benchScenes(arguments.scenes, arguments.sizes, arguments.output);
     }();
+    warnOfOutwardFaces(run, scenes);
     Bench bench(run, arguments, scenes);
     if (arguments.peers && !hasEmbree()) run.skipped("embree: the library was not there when this was built");
     if (arguments.peers && findView3d().empty()) run.skipped("view3d: no such program on the PATH");

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "engine/app/commands.h"
 #include "engine/app/first_few.h"
 #include "engine/app/light_report.h"
+#include "engine/app/progress.h"
 #include "engine/app/scene_input.h"
 #include "engine/app/table_file.h"
 #include "geometry/input_error.h"
@@ -83,6 +85,26 @@ void warnOfIdle(Run& run, const FormFactorArguments& arguments) {
     if (arguments.points && !hemicube) run.warn("--points is not used: it is for --kernel hemicube");
 }
 
+// Straight to the file, tile by tile.
+compute::FormFactorReport stream(Run& run, const geometry::PatchMesh& mesh, const compute::FormFactorOptions& options,
+                                 NpyWriter& out) {
+    const StageTimer timer(run, "formfactors");
+    gpu::Device& device = run.device();
+    const size_t n = mesh.patchCount();
+    std::optional<Progress> progress; // from the first tile on: links are all made before it, in a time of their own
+    size_t entries = 0, before = 0;
+    return compute::streamFormFactors(device, mesh, options, [&](const compute::FormFactorTile& tile) {
+        out.put(tile.firstRow, tile.rows, tile.firstColumn, tile.columns, tile.values);
+        entries += tile.values.size();
+        if (!progress) {
+            before = entries;
+            progress.emplace("formfactors", n, run.showsProgress());
+        }
+        const double left = static_cast<double>(n * n - entries) / static_cast<double>(std::max<size_t>(n * n - before, 1));
+        progress->advance(entries / n, 1 - left);
+    });
+}
+
 } // namespace
 
 void execute(Run& run, const FormFactorArguments& arguments) {
@@ -101,12 +123,7 @@ void execute(Run& run, const FormFactorArguments& arguments) {
                                    fmt::format("is for at most {} patches", kLargestDense));
     NpyWriter::writeWhole(arguments.output, n, n, [&](NpyWriter& out) {
         if (n > kLargestDense) {
-            const StageTimer timer(run, "formfactors");
-            const auto report =
-                compute::streamFormFactors(device, mesh, options, [&](const compute::FormFactorTile& tile) {
-                    out.put(tile.firstRow, tile.rows, tile.firstColumn, tile.columns, tile.values);
-                });
-            reportFormFactors(run, n, report);
+            reportFormFactors(run, n, stream(run, mesh, options, out));
             return;
         }
         const compute::FormFactors factors = [&] {
