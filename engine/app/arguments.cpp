@@ -414,7 +414,8 @@ private:
             "do what this file says, a line each: wait, look TIMES (until so many pictures of a table that "
             "had changed have been looked at; with file: those that were written), sleep S, time T, sky SKY "
             "(or weather, the file's), wheel N [shift] [ctrl], key K, resize WINDOW WIDTH HEIGHT, close "
-            "WINDOW, snapshot NAME, quit");
+            "WINDOW, snapshot NAME, quit. Windows are numbered from 0, in the rig's order of projectors; the "
+            "operator's comes last");
         sub->add_option("--snapshots", live_.snapshots,
                         "folder for what the outputs showed at a script's snapshot, and in the end");
     }

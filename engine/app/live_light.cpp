@@ -136,6 +136,8 @@ void LiveLight::solve(bool fromPicture) {
     lit.scene = scene_;
     lit.frame = std::move(frame_);
     lit.moment = moment_;
+    if (source.followsTime()) lit.time = daylight::timeInWords(request_.time);
+    lit.sky = source.skyInWords();
     lit.solveSeconds = watch.seconds();
     lit.asked = request_.asked;
     lit.fromPicture = fromPicture;

@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -31,6 +32,7 @@ struct LitScene {
     std::shared_ptr<const LiveScene> scene;
     std::unique_ptr<passes::FrameScene> frame;     // null: drawn as before
     std::shared_ptr<const compute::Moment> moment; // the same object as before: the same light
+    std::string time, sky;                         // of it, in words; no time where the sky is a file's
     LightFigures figures;
     double autoWhite = 0, solveSeconds = 0;
     std::vector<float> shownLux;

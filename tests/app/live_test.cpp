@@ -112,6 +112,9 @@ TEST_F(Live, hours_of_a_weather_file_are_shown_as_a_time_lapse_shows_them) {
                                  weather);
     ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
     EXPECT_NE(report["weather"]["place"].get<std::string>().find("Chicago"), std::string::npos);
+    // Of the last moment; the report's `sky` is the start's.
+    EXPECT_EQ(report["light"]["time"], "21 June 2026, 12:00 UTC-06:00");
+    EXPECT_NE(report["light"]["sky"].get<std::string>().find("Chicago"), std::string::npos);
     const Outcome film =
         heliodon("timelapse " + kPhoto + kFast + "--rig " + kRig + " --quiet " + weather +
                  "--from 2026-06-21T12:00-06:00 --to 2026-06-21T12:30-06:00 --step PT30M -o " + in("film"));
