@@ -1,6 +1,7 @@
 #include "geometry/film_codec.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 
 extern "C" {
@@ -44,7 +45,7 @@ public:
         const size_t row = static_cast<size_t>(width_) * 3, evenRow = static_cast<size_t>(evenWidth_) * 3;
         for (size_t y = 0; y < static_cast<size_t>(height_); ++y)
             std::copy_n(rgb + y * row, row, padded_.data() + y * evenRow);
-        if (av_frame_make_writable(frame_.get()) < 0) return false;
+        if (!done(av_frame_make_writable(frame_.get()))) return false;
         const uint8_t* from[] = {padded_.data()};
         const int stride[] = {static_cast<int>(evenRow)};
         sws_scale(scaler_.get(), from, stride, 0, evenHeight_, frame_->data, frame_->linesize);
@@ -53,11 +54,22 @@ public:
     }
 
     bool finish() override {
-        const bool whole = encode(nullptr) && av_write_trailer(format_.get()) == 0;
-        return avio_closep(&format_->pb) == 0 && whole;
+        const bool whole = encode(nullptr) && done(av_write_trailer(format_.get()));
+        return done(avio_closep(&format_->pb)) && whole;
+    }
+
+    std::string why() const override {
+        std::array<char, AV_ERROR_MAX_STRING_SIZE> text{};
+        return error_ < 0 && av_strerror(error_, text.data(), text.size()) == 0 ? text.data() : "";
     }
 
 private:
+    // Whether what a call returned is no error; the first that is one is kept.
+    bool done(int returned) {
+        if (returned < 0 && error_ == 0) error_ = returned;
+        return returned >= 0;
+    }
+
     bool openCodec(double framesPerSecond) {
         const AVCodec* codec = avcodec_find_encoder_by_name("libx264");
         if (!codec) codec = avcodec_find_encoder(AV_CODEC_ID_H264);
@@ -107,20 +119,20 @@ private:
 
     // A frame, or null for the last ones that still wait in the encoder.
     bool encode(const AVFrame* frame) {
-        int sent = avcodec_send_frame(codec_.get(), frame);
-        while (sent == 0) {
+        bool sent = done(avcodec_send_frame(codec_.get(), frame));
+        while (sent) {
             const int received = avcodec_receive_packet(codec_.get(), packet_.get());
             if (received == AVERROR(EAGAIN) || received == AVERROR_EOF) return true;
-            if (received < 0) return false;
+            if (!done(received)) return false;
             packet_->duration = 1;
             av_packet_rescale_ts(packet_.get(), codec_->time_base, stream_->time_base);
             packet_->stream_index = stream_->index;
-            sent = av_interleaved_write_frame(format_.get(), packet_.get());
+            sent = done(av_interleaved_write_frame(format_.get(), packet_.get()));
         }
         return false;
     }
 
-    int width_, height_, evenWidth_, evenHeight_;
+    int width_, height_, evenWidth_, evenHeight_, error_ = 0;
     int64_t count_ = 0;
     std::vector<uint8_t> padded_;
     Owned<AVCodecContext> codec_;

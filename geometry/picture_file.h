@@ -40,6 +40,8 @@ public:
     virtual bool add(const uint8_t* rgb) = 0; // width x height x 3 bytes; false when it failed
     // Nothing is added after it. True when the file is complete.
     virtual bool finish() = 0;
+    // Of what failed first, in the system's or the encoder's words; empty where there are none.
+    virtual std::string why() const { return {}; }
 };
 
 // Odd sizes get a black line more. Null where no encoder is there.
@@ -47,7 +49,7 @@ std::unique_ptr<FilmEncoder> openFilmFile(const std::filesystem::path& file, int
                                           double framesPerSecond);
 
 // Counts up with every change of what stands below: a module of another build is refused, not called.
-constexpr uint32_t kPictureCodecsVersion = 3;
+constexpr uint32_t kPictureCodecsVersion = 4;
 
 // What the module exports, by the name `heliodonPictureCodecs`.
 struct PictureCodecs {

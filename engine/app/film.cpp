@@ -32,14 +32,18 @@ struct Film::Impl {
     void encode() {
         while (const auto rgb = frames.pop()) {
             try {
-                if (!encoder->add(rgb->data()))
-                    throw std::runtime_error(target.string() + ": a frame could not be encoded");
+                if (!encoder->add(rgb->data())) fail("a frame could not be encoded or written");
             } catch (...) {
                 const std::scoped_lock lock(mutex);
                 failure = std::current_exception();
                 frames.close(true);
             }
         }
+    }
+
+    [[noreturn]] void fail(const std::string& what) const {
+        const std::string why = encoder->why();
+        throw std::runtime_error(target.string() + ": " + what + (why.empty() ? "" : ": " + why));
     }
 
     void throwFailure() {
@@ -94,8 +98,7 @@ void Film::close() {
     impl_->end(false);
     try {
         impl_->throwFailure();
-        if (!impl_->encoder->finish())
-            throw std::runtime_error(impl_->target.string() + ": the film could not be written (disk full?)");
+        if (!impl_->encoder->finish()) impl_->fail("the film could not be written");
         fs::rename(impl_->aside, impl_->target);
     } catch (...) {
         impl_->discard();

@@ -144,6 +144,7 @@ TEST_F(FilmCodecTest, that_has_no_room_is_not_complete) {
     std::signal(SIGXFSZ, old);
     ASSERT_TRUE(encoder);
     EXPECT_FALSE(whole);
+    EXPECT_EQ(encoder->why(), "File too large");
 }
 
 TEST_F(FilmCodecTest, where_no_file_can_be_there_is_none) {
