@@ -62,7 +62,12 @@ void takeApart(dvec3 sensor, uint32_t patch, double finest, const std::array<dve
 
 bool isInReach(const PointScene& scene, const NearWalls& walls, dvec3 sensor, uint32_t patch,
                const std::array<dvec3, 3>& triangle) {
-    return distanceTo(sensor, triangle) < walls.reach * scene.patches()[patch].size;
+    const double reach = walls.reach * scene.patches()[patch].size;
+    // No point of a triangle lies farther from a corner than another corner: most are seen so to be too far.
+    const auto& [a, b, c] = triangle;
+    if (glm::length(sensor - a) - std::max(glm::length(b - a), glm::length(c - a)) > 1.001 * reach)
+        return false;
+    return distanceTo(sensor, triangle) < reach;
 }
 
 // Fans of triangles.

@@ -238,6 +238,7 @@ void execute(Run& run, const IlluminanceArguments& arguments) {
     geometry::writeWholeText(arguments.output,
                              perPatch ? patchTable(scene, parts) : sensorTable(*sensors, parts));
     if (!arguments.plan.empty()) {
+        const StageTimer timer(run, "draw");
         const Plan plan = planOf(solution);
         plan.chart.write(arguments.plan);
         if (plan.shown == 0) run.warn(kEmptyPlan);

@@ -12,6 +12,7 @@
 #include <glm/trigonometric.hpp>
 
 #include "compute/lighting.h"
+#include "engine/app/floor_cells.h"
 #include "engine/app/plan_field.h"
 #include "engine/passes/false_colour.h"
 #include "geometry/clip_polygon.h"
@@ -68,35 +69,23 @@ struct Sunlight {
 };
 
 struct Floor {
-    std::vector<size_t> patches;
+    FloorCells cells;
     std::vector<std::array<glm::dvec3, 2>> outline;
-    std::vector<Sample> samples; // all that is shown
-    std::optional<Sunlight> sun; // of all samples, which have their values without it in `shaded`
-    std::vector<Sample> shaded;
+    std::vector<Sample> samples{}; // all that is shown
+    std::optional<Sunlight> sun{}; // of all samples, which have their values without it in `shaded`
+    std::vector<Sample> shaded{};
 };
 
 // Tops of walls that no sensor stands above, `top` being the highest, are no floor.
 std::vector<Floor> floorsOf(const geometry::PatchMesh& mesh, double top) {
-    std::map<uint32_t, Floor> floors;
+    std::map<uint32_t, std::vector<size_t>> floors;
     for (size_t i = 0; i < mesh.patchCount(); ++i)
         if (geometry::patchNormal(mesh, i).y > 0.5 && geometry::patchCentroid(mesh, i).y <= top)
-            floors[mesh.room[i]].patches.push_back(i);
+            floors[mesh.room[i]].push_back(i);
     std::vector<Floor> result;
-    for (auto& [room, floor] : floors) {
-        floor.outline = borders(mesh, floor.patches);
-        result.push_back(std::move(floor));
-    }
+    for (const auto& [room, patches] : floors)
+        result.push_back({FloorCells(mesh, patches), borders(mesh, patches)});
     return result;
-}
-
-bool covers(const geometry::PatchMesh& mesh, size_t patch, glm::dvec2 p) {
-    const auto corners = mesh.patch(patch);
-    for (size_t k = 0; k < corners.size(); ++k) {
-        const glm::dvec2 a = flat(mesh.vertices[corners[k]]),
-                         b = flat(mesh.vertices[corners[(k + 1) % corners.size()]]);
-        if ((b.y - a.y) * (p.x - a.x) - (b.x - a.x) * (p.y - a.y) < -1e-9) return false;
-    }
-    return true;
 }
 
 // The part of a convex polygon where the linear field reaches `level` (or stays below it).
@@ -137,7 +126,7 @@ public:
         std::vector<SampleTriangle> triangles = smoothTriangles(samples, partsFor(spacing));
         // Triangles of samples reach over concave corners: what has its middle outside is left out.
         std::erase_if(triangles, [&](const SampleTriangle& t) {
-            return !isOverFloor(floor, (t[0].at + t[1].at + t[2].at) / 3.0);
+            return !floor.cells.covers((t[0].at + t[1].at + t[2].at) / 3.0);
         });
         triangles = within(triangles, reach);
         if (floor.sun) triangles = sunlit(std::move(triangles), *floor.sun);
@@ -213,7 +202,7 @@ public:
                 };
                 for (double k = 0; k < bits; ++k) {
                     const glm::dvec2 middle = glm::mix(a, b, (k + 0.5) / bits);
-                    if (!isWithin(reach, middle) || !isOverFloor(floor, middle)) {
+                    if (!isWithin(reach, middle) || !floor.cells.covers(middle)) {
                         draw();
                         continue;
                     }
@@ -348,8 +337,7 @@ private:
                 for (size_t s = 0; s < sensors; ++s) {
                     const double along = glm::dot(samples[s].at - p, wall),
                                  distance = glm::distance(samples[s].at, p);
-                    // Light behind the wall is not its own; the floor lies to the wall's left, as in
-                    // covers().
+                    // Light behind the wall is not its own; the floor lies to the wall's left.
                     const glm::dvec2 away = samples[s].at - p;
                     if (wall.y * away.x - wall.x * away.y < 0) continue;
                     auto& nearest = side[along > 0];
@@ -362,13 +350,10 @@ private:
                 const double span = near.along + far.along;
                 const bool both = far.distance < 3 * near.distance && span > 0;
                 samples.push_back(
-                    {p, both ? (far.along * near.value + near.along * far.value) / span : near.value, near.height});
+                    {p, both ? (far.along * near.value + near.along * far.value) / span : near.value,
+                     near.height});
             }
         }
-    }
-    bool isOverFloor(const Floor& floor, glm::dvec2 p) const {
-        return std::any_of(floor.patches.begin(), floor.patches.end(),
-                           [&](size_t i) { return covers(mesh_, i, p); });
     }
     const geometry::PatchMesh& mesh_;
     const ValueScale& scale_;
@@ -407,16 +392,14 @@ void drawNorthAndScale(Chart& chart, const Scene& scene, const PlanDrawing& plan
 }
 
 // Sensors by the floor that they stand over.
-void sortIn(const Scene& scene, const PlanValues& given, std::vector<Floor>& floors) {
+void sortIn(const PlanValues& given, std::vector<Floor>& floors) {
     std::set<std::pair<int64_t, int64_t>> taken;
     for (size_t s = 0; s < given.points.size(); ++s) {
         const glm::dvec2 p = flat(given.points[s]);
         if (given.normals[s].y < 0.5 ||
             !taken.insert({std::llround(p.x * 1e5), std::llround(p.y * 1e5)}).second)
             continue;
-        const auto floor = std::ranges::find_if(floors, [&](const Floor& f) {
-            return std::ranges::any_of(f.patches, [&](size_t i) { return covers(scene.mesh, i, p); });
-        });
+        const auto floor = std::ranges::find_if(floors, [&](const Floor& f) { return f.cells.covers(p); });
         if (floor == floors.end()) continue;
         floor->samples.push_back({p, given.values[s], given.points[s].y});
         if (!given.sunPatches) continue;
@@ -473,7 +456,7 @@ Plan planChart(const Scene& scene, const PlanValues& given, std::optional<ValueS
     for (size_t s = 0; s < given.points.size(); ++s)
         if (given.normals[s].y >= 0.5) top = std::max(top, given.points[s].y);
     std::vector<Floor> floors = floorsOf(scene.mesh, top);
-    sortIn(scene, given, floors);
+    sortIn(given, floors);
     size_t shown = 0;
     for (Floor& floor : floors) {
         if (floor.sun) findSunlight(scene, given, floor);

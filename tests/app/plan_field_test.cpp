@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/app/chart.h"
+#include "engine/app/floor_cells.h"
 #include "engine/app/work_plane.h"
 
 namespace heliodon::test {
@@ -48,6 +49,38 @@ TEST(PlanField, a_linear_field_stays_what_it_is) {
     ASSERT_GT(triangles.size(), 25 * 100u);
     for (const auto& t : triangles)
         for (const Sample& s : t) EXPECT_NEAR(s.value, plane(s.at), 1e-9);
+}
+
+TEST(PlanField, floor_cells_cover_what_their_patches_cover) {
+    geometry::PatchMesh mesh; // triangles of an L of 6 x 6 squares, up, turned by 20 degrees
+    const auto turned = [](double x, double y) {
+        return glm::dvec2(0.94 * x - 0.34 * y, 0.34 * x + 0.94 * y);
+    };
+    const auto add = [&](std::initializer_list<glm::dvec2> corners) {
+        for (const glm::dvec2 c : corners) {
+            const glm::dvec2 p = turned(c.x, c.y);
+            mesh.corners.push_back(static_cast<uint32_t>(mesh.vertices.size()));
+            mesh.vertices.emplace_back(p.x, 0, p.y);
+        }
+        mesh.firstCorner.push_back(static_cast<uint32_t>(mesh.corners.size()));
+    };
+    const auto isInL = [](double x, double y) {
+        return x > 0 && y > 0 && x < 6 && y < 6 && (x < 3 || y < 3);
+    };
+    std::vector<size_t> patches;
+    for (int x = 0; x < 6; ++x)
+        for (int y = 0; y < 6; ++y)
+            if (isInL(x + 0.5, y + 0.5)) {
+                add({{x, y}, {x, y + 1}, {x + 1, y + 1}});
+                add({{x, y}, {x + 1, y + 1}, {x + 1, y}});
+            }
+    for (size_t i = 0; i < mesh.patchCount(); ++i) patches.push_back(i);
+    const app::FloorCells cells(mesh, patches);
+    for (double x = -3.03; x < 9; x += 0.11)
+        for (double y = -3.03; y < 9; y += 0.13)
+            EXPECT_EQ(cells.covers(turned(x, y)), isInL(x, y)) << x << " " << y;
+    EXPECT_TRUE(cells.covers(turned(2, 2)) && cells.covers(turned(0, 0)) && cells.covers(turned(6, 1)));
+    EXPECT_FALSE(app::FloorCells(mesh, {}).covers({0, 0}));
 }
 
 TEST(PlanField, a_curved_field_is_met_better_than_by_flat_triangles) {
@@ -139,11 +172,13 @@ TEST(PlanField, what_lies_within_is_the_whole_field_cut) {
 TEST(PlanField, what_lies_in_the_sun_is_raised_with_an_exact_edge) {
     const auto plane = [](glm::dvec2 p) { return 3 * p.x - 2 * p.y + 7; };
     const auto triangles = app::smoothTriangles(scattered(plane, 0), 3);
-    const std::vector<glm::dvec2> patch{{2.1, 1.3}, {3.3, 6.7}, {5.4, 2.2}}, beside{{20, 1}, {21, 1}, {20, 2}};
+    const std::vector<glm::dvec2> patch{{2.1, 1.3}, {3.3, 6.7}, {5.4, 2.2}},
+        beside{{20, 1}, {21, 1}, {20, 2}};
     const auto lit = app::raisedWithin(app::raisedWithin(triangles, patch, 100), beside, 50);
     double area = 0, raised = 0;
     for (const auto& t : lit) {
-        const glm::dvec2 a = t[1].at - t[0].at, b = t[2].at - t[0].at, middle = (t[0].at + t[1].at + t[2].at) / 3.0;
+        const glm::dvec2 a = t[1].at - t[0].at, b = t[2].at - t[0].at,
+                         middle = (t[0].at + t[1].at + t[2].at) / 3.0;
         const double one = std::abs(a.x * b.y - a.y * b.x) / 2, more = t[0].value - plane(t[0].at);
         area += one, raised += one * more / 100;
         if (one < 1e-9) continue; // a sliver along the edge, whose middle may lie on either side
