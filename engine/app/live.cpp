@@ -204,6 +204,7 @@ private:
 
     void draw(bool events) {
         if (controls_.pictureChanged()) dirty_ = true;
+        if (outputs_->leaveOutClosed()) dirty_ = true;
         const bool operatorNow =
             (operatorDue(kOperatorBusy) &&
              (events || dirty_ || controls_.values.playing || outputs_->operatorBusy())) ||

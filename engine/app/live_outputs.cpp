@@ -144,7 +144,23 @@ void LiveOutputs::arrange(const Arrangement& like) {
     }
 }
 
+std::vector<bool> LiveOutputs::closedProjectors() const {
+    std::vector<bool> closed;
+    for (size_t i = 0; i < operatorIndex(); ++i)
+        closed.push_back(presenter_->state(i) == present::WindowState::closed);
+    return closed;
+}
+
+bool LiveOutputs::leaveOutClosed() {
+    if (!renderer_ || !wanted() || closedProjectors() == leftOut_) return false;
+    leftOut_ = closedProjectors();
+    renderer_->leaveOut(leftOut_);
+    light_.clear();
+    return true;
+}
+
 void LiveOutputs::replaceScene(passes::FrameScene scene) {
+    leftOut_.assign(operatorIndex(), false); // leaveOutClosed follows
     if (renderer_)
         renderer_->replace(std::move(scene));
     else

@@ -43,6 +43,9 @@ public:
     Arrangement arrangement() const;
     void arrange(const Arrangement& like);
 
+    // Projectors whose windows have been closed give their part of the picture to the others. True if there are
+    // new ones: the light is to be drawn before anything else is.
+    bool leaveOutClosed();
     // Another room, to be drawn before anything else is.
     void replaceScene(passes::FrameScene scene);
     // Submitted, not waited for.
@@ -63,6 +66,7 @@ public:
     nlohmann::json report() const;
 
 private:
+    std::vector<bool> closedProjectors() const;
     size_t operatorIndex() const { return rig_.projectors.size(); }
     const gpu::Image* testPicture(size_t projector, present::Shown shown);
 
@@ -73,6 +77,7 @@ private:
     std::unique_ptr<present::OperatorWindow> operator_;
     std::optional<passes::FrameRenderer> renderer_;
     std::vector<const gpu::Image*> light_, chosen_; // per projector
+    std::vector<bool> leftOut_;                     // of the renderer's scene
     std::vector<gpu::Image> tests_;
     present::Shown tested_ = present::Shown::light; // what `tests_` hold; light: nothing
     const gpu::Image* operatorPicture_ = nullptr;

@@ -371,6 +371,12 @@ void FrameRenderer::replace(FrameScene scene) {
     state_->makeOutputs(1);
 }
 
+void FrameRenderer::leaveOut(const std::vector<bool>& projectors) {
+    FrameScene scene = std::move(state_->model->scene);
+    scene.leaveOut(projectors);
+    replace(std::move(scene));
+}
+
 double FrameRenderer::autoWhite(const compute::Lighting& light) const {
     return passes::autoWhite(state_->model->scene.mesh, light);
 }

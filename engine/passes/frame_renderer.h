@@ -53,6 +53,8 @@ public:
 
     // Another geometry in place of the one before: pipelines stay. Cost: uploads.
     void replace(FrameScene scene);
+    // FrameScene::leaveOut of the geometry at hand. Cost: that of `replace`.
+    void leaveOut(const std::vector<bool>& projectors);
 
     // Those of frame_light.h.
     double autoWhite(const compute::Lighting& light) const;

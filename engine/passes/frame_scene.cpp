@@ -43,6 +43,11 @@ FrameScene::FrameScene(const geometry::PatchMesh& m, const geometry::Occluders& 
     views = projectorViews(1);
 }
 
+void FrameScene::leaveOut(const std::vector<bool>& projectors) {
+    handOverShares(shown, projectors);
+    reach = reachableExitance(shown, rig, options.surfaceReflectance);
+}
+
 std::vector<View> FrameScene::projectorViews(int supersample) const {
     std::vector<glm::dvec3> shownPoints;
     for (const DrawCorner& corner : shown.corners) shownPoints.emplace_back(corner.position);

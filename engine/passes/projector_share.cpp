@@ -74,4 +74,16 @@ DrawMesh shownMesh(const geometry::PatchMesh& mesh, const VertexLight& vertexLig
     return out;
 }
 
+void handOverShares(DrawMesh& shown, const std::vector<bool>& dark) {
+    for (size_t corner = 0; corner < shown.corners.size(); ++corner) {
+        double lit = 0;
+        for (size_t i = 0; i < dark.size(); ++i)
+            if (!dark[i]) lit += double{shown.share[i][corner]};
+        for (size_t i = 0; i < dark.size(); ++i) {
+            float& share = shown.share[i][corner];
+            share = dark[i] || !(lit > 0) ? 0 : static_cast<float>(double{share} / lit);
+        }
+    }
+}
+
 } // namespace heliodon::passes

@@ -4,6 +4,8 @@
 // triangles round a vertex), each triangle goes to those that see it.
 #pragma once
 
+#include <vector>
+
 #include "engine/passes/draw_mesh.h"
 #include "geometry/patch_mesh.h"
 #include "geometry/rig.h"
@@ -13,5 +15,9 @@ namespace heliodon::passes {
 // Cost: mostly that of splitByProjectorVisibility.
 DrawMesh shownMesh(const geometry::PatchMesh& mesh, const VertexLight& vertexLight,
                    const geometry::Occluders& occluders, const geometry::Rig& rig);
+
+// `dark`: per projector, whether it shows nothing any more. What the others see of its part becomes theirs, as
+// if the rig had only them; elsewhere shares are zero.
+void handOverShares(DrawMesh& shown, const std::vector<bool>& dark);
 
 } // namespace heliodon::passes

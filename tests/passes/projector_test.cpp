@@ -143,6 +143,36 @@ TEST(Projector, overlapping_projectors_together_show_the_simulated_light) {
     EXPECT_LE(double(dark), 0.1 * double(all)); // seen by no projector
 }
 
+// As if the rig had only the others.
+TEST(Projector, the_others_take_over_what_one_that_is_left_out_showed) {
+    const geometry::Rig rig = exampleRig();
+    geometry::Rig others = rig;
+    others.projectors.erase(others.projectors.begin() + 1);
+    const test::SketchScene scene = test::sketchScene(8);
+    compute::Lighting light = scene.light;
+    light.sunDirection = glm::dvec3(0);
+    FrameRenderer renderer(test::device(), scene.mesh, scene.occluders, &rig),
+        expected(test::device(), scene.mesh, scene.occluders, &others);
+    std::vector<bool> dark(rig.projectors.size(), false);
+    dark[1] = true;
+    renderer.leaveOut(dark);
+    EXPECT_NEAR(renderer.reachLux(), expected.reachLux(), 0.01 * expected.reachLux());
+    const double scale = expected.reachLux() / renderer.reachLux();
+    std::vector<ImageF> found = renderer.projectorsHdr(light);
+    const std::vector<ImageF> wanted = expected.projectorsHdr(light);
+    for (const float drive : found[1].rgb) EXPECT_EQ(drive, 0);
+    found.erase(found.begin() + 1);
+    for (size_t i = 0; i < wanted.size(); ++i) {
+        double sum = 0, difference = 0;
+        for (size_t k = 0; k < wanted[i].rgb.size(); ++k) {
+            sum += double{wanted[i].rgb[k]};
+            difference += std::abs(scale * double{found[i].rgb[k]} - double{wanted[i].rgb[k]});
+        }
+        EXPECT_GT(sum, 0);
+        EXPECT_LT(difference, 0.01 * sum) << i; // other triangles
+    }
+}
+
 TEST(Projector, nothing_is_shown_outside_the_model) {
     const geometry::Rig rig = exampleRig();
     const test::SketchScene scene = test::sketchScene(6);
