@@ -145,9 +145,9 @@ std::array<dvec3, 3> fromWidestAngle(std::array<dvec3, 3> c) {
     return c;
 }
 
-// What heights over the triangle's plane come multiplied by: twice its area. Their rounding error goes with the
-// product of the edges instead, of slivers much more: there what counts as in the plane grows with it, or points
-// of a needle would find the needle in their way.
+// What heights over the triangle's plane come multiplied by: twice its area. Their rounding error goes with
+// the product of the edges instead, of slivers much more: there what counts as in the plane grows with it, or
+// points of a needle would find the needle in their way.
 double heightScale(const std::array<dvec3, 3>& c) {
     constexpr double kRounding = 0.4; // of float32, some 2e-7 of the diagonal, over kernels' flatness of 5e-7
     const dvec3 e = c[1] - c[0], f = c[2] - c[0];

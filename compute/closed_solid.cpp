@@ -243,7 +243,8 @@ bool isClosedSolid(const geometry::PatchMesh& mesh, const std::vector<ConvexRegi
 bool facesLookOutwards(const geometry::PatchMesh& mesh) {
     double sixVolumes = 0;
     for (size_t i = 0; i < mesh.patchCount(); ++i)
-        sixVolumes += glm::dot(geometry::patchAreaVector(mesh, i), geometry::patchCentroid(mesh, i) - mesh.vertices[0]);
+        sixVolumes +=
+            glm::dot(geometry::patchAreaVector(mesh, i), geometry::patchCentroid(mesh, i) - mesh.vertices[0]);
     return sixVolumes > 0;
 }
 

@@ -19,7 +19,8 @@ bool isClosedSolid(const geometry::PatchMesh& mesh, const std::vector<ConvexRegi
 bool facesLookOutwards(const geometry::PatchMesh& mesh);
 
 // What users are told of one.
-constexpr const char* kFacesLookOutwards = "the faces look out of what they enclose: the side that counts is the one "
-                                           "from which their corners run counter-clockwise, a room's inside";
+constexpr const char* kFacesLookOutwards =
+    "the faces look out of what they enclose: the side that counts is the one "
+    "from which their corners run counter-clockwise, a room's inside";
 
 } // namespace heliodon::compute

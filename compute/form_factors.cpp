@@ -93,7 +93,7 @@ FormFactors hemicubeFormFactors(gpu::Device& device, const geometry::PatchMesh& 
     if (!(maxError > 0)) return refinedHemicubeFormFactors(device, mesh, hemicube).factors;
     constexpr std::array<std::array<uint32_t, 2>, 5> kSteps{{{32, 1}, {64, 1}, {64, 4}, {128, 4}, {128, 16}}};
     constexpr double kPart = 0.7, kFalls = 0.9; // of both errors; of one, when more is spent on it
-    constexpr double kCounts = 0.3; // of the other error: less is not worth going on for alone
+    constexpr double kCounts = 0.3;             // of the other error: less is not worth going on for alone
     double lastNear = INFINITY, lastFar = INFINITY;
     bool nearFalls = true, farFalls = true;
     for (size_t step = 0;;) {
@@ -197,10 +197,11 @@ void warnOfLostLight(const geometry::PatchMesh& mesh, FormFactorReport& report) 
     if (facesLookOutwards(mesh))
         report.warnings.emplace_back(kFacesLookOutwards);
     else
-        report.warnings.push_back(fmt::format(
-            "the room is closed, but the form factors of a patch sum to 1 +- {:.2g} (RMS of all {:.1g}): a lower "
-            "error asked, or --kernel exact, keeps the light of single patches, unless bodies cross one another",
-            report.closureMax, report.closureRms));
+        report.warnings.push_back(fmt::format("the room is closed, but the form factors of a patch sum to 1 "
+                                              "+- {:.2g} (RMS of all {:.1g}): a lower "
+                                              "error asked, or --kernel exact, keeps the light of single "
+                                              "patches, unless bodies cross one another",
+                                              report.closureMax, report.closureRms));
 }
 
 void explain(FormFactorReport& report, const FormFactorOptions& options, const KernelChoice& choice) {
@@ -271,8 +272,8 @@ FormFactors computeFormFactors(gpu::Device& device, const geometry::PatchMesh& m
     if (options.kernel == "auto" && choice.kernel == "hierarchical" &&
         std::max(claimed, sums / kSumOverRow) > kMargin * choice.maxError) {
         choice.kernel = "exact";
-        choice.why += fmt::format("; these leave up to {:.2g}, {:.2g} of a row's sum: visible polygons instead",
-                                  claimed, sums);
+        choice.why += fmt::format(
+            "; these leave up to {:.2g}, {:.2g} of a row's sum: visible polygons instead", claimed, sums);
         result = {}; // both matrices would take twice the memory
         result = factorsOf(device, mesh, options, choice);
     }

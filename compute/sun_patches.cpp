@@ -144,7 +144,9 @@ void SunPatches::project(const SunScene& scene, bool clipAnyway) {
 }
 
 Polygon SunPatches::inFrontOf(const Face& face, const Receiver& receiver) const {
-    const auto height = [&](const glm::dvec3& p) { return glm::dot(p - receiver.corners[0], receiver.normal); };
+    const auto height = [&](const glm::dvec3& p) {
+        return glm::dot(p - receiver.corners[0], receiver.normal);
+    };
     std::vector<glm::dvec3> above;
     geometry::clip<glm::dvec3>(face.region->corners, height, above);
     if (std::ranges::none_of(above, [&](const glm::dvec3& p) { return height(p) > 1e-9 * scale_; }))
@@ -277,8 +279,8 @@ std::vector<SunlitParts::Part> SunPatches::partsOf(const std::vector<Piece>& pie
         SunlitParts::Part part{{}, glm::vec3(piece.transmittance * facing)};
         for (const glm::dvec2& q : piece.outline) {
             const glm::dvec3 flat = q.x * across_ + q.y * up_;
-            part.polygon.push_back(
-                flat + sun_ * (glm::dot(receiver.corners[0] - flat, receiver.normal) / facing));
+            part.polygon.push_back(flat +
+                                   sun_ * (glm::dot(receiver.corners[0] - flat, receiver.normal) / facing));
         }
         parts.push_back(std::move(part));
     }

@@ -61,8 +61,8 @@ public:
     // building shade it, its other windows dim what comes through them.
     glm::dvec3 onOutside(size_t patch) const;
 
-    // The lit parts, disjoint, of any flat convex polygon in the air, counter-clockwise seen from the side that it
-    // faces: all of it takes part, whichever rooms it reaches through.
+    // The lit parts, disjoint, of any flat convex polygon in the air, counter-clockwise seen from the side
+    // that it faces: all of it takes part, whichever rooms it reaches through.
     std::vector<SunlitParts::Part> onPolygon(std::span<const glm::dvec3> corners) const;
 
     // onPatches' value at a point of the air of a room with unit normal.

@@ -48,7 +48,8 @@ void checkFace(const RawModel& model, size_t i) {
             fail(fmt::format("the face is not planar, a corner lies {:.3g} off its plane", off));
         const glm::dvec3 in = glm::normalize(at(k + 1) - at(k)), out = glm::normalize(at(k + 2) - at(k + 1));
         const double sine = glm::dot(glm::cross(in, out), normal);
-        if (sine < kLeastTurn) fail("the face is not convex, as a patch must be; `heliodon model` cuts such faces");
+        if (sine < kLeastTurn)
+            fail("the face is not convex, as a patch must be; `heliodon model` cuts such faces");
         turned += std::atan2(sine, glm::dot(in, out));
     }
     if (turned > 3 * std::numbers::pi) fail("the face winds round itself");

@@ -249,9 +249,10 @@ private:
         sub->add_option("--hours", render_.hours,
                         "of the contact sheet, apparent solar time, as 7,9,11,13,15,17 (the default)")
             ->needs(sheet);
-        sub->add_flag("!--no-stamp", render_.stamp,
-                      "leave date, time, sun, sky and white out of the corner of previews, and the sun's height out "
-                      "of the contact sheet's");
+        sub->add_flag(
+            "!--no-stamp", render_.stamp,
+            "leave date, time, sun, sky and white out of the corner of previews, and the sun's height out "
+            "of the contact sheet's");
         addRadiosityError(sub, render_.maxRadiosityError);
         sub->add_option("-o,--output", render_.output, "folder for the pictures; made when missing")
             ->required();
@@ -274,9 +275,10 @@ private:
                         "else preview)")
             ->check(CLI::IsMember({"preview", "projectors", "none"}));
         addWeather(sub, timelapse_.moment);
-        sub->add_flag("!--no-stamp", timelapse_.stamp,
-                      "leave date, time, sun, sky and white out of the corner of previews (projectors' pictures and "
-                      "linear ones never have them)");
+        sub->add_flag(
+            "!--no-stamp", timelapse_.stamp,
+            "leave date, time, sun, sky and white out of the corner of previews (projectors' pictures and "
+            "linear ones never have them)");
         sub->add_option("--fps", timelapse_.framesPerSecond, "frames a second of the film (default 24)")
             ->check(within(1.0, 240.0));
         sub->add_flag(

@@ -70,7 +70,7 @@ struct RenderArguments {
     PictureArguments picture;
     bool contactSheet = false;
     std::string days, hours; // of the contact sheet; empty: the paper's
-    bool stamp = true;       // date, time, sun, sky and white on previews, the sun's height on the sheet's cells
+    bool stamp = true; // date, time, sun, sky and white on previews, the sun's height on the sheet's cells
     double maxRadiosityError = 0;
     std::filesystem::path output;
 };

@@ -86,12 +86,13 @@ void warnOfIdle(Run& run, const FormFactorArguments& arguments) {
 }
 
 // Straight to the file, tile by tile.
-compute::FormFactorReport stream(Run& run, const geometry::PatchMesh& mesh, const compute::FormFactorOptions& options,
-                                 NpyWriter& out) {
+compute::FormFactorReport stream(Run& run, const geometry::PatchMesh& mesh,
+                                 const compute::FormFactorOptions& options, NpyWriter& out) {
     const StageTimer timer(run, "formfactors");
     gpu::Device& device = run.device();
     const size_t n = mesh.patchCount();
-    std::optional<Progress> progress; // from the first tile on: links are all made before it, in a time of their own
+    std::optional<Progress>
+        progress; // from the first tile on: links are all made before it, in a time of their own
     size_t entries = 0, before = 0;
     return compute::streamFormFactors(device, mesh, options, [&](const compute::FormFactorTile& tile) {
         out.put(tile.firstRow, tile.rows, tile.firstColumn, tile.columns, tile.values);
@@ -100,7 +101,8 @@ compute::FormFactorReport stream(Run& run, const geometry::PatchMesh& mesh, cons
             before = entries;
             progress.emplace("formfactors", n, run.showsProgress());
         }
-        const double left = static_cast<double>(n * n - entries) / static_cast<double>(std::max<size_t>(n * n - before, 1));
+        const double left =
+            static_cast<double>(n * n - entries) / static_cast<double>(std::max<size_t>(n * n - before, 1));
         progress->advance(entries / n, 1 - left);
     });
 }

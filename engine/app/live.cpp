@@ -74,12 +74,13 @@ public:
         report["table"] = status.scene;
         if (lit_) {
             reportMoment(run_, lit_->moment->report);
-            report["light"] = {{"time", lit_->time}, // of the last moment; `sky` and `assumed` are the start's
-                               {"sky", lit_->sky},
-                               {"mean_lux", lit_->figures.meanLux},
-                               {"max_lux", lit_->figures.maxLux},
-                               {"glare_ratio", lit_->figures.glareRatio},
-                               {"white_lux", controls_.tone().whiteLux.value_or(lit_->autoWhite)}};
+            report["light"] = {
+                {"time", lit_->time}, // of the last moment; `sky` and `assumed` are the start's
+                {"sky", lit_->sky},
+                {"mean_lux", lit_->figures.meanLux},
+                {"max_lux", lit_->figures.maxLux},
+                {"glare_ratio", lit_->figures.glareRatio},
+                {"white_lux", controls_.tone().whiteLux.value_or(lit_->autoWhite)}};
         }
     }
 

@@ -52,7 +52,8 @@ void warnOfDisplays(Run& run, const geometry::Rig& rig, const std::string& file)
     const auto& all = rig.projectors;
     for (size_t i = 0; i < all.size(); ++i) {
         const std::string& name = all[i].display;
-        const auto first = std::find_if(all.begin(), all.end(), [&](const auto& p) { return p.display == name; });
+        const auto first =
+            std::find_if(all.begin(), all.end(), [&](const auto& p) { return p.display == name; });
         std::string wrong;
         if (name.empty())
             wrong = fmt::format("names no display: '{}' is shown in a window", all[i].id);

@@ -43,8 +43,8 @@ public:
     Arrangement arrangement() const;
     void arrange(const Arrangement& like);
 
-    // Projectors whose windows have been closed give their part of the picture to the others. True if there are
-    // new ones: the light is to be drawn before anything else is.
+    // Projectors whose windows have been closed give their part of the picture to the others. True if there
+    // are new ones: the light is to be drawn before anything else is.
     bool leaveOutClosed();
     // Another room, to be drawn before anything else is.
     void replaceScene(passes::FrameScene scene);

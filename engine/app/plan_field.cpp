@@ -241,7 +241,8 @@ std::vector<SampleTriangle> raisedWithin(const std::vector<SampleTriangle>& tria
         for (size_t k = 0; k < convex.size() && !inside.empty(); ++k) {
             const glm::dvec2 a = convex[k], side = convex[(k + 1) % convex.size()] - a;
             const auto left = [&](const Sample& p) { return geometry::cross(side, p.at - a); };
-            geometry::clip(inside, [&](const Sample& p) { return -left(p); }, outside);
+            geometry::clip(
+                inside, [&](const Sample& p) { return -left(p); }, outside);
             if (twiceArea(outside) > sliver) addFan(outside, 0, cut);
             geometry::clip(inside, left, next);
             inside.swap(next);

@@ -48,13 +48,14 @@ bool isWithin(const std::vector<glm::dvec2>& convex, glm::dvec2 p);
 std::vector<SampleTriangle> within(const std::vector<SampleTriangle>& triangles,
                                    const std::vector<glm::dvec2>& convex);
 
-// The triangles with `more` added within a convex polygon, any way round: cut along its outline where it crosses
-// them. Cut pieces of less than a millionth of a triangle are left out.
+// The triangles with `more` added within a convex polygon, any way round: cut along its outline where it
+// crosses them. Cut pieces of less than a millionth of a triangle are left out.
 std::vector<SampleTriangle> raisedWithin(const std::vector<SampleTriangle>& triangles,
                                          std::vector<glm::dvec2> convex, double more);
 
-// Where disjoint convex polygons, any way round, with a value each border on others or on nothing: sides, but for
-// the parts of them that have the same value on both sides. What lies nearer together than `eps` is as one.
+// Where disjoint convex polygons, any way round, with a value each border on others or on nothing: sides, but
+// for the parts of them that have the same value on both sides. What lies nearer together than `eps` is as
+// one.
 std::vector<std::array<glm::dvec2, 2>> stepsBetween(const std::vector<std::vector<glm::dvec2>>& polygons,
                                                     const std::vector<double>& values, double eps);
 

@@ -187,11 +187,10 @@ void execute(Run& run, const RenderArguments& arguments) {
     warnOfNight(run, source, figures.maxLux);
     const Shown shown{moment.lighting, source,
                       arguments.picture.exposure.value_or(renderer.autoWhite(moment.lighting))};
-    run.report()["light"] = {
-        {"mean_lux", figures.meanLux},
-        {"max_lux", figures.maxLux},
-        {"glare_ratio", figures.glareRatio},
-        {"white_lux", shown.whiteLux}};
+    run.report()["light"] = {{"mean_lux", figures.meanLux},
+                             {"max_lux", figures.maxLux},
+                             {"glare_ratio", figures.glareRatio},
+                             {"white_lux", shown.whiteLux}};
     startFiles(arguments.output, "render", filesOf(arguments, scene));
     renderPreviews(run, renderer, shown, arguments);
     if (sheet) renderSheet(run, renderer, *transport, source, *sheet, arguments);

@@ -99,8 +99,9 @@ passes::ExrAttributes projectorAttributes(const SkySource& source, const dayligh
                                           double whiteLux) {
     passes::ExrAttributes attributes = attributesOf(source, moment, whiteLux);
     attributes.text.emplace_back("heliodon:unit", "share of full drive");
-    attributes.text.emplace_back("comments", "drive of a projector, linear per Rec. 709 channel, 1 = full, not clipped; "
-                                             "heliodon:whiteLux of simulated exitance show as white");
+    attributes.text.emplace_back("comments",
+                                 "drive of a projector, linear per Rec. 709 channel, 1 = full, not clipped; "
+                                 "heliodon:whiteLux of simulated exitance show as white");
     return attributes;
 }
 

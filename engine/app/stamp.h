@@ -1,5 +1,5 @@
-// Which moment a picture shows, in words: at the lower left of previews and of the cells of a contact sheet, never
-// on projectors' pictures; among the attributes of linear ones.
+// Which moment a picture shows, in words: at the lower left of previews and of the cells of a contact sheet,
+// never on projectors' pictures; among the attributes of linear ones.
 #pragma once
 
 #include <string>
@@ -20,12 +20,13 @@ void drawStamp(passes::Image8& picture, const std::vector<std::string>& lines);
 // "sun 34.2° high", "sun 6.0° below the horizon".
 std::string sunInWords(const daylight::SunPosition& sun);
 
-// "21 June 2026, 13:00 solar time", "sun 70.6° high, clear sky, 42.73 N 73.68 W; white is 1200 lux". A sky file has
-// neither time nor sun; a picture of lux as colours (`whiteLux` 0) has no white.
+// "21 June 2026, 13:00 solar time", "sun 70.6° high, clear sky, 42.73 N 73.68 W; white is 1200 lux". A sky
+// file has neither time nor sun; a picture of lux as colours (`whiteLux` 0) has no white.
 std::vector<std::string> stampOf(const SkySource& source, const daylight::Moment& moment, double whiteLux);
 
 // For EXR: what the numbers are (`unit`), white, when, where, under which sky.
-passes::ExrAttributes previewAttributes(const SkySource& source, const daylight::Moment& moment, double whiteLux);
+passes::ExrAttributes previewAttributes(const SkySource& source, const daylight::Moment& moment,
+                                        double whiteLux);
 passes::ExrAttributes projectorAttributes(const SkySource& source, const daylight::Moment& moment,
                                           double whiteLux);
 

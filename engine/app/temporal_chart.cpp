@@ -38,8 +38,7 @@ Chart temporalChart(const daylight::Weather& weather, std::span<const float> lux
     }
     chart.text({kLeft, 26}, title, 15);
     chart.text({kLeft, 44},
-               fmt::format("Weather of {}; standard time, UTC{:+g} h{}", weather.place,
-                           weather.timeZoneHours,
+               fmt::format("Weather of {}; standard time, UTC{:+g} h{}", weather.place, weather.timeZoneHours,
                            weather.hours.size() < static_cast<size_t>(8760 * weather.recordsPerHour)
                                ? "; grey is not in the file"
                                : ""),

@@ -123,8 +123,9 @@ std::vector<daylight::Sky> brightAndSpread(const SkySource& source,
 class FramePainter {
 public:
     FramePainter(Run& run, const Scene& scene, const TimelapseArguments& arguments, bool projectors)
-        : run_(run), projectors_(projectors), exr_(arguments.picture.exr), stamp_(arguments.stamp), device_(run.anotherDevice()),
-          renderer_(makeRenderer(run, scene, device_.get())), preview_(sized({}, arguments.picture)) {
+        : run_(run), projectors_(projectors), exr_(arguments.picture.exr), stamp_(arguments.stamp),
+          device_(run.anotherDevice()), renderer_(makeRenderer(run, scene, device_.get())),
+          preview_(sized({}, arguments.picture)) {
         preview_.tone = toned(preview_.tone, arguments.picture, arguments.picture.falseColor);
         projector_.tone = toned(projector_.tone, arguments.picture, arguments.picture.falseColor);
     }

@@ -61,7 +61,8 @@ FalseScale scaleHolding(std::vector<double> lux) {
         const double decade = std::pow(10, std::floor(std::log10(v) + 1e-9));
         double best = up ? 10 * decade : decade;
         for (double lead : {1.0, 2.0, 5.0})
-            if (up ? lead * decade >= v * (1 - 1e-6) && lead * decade < best : lead * decade <= v * (1 + 1e-6))
+            if (up ? lead * decade >= v * (1 - 1e-6) && lead * decade < best
+                   : lead * decade <= v * (1 + 1e-6))
                 best = lead * decade;
         return best;
     };

@@ -1,5 +1,5 @@
-// The logarithmic scale of lux as colours, in pictures and drawings: its ends, and the legend drawn into a picture.
-// What lies below the scale, darkness too, is black.
+// The logarithmic scale of lux as colours, in pictures and drawings: its ends, and the legend drawn into a
+// picture. What lies below the scale, darkness too, is black.
 #pragma once
 
 #include <span>
@@ -17,8 +17,9 @@ struct FalseScale {
     double lowLux = 10, highLux = 10000;
 };
 
-// A scale that nearly all of the positive values lie on: from 1, 2 or 5 times a power of ten to another, at least
-// five times as much. Of fewer than 200 values it holds all but the smallest hundredth. 100 lux where there are none.
+// A scale that nearly all of the positive values lie on: from 1, 2 or 5 times a power of ten to another, at
+// least five times as much. Of fewer than 200 values it holds all but the smallest hundredth. 100 lux where
+// there are none.
 FalseScale scaleHolding(std::vector<double> lux);
 
 // The scale that `tone` asks for; open ends are scaleHolding() of `lux`, the values at hand (any order).
@@ -40,8 +41,8 @@ int legendWidth(int height);
 // "< 100", beside black.
 std::string belowScale(const FalseScale& scale);
 
-// A bar with numbers, and black below it, over the last legendWidth() columns, on a dark ground; nothing where the picture is too
-// small for it.
+// A bar with numbers, and black below it, over the last legendWidth() columns, on a dark ground; nothing
+// where the picture is too small for it.
 void drawLegend(Image8& picture, const FalseScale& scale);
 
 } // namespace heliodon::passes

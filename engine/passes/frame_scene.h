@@ -30,7 +30,8 @@ struct FrameScene {
     // What each projector sees, confined to what it shows.
     std::vector<View> projectorViews(int supersample) const;
 
-    // Per projector, whether it shows nothing from now on: the others take its part over, as far as they see it.
+    // Per projector, whether it shows nothing from now on: the others take its part over, as far as they see
+    // it.
     void leaveOut(const std::vector<bool>& projectors);
 
     FrameRendererOptions options;

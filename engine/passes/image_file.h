@@ -14,8 +14,8 @@ namespace heliodon::passes {
 void writePng(const Image8& picture, const std::filesystem::path& file);
 
 // OpenEXR 2, one part of scan lines, three 32-bit float channels (half floats end at 65504, sunlit surfaces
-// do not), ZIP compression, Rec. 709 primaries, which it says, and the attributes: names of at most 31 bytes, each
-// once, none of those that every file has.
+// do not), ZIP compression, Rec. 709 primaries, which it says, and the attributes: names of at most 31 bytes,
+// each once, none of those that every file has.
 struct ExrAttributes {
     std::vector<std::pair<std::string, std::string>> text;
     std::vector<std::pair<std::string, float>> numbers;

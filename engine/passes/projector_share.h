@@ -16,8 +16,8 @@ namespace heliodon::passes {
 DrawMesh shownMesh(const geometry::PatchMesh& mesh, const VertexLight& vertexLight,
                    const geometry::Occluders& occluders, const geometry::Rig& rig);
 
-// `dark`: per projector, whether it shows nothing any more. What the others see of its part becomes theirs, as
-// if the rig had only them; elsewhere shares are zero.
+// `dark`: per projector, whether it shows nothing any more. What the others see of its part becomes theirs,
+// as if the rig had only them; elsewhere shares are zero.
 void handOverShares(DrawMesh& shown, const std::vector<bool>& dark);
 
 } // namespace heliodon::passes

@@ -187,7 +187,8 @@ TEST_F(Annual, a_plan_of_illuminance_is_a_drawing) {
     EXPECT_TRUE(svg.ends_with("</svg>\n"));
     EXPECT_EQ(svg.find("edge of direct sun"), std::string::npos);
     EXPECT_EQ(heliodon(command + in("plan.gif")).exitCode, 2);
-    const std::string sunny = "illuminance " + kOffice + " --time 2026-12-21T12:00solar --quiet -o " + in("lux.csv");
+    const std::string sunny =
+        "illuminance " + kOffice + " --time 2026-12-21T12:00solar --quiet -o " + in("lux.csv");
     ASSERT_EQ(heliodon(sunny + " --plan " + in("sunny.svg")).exitCode, 0);
     EXPECT_NE(readText(folder / "sunny.svg").find("edge of direct sun"), std::string::npos);
 }

@@ -109,10 +109,11 @@ TEST_F(Bench, a_convex_room_by_two_kernels) {
 TEST_F(Bench, a_room_seen_from_outside_is_warned_of) {
     writeText(in("out.obj"), "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
                              "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n");
-    const Outcome outcome = heliodon("bench --kernels hierarchical --runs 1 --no-peers --scenes " + in("out.obj") +
-                                     " -o " + in("out"));
+    const Outcome outcome = heliodon("bench --kernels hierarchical --runs 1 --no-peers --scenes " +
+                                     in("out.obj") + " -o " + in("out"));
     ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
-    EXPECT_NE(outcome.output.find("out: the faces look out of what they enclose"), std::string::npos) << outcome.output;
+    EXPECT_NE(outcome.output.find("out: the faces look out of what they enclose"), std::string::npos)
+        << outcome.output;
 }
 
 // Ctrl-C after the first row: what was finished is there, whole, and says that there was more.

@@ -248,12 +248,16 @@ TEST_F(Live, ends_cleanly_with_ctrl_c_and_with_its_windows) {
     EXPECT_EQ(json::parse(readText(folder / "report.json"))["live"]["sketches"], 1);
 
     const Outcome closed =
-        live("file:" + kPhoto, "wait\nsnapshot all\nclose 0\nwait\nsnapshot rest\nclose 1\nclose 2\nsleep 1\nwheel 1\nwait\n"
-                               "close 3\n");
+        live("file:" + kPhoto,
+             "wait\nsnapshot all\nclose 0\nwait\nsnapshot rest\nclose 1\nclose 2\nsleep 1\nwheel 1\nwait\n"
+             "close 3\n");
     EXPECT_EQ(closed.exitCode, 0) << closed.output;
-    EXPECT_EQ(report["live"]["wheel_to_light"]["count"], 1);    // the last window went on
-    for (const char* name : {"-projector-1", "-projector-2", "-projector-3"}) // they took over what the first had shown
-        EXPECT_GT(difference(shot("all" + std::string(name)), shot("rest" + std::string(name))).second, 100'000u) << name;
+    EXPECT_EQ(report["live"]["wheel_to_light"]["count"], 1); // the last window went on
+    for (const char* name :
+         {"-projector-1", "-projector-2", "-projector-3"}) // they took over what the first had shown
+        EXPECT_GT(difference(shot("all" + std::string(name)), shot("rest" + std::string(name))).second,
+                  100'000u)
+            << name;
     EXPECT_EQ(live("file:" + kPhoto, "close 4\n").exitCode, 0); // the operator's
 }
 

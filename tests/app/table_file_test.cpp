@@ -30,7 +30,8 @@ TEST_F(TableFile, a_column_of_the_place_stands_once_in_a_header) {
         readSensors(in("s.csv"), geometry::UpAxis::y);
         ADD_FAILURE() << "was accepted";
     } catch (const InputError& error) {
-        EXPECT_TRUE(std::string(error.what()).ends_with("s.csv:1: the header has column x twice")) << error.what();
+        EXPECT_TRUE(std::string(error.what()).ends_with("s.csv:1: the header has column x twice"))
+            << error.what();
     }
 }
 

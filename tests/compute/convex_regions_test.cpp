@@ -109,8 +109,7 @@ TEST(ConvexRegions, planes_block_that_have_some_of_their_room_on_both_sides) {
             if (ring + 1 < kRings)
                 faces.push_back({at(ring, side + 1), at(ring + 1, side + 1), at(ring + 1, side)});
         }
-    for (uint32_t side = 0; side < kSides; ++side)
-        faces.push_back({dvec3(0), at(0, side + 1), at(0, side)});
+    for (uint32_t side = 0; side < kSides; ++side) faces.push_back({dvec3(0), at(0, side + 1), at(0, side)});
     EXPECT_TRUE(blockingPlanes(test::polygons(faces), 8).regions.empty());
     faces.push_back({{-1, 1, -1}, {-1, 1, 1}, {1, 1, 1}, {1, 1, -1}});
     const BlockingPlanes found = blockingPlanes(test::polygons(faces), 8);

@@ -132,14 +132,15 @@ TEST(SunPatches, any_polygon_in_the_air_has_its_lit_parts) {
     glm::dvec3 low(1e300), high(-1e300);
     for (const glm::dvec3& v : mesh.vertices) low = glm::min(low, v), high = glm::max(high, v);
     const double y = low.y + 0.3 * (high.y - low.y);
-    const std::array plane{glm::dvec3(low.x, y, low.z), glm::dvec3(low.x, y, high.z), glm::dvec3(high.x, y, high.z),
-                           glm::dvec3(high.x, y, low.z)};
+    const std::array plane{glm::dvec3(low.x, y, low.z), glm::dvec3(low.x, y, high.z),
+                           glm::dvec3(high.x, y, high.z), glm::dvec3(high.x, y, low.z)};
     const SunPatches sun(mesh, glm::normalize(glm::dvec3(-0.26, 0.70, 0.66)));
     const auto parts = sun.onPolygon(plane);
     size_t lit = 0;
     for (int i = 0; i < 40; ++i)
         for (int j = 0; j < 40; ++j) {
-            const glm::dvec3 p(glm::mix(low.x, high.x, (i + 0.43) / 40), y, glm::mix(low.z, high.z, (j + 0.57) / 40));
+            const glm::dvec3 p(glm::mix(low.x, high.x, (i + 0.43) / 40), y,
+                               glm::mix(low.z, high.z, (j + 0.57) / 40));
             glm::vec3 covered(0);
             for (const SunlitParts::Part& part : parts) {
                 bool inside = true;

@@ -107,7 +107,7 @@ TEST_F(ModelFile, bad_faces_are_named_by_line) {
     EXPECT_EQ(refusal(kSquare + "v 2 0 0\n# remark\nf 1 2 5\n"), "m.obj:7: the face has no area");
     EXPECT_EQ(refusal(kSquare + "f 1 3 2 4\n").substr(0, 8), "m.obj:5:"); // a bow tie
     EXPECT_EQ(refusal(kSquare + "v 0.4 0.6 0\nf 1 2 5 4\n"), "accepted");
-    EXPECT_EQ(refusal(kSquare + "v 0.2 0.5 0\nf 1 2 3 4 5\n"), 
+    EXPECT_EQ(refusal(kSquare + "v 0.2 0.5 0\nf 1 2 3 4 5\n"),
               "m.obj:6: the face is not convex, as a patch must be; `heliodon model` cuts such faces");
     EXPECT_EQ(refusal("v 0 0 0\nv 1 0 0\nv 1 1 0.1\nv 0 1 0\nf 1 2 3 4\n").substr(0, 34),
               "m.obj:5: the face is not planar, a");

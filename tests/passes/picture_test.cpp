@@ -132,7 +132,7 @@ TEST(FalseColour, the_legend_shows_both_ends_of_the_scale) {
     };
     EXPECT_TRUE(has(viridis(0)));
     EXPECT_TRUE(has(viridis(1)));
-    EXPECT_TRUE(has(glm::vec3(0))); // below the scale
+    EXPECT_TRUE(has(glm::vec3(0)));            // below the scale
     EXPECT_EQ(picture.pixel(10, 150)[0], 128); // the rest of the picture is left alone
     Image8 tiny{3, 3, std::vector<uint8_t>(27, 9)};
     drawLegend(tiny, {}); // no room: nothing happens

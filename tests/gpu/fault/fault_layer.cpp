@@ -210,8 +210,8 @@ VKAPI_ATTR void VKAPI_CALL destroyDevice(VkDevice device, const VkAllocationCall
     X(ImageView, )                                                                                           \
     X(Sampler, )                                                                                             \
     X(ShaderModule, )                                                                                        \
-    X(DescriptorSetLayout, ) X(PipelineLayout, ) X(Semaphore, ) X(Fence, ) X(QueryPool, ) X(CommandPool, )   \
-        X(Swapchain, KHR)
+    X(DescriptorSetLayout, )                                                                                 \
+    X(PipelineLayout, ) X(Semaphore, ) X(Fence, ) X(QueryPool, ) X(CommandPool, ) X(Swapchain, KHR)
 
 #define DEFINE(type, suffix)                                                                                 \
     VKAPI_ATTR VkResult VKAPI_CALL Create##type(VkDevice device, const Vk##type##CreateInfo##suffix* info,   \
