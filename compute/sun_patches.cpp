@@ -334,10 +334,10 @@ std::vector<SunlitParts::Part> SunPatches::onPolygon(std::span<const glm::dvec3>
 
 glm::dvec3 SunPatches::onOutside(size_t patch) const {
     Receiver receiver;
-    see(patch, receiver);
     receiver.normal = -geometry::patchNormal(*mesh_, patch);
     const double facing = glm::dot(receiver.normal, sun_);
     if (!(facing > 1e-9)) return glm::dvec3(0);
+    see(patch, receiver);
     std::reverse(receiver.outline.begin(), receiver.outline.end()); // seen from outside
     const double whole = area(receiver.outline);
     if (!(whole > 0)) return glm::dvec3(0);

@@ -91,8 +91,8 @@ compute::FormFactorReport stream(Run& run, const geometry::PatchMesh& mesh,
     const StageTimer timer(run, "formfactors");
     gpu::Device& device = run.device();
     const size_t n = mesh.patchCount();
-    std::optional<Progress>
-        progress; // from the first tile on: links are all made before it, in a time of their own
+    // From the first tile on: links are all made before it, in a time of their own.
+    std::optional<Progress> progress;
     size_t entries = 0, before = 0;
     return compute::streamFormFactors(device, mesh, options, [&](const compute::FormFactorTile& tile) {
         out.put(tile.firstRow, tile.rows, tile.firstColumn, tile.columns, tile.values);
