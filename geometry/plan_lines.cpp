@@ -9,6 +9,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "geometry/perpendicular.h"
+
 namespace heliodon::geometry {
 
 namespace {
@@ -21,6 +23,11 @@ constexpr double kOverlap = 0.02;     // inches: a line runs into what it ends o
 constexpr double kBeforeEnd = 0.01;   // inches: a ray starts within its wall, to meet the end face
 constexpr int kMostCrossed = 8;       // outlines on the way out of walls that meet in a corner
 constexpr double kGrowth = 1.0 / 16;  // of a line's weight along it
+constexpr double kShortCut = 1.05;   // of the price of the way over an open corner: what others cost at least
+constexpr double kSharpCorner = 2.8; // the way over an open corner: of the distance of its ends,
+constexpr double kLongCorner = 4;    // or inches
+constexpr double kSlanted = 1;       // inches from one side of a wall to the other along one that it ends on
+constexpr double kParallel = 0.1;    // the sine of the angle between walls that meet in no corner
 
 class LineBuilder {
 public:
@@ -83,6 +90,31 @@ private:
             }
     }
 
+    struct OpenCorner {
+        double price = 0,
+               sideways = 0; // of lengthening both walls, and what an inch square to them is to cost
+    };
+
+    // Two ends that point to a corner which was left open. No way past it is to be cheaper than that through
+    // it. None where something stands before it, or where it is so sharp and far that a short side may be
+    // missing.
+    OpenCorner openCorner(const WallEnd& e, const WallEnd& f) const {
+        const double turn = cross(e.out, f.out);
+        if (std::abs(turn) < kParallel) return {};
+        const glm::dvec2 d = f.middle - e.middle;
+        const double alongE = cross(d, f.out) / turn, alongF = cross(d, e.out) / turn;
+        const double most = std::max(kLongCorner, kSharpCorner * glm::length(d));
+        if (alongE < 0 || alongF < 0 || alongE + alongF > most) return {};
+        if (firstHit(plan_.solids, e.middle, e.out, e.piece) < alongE ||
+            firstHit(plan_.solids, f.middle, f.out, f.piece) < alongF)
+            return {};
+        const auto price = [](double way) { return way * (1 + kGrowth * way / 2); };
+        const double both = price(alongE) + price(alongF);
+        // Square to both walls from their ends one goes tan(angle / 2) times as far.
+        const double halfTangent = std::abs(turn) / (1 + glm::dot(e.out, f.out));
+        return {both, kShortCut * both / (halfTangent * (alongE + alongF))};
+    }
+
     void ray(glm::dvec2 from, glm::dvec2 direction, int own, double weight) {
         const double t = std::min(firstHit(plan_.solids, from, direction, own) + kOverlap, kLongestBridge);
         if (t > 0.025) add(from, from + t * direction, {.weight = weight, .growth = kGrowth, .start = from});
@@ -93,10 +125,17 @@ private:
         if (!alongSide_.contains({end.piece, end.atB})) {
             ray(end.right, end.out, end.piece, 1.0);
             ray(end.left, end.out, end.piece, 1.0);
+            const double reach = std::min(firstHit(plan_.solids, end.right, end.out, end.piece),
+                                          firstHit(plan_.solids, end.left, end.out, end.piece));
+            if (reach < kLongestBridge)
+                out_.ahead.push_back({end.right, end.left, end.out, reach + kSlanted});
         }
         if (piece(end).curved) continueArc(end);
-        ray(end.right, -side, end.piece, 1.5);
-        ray(end.left, side, end.piece, 1.5);
+        double sideways = 1.5;
+        for (const WallEnd& other : freeEnds_)
+            if (other.piece != end.piece) sideways = std::max(sideways, openCorner(end, other).sideways);
+        ray(end.right, -side, end.piece, sideways);
+        ray(end.left, side, end.piece, sideways);
     }
 
     // Another wall ends there too, and turns off.
@@ -185,7 +224,8 @@ private:
         if (shortest < 1e-6) return;
         const glm::dvec2 direction = (to - from) / shortest;
         if (firstHit(plan_.solids, from + 1e-4 * direction, direction, -2) < shortest - 2e-4) return;
-        add(from, to, {.weight = 1.6, .start = from});
+        add(from, to,
+            {.weight = std::max(1.6, kShortCut * openCorner(e, f).price / shortest), .start = from});
     }
 
     const PlanWalls& plan_;

@@ -19,9 +19,16 @@ struct PlanLine {
     glm::dvec2 start{};
 };
 
+// What a wall would cover if it were lengthened from a free end to what stands before that.
+struct WallAhead {
+    glm::dvec2 right{}, left{}, out{}; // corners of the end, the direction in which it points
+    double reach = 0;
+};
+
 struct PlanLines {
     std::vector<PlanSegment> segments; // their tags are indices into `lines`
     std::vector<PlanLine> lines;
+    std::vector<WallAhead> ahead;
 };
 
 PlanLines planLines(const PlanWalls& plan);

@@ -6,7 +6,8 @@
 // a minimum cut (Boykov and Kolmogorov 2004), so it is the best of all sets, has no threshold to tune per
 // room and does not depend on where centroids happen to lie. And it does not go on until all walls are used,
 // which fails where a wall encloses nothing (a garden wall): a straight wall alone can never repay the
-// boundary that using it would open, because mu stays below 1.
+// boundary that using it would open, because mu stays below 1. Only for walls that are left over it rises
+// further: of the spaces found then those are taken that a ring of walls surrounds.
 #include "geometry/plan_rooms.h"
 
 #include <algorithm>
@@ -21,6 +22,7 @@
 
 #include "geometry/disjoint_sets.h"
 #include "geometry/min_cut.h"
+#include "geometry/perpendicular.h"
 #include "geometry/plan_arrangement.h"
 #include "geometry/plan_lines.h"
 #include "geometry/plan_regions.h"
@@ -37,7 +39,15 @@ constexpr double kMostOpen = 0.4;  // of the perimeter; what is more open than t
 constexpr double kFewestWalls = 3; // logical walls; an arc counts as one for each quarter turn
 constexpr double kTight = 0.1;     // of the perimeter: with less of it open, an arc and its chord will do
 constexpr double kStub = 0.5;      // inches: what overshoots a corner by less is no wall of the space beyond
+constexpr double kAhead = 1.2;     // what an inch of wall costs that a wall would cover if it were lengthened
+constexpr double kBeside = 0.3;    // the sine of the angle between walls that run beside one another
 constexpr std::array kPrices{0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.75};
+// Rings of walls that leave more open: three gaps and more, none wider than the walls on both sides of it.
+constexpr std::array kRingPrices{1.0, 1.2, 1.4, 1.6};
+constexpr double kMostOpenRing = 0.6;
+constexpr size_t kFewestGaps = 3;
+constexpr double kStraight = 0.1;     // the sine of the angle between parts of a straight gap
+constexpr double kJog = 0.5;          // inches: how far walls of one side may miss one another
 constexpr double kCapacityUnit = 1e6; // of a length of 1 in: exact integer flow
 constexpr int64_t kForever = int64_t{1} << 50;
 
@@ -82,6 +92,7 @@ public:
         measureCells();
         findSolids();
         tieThinCells();
+        findFacesAhead();
         used_.resize(plan.pieces.size());
     }
 
@@ -89,10 +100,12 @@ public:
         inside_.assign(map_.cellCount, false);
         forbidden_.assign(map_.cellCount, false);
         for (const double price : kPrices) {
-            for (int attempt = 0; attempt < 8 && !select(price); ++attempt) {
-            }
+            selectAll(price);
             if (unusedLength() < 1e-3) break;
         }
+        ringsOnly_ = true;
+        for (const double price : kRingPrices)
+            if (unusedWalls() >= kFewestGaps) selectAll(price);
         return trace();
     }
 
@@ -184,14 +197,43 @@ private:
         return {std::min(u, v), std::max(u, v)};
     }
 
+    double unused(size_t piece) const {
+        const WallPiece& p = plan_.pieces[piece];
+        return used_[piece].unused({0, p.curved ? p.radius * (p.a1 - p.a0) : glm::length(p.b - p.a)});
+    }
+
     double unusedLength() const {
         double sum = 0;
-        for (size_t i = 0; i < plan_.pieces.size(); ++i) {
-            const WallPiece& p = plan_.pieces[i];
-            const double length = p.curved ? p.radius * (p.a1 - p.a0) : glm::length(p.b - p.a);
-            sum += used_[i].unused({0, length});
-        }
+        for (size_t i = 0; i < used_.size(); ++i) sum += unused(i);
         return sum;
+    }
+
+    size_t unusedWalls() const {
+        size_t count = 0;
+        for (size_t i = 0; i < used_.size(); ++i) count += unused(i) > kStub;
+        return count;
+    }
+
+    void selectAll(double price) {
+        for (int attempt = 0; attempt < 8 && !select(price); ++attempt) {
+        }
+    }
+
+    // Faces on which a wall would stand if it were lengthened. A gap before them is filled in line with the
+    // side of that wall that its room sees: what lies between its two sides belongs to no room.
+    void findFacesAhead() {
+        ahead_.assign(map_.cell.size(), false);
+        for (uint32_t h = 0; h < map_.cell.size(); ++h) {
+            if (solid_[map_.cell[h]] || faceOf(h) < 0) continue;
+            const glm::dvec2 from = map_.points[map_.source(h)], to = map_.points[map_.target[h]];
+            ahead_[h] = std::ranges::any_of(lines_.ahead, [&](const WallAhead& wall) {
+                if (std::abs(cross(to - from, wall.out)) < kBeside * edgeLength(h)) return false;
+                const glm::dvec2 d = 0.5 * (from + to) - wall.right, across = wall.left - wall.right;
+                const double along = glm::dot(d, wall.out),
+                             aside = glm::dot(d, across) / glm::dot(across, across);
+                return along > 0 && along < wall.reach && aside > 0 && aside < 1;
+            });
+        }
     }
 
     // One cut at this price. False when a space turned out too thin to be a room and the cut is to be made
@@ -212,6 +254,8 @@ private:
                 if (h % 2 == 0 && group(own) != group(other))
                     cut.addLink(group(own), group(other),
                                 std::llround(edgeLength(h) * bridgeWeight(h) * kCapacityUnit));
+            } else if (ahead_[h]) {
+                cut.addSink(group(own), std::llround(kAhead * edgeLength(h) * kCapacityUnit));
             } else if (const int piece = faceOf(h); piece >= 0) {
                 const double reward = used_[static_cast<size_t>(piece)].unused(stretch(h, piece));
                 cut.addSource(group(own), std::llround(price * reward * kCapacityUnit));
@@ -225,8 +269,8 @@ private:
 
     struct Space {
         double area = 0, perimeter = 0, gap = 0;
-        std::map<int, double> walls; // piece: length that the space sees of it
-        bool grows = false;
+        std::map<int, double> walls;      // piece: length that the space sees of it
+        bool grows = false, isNew = true; // some of its cells, all of them are new
     };
 
     std::vector<uint32_t> components(const std::vector<bool>& in) const {
@@ -255,6 +299,56 @@ private:
         return count < kFewestWalls && !(curved && space.gap <= kTight * space.perimeter);
     }
 
+    bool isEnclosed(const Space& space, const std::vector<uint32_t>& root, uint32_t id) const {
+        if (!ringsOnly_) return space.gap <= kMostOpen * space.perimeter;
+        return space.isNew && space.gap <= kMostOpenRing * space.perimeter && isRing(root, id);
+    }
+
+    struct Run {
+        bool gap = false;
+        glm::dvec2 from{}, to{};
+        double length = 0;
+        bool reflex = false; // a corner of it points into the space
+    };
+
+    // Gaps and walls by turns along the outline of a space.
+    std::vector<Run> runs(const std::vector<uint32_t>& root, uint32_t id) const {
+        std::vector<int> labels(map_.cellCount);
+        for (uint32_t c = 0; c < map_.cellCount; ++c) labels[c] = root[c] == id ? 0 : -1;
+        const std::vector<PlanRegion> regions = traceRegions(map_, labels);
+        std::vector<Run> out;
+        glm::dvec2 direction{};
+        for (const uint32_t h : regions.front().loops.front()) {
+            const bool gap = !solid_[map_.cell[h ^ 1u]], starts = out.empty() || out.back().gap != gap;
+            const glm::dvec2 from = map_.points[map_.source(h)], to = map_.points[map_.target[h]];
+            if (starts) out.push_back({gap, from});
+            out.back().to = to;
+            out.back().length += edgeLength(h);
+            if (edgeLength(h) < kJog) continue; // it may point anywhere
+            const glm::dvec2 next = glm::normalize(to - from);
+            out.back().reflex |= !starts && cross(direction, next) < -kStraight;
+            direction = next;
+        }
+        if (out.size() > 1 && out.front().gap == out.back().gap) {
+            out.front().from = out.back().from;
+            out.front().length += out.back().length;
+            out.front().reflex |= out.back().reflex;
+            out.pop_back();
+        }
+        return out;
+    }
+
+    bool isRing(const std::vector<uint32_t>& root, uint32_t id) const {
+        const std::vector<Run> outline = runs(root, id);
+        const size_t n = outline.size();
+        for (size_t i = 0; i < n; ++i)
+            if (outline[i].gap && (outline[i].reflex || glm::length(outline[i].to - outline[i].from) >
+                                                            std::min(outline[(i + 1) % n].length,
+                                                                     outline[(i + n - 1) % n].length)))
+                return false;
+        return n >= 2 * kFewestGaps;
+    }
+
     bool accept(const std::vector<bool>& proposed) {
         const std::vector<uint32_t> root = components(proposed);
         std::map<uint32_t, Space> spaces;
@@ -262,6 +356,7 @@ private:
             if (!proposed[c]) continue;
             spaces[root[c]].area += area_[c];
             spaces[root[c]].grows |= !inside_[c];
+            spaces[root[c]].isNew &= !inside_[c];
         }
         for (uint32_t h = 0; h < map_.cell.size(); ++h) {
             const uint32_t own = map_.cell[h], other = map_.cell[h ^ 1u];
@@ -278,7 +373,7 @@ private:
             if (!space.grows) continue;
             const bool thin = 2 * space.area < kThinRoom * space.perimeter || space.area < kLeastRoom;
             allThick = allThick && !thin;
-            if (!thin && (space.gap > kMostOpen * space.perimeter || tooFewWalls(space))) continue;
+            if (!thin && (tooFewWalls(space) || !isEnclosed(space, root, id))) continue;
             for (uint32_t c = 0; c < map_.cellCount; ++c)
                 if (proposed[c] && root[c] == id) (thin ? forbidden_ : inside_)[c] = !thin || !inside_[c];
         }
@@ -348,6 +443,8 @@ private:
     PlanArrangement map_;
     std::vector<double> area_, perimeter_;
     std::vector<bool> solid_, inside_, forbidden_;
+    std::vector<bool> ahead_; // of half-edges
+    bool ringsOnly_ = false;
     std::vector<uint32_t> parent_;
     std::vector<Used> used_;
 };
