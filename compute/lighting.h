@@ -5,10 +5,11 @@
 
 #include <glm/vec3.hpp>
 
+#include "geometry/luminance.h"
+
 namespace heliodon::compute {
 
-// Lux per linear Rec. 709 channel (Y = 0.2126 R + 0.7152 G + 0.0722 B is the photometric value); one entry
-// per patch.
+// Lux per linear Rec. 709 channel; one entry per patch.
 struct Lighting {
     std::vector<glm::vec3> exitance;       // B = E + rho H, all light that leaves the patch into the room
     std::vector<glm::vec3> sunIlluminance; // direct sun on the patch, behind glass, averaged over the patch;
@@ -17,9 +18,6 @@ struct Lighting {
     glm::vec3 sunNormalIlluminance{0};     // outside, on a plane facing the sun
 };
 
-// 0.2126 R + 0.7152 G + 0.0722 B
-inline double photometric(glm::vec3 rgb) {
-    return 0.2126 * rgb.x + 0.7152 * rgb.y + 0.0722 * rgb.z;
-}
+using geometry::photometric;
 
 } // namespace heliodon::compute

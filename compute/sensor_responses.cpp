@@ -11,7 +11,6 @@ namespace heliodon::compute {
 
 namespace {
 
-constexpr std::array<double, 3> kLuminous{0.2126, 0.7152, 0.0722};
 constexpr size_t kColumnsAtOnce = 48;     // right-hand sides that share passes over F
 constexpr size_t kMostHostPatches = 8000; // 256 MB of form factors once more
 
@@ -122,7 +121,7 @@ void SensorResponder::addAnswers(const TransportParts& parts, const Importance& 
         // Grey stands for three.
         for (size_t shown = c; shown < (parts.channels == 1 ? 3 : c + 1); ++shown) {
             const auto axis = static_cast<int>(shown);
-            const auto share = static_cast<float>(kLuminous[shown]);
+            const auto share = static_cast<float>(geometry::kLuminance[axis]);
             float* sky = &smooth[parts.skyChannels == 1 ? 0 : shown][s * n];
             float* sun = &result.sun[beams_ == 1 ? 0 : shown][s];
             for (size_t i = 0; i < n; ++i) {
@@ -157,7 +156,8 @@ void SensorResponder::addSky(const TransportParts& parts, const Smooth& smooth,
             for (size_t e = 0; e < elements; ++e)
                 coefficients.at(i, e) = parts.patchSky[(i * channels + c) * elements + e];
         multiply(smooth[c], sensors, coefficients, reflected);
-        const auto share = static_cast<float>(channels == 1 ? 1.0 : kLuminous[c]);
+        const auto share =
+            static_cast<float>(channels == 1 ? 1.0 : geometry::kLuminance[static_cast<glm::length_t>(c)]);
         for (size_t s = 0; s < sensors; ++s)
             for (size_t e = 0; e < elements; ++e)
                 result.sky[s * elements + e] +=
@@ -196,7 +196,8 @@ void SensorResponder::addLobes(const TransportParts& parts, const Smooth& smooth
                 if (beams_ == 3 && shown != b) continue;
                 const auto& own = parts.sensorSlats[s][b];
                 const auto& near = parts.near[s].slats[parts.channels == 1 ? 0 : shown];
-                const auto luminous = static_cast<float>(kLuminous[shown]);
+                const auto luminous =
+                    static_cast<float>(geometry::kLuminance[static_cast<glm::length_t>(shown)]);
                 for (size_t row = 0; row < own.size(); ++row)
                     answers[(rows.lobes + row) * sensors + s] +=
                         luminous * (own[row] + (near.empty() ? 0 : near[row]));

@@ -16,8 +16,6 @@ layout(constant_id = 3) const bool kGamma = false;
 
 layout(location = 0) out vec4 colour;
 
-const vec3 kLuminance = vec3(0.2126, 0.7152, 0.0722);
-
 const float kUnknownGrey = 0.22;
 
 // Fraction of white that stands for the light of one scene texel.

@@ -4,16 +4,13 @@
 #include <cmath>
 
 #include "compute/daylight/frame.h"
+#include "geometry/luminance.h"
 
 namespace heliodon::daylight {
 
 namespace {
 
 constexpr double kOvercastKelvin = 6500, kBluestKelvin = 25000;
-
-double luminanceOf(glm::dvec3 rgb) {
-    return 0.2126 * rgb.x + 0.7152 * rgb.y + 0.0722 * rgb.z;
-}
 
 // One lobe of Wyman, Sloan, Shirley's fits: a Gaussian with different widths on its two sides; nanometres.
 double lobe(double wavelength, double centre, double below, double above) {
@@ -49,7 +46,7 @@ glm::dvec3 rgbOfChromaticity(double x, double y) {
     glm::dvec3 rgb{3.2404542 * bigX - 1.5371385 - 0.4985314 * bigZ,
                    -0.9692660 * bigX + 1.8760108 + 0.0415560 * bigZ,
                    0.0556434 * bigX - 0.2040259 + 1.0572252 * bigZ};
-    rgb /= luminanceOf(rgb); // the matrix is rounded
+    rgb /= geometry::photometric(rgb); // the matrix is rounded
     const double least = std::min({rgb.x, rgb.y, rgb.z});
     if (least < 0) rgb = glm::dvec3(1.0) + (rgb - glm::dvec3(1.0)) / (1.0 - least);
     return rgb;
@@ -98,7 +95,7 @@ std::vector<glm::dvec3> colouredLuminances(const Sky& sky, const SkyPatches& pat
         coloured[i] = luminances[i] * colour.ofLuminance(luminances[i]);
         onGround += patches.projectedSolidAngle(i) * coloured[i];
     }
-    const double onGroundLux = luminanceOf(onGround);
+    const double onGroundLux = geometry::photometric(onGround);
     const double ground = luminances[patches.groundElement()];
     coloured[patches.groundElement()] =
         onGroundLux > 0 ? ground / onGroundLux * onGround : glm::dvec3(ground);

@@ -1,5 +1,5 @@
 // Colour for pictures: what the sky and the sun look like in linear Rec. 709 (white = D65), as factors whose
-// photometric part Y = 0.2126 R + 0.7152 G + 0.0722 B is 1. Multiplying luminances by them changes no lux.
+// photometric part (geometry/luminance.h) is 1. Multiplying luminances by them changes no lux.
 //
 // Sky: CIE daylight of a correlated colour temperature. Under a clear sky that follows from the luminance L
 // (cd/m2) of the direction, CCT = 6500 K + 1.1985e8 / L^1.2 (Takagi et al. 1990), at most 25000 K; an

@@ -6,14 +6,9 @@
 #include <glm/geometric.hpp>
 
 #include "engine/passes/weighted_quantile.h"
+#include "shaders/io/display.io.h"
 
 namespace heliodon::passes {
-
-namespace {
-
-const glm::vec3 kLuminance(0.2126f, 0.7152f, 0.0722f);
-
-} // namespace
 
 double autoWhite(const geometry::PatchMesh& mesh, const compute::Lighting& light) {
     const std::vector<glm::vec3> indirect = indirectExitance(mesh, light);
@@ -23,7 +18,7 @@ double autoWhite(const geometry::PatchMesh& mesh, const compute::Lighting& light
         if (mesh.role[p] != geometry::Role::projection || mesh.materials[mesh.material[p]].isOpening())
             continue;
         const double area = geometry::patchArea(mesh, p);
-        luxAndArea.emplace_back(glm::dot(indirect[p], kLuminance), area);
+        luxAndArea.emplace_back(glm::dot(indirect[p], io::kLuminance), area);
         total += area;
     }
     std::sort(luxAndArea.begin(), luxAndArea.end());
@@ -61,7 +56,7 @@ std::vector<float> shownLux(const geometry::PatchMesh& mesh, const compute::Ligh
         if (mesh.role[p] == geometry::Role::projection)
             lux.push_back(glm::dot(
                 indirect[p] + (light.sunIlluminance.empty() ? glm::vec3(0) : light.sunIlluminance[p]),
-                kLuminance));
+                io::kLuminance));
     return lux;
 }
 

@@ -7,6 +7,7 @@ const uint kToneLinear = 0u;
 const uint kToneSoft = 1u;
 const uint kToneFalseColour = 2u;
 const uint kToneRaw = 3u;
+const vec3 kLuminance = vec3(0.2126, 0.7152, 0.0722); // of linear Rec. 709: geometry/luminance.h
 // Scene picture (shaders/scene.frag) to what a display is sent.
 struct DisplayParams {
     float white;      // kilolux shown as white

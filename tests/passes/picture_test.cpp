@@ -10,6 +10,8 @@
 #include "engine/passes/false_colour.h"
 #include "engine/passes/image_file.h"
 #include "geometry/input_error.h"
+#include "geometry/luminance.h"
+#include "shaders/io/display.io.h"
 
 namespace heliodon::passes {
 namespace {
@@ -89,6 +91,10 @@ TEST(ImageFile, a_missing_folder_is_named_and_nothing_is_left) {
     const Image8 picture{1, 1, {1, 2, 3}};
     EXPECT_THROW(writePng(picture, scratch("no/such/folder/a.png")), geometry::InputError);
     EXPECT_FALSE(std::filesystem::exists(scratch("no")));
+}
+
+TEST(FalseColour, shaders_weigh_channels_as_the_host_does) {
+    EXPECT_EQ(io::kLuminance, glm::vec3(geometry::kLuminance));
 }
 
 TEST(FalseColour, the_scale_grows_lighter_all_along) {
