@@ -221,19 +221,6 @@ bool RadiositySolver::findErrors(std::span<const float> emitted, std::span<const
     return true;
 }
 
-EnergyBalance RadiositySolver::balance(std::span<const double> area, uint32_t channel,
-                                       std::span<const float> emitted, std::span<const float> radiosity,
-                                       std::span<const float> gathered) const {
-    const auto &rho = matter_.reflectance[channel], &tau = matter_.transmittance[channel];
-    EnergyBalance sum;
-    for (size_t i = 0; i < area.size(); ++i) {
-        sum.emitted += area[i] * double{emitted[i]};
-        sum.absorbed += area[i] * (1 - double{rho[i]} - double{tau[i]}) * double{gathered[i]};
-        sum.lost += area[i] * (1 - double{rowSums_[i]}) * double{radiosity[i]};
-    }
-    return sum;
-}
-
 RadiosityReport RadiositySolver::solve(std::span<const float> emitted, std::span<const uint32_t> channel,
                                        std::vector<float>& radiosity, std::vector<float>& gathered,
                                        const RadiosityOptions& options) {

@@ -5,7 +5,6 @@
 // reciprocal F.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -34,14 +33,6 @@ struct RadiosityReport {
     double bound = 0;
     // The residual over slack() is within the tolerance; else maxPasses ran out or rounding stood in the way.
     bool converged = true;
-};
-
-// Where the light of one column goes: emitted = absorbed + lost, but for residual and rounding.
-struct EnergyBalance {
-    double emitted = 0, absorbed = 0;
-    double lost = 0; // what rows of F that do not sum to one leave over: out of open scenes, else F's error
-
-    double imbalance() const { return emitted > 0 ? std::abs(emitted - absorbed - lost) / emitted : 0; }
 };
 
 // How patches give light on, the K of B = E + K F B; constant over a set of materials. Layout of columns:
@@ -92,10 +83,6 @@ public:
     bool findErrors(std::span<const float> emitted, std::span<const uint32_t> channel,
                     std::span<const float> radiosity, std::span<const float> gathered,
                     std::vector<float>& error, std::vector<float>& ofGathered);
-
-    // Of one column of a solution, each of patchCount values; needs A_i F_ij = A_j F_ji.
-    EnergyBalance balance(std::span<const double> area, uint32_t channel, std::span<const float> emitted,
-                          std::span<const float> radiosity, std::span<const float> gathered) const;
 
 private:
     struct Column;

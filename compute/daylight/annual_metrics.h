@@ -30,7 +30,6 @@ struct AnnualOptions {
 
 struct Range {
     double value = 0, low = 0, high = 0;
-    bool isOpen() const { return low != high; }
 };
 
 // Percent of the occupied hours, but for the last two.
