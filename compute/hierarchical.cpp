@@ -10,7 +10,6 @@
 #include <glm/packing.hpp>
 #include <glm/vec4.hpp>
 
-#include "compute/gpu/commands.h"
 #include "compute/gpu/device.h"
 #include "compute/link_claims.h"
 #include "compute/link_maker.h"
@@ -29,7 +28,8 @@ namespace {
 constexpr uint32_t kMostColumns = 4;
 constexpr uint32_t kMostAgain = 2, kRounds = 8;
 constexpr size_t kSortedTogether = 64; // nodes' entries, by one thread
-constexpr VkFormat kUvec4 = VK_FORMAT_R32G32B32A32_UINT, kVec4 = VK_FORMAT_R32G32B32A32_SFLOAT;
+constexpr VkFormat kUint = VK_FORMAT_R32_UINT, kUvec4 = VK_FORMAT_R32G32B32A32_UINT,
+                   kVec4 = VK_FORMAT_R32G32B32A32_SFLOAT;
 
 // Of a link over the row error asked: errors of many add up, and the finer they are, the more there are
 // (measured in rooms of 672 and 2088 patches). What may be hidden costs most and errs most.
@@ -201,74 +201,87 @@ void HierarchicalFormFactors::makeOperator() {
 }
 
 void HierarchicalFormFactors::gather(std::span<const float> in, std::span<float> out, uint32_t columns) {
-    constexpr gpu::Stage kCompute = gpu::Stage::compute;
-    constexpr VkFormat kUint = VK_FORMAT_R32_UINT;
     if (patchCount_ == 0 || scene_.tree.nodes.empty()) {
         std::fill(out.begin(), out.end(), 0.0f);
         return;
     }
-    gpu::KernelCache& kernels = device_->kernels();
-    const gpu::Kernel &moments = kernels.get(hierarchical_moments_comp, "hierarchical moments"),
-                      &spread = kernels.get(hierarchical_spread_comp, "hierarchical spread"),
-                      &patches = kernels.get(hierarchical_patches_comp, "hierarchical patches");
-    const auto& level = scene_.tree.levelFirst;
-    const auto nodes = static_cast<uint32_t>(scene_.tree.nodes.size());
-    // Windows of nodes within the device's limits on texels and groups.
-    const uint32_t mostEntries = device_->limits().maxTexelBufferElements;
-    const uint32_t mostGroups = device_->limits().maxComputeWorkGroupCount[0];
-    const uint32_t nodesPerGroup = io::kHierarchicalGroup / std::max(1u, device_->subgroupSize());
     for (uint32_t first = 0; first < columns; first += kMostColumns) {
         const uint32_t count = std::min(kMostColumns, columns - first);
         light_.upload(in.subspan(size_t{first} * patchCount_, size_t{count} * patchCount_));
         gpu::Commands commands(*device_);
-        const auto paramsOf = [&](uint32_t begin, uint32_t end) {
-            return io::HierarchicalSweepParams{begin, end - begin, count, patchCount_};
-        };
-        // An invocation for each column of nodes, or of patches, from `begin` to `end`.
-        const auto sweep = [&](const gpu::Kernel& kernel, std::initializer_list<gpu::Binding> resources,
-                               uint32_t begin, uint32_t end) {
-            const size_t most = std::max<size_t>(size_t{mostGroups} * io::kHierarchicalGroup / count, 1);
-            for (size_t from = begin; from < end; from += most) {
-                const auto last = static_cast<uint32_t>(std::min<size_t>(from + most, end));
-                commands.dispatch(kernel, resources, paramsOf(static_cast<uint32_t>(from), last),
-                                  gpu::groupsFor((last - from) * count, io::kHierarchicalGroup));
-            }
-        };
-        for (size_t l = level.size() - 1; l-- > 0;) {
-            sweep(moments, {gpu::texel(family_, kUvec4), gpu::texel(frames_, kVec4), light_, momentTexels_},
-                  level[l], level[l + 1]);
-            commands.barrier(kCompute, kCompute); // parents read the moments of their children
-        }
-        for (uint32_t begin = 0; begin < nodes;) {
-            uint32_t end = begin + 1;
-            const uint32_t firstEntry = firstEntry_[begin] / io::kHierarchicalAlign * io::kHierarchicalAlign;
-            while (end < nodes && end - begin < size_t{mostGroups} * nodesPerGroup &&
-                   firstEntry_[end + 1] - firstEntry <= mostEntries)
-                ++end;
-            const size_t offset = size_t{firstEntry} * sizeof(glm::uvec4),
-                         bytes = size_t{firstEntry_[end] - firstEntry} * sizeof(glm::uvec4);
-            commands.dispatch(
-                kernels.get(hierarchical_gather_comp, "hierarchical gather", {{"kColumns", count}}),
-                {gpu::texel(firstEntryTexels_, kUint),
-                 bytes > 0 ? gpu::texel(entries_, kUvec4, offset, bytes) : gpu::texel(entries_, kUvec4),
-                 gpu::texel(momentTexels_, kVec4), received_},
-                paramsOf(begin, end), gpu::groupsFor(end - begin, nodesPerGroup));
-            begin = end;
-        }
-        commands.barrier(kCompute, kCompute); // children read what their parents received
-        for (size_t l = 1; l + 1 < level.size(); ++l) {
-            sweep(spread, {gpu::texel(parents_, kUint), gpu::texel(frames_, kVec4), received_}, level[l],
-                  level[l + 1]);
-            commands.barrier(kCompute, kCompute);
-        }
-        sweep(
-            patches,
-            {gpu::texel(firstLeafTexels_, kUint), gpu::texel(leafNodeTexels_, kUvec4), received_, gathered_},
-            0, patchCount_);
+        recordMoments(commands, count);
+        recordLinks(commands, count);
+        recordSpread(commands, count);
         device_->submitAndWait(std::move(commands));
         std::memcpy(&out[size_t{first} * patchCount_], gathered_.mapped(),
                     size_t{count} * patchCount_ * sizeof(float));
     }
+}
+
+void HierarchicalFormFactors::sweep(gpu::Commands& commands, const gpu::Kernel& kernel,
+                                    std::initializer_list<gpu::Binding> resources, Sweep over) {
+    const size_t mostGroups = device_->limits().maxComputeWorkGroupCount[0];
+    const size_t most = std::max<size_t>(mostGroups * io::kHierarchicalGroup / over.columns, 1);
+    for (size_t from = over.begin; from < over.end; from += most) {
+        const auto count = static_cast<uint32_t>(std::min<size_t>(from + most, over.end) - from);
+        commands.dispatch(
+            kernel, resources,
+            io::HierarchicalSweepParams{static_cast<uint32_t>(from), count, over.columns, patchCount_},
+            gpu::groupsFor(count * over.columns, io::kHierarchicalGroup));
+    }
+}
+
+void HierarchicalFormFactors::recordMoments(gpu::Commands& commands, uint32_t columns) {
+    const gpu::Kernel& moments = device_->kernels().get(hierarchical_moments_comp, "hierarchical moments");
+    const auto& level = scene_.tree.levelFirst;
+    for (size_t l = level.size() - 1; l-- > 0;) {
+        sweep(commands, moments,
+              {gpu::texel(family_, kUvec4), gpu::texel(frames_, kVec4), light_, momentTexels_},
+              {level[l], level[l + 1], columns});
+        commands.barrier(gpu::Stage::compute,
+                         gpu::Stage::compute); // parents read the moments of their children
+    }
+}
+
+void HierarchicalFormFactors::recordLinks(gpu::Commands& commands, uint32_t columns) {
+    const gpu::Kernel& kernel =
+        device_->kernels().get(hierarchical_gather_comp, "hierarchical gather", {{"kColumns", columns}});
+    // Windows of nodes within the device's limits on texels and groups.
+    const uint32_t mostEntries = device_->limits().maxTexelBufferElements;
+    const uint32_t nodesPerGroup = io::kHierarchicalGroup / std::max(1u, device_->subgroupSize());
+    const size_t mostNodes = size_t{device_->limits().maxComputeWorkGroupCount[0]} * nodesPerGroup;
+    const auto nodes = static_cast<uint32_t>(scene_.tree.nodes.size());
+    for (uint32_t begin = 0; begin < nodes;) {
+        uint32_t end = begin + 1;
+        const uint32_t firstEntry = firstEntry_[begin] / io::kHierarchicalAlign * io::kHierarchicalAlign;
+        while (end < nodes && end - begin < mostNodes && firstEntry_[end + 1] - firstEntry <= mostEntries)
+            ++end;
+        const size_t offset = size_t{firstEntry} * sizeof(glm::uvec4),
+                     bytes = size_t{firstEntry_[end] - firstEntry} * sizeof(glm::uvec4);
+        commands.dispatch(
+            kernel,
+            {gpu::texel(firstEntryTexels_, kUint),
+             bytes > 0 ? gpu::texel(entries_, kUvec4, offset, bytes) : gpu::texel(entries_, kUvec4),
+             gpu::texel(momentTexels_, kVec4), received_},
+            io::HierarchicalSweepParams{begin, end - begin, columns, patchCount_},
+            gpu::groupsFor(end - begin, nodesPerGroup));
+        begin = end;
+    }
+    commands.barrier(gpu::Stage::compute, gpu::Stage::compute); // children read what their parents received
+}
+
+void HierarchicalFormFactors::recordSpread(gpu::Commands& commands, uint32_t columns) {
+    const gpu::Kernel &spread = device_->kernels().get(hierarchical_spread_comp, "hierarchical spread"),
+                      &patches = device_->kernels().get(hierarchical_patches_comp, "hierarchical patches");
+    const auto& level = scene_.tree.levelFirst;
+    for (size_t l = 1; l + 1 < level.size(); ++l) {
+        sweep(commands, spread, {gpu::texel(parents_, kUint), gpu::texel(frames_, kVec4), received_},
+              {level[l], level[l + 1], columns});
+        commands.barrier(gpu::Stage::compute, gpu::Stage::compute);
+    }
+    sweep(commands, patches,
+          {gpu::texel(firstLeafTexels_, kUint), gpu::texel(leafNodeTexels_, kUvec4), received_, gathered_},
+          {0, patchCount_, columns});
 }
 
 void HierarchicalFormFactors::rows(uint32_t first, uint32_t count, std::span<float> values) const {

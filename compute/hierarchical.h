@@ -6,12 +6,14 @@
 #pragma once
 
 #include <cstdint>
+#include <initializer_list>
 #include <span>
 #include <vector>
 
 #include "compute/cluster_scene.h"
 #include "compute/form_factor_operator.h"
 #include "compute/form_factors.h"
+#include "compute/gpu/commands.h"
 #include "compute/gpu/kernel.h"
 #include "shaders/io/hierarchical.io.h"
 
@@ -65,6 +67,18 @@ private:
     void setErrors(const LinkClaims& claims);
     void makeEntries(std::span<const io::HierarchicalLink> links);
     void makeOperator();
+
+    // The parts of a gather: light up the trees, across the links, down to the patches. `columns`: at most
+    // kMostColumns.
+    void recordMoments(gpu::Commands& commands, uint32_t columns);
+    void recordLinks(gpu::Commands& commands, uint32_t columns);
+    void recordSpread(gpu::Commands& commands, uint32_t columns);
+    struct Sweep {
+        uint32_t begin, end, columns; // nodes, or patches
+    };
+    // An invocation for each of them and column.
+    void sweep(gpu::Commands& commands, const gpu::Kernel& kernel,
+               std::initializer_list<gpu::Binding> resources, Sweep over);
 
     // What rows() needs of a cluster and of a triangle, close together.
     struct Extent {

@@ -84,6 +84,31 @@ float slatsError(const LightParts& parts, double even, double lobes, double bySl
                               bySlats * std::max(0.0, photometric(parts.interreflected) - seen));
 }
 
+// `mean`, `most`: of the exitance, photometric. Needs report.lumensIn.
+void setPatchErrors(const MomentScene& scene, const SolvedColumns& solved, double mean, double most,
+                    Moment& moment) {
+    const std::vector<float> slats = slatsGlow(scene.mesh, moment);
+    std::vector<float> seen(slats.size()); // of it, straight
+    std::vector<glm::vec3> lobes(slats.size(), glm::vec3(0));
+    if (!slats.empty()) {
+        scene.factors.gather(slats, seen, 1);
+        scene.slats.light(moment.lobes, lobes);
+    }
+    const double bySlats = kSlatsLater * slatsShare(scene, moment, slats);
+    const std::vector<float> near = nearErrors(scene, moment);
+    for (size_t i = 0; i < moment.patches.size(); ++i) {
+        LightParts& parts = moment.patches[i];
+        parts.error +=
+            static_cast<float>(std::abs(1 - scene.rowSums[i]) * mean +
+                               (solved.gatheredError.empty() ? moment.report.radiosity.bound * most
+                                                             : double{solved.gatheredError[i]}) +
+                               (scene.rowError + kPatchBounceError) * photometric(parts.interreflected) +
+                               kPatchSkyError * photometric(parts.sky + parts.ground)) +
+            near[i];
+        if (!slats.empty()) parts.error += slatsError(parts, double{seen[i]}, photometric(lobes[i]), bySlats);
+    }
+}
+
 // What of errors on patches reaches a sensor, by way of the walls beside it too.
 double solverError(const SensorGather& sensors, size_t sensor, std::span<const float> errors) {
     const size_t n = errors.size();
@@ -94,6 +119,99 @@ double solverError(const SensorGather& sensors, size_t sensor, std::span<const f
         most = std::max(most, byWalls);
     }
     return sum + most;
+}
+
+// Light on patches as sensors' rows are multiplied with it: sunlight has edges, and is even but for those
+// (sunEdges has put them in already); all else runs on smoothly.
+struct SensedLight {
+    bool sun = false;
+    std::vector<float> even[3], smooth[3]; // per channel, exitance; grey: the first alone
+    std::vector<float> lobes[3];           // of slats
+    std::vector<float> whole, apart; // photometric: all of it; with what of the sun's first bounce is unknown
+};
+
+SensedLight sensedLight(const MomentScene& scene, const SolvedColumns& solved, const Moment& moment) {
+    const geometry::PatchMesh& mesh = scene.mesh;
+    const size_t n = mesh.patchCount();
+    SensedLight light;
+    light.sun = glm::length(moment.lighting.sunDirection) > 0;
+    for (int c = 0; c < (scene.grey ? 1 : 3); ++c) {
+        const float* exitance = &solved.exitance[solved.first + static_cast<size_t>(c) * n];
+        light.smooth[c].assign(exitance, exitance + n);
+        if (!light.sun) continue;
+        light.even[c].resize(n);
+        for (size_t i = 0; i < n; ++i) {
+            light.even[c][i] = mesh.materials[mesh.material[i]].reflectance[c] * moment.patches[i].sun[c];
+            light.smooth[c][i] -= light.even[c][i];
+        }
+    }
+    for (const glm::vec3& lobe : moment.lobes)
+        for (int c = 0; c < 3; ++c) light.lobes[c].push_back(lobe[c]);
+    for (size_t i = 0; i < n; ++i) {
+        const auto whole = static_cast<float>(photometric(moment.lighting.exitance[i]));
+        light.whole.push_back(whole);
+        light.apart.push_back(whole);
+        if (light.sun)
+            light.apart[i] -= static_cast<float>(
+                (1 - kApartSunShare) *
+                photometric(mesh.materials[mesh.material[i]].reflectance * moment.patches[i].sun));
+    }
+    return light;
+}
+
+// Photometric, per patch.
+std::vector<float> smoothLux(const MomentScene& scene, const SensedLight& light) {
+    const auto& smooth = light.smooth;
+    if (scene.grey) return smooth[0];
+    std::vector<float> sum(smooth[0].size());
+    for (size_t i = 0; i < sum.size(); ++i)
+        sum[i] = static_cast<float>(photometric(glm::vec3(smooth[0][i], smooth[1][i], smooth[2][i])));
+    return sum;
+}
+
+// Lux of one channel at a sensor; what of it slats' lobes give, in `byLobes`.
+double receivedIn(const SensorGather& sensors, const SensedLight& light, size_t sensor, int c,
+                  double& byLobes) {
+    const std::vector<float>&smooth = light.smooth[c], &even = light.even[c], &lobes = light.lobes[c];
+    const size_t n = smooth.size();
+    double lux = dot({&sensors.smooth[sensor * n], n}, smooth);
+    if (light.sun) lux += dot({&sensors.even[sensor * n], n}, even);
+    if (!lobes.empty()) {
+        const auto& rows = sensors.slats[sensor];
+        byLobes = dot(rows[rows[c].empty() ? 0 : c], lobes);
+        lux += byLobes;
+    }
+    for (const TintedShare& share : sensors.tinted[sensor])
+        lux += double{share.more[c]} * (smooth[share.patch] + (light.sun ? even[share.patch] : 0));
+    if (const NearLight& near = sensors.near[sensor]; !near.isEmpty()) {
+        lux += double{near.own[c]} + dot(near.smooth[c], smooth);
+        if (light.sun) lux += dot(near.even[c], even);
+        if (!lobes.empty()) lux += dot(near.slats[c], lobes);
+    }
+    return lux;
+}
+
+// Adds that to what a sensor gets; returns what lobes give, photometric.
+double receive(const MomentScene& scene, const SensedLight& light, size_t sensor, LightParts& parts) {
+    glm::dvec3 byLobes(0);
+    for (int c = 0; c < (scene.grey ? 1 : 3); ++c)
+        parts.interreflected[c] +=
+            static_cast<float>(receivedIn(scene.sensors, light, sensor, c, byLobes[c]));
+    if (!scene.grey) return photometric(glm::vec3(byLobes));
+    parts.interreflected = glm::vec3(parts.interreflected.x);
+    return byLobes.x;
+}
+
+// Of the light of patches that fill much of the view, which the mesh does not resolve.
+double nearError(const SensorGather& sensors, const SensedLight& light, size_t sensor) {
+    const bool apart = sensors.nearWall[sensor];
+    const std::vector<float>& exitance = apart ? light.apart : light.whole;
+    double sum = 0;
+    for (size_t i = 0; i < exitance.size(); ++i) {
+        const double share = sensors.even[sensor * exitance.size() + i];
+        sum += share * share * double{exitance[i]};
+    }
+    return (apart ? kApartShare : kNearShare) * sum;
 }
 
 } // namespace
@@ -132,26 +250,7 @@ void lightPatches(const MomentScene& scene, const SolvedColumns& solved, Moment&
     }
     mean /= std::max(total, 1e-30);
     moment.report.lumensIn = in;
-    const std::vector<float> slats = slatsGlow(mesh, moment);
-    std::vector<float> seen(slats.size()); // of it, straight
-    std::vector<glm::vec3> lobes(slats.size(), glm::vec3(0));
-    if (!slats.empty()) {
-        scene.factors.gather(slats, seen, 1);
-        scene.slats.light(moment.lobes, lobes);
-    }
-    const double bySlats = kSlatsLater * slatsShare(scene, moment, slats);
-    const std::vector<float> near = nearErrors(scene, moment);
-    for (size_t i = 0; i < n; ++i) {
-        LightParts& parts = moment.patches[i];
-        parts.error +=
-            static_cast<float>(std::abs(1 - scene.rowSums[i]) * mean +
-                               (solved.gatheredError.empty() ? moment.report.radiosity.bound * most
-                                                             : double{solved.gatheredError[i]}) +
-                               (scene.rowError + kPatchBounceError) * photometric(parts.interreflected) +
-                               kPatchSkyError * photometric(parts.sky + parts.ground)) +
-            near[i];
-        if (!slats.empty()) parts.error += slatsError(parts, double{seen[i]}, photometric(lobes[i]), bySlats);
-    }
+    setPatchErrors(scene, solved, mean, most, moment);
     moment.report.lumensAbsorbed = absorbed;
     moment.report.lumensLost = lost;
     moment.report.energyImbalance = in > 0 ? std::abs(in - absorbed - lost) / in : 0;
@@ -159,84 +258,26 @@ void lightPatches(const MomentScene& scene, const SolvedColumns& solved, Moment&
 
 void lightSensors(const MomentScene& scene, const SolvedColumns& solved, Moment& moment) {
     const Stopwatch clock;
-    const geometry::PatchMesh& mesh = scene.mesh;
-    const SensorGather& sensors = scene.sensors;
-    const size_t n = mesh.patchCount();
     if (moment.sensors.empty()) return;
+    const SensorGather& sensors = scene.sensors;
+    const size_t n = scene.mesh.patchCount();
     double most = 0;
     for (const glm::vec3& out : moment.lighting.exitance) most = std::max(most, photometric(out));
-    // Sunlight has edges, and is even but for those (sunEdges has put them in already); all else runs on
-    // smoothly.
-    const bool sun = glm::length(moment.lighting.sunDirection) > 0;
-    std::vector<float> even[3], smooth[3];
-    for (int c = 0; c < (scene.grey ? 1 : 3); ++c) {
-        smooth[c].assign(&solved.exitance[solved.first + static_cast<size_t>(c) * n],
-                         &solved.exitance[solved.first + static_cast<size_t>(c) * n] + n);
-        if (!sun) continue;
-        even[c].resize(n);
-        for (size_t i = 0; i < n; ++i) {
-            even[c][i] = mesh.materials[mesh.material[i]].reflectance[c] * moment.patches[i].sun[c];
-            smooth[c][i] -= even[c][i];
-        }
-    }
-    std::vector<float> runsOn(n);
-    for (size_t i = 0; i < n; ++i)
-        runsOn[i] = scene.grey ? smooth[0][i]
-                               : static_cast<float>(photometric({smooth[0][i], smooth[1][i], smooth[2][i]}));
-    const std::vector<float> spread = spreadWithin(scene, runsOn);
-    std::vector<float> light(n), apart(n);
-    for (size_t i = 0; i < n; ++i) {
-        light[i] = apart[i] = static_cast<float>(photometric(moment.lighting.exitance[i]));
-        if (sun)
-            apart[i] -= static_cast<float>(
-                (1 - kApartSunShare) *
-                photometric(mesh.materials[mesh.material[i]].reflectance * moment.patches[i].sun));
-    }
-    const std::vector<float> slats = slatsGlow(mesh, moment);
+    const SensedLight light = sensedLight(scene, solved, moment);
+    const std::vector<float> spread = spreadWithin(scene, smoothLux(scene, light));
+    const std::vector<float> slats = slatsGlow(scene.mesh, moment);
     const double bySlats = kSlatsLater * slatsShare(scene, moment, slats);
-    std::vector<float> lobes[3];
-    for (const glm::vec3& lobe : moment.lobes)
-        for (int c = 0; c < 3; ++c) lobes[c].push_back(lobe[c]);
     inParallel(moment.sensors.size(), [&](size_t s) {
         LightParts& parts = moment.sensors[s];
-        glm::dvec3 byLobes(0);
-        for (int c = 0; c < 3; ++c) {
-            if (scene.grey && c > 0) {
-                parts.interreflected[c] = parts.interreflected[0];
-                continue;
-            }
-            double lux = dot({&sensors.smooth[s * n], n}, smooth[c]);
-            if (sun) lux += dot({&sensors.even[s * n], n}, even[c]);
-            if (!lobes[c].empty()) {
-                const auto& rows = sensors.slats[s];
-                byLobes[c] = dot(rows[rows[c].empty() ? 0 : c], lobes[c]);
-                lux += byLobes[c];
-            }
-            for (const TintedShare& share : sensors.tinted[s])
-                lux += double{share.more[c]} * (smooth[c][share.patch] + (sun ? even[c][share.patch] : 0));
-            if (const NearLight& near = sensors.near[s]; !near.isEmpty()) {
-                lux += double{near.own[c]} + dot(near.smooth[c], smooth[c]);
-                if (sun) lux += dot(near.even[c], even[c]);
-                if (!lobes[c].empty()) lux += dot(near.slats[c], lobes[c]);
-            }
-            parts.interreflected[c] += static_cast<float>(lux);
-        }
-        // Light of patches that fill much of the view, which the mesh does not resolve.
-        double near = 0;
-        for (size_t i = 0; i < n; ++i) {
-            const double share = sensors.even[s * n + i];
-            near += share * share * double{(sensors.nearWall[s] ? apart : light)[i]};
-        }
-        const double nearShare = sensors.nearWall[s] ? kApartShare : kNearShare;
+        const std::span<const float> even{&sensors.even[s * n], n};
+        const double byLobes = receive(scene, light, s, parts);
         const double bySolver = solved.exitanceError.empty() ? moment.report.radiosity.bound * most
                                                              : solverError(sensors, s, solved.exitanceError);
-        parts.error = static_cast<float>(bySolver + nearShare * near +
-                                         kSpreadShare * dot({&sensors.even[s * n], n}, spread) +
-                                         (scene.rowError + kBounceError) * photometric(parts.interreflected) +
-                                         kSensorSkyError * photometric(parts.sky + parts.ground));
-        if (!slats.empty())
-            parts.error += slatsError(parts, dot({&sensors.even[s * n], n}, slats),
-                                      scene.grey ? byLobes.x : photometric(glm::vec3(byLobes)), bySlats);
+        parts.error =
+            static_cast<float>(bySolver + nearError(sensors, light, s) + kSpreadShare * dot(even, spread) +
+                               (scene.rowError + kBounceError) * photometric(parts.interreflected) +
+                               kSensorSkyError * photometric(parts.sky + parts.ground));
+        if (!slats.empty()) parts.error += slatsError(parts, dot(even, slats), byLobes, bySlats);
     });
     moment.report.sensorSeconds = clock.seconds();
 }

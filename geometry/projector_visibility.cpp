@@ -218,33 +218,52 @@ private:
         std::vector<double> places; // 0 .. 1
     };
 
+    // What of a part is meshed anew.
+    struct Remeshed {
+        std::vector<bool> touched; // per piece
+        Region region;
+        std::vector<uint32_t> vertices; // of the result, per point of the region
+        std::vector<uint32_t> onBorder; // per vertex of the part: its point of the region's border, or kNone
+        std::vector<Chain> chains;      // per border edge of the part; empty where nothing is touched
+    };
+
     // Pieces that lines or points on the border come near are meshed anew, the others stay.
     void rebuild(FlatPart& part) {
-        Region region;
-        region.spacing = part.spacing();
-        const PieceGrid grid(part.pieces, part.box, 1.5 * region.spacing);
-        const std::vector<bool> touched = touchedPieces(part, grid, region.spacing);
+        Remeshed anew;
+        anew.region.spacing = part.spacing();
+        const PieceGrid grid(part.pieces, part.box, 1.5 * anew.region.spacing);
+        anew.touched = touchedPieces(part, grid, anew.region.spacing);
         for (size_t i = 0; i < part.pieces.size(); ++i)
-            if (!touched[i]) keep(part.pieces[i], part);
+            if (!anew.touched[i]) keep(part.pieces[i], part);
 
-        std::vector<uint32_t> vertices; // of the result, per point of the region
-        std::vector<uint32_t> onBorder(part.vertices.size(), Piece::kNone);
-        const auto borderCorner = [&](const Piece& piece, size_t k) {
-            uint32_t& place = onBorder[piece.vertex[k]];
-            if (place == Piece::kNone) {
-                place = static_cast<uint32_t>(region.border.size());
-                region.border.push_back(piece.corner[k]);
-                vertices.push_back(cornerVertex(part.vertices[piece.vertex[k]], part.surface));
-            }
-            return place;
-        };
-        std::vector<Chain> chains(part.border.size());
+        anew.onBorder.assign(part.vertices.size(), Piece::kNone);
+        addChains(part, anew);
+        addRim(part, anew);
+        addLines(part, anew);
+        const std::vector<uint32_t> seeds = addSeeds(part, anew.touched, anew.onBorder, anew.region);
+        addMeshed(part, grid, seeds, meshRegion(anew.region), anew.vertices);
+    }
+
+    uint32_t borderPoint(const FlatPart& part, const Piece& piece, size_t k, Remeshed& anew) {
+        uint32_t& place = anew.onBorder[piece.vertex[k]];
+        if (place == Piece::kNone) {
+            place = static_cast<uint32_t>(anew.region.border.size());
+            anew.region.border.push_back(piece.corner[k]);
+            anew.vertices.push_back(cornerVertex(part.vertices[piece.vertex[k]], part.surface));
+        }
+        return place;
+    }
+
+    // The part's own border, with the points that cuts have made on it.
+    void addChains(const FlatPart& part, Remeshed& anew) {
+        Region& region = anew.region;
+        anew.chains.resize(part.border.size());
         for (size_t e = 0; e < part.border.size(); ++e) {
             const auto [i, k] = part.borderSides[e];
-            if (!touched[i]) continue;
+            if (!anew.touched[i]) continue;
             const auto [a, b] = borderEdge(part, e);
-            Chain& chain = chains[e];
-            chain.points.push_back(borderCorner(part.pieces[i], k));
+            Chain& chain = anew.chains[e];
+            chain.points.push_back(borderPoint(part, part.pieces[i], k, anew));
             chain.places.push_back(0);
             const size_t n = cutEdges_[e] ? cutEdges_[e]->size() : 0;
             for (size_t c = 0; c < n; ++c) {
@@ -252,33 +271,44 @@ private:
                 const double t = (*cutEdges_[e])[index];
                 chain.points.push_back(static_cast<uint32_t>(region.border.size()));
                 chain.places.push_back(a < b ? t : 1 - t);
-                vertices.push_back(edgeVertex(keyOf(a, b), index, part.surface));
-                region.border.push_back(part.frame.flat(out_.vertices[vertices.back()]));
+                anew.vertices.push_back(edgeVertex(keyOf(a, b), index, part.surface));
+                region.border.push_back(part.frame.flat(out_.vertices[anew.vertices.back()]));
             }
-            chain.points.push_back(borderCorner(part.pieces[i], (k + 1) % 3));
+            chain.points.push_back(borderPoint(part, part.pieces[i], (k + 1) % 3, anew));
             chain.places.push_back(1);
             for (size_t c = 0; c + 1 < chain.points.size(); ++c)
                 region.borderEdges.emplace_back(chain.points[c], chain.points[c + 1]);
         }
+    }
+
+    // The border towards pieces that stay.
+    void addRim(const FlatPart& part, Remeshed& anew) {
         for (size_t i = 0; i < part.pieces.size(); ++i)
-            for (size_t k = 0; k < 3 && touched[i]; ++k) {
+            for (size_t k = 0; k < 3 && anew.touched[i]; ++k) {
                 const Piece& piece = part.pieces[i];
-                if (piece.neighbour[k] == Piece::kNone || touched[piece.neighbour[k]]) continue;
-                const uint32_t from = borderCorner(piece, k), to = borderCorner(piece, (k + 1) % 3);
-                region.borderEdges.emplace_back(from, to);
+                if (piece.neighbour[k] == Piece::kNone || anew.touched[piece.neighbour[k]]) continue;
+                const uint32_t from = borderPoint(part, piece, k, anew),
+                               to = borderPoint(part, piece, (k + 1) % 3, anew);
+                anew.region.borderEdges.emplace_back(from, to);
             }
+    }
+
+    static void addLines(const FlatPart& part, Remeshed& anew) {
         for (const Cut& cut : part.cuts) {
             RegionLine line;
             for (size_t k = 0; k < 2; ++k) {
                 line.point[k] = cut[k].point;
                 if (cut[k].edge >= 0)
                     line.border[k] =
-                        static_cast<int>(nearest(chains[static_cast<size_t>(cut[k].edge)], cut[k].t));
+                        static_cast<int>(nearest(anew.chains[static_cast<size_t>(cut[k].edge)], cut[k].t));
             }
-            region.lines.push_back(line);
+            anew.region.lines.push_back(line);
         }
-        const std::vector<uint32_t> seeds = addSeeds(part, touched, onBorder, region);
-        const RegionMesh mesh = meshRegion(region);
+    }
+
+    // `vertices`: of the mesh's border points; the others' are appended.
+    void addMeshed(const FlatPart& part, const PieceGrid& grid, const std::vector<uint32_t>& seeds,
+                   const RegionMesh& mesh, std::vector<uint32_t>& vertices) {
         for (const uint32_t s : mesh.keptSeeds) vertices.push_back(cornerVertex(seeds[s], part.surface));
         for (size_t i = vertices.size(); i < mesh.points.size(); ++i) {
             const Piece& piece = part.pieces[grid.at(mesh.points[i])];

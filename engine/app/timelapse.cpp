@@ -248,6 +248,54 @@ void noteFilms(Run& run, const Scene& scene, const FrameSink& sink, const std::v
                             p.id, p.width, p.height, p.width + p.width % 2, p.height + p.height % 2));
 }
 
+struct Frames {
+    std::string table = "time,sun_azimuth_deg,sun_altitude_deg,mean_lux,max_lux,glare_ratio\n";
+    size_t drawn = 0, dark = 0;
+    std::vector<float> milliseconds; // of each
+};
+
+// Takes each moment's light, draws what the sink has not yet and hands it on. `painter`: null where nothing
+// is drawn.
+Frames makeFrames(Run& run, const Scene& scene, const SkySource& source,
+                  const std::vector<daylight::Moment>& times, MomentStream& stream, FramePainter* painter,
+                  FrameSink& sink) {
+    Frames frames;
+    Progress progress("frames", times.size(), run.showsProgress());
+    Solved before;
+    LightFigures figures;
+    for (size_t frame = 0; frame < times.size(); ++frame) {
+        const compute::Stopwatch watch;
+        const Solved solved = stream.next();
+        if (solved != before) figures = lightFigures(scene.mesh, *solved);
+        before = solved;
+        frames.dark += source.followsTime() && figures.maxLux <= 0;
+        frames.table += tableRow(times[frame], source.sunAt(times[frame]), figures);
+        if (painter && !sink.done(frame)) {
+            painter->paint(frame, solved, source, times[frame], sink);
+            ++frames.drawn;
+        }
+        progress.advance(frame + 1);
+        frames.milliseconds.push_back(static_cast<float>(1e3 * watch.seconds()));
+    }
+    stream.stop();
+    run.addStageSeconds("solve", stream.seconds());
+    if (before) reportMoment(run, before->report);
+    if (stream.repeated() > 0)
+        run.skipped(fmt::format("{} frames: the same light as the frame before", stream.repeated()));
+    return frames;
+}
+
+void reportFrames(Run& run, const Frames& frames, double white) {
+    const size_t count = frames.milliseconds.size();
+    run.report()["frames"] = frameTimes(frames.milliseconds);
+    run.report()["frames"].update(
+        {{"count", count}, {"drawn", frames.drawn}, {"dark", frames.dark}, {"white_lux", white}});
+    if (frames.dark > 0)
+        run.note(
+            fmt::format("{} of {} frames are dark: the sun is below the horizon, twilight is not modelled",
+                        frames.dark, count));
+}
+
 } // namespace
 
 void execute(Run& run, const TimelapseArguments& arguments) {
@@ -277,44 +325,14 @@ void execute(Run& run, const TimelapseArguments& arguments) {
         run.skipped("pictures: --view none");
     }
 
-    Progress progress("frames", times.size(), run.showsProgress());
-    std::string table = "time,sun_azimuth_deg,sun_altitude_deg,mean_lux,max_lux,glare_ratio\n";
-    size_t drawn = 0, dark = 0;
-    std::vector<float> frameMs;
     MomentStream stream(source, times, *transport, arguments.picture.skyColour);
-    Solved before;
-    LightFigures figures;
-    for (size_t frame = 0; frame < times.size(); ++frame) {
-        const compute::Stopwatch watch;
-        const Solved solved = stream.next();
-        if (solved != before) figures = lightFigures(scene.mesh, *solved);
-        before = solved;
-        dark += source.followsTime() && figures.maxLux <= 0;
-        table += tableRow(times[frame], source.sunAt(times[frame]), figures);
-        if (painter && !sink.done(frame)) {
-            painter->paint(frame, solved, source, times[frame], sink);
-            ++drawn;
-        }
-        progress.advance(frame + 1);
-        frameMs.push_back(static_cast<float>(1e3 * watch.seconds()));
-    }
-    stream.stop();
-    run.addStageSeconds("solve", stream.seconds());
-    if (before) reportMoment(run, before->report);
-    if (stream.repeated() > 0)
-        run.skipped(fmt::format("{} frames: the same light as the frame before", stream.repeated()));
+    const Frames frames = makeFrames(run, scene, source, times, stream, painter ? &*painter : nullptr, sink);
     {
         const StageTimer timer(run, "encode"); // what is left of it
         sink.close();
     }
-    geometry::writeWholeText(sink.table(), table);
-    run.report()["frames"] = frameTimes(frameMs);
-    run.report()["frames"].update(
-        {{"count", times.size()}, {"drawn", drawn}, {"dark", dark}, {"white_lux", white}});
-    if (dark > 0)
-        run.note(
-            fmt::format("{} of {} frames are dark: the sun is below the horizon, twilight is not modelled",
-                        dark, times.size()));
+    geometry::writeWholeText(sink.table(), frames.table);
+    reportFrames(run, frames, white);
 }
 
 } // namespace heliodon::app
