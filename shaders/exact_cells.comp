@@ -5,6 +5,7 @@
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_vote : require
 #include "shaders/io/exact_form_factors.io.h"
+#include "shaders/lib/constants.glsl"
 #include "shaders/lib/lambert.glsl"
 #include "shaders/lib/exact_scene.glsl"
 #include "shaders/lib/exact_cubature.glsl"
@@ -50,7 +51,7 @@ void loadPair(uint record) {
 }
 
 float openFrom(vec2 at) {
-    return 0.159154943092 * max(0.0, wholeSum(innerFrame, lift(outerFrame, at), outerFace.normal));
+    return kInverseTwoPi * max(0.0, wholeSum(innerFrame, lift(outerFrame, at), outerFace.normal));
 }
 
 float seen(vec2 at) {

@@ -6,6 +6,7 @@
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_vote : require
 #include "shaders/io/exact_form_factors.io.h"
+#include "shaders/lib/constants.glsl"
 #include "shaders/lib/lambert.glsl"
 #include "shaders/lib/exact_scene.glsl"
 
@@ -111,17 +112,17 @@ float wholeFrom(vec2 at) {
     return overRim(rim);
 }
 
-float openFrom(vec2 at) { return kBlockers == 0u ? 1.0 : 0.159154943092 * max(0.0, wholeFrom(at)); }
+float openFrom(vec2 at) { return kBlockers == 0u ? 1.0 : kInverseTwoPi * max(0.0, wholeFrom(at)); }
 
 float seen(vec2 at) {
     float whole = wholeFrom(at);
-    if (kBlockers == 0u) return 0.159154943092 * max(0.0, whole);
+    if (kBlockers == 0u) return kInverseTwoPi * max(0.0, whole);
     // What rounding leaves over: angles are good to 1e-7, of which the piece spans its size over the distance.
     bool hidden;
     float lit = whole - shadowsSum(hidden), left = 2e-6 * max(1.0, length(point) / pair.innerSize);
     bool lost = hidden || lit <= left * whole;
     views |= lost ? kSeesNothing : lit == whole ? kSeesAll : kSeesPart;
-    return lost ? 0.0 : 0.159154943092 * lit;
+    return lost ? 0.0 : kInverseTwoPi * lit;
 }
 
 // An edge in the outer piece's own plane bends what is seen only at its ends.

@@ -9,10 +9,12 @@
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_vote : require
 #include "shaders/io/exact_form_factors.io.h"
+#include "shaders/lib/constants.glsl"
 #include "shaders/lib/exact_scene.glsl"
 #include "shaders/lib/hidden_stretches.glsl"
 #include "shaders/lib/loop_limit.glsl"
 #include "shaders/lib/monte_carlo_points.glsl"
+#include "shaders/lib/radon.glsl"
 
 layout(local_size_x = kExactGroup) in;
 layout(set = 0, binding = 5, scalar) buffer Records { ExactRecord records[]; };
@@ -23,10 +25,6 @@ layout(set = 0, binding = 9, scalar) writeonly buffer Next { uint next[]; };  //
 layout(set = 0, binding = 10, scalar) buffer Counters { uint counters[]; };
 layout(push_constant, scalar) uniform Push { ExactLinesParams params; };
 
-const float kInversePi = 0.318309886184;
-const float kRadonNear = 0.470142064105, kRadonFar = 0.101286507323;
-const float kRadonFarLow = 0.25 / ((1.0 - 3.0 * kRadonFar) * (1.0 - 3.0 * kRadonFar));
-const float kRadonNearLow = 0.25 / ((1.0 - 3.0 * kRadonNear) * (1.0 - 3.0 * kRadonNear));
 const float kLeastError = 0.1; // of what differs from point to point
 const float kMissed = 0.02; // of the piece: a corner in light or shadow between points that agree
 const float kQuickError = 2.0; // four points agree by accident more often than seven
@@ -149,7 +147,7 @@ vec2 overPiece(vec3 corner, vec3 u, vec3 v, float limit, out bool turned) {
             end = !turned && max(result.y, kMissed * open_) > limit ? 7u : end;
         }
         if (k == 7u && end == 7u) {
-            result.x = 0.132394152788 * sums.y + 0.125939180545 * sums.x + 0.225 * sums.z;
+            result.x = kRadonNearWeight * sums.y + kRadonFarWeight * sums.x + kRadonCentreWeight * sums.z;
             result.y = max(max(abs(result.x - byNear), abs(result.x - byFar)), 0.6 * kLeastError * (range.y - range.x));
         }
     } while (subgroupAny(k < end));

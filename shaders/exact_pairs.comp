@@ -6,6 +6,7 @@
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_vote : require
 #include "shaders/io/exact_form_factors.io.h"
+#include "shaders/lib/constants.glsl"
 #include "shaders/lib/exact_scene.glsl"
 #include "shaders/lib/exact_shaft.glsl"
 #include "shaders/lib/loop_limit.glsl"
@@ -24,8 +25,6 @@ layout(set = 0, binding = 14, scalar) writeonly buffer Back { float back[]; };  
 layout(set = 0, binding = 15, scalar) writeonly buffer FewRecords { ExactRecord fewRecords[]; };
 layout(push_constant, scalar) uniform Push { ExactPairsParams params; };
 layout(constant_id = 1) const bool kClear = true; // nothing can stand in any of these blocks
-
-const float kInversePi = 0.318309886184;
 
 uint listed[kExactListed]; // the first of them
 uint listedCount;

@@ -23,6 +23,7 @@ layout(constant_id = 0) const uint kLanes = 1u; // invocations that share the ra
 layout(push_constant, scalar) uniform Push { HierarchicalLinksParams params; };
 
 #include "shaders/lib/cluster.glsl"
+#include "shaders/lib/constants.glsl"
 #include "shaders/lib/link_queues.glsl"
 
 // Two triangles: the error of the share that passes, one standard deviation. Sums over a lattice err less than those
@@ -30,7 +31,7 @@ layout(push_constant, scalar) uniform Push { HierarchicalLinksParams params; };
 // missed. Of triangles that nearly touch, few rays carry most: what they miss of the exchange in the open, which is
 // known, or have too much of, passes or does not like the rest.
 float errorOfShare(HierarchicalDoubt d, float share) {
-    float missing = min(1.0, abs(1.0 - d.open / (3.14159265359 * d.link.density * float(d.rays))));
+    float missing = min(1.0, abs(1.0 - d.open / (kPi * d.link.density * float(d.rays))));
     float variance =
         (1.0 - share) * (1.0 - share) * d.passedSquares + share * share * (d.openSquares - d.passedSquares);
     float random = sqrt(max(variance, 0.0)) / d.open * pow(float(d.rays), -0.15);

@@ -26,8 +26,8 @@ const uint kExactMixedCount = 5u;   // and others, filled from the end of the bl
 const uint kExactOneCount = 6u;     // pairs with one blocker, in records of their own, exact_few.comp too
 const uint kExactTwoCount = 7u;     // with two; filled from their end
 const uint kExactPartialCount = 8u; // pairs with blockers
-const uint kExactLineCount = 9u; // far pairs of triangles with blockers, exact_lines.comp; where those with one were
-const uint kExactCutCount = 10u; // invocations whose loops the device ended early, lib/loop_limit.glsl
+const uint kExactLineCount = 9u;    // far pairs of triangles with blockers, exact_lines.comp; where those with one were
+const uint kExactCutCount = 10u;    // invocations whose loops the device ended early, lib/loop_limit.glsl
 const uint kExactCounters = 11u;
 
 // Faces come in this order: pieces, blockers, clusters. A cluster (uvec4) is: first piece, pieces, face of the
@@ -79,7 +79,7 @@ struct ExactPairsParams {
     uint recordCapacity;
     uint listCapacity;
     uint closed;
-    uint byLines; // 1: far pairs with blockers go to exact_lines.comp, near ones with one to those with two
+    uint byLines;    // 1: far pairs with blockers go to exact_lines.comp, near ones with one to those with two
     float tolerance; // of one form factor
 };
 
@@ -97,8 +97,8 @@ struct ExactCellsParams {
 struct ExactLinesParams {
     uint first; // record, or place in the list of those that go on
     uint count;
-    uint level; // of halvings of the outer piece
-    uint last;  // 1: no pair goes on
+    uint level;      // of halvings of the outer piece
+    uint last;       // 1: no pair goes on
     float tolerance; // of one form factor, RMS
 };
 

@@ -18,11 +18,11 @@ struct HemicubeParams {
     uint viewpointInRow; // the first workgroup's viewpoint, counted from the first row bound
     uint stripes;        // lanes that share a triangle
     uint triangleCount;
-    uint patchCount;     // columns of `factors`
-    uint resolution;     // R, even: the top has R x R pixels, each side R x R/2
-    uint idBits;         // low bits of an item: patch * 2 + seen from behind
-    float depthScale;    // items per metre of depth
-    float flatness;      // metres: a patch nearer than this to holding the viewpoint in its plane is not seen
-    uint listLength;     // of a workgroup: 10 for each triangle and stripe
+    uint patchCount;  // columns of `factors`
+    uint resolution;  // R, even: the top has R x R pixels, each side R x R/2
+    uint idBits;      // low bits of an item: patch * 2 + seen from behind
+    float depthScale; // items per metre of depth
+    float flatness;   // metres: a patch nearer than this to holding the viewpoint in its plane is not seen
+    uint listLength;  // of a workgroup: 10 for each triangle and stripe
 };
 IO_END

@@ -4,10 +4,10 @@
 #include "shaders/io/io.h"
 IO_BEGIN
 const uint kHierarchicalGroup = 64u;
-const uint kHierarchicalRays = 8u;      // between two clusters
-const uint kHierarchicalFewRays = 4u;   // first between two triangles, then as many again as there were
-const uint kHierarchicalLanes = 8u; // share the rays of a pair that needs many: the last pairs to be settled are few
-const uint kHierarchicalManyRays = 64u; // which a pair does that has had so many
+const uint kHierarchicalRays = 8u;    // between two clusters
+const uint kHierarchicalFewRays = 4u; // first between two triangles, then as many again as there were
+const uint kHierarchicalLanes = 8u;   // share the rays of a pair that needs many: the last pairs to be settled are few
+const uint kHierarchicalManyRays = 64u;   // which a pair does that has had so many
 const uint kHierarchicalRoundRays = 512u; // of one invocation, at most: loops are far from 65535 turns
 // Of a tolerance, the error over the larger end up to which a pair of triangles is kept.
 const float kHierarchicalKept = 0.25f;
@@ -23,7 +23,7 @@ struct HierarchicalLink {
     uint first;
     uint second;
     float density;
-    uint firstSlope;  // a and b as two halves
+    uint firstSlope; // a and b as two halves
     uint secondSlope;
     float error; // of the density between two of their triangles, RMS, estimated
 };
@@ -46,11 +46,11 @@ const uint kHierarchicalLongDoubts = 4u; // that need many rays
 const uint kHierarchicalCounters = 5u;
 struct HierarchicalLinksParams {
     uint pairCount;
-    uint nodeCount; // of the hierarchy of blockers; 0: nothing can stand between
-    float flatness; // metres
+    uint nodeCount;  // of the hierarchy of blockers; 0: nothing can stand between
+    float flatness;  // metres
     float tolerance; // of one form factor between clusters
     float visibilityTolerance;
-    uint mostRays;  // between two triangles
+    uint mostRays; // between two triangles
 };
 struct HierarchicalSweepParams {
     uint firstNode; // or patch: hierarchical_patches.comp

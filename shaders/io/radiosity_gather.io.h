@@ -9,8 +9,8 @@ const uint kGatherRows = 8u; // rows that a subgroup sums at once
 // floats and with zeros around it: copy (column * 4 + shift) starts at texel (column * 4 + shift) * texelsPerColumn.
 struct RadiosityGatherParams {
     uint patchCount;
-    uint rowCount;  // of this window, which starts on a row that is a multiple of 16
-    uint firstRow;  // for the output
+    uint rowCount; // of this window, which starts on a row that is a multiple of 16
+    uint firstRow; // for the output
     uint texelsPerColumn;
 };
 IO_END

@@ -14,7 +14,9 @@
 // degree-2 rule on four of its points. Needs shaders/io/exact_form_factors.io.h. Loops: see exact_shaft.glsl.
 #ifndef EXACT_CUBATURE_GLSL
 #define EXACT_CUBATURE_GLSL
+#include "shaders/lib/constants.glsl"
 #include "shaders/lib/loop_limit.glsl"
+#include "shaders/lib/radon.glsl"
 
 layout(local_size_x = kExactGroup) in;
 layout(set = 0, binding = 5, scalar) buffer Records { ExactRecord records[]; };
@@ -71,11 +73,7 @@ const uint kWholePair = 0xffffffffu; // in the place of a cell's first corner
 // some lie beyond any straight border of light that crosses the cell: how far they are from what the others lead to
 // expect.
 vec2 overCell(vec2 a, vec2 b, vec2 c, bool quick, bool probed) {
-    // Barycentric weight of the two lesser corners. Three points at (1 - 2 t, t, t) and the centre integrate quadratics
-    // when the three weigh 1/4 / (1 - 3 t)^2 together; shadows make one such rule agree by accident, seldom both.
-    const float kNear = 0.470142064105, kFar = 0.101286507323;
-    const float kFarLow = 0.25 / ((1.0 - 3.0 * kFar) * (1.0 - 3.0 * kFar));
-    const float kNearLow = 0.25 / ((1.0 - 3.0 * kNear) * (1.0 - 3.0 * kNear));
+    // Two rules of degree 2 within it: shadows make one of them agree by accident, seldom both.
     vec3 sums = vec3(0.0);
     vec2 range = vec2(1e30, 0.0);
     // One call, so that drivers that inline everything compile it once.
@@ -88,23 +86,23 @@ vec2 overCell(vec2 a, vec2 b, vec2 c, bool quick, bool probed) {
         bool probe = k >= points;
         int turn = probe ? k - points : k % 4;
         vec2 corner = turn == 0 ? a : turn == 1 ? b : c;
-        float t = probe ? kProbe : k == 3 ? 1.0 / 3.0 : k < 3 ? kFar : kNear;
+        float t = probe ? kProbe : k == 3 ? 1.0 / 3.0 : k < 3 ? kRadonFar : kRadonNear;
         float f = seen(t * (a + b + c) + (1.0 - 3.0 * t) * corner);
         if (k < points) sums += k < 3 ? vec3(0.0, f, 0.0) : k > 3 ? vec3(f, 0.0, 0.0) : vec3(0.0, 0.0, f);
         if (k < points) range = vec2(min(range.x, f), max(range.y, f));
         if (k < 3) far[k] = f;
         float nearest = turn == 0 ? far.x : turn == 1 ? far.y : far.z;
-        float expected = mix(sums.z, nearest, (1.0 - 3.0 * kProbe) / (1.0 - 3.0 * kFar));
+        float expected = mix(sums.z, nearest, (1.0 - 3.0 * kProbe) / (1.0 - 3.0 * kRadonFar));
         if (probe && k < all) beyond += kBeyond * abs(f - max(0.0, expected));
         if (k >= points) views = viewsBefore; // neighbours may need more points
         ++k;
     } while (subgroupAny(k < all));
     float centre = sums.z;
-    float byFar = kFarLow / 3.0 * sums.y + (1.0 - kFarLow) * centre;
+    float byFar = kRadonFarLow / 3.0 * sums.y + (1.0 - kRadonFarLow) * centre;
     if (quick)
         return vec2(byFar, max(beyond, max(kQuickError * abs(byFar - centre), kLeastError * (range.y - range.x))));
-    float value = 0.132394152788 * sums.x + 0.125939180545 * sums.y + 0.225 * centre;
-    float byNear = kNearLow / 3.0 * sums.x + (1.0 - kNearLow) * centre;
+    float value = kRadonNearWeight * sums.x + kRadonFarWeight * sums.y + kRadonCentreWeight * centre;
+    float byNear = kRadonNearLow / 3.0 * sums.x + (1.0 - kRadonNearLow) * centre;
     float apart = max(abs(value - byNear), abs(value - byFar));
     // Errors of a crowd's points are as good as independent; the rule of the near three would count them thrice.
     if (crowded()) return vec2(value, max(abs(value - byFar), kNoise * (range.y - range.x)));
@@ -130,7 +128,7 @@ const float kAbout = 3.0; // what is seen from a cell over what its middle sees
 float mostFrom(vec2 at) {
     vec3 d = fromInner(at);
     float byDistance =
-        pair.innerArea * 0.318309886184 / max(dot(d, d) - pair.innerSize * pair.innerSize, 1e-30);
+        pair.innerArea * kInversePi / max(dot(d, d) - pair.innerSize * pair.innerSize, 1e-30);
     return min(min(1.0, kAbout * openFrom(at)), byDistance);
 }
 

@@ -1,6 +1,7 @@
 // Lambert's formula in float32, arranged so that small and grazing polygons lose no digits.
 #ifndef LAMBERT_GLSL
 #define LAMBERT_GLSL
+#include "shaders/lib/constants.glsl"
 
 // atan(y / x) for y >= 0, in [0, pi]; two ulp. GLSL's own may be off by 4096 ulp. Polynomial: S. L. Moshier, Cephes.
 float angleOf(float y, float x) {
@@ -12,7 +13,7 @@ float angleOf(float y, float x) {
     float p = (((8.05374449538e-2 * z - 1.38776856032e-1) * z + 1.99777106478e-1) * z - 3.33329491539e-1) * z * s + s;
     float a = reduce ? 0.785398163397 + p : p;
     a = y > abs(x) ? 1.57079632679 - a : a;
-    return x < 0.0 ? 3.14159265359 - a : a;
+    return x < 0.0 ? kPi - a : a;
 }
 
 // Twice pi times the share of the edge a -> b (relative to the element) in the element's form factor.

@@ -4,6 +4,7 @@
 // `lists`.
 #ifndef LIT_ALONG_LINES_GLSL
 #define LIT_ALONG_LINES_GLSL
+#include "shaders/lib/constants.glsl"
 
 // Both ends of four lines, in the piece's plane.
 struct Chords {
@@ -98,7 +99,7 @@ float litShareAlongLines(Frame f, Origin o, vec3 point, vec3 normal, uint inner,
         seed = hashOf(seed);
         // Against one another, so that what changes linearly across the strips is exact.
         vec4 strip = 4.0 * float(four) + vec4(0.0, 1.0, 2.0, 3.0) + vec4(u, 1.0 - u, 1.0 - u, u);
-        vec4 jitter = fract(start + 0.618034 * (4.0 * float(four) + vec4(0.0, 1.0, 2.0, 3.0))); // golden ratio
+        vec4 jitter = fract(start + kGolden * (4.0 * float(four) + vec4(0.0, 1.0, 2.0, 3.0)));
         Chords c = chordsAt(along, mix(vec4(range.x), vec4(range.y), strip / (4.0 * float(fours))));
         uvec4 hidden = hiddenOf(f, o, point, firstListed, listed, c, jitter);
         vec4 dx = c.toX - c.fromX, dy = c.toY - c.fromY, chord = sqrt(dx * dx + dy * dy);

@@ -4,9 +4,10 @@
 // a substitution that smooths its ends, where borders touch; others by a product rule.
 #ifndef PAIR_EXCHANGE_GLSL
 #define PAIR_EXCHANGE_GLSL
+#include "shaders/lib/constants.glsl"
 #include "shaders/lib/lambert.glsl"
+#include "shaders/lib/radon.glsl"
 
-const float kPairPi = 3.14159265359;
 const float kPairFlat = 1e-6; // heights below this share of the distance are rounding errors
 const float kPairRounded = 2e-7; // and below this share of the longest edge, as at corners that both share
 const float kPairNear = 0.15;  // sizes over distance from which the product rule is left
@@ -21,7 +22,7 @@ struct Triangle {
 float kernelBetween(vec3 x, vec3 nx, vec3 y, vec3 ny) {
     vec3 d = y - x;
     float r2 = dot(d, d);
-    return max(0.0, dot(nx, d)) * max(0.0, -dot(ny, d)) / (kPairPi * r2 * r2);
+    return max(0.0, dot(nx, d)) * max(0.0, -dot(ny, d)) / (kPi * r2 * r2);
 }
 
 // int ln |p - x| along a segment that begins at `from` relative to p; `less` is taken from the angle under which p
@@ -49,7 +50,7 @@ bool passesOver(vec3 from, vec3 along, float length_, vec3 start, vec3 unit, flo
     float c = dot(a, unit), s2 = dot(n, n), aw = dot(a, w), uw = dot(unit, w);
     float s = (c * uw - aw) / s2, t = (uw - c * aw) / s2, sine = sqrt(s2), height = abs(dot(n, w)) / sine;
     bool over = s2 > 1e-4 && s > 0.0 && s < length_ && t > 0.0 && t < size;
-    integral = over ? kPairPi * (slantAlong(height, sine * (length_ - s)) + slantAlong(height, sine * s)) / sine : 0.0;
+    integral = over ? kPi * (slantAlong(height, sine * (length_ - s)) + slantAlong(height, sine * s)) / sine : 0.0;
     return over;
 }
 
@@ -105,7 +106,7 @@ vec2 bordersIntegral(vec3 p[4], vec3 q[4], uint panels) {
             bool any = length_ > 0.0 && size > 0.0;
             if (passesOver(from, along, any ? length_ : 1.0, q[e], any ? edge_ / size : vec3(0.0), size, integral) &&
                 any) {
-                less[e] = kPairPi;
+                less[e] = kPi;
                 sum.x += dot(along, edge_) / (size * length_) * integral;
             }
         }
@@ -132,7 +133,7 @@ vec2 bordersIntegral(vec3 p[4], vec3 q[4], uint panels) {
             }
         }
     }
-    return sum / (2.0 * kPairPi);
+    return sum / (2.0 * kPi);
 }
 
 // Twice pi times the factor from a point of a plane to a polygon wholly over it, corners relative to the point:
@@ -150,13 +151,13 @@ float lambertMean(vec3 a, vec3 b, vec3 c, vec3 normal, vec3 q[4], bool wanted) {
     uint end = wanted ? 7u : 0u; // a loop that may run no turn: software devices do not skip an `if`
     [[dont_unroll]] for (uint k = 0u; k < end; ++k) {
         vec3 corner = k % 3u == 0u ? a : k % 3u == 1u ? b : c;
-        float out_ = k == 6u ? 0.0 : k < 3u ? 0.696140478028 : -0.410426192314;
+        float out_ = k == 6u ? 0.0 : k < 3u ? kRadonFarOut : kRadonNearOut;
         vec3 at = middle + out_ * (corner - middle);
-        float weight = k == 6u ? 0.225 : k < 3u ? 0.125939180545 : 0.132394152788;
+        float weight = k == 6u ? kRadonCentreWeight : k < 3u ? kRadonFarWeight : kRadonNearWeight;
         vec3 moved[4] = vec3[](q[0] - at, q[1] - at, q[2] - at, q[3] - at);
         sum += weight * lambertSum(moved, normal);
     }
-    return sum / (2.0 * kPairPi);
+    return sum / (2.0 * kPi);
 }
 
 const float kPairUneven = 3000.0; // ratio of areas from which a point stands for the smaller one

@@ -4,6 +4,7 @@
 // moves a border but cannot tear it open. Needs exact_scene.glsl, lambert.glsl and the buffer `lists`.
 #ifndef VISIBLE_POLYGON_GLSL
 #define VISIBLE_POLYGON_GLSL
+#include "shaders/lib/constants.glsl"
 
 // Loops over private arrays: drivers that unroll them by the array's length take minutes to compile.
 #define NO_UNROLL [[dont_unroll]]
@@ -301,6 +302,6 @@ float litFactor(Frame f, vec3 point, vec3 normal, float size) {
     float whole = wholeSum(f, point, normal), shadow = 0.0;
     NO_UNROLL for (bool once = lineCount > 0; once; once = false) shadow = shadowSum(f, point, normal, size);
     float lit = whole - shadow;
-    return lit > kLeft * whole ? 0.159154943092 * lit : 0.0;
+    return lit > kLeft * whole ? kInverseTwoPi * lit : 0.0;
 }
 #endif
