@@ -8,24 +8,27 @@ namespace heliodon::geometry {
 
 class MinCut {
 public:
-    explicit MinCut(uint32_t nodes) : toSource_(nodes, 0), toSink_(nodes, 0), nodes_(nodes) {}
-
-    void addSource(uint32_t node, int64_t capacity) { toSource_[node] += capacity; }
-    void addSink(uint32_t node, int64_t capacity) { toSink_[node] += capacity; }
-    // Both ways.
-    void addLink(uint32_t a, uint32_t b, int64_t capacity) { links_.push_back({a, b, capacity}); }
-
-    // The smallest source side among all least cuts: true per node. O(V^2 E), far less in practice.
-    std::vector<bool> sourceSide() const;
-
-private:
     struct Link {
         uint32_t a, b;
-        int64_t capacity;
+        int64_t capacity; // both ways
     };
-    std::vector<int64_t> toSource_, toSink_;
-    std::vector<Link> links_;
-    uint32_t nodes_;
+
+    MinCut() = default;
+    MinCut(uint32_t nodes, const std::vector<Link>& links);
+
+    // With what each node has from the source and to the sink: the smallest source side among all least cuts,
+    // true per node. Sums of capacities are to stay below 2^62. O(V^2 E), far less in practice.
+    std::vector<bool> sourceSide(std::vector<int64_t> fromSource, std::vector<int64_t> toSink) const;
+
+private:
+    class Flow;
+
+    struct Arc {
+        uint32_t to, back; // the arc in the opposite direction
+    };
+    std::vector<Arc> arcs_;       // by the node that they leave
+    std::vector<uint32_t> first_; // of node v: arcs_[first_[v] .. first_[v + 1])
+    std::vector<int64_t> capacity_;
 };
 
 } // namespace heliodon::geometry

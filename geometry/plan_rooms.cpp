@@ -85,6 +85,14 @@ private:
     std::vector<Interval> intervals_;
 };
 
+// A half-edge along a wall, with air on its left.
+struct WallFace {
+    uint32_t half, group; // of cells
+    int piece;
+    Interval stretch; // of the piece
+    bool ahead;       // of a wall that ends before it
+};
+
 class RoomFinder {
 public:
     explicit RoomFinder(const PlanWalls& plan) : plan_(plan), lines_(planLines(plan)) {
@@ -92,7 +100,8 @@ public:
         measureCells();
         findSolids();
         tieThinCells();
-        findFacesAhead();
+        findFaces();
+        graph_ = openEdges();
         used_.resize(plan.pieces.size());
     }
 
@@ -219,49 +228,57 @@ private:
         }
     }
 
-    // Faces on which a wall would stand if it were lengthened. A gap before them is filled in line with the
-    // side of that wall that its room sees: what lies between its two sides belongs to no room.
-    void findFacesAhead() {
-        ahead_.assign(map_.cell.size(), false);
+    void findFaces() {
         for (uint32_t h = 0; h < map_.cell.size(); ++h) {
-            if (solid_[map_.cell[h]] || faceOf(h) < 0) continue;
-            const glm::dvec2 from = map_.points[map_.source(h)], to = map_.points[map_.target[h]];
-            ahead_[h] = std::ranges::any_of(lines_.ahead, [&](const WallAhead& wall) {
-                if (std::abs(cross(to - from, wall.out)) < kBeside * edgeLength(h)) return false;
-                const glm::dvec2 d = 0.5 * (from + to) - wall.right, across = wall.left - wall.right;
-                const double along = glm::dot(d, wall.out),
-                             aside = glm::dot(d, across) / glm::dot(across, across);
-                return along > 0 && along < wall.reach && aside > 0 && aside < 1;
-            });
+            if (solid_[map_.cell[h]] || !solid_[map_.cell[h ^ 1u]]) continue;
+            if (const int piece = faceOf(h); piece >= 0)
+                faces_.push_back({h, group(map_.cell[h]), piece, stretch(h, piece), isAhead(h)});
         }
+    }
+
+    // Where a wall would stand if it were lengthened. A gap before that is filled in line with the side of
+    // that wall that its room sees: what lies between its two sides belongs to no room.
+    bool isAhead(uint32_t face) const {
+        const glm::dvec2 from = map_.points[map_.source(face)], to = map_.points[map_.target[face]];
+        return std::ranges::any_of(lines_.ahead, [&](const WallAhead& wall) {
+            if (std::abs(cross(to - from, wall.out)) < kBeside * edgeLength(face)) return false;
+            const glm::dvec2 d = 0.5 * (from + to) - wall.right, across = wall.left - wall.right;
+            const double along = glm::dot(d, wall.out),
+                         aside = glm::dot(d, across) / glm::dot(across, across);
+            return along > 0 && along < wall.reach && aside > 0 && aside < 1;
+        });
+    }
+
+    // Between spaces, with what it costs to part them.
+    MinCut openEdges() const {
+        std::vector<MinCut::Link> links;
+        for (uint32_t h = 0; h < map_.cell.size(); h += 2) {
+            const uint32_t a = group(map_.cell[h]), b = group(map_.cell[h + 1]);
+            if (open(h) && a != b)
+                links.push_back({a, b, std::llround(edgeLength(h) * bridgeWeight(h) * kCapacityUnit)});
+        }
+        return {map_.cellCount, links};
     }
 
     // One cut at this price. False when a space turned out too thin to be a room and the cut is to be made
     // again.
     bool select(double price) {
-        MinCut cut(map_.cellCount);
-        cut.addSink(group(0), kForever);
+        std::vector<int64_t> gain(map_.cellCount, 0), cost(map_.cellCount, 0);
+        cost[group(0)] = kForever;
         for (uint32_t c = 0; c < map_.cellCount; ++c) {
             if (inside_[c])
-                cut.addSource(group(c), kForever);
+                gain[group(c)] += kForever;
             else if (forbidden_[c])
-                cut.addSink(group(c), kForever);
+                cost[group(c)] += kForever;
         }
-        for (uint32_t h = 0; h < map_.cell.size(); ++h) {
-            const uint32_t own = map_.cell[h], other = map_.cell[h ^ 1u];
-            if (solid_[own]) continue;
-            if (!solid_[other]) {
-                if (h % 2 == 0 && group(own) != group(other))
-                    cut.addLink(group(own), group(other),
-                                std::llround(edgeLength(h) * bridgeWeight(h) * kCapacityUnit));
-            } else if (ahead_[h]) {
-                cut.addSink(group(own), std::llround(kAhead * edgeLength(h) * kCapacityUnit));
-            } else if (const int piece = faceOf(h); piece >= 0) {
-                const double reward = used_[static_cast<size_t>(piece)].unused(stretch(h, piece));
-                cut.addSource(group(own), std::llround(price * reward * kCapacityUnit));
-            }
+        for (const WallFace& face : faces_) {
+            if (face.ahead)
+                cost[face.group] += std::llround(kAhead * edgeLength(face.half) * kCapacityUnit);
+            else
+                gain[face.group] += std::llround(
+                    price * used_[static_cast<size_t>(face.piece)].unused(face.stretch) * kCapacityUnit);
         }
-        const std::vector<bool> side = cut.sourceSide();
+        const std::vector<bool> side = graph_.sourceSide(std::move(gain), std::move(cost));
         std::vector<bool> proposed(map_.cellCount);
         for (uint32_t c = 0; c < map_.cellCount; ++c) proposed[c] = !solid_[c] && side[group(c)];
         return accept(proposed);
@@ -363,11 +380,11 @@ private:
             if (!proposed[own] || proposed[other]) continue;
             Space& space = spaces[root[own]];
             space.perimeter += edgeLength(h);
-            if (!solid_[other])
-                space.gap += edgeLength(h);
-            else if (const int piece = faceOf(h); piece >= 0)
-                space.walls[piece] += edgeLength(h);
+            if (!solid_[other]) space.gap += edgeLength(h);
         }
+        for (const WallFace& face : faces_)
+            if (const uint32_t own = map_.cell[face.half]; proposed[own])
+                spaces[root[own]].walls[face.piece] += edgeLength(face.half);
         bool allThick = true;
         for (const auto& [id, space] : spaces) {
             if (!space.grows) continue;
@@ -377,10 +394,8 @@ private:
             for (uint32_t c = 0; c < map_.cellCount; ++c)
                 if (proposed[c] && root[c] == id) (thin ? forbidden_ : inside_)[c] = !thin || !inside_[c];
         }
-        for (uint32_t h = 0; h < map_.cell.size(); ++h)
-            if (inside_[map_.cell[h]])
-                if (const int piece = faceOf(h); piece >= 0 && solid_[map_.cell[h ^ 1u]])
-                    used_[static_cast<size_t>(piece)].add(stretch(h, piece));
+        for (const WallFace& face : faces_)
+            if (inside_[map_.cell[face.half]]) used_[static_cast<size_t>(face.piece)].add(face.stretch);
         return allThick;
     }
 
@@ -443,7 +458,8 @@ private:
     PlanArrangement map_;
     std::vector<double> area_, perimeter_;
     std::vector<bool> solid_, inside_, forbidden_;
-    std::vector<bool> ahead_; // of half-edges
+    std::vector<WallFace> faces_;
+    MinCut graph_;
     bool ringsOnly_ = false;
     std::vector<uint32_t> parent_;
     std::vector<Used> used_;
