@@ -11,6 +11,7 @@
 #include "compute/glow_rows.h"
 #include "compute/parallel.h"
 #include "compute/stopwatch.h"
+#include "compute/straight_sky.h"
 
 namespace heliodon::compute {
 
@@ -195,6 +196,8 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
         multiply(responses.sky, count, luminance_, sky);
         std::fill(sun.begin(), sun.end(), 0.0f);
         addBeams(sensors, sun);
+        const TransportParts parts = transport_.parts();
+        const StraightSky straight(parts.sensorSky, parts.near);
         inParallel(count, [&](size_t s) {
             float* row = &lux[s * hours];
             std::fill_n(row, hours, responses.own[s]);
@@ -208,6 +211,7 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
                 lux[at] += error[at];
             }
         });
+        inParallel(lit_.size(), [&](size_t k) { straight.addTo(skies_[lit_[k]], &lux[lit_[k]], hours); });
     }
     reportOf(responses, lux.size());
     checkAndSetErrors(lux, sun, error);

@@ -188,7 +188,7 @@ void DaylightTransport::State::makeSky() {
 void DaylightTransport::State::makeSensors() {
     const Stopwatch clock;
     sensors = gatherSensors(*points, *slopes, *slats, options.nearWalls, std::move(sensors.sensors),
-                            skyPatches, patchSky.channels);
+                            patchSky.channels);
     hasNearLight = false;
     report.sensorsOutside.clear();
     for (size_t s = 0; s < sensors.room.size(); ++s)
@@ -502,7 +502,7 @@ TransportParts DaylightTransport::parts() {
             state.patchSky.elements,
             state.patchSky.channels,
             state.patchSky.values,
-            state.sensors.skyCoefficients,
+            state.sensors.sky,
             state.sensors.smooth,
             state.sensors.even,
             state.sensors.sensors,

@@ -98,7 +98,7 @@ struct TransportParts {
     uint32_t channels = 1;                     // of the solver: 1 where all materials are grey
     uint32_t skyElements = 0, skyChannels = 1; // sky coefficients; 0 elements without openings
     std::span<const float> patchSky;           // patches x skyChannels x skyElements
-    std::span<const float> sensorSky;          // sensors x skyChannels x skyElements
+    const SkyView& sensorSky;                  // what sensors see of the outside straight
     std::span<const float> sensorFactors;      // sensors x patches: light that runs on smoothly
     std::span<const float> sensorEven;         // the same for light that does not, the sun's first bounce
     std::span<const Sensor> sensors;

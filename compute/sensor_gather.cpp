@@ -44,51 +44,32 @@ dvec3 sunEdgesOnCells(const PointScene& scene, const NearLight& near, uint32_t r
 
 } // namespace
 
-std::vector<float> skyCoefficients(const SkyView& view, const daylight::SkyPatches& sky, uint32_t channels,
-                                   std::span<const uint32_t> pointsOfRow) {
-    const size_t elements = sky.elementCount();
-    std::vector<float> rows(pointsOfRow.size() * channels * elements);
-    std::vector<size_t> firstPoint(pointsOfRow.size() + 1);
-    for (size_t r = 0; r < pointsOfRow.size(); ++r) firstPoint[r + 1] = firstPoint[r] + pointsOfRow[r];
-    inParallel(pointsOfRow.size(), [&](size_t r) {
-        for (size_t p = firstPoint[r]; p < firstPoint[r + 1]; ++p)
-            for (const SkySample& sample : view.of(p)) {
-                const size_t element =
-                    sample.direction.y > 0 ? sky.elementOf(dvec3(sample.direction)) : sky.groundElement();
-                for (uint32_t c = 0; c < channels; ++c)
-                    rows[(r * channels + c) * elements + element] +=
-                        sample.weight[static_cast<int>(c)] / static_cast<float>(kPi * pointsOfRow[r]);
-            }
-    });
-    return rows;
-}
-
 std::vector<float> patchSkyCoefficients(const PointScene& scene, const daylight::SkyPatches& sky,
                                         uint32_t channels) {
     const geometry::PatchMesh& mesh = scene.mesh();
     const size_t n = mesh.patchCount(), elements = sky.elementCount();
     const PatchViewpoints views = patchViewpoints(mesh, 4);
     const uint32_t points = views.pointsPerPatch;
+    const auto scale = static_cast<float>(1 / (kPi * points));
     std::vector<float> rows(n * channels * elements);
     inParallel(n, [&](size_t i) {
-        SkyView seen;
-        seen.first.assign(1, 0);
-        seen.samples.clear();
+        std::vector<SkySample> seen;
         for (uint32_t p = 0; p < points; ++p) {
             const Viewpoint& v = views.viewpoints[i * points + p];
             scene.seeSky(PointView(scene.blockers(), v.position, v.normal, v.room), v.room, kPatchSkyAngle,
-                         seen.samples);
-            seen.first.push_back(seen.samples.size());
+                         seen);
         }
-        const std::vector<float> row = skyCoefficients(seen, sky, channels, {&points, 1});
-        std::copy(row.begin(), row.end(), rows.begin() + static_cast<std::ptrdiff_t>(i * row.size()));
+        for (const SkySample& sample : seen) {
+            const size_t element = sky.elementOf(dvec3(sample.direction));
+            for (uint32_t c = 0; c < channels; ++c)
+                rows[(i * channels + c) * elements + element] += scale * sample.weight[static_cast<int>(c)];
+        }
     });
     return rows;
 }
 
 SensorGather gatherSensors(const PointScene& scene, const PatchSlopes& slopes, const SlatLobes& slats,
-                           const NearWalls& nearWalls, std::vector<Sensor> sensors,
-                           const daylight::SkyPatches& sky, uint32_t channels) {
+                           const NearWalls& nearWalls, std::vector<Sensor> sensors, uint32_t channels) {
     const geometry::PatchMesh& mesh = scene.mesh();
     const size_t n = mesh.patchCount(), count = sensors.size();
     SensorGather gather;
@@ -118,7 +99,6 @@ SensorGather gatherSensors(const PointScene& scene, const PatchSlopes& slopes, c
         gather.sky.samples.insert(gather.sky.samples.end(), of.begin(), of.end());
         gather.sky.first.push_back(gather.sky.samples.size());
     }
-    gather.skyCoefficients = skyCoefficients(gather.sky, sky, channels, std::vector<uint32_t>(count, 1));
     gather.sensors = std::move(sensors);
     return gather;
 }

@@ -33,12 +33,8 @@ struct SkyView {
     }
 };
 
-// Coefficients of sky elements per point, 1/pi of the lux per unit of luminance (points x channels x
-// elements); those of a row, `pointsOfRow` in number, are averaged.
-std::vector<float> skyCoefficients(const SkyView& view, const daylight::SkyPatches& sky, uint32_t channels,
-                                   std::span<const uint32_t> pointsOfRow);
-
-// Means of the outside's coefficients over patches (patches x channels x elements), from four points on each.
+// Coefficients of sky elements, 1/pi of the lux per unit of luminance: means over patches (patches x channels
+// x elements), from four points on each.
 std::vector<float> patchSkyCoefficients(const PointScene& scene, const daylight::SkyPatches& sky,
                                         uint32_t channels);
 
@@ -55,11 +51,9 @@ struct SensorGather {
     // Per sensor, in one channel for all or three: rows of SlatLobes.
     std::vector<std::array<std::vector<float>, 3>> slats;
     SkyView sky;
-    std::vector<float> skyCoefficients; // sensors x channels x elements, for products over many skies
 };
 SensorGather gatherSensors(const PointScene& scene, const PatchSlopes& slopes, const SlatLobes& slats,
-                           const NearWalls& nearWalls, std::vector<Sensor> sensors,
-                           const daylight::SkyPatches& sky, uint32_t channels);
+                           const NearWalls& nearWalls, std::vector<Sensor> sensors, uint32_t channels);
 
 // Makes gather.near, which holds until reflectances change. Returns how many sensors have a near wall.
 size_t findNearLight(const PointScene& scene, const PatchSlopes& slopes, const SlatLobes& slats,

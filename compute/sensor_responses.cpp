@@ -69,7 +69,6 @@ SensorResponses SensorResponder::respond(const TransportParts& parts, const Told
         told(sent.count);
     }
     addSky(parts, smooth, result);
-    addNearSky(parts, result);
     addLobes(parts, smooth, result);
     addGlow(parts, result);
     hideGlow(parts, result);
@@ -143,7 +142,7 @@ void SensorResponder::addAnswers(const TransportParts& parts, const Importance& 
     result.own[s] = static_cast<float>(own);
 }
 
-// The sky by way of patches, and straight.
+// The sky by way of patches.
 void SensorResponder::addSky(const TransportParts& parts, const Smooth& smooth,
                              SensorResponses& result) const {
     const size_t n = area_.size(), sensors = result.sensors, elements = parts.skyElements,
@@ -156,12 +155,7 @@ void SensorResponder::addSky(const TransportParts& parts, const Smooth& smooth,
             for (size_t e = 0; e < elements; ++e)
                 coefficients.at(i, e) = parts.patchSky[(i * channels + c) * elements + e];
         multiply(smooth[c], sensors, coefficients, reflected);
-        const auto share =
-            static_cast<float>(channels == 1 ? 1.0 : geometry::kLuminance[static_cast<glm::length_t>(c)]);
-        for (size_t s = 0; s < sensors; ++s)
-            for (size_t e = 0; e < elements; ++e)
-                result.sky[s * elements + e] +=
-                    reflected[s * elements + e] + share * parts.sensorSky[(s * channels + c) * elements + e];
+        for (size_t k = 0; k < reflected.size(); ++k) result.sky[k] += reflected[k];
     }
     const size_t row = GlowRows(parts, n).smooth;
     for (size_t b = 0; b < beams_; ++b)
@@ -169,16 +163,6 @@ void SensorResponder::addSky(const TransportParts& parts, const Smooth& smooth,
             for (size_t s = 0; s < sensors; ++s)
                 result.sun[b][(row + i) * sensors + s] = smooth[b][s * n + i];
         });
-}
-
-// The sky by way of walls beside the sensor.
-void SensorResponder::addNearSky(const TransportParts& parts, SensorResponses& result) const {
-    const size_t elements = parts.skyElements;
-    inParallel(elements > 0 ? result.sensors : 0, [&](size_t s) {
-        for (const SkySample& sample : parts.near[s].sky)
-            result.sky[s * elements + parts.sky.elementOf(glm::dvec3(sample.direction))] +=
-                static_cast<float>(photometric(sample.weight) / std::numbers::pi);
-    });
 }
 
 void SensorResponder::addLobes(const TransportParts& parts, const Smooth& smooth,

@@ -19,7 +19,7 @@ namespace heliodon::compute {
 
 struct SensorResponses {
     size_t sensors = 0;
-    std::vector<float> sky; // sensors x elements, photometric
+    std::vector<float> sky; // sensors x elements, photometric; not what they see straight (StraightSky)
     // Rows (glow_rows.h) x sensors, each times its channel's luminous share; one unless panes are tinted.
     std::array<std::vector<float>, 3> sun;
     std::vector<float> own; // per sensor, lux
@@ -56,7 +56,6 @@ private:
     void addAnswers(const TransportParts& parts, const Importance& sent, size_t k, SensorResponses& result,
                     Smooth& smooth) const;
     void addSky(const TransportParts& parts, const Smooth& smooth, SensorResponses& result) const;
-    void addNearSky(const TransportParts& parts, SensorResponses& result) const;
     void addLobes(const TransportParts& parts, const Smooth& smooth, SensorResponses& result) const;
     void addGlow(const TransportParts& parts, SensorResponses& result) const;
     void hideGlow(const TransportParts& parts, SensorResponses& result) const;

@@ -31,16 +31,6 @@ constexpr std::array<std::array<double, 5>, 15> kCieTypes{{{4.0, -0.70, 0, -1.0,
                                                            {-1.0, -0.15, 16, -3.0, 0.30},
                                                            {-1.0, -0.15, 24, -2.8, 0.15}}};
 
-double gradation(const SkyFormula& f, double z) {
-    const double exponential = f.a == 0 ? 0 : f.a * std::exp(f.b / std::max(z, f.zFloor));
-    return f.g0 + f.g1 * z + exponential;
-}
-
-double indicatrix(const SkyFormula& f, double cosine) {
-    if (f.c == 0 && f.e == 0) return f.i0;
-    return f.i0 + f.c * std::exp(f.d * std::acos(std::clamp(cosine, -1.0, 1.0))) + f.e * cosine * cosine;
-}
-
 double intermediateShape(double z, double sunZ, double cosine) {
     const double n = std::acos(std::clamp(z, 0.0, 1.0)), t = std::acos(std::clamp(sunZ, -1.0, 1.0));
     const double g = std::acos(std::clamp(cosine, -1.0, 1.0));
@@ -62,6 +52,16 @@ void scaleToZenith(Sky& sky, double zenith) {
 }
 
 } // namespace
+
+double gradation(const SkyFormula& f, double z) {
+    const double exponential = f.a == 0 ? 0 : f.a * std::exp(f.b / std::max(z, f.zFloor));
+    return f.g0 + f.g1 * z + exponential;
+}
+
+double indicatrix(const SkyFormula& f, double cosine) {
+    if (f.c == 0 && f.e == 0) return f.i0;
+    return f.i0 + f.c * std::exp(f.d * std::acos(std::clamp(cosine, -1.0, 1.0))) + f.e * cosine * cosine;
+}
 
 double Sky::luminance(glm::dvec3 direction) const {
     const double z = direction.y;

@@ -24,6 +24,9 @@ struct SkyFormula {
     double i0 = 1, c = 0, d = 0, e = 0;
     bool intermediate = false;
 };
+// The two factors of a separable formula, by z and by the cosine of g.
+double gradation(const SkyFormula& formula, double z);
+double indicatrix(const SkyFormula& formula, double cosine);
 
 struct SunDisc {
     glm::dvec3 direction{0, 1, 0};

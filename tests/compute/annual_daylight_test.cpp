@@ -69,6 +69,17 @@ TEST(AnnualDaylight, hours_are_what_the_full_computation_gives) {
     expectFull(windowRoom(glm::vec3(0.6f), glm::vec3(0.8f)));
 }
 
+// A sky that is brightest round a low sun, straight before the window.
+TEST(AnnualDaylight, sky_round_the_sun_is_seen_as_it_is) {
+    std::vector<daylight::Sky> skies;
+    for (const double x : {-0.2, 0.0, 0.3})
+        skies.push_back(
+            daylight::perezSky({-1, -0.3, 12, -5, 0.5}, glm::normalize(glm::dvec3(x, 0.1, -1)), 1e3));
+    expectFull(windowRoom(glm::vec3(0.6f), glm::vec3(0.8f)), skies, 0.004);
+    skies = {daylight::cieIntermediateSky(glm::normalize(glm::dvec3(0.1, 0.2, -1)), 2e3)};
+    expectFull(windowRoom(glm::vec3(0.6f), glm::vec3(0.8f)), skies, 0.004);
+}
+
 TEST(AnnualDaylight, coloured_walls_and_tinted_glass_too) {
     expectFull(windowRoom({0.8f, 0.5f, 0.2f}, {0.8f, 0.7f, 0.5f}));
 }

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "compute/daylight/frame.h"
+#include "compute/daylight/sky_table.h"
 #include "geometry/input_error.h"
 #include "tests/daylight/csv.h"
 
@@ -186,6 +187,24 @@ TEST(SkyOption, every_cie_type_is_lit_by_day_and_dark_by_night) {
     for (const char* option : {"clear", "overcast", "intermediate", "cie:12", "perez:800,100"})
         for (const double altitude : {-90.0, -7.0, -0.01})
             EXPECT_TRUE(skyFromOption(option, sunAt(90, altitude), {}).isDark()) << option;
+}
+
+TEST(SkyTable, has_the_formulas_luminance) {
+    for (const double altitude : {0.5, 5.0, 40.0, 89.0})
+        for (const double direct : {0.0, 100.0, 900.0}) {
+            const Sky sky = skyFromIrradiance({direct, 100}, sunAt(140, altitude));
+            const SkyTable table(sky);
+            for (double zenith = 0.25; zenith < 89; zenith += 4.5)
+                for (double azimuth = 0; azimuth < 360; azimuth += 10) {
+                    const glm::dvec3 d = towards(azimuth, zenith);
+                    const double exact = sky.luminance(d), brightest = sky.luminance(towards(140, zenith));
+                    // Linear between 512 places: 2e-3 near the horizon, whose gradation is steepest.
+                    ASSERT_NEAR(table.luminance(glm::vec3(d), SkyTable::heightIndex(d.y)), exact,
+                                2e-3 * std::max(exact, brightest))
+                        << altitude << " " << direct << " " << zenith << " " << azimuth;
+                }
+        }
+    EXPECT_THROW(SkyTable(cieIntermediateSky(towards(0, 30), 1000)), std::invalid_argument);
 }
 
 TEST(PerezSky, keeps_the_efficacy_models_illuminance_for_any_weather) {

@@ -1,0 +1,34 @@
+// What sensors get of sky and ground straight through openings, and by way of walls taken apart beside them,
+// for many skies: by each sky's own luminance in the directions of the samples, so that nothing of its course
+// round the sun is lost to sky elements.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "compute/near_light.h"
+#include "compute/sensor_gather.h"
+
+namespace heliodon::compute {
+
+class StraightSky {
+public:
+    // `near`: of the view's points; empty ones have no such walls.
+    StraightSky(const SkyView& view, std::span<const NearLight> near);
+
+    // Adds each sensor's photometric lux to lux[sensor * stride]. 8 ns a sample, of which a sensor beside a
+    // window has some hundred, and 20 us.
+    void addTo(const daylight::Sky& sky, float* lux, size_t stride) const;
+
+private:
+    struct Sample {
+        glm::vec3 direction;
+        float heightIndex, weight; // of SkyTable; photometric
+    };
+    std::vector<Sample> samples_; // of the sky
+    std::vector<size_t> first_{0};
+    std::vector<float> ground_; // weight of each sensor's ground
+};
+
+} // namespace heliodon::compute
