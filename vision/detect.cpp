@@ -33,6 +33,12 @@ size_t wallsIn(const DetectionResult& result) {
     return result.sketch.walls.size() + result.sketch.arcs.size();
 }
 
+glm::dvec2 centreOf(const geometry::Detection& detection) {
+    glm::dvec2 mean{};
+    for (const auto& p : detection.outlinePx) mean += p / static_cast<double>(detection.outlinePx.size());
+    return mean;
+}
+
 bool isWall(Paint p) {
     return p == Paint::red || p == Paint::blue || p == Paint::green;
 }
@@ -64,6 +70,7 @@ public:
         findArrow();
         findSkylights();
         findWalls();
+        leaveOutWhatLiesFlat();
         if (out_.sketch.walls.empty() && out_.sketch.arcs.empty())
             out_.warnings.emplace_back("no wall is seen on the table");
         warnOfLight();
@@ -342,6 +349,39 @@ private:
         for (const Component* marker : chain.markers) unread(*marker, "a window marker on no wall");
     }
 
+    // Pens, tape and cables have a wall's colour and width, but none of its height.
+    void leaveOutWhatLiesFlat() {
+        Sketch& sketch = out_.sketch;
+        std::vector<Relief> reliefs;
+        for (const auto& wall : sketch.walls) reliefs.push_back(evidence().reliefOf(wall));
+        for (const auto& arc : sketch.arcs) reliefs.push_back(evidence().reliefOf(arc));
+        const std::vector<Lies> lies = lieFlat(reliefs);
+        const auto isFlat = [&](size_t i, const geometry::Detection& detection) {
+            if (lies[i] == Lies::no) return false;
+            const glm::dvec2 p = centreOf(detection);
+            const bool flat = lies[i] == Lies::flat;
+            out_.warnings.push_back(fmt::format("pixel {:.0f}, {:.0f}: coloured and wide like a wall, but {}",
+                                                p.x, p.y,
+                                                flat ? "without its white ends and its faces; it is left out"
+                                                     : "its ends are not seen to be white: is it one?"));
+            return flat;
+        };
+        std::vector<geometry::Wall> walls;
+        std::vector<std::string> placeOf(sketch.walls.size()); // empty: left out
+        for (size_t i = 0; i < placeOf.size(); ++i) {
+            if (isFlat(i, sketch.walls[i].detection)) continue;
+            placeOf[i] = std::to_string(walls.size());
+            walls.push_back(std::move(sketch.walls[i]));
+        }
+        std::vector<geometry::Arc> arcs;
+        for (size_t i = 0; i < sketch.arcs.size(); ++i)
+            if (!isFlat(placeOf.size() + i, sketch.arcs[i].detection))
+                arcs.push_back(std::move(sketch.arcs[i]));
+        for (auto& window : sketch.windows) window.wall = placeOf[std::stoul(window.wall)];
+        std::erase_if(sketch.windows, [](const auto& window) { return window.wall.empty(); });
+        sketch.walls = std::move(walls), sketch.arcs = std::move(arcs);
+    }
+
     void unread(const Component& region, const char* what) {
         const double perInch = view_.pixelsPerInch(view_.plan(region.centre, 0), 0);
         if (region.area < 3 * kSmallestInches2 * perInch * perInch) return; // specks are not worth a line
@@ -368,8 +408,7 @@ void Detector::nameAll() {
     Sketch& sketch = out_.sketch;
     sketch.tableDiameter = 2 * rig_.tableRadius / geometry::kMetresPerInch;
     auto place = [](const geometry::Detection& d) {
-        glm::dvec2 mean{};
-        for (const auto& p : d.outlinePx) mean += p / static_cast<double>(d.outlinePx.size());
+        const glm::dvec2 mean = centreOf(d);
         return std::pair(std::lround(mean.y), std::lround(mean.x));
     };
     auto byPlace = [&](const auto& a, const auto& b) { return place(a.detection) < place(b.detection); };

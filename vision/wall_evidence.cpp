@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
 #include "vision/edges.h"
+#include "vision/median.h"
 #include "vision/pieces.h"
 
 namespace heliodon::vision {
@@ -112,6 +114,118 @@ bool WallEvidence::isBare(glm::dvec2 end, double height) const {
 
 Paint WallEvidence::paintSeen(glm::dvec2 plan, double height) const {
     return image_.groupAt(view_.pixel(plan, height));
+}
+
+// Both sides in stretches of an inch, and both ends.
+template<class Shape> std::vector<WallEvidence::Stretch> WallEvidence::stretchesOf(const Shape& shape) const {
+    constexpr double kStep = 0.2, kEnd = 0.3; // inches
+    constexpr size_t kPoints = 6;             // of a stretch
+    const double length = lengthOf(shape), half = 0.5 * options_.wallThickness, end = kEnd / length;
+    const Line line = along(shape, end, 1 - end, std::max(4, static_cast<int>((length - 2 * kEnd) / kStep)));
+    std::vector<Stretch> out;
+    for (size_t begin = 0; begin + 2 < line.size(); begin += kPoints) {
+        const size_t last = std::min(begin + kPoints, line.size()) - 1;
+        const glm::dvec2 left = turnedLeft(glm::normalize(line[last] - line[begin]));
+        for (const double side : {-1.0, 1.0}) {
+            out.push_back({{}, side * left});
+            for (size_t i = begin; i <= last; ++i) out.back().foot.push_back(line[i] + side * half * left);
+        }
+    }
+    const Line tips = along(shape, 0, 1, 1);
+    for (const auto& [tip, inner] : {std::pair{tips[0], line.front()}, {tips[1], line.back()}}) {
+        out.push_back({{}, glm::normalize(tip - inner)});
+        for (const double off : {-0.6, -0.3, 0.0, 0.3, 0.6})
+            out.back().foot.push_back(tip + off * half * turnedLeft(out.back().outward));
+    }
+    return out;
+}
+
+float WallEvidence::levelAt(glm::dvec2 plan, double height) const {
+    const glm::vec3 light = view_.light(view_.pixel(plan, height));
+    return (light.r + light.g + light.b) / 3;
+}
+
+// Relative to the level. None where the face looks away from the camera or is too narrow in the picture.
+std::optional<float> WallEvidence::footStep(const Stretch& stretch, double height) const {
+    constexpr double kSpacing = 0.16, kLeastPx = 1.6; // from sample to sample: inches, pixels
+    constexpr float kDarkest = 1e-4f, kOverexposed = 0.97f;
+    const glm::dvec3 eye = view_.camera().centre() / geometry::kMetresPerInch;
+    const glm::dvec2 middle = stretch.foot[stretch.foot.size() / 2];
+    const double away = glm::dot(glm::dvec2(eye.x, -eye.z) - middle, stretch.outward);
+    const double hidden = away * height / (eye.y - height); // of the table behind the foot
+    const double spacing = std::min(kSpacing, hidden / 2.5);
+    if (spacing * view_.pixelsPerInch(middle, 0) < kLeastPx) return std::nullopt;
+    std::array<float, 4> level{}; // two on the face, two on the table
+    for (size_t k = 0; k < level.size(); ++k)
+        for (const glm::dvec2& p : stretch.foot)
+            level[k] += levelAt(p + (static_cast<double>(k) - 1.5) * spacing * stretch.outward, 0) /
+                        static_cast<float>(stretch.foot.size());
+    const float mean = 0.25f * (level[0] + level[1] + level[2] + level[3]);
+    if (mean < kDarkest || mean > kOverexposed) return std::nullopt;
+    // Less what an even gradient of light has there.
+    return std::abs(level[1] - level[2] - 0.5f * (level[0] - level[1] + level[2] - level[3])) / mean;
+}
+
+float WallEvidence::endStep(glm::dvec2 end, glm::dvec2 outward, double height) const {
+    constexpr double kStep = 0.05, kBeside = 0.22; // inches
+    const double aside = 0.5 * options_.wallThickness + kBeside;
+    std::array<float, 3> level{}; // beside, on it, beside
+    for (int i = -2; i <= 2; ++i)
+        for (int j = -1; j <= 1; ++j)
+            for (size_t k = 0; k < level.size(); ++k) {
+                const double off = (static_cast<double>(k) - 1) * aside + kStep * j;
+                level[k] += levelAt(end + kStep * i * outward + off * turnedLeft(outward), height);
+            }
+    const float beside = 0.5f * (level[0] + level[2]);
+    return (level[1] - beside) / std::max(0.5f * (level[1] + beside), 1e-4f);
+}
+
+template<class Shape> Relief WallEvidence::reliefOfShape(const Shape& shape) const {
+    const double height = geometry::heightInches(shape.heightClass);
+    Relief out;
+    const Line ends = endsOf(shape), tips = along(shape, 0, 1, 1);
+    for (size_t k = 0; k < 2; ++k) out.ends[k] = endStep(ends[k], glm::normalize(tips[k] - ends[k]), height);
+    std::vector<float> steps;
+    for (const Stretch& stretch : stretchesOf(shape))
+        if (const auto step = footStep(stretch, height)) steps.push_back(*step);
+    if (!steps.empty()) out.foot = median(std::move(steps));
+    return out;
+}
+Relief WallEvidence::reliefOf(const geometry::Wall& wall) const {
+    return reliefOfShape(wall);
+}
+Relief WallEvidence::reliefOf(const geometry::Arc& arc) const {
+    return reliefOfShape(arc);
+}
+
+std::vector<Lies> lieFlat(const std::vector<Relief>& reliefs) {
+    constexpr float kEndSeen = 0.12f, kFootSeen = 0.08f; // that the others have a wall's height
+    constexpr float kNoEnd = 0.03f, kShare = 0.3f;       // nothing; of what the ends of the others are
+    constexpr float kNoFoot = 0.04f, kFaintFoot = 0.1f;  // with one bright end, with none
+    std::vector<float> ends, feet;
+    for (const Relief& r : reliefs) {
+        ends.push_back(std::min(r.ends[0], r.ends[1])); // a pen's cap can be as bright as the other
+        if (r.foot) feet.push_back(*r.foot);
+    }
+    // What a quarter exceeds: many pens do not make a few walls unlikely.
+    const auto typical = [](std::vector<float> values) {
+        if (values.empty()) return 0.0f;
+        const auto upper = values.begin() + static_cast<std::ptrdiff_t>(3 * values.size() / 4);
+        std::nth_element(values.begin(), upper, values.end());
+        return *upper;
+    };
+    const float end = typical(ends);
+    std::vector<Lies> out(reliefs.size(), Lies::no);
+    if (end < kEndSeen && typical(feet) < kFootSeen) return out;
+    const float noEnd = std::max(kNoEnd, kShare * end);
+    for (size_t i = 0; i < reliefs.size(); ++i) {
+        const Relief& r = reliefs[i];
+        const auto [low, high] = std::minmax(r.ends[0], r.ends[1]);
+        if (low >= noEnd) continue;
+        if (r.foot && *r.foot < (high < noEnd ? kFaintFoot : kNoFoot)) out[i] = Lies::flat;
+        if (!r.foot && high < noEnd) out[i] = Lies::unsure;
+    }
+    return out;
 }
 
 bool WallEvidence::standsOnTable(const geometry::Wall& wall) const {

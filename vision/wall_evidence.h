@@ -1,6 +1,8 @@
 // What speaks for a wall, where a patch, a hand or the noise of a dark table could have been read as one.
 #pragma once
 
+#include <array>
+#include <optional>
 #include <vector>
 
 #include "geometry/sketch.h"
@@ -10,6 +12,19 @@
 namespace heliodon::vision {
 
 constexpr double kOverEdge = 3; // inches that a wall may stick out over the table
+
+// What a wall shows of its height, as parts of the level of light there. All are near nothing where a pen,
+// tape or a cable lies flat.
+struct Relief {
+    std::array<float, 2> ends{}; // how much brighter the white ends are than what is beside them
+    std::optional<float> foot;   // step of light where a face meets the table; none: no face is seen
+};
+
+// Of things with the colour and the shape of walls, those that are none: where others show relief, they have
+// neither a bright end nor a foot. Unsure: no bright ends where no face would be seen either, as below the
+// camera.
+enum class Lies { no, unsure, flat };
+std::vector<Lies> lieFlat(const std::vector<Relief>& reliefs);
 
 // Refers to what it is made of. `radius` of the table: inches.
 class WallEvidence {
@@ -28,6 +43,9 @@ public:
     bool standsOnTable(const geometry::Wall& wall) const;
     bool standsOnTable(const geometry::Arc& arc) const;
 
+    Relief reliefOf(const geometry::Wall& wall) const;
+    Relief reliefOf(const geometry::Arc& arc) const;
+
     // The middles of the two unpainted ends.
     Line endsOf(const geometry::Wall& wall) const;
     Line endsOf(const geometry::Arc& arc) const;
@@ -36,6 +54,15 @@ private:
     template<class Shape> bool isWallWithEnds(const Shape& shape) const;
     bool isWall(const Line& painted, Paint paint, glm::dvec2 end, glm::dvec2 otherEnd) const;
     bool isStripOfPaint(const Line& painted, Paint paint) const;
+    struct Stretch { // of a face's lower edge
+        Line foot;
+        glm::dvec2 outward{};
+    };
+    template<class Shape> Relief reliefOfShape(const Shape& shape) const;
+    template<class Shape> std::vector<Stretch> stretchesOf(const Shape& shape) const;
+    std::optional<float> footStep(const Stretch& stretch, double height) const;
+    float endStep(glm::dvec2 end, glm::dvec2 outward, double height) const;
+    float levelAt(glm::dvec2 plan, double height) const;
     bool isBare(glm::dvec2 end, double height) const;
     bool standsOnTable(const Line& centre) const;
     Paint paintSeen(glm::dvec2 plan, double height) const;

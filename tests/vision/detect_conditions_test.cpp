@@ -310,6 +310,23 @@ TEST(DetectConditions, tokens_in_a_strongly_compressed_file) {
     expectRead(sketch, perturbed(paintTable(sketch, exampleRig(), paints), how), 0.12);
 }
 
+// As wide as walls' tops look and as red, green and blue, and without anything of a wall's height.
+TEST(DetectConditions, pens_and_tape_lie_flat) {
+    const geometry::Rig rig = exampleRig();
+    for (const Color& table : {PaintBox{}.table, Color{0.4, 0.4, 0.4}, Color{0.5, 0.38, 0.24}}) {
+        SCOPED_TRACE(table[1]);
+        PaintBox paints;
+        paints.table = table;
+        Photograph photo = paintTable(room(), rig, paints);
+        cover(photo, rig, {{-14, -9}, {-8.5, -12}, {-8.29, -11.62}, {-13.79, -8.62}}, 0, {0.4, 0.06, 0.06});
+        cover(photo, rig, {{-3, 8}, {3, 9}, {2.93, 9.41}, {-3.07, 8.41}}, 0, {0.06, 0.12, 0.42});
+        cover(photo, rig, {{-12, 1}, {-12, 4}, {-12.4, 4}, {-12.4, 1}}, 0, {0.09, 0.33, 0.12});
+        if (table == PaintBox{}.table) // on others bare ends tell before
+            EXPECT_TRUE(warnsOf(detectSketch(photo, rig), "without its white ends"));
+        expectRead(room(), photo);
+    }
+}
+
 TEST(DetectConditions, says_that_light_or_table_hide_something) {
     const geometry::Rig rig = exampleRig();
     Photograph photo = paintTable(room(), rig);
