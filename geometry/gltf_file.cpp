@@ -98,9 +98,9 @@ public:
                 // The format's default, 1, is no reflectance; lamps get none, as in an .obj.
                 const float assumed = material.exitance == glm::vec3(0) ? 0.5f : 0.0f;
                 material.reflectance = glm::vec3(assumed);
-                out_.assumed.push_back(
+                out_.assumed[static_cast<uint32_t>(i)] =
                     fmt::format("material \"{}\" has no baseColorFactor: a reflectance of {} was assumed",
-                                material.name, assumed));
+                                material.name, assumed);
             }
             checkMaterial(material, out_.file, fmt::format("materials[{}]", i));
             const double opacity = in_.materials[i].pbrMetallicRoughness.baseColorFactor.at(3);
@@ -109,14 +109,28 @@ public:
                     seeThroughButOpaque(material.name, opacity, "KHR_materials_transmission");
             out_.materials.push_back(std::move(material));
         }
-        const auto scene = static_cast<size_t>(std::max(in_.defaultScene, 0));
-        if (scene >= in_.scenes.size()) throw InputError(out_.file, "scenes", "holds no scene");
         seen_.assign(in_.nodes.size(), Seen::never);
-        for (const int node : in_.scenes[scene].nodes) visit(node, glm::dmat4(1), 0);
+        for (const int node : rootNodes()) visit(node, glm::dmat4(1), 0);
         return std::move(out_);
     }
 
 private:
+    // Of the default scene; a file without scenes shows all its nodes.
+    std::vector<int> rootNodes() const {
+        const auto scene = static_cast<size_t>(std::max(in_.defaultScene, 0));
+        if (scene < in_.scenes.size()) return in_.scenes[scene].nodes;
+        if (!in_.scenes.empty()) throw InputError(out_.file, "scene", "does not exist");
+        std::vector<bool> isChild(in_.nodes.size());
+        for (const tinygltf::Node& node : in_.nodes)
+            for (const int child : node.children)
+                if (child >= 0 && static_cast<size_t>(child) < isChild.size())
+                    isChild[static_cast<size_t>(child)] = true;
+        std::vector<int> roots;
+        for (size_t i = 0; i < isChild.size(); ++i)
+            if (!isChild[i]) roots.push_back(static_cast<int>(i));
+        return roots;
+    }
+
     // asset.extras.north_deg, our own.
     void readNorth() {
         const tinygltf::Value& extras = in_.asset.extras;
@@ -297,6 +311,21 @@ private:
         return found;
     }
 
+    // Three corners for each triangle of a strip or a fan; every other one of a strip runs the other way
+    // round.
+    static std::vector<uint32_t> separateTriangles(std::vector<uint32_t> corner, int mode) {
+        const bool strip = mode == TINYGLTF_MODE_TRIANGLE_STRIP;
+        if (!strip && mode != TINYGLTF_MODE_TRIANGLE_FAN) return corner;
+        std::vector<uint32_t> out;
+        for (size_t i = 0; i + 2 < corner.size(); ++i) {
+            const size_t turned = strip ? i % 2 : 0;
+            const uint32_t a = corner[strip ? i : 0], b = corner[i + 1 + turned], c = corner[i + 2 - turned];
+            if (a != b && b != c && c != a)
+                out.insert(out.end(), {a, b, c}); // else a strip goes on elsewhere
+        }
+        return out;
+    }
+
     uint32_t materialIndex(int index, const std::string& place) {
         if (index >= 0) {
             if (static_cast<size_t>(index) >= in_.materials.size())
@@ -312,14 +341,15 @@ private:
 
     void addPrimitive(const tinygltf::Primitive& primitive, const std::string& place, const std::string& name,
                       const glm::dmat4& worldFromNode) {
-        if (primitive.mode != TINYGLTF_MODE_TRIANGLES && primitive.mode != -1)
+        if (primitive.mode != -1 && primitive.mode != TINYGLTF_MODE_TRIANGLES &&
+            primitive.mode != TINYGLTF_MODE_TRIANGLE_STRIP && primitive.mode != TINYGLTF_MODE_TRIANGLE_FAN)
             fail(place + ".mode", "is not triangles");
         const auto position = primitive.attributes.find("POSITION");
         if (position == primitive.attributes.end()) fail(place, "has no POSITION");
         const auto first = static_cast<uint32_t>(out_.vertices.size());
         addVertices(position->second, place + ".attributes.POSITION", worldFromNode);
-        const std::vector<uint32_t> corner =
-            indices(primitive, place + ".indices", out_.vertices.size() - first);
+        const std::vector<uint32_t> corner = separateTriangles(
+            indices(primitive, place + ".indices", out_.vertices.size() - first), primitive.mode);
         if (corner.size() % 3 != 0) fail(place + ".indices", "do not come in threes");
         const uint32_t material = materialIndex(primitive.material, place);
         // A mirrored node turns its triangles over.

@@ -79,9 +79,13 @@ public:
 private:
     Building done() {
         building_.northDeg = model_.northDeg;
-        building_.repairs.insert(building_.repairs.end(), model_.assumed.begin(), model_.assumed.end());
+        const auto isUsed = [&](uint32_t material) {
+            return std::ranges::find(model_.material, material) != model_.material.end();
+        };
+        for (const auto& [material, assumption] : model_.assumed)
+            if (isUsed(material)) building_.repairs.push_back(assumption);
         for (const auto& [material, doubt] : model_.doubts)
-            if (std::ranges::count(model_.material, material) > 0) building_.warnings.push_back(doubt);
+            if (isUsed(material)) building_.warnings.push_back(doubt);
         return std::move(building_);
     }
 

@@ -1,11 +1,14 @@
 // Wavefront .obj and .mtl. Our own reader because every refusal must name its line; what lights need is a
 // small part of the format: v, f, usemtl, mtllib, g, o, north; Kd, Tf, Ni, Ke,
 // and `blinds`, our own.
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <map>
 #include <optional>
 #include <string_view>
+#include <system_error>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -22,7 +25,11 @@ class Lines {
 public:
     // `expected`: what the file should be.
     Lines(const std::filesystem::path& file, const std::string& expected)
-        : file_(file.string()), text_(readText(file, expected)) {}
+        : file_(file.string()), text_(readText(file, expected)) {
+        constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+        if (text_.starts_with(kByteOrderMark)) position_ = kByteOrderMark.size();
+        if (text_.find('\n') == std::string::npos) std::ranges::replace(text_, '\r', '\n'); // old Macs' lines
+    }
 
     bool next() {
         line_.clear();
@@ -64,7 +71,8 @@ public:
     }
 
     double number(const char* expected) {
-        const std::string_view text = word();
+        std::string_view text = word();
+        if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
         double value = 0;
         const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
         if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
@@ -96,18 +104,18 @@ struct MaterialDraft {
 void finishMaterial(const MaterialDraft& draft, const std::string& file, RawModel& model,
                     MaterialIndex& index) {
     Material material = draft.material;
+    const auto number = static_cast<uint32_t>(model.materials.size());
     const bool active = material.isOpening() || material.exitance != glm::vec3(0);
     if (!draft.hasKd && !active) {
         material.reflectance = glm::vec3(0.5f);
-        model.assumed.push_back(
-            fmt::format("material \"{}\" has no Kd: a reflectance of 0.5 was assumed", material.name));
+        model.assumed[number] =
+            fmt::format("material \"{}\" has no Kd: a reflectance of 0.5 was assumed", material.name);
     }
     checkMaterial(material, file, draft.place);
     if (material.blind != Blind{} && !material.isOpening())
         throw InputError(
             file, draft.place,
             fmt::format("material \"{}\" has blinds but lets no light through (Tf)", material.name));
-    const auto number = static_cast<uint32_t>(model.materials.size());
     if (draft.opacity < 1 && !material.isOpening())
         model.doubts[number] = seeThroughButOpaque(material.name, draft.opacity, "transmittance (Tf)");
     index[material.name] = number;
@@ -123,9 +131,12 @@ double readOpacity(bool through, Lines& lines) {
     return through ? 1 - value : value;
 }
 
+// "r g b", or "r" for a grey.
 glm::vec3 readRgb(Lines& lines) {
-    glm::vec3 rgb;
-    for (int c = 0; c < 3; ++c) rgb[c] = static_cast<float>(lines.number("three numbers r g b"));
+    const char* const expected = "three numbers r g b";
+    glm::vec3 rgb(static_cast<float>(lines.number(expected)));
+    if (lines.remainder().empty()) return rgb;
+    for (int c = 1; c < 3; ++c) rgb[c] = static_cast<float>(lines.number(expected));
     return rgb;
 }
 
@@ -194,7 +205,7 @@ public:
             else if (key == "f")
                 readFace();
             else if (key == "mtllib")
-                readMtl(path_.parent_path() / lines_.remainder(), model_, materials_);
+                readLibraries();
             else if (key == "usemtl")
                 useMaterial(lines_.remainder());
             else if (key == "g" || key == "o")
@@ -206,6 +217,20 @@ public:
     }
 
 private:
+    // One file, whose name may hold blanks, or several.
+    void readLibraries() {
+        const std::filesystem::path folder = path_.parent_path(), whole = folder / lines_.remainder();
+        std::vector<std::filesystem::path> several;
+        for (std::string_view name = lines_.word(); !name.empty(); name = lines_.word())
+            several.push_back(folder / name);
+        const auto exists = [](const std::filesystem::path& file) {
+            std::error_code ignored;
+            return std::filesystem::exists(file, ignored);
+        };
+        if (exists(whole) || !std::ranges::all_of(several, exists)) several = {whole};
+        for (const std::filesystem::path& file : several) readMtl(file, model_, materials_);
+    }
+
     void readVertex() {
         glm::dvec3 p;
         for (int c = 0; c < 3; ++c) p[c] = lines_.number("v x y z");

@@ -31,8 +31,8 @@ struct RawModel {
     std::vector<Material>
         materials; // checked: finite, reflectance in [0, 1), reflectance + transmittance at most 1
     double northDeg = kModelNorthDeg;       // direction of north, as Building has it
-    std::vector<std::string> assumed;       // what the file does not say, one sentence each
-    std::map<uint32_t, std::string> doubts; // by material: what may have been meant otherwise, one sentence
+    // By material, one sentence each: what the file does not say, and what may have been meant otherwise.
+    std::map<uint32_t, std::string> assumed, doubts;
 
     size_t faceCount() const { return firstCorner.size() - 1; }
     std::span<const uint32_t> face(size_t i) const {

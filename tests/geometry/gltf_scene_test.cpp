@@ -1,9 +1,11 @@
 // glTF scenes as programs write them: nodes that turn, mirror and repeat, and what is not taken, by name.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <fstream>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
@@ -33,16 +35,18 @@ std::string base64(const std::string& bytes) {
     return out;
 }
 
+const std::vector<uint16_t> kTriangles{0, 4, 5, 0, 5, 1, 2, 3, 7, 2, 7, 6, 0, 1, 3, 0, 3, 2,
+                                       4, 6, 7, 4, 7, 5, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3};
+
 // A room of 4 x 2.5 x 3 m as one mesh, with these nodes.
-json roomScene(const json& nodes) {
-    constexpr std::array<uint16_t, 36> kIndices{0, 4, 5, 0, 5, 1, 2, 3, 7, 2, 7, 6, 0, 1, 3, 0, 3, 2,
-                                                4, 6, 7, 4, 7, 5, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3};
+json roomScene(const json& nodes, const std::vector<uint16_t>& indices = kTriangles) {
     std::string data;
     for (int i = 0; i < 8; ++i)
         for (const float x : {i & 1 ? 4.0f : 0.0f, i & 2 ? 2.5f : 0.0f, i & 4 ? 3.0f : 0.0f})
             data.append(reinterpret_cast<const char*>(&x), 4);
     const size_t positions = data.size();
-    data.append(reinterpret_cast<const char*>(kIndices.data()), sizeof kIndices);
+    const size_t bytes = indices.size() * sizeof indices[0];
+    data.append(reinterpret_cast<const char*>(indices.data()), bytes);
     json out;
     out["asset"]["version"] = "2.0";
     out["scene"] = 0;
@@ -50,9 +54,10 @@ json roomScene(const json& nodes) {
     out["nodes"] = nodes;
     out["meshes"] = json::parse(R"([{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}])");
     out["accessors"] = json::parse(R"([{"bufferView":0,"componentType":5126,"count":8,"type":"VEC3",
-        "min":[0,0,0],"max":[4,2.5,3]},{"bufferView":1,"componentType":5123,"count":36,"type":"SCALAR"}])");
+        "min":[0,0,0],"max":[4,2.5,3]},{"bufferView":1,"componentType":5123,"type":"SCALAR"}])");
+    out["accessors"][1]["count"] = indices.size();
     out["bufferViews"] = json::array({{{"buffer", 0}, {"byteLength", positions}},
-                                      {{"buffer", 0}, {"byteOffset", positions}, {"byteLength", 72}}});
+                                      {{"buffer", 0}, {"byteOffset", positions}, {"byteLength", bytes}}});
     out["buffers"] = json::array(
         {{{"byteLength", data.size()}, {"uri", "data:application/octet-stream;base64," + base64(data)}}});
     return out;
@@ -113,11 +118,39 @@ TEST(GltfScene, what_cannot_be_read_is_refused_by_place) {
     sparse["accessors"][0]["sparse"] = json::parse(
         R"({"count":1,"indices":{"bufferView":1,"componentType":5123},"values":{"bufferView":0}})");
     expectRefused(sparse, "sparse");
-    for (const int mode : {0, 1, 5}) {
+    for (const int mode : {0, 1, 3}) {
         json strip = roomScene(kOneNode);
         strip["meshes"][0]["primitives"][0]["mode"] = mode;
         expectRefused(strip, "primitives[0].mode");
     }
+}
+
+// A strip goes on at the next face by triangles without area.
+TEST(GltfScene, strips_and_fans_are_triangles) {
+    json strip = roomScene(kOneNode, {0, 4, 1, 5, 5, 2, 2, 3, 6, 7, 7, 0, 0, 1, 2, 3, 3,
+                                      4, 4, 6, 5, 7, 7, 0, 0, 2, 4, 6, 6, 1, 1, 5, 3, 7});
+    strip["meshes"][0]["primitives"][0]["mode"] = 5;
+    const Building building = importModel(written(strip));
+    EXPECT_TRUE(
+        std::ranges::none_of(building.repairs, [](const auto& r) { return r.find("turned") < r.size(); }));
+    EXPECT_NEAR(volume(meshBuilding(building, {200})), 30, 1e-4);
+    // The three faces at a corner, and those at the opposite one, are two fans.
+    json fans = roomScene(kOneNode, {0, 4, 5, 1, 3, 2, 6, 4, 7, 3, 1, 5, 4, 6, 2, 3});
+    json& primitives = fans["meshes"][0]["primitives"];
+    primitives[0]["mode"] = 6;
+    primitives.push_back(primitives[0]);
+    primitives[1]["indices"] = 2;
+    fans["accessors"].push_back(fans["accessors"][1]);
+    for (const size_t k : {1, 2}) fans["accessors"][k]["count"] = 8;
+    fans["accessors"][2]["byteOffset"] = 16;
+    EXPECT_NEAR(volume(meshBuilding(importModel(written(fans)), {200})), 30, 1e-4);
+}
+
+TEST(GltfScene, without_scenes_all_nodes_are_shown) {
+    json scene = roomScene(json::parse(R"([{"mesh":0},{"children":[0],"scale":[2,1,1]}])"));
+    scene.erase("scenes");
+    scene.erase("scene");
+    EXPECT_NEAR(volume(meshBuilding(importModel(written(scene)), {200})), 60, 1e-4);
 }
 
 // Triangles that are packed in a way that we do not know would be read as something else.

@@ -97,6 +97,19 @@ TEST_F(ModelFile, materials_are_read_and_unknown_keys_ignored) {
     EXPECT_EQ(mesh.materials[2].reflectance, glm::vec3(0)); // a lamp without Kd reflects nothing
 }
 
+TEST_F(ModelFile, what_the_format_allows_but_few_programs_write) {
+    write("a.mtl", "\xEF\xBB\xBFnewmtl a\nKd 0.25\n");
+    write("b c.mtl", "newmtl b\rKd +0.5 5e-1 .5\r"); // lines of an old Mac
+    const std::string square = "\xEF\xBB\xBFmtllib a.mtl b.mtl\n" + kSquare;
+    EXPECT_EQ(refusal("mtllib a.mtl b c.mtl\n" + kSquare).substr(0, 27), "a.mtl b c.mtl: does not exi");
+    write("b.mtl", "newmtl b\nKd 0.5 0.5 0.5\n");
+    const PatchMesh mesh = readPatches(write("m.obj", square + "usemtl a\nf 1 2 3\nusemtl b\nf 1 3 4\n"));
+    ASSERT_EQ(mesh.materials.size(), 2u);
+    EXPECT_EQ(mesh.materials[0].reflectance, glm::vec3(0.25f));
+    EXPECT_EQ(refusal("mtllib b c.mtl\nv +0.0 +0 0\nv +1e0 0 0\nv 1 1 0\nusemtl b\nf 1 2 3\n"), "accepted");
+    EXPECT_EQ(refusal("v 0 +-1 0\n"), "m.obj:1: \"+-1\" is not a finite number, expected v x y z");
+}
+
 TEST_F(ModelFile, bad_faces_are_named_by_line) {
     EXPECT_EQ(refusal(kSquare + "f 1 2 9\n"), "m.obj:5: vertex 9 does not exist, 4 are defined so far");
     EXPECT_EQ(refusal(kSquare + "f 1 2 -5\n"), "m.obj:5: vertex -5 does not exist, 4 are defined so far");
