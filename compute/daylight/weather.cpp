@@ -213,6 +213,45 @@ bool shinesAtNight(const EpwFile& epw, const EpwRecord& record, double shift) {
     });
 }
 
+// What a month's records that state all three irradiances have in global, and in direct and diffuse together.
+struct MonthOfLight {
+    double global = 0, components = 0; // Wh/m2
+};
+
+// Real files' months close within 4 %; skies are made from direct and diffuse, whatever global says.
+void warnOfComponents(const EpwFile& epw, Weather& weather) {
+    constexpr double kApart = 0.15;   // of the larger
+    constexpr double kEnough = 20000; // Wh/m2; few days, or low suns, say little
+    constexpr size_t kLong = 28 * 24; // hours that cannot all be dark
+    std::array<MonthOfLight, 12> months{};
+    double total = 0;
+    for (size_t i = 0; i < epw.records.size(); ++i) {
+        const EpwRecord& r = epw.records[i];
+        const WeatherHour& hour = weather.hours[i];
+        total += hour.irradiance.directNormal + hour.irradiance.diffuseHorizontal;
+        if (!(r.global && r.direct && r.diffuse && hour.sun.isUp())) continue;
+        MonthOfLight& month = months.at(static_cast<size_t>(r.date.month - 1));
+        month.global += *r.global * weather.recordHours();
+        month.components += (*r.direct * sineOf(hour.sun.altitudeDeg) + *r.diffuse) * weather.recordHours();
+    }
+    const auto difference = [](const MonthOfLight& m) { return std::abs(m.components - m.global); };
+    const auto apart = std::ranges::count_if(months, [&](const MonthOfLight& m) {
+        const double most = std::max(m.global, m.components);
+        return most > kEnough && difference(m) > kApart * most;
+    });
+    const auto worst = std::ranges::max_element(months, {}, difference);
+    if (apart)
+        weather.warnings.push_back(
+            fmt::format("Direct and diffuse irradiance (fields 15 and 16) do not add up to the global (field "
+                        "14) in {} month{}: "
+                        "{:.0f} against {:.0f} kWh/m2 in month {}. Light is made from direct and diffuse.",
+                        apart, apart == 1 ? "" : "s", worst->components / 1000, worst->global / 1000,
+                        worst - months.begin() + 1));
+    else if (total == 0 && epw.records.size() >= kLong * static_cast<size_t>(epw.recordsPerHour))
+        weather.warnings.emplace_back(
+            "No record has direct or diffuse irradiance (fields 15 and 16): all is dark.");
+}
+
 } // namespace
 
 Weather readWeather(const std::filesystem::path& file) {
@@ -256,6 +295,7 @@ Weather readWeather(const std::filesystem::path& file) {
             epw.directRefuted, epw.directRefuted == 1 ? " is" : "s are"));
     refuseWithoutLight(file, epw, weather, gaps);
     fillGaps(weather, gaps);
+    warnOfComponents(epw, weather);
     if (withoutDewPoint)
         weather.warnings.push_back(daylitThatLack(withoutDewPoint) +
                                    " the dew point; 2 cm of precipitable water is taken.");

@@ -50,7 +50,8 @@ struct Weather {
 // irradiance is derived from the other two (GHI = DNI sin h + DHI), both components from GHI alone by Erbs,
 // Klein and Duffie 1982, all three borrowed from the same hour of the nearest day within a week. A negative
 // direct irradiance is 0 (noise of the night), or missing where global less diffuse says that the sun shone;
-// light of the sun in the night is warned of and left out. Throws InputError(file, line, ...): a wrong
+// light of the sun in the night is warned of and left out, and months are warned of whose direct and diffuse
+// irradiance do not add up to the global. Throws InputError(file, line, ...): a wrong
 // number, a record out of order, an end before the data period's, no irradiance by day at all. 0.2 s a year.
 Weather readWeather(const std::filesystem::path& file);
 

@@ -308,6 +308,22 @@ TEST(Weather, sun_below_the_horizon_asks_for_the_time_zone) {
     EXPECT_TRUE(skyOfHour(lit.hours[25]).isDark());
 }
 
+// Files without direct or diffuse light have zeros there as often as 9999: a year would be dark without a
+// word.
+TEST(Weather, components_that_do_not_add_up_to_the_global_are_named) {
+    const std::string head = kHeader + periods("6/1", "6/30");
+    const auto warningOf = [&](const char* global, const char* direct, const char* diffuse) {
+        const auto all = weatherOf(head + days(6, 1, 30, {6, 1, 1, global, direct, diffuse})).warnings;
+        return all.empty() ? "none" : all.back();
+    };
+    EXPECT_NE(warningOf("500", "0", "0").find("in 1 month: 0 against 165 kWh/m2 in month 6"),
+              std::string::npos)
+        << warningOf("500", "0", "0");
+    EXPECT_NE(warningOf("500", "0", "200").find("in 1 month: 66 against 165"), std::string::npos);
+    EXPECT_EQ(warningOf("500", "0", "480"), "none");
+    EXPECT_NE(warningOf("0", "0", "0").find("all is dark"), std::string::npos);
+}
+
 // Small negative numbers are noise of the night; where global less diffuse says sun, it is taken from there.
 TEST(Weather, negative_direct_sun_that_the_others_refute_is_missing) {
     const std::string head = kHeader + periods("6/1", "6/2");
