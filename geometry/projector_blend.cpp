@@ -1,121 +1,168 @@
 #include "geometry/projector_blend.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <queue>
+#include <unordered_map>
+#include <utility>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 namespace heliodon::geometry {
 
 namespace {
 
-constexpr uint32_t kUnreached = 0xffffffffu;
+constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
 
-// Where no projector sees all triangles round a vertex, each set of projectors gets its own copy of it:
-// better a seam between them than a dark spot.
-void splitSeams(ProjectorMesh& mesh, std::vector<uint32_t>& common) {
-    std::map<std::pair<uint32_t, uint32_t>, uint32_t> copies;
-    for (size_t t = 0; t < mesh.triangleCount(); ++t)
-        for (size_t k = 0; k < 3 && mesh.visible[t]; ++k) {
-            uint32_t& v = mesh.triangles[3 * t + k];
-            if (common[v] != 0) continue;
-            const auto [place, isNew] =
-                copies.try_emplace({v, mesh.visible[t]}, static_cast<uint32_t>(mesh.vertices.size()));
-            if (isNew) {
-                mesh.vertices.push_back(glm::dvec3(mesh.vertices[v]));
-                mesh.sourceVertex.push_back(std::array<uint32_t, 3>(mesh.sourceVertex[v]));
-                mesh.sourceWeight.push_back(glm::vec3(mesh.sourceWeight[v]));
-                common.push_back(mesh.visible[t]);
-            }
-            v = place->second;
-        }
+// Of the fade: keeps a share where every projector is at its border.
+constexpr double kLeastFade = 1e-3;
+constexpr double kLeastCosine = 0.05; // smooth normals may fall below the limit that facets keep to
+
+double distanceToSegment(glm::dvec3 p, glm::dvec3 from, glm::dvec3 to) {
+    const glm::dvec3 along = to - from;
+    const double t = std::clamp(glm::dot(p - from, along) / glm::dot(along, along), 0.0, 1.0);
+    return glm::length(from + t * along - p);
 }
 
-// The vertices at the other ends of visible triangles' edges, as lists one after the other.
-struct Neighbours {
-    explicit Neighbours(const ProjectorMesh& mesh) : first(mesh.vertices.size() + 1, 0) {
-        for (size_t t = 0; t < mesh.triangleCount(); ++t)
-            for (size_t k = 0; k < 3 && mesh.visible[t]; ++k) first[mesh.triangles[3 * t + k] + 1] += 2;
-        for (size_t v = 1; v < first.size(); ++v) first[v] += first[v - 1];
-        vertices.resize(first.back());
-        std::vector<uint32_t> at(first.begin(), first.end() - 1);
-        for (size_t t = 0; t < mesh.triangleCount(); ++t)
-            for (size_t k = 0; k < 3 && mesh.visible[t]; ++k) {
-                const uint32_t v = mesh.triangles[3 * t + k];
-                vertices[at[v]++] = mesh.triangles[3 * t + (k + 1) % 3];
-                vertices[at[v]++] = mesh.triangles[3 * t + (k + 2) % 3];
-            }
+// Per side of each triangle, the triangle of the surface beyond it, or kNone.
+std::vector<std::array<uint32_t, 3>> neighboursOf(const ProjectorMesh& mesh) {
+    std::vector<std::array<uint32_t, 3>> beyond(mesh.triangleCount(), {kNone, kNone, kNone});
+    std::unordered_map<uint64_t, uint32_t> sides; // directed edge -> 3 triangle + side
+    sides.reserve(mesh.triangles.size());
+    for (uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+        const uint32_t first = i - i % 3, a = mesh.triangles[i], b = mesh.triangles[first + (i + 1) % 3];
+        sides.emplace(uint64_t{a} << 32 | b, i);
+        const auto other = sides.find(uint64_t{b} << 32 | a);
+        if (other == sides.end()) continue;
+        beyond[i / 3][i % 3] = other->second / 3;
+        beyond[other->second / 3][other->second % 3] = i / 3;
     }
-    std::vector<uint32_t> first, vertices;
+    return beyond;
+}
+
+// The smallest sphere round the middle of a triangle.
+struct Ball {
+    glm::dvec3 middle{};
+    double radius = 0;
 };
 
-// Along edges of the mesh (Dijkstra with the fade's length as limit), from vertices of a surface that p does
-// not see.
-std::vector<double> distanceFromDark(const ProjectorMesh& mesh, const std::vector<uint32_t>& common, size_t p,
-                                     const Neighbours& around, double falloff) {
-    std::vector<double> distance(mesh.vertices.size(), std::numeric_limits<double>::infinity());
-    std::vector<uint32_t> dark;
-    for (uint32_t v = 0; v < mesh.vertices.size(); ++v)
-        if (common[v] != kUnreached && !(common[v] >> p & 1u)) {
-            distance[v] = 0;
-            dark.push_back(v);
-        }
-    std::priority_queue<std::pair<double, uint32_t>, std::vector<std::pair<double, uint32_t>>, std::greater<>>
-        front;
-    const auto pass = [&](uint32_t v, double d) {
-        for (uint32_t i = around.first[v]; i < around.first[v + 1]; ++i) {
-            const uint32_t w = around.vertices[i];
-            if (distance[w] <= d) continue;
-            const double through = d + glm::length(mesh.vertices[w] - mesh.vertices[v]);
-            if (through >= distance[w]) continue;
-            distance[w] = through;
-            front.emplace(through, w);
-        }
-    };
-    for (const uint32_t v : dark) pass(v, 0);
-    while (!front.empty()) {
-        const auto [d, v] = front.top();
-        front.pop();
-        if (d > falloff) break;
-        if (d <= distance[v]) pass(v, d);
+Ball ballOf(const ProjectorMesh& mesh, size_t triangle) {
+    const uint32_t* corner = &mesh.triangles[3 * triangle];
+    Ball ball;
+    for (size_t k = 0; k < 3; ++k) ball.middle += mesh.vertices[corner[k]] / 3.0;
+    for (size_t k = 0; k < 3; ++k)
+        ball.radius = std::max(ball.radius, glm::length(mesh.vertices[corner[k]] - ball.middle));
+    return ball;
+}
+
+bool isBorder(uint32_t left, uint32_t right) {
+    return left != 0 && right != 0 && left != right;
+}
+
+// Triangles that a border comes near, found by walking from it over the surface.
+class NearTriangles {
+public:
+    explicit NearTriangles(const ProjectorMesh& mesh)
+        : beyond(neighboursOf(mesh)), visited_(mesh.triangleCount(), kNone) {
+        for (size_t t = 0; t < mesh.triangleCount(); ++t) balls_.push_back(ballOf(mesh, t));
     }
-    return distance;
+
+    template<class F> void visit(const BlendBorder& border, uint32_t start, F found) {
+        ++walk_;
+        front_.assign(1, start);
+        visited_[start] = walk_;
+        while (!front_.empty()) {
+            const uint32_t t = front_.back();
+            front_.pop_back();
+            const Ball& ball = balls_[t];
+            if (distanceToSegment(ball.middle, border.from, border.to) > kBlendFalloff + ball.radius)
+                continue;
+            found(t);
+            for (const uint32_t next : beyond[t])
+                if (next != kNone && visited_[next] != walk_) {
+                    visited_[next] = walk_;
+                    front_.push_back(next);
+                }
+        }
+    }
+
+    const std::vector<std::array<uint32_t, 3>> beyond;
+
+private:
+    std::vector<Ball> balls_;
+    std::vector<uint32_t> visited_, front_;
+    uint32_t walk_ = 0;
+};
+
+// Of the triangles' borders, one after the other, those that `chosen` makes one of.
+template<class F> void select(ProjectorBlend& blend, F chosen) {
+    std::vector<BlendBorder> kept;
+    uint32_t from = 0;
+    for (size_t t = 0; t < blend.visible.size(); ++t) {
+        const uint32_t to = blend.first[t + 1];
+        for (uint32_t i = from; i < to; ++i)
+            if (chosen(blend.borders[i])) kept.push_back(blend.borders[i]);
+        from = to;
+        blend.first[t + 1] = static_cast<uint32_t>(kept.size());
+    }
+    blend.borders = std::move(kept);
 }
 
 } // namespace
 
-void blendProjectors(ProjectorMesh& mesh, std::span<const OpticalDevice> projectors,
-                     std::span<const glm::dvec3> normals, double falloff) {
-    const size_t count = projectors.size();
-    std::vector<uint32_t> common(mesh.vertices.size(), kUnreached);
-    for (size_t t = 0; t < mesh.triangleCount(); ++t)
-        if (mesh.visible[t])
-            for (size_t k = 0; k < 3; ++k) common[mesh.triangles[3 * t + k]] &= mesh.visible[t];
-    splitSeams(mesh, common);
-    mesh.weights.assign(mesh.vertices.size() * count, 0);
-    std::vector<glm::dvec3> normal(mesh.vertices.size());
-    for (size_t t = 0; t < mesh.triangleCount(); ++t)
-        for (size_t k = 0; k < 3; ++k) normal[mesh.triangles[3 * t + k]] = normals[t];
-    const Neighbours around(mesh);
-    for (size_t p = 0; p < count; ++p) {
-        const std::vector<double> distance = distanceFromDark(mesh, common, p, around, falloff);
-        for (size_t v = 0; v < mesh.vertices.size(); ++v) {
-            if (common[v] == kUnreached || !(common[v] >> p & 1u)) continue;
-            const glm::dvec3 d = projectors[p].centre() - mesh.vertices[v];
-            const double square = glm::dot(d, d), cosine = glm::dot(d, normal[v]) / std::sqrt(square);
-            const double fade = std::clamp(distance[v] / falloff, 0.02, 1.0);
-            mesh.weights[v * count + p] =
-                static_cast<float>(fade * fade * (3 - 2 * fade) * std::max(cosine, 1e-3) / square);
+ProjectorBlend blendProjectors(const ProjectorMesh& mesh) {
+    NearTriangles near(mesh);
+    std::vector<std::pair<uint32_t, BlendBorder>> pairs; // triangle, border
+    for (uint32_t t = 0; t < mesh.triangleCount(); ++t)
+        for (size_t k = 0; k < 3; ++k) {
+            const uint32_t other = near.beyond[t][k];
+            if (other == kNone || other < t || !isBorder(mesh.visible[t], mesh.visible[other])) continue;
+            const BlendBorder border{mesh.vertices[mesh.triangles[3 * t + k]],
+                                     mesh.vertices[mesh.triangles[3 * t + (k + 1) % 3]], mesh.visible[t],
+                                     mesh.visible[other]};
+            near.visit(border, t, [&](uint32_t reached) {
+                if (mesh.visible[reached]) pairs.emplace_back(reached, border);
+            });
         }
+    ProjectorBlend blend{mesh.visible, std::vector<uint32_t>(mesh.triangleCount() + 1), {}};
+    for (const auto& [t, border] : pairs) ++blend.first[t + 1];
+    for (size_t t = 0; t < mesh.triangleCount(); ++t) blend.first[t + 1] += blend.first[t];
+    std::vector<uint32_t> at = blend.first;
+    blend.borders.resize(pairs.size());
+    for (const auto& [t, border] : pairs) blend.borders[at[t]++] = border;
+    return blend;
+}
+
+void keepOnly(ProjectorBlend& blend, uint32_t projectors) {
+    for (uint32_t& seen : blend.visible) seen &= projectors;
+    for (BlendBorder& border : blend.borders) {
+        border.left &= projectors;
+        border.right &= projectors;
     }
-    for (size_t v = 0; v < mesh.vertices.size(); ++v) {
-        float sum = 0;
-        for (size_t p = 0; p < count; ++p) sum += mesh.weights[v * count + p];
-        for (size_t p = 0; p < count && sum > 0; ++p) mesh.weights[v * count + p] /= sum;
+    select(blend, [](const BlendBorder& border) { return isBorder(border.left, border.right); });
+}
+
+std::vector<double> blendShares(const ProjectorBlend& blend, size_t triangle, glm::dvec3 point,
+                                glm::dvec3 normal, std::span<const glm::dvec3> centres) {
+    std::vector<double> shares(centres.size(), 0);
+    double sum = 0;
+    for (size_t p = 0; p < centres.size(); ++p) {
+        if (!(blend.visible[triangle] >> p & 1u)) continue;
+        double distance = kBlendFalloff;
+        for (const BlendBorder& border : blend.near(triangle))
+            if ((border.left ^ border.right) >> p & 1u)
+                distance = std::min(distance, distanceToSegment(point, border.from, border.to));
+        const double fade = std::max(distance / kBlendFalloff, kLeastFade);
+        const glm::dvec3 towards = centres[p] - point;
+        const double r2 = glm::dot(towards, towards), cosine = glm::dot(normal, towards) / std::sqrt(r2);
+        shares[p] = fade * fade * (3 - 2 * fade) * std::max(cosine, kLeastCosine) / r2;
+        sum += shares[p];
     }
+    for (double& share : shares)
+        if (sum > 0) share /= sum;
+    return shares;
 }
 
 } // namespace heliodon::geometry

@@ -1,7 +1,11 @@
-// What share of the light each projector has at each vertex.
+// How projectors share a surface that several of them see. Each fades out towards where it is not seen any
+// more and another goes on, by the distance in space to the edges between, so that shares run smoothly
+// whatever the triangles are. They are functions of the place: sum one wherever a projector is seen.
 #pragma once
 
+#include <cstdint>
 #include <span>
+#include <vector>
 
 #include <glm/vec3.hpp>
 
@@ -9,11 +13,36 @@
 
 namespace heliodon::geometry {
 
-// Fills `weights`. A projector counts at a vertex when it sees every reachable triangle of the surface round
-// it; it fades in over `falloff` metres from the vertices where it does not, and counts for more where its
-// light falls steeper. Where no projector sees all triangles round a vertex, the vertex is doubled.
-// `normals`: per triangle.
-void blendProjectors(ProjectorMesh& mesh, std::span<const OpticalDevice> projectors,
-                     std::span<const glm::dvec3> normals, double falloff);
+constexpr double kBlendFalloff = 0.05; // metres over which a projector fades in
+
+// An edge of the mesh between two sets of projectors (bits), neither of them empty.
+struct BlendBorder {
+    glm::dvec3 from{}, to{};
+    uint32_t left = 0, right = 0;
+};
+
+struct ProjectorBlend {
+    std::vector<uint32_t> visible; // per triangle: those that see it, as bits
+    std::vector<uint32_t> first;   // per triangle, and one more: into `borders`
+    // Those of the triangle's surface that come within the falloff of it, on foot over triangles that they
+    // come within the falloff of.
+    std::vector<BlendBorder> borders;
+
+    std::span<const BlendBorder> near(size_t triangle) const {
+        return {borders.data() + first[triangle], borders.data() + first[triangle + 1]};
+    }
+};
+
+// Cost: a millisecond for a room of six walls at 2000 patches.
+ProjectorBlend blendProjectors(const ProjectorMesh& mesh);
+
+// As if there were only these projectors (bits).
+void keepOnly(ProjectorBlend& blend, uint32_t projectors);
+
+// The share of each projector at a point of a triangle, in proportion to its fade and to cos / r^2. `normal`:
+// of the surface, smooth over its facets; `centres`: of the projectors. All zero where none sees the
+// triangle. shaders/gain.frag has the same.
+std::vector<double> blendShares(const ProjectorBlend& blend, size_t triangle, glm::dvec3 point,
+                                glm::dvec3 normal, std::span<const glm::dvec3> centres);
 
 } // namespace heliodon::geometry

@@ -16,7 +16,6 @@
 
 #include "geometry/flat_part.h"
 #include "geometry/perpendicular.h"
-#include "geometry/projector_blend.h"
 #include "geometry/region_mesh.h"
 
 namespace heliodon::geometry {
@@ -38,9 +37,8 @@ class VisibilitySplitter {
 public:
     VisibilitySplitter(const PatchMesh& mesh, const Occluders& occluders,
                        std::span<const OpticalDevice> projectors, const ProjectorOptions& options)
-        : mesh_(mesh), projectors_(projectors), options_(options), casters_(convexSolids(occluders)) {
+        : mesh_(mesh), options_(options), casters_(convexSolids(occluders)) {
         for (const OpticalDevice& device : projectors) beams_.emplace_back(device, casters_);
-        out_.projectorCount = projectors.size();
     }
 
     ProjectorMesh split() {
@@ -50,7 +48,6 @@ public:
         for (FlatPart& part : parts_) findCuts(part);
         for (auto& [edge, cuts] : edgeCuts_) tidy(edge, cuts);
         for (FlatPart& part : parts_) build(part);
-        blendProjectors(out_, projectors_, normals_, options_.falloff);
         measureReach();
         return std::move(out_);
     }
@@ -185,7 +182,6 @@ private:
                      uint32_t patch, const FlatPart& part) {
         out_.triangles.insert(out_.triangles.end(), vertex.begin(), vertex.end());
         out_.sourcePatch.push_back(patch);
-        normals_.push_back(part.frame.normal);
         uint32_t seen = 0;
         for (size_t p = 0; p < part.views.size(); ++p)
             if (part.views[p].reaches((corner[0] + corner[1] + corner[2]) / 3.0)) seen |= 1u << p;
@@ -392,7 +388,6 @@ private:
     }
 
     const PatchMesh& mesh_;
-    std::span<const OpticalDevice> projectors_;
     ProjectorOptions options_;
     std::vector<ConvexSolid> casters_;
     std::vector<Beam> beams_; // per projector
@@ -407,7 +402,6 @@ private:
     std::vector<CornerCopy> cornerCopies_;
     std::vector<uint32_t> copies_; // per vertex of the mesh: the last of its copies
     std::unordered_map<std::array<int64_t, 4>, uint32_t, Hash> edgeVertices_;
-    std::vector<glm::dvec3> normals_; // per triangle
     ProjectorMesh out_;
 };
 

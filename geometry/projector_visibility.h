@@ -1,7 +1,7 @@
-// Which projector can paint which part of the rooms' surfaces, and with what share of the light.
+// Which projector can paint which part of the rooms' surfaces.
 // After the virtual heliodon's display step: the surfaces are meshed anew along the exact outlines of the
-// shadows that walls cast for each projector and along the borders of its picture, each triangle is labelled,
-// and those that several projectors reach are blended.
+// shadows that walls cast for each projector and along the borders of its picture, and each triangle is
+// labelled. How projectors share what several of them reach: projector_blend.h.
 #pragma once
 
 #include <array>
@@ -19,7 +19,6 @@ namespace heliodon::geometry {
 struct ProjectorOptions {
     double leastCosine =
         0.2; // a surface is painted only where n . d (d: unit vector to the projector) is larger
-    double falloff = 0.03; // metres over which a projector fades in from the border of what it sees
 };
 
 struct SurfaceReach {
@@ -28,7 +27,6 @@ struct SurfaceReach {
 };
 
 struct ProjectorMesh {
-    size_t projectorCount = 0;
     std::vector<glm::dvec3>
         vertices; // metres; a corner where surfaces meet is one vertex per surface, bit for bit alike
     // Light at a vertex = sum over k of sourceWeight[k] * light at PatchMesh vertex sourceVertex[k], on its
@@ -38,10 +36,7 @@ struct ProjectorMesh {
     std::vector<uint32_t> triangles;     // three indices each, counter-clockwise seen from the air
     std::vector<uint32_t> sourcePatch;   // per triangle
     std::vector<uint32_t> visible;       // per triangle: bit p is set where projector p sees it
-    // weights[v * projectorCount + p]: share of projector p, summing to one over p where any projector
-    // reaches all of the reachable triangles round v, else zero.
-    std::vector<float> weights;
-    std::vector<SurfaceReach> surfaces; // by surface id
+    std::vector<SurfaceReach> surfaces;  // by surface id
 
     size_t triangleCount() const { return visible.size(); }
 };

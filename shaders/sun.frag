@@ -5,7 +5,7 @@
 #include "shaders/io/scene.io.h"
 
 layout(location = 0) in vec3 pointInWorld;
-layout(location = 1) in vec4 lightAndShare;
+layout(location = 1) in vec3 light;
 layout(set = 0, binding = 0, scalar) readonly buffer Panes {
     SunPaneHeader header;
     SunPane panes[];
@@ -16,5 +16,5 @@ layout(set = 0, binding = 1) uniform samplerBuffer paneEdges;
 layout(location = 0) out vec4 colour;
 
 void main() {
-    colour = vec4(lightAndShare.rgb * sunThroughPanes(pointInWorld), 0);
+    colour = vec4(light * sunThroughPanes(pointInWorld), 0);
 }

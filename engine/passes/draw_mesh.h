@@ -25,15 +25,13 @@ struct LightMix {
 };
 
 struct DrawMesh {
-    std::vector<DrawCorner> corners;       // three a triangle
-    std::vector<LightMix> light;           // one a corner
-    std::vector<std::vector<float>> share; // per projector, one a corner: its part of the picture, 0..1
+    std::vector<DrawCorner> corners; // three a triangle
+    std::vector<LightMix> light;     // one a corner
 
     // The light stream: `scale` times the lux per pair.
     void mixLight(std::span<const glm::vec3> luxPerPair, float scale, std::span<glm::vec3> out) const;
 };
 
-// All patches, with no projector.
 DrawMesh drawMesh(const geometry::PatchMesh& mesh, const VertexLight& vertexLight);
 
 // Physical solids with flat normals.

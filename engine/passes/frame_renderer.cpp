@@ -53,11 +53,6 @@ struct DeviceMesh {
         for (DrawCorner& corner : unit)
             corner.reflectance = glm::vec3(glm::dot(corner.reflectance, glm::vec3(1)) > 0 ? 1.0f : 0.0f);
         unitCorners = gpu::Buffer::from(device, unit, name + " unit");
-        for (const auto& share : mesh.share)
-            shares.push_back(gpu::Buffer::from(device, share, name + " share"));
-        if (shares.empty())
-            shares.push_back(
-                gpu::Buffer::from(device, std::vector<float>(mesh.corners.size(), 1.0f), name + " share"));
     }
 
     void mixLight(gpu::Device& device, const std::vector<glm::vec3>& luxPerPair, float scale) {
@@ -65,15 +60,34 @@ struct DeviceMesh {
         mesh.mixLight(luxPerPair, scale, scaled);
         light.write(device, scaled);
     }
-    SurfaceStreams streams(size_t share, bool illuminance) const {
-        return {illuminance ? &unitCorners : &corners, &light.buffer(), &shares[share],
+    SurfaceStreams streams(bool illuminance) const {
+        return {illuminance ? &unitCorners : &corners, &light.buffer(),
                 static_cast<uint32_t>(mesh.corners.size())};
     }
 
     const DrawMesh& mesh; // of the scene, which lives longer
     gpu::Buffer corners, unitCorners;
-    std::vector<gpu::Buffer> shares;
     FrameBuffer light;
+};
+
+// How projectors share what they show, as shaders/gain.frag reads it.
+struct DeviceBlend {
+    DeviceBlend(gpu::Device& device, const geometry::ProjectorBlend& blend, const geometry::Rig& rig) {
+        std::vector<glm::vec3> places;
+        for (const geometry::Projector& projector : rig.projectors) places.emplace_back(projector.centre());
+        std::vector<io::BlendTriangle> seen;
+        for (size_t t = 0; t < blend.visible.size(); ++t) seen.push_back({blend.visible[t], blend.first[t]});
+        seen.push_back({0, static_cast<uint32_t>(blend.borders.size())});
+        std::vector<io::BlendBorder> edges;
+        for (const geometry::BlendBorder& b : blend.borders)
+            edges.push_back({glm::vec3(b.from), b.left, glm::vec3(b.to), b.right});
+        if (places.empty()) places.emplace_back(0.0f);
+        if (edges.empty()) edges.push_back({});
+        centres = gpu::Buffer::from(device, places, "projectors");
+        triangles = gpu::Buffer::from(device, seen, "seen by projectors");
+        borders = gpu::Buffer::from(device, edges, "borders of projectors");
+    }
+    gpu::Buffer centres, triangles, borders;
 };
 
 struct Solid {
@@ -167,13 +181,15 @@ float gammaOf(const geometry::Projector& projector) {
 // One geometry on the device.
 struct Model {
     Model(gpu::Device& d, FrameScene s)
-        : scene(std::move(s)), all(d, scene.all, "preview mesh"), shown(d, scene.shown, "shown mesh"),
-          solids(d, scene.solids, "solids"), tops(d, scene.tops, "wall tops"),
-          sides(d, scene.sides, "wall sides"), table(d, scene.table, "table"), volumes("shadow volumes"),
-          paneData("panes"), paneEdges("pane edges") {}
+        : scene(std::move(s)), all(d, scene.all, "preview mesh"), shown(d, scene.shown.mesh, "shown mesh"),
+          blend(d, scene.shown.blend, scene.rig), solids(d, scene.solids, "solids"),
+          tops(d, scene.tops, "wall tops"), sides(d, scene.sides, "wall sides"),
+          table(d, scene.table, "table"), volumes("shadow volumes"), paneData("panes"),
+          paneEdges("pane edges") {}
 
     FrameScene scene;
     DeviceMesh all, shown;
+    DeviceBlend blend;
     Solid solids, tops, sides, table;
     FrameBuffer volumes, paneData, paneEdges;
     std::vector<Output> outputs; // per projector
@@ -194,6 +210,7 @@ struct FrameRenderer::State {
     SceneInputs projectorInputs(size_t i, const std::optional<SunDraw>& sun, bool illuminance) const;
     SceneInputs previewInputs(const View& view, const std::optional<SunDraw>& sun, Quantity quantity) const;
     void makeOutputs(int supersample);
+    void drawGains();
     gpu::Commands recordProjectors(const compute::Lighting& light, const ProjectorOptions& options, bool hdr,
                                    bool readBack);
     Output& drawView(const compute::Lighting& light, View view, const Tone& tone, bool hdr);
@@ -251,11 +268,9 @@ SceneInputs FrameRenderer::State::projectorInputs(size_t i, const std::optional<
                                                   bool illuminance) const {
     SceneInputs inputs;
     inputs.view = &model->outputs[i].view;
-    inputs.surfaces = model->shown.streams(i, illuminance);
+    inputs.surfaces = model->shown.streams(illuminance); // what solids hide has no gain
     inputs.sun = sun;
-    inputs.projector = true;
-    inputs.shownReflectance = static_cast<float>(model->scene.options.surfaceReflectance);
-    inputs.solids.push_back({&model->solids.corners, model->solids.count, glm::vec4(0), 0, kPushBack, false});
+    inputs.keepGain = true;
     return inputs;
 }
 
@@ -267,7 +282,29 @@ void FrameRenderer::State::makeOutputs(int supersample) {
     for (size_t i = 0; i < views.size(); ++i)
         model->outputs.emplace_back(*device, std::move(views[i]),
                                     "projector " + model->scene.rig.projectors[i].id);
+    if (!views.empty()) drawGains();
     model->outputsSupersample = supersample;
+}
+
+void FrameRenderer::State::drawGains() {
+    gpu::Commands commands(*device);
+    for (size_t i = 0; i < model->outputs.size(); ++i) {
+        const Output& output = model->outputs[i];
+        GainInputs inputs;
+        inputs.view = &output.view;
+        inputs.corners = &model->shown.corners;
+        inputs.count = static_cast<uint32_t>(model->shown.mesh.corners.size());
+        inputs.solids = {&model->solids.corners, model->solids.count, glm::vec4(0), 0, kPushBack, false};
+        inputs.centres = &model->blend.centres;
+        inputs.triangles = &model->blend.triangles;
+        inputs.borders = &model->blend.borders;
+        inputs.params.shownReflectance = static_cast<float>(model->scene.options.surfaceReflectance);
+        inputs.params.falloff = static_cast<float>(geometry::kBlendFalloff);
+        inputs.params.projector = static_cast<uint32_t>(i);
+        inputs.params.projectorCount = static_cast<uint32_t>(model->outputs.size());
+        scenePass.recordGain(commands, output.scene, inputs);
+    }
+    device->submitAndWait(std::move(commands));
 }
 
 gpu::Commands FrameRenderer::State::recordProjectors(const compute::Lighting& light,
@@ -302,7 +339,7 @@ SceneInputs FrameRenderer::State::previewInputs(const View& view, const std::opt
                                                 Quantity quantity) const {
     SceneInputs inputs;
     inputs.view = &view;
-    inputs.surfaces = model->all.streams(0, quantity == Quantity::illuminance);
+    inputs.surfaces = model->all.streams(quantity == Quantity::illuminance);
     inputs.sun = sun;
     if (quantity == Quantity::exitance) return inputs; // nothing but what is simulated
     // Display colours; alpha 2 marks what is not simulated.

@@ -1,7 +1,6 @@
 #include "engine/passes/frame_scene.h"
 
 #include "engine/passes/projector_light.h"
-#include "engine/passes/projector_share.h"
 
 namespace heliodon::passes {
 
@@ -44,13 +43,16 @@ FrameScene::FrameScene(const geometry::PatchMesh& m, const geometry::Occluders& 
 }
 
 void FrameScene::leaveOut(const std::vector<bool>& projectors) {
-    handOverShares(shown, projectors);
+    uint32_t lit = 0;
+    for (size_t p = 0; p < projectors.size(); ++p)
+        if (!projectors[p]) lit |= 1u << p;
+    geometry::keepOnly(shown.blend, lit);
     reach = reachableExitance(shown, rig, options.surfaceReflectance);
 }
 
 std::vector<View> FrameScene::projectorViews(int supersample) const {
     std::vector<glm::dvec3> shownPoints;
-    for (const DrawCorner& corner : shown.corners) shownPoints.emplace_back(corner.position);
+    for (const DrawCorner& corner : shown.mesh.corners) shownPoints.emplace_back(corner.position);
     std::vector<View> list;
     for (const geometry::Projector& projector : rig.projectors) {
         list.push_back(viewOfDevice(projector, supersample));

@@ -8,6 +8,7 @@
 
 #include "engine/passes/draw_mesh.h"
 #include "engine/passes/panes.h"
+#include "engine/passes/projector_share.h"
 #include "engine/passes/shadow_volumes.h"
 #include "engine/passes/vertex_light.h"
 #include "engine/passes/view.h"
@@ -41,7 +42,8 @@ struct FrameScene {
     ShadowCasters casters;
     Panes panes;
     std::vector<glm::dvec3> points; // of mesh and solids, for framing
-    DrawMesh all, shown;            // shown: what projectors show, with their shares
+    DrawMesh all;
+    ShownMesh shown; // what projectors show
     std::vector<DrawCorner> solids, tops, sides, table;
     std::vector<double> intensity; // candela, per projector
     double reach = 1000;           // exitance of white, lux

@@ -40,24 +40,26 @@ double fullIntensity(const geometry::Projector& projector) {
     return projector.lumens / total;
 }
 
-double reachableExitance(const DrawMesh& shown, const geometry::Rig& rig, double surfaceReflectance) {
+double reachableExitance(const ShownMesh& shown, const geometry::Rig& rig, double surfaceReflectance) {
     std::vector<std::pair<double, double>> reachAndArea;
     std::vector<double> intensity;
-    for (const geometry::Projector& projector : rig.projectors) intensity.push_back(fullIntensity(projector));
-    for (size_t i = 0; i < shown.corners.size(); i += 3) {
-        const glm::dvec3 a(shown.corners[i].position), b(shown.corners[i + 1].position),
-            c(shown.corners[i + 2].position);
+    std::vector<glm::dvec3> centres;
+    for (const geometry::Projector& projector : rig.projectors) {
+        intensity.push_back(fullIntensity(projector));
+        centres.push_back(projector.centre());
+    }
+    for (size_t t = 0; t < shown.blend.visible.size(); ++t) {
+        const DrawCorner* corner = &shown.mesh.corners[3 * t];
+        const glm::dvec3 a(corner[0].position), b(corner[1].position), c(corner[2].position),
+            normal(corner[0].normal);
         const glm::dvec3 middle = (a + b + c) / 3.0;
+        const std::vector<double> shares = geometry::blendShares(shown.blend, t, middle, normal, centres);
         double reach = std::numeric_limits<double>::infinity();
-        for (size_t p = 0; p < intensity.size(); ++p) {
-            const auto& share = shown.share[p];
-            const double part = (double{share[i]} + double{share[i + 1]} + double{share[i + 2]}) / 3;
-            if (!(part > 0)) continue;
-            const glm::dvec3 towards = rig.projectors[p].centre() - middle;
-            const double r = glm::length(towards),
-                         cosine = glm::dot(towards / r, glm::dvec3(shown.corners[i].normal));
-            reach =
-                std::min(reach, intensity[p] * surfaceReflectance * std::max(cosine, 0.05) / (r * r * part));
+        for (size_t p = 0; p < shares.size(); ++p) {
+            if (!(shares[p] > 0)) continue;
+            const glm::dvec3 towards = centres[p] - middle;
+            const double r = glm::length(towards), cosine = std::max(glm::dot(towards / r, normal), 0.05);
+            reach = std::min(reach, intensity[p] * surfaceReflectance * cosine / (r * r * shares[p]));
         }
         if (std::isfinite(reach)) reachAndArea.emplace_back(reach, glm::length(glm::cross(b - a, c - a)));
     }

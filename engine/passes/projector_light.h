@@ -1,7 +1,7 @@
 // What a projector can do: its intensity, and how bright it can make a surface.
 #pragma once
 
-#include "engine/passes/draw_mesh.h"
+#include "engine/passes/projector_share.h"
 #include "geometry/rig.h"
 
 namespace heliodon::passes {
@@ -13,6 +13,6 @@ double fullIntensity(const geometry::Projector& projector);
 
 // Exitance (lux) that the rig reaches on nine tenths of the shown area, each projector giving its share of
 // the picture; 0 when nothing is shown.
-double reachableExitance(const DrawMesh& shown, const geometry::Rig& rig, double surfaceReflectance);
+double reachableExitance(const ShownMesh& shown, const geometry::Rig& rig, double surfaceReflectance);
 
 } // namespace heliodon::passes

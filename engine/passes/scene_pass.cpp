@@ -1,8 +1,12 @@
 #include "engine/passes/scene_pass.h"
 
+#include <map>
+
 #include "compute/gpu/device.h"
 #include "engine/passes/draw_mesh.h"
 #include "shaders/io/scene.io.h"
+#include "spirv/gain_frag.h"
+#include "spirv/gain_vert.h"
 #include "spirv/scene_frag.h"
 #include "spirv/scene_vert.h"
 #include "spirv/shadow_volume_vert.h"
@@ -18,19 +22,27 @@ namespace {
 constexpr VkFormat kColour = VK_FORMAT_R32G32B32A32_SFLOAT; // SceneTarget tells their sizes
 constexpr VkFormat kDepth = VK_FORMAT_D32_SFLOAT_S8_UINT;
 
-const gpu::VertexStream kCornerStream{
-    sizeof(DrawCorner),
-    {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(DrawCorner, position)},
-     {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(DrawCorner, normal)},
-     {2, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(DrawCorner, reflectance)},
-     {5, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(DrawCorner, smoothNormal)}}};
+constexpr VkColorComponentFlags kRgb =
+    VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT;
+
+// Of a DrawCorner, what the shaders read.
+gpu::VertexStream cornerStream(std::initializer_list<uint32_t> locations) {
+    const std::map<uint32_t, size_t> members{{0, offsetof(DrawCorner, position)},
+                                             {1, offsetof(DrawCorner, normal)},
+                                             {2, offsetof(DrawCorner, reflectance)},
+                                             {5, offsetof(DrawCorner, smoothNormal)}};
+    gpu::VertexStream stream{sizeof(DrawCorner), {}};
+    for (const uint32_t location : locations)
+        stream.attributes.push_back(
+            {location, 0, VK_FORMAT_R32G32B32_SFLOAT, static_cast<uint32_t>(members.at(location))});
+    return stream;
+}
 const gpu::VertexStream kLightStream{12, {{3, 0, VK_FORMAT_R32G32B32_SFLOAT, 0}}};
-const gpu::VertexStream kShareStream{4, {{4, 0, VK_FORMAT_R32_SFLOAT, 0}}};
 
 gpu::GraphicsPipelineInfo surfaceInfo() {
     gpu::GraphicsPipelineInfo info;
     info.stages = {scene_vert, scene_frag};
-    info.streams = {kCornerStream, kLightStream, kShareStream};
+    info.streams = {cornerStream({0, 1, 2}), kLightStream};
     info.colourFormats = {kColour};
     info.depthFormat = kDepth;
     info.cull = VK_CULL_MODE_BACK_BIT;
@@ -38,10 +50,10 @@ gpu::GraphicsPipelineInfo surfaceInfo() {
     return info;
 }
 
-gpu::GraphicsPipeline ambientPipeline(gpu::Device& device, bool projector) {
+gpu::GraphicsPipeline ambientPipeline(gpu::Device& device, bool keepGain) {
     gpu::GraphicsPipelineInfo info = surfaceInfo();
-    info.specialization = {{"kProjector", projector}};
-    return {device, info, projector ? "surfaces for a projector" : "surfaces"};
+    if (keepGain) info.writeMask = kRgb;
+    return {device, info, keepGain ? "surfaces for a projector" : "surfaces"};
 }
 
 gpu::GraphicsPipeline volumePipeline(gpu::Device& device, bool caps) {
@@ -78,7 +90,7 @@ gpu::GraphicsPipeline sunPipeline(gpu::Device& device) {
     info.depthWrite = false;
     info.depthCompare = VK_COMPARE_OP_EQUAL;
     info.blend = gpu::Blend::add;
-    info.writeMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT;
+    info.writeMask = kRgb;
     info.stencilFront = {
         VK_STENCIL_OP_KEEP, VK_STENCIL_OP_KEEP, VK_STENCIL_OP_KEEP, VK_COMPARE_OP_EQUAL, 0xFF, 0, 0};
     info.specialization = {{"kSun", 1u}};
@@ -88,9 +100,16 @@ gpu::GraphicsPipeline sunPipeline(gpu::Device& device) {
 gpu::GraphicsPipelineInfo solidInfo() {
     gpu::GraphicsPipelineInfo info = surfaceInfo();
     info.stages = {solid_vert, solid_frag};
-    info.streams = {kCornerStream};
-    info.streams[0].attributes.resize(2); // position and normal
+    info.streams = {cornerStream({0, 1})};
     return info;
+}
+
+gpu::GraphicsPipeline gainPipeline(gpu::Device& device) {
+    gpu::GraphicsPipelineInfo info = surfaceInfo();
+    info.stages = {gain_vert, gain_frag};
+    info.streams = {cornerStream({0, 5})};
+    info.writeMask = VK_COLOR_COMPONENT_A_BIT;
+    return {device, info, "gain"};
 }
 
 constexpr uint32_t kMark = 0xFF; // in the stencil: to be blended over
@@ -117,7 +136,7 @@ gpu::GraphicsPipeline seeThroughPipeline(gpu::Device& device) {
     info.depthWrite = false;
     info.depthCompare = VK_COMPARE_OP_EQUAL;
     info.blend = gpu::Blend::alpha;
-    info.writeMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT;
+    info.writeMask = kRgb;
     info.stencilFront = {
         VK_STENCIL_OP_KEEP, VK_STENCIL_OP_ZERO, VK_STENCIL_OP_KEEP, VK_COMPARE_OP_EQUAL, 0xFF, 0xFF, kMark};
     return {device, info, "see-through solids"};
@@ -131,14 +150,23 @@ void bindStreams(VkCommandBuffer commands, std::initializer_list<const gpu::Buff
                            offsets.data());
 }
 
-void begin(VkCommandBuffer commands, const SceneTarget& target, const PixelRect& drawn,
-           glm::vec4 background) {
+// `background` none: colours are kept.
+void begin(gpu::Commands& recorded, const SceneTarget& target, const PixelRect& drawn,
+           std::optional<glm::vec4> background) {
+    // The display pass of the frame before has read the colours; its depth was written and tested.
+    recorded.transition(target.colour,
+                        background ? VK_IMAGE_LAYOUT_UNDEFINED : VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
+                        VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, gpu::Stage::fragment, gpu::Stage::colour);
+    recorded.transition(target.depth, VK_IMAGE_LAYOUT_UNDEFINED,
+                        VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL, gpu::Stage::depth,
+                        gpu::Stage::depth);
+    const VkCommandBuffer commands = recorded.handle();
     VkRenderingAttachmentInfo colour{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
     colour.imageView = target.colour.view();
     colour.imageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-    colour.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
+    colour.loadOp = background ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_LOAD;
     colour.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-    colour.clearValue.color = {{background.r, background.g, background.b, background.a}};
+    if (background) colour.clearValue.color = {{background->r, background->g, background->b, background->a}};
     VkRenderingAttachmentInfo depth{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
     depth.imageView = target.depth.view();
     depth.imageLayout = VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
@@ -158,6 +186,23 @@ void begin(VkCommandBuffer commands, const SceneTarget& target, const PixelRect&
     vkCmdSetScissor(commands, 0, 1, &info.renderArea);
 }
 
+void end(gpu::Commands& recorded, const SceneTarget& target) {
+    vkCmdEndRendering(recorded.handle());
+    recorded.transition(target.colour, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+                        VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, gpu::Stage::colour, gpu::Stage::fragment);
+}
+
+void draw(VkCommandBuffer commands, const gpu::GraphicsPipeline& pipeline, const SolidDraw& solid,
+          const View& view) {
+    if (solid.count == 0) return;
+    pipeline.bind(commands, {},
+                  io::SolidParams{glm::mat4(view.clipFromWorld), solid.colour,
+                                  glm::normalize(glm::vec3(0.35f, 1.0f, 0.6f)), solid.shading,
+                                  solid.pushBack});
+    bindStreams(commands, {solid.corners});
+    vkCmdDraw(commands, solid.count, 1, 0, 0);
+}
+
 } // namespace
 
 SceneTarget::SceneTarget(gpu::Device& device, int width, int height, const std::string& name)
@@ -171,42 +216,27 @@ SceneTarget::SceneTarget(gpu::Device& device, int width, int height, const std::
             name + " depth") {}
 
 ScenePass::ScenePass(gpu::Device& device)
-    : ambient_(ambientPipeline(device, false)), ambientProjector_(ambientPipeline(device, true)),
+    : ambient_(ambientPipeline(device, false)), ambientKeepingGain_(ambientPipeline(device, true)),
       volumeCaps_(volumePipeline(device, true)), volumeSides_(volumePipeline(device, false)),
       sun_(sunPipeline(device)), solid_(device, solidInfo(), "solids"), front_(frontPipeline(device)),
-      seeThrough_(seeThroughPipeline(device)) {}
+      seeThrough_(seeThroughPipeline(device)), gain_(gainPipeline(device)) {}
 
 void ScenePass::record(gpu::Commands& commands, const SceneTarget& target, const SceneInputs& inputs) const {
-    using gpu::Stage;
     const VkCommandBuffer buffer = commands.handle();
-    // The display pass of the frame before has read the colours; its depth was written and tested.
-    commands.transition(target.colour, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
-                        Stage::fragment, Stage::colour);
-    commands.transition(target.depth, VK_IMAGE_LAYOUT_UNDEFINED,
-                        VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL, Stage::depth, Stage::depth);
-    begin(buffer, target, inputs.view->drawn, inputs.background);
+    begin(commands, target, inputs.view->drawn,
+          inputs.keepGain ? std::nullopt : std::optional(inputs.background));
     io::SceneParams params{};
     params.clipFromWorld = inputs.view->clipFromWorld;
-    params.eye = inputs.view->eye;
-    params.shownReflectance = inputs.shownReflectance;
     if (inputs.sun) {
         params.towardsSun = inputs.sun->towardsSun;
         params.sunIlluminance = inputs.sun->kilolux;
     }
     const SurfaceStreams& surfaces = inputs.surfaces;
-    (inputs.projector ? ambientProjector_ : ambient_).bind(buffer, {}, params);
-    bindStreams(buffer, {surfaces.corners, surfaces.light, surfaces.share});
+    (inputs.keepGain ? ambientKeepingGain_ : ambient_).bind(buffer, {}, params);
+    bindStreams(buffer, {surfaces.corners, surfaces.light});
     vkCmdDraw(buffer, surfaces.count, 1, 0, 0);
-    const auto draw = [&](const gpu::GraphicsPipeline& pipeline, const SolidDraw& solid) {
-        const io::SolidParams solidParams{glm::mat4(inputs.view->clipFromWorld), solid.colour,
-                                          glm::normalize(glm::vec3(0.35f, 1.0f, 0.6f)), solid.shading,
-                                          solid.pushBack};
-        pipeline.bind(buffer, {}, solidParams);
-        bindStreams(buffer, {solid.corners});
-        vkCmdDraw(buffer, solid.count, 1, 0, 0);
-    };
     for (const SolidDraw& solid : inputs.solids)
-        if (!solid.seeThrough && solid.count > 0) draw(solid_, solid);
+        if (!solid.seeThrough) draw(buffer, solid_, solid, *inputs.view);
     if (inputs.sun) {
         volumeCaps_.bind(buffer, {}, params);
         bindStreams(buffer, {inputs.sun->volumes});
@@ -216,17 +246,28 @@ void ScenePass::record(gpu::Commands& commands, const SceneTarget& target, const
         sun_.bind(buffer,
                   {*inputs.sun->panes, gpu::texel(*inputs.sun->paneEdges, VK_FORMAT_R32G32B32A32_SFLOAT)},
                   params);
-        bindStreams(buffer, {surfaces.corners, surfaces.light, surfaces.share});
+        bindStreams(buffer, {surfaces.corners, surfaces.light});
         vkCmdDraw(buffer, surfaces.count, 1, 0, 0);
     }
     for (const SolidDraw& solid : inputs.solids) {
-        if (!solid.seeThrough || solid.count == 0) continue;
-        draw(front_, solid);
-        draw(seeThrough_, solid);
+        if (!solid.seeThrough) continue;
+        draw(buffer, front_, solid, *inputs.view);
+        draw(buffer, seeThrough_, solid, *inputs.view);
     }
-    vkCmdEndRendering(buffer);
-    commands.transition(target.colour, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
-                        VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, Stage::colour, Stage::fragment);
+    end(commands, target);
+}
+
+void ScenePass::recordGain(gpu::Commands& commands, const SceneTarget& target,
+                           const GainInputs& inputs) const {
+    const VkCommandBuffer buffer = commands.handle();
+    begin(commands, target, inputs.view->drawn, glm::vec4(0));
+    io::GainParams params = inputs.params;
+    params.clipFromWorld = inputs.view->clipFromWorld;
+    gain_.bind(buffer, {*inputs.centres, *inputs.triangles, *inputs.borders}, params);
+    bindStreams(buffer, {inputs.corners});
+    vkCmdDraw(buffer, inputs.count, 1, 0, 0);
+    draw(buffer, solid_, inputs.solids, *inputs.view);
+    end(commands, target);
 }
 
 } // namespace heliodon::passes

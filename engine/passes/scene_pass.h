@@ -1,5 +1,6 @@
 // Draws a lit scene into a linear high-range picture: light interpolated between vertices, plus the sun per
-// pixel where the stencil counts no shadow volume.
+// pixel where the stencil counts no shadow volume. And, once for a geometry, what a projector has to make of
+// that light at each pixel.
 #pragma once
 
 #include <optional>
@@ -14,6 +15,7 @@
 #include "compute/gpu/graphics_pipeline.h"
 #include "compute/gpu/image.h"
 #include "engine/passes/view.h"
+#include "shaders/io/gain.io.h"
 
 namespace heliodon::passes {
 
@@ -29,7 +31,6 @@ struct SceneTarget {
 struct SurfaceStreams {
     const gpu::Buffer* corners = nullptr; // DrawCorner
     const gpu::Buffer* light = nullptr;   // vec3, kilolux
-    const gpu::Buffer* share = nullptr;   // float
     uint32_t count = 0;
 };
 
@@ -57,11 +58,23 @@ struct SunDraw {
 struct SceneInputs {
     const View* view = nullptr;
     SurfaceStreams surfaces;
-    std::vector<SolidDraw> solids;  // see-through ones last
-    glm::vec4 background{0};        // where nothing is drawn; what is seen through is blended over it, too
-    std::optional<SunDraw> sun;     // none: neither volumes nor the sun pass are recorded
-    bool projector = false;         // alpha = gain of a projector instead of 1
-    float shownReflectance = 0.84f; // of the physical surface, for a projector
+    std::vector<SolidDraw> solids; // see-through ones last
+    glm::vec4 background{0};       // where nothing is drawn; what is seen through is blended over it, too
+    std::optional<SunDraw> sun;    // none: neither volumes nor the sun pass are recorded
+    // Alpha stays what recordGain made it, and so do the colours where there is no surface; `background` and
+    // `solids` are of no use then.
+    bool keepGain = false;
+};
+
+struct GainInputs {
+    const View* view = nullptr;
+    const gpu::Buffer* corners = nullptr; // DrawCorner
+    uint32_t count = 0;
+    SolidDraw solids;                       // hide what is behind them; show nothing
+    const gpu::Buffer* centres = nullptr;   // vec3 per projector
+    const gpu::Buffer* triangles = nullptr; // io::BlendTriangle
+    const gpu::Buffer* borders = nullptr;   // io::BlendBorder
+    io::GainParams params;                  // but for clipFromWorld, which is the view's
 };
 
 class ScenePass {
@@ -71,9 +84,13 @@ public:
     // Leaves target.colour readable by fragment shaders.
     void record(gpu::Commands& commands, const SceneTarget& target, const SceneInputs& inputs) const;
 
+    // A projector's gain (shaders/gain.frag), zero where it shows nothing, into the alpha of target.colour,
+    // for all frames with `keepGain` that follow.
+    void recordGain(gpu::Commands& commands, const SceneTarget& target, const GainInputs& inputs) const;
+
 private:
-    gpu::GraphicsPipeline ambient_, ambientProjector_, volumeCaps_, volumeSides_, sun_, solid_, front_,
-        seeThrough_;
+    gpu::GraphicsPipeline ambient_, ambientKeepingGain_, volumeCaps_, volumeSides_, sun_, solid_, front_,
+        seeThrough_, gain_;
 };
 
 } // namespace heliodon::passes

@@ -6,10 +6,8 @@ IO_BEGIN
 // Light in the scene picture is in kilolux (in units of white where a preview is drawn for the eye).
 struct SceneParams {
     mat4 clipFromWorld;
-    vec3 towardsSun;        // unit; zero when no sun is drawn
-    vec3 sunIlluminance;    // outside, facing the sun; kilolux
-    vec3 eye;               // of the projector
-    float shownReflectance; // of the physical surface that a projector shows the picture on
+    vec3 towardsSun;     // unit; zero when no sun is drawn
+    vec3 sunIlluminance; // outside, facing the sun; kilolux
 };
 // Flat colour for what is not simulated.
 struct SolidParams {

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "geometry/mesher.h"
+#include "geometry/projector_blend.h"
 
 using namespace heliodon::geometry;
 
@@ -37,6 +38,12 @@ std::vector<OpticalDevice> fourProjectors() {
     for (const glm::dvec3 from : {glm::dvec3(1, 1.1, 0.2), glm::dvec3(-0.2, 1.1, 1),
                                   glm::dvec3(-1, 1.1, -0.2), glm::dvec3(0.2, 1.1, -1)})
         out.push_back(lookingAt(from, {0, 0.05, 0}));
+    return out;
+}
+
+std::vector<glm::dvec3> centresOf(const std::vector<OpticalDevice>& devices) {
+    std::vector<glm::dvec3> out;
+    for (const OpticalDevice& device : devices) out.push_back(device.centre());
     return out;
 }
 
@@ -215,31 +222,11 @@ TEST(ProjectorVisibility, triangles_away_from_outlines_stay_as_they_are) {
     EXPECT_GT(static_cast<double>(same), 0.4 * static_cast<double>(patches));
 }
 
-TEST(ProjectorVisibility, weights_are_shares_and_vanish_where_a_neighbour_is_dark) {
+TEST(ProjectorVisibility, light_at_a_vertex_is_mixed_from_that_of_its_place) {
     const Building building = buildingOf("p06_U.json");
     const PatchMesh mesh = meshBuilding(building);
     const ProjectorMesh split = splitByProjectorVisibility(mesh, building.occluders, fourProjectors());
-    std::vector<uint32_t> common(split.vertices.size(), 15);
-    std::vector<bool> reachable(split.vertices.size());
-    for (size_t t = 0; t < split.triangleCount(); ++t)
-        for (size_t k = 0; k < 3 && split.visible[t]; ++k) {
-            common[split.triangles[3 * t + k]] &= split.visible[t];
-            reachable[split.triangles[3 * t + k]] = true;
-        }
     for (size_t v = 0; v < split.vertices.size(); ++v) {
-        double sum = 0;
-        for (size_t p = 0; p < 4; ++p) {
-            const float w = split.weights[v * 4 + p];
-            ASSERT_GE(w, 0);
-            if (!reachable[v] || !(common[v] >> p & 1u)) {
-                ASSERT_EQ(w, 0);
-            }
-            sum += w;
-        }
-        if (reachable[v])
-            ASSERT_NEAR(sum, 1, 1e-6); // float sums of four terms
-        else
-            ASSERT_EQ(sum, 0);
         glm::dvec3 p(0);
         float total = 0;
         for (size_t k = 0; k < 3; ++k) {
@@ -249,6 +236,88 @@ TEST(ProjectorVisibility, weights_are_shares_and_vanish_where_a_neighbour_is_dar
         }
         ASSERT_NEAR(glm::length(p - split.vertices[v]), 0, 1e-6); // weights are floats
         ASSERT_NEAR(total, 1, 1e-6);
+    }
+}
+
+// Across an edge of the mesh shares agree, and those of a projector that ends there are nothing, where any
+// other goes on.
+TEST(ProjectorBlend, shares_sum_to_one_and_run_on_over_every_edge) {
+    for (const char* name : {"p06_U.json", "i01_mixed.sketch.json"}) {
+        const Building building = buildingOf(name);
+        const PatchMesh mesh = meshBuilding(building);
+        const auto projectors = fourProjectors();
+        const std::vector<glm::dvec3> centres = centresOf(projectors);
+        const ProjectorMesh split = splitByProjectorVisibility(mesh, building.occluders, projectors);
+        const ProjectorBlend blend = blendProjectors(split);
+        std::map<std::pair<uint32_t, uint32_t>, size_t> sides;
+        for (size_t i = 0; i < split.triangles.size(); ++i)
+            sides[{split.triangles[i], split.triangles[i - i % 3 + (i + 1) % 3]}] = i / 3;
+        size_t compared = 0, ended = 0, off = 0;
+        for (const auto& [edge, t] : sides) {
+            const auto other = sides.find({edge.second, edge.first});
+            if (other == sides.end() || !split.visible[t] || !split.visible[other->second]) continue;
+            // A third: where distances are not alike by symmetry.
+            const glm::dvec3 p = glm::mix(split.vertices[edge.first], split.vertices[edge.second], 1.0 / 3);
+            const glm::dvec3 n = patchNormal(mesh, split.sourcePatch[t]); // one for both: of the place
+            const auto here = blendShares(blend, t, p, n, centres),
+                       there = blendShares(blend, other->second, p, n, centres);
+            double sum = 0;
+            for (const double share : here) sum += share;
+            ASSERT_NEAR(sum, 1, 1e-12);
+            if ((split.visible[t] & split.visible[other->second]) == 0) continue; // one hands over to another
+            for (size_t k = 0; k < centres.size(); ++k) {
+                compared += 1;
+                ended += (split.visible[t] ^ split.visible[other->second]) >> k & 1u;
+                off += std::abs(here[k] - there[k]) > 1e-3;
+            }
+        }
+        EXPECT_GT(compared, 5000u);
+        EXPECT_GT(ended, 100u);
+        // Where those that see both sides end within a hair, too, one must hand over to another.
+        EXPECT_LT(off, 0.002 * static_cast<double>(compared)) << name;
+    }
+}
+
+// The share of a projector is the same at all points as far from a straight border, whatever the mesh: here a
+// wall between a projector and half of a table of ever finer triangles.
+TEST(ProjectorBlend, shares_do_not_follow_the_mesh) {
+    const auto shareOf = [](int n, double x) {
+        PatchMesh mesh;
+        mesh.materials = {{}};
+        for (int j = 0; j <= n; ++j)
+            for (int i = 0; i <= n; ++i) mesh.vertices.push_back({-0.3 + 0.6 * i / n, 0, 0.3 - 0.6 * j / n});
+        for (int j = 0; j < n; ++j)
+            for (int i = 0; i < n; ++i) {
+                const auto at = static_cast<uint32_t>(j * (n + 1) + i),
+                           up = at + static_cast<uint32_t>(n + 1);
+                mesh.addPatch(std::array{at, at + 1, up + 1}, 0, Role::projection, 0, 0);
+                mesh.addPatch(std::array{at, up + 1, up}, 0, Role::projection, 0, 0);
+            }
+        // The picture of the second ends at x = 0.
+        const std::vector<OpticalDevice> two{lookingAt({0.01, 1.5, 0.01}, {0, 0, 0}),
+                                             lookingAt({0.256, 1.5, 0.0001}, {0.256, 0, 0}, 3000)};
+        const ProjectorMesh split = splitByProjectorVisibility(mesh, {}, two);
+        const ProjectorBlend blend = blendProjectors(split);
+        std::vector<double> shares;
+        for (const double z : {-0.1, -0.03, 0.05, 0.12})
+            for (size_t t = 0; t < split.triangleCount(); ++t) {
+                const auto corner = [&](size_t k) { return split.vertices[split.triangles[3 * t + k % 3]]; };
+                const glm::dvec3 p(x, 0, z);
+                bool inside = true;
+                for (size_t k = 0; k < 3; ++k)
+                    inside = inside && glm::cross(corner(k + 1) - corner(k), p - corner(k)).y > 0;
+                if (inside) shares.push_back(blendShares(blend, t, p, {0, 1, 0}, centresOf(two))[1]);
+            }
+        return shares;
+    };
+    for (const double x : {0.005, 0.02, 0.035}) {
+        const std::vector<double> coarse = shareOf(5, x), fine = shareOf(23, x);
+        ASSERT_EQ(coarse.size(), 4u);
+        ASSERT_EQ(fine.size(), 4u);
+        for (size_t k = 0; k < 4; ++k) {
+            EXPECT_NEAR(coarse[k], fine[k], 1e-6);
+            EXPECT_NEAR(coarse[k], coarse[0], 0.01); // cos / r^2 differs along the border
+        }
     }
 }
 

@@ -6,6 +6,7 @@
 
 #include "engine/passes/frame_renderer.h"
 #include "engine/passes/projector_light.h"
+#include "engine/passes/projector_share.h"
 #include "tests/gpu/test_device.h"
 #include "tests/passes/sketch_scene.h"
 
@@ -96,21 +97,25 @@ TEST(Projector, markers_lie_right_through_a_strong_and_skewed_lens) {
     expectMarkersInPlace(rig, 1);
 }
 
-// Sum over projectors of what falls on a physical point, times the surface's reflectance.
+// What falls on a physical point from one projector, times the surface's reflectance.
+glm::dvec3 exitanceFrom(const geometry::Projector& projector, const ImageF& picture, glm::dvec3 point,
+                        glm::dvec3 normal, double reflectance) {
+    const auto pixel = projector.pixelFromWorld(point);
+    if (!pixel) return glm::dvec3(0);
+    const glm::dvec3 towards = projector.centre() - point;
+    const double r2 = glm::dot(towards, towards), cosine = glm::dot(normal, towards) / std::sqrt(r2);
+    const int x = int(std::lround(pixel->x)), y = int(std::lround(pixel->y));
+    if (cosine <= 0 || x < 0 || y < 0 || x >= picture.width || y >= picture.height) return glm::dvec3(0);
+    const float* drive = picture.pixel(x, y);
+    return glm::dvec3(drive[0], drive[1], drive[2]) * fullIntensity(projector) * reflectance * cosine / r2;
+}
+
+// The sum over projectors.
 glm::dvec3 physicalExitance(const geometry::Rig& rig, const std::vector<ImageF>& pictures, glm::dvec3 point,
                             glm::dvec3 normal, double reflectance) {
     glm::dvec3 sum(0);
-    for (size_t p = 0; p < rig.projectors.size(); ++p) {
-        const auto pixel = rig.projectors[p].pixelFromWorld(point);
-        if (!pixel) continue;
-        const glm::dvec3 towards = rig.projectors[p].centre() - point;
-        const double r2 = glm::dot(towards, towards), cosine = glm::dot(normal, towards) / std::sqrt(r2);
-        const int x = int(std::lround(pixel->x)), y = int(std::lround(pixel->y));
-        if (cosine <= 0 || x < 0 || y < 0 || x >= pictures[p].width || y >= pictures[p].height) continue;
-        for (int c = 0; c < 3; ++c)
-            sum[c] +=
-                pictures[p].pixel(x, y)[c] * fullIntensity(rig.projectors[p]) * reflectance * cosine / r2;
-    }
+    for (size_t p = 0; p < rig.projectors.size(); ++p)
+        sum += exitanceFrom(rig.projectors[p], pictures[p], point, normal, reflectance);
     return sum;
 }
 
@@ -141,6 +146,40 @@ TEST(Projector, overlapping_projectors_together_show_the_simulated_light) {
     }
     EXPECT_GE(double(right), 0.93 * double(all - dark));
     EXPECT_LE(double(dark), 0.1 * double(all)); // seen by no projector
+}
+
+// What the device draws is what geometry/projector_blend.h says.
+TEST(Projector, each_shows_its_share) {
+    const geometry::Rig rig = exampleRig();
+    const test::SketchScene scene = test::sketchScene(8);
+    compute::Lighting light = scene.light;
+    light.sunDirection = glm::dvec3(0);
+    light.exitance.assign(scene.mesh.patchCount(), glm::vec3(300)); // even
+    const FrameRendererOptions options;
+    FrameRenderer renderer(test::device(), scene.mesh, scene.occluders, &rig, options);
+    const std::vector<ImageF> pictures = renderer.projectorsHdr(light);
+    const double shown = 300 * renderer.reachLux() / renderer.autoWhite(light);
+    const ShownMesh mesh = shownMesh(scene.mesh, VertexLight(scene.mesh), scene.occluders, rig);
+    std::vector<glm::dvec3> centres;
+    for (const geometry::Projector& projector : rig.projectors) centres.push_back(projector.centre());
+    size_t all = 0, right = 0, shared = 0;
+    for (size_t t = 0; t < mesh.blend.visible.size(); ++t) {
+        const DrawCorner* corner = &mesh.mesh.corners[3 * t];
+        const glm::dvec3 middle((corner[0].position + corner[1].position + corner[2].position) / 3.0f),
+            normal(corner[0].normal);
+        const std::vector<double> shares = geometry::blendShares(mesh.blend, t, middle, normal, centres);
+        for (size_t p = 0; p < shares.size(); ++p) {
+            const double found =
+                exitanceFrom(rig.projectors[p], pictures[p], middle, normal, options.surfaceReflectance)[1] /
+                shown;
+            ++all;
+            shared += shares[p] > 0.1 && shares[p] < 0.9;
+            right +=
+                std::abs(found - shares[p]) < 0.03; // a share runs by 1.5 in 5 cm, a pixel is 1.3 mm wide
+        }
+    }
+    EXPECT_GT(shared, all / 20);
+    EXPECT_GT(double(right), 0.97 * double(all)); // others lie within a pixel of the outline of a wall
 }
 
 // As if the rig had only the others.

@@ -130,7 +130,8 @@ TEST(ShownMesh, normals_of_a_curved_wall_turn_steadily_over_its_facets) {
         geometry::readSketch(HELIODON_TEST_DATA "/geometry/sketches/p09_D_curved.json"));
     const geometry::PatchMesh mesh = geometry::meshBuilding(*closure.building);
     const DrawMesh shown = shownMesh(mesh, VertexLight(mesh), closure.building->occluders,
-                                     geometry::readRig(HELIODON_SOURCE "/examples/rig.json"));
+                                     geometry::readRig(HELIODON_SOURCE "/examples/rig.json"))
+                               .mesh;
     constexpr double inch = geometry::kMetresPerInch, radius = (6 - 0.1875) * inch;
     const glm::dvec3 centre(3 * inch, 0, 0);
     double worstFacet = 0, worstSmooth = 0, facets = 0, smooth = 0; // degrees from the radius, and their sums

@@ -1,0 +1,54 @@
+// The gain by which light becomes a projector's intensity (metres squared): share r^2 / (rho cos theta), after
+// R. Raskar et al., "Shader Lamps" (2001). It changes with the geometry alone, and is drawn once for it.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#include "shaders/io/gain.io.h"
+
+layout(location = 0) in vec3 pointInWorld;
+layout(location = 1) in vec3 smoothNormal;
+layout(location = 2) flat in uint triangle;
+layout(set = 0, binding = 0, scalar) readonly buffer Centres { vec3 centres[]; }; // of the projectors
+layout(set = 0, binding = 1, scalar) readonly buffer Triangles { BlendTriangle triangles[]; };
+layout(set = 0, binding = 2, scalar) readonly buffer Borders { BlendBorder borders[]; };
+layout(push_constant, scalar) uniform Push { GainParams params; };
+
+layout(location = 0) out vec4 colour; // only alpha is written
+
+const float kLeastFade = 1e-3, kLeastCosine = 0.05; // as in geometry/projector_blend.cpp
+
+float distanceToSegment(vec3 p, vec3 from, vec3 to) {
+    vec3 along = to - from;
+    float t = clamp(dot(p - from, along) / dot(along, along), 0.0, 1.0);
+    return distance(from + t * along, p);
+}
+
+// cos / r^2.
+float steepness(uint projector) {
+    vec3 towards = centres[projector] - pointInWorld;
+    float r2 = dot(towards, towards);
+    return max(dot(normalize(smoothNormal), towards) * inversesqrt(r2), kLeastCosine) / r2;
+}
+
+float fade(uint projector) {
+    float nearest = params.falloff;
+    for (uint i = triangles[triangle].firstBorder; i < triangles[triangle + 1].firstBorder; ++i)
+        if (((borders[i].left ^ borders[i].right) >> projector & 1u) != 0u)
+            nearest = min(nearest, distanceToSegment(pointInWorld, borders[i].from, borders[i].to));
+    float x = max(nearest / params.falloff, kLeastFade);
+    return x * x * (3.0 - 2.0 * x);
+}
+
+void main() {
+    uint visible = triangles[triangle].visible;
+    colour = vec4(0);
+    if ((visible >> params.projector & 1u) == 0u) return;
+    float all = 0.0, own = 0.0;
+    for (uint p = 0u; p < params.projectorCount; ++p) {
+        if ((visible >> p & 1u) == 0u) continue;
+        float weight = fade(p) * steepness(p);
+        all += weight;
+        if (p == params.projector) own = weight;
+    }
+    colour.a = own / (all * params.shownReflectance * steepness(params.projector));
+}
