@@ -208,52 +208,80 @@ std::vector<glm::dvec2> outlineOf(const ArcProbe& probe, glm::dvec2 centre, doub
     return out;
 }
 
-std::optional<geometry::Arc> fitArc(const Chain& chain, const std::vector<glm::dvec2>& points,
-                                    const PlanView& view, const DetectOptions& options, EdgeLook look) {
-    const double height = heightOf(chain.paint), half = 0.5 * options.wallThickness;
-    const auto circle = centreCircle(points);
-    if (!circle || circle->off > 1.35 * stripSpread(view, points.front(), height, options))
-        return std::nullopt;
+ArcProbe probeOf(const Chain& chain, const std::vector<glm::dvec2>& points, const PlanView& view,
+                 const DetectOptions& options, EdgeLook look) {
+    const double height = heightOf(chain.paint);
+    return {points, view, height, 0.5 * options.wallThickness, 1 / view.pixelsPerInch(points.front(), height),
+            look};
+}
 
-    const ArcProbe probe{points, view, height, half, 1 / view.pixelsPerInch(points.front(), height), look};
-    Rings rings{circle->centre, circle->radius - half, circle->radius + half};
-    auto [low, high] = angularExtent(points, rings.centre);
+struct MeasuredRings {
+    Rings rings;
+    double seen = 0; // share of the edges that were looked for
+    double width() const { return rings.outer - rings.inner; }
+};
+
+std::optional<MeasuredRings> measureRings(const ArcProbe& probe, const DetectOptions& options) {
+    const auto circle = centreCircle(probe.points);
+    if (!circle || circle->off > 1.35 * stripSpread(probe.view, probe.points.front(), probe.height, options))
+        return std::nullopt;
+    MeasuredRings out{{circle->centre, circle->radius - probe.half, circle->radius + probe.half}, 0};
+    const auto [low, high] = angularExtent(probe.points, out.rings.centre);
     const double length = (high - low) * circle->radius;
     if (length < options.shortestWall - 2 * options.unpaintedEnd) return std::nullopt;
     const int n = std::max(8, static_cast<int>(length / (3 * probe.pixel)));
-    size_t seen = 0;
     for (int pass = 0; pass < 3; ++pass) {
-        const auto [inner, outer] = edgesOf(probe, rings, n);
-        seen = inner.size() + outer.size();
+        const auto [inner, outer] = edgesOf(probe, out.rings, n);
+        out.seen = static_cast<double>(inner.size() + outer.size()) / (2.0 * (n - 1));
         if (inner.size() < 4 || outer.size() < 4) return std::nullopt;
-        const glm::dvec2 before = rings.centre;
-        refine(rings, inner, outer, (pass == 0 ? 4 : 2) * probe.pixel);
-        if (pass > 0 && glm::distance(before, rings.centre) < 0.02) break;
+        const glm::dvec2 before = out.rings.centre;
+        refine(out.rings, inner, outer, (pass == 0 ? 4 : 2) * probe.pixel);
+        if (pass > 0 && glm::distance(before, out.rings.centre) < 0.02) break;
     }
-    if (!isWallThickness(rings.outer - rings.inner, view, points.front(), height, options))
-        return std::nullopt;
+    return out;
+}
 
+std::optional<geometry::Arc> fitArc(const Chain& chain, const std::vector<glm::dvec2>& points,
+                                    const PlanView& view, const DetectOptions& options, EdgeLook look) {
+    const ArcProbe probe = probeOf(chain, points, view, options, look);
+    const auto measured = measureRings(probe, options);
+    if (!measured || !isWallThickness(measured->width(), view, points.front(), probe.height, options))
+        return std::nullopt;
+    const Rings& rings = measured->rings;
     geometry::Arc arc;
     arc.center = rings.centre;
     arc.radius = 0.5 * (rings.inner + rings.outer);
-    std::tie(low, high) = angularExtent(points, rings.centre);
+    const auto [low, high] = angularExtent(points, rings.centre);
     const double end = options.unpaintedEnd / arc.radius;
     const double a0 = refinedEnd(probe, rings, low, -1) - end, a1 = refinedEnd(probe, rings, high, 1) + end;
     arc.a0Deg = a0 * 180 / std::numbers::pi, arc.a1Deg = a1 * 180 / std::numbers::pi;
     arc.thickness = options.wallThickness;
     arc.heightClass = heightClassOf(chain.paint);
-    arc.detection.confidence = std::clamp(0.4 + 0.6 * static_cast<double>(seen) / (2.0 * (n - 1)), 0.0, 1.0);
+    arc.detection.confidence = std::clamp(0.4 + 0.6 * measured->seen, 0.0, 1.0);
     arc.detection.outlinePx = outlineOf(probe, arc.center, arc.radius, a0, a1);
     return arc;
 }
 
-} // namespace
-
-std::optional<geometry::Arc> fitArc(const Chain& chain, const PlanView& view, const DetectOptions& options) {
+std::vector<glm::dvec2> pointsOf(const Chain& chain, const PlanView& view) {
     std::vector<glm::dvec2> points;
     for (const Component* piece : chain.pieces)
         for (const auto& p : planPoints(*piece, view, heightOf(chain.paint))) points.push_back(p);
-    for (const EdgeLook look : {EdgeLook::light, EdgeLook::colour})
+    return points;
+}
+
+} // namespace
+
+std::optional<double> arcWidth(const Chain& chain, const PlanView& view, const DetectOptions& options) {
+    constexpr double kSeen = 0.6;
+    const auto points = pointsOf(chain, view);
+    const auto measured = measureRings(probeOf(chain, points, view, options, EdgeLook::light), options);
+    if (!measured || measured->seen < kSeen) return std::nullopt;
+    return measured->width();
+}
+
+std::optional<geometry::Arc> fitArc(const Chain& chain, const PlanView& view, const DetectOptions& options) {
+    const auto points = pointsOf(chain, view);
+    for (const EdgeLook look : {EdgeLook::light, EdgeLook::colour, EdgeLook::encoded})
         if (auto arc = fitArc(chain, points, view, options, look)) return arc;
     return std::nullopt;
 }

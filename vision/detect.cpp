@@ -111,6 +111,22 @@ public:
             count};
     }
 
+    // Walls cut from another sheet: the width that most strips have which are no walls of the options'
+    // thickness, where they are more than the walls.
+    std::optional<double> otherThickness() const {
+        constexpr size_t kLeast = 3;
+        constexpr double kAlike = 0.1, kMost = 2.0 / 3; // of the width; of the strips
+        if (otherWidths_.size() < std::max(kLeast, wallsIn(out_))) return std::nullopt;
+        const double width = median(otherWidths_);
+        const auto alike = std::count_if(otherWidths_.begin(), otherWidths_.end(), [&](double other) {
+            return std::abs(other - width) < kAlike * width;
+        });
+        if (static_cast<double>(alike) < kMost * static_cast<double>(otherWidths_.size()))
+            return std::nullopt;
+        return width;
+    }
+    bool seesRelief() const { return showRelief(reliefs()); }
+
 private:
     // What the picture's light hides, and a table that is not the white that all else is held against.
     void warnOfLight() {
@@ -323,7 +339,16 @@ private:
                     pieces.push_back(&strips_.back()), any = true;
             }
         }
-        if (!any) unread(region, "coloured like a wall, but not of a wall's shape");
+        if (any) return;
+        noteWidth({region.group, {&region}, {}});
+        unread(region, "coloured like a wall, but not of a wall's shape");
+    }
+
+    // Of a strip that is no wall of the options' thickness.
+    void noteWidth(const Chain& chain) {
+        auto width = straightWidth(chain, view_, options_);
+        if (!width && chain.markers.empty()) width = arcWidth(chain, view_, options_);
+        if (width) otherWidths_.push_back(*width);
     }
 
     void readChain(const Chain& chain) {
@@ -344,18 +369,23 @@ private:
                 out_.sketch.arcs.push_back(*arc);
                 return;
             }
+        noteWidth(chain);
         for (const Component* piece : chain.pieces)
             unread(*piece, "coloured like a wall, but not of a wall's shape");
         for (const Component* marker : chain.markers) unread(*marker, "a window marker on no wall");
     }
 
+    std::vector<Relief> reliefs() const {
+        std::vector<Relief> out;
+        for (const auto& wall : out_.sketch.walls) out.push_back(evidence().reliefOf(wall));
+        for (const auto& arc : out_.sketch.arcs) out.push_back(evidence().reliefOf(arc));
+        return out;
+    }
+
     // Pens, tape and cables have a wall's colour and width, but none of its height.
     void leaveOutWhatLiesFlat() {
         Sketch& sketch = out_.sketch;
-        std::vector<Relief> reliefs;
-        for (const auto& wall : sketch.walls) reliefs.push_back(evidence().reliefOf(wall));
-        for (const auto& arc : sketch.arcs) reliefs.push_back(evidence().reliefOf(arc));
-        const std::vector<Lies> lies = lieFlat(reliefs);
+        const std::vector<Lies> lies = lieFlat(reliefs());
         const auto isFlat = [&](size_t i, const geometry::Detection& detection) {
             if (lies[i] == Lies::no) return false;
             const glm::dvec2 p = centreOf(detection);
@@ -400,6 +430,7 @@ private:
     std::deque<Component> paleStrips_;
     std::deque<Component> strips_; // cut out of regions; where they are does not change
     std::vector<bool> used_;
+    std::vector<double> otherWidths_; // inches
     DetectionResult out_;
 };
 
@@ -447,14 +478,31 @@ DetectionResult detectSketch(const Photograph& photo, const geometry::Rig& rig,
     Detector first(photo, rig, options);
     DetectionResult result = first.run();
     auto ends = first.brightEnds();
+    auto thickness = first.otherThickness();
+    std::optional<CardWhite> card;
     // Walls that were found although the table is not white show what card returns: all is held against that.
     // It loses no walls, or those left agree with it: what was read before may have been paper.
     if (ends && ends->count >= kEnough) {
         Detector second(photo, rig, options, ends->card);
         DetectionResult again = second.run();
         const auto after = second.brightEnds();
-        if (wallsIn(again) >= wallsIn(result) || (!after && 2 * wallsIn(again) >= kEnough))
-            result = std::move(again), ends = after;
+        if (wallsIn(again) >= wallsIn(result) || (!after && 2 * wallsIn(again) >= kEnough)) {
+            card = ends->card;
+            result = std::move(again), ends = after, thickness = second.otherThickness();
+        }
+    }
+    // Strips that are no walls of the thickness expected, but all alike and as high as their colours state.
+    if (thickness) {
+        DetectOptions others = options;
+        others.wallThickness = *thickness;
+        Detector third(photo, rig, others, card);
+        DetectionResult again = third.run();
+        if (wallsIn(again) > wallsIn(result) && third.seesRelief()) {
+            result = std::move(again), ends = third.brightEnds();
+            result.warnings.push_back(
+                fmt::format("the walls are {:.2f} in thick, not {:.3g} in: they are read so", *thickness,
+                            options.wallThickness));
+        }
     }
     if (ends)
         result.warnings.push_back(fmt::format("the walls' white ends are {:.1f} times as bright as what was "

@@ -26,7 +26,7 @@ struct DetectOptions {
     double minSaturation = 0.33;        // of P' after local white balance: below it a pixel is white (0..1)
     double minBrightness = 0.09;        // largest channel over local white: darker is floor or noise (0..1)
     double minBrightnessOffTable = 0.2; // the same beyond the table's edge
-    double wallThickness = 0.375;       // foam core
+    double wallThickness = 0.375;       // foam core; another one that all walls share is found (0.2 to 0.6)
     double shortestWall = 1.9;          // shorter ones are not made; what looks like one is a smear of colour
     double unpaintedEnd = 0.5;          // the paint of a wall stops so far before its end
     double markerThickness = 0.03;      // window markers and skylights: folded card

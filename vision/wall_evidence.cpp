@@ -198,26 +198,39 @@ Relief WallEvidence::reliefOf(const geometry::Arc& arc) const {
     return reliefOfShape(arc);
 }
 
-std::vector<Lies> lieFlat(const std::vector<Relief>& reliefs) {
-    constexpr float kEndSeen = 0.12f, kFootSeen = 0.08f; // that the others have a wall's height
-    constexpr float kNoEnd = 0.03f, kShare = 0.3f;       // nothing; of what the ends of the others are
-    constexpr float kNoFoot = 0.04f, kFaintFoot = 0.1f;  // with one bright end, with none
-    std::vector<float> ends, feet;
-    for (const Relief& r : reliefs) {
-        ends.push_back(std::min(r.ends[0], r.ends[1])); // a pen's cap can be as bright as the other
+namespace {
+
+// What a quarter exceeds: many pens do not make a few walls unlikely.
+float upperQuartile(std::vector<float> values) {
+    if (values.empty()) return 0;
+    const auto upper = values.begin() + static_cast<std::ptrdiff_t>(3 * values.size() / 4);
+    std::nth_element(values.begin(), upper, values.end());
+    return *upper;
+}
+
+// The fainter one: a pen's cap can be as bright as the other.
+float typicalEnd(const std::vector<Relief>& reliefs) {
+    std::vector<float> ends;
+    for (const Relief& r : reliefs) ends.push_back(std::min(r.ends[0], r.ends[1]));
+    return upperQuartile(std::move(ends));
+}
+
+} // namespace
+
+bool showRelief(const std::vector<Relief>& reliefs) {
+    constexpr float kEnd = 0.12f, kFoot = 0.08f;
+    std::vector<float> feet;
+    for (const Relief& r : reliefs)
         if (r.foot) feet.push_back(*r.foot);
-    }
-    // What a quarter exceeds: many pens do not make a few walls unlikely.
-    const auto typical = [](std::vector<float> values) {
-        if (values.empty()) return 0.0f;
-        const auto upper = values.begin() + static_cast<std::ptrdiff_t>(3 * values.size() / 4);
-        std::nth_element(values.begin(), upper, values.end());
-        return *upper;
-    };
-    const float end = typical(ends);
+    return typicalEnd(reliefs) >= kEnd || upperQuartile(std::move(feet)) >= kFoot;
+}
+
+std::vector<Lies> lieFlat(const std::vector<Relief>& reliefs) {
+    constexpr float kNoEnd = 0.03f, kShare = 0.3f;      // nothing; of what the ends of the others are
+    constexpr float kNoFoot = 0.04f, kFaintFoot = 0.1f; // with one bright end, with none
     std::vector<Lies> out(reliefs.size(), Lies::no);
-    if (end < kEndSeen && typical(feet) < kFootSeen) return out;
-    const float noEnd = std::max(kNoEnd, kShare * end);
+    if (!showRelief(reliefs)) return out;
+    const float noEnd = std::max(kNoEnd, kShare * typicalEnd(reliefs));
     for (size_t i = 0; i < reliefs.size(); ++i) {
         const Relief& r = reliefs[i];
         const auto [low, high] = std::minmax(r.ends[0], r.ends[1]);

@@ -26,6 +26,9 @@ struct Relief {
 enum class Lies { no, unsure, flat };
 std::vector<Lies> lieFlat(const std::vector<Relief>& reliefs);
 
+// Whether a quarter of them show bright ends, or a foot.
+bool showRelief(const std::vector<Relief>& reliefs);
+
 // Refers to what it is made of. `radius` of the table: inches.
 class WallEvidence {
 public:

@@ -99,6 +99,8 @@ void follow(Axis& axis, const LineFit& fit) {
     axis.along = glm::normalize(axis.along + fit.slope * turnedLeft(axis.along));
 }
 
+constexpr double kMostBend = 0.06; // sagitta of a straight wall: inches
+
 // How far the middles bend off the line, in inches, between its ends and its middle.
 double sagitta(const std::vector<glm::dvec2>& middles) {
     const auto [low, high] = std::minmax_element(middles.begin(), middles.end(),
@@ -218,7 +220,7 @@ StripFit fitStrip(const Chain& chain, const Pca& pca, const PlanView& view, cons
         fit.line = fitLine(fit.sides.middles, 2 / view.pixelsPerInch(fit.axis.origin, height));
         if (!fit.line) break;
         fit.bend = sagitta(fit.sides.middles);
-        if (chain.markers.empty() && std::abs(fit.bend) > 0.06) break;
+        if (chain.markers.empty() && std::abs(fit.bend) > kMostBend) break;
         const double correction =
             std::abs(fit.line->offset) + std::abs(fit.line->slope) * 0.5 * (pca.high - pca.low);
         follow(fit.axis, *fit.line);
@@ -227,7 +229,32 @@ StripFit fitStrip(const Chain& chain, const Pca& pca, const PlanView& view, cons
     return fit;
 }
 
+std::vector<glm::dvec2> pointsOf(const Chain& chain, const PlanView& view) {
+    std::vector<glm::dvec2> points;
+    for (const auto* list : {&chain.pieces, &chain.markers})
+        for (const Component* component : *list)
+            for (const auto& p : planPoints(*component, view, heightOf(chain.paint))) points.push_back(p);
+    return points;
+}
+
+// As long as the paint of a wall, and about as narrow.
+bool isStrip(const Pca& pca, double height, const PlanView& view, const DetectOptions& options) {
+    return pca.high - pca.low >= options.shortestWall - 2 * options.unpaintedEnd &&
+           pca.minor <= 1.5 * stripSpread(view, pca.mean, height, options);
+}
+
 } // namespace
+
+std::optional<double> straightWidth(const Chain& chain, const PlanView& view, const DetectOptions& options) {
+    constexpr double kSeen = 0.6;
+    const Pca pca = principalAxes(pointsOf(chain, view));
+    if (!isStrip(pca, heightOf(chain.paint), view, options)) return std::nullopt;
+    const StripFit fit = fitStrip(chain, pca, view, options, EdgeLook::light);
+    if (!fit.line || std::abs(fit.bend) > kMostBend || fit.sides.seen < kSeen * fit.sides.asked ||
+        fit.width() <= 0)
+        return std::nullopt;
+    return fit.width();
+}
 
 std::vector<glm::dvec2> wallOutline(const geometry::Wall& wall, const PlanView& view) {
     return stripOutline({wall.a, glm::normalize(wall.b - wall.a)}, 0, glm::distance(wall.a, wall.b),
@@ -251,20 +278,14 @@ bool isWallThickness(double measured, const PlanView& view, glm::dvec2 plan, dou
 std::optional<StraightWall> fitStraight(const Chain& chain, const PlanView& view,
                                         const DetectOptions& options) {
     const double height = heightOf(chain.paint);
-    std::vector<glm::dvec2> points;
-    for (const auto* list : {&chain.pieces, &chain.markers})
-        for (const Component* component : *list)
-            for (const auto& p : planPoints(*component, view, height)) points.push_back(p);
-    const Pca pca = principalAxes(points);
+    const Pca pca = principalAxes(pointsOf(chain, view));
     // A strip's standard deviation across is its width / sqrt(12).
     const double strip = options.wallThickness / std::sqrt(12.0);
-    if (pca.high - pca.low < options.shortestWall - 2 * options.unpaintedEnd ||
-        pca.minor > 1.5 * stripSpread(view, pca.mean, height, options))
-        return std::nullopt;
+    if (!isStrip(pca, height, view, options)) return std::nullopt;
 
     const double thickness = options.wallThickness;
     const auto isWall = [&](const StripFit& fit) {
-        if (chain.markers.empty() && std::abs(fit.bend) > 0.06) return false;
+        if (chain.markers.empty() && std::abs(fit.bend) > kMostBend) return false;
         if (fit.sides.widths.size() >= 3)
             return isWallThickness(fit.width(), view, axisOf(pca).origin, height, options);
         // Its sides were not seen: the shape of its paint counts.

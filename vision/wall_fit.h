@@ -51,6 +51,11 @@ std::vector<glm::dvec2> windowOutline(const geometry::Wall& wall, const geometry
 // None when the paint does not follow a circle's arc.
 std::optional<geometry::Arc> fitArc(const Chain& chain, const PlanView& view, const DetectOptions& options);
 
+// The width of a straight or a curved strip of wall paint, whatever it is, up to a quarter of an inch more or
+// less than the options' thickness. None where either side is not seen along most of it.
+std::optional<double> straightWidth(const Chain& chain, const PlanView& view, const DetectOptions& options);
+std::optional<double> arcWidth(const Chain& chain, const PlanView& view, const DetectOptions& options);
+
 // The region without what is wider than any joint of walls, in connected parts. All of it where nothing is.
 std::vector<Component> thinParts(const Component& component, const PlanView& view,
                                  const DetectOptions& options);

@@ -310,6 +310,24 @@ TEST(DetectConditions, tokens_in_a_strongly_compressed_file) {
     expectRead(sketch, perturbed(paintTable(sketch, exampleRig(), paints), how), 0.12);
 }
 
+TEST(DetectConditions, walls_cut_from_another_sheet) {
+    const geometry::Rig rig = exampleRig();
+    for (const double thickness : {0.25, 0.5}) {
+        SCOPED_TRACE(thickness);
+        geometry::Sketch sketch = room();
+        geometry::Arc arc;
+        arc.id = "a1", arc.center = {0, 2}, arc.radius = 14, arc.a0Deg = 40, arc.a1Deg = 95,
+        arc.heightClass = HeightClass::red, arc.thickness = thickness;
+        sketch.arcs = {arc};
+        for (auto& w : sketch.walls) w.thickness = thickness;
+        const Photograph photo = paintTable(sketch, rig);
+        expectRead(sketch, photo);
+        const auto result = detectSketch(photo, rig);
+        EXPECT_TRUE(warnsOf(result, "in thick"));
+        for (const auto& w : result.sketch.walls) EXPECT_NEAR(w.thickness, thickness, 0.02); // half a pixel
+    }
+}
+
 // As wide as walls' tops look and as red, green and blue, and without anything of a wall's height.
 TEST(DetectConditions, pens_and_tape_lie_flat) {
     const geometry::Rig rig = exampleRig();
