@@ -42,7 +42,7 @@ constexpr double kStub = 0.5;      // inches: what overshoots a corner by less i
 constexpr double kAhead = 1.2;     // what an inch of wall costs that a wall would cover if it were lengthened
 constexpr double kBeside = 0.3;    // the sine of the angle between walls that run beside one another
 constexpr std::array kPrices{0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.75};
-// Rings of walls that leave more open: three gaps and more, none wider than the walls on both sides of it.
+// Rings of walls of their own that leave more open: three gaps and more, none wider than the walls beside it.
 constexpr std::array kRingPrices{1.0, 1.2, 1.4, 1.6};
 constexpr double kMostOpenRing = 0.6;
 constexpr size_t kFewestGaps = 3;
@@ -206,10 +206,11 @@ private:
         return {std::min(u, v), std::max(u, v)};
     }
 
-    double unused(size_t piece) const {
-        const WallPiece& p = plan_.pieces[piece];
-        return used_[piece].unused({0, p.curved ? p.radius * (p.a1 - p.a0) : glm::length(p.b - p.a)});
+    static double lengthOf(const WallPiece& p) {
+        return p.curved ? p.radius * (p.a1 - p.a0) : glm::length(p.b - p.a);
     }
+
+    double unused(size_t piece) const { return used_[piece].unused({0, lengthOf(plan_.pieces[piece])}); }
 
     double unusedLength() const {
         double sum = 0;
@@ -318,7 +319,11 @@ private:
 
     bool isEnclosed(const Space& space, const std::vector<uint32_t>& root, uint32_t id) const {
         if (!ringsOnly_) return space.gap <= kMostOpen * space.perimeter;
-        return space.isNew && space.gap <= kMostOpenRing * space.perimeter && isRing(root, id);
+        const bool ownWalls = std::ranges::all_of(space.walls, [&](const auto& wall) {
+            const auto piece = static_cast<size_t>(wall.first);
+            return unused(piece) > 0.5 * lengthOf(plan_.pieces[piece]);
+        });
+        return space.isNew && ownWalls && space.gap <= kMostOpenRing * space.perimeter && isRing(root, id);
     }
 
     struct Run {
