@@ -6,11 +6,13 @@
 #pragma once
 
 #include <array>
-#include <filesystem>
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include "geometry/rig.h"
@@ -52,10 +54,24 @@ DetectionResult detectSketch(const Photograph& photo, const geometry::Rig& rig,
 // The table's edge in the picture of a calibrated camera: a rig that does not fit the picture shows.
 geometry::Detection tableEdge(const geometry::Rig& rig);
 
-// The photograph, brightened, with the table's edge as the rig has it and the outline and the name of every
-// primitive. `dark`: triangles in the world, metres, that no projector reaches; hatched. Written whole or not
-// at all.
-void drawOverlay(const Photograph& photo, const geometry::Rig& rig, const geometry::Sketch& sketch,
-                 const std::filesystem::path& png, std::span<const std::array<glm::dvec3, 3>> dark = {});
+// The name of an outline, still to be lettered.
+struct OverlayTag {
+    enum class Side { any, outer, inner }; // outer: away from the picture's middle
+    std::string words;
+    std::array<uint8_t, 3> ink{};
+    std::vector<glm::dvec2> outlinePx; // not empty
+    Side side = Side::any;
+    std::optional<std::array<uint8_t, 3>> paint; // of a token
+};
+
+struct Overlay {
+    Photograph picture;
+    std::vector<OverlayTag> tags;
+};
+
+// The photograph, brightened, with the table's edge as the rig has it and the outline of every primitive.
+// `dark`: triangles in the world, metres, that no projector reaches; hatched.
+Overlay drawOverlay(const Photograph& photo, const geometry::Rig& rig, const geometry::Sketch& sketch,
+                    std::span<const std::array<glm::dvec3, 3>> dark = {});
 
 } // namespace heliodon::vision

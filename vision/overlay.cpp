@@ -2,11 +2,9 @@
 #include <cmath>
 #include <numbers>
 
-#include <fmt/format.h>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "geometry/picture_file.h"
 #include "vision/detect.h"
 
 namespace heliodon::vision {
@@ -82,33 +80,6 @@ public:
                 }
     }
 
-    // Beside the outline's middle, on the side away from the picture's middle.
-    void label(const geometry::Detection& detection, const std::string& text, const cv::Scalar& color,
-               double away) {
-        if (detection.outlinePx.empty()) return;
-        glm::dvec2 middle{};
-        for (const auto& p : detection.outlinePx)
-            middle += p / static_cast<double>(detection.outlinePx.size());
-        const double dx = middle.x - picture_.cols / 2.0, dy = middle.y - picture_.rows / 2.0;
-        const double length = std::max(1.0, std::hypot(dx, dy));
-        int baseline = 0;
-        const cv::Size size = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, 0.45, 1, &baseline);
-        const cv::Point at(static_cast<int>(middle.x + away * dx / length - size.width / 2.0),
-                           static_cast<int>(middle.y + away * dy / length + size.height / 2.0));
-        const cv::Rect plate = cv::Rect(at.x - 4, at.y - size.height - 4, size.width + 8, size.height + 9) &
-                               cv::Rect(0, 0, picture_.cols, picture_.rows);
-        if (!plate.empty()) picture_(plate) = 0.35 * picture_(plate);
-        cv::putText(picture_, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.45, color, 1, cv::LINE_AA);
-    }
-
-    void swatch(const geometry::Token& token) {
-        if (token.detection.outlinePx.empty()) return;
-        const glm::dvec2 p = token.detection.outlinePx.front();
-        const cv::Rect box(static_cast<int>(p.x) - 26, static_cast<int>(p.y) - 8, 18, 18);
-        cv::rectangle(picture_, box, cv::Scalar(token.rgb[2], token.rgb[1], token.rgb[0]), cv::FILLED);
-        cv::rectangle(picture_, box, bgr(255, 255, 255), 1);
-    }
-
     const cv::Mat& picture() const { return picture_; }
 
 private:
@@ -128,37 +99,45 @@ geometry::Detection tableEdge(const geometry::Rig& rig) {
     return out;
 }
 
-void drawOverlay(const Photograph& photo, const geometry::Rig& rig, const geometry::Sketch& sketch,
-                 const std::filesystem::path& png, std::span<const std::array<glm::dvec3, 3>> dark) {
+Overlay drawOverlay(const Photograph& photo, const geometry::Rig& rig, const geometry::Sketch& sketch,
+                    std::span<const std::array<glm::dvec3, 3>> dark) {
     Canvas canvas(photo);
     canvas.hatch(rig.camera, dark);
     canvas.outline(tableEdge(rig), bgr(235, 235, 215), 1);
-    for (const auto& wall : sketch.walls) canvas.outline(wall.detection, colorOf(wall.heightClass));
-    for (const auto& arc : sketch.arcs) canvas.outline(arc.detection, colorOf(arc.heightClass));
-    for (const auto& window : sketch.windows) canvas.outline(window.detection, colorOf(window.kind));
-    for (const auto& skylight : sketch.skylights) canvas.outline(skylight.detection, bgr(150, 215, 255));
-    for (const auto& token : sketch.tokens) canvas.outline(token.detection, bgr(255, 255, 255));
-    if (sketch.north) canvas.outline(sketch.north->detection, bgr(255, 150, 40));
-
+    Overlay out;
+    using Side = OverlayTag::Side;
+    const auto add = [&](const geometry::Detection& detection, const std::string& words,
+                         const cv::Scalar& color, Side side) {
+        canvas.outline(detection, color);
+        if (detection.outlinePx.empty()) return;
+        const auto channel = [&](int c) { return static_cast<uint8_t>(color[c]); };
+        out.tags.push_back(
+            {words, {channel(2), channel(1), channel(0)}, detection.outlinePx, side, std::nullopt});
+    };
     for (const auto& wall : sketch.walls)
-        canvas.label(wall.detection, wall.id, colorOf(wall.heightClass), 26);
-    for (const auto& arc : sketch.arcs) canvas.label(arc.detection, arc.id, colorOf(arc.heightClass), 26);
+        add(wall.detection, wall.id, colorOf(wall.heightClass), Side::outer);
+    for (const auto& arc : sketch.arcs) add(arc.detection, arc.id, colorOf(arc.heightClass), Side::outer);
     for (const auto& window : sketch.windows)
-        canvas.label(window.detection, window.id, colorOf(window.kind), -24);
+        add(window.detection, window.id, colorOf(window.kind), Side::inner);
     for (const auto& skylight : sketch.skylights)
-        canvas.label(skylight.detection, skylight.id, bgr(150, 215, 255), 0);
+        add(skylight.detection, skylight.id, bgr(150, 215, 255), Side::any);
     for (const auto& token : sketch.tokens) {
-        canvas.swatch(token);
-        canvas.label(token.detection,
-                     token.kind == geometry::TokenKind::floor     ? "floor"
-                     : token.kind == geometry::TokenKind::wallAll ? "all walls"
-                                                                  : "nearest wall",
-                     bgr(255, 255, 255), 30);
+        if (token.detection.outlinePx.empty()) continue;
+        add(token.detection,
+            token.kind == geometry::TokenKind::floor     ? "floor"
+            : token.kind == geometry::TokenKind::wallAll ? "all walls"
+                                                         : "nearest wall",
+            bgr(255, 255, 255), Side::any);
+        const auto byte = [&](size_t c) {
+            return static_cast<uint8_t>(std::clamp(token.rgb[c], 0.0, 255.0));
+        };
+        out.tags.back().paint = {byte(0), byte(1), byte(2)};
     }
-    if (sketch.north) canvas.label(sketch.north->detection, "N", bgr(255, 150, 40), 34);
+    if (sketch.north) add(sketch.north->detection, "N", bgr(255, 150, 40), Side::any);
     cv::Mat rgb;
     cv::cvtColor(canvas.picture(), rgb, cv::COLOR_BGR2RGB);
-    geometry::writePngFile(png, rgb.cols, rgb.rows, rgb.data);
+    out.picture = {rgb.cols, rgb.rows, std::vector<uint8_t>(rgb.datastart, rgb.dataend), photo.name};
+    return out;
 }
 
 } // namespace heliodon::vision

@@ -1,5 +1,6 @@
 #include "vision/detect.h"
 #include "engine/app/commands.h"
+#include "engine/app/overlay_tags.h"
 #include "engine/app/scene_input.h"
 #include "geometry/input_error.h"
 #include "geometry/rig.h"
@@ -18,7 +19,7 @@ void execute(Run& run, const DetectArguments& arguments) {
     const geometry::Rig rig = loadRig(run, arguments.rig);
     const geometry::Sketch sketch = loadSketch(run, scene, rig);
     if (!arguments.overlay.empty())
-        vision::drawOverlay(vision::readPhotograph(arguments.photo), rig, sketch, arguments.overlay);
+        writeOverlay(vision::readPhotograph(arguments.photo), rig, sketch, arguments.overlay);
     geometry::writeSketch(sketch, arguments.output);
 }
 

@@ -8,8 +8,8 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
+#include "engine/app/overlay_tags.h"
 #include "geometry/projector_visibility.h"
-#include "vision/detect.h"
 
 namespace heliodon::app {
 
@@ -97,8 +97,7 @@ void reportReach(Run& run, const Scene& scene) {
 
 void drawReachOverlay(const Scene& scene, const std::filesystem::path& photo,
                       const std::filesystem::path& png) {
-    vision::drawOverlay(vision::readPhotograph(photo), *scene.rig, *scene.sketch, png,
-                        unreachableTriangles(scene));
+    writeOverlay(vision::readPhotograph(photo), *scene.rig, *scene.sketch, png, unreachableTriangles(scene));
 }
 
 } // namespace heliodon::app

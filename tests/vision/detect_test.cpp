@@ -297,18 +297,18 @@ TEST(Photograph, names_a_file_that_is_missing_or_no_picture) {
     }
 }
 
-TEST(Overlay, draws_over_the_photograph_and_leaves_no_half_file) {
+TEST(Overlay, draws_over_the_photograph_and_names_what_was_found) {
     const Photograph photo = bright();
     const geometry::Rig rig = exampleRig();
-    const std::filesystem::path file = testing::TempDir() + "heliodon_overlay.png";
-    drawOverlay(photo, rig, brightSketch(), file); // a sketch without outlines: nothing to draw, and no harm
-    const Photograph plain = readPhotograph(file);
-    drawOverlay(photo, rig, detectSketch(photo, rig).sketch, file);
-    const Photograph drawn = readPhotograph(file);
-    EXPECT_EQ(drawn.width, photo.width);
-    EXPECT_EQ(drawn.height, photo.height);
-    EXPECT_NE(plain.rgb, drawn.rgb);
-    EXPECT_THROW(drawOverlay(photo, rig, {}, "/no/such/folder/overlay.png"), geometry::InputError);
+    const Overlay plain = drawOverlay(photo, rig, brightSketch()); // without outlines: nothing to name
+    EXPECT_TRUE(plain.tags.empty());
+    const geometry::Sketch found = detectSketch(photo, rig).sketch;
+    const Overlay drawn = drawOverlay(photo, rig, found);
+    EXPECT_EQ(drawn.picture.width, photo.width);
+    EXPECT_EQ(drawn.picture.height, photo.height);
+    EXPECT_NE(plain.picture.rgb, drawn.picture.rgb);
+    EXPECT_EQ(drawn.tags.size(), found.walls.size() + found.arcs.size() + found.windows.size() +
+                                     found.skylights.size() + found.tokens.size() + found.north.has_value());
 }
 
 } // namespace
