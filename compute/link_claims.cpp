@@ -16,7 +16,7 @@ constexpr double kNotWanted = std::numeric_limits<double>::infinity();
 constexpr double kBelowBound = 0.8; // of the bound, at which rows above it aim
 constexpr double kAlike = 0.15;     // share of triangles' errors that have one sign (measured)
 // Over the estimates, in scenes where few blockers hide much, whose links err most (measured).
-constexpr double kCaution = 1.15, kRowCaution = 1.8, kSumCaution = 1.5;
+constexpr double kCaution = 1.15, kRowCaution = 2.2, kSumCaution = 1.9;
 constexpr double kLeastShare = 0.05; // of a row's squares, from which a cluster is worth taking apart
 constexpr double kGain = 0.7;        // of a link's error, gone when it is split (a guess: more rounds follow)
 

@@ -23,10 +23,8 @@ layout(push_constant, scalar) uniform Push { HierarchicalLinksParams params; };
 #include "shaders/lib/pair_exchange.glsl"
 
 Triangle triangleOf(Cluster c) {
-    uvec4 t0 = texelFetch(leaves, int(3u * c.firstLeaf)), t1 = texelFetch(leaves, int(3u * c.firstLeaf + 1u)),
-          t2 = texelFetch(leaves, int(3u * c.firstLeaf + 2u));
-    return Triangle(uintBitsToFloat(t0.xyz), uintBitsToFloat(uvec3(t0.w, t1.w, t2.w)), uintBitsToFloat(t1.xyz),
-                    uintBitsToFloat(t2.xyz), c.normal, c.area);
+    Leaf leaf = leafAt(c.firstLeaf);
+    return Triangle(leaf.a, leaf.rest, leaf.ab, leaf.ac, c.normal, c.area);
 }
 
 void main() {

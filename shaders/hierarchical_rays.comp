@@ -23,19 +23,21 @@ layout(constant_id = 0) const uint kLanes = 1u; // invocations that share the ra
 layout(push_constant, scalar) uniform Push { HierarchicalLinksParams params; };
 
 #include "shaders/lib/cluster.glsl"
-#include "shaders/lib/constants.glsl"
 #include "shaders/lib/link_queues.glsl"
 
+// Form factors from which rays are cast by angle too.
+const float kFactorByAngle = 0.1;
+
 // Two triangles: the error of the share that passes, one standard deviation. Sums over a lattice err less than those
-// of random points, by about the 0.15th power of their number; where all rays agree, about one ray's share may be
-// missed. Of triangles that nearly touch, few rays carry most: what they miss of the exchange in the open, which is
-// known, or have too much of, passes or does not like the rest.
-float errorOfShare(HierarchicalDoubt d, float share) {
-    float missing = min(1.0, abs(1.0 - d.open / (kPi * d.link.density * float(d.rays))));
+// of random points, by about the 0.15th power of their number; where all rays agree, about half a ray's share may
+// be missed. Where few rays carry most: what they miss of the exchange in the open, which is known, or have too much
+// of, passes or does not like the rest.
+float errorOfShare(HierarchicalDoubt d, float share, float openOfRay) {
+    float missing = min(1.0, abs(1.0 - d.open / (openOfRay * float(d.rays))));
     float variance =
         (1.0 - share) * (1.0 - share) * d.passedSquares + share * share * (d.openSquares - d.passedSquares);
     float random = sqrt(max(variance, 0.0)) / d.open * pow(float(d.rays), -0.15);
-    float unseen = 0.25 * sqrt(d.openSquares / float(d.rays)) / d.open;
+    float unseen = 0.5 * sqrt(d.openSquares / float(d.rays)) / d.open;
     return length(vec2(max(random, unseen), missing * sqrt(max(share * (1.0 - share), 0.25 / float(d.rays)))));
 }
 
@@ -52,7 +54,8 @@ struct Trend {
 };
 
 // Sums over the rays [d.rays, end): what passes, what would in the open, and both squared.
-vec4 castRays(HierarchicalDoubt d, Cluster p, Cluster q, uint seed, uint end, out uint blocked, out Trend trend) {
+vec4 castRays(HierarchicalDoubt d, Cluster p, Cluster q, bool byAngle, uint seed, uint end, out uint blocked,
+              out Trend trend) {
     vec4 sums = vec4(0.0);
     blocked = 0u;
     trend = Trend(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec2(0.0));
@@ -61,7 +64,7 @@ vec4 castRays(HierarchicalDoubt d, Cluster p, Cluster q, uint seed, uint end, ou
     vec3 up = p.axisU * (clusterP / dot(p.axisU, p.axisU)), vp = p.axisV * (clusterP / dot(p.axisV, p.axisV)),
          uq = q.axisU * (clusterQ / dot(q.axisU, q.axisU)), vq = q.axisV * (clusterQ / dot(q.axisV, q.axisV));
     [[dont_unroll]] for (uint k = d.rays + gl_LocalInvocationID.x % kLanes; k < end; k += kLanes) {
-        CastRay ray = castRay(p, q, seed, k, params.nodeCount, params.flatness);
+        CastRay ray = castRay(p, q, byAngle, seed, k, params.nodeCount, params.flatness);
         vec2 light = vec2(ray.passed, ray.open_);
         sums += vec4(light, light * light);
         blocked += light.x > 0.0 ? 0u : 1u;
@@ -117,21 +120,29 @@ void main() {
     uint i = d.link.first, j = d.link.second, seed = hashOf(i * 0x9e3779b9u ^ hashOf(j));
     Cluster p = clusterAt(i), q = clusterAt(j);
     bool triangles = p.child == 0u && q.child == 0u;
+    float factor = d.link.density * max(p.area, q.area); // from the lesser end
+    bool byAngle = triangles && factor > kFactorByAngle;
+    if (byAngle && q.area < p.area) {
+        Cluster larger = p;
+        p = q;
+        q = larger;
+    }
     uint end =
         d.rays + (triangles ? clamp(d.rays, kHierarchicalFewRays, kLanes * kHierarchicalRoundRays) : kHierarchicalRays);
     uint blocked;
     Trend trend;
-    vec4 sums = castRays(d, p, q, seed, end, blocked, trend);
+    vec4 sums = castRays(d, p, q, byAngle, seed, end, blocked, trend);
     if (idle || gl_LocalInvocationID.x % kLanes > 0u) return;
     d.passed += sums.x;
     d.open += sums.y;
     d.passedSquares += sums.z;
     d.openSquares += sums.w;
     d.rays = end;
-    float factor = d.link.density * max(p.area, q.area), share, error;
+    float share, error;
     if (triangles) {
         share = d.open > 0.0 ? d.passed / d.open : 0.0;
-        error = d.open > 0.0 ? errorOfShare(d, share) : 1.0; // all rays began or ended behind the other's plane
+        // All rays may have begun or ended behind the other's plane.
+        error = d.open > 0.0 ? errorOfShare(d, share, byAngle ? factor : kPi * d.link.density) : 1.0;
         if (factor * error > kHierarchicalKept * params.visibilityTolerance && end < params.mostRays) {
             if (end < kHierarchicalManyRays)
                 doubts[atomicAdd(counters[kHierarchicalDoubts], 1u)] = d;
