@@ -5,11 +5,13 @@
 #include <numeric>
 
 #include <fmt/format.h>
+#include <glm/geometric.hpp>
 
 #include "compute/annual_daylight.h"
 #include "compute/daylight/annual_metrics.h"
 #include "compute/daylight/weather.h"
 #include "compute/parallel.h"
+#include "compute/point_view.h"
 #include "engine/app/commands.h"
 #include "engine/app/interrupt.h"
 #include "engine/app/light_report.h"
@@ -89,9 +91,12 @@ struct Job {
 // Metrics of all sensors, block by block.
 struct Year {
     std::vector<daylight::SensorMetrics> sensors;
-    std::vector<float> meanLux;                // of every record over the sensors
+    std::vector<size_t> outside;               // of these, in no room: dark, and not counted in any mean
+    std::vector<float> meanLux;                // of every record over the sensors in rooms
     std::map<size_t, std::vector<float>> rows; // of sensors that get a map of their own
     double occupiedLux = 0;
+
+    size_t inRooms() const { return sensors.size() - outside.size(); }
 };
 
 void addMetrics(Year& year, daylight::AnnualMetrics&& block) {
@@ -162,8 +167,7 @@ void drawYear(Run& run, const Job& job, const Year& year) {
     const StageTimer timer(run, "draw");
     const std::string extension = arguments.svg ? ".svg" : ".png";
     const ValueScale lux = luxScale({year.meanLux.begin(), year.meanLux.end()});
-    temporalChart(weather, year.meanLux, lux,
-                  "Illuminance, mean of " + std::to_string(sensors.points.size()) + " sensors")
+    temporalChart(weather, year.meanLux, lux, fmt::format("Illuminance, mean of {} sensors", year.inRooms()))
         .write(arguments.output / ("temporal-mean" + extension));
     for (const auto& [row, values] : year.rows)
         temporalChart(weather, values, lux, fmt::format("Illuminance at sensor {}", row))
@@ -285,6 +289,19 @@ SensorTable sensorsFor(Run& run, const AnnualArguments& arguments, const Scene& 
     return table;
 }
 
+// Units or axes that are not the model's: found before there are form factors.
+void refuseAllOutside(const AnnualArguments& arguments, const Scene& scene, const SensorTable& sensors) {
+    for (size_t s = 0; s < sensors.points.size(); ++s)
+        if (compute::roomOfPoint(scene.mesh, sensors.points[s], glm::normalize(sensors.normals[s])) !=
+            geometry::kNoRoom)
+            return;
+    throw geometry::InputError(
+        arguments.sensors.string(), "",
+        fmt::format("none of its {} sensors lies in a room of {}, expected the model's "
+                    "coordinates",
+                    sensors.points.size(), arguments.scene.input.filename().string()));
+}
+
 daylight::Weather weatherFor(Run& run, const AnnualArguments& arguments) {
     const StageTimer timer(run, "weather");
     daylight::Weather weather = daylight::readWeather(arguments.weather);
@@ -292,12 +309,11 @@ daylight::Weather weatherFor(Run& run, const AnnualArguments& arguments) {
     return weather;
 }
 
-// What one block of sensors adds to the year: arrays of sensors x records.
+// What one block of sensors adds to the year: arrays of sensors x records. The mean is the sum as yet.
 void addBlock(Year& year, const Job& job, size_t first, std::span<const float> lux) {
     const size_t records = job.records(), block = lux.size() / records;
     for (size_t s = 0; s < block; ++s)
-        for (size_t h = 0; h < records; ++h)
-            year.meanLux[h] += lux[s * records + h] / static_cast<float>(job.sensors.points.size());
+        for (size_t h = 0; h < records; ++h) year.meanLux[h] += lux[s * records + h];
     for (const size_t row : job.mapped)
         if (row >= first && row < first + block) {
             const auto from = lux.begin() + static_cast<std::ptrdiff_t>((row - first) * records);
@@ -323,7 +339,6 @@ Year computeYear(Run& run, const Job& job) {
         annual.emplace(*transport, skiesOf(job.weather, job.arguments, job.scene.northDeg), count,
                        [&](double share) { progress.advance(static_cast<size_t>(1000 * share)); });
     }
-    std::vector<size_t> outside;
     NpyWriter::writeWhole(output / "illuminance.npy", count, records, [&](NpyWriter& out) {
         const size_t atOnce = std::clamp<size_t>(kValuesAtOnce / records, 1, kSensorsAtOnce);
         std::vector<float> lux, sun, error;
@@ -337,7 +352,7 @@ Year computeYear(Run& run, const Job& job) {
                 const StageTimer timer(run, "solve");
                 annual->sensors(points, lux, sun, error);
             }
-            for (const size_t s : transport->report().sensorsOutside) outside.push_back(first + s);
+            for (const size_t s : transport->report().sensorsOutside) year.outside.push_back(first + s);
             const StageTimer timer(run, "metrics");
             addMetrics(year, daylight::annualMetrics(lux, sun, occupied, job.options(), error));
             addBlock(year, job, first, lux);
@@ -346,20 +361,33 @@ Year computeYear(Run& run, const Job& job) {
         }
         startFiles(output, "annual", filesOf(job.arguments, job.mapped));
     });
-    warnOfSensorsOutside(run, outside, count);
+    for (float& lux : year.meanLux) lux /= static_cast<float>(std::max<size_t>(year.inRooms(), 1));
+    warnOfSensorsOutside(run, year.outside, count);
     reportYear(run, annual->report());
     if (ill) ill->write(output / "illuminance.ill");
     return year;
 }
 
-void writeMetrics(Run& run, const Job& job, Year&& year) {
+// Of the sensors in rooms: one in a wall or beyond it is no dark place of a room.
+daylight::AnnualMetrics metricsInRooms(const Job& job, const Year& year) {
+    std::vector<daylight::SensorMetrics> inRooms;
+    for (size_t s = 0, next = 0; s < year.sensors.size(); ++s)
+        if (next < year.outside.size() && year.outside[next] == s)
+            ++next;
+        else
+            inRooms.push_back(year.sensors[s]);
+    daylight::AnnualMetrics metrics =
+        daylight::summarized(std::move(inRooms), job.occupiedRecords(), job.options());
+    metrics.summary.meanLux = year.occupiedLux / static_cast<double>(std::max<size_t>(year.inRooms(), 1));
+    return metrics;
+}
+
+void writeMetrics(Run& run, const Job& job, const Year& year) {
     const std::filesystem::path& output = job.arguments.output;
-    const size_t count = job.sensors.points.size();
-    daylight::AnnualMetrics all =
-        daylight::summarized(std::move(year.sensors), job.occupiedRecords(), job.options());
-    all.summary.meanLux = count ? year.occupiedLux / static_cast<double>(count) : 0;
-    geometry::writeWholeText(output / "metrics.csv", metricsTable(job.sensors, all.sensors));
-    const json summary = summaryJson(all, job.weather, job.occupied);
+    const daylight::AnnualMetrics all = metricsInRooms(job, year);
+    geometry::writeWholeText(output / "metrics.csv", metricsTable(job.sensors, year.sensors));
+    json summary = summaryJson(all, job.weather, job.occupied);
+    summary["sensors_outside"] = year.outside.size();
     geometry::writeWholeText(output / "summary.json", geometry::jsonText(summary));
     run.report()["summary"] = summary;
     run.note(fmt::format("sDA300/50 {:.1f} %, ASE1000,250 {:.1f} %, mean DA {:.1f} %", all.summary.sda.value,
@@ -377,10 +405,11 @@ void execute(Run& run, const AnnualArguments& arguments) {
     const OutputFolder folder(arguments.output);
     job.scene = loadScene(run, arguments.scene);
     job.sensors = given ? std::move(*given) : sensorsFor(run, arguments, job.scene);
+    if (!arguments.sensors.empty()) refuseAllOutside(arguments, job.scene, job.sensors);
     job.mapped = temporalRows(arguments.temporal, job.sensors.points.size());
-    Year year = computeYear(run, job);
+    const Year year = computeYear(run, job);
     drawYear(run, job, year);
-    writeMetrics(run, job, std::move(year));
+    writeMetrics(run, job, year);
 }
 
 } // namespace heliodon::app

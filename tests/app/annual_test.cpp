@@ -165,6 +165,14 @@ TEST_F(Annual, illuminance_says_what_is_outside_and_takes_another_ground) {
                                       in("s.csv") + " -o " + in("year"))
                                  .output;
     EXPECT_NE(year.find("1 of 2 sensors lie in no room"), std::string::npos) << year;
+    const auto summary = nlohmann::json::parse(readText(folder / "year/summary.json"));
+    EXPECT_EQ(summary["sensors"], 1);
+    EXPECT_EQ(summary["sensors_outside"], 1);
+    const std::vector<float> lux = app::readMatrix(folder / "year/illuminance.npy", 2, 72);
+    double sum = 0;
+    for (const size_t h : {8, 9, 10, 11, 12, 13, 14, 15, 16, 17})
+        for (const size_t day : {0, 1, 2}) sum += static_cast<double>(lux[day * 24 + h]);
+    EXPECT_NEAR(summary["mean_lux"].get<double>(), sum / 30, 1e-4 * sum / 30);
     const nlohmann::json dark = ran(""), bright = ran(" --ground 1");
     // Moon and Spencer: E = 7 pi Lz / 9.
     const double outside = 7.0 / 9.0 * std::numbers::pi * 9000;
@@ -212,6 +220,9 @@ TEST_F(Annual, wrong_words_are_named) {
     };
     EXPECT_NE(said("--occupied 18-8").find("--occupied: '18-8'"), std::string::npos);
     EXPECT_NE(said("--temporal 5000").find("--temporal: '5000'"), std::string::npos);
+    writeText(in("far.csv"), "x,y,z,nx,ny,nz\n1800,4000,800,0,0,1\n3000,4000,800,0,0,1\n");
+    EXPECT_NE(said("--sensors " + in("far.csv")).find("far.csv: none of its 2 sensors lies in a room"),
+              std::string::npos);
     EXPECT_NE(said("--sensors nowhere.csv").find("nowhere.csv"), std::string::npos);
     const Outcome noWeather = heliodon("annual " + kOffice + " --weather nowhere.epw -o " + in("bad"));
     EXPECT_EQ(noWeather.exitCode, 2);
