@@ -199,14 +199,29 @@ bool losesTheSun(double direct, const EpwRecord& record) {
     return direct < 0 && record.global && record.diffuse && *record.global - *record.diffuse > kSurelySun;
 }
 
-EpwRecord readRecord(const Line& line, bool hoursFromZero, EpwFile& epw) {
+// The date and clock that a record carries.
+struct Stamp {
+    Date date;
+    int hour = 0; // 0..24
+    bool fullHour = false;
+};
+
+Stamp readStamp(const Line& line) {
+    Stamp stamp;
+    stamp.date.year = line.whole(0, "year", -9999, 9999);
+    stamp.date.month = line.whole(1, "month", 1, 12);
+    stamp.date.day = line.whole(2, "day", 1, daysInMonth(2000, stamp.date.month));
+    Line clock = line;
+    if (clock.cells.size() > 3)
+        while (clock.cells[3].ends_with(":00")) clock.cells[3].remove_suffix(3);
+    stamp.hour = clock.whole(3, "hour", 0, 24);
+    stamp.fullHour = line.cells.size() > 4 && numberFrom(line.cells[4]) == 0.0;
+    return stamp;
+}
+
+EpwRecord readRecord(const Line& line, EpwFile& epw) {
     EpwRecord record;
     record.line = line.number;
-    record.date.year = line.whole(0, "year", -9999, 9999);
-    record.date.month = line.whole(1, "month", 1, 12);
-    record.date.day = line.whole(2, "day", 1, daysInMonth(2000, record.date.month));
-    record.hour =
-        line.whole(3, "hour", hoursFromZero ? 0 : 1, hoursFromZero ? 23 : 24) + (hoursFromZero ? 1 : 0);
     const double dewPoint = line.value(7, "dew point");
     if (dewPoint > -90 && dewPoint < 70) record.dewPointC = dewPoint; // 99.9 = missing
     record.global = line.irradiance(13, "global horizontal radiation");
@@ -227,18 +242,26 @@ public:
         : periods_(std::move(periods)), perHour_(perHour), date_(periods_[0].first) {}
 
     bool finished() const { return period_ == periods_.size(); }
+    bool hoursFromZero() const { return fromZero_; }
+    bool clockAtEnd() const { return clockAtEnd_; }
     std::string expected() const { return fmt::format("{}/{} hour {}", date_.month, date_.day, hour_); }
 
-    void accept(const Line& line, EpwRecord& record) {
-        const bool leapDay = record.date.month == 2 && record.date.day == 29;
+    void accept(const Line& line, const Stamp& stamp, EpwRecord& record) {
+        if (!year_) fromZero_ = stamp.hour == 0;
+        const bool leapDay = isOn(stamp.date, {2001, 2, 29});
         // 29 February has been stepped over already: step back to it.
         if (leapDay && !leapDayDone_ && hour_ == 1 && part_ == 0 && date_.month == 3 && date_.day == 1)
             date_ = {2001, 2, 29};
         if (finished()) line.refuse("a record after the end of the data period");
-        if (record.date.month != date_.month || record.date.day != date_.day || record.hour != hour_)
+        const bool byClock = endsNow(stamp);
+        if (!byClock && (!isOn(stamp.date, date_) || stamp.hour + fromZero_ != hour_))
             line.refuse(fmt::format("is {}/{} hour {}, expected {} ({} record{} an hour by DATA PERIODS)",
-                                    record.date.month, record.date.day, record.hour, expected(), perHour_,
-                                    perHour_ == 1 ? "" : "s"));
+                                    stamp.date.month, stamp.date.day, stamp.hour + fromZero_, expected(),
+                                    perHour_, perHour_ == 1 ? "" : "s"));
+        clockAtEnd_ |= byClock;
+        if (!byClock || !year_) year_ = stamp.date.year; // at midnight of New Year the clock has the next
+        record.date = {*year_, date_.month, date_.day};
+        record.hour = hour_;
         record.part = part_;
         if (++part_ < perHour_) return;
         part_ = 0;
@@ -248,14 +271,29 @@ public:
     }
 
 private:
+    static bool isOn(const Date& a, const Date& b) { return a.month == b.month && a.day == b.day; }
+    static Date dayAfter(const Date& date) {
+        Date next = isOn(date, {2001, 2, 29}) ? Date{2001, 3, 1} : dateFromDays(daysSinceEpoch(date) + 1);
+        next.year = 2001; // a period may run over New Year
+        return next;
+    }
+    // Whether a clock at the end of the interval shows this: the full hour, at midnight 24 or the next day's
+    // 0. Of whole hours counted from 1 it is what differs from the format; an hour's last part, counted from
+    // 0, has the next hour's number.
+    bool endsNow(const Stamp& stamp) const {
+        if (part_ + 1 < perHour_ || (fromZero_ && (perHour_ == 1 || !stamp.fullHour))) return false;
+        if (hour_ == 24 && stamp.hour == 0)
+            return isOn(stamp.date, dayAfter(date_)) ||
+                   (isOn(stamp.date, {2001, 2, 29}) && isOn(date_, {2001, 2, 28}));
+        return fromZero_ && stamp.hour == hour_ && isOn(stamp.date, date_);
+    }
     void nextDay(const Date& done) {
         leapDayDone_ = done.month == 2 && done.day == 29;
         if (done.month == periods_[period_].last.month && done.day == periods_[period_].last.day) {
             if (++period_ < periods_.size()) date_ = periods_[period_].first;
             return;
         }
-        date_ = leapDayDone_ ? Date{2001, 3, 1} : dateFromDays(daysSinceEpoch(date_) + 1);
-        date_.year = 2001; // a period may run over New Year
+        date_ = dayAfter(date_);
     }
 
     std::vector<Period> periods_;
@@ -263,6 +301,9 @@ private:
     size_t period_ = 0;
     Date date_;
     int hour_ = 1, part_ = 0;
+    std::optional<int> year_;  // of the last record; none before the first
+    bool fromZero_ = false;    // hours 0 to 23, by the first record
+    bool clockAtEnd_ = false;  // records carry the clock at their end
     bool leapDayDone_ = false; // by the last record
 };
 
@@ -276,7 +317,7 @@ EpwFile readEpw(const std::filesystem::path& path) {
 
     EpwFile epw;
     std::optional<Sequence> sequence;
-    bool located = false, hoursFromZero = false;
+    bool located = false;
     size_t number = 0;
     while (!rest.empty()) {
         const size_t end = rest.find('\n');
@@ -297,10 +338,9 @@ EpwFile readEpw(const std::filesystem::path& path) {
             else if (numberFrom(line.cells[0]))
                 line.refuse("a record before the line DATA PERIODS");
         } else {
-            if (epw.records.empty())
-                hoursFromZero = line.cells.size() > 3 && numberFrom(line.cells[3]) == 0.0;
-            EpwRecord record = readRecord(line, hoursFromZero, epw);
-            sequence->accept(line, record);
+            const Stamp stamp = readStamp(line);
+            EpwRecord record = readRecord(line, epw);
+            sequence->accept(line, stamp, record);
             epw.records.push_back(record);
         }
     }
@@ -309,7 +349,10 @@ EpwFile readEpw(const std::filesystem::path& path) {
     if (!sequence) throw InputError(file, last, "the file ends before the line DATA PERIODS");
     if (!sequence->finished())
         throw InputError(file, last, fmt::format("the file ends before {}", sequence->expected()));
-    if (hoursFromZero) epw.warnings.emplace_back("Hours run from 0 to 23; read as 1 to 24.");
+    if (sequence->clockAtEnd())
+        epw.warnings.emplace_back("Records carry the clock at their end; read as hours 1 to 24.");
+    else if (sequence->hoursFromZero())
+        epw.warnings.emplace_back("Hours run from 0 to 23; read as 1 to 24.");
     return epw;
 }
 

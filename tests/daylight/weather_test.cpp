@@ -213,6 +213,42 @@ TEST(Weather, accepts_the_oddities_of_real_files) {
     const Weather shifted = weatherOf(kHeader + periods("6/1", "6/1") + zeroBased);
     EXPECT_EQ(shifted.hours[0].clockHour, 0.5);
     EXPECT_EQ(shifted.warnings.size(), 1u);
+    // The clock at the end of each hour, over the leap day and New Year.
+    const auto clockDays = [](int month, int day, int nextMonth, int nextDay, int last) {
+        std::string all;
+        for (int h = 1; h <= 23; ++h) all += text({month, day, h});
+        return all + text({nextMonth, nextDay, last});
+    };
+    for (const std::string& rolling : {periods("2/28", "3/1") + clockDays(2, 28, 2, 29, 0) +
+                                           clockDays(2, 29, 3, 1, 0) + clockDays(3, 1, 3, 2, 0),
+                                       periods("2/27", "3/1") + clockDays(2, 27, 2, 28, 0) +
+                                           clockDays(2, 28, 3, 1, 0) + clockDays(3, 1, 3, 2, 0),
+                                       periods("12/30", "1/1") + clockDays(12, 30, 12, 31, 0) +
+                                           clockDays(12, 31, 1, 1, 0) + clockDays(1, 1, 1, 2, 0)}) {
+        const Weather clock = weatherOf(kHeader + rolling);
+        ASSERT_EQ(clock.hours.size(), 72u);
+        for (size_t h = 0; h < 72; ++h)
+            EXPECT_EQ(clock.hours[h].clockHour, static_cast<double>(h % 24) + 0.5);
+        EXPECT_EQ(clock.warnings.size(), 1u);
+    }
+    // The same of half hours, midnight as 24 or 0; and hours written as a clock has them.
+    for (const bool rolls : {false, true}) {
+        std::string halves, hours = periods("6/1", "6/1", 2);
+        for (int half = 1; half <= 48; ++half) {
+            const bool midnight = half == 48 && rolls;
+            halves += "1999,6," + std::to_string(midnight ? 2 : 1) + "," +
+                      std::to_string(midnight ? 0 : half / 2) + "," + (half % 2 ? "30" : "0") +
+                      ",?9?9,15,7,87,101300,0,0,305,0,0,0,0,0,0,0,130,2.6,4,4,24.1,77777,9\n";
+        }
+        const Weather clock = weatherOf(kHeader + hours + halves);
+        ASSERT_EQ(clock.hours.size(), 48u);
+        for (size_t h = 0; h < 48; ++h)
+            EXPECT_EQ(clock.hours[h].clockHour, 0.5 * static_cast<double>(h) + 0.25);
+    }
+    std::string colons = days(6, 1, 1);
+    for (size_t at = 0; (at = colons.find(",60,?", at)) != std::string::npos; at += 6)
+        colons.insert(at, ":00");
+    EXPECT_EQ(weatherOf(kHeader + periods("6/1", "6/1") + colons).hours.size(), 24u);
     // Four records an hour.
     std::string quarters;
     for (int h = 1; h <= 24; ++h)
