@@ -90,6 +90,9 @@ private:
             }
     }
 
+    // Of a line so long that starts at 1 an inch.
+    static double price(double way) { return way * (1 + kGrowth * way / 2); }
+
     struct OpenCorner {
         double price = 0,
                sideways = 0; // of lengthening both walls, and what an inch square to them is to cost
@@ -108,27 +111,32 @@ private:
         if (firstHit(plan_.solids, e.middle, e.out, e.piece) < alongE ||
             firstHit(plan_.solids, f.middle, f.out, f.piece) < alongF)
             return {};
-        const auto price = [](double way) { return way * (1 + kGrowth * way / 2); };
         const double both = price(alongE) + price(alongF);
         // Square to both walls from their ends one goes tan(angle / 2) times as far.
         const double halfTangent = std::abs(turn) / (1 + glm::dot(e.out, f.out));
         return {both, kShortCut * both / (halfTangent * (alongE + alongF))};
     }
 
-    void ray(glm::dvec2 from, glm::dvec2 direction, int own, double weight) {
+    void ray(glm::dvec2 from, glm::dvec2 direction, int own, double weight, double growth = kGrowth) {
         const double t = std::min(firstHit(plan_.solids, from, direction, own) + kOverlap, kLongestBridge);
-        if (t > 0.025) add(from, from + t * direction, {.weight = weight, .growth = kGrowth, .start = from});
+        if (t > 0.025) add(from, from + t * direction, {.weight = weight, .growth = growth, .start = from});
     }
 
     void extend(const WallEnd& end) {
         const glm::dvec2 side = glm::normalize(end.left - end.right);
         if (!alongSide_.contains({end.piece, end.atB})) {
-            ray(end.right, end.out, end.piece, 1.0);
-            ray(end.left, end.out, end.piece, 1.0);
-            const double reach = std::min(firstHit(plan_.solids, end.right, end.out, end.piece),
-                                          firstHit(plan_.solids, end.left, end.out, end.piece));
-            if (reach < kLongestBridge)
-                out_.ahead.push_back({end.right, end.left, end.out, reach + kSlanted});
+            const double right = firstHit(plan_.solids, end.right, end.out, end.piece),
+                         left = firstHit(plan_.solids, end.left, end.out, end.piece);
+            // Before a wall at a slant both sides cost the same: the shorter way is no reason to take one.
+            const auto weight = [&](double way) {
+                return std::abs(right - left) < kSlanted
+                           ? price(std::max(right, left) + kOverlap) / price(way + kOverlap)
+                           : 1;
+            };
+            ray(end.right, end.out, end.piece, weight(right), weight(right) * kGrowth);
+            ray(end.left, end.out, end.piece, weight(left), weight(left) * kGrowth);
+            if (std::min(right, left) < kLongestBridge)
+                out_.ahead.push_back({end.right, end.left, end.out, std::min(right, left) + kSlanted});
         }
         if (piece(end).curved) continueArc(end);
         double sideways = 1.5;

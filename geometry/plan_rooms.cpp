@@ -39,7 +39,7 @@ constexpr double kMostOpen = 0.4;  // of the perimeter; what is more open than t
 constexpr double kFewestWalls = 3; // logical walls; an arc counts as one for each quarter turn
 constexpr double kTight = 0.1;     // of the perimeter: with less of it open, an arc and its chord will do
 constexpr double kStub = 0.5;      // inches: what overshoots a corner by less is no wall of the space beyond
-constexpr double kAhead = 1.2;     // what an inch of wall costs that a wall would cover if it were lengthened
+constexpr double kAhead = 1.2;     // of the price: what an inch of wall costs on which another one would end
 constexpr double kBeside = 0.3;    // the sine of the angle between walls that run beside one another
 constexpr std::array kPrices{0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.75};
 // Rings of walls of their own that leave more open: three gaps and more, none wider than the walls beside it.
@@ -274,7 +274,7 @@ private:
         }
         for (const WallFace& face : faces_) {
             if (face.ahead)
-                cost[face.group] += std::llround(kAhead * edgeLength(face.half) * kCapacityUnit);
+                cost[face.group] += std::llround(kAhead * price * edgeLength(face.half) * kCapacityUnit);
             else
                 gain[face.group] += std::llround(
                     price * used_[static_cast<size_t>(face.piece)].unused(face.stretch) * kCapacityUnit);
