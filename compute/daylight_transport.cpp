@@ -88,7 +88,7 @@ struct DaylightTransport::State {
     void findOpenings();
     void makeSky();
     void makeSensors();
-    void makeNearLight();
+    void makeNearLight(const std::function<void(size_t)>& done);
     void readMaterials();
     Moment direct(const daylight::Sky& sky) const;
     void skyAtSensors(Moment& moment, const daylight::Sky& sky) const;
@@ -172,6 +172,9 @@ void DaylightTransport::State::findOpenings() {
     if (hasOpenings || options.skipNothing) makeSky();
     report.skipped.clear();
     if (!hasOpenings) report.skipped.emplace_back("sky coefficients: no opening leads outside");
+    if (!blinds->empty())
+        report.skipped.emplace_back(
+            "blinds: light that they scatter outwards, also into other windows that they face");
     report.skyElements = patchSky.elements;
 }
 
@@ -197,10 +200,10 @@ void DaylightTransport::State::makeSensors() {
 }
 
 // Not with the sensors: it takes reflectances, which may change before there is light.
-void DaylightTransport::State::makeNearLight() {
+void DaylightTransport::State::makeNearLight(const std::function<void(size_t)>& done) {
     if (hasNearLight) return;
     const SecondsAdded clock(report.sensorSeconds);
-    report.sensorsNearWalls = findNearLight(*points, *slopes, *slats, columnsPerMoment(), sensors);
+    report.sensorsNearWalls = findNearLight(*points, *slopes, *slats, columnsPerMoment(), sensors, done);
     hasNearLight = true;
 }
 
@@ -485,9 +488,13 @@ Moment DaylightTransport::light(const daylight::Sky& sky) {
     return std::move(light(std::span(&sky, 1))[0]);
 }
 
+void DaylightTransport::makeNearLight(const std::function<void(size_t)>& done) {
+    state_->makeNearLight(done);
+}
+
 std::vector<Moment> DaylightTransport::light(std::span<const daylight::Sky> skies) {
     std::vector<Moment> moments;
-    state_->makeNearLight();
+    makeNearLight();
     for (const daylight::Sky& sky : skies) moments.push_back(state_->direct(sky));
     if (!moments.empty()) state_->solve(moments);
     return moments;
@@ -495,7 +502,7 @@ std::vector<Moment> DaylightTransport::light(std::span<const daylight::Sky> skie
 
 TransportParts DaylightTransport::parts() {
     State& state = *state_;
-    state.makeNearLight();
+    state.makeNearLight({});
     return {*state.solver,
             *state.tinted,
             state.columnsPerMoment(),

@@ -11,6 +11,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -134,6 +135,10 @@ public:
     // (report().sensorsOutside).
     void setSensors(std::vector<Sensor> sensors);
 
+    // What walls beside sensors give (near_light.h), 4 to 20 ms of one core for each that has one; else the
+    // first light() or parts() after setSensors or setMaterials makes it. `done` is told sensors.
+    void makeNearLight(const std::function<void(size_t)>& done = {});
+
     // Light of one sky. `error` is an estimate, meant to hold on 99 of 100 places, not a proven bound. It
     // adds up: the solver's bound; a share of how much light varies within the patches that a sensor sees
     // (what the mesh leaves open: falls as the mesh gets finer; of patches' means, that of patches nearby);
@@ -143,8 +148,7 @@ public:
     // Several moments through shared passes over F; bits may differ from one at a time by the solver's
     // tolerance.
     // Sensors so near to patches that one fills a fifth of their view or several 0.35 of it, as in corners,
-    // get their light anew (near_light.h): the first call after setSensors or setMaterials takes some 20 ms
-    // of one core for each.
+    // get their light anew (makeNearLight).
     std::vector<Moment> light(std::span<const daylight::Sky> skies);
 
     TransportParts parts();

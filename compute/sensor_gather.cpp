@@ -104,13 +104,16 @@ SensorGather gatherSensors(const PointScene& scene, const PatchSlopes& slopes, c
 }
 
 size_t findNearLight(const PointScene& scene, const PatchSlopes& slopes, const SlatLobes& slats,
-                     uint32_t channels, SensorGather& gather) {
-    inParallel(gather.sensors.size(), [&](size_t s) {
-        const Sensor& sensor = gather.sensors[s];
-        if (gather.nearWall[s])
-            gather.near[s] = nearLight(scene, slopes, slats, gather.nearWalls,
-                                       {sensor.position, sensor.normal, gather.room[s]}, channels);
-    });
+                     uint32_t channels, SensorGather& gather, const std::function<void(size_t)>& done) {
+    inParallel(
+        gather.sensors.size(),
+        [&](size_t s) {
+            const Sensor& sensor = gather.sensors[s];
+            if (gather.nearWall[s])
+                gather.near[s] = nearLight(scene, slopes, slats, gather.nearWalls,
+                                           {sensor.position, sensor.normal, gather.room[s]}, channels);
+        },
+        done);
     return static_cast<size_t>(std::count(gather.nearWall.begin(), gather.nearWall.end(), 1));
 }
 

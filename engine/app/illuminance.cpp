@@ -11,6 +11,7 @@
 #include "engine/app/light_report.h"
 #include "engine/app/moment.h"
 #include "engine/app/plan_chart.h"
+#include "engine/app/progress.h"
 #include "engine/app/scene_input.h"
 #include "engine/app/table_file.h"
 #include "engine/app/work_plane.h"
@@ -100,6 +101,20 @@ Input readInput(Run& run, const IlluminanceArguments& arguments) {
     return input;
 }
 
+void giveSensors(Run& run, compute::DaylightTransport& transport, const SensorTable& sensors) {
+    std::vector<compute::Sensor> points;
+    for (size_t i = 0; i < sensors.points.size(); ++i)
+        points.push_back({sensors.points[i], sensors.normals[i]});
+    {
+        const StageTimer timer(run, "sensors");
+        transport.setSensors(std::move(points));
+    }
+    warnOfSensorsOutside(run, transport.report().sensorsOutside, sensors.points.size());
+    const StageTimer timer(run, "near_walls");
+    Progress progress("walls beside sensors", sensors.points.size(), run.showsProgress());
+    transport.makeNearLight([&](size_t done) { progress.advance(done); });
+}
+
 Solution solveOn(Run& run, const IlluminanceArguments& arguments, const Input& input, size_t triangles) {
     Solution s;
     s.sensors = input.sensors;
@@ -124,14 +139,7 @@ Solution solveOn(Run& run, const IlluminanceArguments& arguments, const Input& i
         plane.spacing /= 2; // for the drawing only: patches of sun keep their shape
         s.sensors = workPlaneSensors(s.scene.mesh, s.scene.up, plane);
     }
-    if (s.sensors) {
-        const StageTimer timer(run, "sensors");
-        std::vector<compute::Sensor> points;
-        for (size_t i = 0; i < s.sensors->points.size(); ++i)
-            points.push_back({s.sensors->points[i], s.sensors->normals[i]});
-        transport->setSensors(std::move(points));
-    }
-    if (s.sensors) warnOfSensorsOutside(run, transport->report().sensorsOutside, s.sensors->points.size());
+    if (s.sensors) giveSensors(run, *transport, *s.sensors);
     s.moment = std::move(solveLight(run, *transport, std::span(&sky, 1))[0]);
     warnOfNight(run, source, lightFigures(s.scene.mesh, s.moment).maxLux);
     return s;
