@@ -34,6 +34,7 @@ public:
                  [this](SceneChange change) { light_.change(std::move(change)); }),
           table_(rig_, arguments.camera, cameraOptions(), board_, tables_) {
         run.noteAssumed();
+        run.note(fmt::format("showing {}; Esc or Q in a window, or Ctrl-C here, ends", outputs_->inWords()));
     }
 
     void show() {
@@ -50,7 +51,7 @@ public:
     }
 
     void report() {
-        warnOfRefusals();
+        say();
         const LiveStatus status = board_.read();
         nlohmann::json& report = run_.report();
         report["live"] = {{"seconds", secondsSince(started_)},
@@ -72,6 +73,11 @@ public:
                           {"done_again", rows_},
                           {"outputs", outputs_ ? outputs_->report() : nlohmann::json::array()}};
         report["table"] = status.scene;
+        // Of the latest sketch and the latest drawing.
+        report["stages"] = status.scene.value("stages", nlohmann::json::object());
+        report["stages"]["detect"] = status.detectSeconds;
+        report["stages"]["solve"] = figures_.solve.last();
+        report["stages"]["render"] = figures_.draw.last();
         if (lit_) {
             reportMoment(run_, lit_->moment->report);
             report["light"] = {
@@ -117,12 +123,13 @@ private:
         runScript();
         take();
         draw(events);
-        warnOfRefusals();
+        say();
     }
 
-    // The windows show the latest reason; who runs without them reads it here. Once for each.
-    void warnOfRefusals() {
-        for (const std::string& why : board_.takeUnsaid()) run_.warn("not shown: " + why);
+    // The windows show the latest; who runs without them reads it here.
+    void say() {
+        for (const LiveStatus::Message& message : board_.takeUnsaid())
+            message.warning ? run_.warn(message.text) : run_.note(message.text);
     }
 
     // What the user did, and the light that follows from it, asked for at once. True if there was anything.

@@ -24,8 +24,8 @@ inline double secondsSince(LiveClock::time_point start) {
 
 // Texts are whole sentences or names, empty where there is nothing to say; counts are since the start.
 struct LiveStatus {
-    std::string camera = "no camera yet"; // what it is, or why there is none
-    bool cameraFails = false, tableMoves = false;
+    std::string camera = "no camera yet";                         // what it is, or why there is none
+    bool cameraFails = false, unnamed = true, tableMoves = false; // unnamed: nothing was said of a camera
     bool cameraEnded = false; // and its last picture has been looked at: no look follows
     std::shared_ptr<const vision::Photograph> photo; // the latest
     geometry::Sketch seen;                           // what was detected last
@@ -38,13 +38,25 @@ struct LiveStatus {
     nlohmann::json scene = nlohmann::json::object(); // report of the sketch that is shown
     size_t pictures = 0, looks = 0;                  // looks: at changed tables, or in vain
     size_t detections = 0, sketches = 0, refusals = 0, cameraLosses = 0, deviceLosses = 0;
-    std::vector<std::string> unsaid; // reasons of refusals that the thread that shows has not taken yet
+    struct Message {
+        bool warning;
+        std::string text;
+    };
+    std::vector<Message> unsaid; // to the console; the thread that shows has not taken them yet
 
     // `field`: pictureRefused or refused.
     void refuse(std::string LiveStatus::*field, const std::string& why) {
         this->*field = why;
         ++refusals;
-        unsaid.push_back(why);
+        unsaid.push_back({true, "not shown: " + why});
+    }
+    // What the camera is, or, where it `fails`, why there is none.
+    void describeCamera(const std::string& what, bool fails) {
+        const bool changes = fails != cameraFails || unnamed;
+        camera = what;
+        cameraFails = fails;
+        unnamed = false;
+        if (changes) unsaid.push_back({fails, fails ? what : "camera: " + what});
     }
 };
 
@@ -61,7 +73,7 @@ public:
         return status_;
     }
 
-    std::vector<std::string> takeUnsaid() {
+    std::vector<LiveStatus::Message> takeUnsaid() {
         const std::lock_guard lock(mutex_);
         return std::exchange(status_.unsaid, {});
     }

@@ -13,6 +13,7 @@ namespace heliodon::app {
 
 namespace {
 
+constexpr const char* kOperatorTitle = "heliodon";
 constexpr int kOperatorWidth = 1320, kOperatorHeight = 840;
 constexpr double kCameraSeconds = 0.2; // from one camera picture in the operator's window to the next
 
@@ -31,7 +32,7 @@ present::WindowOptions projectorWindow(const geometry::Projector& projector, siz
 
 // On a display that is no projector's, where there is one.
 present::WindowOptions operatorWindow(const geometry::Rig& rig, bool windowed) {
-    present::WindowOptions options{"heliodon", kOperatorWidth, kOperatorHeight};
+    present::WindowOptions options{kOperatorTitle, kOperatorWidth, kOperatorHeight};
     const std::vector<present::Display> displays = present::displays();
     const auto isProjectors = [&](const present::Display& display) {
         return !windowed && std::any_of(rig.projectors.begin(), rig.projectors.end(),
@@ -79,6 +80,7 @@ LiveOutputs::LiveOutputs(Run& run, const geometry::Rig& rig, const LiveArguments
     presenter_.emplace(*device_, windows);
     operator_ = std::make_unique<present::OperatorWindow>(*device_, *presenter_, operatorIndex());
     notices_.resize(windows.size());
+    displayLosses_.resize(windows.size());
     chosen_.resize(rig.projectors.size());
     choose(present::Shown::light, false);
 }
@@ -91,7 +93,13 @@ std::vector<present::Event> LiveOutputs::pollEvents(double waitSeconds) {
     std::vector<present::Event> events = presenter_->pollEvents(waitSeconds);
     for (size_t i = 0; i < notices_.size(); ++i) {
         const std::string& notice = presenter_->notice(i);
-        if (notice != notices_[i] && !notice.empty()) run_.warn(notice);
+        if (notice != notices_[i]) {
+            displayLosses_[i] += !notice.empty();
+            if (!notice.empty())
+                run_.warn(notice);
+            else if (presenter_->state(i) != present::WindowState::closed)
+                run_.note(fmt::format("display '{}' is connected", rig_.projectors[i].display));
+        }
         notices_[i] = notice;
     }
     std::erase_if(events, [this](const present::Event& event) {
@@ -252,6 +260,17 @@ void LiveOutputs::snapshot(const std::filesystem::path& folder, const std::strin
     }
 }
 
+std::string LiveOutputs::inWords() const {
+    std::vector<std::string> list;
+    for (size_t i = 0; i < operatorIndex(); ++i) {
+        const geometry::Projector& projector = rig_.projectors[i];
+        list.push_back(presenter_->fullScreen(i)
+                           ? fmt::format("{} on display {}", projector.id, projector.display)
+                           : projector.id + " in a window");
+    }
+    return fmt::format("{}; operator's window '{}'", fmt::join(list, ", "), kOperatorTitle);
+}
+
 nlohmann::json LiveOutputs::report() const {
     nlohmann::json list = nlohmann::json::array();
     for (size_t i = 0; i < operatorIndex(); ++i)
@@ -259,6 +278,7 @@ nlohmann::json LiveOutputs::report() const {
                         {"display", rig_.projectors[i].display},
                         {"full_screen", presenter_->fullScreen(i)},
                         {"notice", presenter_->notice(i)},
+                        {"display_losses", displayLosses_[i]},
                         {"closed", presenter_->reason(i)}});
     return list;
 }

@@ -63,6 +63,8 @@ public:
     // NAME-projector-0.png ..., NAME-operator.png: what the windows hold after one more presentation.
     void snapshot(const std::filesystem::path& folder, const std::string& name);
 
+    // Which projector has which display or window.
+    std::string inWords() const;
     nlohmann::json report() const;
 
 private:
@@ -85,6 +87,7 @@ private:
     std::shared_ptr<const vision::Photograph> cameraShown_;
     std::chrono::steady_clock::time_point cameraSent_{};
     std::vector<std::string> notices_;
+    std::vector<size_t> displayLosses_; // per window: how often its display was missing
 };
 
 } // namespace heliodon::app

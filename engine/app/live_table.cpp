@@ -120,8 +120,7 @@ LiveTable::LiveTable(const geometry::Rig& rig, const std::string& source,
         camera_ = vision::openCamera(source_, options_);
     } catch (const vision::CameraLost& lost) {
         board_.update([&](LiveStatus& status) {
-            status.camera = lost.what();
-            status.cameraFails = true;
+            status.describeCamera(std::string(lost.what()) + "; trying again", true);
         });
     }
     board_.begin(); // the first picture
@@ -153,10 +152,7 @@ void LiveTable::run() {
         try {
             if (!camera_) openAgain();
             const auto picture = camera_->next(kLook);
-            board_.update([&](LiveStatus& status) {
-                status.camera = camera_->description();
-                status.cameraFails = false;
-            });
+            board_.update([&](LiveStatus& status) { status.describeCamera(camera_->description(), false); });
             if (picture) {
                 eye.look(*picture, *camera_);
                 if (first && (!camera_->isContinuous() || board_.looks() > 0)) arrived();
@@ -165,8 +161,7 @@ void LiveTable::run() {
             camera_.reset();
             board_.update([&](LiveStatus& status) {
                 status.cameraLosses += !status.cameraFails;
-                status.camera = std::string(lost.what()) + "; trying again";
-                status.cameraFails = true;
+                status.describeCamera(std::string(lost.what()) + "; trying again", true);
             });
             arrived();
             for (auto waited = kRetry * 0; waited < kRetry && !stop_; waited += kLook)

@@ -1,6 +1,8 @@
 #include "engine/present/operator_layout.h"
 
 #include <algorithm>
+#include <array>
+#include <cfloat>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -50,33 +52,66 @@ PlacedPicture fitted(const gpu::Image& picture, ImVec2 at, ImVec2 room) {
     return {&picture, left, top, left + scale * width, top + scale * height};
 }
 
+struct Extent {
+    ImVec2 low{FLT_MAX, FLT_MAX}, high{-FLT_MAX, -FLT_MAX};
+
+    void grow(ImVec2 p) {
+        low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+        high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+    }
+    bool covers(const Extent& o) const {
+        return low.x < o.high.x && o.low.x < high.x && low.y < o.high.y && o.low.y < high.y;
+    }
+};
+
+// Beside what it names, above or below, of what is upright at its left or right; first on the side away from
+// `middle`, and where no other label is, if there is such a place.
+Extent labelBeside(const Extent& named, ImVec2 size, ImVec2 middle, const std::vector<Extent>& placed) {
+    constexpr float kGap = 3;
+    const ImVec2 at{0.5f * (named.low.x + named.high.x), 0.5f * (named.low.y + named.high.y)};
+    const auto around = [&](float x, float y) {
+        return Extent{{x - 0.5f * size.x, y - 0.5f * size.y}, {x + 0.5f * size.x, y + 0.5f * size.y}};
+    };
+    const float across = 0.5f * size.x + kGap, down = 0.5f * size.y + kGap;
+    std::array<Extent, 4> places{around(at.x, named.low.y - down), around(at.x, named.high.y + down),
+                                 around(named.low.x - across, at.y), around(named.high.x + across, at.y)};
+    if (at.y > middle.y) std::swap(places[0], places[1]);
+    if (at.x > middle.x) std::swap(places[2], places[3]);
+    if (named.high.y - named.low.y > 1.5f * (named.high.x - named.low.x))
+        std::rotate(&places[0], &places[2], &places[4]);
+    for (const Extent& place : places)
+        if (std::ranges::none_of(placed, [&](const Extent& other) { return place.covers(other); }))
+            return place;
+    return places[0];
+}
+
 void drawOutlines(const PlacedPicture& placed, const std::vector<OperatorOutline>& outlines) {
     ImDrawList* list = ImGui::GetWindowDrawList();
     const float scale = (placed.right - placed.left) / static_cast<float>(placed.picture->info().width);
     list->PushClipRect({placed.left, placed.top}, {placed.right, placed.bottom}, true);
-    std::vector<std::pair<ImVec2, const OperatorOutline*>> labels; // over all outlines
+    std::vector<std::pair<Extent, const OperatorOutline*>> named; // labels go over all outlines
     for (const OperatorOutline& outline : outlines) {
         std::vector<ImVec2> points;
-        ImVec2 middle{0, 0};
+        Extent extent;
         for (const glm::dvec2& p : outline.points) {
             points.push_back({placed.left + scale * (static_cast<float>(p.x) + 0.5f),
                               placed.top + scale * (static_cast<float>(p.y) + 0.5f)});
-            middle.x += points.back().x, middle.y += points.back().y;
+            extent.grow(points.back());
         }
         if (points.size() < 2) continue;
         const int count = static_cast<int>(points.size());
         list->AddPolyline(points.data(), count, IM_COL32(10, 10, 14, 190), ImDrawFlags_Closed, 3.5f);
         list->AddPolyline(points.data(), count, packed(outline.colour), ImDrawFlags_Closed, 1.6f);
-        if (!outline.label.empty())
-            labels.push_back(
-                {{middle.x / static_cast<float>(count), middle.y / static_cast<float>(count)}, &outline});
+        if (!outline.label.empty()) named.emplace_back(extent, &outline);
     }
-    for (const auto& [middle, outline] : labels) {
-        const ImVec2 size = ImGui::CalcTextSize(outline->label.c_str());
-        const ImVec2 at{middle.x - size.x / 2, middle.y - size.y / 2};
-        list->AddRectFilled({at.x - 4, at.y - 1}, {at.x + size.x + 4, at.y + size.y + 1},
-                            IM_COL32(15, 16, 20, 190), 4);
-        list->AddText(at, packed(outline->colour), outline->label.c_str());
+    const ImVec2 middle{0.5f * (placed.left + placed.right), 0.5f * (placed.top + placed.bottom)};
+    std::vector<Extent> labels;
+    for (const auto& [extent, outline] : named) {
+        const ImVec2 words = ImGui::CalcTextSize(outline->label.c_str());
+        const Extent plate = labelBeside(extent, {words.x + 8, words.y + 2}, middle, labels);
+        labels.push_back(plate);
+        list->AddRectFilled(plate.low, plate.high, IM_COL32(15, 16, 20, 190), 4);
+        list->AddText({plate.low.x + 4, plate.low.y + 1}, packed(outline->colour), outline->label.c_str());
     }
     list->PopClipRect();
 }

@@ -26,8 +26,23 @@ TEST(LiveStatus, every_reason_of_a_refusal_is_handed_on_once) {
     });
     EXPECT_EQ(board.read().refusals, 2u);
     EXPECT_EQ(board.read().refused, "open");
-    EXPECT_EQ(board.takeUnsaid(), (std::vector<std::string>{"grey", "open"}));
+    const auto said = board.takeUnsaid();
+    ASSERT_EQ(said.size(), 2u);
+    EXPECT_EQ(said[0].text, "not shown: grey");
+    EXPECT_EQ(said[1].text, "not shown: open");
+    EXPECT_TRUE(said[0].warning && said[1].warning);
     EXPECT_TRUE(board.takeUnsaid().empty());
+    // Of a camera its loss and its return, not every attempt.
+    for (const char* why : {"none; trying again", "gone; trying again"})
+        board.update([&](app::LiveStatus& status) { status.describeCamera(why, true); });
+    for (int k = 0; k < 3; ++k)
+        board.update([&](app::LiveStatus& status) { status.describeCamera("file a.png", false); });
+    const auto cameras = board.takeUnsaid();
+    ASSERT_EQ(cameras.size(), 2u);
+    EXPECT_EQ(cameras[0].text, "none; trying again");
+    EXPECT_TRUE(cameras[0].warning);
+    EXPECT_EQ(cameras[1].text, "camera: file a.png");
+    EXPECT_FALSE(cameras[1].warning);
 }
 
 } // namespace
