@@ -79,18 +79,22 @@ void loadPair(uint record) {
 
 vec3 fromInner(vec2 at) { return outerOrigin + at.x * outerU + at.y * outerV; }
 
-// Twice pi times the form factor of what of the piece is in shadow. `hidden` when one blocker hides all.
-float shadowsSum(out bool hidden) {
+// Twice pi times the form factor of what of the piece, which has `whole`, is in shadow. `hidden` when one blocker hides
+// all. Of a shadow as thin as rounding, as thin slabs cast that are seen edge-on, one border may count as another's and
+// the other not: what both cover is held to what one covers.
+float shadowsSum(float whole, out bool hidden) {
     Shadow one, other;
     uint shadows = 0u, m = 0u;
     hidden = false;
-    float sum = 0.0;
+    float sum = 0.0, least = whole;
     [[dont_unroll]] do {
         Shadow s;
         bvec2 found = castShadow(blocker[m], s);
         hidden = hidden || found.y;
         if (!found.x && !found.y) {
-            sum += shadowSum(s);
+            float covered = clamp(shadowSum(s), 0.0, whole);
+            sum += covered;
+            least = min(least, covered);
             other = one;
             one = s;
             ++shadows;
@@ -101,7 +105,7 @@ float shadowsSum(out bool hidden) {
         vec2 both[kRim];
         [[unroll]] for (int k = 0; k <= kCorners; ++k)
             both[k] = vec2(max(one.rim[k].x, other.rim[k].x), min(one.rim[k].y, other.rim[k].y));
-        sum -= overRim(both) + coveredSum(one, other, true) + coveredSum(other, one, false);
+        sum -= clamp(overRim(both) + coveredSum(one, other, true) + coveredSum(other, one, false), 0.0, least);
     }
     return sum;
 }
@@ -119,7 +123,7 @@ float seen(vec2 at) {
     if (kBlockers == 0u) return kInverseTwoPi * max(0.0, whole);
     // What rounding leaves over: angles are good to 1e-7, of which the piece spans its size over the distance.
     bool hidden;
-    float lit = whole - shadowsSum(hidden), left = 2e-6 * max(1.0, length(point) / pair.innerSize);
+    float lit = whole - shadowsSum(whole, hidden), left = 2e-6 * max(1.0, length(point) / pair.innerSize);
     bool lost = hidden || lit <= left * whole;
     views |= lost ? kSeesNothing : lit == whole ? kSeesAll : kSeesPart;
     return lost ? 0.0 : kInverseTwoPi * lit;
