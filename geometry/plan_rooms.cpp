@@ -47,6 +47,7 @@ constexpr std::array kRingPrices{1.0, 1.2, 1.4, 1.6};
 constexpr double kMostOpenRing = 0.6;
 constexpr size_t kFewestGaps = 3;
 constexpr double kStraight = 0.1;     // the sine of the angle between parts of a straight gap
+constexpr double kSpeck = 1e-3;       // inches: edges that only rounding has made
 constexpr double kJog = 0.5;          // inches: how far walls of one side may miss one another
 constexpr double kCapacityUnit = 1e6; // of a length of 1 in: exact integer flow
 constexpr int64_t kForever = int64_t{1} << 50;
@@ -341,6 +342,7 @@ private:
         std::vector<Run> out;
         glm::dvec2 direction{};
         for (const uint32_t h : regions.front().loops.front()) {
+            if (edgeLength(h) < kSpeck) continue;
             const bool gap = !solid_[map_.cell[h ^ 1u]], starts = out.empty() || out.back().gap != gap;
             const glm::dvec2 from = map_.points[map_.source(h)], to = map_.points[map_.target[h]];
             if (starts) out.push_back({gap, from});
