@@ -1,10 +1,11 @@
 #include "geometry/blind.h"
 
 #include <algorithm>
-#include <charconv>
 #include <vector>
 
 #include <fmt/format.h>
+
+#include "geometry/number_text.h"
 
 namespace heliodon::geometry {
 
@@ -26,13 +27,11 @@ std::vector<double> numbersOf(std::string_view text, size_t needed, const std::v
             continue;
         }
         const size_t comma = std::min(text.find(',', at), text.size());
-        double value = 0;
-        const auto end = std::from_chars(text.data() + at, text.data() + comma, value);
-        if (end.ec != std::errc() || end.ptr != text.data() + comma ||
-            !(value >= range.low && value <= range.high))
+        const std::optional<double> value = numberFrom(text.substr(at, comma - at));
+        if (!value || *value < range.low || *value > range.high)
             throw std::invalid_argument(fmt::format("{} is '{}', expected {:g} to {:g}", range.name,
                                                     text.substr(at, comma - at), range.low, range.high));
-        values.push_back(value);
+        values.push_back(*value);
         at = comma + 1;
     }
     if (at <= text.size())

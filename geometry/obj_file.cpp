@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "geometry/input_error.h"
+#include "geometry/number_text.h"
 #include "geometry/raw_model.h"
 #include "geometry/text_file.h"
 
@@ -73,12 +74,11 @@ public:
     double number(const char* expected) {
         std::string_view text = word();
         if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
-        double value = 0;
-        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-        if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+        const std::optional<double> value = numberFrom(text);
+        if (!value)
             fail(text.empty() ? fmt::format("ends early, expected {}", expected)
                               : fmt::format("\"{}\" is not a finite number, expected {}", text, expected));
-        return value;
+        return *value;
     }
 
     [[noreturn]] void fail(const std::string& what) const { throw InputError(file_, place(), what); }

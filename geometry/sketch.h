@@ -20,7 +20,7 @@ enum class HeightClass { red, blue, green }; // wall tops: 10, 8 and 4 inches
 enum class WindowKind { standard, picture, transom };
 enum class TokenKind { floor, wallAll, wallSingle };
 
-constexpr double kMetresPerInch = 0.0254;
+constexpr double kMetresPerInch = 0.0254, kMetresPerFoot = 0.3048;
 constexpr double heightInches(HeightClass c) {
     return c == HeightClass::red ? 10.0 : c == HeightClass::blue ? 8.0 : 4.0;
 }

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "geometry/input_error.h"
+#include "geometry/sketch.h"
 #include "geometry/whole_file.h"
 
 namespace heliodon::vision {
@@ -71,7 +72,7 @@ std::string pageContent(const CalibrationTarget& target) {
 }
 
 std::string pdf(const CalibrationTarget& target) {
-    const double edge = target.board / 0.0254 * 72;
+    const double edge = target.board / geometry::kMetresPerInch * 72;
     const std::string content = pageContent(target);
     const std::string objects[] = {
         "<< /Type /Catalog /Pages 2 0 R /ViewerPreferences << /PrintScaling /None >> >>",

@@ -2,7 +2,6 @@
 #include "compute/daylight/epw.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <memory>
 #include <string_view>
@@ -11,6 +10,7 @@
 #include <zlib.h>
 
 #include "geometry/input_error.h"
+#include "geometry/number_text.h"
 #include "geometry/text_file.h"
 
 namespace heliodon::daylight {
@@ -73,12 +73,8 @@ Cells splitCells(std::string_view line) {
 }
 
 std::optional<double> numberFrom(std::string_view text) {
-    if (!text.empty() && text[0] == '+') text.remove_prefix(1);
-    double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
-        return std::nullopt;
-    return value;
+    if (text.starts_with('+')) text.remove_prefix(1);
+    return geometry::numberFrom(text);
 }
 
 // One line of the file with its place for messages.

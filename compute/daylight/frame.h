@@ -4,13 +4,15 @@
 // `geometry::Building::northDeg`). Azimuth runs from north clockwise, altitude up from the horizon; degrees.
 #pragma once
 
+#include <numbers>
+
 #include <glm/vec3.hpp>
 
 #include "geometry/model_file.h"
 
 namespace heliodon::daylight {
 
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kPi = std::numbers::pi;
 constexpr double radians(double degrees) {
     return degrees * (kPi / 180.0);
 }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <numbers>
 
 namespace heliodon::daylight {
 
@@ -24,7 +25,7 @@ template<size_t n> constexpr std::array<Node, n> gaussLegendre() {
     std::array<Node, n> nodes{};
     for (size_t i = 0; i < n; ++i) {
         double x =
-            cosine(3.14159265358979323846 * (static_cast<double>(i) + 0.75) / (static_cast<double>(n) + 0.5));
+            cosine(std::numbers::pi * (static_cast<double>(i) + 0.75) / (static_cast<double>(n) + 0.5));
         double slope = 1;
         for (int round = 0; round < 12; ++round) {
             double previous = 1, value = x;

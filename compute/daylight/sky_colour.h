@@ -35,10 +35,9 @@ public:
     explicit SkyColour(const Sky& sky);             // 0.05 ms
     glm::dvec3 ofLuminance(double luminance) const; // of a direction in the sky, cd/m2
     glm::dvec3 ofSun() const { return sun_; }
-    double clearShare() const { return clear_; } // 0 overcast .. 1 clear
 
 private:
-    double clear_ = 0;
+    double clear_ = 0; // share: 0 overcast .. 1 clear
     glm::dvec3 sun_{1};
 };
 

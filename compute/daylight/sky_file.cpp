@@ -1,6 +1,5 @@
 // Skies as users name them: --sky options and `vh-sky/1` files.
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <optional>
 
@@ -11,6 +10,7 @@
 #include "compute/daylight/frame.h"
 #include "compute/daylight/sky.h"
 #include "geometry/input_error.h"
+#include "geometry/number_text.h"
 #include "geometry/text_file.h"
 
 namespace heliodon::daylight {
@@ -30,16 +30,8 @@ constexpr const char* kOption = "--sky";
                     option.substr(0, 80), why));
 }
 
-std::optional<double> numberFrom(std::string_view text) {
-    double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
-        return std::nullopt;
-    return value;
-}
-
 int cieType(const std::string& option) {
-    const auto type = numberFrom(std::string_view(option).substr(4));
+    const auto type = geometry::numberFrom(std::string_view(option).substr(4));
     if (!type || *type != std::floor(*type) || *type < 1 || *type > 15)
         refuseOption(option, "the CIE type must be a whole number from 1 to 15");
     return static_cast<int>(*type);
@@ -48,8 +40,8 @@ int cieType(const std::string& option) {
 Irradiance perezNumbers(const std::string& option) {
     const std::string_view values = std::string_view(option).substr(6);
     const size_t comma = values.find(',');
-    const auto direct = numberFrom(values.substr(0, comma));
-    const auto diffuse = comma == values.npos ? std::nullopt : numberFrom(values.substr(comma + 1));
+    const auto direct = geometry::numberFrom(values.substr(0, comma));
+    const auto diffuse = comma == values.npos ? std::nullopt : geometry::numberFrom(values.substr(comma + 1));
     if (!direct || !diffuse) refuseOption(option, "two numbers are expected after perez:, W/m2");
     if (*direct < 0 || *direct > 1500) refuseOption(option, "DNI must be 0 to 1500 W/m2");
     if (*diffuse < 0 || *diffuse > 1200) refuseOption(option, "DHI must be 0 to 1200 W/m2");

@@ -10,6 +10,7 @@
 
 #include "engine/app/overlay_tags.h"
 #include "geometry/projector_visibility.h"
+#include "geometry/sketch.h"
 
 namespace heliodon::app {
 
@@ -24,7 +25,7 @@ std::vector<geometry::OpticalDevice> projectorsOf(const geometry::Rig& rig) {
 // Which surface is meant, in feet of building.
 json surfaceEntry(const geometry::SurfaceReach& reach, const std::string& material, glm::dvec3 middle,
                   double worldPerBuilding) {
-    const double foot = 0.3048 * worldPerBuilding; // an inch on the table
+    const double foot = geometry::kMetresPerFoot * worldPerBuilding; // an inch on the table
     const glm::dvec3 feet = middle / foot;
     return {{"surface", reach.surface},
             {"material", material},

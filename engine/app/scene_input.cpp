@@ -13,6 +13,7 @@
 #include "geometry/input_error.h"
 #include "geometry/mesher.h"
 #include "geometry/room_measures.h"
+#include "geometry/sketch.h"
 #include "vision/detect.h"
 
 namespace heliodon::app {
@@ -106,7 +107,7 @@ void reportImport(Run& run, const geometry::PatchMesh& mesh, const geometry::Bui
                   double worldPerBuilding) {
     constexpr double kStep = 0.25; // metres: more is no floor
     constexpr double kThin = 0.4;  // metres
-    const double foot = 0.3048 * worldPerBuilding;
+    const double foot = geometry::kMetresPerFoot * worldPerBuilding;
     const std::vector<geometry::RoomMeasures> rooms = geometry::measureRooms(mesh, kStep * worldPerBuilding);
     json& report = run.report();
     report["outcome"] = "ok";

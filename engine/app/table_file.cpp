@@ -3,7 +3,6 @@
 #include <array>
 #include <bit>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -14,6 +13,7 @@
 #include <unistd.h>
 
 #include "geometry/input_error.h"
+#include "geometry/number_text.h"
 #include "geometry/text_file.h"
 #include "geometry/whole_file.h"
 
@@ -64,12 +64,11 @@ std::vector<std::string> splitCsv(const std::string& line, const std::string& fi
 }
 
 double numberIn(const std::string& cell, const std::string& file, size_t line, const char* column) {
-    double value = 0;
-    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-    if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value))
+    const std::optional<double> value = geometry::numberFrom(cell);
+    if (!value)
         throw InputError(file, std::to_string(line),
                          fmt::format("column {} is '{}', expected a number", column, cell));
-    return value;
+    return *value;
 }
 
 bool getTextLine(std::istream& in, std::string& line) {

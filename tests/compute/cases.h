@@ -24,6 +24,13 @@ inline std::vector<float> readFloats(const std::filesystem::path& file) {
     return values;
 }
 
+// RMS over the rows of a square matrix of ||F_i - exact_i||.
+inline double rowError(const std::vector<float>& values, const std::vector<float>& exact) {
+    double squares = 0;
+    for (size_t k = 0; k < values.size(); ++k) squares += std::pow(double{values[k]} - exact[k], 2);
+    return std::sqrt(squares / std::sqrt(static_cast<double>(values.size())));
+}
+
 // Every quad cut into cells about `edge` wide, each cell into two triangles. Cells of neighbours need not
 // match.
 inline geometry::PatchMesh subdivided(const geometry::PatchMesh& coarse, double edge) {

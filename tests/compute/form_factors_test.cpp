@@ -25,12 +25,6 @@ struct Enclosure {
     double rowL2; // RMS over rows of ||F_i - reference_i||, one point for each patch
 };
 
-double rowError(const std::vector<float>& values, const std::vector<float>& exact) {
-    double squares = 0;
-    for (size_t k = 0; k < values.size(); ++k) squares += std::pow(double{values[k]} - exact[k], 2);
-    return std::sqrt(squares / std::sqrt(static_cast<double>(values.size())));
-}
-
 class Enclosures : public testing::TestWithParam<Enclosure> {};
 
 // Near pairs in closed form, the others from both ends: what pixels of 64 x 64 leave.
@@ -42,7 +36,7 @@ TEST_P(Enclosures, near_pairs_in_closed_form_leave_only_the_error_of_pixels) {
     FormFactorOptions options;
     options.kernel = "hemicube";
     const FormFactors F = computeFormFactors(test::device(), mesh, options);
-    const double rowL2 = rowError(F.values.download<float>(n * n), exact);
+    const double rowL2 = test::rowError(F.values.download<float>(n * n), exact);
     RecordProperty("rowL2", std::to_string(rowL2));
     EXPECT_LT(F.report.closureMax, 0.045); // no longer by construction: errors of single entries remain
     EXPECT_LT(F.report.reciprocityRms.value(), 1e-7);
@@ -80,7 +74,7 @@ TEST(FormFactors, every_kernel_reaches_the_error_asked_or_says_what_remains) {
     for (const char* kernel : {"auto", "exact", "hemicube", "hierarchical", "montecarlo"})
         for (double asked : {1e-2, 4e-3}) {
             const FormFactors F = computeFormFactors(test::device(), mesh, asking(kernel, asked));
-            const double error = rowError(F.values.download<float>(exact.size()), exact);
+            const double error = test::rowError(F.values.download<float>(exact.size()), exact);
             EXPECT_LE(error, 1.1 * asked) << kernel; // claims are estimates
             EXPECT_FALSE(F.report.why.empty());
         }
@@ -207,7 +201,7 @@ TEST(FormFactors, rows_keep_the_errors_that_are_claimed_for_them) {
             const ExactFormFactors F = exactFormFactors(test::device(), mesh, {asked});
             const auto values = F.factors.values.download<float>(exact.size());
             EXPECT_GE(static_cast<double>(heldOf(values, exact, F.rowError)), 0.99 * n) << name << asked;
-            EXPECT_LE(rowError(values, exact), F.factors.report.claimedRowError) << name << asked;
+            EXPECT_LE(test::rowError(values, exact), F.factors.report.claimedRowError) << name << asked;
         }
         for (uint32_t rays : {1024u, 4096u}) {
             const MonteCarloFormFactors F = MonteCarlo(test::device(), mesh, {rays}).run();
@@ -222,7 +216,8 @@ TEST(FormFactors, rows_keep_the_errors_that_are_claimed_for_them) {
             options.resolution = resolution;
             const FormFactors F = computeFormFactors(test::device(), mesh, options);
             // An estimate of the RMS over all rows.
-            EXPECT_LE(rowError(F.values.download<float>(exact.size()), exact), 1.2 * F.report.claimedRowError)
+            EXPECT_LE(test::rowError(F.values.download<float>(exact.size()), exact),
+                      1.2 * F.report.claimedRowError)
                 << name << resolution;
         }
     }
@@ -331,7 +326,7 @@ TEST(FormFactors, hemicubes_keep_their_claim_on_thin_patches_and_the_error_asked
             exactFormFactors(test::device(), mesh, {.maxError = 3e-4}).factors.values.download<float>(n * n);
         for (double asked : {0.0, 2e-2, 6e-3}) {
             const FormFactors F = computeFormFactors(test::device(), mesh, asking("hemicube", asked));
-            const double error = rowError(F.values.download<float>(n * n), exact);
+            const double error = test::rowError(F.values.download<float>(n * n), exact);
             EXPECT_LE(error, 1.2 * F.report.claimedRowError) << strips << " " << asked;
             if (asked > 0) {
                 EXPECT_LE(F.report.claimedRowError, asked) << strips << " " << F.report.why;
@@ -433,9 +428,9 @@ TEST(FormFactors, of_leaning_sheets_the_front_is_seen_and_nothing_passes_to_the_
             options.kernel = "hemicube", options.resolution = resolution, options.points = points;
             const FormFactors F = computeFormFactors(test::device(), mesh, options);
             const auto values = F.values.download<float>(n * n);
-            EXPECT_LT(rowError(values, exact), F.report.claimedRowError);
-            EXPECT_GT(rowError(values, exact), 0.2 * F.report.claimedRowError);
-            EXPECT_LT(rowError(values, exact), 5e-3);
+            EXPECT_LT(test::rowError(values, exact), F.report.claimedRowError);
+            EXPECT_GT(test::rowError(values, exact), 0.2 * F.report.claimedRowError);
+            EXPECT_LT(test::rowError(values, exact), 5e-3);
         }
 }
 

@@ -32,12 +32,6 @@ std::vector<float> dense(const HierarchicalFormFactors& F) {
     return values;
 }
 
-double rowError(const std::vector<float>& values, const std::vector<float>& exact) {
-    double squares = 0;
-    for (size_t k = 0; k < values.size(); ++k) squares += std::pow(double{values[k]} - exact[k], 2);
-    return std::sqrt(squares / std::sqrt(static_cast<double>(values.size())));
-}
-
 TEST(PatchTree, clusters_hold_their_triangles_and_every_triangle_is_a_leaf) {
     const geometry::PatchMesh mesh = geometry::readPatches(kData + "room3_672.obj");
     const PatchTree tree = buildPatchTree(mesh, blockingRegions(mesh, 8));
@@ -174,8 +168,8 @@ TEST(Hierarchical, rooms_without_blockers_reach_the_error_asked) {
             const HierarchicalFormFactors F(test::device(), mesh, {asked});
             EXPECT_EQ(F.statistics().blockers, 0u);
             // A gap of a thousandth leaves 2e-4: integrals round borders cancel there.
-            EXPECT_LT(rowError(dense(F), exact), std::max(asked, 3e-4)) << name;
-            EXPECT_LT(rowError(dense(F), exact), F.report().claimedRowError) << name;
+            EXPECT_LT(test::rowError(dense(F), exact), std::max(asked, 3e-4)) << name;
+            EXPECT_LT(test::rowError(dense(F), exact), F.report().claimedRowError) << name;
         }
     }
 }
@@ -187,7 +181,7 @@ TEST(Hierarchical, a_room_with_partitions_keeps_the_error_asked_and_the_error_cl
     for (double asked : {1e-2, 5e-3, 1e-3}) {
         const HierarchicalFormFactors F(test::device(), mesh, {asked});
         const std::vector<float> values = dense(F);
-        const double error = rowError(values, exact);
+        const double error = test::rowError(values, exact);
         const HierarchicalFormFactors twice(test::device(), mesh, {asked});
         EXPECT_EQ(values, dense(twice)) << asked; // whatever order links and rays in doubt came in
         EXPECT_LT(error, asked);
@@ -252,7 +246,7 @@ TEST(Hierarchical, few_large_patches_in_the_open_keep_the_error_claimed) {
         for (double asked : {1e-2, 5e-3}) {
             const HierarchicalFormFactors F(test::device(), mesh, {asked});
             const std::vector<float> values = dense(F);
-            EXPECT_LT(rowError(values, exact), F.report().claimedRowError) << seed << ", " << asked;
+            EXPECT_LT(test::rowError(values, exact), F.report().claimedRowError) << seed << ", " << asked;
             for (size_t i = 0; i < n; ++i) {
                 double squares = 0;
                 for (size_t j = 0; j < n; ++j)
@@ -302,7 +296,7 @@ TEST(Hierarchical, triangles_that_nearly_touch_keep_the_error_claimed_and_that_i
     const auto exact =
         exactFormFactors(test::device(), mesh, {.maxError = 1e-4}).factors.values.download<float>(n * n);
     const HierarchicalFormFactors F(test::device(), mesh, {1e-3});
-    EXPECT_LT(rowError(dense(F), exact), F.report().claimedRowError);
+    EXPECT_LT(test::rowError(dense(F), exact), F.report().claimedRowError);
     EXPECT_LT(F.report().claimedRowError, 3e-3);
 }
 

@@ -70,12 +70,6 @@ TEST(MonteCarlo, agrees_with_the_reference_in_rooms_of_quads_and_of_triangles) {
     expectLikeReference(mesh, 256);
 }
 
-double rowError(const std::vector<float>& values, const std::vector<float>& exact) {
-    double squares = 0;
-    for (size_t k = 0; k < values.size(); ++k) squares += std::pow(double{values[k]} - exact[k], 2);
-    return std::sqrt(squares / std::sqrt(static_cast<double>(values.size())));
-}
-
 // The claim is a 99th percentile: of thousands of entries, little above the error.
 TEST(MonteCarlo, the_claimed_error_is_the_error_and_falls_with_the_rays) {
     for (const char* name : {"cube_quads_4x4", "room3_672"}) {
@@ -84,7 +78,7 @@ TEST(MonteCarlo, the_claimed_error_is_the_error_and_falls_with_the_rays) {
         double before = 1;
         for (uint32_t rays : {256u, 1024u}) {
             const MonteCarloFormFactors F = MonteCarlo(test::device(), mesh, {rays}).run();
-            const double error = rowError(F.factors.values.download<float>(exact.size()), exact);
+            const double error = test::rowError(F.factors.values.download<float>(exact.size()), exact);
             EXPECT_GE(F.factors.report.claimedRowError, error) << name;
             EXPECT_LE(F.factors.report.claimedRowError, 1.3 * error) << name;
             EXPECT_LT(error, 0.55 * before) << name; // plain random points: 0.5
@@ -103,7 +97,7 @@ TEST(MonteCarlo, rows_of_few_patches_keep_their_claims) {
         for (uint32_t rays : {64u, 256u, 1024u, 4096u}) {
             const MonteCarloFormFactors F = MonteCarlo(test::device(), mesh, {rays}).run();
             const auto values = F.factors.values.download<float>(n * n);
-            EXPECT_LE(rowError(values, exact), F.factors.report.claimedRowError) << name << rays;
+            EXPECT_LE(test::rowError(values, exact), F.factors.report.claimedRowError) << name << rays;
             for (size_t i = 0; i < n; ++i) {
                 double squares = 0;
                 for (size_t j = 0; j < n; ++j)

@@ -62,10 +62,12 @@ TEST(SkyColour, clear_skies_are_blue_and_overcast_ones_white) {
     sun.azimuthDeg = 200;
     sun.altitudeDeg = 45;
     const SkyColour clear(clearSky(sun)), overcast(overcastSky(sun)), hazy(intermediateSky(sun));
-    EXPECT_DOUBLE_EQ(clear.clearShare(), 1);
-    EXPECT_DOUBLE_EQ(overcast.clearShare(), 0);
-    EXPECT_GT(hazy.clearShare(), 0);
-    EXPECT_LT(hazy.clearShare(), 0.7);
+    const glm::dvec3 blue = daylightColour(6500 + 1.1985e8 / std::pow(2000, 1.2)),
+                     white = daylightColour(6500);
+    EXPECT_LT(glm::length(clear.ofLuminance(2000) - blue), 1e-12);
+    EXPECT_LT(glm::length(overcast.ofLuminance(2000) - white), 1e-12);
+    EXPECT_GT(hazy.ofLuminance(2000).z, white.z);
+    EXPECT_LT(hazy.ofLuminance(2000).z, blue.z);
     EXPECT_GT(clear.ofLuminance(2000).z, 1.5);
     EXPECT_GT(clear.ofLuminance(2000).z, clear.ofLuminance(20000).z);
     EXPECT_NEAR(overcast.ofLuminance(5000).z, 1, 0.01);

@@ -1,0 +1,21 @@
+// Numbers in text files and options, whatever the locale.
+#pragma once
+
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <string_view>
+
+namespace heliodon::geometry {
+
+// The finite number that all of `text` is ("1.5", "-2e3"); none for anything else, a leading + or space
+// included.
+inline std::optional<double> numberFrom(std::string_view text) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
+        return std::nullopt;
+    return value;
+}
+
+} // namespace heliodon::geometry
