@@ -17,7 +17,9 @@ namespace heliodon::vision {
 namespace {
 
 constexpr double kMarkerReach = 0.4; // inches, more than half of a marker's top, seen nearer than the table
-constexpr float kFaint = 0.23f;      // of P': nothing below is looked at
+constexpr float kFaint = 0.23f;      // of P': nothing below is card
+constexpr float kFaintRim = 0.14f;   // of P' of a token's rim, blurred
+constexpr double kNoiseOfFaint = 6;  // deviations
 constexpr double kBeyond = 2;        // inches beyond the table's edge that are looked at
 
 // Hue in degrees of a colour whose smallest component was taken away.
@@ -127,13 +129,19 @@ private:
     std::vector<std::vector<float>> ring_;
 };
 
-std::vector<Coloured> findColoured(const PlanView& view, const TableRegion& region, const WhiteMap& white,
-                                   const DetectOptions& options) {
-    std::vector<Coloured> out;
+struct ColouredPixels {
+    std::vector<Coloured> vivid,
+        faint; // faint: of a thin rim, that the lens has mixed with the white beside it
+};
+
+ColouredPixels findColoured(const PlanView& view, const TableRegion& region, const WhiteMap& white,
+                            const DetectOptions& options) {
+    ColouredPixels out;
     const double noise = white.noiseOfWhite();
     const float minSaturation = static_cast<float>(
         white.darkTable ? std::clamp(kNoiseOfWhite * noise, options.minSaturation, kMostOfWhite)
                         : options.minSaturation);
+    const float leastFaint = std::min(kFaint, std::max(kFaintRim, static_cast<float>(kNoiseOfFaint * noise)));
     // Of P' against a table of another colour; dark ones are noisier than all else.
     const float notTable = white.darkTable
                                ? minSaturation
@@ -163,10 +171,11 @@ std::vector<Coloured> findColoured(const PlanView& view, const TableRegion& regi
             for (int x = block * kBlock; x < end; ++x) {
                 const float r = gain.r * row[3 * x], g = gain.g * row[3 * x + 1], b = gain.b * row[3 * x + 2];
                 const float high = std::max(std::max(r, g), b), low = std::min(std::min(r, g), b);
-                if (high - low < kFaint * high) continue;
-                if (high - low < minSaturation * high &&
-                    !PaintTable::isFadedSky(hueOf(r, g, b, high, low), (high - low) / high, high))
-                    continue;
+                if (high - low < leastFaint * high) continue;
+                const bool vivid =
+                    high - low >= minSaturation * high ||
+                    (high - low >= kFaint * high &&
+                     PaintTable::isFadedSky(hueOf(r, g, b, high, low), (high - low) / high, high));
                 if (white.card && isTableOrCard({r, g, b}, *white.card, notTable)) continue;
                 if (high < minBright[static_cast<size_t>(ground[x])]) continue;
                 if (white.darkTable && isDarkTable({r, g, b}, *white.card, brightest)) continue;
@@ -176,10 +185,11 @@ std::vector<Coloured> findColoured(const PlanView& view, const TableRegion& regi
                         continue;
                 }
                 const float hue = hueOf(r, g, b, high, low);
-                out.push_back({static_cast<uint32_t>(start) + static_cast<uint32_t>(x),
-                               static_cast<uint16_t>(static_cast<int>(hue + 0.5f) % 360),
-                               static_cast<uint8_t>(255 * (high - low) / high),
-                               static_cast<uint8_t>(std::min(255.0f, 128 * high))});
+                (vivid ? out.vivid : out.faint)
+                    .push_back({static_cast<uint32_t>(start) + static_cast<uint32_t>(x),
+                                static_cast<uint16_t>(static_cast<int>(hue + 0.5f) % 360),
+                                static_cast<uint8_t>(255 * (high - low) / high),
+                                static_cast<uint8_t>(std::min(255.0f, 128 * high))});
             }
         }
     }
@@ -261,8 +271,8 @@ ClassImage classifyPixels(const PlanView& view, const geometry::Rig& rig, const 
     const WhiteMap white = region.ground.empty() ? WhiteMap{} : findWhite(view, region, card);
     out.hasTable = !white.grid.light.empty();
     if (!out.hasTable) return out;
-    auto coloured = findColoured(view, region, white, options);
-    auto paint = [&](const PaintTable& paints) {
+    auto [coloured, faint] = findColoured(view, region, white, options);
+    auto paint = [&, &coloured = coloured](const PaintTable& paints) {
         std::fill(out.paint.begin(), out.paint.end(), Paint::none);
         for (const Coloured& c : coloured) out.paint[c.index] = paints.at(c.hue, c.saturation);
     };
@@ -274,6 +284,12 @@ ClassImage classifyPixels(const PlanView& view, const geometry::Rig& rig, const 
     out.white = white.grid, out.noise = white.noiseOfWhite();
     if (white.card) out.whiteOverTable = *white.card;
     settleRims(out, coloured, learned.cyanSaturation());
+    if (!faint.empty()) {
+        constexpr uint8_t kVivid = 205; // only the hue counts
+        out.withFaint = out.paint;
+        for (const Coloured& c : faint)
+            if (region.ground[c.index] == Ground::table) out.withFaint[c.index] = learned.at(c.hue, kVivid);
+    }
     return out;
 }
 

@@ -175,6 +175,13 @@ private:
         return glm::length(plan) + halfWidth < radius() + 0.3;
     }
 
+    bool liesOnTable(const geometry::NorthArrow& arrow) const {
+        const double a = glm::radians(arrow.dirDeg);
+        const glm::dvec2 half = 0.5 * options_.arrowLength * glm::dvec2(std::cos(a), std::sin(a));
+        constexpr double kBroad = 0.6; // inches; slivers of a coloured floor lie along the edge
+        return liesOnTable(arrow.pos - half, kBroad) && liesOnTable(arrow.pos + half, kBroad);
+    }
+
     WallEvidence evidence() const { return {image_, view_, options_, radius()}; }
 
     void findTokens() {
@@ -185,8 +192,24 @@ private:
             if (!token) token = fitToken(withNeighbours(i), image_, view_, options_);
             if (token && liesOnTable(token->pos, 0.5 * options_.tokenSide)) tokens.push_back(*token);
         }
+        findFaintTokens();
         // What lies within a token is its chip, whatever its colour.
         for (size_t i = 0; i < regions_.size(); ++i) used_[i] = withinToken(regions_[i]);
+    }
+
+    // A rim of two pixels, or a blurred one, is paler than paint.
+    void findFaintTokens() {
+        if (image_.withFaint.empty()) return;
+        std::swap(image_.paint, image_.withFaint);
+        const double perInch = view_.pixelsPerInch(glm::dvec2(0), 0);
+        const double least = 0.3 * options_.tokenSide * options_.tokenBand * perInch * perInch; // half a side
+        for (const Component& region : findComponents(image_, std::max(4, static_cast<int>(least)))) {
+            if (!isWall(region.group) || withinToken(region)) continue;
+            const auto token = fitToken(region, image_, view_, options_, TokenLook::faint);
+            if (token && liesOnTable(token->pos, 0.5 * options_.tokenSide))
+                out_.sketch.tokens.push_back(*token);
+        }
+        std::swap(image_.paint, image_.withFaint);
     }
 
     bool withinToken(const Component& region) const {
@@ -224,7 +247,7 @@ private:
             const double orange = static_cast<double>(region.minorityArea) / region.area;
             if (orange <= best) continue;
             const auto arrow = fitArrow(region, view_, options_);
-            if (!arrow || !liesOnTable(arrow->pos, 0.5 * options_.arrowLength)) continue;
+            if (!arrow || !liesOnTable(*arrow)) continue;
             if (out_.sketch.north && best > 0.5)
                 out_.warnings.emplace_back("more than one north arrow: the most orange one counts");
             best = orange, bestRegion = i;
@@ -292,6 +315,20 @@ private:
         const Chains chains = formChains(pieces, markers, view_, options_);
         for (const Chain& chain : chains.chains) readChain(chain);
         for (const Component* marker : chains.orphans) readOrphan(*marker);
+        for (const StraightWall& whole : wholeWalls_) splitWall(whole);
+    }
+
+    void splitWall(const StraightWall& whole) {
+        std::vector<geometry::Wall> others;
+        for (const StraightWall& other : wholeWalls_)
+            if (&other != &whole) others.push_back(other.wall);
+        for (const StraightWall& part : splitAtJoints(whole, others, view_, options_)) {
+            for (auto window : part.windows) {
+                window.wall = std::to_string(out_.sketch.walls.size());
+                out_.sketch.windows.push_back(window);
+            }
+            out_.sketch.walls.push_back(part.wall);
+        }
     }
 
     // Cyan and light blue differ by little: a marker on no wall may be a skylight, if it is wide enough.
@@ -354,13 +391,7 @@ private:
     void readChain(const Chain& chain) {
         if (const auto wall = fitStraight(chain, view_, options_);
             wall && evidence().isWall(wall->wall) && evidence().standsOnTable(wall->wall)) {
-            for (const StraightWall& part : splitAtJoints(*wall, view_, options_)) {
-                for (auto window : part.windows) {
-                    window.wall = std::to_string(out_.sketch.walls.size());
-                    out_.sketch.windows.push_back(window);
-                }
-                out_.sketch.walls.push_back(part.wall);
-            }
+            wholeWalls_.push_back(*wall);
             return;
         }
         if (chain.markers.empty())
@@ -428,7 +459,8 @@ private:
     ClassImage image_;
     std::vector<Component> regions_;
     std::deque<Component> paleStrips_;
-    std::deque<Component> strips_; // cut out of regions; where they are does not change
+    std::deque<Component> strips_;         // cut out of regions; where they are does not change
+    std::vector<StraightWall> wholeWalls_; // before joints under markers are looked for
     std::vector<bool> used_;
     std::vector<double> otherWidths_; // inches
     DetectionResult out_;

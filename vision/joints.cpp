@@ -103,15 +103,31 @@ std::optional<Gap> findGap(const geometry::Wall& wall, const geometry::WindowMar
                face->start + (static_cast<double>(last) + 0.5) * kStep};
 }
 
+double distanceFrom(const geometry::Wall& wall, glm::dvec2 p) {
+    const glm::dvec2 run = wall.b - wall.a;
+    const double share = std::clamp(glm::dot(p - wall.a, run) / glm::dot(run, run), 0.0, 1.0);
+    return glm::distance(p, wall.a + share * run);
+}
+
+// The stripe is a wall that stands against this one's face.
+bool isBehind(const std::vector<geometry::Wall>& others, const geometry::Wall& wall, const Gap& gap) {
+    constexpr double kAgainst = 1.5; // inches: it is tall, and seen from the side covers more of the face
+    const glm::dvec2 along = glm::normalize(wall.b - wall.a),
+                     there = wall.a + 0.5 * (gap.low + gap.high) * along;
+    return std::any_of(others.begin(), others.end(),
+                       [&](const geometry::Wall& other) { return distanceFrom(other, there) < kAgainst; });
+}
+
 } // namespace
 
-std::vector<StraightWall> splitAtJoints(const StraightWall& whole, const PlanView& view,
-                                        const DetectOptions& options) {
+std::vector<StraightWall> splitAtJoints(const StraightWall& whole, const std::vector<geometry::Wall>& others,
+                                        const PlanView& view, const DetectOptions& options) {
     const double length = glm::distance(whole.wall.a, whole.wall.b);
     const glm::dvec2 along = glm::normalize(whole.wall.b - whole.wall.a);
     std::vector<Gap> gaps;
     for (const auto& window : whole.windows)
-        if (const auto gap = findGap(whole.wall, window, view)) gaps.push_back(*gap);
+        if (const auto gap = findGap(whole.wall, window, view); gap && !isBehind(others, whole.wall, *gap))
+            gaps.push_back(*gap);
     if (gaps.empty()) return {whole};
     std::sort(gaps.begin(), gaps.end(), [](const Gap& a, const Gap& b) { return a.low < b.low; });
     std::vector<StraightWall> out;

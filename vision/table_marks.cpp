@@ -198,11 +198,14 @@ struct TokenRing {
             }
         rimSeen = static_cast<double>(rimPixels) / (4 * kAlong);
         const glm::dvec3 colour = rim[0].chroma + rim[1].chroma + rim[2].chroma + rim[3].chroma;
-        // Where a file keeps colour more coarsely than brightness, the ring is the brighter one.
-        for (size_t k = 0; k < 4; ++k)
-            sides +=
-                glm::dot(ring[k].chroma, colour) < 0.55 * std::max(glm::dot(rim[k].chroma, colour), 0.0) ||
-                ring[k].light > 1.3 * rim[k].light;
+        // Where a file keeps colour more coarsely than brightness, the ring is the brighter one, and paler by
+        // that; light-blue card on a dark table is brighter within its blurred edge, too, but no paler.
+        for (size_t k = 0; k < 4; ++k) {
+            const double within = glm::dot(ring[k].chroma, colour), without = glm::dot(rim[k].chroma, colour);
+            sides += within < 0.55 * std::max(without, 0.0) ||
+                     (ring[k].light > 1.3 * rim[k].light &&
+                      within * rim[k].light < 0.85 * without * ring[k].light);
+        }
     }
 
 private:
@@ -311,7 +314,7 @@ std::optional<geometry::Skylight> fitSkylight(const Component& component, const 
 }
 
 std::optional<geometry::Token> fitToken(const Component& component, const ClassImage& image,
-                                        const PlanView& view, const DetectOptions& options) {
+                                        const PlanView& view, const DetectOptions& options, TokenLook look) {
     const double height = options.tokenThickness, half = 0.5 * options.tokenSide, band = options.tokenBand;
     const double perInch = view.pixelsPerInch(view.plan(component.centre, height), height);
     const double rim = options.tokenSide * options.tokenSide - std::pow(options.tokenSide - 2 * band, 2);
@@ -331,7 +334,8 @@ std::optional<geometry::Token> fitToken(const Component& component, const ClassI
     const BoxFit fit = refineBox(box, view, height, 0.6 * band, 0.75 * band);
 
     const TokenRing ring(fit.box, component.group, image, view, options);
-    if (ring.rimSeen < 0.55 || ring.sides < 3) return std::nullopt;
+    const bool faint = look == TokenLook::faint;
+    if (ring.rimSeen < (faint ? 0.75 : 0.55) || ring.sides < (faint ? 4 : 3)) return std::nullopt;
 
     geometry::Token out;
     out.kind = component.group == Paint::green  ? geometry::TokenKind::floor

@@ -14,9 +14,13 @@ namespace heliodon::vision {
 std::optional<geometry::Skylight> fitSkylight(const Component& component, const PlanView& view,
                                               const DetectOptions& options);
 
+// A faint rim, of pale colour that shadows and blur have too, must be seen all round.
+enum class TokenLook { vivid, faint };
+
 // A coloured square rim with a white ring and a paint chip within; none when the region is no such rim.
 std::optional<geometry::Token> fitToken(const Component& component, const ClassImage& image,
-                                        const PlanView& view, const DetectOptions& options);
+                                        const PlanView& view, const DetectOptions& options,
+                                        TokenLook look = TokenLook::vivid);
 
 // An arrow: longer than wide, one end broader than the other. None for every other shape.
 std::optional<geometry::NorthArrow> fitArrow(const Component& component, const PlanView& view,

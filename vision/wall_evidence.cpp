@@ -147,7 +147,7 @@ float WallEvidence::levelAt(glm::dvec2 plan, double height) const {
 
 // Relative to the level. None where the face looks away from the camera or is too narrow in the picture.
 std::optional<float> WallEvidence::footStep(const Stretch& stretch, double height) const {
-    constexpr double kSpacing = 0.16, kLeastPx = 1.6; // from sample to sample: inches, pixels
+    constexpr double kSpacing = 0.25, kLeastPx = 2.6; // from sample to sample: inches, pixels
     constexpr float kDarkest = 1e-4f, kOverexposed = 0.97f;
     const glm::dvec3 eye = view_.camera().centre() / geometry::kMetresPerInch;
     const glm::dvec2 middle = stretch.foot[stretch.foot.size() / 2];
@@ -200,6 +200,8 @@ Relief WallEvidence::reliefOf(const geometry::Arc& arc) const {
 
 namespace {
 
+constexpr float kBrightEnd = 0.12f;
+
 // What a quarter exceeds: many pens do not make a few walls unlikely.
 float upperQuartile(std::vector<float> values) {
     if (values.empty()) return 0;
@@ -218,25 +220,26 @@ float typicalEnd(const std::vector<Relief>& reliefs) {
 } // namespace
 
 bool showRelief(const std::vector<Relief>& reliefs) {
-    constexpr float kEnd = 0.12f, kFoot = 0.08f;
+    constexpr float kFoot = 0.08f;
     std::vector<float> feet;
     for (const Relief& r : reliefs)
         if (r.foot) feet.push_back(*r.foot);
-    return typicalEnd(reliefs) >= kEnd || upperQuartile(std::move(feet)) >= kFoot;
+    return typicalEnd(reliefs) >= kBrightEnd || upperQuartile(std::move(feet)) >= kFoot;
 }
 
 std::vector<Lies> lieFlat(const std::vector<Relief>& reliefs) {
     constexpr float kNoEnd = 0.03f, kShare = 0.3f;      // nothing; of what the ends of the others are
+    constexpr float kVividEnd = 0.2f;                   // of the others, where ends alone tell
     constexpr float kNoFoot = 0.04f, kFaintFoot = 0.1f; // with one bright end, with none
     std::vector<Lies> out(reliefs.size(), Lies::no);
     if (!showRelief(reliefs)) return out;
-    const float noEnd = std::max(kNoEnd, kShare * typicalEnd(reliefs));
+    const float typical = typicalEnd(reliefs), noEnd = std::max(kNoEnd, kShare * typical);
     for (size_t i = 0; i < reliefs.size(); ++i) {
         const Relief& r = reliefs[i];
         const auto [low, high] = std::minmax(r.ends[0], r.ends[1]);
         if (low >= noEnd) continue;
         if (r.foot && *r.foot < (high < noEnd ? kFaintFoot : kNoFoot)) out[i] = Lies::flat;
-        if (!r.foot && high < noEnd) out[i] = Lies::unsure;
+        if (out[i] == Lies::no && high < noEnd && typical >= kVividEnd) out[i] = Lies::unsure;
     }
     return out;
 }

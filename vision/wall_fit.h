@@ -37,9 +37,10 @@ struct StraightWall {
 std::optional<StraightWall> fitStraight(const Chain& chain, const PlanView& view,
                                         const DetectOptions& options);
 
-// A wall for each piece where the face below a marker shows a joint; the whole wall where none does.
-std::vector<StraightWall> splitAtJoints(const StraightWall& whole, const PlanView& view,
-                                        const DetectOptions& options);
+// A wall for each piece where the face below a marker shows a joint; the whole wall where none does. Where
+// one of the others stands against the face it is that which is seen.
+std::vector<StraightWall> splitAtJoints(const StraightWall& whole, const std::vector<geometry::Wall>& others,
+                                        const PlanView& view, const DetectOptions& options);
 
 // The wall's top in the picture, white ends included.
 std::vector<glm::dvec2> wallOutline(const geometry::Wall& wall, const PlanView& view);
