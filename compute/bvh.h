@@ -18,7 +18,7 @@
 namespace heliodon::compute {
 
 struct BvhTriangle {
-    std::array<glm::dvec3, 3> corner;
+    std::array<glm::dvec3, 3> corner; // metres, counter-clockwise about the patch's normal
     uint32_t patch = 0, room = 0;
 };
 

@@ -1,4 +1,5 @@
-// The compute kernels of `exact`, by what they do. Made at their first use, unless prepared before.
+// The compute kernels of `exact`, by what they do. Made at their first use, unless prepared before. The
+// device outlives them; throws gpu::Error where one cannot be made.
 #pragma once
 
 #include <cstdint>

@@ -78,6 +78,7 @@ struct Closure {
     std::optional<Building> building; // none when refused
 };
 
+// A sketch that makes no room is refused in the report, with its reason.
 Closure closeSketch(const Sketch& sketch, const ClosureOptions& options = {});
 
 // Of the rooms that closeSketch() would make, in square metres, to within 2 %: partitions count with their

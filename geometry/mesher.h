@@ -28,6 +28,8 @@ struct MeshQuality {
 // `surface`: of the rooms, square metres.
 double fittingFacet(double surface, const MeshOptions& options = {});
 
+// Throws std::runtime_error where the two sides of an interior window differ, or an outline crosses itself,
+// which no Building has.
 PatchMesh meshBuilding(const Building& building, const MeshOptions& options = {});
 MeshQuality measureMesh(const PatchMesh& mesh);
 

@@ -24,11 +24,12 @@ constexpr double kModelNorthDeg = 90; // of files that say nothing of it
 glm::dvec3 worldFromModel(glm::dvec3 p, UpAxis up);
 
 // The faces exactly as in the file, one patch each (planar convex polygons; others are refused by line). No
-// closure is asked for.
+// closure is asked for. Throws InputError.
 PatchMesh readPatches(const std::filesystem::path& file, UpAxis up = UpAxis::y);
 
 // The model as closed rooms: duplicate vertices welded, T-vertices split, flipped faces turned where that is
-// safe; otherwise refused with the faces named. A model that is not closed is refused.
+// safe; otherwise refused with the faces named. A model that is not closed is refused. Throws
+// InputError.
 Building importModel(const std::filesystem::path& file, UpAxis up = UpAxis::y);
 
 // .obj (+ .mtl beside it) or .glb, by extension; written whole. Groups carry role and room. `northDeg`:
