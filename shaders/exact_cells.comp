@@ -74,6 +74,12 @@ float seen(vec2 at) {
 
 vec3 fromInner(vec2 at) { return lift(outerFrame, at) - innerFrame.origin; }
 
+const float kStraight = 0.95; // cosine between both normals
+float gapAt(vec2 at) {
+    bool straight = dot(outerFace.normal, innerFrame.n) < -kStraight;
+    return straight ? abs(dot(innerFrame.n, fromInner(at))) : 1e30;
+}
+
 float segmentDistance(vec3 p, vec3 a, vec3 b) {
     vec3 ab = b - a;
     float length2 = dot(ab, ab);

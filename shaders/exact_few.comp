@@ -129,6 +129,9 @@ float seen(vec2 at) {
     return lost ? 0.0 : kInverseTwoPi * lit;
 }
 
+const float kStraight = 0.95; // cosine between both normals
+float gapAt(vec2 at) { return facing.z < -kStraight ? abs(fromInner(at).z) : 1e30; }
+
 // An edge in the outer piece's own plane bends what is seen only at its ends.
 float bendDistance(vec2 at) {
     vec3 p = fromInner(at);

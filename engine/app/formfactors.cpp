@@ -85,6 +85,16 @@ void warnOfIdle(Run& run, const FormFactorArguments& arguments) {
     if (arguments.points && !hemicube) run.warn("--points is not used: it is for --kernel hemicube");
 }
 
+// Claims are cautious; where they lie above what was asked for without a warning, users are told all the
+// same.
+void noteClaim(Run& run, const compute::FormFactorReport& report, double asked) {
+    if (asked > 0 && report.claimedRowError > asked && report.warnings.empty())
+        run.note(
+            fmt::format("form factors: rows within {:.1e} by kernel {}'s own, cautious estimate; {:.1e} was "
+                        "asked for",
+                        report.claimedRowError, report.kernel, asked));
+}
+
 // Straight to the file, tile by tile.
 compute::FormFactorReport stream(Run& run, const geometry::PatchMesh& mesh,
                                  const compute::FormFactorOptions& options, NpyWriter& out) {
@@ -125,7 +135,9 @@ void execute(Run& run, const FormFactorArguments& arguments) {
                                    fmt::format("is for at most {} patches", kLargestDense));
     NpyWriter::writeWhole(arguments.output, n, n, [&](NpyWriter& out) {
         if (n > kLargestDense) {
-            reportFormFactors(run, n, stream(run, mesh, options, out));
+            const compute::FormFactorReport report = stream(run, mesh, options, out);
+            reportFormFactors(run, n, report);
+            noteClaim(run, report, options.maxError);
             return;
         }
         const compute::FormFactors factors = [&] {
@@ -135,6 +147,7 @@ void execute(Run& run, const FormFactorArguments& arguments) {
         const gpu::HostView<float> view(factors.values, n * n);
         const std::span<const float> values(view.data(), n * n);
         reportFormFactors(run, n, factors.report);
+        noteClaim(run, factors.report, options.maxError);
         if (!arguments.reference.empty())
             run.report()["error"] = errorAgainst(readMatrix(arguments.reference, n, n), values, n);
         out.write(values);

@@ -6,6 +6,7 @@
 //   vec3 fromInner(vec2 at);           the point, relative to a corner of the inner piece
 //   float openFrom(vec2 at);           form factor in the open, or 1 where that does not matter
 //   float bendDistance(vec2 at);       how far it is from where that bends: the border of the inner piece
+//   float gapAt(vec2 at);              how far it is from the inner piece's plane, where both face each other straight
 // and adds what each point sees, nothing, all or a part, to `views`.
 // A sliver of light or shadow along an edge of the outer piece lies between all points, while every point of the inner
 // piece sees it: pairs of which all points see nothing, or all see everything, are looked at from the inner piece too.
@@ -50,6 +51,7 @@ float seen(vec2 at);
 vec3 fromInner(vec2 at);
 float openFrom(vec2 at);
 float bendDistance(vec2 at);
+float gapAt(vec2 at);
 
 // More blockers than these are looked at along lines, which errs from point to point: where little may be wrong, that
 // takes more cells than exact borders cost.
@@ -135,6 +137,14 @@ float mostFrom(vec2 at) {
 // Cells so large that two agreeing rules prove nothing: a bend or a shadow could hide between the points.
 const float kShadowShare = 250.0, kQuickShadowShare = 1000.0, kBendShare = 6.0;
 
+// Between pieces that nearly touch, what is seen falls past the border of the inner one within about their distance:
+// of larger cells all points see everything or nothing. What such a cell may have missed.
+const float kGapSeen = 0.1, kPastBorder = 0.75;
+float missedAtBorder(vec2 middle, float share) {
+    float gap = gapAt(middle), across = sqrt(share * pair.outerArea);
+    return gap < kGapSeen * across ? kPastBorder * share * gap / across : 0.0;
+}
+
 // Puts cells on the list of the next round: this one again, or its four quarters.
 void refine(vec2 a, vec2 b, vec2 c, bool quarters) {
     uint count = quarters ? 4u : 1u;
@@ -180,6 +190,7 @@ vec2 integrate(vec2 a, vec2 b, vec2 c, bool mayTurn, out bool turned) {
         bool probed =
             params.quick != 0u && pair.r.listed > 0u && !crowded() && share * most * kMissed > params.tolerance;
         result = share * overCell(a, b, c, quick, probed);
+        if (bent) result.y += missedAtBorder(middle, share);
         turned = mayTurn && (views == kSeesNothing || views == kSeesAll);
         // Errors of many small cells add up: the smaller the cell, the less it may add.
         bool bad = mayBeSplit && result.y * pair.worst > params.tolerance * sqrt(share);
