@@ -16,14 +16,21 @@ namespace {
 
 constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
 
-// Of the fade: keeps a share where every projector is at its border.
-constexpr double kLeastFade = 1e-3;
+// Of the fade, where all are within the guard: a slope, by which one hands over to another, and what keeps a
+// share where every projector is at its border.
+constexpr double kLeastSlope = 1e-3, kLeastFade = 1e-6;
 constexpr double kLeastCosine = 0.05; // smooth normals may fall below the limit that facets keep to
 
 double distanceToSegment(glm::dvec3 p, glm::dvec3 from, glm::dvec3 to) {
     const glm::dvec3 along = to - from;
     const double t = std::clamp(glm::dot(p - from, along) / glm::dot(along, along), 0.0, 1.0);
     return glm::length(from + t * along - p);
+}
+
+double fadeAt(double distance) {
+    const double beyond = std::max(distance - kBlendGuard, 0.0) / (kBlendFalloff - kBlendGuard),
+                 x = std::clamp(beyond + kLeastSlope * distance / kBlendFalloff, kLeastFade, 1.0);
+    return x * x * (3 - 2 * x);
 }
 
 // Per side of each triangle, the triangle of the surface beyond it, or kNone.
@@ -154,10 +161,10 @@ std::vector<double> blendShares(const ProjectorBlend& blend, size_t triangle, gl
         for (const BlendBorder& border : blend.near(triangle))
             if ((border.left ^ border.right) >> p & 1u)
                 distance = std::min(distance, distanceToSegment(point, border.from, border.to));
-        const double fade = std::max(distance / kBlendFalloff, kLeastFade);
+        const double fade = fadeAt(distance);
         const glm::dvec3 towards = centres[p] - point;
         const double r2 = glm::dot(towards, towards), cosine = glm::dot(normal, towards) / std::sqrt(r2);
-        shares[p] = fade * fade * (3 - 2 * fade) * std::max(cosine, kLeastCosine) / r2;
+        shares[p] = fade * std::max(cosine, kLeastCosine) / r2;
         sum += shares[p];
     }
     for (double& share : shares)

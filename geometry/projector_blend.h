@@ -13,7 +13,9 @@
 
 namespace heliodon::geometry {
 
-constexpr double kBlendFalloff = 0.05; // metres over which a projector fades in
+// Metres from where a projector ends: up to there it has no part, as calibration errs, and from there its
+// full part.
+constexpr double kBlendGuard = 0.003, kBlendFalloff = 0.05;
 
 // An edge of the mesh between two sets of projectors (bits), neither of them empty.
 struct BlendBorder {

@@ -15,7 +15,7 @@ layout(push_constant, scalar) uniform Push { GainParams params; };
 
 layout(location = 0) out vec4 colour; // only alpha is written
 
-const float kLeastFade = 1e-3, kLeastCosine = 0.05; // as in geometry/projector_blend.cpp
+const float kLeastSlope = 1e-3, kLeastFade = 1e-6, kLeastCosine = 0.05; // as in geometry/projector_blend.cpp
 
 float distanceToSegment(vec3 p, vec3 from, vec3 to) {
     vec3 along = to - from;
@@ -35,7 +35,8 @@ float fade(uint projector) {
     for (uint i = triangles[triangle].firstBorder; i < triangles[triangle + 1].firstBorder; ++i)
         if (((borders[i].left ^ borders[i].right) >> projector & 1u) != 0u)
             nearest = min(nearest, distanceToSegment(pointInWorld, borders[i].from, borders[i].to));
-    float x = max(nearest / params.falloff, kLeastFade);
+    float beyond = max(nearest - params.guard, 0.0) / (params.falloff - params.guard);
+    float x = clamp(beyond + kLeastSlope * nearest / params.falloff, kLeastFade, 1.0);
     return x * x * (3.0 - 2.0 * x);
 }
 

@@ -299,6 +299,7 @@ void FrameRenderer::State::drawGains() {
         inputs.triangles = &model->blend.triangles;
         inputs.borders = &model->blend.borders;
         inputs.params.shownReflectance = static_cast<float>(model->scene.options.surfaceReflectance);
+        inputs.params.guard = static_cast<float>(geometry::kBlendGuard);
         inputs.params.falloff = static_cast<float>(geometry::kBlendFalloff);
         inputs.params.projector = static_cast<uint32_t>(i);
         inputs.params.projectorCount = static_cast<uint32_t>(model->outputs.size());

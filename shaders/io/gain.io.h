@@ -7,7 +7,8 @@ IO_BEGIN
 struct GainParams {
     mat4 clipFromWorld;
     float shownReflectance; // of the physical surface
-    float falloff;          // metres over which projectors fade in
+    float guard;            // metres from where a projector ends up to which it has no part
+    float falloff;          // and from which it has its full part
     uint projector;         // whose gain it is
     uint projectorCount;
 };
