@@ -149,7 +149,8 @@ private:
         sub->add_option("--device", common_.device,
                         "Vulkan device: part of its name, or its index (heliodon devices)");
         written(sub->add_option("--report", common_.report,
-                                "write everything worth knowing about the run to this JSON file"));
+                                "write everything worth knowing about the run to this JSON file"))
+            ->transform(CLI::Validator(fileOrStdout, ""));
         sub->add_flag("--quiet", common_.quiet, "no progress and no notes");
         commands_.emplace_back(sub, [&values] { return Command(values); });
         return sub;

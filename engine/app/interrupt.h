@@ -25,7 +25,8 @@ private:
     std::array<void (*)(int), 3> before_{};
 };
 
-// Asked at every step of a progress bar and before every submission to a device; from any thread.
+// Asked at every step of a progress bar, before every stage and every submission to a device; from any
+// thread.
 void throwIfInterrupted();
 
 } // namespace heliodon::app

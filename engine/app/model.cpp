@@ -10,6 +10,7 @@ void execute(Run& run, const ModelArguments& arguments) {
     if (extension != ".obj" && extension != ".glb")
         throw geometry::InputError(arguments.output.string(), "", "a model is written as .obj or .glb");
     const Scene scene = loadScene(run, arguments.scene);
+    const StageTimer timer(run, "write");
     geometry::writeModel(scene.mesh, arguments.output, scene.northDeg);
 }
 

@@ -28,10 +28,16 @@ inline CLI::Validator within(double low, double high) {
     return number([=](double x) { return x >= low && x <= high; }, fmt::format("from {} to {}", low, high));
 }
 
-// A file to write that has this ending; "-" becomes /dev/stdout, and streams may have any name.
+// A file to write; "-" becomes /dev/stdout.
+inline std::string fileOrStdout(std::string& text) {
+    if (text == "-") text = "/dev/stdout";
+    return {};
+}
+
+// Of this ending; streams may have any name.
 inline CLI::Validator resultNamed(const std::string& ending) {
     const auto check = [=](std::string& text) {
-        if (text == "-") text = "/dev/stdout";
+        fileOrStdout(text);
         const std::filesystem::path file = text;
         return file.extension() == ending || geometry::isStream(file)
                    ? std::string()

@@ -101,6 +101,11 @@ void Run::addStageSeconds(const std::string& stage, double seconds) {
     entry = (entry.is_number() ? entry.get<double>() : 0.0) + seconds;
 }
 
+void Run::beginStage(const std::string& stage) {
+    throwIfInterrupted(); // stages on the processor ask nowhere else
+    heartbeat_.begin(stage);
+}
+
 void Run::endStage(const std::string& stage, double seconds) {
     heartbeat_.end(stage);
     addStageSeconds(stage, seconds);

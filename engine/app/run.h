@@ -36,8 +36,8 @@ public:
     void modelled(const std::string& what);
     void skipped(const std::string& whatAndWhy);
     bool showsProgress() const { return !quiet_; }
-    // What is at work is shown while it takes long; see StageTimer.
-    void beginStage(const std::string& stage) { heartbeat_.begin(stage); }
+    // What is at work is shown while it takes long; see StageTimer. Throws Interrupted.
+    void beginStage(const std::string& stage);
     void endStage(const std::string& stage, double seconds);
     void addStageSeconds(const std::string& stage, double seconds); // adds up over several calls
 
@@ -55,7 +55,8 @@ private:
     Heartbeat heartbeat_;
 };
 
-// Measures from construction to destruction, adds to `stages` in the report, and shows that it goes on.
+// Measures from construction to destruction, adds to `stages` in the report, and shows that it goes on. An
+// interrupted run begins none: the constructor throws Interrupted.
 class StageTimer {
 public:
     StageTimer(Run& run, std::string stage) : run_(run), stage_(std::move(stage)) { run_.beginStage(stage_); }

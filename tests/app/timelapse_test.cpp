@@ -1,7 +1,11 @@
 // Time-lapses that go on where another stopped, and runs that are interrupted, as a user meets them.
+#include <csignal>
+
 #include <nlohmann/json.hpp>
 
 #include "engine/app/film.h"
+#include "engine/app/interrupt.h"
+#include "engine/app/run.h"
 #include "tests/app/program.h"
 
 namespace heliodon::test {
@@ -304,6 +308,17 @@ TEST_F(Timelapse, an_interrupted_run_says_so_and_leaves_nothing) {
         EXPECT_EQ(output, "heliodon: interrupted\ncode 1\n") << signal;
         EXPECT_FALSE(std::filesystem::exists(folder / "new")) << signal;
     }
+}
+
+// Commands that use no device are asked between their stages: `model` wrote all of two million triangles.
+TEST(Stages, none_begins_once_a_run_is_interrupted) {
+    app::Run run(app::Arguments{});
+    const app::InterruptGuard guard;
+    { const app::StageTimer before(run, "model"); }
+    std::raise(SIGTERM);
+    EXPECT_THROW(app::StageTimer(run, "write"), app::Interrupted);
+    EXPECT_TRUE(run.report()["stages"].contains("model"));
+    EXPECT_FALSE(run.report()["stages"].contains("write"));
 }
 
 } // namespace
