@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
@@ -45,9 +46,10 @@ struct Patches {
             extent.push_back(std::max(area[i], kOfSpread * spreadOf(mesh, i, centre[i])));
         }
         share = area;
+        for (size_t i = 0; i < mesh.patchCount(); ++i) normal.push_back(geometry::patchNormal(mesh, i));
     }
     std::vector<double> area;
-    std::vector<glm::dvec3> centre;
+    std::vector<glm::dvec3> centre, normal;
     std::vector<double> share;  // of the area, that one point stands for
     std::vector<double> extent; // the area, or more where a patch is long
 };
@@ -125,6 +127,31 @@ double averageEnds(float* F, const Patches& patches) {
         ji = static_cast<float>(exchange / b);
     });
     return variance;
+}
+
+// What a pair that neither end has in a pixel would exchange if nothing stood between them; 0 where they do
+// not face.
+double unseenExchange(const Patches& patches, size_t i, size_t j) {
+    const glm::dvec3 d = patches.centre[j] - patches.centre[i];
+    const double ci = glm::dot(d, patches.normal[i]), cj = -glm::dot(d, patches.normal[j]),
+                 d2 = glm::dot(d, d);
+    return ci > 0 && cj > 0 ? ci * cj / (std::numbers::pi * d2 * d2) * patches.area[i] * patches.area[j] : 0;
+}
+
+// Variance of what may have fallen between the pixels of both ends. Of many such pairs some are hit, and what
+// those ends disagree by tells of all; few may be missed altogether, by one pixel's worth.
+double missed(const float* F, const geometry::PatchMesh& mesh, const Patches& patches, double pixel) {
+    const size_t n = patches.area.size();
+    double variance = 0;
+    forPairs(n, [&](size_t i, size_t j) {
+        if (variance > pixel * pixel || F[i * n + j] > 0 || F[j * n + i] > 0) return;
+        const double a = patches.area[i], b = patches.area[j];
+        if (!(a > 0 && b > 0) || mesh.room[i] != mesh.room[j]) return;
+        const double exchange = unseenExchange(patches, i, j);
+        if (exchange > pixel * std::min(a, b)) return; // one of its ends would have it in a pixel: hidden
+        variance += exchange * exchange * (1 / (a * a) + 1 / (b * b));
+    });
+    return std::min(variance, pixel * pixel);
 }
 
 // Rows whose points see what the others do not see of them, beside the edges of blockers: again from more
@@ -211,7 +238,9 @@ RefinedHemicube refinedHemicubeFormFactors(gpu::Device& device, const geometry::
     if (n > 0) result.report.claimedRowSumError = *std::max_element(errors.begin(), errors.end());
     double near = 0;
     for (const glm::uvec2& pair : pairs) near += disagreement(F, patches, pair.x, pair.y);
-    const double far = std::max(0.0, averageEnds(F, patches) - near);
+    const double side = 2.0 / options.resolution; // of a pixel of the top face, seen from one away
+    const double far = std::max(0.0, averageEnds(F, patches) - near) +
+                       missed(F, mesh, patches, side * side / std::numbers::pi);
     near = setNearPairs(device, mesh, pairs, options.pairTolerance, patches, F);
     const auto claim = [n](double variance) {
         return kCaution * std::sqrt(variance / static_cast<double>(std::max<size_t>(n, 1)));

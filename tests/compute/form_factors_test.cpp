@@ -340,6 +340,19 @@ TEST(FormFactors, hemicubes_keep_their_claim_on_thin_patches_and_the_error_asked
     }
 }
 
+TEST(FormFactors, hemicubes_claim_what_falls_between_their_pixels) {
+    const double a = 0.01;
+    const geometry::PatchMesh mesh = test::polygons(
+        {{{0, 0, 0}, {a, 0, 0}, {a, a, 0}, {0, a, 0}}, {{0, 0, 1}, {0, a, 1}, {a, a, 1}, {a, 0, 1}}});
+    for (double asked : {0.0, 1e-3, 1e-5}) {
+        const FormFactors F = computeFormFactors(test::device(), mesh, asking("hemicube", asked));
+        const double error =
+            F.values.download<float>(4)[1] - a * a / std::numbers::pi; // Howell, C-11, far apart
+        EXPECT_LE(std::abs(error), F.report.claimedRowError) << asked;
+        EXPECT_LE(F.report.claimedRowError, 1e-3) << asked;
+    }
+}
+
 TEST(FormFactors, tiles_make_up_the_matrix) {
     test::BoxRoom box;
     box.cells = {9, 7, 8}; // more rows than one block of a stream

@@ -83,8 +83,7 @@ TEST(PointView, a_box_seen_from_any_place_adds_up_to_one) {
         for (double y : {0.0, 0.3, 1.4})
             sensors.push_back({{x, y, 0.37 * x}, glm::normalize(dvec3(0.1 * x, 1, 0.2))});
     const SensorGather gather =
-        gatherSensors(scene, PatchSlopes(mesh), SlatLobes(scene, GlowingBlinds(mesh), {}), {}, sensors,
-                      daylight::SkyPatches(1), 1);
+        gatherSensors(scene, PatchSlopes(mesh), SlatLobes(scene, GlowingBlinds(mesh), {}), {}, sensors, 1);
     for (size_t s = 0; s < sensors.size(); ++s) {
         double even = 0, smooth = 0;
         for (size_t j = 0; j < mesh.patchCount(); ++j) {
