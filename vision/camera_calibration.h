@@ -21,7 +21,7 @@ struct CalibratedView {
     std::string name;
     size_t marks = 0;               // used
     std::vector<size_t> rejected;   // ids of marks left out because they lay too far off
-    double rms = 0, heldOutRms = 0; // px; heldOut: with the lens from all other views
+    double rms = 0, heldOutRms = 0; // px; heldOut: with the lens from all other views; 0 of kLeastViews views
     double tiltDegrees = 0;         // between the board's normal and the camera's axis
     bool used = true;               // false: its marks do not fit those of the other views
     geometry::OpticalDevice camera; // with the board as the world's table

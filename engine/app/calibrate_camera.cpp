@@ -98,7 +98,11 @@ void report(Run& run, const std::vector<Picture>& pictures, const std::vector<si
     out["camera_sigma"] = lensReport(result.fit.sigma);
     out["flat"] = pictures[flat].file.filename().string();
     out["rms_px"] = result.rms;
-    out["held_out_rms_px"] = result.heldOutRms;
+    const auto used =
+        std::count_if(result.views.begin(), result.views.end(), [](const auto& v) { return v.used; });
+    // As many as are needed at least: none can be held out.
+    const bool holdsOut = used > static_cast<std::ptrdiff_t>(vision::kLeastViews);
+    out["held_out_rms_px"] = holdsOut ? json(result.heldOutRms) : json();
     out["coverage"] = result.coverage;
     json& list = out["views"] = json::array();
     for (const Picture& p : pictures)
@@ -115,7 +119,7 @@ void report(Run& run, const std::vector<Picture>& pictures, const std::vector<si
         }
         entry.update({{"marks_rejected", view.rejected.size()},
                       {"rms_px", view.rms},
-                      {"held_out_rms_px", view.heldOutRms},
+                      {"held_out_rms_px", holdsOut ? json(view.heldOutRms) : json()},
                       {"tilt_deg", view.tiltDegrees}});
     }
     for (const json& entry : list)
@@ -125,14 +129,14 @@ void report(Run& run, const std::vector<Picture>& pictures, const std::vector<si
     for (const std::string& warning : result.warnings) run.warn(warning);
     const auto& view = pictures[flat];
     const geometry::Lens &lens = result.fit.lens, &sigma = result.fit.sigma;
-    const auto used =
-        std::count_if(result.views.begin(), result.views.end(), [](const auto& v) { return v.used; });
+    const std::string heldOut = holdsOut ? fmt::format("{:.3f} px in pictures held out", result.heldOutRms)
+                                         : "too few to hold one out";
     run.note(fmt::format(
-        "{} of {} pictures, RMS {:.3f} px, {:.3f} px in pictures held out\n"
+        "{} of {} pictures, RMS {:.3f} px, {}\n"
         "focal length {:.2f} +- {:.2f}, {:.2f} +- {:.2f} px; principal point {:.2f} +- {:.2f}, {:.2f} +- "
         "{:.2f} px; table as in {}",
-        used, pictures.size(), result.rms, result.heldOutRms, lens.fx, sigma.fx, lens.fy, sigma.fy, lens.cx,
-        sigma.cx, lens.cy, sigma.cy, view.file.filename().string()));
+        used, pictures.size(), result.rms, heldOut, lens.fx, sigma.fx, lens.fy, sigma.fy, lens.cx, sigma.cx,
+        lens.cy, sigma.cy, view.file.filename().string()));
 }
 
 std::filesystem::path overlayOf(const std::filesystem::path& folder, const std::filesystem::path& image) {

@@ -71,6 +71,18 @@ TEST_F(CalibrateCamera, puts_the_camera_into_the_rig_and_says_what_was_left_out)
     EXPECT_TRUE(std::filesystem::exists(in("found/b_flat.png")));
 }
 
+TEST_F(CalibrateCamera, of_the_fewest_pictures_none_is_held_out) {
+    paintAll();
+    const Outcome run = heliodon("calibrate camera " + in("a1.png") + " " + in("b_flat.png") + " " +
+                                 in("c0.png") + " -o " + in("rig.json") + " --report " + in("r.json"));
+    ASSERT_EQ(run.exitCode, 0) << run.output;
+    EXPECT_NE(run.output.find("too few to hold one out"), std::string::npos) << run.output;
+    const json report = json::parse(readText(in("r.json")));
+    EXPECT_TRUE(report["held_out_rms_px"].is_null());
+    ASSERT_EQ(report["views"].size(), 3u);
+    for (const json& view : report["views"]) EXPECT_TRUE(view["held_out_rms_px"].is_null());
+}
+
 TEST_F(CalibrateCamera, bad_input_is_named_and_nothing_is_written) {
     paintAll();
     const std::string out = " -o " + in("rig.json");
