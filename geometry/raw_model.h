@@ -30,7 +30,7 @@ struct RawModel {
     std::vector<std::string> source; // per group: "" in an .obj, "meshes[0].primitives[1]" in a glTF
     std::vector<Material>
         materials; // checked: finite, reflectance in [0, 1), reflectance + transmittance at most 1
-    double northDeg = kModelNorthDeg;       // direction of north, as Building has it
+    double northDeg = kModelNorthDeg; // direction of north, as Building has it
     // By material, one sentence each: what the file does not say, and what may have been meant otherwise.
     std::map<uint32_t, std::string> assumed, doubts;
 
