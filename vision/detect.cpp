@@ -16,6 +16,7 @@
 #include "vision/median.h"
 #include "vision/pieces.h"
 #include "vision/plan_view.h"
+#include "vision/table_edge.h"
 #include "vision/table_marks.h"
 #include "vision/wall_evidence.h"
 #include "vision/wall_fit.h"
@@ -28,6 +29,21 @@ using geometry::Sketch;
 constexpr double kSmallestInches2 =
     0.06;                            // regions below are noise: the smallest real one is half an inch of wall
 constexpr size_t kMostRegions = 600; // more is noise, not a table
+
+// Before all other warnings: it may explain them.
+void warnOfMovedTable(const Photograph& photo, const geometry::Rig& rig, double gamma,
+                      std::vector<std::string>& warnings) {
+    const PlanView view(photo, rig.camera, gamma);
+    const auto offset = tableOffset(view, rig.tableRadius / geometry::kMetresPerInch);
+    if (!offset) return;
+    const glm::dvec2 expected = view.pixel({}, 0), seen = view.pixel(*offset, 0);
+    warnings.insert(
+        warnings.begin(),
+        fmt::format(
+            "the table's edge shows {:.1f} in from where the rig has it (its middle at pixel {:.0f}, {:.0f}, "
+            "not {:.0f}, {:.0f}): was the camera moved, or the picture turned? Walls may be misread",
+            glm::length(*offset), seen.x, seen.y, expected.x, expected.y));
+}
 
 size_t wallsIn(const DetectionResult& result) {
     return result.sketch.walls.size() + result.sketch.arcs.size();
@@ -540,6 +556,7 @@ DetectionResult detectSketch(const Photograph& photo, const geometry::Rig& rig,
         result.warnings.push_back(fmt::format("the walls' white ends are {:.1f} times as bright as what was "
                                               "taken for white: colours may be misread",
                                               ends->overWhite));
+    warnOfMovedTable(photo, rig, options.gamma, result.warnings);
     return result;
 }
 

@@ -10,6 +10,8 @@
 #include "tests/vision/sketch_score.h"
 #include "tests/vision/table_painter.h"
 #include "vision/detect.h"
+#include "vision/plan_view.h"
+#include "vision/table_edge.h"
 #include "vision/white_map.h"
 
 namespace heliodon::vision {
@@ -366,6 +368,34 @@ TEST(DetectConditions, a_square_skylight_on_a_black_table_and_an_arrow_along_its
     sketch.skylights[0].size = {1.6, 1.55};
     sketch.north = geometry::NorthArrow{{0, -19.9}, 2, {}};
     expectRead(sketch, paintTable(sketch, exampleRig(), paints));
+}
+
+TEST(DetectConditions, says_that_the_table_is_not_where_the_rig_has_it) {
+    const auto offset = [](const Photograph& photo, const geometry::Rig& rig) {
+        return tableOffset(PlanView(photo, rig.camera, 2.2), rig.tableRadius / geometry::kMetresPerInch);
+    };
+    PaintBox black, alike;
+    black.table = {0.06, 0.06, 0.06};
+    alike.floor = alike.table;
+    for (const PaintBox& paints : {PaintBox{}, black}) {
+        const Photograph photo = paintTable(room(), exampleRig(), paints);
+        for (const glm::dvec2 moved :
+             {glm::dvec2(0), glm::dvec2(8, -6), glm::dvec2(-45, 20), glm::dvec2(60, 110)}) {
+            SCOPED_TRACE(moved.x);
+            geometry::Rig rig = exampleRig();
+            rig.camera.lens.cx += moved.x, rig.camera.lens.cy += moved.y;
+            const glm::dvec2 middle = PlanView(photo, exampleRig().camera, 2.2).pixel({}, 0),
+                             there = PlanView(photo, rig.camera, 2.2).plan(middle, 0);
+            const auto seen = offset(photo, rig);
+            EXPECT_EQ(seen.has_value(), glm::length(there) > 1);
+            EXPECT_LT(glm::distance(seen.value_or(there), there), 0.1 + 0.05 * glm::length(there));
+        }
+    }
+    geometry::Rig rig = exampleRig();
+    const Photograph photo = paintTable(room(), rig, alike);
+    rig.camera.lens.cx += 60;
+    EXPECT_FALSE(offset(photo, rig)); // of the floor's colour: nothing is said
+    EXPECT_TRUE(warnsOf(detectSketch(paintTable(room(), exampleRig()), rig), "table's edge"));
 }
 
 TEST(DetectConditions, says_that_light_or_table_hide_something) {

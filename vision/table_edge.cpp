@@ -1,0 +1,76 @@
+#include "vision/table_edge.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include <glm/geometric.hpp>
+
+namespace heliodon::vision {
+
+namespace {
+
+constexpr int kDirections = 72, kLeastSeen = 36;
+constexpr double kReach = 0.7;                  // inches within and beyond the edge
+constexpr double kStep = 0.14;                  // of the logarithm of light
+constexpr double kThere = 0.7, kClearly = 0.85; // share of the directions with a step one way
+constexpr double kFarthest = 10, kCoarse = 0.5, kFine = 0.1, kWorthSaying = 1; // inches
+
+// The logarithm of light on the table; none beyond the picture.
+std::optional<double> lightAt(const PlanView& view, glm::dvec2 plan) {
+    const glm::dvec2 p = view.pixel(plan, 0);
+    if (!(p.x >= 0 && p.y >= 0 && p.x <= view.photo().width - 1 && p.y <= view.photo().height - 1))
+        return std::nullopt;
+    const glm::vec3 light = view.light(p);
+    return std::log(std::max(1e-3, static_cast<double>(light.r + light.g + light.b) / 3));
+}
+
+// The share of the circle's directions, of those in the picture, in which it grows darker outwards, or
+// lighter: whichever are more.
+double agreement(const PlanView& view, glm::dvec2 centre, double radius) {
+    int seen = 0, darker = 0, lighter = 0;
+    for (int k = 0; k < kDirections; ++k) {
+        const double angle = 2 * std::numbers::pi * k / kDirections;
+        const glm::dvec2 out(std::cos(angle), std::sin(angle));
+        const auto within = lightAt(view, centre + (radius - kReach) * out),
+                   beyond = lightAt(view, centre + (radius + kReach) * out);
+        if (!within || !beyond) continue;
+        ++seen;
+        darker += *within - *beyond > kStep;
+        lighter += *beyond - *within > kStep;
+    }
+    return seen < kLeastSeen ? 0 : static_cast<double>(std::max(darker, lighter)) / seen;
+}
+
+// The mean of the places on a grid round `from` where the circle agrees best, and how well it does there.
+std::pair<glm::dvec2, double> bestPlace(const PlanView& view, double radius, glm::dvec2 from, double reach,
+                                        double step) {
+    glm::dvec2 sum{};
+    double best = 0;
+    int count = 0;
+    const int n = static_cast<int>(std::ceil(reach / step));
+    for (int i = -n; i <= n; ++i)
+        for (int j = -n; j <= n; ++j) {
+            const glm::dvec2 off = step * glm::dvec2(i, j);
+            if (glm::length(off) > reach) continue;
+            const double here = agreement(view, from + off, radius);
+            if (here < best) continue;
+            if (here > best) best = here, sum = {}, count = 0;
+            sum += from + off, ++count;
+        }
+    return {sum / static_cast<double>(std::max(count, 1)), best};
+}
+
+} // namespace
+
+std::optional<glm::dvec2> tableOffset(const PlanView& view, double radius) {
+    if (radius < 2 * kReach || agreement(view, {}, radius) >= kThere) return std::nullopt;
+    const auto [coarse, clear] = bestPlace(view, radius, {}, kFarthest, kCoarse);
+    if (clear < kClearly) return std::nullopt;
+    const glm::dvec2 offset = bestPlace(view, radius, coarse, 1.5 * kCoarse, kFine).first;
+    if (glm::length(offset) < kWorthSaying) return std::nullopt;
+    return offset;
+}
+
+} // namespace heliodon::vision

@@ -1,0 +1,19 @@
+// Whether the table lies in the picture where the rig has it. After a camera was moved, or of a picture that
+// was turned, everything is read at the wrong place, in the wrong size.
+#pragma once
+
+#include <optional>
+
+#include <glm/vec2.hpp>
+
+#include "vision/plan_view.h"
+
+namespace heliodon::vision {
+
+// Plan inches from the middle of the table as the rig has it to the middle of the round edge that the picture
+// shows. None where the edge lies within an inch of where it should, and where none of that radius (inches)
+// shows: too little of it in the picture, or no step of light all round. Good to 0.1 in and a twentieth of
+// itself. Under a millisecond where the edge is at its place, else about 30.
+std::optional<glm::dvec2> tableOffset(const PlanView& view, double radius);
+
+} // namespace heliodon::vision
