@@ -238,9 +238,9 @@ RefinedHemicube refinedHemicubeFormFactors(gpu::Device& device, const geometry::
     if (n > 0) result.report.claimedRowSumError = *std::max_element(errors.begin(), errors.end());
     double near = 0;
     for (const glm::uvec2& pair : pairs) near += disagreement(F, patches, pair.x, pair.y);
+    double far = std::max(0.0, averageEnds(F, patches) - near);
     const double side = 2.0 / options.resolution; // of a pixel of the top face, seen from one away
-    const double far = std::max(0.0, averageEnds(F, patches) - near) +
-                       missed(F, mesh, patches, side * side / std::numbers::pi);
+    far += missed(F, mesh, patches, side * side / std::numbers::pi);
     near = setNearPairs(device, mesh, pairs, options.pairTolerance, patches, F);
     const auto claim = [n](double variance) {
         return kCaution * std::sqrt(variance / static_cast<double>(std::max<size_t>(n, 1)));

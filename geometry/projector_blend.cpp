@@ -10,6 +10,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "geometry/segment_distance.h"
+
 namespace heliodon::geometry {
 
 namespace {
@@ -20,12 +22,6 @@ constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
 // share where every projector is at its border.
 constexpr double kLeastSlope = 1e-3, kLeastFade = 1e-6;
 constexpr double kLeastCosine = 0.05; // smooth normals may fall below the limit that facets keep to
-
-double distanceToSegment(glm::dvec3 p, glm::dvec3 from, glm::dvec3 to) {
-    const glm::dvec3 along = to - from;
-    const double t = std::clamp(glm::dot(p - from, along) / glm::dot(along, along), 0.0, 1.0);
-    return glm::length(from + t * along - p);
-}
 
 double fadeAt(double distance) {
     const double beyond = std::max(distance - kBlendGuard, 0.0) / (kBlendFalloff - kBlendGuard),

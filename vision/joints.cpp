@@ -6,6 +6,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "geometry/segment_distance.h"
 #include "vision/edges.h"
 #include "vision/median.h"
 #include "vision/wall_fit.h"
@@ -103,19 +104,14 @@ std::optional<Gap> findGap(const geometry::Wall& wall, const geometry::WindowMar
                face->start + (static_cast<double>(last) + 0.5) * kStep};
 }
 
-double distanceFrom(const geometry::Wall& wall, glm::dvec2 p) {
-    const glm::dvec2 run = wall.b - wall.a;
-    const double share = std::clamp(glm::dot(p - wall.a, run) / glm::dot(run, run), 0.0, 1.0);
-    return glm::distance(p, wall.a + share * run);
-}
-
 // The stripe is a wall that stands against this one's face.
 bool isBehind(const std::vector<geometry::Wall>& others, const geometry::Wall& wall, const Gap& gap) {
     constexpr double kAgainst = 1.5; // inches: it is tall, and seen from the side covers more of the face
     const glm::dvec2 along = glm::normalize(wall.b - wall.a),
                      there = wall.a + 0.5 * (gap.low + gap.high) * along;
-    return std::any_of(others.begin(), others.end(),
-                       [&](const geometry::Wall& other) { return distanceFrom(other, there) < kAgainst; });
+    return std::any_of(others.begin(), others.end(), [&](const geometry::Wall& other) {
+        return geometry::distanceToSegment(there, other.a, other.b) < kAgainst;
+    });
 }
 
 } // namespace
