@@ -32,7 +32,7 @@ public:
 private:
     // The triangles round a point, by their sides opposite to it.
     struct Side {
-        glm::dvec2 a, b;
+        glm::dvec2 from, run;
         double square; // of its length
         bool sharp;    // the triangle is at a sharp corner
     };
@@ -170,36 +170,34 @@ private:
         bool turned;            // over
     };
 
-    // The smallest one of the triangle from p to a side: opposite its shortest side.
+    // The smallest one of the triangle from p to a side. Twice the area over the dot product of the sides at a
+    // corner is the tangent of the angle there: the largest dot product belongs to the smallest angle.
     static Angle smallestAngle(const Side& side, glm::dvec2 p) {
-        const glm::dvec2 u = side.a - p, v = side.b - p;
-        const double uu = glm::dot(u, u), vv = glm::dot(v, v), uv = glm::dot(u, v), ww = side.square;
-        double adjacent = uv, squares = uu * vv;
-        if (uu < ww && uu <= vv) {
-            adjacent = vv - uv;
-            squares = ww * vv;
-        } else if (vv < ww) {
-            adjacent = uu - uv;
-            squares = ww * uu;
-        }
-        return {adjacent * adjacent, squares, cross(u, v) <= 0};
+        const glm::dvec2 u = p - side.from;
+        const double along = glm::dot(side.run, u), twice = cross(side.run, u);
+        const double most = std::max(std::max(along, side.square - along), glm::dot(u, u) - along);
+        return {most * most, most * most + twice * twice, twice <= 0};
     }
 
-    // Squared cosine of the smallest angle round p; 1 when it is `limit` or more, which most places tried are
-    // at the first side asked: it comes first from then on.
-    static double worst(std::vector<Side>& round, glm::dvec2 p, double limit) {
+    // Squared cosine of the smallest angle round p; 1 when it is `limit` or more. `strictest`: the side that
+    // said so last, which most places tried fail at, too.
+    static double worst(const std::vector<Side>& round, glm::dvec2 p, double limit, size_t& strictest) {
         double up = 0, down = 1; // as a fraction
-        for (Side& side : round) {
+        const auto passes = [&](const Side& side) {
             const auto [square, squares, turned] = smallestAngle(side, p);
-            if (turned || square >= limit * squares) {
-                std::swap(side, round.front());
-                return 1;
-            }
+            if (turned || square >= limit * squares) return false;
             if (square * down > up * squares) {
                 up = square;
                 down = squares;
             }
-        }
+            return true;
+        };
+        if (!passes(round[strictest])) return 1;
+        for (size_t i = 0; i < round.size(); ++i)
+            if (i != strictest && !passes(round[i])) {
+                strictest = i;
+                return 1;
+            }
         return up / down;
     }
 
@@ -212,7 +210,7 @@ private:
             const auto& c = net.corner[stars.triangles[i]];
             const size_t k = c[0] == v ? 0 : c[1] == v ? 1 : 2;
             const glm::dvec2 a = net.points[c[(k + 1) % 3]], b = net.points[c[(k + 2) % 3]];
-            round.push_back({a, b, glm::dot(b - a, b - a), net.atSharpCorner(stars.triangles[i])});
+            round.push_back({a, b - a, glm::dot(b - a, b - a), net.atSharpCorner(stars.triangles[i])});
             nearest = std::min({nearest, glm::dot(a - start, a - start), glm::dot(b - start, b - start)});
         }
         return nearest;
@@ -270,7 +268,8 @@ private:
     static bool move(PlanarNet& net, uint32_t v, const Stars& stars, std::vector<Side>& round) {
         const double shortest = std::sqrt(findSides(net, v, stars, round));
         const glm::dvec2 start = net.points[v];
-        const double before = std::sqrt(worst(round, start, 1));
+        size_t strictest = 0;
+        const double before = std::sqrt(worst(round, start, 1, strictest));
         glm::dvec2 best = start;
         double least = before;
         for (double step = 0.25 * shortest; step > 0.01 * shortest;) {
@@ -278,7 +277,7 @@ private:
             const double wanted = least - 1e-4;
             for (const glm::dvec2 d : kDirections) {
                 const glm::dvec2 p = best + step * d;
-                const double square = worst(round, p, wanted * wanted);
+                const double square = worst(round, p, wanted * wanted, strictest);
                 if (square >= wanted * wanted) continue;
                 least = std::sqrt(square);
                 best = p;

@@ -80,9 +80,8 @@ public:
             for (uint32_t k = first_[at(std::max(0, c - 1), row)],
                           end = first_[at(std::min(columns_ - 1, c + 1), row) + 1];
                  k < end; ++k) {
-                const auto [i, j] = segments_[inCell_[k]];
-                const glm::dvec2 a = points_[i], d = points_[j] - a;
-                const double t = std::clamp(glm::dot(p - a, d) / glm::dot(d, d), 0.0, 1.0);
+                const auto& [a, d, inverse] = inCell_[k];
+                const double t = std::clamp(inverse * glm::dot(p - a, d), 0.0, 1.0);
                 const glm::dvec2 off = p - a - t * d;
                 nearest = std::min(nearest, glm::dot(off, off));
                 if (nearest < enough * enough) return nearest;
@@ -113,7 +112,10 @@ private:
         for (size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
         inCell_.resize(found.size());
         std::vector<uint32_t> place(first_.begin(), first_.end() - 1);
-        for (const auto& [cell, s] : found) inCell_[place[cell]++] = s;
+        for (const auto& [cell, s] : found) {
+            const glm::dvec2 a = points_[segments_[s].first], d = points_[segments_[s].second] - a;
+            inCell_[place[cell]++] = {a, d, 1 / glm::dot(d, d)};
+        }
     }
 
     const std::vector<glm::dvec2>& points_;
@@ -121,7 +123,12 @@ private:
     glm::dvec2 low_;
     int columns_, rows_;
     std::vector<std::pair<uint32_t, uint32_t>> segments_;
-    std::vector<uint32_t> first_, inCell_; // segments by cell
+    struct Line {
+        glm::dvec2 from, run;
+        double inverse; // of the square of its length
+    };
+    std::vector<uint32_t> first_;
+    std::vector<Line> inCell_; // segments by cell
 };
 
 PlanarNet triangulate(const PlanarDomain& domain, const std::vector<glm::dvec2>& seeds) {
@@ -173,10 +180,11 @@ private:
                                              u.x * glm::dot(v, v) - v.x * glm::dot(u, u)) /
                                   twice;
         // An equilateral triangle of the size wanted has a circumradius of 0.577 of it.
-        const double radius = glm::length(offset), size = domain_.size.at(a + offset);
+        const double radius = glm::length(offset);
         const double shortest = std::sqrt(std::min({glm::dot(u, u), glm::dot(v, v), glm::dot(u - v, u - v)}));
         const bool slim = domain_.dividesSlim && !domain_.size.uniform() && radius > kSlim * shortest;
-        if (radius < kLargest * size && !slim) return false;
+        if (!slim && !domain_.size.atMost(a + offset, radius / kLargest)) return false;
+        const double size = domain_.size.at(a + offset);
         const uint32_t target = net_.locate(t, a + offset);
         if (target == kNoTriangle || nearFixedEdge(target, a + offset, kApart * size)) return false;
         net_.insert(target, a + offset);
@@ -294,7 +302,7 @@ std::vector<glm::dvec2> hexagonalSeeds(const PlanarDomain& domain, double lattic
                     if (square < nearReach * nearReach) continue;
                     const bool near = square < farReach * farReach;
                     const glm::dvec2 seed = p.x * u + p.y * v;
-                    if (domain.size.at(seed) <= kOnLattice * domain.size.edge()) continue;
+                    if (domain.size.atMost(seed, kOnLattice * domain.size.edge())) continue;
                     all.push_back(seed);
                     if (!near) far.push_back(seed);
                 }

@@ -32,23 +32,42 @@ SizeField::SizeField(std::vector<SizeSource> sources, double edge, double growth
     std::vector<uint32_t> place(first_.begin(), first_.end() - 1);
     sources_.resize(sources.size());
     for (const SizeSource& s : sources) sources_[place[cellOf(s.at)]++] = s;
+    leastSize_ = std::ranges::min_element(sources_, {}, &SizeSource::size)->size;
+}
+
+template<class Visit> bool SizeField::anyNear(glm::dvec2 p, Visit visit) const {
+    if (sources_.empty()) return false;
+    const glm::dvec2 in = glm::floor((p - low_) / width_);
+    if (!(in.x >= -1 && in.y >= -1 && in.x <= columns_ && in.y <= rows_)) return false;
+    const int column = static_cast<int>(in.x), row = static_cast<int>(in.y);
+    const int left = std::max(0, column - 1), right = std::min(columns_ - 1, column + 1);
+    for (int r = std::max(0, row - 1); r <= std::min(rows_ - 1, row + 1); ++r)
+        // Cells of a row follow one another.
+        for (uint32_t i = first_[cell(left, r)]; i < first_[cell(right, r) + 1]; ++i)
+            if (visit(sources_[i])) return true;
+    return false;
 }
 
 double SizeField::at(glm::dvec2 p) const {
     double size = edge_;
-    if (sources_.empty()) return size;
-    const glm::dvec2 in = glm::floor((p - low_) / width_);
-    if (!(in.x >= -1 && in.y >= -1 && in.x <= columns_ && in.y <= rows_)) return size;
-    const int column = static_cast<int>(in.x), row = static_cast<int>(in.y);
-    for (int r = std::max(0, row - 1); r <= std::min(rows_ - 1, row + 1); ++r)
-        for (int c = std::max(0, column - 1); c <= std::min(columns_ - 1, column + 1); ++c)
-            for (uint32_t i = first_[cell(c, r)]; i < first_[cell(c, r) + 1]; ++i) {
-                const glm::dvec2 d = p - sources_[i].at;
-                const double reach = (size - sources_[i].size) / growth_, square = glm::dot(d, d);
-                if (reach > 0 && square < reach * reach)
-                    size = sources_[i].size + growth_ * std::sqrt(square);
-            }
+    anyNear(p, [&](const SizeSource& source) {
+        const glm::dvec2 d = p - source.at;
+        const double rise = size - source.size, square = glm::dot(d, d);
+        if (rise > 0 && growth_ * growth_ * square < rise * rise)
+            size = source.size + growth_ * std::sqrt(square);
+        return false;
+    });
     return size;
+}
+
+bool SizeField::atMost(glm::dvec2 p, double limit) const {
+    if (limit >= edge_) return true;
+    if (limit < leastSize_) return false;
+    return anyNear(p, [&](const SizeSource& source) {
+        const glm::dvec2 d = p - source.at;
+        const double rise = limit - source.size;
+        return rise >= 0 && growth_ * growth_ * glm::dot(d, d) <= rise * rise;
+    });
 }
 
 } // namespace heliodon::geometry
