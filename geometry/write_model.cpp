@@ -105,8 +105,11 @@ void writeObj(const PatchMesh& mesh, const std::filesystem::path& file, double n
             text += "\n";
         }
     }
-    writeWholeText(library, mtlText(mesh));
-    writeWholeText(file, text);
+    // Materials when all else is written: without a model none appear, nor replace those of an older one.
+    writeWhole(file, [&](const std::filesystem::path& aside) {
+        writeWholeText(aside, text);
+        writeWholeText(library, mtlText(mesh));
+    });
 }
 
 class GlbWriter {

@@ -280,6 +280,16 @@ TEST_F(ModelFile, written_models_read_back) {
     EXPECT_EQ(readPatches(folder / "no #1.obj").materials.size(), obj.materials.size());
 }
 
+TEST_F(ModelFile, no_materials_are_written_without_their_model) {
+    const PatchMesh mesh = readPatches(kModels / "thin_slab_1_1_0.001.obj");
+    fs::create_directories(folder / "a.obj");
+    EXPECT_THROW(writeModel(mesh, folder / "a.obj"), InputError);
+    EXPECT_FALSE(fs::exists(folder / "a.mtl"));
+    fs::create_directories(folder / "b.mtl");
+    EXPECT_THROW(writeModel(mesh, folder / "b.obj"), InputError);
+    EXPECT_FALSE(fs::exists(folder / "b.obj"));
+}
+
 TEST_F(ModelFile, north_goes_along) {
     const Building room = importModel(kModels / "daylight_d" / "model.obj", UpAxis::z);
     EXPECT_EQ(room.northDeg, 90);
