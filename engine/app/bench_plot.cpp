@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "engine/app/label_places.h"
+#include "engine/passes/label_places.h"
 #include "engine/passes/lettering.h"
 
 namespace heliodon::app {
@@ -17,7 +17,8 @@ namespace {
 
 constexpr double kWidth = 860, kPanelHeight = 470, kTop = 34;                // pixels
 constexpr double kLeft = 62, kRight = 640, kAbove = 58, kBelow = 56;         // of a panel's axes
-constexpr double kMark = 4.5, kLetters = 12, kSmallLetters = 11, kLine = 15; // radius, sizes, distance
+constexpr double kMark = 4.5, kLetters = 12, kSmallLetters = 11, kLine = 15, // radius, sizes, distance
+    kRightSide = 30;                                                         // as passes::Label::towards
 constexpr Ink kGrid{226, 226, 226}, kFinerGrid{243, 243, 243}, kFront{214, 214, 214};
 
 struct Style {
@@ -179,15 +180,16 @@ private:
     }
 
     void labels() {
-        std::vector<Label> labels;
+        std::vector<passes::Label> labels;
         for (const BenchResult& r : results_)
-            labels.push_back(
-                {placeOf(r), {passes::Lettering{0.73 * kSmallLetters}.width(r.setting), kSmallLetters}});
-        const std::vector<Box> boxes =
-            placeLabels(labels, kMark, {{kLeft, top_ + kAbove}, {kRight + 20, bottom()}}, drawn_);
+            labels.push_back({{placeOf(r)},
+                              {passes::Lettering{0.73 * kSmallLetters}.width(r.setting), kSmallLetters},
+                              {kRightSide, 0}});
+        const std::vector<passes::Box> boxes =
+            passes::placeLabels(labels, {{kLeft, top_ + kAbove}, {kRight + 20, bottom()}}, kMark + 2, drawn_);
         for (size_t k = 0; k < boxes.size(); ++k) {
             const Ink ink = styleOf(results_[k].kernel).ink;
-            const glm::dvec2 at = labels[k].mark,
+            const glm::dvec2 at = labels[k].outline[0],
                              near{std::clamp(at.x, boxes[k].low.x, boxes[k].high.x),
                                   std::clamp(at.y, boxes[k].low.y, boxes[k].high.y)},
                              way = near - at;
@@ -222,7 +224,7 @@ private:
     std::vector<BenchResult> results_;
     double top_;
     Axis x_, y_;
-    std::vector<std::array<glm::dvec2, 2>> drawn_; // what labels should not cover
+    std::vector<passes::Line> drawn_; // what labels should not cover
 };
 
 // Results of each scene and size, in the order of the first of each.

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cfloat>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <span>
 
 #include <fmt/format.h>
+#include <glm/geometric.hpp>
 #include <imgui.h>
 
 #include "compute/gpu/image.h"
@@ -52,66 +52,54 @@ PlacedPicture fitted(const gpu::Image& picture, ImVec2 at, ImVec2 room) {
     return {&picture, left, top, left + scale * width, top + scale * height};
 }
 
-struct Extent {
-    ImVec2 low{FLT_MAX, FLT_MAX}, high{-FLT_MAX, -FLT_MAX};
-
-    void grow(ImVec2 p) {
-        low = {std::min(low.x, p.x), std::min(low.y, p.y)};
-        high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+// Boxes for the outlines that have words; the others are lines that words keep off.
+const std::vector<passes::Box>& placeWords(const PlacedPicture& placed,
+                                           const std::vector<OperatorOutline>& outlines, LabelsKept& kept) {
+    constexpr double kClear = 2, kOutward = 20; // pixels
+    const passes::Box within{{placed.left, placed.top}, {placed.right, placed.bottom}};
+    std::vector<passes::Label> labels;
+    std::vector<passes::Line> lines;
+    for (const OperatorOutline& outline : outlines) {
+        if (outline.points.empty()) continue;
+        if (outline.label.empty()) {
+            for (size_t i = 0; i < outline.points.size(); ++i)
+                lines.push_back({outline.points[i], outline.points[(i + 1) % outline.points.size()]});
+            continue;
+        }
+        const ImVec2 words = ImGui::CalcTextSize(outline.label.c_str());
+        const glm::dvec2 outward = outline.points.front() - 0.5 * (within.low + within.high);
+        labels.push_back({outline.points,
+                          {words.x + 8.0, words.y + 2.0},
+                          kOutward * outward / std::max(1.0, glm::length(outward))});
     }
-    bool covers(const Extent& o) const {
-        return low.x < o.high.x && o.low.x < high.x && low.y < o.high.y && o.low.y < high.y;
-    }
-};
-
-// Beside what it names, above or below, of what is upright at its left or right; first on the side away from
-// `middle`, and where no other label is, if there is such a place.
-Extent labelBeside(const Extent& named, ImVec2 size, ImVec2 middle, const std::vector<Extent>& placed) {
-    constexpr float kGap = 3;
-    const ImVec2 at{0.5f * (named.low.x + named.high.x), 0.5f * (named.low.y + named.high.y)};
-    const auto around = [&](float x, float y) {
-        return Extent{{x - 0.5f * size.x, y - 0.5f * size.y}, {x + 0.5f * size.x, y + 0.5f * size.y}};
-    };
-    const float across = 0.5f * size.x + kGap, down = 0.5f * size.y + kGap;
-    std::array<Extent, 4> places{around(at.x, named.low.y - down), around(at.x, named.high.y + down),
-                                 around(named.low.x - across, at.y), around(named.high.x + across, at.y)};
-    if (at.y > middle.y) std::swap(places[0], places[1]);
-    if (at.x > middle.x) std::swap(places[2], places[3]);
-    if (named.high.y - named.low.y > 1.5f * (named.high.x - named.low.x))
-        std::rotate(&places[0], &places[2], &places[4]);
-    for (const Extent& place : places)
-        if (std::ranges::none_of(placed, [&](const Extent& other) { return place.covers(other); }))
-            return place;
-    return places[0];
+    if (within != kept.within || labels != kept.labels || lines != kept.lines)
+        kept = {labels, lines, within, passes::placeLabels(labels, within, kClear, lines)};
+    return kept.boxes;
 }
 
-void drawOutlines(const PlacedPicture& placed, const std::vector<OperatorOutline>& outlines) {
+void drawOutlines(const PlacedPicture& placed, std::vector<OperatorOutline> outlines, LabelsKept& kept) {
     ImDrawList* list = ImGui::GetWindowDrawList();
-    const float scale = (placed.right - placed.left) / static_cast<float>(placed.picture->info().width);
+    const double scale = (placed.right - placed.left) / static_cast<double>(placed.picture->info().width);
     list->PushClipRect({placed.left, placed.top}, {placed.right, placed.bottom}, true);
-    std::vector<std::pair<Extent, const OperatorOutline*>> named; // labels go over all outlines
-    for (const OperatorOutline& outline : outlines) {
+    for (OperatorOutline& outline : outlines) {
         std::vector<ImVec2> points;
-        Extent extent;
-        for (const glm::dvec2& p : outline.points) {
-            points.push_back({placed.left + scale * (static_cast<float>(p.x) + 0.5f),
-                              placed.top + scale * (static_cast<float>(p.y) + 0.5f)});
-            extent.grow(points.back());
+        for (glm::dvec2& p : outline.points) {
+            p = glm::dvec2(placed.left, placed.top) + scale * (p + 0.5);
+            points.push_back({static_cast<float>(p.x), static_cast<float>(p.y)});
         }
-        if (points.size() < 2) continue;
         const int count = static_cast<int>(points.size());
         list->AddPolyline(points.data(), count, IM_COL32(10, 10, 14, 190), ImDrawFlags_Closed, 3.5f);
         list->AddPolyline(points.data(), count, packed(outline.colour), ImDrawFlags_Closed, 1.6f);
-        if (!outline.label.empty()) named.emplace_back(extent, &outline);
     }
-    const ImVec2 middle{0.5f * (placed.left + placed.right), 0.5f * (placed.top + placed.bottom)};
-    std::vector<Extent> labels;
-    for (const auto& [extent, outline] : named) {
-        const ImVec2 words = ImGui::CalcTextSize(outline->label.c_str());
-        const Extent plate = labelBeside(extent, {words.x + 8, words.y + 2}, middle, labels);
-        labels.push_back(plate);
-        list->AddRectFilled(plate.low, plate.high, IM_COL32(15, 16, 20, 190), 4);
-        list->AddText({plate.low.x + 4, plate.low.y + 1}, packed(outline->colour), outline->label.c_str());
+    auto box = placeWords(placed, outlines, kept).begin();
+    for (const OperatorOutline& outline : outlines) { // labels go over all outlines
+        if (outline.points.empty() || outline.label.empty()) continue;
+        const ImVec2 low{std::round(static_cast<float>(box->low.x)),
+                         std::round(static_cast<float>(box->low.y))},
+            size{static_cast<float>(box->high.x - box->low.x), static_cast<float>(box->high.y - box->low.y)};
+        list->AddRectFilled(low, {low.x + size.x, low.y + size.y}, IM_COL32(15, 16, 20, 190), 4);
+        list->AddText({low.x + 4, low.y + 1}, packed(outline.colour), outline.label.c_str());
+        ++box;
     }
     list->PopClipRect();
 }
@@ -123,7 +111,7 @@ void frame(const PlacedPicture& p) {
 }
 
 void layOutPictures(std::vector<PlacedPicture>& pictures, const OperatorStatus& status,
-                    OperatorActions& actions) {
+                    OperatorActions& actions, LabelsKept& kept) {
     const ImVec2 room = ImGui::GetContentRegionAvail();
     const auto count = static_cast<float>(std::max<size_t>(1, status.outputs.size()));
     const float line = ImGui::GetTextLineHeightWithSpacing(), gap = 8;
@@ -141,7 +129,7 @@ void layOutPictures(std::vector<PlacedPicture>& pictures, const OperatorStatus& 
         const PlacedPicture placed = fitted(*status.cameraPicture, {at.x + 1, at.y}, {size.x - 2, size.y});
         pictures.push_back(placed);
         frame(placed);
-        drawOutlines(placed, status.outlines);
+        drawOutlines(placed, status.outlines, kept);
     } else {
         ImGui::GetWindowDrawList()->AddRect(at, {at.x + size.x, at.y + size.y}, IM_COL32(70, 74, 84, 255));
         ImGui::GetWindowDrawList()->AddText({at.x + 16, at.y + 14}, ImGui::GetColorU32(kGrey),
@@ -388,7 +376,7 @@ void styleOperatorWindow() {
 }
 
 std::vector<PlacedPicture> layOutOperatorWindow(OperatorControls& controls, const OperatorStatus& status,
-                                                OperatorActions& actions) {
+                                                OperatorActions& actions, LabelsKept& kept) {
     std::vector<PlacedPicture> pictures;
     const ImVec2 size = ImGui::GetIO().DisplaySize;
     constexpr float kColumn = 400; // of the controls
@@ -400,7 +388,7 @@ std::vector<PlacedPicture> layOutOperatorWindow(OperatorControls& controls, cons
     ImGui::Begin("operator", nullptr, kPlain);
     ImGui::BeginChild("pictures", {std::max(120.0f, size.x - kColumn - 24), 0}, false,
                       kPlain | ImGuiWindowFlags_NoScrollbar);
-    layOutPictures(pictures, status, actions);
+    layOutPictures(pictures, status, actions, kept);
     ImGui::EndChild();
     ImGui::SameLine();
     // The wheel is for the time: here too nothing scrolls by it.

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "engine/passes/label_places.h"
 #include "engine/present/operator_window.h"
 
 namespace heliodon::present {
@@ -13,12 +14,20 @@ struct PlacedPicture {
     float left = 0, top = 0, right = 0, bottom = 0;
 };
 
+// Where labels were placed, to be kept until they or the picture change.
+struct LabelsKept {
+    std::vector<passes::Label> labels;
+    std::vector<passes::Line> lines;
+    passes::Box within;
+    std::vector<passes::Box> boxes;
+};
+
 // Sets the style and loads the fonts; once, before the first frame.
 void styleOperatorWindow();
 
 // Between ImGui::NewFrame and ImGui::Render.
 std::vector<PlacedPicture> layOutOperatorWindow(OperatorControls& controls, const OperatorStatus& status,
-                                                OperatorActions& actions);
+                                                OperatorActions& actions, LabelsKept& kept);
 
 // The ground behind everything, sRGB.
 constexpr float kOperatorGround[3] = {0.085f, 0.09f, 0.105f};

@@ -81,6 +81,7 @@ struct OperatorWindow::State {
     VkImageView drawn = VK_NULL_HANDLE;
     VkFramebuffer framebuffer = VK_NULL_HANDLE;
     uint64_t ticket = 0;
+    LabelsKept labels;
     double cursorX = 0, cursorY = 0; // when it was drawn
     // A call failed within ImGui: it may still name a buffer that it has freed, and would free it again. What
     // it had goes with the device.
@@ -217,7 +218,7 @@ const gpu::Image* OperatorWindow::draw(OperatorControls& controls, const Operato
     ImGui_ImplVulkan_NewFrame();
     ImGui_ImplGlfw_NewFrame();
     ImGui::NewFrame();
-    const std::vector<PlacedPicture> pictures = layOutOperatorWindow(controls, status, actions);
+    const std::vector<PlacedPicture> pictures = layOutOperatorWindow(controls, status, actions, s.labels);
     ImGui::Render();
 
     using gpu::Stage;

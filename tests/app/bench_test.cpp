@@ -5,7 +5,6 @@
 #include <csignal>
 #include <cstring>
 #include <map>
-#include <random>
 #include <regex>
 #include <vector>
 
@@ -17,7 +16,6 @@
 #include "engine/app/bench_plot.h"
 #include "engine/app/bench_results.h"
 #include "engine/app/bench_scenes.h"
-#include "engine/app/label_places.h"
 #include "tests/app/program.h"
 #include "tests/gpu/test_device.h"
 
@@ -25,31 +23,6 @@ namespace heliodon::test {
 namespace {
 
 class Bench : public InFolder {};
-
-// Words and marks of a crowd, in which there is room for all.
-TEST_F(Bench, labels_of_a_crowd_cover_nothing) {
-    constexpr double kMark = 4;
-    const app::Box within{{0, 0}, {600, 400}};
-    std::mt19937 random(3);
-    std::uniform_real_distribution<double> x(280, 320), y(170, 230), width(15, 90);
-    for (int plot = 0; plot < 20; ++plot) {
-        std::vector<app::Label> labels(18);
-        for (app::Label& label : labels) label = {{x(random), y(random)}, {width(random), 11}};
-        const std::vector<app::Box> boxes = app::placeLabels(labels, kMark, within, {});
-        for (size_t k = 0; k < boxes.size(); ++k) {
-            EXPECT_GE(boxes[k].low.x, 0);
-            EXPECT_LE(boxes[k].high.x, 600);
-            for (size_t l = 0; l < boxes.size(); ++l) {
-                EXPECT_FALSE(k != l && boxes[k].covers(boxes[l])) << plot << ": " << k << ", " << l;
-                EXPECT_FALSE(boxes[k].covers({labels[l].mark - kMark, labels[l].mark + kMark}));
-            }
-        }
-    }
-    // Alone, right of its mark; on the right border, left of it.
-    const std::vector<app::Label> alone{{{100, 100}, {40, 11}}}, atBorder{{{590, 100}, {40, 11}}};
-    EXPECT_GT(app::placeLabels(alone, kMark, within, {})[0].low.x, 104);
-    EXPECT_LT(app::placeLabels(atBorder, kMark, within, {})[0].high.x, 586);
-}
 
 TEST_F(Bench, names_with_commas_and_quotes_stay_one_cell) {
     app::BenchResult result;
