@@ -18,14 +18,9 @@ namespace {
 
 constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
 
-// Of the fade, where all are within the guard: a slope, by which one hands over to another, and what keeps a
-// share where every projector is at its border.
-constexpr double kLeastSlope = 1e-3, kLeastFade = 1e-6;
-constexpr double kLeastCosine = 0.05; // smooth normals may fall below the limit that facets keep to
-
 double fadeAt(double distance) {
     const double beyond = std::max(distance - kBlendGuard, 0.0) / (kBlendFalloff - kBlendGuard),
-                 x = std::clamp(beyond + kLeastSlope * distance / kBlendFalloff, kLeastFade, 1.0);
+                 x = std::clamp(beyond + kBlendLeastSlope * distance / kBlendFalloff, kBlendLeastFade, 1.0);
     return x * x * (3 - 2 * x);
 }
 
@@ -160,7 +155,7 @@ std::vector<double> blendShares(const ProjectorBlend& blend, size_t triangle, gl
         const double fade = fadeAt(distance);
         const glm::dvec3 towards = centres[p] - point;
         const double r2 = glm::dot(towards, towards), cosine = glm::dot(normal, towards) / std::sqrt(r2);
-        shares[p] = fade * std::max(cosine, kLeastCosine) / r2;
+        shares[p] = fade * std::max(cosine, kBlendLeastCosine) / r2;
         sum += shares[p];
     }
     for (double& share : shares)

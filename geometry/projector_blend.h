@@ -16,6 +16,10 @@ namespace heliodon::geometry {
 // Metres from where a projector ends: up to there it has no part, as calibration errs, and from there its
 // full part.
 constexpr double kBlendGuard = 0.003, kBlendFalloff = 0.05;
+// Of the fade, where all are within the guard: a slope, by which one hands over to another, and what keeps a
+// share where every projector is at its border.
+constexpr double kBlendLeastSlope = 1e-3, kBlendLeastFade = 1e-6;
+constexpr double kBlendLeastCosine = 0.05; // smooth normals may fall below the limit that facets keep to
 
 // An edge of the mesh between two sets of projectors (bits), neither of them empty.
 struct BlendBorder {
@@ -43,7 +47,8 @@ void keepOnly(ProjectorBlend& blend, uint32_t projectors);
 
 // The share of each projector at a point of a triangle, in proportion to its fade and to cos / r^2. `normal`:
 // of the surface, smooth over its facets; `centres`: of the projectors. All zero where none sees the
-// triangle. shaders/gain.frag has the same.
+// triangle. shaders/gain.frag has the same, with the
+// constants above.
 std::vector<double> blendShares(const ProjectorBlend& blend, size_t triangle, glm::dvec3 point,
                                 glm::dvec3 normal, std::span<const glm::dvec3> centres);
 

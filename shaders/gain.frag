@@ -15,8 +15,6 @@ layout(push_constant, scalar) uniform Push { GainParams params; };
 
 layout(location = 0) out vec4 colour; // only alpha is written
 
-const float kLeastSlope = 1e-3, kLeastFade = 1e-6, kLeastCosine = 0.05; // as in geometry/projector_blend.cpp
-
 float distanceToSegment(vec3 p, vec3 from, vec3 to) {
     vec3 along = to - from;
     float t = clamp(dot(p - from, along) / dot(along, along), 0.0, 1.0);
@@ -27,7 +25,7 @@ float distanceToSegment(vec3 p, vec3 from, vec3 to) {
 float steepness(uint projector) {
     vec3 towards = centres[projector] - pointInWorld;
     float r2 = dot(towards, towards);
-    return max(dot(normalize(smoothNormal), towards) * inversesqrt(r2), kLeastCosine) / r2;
+    return max(dot(normalize(smoothNormal), towards) * inversesqrt(r2), params.leastCosine) / r2;
 }
 
 float fade(uint projector) {
@@ -36,7 +34,7 @@ float fade(uint projector) {
         if (((borders[i].left ^ borders[i].right) >> projector & 1u) != 0u)
             nearest = min(nearest, distanceToSegment(pointInWorld, borders[i].from, borders[i].to));
     float beyond = max(nearest - params.guard, 0.0) / (params.falloff - params.guard);
-    float x = clamp(beyond + kLeastSlope * nearest / params.falloff, kLeastFade, 1.0);
+    float x = clamp(beyond + params.leastSlope * nearest / params.falloff, params.leastFade, 1.0);
     return x * x * (3.0 - 2.0 * x);
 }
 

@@ -301,6 +301,9 @@ void FrameRenderer::State::drawGains() {
         inputs.params.shownReflectance = static_cast<float>(model->scene.options.surfaceReflectance);
         inputs.params.guard = static_cast<float>(geometry::kBlendGuard);
         inputs.params.falloff = static_cast<float>(geometry::kBlendFalloff);
+        inputs.params.leastSlope = static_cast<float>(geometry::kBlendLeastSlope);
+        inputs.params.leastFade = static_cast<float>(geometry::kBlendLeastFade);
+        inputs.params.leastCosine = static_cast<float>(geometry::kBlendLeastCosine);
         inputs.params.projector = static_cast<uint32_t>(i);
         inputs.params.projectorCount = static_cast<uint32_t>(model->outputs.size());
         scenePass.recordGain(commands, output.scene, inputs);

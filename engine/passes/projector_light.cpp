@@ -58,7 +58,8 @@ double reachableExitance(const ShownMesh& shown, const geometry::Rig& rig, doubl
         for (size_t p = 0; p < shares.size(); ++p) {
             if (!(shares[p] > 0)) continue;
             const glm::dvec3 towards = centres[p] - middle;
-            const double r = glm::length(towards), cosine = std::max(glm::dot(towards / r, normal), 0.05);
+            const double r = glm::length(towards),
+                         cosine = std::max(glm::dot(towards / r, normal), geometry::kBlendLeastCosine);
             reach = std::min(reach, intensity[p] * surfaceReflectance * cosine / (r * r * shares[p]));
         }
         if (std::isfinite(reach)) reachAndArea.emplace_back(reach, glm::length(glm::cross(b - a, c - a)));

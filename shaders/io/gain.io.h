@@ -7,8 +7,11 @@ IO_BEGIN
 struct GainParams {
     mat4 clipFromWorld;
     float shownReflectance; // of the physical surface
-    float guard;            // metres from where a projector ends up to which it has no part
-    float falloff;          // and from which it has its full part
+    float guard;            // the fade's, of geometry/projector_blend.h
+    float falloff;
+    float leastSlope;
+    float leastFade;
+    float leastCosine;
     uint projector;         // whose gain it is
     uint projectorCount;
 };
