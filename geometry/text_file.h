@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -26,8 +27,10 @@ Json readJson(const std::filesystem::path& file, const std::string& expected) {
         return Json::parse(text);
     } catch (const nlohmann::json::parse_error& error) {
         const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
+        const auto line = std::find(std::make_reverse_iterator(end), text.rend(), '\n').base();
         throw InputError(file.string(), std::to_string(1 + std::count(text.begin(), end, '\n')),
-                         "is not JSON here, expected " + expected);
+                         "is not JSON here (character " + std::to_string(end - line) +
+                             " of the line), expected " + expected);
     } catch (const nlohmann::json::out_of_range&) { // the parser's word for a number beyond double
         throw InputError(file.string(), "", "holds a number too large to represent");
     }

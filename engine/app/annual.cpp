@@ -328,7 +328,7 @@ Year computeYear(Run& run, const Job& job) {
     const std::vector<uint8_t> occupied = job.occupiedRecords();
     const auto transport =
         makeTransport(run, job.scene.mesh, compute::TransportOptions{.errorByPlace = true});
-    Progress progress("year", 1000, run.showsProgress());
+    Progress progress("hours of the year", records, run.showsProgress());
     Year year;
     year.meanLux.assign(records, 0);
     std::optional<IllWriter> ill;
@@ -337,7 +337,9 @@ Year computeYear(Run& run, const Job& job) {
     {
         const StageTimer timer(run, "sky");
         annual.emplace(*transport, skiesOf(job.weather, job.arguments, job.scene.northDeg), count,
-                       [&](double share) { progress.advance(static_cast<size_t>(1000 * share)); });
+                       [&](double share) {
+                           progress.advance(static_cast<size_t>(share * static_cast<double>(records)), share);
+                       });
     }
     NpyWriter::writeWhole(output / "illuminance.npy", count, records, [&](NpyWriter& out) {
         const size_t atOnce = std::clamp<size_t>(kValuesAtOnce / records, 1, kSensorsAtOnce);

@@ -52,6 +52,8 @@ public:
         } catch (const CLI::Success& success) { // --help, --version
             app_.exit(success);
             return std::nullopt;
+        } catch (const CLI::ConversionError& error) {
+            throw geometry::InputError("command line", "", notConverted(error.what()));
         } catch (const CLI::ParseError& error) {
             throw geometry::InputError("command line", "", error.what());
         }
@@ -77,6 +79,16 @@ private:
             steps += fmt::format("{}{}", steps.empty() ? "" : ", ", step->get_name());
         }
         throw geometry::InputError("command line", kCalibrate, "needs one of its steps: " + steps);
+    }
+
+    // "Could not convert: --triangles = 20.5", as the parser has it, in this program's words.
+    static std::string notConverted(const std::string& said) {
+        const size_t colon = said.find(": "), equals = said.find(" = ");
+        if (colon == std::string::npos || equals == std::string::npos || equals < colon) return said;
+        const std::string value = said.substr(equals + 3);
+        double number = 0;
+        return fmt::format("{}: '{}' is no {}number", said.substr(colon + 2, equals - colon - 2), value,
+                           CLI::detail::lexical_cast(value, number) ? "whole " : "");
     }
 
     // "nan" and "inf" are numbers to the parser, and within every range.

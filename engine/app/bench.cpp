@@ -317,9 +317,6 @@ void writeResults(Run& run, const BenchArguments& arguments, Bench& bench, bool 
     markFront(bench.results);
     geometry::writeWholeText(arguments.output / "bench.csv", csvOf(bench.results));
     geometry::writeWholeText(arguments.output / "gather.csv", csvOf(bench.gathers));
-    const Chart plot = plotOf(bench.results, device, arguments.clock);
-    plot.write(arguments.output / "bench.svg");
-    plot.write(arguments.output / "bench.png");
     const nlohmann::ordered_json all{{"version", HELIODON_VERSION},
                                      {"complete", complete},
                                      {"device", device},
@@ -330,6 +327,10 @@ void writeResults(Run& run, const BenchArguments& arguments, Bench& bench, bool 
                                      {"form_factors", listOf(bench.results)},
                                      {"gather", listOf(bench.gathers)}};
     geometry::writeWholeText(arguments.output / "bench.json", geometry::jsonText(all));
+    // Figures first: a plot that fails must not cost them.
+    const Chart plot = plotOf(bench.results, device, arguments.clock);
+    plot.write(arguments.output / "bench.svg");
+    plot.write(arguments.output / "bench.png");
 }
 
 // Nothing reaches anything there: all kernels, and the reference, would agree on zeros.
@@ -375,6 +376,7 @@ BenchArguments completed(BenchArguments arguments) {
 void execute(Run& run, const BenchArguments& given) {
     const BenchArguments arguments = completed(given);
     checkBenchScenes(arguments.scenes);
+    run.device(); // where there is none, nothing is written
     const OutputFolder folder(arguments.output);
     const std::vector<BenchScene> scenes = [&] {
         const StageTimer timer(run, "scenes");

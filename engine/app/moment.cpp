@@ -1,11 +1,13 @@
 #include "engine/app/moment.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <optional>
 
 #include <fmt/format.h>
 
+#include "compute/daylight/frame.h"
 #include "geometry/input_error.h"
 
 namespace heliodon::app {
@@ -58,8 +60,8 @@ SkySource::SkySource(Run& run, const MomentArguments& arguments, const Scene& sc
     if (arguments.sky.empty() && !weather_) assume("sky clear");
     if (!assumed.empty() && followsTime()) run.assume(assumed);
     run.report()["sky"] = {{"option", weather_ ? "weather" : option_}, {"north_deg", scene.northDeg}};
-    if (followsTime())
-        run.report()["site"] = {{"latitude", site_.latitudeDeg}, {"longitude", site_.longitudeDeg}};
+    if (!followsTime()) return;
+    run.report()["site"] = {{"latitude", site_.latitudeDeg}, {"longitude", site_.longitudeDeg}};
 }
 
 SkySource::SkySource(const daylight::Site& site, std::string sky, double northDeg, geometry::UpAxis up)
@@ -130,6 +132,17 @@ daylight::Sky SkySource::reportedSky(Run& run) const {
     run.report()["sky"]["ground_reflectance"] = sky.ground.albedo;
     run.report()["sky"]["outside_lux"] = {
         {"global", diffuse + direct}, {"diffuse", diffuse}, {"direct", direct}};
+    if (followsTime()) {
+        const daylight::SunPosition sun = sunAt(moment_);
+        run.report()["time"] = daylight::formatTime(moment_);
+        run.report()["sky"]["sun"] = {{"altitude_deg", sun.altitudeDeg}, {"azimuth_deg", sun.azimuthDeg}};
+    } else if (sky.hasSun()) {
+        const glm::dvec3 d = sky.sun.direction;
+        const double azimuth = setting_.northDeg - daylight::degrees(std::atan2(-d.z, d.x));
+        run.report()["sky"]["sun"] = {
+            {"altitude_deg", daylight::degrees(std::asin(std::clamp(d.y, -1.0, 1.0)))},
+            {"azimuth_deg", azimuth - 360 * std::floor(azimuth / 360)}};
+    }
     return sky;
 }
 

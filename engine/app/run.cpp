@@ -33,10 +33,7 @@ Run::Run(const Arguments& arguments)
     report_ = {{"program", "heliodon"},    {"version", HELIODON_VERSION}, {"command", arguments.commandName},
                {"stages", json::object()}, {"modelled", json::array()},   {"skipped", json::array()},
                {"warnings", json::array()}};
-    const std::filesystem::path folder = reportFile_.parent_path();
-    if (!folder.empty() && !std::filesystem::is_directory(folder))
-        throw geometry::InputError(reportFile_.string(), "",
-                                   "its folder does not exist"); // now, not after the work
+    if (!reportFile_.empty()) geometry::refuseUnwritable(reportFile_); // now, not after the work
 }
 
 gpu::Device& Run::device() {

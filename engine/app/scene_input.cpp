@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -31,6 +32,8 @@ InputKind kindOf(const std::filesystem::path& input) {
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     if (input.empty()) throw InputError("command line", "INPUT", "is empty, expected a file");
     if (!std::filesystem::exists(input)) throw InputError(input.string(), "", "does not exist");
+    if (std::filesystem::is_directory(input))
+        throw InputError(input.string(), "", "is a folder, expected a photograph, a sketch or a model");
     if (extension == ".json") return InputKind::sketch;
     if (extension == ".obj" || extension == ".gltf" || extension == ".glb") return InputKind::model;
     for (const char* picture : {".png", ".jpg", ".jpeg", ".tif", ".tiff"})
@@ -135,6 +138,22 @@ void reportImport(Run& run, const geometry::PatchMesh& mesh, const geometry::Bui
     const geometry::PaneCount panes = geometry::countPanes(mesh);
     report["n_windows"] = panes.windows;
     report["n_skylight_panes"] = panes.skylightPanes;
+}
+
+// Floors and ceilings, by name, that stand upright: the file has another axis up than was taken.
+void warnOfLying(Run& run, const geometry::PatchMesh& mesh, geometry::UpAxis up) {
+    constexpr double kLevel = 0.5, kFew = 0.1; // of a normal's height, of the area
+    double area = 0, level = 0;
+    for (size_t i = 0; i < mesh.patchCount(); ++i) {
+        std::string name = mesh.materials[mesh.material[i]].name;
+        for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+        if (name.find("floor") == std::string::npos && name.find("ceiling") == std::string::npos) continue;
+        area += geometry::patchArea(mesh, i);
+        if (std::abs(geometry::patchNormal(mesh, i).y) > kLevel) level += geometry::patchArea(mesh, i);
+    }
+    if (area > 0 && level < kFew * area)
+        run.warn(fmt::format("the model's floors and ceilings stand upright with {} up: is it --up {}?",
+                             up == geometry::UpAxis::y ? "y" : "z", up == geometry::UpAxis::y ? "z" : "y"));
 }
 
 geometry::Building importOrRefuse(Run& run, const SceneArguments& arguments, geometry::UpAxis up) {
@@ -302,7 +321,10 @@ Scene makeScene(Run& run, const SceneArguments& arguments, std::optional<geometr
             scene.mesh = geometry::meshBuilding(building, {wanted});
         }
     }
-    if (!scene.sketch) reportImport(run, scene.mesh, building, scene.worldPerBuilding);
+    if (!scene.sketch) {
+        reportImport(run, scene.mesh, building, scene.worldPerBuilding);
+        warnOfLying(run, scene.mesh, scene.up);
+    }
     drawBlinds(run, arguments.blinds, arguments.input.string(), scene.mesh);
     scene.occluders = std::move(building.occluders);
     scene.northDeg = building.northDeg - arguments.northDeg; // plan angles grow counter-clockwise

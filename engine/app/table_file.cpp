@@ -1,5 +1,6 @@
 #include "engine/app/table_file.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cerrno>
@@ -25,22 +26,33 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "binary tables are written as they lie in memory");
 
-std::string trimmed(const std::string& text) {
-    const size_t first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
+// What stands between cells: spreadsheets of many languages write semicolons, others tabs.
+char separatorOf(const std::string& header) {
+    return std::ranges::max({',', ';', '\t'}, {}, [&](char c) { return std::ranges::count(header, c); });
+}
+
+const char* blanksBeside(char separator) {
+    return separator == '\t' ? " " : " \t";
+}
+
+std::string trimmed(const std::string& text, const char* blanks = " \t") {
+    const size_t first = text.find_first_not_of(blanks), last = text.find_last_not_of(blanks);
     return first == std::string::npos ? "" : text.substr(first, last - first + 1);
 }
 
-// After RFC 4180: commas in quotes part nothing, two quotes in quotes are one. Blanks round a cell do not
+// After RFC 4180: separators in quotes part nothing, two quotes in quotes are one. Blanks round a cell do not
 // count. Only a cell that goes over several lines is refused.
-std::vector<std::string> splitCsv(const std::string& line, const std::string& file, size_t number) {
+std::vector<std::string> splitCsv(const std::string& line, char separator, const std::string& file,
+                                  size_t number) {
+    const char* const blanks = blanksBeside(separator);
     std::vector<std::string> cells;
-    for (size_t at = 0; at <= line.size(); ++at) { // behind a comma, or at the start
-        const size_t first = std::min(line.find_first_not_of(" \t", at), line.size());
+    for (size_t at = 0; at <= line.size(); ++at) { // behind a separator, or at the start
+        const size_t first = std::min(line.find_first_not_of(blanks, at), line.size());
         std::string cell;
         if (first == line.size() || line[first] != '"') {
-            const size_t comma = std::min(line.find(',', at), line.size());
-            cells.push_back(trimmed(line.substr(at, comma - at)));
-            at = comma;
+            const size_t end = std::min(line.find(separator, at), line.size());
+            cells.push_back(trimmed(line.substr(at, end - at), blanks));
+            at = end;
             continue;
         }
         for (at = first + 1;; ++at) {
@@ -53,12 +65,12 @@ std::vector<std::string> splitCsv(const std::string& line, const std::string& fi
             }
             cell += line[at];
         }
-        const size_t comma = std::min(line.find(',', at), line.size());
-        if (!trimmed(line.substr(at + 1, comma - at - 1)).empty())
+        const size_t end = std::min(line.find(separator, at), line.size());
+        if (!trimmed(line.substr(at + 1, end - at - 1)).empty())
             throw InputError(file, std::to_string(number),
                              "text follows a closing quote, expected a comma or the line's end");
         cells.push_back(trimmed(cell));
-        at = comma;
+        at = end;
     }
     return cells;
 }
@@ -69,6 +81,17 @@ double numberIn(const std::string& cell, const std::string& file, size_t line, c
         throw InputError(file, std::to_string(line),
                          fmt::format("column {} is '{}', expected a number", column, cell));
     return *value;
+}
+
+// Cells with commas between; a line that has them already stays as it is.
+std::string commaSeparated(const std::string& line, char separator, const std::vector<std::string>& cells) {
+    if (separator == ',') return line;
+    std::string text;
+    for (size_t k = 0; k < cells.size(); ++k) {
+        if (k > 0) text += ',';
+        text += csvField(cells[k]);
+    }
+    return text;
 }
 
 bool getTextLine(std::istream& in, std::string& line) {
@@ -112,10 +135,11 @@ SensorTable readSensors(const std::filesystem::path& file, geometry::UpAxis up) 
     if (!getTextLine(in, line))
         throw InputError(file.string(), "1", "is empty, expected a header with x,y,z,nx,ny,nz");
     if (line.starts_with("\xef\xbb\xbf")) line.erase(0, 3);
-    table.header = line;
+    const char separator = separatorOf(line);
     constexpr std::array<const char*, 6> kNames{"x", "y", "z", "nx", "ny", "nz"};
     std::array<size_t, 6> column{};
-    const std::vector<std::string> header = splitCsv(line, file.string(), 1);
+    const std::vector<std::string> header = splitCsv(line, separator, file.string(), 1);
+    table.header = commaSeparated(line, separator, header);
     for (size_t k = 0; k < kNames.size(); ++k) {
         const auto found = std::find(header.begin(), header.end(), kNames[k]);
         if (found == header.end())
@@ -129,17 +153,20 @@ SensorTable readSensors(const std::filesystem::path& file, geometry::UpAxis up) 
         throw InputError(file.string(), "1", "has a column lux already, expected sensors without results");
     for (size_t number = 2; getTextLine(in, line); ++number) {
         if (line.find_first_not_of(" \t") == std::string::npos) continue;
-        const std::vector<std::string> cells = splitCsv(line, file.string(), number);
+        std::vector<std::string> cells = splitCsv(line, separator, file.string(), number);
         if (cells.size() != header.size())
             throw InputError(file.string(), std::to_string(number),
                              fmt::format("has {} columns, the header has {}", cells.size(), header.size()));
         std::array<double, 6> v{};
-        for (size_t k = 0; k < v.size(); ++k)
-            v[k] = numberIn(cells[column[k]], file.string(), number, kNames[k]);
+        for (size_t k = 0; k < v.size(); ++k) {
+            std::string& cell = cells[column[k]];
+            if (separator != ',') std::ranges::replace(cell, ',', '.'); // 1,5 where commas do not part cells
+            v[k] = numberIn(cell, file.string(), number, kNames[k]);
+        }
         const glm::dvec3 normal{v[3], v[4], v[5]};
         if (glm::length(normal) < 1e-12)
             throw InputError(file.string(), std::to_string(number), "the normal nx,ny,nz has length zero");
-        table.rows.push_back(line);
+        table.rows.push_back(commaSeparated(line, separator, cells));
         table.points.push_back(geometry::worldFromModel({v[0], v[1], v[2]}, up));
         table.normals.push_back(glm::normalize(geometry::worldFromModel(normal, up)));
     }

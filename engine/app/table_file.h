@@ -20,12 +20,13 @@ std::string csvField(const std::string& text);
 // A sensor table keeps every column that the file has, as text, so that results can be appended.
 struct SensorTable {
     std::string header;
-    std::vector<std::string> rows;           // without line ends
+    std::vector<std::string> rows;           // without line ends, commas between cells
     std::vector<glm::dvec3> points, normals; // world axes, normals of unit length
 };
 
 // CSV with a header that names x,y,z,nx,ny,nz, in any order among other columns; model units and axes. Cells
-// may be quoted (RFC 4180), but not go over several lines.
+// may be quoted (RFC 4180), but not go over several lines. Semicolons or tabs between cells, and then decimal
+// commas, are read too, and become commas and points.
 // Throws InputError naming the line: missing columns, text or NaN where a number belongs, a normal of length
 // zero, no rows.
 SensorTable readSensors(const std::filesystem::path& file, geometry::UpAxis up);

@@ -72,7 +72,9 @@ gpu::DeviceOptions withWindows(gpu::DeviceOptions options) {
     openWindowSystem();
     uint32_t count = 0;
     const char** names = glfwGetRequiredInstanceExtensions(&count);
-    if (!names) throw std::runtime_error("the window system has no way to show Vulkan pictures");
+    if (!names)
+        throw std::runtime_error(
+            "no Vulkan driver here can show pictures in windows (heliodon devices lists what there is)");
     options.instanceExtensions.insert(options.instanceExtensions.end(), names, names + count);
     options.swapchains = true;
     return options;

@@ -138,6 +138,10 @@ TEST_F(Annual, illuminance_to_a_wanted_error_says_how_it_got_there) {
     EXPECT_LE(tight["accuracy"]["reached"].get<double>(), 0.03);
     EXPECT_GE(tight["triangles"].get<int>(), loose["triangles"].get<int>());
     EXPECT_EQ(tight["accuracy"]["rounds"].back()["error"], tight["accuracy"]["reached"]);
+    // 21 March at 13:00 apparent solar time, 42.73 N: asin(cos 42.73 cos 15) but for the declination.
+    EXPECT_EQ(tight["time"], "2026-03-21T13:00:00solar");
+    EXPECT_NEAR(tight["sky"]["sun"]["altitude_deg"].get<double>(), 45.5, 0.3);
+    EXPECT_NEAR(tight["sky"]["sun"]["azimuth_deg"].get<double>(), 201.5, 0.3);
     const nlohmann::json given = accuracy(" --max-error 0.001 --triangles 300");
     EXPECT_GT(given["accuracy"]["reached"].get<double>(), 0.001);
     EXPECT_EQ(given["accuracy"]["why"], "the mesh was given by --triangles");

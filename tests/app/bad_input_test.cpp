@@ -52,6 +52,7 @@ TEST_F(BadInput, a_folder_where_a_file_belongs) {
     std::filesystem::create_directories(folder / "p.png");
     for (const std::string& words :
          {"detect " + in("p.png") + " --rig " + kRig + " -o " + in("out.json"),
+          "render " + here + " -o " + in("out"),
           "detect " + kPhoto + " --rig " + here + " -o " + in("out.json"),
           "model " + in("s.json") + " -o " + in("out.obj"), "model " + in("m.obj") + " -o " + in("out.obj"),
           "illuminance " + sketch + " --sensors " + here + " -o " + in("out.csv"),

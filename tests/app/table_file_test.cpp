@@ -60,6 +60,18 @@ TEST_F(TableFile, sensors_may_be_quoted) {
     }
 }
 
+TEST_F(TableFile, semicolons_and_tabs_become_commas_and_decimal_commas_points) {
+    test::writeText(in("s.csv"), "place;x;y;z;nx;ny;nz\ndesk, north;1,5;2;;0;0;1\n");
+    EXPECT_THROW(readSensors(in("s.csv"), geometry::UpAxis::y), InputError); // no z
+    test::writeText(in("s.csv"), "place;x;y;z;nx;ny;nz\ndesk, north;1,5;2;-3;0;0;1\n");
+    const SensorTable table = readSensors(in("s.csv"), geometry::UpAxis::y);
+    EXPECT_EQ(table.header, "place,x,y,z,nx,ny,nz");
+    EXPECT_EQ(table.rows, std::vector<std::string>{"\"desk, north\",1.5,2,-3,0,0,1"});
+    EXPECT_EQ(table.points[0], glm::dvec3(1.5, 2, -3));
+    test::writeText(in("s.csv"), "x\ty\tz\tnx\tny\tnz\tnote\r\n1\t2\t3\t0\t0\t1\t\r\n");
+    EXPECT_EQ(readSensors(in("s.csv"), geometry::UpAxis::y).rows, std::vector<std::string>{"1,2,3,0,0,1,"});
+}
+
 TEST_F(TableFile, text_with_commas_is_one_field) {
     EXPECT_EQ(csvField("plain"), "plain");
     EXPECT_EQ(csvField("a, \"b\""), "\"a, \"\"b\"\"\"");
