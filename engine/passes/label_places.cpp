@@ -59,9 +59,7 @@ public:
 
     // Infinite where the box leaves `within`.
     double under(const Box& box) const {
-        if (box.low.x < within_.low.x || box.low.y < within_.low.y || box.high.x > within_.high.x ||
-            box.high.y > within_.high.y)
-            return std::numeric_limits<double>::infinity();
+        if (!within_.contains(box)) return std::numeric_limits<double>::infinity();
         const glm::dvec2 size(static_cast<double>(width_), static_cast<double>(height_)), none(0);
         const glm::dvec2 low = glm::clamp(glm::floor(box.low - clear_ - within_.low), none, size),
                          high = glm::clamp(glm::ceil(box.high + clear_ - within_.low), none, size);

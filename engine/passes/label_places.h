@@ -16,6 +16,10 @@ struct Box {
     bool covers(const Box& other) const {
         return low.x < other.high.x && other.low.x < high.x && low.y < other.high.y && other.low.y < high.y;
     }
+    bool contains(const Box& other) const {
+        return low.x <= other.low.x && low.y <= other.low.y && other.high.x <= high.x &&
+               other.high.y <= high.y;
+    }
     bool operator==(const Box&) const = default;
 };
 

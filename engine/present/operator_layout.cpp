@@ -8,6 +8,7 @@
 #include <span>
 
 #include <fmt/format.h>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <imgui.h>
 
@@ -52,9 +53,21 @@ PlacedPicture fitted(const gpu::Image& picture, ImVec2 at, ImVec2 room) {
     return {&picture, left, top, left + scale * width, top + scale * height};
 }
 
-// Boxes for the outlines that have words; the others are lines that words keep off.
-const std::vector<passes::Box>& placeWords(const PlacedPicture& placed,
-                                           const std::vector<OperatorOutline>& outlines, LabelsKept& kept) {
+// Words far from what they name would be taken for another's, as happens where the picture is small.
+bool isNear(const passes::Label& label, const passes::Box& box) {
+    constexpr double kNear = 24; // pixels
+    glm::dvec2 middle{};
+    for (const glm::dvec2& p : label.outline) middle += p / static_cast<double>(label.outline.size());
+    const auto near = [&](glm::dvec2 p) {
+        return glm::distance(p, glm::clamp(p, box.low, box.high)) < kNear;
+    };
+    return near(middle) || std::ranges::any_of(label.outline, near);
+}
+
+// A box for each outline that has words, none where it has no free place beside it; outlines without are
+// lines that words keep off.
+const std::vector<std::optional<passes::Box>>&
+placeWords(const PlacedPicture& placed, const std::vector<OperatorOutline>& outlines, LabelsKept& kept) {
     constexpr double kClear = 2, kOutward = 20; // pixels
     const passes::Box within{{placed.left, placed.top}, {placed.right, placed.bottom}};
     std::vector<passes::Label> labels;
@@ -72,8 +85,15 @@ const std::vector<passes::Box>& placeWords(const PlacedPicture& placed,
                           {words.x + 8.0, words.y + 2.0},
                           kOutward * outward / std::max(1.0, glm::length(outward))});
     }
-    if (within != kept.within || labels != kept.labels || lines != kept.lines)
-        kept = {labels, lines, within, passes::placeLabels(labels, within, kClear, lines)};
+    if (within == kept.within && labels == kept.labels && lines == kept.lines) return kept.boxes;
+    kept = {labels, lines, within, {}};
+    for (const passes::Box& box : passes::placeLabels(labels, within, kClear, lines)) {
+        const bool free = within.contains(box) && std::ranges::none_of(kept.boxes, [&](const auto& other) {
+                              return other && other->covers(box);
+                          });
+        const bool shown = free && isNear(labels[kept.boxes.size()], box);
+        kept.boxes.push_back(shown ? std::optional(box) : std::nullopt);
+    }
     return kept.boxes;
 }
 
@@ -91,15 +111,16 @@ void drawOutlines(const PlacedPicture& placed, std::vector<OperatorOutline> outl
         list->AddPolyline(points.data(), count, IM_COL32(10, 10, 14, 190), ImDrawFlags_Closed, 3.5f);
         list->AddPolyline(points.data(), count, packed(outline.colour), ImDrawFlags_Closed, 1.6f);
     }
-    auto box = placeWords(placed, outlines, kept).begin();
+    auto place = placeWords(placed, outlines, kept).begin();
     for (const OperatorOutline& outline : outlines) { // labels go over all outlines
         if (outline.points.empty() || outline.label.empty()) continue;
+        const std::optional<passes::Box>& box = *place++;
+        if (!box) continue;
         const ImVec2 low{std::round(static_cast<float>(box->low.x)),
                          std::round(static_cast<float>(box->low.y))},
             size{static_cast<float>(box->high.x - box->low.x), static_cast<float>(box->high.y - box->low.y)};
         list->AddRectFilled(low, {low.x + size.x, low.y + size.y}, IM_COL32(15, 16, 20, 190), 4);
         list->AddText({low.x + 4, low.y + 1}, packed(outline.colour), outline.label.c_str());
-        ++box;
     }
     list->PopClipRect();
 }

@@ -1,6 +1,7 @@
 // What stands where in the operator's window. Internal to engine/present.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "engine/passes/label_places.h"
@@ -19,7 +20,7 @@ struct LabelsKept {
     std::vector<passes::Label> labels;
     std::vector<passes::Line> lines;
     passes::Box within;
-    std::vector<passes::Box> boxes;
+    std::vector<std::optional<passes::Box>> boxes; // none: left out
 };
 
 // Sets the style and loads the fonts; once, before the first frame.
