@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <fstream>
 #include <map>
 #include <numeric>
@@ -338,7 +339,8 @@ Year computeYear(Run& run, const Job& job) {
         const StageTimer timer(run, "sky");
         annual.emplace(*transport, skiesOf(job.weather, job.arguments, job.scene.northDeg), count,
                        [&](double share) {
-                           progress.advance(static_cast<size_t>(share * static_cast<double>(records)), share);
+                           progress.advance(
+                               static_cast<size_t>(std::lround(share * static_cast<double>(records))), share);
                        });
     }
     NpyWriter::writeWhole(output / "illuminance.npy", count, records, [&](NpyWriter& out) {

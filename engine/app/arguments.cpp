@@ -52,10 +52,8 @@ public:
         } catch (const CLI::Success& success) { // --help, --version
             app_.exit(success);
             return std::nullopt;
-        } catch (const CLI::ConversionError& error) {
-            throw geometry::InputError("command line", "", notConverted(error.what()));
         } catch (const CLI::ParseError& error) {
-            throw geometry::InputError("command line", "", error.what());
+            throw geometry::InputError("command line", "", inOurWords(error));
         }
         for (auto& [sub, command] : commands_) {
             if (!*sub) continue;
@@ -81,11 +79,19 @@ private:
         throw geometry::InputError("command line", kCalibrate, "needs one of its steps: " + steps);
     }
 
-    // "Could not convert: --triangles = 20.5", as the parser has it, in this program's words.
-    static std::string notConverted(const std::string& said) {
+    // What the parser complains of, in this program's words.
+    static std::string inOurWords(const CLI::ParseError& error) {
+        const std::string said = error.what();
         const size_t colon = said.find(": "), equals = said.find(" = ");
-        if (colon == std::string::npos || equals == std::string::npos || equals < colon) return said;
-        const std::string value = said.substr(equals + 3);
+        if (colon == std::string::npos) return said;
+        const std::string first = said.substr(0, colon), rest = said.substr(colon + 2);
+        if (dynamic_cast<const CLI::ExtrasError*>(&error)) // "The following argument was not expected: --foo"
+            return rest + ": is nothing that this command takes; --help lists what is";
+        if (dynamic_cast<const CLI::ArgumentMismatch*>(&error)) // "--size: At Most 1 required but received 2"
+            return first + (rest.find("received") != std::string::npos ? ": is given more than once"
+                                                                       : ": its value is missing");
+        if (!dynamic_cast<const CLI::ConversionError*>(&error) || equals == std::string::npos) return said;
+        const std::string value = said.substr(equals + 3); // "Could not convert: --triangles = 20.5"
         double number = 0;
         return fmt::format("{}: '{}' is no {}number", said.substr(colon + 2, equals - colon - 2), value,
                            CLI::detail::lexical_cast(value, number) ? "whole " : "");

@@ -195,6 +195,11 @@ TEST_F(BadModel, sensors_with_text_where_a_number_belongs) {
 TEST_F(BadInput, an_unknown_command_and_a_missing_option) {
     expectRefused("paint", {"command line"});
     expectRefused("detect " + kPhoto + " -o " + in("out.json"), {"--rig"});
+    const std::string sketch = "render " HELIODON_TEST_DATA "/geometry/sketches/p04_L.json -o ";
+    expectRefused(sketch, {"--output", "its value is missing"});
+    expectRefused(sketch + in("out") + " --rgi r.json", {"--rgi", "--help lists"});
+    expectRefused(sketch + in("out") + " -o " + in("out"), {"--output", "more than once"});
+    expectRefused(sketch + in("out") + " --triangles 20.5", {"--triangles", "'20.5' is no whole number"});
 }
 
 TEST_F(BadInput, scenes_and_kernels_that_no_bench_knows) {
