@@ -14,6 +14,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kJobFile = "frames.json";
+// Deflating a picture takes longer than drawing it on a graphics device.
+constexpr size_t kWriters = 4;
 
 // Pictures in the folder that a job may have written, by their names.
 std::vector<fs::path> picturesOf(const FrameJob& job, const fs::path& folder) {
@@ -49,7 +51,7 @@ FrameSink::FrameSink(FrameSinkOptions options)
         throw geometry::InputError(options_.output.string(), "", "its folder does not exist");
     if (options_.resume) refuseOtherJob();
     if (!folder_.empty()) made_.emplace(folder_);
-    writer_ = std::thread([this] { work(); });
+    for (size_t i = 0; i < kWriters; ++i) writers_.emplace_back([this] { work(); });
 }
 
 void FrameSink::refuseOtherJob() const {
@@ -80,7 +82,7 @@ void FrameSink::startFolder() {
 }
 
 FrameSink::~FrameSink() {
-    endThread();
+    endThreads();
 }
 
 fs::path FrameSink::table() const {
@@ -163,9 +165,10 @@ void FrameSink::throwFailure() {
     if (failure_) std::rethrow_exception(failure_);
 }
 
-void FrameSink::endThread() {
+void FrameSink::endThreads() {
     writing_.close();
-    if (writer_.joinable()) writer_.join();
+    for (std::thread& writer : writers_)
+        if (writer.joinable()) writer.join();
 }
 
 void FrameSink::filmsFromPictures() {
@@ -177,7 +180,7 @@ void FrameSink::filmsFromPictures() {
 }
 
 void FrameSink::close() {
-    endThread();
+    endThreads();
     throwFailure();
     if (!folder_.empty() && !started_) startFolder(); // nothing was drawn
     if (!isFilm_) return;

@@ -59,7 +59,7 @@ private:
     void filmsFromPictures();
     void throwFailure();
     void work();
-    void endThread();
+    void endThreads();
 
     FrameSinkOptions options_;
     bool isFilm_;
@@ -70,7 +70,7 @@ private:
     BoundedQueue<std::function<void()>> writing_{8};
     std::mutex mutex_;
     std::exception_ptr failure_;
-    std::thread writer_;
+    std::vector<std::thread> writers_; // last: they use all of the above
 };
 
 } // namespace heliodon::app
