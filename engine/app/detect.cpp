@@ -1,5 +1,6 @@
 #include "vision/detect.h"
 #include "engine/app/commands.h"
+#include "engine/app/in_words.h"
 #include "engine/app/overlay_tags.h"
 #include "engine/app/scene_input.h"
 #include "geometry/input_error.h"
@@ -21,6 +22,7 @@ void execute(Run& run, const DetectArguments& arguments) {
     if (!arguments.overlay.empty())
         writeOverlay(vision::readPhotograph(arguments.photo), rig, sketch, arguments.overlay);
     geometry::writeSketch(sketch, arguments.output);
+    run.note("found " + inWords(sketch));
 }
 
 } // namespace heliodon::app

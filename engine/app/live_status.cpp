@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/app/in_words.h"
 #include "vision/detect.h"
 
 namespace heliodon::app {
@@ -26,10 +27,6 @@ Colour colourOf(geometry::WindowKind k) {
 
 std::string duration(double seconds) {
     return seconds < 1 ? fmt::format("{:.0f} ms", 1e3 * seconds) : fmt::format("{:.2f} s", seconds);
-}
-
-std::string counted(size_t count, const char* what) {
-    return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
 double at(const nlohmann::json& object, const char* group, const char* name) {
@@ -80,13 +77,7 @@ std::vector<std::pair<std::string, std::string>> factsOf(const LiveStatus& statu
                                                          const LiveFigures& figures) {
     std::vector<std::pair<std::string, std::string>> facts;
     const auto add = [&](const char* name, std::string value) { facts.emplace_back(name, std::move(value)); };
-    if (status.detections > 0) {
-        const geometry::Sketch& s = status.seen;
-        const std::string arcs = s.arcs.empty() ? "" : ", " + counted(s.arcs.size(), "arc");
-        add("seen", fmt::format("{}{}, {}, {}, {}{}", counted(s.walls.size(), "wall"), arcs,
-                                counted(s.windows.size(), "window"), counted(s.skylights.size(), "skylight"),
-                                counted(s.tokens.size(), "token"), s.north ? ", north" : ", no north arrow"));
-    }
+    if (status.detections > 0) add("seen", inWords(status.seen));
     if (lit) {
         const nlohmann::json& scene = lit->scene->report;
         add("rooms", scene.value("message", ""));
