@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 
 extern "C" {
@@ -17,6 +18,13 @@ namespace {
 
 constexpr const char* kQuality = "18";    // of x264, where eyes no longer find a difference
 constexpr int kLargestRateTerm = 1001000; // 30000/1001 frames a second and its like are exact
+
+// 23.976, 29.97 and 59.94 mean 24000/1001 and so on.
+AVRational rateOf(double framesPerSecond) {
+    const double whole = std::round(framesPerSecond / 0.999);
+    if (std::abs(framesPerSecond - 0.999 * whole) < 1e-6) return {static_cast<int>(whole) * 1000, 1001};
+    return av_d2q(framesPerSecond, kLargestRateTerm);
+}
 
 struct Release {
     void operator()(AVCodecContext* context) const { avcodec_free_context(&context); }
@@ -77,7 +85,7 @@ private:
         if (!codec_) return false;
         codec_->width = evenWidth_, codec_->height = evenHeight_;
         codec_->pix_fmt = AV_PIX_FMT_YUV420P;
-        codec_->framerate = av_d2q(framesPerSecond, kLargestRateTerm);
+        codec_->framerate = rateOf(framesPerSecond);
         codec_->time_base = av_inv_q(codec_->framerate);
         codec_->colorspace = AVCOL_SPC_BT709;
         codec_->color_primaries = AVCOL_PRI_BT709;
