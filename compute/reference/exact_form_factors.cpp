@@ -183,8 +183,61 @@ double areaExchange(const Polygon& from, const Polygon& to) {
     return overPolygon(f, from, low, high, 1e-15 * polygonArea(from), 4000).value;
 }
 
+// Convex polygons one behind the other: cutting makes them by the thousand, and memory for each would cost
+// more than the cutting.
+struct Pieces {
+    std::vector<dvec3> corners;
+    std::vector<size_t> ends;
+
+    void add(std::span<const dvec3> piece) {
+        if (piece.empty()) return;
+        corners.insert(corners.end(), piece.begin(), piece.end());
+        ends.push_back(corners.size());
+    }
+    std::span<const dvec3> operator[](size_t k) const {
+        const size_t first = k == 0 ? 0 : ends[k - 1];
+        return std::span(corners).subspan(first, ends[k] - first);
+    }
+};
+
+// Height of a point over a plane, for the corners of one polygon: those within rounding of the plane lie on
+// it, since shared edges must not leave slivers. A plane without normal leaves nothing above or below.
+class HeightOver {
+public:
+    HeightOver(std::span<const dvec3> polygon, const dvec3& onPlane, const dvec3& normal)
+        : onPlane_(onPlane), normal_(normal), norm_(length(normal)) {
+        double square = 0;
+        for (const dvec3& p : polygon) square = std::max(square, dot(p - onPlane, p - onPlane));
+        rounding_ = 4e-16 * std::sqrt(square);
+    }
+    double operator()(const dvec3& p) const {
+        const double height = norm_ == 0 ? 0 : dot(p - onPlane_, normal_) / norm_;
+        return std::abs(height) <= rounding_ ? 0 : height;
+    }
+
+private:
+    dvec3 onPlane_, normal_;
+    double norm_ = 0, rounding_ = 0;
+};
+
+// `clipped` into a vector that is there already, not the one that holds the polygon.
+void clip(std::span<const dvec3> polygon, const dvec3& onPlane, const dvec3& normal, Polygon& result) {
+    result.clear();
+    if (!reachesAbove(polygon, onPlane, normal)) return;
+    const HeightOver heightOf(polygon, onPlane, normal);
+    double height = heightOf(polygon[0]);
+    for (size_t k = 0; k < polygon.size(); ++k) {
+        const dvec3 &here = polygon[k], &next = polygon[(k + 1) % polygon.size()];
+        const double heightOfNext = heightOf(next);
+        if (height >= 0) result.push_back(here);
+        if ((height > 0 && heightOfNext < 0) || (height < 0 && heightOfNext > 0))
+            result.push_back(here + height / (height - heightOfNext) * (next - here));
+        height = heightOfNext;
+    }
+}
+
 // Cuts the cone from `point` over `blocker` off convex pieces. What the cone misses stays whole.
-void subtractShadow(const dvec3& point, const Polygon& blocker, std::vector<Polygon>& pieces) {
+void subtractShadow(const dvec3& point, const Polygon& blocker, Pieces& pieces) {
     dvec3 plane = areaVector(blocker);
     const double size = length(plane);
     if (size == 0) return;
@@ -196,20 +249,23 @@ void subtractShadow(const dvec3& point, const Polygon& blocker, std::vector<Poly
         const dvec3 normal = cross(blocker[k] - point, blocker[(k + 1) % blocker.size()] - point);
         inward.push_back(side < 0 ? -normal : normal);
     }
-    std::vector<Polygon> kept;
-    for (Polygon& piece : pieces) {
-        Polygon rest = clipped(piece, blocker[0], plane);
-        const auto misses = [&](const dvec3& normal) { return clipped(rest, point, normal).empty(); };
+    Pieces kept;
+    Polygon rest, cut;
+    for (size_t p = 0; p < pieces.ends.size(); ++p) {
+        const std::span<const dvec3> piece = pieces[p];
+        clip(piece, blocker[0], plane, rest);
+        const auto misses = [&](const dvec3& normal) { return !reachesAbove(rest, point, normal); };
         if (rest.empty() || std::ranges::any_of(inward, misses)) {
-            kept.push_back(std::move(piece));
+            kept.add(piece);
             continue;
         }
-        if (Polygon before = clipped(piece, blocker[0], -plane); !before.empty())
-            kept.push_back(std::move(before));
+        clip(piece, blocker[0], -plane, cut); // what lies before the blocker
+        kept.add(cut);
         for (size_t k = 0; k < inward.size() && !rest.empty(); ++k) {
-            if (Polygon outside = clipped(rest, point, -inward[k]); !outside.empty())
-                kept.push_back(std::move(outside));
-            rest = clipped(rest, point, inward[k]);
+            clip(rest, point, -inward[k], cut); // what lies beside it
+            kept.add(cut);
+            clip(rest, point, inward[k], cut);
+            std::swap(rest, cut);
         }
     }
     pieces = std::move(kept);
@@ -227,35 +283,16 @@ Polygon polygonOf(const geometry::PatchMesh& mesh, size_t patch) {
     return result;
 }
 
+bool reachesAbove(std::span<const dvec3> polygon, const dvec3& onPlane, const dvec3& normal) {
+    const HeightOver heightOf(polygon, onPlane, normal);
+    return polygon.size() >= 3 &&
+           std::ranges::any_of(polygon, [&](const dvec3& p) { return heightOf(p) > 0; });
+}
+
 Polygon clipped(std::span<const dvec3> polygon, const dvec3& onPlane, const dvec3& normal) {
-    const double norm = length(normal);
-    if (polygon.size() < 3 || norm == 0) return {};
-    double reach = 0;
-    for (const dvec3& p : polygon) reach = std::max(reach, length(p - onPlane));
-    // Corners within rounding of the plane lie on it: shared edges must not leave slivers.
-    const auto heightOf = [&](const dvec3& p) {
-        const double height = dot(p - onPlane, normal) / norm;
-        return std::abs(height) <= 4e-16 * reach ? 0.0 : height;
-    };
-    double highest = 0, lowest = 0;
-    for (const dvec3& p : polygon) {
-        const double height = heightOf(p);
-        highest = std::max(highest, height), lowest = std::min(lowest, height);
-    }
-    if (highest == 0) return {};
-    if (lowest == 0) return {polygon.begin(), polygon.end()};
     Polygon result;
-    result.reserve(polygon.size() + 1);
-    double height = heightOf(polygon[0]);
-    for (size_t k = 0; k < polygon.size(); ++k) {
-        const dvec3 &here = polygon[k], &next = polygon[(k + 1) % polygon.size()];
-        const double heightOfNext = heightOf(next);
-        if (height >= 0) result.push_back(here);
-        if ((height > 0 && heightOfNext < 0) || (height < 0 && heightOfNext > 0))
-            result.push_back(here + height / (height - heightOfNext) * (next - here));
-        height = heightOfNext;
-    }
-    return result.size() >= 3 ? result : Polygon{};
+    clip(polygon, onPlane, normal, result);
+    return result;
 }
 
 double pointToPolygon(const dvec3& point, const dvec3& normal, std::span<const dvec3> polygon) {
@@ -274,13 +311,14 @@ double pointToPolygon(const dvec3& point, const dvec3& normal, std::span<const d
 
 double visiblePointToPolygon(const dvec3& point, const dvec3& normal, std::span<const dvec3> polygon,
                              std::span<const Polygon> blockers) {
-    std::vector<Polygon> pieces{Polygon(polygon.begin(), polygon.end())};
+    Pieces pieces;
+    pieces.add(polygon);
     for (const Polygon& blocker : blockers) {
         subtractShadow(point, blocker, pieces);
-        if (pieces.empty()) return 0;
+        if (pieces.ends.empty()) return 0;
     }
     double sum = 0;
-    for (const Polygon& piece : pieces) sum += pointToPolygon(point, normal, piece);
+    for (size_t k = 0; k < pieces.ends.size(); ++k) sum += pointToPolygon(point, normal, pieces[k]);
     return sum;
 }
 
@@ -352,8 +390,8 @@ Estimate exchangeIn(const geometry::PatchMesh& mesh, size_t i, size_t j, double 
         if (!between.empty()) between = clipped(between, to[0], areaVector(to));
         if (between.empty()) continue;
         const dvec3 plane = areaVector(between);
-        const auto front = [&](const Polygon& p) { return !clipped(p, between[0], plane).empty(); };
-        const auto back = [&](const Polygon& p) { return !clipped(p, between[0], -plane).empty(); };
+        const auto front = [&](const Polygon& p) { return reachesAbove(p, between[0], plane); };
+        const auto back = [&](const Polygon& p) { return reachesAbove(p, between[0], -plane); };
         if ((front(from) && back(to)) || (back(from) && front(to))) blockers.push_back(std::move(between));
     }
     if (blockers.empty()) return {exchangeUnoccluded(from, to), 0};

@@ -20,6 +20,8 @@ struct Estimate {
 
 // The part on the side to which `normal` points of the plane through `onPlane`; empty when it has no area.
 Polygon clipped(std::span<const glm::dvec3> polygon, const glm::dvec3& onPlane, const glm::dvec3& normal);
+// Whether that leaves anything.
+bool reachesAbove(std::span<const glm::dvec3> polygon, const glm::dvec3& onPlane, const glm::dvec3& normal);
 
 // Lambert 1760: form factor from a surface element (unit normal) to the part of the polygon above its
 // horizon; 0 when the element is not in front of the polygon. Absolute error about 1e-15.

@@ -45,7 +45,7 @@ std::vector<Polygon> FormFactorRows::between(size_t i, size_t j) const {
         if (part.empty()) continue;
         const glm::dvec3 plane = glm::cross(blocker[1] - blocker[0], blocker[2] - blocker[0]);
         const auto reaches = [&](const Polygon& p, double side) {
-            return !clipped(p, blocker[0], side * plane).empty();
+            return reachesAbove(p, blocker[0], side * plane);
         };
         if ((reaches(from, 1) && reaches(to, -1)) || (reaches(from, -1) && reaches(to, 1)))
             result.push_back(std::move(part));
