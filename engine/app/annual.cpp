@@ -41,17 +41,28 @@ struct ClockHours {
     double from = 8, to = 18;
 };
 
+// "8", "8.5" or "8:30"; what follows it, null where there is no hour.
+const char* readHour(const char* text, const char* end, double& hour) {
+    const auto whole = std::from_chars(text, end, hour);
+    if (whole.ec != std::errc()) return nullptr;
+    if (whole.ptr == end || *whole.ptr != ':') return whole.ptr;
+    unsigned minutes = 0;
+    const auto part = std::from_chars(whole.ptr + 1, end, minutes);
+    if (part.ptr != whole.ptr + 3 || minutes > 59 || hour != std::floor(hour)) return nullptr;
+    hour += minutes / 60.0;
+    return part.ptr;
+}
+
 ClockHours parseOccupied(const std::string& text) {
     ClockHours hours;
     const char* const end = text.data() + text.size();
-    const auto from = std::from_chars(text.data(), end, hours.from);
-    const bool dash = from.ec == std::errc() && from.ptr != end && *from.ptr == '-';
-    const auto to = dash ? std::from_chars(from.ptr + 1, end, hours.to) : from;
-    if (!dash || to.ec != std::errc() || to.ptr != end || !(hours.from >= 0) || !(hours.to <= 24) ||
-        !(hours.from < hours.to))
+    const char* const dash = readHour(text.data(), end, hours.from);
+    const char* const last =
+        dash && dash != end && *dash == '-' ? readHour(dash + 1, end, hours.to) : nullptr;
+    if (last != end || !(hours.from >= 0) || !(hours.to <= 24) || !(hours.from < hours.to))
         throw geometry::InputError(
             "--occupied", "",
-            fmt::format("'{}' are no hours, expected FROM-TO within 0-24, such as 8-18", text));
+            fmt::format("'{}' are no hours, expected FROM-TO within 0-24, such as 8-18 or 8:30-17", text));
     return hours;
 }
 

@@ -123,6 +123,7 @@ private:
             const fs::path where = fs::weakly_canonical(a, unknown);
             return !unknown && where == fs::weakly_canonical(b, unknown) && !unknown;
         };
+        const auto isStdout = [](const fs::path& path) { return path == "-" || path == "/dev/stdout"; };
         const bool renewsRig = sub.get_parent()->get_name() == kCalibrate;
         std::vector<std::pair<std::string, std::string>> written;
         for (const char* name : {"--output", "--report", "--overlay", "--plan"}) {
@@ -130,7 +131,7 @@ private:
             if (!option || option->empty()) continue;
             const std::string& file = option->results().front();
             for (const auto& [other, path] : written)
-                if (same(file, path) && (isFile(file) || isNew(file)))
+                if ((isStdout(file) && isStdout(path)) || (same(file, path) && (isFile(file) || isNew(file))))
                     throw geometry::InputError(name, file, "is written by " + other + " too");
             written.emplace_back(name, file);
         }
@@ -330,7 +331,8 @@ private:
             "--sensors", annual_.sensors,
             "points (.csv with x,y,z,nx,ny,nz); without: every 2 ft (0.61 m) over the floor, 0.76 m "
             "above it");
-        sub->add_option("--occupied", annual_.occupied, "o'clock, every day (default 8-18)");
+        sub->add_option("--occupied", annual_.occupied,
+                        "o'clock, every day, as 8-18 (the default) or 8:30-17");
         sub->add_option("--ground", annual_.groundAlbedo, "diffuse reflectance of the ground (default 0.2)")
             ->check(within(0.0, 1.0));
         sub->add_option("--temporal", annual_.temporal,

@@ -222,7 +222,9 @@ TEST_F(Annual, wrong_words_are_named) {
         EXPECT_EQ(outcome.exitCode, 2);
         return outcome.output;
     };
-    EXPECT_NE(said("--occupied 18-8").find("--occupied: '18-8'"), std::string::npos);
+    for (const std::string hours : {"18-8", "8:3-9", "8:75-9", "8:30-"})
+        EXPECT_NE(said("--occupied " + hours).find("--occupied: '" + hours + "'"), std::string::npos)
+            << hours;
     EXPECT_NE(said("--temporal 5000").find("--temporal: '5000'"), std::string::npos);
     writeText(in("far.csv"), "x,y,z,nx,ny,nz\n1800,4000,800,0,0,1\n3000,4000,800,0,0,1\n");
     EXPECT_NE(said("--sensors " + in("far.csv")).find("far.csv: none of its 2 sensors lies in a room"),

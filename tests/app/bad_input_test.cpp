@@ -197,6 +197,8 @@ TEST_F(BadInput, an_unknown_command_and_a_missing_option) {
     expectRefused("detect " + kPhoto + " -o " + in("out.json"), {"--rig"});
     const std::string sketch = "render " HELIODON_TEST_DATA "/geometry/sketches/p04_L.json -o ";
     expectRefused(sketch, {"--output", "its value is missing"});
+    expectRefused("illuminance " HELIODON_TEST_DATA "/geometry/sketches/p04_L.json -o - --report -",
+                  {"--report", "is written by --output too"});
     expectRefused(sketch + in("out") + " --rgi r.json", {"--rgi", "--help lists"});
     expectRefused(sketch + in("out") + " -o " + in("out"), {"--output", "more than once"});
     expectRefused(sketch + in("out") + " --triangles 20.5", {"--triangles", "'20.5' is no whole number"});
