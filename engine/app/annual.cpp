@@ -48,7 +48,7 @@ const char* readHour(const char* text, const char* end, double& hour) {
     if (whole.ptr == end || *whole.ptr != ':') return whole.ptr;
     unsigned minutes = 0;
     const auto part = std::from_chars(whole.ptr + 1, end, minutes);
-    if (part.ptr != whole.ptr + 3 || minutes > 59 || hour != std::floor(hour)) return nullptr;
+    if (part.ptr - whole.ptr != 3 || minutes > 59 || hour != std::floor(hour)) return nullptr;
     hour += minutes / 60.0;
     return part.ptr;
 }
