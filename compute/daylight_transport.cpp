@@ -38,6 +38,7 @@ bool isGrey(glm::vec3 v) {
 struct SkyRows {
     uint32_t elements = 0, channels = 1;
     std::vector<float> values; // rows x channels x elements
+    std::vector<float> error;  // PatchSky
 
     // pi sum_k C L, split into sky and ground (the last element).
     void combine(size_t row, const std::vector<float>& luminance, LightParts& parts) const {
@@ -184,7 +185,9 @@ void DaylightTransport::State::makeSky() {
     patchSky.channels = 1;
     for (const geometry::Material& m : mesh.materials)
         if (!isGrey(m.transmittance)) patchSky.channels = 3;
-    patchSky.values = patchSkyCoefficients(*points, skyPatches, patchSky.channels);
+    PatchSky made = patchSkyCoefficients(*points, skyPatches, patchSky.channels);
+    patchSky.values = std::move(made.coefficients);
+    patchSky.error = std::move(made.error);
     report.skySeconds = clock.seconds();
 }
 
@@ -381,8 +384,9 @@ void DaylightTransport::State::solve(std::span<Moment> moments) {
         exitance.assign(emitted.size(), 0), gathered.assign(emitted.size(), 0);
     }
     const double seconds = clock.seconds() / static_cast<double>(moments.size());
-    const MomentScene scene{mesh,       areas,   rowSums, links->rowSums(), matter,  clear,      *slopes,
-                            *nearPairs, *points, sensors, *slats,           *gather, rowError(), grey};
+    const MomentScene scene{mesh,       areas,      rowSums,       links->rowSums(), matter, clear,
+                            *slopes,    *nearPairs, *points,       sensors,          *slats, *gather,
+                            rowError(), grey,       patchSky.error};
     for (size_t k = 0; k < moments.size(); ++k) {
         Moment& moment = moments[k];
         moment.report.radiosity = solution;

@@ -24,7 +24,7 @@ constexpr double kBounceError = 0.006; // of reflected light: what earlier bounc
 constexpr double kSensorSkyError = 0.008; // of sky light, from its cubature and that of glass
 // The same of patches' means, against meshes four and sixteen times as fine (docs/accuracy.md).
 constexpr double kPatchBounceError = 0.01;
-constexpr double kPatchSkyError = 0.02;   // four points a patch, and sky elements
+constexpr double kPatchSkyError = 0.012;  // of sky light, from sky elements and glass
 constexpr float kPatchSpreadShare = 0.3F; // of light's variation within patches nearby
 constexpr float kPatchNearShare = 0.6F;   // of the light of a patch nearby, times its form factor
 // Slats against sheets traced one by one (tests/compute/blinds_test.cpp): of their light that a place gets
@@ -103,7 +103,8 @@ void setPatchErrors(const MomentScene& scene, const SolvedColumns& solved, doubl
                                (solved.gatheredError.empty() ? moment.report.radiosity.bound * most
                                                              : double{solved.gatheredError[i]}) +
                                (scene.rowError + kPatchBounceError) * photometric(parts.interreflected) +
-                               kPatchSkyError * photometric(parts.sky + parts.ground)) +
+                               (kPatchSkyError + (scene.skyError.empty() ? 0 : double{scene.skyError[i]})) *
+                                   photometric(parts.sky + parts.ground)) +
             near[i];
         if (!slats.empty()) parts.error += slatsError(parts, double{seen[i]}, photometric(lobes[i]), bySlats);
     }

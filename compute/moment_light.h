@@ -31,6 +31,7 @@ struct MomentScene {
     FormFactorOperator& factors;
     double rowError; // of form factors
     bool grey;       // one column stands for three
+    std::span<const float> skyError; // per patch, PatchSky; empty without openings
 };
 
 // Columns of the solution from `first` on, one a channel: patches each.

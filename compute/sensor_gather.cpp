@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <utility>
 
 #include <glm/geometric.hpp>
 
@@ -17,6 +18,9 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kSensorSkyAngle = 0.1, kPatchSkyAngle = 0.2; // radians, of one sample of sky
+// Of how far a patch's points lie apart, what four of them may be off; change of a patch's light, over it and
+// the usual one, from which it is told by more points; of the last change, what may be left.
+constexpr double kCurved = 0.1, kSkyChange = 0.01, kChangeLeft = 0.5;
 constexpr float kEdgeShare = 2e-4F; // form factor below which an edge of sunlight averages out
 
 // What edges of sunlight on patches give less their patches' evenly spread sun, by way of the cells of near
@@ -42,30 +46,65 @@ dvec3 sunEdgesOnCells(const PointScene& scene, const NearLight& near, uint32_t r
     return sum;
 }
 
-} // namespace
-
-std::vector<float> patchSkyCoefficients(const PointScene& scene, const daylight::SkyPatches& sky,
-                                        uint32_t channels) {
-    const geometry::PatchMesh& mesh = scene.mesh();
-    const size_t n = mesh.patchCount(), elements = sky.elementCount();
-    const PatchViewpoints views = patchViewpoints(mesh, 4);
+// Of a patch's points under an even sky and ground: their mean light, and how far apart the least and the
+// most lit are.
+struct Seen {
+    double mean, range;
+};
+// Adds to `row`, channels x elements.
+Seen skyFromPoints(const PointScene& scene, const daylight::SkyPatches& sky, const PatchViewpoints& views,
+                   std::span<float> row) {
     const uint32_t points = views.pointsPerPatch;
     const auto scale = static_cast<float>(1 / (kPi * points));
-    std::vector<float> rows(n * channels * elements);
-    inParallel(n, [&](size_t i) {
-        std::vector<SkySample> seen;
-        for (uint32_t p = 0; p < points; ++p) {
-            const Viewpoint& v = views.viewpoints[i * points + p];
-            scene.seeSky(PointView(scene.blockers(), v.position, v.normal, v.room), v.room, kPatchSkyAngle,
-                         seen);
-        }
+    const size_t elements = sky.elementCount(), channels = row.size() / elements;
+    double sum = 0, least = 1e300, most = 0;
+    std::vector<SkySample> seen;
+    for (const Viewpoint& v : views.viewpoints) {
+        seen.clear();
+        scene.seeSky(PointView(scene.blockers(), v.position, v.normal, v.room), v.room, kPatchSkyAngle, seen);
+        double here = 0;
         for (const SkySample& sample : seen) {
             const size_t element = sky.elementOf(dvec3(sample.direction));
-            for (uint32_t c = 0; c < channels; ++c)
-                rows[(i * channels + c) * elements + element] += scale * sample.weight[static_cast<int>(c)];
+            for (size_t c = 0; c < channels; ++c)
+                row[c * elements + element] += scale * sample.weight[static_cast<int>(c)];
+            here += photometric(sample.weight);
         }
+        sum += here, least = std::min(least, here), most = std::max(most, here);
+    }
+    return {sum / points, most - least};
+}
+
+} // namespace
+
+PatchSky patchSkyCoefficients(const PointScene& scene, const daylight::SkyPatches& sky, uint32_t channels) {
+    const geometry::PatchMesh& mesh = scene.mesh();
+    const size_t n = mesh.patchCount(), elements = sky.elementCount();
+    PatchSky result{std::vector<float>(n * channels * elements), std::vector<float>(n, 0)};
+    std::vector<double> mean(n), range(n);
+    const auto row = [&](size_t i) {
+        return std::span(result.coefficients).subspan(i * channels * elements, channels * elements);
+    };
+    const auto look = [&](size_t i, uint32_t points) {
+        return skyFromPoints(scene, sky, patchViewpoints(mesh, points, static_cast<uint32_t>(i), 1), row(i));
+    };
+    inParallel(n, [&](size_t i) {
+        const Seen seen = look(i, 4);
+        mean[i] = seen.mean, range[i] = seen.range;
     });
-    return rows;
+    double light = 0, area = 0;
+    for (size_t i = 0; i < n; ++i)
+        light += geometry::patchArea(mesh, i) * mean[i], area += geometry::patchArea(mesh, i);
+    const double usual = light / std::max(area, 1e-300);
+    inParallel(n, [&](size_t i) {
+        double change = kCurved * range[i];
+        for (uint32_t points = 16; points <= 64 && change > kSkyChange * (mean[i] + usual); points *= 4) {
+            std::ranges::fill(row(i), 0.0f);
+            const double before = std::exchange(mean[i], look(i, points).mean);
+            change = std::abs(mean[i] - before);
+        }
+        result.error[i] = static_cast<float>(mean[i] > 0 ? std::min(1.0, kChangeLeft * change / mean[i]) : 0);
+    });
+    return result;
 }
 
 SensorGather gatherSensors(const PointScene& scene, const PatchSlopes& slopes, const SlatLobes& slats,

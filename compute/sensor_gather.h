@@ -34,10 +34,13 @@ struct SkyView {
     }
 };
 
-// Coefficients of sky elements, 1/pi of the lux per unit of luminance: means over patches (patches x channels
-// x elements), from four points on each.
-std::vector<float> patchSkyCoefficients(const PointScene& scene, const daylight::SkyPatches& sky,
-                                        uint32_t channels);
+// Coefficients of sky elements, 1/pi of the lux per unit of luminance: means over patches, from four points
+// on each, 16 or 64 where light changes fast.
+struct PatchSky {
+    std::vector<float> coefficients; // patches x channels x elements
+    std::vector<float> error; // per patch, estimate: share of its light from the sky that these points miss
+};
+PatchSky patchSkyCoefficients(const PointScene& scene, const daylight::SkyPatches& sky, uint32_t channels);
 
 // Rows of sensors.
 struct SensorGather {

@@ -1,6 +1,7 @@
 #include "compute/sun_edges.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include <glm/geometric.hpp>
@@ -14,9 +15,9 @@ namespace {
 // Form factors of patches at a sensor: below kFar edges of sunlight average out, from kNear they are seen
 // exactly.
 constexpr float kFar = 2e-4F, kNear = 0.02F, kMostNearer = 3;
-// From here on a patch that the sensor's horizon cuts shows what is above: its middle says little. Less than
-// this share of its height on one side of the horizon does not count as cut.
-constexpr float kCut = 2e-3F;
+// So much nearer or farther than its patch light is seen exactly: its middle says little.
+constexpr float kMuch = 0.5F;
+// Less than this share of a patch's height below the horizon, or hidden, does not count.
 constexpr double kSliver = 0.05;
 
 struct Middles {
@@ -159,13 +160,19 @@ void SunEdges::addTo(std::span<float> lux, const PointScene& scene, const PointV
         const Patch& patch = patches_[p];
         const float share = even[patch.patch];
         if (share < kFar || scene.mesh().room[patch.patch] != room) continue; // through glass: from afar
-        if (share >= kNear) // not what of the share is seen through windows
-            addExactly(lux, view, p, scene.factor(view, patch.patch), glm::vec3(1));
-        else if (share >= kCut && isCut(scene.mesh(), patch.patch, view))
+        const size_t end = edgesEnd(p);
+        if (share >= kNear || isPartlyHidden(scene, view, patch.patch)) {
+            // Not what of the share is seen through windows.
+            addExactly(lux, view, patch.first, end, scene.factor(view, patch.patch), glm::vec3(1));
+        } else if (isCut(scene.mesh(), patch.patch, view)) {
             addAboveHorizon(lux, scene.mesh(), view, p, share);
-        else if (findNearer(view, p, nearer))
-            for (size_t k = 0; k < nearer.size(); ++k)
-                lux[hour_[patch.first + k]] += share * exitance_[patch.first + k] * nearer[k];
+        } else if (findNearer(view, p, nearer)) {
+            for (size_t e = patch.first; e < end; ++e)
+                if (const float more = nearer[e - patch.first]; std::abs(more) > kMuch)
+                    addExactly(lux, view, e, e + 1, double{share}, glm::vec3(1));
+                else
+                    lux[hour_[e]] += share * exitance_[e] * more;
+        }
     }
 }
 
@@ -176,6 +183,12 @@ bool SunEdges::isCut(const geometry::PatchMesh& mesh, uint32_t patch, const Poin
         lowest = std::min(lowest, height), highest = std::max(highest, height);
     }
     return std::min(-lowest, highest) > kSliver * (highest - lowest);
+}
+
+bool SunEdges::isPartlyHidden(const PointScene& scene, const PointView& view, uint32_t patch) {
+    std::vector<glm::dvec3> polygon, above;
+    for (const uint32_t v : scene.mesh().patch(patch)) polygon.push_back(scene.mesh().vertices[v]);
+    return scene.factor(view, patch) < (1 - kSliver) * view.openFactor(polygon, above);
 }
 
 void SunEdges::addAboveHorizon(std::span<float> lux, const geometry::PatchMesh& mesh, const PointView& view,
@@ -192,9 +205,9 @@ void SunEdges::addAboveHorizon(std::span<float> lux, const geometry::PatchMesh& 
     }
 }
 
-void SunEdges::addExactly(std::span<float> lux, const PointView& view, size_t patch, double straight,
-                          glm::vec3 answer) const {
-    for (size_t e = patches_[patch].first; e < edgesEnd(patch); ++e) {
+void SunEdges::addExactly(std::span<float> lux, const PointView& view, size_t first, size_t end,
+                          double straight, glm::vec3 answer) const {
+    for (size_t e = first; e < end; ++e) {
         glm::dvec3 more = -straight * glm::dvec3(colour_[e]);
         for (const Edge::Part& part : parts_[e])
             more += view.factor(part.polygon) * glm::dvec3(part.exitance);
@@ -215,7 +228,7 @@ void SunEdges::addTo(std::span<float> lux, const PointScene& scene, const NearLi
             const double straight = scene.factor(view, patch.patch);
             if (straight * answer < double{kFar}) continue;
             if (straight >= double{kNear})
-                addExactly(lux, view, p, straight, cell.answer);
+                addExactly(lux, view, patch.first, edgesEnd(p), straight, cell.answer);
             else if (findNearer(view, p, nearer))
                 for (size_t k = 0; k < nearer.size(); ++k)
                     lux[hour_[patch.first + k]] +=

@@ -1,7 +1,7 @@
 // Where sunlight ends within patches, over many hours: what a sensor gets beyond what the patches' mean
-// exitance would send it. Exactly for patches that loom large at the sensor; for others that its horizon
-// cuts, by what of the light is above; for the rest by how much nearer and squarer the middle of the light
-// stands than that of the patch.
+// exitance would send it. Exactly for patches that loom large at the sensor or are hidden in part, and for
+// light much nearer than its patch's middle; where its horizon cuts a patch, by what of the light is above;
+// for the rest by how much nearer and squarer the middle of the light stands than that of the patch.
 #pragma once
 
 #include <cstdint>
@@ -66,13 +66,15 @@ private:
     bool findNearer(const PointView& view, size_t patch, std::vector<float>& nearer) const;
     // Whether the view's horizon runs through it, leaving more than a sliver on both sides.
     static bool isCut(const geometry::PatchMesh& mesh, uint32_t patch, const PointView& view);
+    // Whether something stands before more than a sliver of what is above the horizon.
+    static bool isPartlyHidden(const PointScene& scene, const PointView& view, uint32_t patch);
     // Edges of one of patches_ that the horizon cuts: of what is above, each lit part by its form factor in
     // the open. `share`: the patch's own, of which as much is hidden from each part.
     void addAboveHorizon(std::span<float> lux, const geometry::PatchMesh& mesh, const PointView& view,
                          size_t patch, float share) const;
-    // Edges of one of patches_, which the view has the form factor `straight` of; `answer`: lux at the sensor
-    // for each lux at the view's point.
-    void addExactly(std::span<float> lux, const PointView& view, size_t patch, double straight,
+    // Edges [first, end) of one patch, which the view has the form factor `straight` of; `answer`: lux at the
+    // sensor for each lux at the view's point.
+    void addExactly(std::span<float> lux, const PointView& view, size_t first, size_t end, double straight,
                     glm::vec3 answer) const;
 
     std::vector<Patch> patches_;

@@ -133,7 +133,7 @@ public:
         fillBands(chart, triangles);
         if (alone) return;
         isoLux(chart, triangles);
-        if (floor.sun) sunEdges(chart, floor, reach);
+        if (floor.sun) sunEdges(chart, floor, reach, triangles);
     }
 
     bool hasSunEdges() const { return hasSunEdges_; }
@@ -186,8 +186,9 @@ public:
         }
     }
 
-    // Only over the floor and where there are colours: in bits of a few pixels.
-    void sunEdges(Chart& chart, const Floor& floor, const Points& reach) {
+    // Only over the floor and where there are colours, of the plane that these show: in bits of a few pixels.
+    void sunEdges(Chart& chart, const Floor& floor, const Points& reach,
+                  const std::vector<SampleTriangle>& triangles) {
         for (size_t plane = 0; plane < floor.sun->heights.size(); ++plane) {
             std::vector<Points> polygons;
             std::vector<double> lux;
@@ -202,7 +203,8 @@ public:
                 };
                 for (double k = 0; k < bits; ++k) {
                     const glm::dvec2 middle = glm::mix(a, b, (k + 0.5) / bits);
-                    if (!isWithin(reach, middle) || !floor.cells.covers(middle)) {
+                    if (!isWithin(reach, middle) || !floor.cells.covers(middle) ||
+                        planeAt(*floor.sun, triangles, middle) != plane) {
                         draw();
                         continue;
                     }
@@ -289,15 +291,22 @@ private:
         double level;
         Points points; // pixels
     };
+    static size_t planeOf(const Sunlight& sun, const SampleTriangle& t) {
+        const double height = (t[0].height + t[1].height + t[2].height) / 3;
+        const auto off = [&](double plane) { return std::abs(plane - height); };
+        return static_cast<size_t>(std::ranges::min_element(sun.heights, {}, off) - sun.heights.begin());
+    }
+    static size_t planeAt(const Sunlight& sun, const std::vector<SampleTriangle>& triangles, glm::dvec2 p) {
+        if (sun.heights.size() == 1) return 0;
+        const auto at = std::ranges::find_if(triangles, [&](const SampleTriangle& t) {
+            return isWithin({t[0].at, t[1].at, t[2].at}, p) || isWithin({t[2].at, t[1].at, t[0].at}, p);
+        });
+        return at == triangles.end() ? sun.heights.size() : planeOf(sun, *at);
+    }
     // The sun's part added to triangles, each on the plane that is nearest to it.
     static std::vector<SampleTriangle> sunlit(std::vector<SampleTriangle> triangles, const Sunlight& sun) {
         std::vector<std::vector<SampleTriangle>> on(sun.heights.size());
-        for (const SampleTriangle& t : triangles) {
-            const double height = (t[0].height + t[1].height + t[2].height) / 3;
-            const auto off = [&](double plane) { return std::abs(plane - height); };
-            on[static_cast<size_t>(std::ranges::min_element(sun.heights, {}, off) - sun.heights.begin())]
-                .push_back(t);
-        }
+        for (const SampleTriangle& t : triangles) on[planeOf(sun, t)].push_back(t);
         for (const Sunlight::Part& part : sun.parts)
             on[part.plane] = raisedWithin(on[part.plane], part.polygon, part.lux);
         triangles.clear();

@@ -116,14 +116,21 @@ TEST(DaylightTransport, light_on_patches_lies_in_its_stated_error) {
     const std::vector<size_t> whole = wholes(fine, coarse, 1.0 / 3);
     for (const daylight::Sky& sky : {test::overcast(), sunny(), sunny({0.5, 0.35, -0.5})}) {
         const Moment stated = few.light(sky), there = many.light(sky);
-        std::vector<double> lux(coarse.patchCount(), 0);
-        for (size_t i = 0; i < whole.size(); ++i) lux[whole[i]] += photometric(there.patches[i].total()) / 4;
+        std::vector<double> lux(coarse.patchCount(), 0), outside(lux);
+        for (size_t i = 0; i < whole.size(); ++i) {
+            lux[whole[i]] += photometric(there.patches[i].total()) / 4;
+            outside[whole[i]] += photometric(there.patches[i].sky + there.patches[i].ground) / 4;
+        }
         size_t inside = 0;
         double error = 0;
         for (size_t i = 0; i < lux.size(); ++i) {
             inside += std::abs(photometric(stated.patches[i].total()) - lux[i]) <=
                       static_cast<double>(stated.patches[i].error);
             error += static_cast<double>(stated.patches[i].error) / lux[i] / static_cast<double>(lux.size());
+            // Beside the window, too, where four points a patch say little.
+            EXPECT_NEAR(photometric(stated.patches[i].sky + stated.patches[i].ground), outside[i],
+                        0.01 * lux[i])
+                << i;
         }
         EXPECT_GE(static_cast<double>(inside), 0.97 * static_cast<double>(lux.size()));
         EXPECT_LT(error, 0.06); // says something
