@@ -20,7 +20,7 @@ struct PlanArrangement {
         int32_t tag;
         bool forward; // half-edge 2e runs the way of the segment
     };
-    std::vector<glm::dvec2> points;     // the exact crossings, rounded
+    std::vector<glm::dvec2> points;     // the exact crossings, rounded; from left to right, then upwards
     std::vector<uint32_t> target;       // per half-edge: the point that it runs to
     std::vector<uint32_t> next;         // per half-edge: the one that follows round its cell
     std::vector<uint32_t> cell;         // per half-edge
@@ -31,7 +31,8 @@ struct PlanArrangement {
     size_t edgeCount() const { return tags.size(); }
 };
 
-// Segments may cross, touch and overlap. Cost: O((n + k) log n) exact operations for k crossings.
+// Segments may cross, touch and overlap; the order in which they come changes nothing. Cost: for n of them
+// and k crossings at most n^2 comparisons of boxes, O((n + k) log (n + k)) of points and k exact divisions.
 PlanArrangement arrange(std::span<const PlanSegment> segments);
 
 } // namespace heliodon::geometry

@@ -10,8 +10,11 @@
 #include <nlohmann/json.hpp>
 
 #include "geometry/building.h"
+#include "geometry/disjoint_sets.h"
 #include "geometry/face_soup.h"
 #include "geometry/mesher.h"
+#include "geometry/plan_arrangement.h"
+#include "geometry/plan_regions.h"
 
 using namespace heliodon::geometry;
 namespace fs = std::filesystem;
@@ -602,4 +605,56 @@ TEST(Closure, partitions_end_in_the_wall_that_they_meet) {
         EXPECT_NEAR(right.floorAreaFt2, net(12, 16), 1e-6) << end;
         EXPECT_NEAR(right.volumeFt3, 10 * net(12, 16), 1e-5) << end;
     }
+}
+
+// Ends on a grid, turned or not: segments touch, overlap and cross in threes.
+TEST(PlanArrangement, of_random_segments_is_whole_whatever_their_order) {
+    std::mt19937 random(3);
+    for (int round = 0; round < 300; ++round) {
+        const double turn = round % 2 * 0.3, c = std::cos(turn), s = std::sin(turn);
+        const auto end = [&] {
+            const double x = static_cast<double>(random() % 7), y = static_cast<double>(random() % 7);
+            return glm::dvec2(c * x - s * y, s * x + c * y);
+        };
+        std::vector<PlanSegment> segments;
+        while (segments.size() < static_cast<size_t>(1 + round % 30)) {
+            const PlanSegment segment{end(), end(), static_cast<int32_t>(segments.size())};
+            if (segment.a != segment.b) segments.push_back(segment);
+        }
+        const PlanArrangement map = arrange(segments);
+        DisjointSets pieces(map.points.size());
+        for (uint32_t h = 0; h < map.target.size(); ++h) {
+            pieces.join(map.source(h), map.target[h]);
+            EXPECT_EQ(map.source(map.next[h]), map.target[h]);
+            EXPECT_EQ(map.cell[map.next[h]], map.cell[h]);
+        }
+        size_t pieceCount = 0;
+        for (uint32_t v = 0; v < map.points.size(); ++v) pieceCount += pieces.root(v) == v;
+        EXPECT_EQ(map.points.size() + map.cellCount, map.edgeCount() + 1 + pieceCount); // Euler
+        double sum = 0;
+        const std::vector<double> areas = cellAreas(map);
+        for (uint32_t cell = 0; cell < map.cellCount; ++cell) sum += areas[cell];
+        for (uint32_t cell = 1; cell < map.cellCount; ++cell) EXPECT_GT(areas[cell], -1e-12);
+        EXPECT_NEAR(sum, 0, 1e-9); // the unbounded cell has that of all others, negative
+        std::ranges::shuffle(segments, random);
+        const PlanArrangement other = arrange(segments);
+        EXPECT_EQ(other.points, map.points);
+        EXPECT_EQ(other.next, map.next);
+        EXPECT_EQ(other.cell, map.cell);
+    }
+}
+
+TEST(PlanArrangement, knows_what_lies_in_what) {
+    std::vector<PlanSegment> segments;
+    for (const double half : {4.0, 3.0, 1.0}) {
+        const glm::dvec2 u(half, 0), v(0, half);
+        for (const auto& [a, b] : {std::pair(-u - v, u - v), {u - v, u + v}, {u + v, v - u}, {v - u, -u - v}})
+            segments.push_back({a, b, static_cast<int32_t>(half)});
+    }
+    segments.push_back({{-0.5, 0}, {0.5, 0}, 9}); // in the innermost one, bounding nothing
+    const PlanArrangement map = arrange(segments);
+    EXPECT_EQ(map.cellCount, 4u);
+    std::vector<double> areas = cellAreas(map);
+    std::ranges::sort(areas);
+    EXPECT_EQ(areas, (std::vector<double>{-64, 4, 28, 32}));
 }
