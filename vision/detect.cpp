@@ -14,6 +14,7 @@
 #include "vision/components.h"
 #include "vision/edges.h"
 #include "vision/median.h"
+#include "vision/picture_turn.h"
 #include "vision/pieces.h"
 #include "vision/plan_view.h"
 #include "vision/table_edge.h"
@@ -86,7 +87,9 @@ public:
         findArrow();
         findSkylights();
         findWalls();
+        warnOfTurn(); // where walls are read at wrong places, theirs are no faces, and they seem to lie flat
         leaveOutWhatLiesFlat();
+        warnOfDoubt();
         if (out_.sketch.walls.empty() && out_.sketch.arcs.empty())
             out_.warnings.emplace_back("no wall is seen on the table");
         warnOfLight();
@@ -171,12 +174,71 @@ private:
                 "cannot be seen",
                 where.x, where.y, std::max(1.0, 100 * clipped / table)));
         }
+        constexpr int kCoarse = 35;
+        if (photo.jpegQuality < kCoarse)
+            out_.warnings.push_back(
+                fmt::format("the file is strongly compressed (JPEG quality {}): colours run together over 16 "
+                            "pixels, markers and tokens may be misread",
+                            photo.jpegQuality));
         constexpr double kNoisy = 0.1;
         if (image_.noise > kNoisy)
             out_.warnings.push_back(fmt::format("the picture is so dark that noise is {:.0f} % of what white "
                                                 "returns: walls may be missed and "
                                                 "colours misread; more light or a longer exposure helps",
                                                 100 * image_.noise));
+    }
+
+    void warnOfTurn() {
+        const auto turn = pictureTurn(out_.sketch.walls, image_, view_, options_, radius());
+        if (!turn) return;
+        out_.warnings.push_back(
+            fmt::format("the faces of the walls fit the rig's camera better if the picture is {}: was it "
+                        "changed after it was taken? The sketch would be, too",
+                        *turn == PictureTurn::mirrored     ? "mirrored left to right"
+                        : *turn == PictureTurn::upsideDown ? "mirrored top to bottom"
+                                                           : "turned by half"));
+    }
+
+    // What was found and may be something else.
+    void warnOfDoubt() {
+        constexpr double kAllEdges = 0.98, kAsChip = 0.12; // inches
+        const double chip = options_.tokenSide - 4 * options_.tokenBand;
+        for (const auto& skylight : out_.sketch.skylights) {
+            const glm::dvec2 off = glm::abs(skylight.size - chip);
+            if (skylight.detection.confidence < kAllEdges)
+                doubt(skylight.detection, "read as a skylight, but its edges are not straight all round");
+            else if (std::max(off.x, off.y) < kAsChip)
+                doubt(skylight.detection, "read as a skylight, but as large as the chip of a token: is it one?");
+        }
+        for (const auto& wall : out_.sketch.walls) warnOfFadedPaint(wall);
+        for (const auto& arc : out_.sketch.arcs) warnOfFadedPaint(arc);
+    }
+    void doubt(const geometry::Detection& detection, const char* what) {
+        const glm::dvec2 p = centreOf(detection);
+        out_.warnings.push_back(fmt::format("pixel {:.0f}, {:.0f}: {}", p.x, p.y, what));
+    }
+
+    // A wall's top goes on beyond its white end where glare or wear hides the paint.
+    template<class Shape> void warnOfFadedPaint(const Shape& shape) {
+        const double height = geometry::heightInches(shape.heightClass);
+        for (const glm::dvec2 beyond : evidence().goesOnTo(shape)) {
+            const glm::dvec2 p = view_.pixel(beyond, height);
+            if (anotherStandsAt(p, shape)) continue;
+            out_.warnings.push_back(fmt::format(
+                "pixel {:.0f}, {:.0f}: a wall seems to go on without paint; it is read as far as its paint",
+                p.x, p.y));
+        }
+    }
+    template<class Shape> bool anotherStandsAt(glm::dvec2 pixel, const Shape& shape) const {
+        constexpr double kNear = 0.6; // inches
+        const auto stands = [&](const auto& other) {
+            if (static_cast<const void*>(&other) == static_cast<const void*>(&shape)) return false;
+            return evidence().distance(other, view_.plan(pixel, geometry::heightInches(other.heightClass))) <
+                   kNear;
+        };
+        const Sketch& s = out_.sketch;
+        return std::any_of(s.walls.begin(), s.walls.end(), stands) ||
+               std::any_of(s.arcs.begin(), s.arcs.end(), stands);
     }
 
     double radius() const { return rig_.tableRadius / geometry::kMetresPerInch; }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <fstream>
 #include <string>
 #include <system_error>
@@ -51,45 +52,80 @@ bool isWholeJpeg(const std::vector<uint8_t>& bytes) {
     return at + 1 < bytes.size() && bytes[at] == 0xFF && bytes[at + 1] == kEnd;
 }
 
+bool isPng(const std::vector<uint8_t>& bytes) {
+    constexpr std::array<uint8_t, 8> kPng = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
+    return bytes.size() >= kPng.size() && std::equal(kPng.begin(), kPng.end(), bytes.begin());
+}
+bool isJpeg(const std::vector<uint8_t>& bytes) {
+    return bytes.size() >= 3 && bytes[0] == 0xFF && bytes[1] == 0xD8 && bytes[2] == 0xFF;
+}
+
 // Decoders read what is there of a file that was cut short and leave the rest grey.
-bool isCutShort(const std::filesystem::path& file) {
+bool isCutShort(const std::vector<uint8_t>& bytes) {
+    if (isPng(bytes)) return !isWholePng(bytes);
+    if (isJpeg(bytes)) return !isWholeJpeg(bytes);
+    return false;
+}
+
+// From the mean of the first table of quantization, of brightness, against that of ITU-T T.81, K.1, by
+// libjpeg's scale. 100 where none is found.
+int jpegQuality(const std::vector<uint8_t>& bytes) {
+    constexpr uint8_t kTables = 0xDB, kScan = 0xDA;
+    constexpr size_t kValues = 64;
+    constexpr double kMeanOfStandard = 3688.0 / kValues;
+    for (size_t at = 2; at + 5 <= bytes.size() && bytes[at] == 0xFF && bytes[at + 1] != kScan;) {
+        if (bytes[at + 1] != kTables) {
+            at += 2 + ((size_t{bytes[at + 2]} << 8) | bytes[at + 3]);
+            continue;
+        }
+        const size_t wide = bytes[at + 4] >> 4 ? 2 : 1, first = at + 5; // bytes of a value, low one last
+        if (first + wide * kValues > bytes.size()) break;
+        double sum = 0;
+        for (size_t i = 0; i < kValues; ++i)
+            sum += wide == 2 ? 256 * bytes[first + 2 * i] + bytes[first + 2 * i + 1] : bytes[first + i];
+        const double scale = std::max(1.0, 100 * sum / kValues / kMeanOfStandard);
+        return std::clamp(static_cast<int>(std::lround(scale <= 100 ? (200 - scale) / 2 : 5000 / scale)), 1,
+                          100);
+    }
+    return 100;
+}
+
+std::vector<uint8_t> bytesOf(const std::filesystem::path& file) {
     std::error_code gone;
     const uintmax_t size = std::filesystem::file_size(file, gone);
     std::vector<uint8_t> bytes(gone ? 0 : size); // at once: a photograph waits for it
     std::ifstream(file, std::ios::binary)
         .read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    constexpr std::array<uint8_t, 8> kPng = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
-    if (bytes.size() >= kPng.size() && std::equal(kPng.begin(), kPng.end(), bytes.begin()))
-        return !isWholePng(bytes);
-    if (bytes.size() >= 3 && bytes[0] == 0xFF && bytes[1] == 0xD8 && bytes[2] == 0xFF)
-        return !isWholeJpeg(bytes);
-    return false;
+    return bytes;
 }
 
 // The pixels as the sensor has them: the rig was calibrated on those, so no rotation by EXIF.
 template<class Picture>
 Picture readOrComplain(std::optional<Picture> (*read)(const std::filesystem::path&),
-                       const std::filesystem::path& file) {
+                       const std::filesystem::path& file, int* quality = nullptr) {
     std::error_code ignored;
     if (std::filesystem::is_directory(file, ignored))
         throw geometry::InputError(file.string(), "", "is a folder, expected a photograph (png, jpg or tif)");
     if (!std::filesystem::is_regular_file(file, ignored))
         throw geometry::InputError(file.string(), "",
                                    "no such file, expected a photograph (png, jpg or tif)");
-    if (isCutShort(file))
+    const std::vector<uint8_t> bytes = bytesOf(file);
+    if (isCutShort(bytes))
         throw geometry::InputError(file.string(), "", "the picture is cut short, expected a whole file");
     auto picture = read(file);
     if (!picture)
         throw geometry::InputError(file.string(), "",
                                    "not an image that can be read, expected png, jpg or tif");
+    if (quality && isJpeg(bytes)) *quality = jpegQuality(bytes);
     return std::move(*picture);
 }
 
 } // namespace
 
 Photograph readPhotograph(const std::filesystem::path& file) {
-    auto picture = readOrComplain(geometry::readPictureFile, file);
-    return {picture.width, picture.height, std::move(picture.rgb), file.string()};
+    int quality = 100;
+    auto picture = readOrComplain(geometry::readPictureFile, file, &quality);
+    return {picture.width, picture.height, std::move(picture.rgb), file.string(), quality};
 }
 
 bool hasColor(const Photograph& photo) {

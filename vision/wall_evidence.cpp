@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
+#include "geometry/segment_distance.h"
 #include "vision/edges.h"
 #include "vision/median.h"
 #include "vision/pieces.h"
@@ -196,6 +197,44 @@ Relief WallEvidence::reliefOf(const geometry::Wall& wall) const {
 }
 Relief WallEvidence::reliefOf(const geometry::Arc& arc) const {
     return reliefOfShape(arc);
+}
+
+template<class Shape> WallEvidence::Line WallEvidence::goesOnBeyond(const Shape& shape) const {
+    constexpr float kBright = 0.12f, kAsEnd = 0.5f; // of the level beside; of the end's step
+    constexpr double kFirst = 0.3, kLast = 1;       // inches past the end
+    const double height = geometry::heightInches(shape.heightClass), length = lengthOf(shape);
+    const Line ends = endsOf(shape), tips = along(shape, 0, 1, 1);
+    Line out;
+    for (size_t k = 0; k < 2; ++k) {
+        const float least =
+            std::max(kBright, kAsEnd * endStep(ends[k], glm::normalize(tips[k] - ends[k]), height));
+        bool goesOn = true;
+        glm::dvec2 last = tips[k];
+        for (double past = kFirst; past <= kLast && goesOn; past += 0.2) {
+            const double share = k == 0 ? -past / length : 1 + past / length;
+            const glm::dvec2 next = along(shape, share, share, 1)[0];
+            goesOn = endStep(next, glm::normalize(next - last), height) > least;
+            last = next;
+        }
+        if (goesOn) out.push_back(last);
+    }
+    return out;
+}
+WallEvidence::Line WallEvidence::goesOnTo(const geometry::Wall& wall) const {
+    return goesOnBeyond(wall);
+}
+WallEvidence::Line WallEvidence::goesOnTo(const geometry::Arc& arc) const {
+    return goesOnBeyond(arc);
+}
+
+double WallEvidence::distance(const geometry::Wall& wall, glm::dvec2 plan) const {
+    return geometry::distanceToSegment(plan, wall.a, wall.b);
+}
+double WallEvidence::distance(const geometry::Arc& arc, glm::dvec2 plan) const {
+    double nearest = 1e9;
+    for (const glm::dvec2& p : along(arc, 0, 1, static_cast<int>(4 * lengthOf(arc)) + 1))
+        nearest = std::min(nearest, glm::distance(p, plan));
+    return nearest;
 }
 
 namespace {

@@ -53,7 +53,17 @@ public:
     Line endsOf(const geometry::Wall& wall) const;
     Line endsOf(const geometry::Arc& arc) const;
 
+    // Places a little beyond those of its ends past which a strip goes on, as bright over what is beside it as
+    // the ends are.
+    Line goesOnTo(const geometry::Wall& wall) const;
+    Line goesOnTo(const geometry::Arc& arc) const;
+
+    // Inches in plan from a point to the middle line.
+    double distance(const geometry::Wall& wall, glm::dvec2 plan) const;
+    double distance(const geometry::Arc& arc, glm::dvec2 plan) const;
+
 private:
+    template<class Shape> Line goesOnBeyond(const Shape& shape) const;
     template<class Shape> bool isWallWithEnds(const Shape& shape) const;
     bool isWall(const Line& painted, Paint paint, glm::dvec2 end, glm::dvec2 otherEnd) const;
     bool isStripOfPaint(const Line& painted, Paint paint) const;

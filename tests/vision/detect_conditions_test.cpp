@@ -398,10 +398,52 @@ TEST(DetectConditions, says_that_the_table_is_not_where_the_rig_has_it) {
     EXPECT_TRUE(warnsOf(detectSketch(paintTable(room(), exampleRig()), rig), "table's edge"));
 }
 
+TEST(DetectConditions, says_that_the_picture_was_mirrored) {
+    geometry::Rig rig = exampleRig(); // its camera, four inches aside, and the table where it was in the picture
+    geometry::OpticalDevice& camera = rig.camera;
+    const glm::dvec3 aside = camera.deviceFromWorld * glm::dvec3(4 * geometry::kMetresPerInch, 0, 0);
+    camera.translation -= aside;
+    camera.lens.cx += camera.lens.fx * aside.x / camera.translation.z;
+    camera.lens.cy += camera.lens.fy * aside.y / camera.translation.z;
+    geometry::Sketch sketch;
+    sketch.walls = room().walls;
+    for (geometry::Wall& wall : sketch.walls) // oblique: every face shifts
+        for (glm::dvec2* end : {&wall.a, &wall.b})
+            *end = glm::dvec2(end->x - end->y, end->x + end->y) * std::sqrt(0.5);
+    Photograph photo = paintTable(sketch, rig);
+    EXPECT_TRUE(detectSketch(photo, rig).warnings.empty());
+    const size_t width = static_cast<size_t>(photo.width);
+    for (size_t row = 0; row < static_cast<size_t>(photo.height); ++row)
+        for (size_t i = 0; 2 * i < width; ++i)
+            for (size_t c = 0; c < 3; ++c)
+                std::swap(photo.rgb[3 * (row * width + i) + c],
+                          photo.rgb[3 * (row * width + width - 1 - i) + c]);
+    EXPECT_TRUE(warnsOf(detectSketch(photo, rig), "mirrored left to right"));
+}
+
+TEST(DetectConditions, says_what_is_found_in_doubt) {
+    const geometry::Rig rig = exampleRig();
+    geometry::Sketch sketch = room();
+    const geometry::Wall& wall = sketch.walls.front();
+    Photograph photo = paintTable(sketch, rig);
+    const glm::dvec2 along = glm::normalize(wall.b - wall.a), across(-along.y, along.x),
+                     half = 0.5 * wall.thickness * across, begin = wall.a + 0.3 * along,
+                     end = wall.a + 3.0 * along;
+    cover(photo, rig, {begin - half, end - half, end + half, begin + half},
+          geometry::heightInches(wall.heightClass), {0.84, 0.84, 0.82});
+    EXPECT_TRUE(warnsOf(detectSketch(photo, rig), "go on without paint"));
+    geometry::Skylight chip;
+    chip.size = {0.7, 0.7};
+    sketch.skylights = {chip};
+    EXPECT_TRUE(warnsOf(detectSketch(paintTable(sketch, rig), rig), "chip of a token"));
+}
+
 TEST(DetectConditions, says_that_light_or_table_hide_something) {
     const geometry::Rig rig = exampleRig();
     Photograph photo = paintTable(room(), rig);
     EXPECT_TRUE(detectSketch(photo, rig).warnings.empty());
+    photo.jpegQuality = 20;
+    EXPECT_TRUE(warnsOf(detectSketch(photo, rig), "JPEG quality 20"));
     cover(photo, rig, {{-5, 8}, {5, 8}, {5, 14}, {-5, 14}}, 0, {2, 2, 2});
     EXPECT_TRUE(warnsOf(detectSketch(photo, rig), "overexposed"));
     Perturbation dark;
@@ -415,6 +457,7 @@ TEST(Photograph, cut_short_or_grey_is_no_photograph) {
     const std::string file = testing::TempDir() + "heliodon_cut_short.jpg";
     std::ofstream(file, std::ios::binary) << whole;
     EXPECT_TRUE(hasColor(readPhotograph(file)));
+    EXPECT_NEAR(readPhotograph(file).jpegQuality, 90, 10);
     for (const double share : {0.3, 0.7, 0.99}) {
         std::ofstream(file, std::ios::binary)
             << whole.substr(0, static_cast<size_t>(share * static_cast<double>(whole.size())));
