@@ -20,7 +20,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kSensorSkyAngle = 0.1, kPatchSkyAngle = 0.2; // radians, of one sample of sky
 // Of how far a patch's points lie apart, what four of them may be off; change of a patch's light, over it and
 // the usual one, from which it is told by more points; of the last change, what may be left.
-constexpr double kCurved = 0.1, kSkyChange = 0.01, kChangeLeft = 0.5;
+constexpr double kCurved = 0.1, kSkyChange = 0.02, kChangeLeft = 0.5;
 constexpr float kEdgeShare = 2e-4F; // form factor below which an edge of sunlight averages out
 
 // What edges of sunlight on patches give less their patches' evenly spread sun, by way of the cells of near
