@@ -4,6 +4,7 @@
 
 #include "compute/convex_regions.h"
 #include "compute/texel.h"
+#include "geometry/bounds.h"
 
 namespace heliodon::compute {
 
@@ -17,6 +18,7 @@ ClusterScene::ClusterScene(gpu::Device& device, const geometry::PatchMesh& mesh)
     const std::vector<ConvexRegion> regions = blockingRegions(mesh, kBlockerCorners);
     tree = buildPatchTree(mesh, regions);
     blockerCount = static_cast<uint32_t>(regions.size());
+    diagonal = geometry::boundsOf(mesh.vertices).diagonal();
     std::vector<BvhTriangle> triangles;
     for (const ConvexRegion& region : regions)
         for (size_t k = 1; k + 1 < region.corners.size(); ++k)

@@ -90,7 +90,7 @@ LinkMaker::LinkMaker(gpu::Device& device, const ClusterScene& scene, const LinkT
       newDoubts_(device, kBatch * sizeof(io::HierarchicalDoubt), "new doubts", gpu::Place::host),
       newLongDoubts_(device, kBatch * sizeof(io::HierarchicalDoubt), "new long doubts", gpu::Place::host) {
     params_.nodeCount = scene.blockers.nodeCount;
-    params_.flatness = static_cast<float>(5e-7 * scene.blockers.diagonal);
+    params_.flatness = static_cast<float>(5e-7 * scene.diagonal);
     params_.mostRays = kMostRays;
     setTolerance(tolerance);
 }
