@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <span>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <glm/glm.hpp>
@@ -79,6 +81,12 @@ public:
         return value_.get<std::string>();
     }
     bool isText() const { return value_.is_string(); }
+    // The places of an object's fields that are none of `known`.
+    void listOthers(std::span<const char* const> known, std::vector<std::string>& others) const {
+        for (const auto& [key, value] : value_.items())
+            if (std::ranges::find(known, std::string_view(key)) == known.end())
+                others.push_back(path_ + "." + key);
+    }
     // [row][column], as the file has it.
     std::array<std::array<double, 3>, 3> matrix3() const {
         std::array<std::array<double, 3>, 3> m{};
@@ -137,6 +145,11 @@ bool foldsBack(const OpticalDevice& device) {
         }
     return false;
 }
+
+// `centre` is written for people, R and t say it.
+constexpr std::array kOfCamera{"id", "width", "height", "K", "dist", "R", "t", "centre"};
+constexpr std::array kOfProjector{"id", "width",  "height", "K",           "dist",     "R",
+                                  "t",  "centre", "lumens", "black_level", "response", "display"};
 
 void readDevice(const Field& field, OpticalDevice& device) {
     device.width = field["width"].pixels();
@@ -233,6 +246,7 @@ Rig rigOf(const json& document, const std::string& file) {
     if (!rig.tableAssumed) rig.tableRadius = root["table"]["radius_m"].numberWithin(0.05, 50);
     readDevice(root["camera"], rig.camera);
     rig.camera.id = "camera";
+    root["camera"].listOthers(kOfCamera, rig.unknownFields);
     if (root.has("projectors")) {
         const Field list = root["projectors"];
         if (list.arraySize() > kMostProjectors)
@@ -240,6 +254,7 @@ Rig rigOf(const json& document, const std::string& file) {
         std::set<std::string> ids;
         for (size_t i = 0; i < list.arraySize(); ++i) {
             rig.projectors.push_back(readProjector(list.at(i), i));
+            list.at(i).listOthers(kOfProjector, rig.unknownFields);
             if (!ids.insert(rig.projectors.back().id).second)
                 list.at(i).fail(fmt::format("id \"{}\" is used twice", rig.projectors.back().id));
         }

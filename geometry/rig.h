@@ -65,10 +65,12 @@ struct Rig {
     OpticalDevice camera;
     std::vector<Projector> projectors; // kMostProjectors at most
     std::optional<Site> site;
+    std::vector<std::string> unknownFields; // of devices, and not of this format: "projectors[0].lumnes"
 };
 
 // Throws InputError naming the file and the field ("projectors[1].K"). R must be a rotation within 1e-3; it
-// is re-orthonormalised. A lens must not fold back in the middle half of its picture.
+// is re-orthonormalised. A lens must not fold back in the middle half of its picture. Unknown fields make no
+// difference.
 Rig readRig(const std::filesystem::path& file);
 // The same of what such a file holds; `file` names it in complaints.
 Rig rigOf(const nlohmann::json& document, const std::string& file);

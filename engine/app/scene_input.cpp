@@ -198,14 +198,15 @@ geometry::Building closeOrRefuse(Run& run, const SceneArguments& arguments, cons
     return std::move(*closure.building);
 }
 
-void warnOfUnknown(Run& run, const std::filesystem::path& file, const std::vector<std::string>& fields) {
+void warnOfUnknown(Run& run, const std::filesystem::path& file, const std::vector<std::string>& fields,
+                   const char* of) {
     if (fields.empty()) return;
     constexpr size_t kFew = 5;
     const std::span few(fields.data(), std::min(fields.size(), kFew));
-    run.warn(fmt::format("{}: {}{} {} no part of a sketch and make{} no difference", file.string(),
+    run.warn(fmt::format("{}: {}{} {} no part of a {} and make{} no difference", file.string(),
                          fmt::join(few, ", "),
                          fields.size() > kFew ? fmt::format(" and {} more", fields.size() - kFew) : "",
-                         fields.size() == 1 ? "is" : "are", fields.size() == 1 ? "s" : ""));
+                         fields.size() == 1 ? "is" : "are", of, fields.size() == 1 ? "s" : ""));
 }
 
 // More triangles than were asked for, or so few to an arc that they are slivers.
@@ -236,7 +237,7 @@ geometry::Sketch loadSketch(Run& run, const SceneArguments& arguments,
                             const std::optional<geometry::Rig>& rig) {
     if (kindOf(arguments.input) == InputKind::sketch) {
         geometry::Sketch sketch = geometry::readSketch(arguments.input);
-        warnOfUnknown(run, arguments.input, sketch.unknownFields);
+        warnOfUnknown(run, arguments.input, sketch.unknownFields, "sketch");
         return sketch;
     }
     if (!rig)
@@ -278,6 +279,7 @@ void warnOfFar(Run& run, const std::filesystem::path& file, const geometry::Rig&
 
 geometry::Rig loadRig(Run& run, const std::filesystem::path& file) {
     geometry::Rig rig = geometry::readRig(file);
+    warnOfUnknown(run, file, rig.unknownFields, "rig");
     warnOfFar(run, file, rig);
     if (rig.tableAssumed)
         run.assume(fmt::format("a table {:.4g} m across (table.radius_m of the rig says another)",
