@@ -72,10 +72,29 @@ Sketch onTable(const Sketch& sketch, std::vector<PlanNote>& notes, std::vector<I
     return out;
 }
 
+// The longer side of the box round walls and arcs' circles, inches; 0 without any.
+double spanOf(const Sketch& sketch) {
+    glm::dvec2 low(1e300), high(-1e300);
+    const auto add = [&](glm::dvec2 p) { low = glm::min(low, p), high = glm::max(high, p); };
+    for (const Wall& wall : sketch.walls) add(wall.a), add(wall.b);
+    for (const Arc& arc : sketch.arcs) add(arc.center - arc.radius), add(arc.center + arc.radius);
+    return std::max({high.x - low.x, high.y - low.y, 0.0});
+}
+
+// What to say of a sketch that closes nothing and is so small or so large that its lengths may be feet,
+// metres or millimetres.
+std::string hintOfUnits(const Sketch& sketch) {
+    constexpr double kSmall = 1.0 / 8, kLarge = 3; // of the table
+    const double span = spanOf(sketch), table = sketch.tableDiameter;
+    if (span == 0 || (span > kSmall * table && span < kLarge * table)) return "";
+    return fmt::format("; the whole sketch spans {:.3g}, expected inches on a table {:.4g} inches across",
+                       span, table);
+}
+
 class Closer {
 public:
     Closer(const Sketch& sketch, const ClosureOptions& options)
-        : options_(options), sketch_(onTable(sketch, notes_, ignored_)) {}
+        : options_(options), hintOfUnits_(hintOfUnits(sketch)), sketch_(onTable(sketch, notes_, ignored_)) {}
 
     Closure close() {
         const bool possible = plan() && findSpaces();
@@ -128,6 +147,7 @@ private:
         std::ranges::sort(ignored_, {}, &IgnoredWall::id);
         for (const IgnoredWall& wall : ignored_)
             out_.report.message += fmt::format("; {} is ignored: it {}", wall.id, wall.reason);
+        out_.report.message += hintOfUnits_;
         out_.building.reset();
     }
 
@@ -383,6 +403,7 @@ private:
     }
 
     const ClosureOptions& options_;
+    std::string hintOfUnits_; // of the whole sketch, for refusals
     std::vector<PlanNote> notes_;
     std::vector<IgnoredWall> ignored_;
     Sketch sketch_;
