@@ -12,7 +12,6 @@
 #include "compute/daylight/annual_metrics.h"
 #include "compute/daylight/weather.h"
 #include "compute/parallel.h"
-#include "compute/point_view.h"
 #include "engine/app/commands.h"
 #include "engine/app/interrupt.h"
 #include "engine/app/light_report.h"
@@ -301,19 +300,6 @@ SensorTable sensorsFor(Run& run, const AnnualArguments& arguments, const Scene& 
     return table;
 }
 
-// Units or axes that are not the model's: found before there are form factors.
-void refuseAllOutside(const AnnualArguments& arguments, const Scene& scene, const SensorTable& sensors) {
-    for (size_t s = 0; s < sensors.points.size(); ++s)
-        if (compute::roomOfPoint(scene.mesh, sensors.points[s], glm::normalize(sensors.normals[s])) !=
-            geometry::kNoRoom)
-            return;
-    throw geometry::InputError(
-        arguments.sensors.string(), "",
-        fmt::format("none of its {} sensors lies in a room of {}, expected the model's "
-                    "coordinates",
-                    sensors.points.size(), arguments.scene.input.filename().string()));
-}
-
 daylight::Weather weatherFor(Run& run, const AnnualArguments& arguments) {
     const StageTimer timer(run, "weather");
     daylight::Weather weather = daylight::readWeather(arguments.weather);
@@ -420,7 +406,8 @@ void execute(Run& run, const AnnualArguments& arguments) {
     const OutputFolder folder(arguments.output);
     job.scene = loadScene(run, arguments.scene);
     job.sensors = given ? std::move(*given) : sensorsFor(run, arguments, job.scene);
-    if (!arguments.sensors.empty()) refuseAllOutside(arguments, job.scene, job.sensors);
+    if (!arguments.sensors.empty())
+        refuseAllOutside(arguments.sensors, job.sensors, job.scene, arguments.scene);
     job.mapped = temporalRows(arguments.temporal, job.sensors.points.size());
     const Year year = computeYear(run, job);
     drawYear(run, job, year);

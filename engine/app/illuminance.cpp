@@ -121,6 +121,7 @@ Solution solveOn(Run& run, const IlluminanceArguments& arguments, const Input& i
     SceneArguments meshed = arguments.scene;
     meshed.triangles = triangles;
     s.scene = makeScene(run, meshed, input.scene.rig, input.scene.sketch);
+    if (s.sensors) refuseAllOutside(arguments.sensors, *s.sensors, s.scene, arguments.scene);
     const SkySource source(run, arguments.moment, s.scene);
     const daylight::Sky sky = source.reportedSky(run);
     s.title = source.title();

@@ -4,14 +4,50 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <glm/geometric.hpp>
 
 #include "compute/daylight/glazing.h"
+#include "compute/point_view.h"
 #include "engine/app/first_few.h"
+#include "engine/app/scene_input.h"
+#include "engine/app/table_file.h"
+#include "engine/app/work_plane.h"
 #include "engine/passes/weighted_quantile.h"
+#include "geometry/bounds.h"
+#include "geometry/input_error.h"
 
 namespace heliodon::app {
 
 using nlohmann::json;
+
+namespace {
+
+// "x 0 to 4, y 0 to 3, z 0 to 5", in the model's axes.
+std::string extentOf(std::span<const glm::dvec3> points, geometry::UpAxis up) {
+    const geometry::Bounds box = geometry::boundsOf(points);
+    const glm::dvec3 a = modelFromWorld(box.low, up), b = modelFromWorld(box.high, up);
+    const glm::dvec3 low = glm::min(a, b), high = glm::max(a, b);
+    return fmt::format("x {:.4g} to {:.4g}, y {:.4g} to {:.4g}, z {:.4g} to {:.4g}", low.x, high.x, low.y,
+                       high.y, low.z, high.z);
+}
+
+} // namespace
+
+void refuseAllOutside(const std::filesystem::path& file, const SensorTable& sensors, const Scene& scene,
+                      const SceneArguments& arguments) {
+    if (sensors.points.empty()) return;
+    for (size_t s = 0; s < sensors.points.size(); ++s)
+        if (compute::roomOfPoint(scene.mesh, sensors.points[s], glm::normalize(sensors.normals[s])) !=
+            geometry::kNoRoom)
+            return;
+    throw geometry::InputError(
+        file.string(), "",
+        fmt::format(
+            "none of its {} sensors lies in a room of {}: they are at {}, the model at {}, expected the "
+            "model's units and axes",
+            sensors.points.size(), arguments.input.filename().string(), extentOf(sensors.points, scene.up),
+            extentOf(scene.mesh.vertices, scene.up)));
+}
 
 void warnOfSensorsOutside(Run& run, const std::vector<size_t>& outside, size_t count) {
     if (outside.empty()) return;

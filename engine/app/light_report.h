@@ -1,6 +1,7 @@
 // What the light solvers measured and decided, as fields of the report; and figures about one moment's light.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <span>
 #include <vector>
@@ -10,6 +11,10 @@
 #include "geometry/patch_mesh.h"
 
 namespace heliodon::app {
+
+struct Scene;
+struct SceneArguments;
+struct SensorTable;
 
 // What a form-factor kernel measured, as `form_factors` of the report, and what it skipped.
 void reportFormFactors(Run& run, size_t patches, const compute::FormFactorReport& report);
@@ -29,6 +34,11 @@ std::vector<compute::Moment> solveLight(Run& run, compute::DaylightTransport& tr
 
 // What one moment's solution measured: `radiosity`, `modelled` and `skipped`.
 void reportMoment(Run& run, const compute::MomentReport& report);
+
+// Throws InputError naming `file`, where the sensors and where the model lie, when no sensor is in a room:
+// their units or axes are not the model's. Cheap: found before there are form factors.
+void refuseAllOutside(const std::filesystem::path& file, const SensorTable& sensors, const Scene& scene,
+                      const SceneArguments& arguments);
 
 // A warning that names the rows, counted from 0, of sensors that lie in no room; none without any.
 void warnOfSensorsOutside(Run& run, const std::vector<size_t>& outside, size_t count);

@@ -227,8 +227,15 @@ TEST_F(Annual, wrong_words_are_named) {
             << hours;
     EXPECT_NE(said("--temporal 5000").find("--temporal: '5000'"), std::string::npos);
     writeText(in("far.csv"), "x,y,z,nx,ny,nz\n1800,4000,800,0,0,1\n3000,4000,800,0,0,1\n");
-    EXPECT_NE(said("--sensors " + in("far.csv")).find("far.csv: none of its 2 sensors lies in a room"),
-              std::string::npos);
+    const std::string far = said("--sensors " + in("far.csv"));
+    EXPECT_NE(far.find("far.csv: none of its 2 sensors lies in a room"), std::string::npos) << far;
+    EXPECT_NE(far.find("they are at x 1800 to 3000, y 4000 to 4000, z 800 to 800"), std::string::npos) << far;
+    const Outcome moment =
+        heliodon("illuminance " + kOffice + " --sensors " + in("far.csv") + " -o " + in("lux.csv"));
+    EXPECT_EQ(moment.exitCode, 2);
+    EXPECT_NE(moment.output.find("far.csv: none of its 2 sensors lies in a room"), std::string::npos)
+        << moment.output;
+    EXPECT_FALSE(std::filesystem::exists(folder / "lux.csv"));
     EXPECT_NE(said("--sensors nowhere.csv").find("nowhere.csv"), std::string::npos);
     const Outcome noWeather = heliodon("annual " + kOffice + " --weather nowhere.epw -o " + in("bad"));
     EXPECT_EQ(noWeather.exitCode, 2);
