@@ -29,7 +29,8 @@ Json readJson(const std::filesystem::path& file, const std::string& expected) {
         const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
         const auto line = std::find(std::make_reverse_iterator(end), text.rend(), '\n').base();
         throw InputError(file.string(), std::to_string(1 + std::count(text.begin(), end, '\n')),
-                         "is not JSON here (character " + std::to_string(end - line) +
+                         "is not JSON here (character " +
+                             std::to_string(std::max<std::ptrdiff_t>(end - line, 1)) +
                              " of the line), expected " + expected);
     } catch (const nlohmann::json::out_of_range&) { // the parser's word for a number beyond double
         throw InputError(file.string(), "", "holds a number too large to represent");

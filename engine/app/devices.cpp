@@ -1,3 +1,4 @@
+#include <cstdio>
 
 #include <fmt/format.h>
 
@@ -8,8 +9,9 @@ namespace heliodon::app {
 void execute(Run& run, const DevicesArguments&) {
     nlohmann::json& list = run.report()["devices"] = nlohmann::json::array();
     const std::vector<gpu::DeviceInfo> devices = gpu::listDevices();
+    std::FILE* const out = run.reportsToOutput() ? stderr : stdout;
     for (const gpu::DeviceInfo& d : devices) {
-        fmt::print("{}  {:<10}  {}  ({})\n   {}\n", d.index, d.type, d.name, d.driver,
+        fmt::print(out, "{}  {:<10}  {}  ({})\n   {}\n", d.index, d.type, d.name, d.driver,
                    d.refused.empty() ? "usable" : "refused: " + d.refused);
         list.push_back({{"index", d.index},
                         {"name", d.name},

@@ -36,6 +36,8 @@ public:
     void modelled(const std::string& what);
     void skipped(const std::string& whatAndWhy);
     bool showsProgress() const { return !quiet_; }
+    // Nothing else may stand there.
+    bool reportsToOutput() const { return reportFile_ == "-" || reportFile_ == "/dev/stdout"; }
     // What is at work is shown while it takes long; see StageTimer. Throws Interrupted.
     void beginStage(const std::string& stage);
     void endStage(const std::string& stage, double seconds);

@@ -40,7 +40,9 @@ TEST_F(BadInput, a_file_that_is_not_a_picture) {
 
 TEST_F(BadInput, json_that_is_cut_off) {
     writeText(in("cut.json"), R"({"format": "vh-sketch/1", "walls": [)");
-    expectRefused("model " + in("cut.json") + " -o " + in("out.obj"), {"cut.json"});
+    expectRefused("model " + in("cut.json") + " -o " + in("out.obj"), {"cut.json:1:"});
+    writeText(in("cut.json"), "{\n");
+    expectRefused("model " + in("cut.json") + " -o " + in("out.obj"), {"cut.json:2:", "character 1 of"});
 }
 
 TEST_F(BadInput, a_folder_where_a_file_belongs) {
@@ -114,6 +116,19 @@ TEST_F(BadInput, a_wrong_field_in_a_sketch) {
     writeText(in("s.json"), R"({"format": "vh-sketch/1", "units": "inch", "walls": [
         {"id": "w1", "a": [0, 0], "b": [5, 0], "thickness": "thin", "height_class": "red"}]})");
     expectRefused("model " + in("s.json") + " -o " + in("out.obj"), {"s.json", "walls[0].thickness"});
+}
+
+// A room of 0.5 m or 300 mm on the table, given as such.
+TEST_F(BadInput, a_sketch_in_other_units_is_told_its_span) {
+    for (const auto& [size, span] : {std::pair("0.5", "0.5"), std::pair("300", "300")}) {
+        const std::string h = std::string("-") + size;
+        writeText(in("s.json"), R"({"format": "vh-sketch/1", "walls": [
+            {"a": [)" + h + ", " + h +
+                                    R"(], "b": [0, )" + h + R"(], "height_class": "red"}]})");
+        expectRefused(
+            "model " + in("s.json") + " -o " + in("out.obj"),
+            {"s.json", std::string("sketch spans ") + span + ", expected inches on a table 42 inches"});
+    }
 }
 
 TEST_F(BadInput, an_unknown_height_class) {
