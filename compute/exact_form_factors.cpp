@@ -142,7 +142,6 @@ private:
         const size_t count = static_cast<size_t>(tile.pieces + tile.clusters) * words_;
         commands.dispatch(kernels_.sides(), {high(), low(), normal(), centre(), range(), sides}, params,
                           gpu::groupsFor(count, io::kExactGroup));
-        commands.barrier(gpu::Stage::compute, gpu::Stage::compute);
         device_.submitAndWait(std::move(commands));
     }
 

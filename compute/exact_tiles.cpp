@@ -40,10 +40,8 @@ void placeTile(gpu::Device& device, const ExactScene& scene, const ExactTileRang
     const size_t n = scene.patchCount, offset = size_t{a.firstPatch} * n + b.firstPatch;
     const auto copyOnDevice = [&](const gpu::Buffer& from) {
         gpu::Commands commands(device);
-        commands.barrier(gpu::Stage::any, gpu::Stage::transfer);
         commands.copyRows(from, size_t{b.patches} * sizeof(float), matrix, offset * sizeof(float),
                           n * sizeof(float), size_t{b.patches} * sizeof(float), a.patches);
-        commands.barrier(gpu::Stage::transfer, gpu::Stage::any);
         device.submitAndWait(std::move(commands));
     };
     float* all = matrix.mapped<float>();

@@ -187,7 +187,6 @@ void MonteCarlo::trace(const gpu::Buffer& counts, uint32_t firstInBuffer, uint32
             commands.barrier(gpu::Stage::compute,
                              gpu::Stage::compute); // the next rays add to the same counts
         }
-        commands.barrier(gpu::Stage::compute, gpu::Stage::any);
         device_->submitAndWait(std::move(commands));
     }
 }
@@ -211,7 +210,6 @@ void MonteCarlo::combine(const gpu::Buffer& counts, const gpu::Buffer& spreads) 
                  gpu::part(counts, column * rowBytes, (columnEnd - column) * rowBytes), spreads},
                 params, gpu::groupsFor(columnEnd - column, tile), gpu::groupsFor(rowEnd - row, tile));
         }
-    commands.barrier(gpu::Stage::compute, gpu::Stage::any);
     device_->submitAndWait(std::move(commands));
 }
 

@@ -4,6 +4,8 @@
 #include <cassert>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "compute/gpu/commands.h"
 #include "compute/gpu/device.h"
 #include "compute/gpu/error.h"
@@ -14,11 +16,12 @@ Buffer::Buffer(Device& device, size_t bytes, const std::string& name, Place plac
     : device_(&device), bytes_(bytes) {
     VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
     info.size = roundedBytes();
+    if (const VkDeviceSize most = device.memory().largestBuffer(); info.size > most)
+        throw Error(VK_ERROR_OUT_OF_DEVICE_MEMORY,
+                    fmt::format("{}: a buffer of {} bytes, the device takes {}", name, info.size, most));
     info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
-                 VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
                  VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT |
-                 VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
-                 VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+                 VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
     info.sharingMode = VK_SHARING_MODE_EXCLUSIVE;
     check(vkCreateBuffer(device.handle(), &info, nullptr, &buffer_), "vkCreateBuffer");
     VkMemoryRequirements need{};

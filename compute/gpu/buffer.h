@@ -1,5 +1,5 @@
-// A buffer on the device, usable as storage, texel, vertex, index, uniform, indirect and transfer buffer
-// alike.
+// A buffer on the device, for every use that the program has for one: storage, texels to read, vertices,
+// indices, transfer.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +21,7 @@ class Buffer {
 public:
     Buffer() = default;
     // `bytes` of zero is allowed and makes a small buffer, so that empty input needs no special case in a
-    // kernel.
+    // kernel. What it holds is not set. Throws Error where the device has no room or takes none so large.
     Buffer(Device& device, size_t bytes, const std::string& name, Place place = Place::device);
     Buffer(Buffer&& other) noexcept { *this = std::move(other); }
     Buffer& operator=(Buffer&& other) noexcept;

@@ -35,6 +35,18 @@ constexpr std::array<Required, 6> kRequired{{
     {"depthClamp", [](Features& f) -> VkBool32& { return f.base.features.depthClamp; }},
 }};
 
+// Targets of the picture passes that Vulkan does not promise: light adds up in floats, shadow volumes count
+// in a stencil.
+struct RequiredFormat {
+    const char* name;
+    VkFormat format;
+    VkFormatFeatureFlags features; // tiled optimally
+};
+constexpr std::array<RequiredFormat, 2> kRequiredFormats{{
+    {"R32G32B32A32_SFLOAT", VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT},
+    {"D32_SFLOAT_S8_UINT", VK_FORMAT_D32_SFLOAT_S8_UINT, VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT},
+}};
+
 const char* typeName(VkPhysicalDeviceType type) {
     switch (type) {
     case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
@@ -74,6 +86,12 @@ DeviceInfo describe(VkPhysicalDevice physical, uint32_t index, bool swapchains) 
     vkGetPhysicalDeviceFeatures2(physical, &features.base);
     for (const Required& required : kRequired)
         if (!required.of(features)) refuse(fmt::format("lacks the feature {}", required.name));
+    for (const RequiredFormat& required : kRequiredFormats) {
+        VkFormatProperties format{};
+        vkGetPhysicalDeviceFormatProperties(physical, required.format, &format);
+        if ((format.optimalTilingFeatures & required.features) != required.features)
+            refuse(fmt::format("cannot draw to pictures of {}", required.name));
+    }
     constexpr VkSubgroupFeatureFlags kTogether =
         VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_VOTE_BIT | VK_SUBGROUP_FEATURE_ARITHMETIC_BIT;
     if ((subgroup.supportedOperations & kTogether) != kTogether ||

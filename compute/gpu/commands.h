@@ -20,7 +20,7 @@ class Image;
 class Kernel;
 
 // Who writes or reads on either side of a barrier.
-enum class Stage { compute, transfer, vertexInput, vertex, fragment, colour, depth, indirect, any };
+enum class Stage { compute, transfer, fragment, colour, depth, any };
 
 class Commands {
 public:

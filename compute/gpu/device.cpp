@@ -43,6 +43,8 @@ Device::Device(const DeviceOptions& options)
 void Device::createOwnObjects(const DeviceOptions& options) {
     memory_ = std::make_unique<Memory>(physical_, device_, options.mapsOwnMemory);
     kernels_ = std::make_unique<KernelCache>(*this);
+    const VkPipelineCacheCreateInfo cache{VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
+    check(vkCreatePipelineCache(device_, &cache, nullptr, &pipelineCache_), "vkCreatePipelineCache");
     VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
     pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
     pool.queueFamilyIndex = queueFamily_;
@@ -71,6 +73,7 @@ void Device::createInstance(const DeviceOptions& options) {
     if (options.validation) {
         layers.push_back(kValidationLayer);
         extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+        extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME); // the layer's own
         features.pNext = &messenger;
     }
     instance_ = makeInstance(layers, extensions, options.validation ? &features : nullptr);
@@ -102,6 +105,8 @@ void Device::createDevice(const DeviceOptions& options) {
     wanted.require();
     wanted.base.features.fragmentStoresAndAtomics = available.base.features.fragmentStoresAndAtomics;
     wanted.v13.subgroupSizeControl = available.v13.subgroupSizeControl;
+    wanted.v13.computeFullSubgroups = available.v13.computeFullSubgroups;
+    fillsSubgroups_ = available.v13.computeFullSubgroups;
 
     std::vector<const char*> extensions;
     const bool pushes =
@@ -140,6 +145,7 @@ void Device::destroy() {
         vkDestroyQueryPool(device_, timing_, nullptr);
         vkDestroySemaphore(device_, timeline_, nullptr);
         vkDestroyCommandPool(device_, pool_, nullptr);
+        vkDestroyPipelineCache(device_, pipelineCache_, nullptr);
         memory_.reset();
         vkDestroyDevice(device_, nullptr);
     }
@@ -230,34 +236,24 @@ void Device::readTimed(uint32_t slot) {
     timed_[slot].busy = false;
 }
 
-uint64_t Device::submit(Commands&& commands) {
-    return submit(std::move(commands), VK_NULL_HANDLE, VK_PIPELINE_STAGE_2_NONE, VK_NULL_HANDLE);
-}
-
-uint64_t Device::submit(Commands&& commands, VkSemaphore waitFor, VkPipelineStageFlags2 waitStage,
-                        VkSemaphore signal) {
+uint64_t Device::submit(Commands&& commands, VkSemaphore written) {
     if (beforeSubmit_) beforeSubmit_();
     const VkCommandBuffer buffer = commands.buffer_;
     if (timing_) endTimed(buffer);
     commands.close();
     VkCommandBufferSubmitInfo command{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
     command.commandBuffer = buffer;
-    VkSemaphoreSubmitInfo wait{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO};
-    wait.semaphore = waitFor;
-    wait.stageMask = waitStage;
     std::array<VkSemaphoreSubmitInfo, 2> signals{};
     for (auto& s : signals) s = {VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO};
     signals[0].semaphore = timeline_;
     signals[0].value = lastTicket_ + 1;
     signals[0].stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
-    signals[1].semaphore = signal;
+    signals[1].semaphore = written;
     signals[1].stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
     VkSubmitInfo2 info{VK_STRUCTURE_TYPE_SUBMIT_INFO_2};
-    info.waitSemaphoreInfoCount = waitFor ? 1 : 0;
-    info.pWaitSemaphoreInfos = &wait;
     info.commandBufferInfoCount = 1;
     info.pCommandBufferInfos = &command;
-    info.signalSemaphoreInfoCount = signal ? 2 : 1;
+    info.signalSemaphoreInfoCount = written ? 2 : 1;
     info.pSignalSemaphoreInfos = signals.data();
     check(vkQueueSubmit2(queue_, 1, &info, VK_NULL_HANDLE), "vkQueueSubmit2");
     commands.buffer_ = VK_NULL_HANDLE;

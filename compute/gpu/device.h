@@ -62,12 +62,18 @@ public:
     const VkPhysicalDeviceLimits& limits() const { return limits_; }
     // Of every Kernel, also where the device knows several; 64 at most.
     uint32_t subgroupSize() const { return subgroupSize_; }
-    bool fixesSubgroupSize() const { return fixesSubgroupSize_; }
+    bool fixesSubgroupSize() const { return fixesSubgroupSize_; } // it must be asked for with each pipeline
+    bool fillsSubgroups() const {
+        return fillsSubgroups_;
+    } // none with a lane missing, where that is asked for
     Memory& memory() { return *memory_; }
     KernelCache& kernels() { return *kernels_; } // for kernels that many objects share
+    // Of this run alone: from run to run drivers keep their own on disk.
+    VkPipelineCache pipelineCache() const { return pipelineCache_; }
 
-    // Ends `commands` and hands it to the queue. The ticket grows with each submission.
-    uint64_t submit(Commands&& commands);
+    // Ends `commands` and hands it to the queue. The ticket grows with each submission. `written`, of
+    // presentation, is signalled beside the timeline.
+    uint64_t submit(Commands&& commands, VkSemaphore written = VK_NULL_HANDLE);
     void wait(uint64_t ticket);
     bool finished(uint64_t ticket);
     void submitAndWait(Commands&& commands); // submit + wait
@@ -80,9 +86,6 @@ public:
 
     // Ticket of the latest submission; 0 when there was none.
     uint64_t lastTicket() const { return lastTicket_; }
-    // Submission for callers with semaphores of their own (presentation). Signals the timeline too.
-    uint64_t submit(Commands&& commands, VkSemaphore waitFor, VkPipelineStageFlags2 waitStage,
-                    VkSemaphore signal);
 
     // From now on the device's own clock is read at the begin and the end of every recording; the sum of the
     // finished ones since the last call of startTiming. 0 where the queue has no clock. For benches.
@@ -128,10 +131,11 @@ private:
     DeviceInfo info_;
     VkPhysicalDeviceLimits limits_{};
     uint32_t subgroupSize_ = 1;
-    bool fixesSubgroupSize_ = false;
+    bool fixesSubgroupSize_ = false, fillsSubgroups_ = false;
     Functions functions_;
     std::unique_ptr<Memory> memory_;
     std::unique_ptr<KernelCache> kernels_;
+    VkPipelineCache pipelineCache_ = VK_NULL_HANDLE;
     VkCommandPool pool_ = VK_NULL_HANDLE;
     VkSemaphore timeline_ = VK_NULL_HANDLE;
     uint64_t lastTicket_ = 0;

@@ -174,7 +174,7 @@ GraphicsPipeline::GraphicsPipeline(Device& device, const GraphicsPipelineInfo& i
     create.pColorBlendState = &blend;
     create.pDynamicState = &dynamic;
     create.layout = layout_.handle();
-    check(vkCreateGraphicsPipelines(device.handle(), VK_NULL_HANDLE, 1, &create, nullptr, &pipeline_),
+    check(vkCreateGraphicsPipelines(device.handle(), device.pipelineCache(), 1, &create, nullptr, &pipeline_),
           ("vkCreateGraphicsPipelines for " + name).c_str());
     device.setName(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<uint64_t>(pipeline_), name);
 }

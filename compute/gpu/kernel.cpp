@@ -1,6 +1,7 @@
 #include "compute/gpu/kernel.h"
 
 #include <algorithm>
+#include <array>
 
 #include <fmt/format.h>
 
@@ -10,6 +11,12 @@
 #include "compute/gpu/image.h"
 
 namespace heliodon::gpu {
+
+namespace {
+
+constexpr size_t kMostBindings = 32; // every device that pushes descriptors takes as many at once
+
+} // namespace
 
 Binding texel(const Buffer& buffer, VkFormat format, size_t offset, size_t bytes) {
     Binding binding(buffer);
@@ -57,12 +64,8 @@ void checkLimits(const SpirvModule& module, const VkPhysicalDeviceLimits& limits
                 fmt::format("shader '{}' needs {} {}, the device allows {}", name, needed, what, most));
     };
     size_t storage = 0, sampled = 0;
-    for (const SpirvBinding& b : module.bindings) {
-        if (b.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER) storage += b.count;
-        if (b.type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER ||
-            b.type == VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER)
-            sampled += b.count;
-    }
+    for (const SpirvBinding& b : module.bindings)
+        (b.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER ? storage : sampled) += b.count;
     need("storage buffers", storage, limits.maxPerStageDescriptorStorageBuffers);
     need("sampled images and texel buffers", sampled, limits.maxPerStageDescriptorSampledImages);
     need("resources", module.bindings.size(), limits.maxPerStageResources);
@@ -86,6 +89,9 @@ PipelineLayout::PipelineLayout(Device& device, std::span<const SpirvModule> modu
                              [&](const auto& b) { return b.binding == binding.binding; }))
                 bindings_.push_back(binding);
     }
+    if (bindings_.size() > kMostBindings)
+        throw Error(
+            fmt::format("shader '{}' has {} bindings, over {}", name, bindings_.size(), kMostBindings));
     std::sort(bindings_.begin(), bindings_.end(),
               [](const auto& a, const auto& b) { return a.binding < b.binding; });
     std::vector<VkDescriptorSetLayoutBinding> slots;
@@ -125,61 +131,83 @@ PipelineLayout::~PipelineLayout() {
     });
 }
 
+namespace {
+
+// What a VkWriteDescriptorSet points to: one of them.
+struct Description {
+    VkDescriptorBufferInfo buffer;
+    VkDescriptorImageInfo image;
+    VkBufferView texels;
+};
+
+// Throws Error where the bytes bound are not all there, are more than the device allows, or begin where it
+// does not.
+void checkRange(const SpirvBinding& slot, const Binding& resource, const VkPhysicalDeviceLimits& limits) {
+    const bool isTexel = slot.type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+    const Buffer& buffer = *resource.buffer;
+    const size_t bytes = resource.bytes != VK_WHOLE_SIZE ? resource.bytes : buffer.bytes() - resource.offset;
+    if (resource.offset > buffer.bytes() || bytes > buffer.roundedBytes() - resource.offset)
+        throw Error(fmt::format("binding '{}' reaches beyond its buffer", slot.name));
+    const VkDeviceSize alignment =
+        isTexel ? limits.minTexelBufferOffsetAlignment : limits.minStorageBufferOffsetAlignment;
+    if (resource.offset % alignment != 0)
+        throw Error(fmt::format("binding '{}' begins at byte {}, no multiple of the device's {}", slot.name,
+                                resource.offset, alignment));
+    if (isTexel && resource.format == VK_FORMAT_UNDEFINED)
+        throw Error(fmt::format("texel buffer '{}' was bound without a format", slot.name));
+    const size_t count = isTexel ? bytes / texelBytes(resource.format) : bytes;
+    const uint32_t most = isTexel ? limits.maxTexelBufferElements : limits.maxStorageBufferRange;
+    if (count > most)
+        throw Error(fmt::format("buffer '{}' of {} {} is over the device's {}", slot.name, count,
+                                isTexel ? "texels" : "bytes", most));
+}
+
+VkWriteDescriptorSet describe(const SpirvBinding& slot, const Binding& resource,
+                              const VkPhysicalDeviceLimits& limits, Description& into) {
+    VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
+    write.dstBinding = slot.binding;
+    write.descriptorCount = 1;
+    write.descriptorType = slot.type;
+    const bool wantsImage = slot.type == VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+    if (wantsImage ? !resource.image : !resource.buffer)
+        throw Error(
+            fmt::format("binding {} ('{}') was given the wrong kind of resource", slot.binding, slot.name));
+    if (wantsImage) {
+        into.image = {resource.sampler, resource.image->view(), resource.layout};
+        write.pImageInfo = &into.image;
+        return write;
+    }
+    checkRange(slot, resource, limits);
+    if (slot.type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER) {
+        into.texels = resource.buffer->texelView(resource.format, resource.offset, resource.bytes);
+        write.pTexelBufferView = &into.texels;
+    } else {
+        into.buffer = {resource.buffer->handle(), resource.offset, resource.bytes};
+        write.pBufferInfo = &into.buffer;
+    }
+    return write;
+}
+
+} // namespace
+
 void PipelineLayout::push(VkCommandBuffer commands, VkPipelineBindPoint point,
                           std::span<const Binding> resources, const void* constants,
                           size_t constantBytes) const {
-    if (resources.size() != bindings_.size())
-        throw Error(fmt::format("a shader with {} bindings was given {} resources", bindings_.size(),
-                                resources.size()));
+    const size_t count = resources.size();
+    if (count != bindings_.size())
+        throw Error(fmt::format("a shader with {} bindings was given {} resources", bindings_.size(), count));
     if (constantBytes != pushConstantBytes_)
         throw Error(fmt::format("a shader with {} bytes of push constants was given {}", pushConstantBytes_,
                                 constantBytes));
-    const size_t n = resources.size();
-    std::vector<VkDescriptorBufferInfo> buffers(n);
-    std::vector<VkDescriptorImageInfo> images(n);
-    std::vector<VkBufferView> views(n);
-    std::vector<VkWriteDescriptorSet> writes(n);
-    for (size_t i = 0; i < n; ++i) {
-        const Binding& r = resources[i];
-        VkWriteDescriptorSet& write = writes[i];
-        write = {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
-        write.dstBinding = bindings_[i].binding;
-        write.descriptorCount = 1;
-        write.descriptorType = bindings_[i].type;
-        const bool wantsImage = write.descriptorType <= VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
-        if (wantsImage ? !r.image : !r.buffer)
-            throw Error(fmt::format("binding {} ('{}') was given the wrong kind of resource",
-                                    bindings_[i].binding, bindings_[i].name));
-        const size_t bytes = wantsImage || r.bytes != VK_WHOLE_SIZE ? r.bytes : r.buffer->bytes() - r.offset;
-        if (!wantsImage && (r.offset > r.buffer->bytes() || bytes > r.buffer->roundedBytes() - r.offset))
-            throw Error(fmt::format("binding '{}' reaches beyond its buffer", bindings_[i].name));
-        if (wantsImage) {
-            images[i] = {r.sampler, r.image->view(), r.layout};
-            write.pImageInfo = &images[i];
-        } else if (write.descriptorType == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER ||
-                   write.descriptorType == VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER) {
-            if (r.format == VK_FORMAT_UNDEFINED)
-                throw Error(fmt::format("texel buffer '{}' was bound without a format", bindings_[i].name));
-            if (const size_t texels = bytes / texelBytes(r.format);
-                texels > device_->limits().maxTexelBufferElements)
-                throw Error(fmt::format("buffer '{}' of {} texels is over the device's {}", bindings_[i].name,
-                                        texels, device_->limits().maxTexelBufferElements));
-            views[i] = r.buffer->texelView(r.format, r.offset, r.bytes);
-            write.pTexelBufferView = &views[i];
-        } else {
-            if (write.descriptorType == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER &&
-                bytes > device_->limits().maxStorageBufferRange)
-                throw Error(fmt::format("buffer '{}' of {} bytes is over the device's storage range of {}",
-                                        bindings_[i].name, bytes, device_->limits().maxStorageBufferRange));
-            buffers[i] = {r.buffer->handle(), r.offset, r.bytes};
-            write.pBufferInfo = &buffers[i];
-        }
-    }
-    if (n > 0) {
+    std::array<Description, kMostBindings> descriptions;
+    std::array<VkWriteDescriptorSet, kMostBindings> writes;
+    for (size_t i = 0; i < count; ++i)
+        writes[i] = describe(bindings_[i], resources[i], device_->limits(), descriptions[i]);
+    if (count > 0) {
         if (const auto pushSet = device_->functions().cmdPushDescriptorSet)
-            pushSet(commands, point, layout_, 0, static_cast<uint32_t>(n), writes.data());
+            pushSet(commands, point, layout_, 0, static_cast<uint32_t>(count), writes.data());
         else
-            bindSet(commands, point, writes);
+            bindSet(commands, point, std::span(writes).first(count));
     }
     if (constantBytes > 0)
         vkCmdPushConstants(commands, layout_, stages_, 0, static_cast<uint32_t>(constantBytes), constants);
@@ -245,15 +273,17 @@ VkPipeline Kernel::makePipeline(std::span<const uint32_t> spirv, const Specializ
     info.stage.pName = "main";
     info.stage.pSpecializationInfo = &specialization.info;
     // SPIR-V 1.6 lets the driver choose a size per kernel; dispatches are counted, and sums ordered, by one
-    // size for all.
+    // size for all, and by subgroups without a lane missing.
     VkPipelineShaderStageRequiredSubgroupSizeCreateInfo size{
         VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO};
     size.requiredSubgroupSize = device_->subgroupSize();
     if (device_->fixesSubgroupSize()) info.stage.pNext = &size;
+    if (device_->fillsSubgroups() && module_.groupSize[0] % device_->subgroupSize() == 0)
+        info.stage.flags = VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT;
     info.layout = layout_.handle();
     VkPipeline pipeline = VK_NULL_HANDLE;
     const VkResult result =
-        vkCreateComputePipelines(device_->handle(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline);
+        vkCreateComputePipelines(device_->handle(), device_->pipelineCache(), 1, &info, nullptr, &pipeline);
     vkDestroyShaderModule(device_->handle(), handle, nullptr);
     check(result, ("vkCreateComputePipelines for " + name_).c_str());
     device_->setName(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<uint64_t>(pipeline), name_);

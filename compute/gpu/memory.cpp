@@ -19,10 +19,14 @@ VkDeviceSize alignUp(VkDeviceSize value, VkDeviceSize alignment) {
 Memory::Memory(VkPhysicalDevice physical, VkDevice device, bool mapsOwn)
     : device_(device), mapsOwn_(mapsOwn), keeps_(!mapsOwn) {
     vkGetPhysicalDeviceMemoryProperties(physical, &properties_);
-    VkPhysicalDeviceMaintenance3Properties sizes{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES};
+    VkPhysicalDeviceMaintenance4Properties buffers{
+        VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_4_PROPERTIES};
+    VkPhysicalDeviceMaintenance3Properties sizes{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES,
+                                                 &buffers, 0, 0};
     VkPhysicalDeviceProperties2 all{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &sizes, {}};
     vkGetPhysicalDeviceProperties2(physical, &all);
     largestPiece_ = sizes.maxMemoryAllocationSize;
+    largestBuffer_ = buffers.maxBufferSize;
     for (uint32_t i = 0; i < properties_.memoryTypeCount; ++i) {
         const VkMemoryPropertyFlags flags = properties_.memoryTypes[i].propertyFlags;
         keeps_ |=
@@ -84,8 +88,9 @@ Memory::Block& Memory::addBlock(Pool& pool, uint32_t type, VkDeviceSize size) {
 }
 
 Allocation Memory::allocate(const VkMemoryRequirements& need, Place place, bool image) {
-    const uint32_t type = memoryType(need.memoryTypeBits, place);
-    Pool& pool = pools_[type + (image ? 32u : 0u)];
+    const uint32_t type = memoryType(need.memoryTypeBits, place),
+                   key = type + (image ? VK_MAX_MEMORY_TYPES : 0);
+    Pool& pool = pools_[key];
     // Offsets stay aligned for everything when sizes are rounded up to the alignment of this request.
     const VkDeviceSize size = alignUp(need.size, need.alignment);
     auto take = [&](Block& block) -> std::optional<VkDeviceSize> {
@@ -104,8 +109,7 @@ Allocation Memory::allocate(const VkMemoryRequirements& need, Place place, bool 
         inUse_ += size;
         peak_ = std::max(peak_, inUse_);
         const bool seen = block.mapped && (mapsOwn_ || place == Place::host);
-        return Allocation{block.memory, offset, size, seen ? block.mapped + offset : nullptr,
-                          type + (image ? 32u : 0u)};
+        return Allocation{block.memory, offset, size, seen ? block.mapped + offset : nullptr, key};
     };
     const bool common = size <= kBlockSize / 2;
     for (Block& block : pool) {
@@ -123,7 +127,7 @@ Allocation Memory::allocate(const VkMemoryRequirements& need, Place place, bool 
 }
 
 void Memory::free(const Allocation& allocation) {
-    Pool& pool = pools_.at(allocation.type);
+    Pool& pool = pools_.at(allocation.pool);
     const auto block =
         std::find_if(pool.begin(), pool.end(), [&](const Block& b) { return b.memory == allocation.memory; });
     assert(block != pool.end());

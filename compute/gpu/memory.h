@@ -20,7 +20,7 @@ struct Allocation {
     VkDeviceMemory memory = VK_NULL_HANDLE;
     VkDeviceSize offset = 0, size = 0;
     void* mapped = nullptr; // start of this allocation, null when the host cannot see it
-    uint32_t type = 0;
+    uint32_t pool = 0;      // of Memory, to be given back to
 };
 
 class Memory {
@@ -43,6 +43,9 @@ public:
     // Most that Place::device can hold, of which others may have taken some, and most of it in one piece.
     VkDeviceSize largestHeap() const;
     VkDeviceSize largestPiece() const { return std::min(largestPiece_, largestHeap()); }
+    VkDeviceSize largestBuffer() const {
+        return largestBuffer_;
+    } // that may be created, whether there is room or not
 
     VkDeviceSize bytesInUse() const { return inUse_; }
     VkDeviceSize bytesReserved() const { return reserved_; }
@@ -67,8 +70,8 @@ private:
     VkDevice device_;
     bool mapsOwn_, keeps_;
     VkPhysicalDeviceMemoryProperties properties_{};
-    VkDeviceSize largestPiece_ = 0;
-    std::map<uint32_t, Pool> pools_; // key: memory type, + 32 for images
+    VkDeviceSize largestPiece_ = 0, largestBuffer_ = 0;
+    std::map<uint32_t, Pool> pools_; // key: memory type, + VK_MAX_MEMORY_TYPES for images
     VkDeviceSize inUse_ = 0, reserved_ = 0, peak_ = 0, kept_ = 0;
 };
 

@@ -28,8 +28,8 @@ enum Op : uint32_t {
     kOpMemberDecorate = 72,
     kOpExecutionModeId = 331,
 };
-enum Decoration : uint32_t { kSpecId = 1, kBufferBlock = 3, kBinding = 33, kSet = 34, kOffset = 35 };
-enum StorageClass : uint32_t { kUniformConstant = 0, kUniform = 2, kPushConstant = 9, kStorageBuffer = 12 };
+enum Decoration : uint32_t { kSpecId = 1, kBinding = 33, kSet = 34, kOffset = 35 };
+enum StorageClass : uint32_t { kPushConstant = 9, kStorageBuffer = 12 };
 
 struct Instruction {
     uint32_t op = 0;
@@ -82,23 +82,18 @@ struct Reader {
                    : found->second.at(kOffset);
     }
 
+    // Of the kinds that our shaders have: storage buffers, texel buffers to read, pictures with their
+    // sampler.
     VkDescriptorType descriptorType(uint32_t storage, uint32_t type) const {
         if (storage == kStorageBuffer) return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-        if (storage == kUniform) {
-            const auto found = decorations.find(type);
-            const bool old = found != decorations.end() && found->second.contains(kBufferBlock);
-            return old ? VK_DESCRIPTOR_TYPE_STORAGE_BUFFER : VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+        const bool withSampler = at(type).op == kOpTypeSampledImage;
+        const Instruction& image = withSampler ? at(at(type).words[1]) : at(type);
+        constexpr uint32_t kDimBuffer = 5, kReadThroughSampler = 1;
+        if (image.op == kOpTypeImage && image.words[6] == kReadThroughSampler) {
+            if (image.words[2] == kDimBuffer) return VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+            if (withSampler) return VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
         }
-        const bool sampled = at(type).op == kOpTypeSampledImage;
-        const Instruction& image = sampled ? at(at(type).words[1]) : at(type);
-        if (image.op != kOpTypeImage) throw Error("SPIR-V: a resource of unexpected type");
-        constexpr uint32_t kDimBuffer = 5, kStorageImage = 2;
-        const bool buffer = image.words[2] == kDimBuffer, storageImage = image.words[6] == kStorageImage;
-        if (buffer)
-            return storageImage ? VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER
-                                : VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
-        if (storageImage) return VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
-        return sampled ? VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER : VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE;
+        throw Error("SPIR-V: a kind of resource that is not used here");
     }
 
     void addVariable(uint32_t id) {

@@ -189,8 +189,7 @@ size_t Presenter::present(const std::vector<const gpu::Image*>& pictures) {
     }
     if (shown.empty()) return 0;
     VkSemaphore written = state_->written[state_->turn++ % state_->written.size()];
-    const uint64_t ticket =
-        state_->device->submit(std::move(commands), VK_NULL_HANDLE, VK_PIPELINE_STAGE_2_NONE, written);
+    const uint64_t ticket = state_->device->submit(std::move(commands), written);
     std::vector<VkResult> results(shown.size(), VK_SUCCESS);
     VkPresentInfoKHR info{VK_STRUCTURE_TYPE_PRESENT_INFO_KHR};
     info.waitSemaphoreCount = 1;

@@ -133,6 +133,10 @@ TEST(Kernel, bindings_beyond_their_buffer_are_refused) {
     EXPECT_THROW(commands.dispatch(kernel, {texel(in, VK_FORMAT_R32_SFLOAT), part(out, 16, 64)}, none, 1),
                  Error);
     EXPECT_THROW(commands.dispatch(kernel, {texel(in, VK_FORMAT_R32_SFLOAT, 128), out}, none, 1), Error);
+    if (test::device().limits().minStorageBufferOffsetAlignment > 4) {
+        EXPECT_THROW(commands.dispatch(kernel, {texel(in, VK_FORMAT_R32_SFLOAT), part(out, 4, 4)}, none, 1),
+                     Error);
+    }
 }
 
 TEST(Kernel, what_a_device_does_not_allow_is_refused) {

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "compute/gpu/buffer.h"
 #include "compute/gpu/error.h"
 #include "compute/gpu/image.h"
 #include "tests/gpu/test_device.h"
@@ -78,6 +79,19 @@ TEST(Memory, random_traffic_never_overlaps_and_merges_back_to_nothing) {
     for (const Allocation& a : live) memory.free(a);
     EXPECT_EQ(memory.bytesInUse(), 0u);
     EXPECT_LE(memory.blockCount(), 2u); // one for buffers and one for images stay ready
+}
+
+TEST(Buffer, larger_than_the_device_takes_is_refused_by_name) {
+    Device& device = test::device();
+    const VkDeviceSize most = device.memory().largestBuffer();
+    if (most > SIZE_MAX / 2) return; // nothing is
+    try {
+        const Buffer buffer(device, most + 1, "ledger");
+        ADD_FAILURE();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code, VK_ERROR_OUT_OF_DEVICE_MEMORY);
+        EXPECT_NE(std::string(error.what()).find("ledger"), std::string::npos) << error.what();
+    }
 }
 
 TEST(Image, larger_than_the_device_takes_is_refused_by_name) {
