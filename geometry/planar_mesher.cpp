@@ -252,63 +252,97 @@ void smooth(PlanarNet& net, const PlanarDomain& domain, std::vector<double>& siz
     }
 }
 
-} // namespace
-
-std::vector<glm::dvec2> hexagonalSeeds(const PlanarDomain& domain, double lattice) {
-    const glm::dvec2 u = domain.direction, v{-u.y, u.x};
-    std::vector<glm::dvec2> turned;
-    for (const glm::dvec2 p : domain.boundary) turned.emplace_back(glm::dot(p, u), glm::dot(p, v));
-    glm::dvec2 low = turned[0], high = turned[0];
-    for (const glm::dvec2 p : turned) {
-        low = glm::min(low, p);
-        high = glm::max(high, p);
+// Whole rows and columns of a hexagonal lattice over a domain, in its own direction.
+class HexagonalLattice {
+public:
+    HexagonalLattice(const PlanarDomain& domain, double edge) : domain_(domain), edge_(edge) {
+        for (const glm::dvec2 p : domain.boundary)
+            turned_.emplace_back(glm::dot(p, domain.direction), glm::dot(p, across()));
+        high_ = low_ = turned_[0];
+        for (const glm::dvec2 p : turned_) {
+            low_ = glm::min(low_, p);
+            high_ = glm::max(high_, p);
+        }
+        const glm::dvec2 extent = high_ - low_;
+        row_ = extent.y / std::max(1.0, std::round(extent.y / (edge * std::sqrt(3.0) / 2)));
+        column_ = extent.x / std::max(1.0, std::round(extent.x / edge));
+        rowCount_ = static_cast<int>(std::ceil(extent.y / row_ - 0.25));
     }
-    const glm::dvec2 extent = high - low;
-    // Whole rows and columns between the sides.
-    const double row = extent.y / std::max(1.0, std::round(extent.y / (lattice * std::sqrt(3.0) / 2)));
-    const double column = extent.x / std::max(1.0, std::round(extent.x / lattice));
-    const int rowCount = static_cast<int>(std::ceil(extent.y / row - 0.25));
-    if (rowCount < 2) return {};
-    const Inside inside(domain, turned, low, high, lattice);
-    const std::vector<std::vector<double>> rows = inside.rows(row, rowCount);
+
+    int rowCount() const { return rowCount_; }
+    Inside inside() const { return {domain_, turned_, low_, high_, edge_}; }
+    std::vector<std::vector<double>> rows(const Inside& inside) const { return inside.rows(row_, rowCount_); }
+
+    struct Seeds {
+        std::vector<glm::dvec2> far, all; // from the boundary
+    };
+    // Of rows of which every other, counted from `shifted`, is moved by half a column.
+    Seeds seeds(const Inside& inside, const std::vector<std::vector<double>>& rows, size_t shifted) const {
+        const double nearReach = kFromBoundary * edge_, farReach = kFarFromBoundary * edge_;
+        Seeds found;
+        for (size_t r = 1; r < rows.size(); ++r)
+            for (size_t k = 0; k + 1 < rows[r].size(); k += 2) {
+                const double shift = low_.x + (r % 2 == shifted ? 0.5 * column_ : 0.0),
+                             y = low_.y + static_cast<double>(r) * row_;
+                for (double c = std::max(0.0, std::floor((rows[r][k] - shift) / column_) + 1);
+                     shift + c * column_ < rows[r][k + 1]; ++c) {
+                    const glm::dvec2 p(shift + c * column_, y);
+                    const double square = inside.squareToBoundary(p, farReach, nearReach);
+                    if (square < nearReach * nearReach) continue;
+                    const glm::dvec2 seed = p.x * domain_.direction + p.y * across();
+                    if (domain_.size.atMost(seed, kOnLattice * domain_.size.edge())) continue;
+                    found.all.push_back(seed);
+                    if (square >= farReach * farReach) found.far.push_back(seed);
+                }
+            }
+        return found;
+    }
+
+private:
+    glm::dvec2 across() const { return {-domain_.direction.y, domain_.direction.x}; }
+
+    const PlanarDomain& domain_;
+    double edge_;
+    std::vector<glm::dvec2> turned_; // the boundary along `direction` and across
+    glm::dvec2 low_, high_;
+    double row_, column_;
+    int rowCount_;
+};
+
+double twiceAreaOf(const PlanarDomain& domain) {
     double twice = 0;
     for (size_t l = 0; l < loopCount(domain); ++l)
         for (uint32_t i = domain.loopStart[l]; i < domain.loopStart[l + 1]; ++i)
             twice += cross(domain.boundary[i], domain.boundary[nextOnLoop(domain, l, i)]);
-    const double nearReach = kFromBoundary * lattice, farReach = kFarFromBoundary * lattice;
+    return twice;
+}
+
+} // namespace
+
+std::vector<glm::dvec2> hexagonalSeeds(const PlanarDomain& domain, double edge) {
+    const HexagonalLattice lattice(domain, edge);
+    if (lattice.rowCount() < 2) return {};
+    const Inside inside = lattice.inside();
+    const std::vector<std::vector<double>> rows = lattice.rows(inside);
+    const double twice = twiceAreaOf(domain);
     std::vector<glm::dvec2> best;
     double least = std::numeric_limits<double>::infinity();
+    // Those that make as many triangles as the lattice has over the domain's area.
     const auto keepBest = [&](std::vector<glm::dvec2>&& seeds) {
         const double count = 2 * static_cast<double>(seeds.size() + loopCount(domain)) +
                              static_cast<double>(domain.boundary.size()) - 4;
-        const double off = std::abs(std::log(count * std::sqrt(3.0) / 2 * lattice * lattice / twice));
+        const double off = std::abs(std::log(count * std::sqrt(3.0) / 2 * edge * edge / twice));
         if (off >= least) return;
         least = off;
         best = std::move(seeds);
     };
-    // Every other row is shifted by half a column, beginning with the second or with the first: in small
-    // domains one of the two may leave next to nothing.
+    // Beginning with the second row or with the first: in small domains one of the two may leave next to
+    // nothing.
     for (const size_t shifted : {size_t{1}, size_t{0}}) {
-        if (shifted == 0 && rowCount > kFewRows) break;
-        std::vector<glm::dvec2> far, all; // from the boundary
-        for (size_t r = 1; r < rows.size(); ++r)
-            for (size_t k = 0; k + 1 < rows[r].size(); k += 2) {
-                const double shift = low.x + (r % 2 == shifted ? 0.5 * column : 0.0),
-                             y = low.y + static_cast<double>(r) * row;
-                for (double c = std::max(0.0, std::floor((rows[r][k] - shift) / column) + 1);
-                     shift + c * column < rows[r][k + 1]; ++c) {
-                    const glm::dvec2 p(shift + c * column, y);
-                    const double square = inside.squareToBoundary(p, farReach, nearReach);
-                    if (square < nearReach * nearReach) continue;
-                    const bool near = square < farReach * farReach;
-                    const glm::dvec2 seed = p.x * u + p.y * v;
-                    if (domain.size.atMost(seed, kOnLattice * domain.size.edge())) continue;
-                    all.push_back(seed);
-                    if (!near) far.push_back(seed);
-                }
-            }
-        keepBest(std::move(far));
-        keepBest(std::move(all));
+        if (shifted == 0 && lattice.rowCount() > kFewRows) break;
+        HexagonalLattice::Seeds seeds = lattice.seeds(inside, rows, shifted);
+        keepBest(std::move(seeds.far));
+        keepBest(std::move(seeds.all));
     }
     return best;
 }

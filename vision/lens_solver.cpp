@@ -158,6 +158,105 @@ glm::dmat4 normalization(const std::vector<glm::dvec3>& points) {
     return out;
 }
 
+// Sums of the products of slopes with one another, and of slopes with what is still off.
+struct NormalEquations {
+    cv::Mat matrix, right;
+};
+
+NormalEquations normalEquations(const std::vector<std::vector<glm::dvec2>>& slopes,
+                                const std::vector<glm::dvec2>& off) {
+    const int count = static_cast<int>(slopes.size());
+    NormalEquations out{cv::Mat::zeros(count, count, CV_64F), cv::Mat::zeros(count, 1, CV_64F)};
+    for (int a = 0; a < count; ++a) {
+        const auto& slope = slopes[static_cast<size_t>(a)];
+        for (size_t i = 0; i < off.size(); ++i) out.right.at<double>(a) -= glm::dot(slope[i], off[i]);
+        for (int b = 0; b <= a; ++b) {
+            double sum = 0;
+            for (size_t i = 0; i < off.size(); ++i)
+                sum += glm::dot(slope[i], slopes[static_cast<size_t>(b)][i]);
+            out.matrix.at<double>(a, b) = out.matrix.at<double>(b, a) = sum;
+        }
+    }
+    return out;
+}
+
+// Moves `now` to the least sum of squares, in px^2, by K. Levenberg's and D. Marquardt's damped steps (1944,
+// 1963). Returns the normal equations' matrix of the last step.
+cv::Mat descend(const Correspondences& view, const std::vector<size_t>& free, ViewParameters& now,
+                double& squares) {
+    constexpr int kMostRounds = 200;
+    constexpr double kLeastGain = 1e-12, kMostDamping = 1e12, kLeastDamping = 1e-9;
+    std::vector<glm::dvec2> off = offsets(view, now);
+    squares = sumOfSquares(off);
+    double damping = 1e-3;
+    NormalEquations equations;
+    for (int round = 0; round < kMostRounds && damping < kMostDamping; ++round) {
+        equations = normalEquations(slopesOf(view, now, free), off);
+        const double before = squares;
+        while (damping < kMostDamping) { // until a step goes down
+            cv::Mat damped = equations.matrix.clone(), step;
+            for (int a = 0; a < damped.rows; ++a) damped.at<double>(a, a) *= 1 + damping;
+            if (cv::solve(damped, equations.right, step, cv::DECOMP_SVD)) {
+                ViewParameters next = now;
+                for (int a = 0; a < damped.rows; ++a)
+                    next.move(free[static_cast<size_t>(a)], step.at<double>(a));
+                std::vector<glm::dvec2> there = offsets(view, next);
+                if (const double fewer = sumOfSquares(there); fewer <= squares) {
+                    now = next, off = std::move(there), squares = fewer;
+                    damping = std::max(damping / 10, kLeastDamping);
+                    break;
+                }
+            }
+            damping *= 10;
+        }
+        if (before - squares <= kLeastGain * before) break;
+    }
+    return equations.matrix;
+}
+
+// The projection that takes points to pixels, from the least eigenvector of their homogeneous equations, each
+// in coordinates of its own mean and spread (R. Hartley, "In Defense of the Eight-Point Algorithm", 1997);
+// points lie before the device.
+cv::Matx34d projectionOf(const Correspondences& view) {
+    std::vector<glm::dvec3> at, pixel;
+    for (const Correspondence& c : view) at.push_back(c.at), pixel.emplace_back(c.pixel, 0);
+    const glm::dmat4 fromAt = normalization(at), fromPixel = normalization(pixel);
+    cv::Mat normal = cv::Mat::zeros(12, 12, CV_64F);
+    for (const Correspondence& c : view) {
+        const glm::dvec4 x = fromAt * glm::dvec4(c.at, 1), u = fromPixel * glm::dvec4(c.pixel, 0, 1);
+        cv::Mat rows = cv::Mat::zeros(2, 12, CV_64F);
+        for (int i = 0; i < 4; ++i) {
+            rows.at<double>(0, i) = rows.at<double>(1, 4 + i) = x[i];
+            rows.at<double>(0, 8 + i) = -u.x * x[i];
+            rows.at<double>(1, 8 + i) = -u.y * x[i];
+        }
+        normal += rows.t() * rows;
+    }
+    cv::Mat values, vectors; // largest first
+    cv::eigen(normal, values, vectors);
+    // Points in a plane leave more than one solution.
+    if (view.size() < 6 || !(values.at<double>(10) > 1e-12 * values.at<double>(0)))
+        throw CalibrationError(kUndetermined);
+    glm::dmat4 p(0); // rows 0, 1 and 3; row 2 as an identity, so that the product below is whole
+    for (int i = 0; i < 4; ++i) {
+        p[i][0] = vectors.at<double>(11, i);
+        p[i][1] = vectors.at<double>(11, 4 + i);
+        p[i][3] = vectors.at<double>(11, 8 + i);
+    }
+    p = glm::inverse(fromPixel) * p * fromAt;
+    cv::Matx34d projection;
+    for (int column = 0; column < 4; ++column) {
+        projection(0, column) = p[column][0];
+        projection(1, column) = p[column][1];
+        projection(2, column) = p[column][3];
+    }
+    double depth = 0;
+    for (const Correspondence& c : view)
+        depth += projection(2, 0) * c.at.x + projection(2, 1) * c.at.y + projection(2, 2) * c.at.z +
+                 projection(2, 3);
+    return depth < 0 ? -projection : projection;
+}
+
 } // namespace
 
 double LensSolution::rms() const {
@@ -209,55 +308,21 @@ LensSolution solveLens(const std::vector<Correspondences>& views, int width, int
 
 LensSolution solveView(const Correspondences& view, LensTerms terms, const LensSolution& start) {
     const std::vector<size_t> free = freeParameters(terms);
-    const int count = static_cast<int>(free.size());
     ViewParameters now{withTerms(start.fit.lens, terms), start.poses.at(0)};
-    std::vector<glm::dvec2> off = offsets(view, now);
-    double squares = sumOfSquares(off), damping = 1e-3;
-    cv::Mat normal;
-    for (int round = 0; round < 200 && damping < 1e12; ++round) {
-        normal = cv::Mat::zeros(count, count, CV_64F);
-        cv::Mat right = cv::Mat::zeros(count, 1, CV_64F);
-        const std::vector<std::vector<glm::dvec2>> slopes = slopesOf(view, now, free);
-        for (int a = 0; a < count; ++a) {
-            const auto& slope = slopes[static_cast<size_t>(a)];
-            for (size_t i = 0; i < off.size(); ++i) right.at<double>(a) -= glm::dot(slope[i], off[i]);
-            for (int b = 0; b <= a; ++b) {
-                double sum = 0;
-                for (size_t i = 0; i < off.size(); ++i)
-                    sum += glm::dot(slope[i], slopes[static_cast<size_t>(b)][i]);
-                normal.at<double>(a, b) = normal.at<double>(b, a) = sum;
-            }
-        }
-        const double before = squares;
-        while (damping < 1e12) { // until a step goes down
-            cv::Mat damped = normal.clone(), step;
-            for (int a = 0; a < count; ++a) damped.at<double>(a, a) *= 1 + damping;
-            if (cv::solve(damped, right, step, cv::DECOMP_SVD)) {
-                ViewParameters next = now;
-                for (int a = 0; a < count; ++a) next.move(free[static_cast<size_t>(a)], step.at<double>(a));
-                std::vector<glm::dvec2> there = offsets(view, next);
-                if (const double fewer = sumOfSquares(there); fewer <= squares) {
-                    now = next, off = std::move(there), squares = fewer;
-                    damping = std::max(damping / 10, 1e-9);
-                    break;
-                }
-            }
-            damping *= 10;
-        }
-        if (before - squares <= 1e-12 * before) break;
-    }
+    double squares = 0;
+    const cv::Mat normal = descend(view, free, now, squares);
     LensSolution out;
     out.fit.lens = now.lens;
     out.poses = {now.pose};
     out.squares = squares;
     out.points = view.size();
     cv::Mat covariance;
-    const double freedom = 2.0 * static_cast<double>(view.size()) - count;
+    const double freedom = 2.0 * static_cast<double>(view.size()) - normal.rows;
     if (!(now.lens.fx > 0 && now.lens.fy > 0) || !std::isfinite(squares) || freedom < 1 ||
         cv::invert(normal, covariance, cv::DECOMP_SVD) <= 0)
         throw CalibrationError(kUndetermined);
     std::array<double, 9> sigma{};
-    for (int a = 0; a < count; ++a)
+    for (int a = 0; a < normal.rows; ++a)
         if (free[static_cast<size_t>(a)] < sigma.size())
             sigma[free[static_cast<size_t>(a)]] =
                 std::sqrt(std::max(covariance.at<double>(a, a), 0.0) * squares / freedom);
@@ -266,47 +331,9 @@ LensSolution solveView(const Correspondences& view, LensTerms terms, const LensS
 }
 
 LensSolution solvePinhole(const Correspondences& view) {
-    std::vector<glm::dvec3> at, pixel;
-    for (const Correspondence& c : view) at.push_back(c.at), pixel.emplace_back(c.pixel, 0);
-    const glm::dmat4 fromAt = normalization(at), fromPixel = normalization(pixel);
-    cv::Mat normal = cv::Mat::zeros(12, 12, CV_64F);
-    for (const Correspondence& c : view) {
-        const glm::dvec4 x = fromAt * glm::dvec4(c.at, 1), u = fromPixel * glm::dvec4(c.pixel, 0, 1);
-        cv::Mat rows = cv::Mat::zeros(2, 12, CV_64F);
-        for (int i = 0; i < 4; ++i) {
-            rows.at<double>(0, i) = rows.at<double>(1, 4 + i) = x[i];
-            rows.at<double>(0, 8 + i) = -u.x * x[i];
-            rows.at<double>(1, 8 + i) = -u.y * x[i];
-        }
-        normal += rows.t() * rows;
-    }
-    cv::Mat values, vectors; // largest first
-    cv::eigen(normal, values, vectors);
-    // Points in a plane leave more than one solution.
-    if (view.size() < 6 || !(values.at<double>(10) > 1e-12 * values.at<double>(0)))
-        throw CalibrationError(kUndetermined);
-    glm::dmat4 p(0); // rows 0, 1 and 3; row 2 as an identity, so that the product below is whole
-    for (int i = 0; i < 4; ++i) {
-        p[i][0] = vectors.at<double>(11, i);
-        p[i][1] = vectors.at<double>(11, 4 + i);
-        p[i][3] = vectors.at<double>(11, 8 + i);
-    }
-    p = glm::inverse(fromPixel) * p * fromAt;
-    cv::Matx34d projection;
-    for (int column = 0; column < 4; ++column) {
-        projection(0, column) = p[column][0];
-        projection(1, column) = p[column][1];
-        projection(2, column) = p[column][3];
-    }
-    // Before the device, not behind it.
-    double before = 0;
-    for (const Correspondence& c : view)
-        before += projection(2, 0) * c.at.x + projection(2, 1) * c.at.y + projection(2, 2) * c.at.z +
-                  projection(2, 3);
-    if (before < 0) projection = -projection;
     cv::Matx33d k, r;
     cv::Vec4d centre;
-    cv::decomposeProjectionMatrix(projection, k, r, centre);
+    cv::decomposeProjectionMatrix(projectionOf(view), k, r, centre);
     const double scale = k(2, 2);
     LensSolution out;
     out.fit.lens.fx = k(0, 0) / scale, out.fit.lens.fy = k(1, 1) / scale;

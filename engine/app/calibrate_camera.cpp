@@ -60,6 +60,38 @@ void markOtherSizes(std::vector<Picture>& pictures) {
                                            usual.first, usual.second);
 }
 
+// Those in which the board was found.
+struct Views {
+    std::vector<vision::TargetView> found;
+    std::vector<size_t> picture; // of each
+};
+
+Views usableViews(const std::vector<Picture>& pictures) {
+    Views views;
+    for (size_t i = 0; i < pictures.size(); ++i)
+        if (pictures[i].target.problem.empty()) {
+            views.found.push_back({pictures[i].file.filename().string(), pictures[i].target.marks});
+            views.picture.push_back(i);
+        }
+    return views;
+}
+
+[[noreturn]] void refuseTooFew(const std::vector<Picture>& pictures, const Views& views, size_t flat) {
+    if (views.found.size() >= vision::kLeastViews)
+        throw geometry::InputError(
+            pictures[flat].file.string(), "",
+            "the board was not found in this picture, which should show it flat on the table: " +
+                pictures[flat].target.problem + "; --flat names another");
+    std::string problems;
+    for (const Picture& p : pictures)
+        if (!p.target.problem.empty())
+            problems += fmt::format("; {}: {}", p.file.filename().string(), p.target.problem);
+    throw geometry::InputError(
+        "IMAGE", "",
+        fmt::format("the board was found in {} of {} pictures, at least {} are needed{}", views.found.size(),
+                    pictures.size(), vision::kLeastViews, problems));
+}
+
 // Which picture makes the world: the one named, else the only one that its name calls flat, else the first.
 // Nothing in a picture tells a board on the table from one held level, so it is never guessed from them.
 size_t flatPicture(Run& run, const CalibrateCameraArguments& arguments) {
@@ -162,7 +194,6 @@ void refuseOverwriting(const CalibrateCameraArguments& arguments) {
 
 void drawOverlays(const std::filesystem::path& folder, const std::vector<Picture>& pictures,
                   const std::vector<size_t>& indexOfView, const vision::CameraCalibration* result) {
-    std::filesystem::path last;
     for (size_t i = 0; i < pictures.size(); ++i) {
         const vision::FoundTarget& target = pictures[i].target;
         const auto view = std::find(indexOfView.begin(), indexOfView.end(), i) - indexOfView.begin();
@@ -203,42 +234,25 @@ void execute(Run& run, const CalibrateCameraArguments& arguments) {
     std::vector<Picture> pictures = readPictures(run, arguments, target);
     markOtherSizes(pictures);
 
-    std::vector<vision::TargetView> views;
-    std::vector<size_t> indexOfView;
-    std::string problems;
-    for (size_t i = 0; i < pictures.size(); ++i) {
-        const Picture& picture = pictures[i];
-        if (picture.target.problem.empty()) {
-            views.push_back({picture.file.filename().string(), picture.target.marks});
-            indexOfView.push_back(i);
-        } else
-            problems += fmt::format("; {}: {}", picture.file.filename().string(), picture.target.problem);
-    }
-    const auto flatView = std::find(indexOfView.begin(), indexOfView.end(), flat);
-    if (flatView == indexOfView.end() || views.size() < vision::kLeastViews) {
-        if (overlays) drawOverlays(arguments.overlay, pictures, indexOfView, nullptr);
-        if (views.size() < vision::kLeastViews)
-            throw geometry::InputError(
-                "IMAGE", "",
-                fmt::format("the board was found in {} of {} pictures, at least {} are needed{}",
-                            views.size(), pictures.size(), vision::kLeastViews, problems));
-        throw geometry::InputError(
-            pictures[flat].file.string(), "",
-            "the board was not found in this picture, which should show it flat on the table: " +
-                pictures[flat].target.problem + "; --flat names another");
+    const Views views = usableViews(pictures);
+    const auto flatView = std::find(views.picture.begin(), views.picture.end(), flat);
+    if (flatView == views.picture.end() || views.found.size() < vision::kLeastViews) {
+        if (overlays) drawOverlays(arguments.overlay, pictures, views.picture, nullptr);
+        refuseTooFew(pictures, views, flat);
     }
 
     vision::CameraCalibration result;
     try {
         const StageTimer timer(run, "calibrate");
-        const Picture& first = pictures[indexOfView.front()];
-        result = vision::calibrateCamera(target, first.width, first.height, views, arguments.boardThickness);
+        const Picture& first = pictures[views.picture.front()];
+        result =
+            vision::calibrateCamera(target, first.width, first.height, views.found, arguments.boardThickness);
     } catch (const vision::CalibrationError& error) {
         throw geometry::InputError("IMAGE", "", error.what());
     }
-    if (overlays) drawOverlays(arguments.overlay, pictures, indexOfView, &result);
-    report(run, pictures, indexOfView, result, flat);
-    const vision::CalibratedView& world = result.views[static_cast<size_t>(flatView - indexOfView.begin())];
+    if (overlays) drawOverlays(arguments.overlay, pictures, views.picture, &result);
+    report(run, pictures, views.picture, result, flat);
+    const vision::CalibratedView& world = result.views[static_cast<size_t>(flatView - views.picture.begin())];
     if (!world.used)
         throw geometry::InputError(
             pictures[flat].file.string(), "",
