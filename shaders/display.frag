@@ -17,21 +17,23 @@ layout(constant_id = 3) const bool kGamma = false;
 layout(location = 0) out vec4 colour;
 
 const float kUnknownGrey = 0.22;
+const float kSoftKey = 1.6, kSoftBurn = 32.0; // what stands for white, and what burns out: 20 x white
+const float kLeastLux = 1e-6, kLogSlack = 1e-6; // of false colour; below the scale is black
 
 // Fraction of white that stands for the light of one scene texel.
 vec3 toned(vec3 light) {
     vec3 x = light / params.white;
     if (kTone == kToneSoft) {
-        // E. Reinhard et al., "Photographic tone reproduction" (2002), eq. 4 on luminance: 20 x white burns out.
-        x *= 1.6;
+        // E. Reinhard et al., "Photographic tone reproduction" (2002), eq. 4 on luminance.
+        x *= kSoftKey;
         float y = dot(x, kLuminance);
-        return x * (1.0 + y / 1024.0) / (1.0 + y);
+        return x * (1.0 + y / (kSoftBurn * kSoftBurn)) / (1.0 + y);
     }
     if (kTone == kToneFalseColour) {
         float lux = 1000.0 * dot(light, kLuminance);
         if (lux < 0.0) return vec3(kUnknownGrey); // glazing
-        float value = log(max(lux, 1e-6)) / log(10.0);
-        if (value < params.falseLow - 1e-6) return vec3(0);
+        float value = log(max(lux, kLeastLux)) / log(10.0);
+        if (value < params.falseLow - kLogSlack) return vec3(0);
         float t = clamp((value - params.falseLow) / (params.falseHigh - params.falseLow), 0.0, 1.0);
         return linearFromSrgb(clamp(viridis(t), 0.0, 1.0));
     }

@@ -74,10 +74,9 @@ float seen(vec2 at) {
 
 vec3 fromInner(vec2 at) { return lift(outerFrame, at) - innerFrame.origin; }
 
-const float kStraight = 0.95; // cosine between both normals
 float gapAt(vec2 at) {
     bool straight = dot(outerFace.normal, innerFrame.n) < -kStraight;
-    return straight ? abs(dot(innerFrame.n, fromInner(at))) : 1e30;
+    return straight ? abs(dot(innerFrame.n, fromInner(at))) : kHuge;
 }
 
 float segmentDistance(vec3 p, vec3 a, vec3 b) {
@@ -89,9 +88,9 @@ float segmentDistance(vec3 p, vec3 a, vec3 b) {
 // An edge in the outer piece's own plane bends what is seen only at its ends.
 float bendDistance(vec2 at) {
     vec3 point = lift(outerFrame, at), normal = outerFace.normal;
-    float nearest = 1e30;
+    float nearest = kHuge;
     vec3 a = lift(innerFrame, piece[pieceCorners - 1]);
-    float flat_ = 1e-6 * (pair.innerSize + sqrt(pair.outerArea));
+    float flat_ = kInPlane * (pair.innerSize + sqrt(pair.outerArea));
     NO_UNROLL for (int k = 0; k < pieceCorners; ++k) {
         vec3 b = lift(innerFrame, piece[k]);
         bool inPlane = abs(dot(normal, a - point)) <= flat_ && abs(dot(normal, b - point)) <= flat_;

@@ -112,7 +112,7 @@ float shadowsSum(float whole, out bool hidden) {
 
 float wholeFrom(vec2 at) {
     point = fromInner(at);
-    near = 5e-7 * (length(point) + pair.innerSize);
+    near = kBorder * (length(point) + pair.innerSize);
     return overRim(rim);
 }
 
@@ -121,22 +121,21 @@ float openFrom(vec2 at) { return kBlockers == 0u ? 1.0 : kInverseTwoPi * max(0.0
 float seen(vec2 at) {
     float whole = wholeFrom(at);
     if (kBlockers == 0u) return kInverseTwoPi * max(0.0, whole);
-    // What rounding leaves over: angles are good to 1e-7, of which the piece spans its size over the distance.
+    // The piece spans an angle of its size over the distance.
     bool hidden;
-    float lit = whole - shadowsSum(whole, hidden), left = 2e-6 * max(1.0, length(point) / pair.innerSize);
+    float lit = whole - shadowsSum(whole, hidden), left = kLeft * max(1.0, length(point) / pair.innerSize);
     bool lost = hidden || lit <= left * whole;
     views |= lost ? kSeesNothing : lit == whole ? kSeesAll : kSeesPart;
     return lost ? 0.0 : kInverseTwoPi * lit;
 }
 
-const float kStraight = 0.95; // cosine between both normals
-float gapAt(vec2 at) { return facing.z < -kStraight ? abs(fromInner(at).z) : 1e30; }
+float gapAt(vec2 at) { return facing.z < -kStraight ? abs(fromInner(at).z) : kHuge; }
 
 // An edge in the outer piece's own plane bends what is seen only at its ends.
 float bendDistance(vec2 at) {
     vec3 p = fromInner(at);
-    float nearest = 1e30;
-    float flat_ = 1e-6 * (pair.innerSize + sqrt(pair.outerArea));
+    float nearest = kHuge;
+    float flat_ = kInPlane * (pair.innerSize + sqrt(pair.outerArea));
     [[unroll]] for (int k = 0; k <= kCorners; ++k) {
         vec3 a = vec3(rimFrom[k] + rim[k].x * rimAlong[k], 0.0) - p,
              b = vec3(rimFrom[k] + rim[k].y * rimAlong[k], 0.0) - p;

@@ -25,9 +25,8 @@ layout(set = 0, binding = 9, scalar) writeonly buffer Next { uint next[]; };  //
 layout(set = 0, binding = 10, scalar) buffer Counters { uint counters[]; };
 layout(push_constant, scalar) uniform Push { ExactLinesParams params; };
 
-const float kLeastError = 0.1; // of what differs from point to point
-const float kMissed = 0.02; // of the piece: a corner in light or shadow between points that agree
-const float kQuickError = 2.0; // four points agree by accident more often than seven
+const float kSevenError = 0.6; // of the least error of four points, that of seven
+const uint kBitsOfPoint = 4u * 32u; // of its four lines
 const uint kBitsWith[5] =
     uint[](0xaaaaaaaau, 0xccccccccu, 0xf0f0f0f0u, 0xff00ff00u, 0xffff0000u); // 1, 2, 4, 8, 16 in their place
 
@@ -73,7 +72,7 @@ uvec4 shadowOf(uint face, vec3 point, vec3 a[3], vec4 h, vec4 jitter) {
 }
 
 float open_; // the last point's form factor in the open
-uint hiddenOfLast; // bits of all four lines that are hidden from it: 0 to 128
+uint hiddenOfLast; // bits of all four lines that are hidden from it: 0 to kBitsOfPoint
 
 // From a point to what it sees of the inner piece, times pi, over its area; each point has its own lines.
 float seen(vec3 point, uint k) {
@@ -87,7 +86,7 @@ float seen(vec3 point, uint k) {
     // Jittered in strips of equal area, against one another, so that what changes linearly across the strips is exact.
     float u = unitOf(bits);
     vec4 h = sqrt(0.25 * (vec4(0.0, 1.0, 2.0, 3.0) + vec4(u, 1.0 - u, 1.0 - u, u)));
-    vec4 jitter = fract(unitOf(hashOf(bits)) + vec4(0.0, 0.618034, 0.236068, 0.854102));
+    vec4 jitter = fract(unitOf(hashOf(bits)) + vec4(0.0, kGolden, 0.236068, 0.854102));
     uvec4 hidden = uvec4(0u);
     uint m = 0u;
     [[dont_unroll]] do {
@@ -128,7 +127,7 @@ vec2 overPiece(vec3 corner, vec3 u, vec3 v, float limit, out bool turned) {
     uint hidden = 0u; // from the first four points
     turned = false;
     vec3 sums = vec3(0.0); // of the far, the near, the centre
-    vec2 result = vec2(0.0), range = vec2(1e30, 0.0);
+    vec2 result = vec2(0.0), range = vec2(kHuge, 0.0);
     float open = 0.0; // at the last point of this pair: neighbours may need more
     uint k = 0u, end = 4u;
     [[dont_unroll]] do {
@@ -143,12 +142,12 @@ vec2 overPiece(vec3 corner, vec3 u, vec3 v, float limit, out bool turned) {
         float byNear = kRadonNearLow / 3.0 * sums.y + (1.0 - kRadonNearLow) * sums.z;
         if (k == 4u) {
             result = vec2(byFar, max(kQuickError * abs(byFar - sums.z), kLeastError * (range.y - range.x)));
-            turned = params.last == 0u && kMissed * open_ > limit && (hidden == 0u || hidden == 512u);
+            turned = params.last == 0u && kMissed * open_ > limit && (hidden == 0u || hidden == 4u * kBitsOfPoint);
             end = !turned && max(result.y, kMissed * open_) > limit ? 7u : end;
         }
         if (k == 7u && end == 7u) {
             result.x = kRadonNearWeight * sums.y + kRadonFarWeight * sums.x + kRadonCentreWeight * sums.z;
-            result.y = max(max(abs(result.x - byNear), abs(result.x - byFar)), 0.6 * kLeastError * (range.y - range.x));
+            result.y = max(max(abs(result.x - byNear), abs(result.x - byFar)), kSevenError * kLeastError * (range.y - range.x));
         }
     } while (subgroupAny(k < end));
     open_ = open;

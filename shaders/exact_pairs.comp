@@ -114,7 +114,7 @@ vec2 distancesTo(Origin o, vec3 p, vec3 q, uint face) {
     [[dont_unroll]] do {
         vec3 k1 = cornerFrom(o, range.x + min(c, range.y - 1u)); // the last one again adds nothing
         vec3 outwards = cross(k1 - k0, n);
-        outwards *= inversesqrt(max(dot(outwards, outwards), 1e-30));
+        outwards *= inversesqrt(max(dot(outwards, outwards), kTiny));
         beyond = max(beyond, vec2(dot(outwards, p - k0), dot(outwards, q - k0)));
         k0 = k1;
         ++c;
@@ -141,7 +141,7 @@ void addRecord(uint outer, uint inner, uint first, uint count, bool byLines) {
 void addPartial(uint i, uint j, Origin o, float areaI, float areaJ, bool byLines) {
     // Points lie on the side farther from the blockers, where shadows are blurred; but not on a much larger piece.
     vec3 ci = centreFrom(o, i), cj = centreFrom(o, j);
-    vec2 clear = vec2(1e30);
+    vec2 clear = vec2(kHuge);
     uint count = listFits ? listedCount : min(listedCount, kExactListed);
     uint m = 0u;
     [[dont_unroll]] do {

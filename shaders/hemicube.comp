@@ -9,6 +9,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "shaders/io/hemicube.io.h"
+#include "shaders/lib/constants.glsl"
 #include "shaders/lib/hemicube_frame.glsl"
 
 layout(local_size_x = kHemicubeGroup) in;
@@ -19,6 +20,13 @@ layout(set = 0, binding = 3, scalar) buffer Items { uint items[]; };          //
 layout(push_constant, scalar) uniform Push { HemicubeParams params; };
 
 const uint kSizes = 4u; // classes of triangles by the pixels that they cover
+const float kOutside = 1e9; // pixels: beyond every picture
+// Pixels: lines and edges are known to less. What lies on an edge counts for both sides: a crack would lose light, a tie
+// is settled by depth and number.
+const float kLineSlack = 1e-3, kEdgeSlack = 1e-4;
+const float kMostDepth = 16777216.0; // steps that float32 tells apart
+// Of sheets without thickness the front is seen, whatever rounding makes of both depths: the back lies deeper.
+const float kBackDeeper = 2e-6, kBackSteps = 2.0;
 shared uint sizeCounts[kSizes];
 
 // Grows the range of y/w over the part of edge a-b in front of the face's eye plane, w > 0; where the edge goes through
@@ -30,8 +38,8 @@ void growRange(vec3 a, vec3 b, inout vec2 range) {
     }
     if ((a.z > 0.0) != (b.z > 0.0)) {
         float y = (a.y * b.z - b.y * a.z) * (b.z > a.z ? 1.0 : -1.0);
-        if (y >= 0.0) range.y = 1e9;
-        if (y <= 0.0) range.x = -1e9;
+        if (y >= 0.0) range.y = kOutside;
+        if (y <= 0.0) range.x = -kOutside;
     }
 }
 
@@ -110,13 +118,13 @@ void rasterItem(uint item, Frame frame, uint self, uint room, uint base) {
     vec3 a = toFace(r.a, face), b = toFace(r.b, face), c = toFace(r.c, face);
     float R = float(params.resolution);
     bool top = face == 0u;
-    vec2 range = vec2(1e9, -1e9);
+    vec2 range = vec2(kOutside, -kOutside);
     growRange(a, b, range);
     growRange(b, c, range);
     growRange(c, a, range);
     float lineOffset = top ? 0.5 * R - 0.5 : -0.5;
-    int first = int(ceil(clamp(range.x * 0.5 * R + lineOffset - 1e-3, 0.0, R)));
-    int last = int(floor(clamp(range.y * 0.5 * R + lineOffset + 1e-3, -1.0, (top ? R : 0.5 * R) - 1.0)));
+    int first = int(ceil(clamp(range.x * 0.5 * R + lineOffset - kLineSlack, 0.0, R)));
+    int last = int(floor(clamp(range.y * 0.5 * R + lineOffset + kLineSlack, -1.0, (top ? R : 0.5 * R) - 1.0)));
     int stripes = int(params.stripes);
     first += (int(stripe) - first % stripes + stripes) % stripes;
 
@@ -126,18 +134,16 @@ void rasterItem(uint item, Frame frame, uint self, uint room, uint base) {
     vec3 rest = vec3(e[0].z, e[1].z, e[2].z) + column * (1.0 / R - 1.0) + line * (1.0 / R - (top ? 1.0 : 0.0));
     column *= 2.0 / R;
     line *= 2.0 / R;
-    column = mix(column, vec3(1e-30), equal(column, vec3(0)));
+    column = mix(column, vec3(kTiny), equal(column, vec3(0)));
     vec3 d = toFace(r.depth, face);
     float depthRest = d.z + d.x * (1.0 / R - 1.0) + d.y * (1.0 / R - (top ? 1.0 : 0.0));
     vec2 depthStep = d.xy * (2.0 / R);
     bvec3 fromLeft = greaterThan(column, vec3(0));
     vec3 bound = -rest / column, boundStep = -line / column;
-    // Pixels on an edge count for both sides: a crack would lose light, a tie is settled by depth and number.
-    vec3 low = mix(vec3(-1e9), bound - 1e-4, fromLeft), lowStep = mix(vec3(0), boundStep, fromLeft);
-    vec3 high = mix(bound + 1e-4, vec3(1e9), fromLeft), highStep = mix(boundStep, vec3(0), fromLeft);
-    float most = min(exp2(32.0 - float(params.idBits)), 16777216.0) - 2.0;
-    // Of sheets without thickness the front is seen, whatever rounding makes of both depths.
-    vec2 bias = (r.id & kHemicubeBack) != 0u ? vec2(1.0 + 2e-6, 2.0) : vec2(1.0, 0.0);
+    vec3 low = mix(vec3(-kOutside), bound - kEdgeSlack, fromLeft), lowStep = mix(vec3(0), boundStep, fromLeft);
+    vec3 high = mix(bound + kEdgeSlack, vec3(kOutside), fromLeft), highStep = mix(boundStep, vec3(0), fromLeft);
+    float most = min(exp2(32.0 - float(params.idBits)), kMostDepth) - kBackSteps;
+    vec2 bias = (r.id & kHemicubeBack) != 0u ? vec2(1.0 + kBackDeeper, kBackSteps) : vec2(1.0, 0.0);
     uint at = base + (face == 0u ? 0u : (face + 1u) * params.resolution * params.resolution / 2u) +
               uint(first) * params.resolution;
     for (int j = first; j <= last; j += stripes) {

@@ -25,6 +25,11 @@ layout(push_constant, scalar) uniform Push { HierarchicalLinksParams params; };
 #include "shaders/lib/link_queues.glsl"
 #include "shaders/lib/pair_exchange.glsl"
 
+const float kSmoothSize = 0.8; // both radii over the distance, up to which nine values tell how the kernel varies
+// Of the bends: what a straight line through them leaves (u^2 - 1 has a mean square of 0.8 over a rectangle), and bends
+// along both ends at once.
+const float kBendRest = 0.8;
+
 void main() {
     uint index = gl_GlobalInvocationID.x;
     if (index >= params.pairCount) return;
@@ -51,7 +56,7 @@ void main() {
     // Bends along both ends at once, which the nine values do not show, are about as large as those that they do.
     float error = larger * dot(abs(bend), vec4(1.0));
     // Clusters end about two standard deviations from their centre: no entry becomes negative.
-    bool smooth_ = wholly && p.radius + q.radius < 0.8 * length(d) && error <= params.tolerance &&
+    bool smooth_ = wholly && p.radius + q.radius < kSmoothSize * length(d) && error <= params.tolerance &&
                    density > 2.0 * dot(abs(slope), vec4(1.0));
 
     // Few pairs need rays: most are proven clear, or too large to be left to so few.
@@ -62,10 +67,8 @@ void main() {
         return;
     }
     slope /= density;
-    // What a straight line through the bends leaves (u^2 - 1 has a mean square of 0.8 over a rectangle), and
-    // bends along both ends at once.
     HierarchicalLink link =
-        HierarchicalLink(i, j, density, packHalf2x16(slope.xy), packHalf2x16(slope.zw), 0.8 * length(bend));
+        HierarchicalLink(i, j, density, packHalf2x16(slope.xy), packHalf2x16(slope.zw), kBendRest * length(bend));
     if (maybe)
         doubts[atomicAdd(counters[kHierarchicalDoubts], 1u)] = HierarchicalDoubt(link, 0u, 0.0, 0.0, 0.0, 0.0);
     else

@@ -27,6 +27,8 @@ layout(push_constant, scalar) uniform Push { HierarchicalLinksParams params; };
 
 // Form factors from which rays are cast by angle too.
 const float kFactorByAngle = 0.1;
+const float kAgreedError = 0.3; // RMS of what rays that agree have missed, over the most that they may
+const float kNothing = 0.05;    // of the tolerance: links that may carry less are dropped
 
 // Two triangles: the error of the share that passes, one standard deviation. Sums over a lattice err less than those
 // of random points, by about the 0.15th power of their number; where all rays agree, about half a ray's share may
@@ -158,7 +160,7 @@ void main() {
         }
         share = 1.0 - float(blocked) / float(end);
         // Between two triangles light passes or does not: that is the scatter about the share.
-        error = 0.3 * doubtOfAgreement(p, q);
+        error = kAgreedError * doubtOfAgreement(p, q);
         if (mixed) {
             vec4 open_ = vec4(unpackHalf2x16(d.link.firstSlope), unpackHalf2x16(d.link.secondSlope));
             vec4 slope = slopesOf(trend, float(end), share, open_, vec4(p.reach, q.reach), error);
@@ -172,6 +174,6 @@ void main() {
     d.link.density *= share;
     d.link.error = share > 0.0 ? length(vec2(share * d.link.error, error)) : error;
     // Those that carry nothing are kept only if they should have carried something.
-    if (share > 0.0 || error * max(p.area, q.area) > 0.05 * params.visibilityTolerance)
+    if (share > 0.0 || error * max(p.area, q.area) > kNothing * params.visibilityTolerance)
         links[atomicAdd(counters[kHierarchicalLinks], 1u)] = d.link;
 }

@@ -5,8 +5,10 @@
 #ifndef BVH_GLSL
 #define BVH_GLSL
 #include "shaders/io/bvh.io.h"
+#include "shaders/lib/constants.glsl"
 
 const uint kBvhNothing = 0xffffffffu;
+const float kBvhPlane = 1e-6; // of lengths: rounding errors of heights over a triangle's plane
 const float kBvhEdge = 2e-6; // barycentric slack, so that no ray slips between neighbours
 const float kBvhTie = 1e-5;  // share of the distance: of two patches back to back, without thickness, the front is met
 
@@ -19,7 +21,7 @@ struct BvhRay {
 };
 
 BvhRay bvhRay(vec3 origin, vec3 direction, uint nodeCount) {
-    vec3 d = mix(direction, vec3(1e-30), lessThan(abs(direction), vec3(1e-30)));
+    vec3 d = mix(direction, vec3(kTiny), lessThan(abs(direction), vec3(kTiny)));
     uint octant = (d.x < 0.0 ? 1u : 0u) | (d.y < 0.0 ? 2u : 0u) | (d.z < 0.0 ? 4u : 0u);
     return BvhRay(origin, direction, 1.0 / d, octant * nodeCount, nodeCount);
 }
@@ -67,7 +69,7 @@ BvhCrossing crossingOf(BvhRay ray, uint at) {
 // The nearest patch that a ray meets, times two, plus one seen from behind; kBvhNothing when there is none. Patches
 // of other rooms, `self`, and planes nearer to the origin than `flatness` are not there.
 uint nearestPatch(BvhRay ray, uint self, uint room, float flatness) {
-    float reach = 1e30;
+    float reach = kHuge;
     uint result = kBvhNothing, node = 0u;
     [[dont_unroll]] while (node < ray.end) {
         uint leaf = nextLeaf(ray, reach * (1.0 + kBvhTie), node);
@@ -128,7 +130,7 @@ bool maybeBlocked(vec3 from, vec3 fromNormal, float fromRadius, vec3 to, vec3 to
                   t2 = texelFetch(bvhTriangles, int(at + 2u));
             vec3 n = cross(uintBitsToFloat(t1.xyz), uintBitsToFloat(t2.xyz)) * uintBitsToFloat(t2.w);
             vec3 corner = uintBitsToFloat(t0.xyz);
-            float a = dot(n, from - corner), b = dot(n, to - corner), slack = 1e-6 * (size + radius + abs(a));
+            float a = dot(n, from - corner), b = dot(n, to - corner), slack = kBvhPlane * (size + radius + abs(a));
             float extentA = fromRadius * length(cross(n, fromNormal)) - slack,
                   extentB = toRadius * length(cross(n, toNormal)) - slack;
             bool oneSide = (a >= extentA && b >= extentB) || (a <= -extentA && b <= -extentB);

@@ -79,7 +79,7 @@ CastRay castRay(Cluster p, Cluster q, bool byAngle, uint seed, uint k, uint node
          uq = vec3(unitOf(bitsQ.x), unitOf(bitsQ.y), unitOf(bitsQ.z));
     vec3 from = pointOn(p, up.x, up.yz), to = pointOn(q, uq.x, uq.yz), d = to - from;
     if (turned) d = wayByAngle(p, q, up.yz, uq.yz), to = from + d;
-    float r2 = dot(d, d), open_ = max(0.0, dot(p.normal, d)) * max(0.0, -dot(q.normal, d)) / max(r2 * r2, 1e-30);
+    float r2 = dot(d, d), open_ = max(0.0, dot(p.normal, d)) * max(0.0, -dot(q.normal, d)) / max(r2 * r2, kTiny);
     float many = open_ * q.area * kInversePi;
     if (byAngle) open_ = 2.0 * many / (1.0 + many);
     return CastRay(from, to, blockedBetween(from, to, p.room, nodeCount, flatness) ? 0.0 : open_, open_);

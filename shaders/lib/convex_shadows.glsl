@@ -5,12 +5,13 @@
 // exact_scene.glsl, lambert.glsl and kCorners.
 #ifndef CONVEX_SHADOWS_GLSL
 #define CONVEX_SHADOWS_GLSL
+#include "shaders/lib/constants.glsl"
 
 const int kWalls = 5; // through the point and an edge of the blocker, four times; the blocker's own plane
 // Of which kCorners + 1 are used: the last where the receiver's plane cuts the piece.
 const int kRim = int(kExactFewCorners) + 1;
-const vec3 kNoLine = vec3(0.0, 0.0, 1e30);
-const vec2 kEmpty = vec2(1e30, -1e30);
+const vec3 kNoLine = vec3(0.0, 0.0, kHuge);
+const vec2 kEmpty = vec2(kHuge, -kHuge);
 
 struct Blocker {
     vec3 corner[kWalls - 1];
@@ -50,10 +51,10 @@ bvec2 castShadow(Blocker b, inout Shadow s) {
         vec3 line = sense * vec3(n.xy, -dot(n, k));
         float size = length(n.xy), full = length(n);
         // Parallel to the piece: all in or all out, out where both are one. No plane: an edge without length.
-        bool level = size <= 1e-6 * full;
-        float height = abs(line.z) <= 1e-6 * full * length(k) ? 0.0 : sign(line.z) * 1e30;
-        line = level ? vec3(0.0, 0.0, full == 0.0 ? 1e30 : height) : line / size;
-        float low = 1e30, high = -1e30;
+        bool level = size <= kParallel * full;
+        float height = abs(line.z) <= kParallel * full * length(k) ? 0.0 : sign(line.z) * kHuge;
+        line = level ? vec3(0.0, 0.0, full == 0.0 ? kHuge : height) : line / size;
+        float low = kHuge, high = -kHuge;
         [[unroll]] for (int q = 0; q <= kCorners; ++q) {
             float d = at(line, inner[q]);
             low = min(low, d);
@@ -131,7 +132,7 @@ float shadowSum(inout Shadow s) {
     int w = 0;
     [[dont_unroll]] do {
         vec3 line = s.line[w];
-        vec2 from = footOf(line), along = alongOf(line), range = vec2(-1e30, 1e30);
+        vec2 from = footOf(line), along = alongOf(line), range = vec2(-kHuge, kHuge);
         [[unroll]] for (int k = 0; k <= kCorners; ++k) {
             vec2 inward = vec2(-rimAlong[k].y, rimAlong[k].x);
             range = cut(range, dot(inward, from - rimFrom[k]), dot(inward, along));

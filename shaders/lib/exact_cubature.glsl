@@ -46,6 +46,9 @@ const uint kSeesNothing = 1u, kSeesAll = 2u, kSeesPart = 4u;
 uint views;
 float demand; // of the cell: the most that it may exchange over what it may err
 
+const float kStraight = 0.95; // cosine between both normals, from which pieces face each other straight
+const float kInPlane = 1e-6; // of both pieces' sizes: edges nearer to the outer one's plane lie in it
+
 void loadPair(uint record);
 float seen(vec2 at);
 vec3 fromInner(vec2 at);
@@ -61,10 +64,7 @@ bool crowded() { return pair.r.listed > (params.tolerance < kCrowdTolerance ? kC
 
 // In the open the rule of degree 5 errs much less: by 20 in rooms; where slivers cross, less than 4.
 const float kSmooth = 0.25;
-const float kLeastError = 0.1; // of what differs from point to point
 const float kNoise = 0.15; // error of the mean of seven independent points, of what differs from point to point
-const float kQuickError = 2.0; // four points agree by accident more often than seven
-const float kMissed = 0.02; // of what is there in the open: a sliver between points that agree
 const float kProbe = 0.02, kBeyond = 0.05; // weight of a corner's two lesser neighbours; area that a corner stands for
 // Behind more blockers one triangle of a piece is enough for an invocation, else two: loop_limit.glsl.
 const uint kOneTriangle = 40u;
@@ -77,7 +77,7 @@ const uint kWholePair = 0xffffffffu; // in the place of a cell's first corner
 vec2 overCell(vec2 a, vec2 b, vec2 c, bool quick, bool probed) {
     // Two rules of degree 2 within it: shadows make one of them agree by accident, seldom both.
     vec3 sums = vec3(0.0);
-    vec2 range = vec2(1e30, 0.0);
+    vec2 range = vec2(kHuge, 0.0);
     // One call, so that drivers that inline everything compile it once.
     int points = quick ? 4 : 7, all = points + (probed ? 3 : 0), k = 0;
     views = 0u;
@@ -130,12 +130,13 @@ const float kAbout = 3.0; // what is seen from a cell over what its middle sees
 float mostFrom(vec2 at) {
     vec3 d = fromInner(at);
     float byDistance =
-        pair.innerArea * kInversePi / max(dot(d, d) - pair.innerSize * pair.innerSize, 1e-30);
+        pair.innerArea * kInversePi / max(dot(d, d) - pair.innerSize * pair.innerSize, kTiny);
     return min(min(1.0, kAbout * openFrom(at)), byDistance);
 }
 
 // Cells so large that two agreeing rules prove nothing: a bend or a shadow could hide between the points.
 const float kShadowShare = 250.0, kQuickShadowShare = 1000.0, kBendShare = 6.0;
+const float kBendReach = 1.5; // a cell's longest edge over its middle's distance from the bend, from where it bends
 
 // Between pieces that nearly touch, what is seen falls past the border of the inner one within about their distance:
 // of larger cells all points see everything or nothing. What such a cell may have missed.
@@ -175,11 +176,11 @@ vec2 integrate(vec2 a, vec2 b, vec2 c, bool mayTurn, out bool turned) {
     float share = 0.5 * abs(crossOf(b - a, c - a)) / pair.outerArea;
     bool mayBeSplit = params.maxDepthReached == 0u && share > 0.0;
     vec2 middle = (a + b + c) / 3.0;
-    bool bent = max(length(b - a), max(length(c - b), length(a - c))) > 1.5 * bendDistance(middle);
+    bool bent = max(length(b - a), max(length(c - b), length(a - c))) > kBendReach * bendDistance(middle);
     float most = pair.worst * (bent ? 1.0 : mostFrom(middle)),
           shadows = params.quick != 0u ? kQuickShadowShare : kShadowShare;
     demand = most * sqrt(share) / params.tolerance;
-    float enough = bent ? kBendShare : pair.r.listed > 0u ? shadows : 1e30;
+    float enough = bent ? kBendShare : pair.r.listed > 0u ? shadows : kHuge;
     bool split = mayBeSplit && share * most > enough * params.tolerance, again = false;
     bool quick = wholePair && pair.r.listed > 0u && (params.quick != 0u || split);
     vec2 result = vec2(0.0);

@@ -2,6 +2,7 @@
 // differences of corners are ever used, so positions far from the origin and near contact keep their digits.
 #ifndef EXACT_SCENE_GLSL
 #define EXACT_SCENE_GLSL
+#include "shaders/lib/constants.glsl"
 layout(set = 0, binding = 0) uniform samplerBuffer cornerHigh;
 layout(set = 0, binding = 1) uniform samplerBuffer cornerLow;
 layout(set = 0, binding = 2) uniform samplerBuffer faceNormal; // xyz unit normal, w area
@@ -38,8 +39,10 @@ vec3 cornerFrom(Origin o, uint corner) {
     return sum;
 }
 
-// Heights below this share of the distance are rounding errors of the normal.
-const float kFlat = 3e-7;
+// What float32 makes of faces. Heights below kFlat of the distance are rounding errors of the normal; planes whose sine
+// is less than kParallel are parallel; borders of shadows are good to kBorder of the distance, as angles are to about
+// 1e-7; less than kLeft of a piece is what such borders leave over.
+const float kFlat = 3e-7, kParallel = 1e-6, kBorder = 5e-7, kLeft = 2e-6;
 
 float heightOver(vec3 normal, vec3 relative) {
     float h = dot(normal, relative);
@@ -75,7 +78,7 @@ uvec2 fixedOf(float x) {
 // x lowest, y highest height of a face's corners over the plane of another face.
 vec2 heightsOver(Face plane, Face face) {
     Origin o = originAt(plane.first);
-    vec2 range = vec2(1e30, -1e30);
+    vec2 range = vec2(kHuge, -kHuge);
     [[dont_unroll]] for (uint k = 0u; k < face.count; ++k) {
         float h = heightOver(plane.normal, cornerFrom(o, face.first + k));
         range = vec2(min(range.x, h), max(range.y, h));

@@ -5,6 +5,7 @@
 // Shafts: E. A. Haines, J. R. Wallace, "Shaft culling for efficient ray-cast radiosity", 1991.
 #ifndef EXACT_SHAFT_GLSL
 #define EXACT_SHAFT_GLSL
+#include "shaders/lib/constants.glsl"
 
 // Corners of a face held in registers; shorter faces repeat their last corner.
 layout(constant_id = 0) const int kCorners = 3;
@@ -22,7 +23,7 @@ void loadCorners(Origin o, Face a, Face b) {
 
 // Lowest and highest of b over the plane of a, then of a over b's.
 vec4 mutualHeights(vec3 normalA, vec3 normalB) {
-    vec2 overA = vec2(1e30, -1e30), overB = overA;
+    vec2 overA = vec2(kHuge, -kHuge), overB = overA;
     [[unroll]] for (int k = 0; k < kCorners; ++k) {
         float h = heightOver(normalA, cb[k] - ca[0]), g = heightOver(normalB, ca[k] - cb[0]);
         overA = vec2(min(overA.x, h), max(overA.y, h));
@@ -35,7 +36,7 @@ vec4 mutualHeights(vec3 normalA, vec3 normalB) {
 vec3 turned(vec3 best, vec3 edge, vec3 p, vec3 inside) {
     vec3 candidate = cross(edge, p);
     float size = length(candidate);
-    bool better = size > 1e-6 * length(edge) * length(p) && (best == vec3(0.0) || dot(best, p) < 0.0);
+    bool better = size > kParallel * length(edge) * length(p) && (best == vec3(0.0) || dot(best, p) < 0.0);
     if (!better) return best;
     return (dot(candidate, inside) < 0.0 ? -candidate : candidate) / size;
 }

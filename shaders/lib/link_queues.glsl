@@ -12,9 +12,11 @@ void handOn(uint i, uint j, bool leafI, bool leafJ) {
 
 bool isLeaf(uint index) { return texelFetch(nodes, int(5u * index + 4u)).x == 0u; }
 
+const float kAlike = 1.5; // one radius over the other, up to which both are split
+
 // The larger into its children, or both where they are alike.
 void split(uint i, uint j, Cluster p, Cluster q) {
-    bool both = p.child != 0u && q.child != 0u && max(p.radius, q.radius) < 1.5 * min(p.radius, q.radius);
+    bool both = p.child != 0u && q.child != 0u && max(p.radius, q.radius) < kAlike * min(p.radius, q.radius);
     bool splitP = both || (p.child != 0u && (q.child == 0u || p.radius >= q.radius)), splitQ = both || !splitP;
     [[dont_unroll]] for (uint k = 0u; k < (splitP ? 2u : 1u); ++k)
         [[dont_unroll]] for (uint l = 0u; l < (splitQ ? 2u : 1u); ++l) {

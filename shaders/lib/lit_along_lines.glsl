@@ -19,13 +19,13 @@ vec2 longest() {
             vec2 d = piece[k] - piece[m];
             best = dot(d, d) > dot(best, best) ? d : best;
         }
-    return best / max(length(best), 1e-30);
+    return best / max(length(best), kTiny);
 }
 
 // At these heights across `along`.
 Chords chordsAt(vec2 along, vec4 height) {
     vec2 across = vec2(-along.y, along.x), a = piece[pieceCorners - 1];
-    vec4 from = vec4(1e30), to = vec4(-1e30);
+    vec4 from = vec4(kHuge), to = vec4(-kHuge);
     NO_UNROLL for (int k = 0; k < pieceCorners; ++k) {
         vec2 b = piece[k];
         vec4 ha = dot(across, a) - height, hb = dot(across, b) - height;
@@ -85,7 +85,7 @@ uvec4 hiddenOf(Frame f, Origin o, vec3 point, uint firstListed, uint listed, Cho
 // `inner` is the piece's number: pairs that share a point must not err alike.
 float litShareAlongLines(Frame f, Origin o, vec3 point, vec3 normal, uint inner, uint firstListed, uint listed,
                          uint fours) {
-    vec2 along = longest(), across = vec2(-along.y, along.x), range = vec2(1e30, -1e30);
+    vec2 along = longest(), across = vec2(-along.y, along.x), range = vec2(kHuge, -kHuge);
     NO_UNROLL for (int k = 0; k < pieceCorners; ++k)
         range = vec2(min(range.x, dot(across, piece[k])), max(range.y, dot(across, piece[k])));
     uint seed = hashOf(floatBitsToUint(point.x) ^
@@ -111,7 +111,7 @@ float litShareAlongLines(Frame f, Origin o, vec3 point, vec3 normal, uint inner,
                  pz = away.z + x * f.u.z + y * f.v.z;
             vec4 r2 = px * px + py * py + pz * pz;
             vec4 w = chord * max(vec4(0.0), normal.x * px + normal.y * py + normal.z * pz) * abs(flat_) /
-                     max(r2 * r2, vec4(1e-30));
+                     max(r2 * r2, vec4(kTiny));
             if (four < fours) all += 2.0 * dot(w, vec4(1.0));
             if (four < fours) lit += dot(w, 2.0 - vec4(bitCount(hidden >> bit & 3u)));
             bit += 2u;

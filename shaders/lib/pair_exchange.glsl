@@ -11,6 +11,9 @@
 const float kPairFlat = 1e-6; // heights below this share of the distance are rounding errors
 const float kPairRounded = 2e-7; // and below this share of the longest edge, as at corners that both share
 const float kPairNear = 0.15;  // sizes over distance from which the product rule is left
+const float kPairProductError = 0.005; // of the product rule, relative, times the cube of size over distance
+const float kPairLeast = 3e-4;         // of all others, relative
+const float kPairParallel = 1e-4;      // squared sine of lines that do not pass one over the other
 
 struct Triangle {
     vec3 a, rest; // a corner, and what of it float32 leaves out
@@ -33,7 +36,7 @@ float logAlong(vec3 from, vec3 unit, float size, float less) {
     float d2 = dot(across, across), d = sqrt(d2);
     float turn = d2 + t0 * t1, rise = d * size;
     float angle = d > 0.0 ? angleOf(rise, turn) : 0.0;
-    return 0.5 * (t1 * log(max(d2 + t1 * t1, 1e-30)) - t0 * log(max(d2 + t0 * t0, 1e-30))) - size + d * (angle - less);
+    return 0.5 * (t1 * log(max(d2 + t1 * t1, kTiny)) - t0 * log(max(d2 + t0 * t0, kTiny))) - size + d * (angle - less);
 }
 
 // int sqrt(h^2 + x^2) from 0 to x >= 0.
@@ -49,7 +52,7 @@ bool passesOver(vec3 from, vec3 along, float length_, vec3 start, vec3 unit, flo
     vec3 a = along / length_, w = from - start, n = cross(a, unit);
     float c = dot(a, unit), s2 = dot(n, n), aw = dot(a, w), uw = dot(unit, w);
     float s = (c * uw - aw) / s2, t = (uw - c * aw) / s2, sine = sqrt(s2), height = abs(dot(n, w)) / sine;
-    bool over = s2 > 1e-4 && s > 0.0 && s < length_ && t > 0.0 && t < size;
+    bool over = s2 > kPairParallel && s > 0.0 && s < length_ && t > 0.0 && t < size;
     integral = over ? kPi * (slantAlong(height, sine * (length_ - s)) + slantAlong(height, sine * s)) / sine : 0.0;
     return over;
 }
@@ -127,7 +130,7 @@ vec2 bordersIntegral(vec3 p[4], vec3 q[4], uint panels) {
             sum.x += kPairWeights[node] * line;
             coefficients += line * (lower ? vec4(1.0, -1.0, 1.0, -1.0) : vec4(1.0)) * kPairLegendre[node];
             if (k % 8u == 7u) {
-                float last = length(coefficients.zw), ratio = min(1.0, last / max(length(coefficients.xy), 1e-30));
+                float last = length(coefficients.zw), ratio = min(1.0, last / max(length(coefficients.xy), kTiny));
                 sum.y += kPairErrorOfLast * last * ratio * ratio;
                 coefficients = vec4(0.0);
             }
@@ -207,7 +210,7 @@ vec2 pairExchange(Triangle one, Triangle other, float allowed, const bool nearOn
         [[dont_unroll]] for (uint panels = 1u; panels <= kPairMostPanels && !uneven && borders.y > wanted; panels *= 4u)
             borders = bordersIntegral(partP, partQ, panels);
         result = uneven ? areaA * mean + areaB * rest : max(0.0, borders.x);
-        error = max(3e-4 * result, uneven ? 0.0 : borders.y + rounding);
+        error = max(kPairLeast * result, uneven ? 0.0 : borders.y + rounding);
     } else {
         float sum = 0.0;
         for (int k = 0; k < 3; ++k) {
@@ -216,8 +219,8 @@ vec2 pairExchange(Triangle one, Triangle other, float allowed, const bool nearOn
                 sum += kernelBetween(x, p.normal, (cq[0] + cq[1] + cq[2]) / 6.0 + 0.5 * cq[l], q.normal);
         }
         result = sum * p.area * q.area * unit * unit * unit * unit / 9.0;
-        float relative = longest / max(distance_, 1e-30);
-        error = result * 0.005 * relative * relative * relative;
+        float relative = longest / max(distance_, kTiny);
+        error = result * kPairProductError * relative * relative * relative;
     }
     return facing ? vec2(result, error) / (unit * unit) : vec2(0.0);
 }

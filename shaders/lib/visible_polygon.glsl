@@ -28,19 +28,18 @@ vec3 lift(Frame f, vec2 p) { return f.origin + p.x * f.u + p.y * f.v; }
 vec3 lineOf(Frame f, vec3 normal, vec3 onPlane) {
     vec3 d = f.origin - onPlane, line = vec3(dot(normal, f.u), dot(normal, f.v), dot(normal, d));
     float size = length(line.xy);
-    if (size > 1e-6) return line / size;
-    return vec3(0.0, 0.0, abs(line.z) <= 1e-6 * length(d) ? 0.0 : sign(line.z) * 1e30);
+    if (size > kParallel) return line / size;
+    return vec3(0.0, 0.0, abs(line.z) <= kParallel * length(d) ? 0.0 : sign(line.z) * kHuge);
 }
 
 float at(vec3 line, vec2 p) { return dot(line.xy, p) + line.z; }
 
-// How far lines may be from where they should be: angles are good to about 1e-7, so lines to that share of the
-// distance. A line this near to the piece's border does not cross it.
-float nearness(Frame f, vec3 point, float size) { return 5e-7 * (length(f.origin - point) + size); }
+// How far lines may be from where they should be. A line this near to the piece's border does not cross it.
+float nearness(Frame f, vec3 point, float size) { return kBorder * (length(f.origin - point) + size); }
 
 // Extent of the piece across a line; rounding errors count as touching.
 vec2 extent(vec3 line, float flatness) {
-    vec2 range = vec2(1e30, -1e30);
+    vec2 range = vec2(kHuge, -kHuge);
     NO_UNROLL for (int k = 0; k < pieceCorners; ++k) {
         float d = at(line, piece[k]);
         range = vec2(min(range.x, d), max(range.y, d));
@@ -138,7 +137,6 @@ struct Stretch {
 };
 
 const uint kPiece = 0xffffffffu;
-const float kLeft = 2e-6; // a smaller share of a piece is what rounding leaves over
 
 // Narrows `range` to where a line is positive. Where a stretch runs along the line, whoever comes first counts it when
 // both shadows lie on one side of it, nobody when they meet there.
@@ -148,12 +146,12 @@ vec2 narrow(vec2 range, Stretch s, vec3 line, uint rank, float near) {
     if (max(abs(ends.x), abs(ends.y)) <= near) {
         bool sameSide = dot(line.xy, s.inward) > 0.0;
         bool inside = s.rank == kPiece ? sameSide : !sameSide || rank < s.rank;
-        return inside ? range : vec2(1e30, -1e30);
+        return inside ? range : vec2(kHuge, -kHuge);
     }
     float t = -d / slope; // infinite, or no number where d is zero too, which `near` has caught
     if (slope > 0.0) range.x = max(range.x, t);
     if (slope < 0.0) range.y = min(range.y, t);
-    return slope == 0.0 && d < 0.0 ? vec2(1e30, -1e30) : range;
+    return slope == 0.0 && d < 0.0 ? vec2(kHuge, -kHuge) : range;
 }
 
 // Border number k of the union of shadows within the piece: the piece's own edges, then the shadows' lines.
@@ -191,7 +189,7 @@ void listBorders(float size, float near) {
             float d = dot(inward, s.from - a), slope = dot(inward, s.along), t = -d / slope;
             if (slope > 0.0) range.x = max(range.x, t);
             if (slope < 0.0) range.y = min(range.y, t);
-            if (slope == 0.0 && d < 0.0) range = vec2(1e30, -1e30);
+            if (slope == 0.0 && d < 0.0) range = vec2(kHuge, -kHuge);
             a = b;
         }
         firstOfOwner = owner[firstOfOwner] == s.rank ? firstOfOwner : w;
@@ -255,7 +253,7 @@ float sweep(Stretch s, float t, bool covered, bool wanted) {
 
 // Twice pi times the form factor of the union of the listed shadows within the piece.
 float shadowSum(Frame f, vec3 point, vec3 normal, float size) {
-    float sum = 0.0, near = nearness(f, point, size), t = -1e30; // along border number k
+    float sum = 0.0, near = nearness(f, point, size), t = -kHuge; // along border number k
     vec3 apex = lift(f, piece[0]) - point;
     listBorders(size, near);
     int k = 0;
@@ -269,7 +267,7 @@ float shadowSum(Frame f, vec3 point, vec3 normal, float size) {
             findSpans(s, near);
             float reached = sweep(s, max(t, s.range.x), s.rank == kPiece, more);
             bool done = more && reached >= s.range.y;
-            t = !more ? t : done ? -1e30 : reached;
+            t = !more ? t : done ? -kHuge : reached;
             k += done ? 1 : 0;
             more = more && k < borderCount && segmentCount < kSegmentCap;
         } while (subgroupAny(more));
