@@ -18,4 +18,10 @@ inline std::optional<double> numberFrom(std::string_view text) {
     return value;
 }
 
+// The same with one leading + allowed, as files have it that spreadsheets and other programs write.
+inline std::optional<double> signedNumberFrom(std::string_view text) {
+    if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
+    return numberFrom(text);
+}
+
 } // namespace heliodon::geometry

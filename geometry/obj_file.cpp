@@ -72,9 +72,8 @@ public:
     }
 
     double number(const char* expected) {
-        std::string_view text = word();
-        if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
-        const std::optional<double> value = numberFrom(text);
+        const std::string_view text = word();
+        const std::optional<double> value = signedNumberFrom(text);
         if (!value)
             fail(text.empty() ? fmt::format("ends early, expected {}", expected)
                               : fmt::format("\"{}\" is not a finite number, expected {}", text, expected));

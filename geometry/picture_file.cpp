@@ -11,10 +11,16 @@ namespace heliodon::geometry {
 
 namespace {
 
+// By its place: a search path of the program's own is not followed under the address sanitizer.
+std::filesystem::path moduleFile() {
+    const auto folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+    const auto built = folder / HELIODON_PICTURE_CODECS;
+    return std::filesystem::exists(built) ? built
+                                          : folder / HELIODON_INSTALLED_FOLDER / HELIODON_PICTURE_CODECS;
+}
+
 const PictureCodecs& load() {
-    // By its place: a search path of the program's own is not followed under the address sanitizer.
-    const std::filesystem::path file =
-        std::filesystem::read_symlink("/proc/self/exe").replace_filename(HELIODON_PICTURE_CODECS);
+    const std::filesystem::path file = moduleFile();
     void* module = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL); // never closed: the libraries stay in use
     const auto* codecs =
         module ? static_cast<const PictureCodecs*>(dlsym(module, "heliodonPictureCodecs")) : nullptr;

@@ -147,7 +147,8 @@ vec2 overPiece(vec3 corner, vec3 u, vec3 v, float limit, out bool turned) {
         }
         if (k == 7u && end == 7u) {
             result.x = kRadonNearWeight * sums.y + kRadonFarWeight * sums.x + kRadonCentreWeight * sums.z;
-            result.y = max(max(abs(result.x - byNear), abs(result.x - byFar)), kSevenError * kLeastError * (range.y - range.x));
+            result.y = max(max(abs(result.x - byNear), abs(result.x - byFar)),
+                           kSevenError * kLeastError * (range.y - range.x));
         }
     } while (subgroupAny(k < end));
     open_ = open;

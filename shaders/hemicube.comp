@@ -21,8 +21,8 @@ layout(push_constant, scalar) uniform Push { HemicubeParams params; };
 
 const uint kSizes = 4u; // classes of triangles by the pixels that they cover
 const float kOutside = 1e9; // pixels: beyond every picture
-// Pixels: lines and edges are known to less. What lies on an edge counts for both sides: a crack would lose light, a tie
-// is settled by depth and number.
+// Pixels: lines and edges are known to less. What lies on an edge counts for both sides: a crack would lose light, a
+// tie is settled by depth and number.
 const float kLineSlack = 1e-3, kEdgeSlack = 1e-4;
 const float kMostDepth = 16777216.0; // steps that float32 tells apart
 // Of sheets without thickness the front is seen, whatever rounding makes of both depths: the back lies deeper.

@@ -1,5 +1,5 @@
-// Loops of as many turns as asked for, and whether lib/loop_limit.glsl finds that they were cut short: by it tests prove
-// that no device ends them unnoticed.
+// Loops of as many turns as asked for, and whether lib/loop_limit.glsl finds that they were cut short: by it tests
+// prove that no device ends them unnoticed.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require

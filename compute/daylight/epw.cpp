@@ -72,11 +72,6 @@ Cells splitCells(std::string_view line) {
     }
 }
 
-std::optional<double> numberFrom(std::string_view text) {
-    if (text.starts_with('+')) text.remove_prefix(1);
-    return geometry::numberFrom(text);
-}
-
 // One line of the file with its place for messages.
 struct Line {
     const std::string& file;
@@ -90,7 +85,7 @@ struct Line {
     double value(size_t field, const char* name) const {
         if (field >= cells.size())
             refuse(fmt::format("has {} fields, expected at least {} ({})", cells.size(), field + 1, name));
-        const auto value = numberFrom(cells[field]);
+        const auto value = geometry::signedNumberFrom(cells[field]);
         if (!value)
             refuse(fmt::format("field {} ({}) is '{}', expected a number", field + 1, name,
                                cells[field].substr(0, 30)));
@@ -126,9 +121,9 @@ struct Period {
 std::optional<Date> monthAndDay(std::string_view text) {
     const size_t slash = text.find('/');
     if (slash == text.npos) return std::nullopt;
-    const auto month = numberFrom(trim(text.substr(0, slash)));
+    const auto month = geometry::signedNumberFrom(trim(text.substr(0, slash)));
     std::string_view rest = text.substr(slash + 1);
-    const auto day = numberFrom(trim(rest.substr(0, rest.find('/'))));
+    const auto day = geometry::signedNumberFrom(trim(rest.substr(0, rest.find('/'))));
     if (!month || !day || *month < 1 || *month > 12 || *day < 1 ||
         *day > daysInMonth(2000, static_cast<int>(*month)))
         return std::nullopt;
@@ -137,8 +132,8 @@ std::optional<Date> monthAndDay(std::string_view text) {
 
 // DATA PERIODS,n,records an hour,{name,week day,first,last} n times.
 std::vector<Period> dataPeriods(const Line& line, EpwFile& epw) {
-    const auto count = line.cells.size() > 1 ? numberFrom(line.cells[1]) : std::nullopt;
-    const auto perHour = line.cells.size() > 2 ? numberFrom(line.cells[2]) : std::nullopt;
+    const auto count = line.cells.size() > 1 ? geometry::signedNumberFrom(line.cells[1]) : std::nullopt;
+    const auto perHour = line.cells.size() > 2 ? geometry::signedNumberFrom(line.cells[2]) : std::nullopt;
     if (perHour && (*perHour < 1 || *perHour > 60 || std::fmod(60.0, *perHour) != 0))
         line.refuse(fmt::format("field 3 (records per hour) is {:g}, expected a divisor of 60", *perHour));
     epw.recordsPerHour = perHour ? static_cast<int>(*perHour) : 1;
@@ -185,7 +180,7 @@ void readComment(std::string_view text, EpwFile& epw) {
     const size_t colon = text.find_first_of(":=", at);
     if (colon == text.npos) return;
     text = text.substr(colon + 1);
-    const auto hours = numberFrom(trim(text.substr(0, text.find(','))));
+    const auto hours = geometry::signedNumberFrom(trim(text.substr(0, text.find(','))));
     if (hours && std::abs(*hours) <= 2) epw.irradianceOffsetHours = *hours;
 }
 
@@ -211,7 +206,7 @@ Stamp readStamp(const Line& line) {
     if (clock.cells.size() > 3)
         while (clock.cells[3].ends_with(":00")) clock.cells[3].remove_suffix(3);
     stamp.hour = clock.whole(3, "hour", 0, 24);
-    stamp.fullHour = line.cells.size() > 4 && numberFrom(line.cells[4]) == 0.0;
+    stamp.fullHour = line.cells.size() > 4 && geometry::signedNumberFrom(line.cells[4]) == 0.0;
     return stamp;
 }
 
@@ -331,7 +326,7 @@ EpwFile readEpw(const std::filesystem::path& path) {
             if (content.starts_with("COMMENTS")) readComment(content, epw);
             if (line.cells[0] == "DATA PERIODS")
                 sequence.emplace(dataPeriods(line, epw), epw.recordsPerHour);
-            else if (numberFrom(line.cells[0]))
+            else if (geometry::signedNumberFrom(line.cells[0]))
                 line.refuse("a record before the line DATA PERIODS");
         } else {
             const Stamp stamp = readStamp(line);
