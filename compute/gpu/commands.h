@@ -32,7 +32,9 @@ public:
     VkCommandBuffer handle() const { return buffer_; }
     Device& device() const { return *device_; }
 
-    // Resources follow the order of the shader's binding numbers; `params` is its push-constant block.
+    // Resources follow the order of the shader's binding numbers; `params` is its push-constant block. No
+    // groups along an axis: nothing is recorded. Throws Error, with the shader's name or the binding's, where
+    // the device allows no such dispatch or a resource does not fit.
     template<class Params>
     void dispatch(const Kernel& kernel, std::initializer_list<Binding> resources, const Params& params,
                   uint32_t groupsX, uint32_t groupsY = 1, uint32_t groupsZ = 1) {
@@ -48,10 +50,12 @@ public:
     // Moves all layers of an image to `layout`; `from` UNDEFINED discards the content.
     void transition(const Image& image, VkImageLayout from, VkImageLayout to, Stage before, Stage after);
 
+    // Ranges lie within their buffers and do not overlap; zero bytes are allowed.
     void copy(const Buffer& from, size_t fromOffset, const Buffer& to, size_t toOffset, size_t bytes);
     // Rows of `rowBytes`, `fromStride` and `toStride` bytes apart.
     void copyRows(const Buffer& from, size_t fromStride, const Buffer& to, size_t toOffset, size_t toStride,
                   size_t rowBytes, size_t rows);
+    // `offset` and `bytes` in whole words; from `offset` to the end where no count is given.
     void fill(const Buffer& buffer, uint32_t word, size_t offset = 0, size_t bytes = VK_WHOLE_SIZE);
 
 private:

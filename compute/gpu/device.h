@@ -74,14 +74,16 @@ public:
     // Ends `commands` and hands it to the queue. The ticket grows with each submission. `written`, of
     // presentation, is signalled beside the timeline.
     uint64_t submit(Commands&& commands, VkSemaphore written = VK_NULL_HANDLE);
+    // Waits for it and all before it. Throws Error, deviceLost() where the device failed.
     void wait(uint64_t ticket);
-    bool finished(uint64_t ticket);
+    bool finished(uint64_t ticket);          // without waiting
     void submitAndWait(Commands&& commands); // submit + wait
     void waitIdle();
 
     // Calls `release` once everything submitted so far, or being recorded now, has finished on the device.
     void retire(std::function<void()> release);
 
+    // For validation messages and debuggers; nothing without validation.
     void setName(VkObjectType type, uint64_t object, const std::string& name) const;
 
     // Ticket of the latest submission; 0 when there was none.

@@ -24,7 +24,8 @@ class Buffer;
 class Device;
 class Image;
 
-// One resource for one binding. Buffers convert implicitly; `texel` and `part` say more.
+// One resource for one binding. Buffers and images convert implicitly; `texel`, `part` and `sampled` say
+// more. Refers to what it is made of.
 struct Binding {
     Binding(const Buffer& b) : buffer(&b) {}
     Binding(const Image& i) : image(&i) {}
@@ -36,13 +37,14 @@ struct Binding {
     VkFormat format = VK_FORMAT_UNDEFINED;          // of texel buffers
     size_t offset = 0, bytes = VK_WHOLE_SIZE;       // of `buffer`
 };
+// From byte `offset`, `bytes` on; both kinds of buffer begin at multiples of what the device's limits say.
 Binding texel(const Buffer& buffer, VkFormat format, size_t offset = 0, size_t bytes = VK_WHOLE_SIZE);
 Binding part(const Buffer& buffer, size_t offset, size_t bytes);
 Binding sampled(const Image& image, VkSampler sampler,
                 VkImageLayout layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
 
-// Throws Error, which names the shader, where a module needs more than that; Vulkan promises 4 storage
-// buffers a stage and 128 invocations a group, and several kernels need more.
+// Throws Error, which names the shader, where a module needs more than the limits allow: Vulkan promises 4
+// storage buffers a stage and 128 invocations a group, and several kernels need more.
 void checkLimits(const SpirvModule& module, const VkPhysicalDeviceLimits& limits, const std::string& name);
 
 // Layout of set 0 + push constants of one or several stages. Shared by kernels and graphics pipelines.
@@ -89,9 +91,12 @@ struct SpecializationData {
     VkSpecializationInfo info{};
 };
 
+// Move-only; goes to the device's retire queue when dropped, so it may be dropped while it is in use.
 class Kernel {
 public:
-    Kernel() = default;
+    Kernel() = default; // none: only to be assigned to
+    // Compiles, which is slow (see KernelCache); `spirv` is not needed afterwards. Throws Error where the
+    // device lacks what the shader needs, and for a constant that it does not have.
     Kernel(Device& device, std::span<const uint32_t> spirv, const std::string& name,
            const Specialization& values = {});
     Kernel(Kernel&& other) noexcept { *this = std::move(other); }
