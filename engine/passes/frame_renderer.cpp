@@ -327,7 +327,6 @@ gpu::Commands FrameRenderer::State::recordProjectors(const compute::Lighting& li
         params.blackLevel = static_cast<float>(projector.blackLevel);
         params.gamma = hdr ? 0 : gammaOf(projector);
         params.outputWidth = static_cast<uint32_t>(projector.width);
-        params.outputHeight = static_cast<uint32_t>(projector.height);
         scenePass.record(commands, output.scene, projectorInputs(i, sun, illuminance));
         const auto kind = hdr                ? DisplayTarget::Kind::float32
                           : params.gamma > 0 ? DisplayTarget::Kind::unorm8
@@ -380,7 +379,6 @@ Output& FrameRenderer::State::drawView(const compute::Lighting& light, View view
     const float scale = quantity == Quantity::picture ? 1e-3f / std::exchange(params.white, 1.0f) : 1e-3f;
     const std::optional<SunDraw> sun = prepareLight(model->all, light, quantity, scale);
     params.outputWidth = static_cast<uint32_t>(previewOutput->view.outputWidth);
-    params.outputHeight = static_cast<uint32_t>(previewOutput->view.outputHeight);
     gpu::Commands commands(*device);
     scenePass.record(commands, previewOutput->scene, previewInputs(previewOutput->view, sun, quantity));
     displayPass.record(

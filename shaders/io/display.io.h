@@ -16,7 +16,6 @@ struct DisplayParams {
     float gamma;      // of the display; 0: the attachment encodes sRGB
     float falseLow;   // log10 lux at both ends of the scale
     float falseHigh;
-    uint outputWidth;
-    uint outputHeight;
+    uint outputWidth; // pixels of a row of the warp
 };
 IO_END

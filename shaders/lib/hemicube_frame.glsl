@@ -13,14 +13,6 @@ vec3 toFace(vec3 p, uint face) {
     return vec3(p.x, p.z, -p.y);
 }
 
-vec3 fromFace(vec3 q, uint face) {
-    if (face == 0u) return q;
-    if (face == 1u) return vec3(q.z, q.x, q.y);
-    if (face == 2u) return vec3(-q.z, -q.x, q.y);
-    if (face == 3u) return vec3(-q.x, q.z, q.y);
-    return vec3(q.x, -q.z, q.y);
-}
-
 Frame frameOf(uvec4 v0, uvec4 v1, uvec4 v2) { // a viewpoint's texels, shaders/io/hemicube.io.h
     Frame frame;
     frame.origin = uintBitsToFloat(v0.xyz);
