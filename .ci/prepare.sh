@@ -10,7 +10,7 @@ build_packages=(
     libimgui-dev libstb-dev fonts-dejavu-core libaravis-dev libusb-1.0-0-dev
 )
 test_packages=(
-    libgtest-dev libbenchmark-dev vulkan-validationlayers xvfb xauth mold
+    libgtest-dev vulkan-validationlayers xvfb xauth mold
 )
 
 say() { printf '\n== %s\n' "$*"; }
