@@ -16,7 +16,7 @@ struct ClusterScene {
     PatchTree tree;
     Bvh blockers; // of compute/convex_regions.h; nodeCount 0: nothing can stand between two patches
     uint32_t blockerCount = 0; // regions
-    double diagonal = 0;       // of the mesh, metres: rays begin anywhere in it, far from few small blockers, too
+    double diagonal = 0; // of the mesh, metres: rays begin anywhere in it, far from few small blockers, too
     gpu::Buffer nodes, leaves; // texels of shaders/io/hierarchical.io.h
 };
 

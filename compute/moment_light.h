@@ -29,8 +29,8 @@ struct MomentScene {
     const SensorGather& sensors;
     const SlatLobes& slats;
     FormFactorOperator& factors;
-    double rowError; // of form factors
-    bool grey;       // one column stands for three
+    double rowError;                 // of form factors
+    bool grey;                       // one column stands for three
     std::span<const float> skyError; // per patch, PatchSky; empty without openings
 };
 

@@ -170,8 +170,8 @@ private:
         bool turned;            // over
     };
 
-    // The smallest one of the triangle from p to a side. Twice the area over the dot product of the sides at a
-    // corner is the tangent of the angle there: the largest dot product belongs to the smallest angle.
+    // The smallest one of the triangle from p to a side. Twice the area over the dot product of the sides at
+    // a corner is the tangent of the angle there: the largest dot product belongs to the smallest angle.
     static Angle smallestAngle(const Side& side, glm::dvec2 p) {
         const glm::dvec2 u = p - side.from;
         const double along = glm::dot(side.run, u), twice = cross(side.run, u);

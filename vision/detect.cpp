@@ -208,7 +208,8 @@ private:
             if (skylight.detection.confidence < kAllEdges)
                 doubt(skylight.detection, "read as a skylight, but its edges are not straight all round");
             else if (std::max(off.x, off.y) < kAsChip)
-                doubt(skylight.detection, "read as a skylight, but as large as the chip of a token: is it one?");
+                doubt(skylight.detection,
+                      "read as a skylight, but as large as the chip of a token: is it one?");
         }
         for (const auto& wall : out_.sketch.walls) warnOfFadedPaint(wall);
         for (const auto& arc : out_.sketch.arcs) warnOfFadedPaint(arc);

@@ -52,8 +52,7 @@ std::optional<PictureTurn> pictureTurn(const std::vector<geometry::Wall>& walls,
         std::vector<geometry::Wall> there = walls;
         for (geometry::Wall& wall : there) {
             const double height = geometry::heightInches(wall.heightClass);
-            for (glm::dvec2* end : {&wall.a, &wall.b})
-                *end = turned.plan(view.pixel(*end, height), height);
+            for (glm::dvec2* end : {&wall.a, &wall.b}) *end = turned.plan(view.pixel(*end, height), height);
         }
         const auto clear = clearness(there, {image, turned, options, radius});
         if (clear && *clear > most) best = turn, most = *clear;

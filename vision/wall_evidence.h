@@ -53,8 +53,8 @@ public:
     Line endsOf(const geometry::Wall& wall) const;
     Line endsOf(const geometry::Arc& arc) const;
 
-    // Places a little beyond those of its ends past which a strip goes on, as bright over what is beside it as
-    // the ends are.
+    // Places a little beyond those of its ends past which a strip goes on, as bright over what is beside it
+    // as the ends are.
     Line goesOnTo(const geometry::Wall& wall) const;
     Line goesOnTo(const geometry::Arc& arc) const;
 

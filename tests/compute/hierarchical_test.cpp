@@ -279,16 +279,17 @@ TEST(Hierarchical, needles_do_not_stand_in_their_own_light) {
     }
 }
 
-// Rays that come from walls 7 m away end on a die of 1 cm to within half a micrometre, far more than the die alone, the
-// only blocker, would have rounded: they must not find it in their way.
+// Rays that come from walls 7 m away end on a die of 1 cm to within half a micrometre, far more than the die
+// alone, the only blocker, would have rounded: they must not find it in their way.
 TEST(Hierarchical, small_blockers_in_a_hall_do_not_stand_in_their_own_light) {
     geometry::PatchMesh mesh = test::boxRoom({.low = {0, 0, 0}, .high = {10, 4, 10}, .cells = {1, 1, 1}});
     const size_t room = mesh.vertices.size(), patches = mesh.patchCount();
     test::addBox(mesh, {.low = {4.3, 0.6, 5.1}, .high = {4.311, 0.609, 5.112}, .cells = {1, 1, 1}});
     for (size_t k = room; k < mesh.vertices.size(); ++k) { // so that its faces lie across the axes
         const glm::dvec3 p = mesh.vertices[k] - glm::dvec3(4.3, 0.6, 5.1);
-        mesh.vertices[k] = glm::dvec3(4.3, 0.6, 5.1) + (p.x * glm::dvec3(2, 3, 6) + p.y * glm::dvec3(3, -6, 2) +
-                                                        p.z * glm::dvec3(6, 2, -3)) / 7.0;
+        mesh.vertices[k] =
+            glm::dvec3(4.3, 0.6, 5.1) +
+            (p.x * glm::dvec3(2, 3, 6) + p.y * glm::dvec3(3, -6, 2) + p.z * glm::dvec3(6, 2, -3)) / 7.0;
     }
     for (size_t i = patches; i < mesh.patchCount(); ++i) {
         const auto corners = mesh.corners.begin() + static_cast<long>(mesh.firstCorner[i]);

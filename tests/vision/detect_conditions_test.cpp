@@ -399,7 +399,8 @@ TEST(DetectConditions, says_that_the_table_is_not_where_the_rig_has_it) {
 }
 
 TEST(DetectConditions, says_that_the_picture_was_mirrored) {
-    geometry::Rig rig = exampleRig(); // its camera, four inches aside, and the table where it was in the picture
+    geometry::Rig rig =
+        exampleRig(); // its camera, four inches aside, and the table where it was in the picture
     geometry::OpticalDevice& camera = rig.camera;
     const glm::dvec3 aside = camera.deviceFromWorld * glm::dvec3(4 * geometry::kMetresPerInch, 0, 0);
     camera.translation -= aside;
