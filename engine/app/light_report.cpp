@@ -51,9 +51,8 @@ void refuseAllOutside(const std::filesystem::path& file, const SensorTable& sens
 
 void warnOfSensorsOutside(Run& run, const std::vector<size_t>& outside, size_t count) {
     if (outside.empty()) return;
-    run.warn(fmt::format("{} of {} sensors lie in no room and stay dark: row{} {}, counted from 0{}",
-                         outside.size(), count, outside.size() == 1 ? "" : "s", firstFew(outside, 5),
-                         outside.size() == count ? "; expected the model's units and axes" : ""));
+    run.warn(fmt::format("{} of {} sensors lie in no room and stay dark: row{} {}, counted from 0",
+                         outside.size(), count, outside.size() == 1 ? "" : "s", firstFew(outside, 5)));
 }
 
 void reportFormFactors(Run& run, size_t patches, const compute::FormFactorReport& report) {
