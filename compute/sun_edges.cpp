@@ -63,6 +63,13 @@ HowMuchNearer ofThisProcessor() {
     return narrow;
 }
 
+// Form factor of a patch with nothing before it.
+double openFactorOf(const geometry::PatchMesh& mesh, const PointView& view, uint32_t patch) {
+    std::vector<glm::dvec3> polygon, above;
+    for (const uint32_t v : mesh.patch(patch)) polygon.push_back(mesh.vertices[v]);
+    return view.openFactor(polygon, above);
+}
+
 } // namespace
 
 std::vector<SunEdges::Edge> SunEdges::edgesOf(const geometry::PatchMesh& mesh,
@@ -161,9 +168,10 @@ void SunEdges::addTo(std::span<float> lux, const PointScene& scene, const PointV
         const float share = even[patch.patch];
         if (share < kFar || scene.mesh().room[patch.patch] != room) continue; // through glass: from afar
         const size_t end = edgesEnd(p);
-        if (share >= kNear || isPartlyHidden(scene, view, patch.patch)) {
-            // Not what of the share is seen through windows.
-            addExactly(lux, view, patch.first, end, scene.factor(view, patch.patch), glm::vec3(1));
+        // Not what of the share is seen through windows.
+        const double straight = scene.factor(view, patch.patch);
+        if (share >= kNear || isPartlyHidden(scene.mesh(), view, patch.patch, straight)) {
+            addExactly(lux, view, patch.first, end, straight, glm::vec3(1));
         } else if (isCut(scene.mesh(), patch.patch, view)) {
             addAboveHorizon(lux, scene.mesh(), view, p, share);
         } else if (findNearer(view, p, nearer)) {
@@ -185,18 +193,16 @@ bool SunEdges::isCut(const geometry::PatchMesh& mesh, uint32_t patch, const Poin
     return std::min(-lowest, highest) > kSliver * (highest - lowest);
 }
 
-bool SunEdges::isPartlyHidden(const PointScene& scene, const PointView& view, uint32_t patch) {
-    std::vector<glm::dvec3> polygon, above;
-    for (const uint32_t v : scene.mesh().patch(patch)) polygon.push_back(scene.mesh().vertices[v]);
-    return scene.factor(view, patch) < (1 - kSliver) * view.openFactor(polygon, above);
+bool SunEdges::isPartlyHidden(const geometry::PatchMesh& mesh, const PointView& view, uint32_t patch,
+                              double straight) {
+    return straight < (1 - kSliver) * openFactorOf(mesh, view, patch);
 }
 
 void SunEdges::addAboveHorizon(std::span<float> lux, const geometry::PatchMesh& mesh, const PointView& view,
                                size_t patch, float share) const {
-    std::vector<glm::dvec3> polygon, above;
-    for (const uint32_t v : mesh.patch(patches_[patch].patch)) polygon.push_back(mesh.vertices[v]);
-    const double whole = view.openFactor(polygon, above);
+    const double whole = openFactorOf(mesh, view, patches_[patch].patch);
     if (!(whole > 0)) return;
+    std::vector<glm::dvec3> above;
     for (size_t e = patches_[patch].first; e < edgesEnd(patch); ++e) {
         double light = 0;
         for (const Edge::Part& part : parts_[e])

@@ -66,8 +66,10 @@ private:
     bool findNearer(const PointView& view, size_t patch, std::vector<float>& nearer) const;
     // Whether the view's horizon runs through it, leaving more than a sliver on both sides.
     static bool isCut(const geometry::PatchMesh& mesh, uint32_t patch, const PointView& view);
-    // Whether something stands before more than a sliver of what is above the horizon.
-    static bool isPartlyHidden(const PointScene& scene, const PointView& view, uint32_t patch);
+    // Whether something stands before more than a sliver of what is above the horizon; `straight`: form
+    // factor of what is seen.
+    static bool isPartlyHidden(const geometry::PatchMesh& mesh, const PointView& view, uint32_t patch,
+                               double straight);
     // Edges of one of patches_ that the horizon cuts: of what is above, each lit part by its form factor in
     // the open. `share`: the patch's own, of which as much is hidden from each part.
     void addAboveHorizon(std::span<float> lux, const geometry::PatchMesh& mesh, const PointView& view,

@@ -47,8 +47,7 @@ void keepOnly(ProjectorBlend& blend, uint32_t projectors);
 
 // The share of each projector at a point of a triangle, in proportion to its fade and to cos / r^2. `normal`:
 // of the surface, smooth over its facets; `centres`: of the projectors. All zero where none sees the
-// triangle. shaders/gain.frag has the same, with the
-// constants above.
+// triangle. shaders/gain.frag has the same, with the constants above.
 std::vector<double> blendShares(const ProjectorBlend& blend, size_t triangle, glm::dvec3 point,
                                 glm::dvec3 normal, std::span<const glm::dvec3> centres);
 
