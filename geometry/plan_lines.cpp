@@ -7,6 +7,7 @@
 #include <set>
 #include <tuple>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "geometry/perpendicular.h"
@@ -27,7 +28,10 @@ constexpr double kShortCut = 1.05;   // of the price of the way over an open cor
 constexpr double kSharpCorner = 2.8; // the way over an open corner: of the distance of its ends,
 constexpr double kLongCorner = 4;    // or inches
 constexpr double kSlanted = 1;       // inches from one side of a wall to the other along one that it ends on
-constexpr double kParallel = 0.1;    // the sine of the angle between walls that meet in no corner
+constexpr double kOffCircle = 0.5;   // inches, and
+constexpr double kOffRadius = 0.15;  // of the radius: by which arcs of one circle may miss one another
+constexpr double kWidestTurn = 0.75 * kPi; // between them
+constexpr double kParallel = 0.1;          // the sine of the angle between walls that meet in no corner
 
 class LineBuilder {
 public:
@@ -45,6 +49,7 @@ public:
         }
         findFreeEnds();
         bridgeAlongSides();
+        bridgeAlongCircles();
         for (const WallEnd& end : freeEnds_) extend(end);
         for (const auto* ends : {&freeEnds_, &joinedEnds_})
             for (const WallEnd& end : *ends)
@@ -88,6 +93,71 @@ private:
                 alongSide_.insert({e.piece, e.atB});
                 alongSide_.insert({f.piece, f.atB});
             }
+    }
+
+    // From arc to arc of one circle, or round the rest of its own, face to face.
+    void bridgeAlongCircles() {
+        for (const WallEnd& e : freeEnds_) {
+            const WallEnd* nearest = nullptr;
+            double least = kWidestTurn;
+            for (const WallEnd& f : freeEnds_)
+                if (onOneCircle(e, f) && turnBetween(e, f) < least) {
+                    nearest = &f;
+                    least = turnBetween(e, f);
+                }
+            if (nearest) bridgeAlongCircle(e, *nearest, least);
+        }
+    }
+
+    // Where both run counter-clockwise, e is the end of the first and f the start of the second.
+    bool onOneCircle(const WallEnd& e, const WallEnd& f) const {
+        const WallPiece &p = piece(e), &q = piece(f);
+        return p.curved && q.curved && e.atB && !f.atB &&
+               std::abs(p.radius - q.radius) < kOffRadius * p.radius &&
+               std::abs(glm::length(f.middle - p.center) - p.radius) < kOffCircle &&
+               std::abs(glm::length(e.middle - q.center) - q.radius) < kOffCircle;
+    }
+
+    double turnBetween(const WallEnd& e, const WallEnd& f) const {
+        const glm::dvec2 center = 0.5 * (piece(e).center + piece(f).center), from = e.middle - center,
+                         to = f.middle - center;
+        const double turn = std::atan2(cross(from, to), glm::dot(from, to));
+        return turn < 0 ? turn + 2 * kPi : turn;
+    }
+
+    // Points at most 10 degrees apart, the distance from the centre changing evenly.
+    static std::vector<glm::dvec2> wayRound(glm::dvec2 center, glm::dvec2 from, glm::dvec2 to, double turn) {
+        const double count = std::max(1.0, std::ceil(turn / (kPi / 18))), first = glm::length(from - center),
+                     last = glm::length(to - center),
+                     start = std::atan2(from.y - center.y, from.x - center.x);
+        std::vector<glm::dvec2> points{from};
+        for (double k = 1; k < count; ++k) {
+            const double angle = start + turn * k / count, radius = glm::mix(first, last, k / count);
+            points.push_back(center + radius * glm::dvec2(std::cos(angle), std::sin(angle)));
+        }
+        points.push_back(to);
+        return points;
+    }
+
+    bool isFree(const std::vector<glm::dvec2>& way, int own) const {
+        for (size_t k = 0; k + 1 < way.size(); ++k) {
+            const double step = glm::length(way[k + 1] - way[k]);
+            if (firstHit(plan_.solids, way[k], (way[k + 1] - way[k]) / step, own) < step - kOverlap)
+                return false;
+        }
+        return true;
+    }
+
+    void bridgeAlongCircle(const WallEnd& e, const WallEnd& f, double turn) {
+        const glm::dvec2 center = 0.5 * (piece(e).center + piece(f).center);
+        const auto inner = wayRound(center, e.left, f.right, turn),
+                   outer = wayRound(center, e.right, f.left, turn);
+        if (!isFree(inner, e.piece)) return;
+        for (const auto* way : {&inner, &outer})
+            for (size_t k = 0; k + 1 < way->size(); ++k)
+                add((*way)[k], (*way)[k + 1], {.start = way->front()});
+        alongCircle_.insert({e.piece, e.atB});
+        alongCircle_.insert({f.piece, f.atB});
     }
 
     // Of a line so long that starts at 1 an inch.
@@ -138,7 +208,7 @@ private:
             if (std::min(right, left) < kLongestBridge)
                 out_.ahead.push_back({end.right, end.left, end.out, std::min(right, left) + kSlanted});
         }
-        if (piece(end).curved) continueArc(end);
+        if (piece(end).curved && !alongCircle_.contains({end.piece, end.atB})) continueArc(end);
         double sideways = 1.5;
         for (const WallEnd& other : freeEnds_)
             if (other.piece != end.piece) sideways = std::max(sideways, openCorner(end, other).sideways);
@@ -239,7 +309,7 @@ private:
     const PlanWalls& plan_;
     PlanLines out_;
     std::vector<WallEnd> freeEnds_, joinedEnds_;
-    std::set<std::pair<int, bool>> alongSide_;
+    std::set<std::pair<int, bool>> alongSide_, alongCircle_;
     std::set<std::tuple<int, double, int>> arcSteps_;
 };
 

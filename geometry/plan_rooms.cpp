@@ -36,11 +36,13 @@ constexpr double kThinCell = 0.06; // inches: cells thinner than this belong to 
 constexpr double kThinRoom = 0.8;  // inches: twice the area over the perimeter; thinner spaces are cracks
 constexpr double kLeastRoom = 2.3; // square inches: the inside of a ring 2 in across is that of a column
 constexpr double kMostOpen = 0.4;  // of the perimeter; what is more open than this is not enclosed
-constexpr double kFewestWalls = 3; // logical walls; an arc counts as one for each quarter turn
-constexpr double kTight = 0.1;     // of the perimeter: with less of it open, an arc and its chord will do
-constexpr double kStub = 0.5;      // inches: what overshoots a corner by less is no wall of the space beyond
-constexpr double kAhead = 1.2;     // of the price: what an inch of wall costs on which another one would end
-constexpr double kBeside = 0.3;    // the sine of the angle between walls that run beside one another
+// Logical walls; an arc counts as one for each quarter turn. An arc of 225 degrees has a mouth 1.3 times as
+// wide as it is deep.
+constexpr double kFewestWalls = 2.5;
+constexpr double kTight = 0.1;  // of the perimeter: with less of it open, an arc and its chord will do
+constexpr double kStub = 0.5;   // inches: what overshoots a corner by less is no wall of the space beyond
+constexpr double kAhead = 1.2;  // of the price: what an inch of wall costs on which another one would end
+constexpr double kBeside = 0.3; // the sine of the angle between walls that run beside one another
 constexpr std::array kPrices{0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.75};
 // Rings of walls of their own that leave more open: three gaps and more, none wider than the walls beside it.
 constexpr std::array kRingPrices{1.0, 1.2, 1.4, 1.6};
@@ -366,9 +368,10 @@ private:
         const std::vector<Run> outline = runs(root, id);
         const size_t n = outline.size();
         for (size_t i = 0; i < n; ++i)
-            if (outline[i].gap && (outline[i].reflex || glm::length(outline[i].to - outline[i].from) >
-                                                            std::min(outline[(i + 1) % n].length,
-                                                                     outline[(i + n - 1) % n].length)))
+            if (outline[i].gap &&
+                (outline[i].reflex ||
+                 glm::length(outline[i].to - outline[i].from) >
+                     std::min(outline[(i + 1) % n].length, outline[(i + n - 1) % n].length) + kJog))
                 return false;
         return n >= 2 * kFewestGaps;
     }
