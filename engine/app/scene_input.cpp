@@ -1,7 +1,6 @@
 #include "engine/app/scene_input.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -10,7 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "engine/app/blinds.h"
-#include "geometry/bounds.h"
+#include "engine/app/model_hints.h"
 #include "geometry/input_error.h"
 #include "geometry/mesher.h"
 #include "geometry/room_measures.h"
@@ -82,29 +81,6 @@ void reportClosure(Run& run, const geometry::ClosureReport& closure) {
     }
 }
 
-// World metres a metre of building: a model whose rooms are less than a metre high is taken for one of the
-// table's size, 12 times smaller than what it stands for.
-double modelScale(Run& run, const std::optional<double>& given, const geometry::Building& building) {
-    if (given) return 1 / *given;
-    constexpr double kLowestRoom = 1.0;   // metres: nobody works in less
-    constexpr double kHighestRoom = 30.0; // few work in higher ones: a file in other units
-    const geometry::Bounds box = geometry::boundsOf(building.vertices);
-    const double height = box.high.y - box.low.y;
-    const bool small = height < kLowestRoom;
-    const bool large = height > kHighestRoom;
-    std::string what = small ? "model 12 times smaller than its building" : "model as large as its building";
-    if (large) {
-        constexpr double kInches = 150, kCentimetres = 1000; // rooms of 4 m and 10 m
-        const auto [unit, scale] = height < kInches        ? std::pair("inches", "0.0254")
-                                   : height < kCentimetres ? std::pair("centimetres", "0.01")
-                                                           : std::pair("millimetres", "0.001");
-        what +=
-            fmt::format(", which is {:.0f} m high; for one in {} give --model-scale {}", height, unit, scale);
-    }
-    run.assume(what, small || large);
-    return small ? 1.0 / 12 : 1.0;
-}
-
 // The same fields for a model: importModel has proven its rooms closed, or refused.
 void reportImport(Run& run, const geometry::PatchMesh& mesh, const geometry::Building& building,
                   double worldPerBuilding) {
@@ -138,22 +114,6 @@ void reportImport(Run& run, const geometry::PatchMesh& mesh, const geometry::Bui
     const geometry::PaneCount panes = geometry::countPanes(mesh);
     report["n_windows"] = panes.windows;
     report["n_skylight_panes"] = panes.skylightPanes;
-}
-
-// Floors and ceilings, by name, that stand upright: the file has another axis up than was taken.
-void warnOfLying(Run& run, const geometry::PatchMesh& mesh, geometry::UpAxis up) {
-    constexpr double kLevel = 0.5, kFew = 0.1; // of a normal's height, of the area
-    double area = 0, level = 0;
-    for (size_t i = 0; i < mesh.patchCount(); ++i) {
-        std::string name = mesh.materials[mesh.material[i]].name;
-        for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-        if (name.find("floor") == std::string::npos && name.find("ceiling") == std::string::npos) continue;
-        area += geometry::patchArea(mesh, i);
-        if (std::abs(geometry::patchNormal(mesh, i).y) > kLevel) level += geometry::patchArea(mesh, i);
-    }
-    if (area > 0 && level < kFew * area)
-        run.warn(fmt::format("the model's floors and ceilings stand upright with {} up: is it --up {}?",
-                             up == geometry::UpAxis::y ? "y" : "z", up == geometry::UpAxis::y ? "z" : "y"));
 }
 
 geometry::Building importOrRefuse(Run& run, const SceneArguments& arguments, geometry::UpAxis up) {
@@ -342,7 +302,7 @@ Scene makeScene(Run& run, const SceneArguments& arguments, std::optional<geometr
     }
     if (!scene.sketch) {
         reportImport(run, scene.mesh, building, scene.worldPerBuilding);
-        warnOfLying(run, scene.mesh, scene.up);
+        warnOfLying(run, scene.mesh, scene.worldPerBuilding, scene.up);
     }
     drawBlinds(run, arguments.blinds, arguments.input.string(), scene.mesh);
     scene.occluders = std::move(building.occluders);

@@ -75,9 +75,27 @@ TEST_F(MainJob, a_model_is_taken_at_the_scale_that_is_given_or_assumed) {
     run(model);
     const double area = report("r.json")["rooms"][0]["floor_area"];
     EXPECT_EQ(report("r.json")["assumed"], "model as large as its building");
+    EXPECT_EQ(report("r.json").value("warnings", nlohmann::json::array()).dump().find("is it --up"),
+              std::string::npos);
     run(model + " --model-scale 12");
     EXPECT_FALSE(report("r.json").contains("assumed"));
     EXPECT_NEAR(report("r.json")["rooms"][0]["floor_area"].get<double>(), 144 * area, 1e-6 * area);
+}
+
+TEST_F(MainJob, a_model_on_its_side_or_in_other_units_is_said_to_seem_so) {
+    const auto saidOf = [&](const char* corners) {
+        std::ofstream(in("box.obj")) << corners
+                                     << "f 1 2 3 4\nf 8 7 6 5\nf 1 5 6 2\nf 2 6 7 3\nf 3 7 8 4\nf 4 8 5 1\n";
+        run("model " + in("box.obj") + " --triangles 100 -o " + in("m.obj") + " --report " + in("r.json"));
+        return report("r.json")["assumed"].get<std::string>() + report("r.json")["warnings"].dump();
+    };
+    const std::string lying =
+        saidOf("v 0 0 0\nv 8 0 0\nv 8 6 0\nv 0 6 0\nv 0 0 3\nv 8 0 3\nv 8 6 3\nv 0 6 3\n");
+    EXPECT_NE(lying.find("is it --up z?"), std::string::npos) << lying;
+    const std::string feet =
+        saidOf("v 0 0 0\nv 16 0 0\nv 16 9 0\nv 0 9 0\nv 0 0 14\nv 16 0 14\nv 16 9 14\nv 0 9 14\n");
+    EXPECT_NE(feet.find("in feet give --model-scale 0.3048"), std::string::npos) << feet;
+    EXPECT_EQ(feet.find("is it --up"), std::string::npos) << feet;
 }
 
 TEST_F(MainJob, render_writes_four_projector_pictures_and_a_preview) {

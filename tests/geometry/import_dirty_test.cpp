@@ -213,6 +213,33 @@ TEST(DirtyModel, faces_drawn_twice_or_without_area_are_left_out) {
     expectRooms(line, 1, 30, "left out");
 }
 
+TEST(DirtyModel, a_face_without_area_may_bridge_a_corner_on_another_edge) {
+    Polygons model = apart(room(), 0);
+    // The first face in two parts, and from one end of an edge to the other, over its middle, a face as thin.
+    const std::vector<uint32_t> whole = model.faces[0]; // 0 4 5 1 of the room: x from 0 to 4, z 3, back
+    model.vertices.emplace_back(1, 0, 3);
+    model.vertices.emplace_back(1, 0, 0);
+    model.vertices.emplace_back(2, 0, 0);
+    model.faces[0] = {whole[0], whole[1], 24, 25};
+    model.faces.push_back({25, 24, whole[2], whole[3]});
+    model.faces.push_back({whole[0], 26, whole[3]});
+    expectRooms(model, 1, 30, "left out");
+}
+
+TEST(DirtyModel, corners_in_whole_millimetres_bend_faces_which_are_divided) {
+    Polygons house; // with a gable, turned: four corners of its roof lie in no plane
+    const std::vector<glm::dvec2> gable{{0, 0}, {5, 0}, {5, 2.5}, {2.5, 4}, {0, 2.5}};
+    for (const double z : {0.0, 6.0})
+        for (const glm::dvec2 p : gable) {
+            const double x = std::cos(0.4) * p.x - std::sin(0.4) * z,
+                         y = std::sin(0.4) * p.x + std::cos(0.4) * z;
+            house.vertices.push_back(glm::round(1000.0 * glm::dvec3(x, p.y, y)) / 1000.0);
+        }
+    house.faces = {{0, 1, 2, 3, 4}, {9, 8, 7, 6, 5}};
+    for (uint32_t i = 0; i < 5; ++i) house.faces.push_back({i, i + 5, (i + 1) % 5 + 5, (i + 1) % 5});
+    expectRooms(house, 1, 97.5, "divided into triangles");
+}
+
 TEST(DirtyModel, a_copy_of_another_material_is_named) {
     const auto file = [](const std::string& copies) {
         const std::string path = written(room());

@@ -1,0 +1,22 @@
+// What a model from a file leaves open, and what it looks like: its unit, and which axis is up.
+#pragma once
+
+#include <optional>
+
+#include "engine/app/run.h"
+#include "geometry/building.h"
+#include "geometry/model_file.h"
+#include "geometry/patch_mesh.h"
+
+namespace heliodon::app {
+
+// World metres a metre of building: 1 / `given`, else what is assumed, and said: a model less than a metre
+// high is one of the table's size, 12 times smaller than what it stands for; of one whose rooms are all
+// higher than 6.5 m the unit is named that it seems to be in.
+double modelScale(Run& run, const std::optional<double>& given, const geometry::Building& building);
+
+// Warns where floors and ceilings, by name, stand upright, windows lie in a floor, or the model has the size
+// of a storey on its side: the file may have another axis up than `up`.
+void warnOfLying(Run& run, const geometry::PatchMesh& mesh, double worldPerBuilding, geometry::UpAxis up);
+
+} // namespace heliodon::app
