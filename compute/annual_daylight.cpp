@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <mutex>
 #include <numbers>
 #include <stdexcept>
 
@@ -161,18 +162,30 @@ void AnnualDaylight::addEdges(const SunHours::Block& block, const TransportParts
     });
 }
 
-// Sun straight at the sensors: sensors x hours.
-void AnnualDaylight::addBeams(std::span<const Sensor> sensors, std::span<float> sun) const {
+// Sun straight at the sensors: sensors x hours. Returns, by place in that, what edges of beams leave open.
+std::map<size_t, float> AnnualDaylight::addBeams(std::span<const Sensor> sensors,
+                                                 std::span<float> sun) const {
     const SunScene& panes = transport_.parts().sun;
     const std::span<const uint32_t> hours = suns_->skies();
+    std::map<size_t, float> open;
+    std::mutex adding;
     inParallel(hours.size(), [&](size_t k) {
         const daylight::Sky& sky = skies_[hours[k]];
         const SunPatches beam(panes, sky.sun.direction);
-        for (size_t s = 0; s < sensors.size(); ++s)
-            sun[s * skies_.size() + hours[k]] = static_cast<float>(
-                sky.sun.normalIlluminance *
-                photometric(beam.atPoint(sensors[s].position, glm::normalize(sensors[s].normal))));
+        for (size_t s = 0; s < sensors.size(); ++s) {
+            const size_t at = s * skies_.size() + hours[k];
+            const glm::dvec3 position = sensors[s].position, normal = glm::normalize(sensors[s].normal);
+            const auto lux = [&](glm::vec3 share) {
+                return static_cast<float>(sky.sun.normalIlluminance * photometric(share));
+            };
+            sun[at] = lux(beam.atPoint(position, normal));
+            if (const float unsure = lux(beam.unsureAtPoint(position, normal)); unsure > 0) {
+                const std::scoped_lock lock(adding);
+                open[at] = unsure;
+            }
+        }
     });
+    return open;
 }
 
 void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> lux, std::span<float> sun,
@@ -190,12 +203,13 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
         });
     }
     const std::vector<float> reflected = sunOf(responses);
+    std::map<size_t, float> beamEdges;
     {
         const SecondsAdded clock(report_.productSeconds);
         std::vector<float> sky(count * lit_.size());
         multiply(responses.sky, count, luminance_, sky);
         std::fill(sun.begin(), sun.end(), 0.0f);
-        addBeams(sensors, sun);
+        beamEdges = addBeams(sensors, sun);
         const TransportParts parts = transport_.parts();
         const StraightSky straight(parts.sensorSky, parts.near);
         inParallel(count, [&](size_t s) {
@@ -214,7 +228,7 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
         inParallel(lit_.size(), [&](size_t k) { straight.addTo(skies_[lit_[k]], &lux[lit_[k]], hours); });
     }
     reportOf(responses, lux.size());
-    checkAndSetErrors(lux, sun, error);
+    checkAndSetErrors(lux, sun, beamEdges, error);
     sensorsDone_ += count;
     foreseeSun(count);
     tell(kProductWork * static_cast<double>(lit_.size() * count));
@@ -265,7 +279,7 @@ std::vector<uint32_t> AnnualDaylight::checkedHours(size_t& sunless) const {
 // largest of the checked hours that no sun enters in, or where there are none, of all) and of what the sun
 // adds (their mean, weighed by light) is taken for all hours.
 void AnnualDaylight::checkAndSetErrors(std::span<const float> lux, std::span<const float> sun,
-                                       std::span<float> error) {
+                                       const std::map<size_t, float>& beamEdges, std::span<float> error) {
     const SecondsAdded clock(report_.checkSeconds);
     const size_t hours = skies_.size(), count = hours ? lux.size() / hours : 0;
     size_t sunless = 0;
@@ -278,13 +292,14 @@ void AnnualDaylight::checkAndSetErrors(std::span<const float> lux, std::span<con
         double ofSky = 0, sunError = 0, sunLight = 0;
         for (size_t k = 0; k < checked.size(); ++k) {
             const LightParts& full = moments[k].sensors[s];
-            const double there = photometric(full.total()), here = lux[s * hours + checked[k]];
-            const double bySun = error[s * hours + checked[k]];
+            const size_t at = s * hours + checked[k];
+            if (beamEdges.contains(at)) continue; // says nothing of other hours
+            const double there = photometric(full.total()), here = lux[at], bySun = error[at];
             const double mistake = static_cast<double>(full.error) + std::abs(here - there);
             // Light of the sun's beam at the sensor itself is exact in both and would hide a difference.
             const double indirect = there - photometric(full.sun);
             if (indirect > 0) {
-                const double difference = (here - sun[s * hours + checked[k]]) / indirect - 1;
+                const double difference = (here - sun[at]) / indirect - 1;
                 checkSquares_ += difference * difference;
                 ++checkCount_;
             }
@@ -298,6 +313,7 @@ void AnnualDaylight::checkAndSetErrors(std::span<const float> lux, std::span<con
                                            ofSun * static_cast<double>(error[at]));
         }
     }
+    for (const auto& [at, open] : beamEdges) error[at] += open;
     report_.checkRms = checkCount_ > 0 ? std::sqrt(checkSquares_ / checkCount_) : 0;
 }
 

@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -75,8 +76,9 @@ private:
                    float* reflected) const;
     void addEdges(const SunHours::Block& block, const TransportParts& parts,
                   std::span<float> reflected) const;
-    void addBeams(std::span<const Sensor> sensors, std::span<float> sun) const;
-    void checkAndSetErrors(std::span<const float> lux, std::span<const float> sun, std::span<float> error);
+    std::map<size_t, float> addBeams(std::span<const Sensor> sensors, std::span<float> sun) const;
+    void checkAndSetErrors(std::span<const float> lux, std::span<const float> sun,
+                           const std::map<size_t, float>& beamEdges, std::span<float> error);
     std::vector<uint32_t> checkedHours(size_t& sunless) const;
     void reportOf(const SensorResponses& responses, size_t values);
     double answerWork() const; // of a sensor

@@ -274,7 +274,7 @@ void lightSensors(const MomentScene& scene, const SolvedColumns& solved, Moment&
         const double byLobes = receive(scene, light, s, parts);
         const double bySolver = solved.exitanceError.empty() ? moment.report.radiosity.bound * most
                                                              : solverError(sensors, s, solved.exitanceError);
-        parts.error =
+        parts.error +=
             static_cast<float>(bySolver + nearError(sensors, light, s) + kSpreadShare * dot(even, spread) +
                                (scene.rowError + kBounceError) * photometric(parts.interreflected) +
                                kSensorSkyError * photometric(parts.sky + parts.ground));

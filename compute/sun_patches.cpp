@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
 
 #include "geometry/bounds.h"
 #include "geometry/clip_polygon.h"
@@ -61,6 +62,17 @@ bool inside(const Polygon& p, glm::dvec2 q) {
     for (size_t k = 0; k < p.size(); ++k)
         if (geometry::cross(p[(k + 1) % p.size()] - p[k], q - p[k]) < 0) return false;
     return true;
+}
+
+// Cautious: also of some points beyond corners.
+bool isNearOutline(const Polygon& p, glm::dvec2 q, double reach) {
+    double inwards = reach;
+    for (size_t k = 0; k < p.size() && inwards >= -reach; ++k) {
+        const glm::dvec2 side = p[(k + 1) % p.size()] - p[k];
+        const double length = glm::length(side);
+        if (length > 0) inwards = std::min(inwards, geometry::cross(side, q - p[k]) / length);
+    }
+    return inwards < reach && inwards >= -reach;
 }
 
 } // namespace
@@ -349,11 +361,9 @@ glm::dvec3 SunPatches::onOutside(size_t patch) const {
     return facing * glm::min(glm::dvec3(1), lit / whole);
 }
 
-glm::vec3 SunPatches::atPoint(glm::dvec3 position, glm::dvec3 normal) const {
-    const double cosine = glm::dot(normal, sun_);
-    if (cosine <= 0 || panes_.empty()) return glm::vec3(0);
+glm::dvec3 SunPatches::towardsSun(glm::dvec2 q, glm::dvec3 position, glm::dvec3 normal) const {
     // Moved by less than any tolerance, off the common edges of polygons, which would count twice.
-    const glm::dvec2 q = project(position) + 1e-9 * scale_ * glm::dvec2(0.6180339887, 0.4142135623);
+    q += 1e-9 * scale_ * glm::dvec2(0.6180339887, 0.4142135623);
     // Whether the ray towards the sun meets the face; its plane must lie ahead.
     const auto meets = [&](const Face& face) {
         if (q.x < face.low.x || q.x > face.high.x || q.y < face.low.y || q.y > face.high.y) return false;
@@ -370,8 +380,31 @@ glm::vec3 SunPatches::atPoint(glm::dvec3 position, glm::dvec3 normal) const {
         if (meets(pane)) through *= pane.transmittance, leaves = true;
     for (const Face& pane : entered_)
         if (leaves && meets(pane)) through *= pane.transmittance;
-    if (!leaves || std::any_of(walls_.begin(), walls_.end(), meets)) return glm::vec3(0);
-    return glm::vec3(through * cosine);
+    return leaves && std::none_of(walls_.begin(), walls_.end(), meets) ? through : glm::dvec3(0);
+}
+
+glm::vec3 SunPatches::atPoint(glm::dvec3 position, glm::dvec3 normal) const {
+    const double cosine = glm::dot(normal, sun_);
+    if (cosine <= 0 || panes_.empty()) return glm::vec3(0);
+    return glm::vec3(cosine * towardsSun(project(position), position, normal));
+}
+
+glm::vec3 SunPatches::unsureAtPoint(glm::dvec3 position, glm::dvec3 normal) const {
+    const double cosine = glm::dot(normal, sun_);
+    if (cosine <= 0 || panes_.empty()) return glm::vec3(0);
+    const double reach = glm::radians(1e-3) * scale_;
+    const glm::dvec2 middle = project(position);
+    const glm::dvec2 low = middle - reach, high = middle + reach;
+    const auto hasEdgeNear = [&](const Face& face) {
+        return !apart(low, high, face.low, face.high) && isNearOutline(face.outline, middle, reach);
+    };
+    if (std::ranges::none_of(panes_, hasEdgeNear) && std::ranges::none_of(walls_, hasEdgeNear))
+        return glm::vec3(0);
+    const glm::dvec3 here = towardsSun(middle, position, normal);
+    glm::dvec3 most(0);
+    for (const glm::dvec2 step : {glm::dvec2(reach, 0), {-reach, 0}, {0, reach}, {0, -reach}})
+        most = glm::max(most, glm::abs(towardsSun(middle + step, position, normal) - here));
+    return glm::vec3(cosine * most);
 }
 
 } // namespace heliodon::compute

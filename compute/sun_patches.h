@@ -67,6 +67,9 @@ public:
 
     // onPatches' value at a point of the air of a room with unit normal.
     glm::vec3 atPoint(glm::dvec3 position, glm::dvec3 normal) const;
+    // By how much that changes at most when the sun moves by a thousandth of a degree, or the point as far as
+    // this moves a shadow across the building: not zero at the edges of beams alone. Per channel.
+    glm::vec3 unsureAtPoint(glm::dvec3 position, glm::dvec3 normal) const;
 
 private:
     struct Face { // seen from the sun
@@ -99,6 +102,8 @@ private:
     std::vector<Piece> litPieces(const Receiver& receiver) const;
     std::vector<SunlitParts::Part> partsOf(const std::vector<Piece>& pieces, const Receiver& receiver) const;
     glm::vec3 onPatch(const Receiver& receiver, SunlitParts* partly) const;
+    // Transmittance towards the sun of a point that the sun sees at `q`; zero behind walls.
+    glm::dvec3 towardsSun(glm::dvec2 q, glm::dvec3 position, glm::dvec3 normal) const;
 
     const geometry::PatchMesh* mesh_;
     glm::dvec3 sun_, across_{0}, up_{0};

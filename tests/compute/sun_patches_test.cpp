@@ -36,6 +36,21 @@ TEST(SunPatches, all_that_enters_a_window_lands_somewhere) {
     }
 }
 
+TEST(SunPatches, a_hair_decides_at_the_edge_of_a_beam_alone) {
+    test::BoxRoom box;
+    box.isGlass = [](glm::dvec3 p) { return p.z < 1e-9 && p.x > 1 && p.x < 3 && p.y > 1 && p.y < 2; };
+    const geometry::PatchMesh mesh = test::boxRoom(box);
+    const SunPatches sun(mesh, glm::normalize(glm::dvec3(0.3, 0.5, -0.8)));
+    const glm::dvec3 up(0, 1, 0), edge(1.4, 0, 1.6), inside(1.4, 0, 1.7), corner(1 - 0.6, 0, 1.6);
+    const glm::vec3 beam = sun.atPoint(inside, up);
+    EXPECT_GT(beam.y, 0.4f);
+    EXPECT_EQ(sun.unsureAtPoint(edge, up), beam);
+    EXPECT_EQ(sun.unsureAtPoint(corner, up), beam);
+    for (const glm::dvec3 p :
+         {inside, edge + glm::dvec3(0, 0, 1e-3), edge - glm::dvec3(0, 0, 1e-3), edge + 0.1 * up})
+        EXPECT_EQ(sun.unsureAtPoint(p, up), glm::vec3(0)) << p.y << ' ' << p.z;
+}
+
 TEST(SunPatches, a_sun_behind_the_house_does_not_enter) {
     test::BoxRoom box;
     box.isGlass = [](glm::dvec3 p) { return p.z < 1e-9; };
