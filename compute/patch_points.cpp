@@ -49,8 +49,8 @@ std::vector<glm::dvec3> fanPoints(const std::vector<glm::dvec3>& corners, uint32
 
 std::vector<glm::dvec3> pointsOnPatch(const geometry::PatchMesh& mesh, size_t patch, uint32_t m) {
     if (m <= 1) return {geometry::patchCentroid(mesh, patch)};
-    std::vector<glm::dvec3> corners, result;
-    for (uint32_t v : mesh.patch(patch)) corners.push_back(mesh.vertices[v]);
+    const std::vector<glm::dvec3> corners = geometry::patchCorners(mesh, patch);
+    std::vector<glm::dvec3> result;
     if (corners.size() > 4) return fanPoints(corners, m * m);
     if (corners.size() == 3) {
         for (const glm::dvec3 w : trianglePoints(m))

@@ -45,16 +45,10 @@ void behind(std::span<const dvec3> polygon, dvec3 origin, dvec3 normal, double l
         polygon, [&](const dvec3& p) { return glm::dot(origin - p, normal) - least; }, result);
 }
 
-void cornersOf(const geometry::PatchMesh& mesh, size_t patch, std::vector<dvec3>& corners) {
-    corners.clear();
-    for (uint32_t v : mesh.patch(patch)) corners.push_back(mesh.vertices[v]);
-}
-
 // The patches of one room that the point is in front of: work(patch, corners, away).
 template<class Work>
 void forPatchesOf(const PointScene& scene, const PointView& view, uint32_t room, const Work& work) {
     const geometry::PatchMesh& mesh = scene.mesh();
-    std::vector<dvec3> corners;
     const double least = scene.blockers().tolerance();
     for (size_t j = 0; j < mesh.patchCount(); ++j) {
         const PointScene::Patch& patch = scene.patches()[j];
@@ -62,8 +56,7 @@ void forPatchesOf(const PointScene& scene, const PointView& view, uint32_t room,
         if (mesh.twin[j] != geometry::kNoTwin && isClear(mesh.materials[mesh.material[j]])) continue;
         const dvec3 away = patch.centre - view.position();
         if (-glm::dot(away, patch.normal) <= least) continue; // seen from behind, or edge-on
-        cornersOf(mesh, j, corners);
-        work(j, corners, away);
+        work(j, geometry::patchCorners(mesh, j), away);
     }
 }
 
@@ -265,9 +258,7 @@ void PointScene::seeSky(const PointView& view, uint32_t room, double angle,
 double PointScene::factor(const PointView& view, uint32_t patch) const {
     const Patch& at = patches_[patch];
     if (glm::dot(view.position() - at.centre, at.normal) <= blockers_.tolerance()) return 0;
-    std::vector<dvec3> corners;
-    cornersOf(*mesh_, patch, corners);
-    return view.factor(corners);
+    return view.factor(geometry::patchCorners(*mesh_, patch));
 }
 
 void PointScene::seePatches(const PointView& view, uint32_t room, const PatchSlopes& slopes, float* even,

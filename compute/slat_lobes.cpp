@@ -125,7 +125,6 @@ void SlatLobes::see(const PointView& view, uint32_t room, glm::vec3 times,
     if (empty()) return;
     const geometry::PatchMesh& mesh = scene_->mesh();
     std::vector<PointView::Polygon> parts;
-    std::vector<dvec3> corners;
     scene_->forRoomsSeen(view, room, [&](const PointView& seen, const RoomBeyond& beyond) {
         for (size_t w = 0; w < windows_.size(); ++w) {
             const uint32_t patch = windows_[w].patch;
@@ -133,9 +132,7 @@ void SlatLobes::see(const PointView& view, uint32_t room, glm::vec3 times,
             if (mesh.room[patch] != beyond.room ||
                 glm::dot(seen.position() - at.centre, at.normal) <= scene_->blockers().tolerance())
                 continue;
-            corners.clear();
-            for (uint32_t v : mesh.patch(patch)) corners.push_back(mesh.vertices[v]);
-            const double factor = seen.factor(corners, parts);
+            const double factor = seen.factor(geometry::patchCorners(mesh, patch), parts);
             if (factor <= 0) continue;
             std::array<double, kSlatNodes> nodes{};
             double weights = 0;

@@ -56,8 +56,7 @@ SunBounce::SunBounce(const PointScene& scene, const NearPairs& pairs)
     for (size_t i = 0; i < mesh.patchCount(); ++i) first_.push_back(first_[i] + pairs.of(i).size());
     whole_.resize(first_.back());
     inParallel(mesh.patchCount(), [&](size_t i) {
-        std::vector<dvec3> corners;
-        for (uint32_t v : mesh.patch(i)) corners.push_back(mesh.vertices[v]);
+        const std::vector<dvec3> corners = geometry::patchCorners(mesh, i);
         const std::span<const NearPairs::Pair> all = pairs.of(i);
         const PointScene::Patch& from = scene.patches()[i];
         for (size_t k = 0; k < all.size(); ++k) {

@@ -65,9 +65,8 @@ HowMuchNearer ofThisProcessor() {
 
 // Form factor of a patch with nothing before it.
 double openFactorOf(const geometry::PatchMesh& mesh, const PointView& view, uint32_t patch) {
-    std::vector<glm::dvec3> polygon, above;
-    for (const uint32_t v : mesh.patch(patch)) polygon.push_back(mesh.vertices[v]);
-    return view.openFactor(polygon, above);
+    std::vector<glm::dvec3> above;
+    return view.openFactor(geometry::patchCorners(mesh, patch), above);
 }
 
 } // namespace

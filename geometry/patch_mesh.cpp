@@ -17,6 +17,13 @@ void PatchMesh::addPatch(std::span<const uint32_t> indices, uint32_t materialInd
     twin.push_back(kNoTwin);
 }
 
+std::vector<glm::dvec3> patchCorners(const PatchMesh& mesh, size_t patch) {
+    std::vector<glm::dvec3> result;
+    result.reserve(mesh.patch(patch).size());
+    for (const uint32_t v : mesh.patch(patch)) result.push_back(mesh.vertices[v]);
+    return result;
+}
+
 glm::dvec3 patchAreaVector(const PatchMesh& mesh, size_t patch) {
     return areaVector(mesh.vertices, mesh.patch(patch));
 }

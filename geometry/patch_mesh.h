@@ -59,6 +59,9 @@ struct PatchMesh {
                   uint32_t roomId);
 };
 
+// Corners of a patch, in its order.
+std::vector<glm::dvec3> patchCorners(const PatchMesh& mesh, size_t patch);
+
 // Newell's normal with twice the area as its length; unit normal, area and centroid (area-weighted) of a
 // planar polygon.
 glm::dvec3 patchAreaVector(const PatchMesh& mesh, size_t patch);

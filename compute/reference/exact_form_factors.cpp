@@ -277,12 +277,6 @@ double polygonArea(std::span<const dvec3> polygon) {
     return length(areaVector(polygon));
 }
 
-Polygon polygonOf(const geometry::PatchMesh& mesh, size_t patch) {
-    Polygon result;
-    for (uint32_t corner : mesh.patch(patch)) result.push_back(mesh.vertices[corner]);
-    return result;
-}
-
 bool reachesAbove(std::span<const dvec3> polygon, const dvec3& onPlane, const dvec3& normal) {
     const HeightOver heightOf(polygon, onPlane, normal);
     return polygon.size() >= 3 &&
@@ -381,12 +375,12 @@ Estimate exchangeOccluded(const Polygon& from, const Polygon& to, std::span<cons
 
 Estimate exchangeIn(const geometry::PatchMesh& mesh, size_t i, size_t j, double tolerance, size_t maxCells) {
     if (i == j || mesh.room[i] != mesh.room[j]) return {};
-    const Polygon from = polygonOf(mesh, i), to = polygonOf(mesh, j);
+    const Polygon from = geometry::patchCorners(mesh, i), to = geometry::patchCorners(mesh, j);
     std::vector<Polygon> blockers;
     for (size_t k = 0; k < mesh.patchCount(); ++k) {
         if (k == i || k == j || mesh.room[k] != mesh.room[i]) continue;
         // A blocker matters only in front of both, and when its plane has them on either side.
-        Polygon between = clipped(polygonOf(mesh, k), from[0], areaVector(from));
+        Polygon between = clipped(geometry::patchCorners(mesh, k), from[0], areaVector(from));
         if (!between.empty()) between = clipped(between, to[0], areaVector(to));
         if (between.empty()) continue;
         const dvec3 plane = areaVector(between);

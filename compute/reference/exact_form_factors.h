@@ -42,7 +42,6 @@ Estimate exchangeOccluded(const Polygon& from, const Polygon& to, std::span<cons
                           double tolerance = 1e-8, size_t maxCells = 20000);
 
 double polygonArea(std::span<const glm::dvec3> polygon);
-Polygon polygonOf(const geometry::PatchMesh& mesh, size_t patch);
 
 // A_i F_ij of two patches of a mesh; every patch of the same room blocks.
 Estimate exchangeIn(const geometry::PatchMesh& mesh, size_t i, size_t j, double tolerance = 1e-8,

@@ -13,7 +13,7 @@ namespace heliodon::compute::reference {
 FormFactorRows::FormFactorRows(const geometry::PatchMesh& mesh) : mesh_(&mesh) {
     uint32_t rooms = 0;
     for (size_t i = 0; i < mesh.patchCount(); ++i) {
-        polygons_.push_back(polygonOf(mesh, i));
+        polygons_.push_back(geometry::patchCorners(mesh, i));
         areaVectors_.push_back(geometry::patchAreaVector(mesh, i));
         rooms = std::max(rooms, mesh.room[i] + 1);
     }

@@ -70,7 +70,7 @@ struct Scene {
 
     LinesPair pair(const io::ExactRecord& record) const {
         const auto triangle = [&](uint32_t piece) {
-            const Polygon p = reference::polygonOf(mesh, patchOf(piece));
+            const Polygon p = geometry::patchCorners(mesh, patchOf(piece));
             return reference::Triangle{p[0], p[1], p[2]};
         };
         return {triangle(record.outer), triangle(record.inner), record.outer, record.inner,
