@@ -147,6 +147,7 @@ bool foldsBack(const OpticalDevice& device) {
 }
 
 // `centre` is written for people, R and t say it.
+constexpr std::array kOfRig{"format", "set", "units", "conventions", "table", "camera", "projectors", "site"};
 constexpr std::array kOfCamera{"id", "width", "height", "K", "dist", "R", "t", "centre"};
 constexpr std::array kOfProjector{"id", "width",  "height", "K",           "dist",     "R",
                                   "t",  "centre", "lumens", "black_level", "response", "display"};
@@ -178,6 +179,14 @@ Projector readProjector(const Field& field, size_t index) {
     }
     if (field.has("display")) projector.display = field["display"].text();
     return projector;
+}
+
+// Notes of other programs are welcome in a rig, misspellings not.
+void listMisspelt(const json& rig, std::vector<std::string>& fields) {
+    for (const auto& [key, value] : rig.items())
+        if (std::ranges::find(kOfRig, std::string_view(key)) == kOfRig.end() &&
+            std::ranges::any_of(kOfRig, [&](const char* known) { return beginAlike(known, key); }))
+            fields.push_back(key);
 }
 
 } // namespace
@@ -262,6 +271,7 @@ Rig rigOf(const json& document, const std::string& file) {
     if (root.has("site"))
         rig.site = Site{root["site"]["latitude_deg"].numberWithin(-90, 90),
                         root["site"]["longitude_deg"].numberWithin(-180, 180)};
+    listMisspelt(document, rig.unknownFields);
     return rig;
 }
 

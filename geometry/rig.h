@@ -65,7 +65,9 @@ struct Rig {
     OpticalDevice camera;
     std::vector<Projector> projectors; // kMostProjectors at most
     std::optional<Site> site;
-    std::vector<std::string> unknownFields; // of devices, and not of this format: "projectors[0].lumnes"
+    // Not of this format: "projectors[0].lumnes"; outside devices only what may be a misspelling:
+    // "projector".
+    std::vector<std::string> unknownFields;
 };
 
 // Throws InputError naming the file and the field ("projectors[1].K"). R must be a rotation within 1e-3; it

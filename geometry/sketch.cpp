@@ -1,7 +1,6 @@
 #include "geometry/sketch.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <set>
 #include <string_view>
@@ -49,16 +48,9 @@ public:
             if (!asked_.contains(field)) fields.push_back(field);
         return fields;
     }
-    // Whether it has the beginning of one that was asked for: "Window" of "windows".
     bool isLikeOne(const std::string& field) const {
-        constexpr size_t kBeginning = 3;
-        const auto beginning = [=](std::string text) {
-            text.resize(std::min(text.size(), kBeginning));
-            for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-            return text;
-        };
-        return std::ranges::any_of(
-            asked_, [&](const std::string& known) { return beginning(known) == beginning(field); });
+        return std::ranges::any_of(asked_,
+                                   [&](const std::string& known) { return beginAlike(known, field); });
     }
 
     // nullptr when absent; null counts as absent.

@@ -1,6 +1,8 @@
 #include "geometry/text_file.h"
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <cstdint>
 #include <fstream>
 #include <sstream>
@@ -70,6 +72,12 @@ std::string readText(const std::filesystem::path& file, const std::string& expec
     if (text.bad() || !in.is_open())
         throw InputError(file.string(), "", "cannot be read, expected " + expected);
     return std::move(text).str();
+}
+
+bool beginAlike(std::string_view a, std::string_view b) {
+    constexpr size_t kLetters = 3;
+    const auto lower = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
+    return std::ranges::equal(a.substr(0, kLetters), b.substr(0, kLetters), {}, lower, lower);
 }
 
 std::string asUtf8(const std::string& text) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <iterator>
 #include <string>
+#include <string_view>
 
 #include <nlohmann/json.hpp>
 
@@ -41,6 +42,10 @@ Json readJson(const std::filesystem::path& file, const std::string& expected) {
 template<class Json> std::string jsonText(const Json& json, int indent = 2) {
     return json.dump(indent, ' ', false, Json::error_handler_t::replace) + "\n";
 }
+
+// Whether one of two names of fields may be the other misspelt, "Window" and "windows": the same first three
+// letters, whatever their case.
+bool beginAlike(std::string_view a, std::string_view b);
 
 // `text` if it is UTF-8, else read as Windows-1252 (ISO 8859-1 and more), which old files are in.
 std::string asUtf8(const std::string& text);

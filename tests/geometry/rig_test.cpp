@@ -133,12 +133,14 @@ TEST(Rig, reads_every_field) {
     EXPECT_EQ(example().projectors.at(3).id, "P3");
 }
 
-TEST(Rig, names_fields_of_devices_that_it_does_not_know) {
+TEST(Rig, names_fields_that_it_does_not_know) {
     EXPECT_TRUE(example().unknownFields.empty());
     const std::string wrong = replaced(replaced(kPlainRig, "lumens", "lumnes"), "\"t\": [0, 0, 2]",
                                        "\"t\": [0, 0, 2], \"distortion\": [0.1]");
     EXPECT_EQ(readRig(written(wrong)).unknownFields,
               (std::vector<std::string>{"camera.distortion", "projectors[0].lumnes"}));
+    const std::string alone = replaced(kPlainRig, "\"projectors\":", "\"note\": 1, \"Projector\":");
+    EXPECT_EQ(readRig(written(alone)).unknownFields, std::vector<std::string>{"Projector"});
 }
 
 TEST(Rig, makes_a_rounded_rotation_orthonormal) {
