@@ -117,11 +117,24 @@ daylight::Sky SkySource::skyAt(const daylight::Moment& moment) const {
     return *sky;
 }
 
+std::string SkySource::riseAndSet() const {
+    const daylight::SunDay day = daylight::sunDay(daylight::utcSeconds(moment_, site_.longitudeDeg), site_);
+    if (day.kind == daylight::DayKind::alwaysUp) return "it does not set that day";
+    if (day.kind == daylight::DayKind::alwaysDown) return "it does not rise that day";
+    const auto clock = [&](double utc) {
+        const daylight::Moment at = moment_.solar ? daylight::solarMoment(utc, site_.longitudeDeg)
+                                                  : daylight::momentFromUtc(utc, moment_.offsetMinutes);
+        const long minutes = std::lround(at.second / 60);
+        return fmt::format("{:02}:{:02}", minutes / 60 % 24, minutes % 60);
+    };
+    return fmt::format("it rises at {} and sets at {}", clock(day.sunriseUtc), clock(day.sunsetUtc));
+}
+
 void warnOfNight(Run& run, const SkySource& source, double maxLux) {
     const daylight::SunPosition sun = source.sunAt(source.moment());
     if (maxLux <= 0 && source.followsTime() && !sun.isUp())
-        run.warn(
-            fmt::format("the sun is {:.1f} degrees below the horizon: everything is dark", -sun.altitudeDeg));
+        run.warn(fmt::format("the sun is {:.1f} degrees below the horizon: everything is dark; {}",
+                             -sun.altitudeDeg, source.riseAndSet()));
 }
 
 daylight::Sky SkySource::reportedSky(Run& run) const {

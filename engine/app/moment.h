@@ -29,6 +29,8 @@ public:
     std::string title() const;
     // The sky and, where it matters, the place: "clear sky, 42.73 N 73.68 W".
     std::string skyInWords() const;
+    // Of the day of `moment()`, on its clock: "it rises at 06:08 and sets at 17:52".
+    std::string riseAndSet() const;
     // Whether the sky is another one at another time; not so of sky files.
     bool followsTime() const;
     // `--time`, or its default.
