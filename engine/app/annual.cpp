@@ -360,7 +360,7 @@ Year computeYear(Run& run, const Job& job) {
             out.write(lux);
             if (ill) ill->add(lux);
         }
-        startFiles(output, "annual", filesOf(job.arguments, job.mapped));
+        startFiles(run, output, "annual", filesOf(job.arguments, job.mapped));
     });
     for (float& lux : year.meanLux) lux /= static_cast<float>(std::max<size_t>(year.inRooms(), 1));
     warnOfSensorsOutside(run, year.outside, count);

@@ -1,5 +1,6 @@
 #include "engine/app/frame_sink.h"
 
+#include <algorithm>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -50,7 +51,8 @@ FrameSink::FrameSink(FrameSinkOptions options)
     if (isFilm_ && !parent.empty() && !fs::is_directory(parent))
         throw geometry::InputError(options_.output.string(), "", "its folder does not exist");
     if (options_.resume) refuseOtherJob();
-    if (!folder_.empty()) made_.emplace(folder_);
+    if (folder_.empty()) return; // Film has a thread of its own
+    made_.emplace(folder_);
     for (size_t i = 0; i < kWriters; ++i) writers_.emplace_back([this] { work(); });
 }
 
@@ -67,6 +69,16 @@ void FrameSink::refuseOtherJob() const {
     } else if (!picturesOf(options_.job, folder_).empty()) {
         refuse(fmt::format("it has pictures but no {} that says whose", kJobFile));
     }
+}
+
+std::vector<std::string> FrameSink::strangers() const {
+    std::vector<std::string> names;
+    if (isFilm_ || options_.resume || readFrameJob(folder_ / kJobFile)) return names;
+    for (const fs::path& picture : picturesOf(options_.job, folder_))
+        names.push_back(picture.filename().string());
+    std::ranges::sort(names);
+    if (fs::exists(table())) names.push_back(table().filename().string());
+    return names;
 }
 
 // What an earlier job left would pass for frames of this one.

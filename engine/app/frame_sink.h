@@ -41,6 +41,9 @@ public:
     std::filesystem::path table() const;
     // Its pictures are there and whole: a disk that filled up or was unplugged leaves empty or cut ones.
     bool done(size_t frame) const;
+    // Names of what stands in a folder of pictures like this job's own, where no job is known to have left
+    // it.
+    std::vector<std::string> strangers() const;
     // The films, one a view; none where a folder is written.
     std::vector<std::filesystem::path> films() const;
 

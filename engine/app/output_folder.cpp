@@ -10,8 +10,11 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "engine/app/run.h"
 #include "geometry/input_error.h"
 #include "geometry/text_file.h"
 #include "geometry/whole_file.h"
@@ -55,12 +58,31 @@ std::vector<std::string> recorded(const fs::path& record, const std::string& com
 
 } // namespace
 
-void startFiles(const fs::path& folder, const std::string& command, const std::vector<std::string>& files) {
+void warnOfStrangers(Run& run, const fs::path& folder, std::span<const std::string> files) {
+    if (files.empty()) return;
+    constexpr size_t kFew = 5;
+    run.warn(fmt::format("{}: {}{} stood there, not known to come from an earlier run, and {} written over",
+                         folder.string(), fmt::join(files.first(std::min(files.size(), kFew)), ", "),
+                         files.size() > kFew ? fmt::format(" and {} more", files.size() - kFew) : "",
+                         files.size() == 1 ? "is" : "are"));
+}
+
+void startFiles(Run& run, const fs::path& folder, const std::string& command,
+                const std::vector<std::string>& files) {
+    const auto isIn = [](const std::vector<std::string>& names, const std::string& name) {
+        return std::ranges::find(names, name) != names.end();
+    };
     const fs::path record = folder / (command + ".files.json");
-    for (const std::string& old : recorded(record, command)) {
+    const std::vector<std::string> earlier = recorded(record, command);
+    std::error_code error;
+    std::vector<std::string> strangers;
+    for (const std::string& name : files)
+        if (!isIn(earlier, name) && fs::exists(fs::symlink_status(folder / name, error)))
+            strangers.push_back(name);
+    warnOfStrangers(run, folder, strangers);
+    for (const std::string& old : earlier) {
         const bool here = !old.empty() && fs::path(old).filename() == old; // not "..", nor in another folder
-        if (!here || std::find(files.begin(), files.end(), old) != files.end()) continue;
-        std::error_code error;
+        if (!here || isIn(files, old)) continue;
         if (fs::is_regular_file(fs::symlink_status(folder / old, error))) fs::remove(folder / old);
     }
     geometry::writeWholeText(record, geometry::jsonText(nlohmann::json{

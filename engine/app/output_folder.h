@@ -2,10 +2,13 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
 namespace heliodon::app {
+
+class Run;
 
 class OutputFolder {
 public:
@@ -25,8 +28,11 @@ private:
 
 // Before the first file of `command` is written: removes what an earlier run of it wrote into the folder, by
 // that run's record COMMAND.files.json, and is not in `files` (names in the folder, without this one); then
-// records those. Files without a record are never touched.
-void startFiles(const std::filesystem::path& folder, const std::string& command,
+// records those. Files without a record are never removed; warns of those that will be written over.
+void startFiles(Run& run, const std::filesystem::path& folder, const std::string& command,
                 const std::vector<std::string>& files);
+
+// Names `files`, in the folder, that will be written over though no earlier run is known to have made them.
+void warnOfStrangers(Run& run, const std::filesystem::path& folder, std::span<const std::string> files);
 
 } // namespace heliodon::app

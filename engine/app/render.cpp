@@ -191,7 +191,7 @@ void execute(Run& run, const RenderArguments& arguments) {
                              {"max_lux", figures.maxLux},
                              {"glare_ratio", figures.glareRatio},
                              {"white_lux", shown.whiteLux}};
-    startFiles(arguments.output, "render", filesOf(arguments, scene));
+    startFiles(run, arguments.output, "render", filesOf(arguments, scene));
     renderPreviews(run, renderer, shown, arguments);
     if (sheet) renderSheet(run, renderer, *transport, source, *sheet, arguments);
     if (scene.rig) {

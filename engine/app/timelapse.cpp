@@ -10,6 +10,7 @@
 #include "engine/app/frame_sink.h"
 #include "engine/app/light_report.h"
 #include "engine/app/moment.h"
+#include "engine/app/output_folder.h"
 #include "engine/app/pictures.h"
 #include "engine/app/progress.h"
 #include "engine/app/scene_input.h"
@@ -314,6 +315,7 @@ void execute(Run& run, const TimelapseArguments& arguments) {
     FrameSink sink({arguments.output, arguments.framesPerSecond, arguments.picture.exr, arguments.resume,
                     std::move(job)});
     noteFilms(run, scene, sink, views);
+    warnOfStrangers(run, arguments.output, sink.strangers());
 
     const auto transport = makeTransport(run, scene.mesh);
     std::optional<FramePainter> painter;

@@ -65,9 +65,16 @@ TEST_F(Timelapse, only_frames_of_the_same_job_are_taken_over) {
 }
 
 TEST_F(Timelapse, a_new_job_leaves_no_frame_of_the_old_one) {
+    const auto warnsOfStrangers = [&] {
+        return readText(folder / "report.json").find("day: 00001.png stood there") != std::string::npos;
+    };
+    std::filesystem::create_directories(folder / "day");
+    writeText(folder / "day/00001.png", "the user's own");
     ASSERT_EQ(heliodon(day("12:00", "PT1H")).exitCode, 0);
+    EXPECT_TRUE(warnsOfStrangers());
     writeText(folder / "day/notes.png", "the user's own");
     ASSERT_EQ(heliodon(day("11:00", "PT1H")).exitCode, 0);
+    EXPECT_FALSE(warnsOfStrangers());
     EXPECT_TRUE(has("00001.png"));
     EXPECT_FALSE(has("00002.png"));
     EXPECT_TRUE(has("notes.png"));
@@ -280,6 +287,11 @@ TEST_F(Timelapse, pictures_of_an_earlier_render_do_not_stay_among_the_new) {
         EXPECT_FALSE(std::filesystem::exists(folder / "out" / name)) << name;
     EXPECT_TRUE(std::filesystem::exists(folder / "out/preview.png"));
     EXPECT_EQ(readText(folder / "out/contact-sheet.png"), "the user's own");
+    const Outcome over =
+        heliodon("render " + kOffice + " -o " + in("out") + " --contact-sheet --time 2026-06-21T23:00-04:00");
+    EXPECT_NE(over.output.find("out: contact-sheet.png stood there"), std::string::npos) << over.output;
+    EXPECT_EQ(over.output.find("preview.png"), std::string::npos) << over.output;
+    EXPECT_NE(over.output.find("it rises at 05:17 and sets at 20:36"), std::string::npos) << over.output;
 
     // A record that somebody wrote removes nothing outside the folder.
     writeText(folder / "precious.txt", "precious");
