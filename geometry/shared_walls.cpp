@@ -363,45 +363,56 @@ private:
             all.insert(all.end(), sheet.drawn[1].begin(), sheet.drawn[1].end());
             for (size_t k = 1; k < all.size(); ++k)
                 out.pairs.push_back({faces_[all[0]].surface, faces_[all[k]].surface});
-            int sides = 0;
-            for (uint32_t s = 0; s < 2; ++s) {
-                const Part& part = parts_[partAt(f, s)];
-                if (part.volume > 0 && part.room < 0) continue;
-                SoupFace face = faces_[part.room < 0 ? all[0] : drawnFor(f, s)]; // nobody sees the outside
-                face.loops.clear();
-                for (const auto& loop : welded_.faces[f].loops) {
-                    face.loops.emplace_back();
-                    for (const uint32_t v : loop) face.loops.back().push_back(welded_.vertices[v]);
-                    if (s) std::ranges::reverse(face.loops.back());
-                }
-                if (part.volume <= 0) {
-                    face.room = 0;
-                    outside.push_back(face);
-                }
-                if (part.room < 0) continue;
-                ++sides;
-                face.room = static_cast<uint32_t>(part.room);
-                out.faces.push_back(std::move(face));
-            }
+            const size_t before = out.faces.size();
+            addSides(f, all[0], out.faces, outside);
+            const size_t sides = out.faces.size() - before;
             shared += sides == 2;
             if (sides == 1 && all.size() > 1) meeting.insert(all.begin(), all.end());
         }
         for (uint32_t k = 0; k < faces_.size(); ++k)
             if (pieces_[k] > 1) meeting.insert(k);
-        if (shared > 0)
-            out.repairs.push_back(fmt::format("{} wall{} without thickness: rooms on both sides share {}",
-                                              shared, shared == 1 ? "" : "s", shared == 1 ? "it" : "them"));
-        if (!covered_.empty())
-            out.repairs.push_back(fmt::format(
-                "faces of different materials lie on one another in {} place{}: the smaller is seen",
-                covered_.size(), covered_.size() == 1 ? "" : "s"));
-        if (!meeting.empty())
-            out.repairs.push_back(fmt::format(
-                "{} face{} divided where others lie on or end on {}, and one is seen in each place",
-                meeting.size(), meeting.size() == 1 ? " was" : "s were",
-                meeting.size() == 1 ? "it" : "them"));
+        out.repairs = repairs(shared, meeting.size());
         out.warnings = guesses();
         out.outside = weldFaces(outside, 1, tolerance_);
+        return out;
+    }
+
+    // The sides of a welded face, to the rooms that see them and to the outside; nobody sees `unseen` there.
+    void addSides(uint32_t f, uint32_t unseen, std::vector<SoupFace>& inRooms,
+                  std::vector<SoupFace>& outside) {
+        for (uint32_t s = 0; s < 2; ++s) {
+            const Part& part = parts_[partAt(f, s)];
+            if (part.volume > 0 && part.room < 0) continue;
+            SoupFace face = faces_[part.room < 0 ? unseen : drawnFor(f, s)];
+            face.loops.clear();
+            for (const auto& loop : welded_.faces[f].loops) {
+                face.loops.emplace_back();
+                for (const uint32_t v : loop) face.loops.back().push_back(welded_.vertices[v]);
+                if (s) std::ranges::reverse(face.loops.back());
+            }
+            if (part.volume <= 0) {
+                face.room = 0;
+                outside.push_back(face);
+            }
+            if (part.room < 0) continue;
+            face.room = static_cast<uint32_t>(part.room);
+            inRooms.push_back(std::move(face));
+        }
+    }
+
+    std::vector<std::string> repairs(size_t shared, size_t meeting) const {
+        std::vector<std::string> out;
+        if (shared > 0)
+            out.push_back(fmt::format("{} wall{} without thickness: rooms on both sides share {}", shared,
+                                      shared == 1 ? "" : "s", shared == 1 ? "it" : "them"));
+        if (!covered_.empty())
+            out.push_back(fmt::format(
+                "faces of different materials lie on one another in {} place{}: the smaller is seen",
+                covered_.size(), covered_.size() == 1 ? "" : "s"));
+        if (meeting > 0)
+            out.push_back(fmt::format(
+                "{} face{} divided where others lie on or end on {}, and one is seen in each place", meeting,
+                meeting == 1 ? " was" : "s were", meeting == 1 ? "it" : "them"));
         return out;
     }
 

@@ -30,6 +30,32 @@ struct Plane {
     std::vector<uint32_t> faces;
 };
 
+using Drawn = decltype(Sheet::drawn);
+
+// Vertices in the coordinates of their plane, and points of an arrangement back in space.
+class FlatPlane {
+public:
+    // Corners stay where they are: put into the plane they might part from those of other planes.
+    using Corners = std::map<std::pair<double, double>, dvec3>;
+
+    FlatPlane(const Plane& plane, const std::vector<dvec3>& vertices)
+        : origin_(plane.origin), u_(perpendicular(plane.normal)), v_(glm::cross(plane.normal, u_)),
+          vertices_(vertices) {}
+
+    glm::dvec2 operator()(uint32_t vertex) const {
+        const dvec3 p = vertices_[vertex] - origin_;
+        return {glm::dot(p, u_), glm::dot(p, v_)};
+    }
+    dvec3 back(glm::dvec2 p, const Corners& corners) const {
+        const auto corner = corners.find({p.x, p.y});
+        return corner != corners.end() ? corner->second : origin_ + p.x * u_ + p.y * v_;
+    }
+
+private:
+    dvec3 origin_, u_, v_;
+    const std::vector<dvec3>& vertices_;
+};
+
 class SheetCutter {
 public:
     SheetCutter(const std::vector<SoupFace>& faces, double tolerance) : tolerance_(tolerance) {
@@ -112,29 +138,50 @@ private:
     }
 
     void arrangePlane(const Plane& plane, const std::vector<Edge>& ends) {
-        const dvec3 u = perpendicular(plane.normal), v = glm::cross(plane.normal, u);
-        const auto flat = [&](uint32_t i) {
-            const dvec3 p = welded_.vertices[i] - plane.origin;
-            return glm::dvec2(glm::dot(p, u), glm::dot(p, v));
-        };
+        const FlatPlane flat(plane, welded_.vertices);
+        const PlanArrangement map = arrange(segmentsIn(plane, ends, flat));
+        const std::vector<Drawn> drawn = drawnOver(map, plane);
+        std::vector<int> labels = cellsOfSheets(map, drawn);
+        absorbThinCells(map, labels, tolerance_);
+        const FlatPlane::Corners corners = cornersOf(plane, ends, flat);
+        for (const PlanRegion& region : traceRegions(map, labels)) {
+            Sheet sheet{{}, drawn[static_cast<size_t>(region.label)]};
+            for (const auto& halves : region.loops) {
+                sheet.loops.emplace_back();
+                for (const uint32_t h : halves)
+                    sheet.loops.back().push_back(flat.back(map.points[map.source(h)], corners));
+            }
+            sheets_.push_back(std::move(sheet));
+        }
+    }
+
+    size_t sideOf(const Face& face, const Plane& plane) const { // 0 turned as the plane, 1 the other way
+        return glm::dot(areaVector(welded_.vertices, face.loops[0]), plane.normal) < 0 ? 1 : 0;
+    }
+
+    // Outlines of the plane's faces, tagged by their place in it and run the plane's way round, and `ends`.
+    std::vector<PlanSegment> segmentsIn(const Plane& plane, const std::vector<Edge>& ends,
+                                        const FlatPlane& flat) const {
         std::vector<PlanSegment> segments;
-        std::vector<size_t> side; // per face: 0 turned as the plane, 1 the other way
         for (size_t k = 0; k < plane.faces.size(); ++k) {
             const Face& face = welded_.faces[plane.faces[k]];
-            side.push_back(glm::dot(areaVector(welded_.vertices, face.loops[0]), plane.normal) < 0 ? 1 : 0);
+            const bool turned = sideOf(face, plane) == 1;
             for (const auto& loop : face.loops)
                 for (size_t i = 0; i < loop.size(); ++i) {
                     glm::dvec2 a = flat(loop[i]), b = flat(loop[(i + 1) % loop.size()]);
-                    if (side[k]) std::swap(a, b);
+                    if (turned) std::swap(a, b);
                     if (a != b) segments.push_back({a, b, static_cast<int32_t>(k)});
                 }
         }
         for (const Edge& edge : ends)
             if (flat(edge.first) != flat(edge.second))
                 segments.push_back({flat(edge.first), flat(edge.second), kForeign});
-        const PlanArrangement map = arrange(segments);
-        // Corners stay where they are: put into the plane they might part from those of other planes.
-        std::map<std::pair<double, double>, dvec3> corners;
+        return segments;
+    }
+
+    FlatPlane::Corners cornersOf(const Plane& plane, const std::vector<Edge>& ends,
+                                 const FlatPlane& flat) const {
+        FlatPlane::Corners corners;
         const auto keep = [&](uint32_t i) {
             corners.try_emplace({flat(i).x, flat(i).y}, welded_.vertices[i]);
         };
@@ -144,34 +191,23 @@ private:
             keep(edge.first);
             keep(edge.second);
         }
+        return corners;
+    }
 
-        std::vector<std::array<std::vector<uint32_t>, 2>> drawn(map.cellCount); // the faces over each cell
+    std::vector<Drawn> drawnOver(const PlanArrangement& map, const Plane& plane) const { // per cell
+        std::vector<Drawn> drawn(map.cellCount);
         for (size_t k = 0; k < plane.faces.size(); ++k) {
+            const Face& face = welded_.faces[plane.faces[k]];
             const auto depth = coverage(map, [&](int32_t tag) { return tag == static_cast<int32_t>(k); });
             for (uint32_t c = 1; c < map.cellCount; ++c)
-                if (depth[c] > 0) drawn[c][side[k]].push_back(welded_.faces[plane.faces[k]].surface);
+                if (depth[c] > 0) drawn[c][sideOf(face, plane)].push_back(face.surface);
         }
-        std::vector<int> labels = cellsOfSheets(map, drawn);
-        absorbThinCells(map, labels, tolerance_);
-        for (const PlanRegion& region : traceRegions(map, labels)) {
-            Sheet sheet{{}, drawn[static_cast<size_t>(region.label)]};
-            for (const auto& halves : region.loops) {
-                sheet.loops.emplace_back();
-                for (const uint32_t h : halves) {
-                    const glm::dvec2 p = map.points[map.source(h)];
-                    const auto corner = corners.find({p.x, p.y});
-                    sheet.loops.back().push_back(corner != corners.end() ? corner->second
-                                                                         : plane.origin + p.x * u + p.y * v);
-                }
-            }
-            sheets_.push_back(std::move(sheet));
-        }
+        return drawn;
     }
 
     // Per cell one of the cells of its sheet, -1 where there is none. Neighbours under the same faces are one
     // sheet, but where another face ends between them.
-    static std::vector<int> cellsOfSheets(const PlanArrangement& map,
-                                          const std::vector<std::array<std::vector<uint32_t>, 2>>& drawn) {
+    static std::vector<int> cellsOfSheets(const PlanArrangement& map, const std::vector<Drawn>& drawn) {
         DisjointSets sheets(map.cellCount);
         for (uint32_t e = 0; e < map.edgeCount(); ++e) {
             const uint32_t one = map.cell[2 * e], other = map.cell[2 * e + 1];

@@ -275,15 +275,14 @@ bool isWallThickness(double measured, const PlanView& view, glm::dvec2 plan, dou
     return std::abs(measured - options.wallThickness) < tolerance;
 }
 
-std::optional<StraightWall> fitStraight(const Chain& chain, const PlanView& view,
-                                        const DetectOptions& options) {
-    const double height = heightOf(chain.paint);
-    const Pca pca = principalAxes(pointsOf(chain, view));
-    // A strip's standard deviation across is its width / sqrt(12).
-    const double strip = options.wallThickness / std::sqrt(12.0);
-    if (!isStrip(pca, height, view, options)) return std::nullopt;
+namespace {
 
-    const double thickness = options.wallThickness;
+// The sides of a wall's straight paint; nothing where it is as wide as no wall's.
+std::optional<StripFit> fitWallStrip(const Chain& chain, const Pca& pca, const PlanView& view,
+                                     const DetectOptions& options) {
+    const double height = heightOf(chain.paint), thickness = options.wallThickness;
+    // A strip's standard deviation across is its width / sqrt(12).
+    const double strip = thickness / std::sqrt(12.0);
     const auto isWall = [&](const StripFit& fit) {
         if (chain.markers.empty() && std::abs(fit.bend) > kMostBend) return false;
         if (fit.sides.widths.size() >= 3)
@@ -304,8 +303,20 @@ std::optional<StraightWall> fitStraight(const Chain& chain, const PlanView& view
             encoded.line && encoded.width() > 0)
             fit = std::move(encoded);
     if (!isWall(fit)) return std::nullopt;
+    return fit;
+}
 
-    const auto& [axis, spans, sides, line, bend] = fit;
+} // namespace
+
+std::optional<StraightWall> fitStraight(const Chain& chain, const PlanView& view,
+                                        const DetectOptions& options) {
+    const double height = heightOf(chain.paint);
+    const Pca pca = principalAxes(pointsOf(chain, view));
+    if (!isStrip(pca, height, view, options)) return std::nullopt;
+    const std::optional<StripFit> fit = fitWallStrip(chain, pca, view, options);
+    if (!fit) return std::nullopt;
+
+    const auto& [axis, spans, sides, line, bend] = *fit;
     const Span first = spans.front();
     const Span last = *std::max_element(spans.begin(), spans.end(),
                                         [](const Span& a, const Span& b) { return a.high < b.high; });
@@ -319,7 +330,7 @@ std::optional<StraightWall> fitStraight(const Chain& chain, const PlanView& view
     const double low = endOf(first, -1), high = endOf(last, 1);
     StraightWall out;
     out.wall.a = axis.at(low), out.wall.b = axis.at(high);
-    out.wall.thickness = thickness;
+    out.wall.thickness = options.wallThickness;
     out.wall.heightClass = heightClassOf(chain.paint);
     const double seen = sides.asked ? static_cast<double>(sides.seen) / sides.asked : 0;
     out.wall.detection.confidence = std::clamp(0.4 + 0.6 * seen, 0.0, 1.0);

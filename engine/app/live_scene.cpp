@@ -147,14 +147,29 @@ void LiveSceneMaker::makeOrTryAgain(const SeenTable& seen) {
     }
 }
 
+void LiveSceneMaker::sayDoing(const std::string& what) {
+    board_.update([&](LiveStatus& status) { status.working = what; });
+}
+
+std::unique_ptr<SlottedTransport> LiveSceneMaker::transportOf(Run& run, const geometry::PatchMesh& mesh) {
+    sayDoing("form factors");
+    const std::optional<size_t> slot = slots_.acquire();
+    if (!slot) return nullptr;
+    auto transport = std::make_unique<SlottedTransport>(slots_, *slot);
+    try {
+        transport->transport = makeTransport(run, transport->device(), mesh, {});
+    } catch (const gpu::Error&) {
+        transport->spoil();
+        throw;
+    }
+    return transport;
+}
+
 void LiveSceneMaker::make(const SeenTable& seen) {
-    const auto doing = [this](const std::string& what) {
-        board_.update([&](LiveStatus& status) { status.working = what; });
-    };
     Run run(Arguments{"live", {.quiet = true}, {}}); // its report only: warnings and stages of this sketch
     auto made = std::make_shared<LiveScene>();
     made->taken = seen.taken;
-    doing("working out the rooms");
+    sayDoing("working out the rooms");
     made->scene = makeScene(run, arguments_, rig_, seen.sketch);
     Scene& scene = made->scene;
     separateMaterials(scene.mesh);
@@ -172,19 +187,11 @@ void LiveSceneMaker::make(const SeenTable& seen) {
             return std::make_unique<passes::FrameScene>(scene.mesh, scene.occluders, &rig_);
         });
     if (!shape) {
-        doing("form factors");
-        const std::optional<size_t> slot = slots_.acquire();
-        if (!slot) return;
-        change.transport = std::make_unique<SlottedTransport>(slots_, *slot);
-        try {
-            change.transport->transport = makeTransport(run, change.transport->device(), scene.mesh, {});
-        } catch (const gpu::Error&) {
-            change.transport->spoil();
-            throw;
-        }
+        change.transport = transportOf(run, scene.mesh);
+        if (!change.transport) return;
     }
     if (frame.valid()) {
-        doing("what the projectors see");
+        sayDoing("what the projectors see");
         const StageTimer timer(run, "prepare"); // what is left of it
         change.frame = frame.get();
     }

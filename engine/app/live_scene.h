@@ -88,6 +88,9 @@ private:
     void run();
     void makeOrTryAgain(const SeenTable& seen);
     void make(const SeenTable& seen);
+    void sayDoing(const std::string& what);
+    // Null once no device is to be had: the program ends.
+    std::unique_ptr<SlottedTransport> transportOf(Run& run, const geometry::PatchMesh& mesh);
 
     const SceneArguments& arguments_;
     const geometry::Rig& rig_;
