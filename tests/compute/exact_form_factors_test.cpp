@@ -14,6 +14,7 @@
 #include "tests/compute/form_factor_cases.h"
 #include "tests/compute/rooms.h"
 #include "tests/gpu/test_device.h"
+#include "tests/sanitized.h"
 
 namespace heliodon::compute {
 namespace {
@@ -192,7 +193,7 @@ TEST(ExactFormFactors, large_patches_beside_narrow_slots_keep_the_error_asked) {
     }
     EXPECT_LT(std::sqrt(sums / static_cast<double>(n)), 1.5e-4); // errors of entries that do not conspire
     const reference::FormFactorRows oracle(mesh);
-    constexpr size_t kRows = 16;
+    constexpr size_t kRows = test::kSanitized ? 4 : 16;
     std::vector<reference::FormFactorRows::Row> truth(kRows);
     const auto rowOf = [&](size_t k) { return k * n / kRows + k % 3; };
     inParallel(kRows, [&](size_t k) { truth[k] = oracle.row(rowOf(k), 1e-6, 600); });
