@@ -43,6 +43,7 @@ constexpr double kTight = 0.1;  // of the perimeter: with less of it open, an ar
 constexpr double kStub = 0.5;   // inches: what overshoots a corner by less is no wall of the space beyond
 constexpr double kAhead = 1.2;  // of the price: what an inch of wall costs on which another one would end
 constexpr double kBeside = 0.3; // the sine of the angle between walls that run beside one another
+constexpr double kAside = 0.1;  // of a wall: how far what is before it may reach beyond its sides
 constexpr std::array kPrices{0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.75};
 // Rings of walls of their own that leave more open: three gaps and more, none wider than the walls beside it.
 constexpr std::array kRingPrices{1.0, 1.2, 1.4, 1.6};
@@ -241,15 +242,20 @@ private:
     }
 
     // Where a wall would stand if it were lengthened. A gap before that is filled in line with the side of
-    // that wall that its room sees: what lies between its two sides belongs to no room.
+    // that wall that its room sees: what lies between its two sides belongs to no room. A face that goes on
+    // beside it was not divided there: nothing has to be filled.
     bool isAhead(uint32_t face) const {
         const glm::dvec2 from = map_.points[map_.source(face)], to = map_.points[map_.target[face]];
         return std::ranges::any_of(lines_.ahead, [&](const WallAhead& wall) {
             if (std::abs(cross(to - from, wall.out)) < kBeside * edgeLength(face)) return false;
-            const glm::dvec2 d = 0.5 * (from + to) - wall.right, across = wall.left - wall.right;
-            const double along = glm::dot(d, wall.out),
-                         aside = glm::dot(d, across) / glm::dot(across, across);
-            return along > 0 && along < wall.reach && aside > 0 && aside < 1;
+            const glm::dvec2 across = wall.left - wall.right;
+            const auto aside = [&](glm::dvec2 p) {
+                return glm::dot(p - wall.right, across) / glm::dot(across, across);
+            };
+            const double one = aside(from), other = aside(to);
+            const double along = glm::dot(0.5 * (from + to) - wall.right, wall.out);
+            return along > 0 && along < wall.reach && std::min(one, other) > -kAside &&
+                   std::max(one, other) < 1 + kAside;
         });
     }
 
