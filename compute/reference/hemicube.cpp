@@ -5,6 +5,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "compute/reference/inside.h"
 #include "geometry/bounds.h"
 
 namespace heliodon::compute::reference {
@@ -22,21 +23,13 @@ Hit trace(const geometry::PatchMesh& mesh, const Viewpoint& view, glm::dvec3 dir
     double nearest = 1e300;
     for (size_t i = 0; i < mesh.patchCount(); ++i) {
         if (i == view.patch || (view.room != io::kHemicubeAnyRoom && mesh.room[i] != view.room)) continue;
-        const auto corners = mesh.patch(i);
         const glm::dvec3 normal = geometry::patchNormal(mesh, i);
-        const double height = glm::dot(normal, view.position - mesh.vertices[corners[0]]);
+        const double height = glm::dot(normal, view.position - mesh.vertices[mesh.patch(i)[0]]);
         const double slope = glm::dot(normal, direction);
         if (std::abs(height) <= flatness || slope == 0) continue;
         const double t = -height / slope;
         if (t <= 0 || t >= nearest) continue;
-        const glm::dvec3 p = view.position + t * direction;
-        bool inside = true;
-        for (size_t k = 0; k < corners.size() && inside; ++k) {
-            const glm::dvec3 a = mesh.vertices[corners[k]],
-                             b = mesh.vertices[corners[(k + 1) % corners.size()]];
-            inside = glm::dot(glm::cross(b - a, p - a), normal) >= 0;
-        }
-        if (!inside) continue;
+        if (!isInside(mesh, i, normal, view.position + t * direction)) continue;
         nearest = t;
         hit = {i, slope < 0};
     }

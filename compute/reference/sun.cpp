@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 
 #include "compute/daylight/glazing.h"
+#include "compute/reference/inside.h"
 
 namespace heliodon::compute::reference {
 
@@ -15,19 +16,11 @@ glm::dvec3 alongRay(const geometry::PatchMesh& mesh, size_t self, glm::dvec3 ori
     bool leaves = false;
     for (size_t i = 0; i < mesh.patchCount(); ++i) {
         if (i == self) continue;
-        const auto corners = mesh.patch(i);
         const glm::dvec3 normal = geometry::patchNormal(mesh, i);
         const double slope = glm::dot(normal, sun);
-        const double t = glm::dot(mesh.vertices[corners[0]] - origin, normal) / slope;
+        const double t = glm::dot(mesh.vertices[mesh.patch(i)[0]] - origin, normal) / slope;
         if (!(t > 1e-7)) continue;
-        const glm::dvec3 p = origin + t * sun;
-        bool inside = true;
-        for (size_t k = 0; k < corners.size() && inside; ++k) {
-            const glm::dvec3 a = mesh.vertices[corners[k]],
-                             b = mesh.vertices[corners[(k + 1) % corners.size()]];
-            inside = glm::dot(glm::cross(b - a, p - a), normal) >= 0;
-        }
-        if (!inside) continue;
+        if (!isInside(mesh, i, normal, origin + t * sun)) continue;
         const geometry::Material& material = mesh.materials[mesh.material[i]];
         if (!material.isOpening()) return glm::dvec3(0);
         leaves |= slope < 0;
