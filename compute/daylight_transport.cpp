@@ -101,6 +101,7 @@ struct DaylightTransport::State {
     };
     PlaceErrors errorsByPlace(const Moment& moment, std::span<const float> emitted,
                               std::span<const uint32_t> channel, const SolvedColumns& solved);
+    float emitted(const Moment& moment, size_t patch, uint32_t channel) const;
     void solve(std::span<Moment> moments);
     double rowError() const {
         return factors.report.claimedRowError > 0 ? factors.report.claimedRowError : kHemicubeRowError;
@@ -350,44 +351,46 @@ void DaylightTransport::State::sunOn(Moment& moment, const daylight::SunDisc& di
     });
 }
 
+// What leaves a patch before light goes between patches, lux: its own, and of what reaches it from outside.
+float DaylightTransport::State::emitted(const Moment& moment, size_t patch, uint32_t channel) const {
+    const auto axis = static_cast<int>(channel);
+    const float rho = solver->matter().reflectance[channel][patch],
+                tau = solver->matter().transmittance[channel][patch];
+    const LightParts& parts = moment.patches[patch];
+    float out = mesh.materials[mesh.material[patch]].exitance[axis] +
+                rho * (parts.sun[axis] + parts.sky[axis] + parts.ground[axis] + parts.interreflected[axis]);
+    if (!moment.glow.empty()) out += moment.glow[patch][axis];
+    if (tau > 0) { // the sun goes through any as a beam
+        const LightParts& other = moment.patches[static_cast<size_t>(mesh.twin[patch])];
+        out += tau * (other.sky[axis] + other.ground[axis] + other.interreflected[axis]);
+    }
+    return out;
+}
+
 void DaylightTransport::State::solve(std::span<Moment> moments) {
     const Stopwatch clock;
     const size_t n = mesh.patchCount();
     const uint32_t perMoment = columnsPerMoment();
-    const RadiosityMatter& matter = solver->matter();
-    std::vector<float> emitted;
+    std::vector<float> outgoing;
     std::vector<uint32_t> channel;
-    bool anyLight = options.skipNothing;
     for (const Moment& moment : moments)
         for (uint32_t c = 0; c < perMoment; ++c) {
-            const auto axis = static_cast<int>(c);
             channel.push_back(c);
-            const auto &rho = matter.reflectance[c], &tau = matter.transmittance[c];
-            for (size_t i = 0; i < n; ++i) {
-                const LightParts& parts = moment.patches[i];
-                float out = mesh.materials[mesh.material[i]].exitance[axis] +
-                            rho[i] * (parts.sun[axis] + parts.sky[axis] + parts.ground[axis] +
-                                      parts.interreflected[axis]);
-                if (!moment.glow.empty()) out += moment.glow[i][axis];
-                if (tau[i] > 0) { // the sun goes through any as a beam
-                    const LightParts& other = moment.patches[static_cast<size_t>(mesh.twin[i])];
-                    out += tau[i] * (other.sky[axis] + other.ground[axis] + other.interreflected[axis]);
-                }
-                anyLight |= out > 0;
-                emitted.push_back(out);
-            }
+            for (size_t i = 0; i < n; ++i) outgoing.push_back(emitted(moment, i, c));
         }
+    const bool anyLight =
+        options.skipNothing || std::ranges::any_of(outgoing, [](float out) { return out > 0; });
     std::vector<float> exitance, gathered;
     RadiosityReport solution;
     if (anyLight) {
-        solution = relight->solve(emitted, channel, exitance, gathered, options.radiosity);
+        solution = relight->solve(outgoing, channel, exitance, gathered, options.radiosity);
     } else {
-        exitance.assign(emitted.size(), 0), gathered.assign(emitted.size(), 0);
+        exitance.assign(outgoing.size(), 0), gathered.assign(outgoing.size(), 0);
     }
     const double seconds = clock.seconds() / static_cast<double>(moments.size());
-    const MomentScene scene{mesh,       areas,      rowSums,       links->rowSums(), matter, clear,
-                            *slopes,    *nearPairs, *points,       sensors,          *slats, *gather,
-                            rowError(), grey,       patchSky.error};
+    const MomentScene scene{
+        mesh,    areas,   rowSums, links->rowSums(), solver->matter(), clear, *slopes,       *nearPairs,
+        *points, sensors, *slats,  *gather,          rowError(),       grey,  patchSky.error};
     for (size_t k = 0; k < moments.size(); ++k) {
         Moment& moment = moments[k];
         moment.report.radiosity = solution;
@@ -401,7 +404,7 @@ void DaylightTransport::State::solve(std::span<Moment> moments) {
                 "colour: all materials are grey, one channel stands for three");
         SolvedColumns solved{exitance, gathered, k * perMoment * n, {}, {}};
         const PlaceErrors errors = anyLight && options.errorByPlace
-                                       ? errorsByPlace(moment, emitted, channel, solved)
+                                       ? errorsByPlace(moment, outgoing, channel, solved)
                                        : PlaceErrors{};
         solved.exitanceError = errors.exitance, solved.gatheredError = errors.gathered;
         lightPatches(scene, solved, moment);
