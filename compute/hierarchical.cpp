@@ -128,6 +128,7 @@ void HierarchicalFormFactors::makeLinks(const HierarchicalOptions& options) {
         refineSums();
     }
     statistics_.pairs = maker.pairs();
+    claims.takeUnseen(links);
     setErrors(claims);
     std::erase_if(links, [](const io::HierarchicalLink& link) { return link.density == 0; });
     statistics_.links = links.size();

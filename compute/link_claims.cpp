@@ -16,7 +16,8 @@ constexpr double kNotWanted = std::numeric_limits<double>::infinity();
 constexpr double kBelowBound = 0.8; // of the bound, at which rows above it aim
 constexpr double kAlike = 0.15;     // share of triangles' errors that have one sign (measured)
 // Over the estimates, in scenes where few blockers hide much, whose links err most (measured).
-constexpr double kCaution = 1.15, kRowCaution = 2.2, kSumCaution = 1.9;
+constexpr double kCaution = 1.15, kRowCaution = 2.2, kSumCaution = 1.9, kBiasCaution = 2;
+constexpr double kMostUnseen = 2.0;  // rays' worth that rays which agree may have missed
 constexpr double kLeastShare = 0.05; // of a row's squares, from which a cluster is worth taking apart
 constexpr double kGain = 0.7;        // of a link's error, gone when it is split (a guess: more rounds follow)
 
@@ -41,7 +42,8 @@ LinkClaims::LinkClaims(const PatchTree& tree, std::span<const double> patchArea,
                        std::span<const io::HierarchicalLink> links)
     : tree_(&tree), patchArea_(patchArea.begin(), patchArea.end()), entryArea_(tree.nodes.size()),
       entries_(tree.nodes.size()), sums_(tree.nodes.size()), squares_(tree.nodes.size()),
-      ofEntries_(tree.nodes.size()), ofSquares_(tree.nodes.size()) {
+      ofEntries_(tree.nodes.size()), ofSquares_(tree.nodes.size()), found_(tree.nodes.size()),
+      agreed_(tree.nodes.size()) {
     // Entries are those of patches: triangles of one patch err alike. Children come after their parents.
     for (size_t k = tree.nodes.size(); k-- > 0;) {
         const PatchTree::Node& node = tree.nodes[k];
@@ -72,6 +74,13 @@ void LinkClaims::count(const io::HierarchicalLink& link, double sign) {
     squares_[link.second] += sign * b * b;
     ofSquares_[link.first] += sign * a * a * a * a;
     ofSquares_[link.second] += sign * b * b * b * b;
+    const auto countBias = [&](uint32_t row, uint32_t of) {
+        const double area = sign * tree_->nodes[of].area;
+        found_[row] += area * (double{link.density} - double{link.unbiased});
+        if (link.agreed > 0) agreed_[row] += area * double{link.density} / link.agreed;
+    };
+    countBias(link.first, link.second);
+    countBias(link.second, link.first);
 }
 
 double LinkClaims::rowError() const {
@@ -92,7 +101,8 @@ double LinkClaims::claim() const {
     const std::vector<double> rows = rowSquares(), squares = overPatches(ofEntries_, false);
     const double sum = std::accumulate(rows.begin(), rows.end(), 0.0);
     // Each link errs in the rows of both ends alike.
-    return kCaution * rowError() * percentile(sum, 2 * std::accumulate(squares.begin(), squares.end(), 0.0));
+    return kCaution * (1 + unseen()) * rowError() *
+           percentile(sum, 2 * std::accumulate(squares.begin(), squares.end(), 0.0));
 }
 
 std::vector<glm::uvec2> LinkClaims::takeAbove(std::vector<io::HierarchicalLink>& links, double bound) {
@@ -106,16 +116,37 @@ std::vector<glm::uvec2> LinkClaims::takeAbove(std::vector<io::HierarchicalLink>&
     return pairs;
 }
 
+// Rays' worth of what links have too much, spread over those whose rays all passed.
+double LinkClaims::unseen() const {
+    double found = 0, agreed = 0;
+    for (size_t k = 0; k < found_.size(); ++k) {
+        if (tree_->nodes[k].child) continue;
+        found += tree_->nodes[k].area * found_[k];
+        agreed += tree_->nodes[k].area * agreed_[k];
+    }
+    return agreed > 0 ? std::clamp(found / agreed, 0.0, kMostUnseen) : 0;
+}
+
+void LinkClaims::takeUnseen(std::span<io::HierarchicalLink> links) const {
+    const double rays = unseen();
+    for (io::HierarchicalLink& link : links)
+        if (link.agreed > 0) link.density *= static_cast<float>(1 - rays / link.agreed);
+}
+
 std::vector<double> LinkClaims::sumSquares() const {
     std::vector<double> squares(sums_.size());
+    const double rays = unseen();
     for (size_t k = 0; k < sums_.size(); ++k) {
+        const double taken = rays * agreed_[k]; // by the mean over all, which may be no better here than none
+        squares[k] = taken * taken;
+        if (tree_->nodes[k].child) {
+            squares[k] += sums_[k] * sums_[k];
+            continue;
+        }
         const double independent = std::max(0.0, squares_[k]);
-        squares[k] =
-            tree_->nodes[k].child
-                ? sums_[k] * sums_[k]
-                : independent *
-                          std::pow(kSumCaution * percentile(independent, ofSquares_[k], kSumPercentile), 2) +
-                      std::pow(kAlike * sums_[k], 2);
+        squares[k] +=
+            independent * std::pow(kSumCaution * percentile(independent, ofSquares_[k], kSumPercentile), 2);
+        squares[k] += std::pow(kAlike * sums_[k], 2) + std::pow(kBiasCaution * (found_[k] - taken), 2);
     }
     return squares;
 }

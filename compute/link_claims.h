@@ -18,6 +18,11 @@ namespace heliodon::compute {
 // errors of a cluster's links add up; of different clusters' links, and mostly of triangles' own, their
 // squares.
 //
+// And some errors all have one sign. Pairs of triangles whose first rays all pass end there, the others go on
+// and find less (D. Kirk, J. Arvo, "Unbiased Sampling Techniques for Image Synthesis", 1991): behind blockers
+// too small for few rays every pair exchanges a little too much. What all pairs' first rays say has no such
+// bias: the difference tells it, and most is taken from the links whose rays agreed.
+//
 // Where few links make most of an error, luck decides by how much it is above what is to be expected: claims
 // are 99th percentiles of sums of as many squares (chi_squared.h).
 class LinkClaims {
@@ -45,7 +50,12 @@ public:
     // than `bound`, the largest first, and returns the pairs of nodes to link in their place. Empty: none.
     std::vector<glm::uvec2> split(std::vector<io::HierarchicalLink>& links, double bound);
 
+    // Takes from `links`, all of which were counted here, what rays that agreed have missed on average;
+    // claims are of what is left.
+    void takeUnseen(std::span<io::HierarchicalLink> links) const;
+
 private:
+    double unseen() const;
     void count(const io::HierarchicalLink& link, double sign);
     std::vector<double> sumSquares() const; // per node
     std::vector<double> overPatches(std::vector<double> perNode, bool root) const;
@@ -57,6 +67,9 @@ private:
     // Per node: variance of rows; errors of sums, in all and, at triangles, their squares. Of the first and
     // the last what single links add, squared.
     std::vector<double> entries_, sums_, squares_, ofEntries_, ofSquares_;
+    // Per node, of what its links carry: what rays that went on say less what the first of them did; and of
+    // links whose rays all passed, over the number of these.
+    std::vector<double> found_, agreed_;
 };
 
 } // namespace heliodon::compute

@@ -41,7 +41,7 @@ void main() {
     }
     if (p.room != q.room || exchange.x <= 0.0) return;
     exchange /= p.area * q.area;
-    HierarchicalLink link = HierarchicalLink(i, j, exchange.x, 0u, 0u, exchange.y);
+    HierarchicalLink link = HierarchicalLink(i, j, exchange.x, 0u, 0u, exchange.y, exchange.x, 0u);
     if (params.nodeCount > 0u &&
         maybeBlocked(p.centre, p.normal, p.radius, q.centre, q.normal, q.radius, params.nodeCount))
         doubts[atomicAdd(counters[kHierarchicalDoubts], 1u)] = HierarchicalDoubt(link, 0u, 0.0, 0.0, 0.0, 0.0);

@@ -68,7 +68,8 @@ void main() {
     }
     slope /= density;
     HierarchicalLink link =
-        HierarchicalLink(i, j, density, packHalf2x16(slope.xy), packHalf2x16(slope.zw), kBendRest * length(bend));
+        HierarchicalLink(i, j, density, packHalf2x16(slope.xy), packHalf2x16(slope.zw), kBendRest * length(bend),
+                         density, 0u);
     if (maybe)
         doubts[atomicAdd(counters[kHierarchicalDoubts], 1u)] = HierarchicalDoubt(link, 0u, 0.0, 0.0, 0.0, 0.0);
     else

@@ -34,13 +34,15 @@ const float kNothing = 0.05;    // of the tolerance: links that may carry less a
 // of random points, by about the 0.15th power of their number; where all rays agree, about half a ray's share may
 // be missed. Where few rays carry most: what they miss of the exchange in the open, which is known, or have too much
 // of, passes or does not like the rest.
-float errorOfShare(HierarchicalDoubt d, float share, float openOfRay) {
+// `agreed` is the error had all rays agreed.
+float errorOfShare(HierarchicalDoubt d, float share, float openOfRay, out float agreed) {
     float missing = min(1.0, abs(1.0 - d.open / (openOfRay * float(d.rays))));
     float variance =
         (1.0 - share) * (1.0 - share) * d.passedSquares + share * share * (d.openSquares - d.passedSquares);
     float random = sqrt(max(variance, 0.0)) / d.open * pow(float(d.rays), -0.15);
-    float unseen = 0.5 * sqrt(d.openSquares / float(d.rays)) / d.open;
-    return length(vec2(max(random, unseen), missing * sqrt(max(share * (1.0 - share), 0.25 / float(d.rays)))));
+    float unseen = 0.5 * sqrt(d.openSquares / float(d.rays)) / d.open, fewest = 0.25 / float(d.rays);
+    agreed = length(vec2(unseen, missing * sqrt(fewest)));
+    return length(vec2(max(random, unseen), missing * sqrt(max(share * (1.0 - share), fewest))));
 }
 
 shared vec4 castSums[kHierarchicalGroup];
@@ -144,8 +146,12 @@ void main() {
     if (triangles) {
         share = d.open > 0.0 ? d.passed / d.open : 0.0;
         // All rays may have begun or ended behind the other's plane.
-        error = d.open > 0.0 ? errorOfShare(d, share, byAngle ? factor : kPi * d.link.density) : 1.0;
-        if (factor * error > kHierarchicalKept * params.visibilityTolerance && end < params.mostRays) {
+        float agreed = 1.0, allowed = kHierarchicalKept * params.visibilityTolerance / factor;
+        error = d.open > 0.0 ? errorOfShare(d, share, byAngle ? factor : kPi * d.link.density, agreed) : 1.0;
+        bool last = error <= allowed || end >= params.mostRays;
+        // Here pairs end whose rays agree: the mean over them and those that go on is unbiased.
+        if ((agreed <= allowed || last) && d.link.unbiased == d.link.density) d.link.unbiased *= share;
+        if (!last) {
             if (end < kHierarchicalManyRays)
                 doubts[atomicAdd(counters[kHierarchicalDoubts], 1u)] = d;
             else
@@ -170,8 +176,10 @@ void main() {
             d.link.secondSlope = packHalf2x16(both.zw / share);
         }
     }
+    d.link.agreed = blocked == 0u && d.passed == d.open ? end : 0u;
     error *= d.link.density;
     d.link.density *= share;
+    if (!triangles) d.link.unbiased = d.link.density;
     d.link.error = share > 0.0 ? length(vec2(share * d.link.error, error)) : error;
     // Those that carry nothing are kept only if they should have carried something.
     if (share > 0.0 || error * max(p.area, q.area) > kNothing * params.visibilityTolerance)

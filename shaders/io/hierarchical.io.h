@@ -25,7 +25,9 @@ struct HierarchicalLink {
     float density;
     uint firstSlope; // a and b as two halves
     uint secondSlope;
-    float error; // of the density between two of their triangles, RMS, estimated
+    float error;    // of the density between two of their triangles, RMS, estimated
+    float unbiased; // density by rays whose number does not depend on what they met, as that of `density` does
+    uint agreed;    // rays, if all of them passed; 0 where nothing can stand between, or not all did
 };
 // A link that something may stand in the way of, and the rays between its ends so far: sums of what they would
 // carry in the open and of what passes, and of the squares of both.

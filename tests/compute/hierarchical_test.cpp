@@ -93,7 +93,8 @@ TEST(LinkClaims, few_links_of_the_worst_rows_are_taken_apart) {
     const auto roots = tree.levelFirst[1];
     std::vector<io::HierarchicalLink> links;
     for (uint32_t a = 0; a < roots; ++a)
-        for (uint32_t b = a + 1; b < roots; ++b) links.push_back({a, b, 0.5f, 0, 0, a == 0 ? 0.1f : 0.01f});
+        for (uint32_t b = a + 1; b < roots; ++b)
+            links.push_back({a, b, 0.5f, 0, 0, a == 0 ? 0.1f : 0.01f, 0.5f, 0});
     LinkClaims claims(tree, areas, links);
     const std::vector<double> sums = claims.rowSums(), squares = claims.rowSquares();
     for (const PatchTree::Leaf& leaf : tree.leaves) {
@@ -279,6 +280,46 @@ TEST(Hierarchical, needles_do_not_stand_in_their_own_light) {
         for (size_t j = 0; j < n; ++j) sum += double{values[i * n + j]};
         EXPECT_NEAR(sum, 1, kSumOverRow * 2e-3) << "row " << i;
     }
+}
+
+// Among loose triangles most pairs have a little hidden, which four rays miss; rays go on only where they met
+// some. Rows of the closed room sum to one; on average they were 1.2e-3 above it, and 95 % of them within
+// their claim.
+TEST(Hierarchical, what_rays_that_agree_have_missed_is_told_by_those_that_go_on) {
+    const double asked = 1e-3;
+    std::mt19937 random(7);
+    const auto between = [&](double low, double high) {
+        return std::uniform_real_distribution<double>(low, high)(random);
+    };
+    const geometry::PatchMesh room = test::boxRoom({.low = {0, 0, 0}, .high = {4, 3, 4}, .cells = {3, 3, 3}});
+    std::vector<std::vector<glm::dvec3>> faces;
+    for (size_t i = 0; i < room.patchCount(); ++i) {
+        faces.emplace_back();
+        for (uint32_t corner : room.patch(i)) faces.back().push_back(room.vertices[corner]);
+    }
+    for (int k = 0; k < 70; ++k) {
+        const glm::dvec3 at(between(0.4, 3.6), between(0.3, 2.7), between(0.4, 3.6));
+        const auto edge = [&] {
+            return glm::dvec3(between(-0.2, 0.2), between(-0.2, 0.2), between(-0.2, 0.2));
+        };
+        faces.push_back({at, at + edge(), at + edge()});
+        faces.emplace_back(faces.back().rbegin(), faces.back().rend());
+    }
+    const geometry::PatchMesh mesh = test::polygons(faces);
+    const size_t n = faces.size();
+    double area = 0, mean = 0;
+    for (size_t i = 0; i < n; ++i) area += geometry::patchArea(mesh, i);
+    const HierarchicalFormFactors F(test::device(), mesh, {asked});
+    const std::vector<float> values = dense(F);
+    size_t held = 0;
+    for (size_t i = 0; i < n; ++i) {
+        double off = -1;
+        for (size_t j = 0; j < n; ++j) off += double{values[i * n + j]};
+        held += std::abs(off) <= double{F.rowSumError()[i]};
+        mean += off * geometry::patchArea(mesh, i) / area;
+    }
+    EXPECT_LT(std::abs(mean), 0.3 * asked);
+    EXPECT_GE(static_cast<double>(held), 0.98 * static_cast<double>(n));
 }
 
 // Rays that come from walls 7 m away end on a die of 1 cm to within half a micrometre, far more than the die
