@@ -47,6 +47,7 @@ public:
         if (argc < 2)
             throw geometry::InputError("command line", "", "names no command; heliodon --help lists them");
         refuseStep(argc, argv);
+        refuseNoValue(argc, argv);
         try {
             app_.parse(argc, argv);
         } catch (const CLI::Success& success) { // --help, --version
@@ -57,6 +58,7 @@ public:
         }
         for (auto& [sub, command] : commands_) {
             if (!*sub) continue;
+            refuseEmpty(*sub);
             refuseInfinite(*sub);
             refuseOverwriting(*sub);
             noteWritten(*sub);
@@ -95,6 +97,23 @@ private:
         double number = 0;
         return fmt::format("{}: '{}' is no {}number", said.substr(colon + 2, equals - colon - 2), value,
                            CLI::detail::lexical_cast(value, number) ? "whole " : "");
+    }
+
+    // "--sky=" takes the next word, another option too, as its value.
+    static void refuseNoValue(int argc, const char* const* argv) {
+        for (int i = 2; i < argc; ++i) {
+            const std::string word = argv[i];
+            if (word.starts_with("--") && word.find('=') == word.size() - 1)
+                throw geometry::InputError(word.substr(0, word.size() - 1), "", "is empty, expected a value");
+        }
+    }
+
+    // A script's variable that was never set is not the default that its user meant to leave.
+    static void refuseEmpty(const CLI::App& sub) {
+        for (const CLI::Option* option : sub.get_options())
+            for (const std::string& text : option->results())
+                if (text.empty())
+                    throw geometry::InputError(option->get_name(), "", "is empty, expected a value");
     }
 
     // "nan" and "inf" are numbers to the parser, and within every range.

@@ -264,7 +264,7 @@ private:
         for (GatherResult& result : benchGather(run_.device(), scene_->mesh, roofline_)) {
             result.scene = scene_->name;
             run_.note(fmt::format(
-                "{:<12} {:>6} patches  gather, {} column{}  {:.3f} ms, {:.2f} of native, error {:.1e}",
+                "{:<12} {:>6} patches  gather, {} column{}  {:.3f} ms, {:.2f} times native, error {:.1e}",
                 result.scene, result.patches, result.columns, result.columns > 1 ? "s" : " ",
                 1e3 * result.wallSeconds, result.wallSeconds / result.nativeSeconds, result.error));
             gathers.push_back(std::move(result));

@@ -141,7 +141,7 @@ Solution solveOn(Run& run, const IlluminanceArguments& arguments, const Input& i
         s.sensors = workPlaneSensors(s.scene.mesh, s.scene.up, plane);
     }
     if (s.sensors) giveSensors(run, *transport, *s.sensors);
-    s.moment = std::move(solveLight(run, *transport, std::span(&sky, 1))[0]);
+    s.moment = solveLight(run, *transport, sky);
     warnOfNight(run, source, lightFigures(s.scene.mesh, s.moment).maxLux);
     return s;
 }

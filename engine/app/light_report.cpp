@@ -31,6 +31,19 @@ std::string extentOf(std::span<const glm::dvec3> points, geometry::UpAxis up) {
                        high.y, low.z, high.z);
 }
 
+void warnOfTolerance(Run& run, const compute::MomentReport& r) {
+    if (!r.radiosity.converged)
+        run.warn("the radiosity solution did not reach its tolerance; see radiosity.bound in the report");
+}
+
+void reportRadiosity(Run& run, const compute::MomentReport& r) {
+    run.report()["radiosity"] = {{"passes", r.radiosity.passes}, {"residual", r.radiosity.residual},
+                                 {"bound", r.radiosity.bound},   {"converged", r.radiosity.converged},
+                                 {"lumens_in", r.lumensIn},      {"lumens_absorbed", r.lumensAbsorbed},
+                                 {"lumens_lost", r.lumensLost},  {"energy_imbalance", r.energyImbalance}};
+    warnOfTolerance(run, r);
+}
+
 } // namespace
 
 void refuseAllOutside(const std::filesystem::path& file, const SensorTable& sensors, const Scene& scene,
@@ -111,25 +124,40 @@ std::unique_ptr<compute::DaylightTransport> makeTransport(Run& run, gpu::Device&
     return transport;
 }
 
-std::vector<compute::Moment> solveLight(Run& run, compute::DaylightTransport& transport,
-                                        std::span<const daylight::Sky> skies) {
-    const StageTimer timer(run, "solve");
-    std::vector<compute::Moment> moments = transport.light(skies);
-    if (!moments.empty()) reportMoment(run, moments.back().report);
+compute::Moment solveLight(Run& run, compute::DaylightTransport& transport, const daylight::Sky& sky) {
+    compute::Moment moment = std::move(solveLights(run, transport, std::span(&sky, 1))[0]);
+    reportMoment(run, moment.report);
     if (const size_t count = transport.report().sensorsNearWalls; count > 0)
         run.modelled(fmt::format("walls beside {} sensors, taken apart", count));
+    return moment;
+}
+
+std::vector<compute::Moment> solveLights(Run& run, compute::DaylightTransport& transport,
+                                         std::span<const daylight::Sky> skies) {
+    const StageTimer timer(run, "solve");
+    std::vector<compute::Moment> moments = transport.light(skies);
+    for (const compute::Moment& moment : moments) warnOfTolerance(run, moment.report);
     return moments;
 }
 
 void reportMoment(Run& run, const compute::MomentReport& r) {
-    run.report()["radiosity"] = {{"passes", r.radiosity.passes}, {"residual", r.radiosity.residual},
-                                 {"bound", r.radiosity.bound},   {"converged", r.radiosity.converged},
-                                 {"lumens_in", r.lumensIn},      {"lumens_absorbed", r.lumensAbsorbed},
-                                 {"lumens_lost", r.lumensLost},  {"energy_imbalance", r.energyImbalance}};
+    reportRadiosity(run, r);
     for (const std::string& what : r.modelled) run.modelled(what);
     for (const std::string& what : r.skipped) run.skipped(what);
-    if (!r.radiosity.converged)
-        run.warn("the radiosity solution did not reach its tolerance; see radiosity.bound in the report");
+}
+
+void FrameTally::add(const compute::MomentReport& report) {
+    if (frames_++ == 0 || !(report.radiosity.bound <= worst_.radiosity.bound)) worst_ = report;
+    for (const std::string& what : report.modelled) ++modelled_[what];
+    for (const std::string& what : report.skipped) ++skipped_[what];
+}
+
+void FrameTally::report(Run& run) const {
+    reportRadiosity(run, worst_);
+    for (const auto& [what, count] : modelled_)
+        run.modelled(count == frames_ ? what : fmt::format("{}: {} frames", what, count));
+    for (const auto& [what, count] : skipped_)
+        run.skipped(count == frames_ ? what : fmt::format("{} frames: {}", count, what));
 }
 
 LightFigures lightFigures(const geometry::PatchMesh& mesh, const compute::Moment& moment) {

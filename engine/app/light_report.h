@@ -2,8 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "compute/daylight_transport.h"
@@ -27,13 +29,29 @@ std::unique_ptr<compute::DaylightTransport> makeTransport(Run& run, gpu::Device&
                                                           const geometry::PatchMesh& mesh,
                                                           const compute::TransportOptions& options);
 
-// Solves one sky or several at once; fills `stages.solve`, `radiosity`, `modelled` and `skipped` (the latter
-// three from the last call).
-std::vector<compute::Moment> solveLight(Run& run, compute::DaylightTransport& transport,
-                                        std::span<const daylight::Sky> skies);
+// Solves one sky; fills `stages.solve` and what reportMoment does.
+compute::Moment solveLight(Run& run, compute::DaylightTransport& transport, const daylight::Sky& sky);
+
+// Solves several at once; fills `stages.solve`, and warns of solutions that did not reach their tolerance.
+std::vector<compute::Moment> solveLights(Run& run, compute::DaylightTransport& transport,
+                                         std::span<const daylight::Sky> skies);
 
 // What one moment's solution measured: `radiosity`, `modelled` and `skipped`.
 void reportMoment(Run& run, const compute::MomentReport& report);
+
+// What the solutions of a film's frames measured.
+class FrameTally {
+public:
+    void add(const compute::MomentReport& report);
+    // `radiosity` of the frame with the largest bound; `modelled` and `skipped` with the number of frames,
+    // where it was not for all.
+    void report(Run& run) const;
+
+private:
+    size_t frames_ = 0;
+    compute::MomentReport worst_;
+    std::map<std::string, size_t> modelled_, skipped_;
+};
 
 // Throws InputError naming `file`, where the sensors and where the model lie, when no sensor is in a room:
 // their units or axes are not the model's. Cheap: found before there are form factors.

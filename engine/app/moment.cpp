@@ -19,11 +19,16 @@ daylight::Site parseSite(const std::string& text) {
     const char* const end = text.data() + text.size();
     const auto latitude = std::from_chars(text.data(), end, site.latitudeDeg);
     const bool comma = latitude.ec == std::errc() && latitude.ptr != end && *latitude.ptr == ',';
-    const auto longitude = comma ? std::from_chars(latitude.ptr + 1, end, site.longitudeDeg) : latitude;
-    if (!comma || longitude.ec != std::errc() || longitude.ptr != end ||
-        !(std::abs(site.latitudeDeg) <= 90) || !(std::abs(site.longitudeDeg) <= 180))
+    const char* second = comma ? latitude.ptr + 1 : end;
+    while (second != end && *second == ' ') ++second;
+    const auto longitude = std::from_chars(second, end, site.longitudeDeg);
+    if (longitude.ec != std::errc() || longitude.ptr != end || !(std::abs(site.latitudeDeg) <= 90) ||
+        !(std::abs(site.longitudeDeg) <= 180))
         throw geometry::InputError(
-            "--site", "", fmt::format("'{}' is no place, expected LAT,LON in degrees north and east", text));
+            "--site", "",
+            fmt::format("'{}' is no place, expected LAT,LON in degrees north (-90 to 90) "
+                        "and east (-180 to 180)",
+                        text));
     return site;
 }
 

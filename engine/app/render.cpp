@@ -137,7 +137,7 @@ void renderSheet(Run& run, passes::FrameRenderer& renderer, compute::DaylightTra
                  const SkySource& source, const Sheet& sheet, const RenderArguments& arguments) {
     std::vector<daylight::Sky> skies;
     for (const daylight::Moment& moment : sheet.moments) skies.push_back(source.skyAt(moment));
-    std::vector<compute::Moment> moments = solveLight(run, transport, skies);
+    std::vector<compute::Moment> moments = solveLights(run, transport, skies);
     if (arguments.picture.skyColour) tintLight(transport, skies, moments);
     const StageTimer timer(run, "render");
     passes::PreviewOptions options;
@@ -180,7 +180,7 @@ void execute(Run& run, const RenderArguments& arguments) {
         options.radiosity.tolerance = 0.1 * arguments.maxRadiosityError;
     }
     const auto transport = makeTransport(run, scene.mesh, options);
-    compute::Moment moment = std::move(solveLight(run, *transport, std::span(&sky, 1))[0]);
+    compute::Moment moment = solveLight(run, *transport, sky);
     if (arguments.picture.skyColour) tintLight(*transport, std::span(&sky, 1), std::span(&moment, 1));
     passes::FrameRenderer renderer = makeRenderer(run, scene);
     const LightFigures figures = lightFigures(scene.mesh, moment);

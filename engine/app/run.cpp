@@ -85,6 +85,16 @@ void Run::warn(const std::string& text) {
     if (addOnce(report_["warnings"], text)) note("warning: " + text);
 }
 
+void Run::warnOfEach(const std::vector<std::string>& texts) {
+    constexpr size_t kShown = 12;
+    size_t count = 0;
+    for (const std::string& text : texts)
+        if (addOnce(report_["warnings"], text) && ++count <= kShown) note("warning: " + text);
+    if (count > kShown)
+        note(fmt::format("warning: {} more like these; {}", count - kShown,
+                         reportFile_.empty() ? "--report lists them" : "the report lists them"));
+}
+
 void Run::modelled(const std::string& what) {
     addOnce(report_["modelled"], what);
 }

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -29,6 +30,8 @@ public:
     nlohmann::json& report() { return report_; } // fields of the command's own
     void note(const std::string& text);          // to stderr unless --quiet
     void warn(const std::string& text);          // to stderr unless --quiet, and to the report
+    // Of many of one kind, as of a picture of something else, the first few are shown; the report has all.
+    void warnOfEach(const std::vector<std::string>& texts);
     // What stands in for options not given, said once: to the report and, if `aloud`, to noteAssumed, which
     // is called when all input has been read: errors of input stand alone.
     void assume(const std::string& what, bool aloud = true);

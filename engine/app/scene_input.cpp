@@ -213,7 +213,10 @@ geometry::Sketch loadSketch(Run& run, const SceneArguments& arguments,
         const StageTimer timer(run, "detect");
         return vision::detectSketch(photograph, *rig);
     }();
-    for (const std::string& warning : found.warnings) run.warn(warning);
+    // What is said of the whole picture before what is said of its places.
+    std::ranges::stable_partition(found.warnings,
+                                  [](const auto& text) { return !text.starts_with("pixel "); });
+    run.warnOfEach(found.warnings);
     const geometry::Sketch& s = found.sketch;
     run.report()["detected"] = {{"walls", s.walls.size()},     {"arcs", s.arcs.size()},
                                 {"windows", s.windows.size()}, {"skylights", s.skylights.size()},

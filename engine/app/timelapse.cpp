@@ -139,7 +139,7 @@ public:
         const bool falseColour = tone.map == passes::ToneMap::falseColour;
         if (!tone.whiteLux || falseColour) {
             const std::vector<compute::Moment> samples =
-                solveLight(run_, transport, brightAndSpread(source, times));
+                solveLights(run_, transport, brightAndSpread(source, times));
             settle(tone, renderer_, samples);
         }
         projector_.tone.whiteLux = tone.whiteLux;
@@ -264,11 +264,13 @@ Frames makeFrames(Run& run, const Scene& scene, const SkySource& source,
     Progress progress("frames", times.size(), run.showsProgress());
     Solved before;
     LightFigures figures;
+    FrameTally tally;
     for (size_t frame = 0; frame < times.size(); ++frame) {
         const compute::Stopwatch watch;
         const Solved solved = stream.next();
         if (solved != before) figures = lightFigures(scene.mesh, *solved);
         before = solved;
+        tally.add(solved->report);
         frames.dark += source.followsTime() && figures.maxLux <= 0;
         frames.table += tableRow(times[frame], source.sunAt(times[frame]), figures);
         if (painter && !sink.done(frame)) {
@@ -280,7 +282,7 @@ Frames makeFrames(Run& run, const Scene& scene, const SkySource& source,
     }
     stream.stop();
     run.addStageSeconds("solve", stream.seconds());
-    if (before) reportMoment(run, before->report);
+    tally.report(run);
     if (stream.repeated() > 0)
         run.skipped(fmt::format("{} frames: the same light as the frame before", stream.repeated()));
     return frames;

@@ -216,6 +216,9 @@ TEST_F(BadInput, an_unknown_command_and_a_missing_option) {
                   {"--report", "is written by --output too"});
     expectRefused(sketch + in("out") + " --rgi r.json", {"--rgi", "--help lists"});
     expectRefused(sketch + in("out") + " -o " + in("out"), {"--output", "more than once"});
+    for (const char* unset : {" --sky ''", " --sky=", " --site ''"})
+        expectRefused(sketch + in("out") + unset, {std::string(unset).substr(1, 5), "is empty"});
+    expectRefused(sketch + in("out") + " --site 142,3", {"--site", "-90 to 90"});
     expectRefused(sketch + in("out") + " --triangles 20.5", {"--triangles", "'20.5' is no whole number"});
 }
 

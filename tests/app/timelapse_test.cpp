@@ -140,6 +140,11 @@ TEST_F(Timelapse, polar_day_and_polar_night) {
     const std::vector<double> summer = day("2026-06-21");
     EXPECT_EQ(summer.size(), 24u);
     for (const double lux : summer) EXPECT_GT(lux, 0); // at midnight too
+    // A last frame in the dark says nothing of the others' accuracy.
+    EXPECT_EQ(day("2026-03-21").back(), 0);
+    const nlohmann::json report = nlohmann::json::parse(readText(folder / "report.json"));
+    EXPECT_GT(report["radiosity"]["bound"].get<double>(), 0);
+    EXPECT_NE(report["skipped"].dump().find(" frames: sky and ground: dark"), std::string::npos);
 }
 
 TEST_F(Timelapse, frames_of_the_same_light_are_what_each_alone_is) {
