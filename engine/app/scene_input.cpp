@@ -95,6 +95,7 @@ void reportImport(Run& run, const geometry::PatchMesh& mesh, const geometry::Bui
     for (const std::string& repair : building.repairs) message += "; " + repair;
     report["message"] = message;
     report["repairs"] = building.repairs;
+    report["walls"] = json::array(); // of sketches, which have names for theirs
     for (const std::string& warning : building.warnings) run.warn(warning);
     report["n_rooms"] = rooms.size();
     report["rooms"] = json::array();

@@ -65,6 +65,7 @@ TEST_F(MainJob, a_model_is_reported_as_closed_rooms) {
         " --report " + in("m.json"));
     const nlohmann::json m = report("m.json");
     EXPECT_EQ(m["outcome"], "ok");
+    EXPECT_TRUE(m["walls"].is_array());
     ASSERT_EQ(m["n_rooms"], 1);
     EXPECT_NEAR(m["rooms"][0]["volume"].get<double>(), 4000 - 2, 0.01); // 400 ft2 x 10 ft less the partition
 }
