@@ -346,7 +346,8 @@ void DaylightTransport::State::sunOn(Moment& moment, const daylight::SunDisc& di
         const Sensor& sensor = sensors.sensors[s];
         if (sensors.room[s] == geometry::kNoRoom) return;
         moment.sensors[s].sun = strength * sun.atPoint(sensor.position, sensor.normal);
-        moment.sensors[s].error += photometric(strength * sun.unsureAtPoint(sensor.position, sensor.normal));
+        const double unsure = photometric(strength * sun.unsureAtPoint(sensor.position, sensor.normal));
+        moment.sensors[s].error += static_cast<float>(unsure);
         moment.sensors[s].interreflected += sunEdges(*points, sensors, s, partly, strength, firstBounce);
     });
 }
