@@ -16,7 +16,8 @@ namespace heliodon::geometry {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kWorthGrading = 0.8; // of the edge length: sizes above make no difference
+constexpr double kWorthGrading = 0.8;                 // of the edge length: sizes above make no difference
+constexpr double kFinestSize = 0.01 * kMetresPerInch; // below, in the tip of a wedge, triangles vanish
 // A strip w wide with its sides divided in steps of s, staggered by half a step, has angles atan(2 w / s) and
 // atan(s / 2 w): at least 36 degrees for w / s within these.
 constexpr double kNarrowStrip = 0.363, kWideStrip = 0.688;
@@ -94,6 +95,7 @@ void EdgeSampler::measureSurroundings() {
                                                     kFacing * distanceToSegment(p, domain.planar[m][i], end));
                     }
             }
+    for (double& size : surroundings_) size = std::max(size, kFinestSize);
 }
 
 void EdgeSampler::pairTwins() {
