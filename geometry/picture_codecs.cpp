@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -25,9 +26,15 @@ cv::Mat bgrOf(int width, int height, const uint8_t* rgb) {
     return bgr;
 }
 
+// OpenCV's own lines about a file come before ours, which names it.
+cv::Mat imageIn(const std::filesystem::path& file, int flags) {
+    cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+    return cv::imread(file.string(), flags | cv::IMREAD_IGNORE_ORIENTATION);
+}
+
 std::optional<PicturePixels> read(const std::filesystem::path& file) {
     try {
-        const cv::Mat bgr = cv::imread(file.string(), cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+        const cv::Mat bgr = imageIn(file, cv::IMREAD_COLOR);
         if (bgr.empty()) return std::nullopt;
         PicturePixels picture{bgr.cols, bgr.rows, {}};
         picture.rgb.resize(static_cast<size_t>(bgr.cols) * static_cast<size_t>(bgr.rows) * 3);
@@ -41,7 +48,7 @@ std::optional<PicturePixels> read(const std::filesystem::path& file) {
 std::optional<GreyPixels> readGrey(const std::filesystem::path& file) {
     try {
         // Without IMREAD_COLOR: one channel.
-        const cv::Mat grey = cv::imread(file.string(), cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
+        const cv::Mat grey = imageIn(file, cv::IMREAD_ANYDEPTH);
         if (grey.empty() || (grey.depth() != CV_8U && grey.depth() != CV_16U)) return std::nullopt;
         GreyPixels picture{grey.cols, grey.rows, std::vector<float>(grey.total())};
         cv::Mat values(grey.rows, grey.cols, CV_32FC1, picture.values.data());

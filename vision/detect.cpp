@@ -12,6 +12,7 @@
 #include "vision/chroma.h"
 #include "vision/color_classes.h"
 #include "vision/components.h"
+#include "vision/doubts.h"
 #include "vision/edges.h"
 #include "vision/median.h"
 #include "vision/picture_turn.h"
@@ -50,12 +51,6 @@ size_t wallsIn(const DetectionResult& result) {
     return result.sketch.walls.size() + result.sketch.arcs.size();
 }
 
-glm::dvec2 centreOf(const geometry::Detection& detection) {
-    glm::dvec2 mean{};
-    for (const auto& p : detection.outlinePx) mean += p / static_cast<double>(detection.outlinePx.size());
-    return mean;
-}
-
 bool isWall(Paint p) {
     return p == Paint::red || p == Paint::blue || p == Paint::green;
 }
@@ -89,7 +84,8 @@ public:
         findWalls();
         warnOfTurn(); // where walls are read at wrong places, theirs are no faces, and they seem to lie flat
         leaveOutWhatLiesFlat();
-        warnOfDoubt();
+        addDoubts(out_.sketch, evidence(), view_, options_, doubts_);
+        for (std::string& line : doubts_.lines()) out_.warnings.push_back(std::move(line));
         if (out_.sketch.walls.empty() && out_.sketch.arcs.empty())
             out_.warnings.emplace_back("no wall is seen on the table");
         warnOfLight();
@@ -197,49 +193,6 @@ private:
                         *turn == PictureTurn::mirrored     ? "mirrored left to right"
                         : *turn == PictureTurn::upsideDown ? "mirrored top to bottom"
                                                            : "turned by half"));
-    }
-
-    // What was found and may be something else.
-    void warnOfDoubt() {
-        constexpr double kAllEdges = 0.98, kAsChip = 0.12; // inches
-        const double chip = options_.tokenSide - 4 * options_.tokenBand;
-        for (const auto& skylight : out_.sketch.skylights) {
-            const glm::dvec2 off = glm::abs(skylight.size - chip);
-            if (skylight.detection.confidence < kAllEdges)
-                doubt(skylight.detection, "read as a skylight, but its edges are not straight all round");
-            else if (std::max(off.x, off.y) < kAsChip)
-                doubt(skylight.detection,
-                      "read as a skylight, but as large as the chip of a token: is it one?");
-        }
-        for (const auto& wall : out_.sketch.walls) warnOfFadedPaint(wall);
-        for (const auto& arc : out_.sketch.arcs) warnOfFadedPaint(arc);
-    }
-    void doubt(const geometry::Detection& detection, const char* what) {
-        const glm::dvec2 p = centreOf(detection);
-        out_.warnings.push_back(fmt::format("pixel {:.0f}, {:.0f}: {}", p.x, p.y, what));
-    }
-
-    // A wall's top goes on beyond its white end where glare or wear hides the paint.
-    template<class Shape> void warnOfFadedPaint(const Shape& shape) {
-        const double height = geometry::heightInches(shape.heightClass);
-        for (const glm::dvec2 beyond : evidence().goesOnTo(shape)) {
-            const glm::dvec2 p = view_.pixel(beyond, height);
-            if (anotherStandsAt(p, shape)) continue;
-            out_.warnings.push_back(fmt::format(
-                "pixel {:.0f}, {:.0f}: a wall seems to go on without paint; it is read as far as its paint",
-                p.x, p.y));
-        }
-    }
-    template<class Shape> bool anotherStandsAt(glm::dvec2 pixel, const Shape& shape) const {
-        constexpr double kNear = 0.6; // inches
-        const auto stands = [&](const auto& other) {
-            if (static_cast<const void*>(&other) == static_cast<const void*>(&shape)) return false;
-            return evidence().distance(other, view_.plan(pixel, geometry::heightInches(other.heightClass))) <
-                   kNear;
-        };
-        const Sketch& s = out_.sketch;
-        return std::any_of(s.walls.begin(), s.walls.end(), stands) ||
-               std::any_of(s.arcs.begin(), s.arcs.end(), stands);
     }
 
     double radius() const { return rig_.tableRadius / geometry::kMetresPerInch; }
@@ -353,7 +306,7 @@ private:
                 skylight && liesOnTable(skylight->center, 0)) {
                 used_[i] = true;
                 if (isPatchOfLight(*skylight)) {
-                    unread(region, "a patch of bluish light");
+                    unread(region, "a patch of bluish light; it is left out");
                     continue;
                 }
                 out_.sketch.skylights.push_back(*skylight);
@@ -418,7 +371,7 @@ private:
                 out_.sketch.skylights.push_back(*skylight);
                 return;
             }
-        unread(marker, "a window marker on no wall");
+        unread(marker, "a window marker on no wall; it is left out");
     }
 
     // One that is a straight strip or an arc as it is.
@@ -437,7 +390,7 @@ private:
     // walls.
     void addPieces(const Component& region, std::vector<const Component*>& pieces) {
         if (region.group == Paint::blue && 2 * region.minorityArea > region.area)
-            return unread(region, "light blue like a skylight, but no rectangle");
+            return unread(region, "light blue like a skylight, but no rectangle; it is left out");
         if (addPiece(region, pieces)) return;
         bool any = false;
         for (Component& part : thinParts(region, view_, options_)) {
@@ -457,7 +410,7 @@ private:
         }
         if (any) return;
         noteWidth({region.group, {&region}, {}});
-        unread(region, "coloured like a wall, but not of a wall's shape");
+        unread(region, "coloured like a wall, but not of a wall's shape; it is left out");
     }
 
     // Of a strip that is no wall of the options' thickness.
@@ -481,8 +434,9 @@ private:
             }
         noteWidth(chain);
         for (const Component* piece : chain.pieces)
-            unread(*piece, "coloured like a wall, but not of a wall's shape");
-        for (const Component* marker : chain.markers) unread(*marker, "a window marker on no wall");
+            unread(*piece, "coloured like a wall, but not of a wall's shape; it is left out");
+        for (const Component* marker : chain.markers)
+            unread(*marker, "a window marker on no wall; it is left out");
     }
 
     std::vector<Relief> reliefs() const {
@@ -500,10 +454,10 @@ private:
             if (lies[i] == Lies::no) return false;
             const glm::dvec2 p = centreOf(detection);
             const bool flat = lies[i] == Lies::flat;
-            out_.warnings.push_back(fmt::format("pixel {:.0f}, {:.0f}: coloured and wide like a wall, but {}",
-                                                p.x, p.y,
-                                                flat ? "without its white ends and its faces; it is left out"
-                                                     : "its ends are not seen to be white: is it one?"));
+            doubts_.add(
+                p, flat ? "coloured and wide like a wall, but without its white ends and its faces; it is "
+                          "left out"
+                        : "coloured and wide like a wall, but its ends are not seen to be white: is it one?");
             return flat;
         };
         std::vector<geometry::Wall> walls;
@@ -525,8 +479,7 @@ private:
     void unread(const Component& region, const char* what) {
         const double perInch = view_.pixelsPerInch(view_.plan(region.centre, 0), 0);
         if (region.area < 3 * kSmallestInches2 * perInch * perInch) return; // specks are not worth a line
-        out_.warnings.push_back(
-            fmt::format("pixel {:.0f}, {:.0f}: {}; it is left out", region.centre.x, region.centre.y, what));
+        doubts_.add(region.centre, what);
     }
 
     void nameAll();
@@ -542,6 +495,7 @@ private:
     std::vector<StraightWall> wholeWalls_; // before joints under markers are looked for
     std::vector<bool> used_;
     std::vector<double> otherWidths_; // inches
+    Doubts doubts_;
     DetectionResult out_;
 };
 

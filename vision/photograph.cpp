@@ -1,94 +1,21 @@
 #include "vision/photograph.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <fstream>
 #include <string>
 #include <system_error>
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "geometry/input_error.h"
 #include "geometry/picture_file.h"
 #include "vision/grey_picture.h"
+#include "vision/picture_header.h"
 
 namespace heliodon::vision {
 
 namespace {
-
-// The chunks of a PNG, after its signature, up to the last.
-bool isWholePng(const std::vector<uint8_t>& bytes) {
-    for (size_t at = 8; at + 12 <= bytes.size();) {
-        const size_t length = (size_t{bytes[at]} << 24) | (size_t{bytes[at + 1]} << 16) |
-                              (size_t{bytes[at + 2]} << 8) | bytes[at + 3];
-        if (std::equal(bytes.begin() + static_cast<std::ptrdiff_t>(at) + 4,
-                       bytes.begin() + static_cast<std::ptrdiff_t>(at) + 8, "IEND"))
-            return true;
-        at += 12 + length;
-    }
-    return false;
-}
-
-// The segments of a JPEG up to the end marker; a preview within one of them has an end marker of its own.
-bool isWholeJpeg(const std::vector<uint8_t>& bytes) {
-    constexpr uint8_t kEnd = 0xD9, kScan = 0xDA;
-    size_t at = 2;
-    while (at + 4 <= bytes.size()) {
-        if (bytes[at] != 0xFF) return true; // not as expected: the decoder's business
-        const uint8_t marker = bytes[at + 1];
-        if (marker == kEnd) return true;
-        if (marker == 0xFF) { // padding
-            ++at;
-            continue;
-        }
-        at += 2 + ((size_t{bytes[at + 2]} << 8) | bytes[at + 3]);
-        if (marker != kScan) continue;
-        // Coded data: a 0xFF in it is followed by 0 or by a restart marker.
-        while (at + 1 < bytes.size() &&
-               !(bytes[at] == 0xFF && bytes[at + 1] != 0 && (bytes[at + 1] & 0xF8) != 0xD0))
-            ++at;
-    }
-    return at + 1 < bytes.size() && bytes[at] == 0xFF && bytes[at + 1] == kEnd;
-}
-
-bool isPng(const std::vector<uint8_t>& bytes) {
-    constexpr std::array<uint8_t, 8> kPng = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
-    return bytes.size() >= kPng.size() && std::equal(kPng.begin(), kPng.end(), bytes.begin());
-}
-bool isJpeg(const std::vector<uint8_t>& bytes) {
-    return bytes.size() >= 3 && bytes[0] == 0xFF && bytes[1] == 0xD8 && bytes[2] == 0xFF;
-}
-
-// Decoders read what is there of a file that was cut short and leave the rest grey.
-bool isCutShort(const std::vector<uint8_t>& bytes) {
-    if (isPng(bytes)) return !isWholePng(bytes);
-    if (isJpeg(bytes)) return !isWholeJpeg(bytes);
-    return false;
-}
-
-// From the mean of the first table of quantization, of brightness, against that of ITU-T T.81, K.1, by
-// libjpeg's scale. 100 where none is found.
-int jpegQuality(const std::vector<uint8_t>& bytes) {
-    constexpr uint8_t kTables = 0xDB, kScan = 0xDA;
-    constexpr size_t kValues = 64;
-    constexpr double kMeanOfStandard = 3688.0 / kValues;
-    for (size_t at = 2; at + 5 <= bytes.size() && bytes[at] == 0xFF && bytes[at + 1] != kScan;) {
-        if (bytes[at + 1] != kTables) {
-            at += 2 + ((size_t{bytes[at + 2]} << 8) | bytes[at + 3]);
-            continue;
-        }
-        const size_t wide = bytes[at + 4] >> 4 ? 2 : 1, first = at + 5; // bytes of a value, low one last
-        if (first + wide * kValues > bytes.size()) break;
-        double sum = 0;
-        for (size_t i = 0; i < kValues; ++i)
-            sum += wide == 2 ? 256 * bytes[first + 2 * i] + bytes[first + 2 * i + 1] : bytes[first + i];
-        const double scale = std::max(1.0, 100 * sum / kValues / kMeanOfStandard);
-        return std::clamp(static_cast<int>(std::lround(scale <= 100 ? (200 - scale) / 2 : 5000 / scale)), 1,
-                          100);
-    }
-    return 100;
-}
 
 std::vector<uint8_t> bytesOf(const std::filesystem::path& file) {
     std::error_code gone;
@@ -98,6 +25,9 @@ std::vector<uint8_t> bytesOf(const std::filesystem::path& file) {
         .read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     return bytes;
 }
+
+// Larger ones are refused before they are decoded: three bytes a pixel, twice for a moment.
+constexpr uint64_t kMostPixels = 250'000'000;
 
 // The pixels as the sensor has them: the rig was calibrated on those, so no rotation by EXIF.
 template<class Picture>
@@ -110,13 +40,17 @@ Picture readOrComplain(std::optional<Picture> (*read)(const std::filesystem::pat
         throw geometry::InputError(file.string(), "",
                                    "no such file, expected a photograph (png, jpg or tif)");
     const std::vector<uint8_t> bytes = bytesOf(file);
+    if (const auto size = pictureSize(bytes); size && size->first * size->second > kMostPixels)
+        throw geometry::InputError(file.string(), "",
+                                   fmt::format("{} x {} pixels, expected at most {} million in all",
+                                               size->first, size->second, kMostPixels / 1000000));
     if (isCutShort(bytes))
         throw geometry::InputError(file.string(), "", "the picture is cut short, expected a whole file");
     auto picture = read(file);
     if (!picture)
         throw geometry::InputError(file.string(), "",
                                    "not an image that can be read, expected png, jpg or tif");
-    if (quality && isJpeg(bytes)) *quality = jpegQuality(bytes);
+    if (quality) *quality = jpegQuality(bytes);
     return std::move(*picture);
 }
 

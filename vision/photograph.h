@@ -16,7 +16,7 @@ struct Photograph {
 };
 
 // Reads PNG, JPEG and TIFF, 8 or 16 bits, colour or grey; an alpha channel is dropped.
-// Throws InputError when the file is missing, is not an image or is cut short.
+// Throws InputError when the file is missing, no image, cut short, or of more than 250 million pixels.
 Photograph readPhotograph(const std::filesystem::path& file);
 
 // False for a grey picture: nothing can be read from it, since paint tells the walls' heights.

@@ -97,6 +97,25 @@ bool isWorth(const LensSolution& longer, const LensSolution& shorter, int terms)
     return shorter.squares - longer.squares > terms * std::log(n) * longer.squares / n;
 }
 
+// A mirror, or the projector's setting for screens lit from behind, turns the picture round: no lens does.
+LensSolution pinholeOf(const Correspondences& points, int width) {
+    try {
+        return solvePinhole(points);
+    } catch (const CalibrationError&) {
+        Correspondences mirrored = points;
+        for (Correspondence& c : mirrored) c.pixel.x = width - 1 - c.pixel.x;
+        try {
+            solvePinhole(mirrored);
+        } catch (const CalibrationError&) {
+            mirrored.clear();
+        }
+        if (mirrored.empty()) throw;
+        throw CalibrationError(
+            "the projector shows its picture mirrored (by a mirror, or its setting for rear "
+            "projection?): turn that off in the projector's menu");
+    }
+}
+
 LensSolution fitTerms(const Working& work, int width, int height, const LensSolution& start,
                       LensTerms& terms) {
     LensSolution best = solveView(work.points, terms = {false, false, false, false}, start);
@@ -232,7 +251,7 @@ ProjectorCalibration calibrateProjector(const geometry::OpticalDevice& camera, i
         throw CalibrationError(
             fmt::format("corners were found on {} planes of different height, at least {} are needed",
                         heights.size(), kLeastPlanes));
-    LensSolution solution = solvePinhole(work.points);
+    LensSolution solution = pinholeOf(work.points, width);
     solution = fitTerms(work, width, height, solution, result.terms);
     for (int round = 0; round < 6 && reject(work, solution); ++round)
         solution = fitTerms(work, width, height, solution, result.terms);

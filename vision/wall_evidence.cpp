@@ -98,16 +98,25 @@ bool WallEvidence::isStripOfPaint(const Line& painted, Paint paint) const {
     return same < kBeside * beside && covered >= kCovered * on;
 }
 
-bool WallEvidence::isBare(glm::dvec2 end, double height) const {
-    constexpr float kFloor = 0.35f; // of white
-    constexpr double kReach = 0.1;  // inches
+std::optional<glm::vec3> WallEvidence::overWhite(glm::dvec2 plan, double height) const {
+    constexpr double kReach = 0.1; // inches
+    const glm::dvec2 middle = view_.pixel(plan, height);
+    const Photograph& photo = view_.photo();
+    if (!(middle.x >= 0 && middle.y >= 0 && middle.x <= photo.width - 1 && middle.y <= photo.height - 1))
+        return std::nullopt;
     glm::vec3 sum(0);
     for (const double x : {-kReach, 0.0, kReach})
         for (const double y : {-kReach, 0.0, kReach}) {
-            const glm::dvec2 p = view_.pixel(end + glm::dvec2(x, y), height);
+            const glm::dvec2 p = view_.pixel(plan + glm::dvec2(x, y), height);
             sum += view_.light(p) / view_.white(p) / 9.0f;
         }
-    const float seen = std::max({sum.r, sum.g, sum.b}), table = 1 / image_.whiteOverTable.g;
+    return sum;
+}
+
+bool WallEvidence::isBare(glm::dvec2 end, double height) const {
+    constexpr float kFloor = 0.35f; // of white
+    const glm::vec3 light = overWhite(end, height).value_or(glm::vec3(1));
+    const float seen = std::max({light.r, light.g, light.b}), table = 1 / image_.whiteOverTable.g;
     const bool overTable = glm::length(view_.plan(view_.pixel(end, height), 0)) < radius_;
     if (!overTable) return seen < kFloor;
     return table < 1 && seen < 0.8f * std::sqrt(table); // nearer to the table than to card

@@ -53,6 +53,9 @@ public:
     Line endsOf(const geometry::Wall& wall) const;
     Line endsOf(const geometry::Arc& arc) const;
 
+    // Mean light at a place over what white returns there; none outside the picture.
+    std::optional<glm::vec3> overWhite(glm::dvec2 plan, double height) const;
+
     // Places a little beyond those of its ends past which a strip goes on, as bright over what is beside it
     // as the ends are.
     Line goesOnTo(const geometry::Wall& wall) const;

@@ -439,6 +439,23 @@ TEST(DetectConditions, says_what_is_found_in_doubt) {
     EXPECT_TRUE(warnsOf(detectSketch(paintTable(sketch, rig), rig), "chip of a token"));
 }
 
+TEST(DetectConditions, says_where_a_wall_is_hidden_or_cut_off) {
+    const geometry::Rig rig = exampleRig();
+    Photograph photo = paintTable(room(), rig);
+    cover(photo, rig, {{-8, -7}, {-3, -7}, {-3, -3}, {-8, -3}}, 10, {0.05, 0.3, 0.1});
+    EXPECT_TRUE(warnsOf(detectSketch(photo, rig), "white end is not seen"));
+    // What is said of many places is one line.
+    photo = paintTable(room(), rig);
+    for (int i = 0; i < 8; ++i)
+        cover(photo, rig, {{i - 6, 8}, {i - 5.6, 8}, {i - 5.6, 9.5}, {i - 6, 9.5}}, 0, {0.05, 0.38, 0.5});
+    const DetectionResult many = detectSketch(photo, rig);
+    EXPECT_TRUE(warnsOf(many, "and 4 more places: a window marker on no wall"));
+    // Of walls at the picture's edge only a part is seen.
+    geometry::Rig near = rig;
+    near.camera.lens.fx *= 1.8, near.camera.lens.fy *= 1.8;
+    EXPECT_TRUE(warnsOf(detectSketch(paintTable(room(), near), near), "reaches the picture's edge"));
+}
+
 TEST(DetectConditions, says_that_light_or_table_hide_something) {
     const geometry::Rig rig = exampleRig();
     Photograph photo = paintTable(room(), rig);
@@ -450,6 +467,28 @@ TEST(DetectConditions, says_that_light_or_table_hide_something) {
     Perturbation dark;
     dark.electronsAtWhite = 60;
     EXPECT_TRUE(warnsOf(detectSketch(perturbed(paintTable(room(), rig), dark), rig), "noise"));
+}
+
+TEST(Photograph, too_many_pixels_are_refused_before_they_are_decoded) {
+    const std::string file = testing::TempDir() + "heliodon_too_large";
+    const auto refusal = [&](const std::string& bytes) {
+        std::ofstream(file, std::ios::binary) << bytes;
+        try {
+            readPhotograph(file);
+        } catch (const geometry::InputError& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    using namespace std::string_literals;
+    const std::string said = "20000 x 30000 pixels";
+    EXPECT_NE(refusal("\x89PNG\r\n\x1A\n\0\0\0\x0DIHDR\0\0\x4E\x20\0\0\x75\x30"s).find(said),
+              std::string::npos);
+    EXPECT_NE(refusal("\xFF\xD8\xFF\xC2\0\x11\x08\x75\x30\x4E\x20\3"s).find(said), std::string::npos);
+    EXPECT_NE(
+        refusal("II*\0\x08\0\0\0\2\0\0\1\3\0\1\0\0\0\x20\x4E\0\0\1\1\4\0\1\0\0\0\x30\x75\0\0"s).find(said),
+        std::string::npos);
+    EXPECT_NE(refusal("MM\0*\xFF\xFF\xFF\xFF"s), ""); // a directory beyond the file's end
 }
 
 TEST(Photograph, cut_short_or_grey_is_no_photograph) {

@@ -191,6 +191,16 @@ TEST(CalibrateProjector, a_wrong_height_is_noticed_and_too_little_refused) {
     std::swap(swapped[1].corners, swapped[swapped.size() - 1].corners);
     EXPECT_THROW(calibrate(scene, swapped), CalibrationError);
     EXPECT_THROW(calibrate(scene, {planes[0]}), CalibrationError);
+    std::vector<ProjectorPlane> mirrored = planes;
+    for (ProjectorPlane& plane : mirrored)
+        for (auto& corner : plane.corners)
+            corner.projector.x = scene.projector.width - 1 - corner.projector.x;
+    try {
+        calibrate(scene, mirrored);
+        ADD_FAILURE() << "a mirrored picture was taken";
+    } catch (const CalibrationError& error) {
+        EXPECT_NE(std::string(error.what()).find("mirrored"), std::string::npos) << error.what();
+    }
     EXPECT_THROW(calibrate(scene, {planes[0], planes[0]}), CalibrationError);
     EXPECT_THROW(calibrate(scene, {{0, {}}, {0.1, {}}}), CalibrationError);
 }

@@ -1,0 +1,177 @@
+#include "vision/doubts.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+
+#include "geometry/segment_distance.h"
+#include "vision/median.h"
+
+namespace heliodon::vision {
+
+void Doubts::add(glm::dvec2 pixel, std::string_view what) {
+    const auto same = std::find_if(matters_.begin(), matters_.end(),
+                                   [&](const Matter& matter) { return matter.what == what; });
+    if (same == matters_.end())
+        matters_.push_back({std::string(what), {pixel}});
+    else
+        same->at.push_back(pixel);
+}
+
+std::vector<std::string> Doubts::lines() const {
+    constexpr size_t kNamed = 4;
+    std::vector<std::string> out;
+    for (const Matter& matter : matters_) {
+        const size_t count = matter.at.size(), named = std::min(count, kNamed);
+        std::string places;
+        for (size_t i = 0; i < named; ++i)
+            places +=
+                fmt::format("{}{:.0f}, {:.0f}", i == 0 ? "pixel " : "; ", matter.at[i].x, matter.at[i].y);
+        if (named < count) places += fmt::format(" and {} more places", count - named);
+        out.push_back(fmt::format("{}: {}", places, matter.what));
+    }
+    return out;
+}
+
+glm::dvec2 centreOf(const geometry::Detection& detection) {
+    glm::dvec2 mean{};
+    for (const auto& p : detection.outlinePx) mean += p / static_cast<double>(detection.outlinePx.size());
+    return mean;
+}
+
+namespace {
+
+class Examination {
+public:
+    Examination(const geometry::Sketch& sketch, const WallEvidence& evidence, const PlanView& view,
+                const DetectOptions& options, Doubts& doubts)
+        : sketch_(sketch), evidence_(evidence), view_(view), options_(options), doubts_(doubts) {}
+
+    void run() {
+        for (const auto& skylight : sketch_.skylights) lookAt(skylight);
+        lookAtEnds();
+        lookAtPicturesEdge();
+        for (const auto& wall : sketch_.walls) lookBeyond(wall);
+        for (const auto& arc : sketch_.arcs) lookBeyond(arc);
+    }
+
+private:
+    void lookAt(const geometry::Skylight& skylight) {
+        constexpr double kAllEdges = 0.98, kAsChip = 0.12; // inches
+        const double chip = options_.tokenSide - 4 * options_.tokenBand;
+        const glm::dvec2 off = glm::abs(skylight.size - chip);
+        if (skylight.detection.confidence < kAllEdges)
+            doubts_.add(centreOf(skylight.detection),
+                        "read as a skylight, but its edges are not straight all round");
+        else if (std::max(off.x, off.y) < kAsChip)
+            doubts_.add(centreOf(skylight.detection),
+                        "read as a skylight, but as large as the chip of a token: is it one?");
+    }
+
+    struct End {
+        glm::dvec2 plan{};
+        double height = 0;
+        glm::vec3 seen{};
+    };
+    // Those in the picture that no marker covers: beneath one, the marker tells where the end is.
+    std::vector<End> seenEnds() const {
+        std::vector<End> ends;
+        const auto look = [&](const auto& shape) {
+            const double height = geometry::heightInches(shape.heightClass);
+            for (const glm::dvec2 end : evidence_.endsOf(shape))
+                if (const auto seen = evidence_.overWhite(end, height); seen && !isUnderMarker(end))
+                    ends.push_back({end, height, *seen});
+        };
+        for (const auto& wall : sketch_.walls) look(wall);
+        for (const auto& arc : sketch_.arcs) look(arc);
+        return ends;
+    }
+    bool isUnderMarker(glm::dvec2 plan) const {
+        return std::any_of(sketch_.windows.begin(), sketch_.windows.end(), [&](const auto& window) {
+            const geometry::Wall& wall = sketch_.walls[std::stoul(window.wall)];
+            const glm::dvec2 along = glm::normalize(wall.b - wall.a), half = 0.5 * window.width * along;
+            const glm::dvec2 middle = wall.a + window.pos * along;
+            return geometry::distanceToSegment(plan, middle - half, middle + half) <
+                   0.5 * options_.wallThickness;
+        });
+    }
+
+    // Card has one colour all over the table. An end that shows another, or is much darker, is not the wall's
+    // but where something hides it or where its paint is interrupted.
+    void lookAtEnds() {
+        constexpr float kMostColour = 0.18f, kDarkest = 0.4f; // of the typical end
+        const std::vector<End> ends = seenEnds();
+        glm::vec3 typical(1);
+        for (int channel = 0; channel < 3; ++channel) {
+            std::vector<float> values;
+            for (const End& end : ends) values.push_back(end.seen[channel]);
+            if (!values.empty()) typical[channel] = median(std::move(values));
+        }
+        for (const End& end : ends) {
+            const glm::vec3 seen = end.seen / typical;
+            const auto [low, high] = std::minmax({seen.r, seen.g, seen.b});
+            if (high - low < kMostColour * high && high > kDarkest) continue;
+            doubts_.add(view_.pixel(end.plan, end.height),
+                        "a wall's white end is not seen here; it is read as far as its paint is");
+        }
+    }
+
+    void lookAtPicturesEdge() {
+        const auto look = [&](const auto& list) {
+            for (const auto& shape : list) lookAtPicturesEdge(shape.detection);
+        };
+        look(sketch_.walls), look(sketch_.arcs), look(sketch_.windows);
+        look(sketch_.skylights), look(sketch_.tokens);
+        if (sketch_.north) lookAtPicturesEdge(sketch_.north->detection);
+    }
+    void lookAtPicturesEdge(const geometry::Detection& detection) {
+        constexpr double kEdge = 3; // pixels
+        const glm::dvec2 last(view_.photo().width - 1, view_.photo().height - 1);
+        for (const glm::dvec2& p : detection.outlinePx) {
+            if (std::min({p.x, p.y, last.x - p.x, last.y - p.y}) >= kEdge) continue;
+            doubts_.add(glm::clamp(p, glm::dvec2(0), last),
+                        "reaches the picture's edge; it is read as far as it is seen");
+            return;
+        }
+    }
+
+    // A wall's top goes on beyond its white end where glare or wear hides the paint.
+    template<class Shape> void lookBeyond(const Shape& shape) {
+        const double height = geometry::heightInches(shape.heightClass);
+        for (const glm::dvec2 beyond : evidence_.goesOnTo(shape)) {
+            const glm::dvec2 p = view_.pixel(beyond, height);
+            if (!anotherStandsAt(p, shape))
+                doubts_.add(p, "a wall seems to go on without paint; it is read as far as its paint");
+        }
+    }
+    template<class Shape> bool anotherStandsAt(glm::dvec2 pixel, const Shape& shape) const {
+        constexpr double kNear = 0.6; // inches
+        const auto stands = [&](const auto& other) {
+            if (static_cast<const void*>(&other) == static_cast<const void*>(&shape)) return false;
+            const double height = geometry::heightInches(other.heightClass);
+            return evidence_.distance(other, view_.plan(pixel, height)) < kNear;
+        };
+        return std::any_of(sketch_.walls.begin(), sketch_.walls.end(), stands) ||
+               std::any_of(sketch_.arcs.begin(), sketch_.arcs.end(), stands);
+    }
+
+    const geometry::Sketch& sketch_;
+    const WallEvidence& evidence_;
+    const PlanView& view_;
+    const DetectOptions& options_;
+    Doubts& doubts_;
+};
+
+} // namespace
+
+void addDoubts(const geometry::Sketch& sketch, const WallEvidence& evidence, const PlanView& view,
+               const DetectOptions& options, Doubts& doubts) {
+    Examination(sketch, evidence, view, options, doubts).run();
+}
+
+} // namespace heliodon::vision

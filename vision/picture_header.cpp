@@ -1,0 +1,143 @@
+#include "vision/picture_header.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace heliodon::vision {
+
+namespace {
+
+// Of `count` bytes, the high one first or last. They must be there.
+size_t numberAt(const std::vector<uint8_t>& bytes, size_t at, size_t count, bool highFirst) {
+    size_t number = 0;
+    for (size_t i = 0; i < count; ++i) number = number << 8 | bytes[highFirst ? at + i : at + count - 1 - i];
+    return number;
+}
+
+// The chunks of a PNG, after its signature, up to the last.
+bool isWholePng(const std::vector<uint8_t>& bytes) {
+    for (size_t at = 8; at + 12 <= bytes.size();) {
+        const size_t length = numberAt(bytes, at, 4, true);
+        if (std::equal(bytes.begin() + static_cast<std::ptrdiff_t>(at) + 4,
+                       bytes.begin() + static_cast<std::ptrdiff_t>(at) + 8, "IEND"))
+            return true;
+        at += 12 + length;
+    }
+    return false;
+}
+
+// The segments of a JPEG up to the end marker; a preview within one of them has an end marker of its own.
+bool isWholeJpeg(const std::vector<uint8_t>& bytes) {
+    constexpr uint8_t kEnd = 0xD9, kScan = 0xDA;
+    size_t at = 2;
+    while (at + 4 <= bytes.size()) {
+        if (bytes[at] != 0xFF) return true; // not as expected: the decoder's business
+        const uint8_t marker = bytes[at + 1];
+        if (marker == kEnd) return true;
+        if (marker == 0xFF) { // padding
+            ++at;
+            continue;
+        }
+        at += 2 + numberAt(bytes, at + 2, 2, true);
+        if (marker != kScan) continue;
+        // Coded data: a 0xFF in it is followed by 0 or by a restart marker.
+        while (at + 1 < bytes.size() &&
+               !(bytes[at] == 0xFF && bytes[at + 1] != 0 && (bytes[at + 1] & 0xF8) != 0xD0))
+            ++at;
+    }
+    return at + 1 < bytes.size() && bytes[at] == 0xFF && bytes[at + 1] == kEnd;
+}
+
+bool isPng(const std::vector<uint8_t>& bytes) {
+    constexpr std::array<uint8_t, 8> kPng = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
+    return bytes.size() >= kPng.size() && std::equal(kPng.begin(), kPng.end(), bytes.begin());
+}
+bool isJpeg(const std::vector<uint8_t>& bytes) {
+    return bytes.size() >= 3 && bytes[0] == 0xFF && bytes[1] == 0xD8 && bytes[2] == 0xFF;
+}
+
+bool isTiff(const std::vector<uint8_t>& bytes) {
+    return bytes.size() >= 8 && ((bytes[0] == 'I' && bytes[1] == 'I' && bytes[2] == 42 && bytes[3] == 0) ||
+                                 (bytes[0] == 'M' && bytes[1] == 'M' && bytes[2] == 0 && bytes[3] == 42));
+}
+
+using Size = std::optional<std::pair<uint64_t, uint64_t>>;
+
+// From the frame's header.
+Size jpegSize(const std::vector<uint8_t>& bytes) {
+    constexpr uint8_t kScan = 0xDA, kNoFrame[] = {0xC4, 0xC8, 0xCC}; // tables and extensions
+    for (size_t at = 2; at + 9 <= bytes.size() && bytes[at] == 0xFF && bytes[at + 1] != kScan;) {
+        const uint8_t marker = bytes[at + 1];
+        if (marker == 0xFF) { // padding
+            ++at;
+            continue;
+        }
+        if ((marker & 0xF0) == 0xC0 &&
+            std::find(std::begin(kNoFrame), std::end(kNoFrame), marker) == std::end(kNoFrame))
+            return std::pair{numberAt(bytes, at + 7, 2, true), numberAt(bytes, at + 5, 2, true)};
+        at += 2 + numberAt(bytes, at + 2, 2, true);
+    }
+    return std::nullopt;
+}
+
+// From the first directory.
+Size tiffSize(const std::vector<uint8_t>& bytes) {
+    constexpr size_t kWidth = 256, kHeight = 257, kShort = 3, kEntry = 12;
+    const bool highFirst = bytes[0] == 'M';
+    const size_t directory = numberAt(bytes, 4, 4, highFirst);
+    if (directory + 2 > bytes.size()) return std::nullopt;
+    const size_t entries = numberAt(bytes, directory, 2, highFirst);
+    std::pair<uint64_t, uint64_t> size{};
+    for (size_t i = 0; i < entries; ++i) {
+        const size_t at = directory + 2 + i * kEntry;
+        if (at + kEntry > bytes.size()) return std::nullopt;
+        const size_t tag = numberAt(bytes, at, 2, highFirst);
+        const size_t wide = numberAt(bytes, at + 2, 2, highFirst) == kShort ? 2 : 4;
+        if (tag == kWidth) size.first = numberAt(bytes, at + 8, wide, highFirst);
+        if (tag == kHeight) size.second = numberAt(bytes, at + 8, wide, highFirst);
+    }
+    return size;
+}
+
+} // namespace
+
+Size pictureSize(const std::vector<uint8_t>& bytes) {
+    constexpr size_t kPngSize = 16; // after the signature and the first chunk's length and name
+    if (isPng(bytes) && bytes.size() >= kPngSize + 8)
+        return std::pair{numberAt(bytes, kPngSize, 4, true), numberAt(bytes, kPngSize + 4, 4, true)};
+    if (isJpeg(bytes)) return jpegSize(bytes);
+    if (isTiff(bytes)) return tiffSize(bytes);
+    return std::nullopt;
+}
+
+bool isCutShort(const std::vector<uint8_t>& bytes) {
+    if (isPng(bytes)) return !isWholePng(bytes);
+    if (isJpeg(bytes)) return !isWholeJpeg(bytes);
+    return false;
+}
+
+// The mean of the first table of quantization, of brightness, against that of ITU-T T.81, K.1.
+int jpegQuality(const std::vector<uint8_t>& bytes) {
+    if (!isJpeg(bytes)) return 100;
+    constexpr uint8_t kTables = 0xDB, kScan = 0xDA;
+    constexpr size_t kValues = 64;
+    constexpr double kMeanOfStandard = 3688.0 / kValues;
+    for (size_t at = 2; at + 5 <= bytes.size() && bytes[at] == 0xFF && bytes[at + 1] != kScan;) {
+        if (bytes[at + 1] != kTables) {
+            at += 2 + numberAt(bytes, at + 2, 2, true);
+            continue;
+        }
+        const size_t wide = bytes[at + 4] >> 4 ? 2 : 1, first = at + 5; // bytes of a value, low one last
+        if (first + wide * kValues > bytes.size()) break;
+        double sum = 0;
+        for (size_t i = 0; i < kValues; ++i)
+            sum += wide == 2 ? 256 * bytes[first + 2 * i] + bytes[first + 2 * i + 1] : bytes[first + i];
+        const double scale = std::max(1.0, 100 * sum / kValues / kMeanOfStandard);
+        return std::clamp(static_cast<int>(std::lround(scale <= 100 ? (200 - scale) / 2 : 5000 / scale)), 1,
+                          100);
+    }
+    return 100;
+}
+
+} // namespace heliodon::vision

@@ -1,0 +1,20 @@
+// What the bytes of a picture file say before it is decoded. PNG, JPEG and TIFF, any bytes.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace heliodon::vision {
+
+// Width and height in pixels, as stated; none where nothing states them.
+std::optional<std::pair<uint64_t, uint64_t>> pictureSize(const std::vector<uint8_t>& bytes);
+
+// Decoders read what is there of a PNG or JPEG file that was cut short and leave the rest grey.
+bool isCutShort(const std::vector<uint8_t>& bytes);
+
+// 1 to 100 by libjpeg's scale; 100 where it is no JPEG or has no table.
+int jpegQuality(const std::vector<uint8_t>& bytes);
+
+} // namespace heliodon::vision
