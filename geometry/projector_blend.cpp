@@ -18,10 +18,15 @@ namespace {
 
 constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
 
-double fadeAt(double distance) {
+double smooth(double x) {
+    return x * x * (3 - 2 * x);
+}
+
+// By the distances to where another goes on, and to where the surface ends before what lies behind.
+double fadeAt(double distance, double end) {
     const double beyond = std::max(distance - kBlendGuard, 0.0) / (kBlendFalloff - kBlendGuard),
                  x = std::clamp(beyond + kBlendLeastSlope * distance / kBlendFalloff, kBlendLeastFade, 1.0);
-    return x * x * (3 - 2 * x);
+    return smooth(x) * glm::mix(kBlendEndFade, 1.0, smooth(end / kBlendFalloff));
 }
 
 // Per side of each triangle, the triangle of the surface beyond it, or kNone.
@@ -57,6 +62,46 @@ Ball ballOf(const ProjectorMesh& mesh, size_t triangle) {
 
 bool isBorder(uint32_t left, uint32_t right) {
     return left != 0 && right != 0 && left != right;
+}
+
+// Where two surfaces meet in an edge that juts out into the air, under each of the two.
+struct Ridge {
+    glm::dvec3 from{}, to{}, beyond{}; // beyond: normal of the other surface
+};
+
+std::unordered_map<uint32_t, std::vector<Ridge>> ridgesOf(const PatchMesh& mesh) {
+    std::unordered_map<uint64_t, uint32_t> sides; // directed edge -> patch
+    sides.reserve(mesh.corners.size());
+    std::unordered_map<uint32_t, std::vector<Ridge>> ridges;
+    for (uint32_t p = 0; p < mesh.patchCount(); ++p) {
+        const auto corner = mesh.patch(p);
+        for (size_t k = 0; k < corner.size(); ++k) {
+            const uint32_t a = corner[k], b = corner[(k + 1) % corner.size()];
+            sides.emplace(uint64_t{a} << 32 | b, p);
+            const auto other = sides.find(uint64_t{b} << 32 | a);
+            if (other == sides.end() || mesh.surface[other->second] == mesh.surface[p]) continue;
+            const uint32_t q = other->second;
+            const glm::dvec3 from = mesh.vertices[a], to = mesh.vertices[b], normal = patchNormal(mesh, p);
+            const glm::dvec3 across = patchCentroid(mesh, q) - from;
+            if (glm::dot(normal, across) > -1e-6 * glm::length(across)) continue;
+            ridges[mesh.surface[p]].push_back({from, to, patchNormal(mesh, q)});
+            ridges[mesh.surface[q]].push_back({from, to, normal});
+        }
+    }
+    return ridges;
+}
+
+// Of the projectors `seeing` a surface at `middle` of one of its ends, those that see past it.
+uint32_t seeingPast(std::span<const Ridge> ridges, glm::dvec3 middle, uint32_t seeing,
+                    std::span<const glm::dvec3> centres) {
+    constexpr double kOnRidge = 1e-6; // metres: rounding of points that were put on it
+    uint32_t past = 0;
+    for (const Ridge& ridge : ridges) {
+        if (distanceToSegment(middle, ridge.from, ridge.to) > kOnRidge) continue;
+        for (size_t p = 0; p < centres.size(); ++p)
+            if (glm::dot(ridge.beyond, centres[p] - middle) < 0) past |= 1u << p;
+    }
+    return past & seeing;
 }
 
 // Triangles that a border comes near, found by walking from it over the surface.
@@ -110,16 +155,25 @@ template<class F> void select(ProjectorBlend& blend, F chosen) {
 
 } // namespace
 
-ProjectorBlend blendProjectors(const ProjectorMesh& mesh) {
+ProjectorBlend blendProjectors(const ProjectorMesh& mesh, const PatchMesh& patches,
+                               std::span<const glm::dvec3> centres) {
     NearTriangles near(mesh);
+    const auto ridges = ridgesOf(patches);
     std::vector<std::pair<uint32_t, BlendBorder>> pairs; // triangle, border
     for (uint32_t t = 0; t < mesh.triangleCount(); ++t)
         for (size_t k = 0; k < 3; ++k) {
             const uint32_t other = near.beyond[t][k];
-            if (other == kNone || other < t || !isBorder(mesh.visible[t], mesh.visible[other])) continue;
-            const BlendBorder border{mesh.vertices[mesh.triangles[3 * t + k]],
-                                     mesh.vertices[mesh.triangles[3 * t + (k + 1) % 3]], mesh.visible[t],
-                                     mesh.visible[other]};
+            BlendBorder border{mesh.vertices[mesh.triangles[3 * t + k]],
+                               mesh.vertices[mesh.triangles[3 * t + (k + 1) % 3]], mesh.visible[t], 0};
+            if (other == kNone) {
+                const auto own = ridges.find(patches.surface[mesh.sourcePatch[t]]);
+                if (own == ridges.end()) continue;
+                border.left = seeingPast(own->second, 0.5 * (border.from + border.to), border.left, centres);
+                if (border.left == 0) continue;
+            } else {
+                border.right = mesh.visible[other];
+                if (other < t || !isBorder(border.left, border.right)) continue;
+            }
             near.visit(border, t, [&](uint32_t reached) {
                 if (mesh.visible[reached]) pairs.emplace_back(reached, border);
             });
@@ -135,11 +189,12 @@ ProjectorBlend blendProjectors(const ProjectorMesh& mesh) {
 
 void keepOnly(ProjectorBlend& blend, uint32_t projectors) {
     for (uint32_t& seen : blend.visible) seen &= projectors;
-    for (BlendBorder& border : blend.borders) {
+    select(blend, [&](BlendBorder& border) {
+        const bool end = border.right == 0;
         border.left &= projectors;
         border.right &= projectors;
-    }
-    select(blend, [](const BlendBorder& border) { return isBorder(border.left, border.right); });
+        return end ? border.left != 0 : isBorder(border.left, border.right);
+    });
 }
 
 std::vector<double> blendShares(const ProjectorBlend& blend, size_t triangle, glm::dvec3 point,
@@ -148,11 +203,13 @@ std::vector<double> blendShares(const ProjectorBlend& blend, size_t triangle, gl
     double sum = 0;
     for (size_t p = 0; p < centres.size(); ++p) {
         if (!(blend.visible[triangle] >> p & 1u)) continue;
-        double distance = kBlendFalloff;
+        double distance = kBlendFalloff, end = kBlendFalloff;
         for (const BlendBorder& border : blend.near(triangle))
-            if ((border.left ^ border.right) >> p & 1u)
-                distance = std::min(distance, distanceToSegment(point, border.from, border.to));
-        const double fade = fadeAt(distance);
+            if ((border.left ^ border.right) >> p & 1u) {
+                double& nearest = border.right == 0 ? end : distance;
+                nearest = std::min(nearest, distanceToSegment(point, border.from, border.to));
+            }
+        const double fade = fadeAt(distance, end);
         const glm::dvec3 towards = centres[p] - point;
         const double r2 = glm::dot(towards, towards), cosine = glm::dot(normal, towards) / std::sqrt(r2);
         shares[p] = fade * std::max(cosine, kBlendLeastCosine) / r2;

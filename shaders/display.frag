@@ -46,27 +46,34 @@ vec3 shown(ivec2 at) {
     if (!kProjector && texel.a != 1.0) return texel.rgb;
     vec3 value = toned(texel.rgb);
     if (!kProjector) return clamp(value, 0.0, 1.0);
+    // What is brighter than white is cut here, where it is light: cut as each projector's drive, it would be brighter
+    // wherever more of them share it.
+    if (kTone != kToneRaw) value = min(value, 1.0);
     return value * (params.fullScale * texel.a);
 }
 
-vec3 interpolated(vec2 at) {
-    vec2 low = floor(at), share = at - low;
-    ivec2 last = textureSize(scene, 0) - 1, a = clamp(ivec2(low), ivec2(0), last), b = min(a + 1, last);
-    return mix(mix(shown(a), shown(ivec2(b.x, a.y)), share.x), mix(shown(ivec2(a.x, b.y)), shown(b), share.x),
-               share.y);
+// Sum of kSupersample x kSupersample places, one subpixel apart, around `at`, each interpolated between four texels.
+vec3 around(vec2 at) {
+    vec2 first = at - 0.5 * float(kSupersample - 1), low = floor(first), share = first - low;
+    ivec2 last = textureSize(scene, 0) - 1;
+    vec3 sum = vec3(0);
+    for (int j = 0; j <= kSupersample; ++j)
+        for (int i = 0; i <= kSupersample; ++i) {
+            float weight = (i == 0 ? 1.0 - share.x : i == kSupersample ? share.x : 1.0) *
+                           (j == 0 ? 1.0 - share.y : j == kSupersample ? share.y : 1.0);
+            sum += weight * shown(clamp(ivec2(low) + ivec2(i, j), ivec2(0), last));
+        }
+    return sum;
 }
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec3 sum = vec3(0);
-    for (int i = 0; i < kSupersample * kSupersample; ++i) {
-        ivec2 sub = ivec2(i % kSupersample, i / kSupersample);
-        if (kProjector) {
-            vec2 centre = texelFetch(warp, pixel.y * int(params.outputWidth) + pixel.x).rg;
-            sum += interpolated(centre + vec2(sub) - 0.5 * float(kSupersample - 1));
-        } else {
-            sum += shown(kSupersample * pixel + sub);
-        }
+    if (kProjector) {
+        sum = around(texelFetch(warp, pixel.y * int(params.outputWidth) + pixel.x).rg);
+    } else {
+        for (int i = 0; i < kSupersample * kSupersample; ++i)
+            sum += shown(kSupersample * pixel + ivec2(i % kSupersample, i / kSupersample));
     }
     sum /= float(kSupersample * kSupersample);
     if (kTone != kToneRaw) {

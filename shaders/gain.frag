@@ -29,13 +29,18 @@ float steepness(uint projector) {
 }
 
 float fade(uint projector) {
-    float nearest = params.falloff;
+    float nearest = params.falloff, end = params.falloff;
     for (uint i = triangles[triangle].firstBorder; i < triangles[triangle + 1].firstBorder; ++i)
-        if (((borders[i].left ^ borders[i].right) >> projector & 1u) != 0u)
-            nearest = min(nearest, distanceToSegment(pointInWorld, borders[i].from, borders[i].to));
+        if (((borders[i].left ^ borders[i].right) >> projector & 1u) != 0u) {
+            float away = distanceToSegment(pointInWorld, borders[i].from, borders[i].to);
+            if (borders[i].right == 0u)
+                end = min(end, away);
+            else
+                nearest = min(nearest, away);
+        }
     float beyond = max(nearest - params.guard, 0.0) / (params.falloff - params.guard);
     float x = clamp(beyond + params.leastSlope * nearest / params.falloff, params.leastFade, 1.0);
-    return x * x * (3.0 - 2.0 * x);
+    return smoothstep(0.0, 1.0, x) * mix(params.endFade, 1.0, smoothstep(0.0, params.falloff, end));
 }
 
 void main() {

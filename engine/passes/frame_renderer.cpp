@@ -278,7 +278,7 @@ void FrameRenderer::State::makeOutputs(int supersample) {
     if (model->outputsSupersample == supersample) return;
     model->outputs.clear();
     std::vector<View> views =
-        supersample == 1 ? model->scene.views : model->scene.projectorViews(supersample);
+        supersample == kProjectorSupersample ? model->scene.views : model->scene.projectorViews(supersample);
     for (size_t i = 0; i < views.size(); ++i)
         model->outputs.emplace_back(*device, std::move(views[i]),
                                     "projector " + model->scene.rig.projectors[i].id);
@@ -303,6 +303,7 @@ void FrameRenderer::State::drawGains() {
         inputs.params.falloff = static_cast<float>(geometry::kBlendFalloff);
         inputs.params.leastSlope = static_cast<float>(geometry::kBlendLeastSlope);
         inputs.params.leastFade = static_cast<float>(geometry::kBlendLeastFade);
+        inputs.params.endFade = static_cast<float>(geometry::kBlendEndFade);
         inputs.params.leastCosine = static_cast<float>(geometry::kBlendLeastCosine);
         inputs.params.projector = static_cast<uint32_t>(i);
         inputs.params.projectorCount = static_cast<uint32_t>(model->outputs.size());
@@ -407,7 +408,7 @@ FrameRenderer::~FrameRenderer() = default;
 
 void FrameRenderer::replace(FrameScene scene) {
     state_->model = std::make_unique<Model>(*state_->device, std::move(scene));
-    state_->makeOutputs(1);
+    state_->makeOutputs(kProjectorSupersample);
 }
 
 void FrameRenderer::leaveOut(const std::vector<bool>& projectors) {

@@ -39,7 +39,7 @@ FrameScene::FrameScene(const geometry::PatchMesh& m, const geometry::Occluders& 
     shown = shownMesh(mesh, vertexLight, occluders, rig);
     for (const geometry::Projector& projector : rig.projectors) intensity.push_back(fullIntensity(projector));
     reach = reachableExitance(shown, rig, options.surfaceReflectance);
-    views = projectorViews(1);
+    views = projectorViews(kProjectorSupersample);
 }
 
 void FrameScene::leaveOut(const std::vector<bool>& projectors) {

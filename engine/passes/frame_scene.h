@@ -22,6 +22,8 @@ struct FrameRendererOptions {
     double tableRadius = 0.5334;      // metres; of the disc in previews, where there is no rig; 0: none
 };
 
+constexpr int kProjectorSupersample = 2; // outlines and the sun's edge run smoothly over the panel's pixels
+
 struct FrameScene {
     // `rig` may be null: then there are previews only. Cost: mostly that of splitByProjectorVisibility, and a
     // look through the lens for every pixel of every projector.
@@ -47,7 +49,7 @@ struct FrameScene {
     std::vector<DrawCorner> solids, tops, sides, table;
     std::vector<double> intensity; // candela, per projector
     double reach = 1000;           // exitance of white, lux
-    std::vector<View> views;       // projectorViews(1)
+    std::vector<View> views;       // projectorViews(kProjectorSupersample)
 };
 
 } // namespace heliodon::passes

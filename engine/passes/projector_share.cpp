@@ -51,7 +51,9 @@ ShownMesh shownMesh(const geometry::PatchMesh& mesh, const VertexLight& vertexLi
                                    glm::vec3(glm::normalize(mean))});
         }
     }
-    return {std::move(out), geometry::blendProjectors(cut)};
+    std::vector<glm::dvec3> centres;
+    for (const geometry::OpticalDevice& device : devices) centres.push_back(device.centre());
+    return {std::move(out), geometry::blendProjectors(cut, mesh, centres)};
 }
 
 } // namespace heliodon::passes

@@ -6,7 +6,9 @@
 namespace heliodon::passes {
 
 enum class ToneMap {
-    linear, // proportional, clipped: the default; equal light sums to equal light over several projectors
+    // Proportional up to white: the default; equal light sums to equal light over several projectors. What is
+    // brighter is cut, channel by channel.
+    linear,
     soft,   // compresses highlights (Reinhard): `whiteLux` is shown at about 0.6 of white, 20 times that as
             // white
     falseColour // lux as colour, scale "viridis"

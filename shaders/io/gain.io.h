@@ -11,6 +11,7 @@ struct GainParams {
     float falloff;
     float leastSlope;
     float leastFade;
+    float endFade;
     float leastCosine;
     uint projector;         // whose gain it is
     uint projectorCount;

@@ -248,7 +248,7 @@ TEST(ProjectorBlend, shares_sum_to_one_and_run_on_over_every_edge) {
         const auto projectors = fourProjectors();
         const std::vector<glm::dvec3> centres = centresOf(projectors);
         const ProjectorMesh split = splitByProjectorVisibility(mesh, building.occluders, projectors);
-        const ProjectorBlend blend = blendProjectors(split);
+        const ProjectorBlend blend = blendProjectors(split, mesh, centres);
         std::map<std::pair<uint32_t, uint32_t>, size_t> sides;
         for (size_t i = 0; i < split.triangles.size(); ++i)
             sides[{split.triangles[i], split.triangles[i - i % 3 + (i + 1) % 3]}] = i / 3;
@@ -278,6 +278,37 @@ TEST(ProjectorBlend, shares_sum_to_one_and_run_on_over_every_edge) {
     }
 }
 
+// A block on a table between two projectors: towards the far edge of its top each leaves more to the other.
+TEST(ProjectorBlend, a_projector_hands_over_where_it_sees_past_the_end_of_a_surface) {
+    PatchMesh mesh;
+    mesh.materials = {{}};
+    const double w = 0.1, h = 0.1;
+    mesh.vertices = {{-w, h, w}, {w, h, w}, {w, h, -w}, {-w, h, -w}, {-w, 0, w}, {w, 0, w}, {w, 0, -w}, {-w, 0, -w}};
+    const auto add = [&](std::array<uint32_t, 4> corners, uint32_t surface) {
+        mesh.addPatch(corners, 0, Role::projection, surface, 0);
+    };
+    add({0, 1, 2, 3}, 0);
+    add({1, 5, 6, 2}, 1); // to the right
+    add({3, 7, 4, 0}, 2); // to the left
+    const std::vector<OpticalDevice> two{lookingAt({-1, 1.1, 0}, {0, 0, 0}), lookingAt({1, 1.1, 0}, {0, 0, 0})};
+    const ProjectorMesh split = splitByProjectorVisibility(mesh, {}, two);
+    const ProjectorBlend blend = blendProjectors(split, mesh, centresOf(two));
+    const auto shareOnTop = [&](size_t projector, glm::dvec3 p) {
+        for (size_t t = 0; t < split.triangleCount(); ++t) {
+            const auto corner = [&](size_t k) { return split.vertices[split.triangles[3 * t + k % 3]]; };
+            bool inside = mesh.surface[split.sourcePatch[t]] == 0;
+            for (size_t k = 0; k < 3; ++k)
+                inside = inside && glm::cross(corner(k + 1) - corner(k), p - corner(k)).y > 0;
+            if (inside) return blendShares(blend, t, p, {0, 1, 0}, centresOf(two))[projector];
+        }
+        ADD_FAILURE() << "outside";
+        return 0.0;
+    };
+    EXPECT_NEAR(shareOnTop(0, {0.001, h, 0.003}), 0.5, 0.01);
+    EXPECT_LT(shareOnTop(0, {w - 0.001, h, 0.003}), 0.2); // from the left past the right edge
+    EXPECT_LT(shareOnTop(1, {0.001 - w, h, 0.003}), 0.2);
+}
+
 // The share of a projector is the same at all points as far from a straight border, whatever the mesh: here a
 // wall between a projector and half of a table of ever finer triangles.
 TEST(ProjectorBlend, shares_do_not_follow_the_mesh) {
@@ -297,7 +328,7 @@ TEST(ProjectorBlend, shares_do_not_follow_the_mesh) {
         const std::vector<OpticalDevice> two{lookingAt({0.01, 1.5, 0.01}, {0, 0, 0}),
                                              lookingAt({0.256, 1.5, 0.0001}, {0.256, 0, 0}, 3000)};
         const ProjectorMesh split = splitByProjectorVisibility(mesh, {}, two);
-        const ProjectorBlend blend = blendProjectors(split);
+        const ProjectorBlend blend = blendProjectors(split, mesh, centresOf(two));
         std::vector<double> shares;
         for (const double z : {-0.1, -0.03, 0.05, 0.12})
             for (size_t t = 0; t < split.triangleCount(); ++t) {

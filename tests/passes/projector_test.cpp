@@ -119,6 +119,17 @@ glm::dvec3 physicalExitance(const geometry::Rig& rig, const std::vector<ImageF>&
     return sum;
 }
 
+// The drive that a picture's bytes stand for.
+ImageF driveOf(const geometry::Projector& projector, const Image8& picture) {
+    ImageF drive{picture.width, picture.height, {}};
+    for (const uint8_t byte : picture.rgb) {
+        const double v = byte / 255.0,
+                     linear = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+        drive.rgb.push_back(static_cast<float>(projector.blackLevel + (1 - projector.blackLevel) * linear));
+    }
+    return drive;
+}
+
 TEST(Projector, overlapping_projectors_together_show_the_simulated_light) {
     const geometry::Rig rig = exampleRig();
     const test::SketchScene scene = test::sketchScene(8);
@@ -130,9 +141,15 @@ TEST(Projector, overlapping_projectors_together_show_the_simulated_light) {
     FrameRenderer renderer(test::device(), scene.mesh, scene.occluders, &rig, options);
     const std::vector<ImageF> pictures = renderer.projectorsHdr(light);
     const double exposure = renderer.reachLux() / renderer.autoWhite(light);
+    // Two to four times too bright: white.
+    ProjectorOptions bright;
+    bright.tone.whiteLux = 100;
+    std::vector<ImageF> cut;
+    for (const Image8& picture : renderer.projectors(light, bright))
+        cut.push_back(driveOf(rig.projectors[cut.size()], picture));
     // On the floor and the walls, away from the outlines of shadows by nothing but chance: most points must
     // be right, and those in a band to one pixel along a shadow's edge may be off.
-    size_t right = 0, dark = 0, all = 0;
+    size_t right = 0, dark = 0, white = 0, all = 0;
     for (size_t p = 0; p < scene.mesh.patchCount(); ++p) {
         if (scene.mesh.role[p] != geometry::Role::projection) continue;
         const glm::dvec3 shown =
@@ -143,9 +160,15 @@ TEST(Projector, overlapping_projectors_together_show_the_simulated_light) {
         // 2 %: the slope of the gain over half a pixel.
         right += glm::length(shown - want) < 0.02 * glm::length(want);
         dark += glm::length(shown) < 0.02 * glm::length(want);
+        const glm::dvec3 most = renderer.reachLux() * glm::dvec3(1),
+                         reached = physicalExitance(rig, cut, geometry::patchCentroid(scene.mesh, p),
+                                                    geometry::patchNormal(scene.mesh, p),
+                                                    options.surfaceReflectance);
+        white += glm::length(reached - most) < 0.04 * glm::length(most); // 2 %, and steps of the bytes
     }
     EXPECT_GE(double(right), 0.93 * double(all - dark));
     EXPECT_LE(double(dark), 0.1 * double(all)); // seen by no projector
+    EXPECT_GE(double(white), 0.83 * double(all - dark)); // nine tenths can be as bright
 }
 
 // What the device draws is what geometry/projector_blend.h says.
