@@ -11,6 +11,7 @@
 #include <glm/geometric.hpp>
 
 #include "geometry/building.h"
+#include "geometry/counted.h"
 #include "geometry/face_soup.h"
 #include "geometry/occluder_solids.h"
 #include "geometry/plan_curves.h"
@@ -386,8 +387,7 @@ private:
                 notes_.push_back(
                     {"WIDE_OPENING", fmt::format("an opening {:.1f} ft wide was closed", room.widestGap)});
         std::ranges::sort(notes_, {}, [](const PlanNote& n) { return std::pair(n.code, n.sentence); });
-        const size_t count = report.rooms.size();
-        report.message = fmt::format("{} room{}", count, count == 1 ? "" : "s");
+        report.message = counted(report.rooms.size(), "room");
         std::vector<std::string> outside;
         for (const WallRole& wall : report.walls)
             if (wall.role == "outside_extra") outside.push_back(wall.id);

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include "geometry/counted.h"
 #include "geometry/disjoint_sets.h"
 #include "geometry/face_soup.h"
 #include "geometry/glass_pairs.h"
@@ -96,9 +97,7 @@ private:
         building_.materials = model_.materials;
         for (const auto& [a, b] : pairGlasses(building_, kPlanarOfExtent * extent_, extent_))
             refuse({a, b}, "the glass has another shape than that on the other side of its wall");
-        if (turnedOver_ > 0)
-            building_.repairs.push_back(
-                fmt::format("{} face{} turned over", turnedOver_, turnedOver_ == 1 ? " was" : "s were"));
+        if (turnedOver_ > 0) building_.repairs.push_back(countedWere(turnedOver_, "face") + " turned over");
     }
 
     bool isOpening(uint32_t source) const { return model_.materials[model_.material[source]].isOpening(); }
@@ -192,8 +191,7 @@ private:
         }
         if (bent > 0)
             bentRepair_ = fmt::format("{} bent by up to {:.2g} {} divided into triangles",
-                                      bent == 1 ? "1 face" : fmt::format("{} faces", bent), most,
-                                      bent == 1 ? "was" : "were");
+                                      counted(bent, "face"), most, bent == 1 ? "was" : "were");
     }
 
     // About that of a strip of its area and perimeter.
@@ -254,9 +252,8 @@ private:
         });
         for (const auto& [materials, copies] : otherMaterials) warnOfCopies(copies);
         if (dropped > 0)
-            building_.repairs.push_back(fmt::format("{} face{} without area or drawn twice {} left out",
-                                                    dropped, dropped == 1 ? "" : "s",
-                                                    dropped == 1 ? "was" : "were"));
+            building_.repairs.push_back(fmt::format("{} without area or drawn twice {} left out",
+                                                    counted(dropped, "face"), dropped == 1 ? "was" : "were"));
         for (const Face& face : building_.faces) {
             source_.push_back(face.surface);
             checkPlanar(face);
@@ -274,8 +271,8 @@ private:
             return model_.materials[model_.material[face]].name;
         };
         building_.warnings.push_back(fmt::format(
-            "{} face{} of \"{}\" (the first at {}) {} the corners of faces of \"{}\" (at {}): these are seen",
-            copies.size(), copies.size() == 1 ? "" : "s", name(copy), model_.place(copy),
+            "{} of \"{}\" (the first at {}) {} the corners of faces of \"{}\" (at {}): these are seen",
+            counted(copies.size(), "face"), name(copy), model_.place(copy),
             copies.size() == 1 ? "has" : "have", name(kept), model_.place(kept)));
     }
 
@@ -384,9 +381,7 @@ private:
         if (nesting.solidsThatLookIn > 0)
             building_.warnings.push_back(
                 fmt::format("{} within a room taken as solid though the faces look into {}, as the room's do",
-                            nesting.solidsThatLookIn == 1
-                                ? "1 closed shell was"
-                                : fmt::format("{} closed shells were", nesting.solidsThatLookIn),
+                            countedWere(nesting.solidsThatLookIn, "closed shell"),
                             nesting.solidsThatLookIn == 1 ? "it" : "them"));
         dropOutsides();
         building_.roomCount = nesting.rooms;

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include "geometry/counted.h"
 #include "geometry/disjoint_sets.h"
 #include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
@@ -403,41 +404,42 @@ private:
     std::vector<std::string> repairs(size_t shared, size_t meeting) const {
         std::vector<std::string> out;
         if (shared > 0)
-            out.push_back(fmt::format("{} wall{} without thickness: rooms on both sides share {}", shared,
-                                      shared == 1 ? "" : "s", shared == 1 ? "it" : "them"));
+            out.push_back(fmt::format("{} without thickness: rooms on both sides share {}",
+                                      counted(shared, "wall"), shared == 1 ? "it" : "them"));
         if (!covered_.empty())
-            out.push_back(fmt::format(
-                "faces of different materials lie on one another in {} place{}: the smaller is seen",
-                covered_.size(), covered_.size() == 1 ? "" : "s"));
+            out.push_back(
+                fmt::format("faces of different materials lie on one another in {}: the smaller is seen",
+                            counted(covered_.size(), "place")));
         if (meeting > 0)
-            out.push_back(fmt::format(
-                "{} face{} divided where others lie on or end on {}, and one is seen in each place", meeting,
-                meeting == 1 ? " was" : "s were", meeting == 1 ? "it" : "them"));
+            out.push_back(
+                fmt::format("{} divided where others lie on or end on {}, and one is seen in each place",
+                            countedWere(meeting, "face"), meeting == 1 ? "it" : "them"));
         return out;
     }
 
     std::vector<std::string> guesses() const {
-        const auto counted = [](size_t n, const char* one, const char* many) {
+        const auto oneOrMany = [](size_t n, const char* one, const char* many) {
             return n == 1 ? fmt::format("1 {}", one) : fmt::format("{} {}", n, many);
         };
         std::vector<std::string> out;
         if (outsides_ > 0)
-            out.push_back(counted(outsides_, "outside of walls was left out: only shells within it are rooms",
-                                  "outsides of walls were left out: only shells within them are rooms"));
+            out.push_back(oneOrMany(outsides_,
+                                    "outside of walls was left out: only shells within it are rooms",
+                                    "outsides of walls were left out: only shells within them are rooms"));
         if (solids_ > 0)
             out.push_back(
                 fmt::format("{} {:.2g} % of the largest room's volume: what stands in a room is solid unless "
                             "its faces look into it as those of the room do, and so is what is small or thin "
                             "and has faces that look out",
-                            counted(solids_, "solid was cut out of the room where it stands, of",
-                                    "solids were cut out of the room where they stand, the largest of"),
+                            oneOrMany(solids_, "solid was cut out of the room where it stands, of",
+                                      "solids were cut out of the room where they stand, the largest of"),
                             100 * largestSolid_));
         if (insides_ > 0)
-            out.push_back(counted(
+            out.push_back(oneOrMany(
                 insides_, "space within a room was taken as a room of its own: its faces look into it",
                 "spaces within a room were taken as rooms: their faces look into them"));
         if (contrary_ > 0)
-            out.push_back(counted(
+            out.push_back(oneOrMany(
                 contrary_,
                 "space was taken as a room though its faces look out of it (those of the largest look in)",
                 "spaces were taken as rooms though their faces look out of them (those of the largest look "

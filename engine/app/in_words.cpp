@@ -4,10 +4,6 @@
 
 namespace heliodon::app {
 
-std::string counted(size_t count, const char* what) {
-    return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
-}
-
 std::string inWords(const geometry::Sketch& sketch) {
     const std::string arcs = sketch.arcs.empty() ? "" : ", " + counted(sketch.arcs.size(), "arc");
     return fmt::format("{}{}, {}, {}, {}{}", counted(sketch.walls.size(), "wall"), arcs,

@@ -10,6 +10,7 @@
 
 #include "engine/app/blinds.h"
 #include "engine/app/model_hints.h"
+#include "geometry/counted.h"
 #include "geometry/input_error.h"
 #include "geometry/mesher.h"
 #include "geometry/room_measures.h"
@@ -91,7 +92,7 @@ void reportImport(Run& run, const geometry::PatchMesh& mesh, const geometry::Bui
     json& report = run.report();
     report["outcome"] = "ok";
     report["code"] = "OK";
-    std::string message = rooms.size() == 1 ? "1 room" : fmt::format("{} rooms", rooms.size());
+    std::string message = geometry::counted(rooms.size(), "room");
     for (const std::string& repair : building.repairs) message += "; " + repair;
     report["message"] = message;
     report["repairs"] = building.repairs;
