@@ -9,7 +9,7 @@
 namespace heliodon::app {
 
 // Fills `projector_reach` of the report: area and unreachable area in all and per surface, in square feet of
-// building. Nothing without a rig that has projectors.
+// building; a warning for each projector that reaches nothing. Nothing without a rig that has projectors.
 void reportReach(Run& run, const Scene& scene);
 
 // The photograph with what was found in it and, hatched, what no projector reaches.

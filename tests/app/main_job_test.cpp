@@ -99,8 +99,14 @@ TEST_F(MainJob, a_model_on_its_side_or_in_other_units_is_said_to_seem_so) {
     EXPECT_EQ(feet.find("is it --up"), std::string::npos) << feet;
 }
 
+// And a fifth, black one, which looks away, by its name in a warning.
 TEST_F(MainJob, render_writes_four_projector_pictures_and_a_preview) {
-    run("render " + kPhoto + " --rig " + kRig +
+    nlohmann::json rig = nlohmann::json::parse(readText(kRig));
+    rig["projectors"].push_back(rig["projectors"][0]);
+    rig["projectors"][4]["id"] = "away";
+    rig["projectors"][4]["t"] = {0, 0, -3};
+    writeText(in("rig.json"), rig.dump());
+    run("render " + kPhoto + " --rig " + in("rig.json") +
         " --triangles 600 --time 2026-03-21T13:00solar --false-color -o " + in("out") + " --report " +
         in("report.json"));
     for (int p = 0; p < 4; ++p) {
@@ -114,6 +120,9 @@ TEST_F(MainJob, render_writes_four_projector_pictures_and_a_preview) {
     for (const char* stage : {"detect", "model", "formfactors", "solve", "render"})
         EXPECT_TRUE(r["stages"].contains(stage)) << stage;
     EXPECT_TRUE(r["device"].contains("name"));
+    EXPECT_EQ(look("out/projector-4.png", 1024, 768).mean, 0);
+    ASSERT_EQ(r["warnings"].size(), 1u) << r["warnings"];
+    EXPECT_NE(r["warnings"][0].get<std::string>().find("'away' reaches no wall"), std::string::npos);
 }
 
 TEST_F(MainJob, the_same_command_gives_the_same_bits) {
