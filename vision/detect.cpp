@@ -36,8 +36,18 @@ constexpr size_t kMostRegions = 600; // more is noise, not a table
 void warnOfMovedTable(const Photograph& photo, const geometry::Rig& rig, double gamma,
                       std::vector<std::string>& warnings) {
     const PlanView view(photo, rig.camera, gamma);
-    const auto offset = tableOffset(view, rig.tableRadius / geometry::kMetresPerInch);
-    if (!offset) return;
+    const double radius = rig.tableRadius / geometry::kMetresPerInch;
+    const auto offset = tableOffset(view, radius);
+    if (!offset) {
+        if (const auto seen = tableRadiusSeen(view, radius))
+            warnings.insert(
+                warnings.begin(),
+                fmt::format("the table seems to be {:.1f} in across, but the rig has {:.1f} in: was "
+                            "the size of the calibration board, or of the table, another? All "
+                            "lengths may be off",
+                            2 * *seen, 2 * radius));
+        return;
+    }
     const glm::dvec2 expected = view.pixel({}, 0), seen = view.pixel(*offset, 0);
     warnings.insert(
         warnings.begin(),

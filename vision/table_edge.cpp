@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <utility>
+#include <vector>
 
 #include <glm/geometric.hpp>
 
@@ -71,6 +72,27 @@ std::optional<glm::dvec2> tableOffset(const PlanView& view, double radius) {
     const glm::dvec2 offset = bestPlace(view, radius, coarse, 1.5 * kCoarse, kFine).first;
     if (glm::length(offset) < kWorthSaying) return std::nullopt;
     return offset;
+}
+
+std::optional<double> tableRadiusSeen(const PlanView& view, double radius) {
+    constexpr double kWorth = 0.35, kMost = 1.0 / 3; // inches; of the radius
+    if (radius < 2 * kReach ||
+        std::min(agreement(view, {}, radius - kWorth), agreement(view, {}, radius + kWorth)) >= kThere)
+        return std::nullopt;
+    std::vector<double> radii, shares;
+    for (double r = (1 - kMost) * radius; r <= (1 + kMost) * radius; r += kFine)
+        radii.push_back(r), shares.push_back(agreement(view, {}, r));
+    const auto best = std::max_element(shares.begin(), shares.end());
+    if (*best < kClearly) return std::nullopt;
+    // As clear, and beside it: the edge is in their middle.
+    auto first = best, last = best;
+    while (first != shares.begin() && *(first - 1) >= kClearly) --first;
+    while (last + 1 != shares.end() && *(last + 1) >= kClearly) ++last;
+    const double from = radii[static_cast<size_t>(first - shares.begin())],
+                 to = radii[static_cast<size_t>(last - shares.begin())], seen = 0.5 * (from + to);
+    if (to - from < kReach) return std::nullopt; // a clear edge does for twice that
+    if (std::abs(seen - radius) < kWorth) return std::nullopt;
+    return seen;
 }
 
 } // namespace heliodon::vision

@@ -16,4 +16,10 @@ namespace heliodon::vision {
 // itself. Under a millisecond where the edge is at its place, else about 30.
 std::optional<glm::dvec2> tableOffset(const PlanView& view, double radius);
 
+// The radius of a round edge about the rig's middle of the table, plan inches, where it is not the rig's: the
+// board that the camera was calibrated with, or the table, has another size than was said. None where it lies
+// within a third of an inch, and where none shows within a third of the radius. Good to 0.1 in. Under a
+// millisecond where the edge is at its place, else about 2.
+std::optional<double> tableRadiusSeen(const PlanView& view, double radius);
+
 } // namespace heliodon::vision

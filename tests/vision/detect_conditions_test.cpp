@@ -398,6 +398,20 @@ TEST(DetectConditions, says_that_the_table_is_not_where_the_rig_has_it) {
     EXPECT_TRUE(warnsOf(detectSketch(paintTable(room(), exampleRig()), rig), "table's edge"));
 }
 
+TEST(DetectConditions, says_that_the_table_has_another_size) {
+    geometry::Rig rig = exampleRig();
+    const Photograph photo = paintTable(room(), rig);
+    EXPECT_FALSE(warnsOf(detectSketch(photo, rig), "in across"));
+    for (const double scale : {0.95, 1.04}) { // of the board that the camera was calibrated with
+        rig.camera.translation = scale * exampleRig().camera.translation;
+        const double radius = rig.tableRadius / geometry::kMetresPerInch;
+        const auto seen = tableRadiusSeen(PlanView(photo, rig.camera, 2.2), radius);
+        ASSERT_TRUE(seen);
+        EXPECT_NEAR(*seen, scale * radius, 0.15); // the step of radii tried, and half a pixel of the edge
+        EXPECT_TRUE(warnsOf(detectSketch(photo, rig), "in across"));
+    }
+}
+
 TEST(DetectConditions, says_that_the_picture_was_mirrored) {
     geometry::Rig rig =
         exampleRig(); // its camera, four inches aside, and the table where it was in the picture
