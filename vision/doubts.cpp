@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
+#include "geometry/counted.h"
 #include "geometry/segment_distance.h"
 #include "vision/median.h"
 
@@ -32,7 +33,7 @@ std::vector<std::string> Doubts::lines() const {
         for (size_t i = 0; i < named; ++i)
             places +=
                 fmt::format("{}{:.0f}, {:.0f}", i == 0 ? "pixel " : "; ", matter.at[i].x, matter.at[i].y);
-        if (named < count) places += fmt::format(" and {} more places", count - named);
+        if (named < count) places += " and " + geometry::counted(count - named, "more place");
         out.push_back(fmt::format("{}: {}", places, matter.what));
     }
     return out;
