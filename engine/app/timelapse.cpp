@@ -13,6 +13,7 @@
 #include "engine/app/output_folder.h"
 #include "engine/app/pictures.h"
 #include "engine/app/progress.h"
+#include "engine/app/projector_reach.h"
 #include "engine/app/scene_input.h"
 #include "engine/app/sky_tint.h"
 #include "engine/app/stamp.h"
@@ -323,7 +324,9 @@ void execute(Run& run, const TimelapseArguments& arguments) {
     std::optional<FramePainter> painter;
     double white = 0;
     if (!views.empty()) {
-        painter.emplace(run, scene, arguments, views[0] != "preview");
+        const bool projectors = views[0] != "preview";
+        if (projectors) reportReach(run, scene);
+        painter.emplace(run, scene, arguments, projectors);
         white = painter->settleTone(source, times, *transport);
     } else {
         run.skipped("pictures: --view none");
