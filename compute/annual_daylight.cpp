@@ -23,6 +23,8 @@ constexpr size_t kCheckedSunless = 3, kCheckedSunny = 6;
 // hours: an hour's sky, its sun; of a sensor what it answers, by patches, and its products, by hours with
 // light.
 constexpr double kSkyWork = 0.5, kSunWork = 0.8, kAnswerWork = 5e-3, kProductWork = 4e-4;
+// Of a sensor with walls beside it: by patches; by hours with sky; by hours with sun.
+constexpr double kNearWork = 9e-3, kNearSkyWork = 4.5e-3, kNearSunWork = 1.7e-3;
 
 // `wanted` entries spread evenly over `all`.
 template<class T> std::vector<T> spread(const std::vector<T>& all, size_t wanted) {
@@ -65,12 +67,32 @@ void AnnualDaylight::foreseeSun(size_t sensors) {
                               static_cast<double>(suns_->skies().size());
 }
 
+// To be told how many things are done, of which each has `work`.
+std::function<void(size_t)> AnnualDaylight::tellEach(double work) {
+    return [this, work, told = size_t{0}](size_t done) mutable {
+        tell(work * static_cast<double>(done - told));
+        told = done;
+    };
+}
+
+// Sensors that are still to come are taken to have as many walls beside them as these.
+void AnnualDaylight::makeNearLight(size_t sensors) {
+    nearShare_ = static_cast<double>(transport_.report().sensorsNearWalls) / static_cast<double>(sensors);
+    const double taken = nearShare_ * kNearWork * static_cast<double>(transport_.mesh().patchCount());
+    const double each = taken + nearShare_ * (kNearSkyWork * static_cast<double>(lit_.size()) +
+                                              kNearSunWork * static_cast<double>(suns_->skies().size()));
+    nearWork_ =
+        nearDone_ + each * static_cast<double>(std::max(sensorCount_, sensorsDone_ + sensors) - sensorsDone_);
+    transport_.makeNearLight(tellEach(taken));
+    nearDone_ += each * static_cast<double>(sensors);
+}
+
 void AnnualDaylight::tell(double work) {
     if (!tell_) return;
     workDone_ += work;
     const auto lit = static_cast<double>(lit_.size());
     const double all =
-        kSkyWork * lit + sunWork_ +
+        kSkyWork * lit + sunWork_ + nearWork_ +
         (answerWork() + kProductWork * lit) * static_cast<double>(std::max<size_t>(sensorCount_, 1));
     tell_(std::min(1.0, workDone_ / all));
 }
@@ -147,19 +169,22 @@ void AnnualDaylight::addBlinds(const SunHours::Hour& hour, const TransportParts&
 }
 
 void AnnualDaylight::addEdges(const SunHours::Block& block, const TransportParts& parts,
-                              std::span<float> reflected) const {
+                              std::span<float> reflected) {
     const size_t n = transport_.mesh().patchCount(), count = parts.sensors.size();
-    inParallel(count, [&](size_t s) {
-        const uint32_t room = parts.sensorRooms[s];
-        if (room == geometry::kNoRoom) return;
-        const Sensor& at = parts.sensors[s];
-        std::vector<float> more(block.hours.size(), 0);
-        block.edges.addTo(more, parts.points,
-                          PointView(parts.points.blockers(), at.position, at.normal, room), room,
-                          &parts.sensorEven[s * n]);
-        block.edges.addTo(more, parts.points, parts.near[s], room);
-        for (size_t k = 0; k < more.size(); ++k) reflected[(block.first + k) * count + s] += more[k];
-    });
+    inParallel(
+        count,
+        [&](size_t s) {
+            const uint32_t room = parts.sensorRooms[s];
+            if (room == geometry::kNoRoom) return;
+            const Sensor& at = parts.sensors[s];
+            std::vector<float> more(block.hours.size(), 0);
+            block.edges.addTo(more, parts.points,
+                              PointView(parts.points.blockers(), at.position, at.normal, room), room,
+                              &parts.sensorEven[s * n]);
+            block.edges.addTo(more, parts.points, parts.near[s], room);
+            for (size_t k = 0; k < more.size(); ++k) reflected[(block.first + k) * count + s] += more[k];
+        },
+        tellEach(nearShare_ * kNearSunWork * static_cast<double>(block.hours.size())));
 }
 
 // Sun straight at the sensors: sensors x hours. Returns, by place in that, what edges of beams leave open.
@@ -198,6 +223,7 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
     {
         const SecondsAdded clock(report_.sensorSeconds);
         transport_.setSensors({sensors.begin(), sensors.end()});
+        makeNearLight(count);
         responses = responder_.respond(transport_.parts(), [this](size_t answered) {
             tell(answerWork() * static_cast<double>(answered));
         });
@@ -225,7 +251,9 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
                 lux[at] += error[at];
             }
         });
-        inParallel(lit_.size(), [&](size_t k) { straight.addTo(skies_[lit_[k]], &lux[lit_[k]], hours); });
+        inParallel(
+            lit_.size(), [&](size_t k) { straight.addTo(skies_[lit_[k]], &lux[lit_[k]], hours); },
+            tellEach(nearShare_ * kNearSkyWork * static_cast<double>(count)));
     }
     reportOf(responses, lux.size());
     checkAndSetErrors(lux, sun, beamEdges, error);

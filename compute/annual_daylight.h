@@ -74,8 +74,7 @@ private:
                 std::span<float> reflected) const;
     void addBlinds(const SunHours::Hour& hour, const TransportParts& parts, const SensorResponses& responses,
                    float* reflected) const;
-    void addEdges(const SunHours::Block& block, const TransportParts& parts,
-                  std::span<float> reflected) const;
+    void addEdges(const SunHours::Block& block, const TransportParts& parts, std::span<float> reflected);
     std::map<size_t, float> addBeams(std::span<const Sensor> sensors, std::span<float> sun) const;
     void checkAndSetErrors(std::span<const float> lux, std::span<const float> sun,
                            const std::map<size_t, float>& beamEdges, std::span<float> error);
@@ -83,13 +82,17 @@ private:
     void reportOf(const SensorResponses& responses, size_t values);
     double answerWork() const; // of a sensor
     void foreseeSun(size_t sensors);
+    void makeNearLight(size_t sensors);
+    std::function<void(size_t)> tellEach(double work);
     void tell(double work); // that was done
 
     DaylightTransport& transport_;
     std::vector<daylight::Sky> skies_;
     size_t sensorCount_, sensorsDone_ = 0;
     Tell tell_;
-    double workDone_ = 0, sunDone_ = 0, sunWork_ = 0; // sunWork_: done and to come
+    double workDone_ = 0, sunDone_ = 0, nearDone_ = 0;
+    double sunWork_ = 0, nearWork_ = 0; // done and to come
+    double nearShare_ = 0;              // of sensors, those with walls beside them
     SensorResponder responder_;
     std::vector<uint32_t> lit_; // hours with sky or ground
     Panels luminance_;          // elements x lit hours, times pi

@@ -197,6 +197,7 @@ void DaylightTransport::State::makeSensors() {
     sensors = gatherSensors(*points, *slopes, *slats, options.nearWalls, std::move(sensors.sensors),
                             patchSky.channels);
     hasNearLight = false;
+    report.sensorsNearWalls = static_cast<size_t>(std::ranges::count(sensors.nearWall, 1));
     report.sensorsOutside.clear();
     for (size_t s = 0; s < sensors.room.size(); ++s)
         if (sensors.room[s] == geometry::kNoRoom) report.sensorsOutside.push_back(s);
@@ -207,7 +208,7 @@ void DaylightTransport::State::makeSensors() {
 void DaylightTransport::State::makeNearLight(const std::function<void(size_t)>& done) {
     if (hasNearLight) return;
     const SecondsAdded clock(report.sensorSeconds);
-    report.sensorsNearWalls = findNearLight(*points, *slopes, *slats, columnsPerMoment(), sensors, done);
+    findNearLight(*points, *slopes, *slats, columnsPerMoment(), sensors, done);
     hasNearLight = true;
 }
 

@@ -142,8 +142,8 @@ SensorGather gatherSensors(const PointScene& scene, const PatchSlopes& slopes, c
     return gather;
 }
 
-size_t findNearLight(const PointScene& scene, const PatchSlopes& slopes, const SlatLobes& slats,
-                     uint32_t channels, SensorGather& gather, const std::function<void(size_t)>& done) {
+void findNearLight(const PointScene& scene, const PatchSlopes& slopes, const SlatLobes& slats,
+                   uint32_t channels, SensorGather& gather, const std::function<void(size_t)>& done) {
     inParallel(
         gather.sensors.size(),
         [&](size_t s) {
@@ -153,7 +153,6 @@ size_t findNearLight(const PointScene& scene, const PatchSlopes& slopes, const S
                                            {sensor.position, sensor.normal, gather.room[s]}, channels);
         },
         done);
-    return static_cast<size_t>(std::count(gather.nearWall.begin(), gather.nearWall.end(), 1));
 }
 
 glm::vec3 sunEdges(const PointScene& scene, const SensorGather& gather, size_t sensor,

@@ -59,10 +59,10 @@ struct SensorGather {
 SensorGather gatherSensors(const PointScene& scene, const PatchSlopes& slopes, const SlatLobes& slats,
                            const NearWalls& nearWalls, std::vector<Sensor> sensors, uint32_t channels);
 
-// Makes gather.near, which holds until reflectances change. Returns how many sensors have a near wall. `done`
-// is told how many sensors have been looked at.
-size_t findNearLight(const PointScene& scene, const PatchSlopes& slopes, const SlatLobes& slats,
-                     uint32_t channels, SensorGather& gather, const std::function<void(size_t)>& done = {});
+// Makes gather.near, which holds until reflectances change. `done` is told how many
+// sensors have been looked at.
+void findNearLight(const PointScene& scene, const PatchSlopes& slopes, const SlatLobes& slats,
+                   uint32_t channels, SensorGather& gather, const std::function<void(size_t)>& done = {});
 
 // What sunlit parts of patches send to a sensor beyond what their mean light would, lux. `strength`: the
 // sun's normal illuminance; `firstBounce`: per patch, reflectance times its mean sunlight.
