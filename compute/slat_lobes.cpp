@@ -16,8 +16,8 @@ using daylight::BetweenNodes, daylight::kSlatNodes, glm::dvec3;
 
 namespace {
 
-constexpr double kFarPair =
-    6; // distance over the larger patch's size from which one direction stands for all
+// Distance over the larger patch's size from which one direction stands for all.
+constexpr double kFarPair = 6;
 constexpr double kSeenAngle = 0.1;   // radians, of one piece of a window that a point sees
 constexpr uint32_t kPoints = 4;      // on each of two near patches
 constexpr double kMostCorrected = 2; // times, or to one over it, that a node's shares are put right

@@ -15,8 +15,8 @@ namespace heliodon::geometry {
 
 namespace {
 
-constexpr double kSkin =
-    0.0025; // metres: outlines are straightened by up to 0.1 in against the walls behind them
+// Metres: outlines are straightened by up to 0.1 in against the walls behind them.
+constexpr double kSkin = 0.0025;
 constexpr double kNudge = 1e-7;    // metres
 constexpr double kShortest = 1e-6; // metres
 constexpr double kChord = 2e-4;    // metres: between the circle of the least n . d and its chords

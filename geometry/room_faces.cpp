@@ -204,8 +204,8 @@ private:
     struct Break {
         double at; // inches along the run
         glm::dvec2 point;
-        bool corner =
-            false; // of the outline, within the run: floor and ceiling turn there, if by next to nothing
+        // Of the outline, within the run: floor and ceiling turn there, if by next to nothing.
+        bool corner = false;
     };
     struct RunGrid {
         std::vector<Break> columns;

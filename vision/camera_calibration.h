@@ -28,8 +28,8 @@ struct CalibratedView {
 };
 
 struct CameraCalibration {
-    LensFit
-        fit; // sigma: the larger of what the residuals say and how the lens changes with each view left out
+    // Its sigma: the larger of what the residuals say and how the lens changes with each view left out.
+    LensFit fit;
     double rms = 0, heldOutRms = 0;    // px, over all marks used
     double coverage = 0;               // share of the picture's 8 x 6 fields that hold marks
     std::vector<CalibratedView> views; // as given

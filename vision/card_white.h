@@ -9,8 +9,8 @@
 
 namespace heliodon::vision {
 
-constexpr float kDarkTable =
-    5; // least of `overTable` where a table is too dark for the colour of the light on it
+// Least of `overTable` where a table is too dark for the colour of the light on it.
+constexpr float kDarkTable = 5;
 
 // What card returns over what the table under the same light does, per channel; `table`: light that the bare
 // table returns. None on a white table. Walls' faces and ends and the rings of tokens are card: brighter than

@@ -30,11 +30,11 @@ constexpr bool isMarker(Paint p) {
 struct ClassImage {
     int x0 = 0, y0 = 0, width = 0, height = 0; // where it lies in the photograph
     std::vector<Paint> paint;                  // row-major
-    std::vector<Paint>
-        withFaint;        // the same, with what is too pale to be told from shadows by itself; may be empty
-    bool hasTable = true; // false: nothing white and lit where the table should be
-    LightGrid white;      // what the pixels were held against
-    double noise = 0;     // of a pixel that is white, over its value
+    // The same, with what is too pale to be told from shadows by itself; may be empty.
+    std::vector<Paint> withFaint;
+    bool hasTable = true;        // false: nothing white and lit where the table should be
+    LightGrid white;             // what the pixels were held against
+    double noise = 0;            // of a pixel that is white, over its value
     glm::vec3 whiteOverTable{1}; // where that is card on a table of another colour
 
     // Photograph pixel; `none` outside.

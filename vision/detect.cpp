@@ -28,8 +28,8 @@ namespace {
 
 using geometry::Sketch;
 
-constexpr double kSmallestInches2 =
-    0.06;                            // regions below are noise: the smallest real one is half an inch of wall
+// Regions below are noise: the smallest real one is half an inch of wall.
+constexpr double kSmallestInches2 = 0.06;
 constexpr size_t kMostRegions = 600; // more is noise, not a table
 
 // Before all other warnings: it may explain them.

@@ -21,8 +21,8 @@ struct Relief {
 };
 
 // Of things with the colour and the shape of walls, those that are none: where others show relief, they have
-// neither a bright end nor a foot. Unsure: no bright ends, and no face would be
-// seen either, as below the camera, or something there may be another's.
+// neither a bright end nor a foot. Unsure: no bright ends, and no face would be seen either, as below the
+// camera, or something there may be another's.
 enum class Lies { no, unsure, flat };
 std::vector<Lies> lieFlat(const std::vector<Relief>& reliefs);
 

@@ -63,8 +63,8 @@ void warnOfSensorsOutside(Run& run, const std::vector<size_t>& outside, size_t c
 
 struct LightFigures {
     double meanLux = 0, maxLux = 0; // of the illuminance on the surfaces that are shown, by area
-    double glareRatio =
-        0; // brightest over darkest exitance there, 95th over 5th percentile of area; 0 in the dark
+    // Brightest over darkest exitance there, 95th over 5th percentile of area; 0 in the dark.
+    double glareRatio = 0;
 };
 LightFigures lightFigures(const geometry::PatchMesh& mesh, const compute::Moment& moment);
 

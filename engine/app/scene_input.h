@@ -24,8 +24,8 @@ struct Scene {
     std::optional<geometry::Sketch> sketch; // none for models
     geometry::UpAxis up = geometry::UpAxis::y;
     geometry::Occluders occluders; // physical walls; none for models
-    double northDeg =
-        90; // direction of north in the plan: degrees counter-clockwise from +x, seen from above
+    // Direction of north in the plan: degrees counter-clockwise from +x, seen from above.
+    double northDeg = 90;
     double worldPerBuilding = 1.0 / 12; // world metres a metre of building
     geometry::PatchMesh mesh;
 };

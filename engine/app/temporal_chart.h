@@ -9,8 +9,8 @@
 
 namespace heliodon::app {
 
-// `lux`: one value a record of the weather. Dark records are black, those that a
-// file of less than a year lacks grey; weather and clock are named under the title.
+// `lux`: one value a record of the weather. Dark records are black, those that a file of less than a year
+// lacks grey; weather and clock are named under the title.
 Chart temporalChart(const daylight::Weather& weather, std::span<const float> lux, const ValueScale& scale,
                     const std::string& title);
 

@@ -204,8 +204,8 @@ TEST(PlanField, edges_are_where_the_value_differs) {
 }
 
 TEST(PlanField, areas_of_one_colour_are_outlined_once) {
-    std::vector<std::vector<glm::dvec2>>
-        ring; // squares around an empty one, every other one the wrong way round
+    // Squares around an empty one, every other one the wrong way round.
+    std::vector<std::vector<glm::dvec2>> ring;
     for (int x = 0; x < 3; ++x)
         for (int y = 0; y < 3; ++y) {
             if (x == 1 && y == 1) continue;
