@@ -14,6 +14,7 @@ const float kPairNear = 0.15;  // sizes over distance from which the product rul
 const float kPairProductError = 0.005; // of the product rule, relative, times the cube of size over distance
 const float kPairLeast = 3e-4;         // of all others, relative
 const float kPairParallel = 1e-4;      // squared sine of lines that do not pass one over the other
+const float kPairKink = 0.5;           // heights of others over how far they get apart, from which there is no kink
 
 struct Triangle {
     vec3 a, rest; // a corner, and what of it float32 leaves out
@@ -47,13 +48,17 @@ float slantAlong(float h, float x) {
 
 // A line that passes close over the inside of a segment sees it under an angle of nearly pi there, and the distance
 // that this is multiplied by has a kink where it passes, which no rule of few points follows. Whether it does, and
-// pi times the integral of that distance along the line's own segment.
+// pi times the integral of that distance along the line's own segment. From higher there is no kink, and the integral
+// is so large that its rounding may be more than what the pair exchanges. `across` is from the segment's line to the
+// other's beginning, `change` what is added to that up to the other's end.
 bool passesOver(vec3 from, vec3 along, float length_, vec3 start, vec3 unit, float size, out float integral) {
-    vec3 a = along / length_, w = from - start, n = cross(a, unit);
-    float c = dot(a, unit), s2 = dot(n, n), aw = dot(a, w), uw = dot(unit, w);
-    float s = (c * uw - aw) / s2, t = (uw - c * aw) / s2, sine = sqrt(s2), height = abs(dot(n, w)) / sine;
-    bool over = s2 > kPairParallel && s > 0.0 && s < length_ && t > 0.0 && t < size;
-    integral = over ? kPi * (slantAlong(height, sine * (length_ - s)) + slantAlong(height, sine * s)) / sine : 0.0;
+    vec3 w = from - start, across = w - dot(w, unit) * unit, change = along - dot(along, unit) * unit;
+    float apart2 = dot(change, change), apart = sqrt(apart2), s = -dot(across, change) / apart2; // of `along`
+    float t = dot(w + s * along, unit), height = length(across + s * change);
+    bool over = apart2 > kPairParallel * length_ * length_ && s > 0.0 && s < 1.0 && t > 0.0 && t < size &&
+                height < kPairKink * apart;
+    float both = slantAlong(height, apart * (1.0 - s)) + slantAlong(height, apart * s);
+    integral = over ? kPi * length_ * both / apart : 0.0;
     return over;
 }
 
