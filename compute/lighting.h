@@ -16,6 +16,8 @@ struct Lighting {
                                            // all zero without sun
     glm::dvec3 sunDirection{0};            // unit, world, towards the sun; zero when no sun is modelled
     glm::vec3 sunNormalIlluminance{0};     // outside, on a plane facing the sun
+    std::vector<glm::vec3> ownScatter;     // exitance that projectors leave out, as the physical model sends
+                                           // it back by itself (engine/passes/own_scatter.h); or empty
 };
 
 using geometry::photometric;

@@ -313,10 +313,11 @@ private:
             vertices.push_back(static_cast<uint32_t>(out_.vertices.size()));
             addVertex(part.frame.inSpace(mesh.points[i]), source, piece.barycentric(mesh.points[i]));
         }
-        for (const auto& t : mesh.triangles)
-            addTriangle({vertices[t[0]], vertices[t[1]], vertices[t[2]]},
-                        {mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]}, part.pieces[0].patch,
-                        part);
+        for (const auto& t : mesh.triangles) {
+            const std::array corner{mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]};
+            const Piece& beneath = part.pieces[grid.at((corner[0] + corner[1] + corner[2]) / 3.0)];
+            addTriangle({vertices[t[0]], vertices[t[1]], vertices[t[2]]}, corner, beneath.patch, part);
+        }
     }
 
     std::vector<bool> touchedPieces(const FlatPart& part, const PieceGrid& grid, double spacing) const {

@@ -34,7 +34,7 @@ struct ProjectorMesh {
     std::vector<std::array<uint32_t, 3>> sourceVertex;
     std::vector<glm::vec3> sourceWeight; // sums to one
     std::vector<uint32_t> triangles;     // three indices each, counter-clockwise seen from the air
-    std::vector<uint32_t> sourcePatch;   // per triangle
+    std::vector<uint32_t> sourcePatch;   // per triangle: the patch under its middle
     std::vector<uint32_t> visible;       // per triangle: bit p is set where projector p sees it
     std::vector<SurfaceReach> surfaces;  // by surface id
 

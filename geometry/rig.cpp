@@ -147,7 +147,8 @@ bool foldsBack(const OpticalDevice& device) {
 }
 
 // `centre` is written for people, R and t say it.
-constexpr std::array kOfRig{"format", "set", "units", "conventions", "table", "camera", "projectors", "site"};
+constexpr std::array kOfRig{"format", "set",        "units", "conventions",        "table",
+                            "camera", "projectors", "site",  "surface_reflectance"};
 constexpr std::array kOfCamera{"id", "width", "height", "K", "dist", "R", "t", "centre"};
 constexpr std::array kOfProjector{"id", "width",  "height", "K",           "dist",     "R",
                                   "t",  "centre", "lumens", "black_level", "response", "display"};
@@ -268,6 +269,8 @@ Rig rigOf(const json& document, const std::string& file) {
                 list.at(i).fail(fmt::format("id \"{}\" is used twice", rig.projectors.back().id));
         }
     }
+    if (root.has("surface_reflectance"))
+        rig.surfaceReflectance = root["surface_reflectance"].numberWithin(0.01, 0.98);
     if (root.has("site"))
         rig.site = Site{root["site"]["latitude_deg"].numberWithin(-90, 90),
                         root["site"]["longitude_deg"].numberWithin(-180, 180)};

@@ -64,6 +64,7 @@ struct Rig {
     bool tableAssumed = false;   // the file says nothing of a table: it is taken for the paper's
     OpticalDevice camera;
     std::vector<Projector> projectors; // kMostProjectors at most
+    double surfaceReflectance = 0.84;  // of the physical walls and table: white foam core, museum board
     std::optional<Site> site;
     // Not of this format: "projectors[0].lumnes"; outside devices only what may be a misspelling:
     // "projector".

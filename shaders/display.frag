@@ -49,6 +49,7 @@ vec3 shown(ivec2 at) {
     // What is brighter than white is cut here, where it is light: cut as each projector's drive, it would be brighter
     // wherever more of them share it.
     if (kTone != kToneRaw) value = min(value, 1.0);
+    value = max(value, 0.0); // less than nothing where scatter is left out
     return value * (params.fullScale * texel.a);
 }
 

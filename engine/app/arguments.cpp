@@ -447,6 +447,7 @@ private:
         sub->add_flag("--false-color", live_.picture.falseColor, "lux as colours");
         sub->add_flag("--sky-color", live_.picture.skyColour,
                       "light in the colours of sun and sky, not white");
+        addScatter(sub, live_.picture);
         sub->add_option("--interval", live_.interval, "seconds a picture of a replay (default 1)")
             ->check(within(0.01, 86400));
         sub->add_flag("--loop", live_.loop, "start a replay again after its last picture");

@@ -40,7 +40,7 @@ struct MomentArguments {
 
 struct PictureArguments {
     std::optional<double> exposure;
-    bool falseColor = false, exr = false, skyColour = false;
+    bool falseColor = false, exr = false, skyColour = false, compensateScatter = false;
     std::string size; // of previews, "1280x960"; empty: the default
 };
 

@@ -111,6 +111,7 @@ FrameJob frameJobOf(Run& run, const TimelapseArguments& arguments, const Scene& 
         {"--exposure", orDefault(picture.exposure)},
         {"--false-color", picture.falseColor},
         {"--sky-color", picture.skyColour},
+        {"--compensate-scatter", picture.compensateScatter},
         {"--exr", picture.exr},
         {"--no-stamp", !arguments.stamp},
         {"--device", run.device().info().name},

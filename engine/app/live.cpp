@@ -13,6 +13,7 @@
 #include "engine/app/live_script.h"
 #include "engine/app/live_status.h"
 #include "engine/app/output_folder.h"
+#include "engine/app/pictures.h"
 #include "geometry/input_error.h"
 
 namespace heliodon::app {
@@ -87,6 +88,7 @@ public:
                 {"max_lux", lit_->figures.maxLux},
                 {"glare_ratio", lit_->figures.glareRatio},
                 {"white_lux", controls_.tone().whiteLux.value_or(lit_->autoWhite)}};
+            if (lit_->scatter) report["scatter"] = scatterEntry(*lit_->scatter, rig_.surfaceReflectance);
         }
     }
 

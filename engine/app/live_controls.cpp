@@ -15,7 +15,7 @@ constexpr double kLongestPause = 0.5; // seconds: a display that stood still doe
 } // namespace
 
 LiveControls::LiveControls(const SkySource& source, const LiveArguments& arguments)
-    : weather_(source.weather()) {
+    : weather_(source.weather()), leavesOutScatter_(arguments.picture.compensateScatter) {
     setTime(source.moment());
     values.latitudeDeg = source.site().latitudeDeg;
     values.longitudeDeg = source.site().longitudeDeg;
@@ -137,13 +137,19 @@ bool LiveControls::lightChanged() const {
     return !everAsked_ || values.year != asked_.year || values.dayOfYear != asked_.dayOfYear ||
            values.hour != asked_.hour || values.latitudeDeg != asked_.latitudeDeg ||
            values.longitudeDeg != asked_.longitudeDeg || values.sky != asked_.sky ||
-           values.skyColour != asked_.skyColour;
+           values.skyColour != asked_.skyColour ||
+           (leavesOutScatter_ && (values.autoExposure != asked_.autoExposure ||
+                                  (!values.autoExposure && values.whiteLux != asked_.whiteLux)));
 }
 
 LightRequest LiveControls::request() {
     everAsked_ = true;
     asked_ = values;
-    return {moment(), site(), values.sky, showsWeather() ? weather_ : nullptr, values.skyColour, {}};
+    LightRequest request{
+        moment(),          site(), values.sky, showsWeather() ? weather_ : nullptr, values.skyColour,
+        leavesOutScatter_, {},     {}};
+    if (leavesOutScatter_) request.whiteLux = whiteLux();
+    return request;
 }
 
 bool LiveControls::pictureChanged() {
@@ -157,8 +163,12 @@ bool LiveControls::pictureChanged() {
 passes::Tone LiveControls::tone() const {
     passes::Tone tone;
     if (values.falseColour) tone.map = passes::ToneMap::falseColour;
-    if (!values.autoExposure) tone.whiteLux = values.whiteLux;
+    tone.whiteLux = whiteLux();
     return tone;
+}
+
+std::optional<double> LiveControls::whiteLux() const {
+    return values.autoExposure ? std::nullopt : std::optional(values.whiteLux);
 }
 
 void LiveControls::describe(present::OperatorStatus& status) const {

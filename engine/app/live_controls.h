@@ -36,6 +36,7 @@ public:
     void describe(present::OperatorStatus& status) const;
 
 private:
+    std::optional<double> whiteLux() const; // none: that of the light at hand
     bool showsWeather() const { return weather_ && values.sky == present::kWeatherFile; }
     daylight::Site site() const;
     void addHours(double hours);
@@ -45,6 +46,7 @@ private:
     std::shared_ptr<const daylight::Weather> weather_; // null: no file was given
     present::OperatorControls asked_, pictured_;
     bool everAsked_ = false;
+    bool leavesOutScatter_;
     LiveClock::time_point played_{};
     double playedDays_ = 0; // parts of a day that are left over
 };

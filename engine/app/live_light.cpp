@@ -76,7 +76,7 @@ void LiveLight::change(std::vector<SceneChange>& changes) {
             transport_ = std::move(change.transport);
         else if (change.frame && transport_)
             transport_->transport->setMaterials(change.scene->scene.mesh.materials);
-        if (change.frame) frame_ = std::move(change.frame);
+        if (change.frame) painted_ = change.frame->painted, frame_ = std::move(change.frame);
         scene_ = change.scene;
         sky_.reset(); // solve anew
         if (scene_->again) request_.asked = LiveClock::now();
@@ -119,20 +119,27 @@ void LiveLight::solve(bool fromPicture) {
                                               : SkySource(request_.site, request_.sky, scene.northDeg);
     const daylight::Sky sky = source.skyAt(request_.time);
     LitScene lit;
-    if (sky_ && sameLight(*sky_, sky) && coloured_ == request_.coloured) {
+    if (sky_ && sameLight(*sky_, sky) && coloured_ == request_.coloured && whiteLux_ == request_.whiteLux) {
         ++repeated_;
     } else {
         compute::DaylightTransport& transport = *transport_->transport;
         compute::Moment moment = transport.light(sky);
         if (request_.coloured) tintLight(transport, std::span(&sky, 1), std::span(&moment, 1));
+        if (request_.leavesOutScatter)
+            scatter_ = passes::leaveOutScatter(
+                scene.mesh, painted_,
+                request_.whiteLux.value_or(passes::autoWhite(scene.mesh, moment.lighting)),
+                transport.parts().gather, false, moment.lighting);
         moment_ = std::make_shared<const compute::Moment>(std::move(moment));
         ++solved_;
     }
     sky_ = sky;
     coloured_ = request_.coloured;
+    whiteLux_ = request_.whiteLux;
     lit.figures = lightFigures(scene.mesh, *moment_);
     lit.autoWhite = passes::autoWhite(scene.mesh, moment_->lighting);
     lit.shownLux = passes::shownLux(scene.mesh, moment_->lighting);
+    lit.scatter = scatter_;
     lit.scene = scene_;
     lit.frame = std::move(frame_);
     lit.moment = moment_;

@@ -15,6 +15,7 @@
 #include "engine/app/light_report.h"
 #include "engine/app/live_scene.h"
 #include "engine/app/moment.h"
+#include "engine/passes/own_scatter.h"
 
 namespace heliodon::app {
 
@@ -24,6 +25,8 @@ struct LightRequest {
     std::string sky;                                  // as --sky has it
     std::shared_ptr<const daylight::Weather> weather; // in place of site and sky, unless null
     bool coloured = false;
+    bool leavesOutScatter = false; // of pictures of this white, lux; none: autoWhite
+    std::optional<double> whiteLux;
     LiveClock::time_point asked;
 };
 
@@ -36,6 +39,7 @@ struct LitScene {
     LightFigures figures;
     double autoWhite = 0, solveSeconds = 0;
     std::vector<float> shownLux;
+    std::optional<passes::ScatterReport> scatter;
     LiveClock::time_point asked; // for this moment
     bool fromPicture = false;    // the scene is new: its picture was taken at scene->taken
 };
@@ -84,6 +88,9 @@ private:
     std::shared_ptr<const compute::Moment> moment_;
     std::optional<daylight::Sky> sky_;
     bool coloured_ = false;
+    std::optional<double> whiteLux_;
+    passes::PaintedPatches painted_;
+    std::optional<passes::ScatterReport> scatter_;
     int failures_ = 0;   // of the device, one after the other
     std::thread thread_; // last: it uses all of the above
 };

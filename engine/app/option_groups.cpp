@@ -61,6 +61,13 @@ void addGround(CLI::App* sub, MomentArguments& moment) {
         ->check(within(0.0, 1.0));
 }
 
+void addScatter(CLI::App* sub, PictureArguments& picture) {
+    sub->add_flag("--compensate-scatter", picture.compensateScatter,
+                  "leave out of projectors' pictures what the model's own surfaces throw at one another "
+                  "(their reflectance: surface_reflectance of the rig, default 0.84)")
+        ->needs("--rig");
+}
+
 void addPicture(CLI::App* sub, PictureArguments& picture, const std::string& sizeHelp) {
     sub->add_option("--exposure", picture.exposure,
                     "lux of exitance that shows as white (default: chosen from the picture)")
@@ -69,6 +76,7 @@ void addPicture(CLI::App* sub, PictureArguments& picture, const std::string& siz
                   "lux as colours, with a legend; one scale for a whole film or contact sheet");
     sub->add_flag("--sky-color", picture.skyColour,
                   "light in the colours of sun and sky, not white; lux stay as they are");
+    addScatter(sub, picture);
     sub->add_option("--size", picture.size, sizeHelp);
     sub->add_flag("--exr", picture.exr,
                   "OpenEXR too, 32-bit float: previews hold exitance in lux per channel, projectors' "

@@ -13,6 +13,7 @@ void addBlinds(CLI::App* sub, SceneArguments& scene);
 void addMoment(CLI::App* sub, MomentArguments& moment, bool withTime);
 void addWeather(CLI::App* sub, MomentArguments& moment); // after addMoment: excludes its --sky
 void addGround(CLI::App* sub, MomentArguments& moment);
+void addScatter(CLI::App* sub, PictureArguments& picture); // after --rig; part of addPicture
 void addPicture(CLI::App* sub, PictureArguments& picture, const std::string& sizeHelp);
 CLI::Option* addRadiosityError(CLI::App* sub, double& value);
 

@@ -72,4 +72,12 @@ void settle(passes::Tone& tone, const passes::FrameRenderer& renderer,
     if (!tone.highLux) tone.highLux = scale.highLux;
 }
 
+nlohmann::json scatterEntry(const passes::ScatterReport& scatter, double surfaceReflectance) {
+    return {{"surface_reflectance", surfaceReflectance},
+            {"own_share", scatter.ownShare},
+            {"error", scatter.error},
+            {"too_bright_share", scatter.tooBright},
+            {"passes", scatter.passes}};
+}
+
 } // namespace heliodon::app

@@ -8,6 +8,7 @@
 #include "engine/app/run.h"
 #include "engine/app/scene_input.h"
 #include "engine/passes/frame_renderer.h"
+#include "engine/passes/own_scatter.h"
 
 namespace heliodon::app {
 
@@ -27,5 +28,8 @@ passes::Tone toned(passes::Tone tone, const PictureArguments& arguments, bool fa
 // false-colour scale holds the light of all, the brightest four decades where there are more.
 void settle(passes::Tone& tone, const passes::FrameRenderer& renderer,
             std::span<const compute::Moment> moments);
+
+// `scatter` of the report.
+nlohmann::json scatterEntry(const passes::ScatterReport& scatter, double surfaceReflectance);
 
 } // namespace heliodon::app

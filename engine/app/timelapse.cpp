@@ -32,10 +32,12 @@ using Solved = std::shared_ptr<const compute::Moment>; // the frame before's whe
 // Solves moments in a thread of its own, ahead of whoever draws them.
 class MomentStream {
 public:
+    // `painted`: of whose projectors' pictures scatter is left out, white being `whiteLux`; null: of none.
     MomentStream(const SkySource& source, const std::vector<daylight::Moment>& times,
-                 compute::DaylightTransport& transport, bool tinted)
-        : source_(source), times_(times), transport_(transport), tinted_(tinted), thread_([this] { run(); }) {
-    }
+                 compute::DaylightTransport& transport, bool tinted, const passes::PaintedPatches* painted,
+                 double whiteLux)
+        : source_(source), times_(times), transport_(transport), tinted_(tinted), painted_(painted),
+          whiteLux_(whiteLux), thread_([this] { run(); }) {}
     ~MomentStream() { stop(); }
     MomentStream(const MomentStream&) = delete;
     MomentStream& operator=(const MomentStream&) = delete;
@@ -55,6 +57,7 @@ public:
     // After stop().
     double seconds() const { return seconds_; }
     size_t repeated() const { return repeated_; }
+    const std::optional<passes::ScatterReport>& worstScatter() const { return worstScatter_; }
 
 private:
     void run() {
@@ -79,6 +82,7 @@ private:
         }
         std::vector<compute::Moment> moments = transport_.light(skies);
         if (tinted_) tintLight(transport_, skies, moments);
+        for (compute::Moment& moment : moments) leaveOutScatter(moment.lighting);
         seconds_ += watch.seconds();
         size_t next = 0;
         for (size_t k = 0; k < count; ++k) {
@@ -91,10 +95,20 @@ private:
         return true;
     }
 
+    void leaveOutScatter(compute::Lighting& light) {
+        if (!painted_) return;
+        const passes::ScatterReport scatter = passes::leaveOutScatter(
+            transport_.mesh(), *painted_, whiteLux_, transport_.parts().gather, false, light);
+        if (!worstScatter_ || scatter.error > worstScatter_->error) worstScatter_ = scatter;
+    }
+
     const SkySource& source_;
     const std::vector<daylight::Moment>& times_;
     compute::DaylightTransport& transport_;
     bool tinted_;
+    const passes::PaintedPatches* painted_;
+    double whiteLux_;
+    std::optional<passes::ScatterReport> worstScatter_; // of moments
     BoundedQueue<Solved> queue_{kSolvedAhead};
     std::optional<daylight::Sky> before_;
     Solved last_;
@@ -147,6 +161,8 @@ public:
         projector_.tone.lowLux = tone.lowLux, projector_.tone.highLux = tone.highLux;
         return *tone.whiteLux;
     }
+
+    const passes::FrameScene& scene() const { return renderer_.scene(); }
 
     // Frames of the same light are drawn once.
     void paint(size_t frame, const Solved& solved, const SkySource& source, const daylight::Moment& time,
@@ -332,7 +348,9 @@ void execute(Run& run, const TimelapseArguments& arguments) {
         run.skipped("pictures: --view none");
     }
 
-    MomentStream stream(source, times, *transport, arguments.picture.skyColour);
+    const bool scatter = arguments.picture.compensateScatter && painter && views[0] != "preview";
+    MomentStream stream(source, times, *transport, arguments.picture.skyColour,
+                        scatter ? &painter->scene().painted : nullptr, white);
     const Frames frames = makeFrames(run, scene, source, times, stream, painter ? &*painter : nullptr, sink);
     {
         const StageTimer timer(run, "encode"); // what is left of it
@@ -340,6 +358,8 @@ void execute(Run& run, const TimelapseArguments& arguments) {
     }
     geometry::writeWholeText(sink.table(), frames.table);
     reportFrames(run, frames, white);
+    if (stream.worstScatter())
+        run.report()["scatter"] = scatterEntry(*stream.worstScatter(), scene.rig->surfaceReflectance);
 }
 
 } // namespace heliodon::app

@@ -9,6 +9,12 @@ namespace heliodon::passes {
 
 using geometry::PatchMesh;
 
+double DrawMesh::area(size_t triangle) const {
+    const glm::dvec3 a(corners[3 * triangle].position), b(corners[3 * triangle + 1].position),
+        c(corners[3 * triangle + 2].position);
+    return 0.5 * glm::length(glm::cross(b - a, c - a));
+}
+
 void DrawMesh::mixLight(std::span<const glm::vec3> luxPerPair, float scale, std::span<glm::vec3> out) const {
     for (size_t i = 0; i < light.size(); ++i) {
         const LightMix& mix = light[i];

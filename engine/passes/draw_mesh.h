@@ -28,6 +28,7 @@ struct DrawMesh {
     std::vector<DrawCorner> corners; // three a triangle
     std::vector<LightMix> light;     // one a corner
 
+    double area(size_t triangle) const; // m2
     // The light stream: `scale` times the lux per pair.
     void mixLight(std::span<const glm::vec3> luxPerPair, float scale, std::span<glm::vec3> out) const;
 };

@@ -206,6 +206,7 @@ struct FrameRenderer::State {
     // Uploads what changes with the light and returns the sun's draw when there is a sun.
     std::optional<SunDraw> prepareLight(DeviceMesh& target, const compute::Lighting& light, Quantity quantity,
                                         float scale = 1e-3f);
+    void leaveOutScatter(const compute::Lighting& light, std::vector<glm::vec3>& perVertex) const;
     io::DisplayParams displayParams(const compute::Lighting& light, const Tone& tone) const;
     SceneInputs projectorInputs(size_t i, const std::optional<SunDraw>& sun, bool illuminance) const;
     SceneInputs previewInputs(const View& view, const std::optional<SunDraw>& sun, Quantity quantity) const;
@@ -232,7 +233,10 @@ std::optional<SunDraw> FrameRenderer::State::prepareLight(DeviceMesh& target, co
                                                 ? indirectIlluminance(scene.mesh, light)
                                                 : indirectExitance(scene.mesh, light);
     std::vector<glm::vec3> perVertex = scene.vertexLight.evaluate(perPatch);
-    if (quantity == Quantity::illuminance) markOpenings(scene, perVertex);
+    if (quantity == Quantity::illuminance)
+        markOpenings(scene, perVertex);
+    else if (&target == &model->shown)
+        leaveOutScatter(light, perVertex);
     target.mixLight(*device, perVertex, scale);
     const bool sunny = glm::length(light.sunDirection) > 0.5 && scene.panes.size() > 0 &&
                        glm::dot(light.sunNormalIlluminance, glm::vec3(1)) > 0;
@@ -249,6 +253,14 @@ std::optional<SunDraw> FrameRenderer::State::prepareLight(DeviceMesh& target, co
     sun.panes = &model->paneData.write(*device, data.panes);
     sun.paneEdges = &model->paneEdges.write(*device, data.edges);
     return sun;
+}
+
+// What is left may be negative, until the sun is added to it.
+void FrameRenderer::State::leaveOutScatter(const compute::Lighting& light,
+                                           std::vector<glm::vec3>& perVertex) const {
+    if (light.ownScatter.empty()) return;
+    const std::vector<glm::vec3> scatter = model->scene.vertexLight.evaluate(light.ownScatter);
+    for (size_t i = 0; i < scatter.size(); ++i) perVertex[i] -= scatter[i];
 }
 
 io::DisplayParams FrameRenderer::State::displayParams(const compute::Lighting& light,
@@ -298,7 +310,7 @@ void FrameRenderer::State::drawGains() {
         inputs.centres = &model->blend.centres;
         inputs.triangles = &model->blend.triangles;
         inputs.borders = &model->blend.borders;
-        inputs.params.shownReflectance = static_cast<float>(model->scene.options.surfaceReflectance);
+        inputs.params.shownReflectance = static_cast<float>(model->scene.rig.surfaceReflectance);
         inputs.params.guard = static_cast<float>(geometry::kBlendGuard);
         inputs.params.falloff = static_cast<float>(geometry::kBlendFalloff);
         inputs.params.leastSlope = static_cast<float>(geometry::kBlendLeastSlope);
@@ -324,7 +336,7 @@ gpu::Commands FrameRenderer::State::recordProjectors(const compute::Lighting& li
     for (size_t i = 0; i < model->outputs.size(); ++i) {
         const geometry::Projector& projector = scene.rig.projectors[i];
         Output& output = model->outputs[i];
-        params.fullScale = static_cast<float>(scene.reach / scene.intensity[i]);
+        params.fullScale = static_cast<float>(scene.painted.white / scene.intensity[i]);
         params.blackLevel = static_cast<float>(projector.blackLevel);
         params.gamma = hdr ? 0 : gammaOf(projector);
         params.outputWidth = static_cast<uint32_t>(projector.width);
@@ -417,6 +429,10 @@ void FrameRenderer::leaveOut(const std::vector<bool>& projectors) {
     replace(std::move(scene));
 }
 
+const FrameScene& FrameRenderer::scene() const {
+    return state_->model->scene;
+}
+
 double FrameRenderer::autoWhite(const compute::Lighting& light) const {
     return passes::autoWhite(state_->model->scene.mesh, light);
 }
@@ -426,7 +442,7 @@ std::vector<float> FrameRenderer::shownLux(const compute::Lighting& light) const
 }
 
 double FrameRenderer::reachLux() const {
-    return state_->model->scene.reach;
+    return state_->model->scene.painted.white;
 }
 
 Image8 FrameRenderer::preview(const compute::Lighting& light, const PreviewOptions& options) {

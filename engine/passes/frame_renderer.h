@@ -8,7 +8,8 @@
 // projectors share it; share the projector's part of the picture there (shares sum to one, so
 // the projectors together show exposure * B wherever none is clipped) and rho the physical surface's
 // reflectance. exposure = reachLux() / white: what is `white` in the simulation is shown at the exitance that
-// the rig reaches on nine tenths of what it shows.
+// the rig reaches on nine tenths of what it shows. Where `light.ownScatter` is given, B is what is left
+// without it, and not negative.
 #pragma once
 
 #include <memory>
@@ -57,6 +58,7 @@ public:
     // FrameScene::leaveOut of the geometry at hand. Cost: that of `replace`.
     void leaveOut(const std::vector<bool>& projectors);
 
+    const FrameScene& scene() const;
     // Those of frame_light.h.
     double autoWhite(const compute::Lighting& light) const;
     std::vector<float> shownLux(const compute::Lighting& light) const;

@@ -1,7 +1,5 @@
 #include "engine/passes/frame_scene.h"
 
-#include "engine/passes/projector_light.h"
-
 namespace heliodon::passes {
 
 namespace {
@@ -38,7 +36,7 @@ FrameScene::FrameScene(const geometry::PatchMesh& m, const geometry::Occluders& 
     rig = *r;
     shown = shownMesh(mesh, vertexLight, occluders, rig);
     for (const geometry::Projector& projector : rig.projectors) intensity.push_back(fullIntensity(projector));
-    reach = reachableExitance(shown, rig, options.surfaceReflectance);
+    painted = paintedPatches(mesh, shown, rig);
     views = projectorViews(kProjectorSupersample);
 }
 
@@ -47,7 +45,7 @@ void FrameScene::leaveOut(const std::vector<bool>& projectors) {
     for (size_t p = 0; p < projectors.size(); ++p)
         if (!projectors[p]) lit |= 1u << p;
     geometry::keepOnly(shown.blend, lit);
-    reach = reachableExitance(shown, rig, options.surfaceReflectance);
+    painted = paintedPatches(mesh, shown, rig);
 }
 
 std::vector<View> FrameScene::projectorViews(int supersample) const {

@@ -8,6 +8,7 @@
 
 #include "engine/passes/draw_mesh.h"
 #include "engine/passes/panes.h"
+#include "engine/passes/projector_light.h"
 #include "engine/passes/projector_share.h"
 #include "engine/passes/shadow_volumes.h"
 #include "engine/passes/vertex_light.h"
@@ -18,8 +19,7 @@
 namespace heliodon::passes {
 
 struct FrameRendererOptions {
-    double surfaceReflectance = 0.84; // of the physical walls and table: white foam core, museum board
-    double tableRadius = 0.5334;      // metres; of the disc in previews, where there is no rig; 0: none
+    double tableRadius = 0.5334; // metres; of the disc in previews, where there is no rig; 0: none
 };
 
 constexpr int kProjectorSupersample = 2; // outlines and the sun's edge run smoothly over the panel's pixels
@@ -48,8 +48,8 @@ struct FrameScene {
     ShownMesh shown; // what projectors show
     std::vector<DrawCorner> solids, tops, sides, table;
     std::vector<double> intensity; // candela, per projector
-    double reach = 1000;           // exitance of white, lux
-    std::vector<View> views;       // projectorViews(kProjectorSupersample)
+    PaintedPatches painted;
+    std::vector<View> views; // projectorViews(kProjectorSupersample)
 };
 
 } // namespace heliodon::passes

@@ -40,15 +40,19 @@ double fullIntensity(const geometry::Projector& projector) {
     return projector.lumens / total;
 }
 
-double reachableExitance(const ShownMesh& shown, const geometry::Rig& rig, double surfaceReflectance) {
-    std::vector<std::pair<double, double>> reachAndArea;
+namespace {
+
+// Exitance of each triangle's middle at which the first of its projectors is at its full; 0 where none sees
+// it.
+std::vector<double> reachOfTriangles(const ShownMesh& shown, const geometry::Rig& rig) {
+    std::vector<double> reachable(shown.blend.visible.size());
     std::vector<double> intensity;
     std::vector<glm::dvec3> centres;
     for (const geometry::Projector& projector : rig.projectors) {
         intensity.push_back(fullIntensity(projector));
         centres.push_back(projector.centre());
     }
-    for (size_t t = 0; t < shown.blend.visible.size(); ++t) {
+    for (size_t t = 0; t < reachable.size(); ++t) {
         const DrawCorner* corner = &shown.mesh.corners[3 * t];
         const glm::dvec3 a(corner[0].position), b(corner[1].position), c(corner[2].position),
             normal(corner[0].normal);
@@ -60,15 +64,38 @@ double reachableExitance(const ShownMesh& shown, const geometry::Rig& rig, doubl
             const glm::dvec3 towards = centres[p] - middle;
             const double r = glm::length(towards),
                          cosine = std::max(glm::dot(towards / r, normal), geometry::kBlendLeastCosine);
-            reach = std::min(reach, intensity[p] * surfaceReflectance * cosine / (r * r * shares[p]));
+            reach = std::min(reach, intensity[p] * rig.surfaceReflectance * cosine / (r * r * shares[p]));
         }
-        if (std::isfinite(reach)) reachAndArea.emplace_back(reach, glm::length(glm::cross(b - a, c - a)));
+        if (std::isfinite(reach)) reachable[t] = reach;
     }
-    if (reachAndArea.empty()) return 0;
+    return reachable;
+}
+
+} // namespace
+
+PaintedPatches paintedPatches(const geometry::PatchMesh& mesh, const ShownMesh& shown,
+                              const geometry::Rig& rig) {
+    const std::vector<double> reach = reachOfTriangles(shown, rig);
+    std::vector<double> all(mesh.patchCount()), seen(mesh.patchCount()), sum(mesh.patchCount());
+    std::vector<std::pair<double, double>> reachAndArea;
+    double seenInAll = 0;
+    for (size_t t = 0; t < reach.size(); ++t) {
+        const double area = shown.mesh.area(t);
+        all[shown.patch[t]] += area;
+        if (!(reach[t] > 0)) continue;
+        seen[shown.patch[t]] += area, sum[shown.patch[t]] += area * reach[t];
+        reachAndArea.emplace_back(reach[t], area);
+        seenInAll += area;
+    }
+    PaintedPatches painted;
+    painted.reflectance = rig.surfaceReflectance;
     std::sort(reachAndArea.begin(), reachAndArea.end());
-    double total = 0;
-    for (const auto& [reach, area] : reachAndArea) total += area;
-    return weightedQuantile(reachAndArea, total, 0.1);
+    painted.white = reachAndArea.empty() ? 0 : weightedQuantile(reachAndArea, seenInAll, 0.1);
+    for (size_t p = 0; p < all.size(); ++p) {
+        painted.share.push_back(seen[p] > 0 ? static_cast<float>(seen[p] / all[p]) : 0.0f);
+        painted.reach.push_back(seen[p] > 0 ? static_cast<float>(sum[p] / seen[p]) : 0.0f);
+    }
+    return painted;
 }
 
 } // namespace heliodon::passes

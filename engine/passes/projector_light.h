@@ -1,6 +1,8 @@
 // What a projector can do: its intensity, and how bright it can make a surface.
 #pragma once
 
+#include <vector>
+
 #include "engine/passes/projector_share.h"
 #include "geometry/rig.h"
 
@@ -11,8 +13,16 @@ namespace heliodon::passes {
 // I = E r^2 / (rho cos theta)).
 double fullIntensity(const geometry::Projector& projector);
 
-// Exitance (lux) that the rig reaches on nine tenths of the shown area, each projector giving its share of
-// the picture; 0 when nothing is shown.
-double reachableExitance(const ShownMesh& shown, const geometry::Rig& rig, double surfaceReflectance);
+// What projectors, each giving its share of the picture, can do with the surfaces of the physical model.
+struct PaintedPatches {
+    double reflectance = 0; // of the surfaces
+    double white = 1000; // exitance that is reached on nine tenths of the shown area, lux; 0: none is shown
+    std::vector<float> share; // per patch: of its area that some projector sees, 0..1
+    std::vector<float> reach; // per patch: exitance there at which the first of its projectors is at its
+                              // full; 0 where none sees it
+};
+
+PaintedPatches paintedPatches(const geometry::PatchMesh& mesh, const ShownMesh& shown,
+                              const geometry::Rig& rig);
 
 } // namespace heliodon::passes

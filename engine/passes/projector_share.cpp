@@ -53,7 +53,7 @@ ShownMesh shownMesh(const geometry::PatchMesh& mesh, const VertexLight& vertexLi
     }
     std::vector<glm::dvec3> centres;
     for (const geometry::OpticalDevice& device : devices) centres.push_back(device.centre());
-    return {std::move(out), geometry::blendProjectors(cut, mesh, centres)};
+    return {std::move(out), cut.sourcePatch, geometry::blendProjectors(cut, mesh, centres)};
 }
 
 } // namespace heliodon::passes

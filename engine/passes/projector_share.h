@@ -11,6 +11,7 @@ namespace heliodon::passes {
 
 struct ShownMesh {
     DrawMesh mesh;
+    std::vector<uint32_t> patch;    // per triangle
     geometry::ProjectorBlend blend; // of the same triangles
 };
 

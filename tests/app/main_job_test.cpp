@@ -127,7 +127,10 @@ TEST_F(MainJob, render_writes_four_projector_pictures_and_a_preview) {
 
 TEST_F(MainJob, the_same_command_gives_the_same_bits) {
     for (const char* name : {"one", "two"})
-        run("render " + kPhoto + " --rig " + kRig + " --triangles 400 -o " + in(name));
+        run("render " + kPhoto + " --rig " + kRig + " --triangles 400 --compensate-scatter -o " + in(name) +
+            " --report " + in("r.json"));
+    const nlohmann::json scatter = report("r.json")["scatter"];
+    EXPECT_LT(scatter["error"].get<double>(), 0.5 * scatter["error_before"].get<double>());
     for (const char* picture : {"projector-0.png", "projector-3.png", "preview.png"})
         EXPECT_TRUE(sameBytes(std::string("one/") + picture, std::string("two/") + picture)) << picture;
 }

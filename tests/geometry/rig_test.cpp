@@ -169,6 +169,8 @@ TEST(Rig, names_the_wrong_field) {
         {"\"t\": [0, 0, 1]", "\"t\": [0, 0, 1e400]", "holds a number too large to represent"},
         {"0.01", "7", "projectors[0].black_level: 7 is not between 0 and 1"},
         {"\"response\": 2.2", "\"response\": \"log\"", "projectors[0].response: \"log\" is not known"},
+        {"\"site\"", "\"surface_reflectance\": 1, \"site\"",
+         "surface_reflectance: 1 is not between 0.01 and 0.98"},
         {"-73.68", "-273.68", "site.longitude_deg: -273.68 is not between"},
         {"\"K\": [[5,", "\"dist\": [1, 2, 3], \"K\": [[5,",
          "projectors[0].dist: expected k1, k2, p1, p2[, k3]"},

@@ -137,8 +137,7 @@ TEST(Projector, overlapping_projectors_together_show_the_simulated_light) {
     light.sunDirection = glm::dvec3(0);
     for (glm::vec3& exitance : light.exitance)
         exitance = {400, 300, 200}; // even: what is shown is known everywhere
-    FrameRendererOptions options;
-    FrameRenderer renderer(test::device(), scene.mesh, scene.occluders, &rig, options);
+    FrameRenderer renderer(test::device(), scene.mesh, scene.occluders, &rig);
     const std::vector<ImageF> pictures = renderer.projectorsHdr(light);
     const double exposure = renderer.reachLux() / renderer.autoWhite(light);
     // Two to four times too bright: white.
@@ -154,7 +153,7 @@ TEST(Projector, overlapping_projectors_together_show_the_simulated_light) {
         if (scene.mesh.role[p] != geometry::Role::projection) continue;
         const glm::dvec3 shown =
             physicalExitance(rig, pictures, geometry::patchCentroid(scene.mesh, p),
-                             geometry::patchNormal(scene.mesh, p), options.surfaceReflectance);
+                             geometry::patchNormal(scene.mesh, p), rig.surfaceReflectance);
         const glm::dvec3 want = exposure * glm::dvec3(400, 300, 200);
         ++all;
         // 2 %: the slope of the gain over half a pixel.
@@ -163,7 +162,7 @@ TEST(Projector, overlapping_projectors_together_show_the_simulated_light) {
         const glm::dvec3 most = renderer.reachLux() * glm::dvec3(1),
                          reached = physicalExitance(rig, cut, geometry::patchCentroid(scene.mesh, p),
                                                     geometry::patchNormal(scene.mesh, p),
-                                                    options.surfaceReflectance);
+                                                    rig.surfaceReflectance);
         white += glm::length(reached - most) < 0.04 * glm::length(most); // 2 %, and steps of the bytes
     }
     EXPECT_GE(double(right), 0.93 * double(all - dark));
@@ -178,8 +177,7 @@ TEST(Projector, each_shows_its_share) {
     compute::Lighting light = scene.light;
     light.sunDirection = glm::dvec3(0);
     light.exitance.assign(scene.mesh.patchCount(), glm::vec3(300)); // even
-    const FrameRendererOptions options;
-    FrameRenderer renderer(test::device(), scene.mesh, scene.occluders, &rig, options);
+    FrameRenderer renderer(test::device(), scene.mesh, scene.occluders, &rig);
     const std::vector<ImageF> pictures = renderer.projectorsHdr(light);
     const double shown = 300 * renderer.reachLux() / renderer.autoWhite(light);
     const ShownMesh mesh = shownMesh(scene.mesh, VertexLight(scene.mesh), scene.occluders, rig);
@@ -193,7 +191,7 @@ TEST(Projector, each_shows_its_share) {
         const std::vector<double> shares = geometry::blendShares(mesh.blend, t, middle, normal, centres);
         for (size_t p = 0; p < shares.size(); ++p) {
             const double found =
-                exitanceFrom(rig.projectors[p], pictures[p], middle, normal, options.surfaceReflectance)[1] /
+                exitanceFrom(rig.projectors[p], pictures[p], middle, normal, rig.surfaceReflectance)[1] /
                 shown;
             ++all;
             shared += shares[p] > 0.1 && shares[p] < 0.9;
