@@ -19,14 +19,14 @@ constexpr double kBlendGuard = 0.003, kBlendFalloff = 0.05;
 // Of the fade, where all are within the guard: a slope, by which one hands over to another, and what keeps a
 // share where every projector is at its border.
 constexpr double kBlendLeastSlope = 1e-3, kBlendLeastFade = 1e-6;
-// Of the fade towards where a surface ends before what lies behind it. Less of it hands more over to others, whose
-// pixels err at the surface's other ends: sums over the table get no better.
+// Of the fade towards where a surface ends before what lies behind it. Less of it hands more over to others,
+// whose pixels err at the surface's other ends: sums over the table get no better.
 constexpr double kBlendEndFade = 0.15;
 constexpr double kBlendLeastCosine = 0.05; // smooth normals may fall below the limit that facets keep to
 
-// An edge of the mesh between two sets of projectors (bits), neither of them empty; or, with `right` empty, an end of
-// the surface past which those of `left` see to what lies behind: there a pixel meant for the surface, most of all a
-// grazing one, draws a bright line on that.
+// An edge of the mesh between two sets of projectors (bits), neither of them empty; or, with `right` empty,
+// an end of the surface past which those of `left` see to what lies behind: there a pixel meant for the
+// surface, most of all a grazing one, draws a bright line on that.
 struct BlendBorder {
     glm::dvec3 from{}, to{};
     uint32_t left = 0, right = 0;
@@ -44,8 +44,8 @@ struct ProjectorBlend {
     }
 };
 
-// `patches`: what `mesh` was split from; `centres`: of the projectors. Cost: a millisecond for a room of six walls at
-// 2000 patches.
+// `patches`: what `mesh` was split from; `centres`: of the projectors. Cost: a millisecond for a room of six
+// walls at 2000 patches.
 ProjectorBlend blendProjectors(const ProjectorMesh& mesh, const PatchMesh& patches,
                                std::span<const glm::dvec3> centres);
 

@@ -350,8 +350,9 @@ private:
             "--sensors", annual_.sensors,
             "points (.csv with x,y,z,nx,ny,nz); without: every 2 ft (0.61 m) over the floor, 0.76 m "
             "above it");
-        sub->add_option("--occupied", annual_.occupied,
-                        "o'clock, every day, as 8-18 (the default) or 8:30-17");
+        sub->add_option(
+            "--occupied", annual_.occupied,
+            "o'clock, every day, as 8-18 (the default) or 8:30-17: records whose middle lies in it");
         sub->add_option("--ground", annual_.groundAlbedo, "diffuse reflectance of the ground (default 0.2)")
             ->check(within(0.0, 1.0));
         sub->add_option("--temporal", annual_.temporal,

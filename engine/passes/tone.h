@@ -9,8 +9,8 @@ enum class ToneMap {
     // Proportional up to white: the default; equal light sums to equal light over several projectors. What is
     // brighter is cut, channel by channel.
     linear,
-    soft,   // compresses highlights (Reinhard): `whiteLux` is shown at about 0.6 of white, 20 times that as
-            // white
+    soft, // compresses highlights (Reinhard): `whiteLux` is shown at about 0.6 of white, 20 times that as
+          // white
     falseColour // lux as colour, scale "viridis"
 };
 

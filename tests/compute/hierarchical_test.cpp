@@ -369,14 +369,16 @@ TEST(Hierarchical, triangles_that_nearly_touch_keep_the_error_claimed_and_that_i
     EXPECT_LT(F.report().claimedRowError, 3e-3);
 }
 
-// The inside of a slat: long edges of opposite planes cross in plan, far apart, and the little that an end exchanges
-// with cells metres away is what is left of much larger sums. It was off by 7e-3 of the end's light.
+// The inside of a slat: long edges of opposite planes cross in plan, far apart, and the little that an end
+// exchanges with cells metres away is what is left of much larger sums. It was off by 7e-3 of the end's
+// light.
 TEST(Hierarchical, inside_thin_bodies_every_row_keeps_its_claim) {
     const glm::dvec3 u = glm::normalize(glm::dvec3(3, 1, -2)),
                      v = glm::normalize(glm::cross(u, glm::dvec3(0.3, 1, 0.2)));
     for (const glm::dvec3 size : {glm::dvec3(3.2, 0.1, 0.004), glm::dvec3(5, 0.5, 0.005)}) {
         geometry::PatchMesh mesh = test::boxRoom({.low = {0, 0, 0}, .high = size, .cells = {4, 1, 1}});
-        for (glm::dvec3& p : mesh.vertices) p = glm::dvec3(0.4, 0.5, 0.6) + glm::dmat3(u, v, glm::cross(u, v)) * p;
+        for (glm::dvec3& p : mesh.vertices)
+            p = glm::dvec3(0.4, 0.5, 0.6) + glm::dmat3(u, v, glm::cross(u, v)) * p;
         const size_t n = mesh.patchCount();
         const auto exact =
             exactFormFactors(test::device(), mesh, {.maxError = 1e-4}).factors.values.download<float>(n * n);
@@ -387,7 +389,8 @@ TEST(Hierarchical, inside_thin_bodies_every_row_keeps_its_claim) {
             double squares = 0;
             for (size_t j = 0; j < n; ++j)
                 squares += std::pow(double{values[i * n + j]} - double{exact[i * n + j]}, 2);
-            EXPECT_LE(std::sqrt(squares), double{F.rowError()[i]} + 2e-4) << "row " << i << " of " << size.x << " m";
+            EXPECT_LE(std::sqrt(squares), double{F.rowError()[i]} + 2e-4)
+                << "row " << i << " of " << size.x << " m";
         }
     }
 }

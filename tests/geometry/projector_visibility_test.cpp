@@ -283,14 +283,16 @@ TEST(ProjectorBlend, a_projector_hands_over_where_it_sees_past_the_end_of_a_surf
     PatchMesh mesh;
     mesh.materials = {{}};
     const double w = 0.1, h = 0.1;
-    mesh.vertices = {{-w, h, w}, {w, h, w}, {w, h, -w}, {-w, h, -w}, {-w, 0, w}, {w, 0, w}, {w, 0, -w}, {-w, 0, -w}};
+    mesh.vertices = {{-w, h, w}, {w, h, w}, {w, h, -w}, {-w, h, -w},
+                     {-w, 0, w}, {w, 0, w}, {w, 0, -w}, {-w, 0, -w}};
     const auto add = [&](std::array<uint32_t, 4> corners, uint32_t surface) {
         mesh.addPatch(corners, 0, Role::projection, surface, 0);
     };
     add({0, 1, 2, 3}, 0);
     add({1, 5, 6, 2}, 1); // to the right
     add({3, 7, 4, 0}, 2); // to the left
-    const std::vector<OpticalDevice> two{lookingAt({-1, 1.1, 0}, {0, 0, 0}), lookingAt({1, 1.1, 0}, {0, 0, 0})};
+    const std::vector<OpticalDevice> two{lookingAt({-1, 1.1, 0}, {0, 0, 0}),
+                                         lookingAt({1, 1.1, 0}, {0, 0, 0})};
     const ProjectorMesh split = splitByProjectorVisibility(mesh, {}, two);
     const ProjectorBlend blend = blendProjectors(split, mesh, centresOf(two));
     const auto shareOnTop = [&](size_t projector, glm::dvec3 p) {

@@ -123,8 +123,7 @@ glm::dvec3 physicalExitance(const geometry::Rig& rig, const std::vector<ImageF>&
 ImageF driveOf(const geometry::Projector& projector, const Image8& picture) {
     ImageF drive{picture.width, picture.height, {}};
     for (const uint8_t byte : picture.rgb) {
-        const double v = byte / 255.0,
-                     linear = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+        const double v = byte / 255.0, linear = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
         drive.rgb.push_back(static_cast<float>(projector.blackLevel + (1 - projector.blackLevel) * linear));
     }
     return drive;
@@ -160,13 +159,13 @@ TEST(Projector, overlapping_projectors_together_show_the_simulated_light) {
         right += glm::length(shown - want) < 0.02 * glm::length(want);
         dark += glm::length(shown) < 0.02 * glm::length(want);
         const glm::dvec3 most = renderer.reachLux() * glm::dvec3(1),
-                         reached = physicalExitance(rig, cut, geometry::patchCentroid(scene.mesh, p),
-                                                    geometry::patchNormal(scene.mesh, p),
-                                                    rig.surfaceReflectance);
+                         reached =
+                             physicalExitance(rig, cut, geometry::patchCentroid(scene.mesh, p),
+                                              geometry::patchNormal(scene.mesh, p), rig.surfaceReflectance);
         white += glm::length(reached - most) < 0.04 * glm::length(most); // 2 %, and steps of the bytes
     }
     EXPECT_GE(double(right), 0.93 * double(all - dark));
-    EXPECT_LE(double(dark), 0.1 * double(all)); // seen by no projector
+    EXPECT_LE(double(dark), 0.1 * double(all));          // seen by no projector
     EXPECT_GE(double(white), 0.83 * double(all - dark)); // nine tenths can be as bright
 }
 
