@@ -84,7 +84,8 @@ public:
             if (!(part > 0)) continue;
             for (const bool sun : {false, true}) {
                 const double here = part * (sun ? wanted_[p].lit : 1.0 - double{wanted_[p].lit});
-                const glm::vec3 target = within(p, sun ? wanted_[p].sun : wanted_[p].shade);
+                const glm::vec3 target =
+                    glm::min(sun ? wanted_[p].sun : wanted_[p].shade, scatter[p] + most(p));
                 const double is = geometry::photometric(shown(p, leaveOut, sun, scatter[p])),
                              was = geometry::photometric(target), back = geometry::photometric(scatter[p]);
                 area += here, wanted += here * was, physical += here * is, own += here * back;
@@ -100,13 +101,11 @@ public:
     }
 
 private:
-    // What projectors paint of it: white at most.
-    glm::vec3 within(size_t p, glm::vec3 light) const {
-        return glm::clamp(light, glm::vec3(0), glm::vec3(std::min(painted_.reach[p] * simulated_, white_)));
-    }
+    // That projectors can add.
+    glm::vec3 most(size_t p) const { return glm::vec3(std::min(painted_.reach[p] * simulated_, white_)); }
     glm::vec3 shown(size_t p, bool leaveOut, bool sun, glm::vec3 scatter) const {
         const glm::vec3 wanted = sun ? wanted_[p].sun : wanted_[p].shade;
-        return scatter + within(p, leaveOut ? wanted - scatter : wanted);
+        return scatter + glm::clamp(leaveOut ? wanted - scatter : wanted, glm::vec3(0), most(p));
     }
     // Mean over each patch; of surfaces that are not there nothing.
     Values exitances(bool leaveOut, const Values& scatter) const {

@@ -20,7 +20,7 @@ namespace heliodon::passes {
 struct ScatterReport {
     double ownShare = 0;    // of the light on painted surfaces, what comes from the model itself
     double error = 0;       // RMS over painted area of the exitance that is too much or too little, over the
-                            // mean wanted; wanted is at most what projectors reach
+                            // mean wanted; what is too little only for want of bright projectors is none
     double errorBefore = 0; // the same when nothing is left out; only where asked for
     double tooBright = 0;   // share of the painted area that has too much even where nothing is painted
     int passes = 0;         // over the form factors
