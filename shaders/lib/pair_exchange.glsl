@@ -152,29 +152,53 @@ float lambertSum(vec3 corner[4], vec3 normal) {
     return abs(sum);
 }
 
-// Factor from a small triangle, by Radon's rule of degree 5 with seven points, to a polygon over its plane.
-float lambertMean(vec3 a, vec3 b, vec3 c, vec3 normal, vec3 q[4], bool wanted) {
+// Factor from a small triangle, by Radon's rule of degree 5 with seven points, to a polygon over its plane; in y its
+// error, estimated: how far the two rules of degree 2 within it are apart.
+vec2 lambertMean(vec3 a, vec3 b, vec3 c, vec3 normal, vec3 q[4], bool wanted) {
     vec3 middle = (a + b + c) / 3.0;
-    float sum = 0.0;
+    vec3 sums = vec3(0.0); // far ones', near ones', centre's
     uint end = wanted ? 7u : 0u; // a loop that may run no turn: software devices do not skip an `if`
     [[dont_unroll]] for (uint k = 0u; k < end; ++k) {
         vec3 corner = k % 3u == 0u ? a : k % 3u == 1u ? b : c;
         float out_ = k == 6u ? 0.0 : k < 3u ? kRadonFarOut : kRadonNearOut;
         vec3 at = middle + out_ * (corner - middle);
-        float weight = k == 6u ? kRadonCentreWeight : k < 3u ? kRadonFarWeight : kRadonNearWeight;
         vec3 moved[4] = vec3[](q[0] - at, q[1] - at, q[2] - at, q[3] - at);
-        sum += weight * lambertSum(moved, normal);
+        sums += lambertSum(moved, normal) * vec3(k < 3u, k >= 3u && k < 6u, k == 6u);
     }
-    return sum / (2.0 * kPi);
+    float byFar = kRadonFarLow / 3.0 * sums.x + (1.0 - kRadonFarLow) * sums.z,
+          byNear = kRadonNearLow / 3.0 * sums.y + (1.0 - kRadonNearLow) * sums.z;
+    float mean = dot(sums, vec3(kRadonFarWeight, kRadonNearWeight, kRadonCentreWeight));
+    return vec2(mean, abs(byFar - byNear)) / (2.0 * kPi);
 }
 
-const float kPairUneven = 3000.0; // ratio of areas from which a point stands for the smaller one
+const float kPairUneven = 3000.0; // ratio of areas from which points may stand for the smaller one
+const float kPairErrorOfPoints = 0.1; // of a sliver, over how far these and the sums round borders are apart
 const uint kPairMostPanels = 4u;
 
+// What parts exchange that are wholly over each other's plane and, in y, its error, estimated: by points of p where q
+// is much larger, `uneven`, and p is small every way; else round borders. Points of a sliver, which may all lie on one
+// side of a border, count where both agree.
+vec2 nearExchange(vec3 p[4], vec3 q[4], vec3 normal, bool uneven, bool everyWay, float allowed) {
+    vec2 mean = lambertMean(p[0], p[1], p[2], normal, q, uneven),
+         rest = lambertMean(p[0], p[2], p[3], normal, q, uneven);
+    float areaA = 0.5 * length(cross(p[1] - p[0], p[2] - p[0])), areaB = 0.5 * length(cross(p[2] - p[0], p[3] - p[0]));
+    vec2 points = areaA * mean + areaB * rest;
+    float rounding = kPairRounding * around(p) * around(q), wanted = max(allowed, rounding);
+    bool enough = uneven && everyWay && points.y <= wanted;
+    vec2 borders = vec2(0.0, 2.0 * wanted);
+    [[dont_unroll]] for (uint panels = 1u; panels <= kPairMostPanels && !enough && borders.y > wanted; panels *= 4u)
+        borders = bordersIntegral(p, q, panels);
+    borders.y += rounding;
+    float apart = abs(points.x - borders.x);
+    vec2 sliver = vec2(points.x, points.y + kPairErrorOfPoints * apart);
+    return enough ? points : uneven && apart <= borders.y && sliver.y <= borders.y ? sliver : borders;
+}
+
 // A_p F_pq and, in y, its error, estimated: of sums round borders, made again in parts where it is above
-// `allowed`, or of the product rule, which falls with the cube of size over distance. Corners are relative to
-// one of the smaller triangle, so that it keeps its digits however large the other is. Of pairs that are
-// `near` only with `nearOnes`, of others only without: a constant, so that a pipeline has the code of one kind.
+// `allowed`; of points of a much smaller triangle where that is less; or of the product rule, which falls with the
+// cube of size over distance. Corners are relative to one of the smaller triangle, so that it keeps its digits however
+// large the other is. Of pairs that are `near` only with `nearOnes`, of others only without: a constant, so that a
+// pipeline has the code of one kind.
 vec2 pairExchange(Triangle one, Triangle other, float allowed, const bool nearOnes, out bool near) {
     bool swapped = other.area < one.area;
     Triangle p = one, q = other;
@@ -206,16 +230,11 @@ vec2 pairExchange(Triangle one, Triangle other, float allowed, const bool nearOn
         cutAtPlane(cq, overP, partQ);
         cutAtPlane(cp, overQ, partP);
         bool uneven = p.area * kPairUneven < q.area;
-        float mean = lambertMean(partP[0], partP[1], partP[2], p.normal, partQ, uneven),
-              rest = lambertMean(partP[0], partP[2], partP[3], p.normal, partQ, uneven);
-        float areaA = 0.5 * length(cross(partP[1] - partP[0], partP[2] - partP[0])),
-              areaB = 0.5 * length(cross(partP[2] - partP[0], partP[3] - partP[0]));
-        float rounding = kPairRounding * around(partP) * around(partQ), wanted = max(allowed * unit * unit, rounding);
-        vec2 borders = vec2(0.0, 2.0 * wanted);
-        [[dont_unroll]] for (uint panels = 1u; panels <= kPairMostPanels && !uneven && borders.y > wanted; panels *= 4u)
-            borders = bordersIntegral(partP, partQ, panels);
-        result = uneven ? areaA * mean + areaB * rest : max(0.0, borders.x);
-        error = max(kPairLeast * result, uneven ? 0.0 : borders.y + rounding);
+        float longP = max(length(p.ab), length(p.ac));
+        bool everyWay = 0.25 * longP * longP * kPairUneven < q.area;
+        vec2 best = nearExchange(partP, partQ, p.normal, uneven, everyWay, allowed * unit * unit);
+        result = max(0.0, best.x);
+        error = max(kPairLeast * result, best.y);
     } else {
         float sum = 0.0;
         for (int k = 0; k < 3; ++k) {
