@@ -12,12 +12,11 @@
 #include "compute/reference/form_factor_rows.h"
 #include "tests/compute/rooms.h"
 #include "tests/gpu/test_device.h"
-#include "tests/sanitized.h"
 
 namespace heliodon::compute {
 namespace {
 
-constexpr size_t kRows = test::kSanitized ? 2 : 5;
+constexpr size_t kRows = 5;
 constexpr double kOracle = 1e-6; // what the oracle's entries may be off by
 
 // A closed room of 300 to 700 triangles, its proportions and two to four boxes in it by `seed`.
