@@ -11,6 +11,7 @@
 #include "compute/reference/exact_form_factors.h"
 #include "engine/passes/frame_renderer.h"
 #include "tests/gpu/test_device.h"
+#include "tests/passes/exitance_from.h"
 #include "tests/passes/sketch_scene.h"
 
 namespace heliodon::passes {
@@ -151,46 +152,45 @@ TEST(OwnScatter, is_of_light_that_projectors_can_show) {
     }
 }
 
-// Irradiance of a point on the model by the pictures of the projectors that see it (bits), lux.
-double irradiance(const geometry::Rig& rig, const std::vector<ImageF>& pictures, uint32_t seenBy,
-                  glm::dvec3 point, glm::dvec3 normal) {
+// What the pictures paint at a point of the model, of the projectors that see it (bits), at most their full;
+// lux.
+double paintedAt(const geometry::Rig& rig, const std::vector<ImageF>& pictures, uint32_t seenBy,
+                 glm::dvec3 point, glm::dvec3 normal) {
     double sum = 0;
-    for (size_t i = 0; i < rig.projectors.size(); ++i) {
-        if ((seenBy >> i & 1u) == 0) continue;
-        const geometry::Projector& projector = rig.projectors[i];
-        const auto pixel = projector.pixelFromWorld(point);
-        const glm::dvec3 towards = projector.centre() - point;
-        const double r2 = glm::dot(towards, towards), cosine = glm::dot(normal, towards) / std::sqrt(r2);
-        if (!pixel || cosine <= 0) continue;
-        const int x = int(std::lround(pixel->x)), y = int(std::lround(pixel->y));
-        if (x < 0 || y < 0 || x >= projector.width || y >= projector.height) continue;
-        const double drive = std::min(1.0, double{pictures[i].pixel(x, y)[1]});
-        sum += drive * fullIntensity(projector) * cosine / r2;
-    }
+    for (size_t i = 0; i < rig.projectors.size(); ++i)
+        if ((seenBy >> i & 1u) != 0)
+            sum +=
+                test::exitanceFrom(rig.projectors[i], pictures[i], point, normal, rig.surfaceReflectance)[1];
     return sum;
+}
+
+std::vector<ImageF> cutAtFull(std::vector<ImageF> pictures) {
+    for (ImageF& picture : pictures)
+        for (float& drive : picture.rgb) drive = std::min(drive, 1.0f);
+    return pictures;
 }
 
 // Exitance of the model under the pictures, by plain radiosity; what is inferred only is not there.
 std::vector<double> physicalExitance(const FrameScene& scene, const RoomFactors& factors,
                                      const std::vector<ImageF>& pictures) {
     const geometry::Rig& rig = scene.rig;
-    std::vector<double> E(factors.n), B(factors.n), area(factors.n);
+    std::vector<double> painted(factors.n), B(factors.n), area(factors.n);
     const auto isThere = [&](size_t p) { return scene.mesh.role[p] == geometry::Role::projection; };
     for (size_t t = 0; t < scene.shown.patch.size(); ++t) {
         const DrawCorner* corner = &scene.shown.mesh.corners[3 * t];
         const glm::dvec3 middle((corner[0].position + corner[1].position + corner[2].position) / 3.0f);
         area[scene.shown.patch[t]] += scene.shown.mesh.area(t);
-        E[scene.shown.patch[t]] +=
+        painted[scene.shown.patch[t]] +=
             scene.shown.mesh.area(t) *
-            irradiance(rig, pictures, scene.shown.blend.visible[t], middle, glm::dvec3(corner[0].normal));
+            paintedAt(rig, pictures, scene.shown.blend.visible[t], middle, glm::dvec3(corner[0].normal));
     }
-    for (size_t p = 0; p < E.size(); ++p)
-        if (area[p] > 0) E[p] /= area[p]; // triangles along outlines reach into other patches
+    for (size_t p = 0; p < painted.size(); ++p)
+        if (area[p] > 0) painted[p] /= area[p]; // triangles along outlines reach into other patches
     for (int round = 0; round < 60; ++round)
         for (size_t i = 0; i < factors.n; ++i) {
-            double received = E[i];
+            double received = 0;
             for (size_t j = 0; j < factors.n; ++j) received += factors.F[i * factors.n + j] * B[j];
-            B[i] = isThere(i) ? rig.surfaceReflectance * received : 0;
+            B[i] = isThere(i) ? painted[i] + rig.surfaceReflectance * received : 0;
         }
     return B;
 }
@@ -213,7 +213,7 @@ TEST(OwnScatter, left_out_the_model_shows_what_was_simulated) {
     const double exposure = renderer.reachLux() / 1000;
     const PaintedPatches& painted = renderer.scene().painted;
     const auto errorOf = [&](const std::vector<ImageF>& pictures) {
-        const std::vector<double> B = physicalExitance(renderer.scene(), factors, pictures);
+        const std::vector<double> B = physicalExitance(renderer.scene(), factors, cutAtFull(pictures));
         double square = 0, mean = 0, area = 0;
         for (size_t p = 0; p < B.size(); ++p) {
             if (painted.share[p] < 1 || scene.mesh.role[p] != geometry::Role::projection) continue;
@@ -227,14 +227,15 @@ TEST(OwnScatter, left_out_the_model_shows_what_was_simulated) {
     };
     const double before = errorOf(renderer.projectorsHdr(light, options));
     const ScatterReport report = leaveOutScatter(scene.mesh, painted, 1000, factors, true, light);
-    const double after = errorOf(renderer.projectorsHdr(light, options));
+    const std::vector<ImageF> pictures = renderer.projectorsHdr(light, options);
+    const double after = errorOf(pictures);
     EXPECT_GT(before, 0.3);
     EXPECT_LT(after, 0.06);
     EXPECT_NEAR(report.errorBefore, before, 0.1 * before);
     EXPECT_NEAR(report.error, after, 0.02); // where nothing is painted it is too bright
     testing::Test::RecordProperty("before", std::to_string(before));
     testing::Test::RecordProperty("after", std::to_string(after));
-    for (const ImageF& picture : renderer.projectorsHdr(light, options))
+    for (const ImageF& picture : pictures)
         for (const float drive : picture.rgb) ASSERT_GE(drive, 0);
 }
 

@@ -8,6 +8,7 @@
 #include "engine/passes/projector_light.h"
 #include "engine/passes/projector_share.h"
 #include "tests/gpu/test_device.h"
+#include "tests/passes/exitance_from.h"
 #include "tests/passes/sketch_scene.h"
 
 namespace heliodon::passes {
@@ -97,25 +98,12 @@ TEST(Projector, markers_lie_right_through_a_strong_and_skewed_lens) {
     expectMarkersInPlace(rig, 1);
 }
 
-// What falls on a physical point from one projector, times the surface's reflectance.
-glm::dvec3 exitanceFrom(const geometry::Projector& projector, const ImageF& picture, glm::dvec3 point,
-                        glm::dvec3 normal, double reflectance) {
-    const auto pixel = projector.pixelFromWorld(point);
-    if (!pixel) return glm::dvec3(0);
-    const glm::dvec3 towards = projector.centre() - point;
-    const double r2 = glm::dot(towards, towards), cosine = glm::dot(normal, towards) / std::sqrt(r2);
-    const int x = int(std::lround(pixel->x)), y = int(std::lround(pixel->y));
-    if (cosine <= 0 || x < 0 || y < 0 || x >= picture.width || y >= picture.height) return glm::dvec3(0);
-    const float* drive = picture.pixel(x, y);
-    return glm::dvec3(drive[0], drive[1], drive[2]) * fullIntensity(projector) * reflectance * cosine / r2;
-}
-
 // The sum over projectors.
 glm::dvec3 physicalExitance(const geometry::Rig& rig, const std::vector<ImageF>& pictures, glm::dvec3 point,
                             glm::dvec3 normal, double reflectance) {
     glm::dvec3 sum(0);
     for (size_t p = 0; p < rig.projectors.size(); ++p)
-        sum += exitanceFrom(rig.projectors[p], pictures[p], point, normal, reflectance);
+        sum += test::exitanceFrom(rig.projectors[p], pictures[p], point, normal, reflectance);
     return sum;
 }
 
@@ -189,9 +177,9 @@ TEST(Projector, each_shows_its_share) {
             normal(corner[0].normal);
         const std::vector<double> shares = geometry::blendShares(mesh.blend, t, middle, normal, centres);
         for (size_t p = 0; p < shares.size(); ++p) {
-            const double found =
-                exitanceFrom(rig.projectors[p], pictures[p], middle, normal, rig.surfaceReflectance)[1] /
-                shown;
+            const double found = test::exitanceFrom(rig.projectors[p], pictures[p], middle, normal,
+                                                    rig.surfaceReflectance)[1] /
+                                 shown;
             ++all;
             shared += shares[p] > 0.1 && shares[p] < 0.9;
             right +=
