@@ -40,16 +40,24 @@ vec3 toned(vec3 light) {
     return x;
 }
 
+// Brighter than white in a channel: luminance and hue stay, saturation gives way. Cut channel by channel, sun would be
+// cyan on a blue wall and yellow on an orange floor.
+vec3 withinWhite(vec3 x) {
+    float most = max(x.r, max(x.g, x.b));
+    if (most <= 1.0) return x;
+    float grey = min(dot(x, kLuminance), 1.0);
+    return grey + (x - grey) * ((1.0 - grey) / (most - grey));
+}
+
 vec3 shown(ivec2 at) {
     vec4 texel = texelFetch(scene, at, 0);
     if (kTone == kToneRaw && !kProjector) return texel.a == 1.0 ? 1000.0 * texel.rgb : vec3(0);
     if (!kProjector && texel.a != 1.0) return texel.rgb;
     vec3 value = toned(texel.rgb);
-    if (!kProjector) return clamp(value, 0.0, 1.0);
-    // What is brighter than white is cut here, where it is light: cut as each projector's drive, it would be brighter
-    // wherever more of them share it.
-    if (kTone != kToneRaw) value = min(value, 1.0);
     value = max(value, 0.0); // less than nothing where scatter is left out
+    // Here, where it is light: cut as each projector's drive, it would be brighter wherever more of them share it.
+    if (kTone != kToneRaw) value = withinWhite(value);
+    if (!kProjector) return value;
     return value * (params.fullScale * texel.a);
 }
 

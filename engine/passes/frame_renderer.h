@@ -4,12 +4,12 @@
 //
 // A projector's picture makes the *physical* white surface show the simulated exitance times an exposure:
 //   drive = exposure * share * B r^2 / (rho cos theta) / fullIntensity,   clipped to 0..1,
-// with B the simulated exitance (lux), cut at `white`, so that what is brighter is equally bright however
-// many projectors share it; share the projector's part of the picture there (shares sum to one, so the
-// projectors together show exposure * B wherever none is clipped) and rho the physical surface's reflectance.
-// exposure = reachLux() / white: what is `white` in the simulation is shown at the exitance that the rig
-// reaches on nine tenths of what it shows. Where `light.ownScatter` is given, B is what is left without it,
-// and not negative.
+// with B the simulated exitance (lux) within `white` (brighter in a channel: of the same luminance and hue,
+// as far as white has them, and less saturated), equally bright however many projectors share it; share the
+// projector's part of the picture there (shares sum to one, so the projectors together show exposure * B
+// wherever none is clipped) and rho the physical surface's reflectance. exposure = reachLux() / white: what
+// is `white` in the simulation is shown at the exitance that the rig reaches on nine tenths of what it shows.
+// Where `light.ownScatter` is given, B is what is left without it, and not negative.
 #pragma once
 
 #include <memory>

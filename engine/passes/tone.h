@@ -7,7 +7,7 @@ namespace heliodon::passes {
 
 enum class ToneMap {
     // Proportional up to white: the default; equal light sums to equal light over several projectors. What is
-    // brighter is cut, channel by channel.
+    // brighter in a channel keeps its luminance and hue as far as white has them, and is paler.
     linear,
     soft, // compresses highlights (Reinhard): `whiteLux` is shown at about 0.6 of white, 20 times that as
           // white

@@ -157,6 +157,35 @@ TEST(Projector, overlapping_projectors_together_show_the_simulated_light) {
     EXPECT_GE(double(white), 0.83 * double(all - dark)); // nine tenths can be as bright
 }
 
+// Sunlit paint: the same luminance and hue as far as white has them, paler where a channel has no more.
+TEST(Projector, brighter_than_white_stays_as_bright_and_of_its_hue) {
+    const glm::dvec3 lux(300, 500, 2400), luminance(0.2126, 0.7152, 0.0722);
+    const double white = 1000, bright = glm::dot(luminance, lux) / white;
+    ASSERT_LT(bright, 1);
+    const Markers m = markers();
+    compute::Lighting light = m.light;
+    light.exitance.assign(light.exitance.size(), glm::vec3(lux));
+    geometry::Rig rig = exampleRig();
+    rig.projectors.resize(1);
+    FrameRenderer renderer(test::device(), m.mesh, {}, &rig);
+    ProjectorOptions options;
+    options.tone.whiteLux = white;
+    const ImageF drive = driveOf(rig.projectors[0], renderer.projectors(light, options)[0]);
+    options.tone.whiteLux = 10 * white; // all within white
+    const ImageF plain = driveOf(rig.projectors[0], renderer.projectors(light, options)[0]);
+    const glm::dvec2 at = *rig.projectors[0].pixelFromWorld(m.centres[40]);
+    const size_t pixel = 3 * (size_t(std::lround(at.y)) * size_t(drive.width) + size_t(std::lround(at.x)));
+    const auto colour = [&](const ImageF& picture) {
+        return glm::dvec3(picture.rgb[pixel], picture.rgb[pixel + 1], picture.rgb[pixel + 2]);
+    };
+    const glm::dvec3 shown = colour(drive), full = 10.0 * colour(plain);
+    EXPECT_NEAR(glm::dot(luminance, shown), glm::dot(luminance, full), 0.03 * glm::dot(luminance, full));
+    EXPECT_NEAR(shown.b, full.b * white / lux.b, 0.03 * shown.b); // white has no more blue
+    const double grey = glm::dot(luminance, shown), less = (shown.b - grey) / (full.b - grey);
+    EXPECT_NEAR(shown.r - grey, less * (full.r - grey), 0.03 * shown.b);
+    EXPECT_NEAR(shown.g - grey, less * (full.g - grey), 0.03 * shown.b);
+}
+
 // What the device draws is what geometry/projector_blend.h says.
 TEST(Projector, each_shows_its_share) {
     const geometry::Rig rig = exampleRig();
