@@ -214,7 +214,10 @@ private:
 
     void draw(bool events) {
         if (controls_.pictureChanged()) dirty_ = true;
-        if (outputs_->leaveOutClosed()) dirty_ = true;
+        if (outputs_->leaveOutClosed()) {
+            dirty_ = true;
+            if (lit_ && lit_->scatter) light_.repaint(lit_->frameNumber, outputs_->painted());
+        }
         const bool operatorNow =
             (operatorDue(kOperatorBusy) &&
              (events || dirty_ || controls_.values.playing || outputs_->operatorBusy())) ||
@@ -376,6 +379,9 @@ void execute(Run& run, const LiveArguments& arguments) {
     try {
         session.show();
     } catch (const Interrupted&) { // the usual end of a program that has none of its own
+    } catch (...) {
+        session.report();
+        throw;
     }
     session.report();
 }

@@ -61,14 +61,19 @@ void LiveControls::addDays(int days) {
     values.dayOfYear = daylight::dayOfYear(date);
 }
 
+void LiveControls::addPartOfDays(double days) {
+    partOfDay_ += days;
+    const int whole = static_cast<int>(partOfDay_);
+    partOfDay_ -= whole;
+    addDays(whole);
+}
+
 LiveControls::Effect LiveControls::handle(const present::Event& event) {
     const int days = event.control ? kManyDays : 1;
     const double hours = event.control ? kFineNotch : kNotch;
     if (event.kind == present::Event::Kind::wheel) {
-        // A wheel of fine steps reports parts of a notch; days are whole.
         if (event.shift)
-            addDays(days * static_cast<int>(event.notches > 0 ? std::ceil(event.notches)
-                                                              : std::floor(event.notches)));
+            addPartOfDays(days * event.notches); // a wheel of fine steps reports parts of a notch
         else
             addHours(hours * event.notches);
         return Effect::none;
@@ -127,10 +132,7 @@ void LiveControls::play() {
         addHours(values.speed * passed);
         return;
     }
-    playedDays_ += values.speed * passed;
-    const int whole = static_cast<int>(playedDays_);
-    playedDays_ -= whole;
-    addDays(whole);
+    addPartOfDays(values.speed * passed);
 }
 
 bool LiveControls::lightChanged() const {

@@ -41,6 +41,7 @@ private:
     daylight::Site site() const;
     void addHours(double hours);
     void addDays(int days);
+    void addPartOfDays(double days);
 
     daylight::Moment clock_;                           // whose kind of clock is kept: solar, or an offset
     std::shared_ptr<const daylight::Weather> weather_; // null: no file was given
@@ -48,7 +49,7 @@ private:
     bool everAsked_ = false;
     bool leavesOutScatter_;
     LiveClock::time_point played_{};
-    double playedDays_ = 0; // parts of a day that are left over
+    double partOfDay_ = 0; // left over
 };
 
 } // namespace heliodon::app

@@ -36,6 +36,13 @@ void LiveLight::change(SceneChange change) {
     changed_.notify_all();
 }
 
+void LiveLight::repaint(size_t frameNumber, passes::PaintedPatches painted) {
+    const std::lock_guard lock(mutex_);
+    if (!repaint_) board_.begin();
+    repaint_ = {frameNumber, std::move(painted)};
+    changed_.notify_all();
+}
+
 std::optional<LitScene> LiveLight::take() {
     const std::lock_guard lock(mutex_);
     return std::exchange(ready_, std::nullopt);
@@ -51,15 +58,22 @@ void LiveLight::run() {
         for (;;) {
             std::vector<SceneChange> changes;
             std::optional<LightRequest> asked;
+            std::optional<std::pair<size_t, passes::PaintedPatches>> repainted;
             {
                 std::unique_lock lock(mutex_);
-                changed_.wait(lock, [this] { return stop_ || asked_ || !changes_.empty(); });
+                changed_.wait(lock, [this] { return stop_ || asked_ || repaint_ || !changes_.empty(); });
                 if (stop_) return;
                 changes.swap(changes_);
                 asked.swap(asked_);
+                repainted.swap(repaint_);
             }
-            const int pieces = static_cast<int>(changes.size()) + (asked ? 1 : 0);
+            const int pieces = static_cast<int>(changes.size()) + (asked ? 1 : 0) + (repainted ? 1 : 0);
             if (asked) request_ = std::move(*asked), hasRequest_ = true;
+            if (repainted && repainted->first == frameNumber_) {
+                painted_ = std::move(repainted->second);
+                sky_.reset(); // solve anew
+                request_.asked = LiveClock::now();
+            }
             trySolve(changes);
             board_.end(pieces);
             onReady_();
@@ -76,7 +90,11 @@ void LiveLight::change(std::vector<SceneChange>& changes) {
             transport_ = std::move(change.transport);
         else if (change.frame && transport_)
             transport_->transport->setMaterials(change.scene->scene.mesh.materials);
-        if (change.frame) painted_ = change.frame->painted, frame_ = std::move(change.frame);
+        if (change.frame) {
+            painted_ = change.frame->painted;
+            frame_ = std::move(change.frame);
+            ++frameNumber_;
+        }
         scene_ = change.scene;
         sky_.reset(); // solve anew
         if (scene_->again) request_.asked = LiveClock::now();
@@ -142,6 +160,7 @@ void LiveLight::solve(bool fromPicture) {
     lit.scatter = scatter_;
     lit.scene = scene_;
     lit.frame = std::move(frame_);
+    lit.frameNumber = frameNumber_;
     lit.moment = moment_;
     if (source.followsTime()) lit.time = daylight::timeInWords(request_.time);
     lit.sky = source.skyInWords();

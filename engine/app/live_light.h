@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "compute/daylight/sky.h"
@@ -40,6 +41,7 @@ struct LitScene {
     double autoWhite = 0, solveSeconds = 0;
     std::vector<float> shownLux;
     std::optional<passes::ScatterReport> scatter;
+    size_t frameNumber = 0;      // of the frame that it is drawn with; see LiveLight::repaint
     LiveClock::time_point asked; // for this moment
     bool fromPicture = false;    // the scene is new: its picture was taken at scene->taken
 };
@@ -56,6 +58,9 @@ public:
     // From any thread; only the latest request is worked on. Changes of the scene are all taken, in order.
     void ask(LightRequest request);
     void change(SceneChange change);
+    // What projectors can do with the frame of that number has changed. Of a frame that another has followed
+    // it is left aside.
+    void repaint(size_t frameNumber, passes::PaintedPatches painted);
     // The latest state that is ready, once. A frame that goes with an earlier one is handed on with it.
     std::optional<LitScene> take();
     bool hasReady() const;
@@ -76,6 +81,7 @@ private:
     std::condition_variable changed_;
     std::vector<SceneChange> changes_;
     std::optional<LightRequest> asked_;
+    std::optional<std::pair<size_t, passes::PaintedPatches>> repaint_;
     std::optional<LitScene> ready_;
     bool stop_ = false;
     std::atomic<size_t> solved_ = 0, repeated_ = 0;
@@ -89,7 +95,8 @@ private:
     std::optional<daylight::Sky> sky_;
     bool coloured_ = false;
     std::optional<double> whiteLux_;
-    passes::PaintedPatches painted_;
+    passes::PaintedPatches painted_; // of the frame
+    size_t frameNumber_ = 0;
     std::optional<passes::ScatterReport> scatter_;
     int failures_ = 0;   // of the device, one after the other
     std::thread thread_; // last: it uses all of the above

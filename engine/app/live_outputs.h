@@ -46,6 +46,8 @@ public:
     // Projectors whose windows have been closed give their part of the picture to the others. True if there
     // are new ones: the light is to be drawn before anything else is.
     bool leaveOutClosed();
+    // What the projectors that are left can do. There is a scene.
+    const passes::PaintedPatches& painted() const { return renderer_->scene().painted; }
     // Another room, to be drawn before anything else is.
     void replaceScene(passes::FrameScene scene);
     // Submitted, not waited for.

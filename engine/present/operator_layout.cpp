@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <span>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <glm/common.hpp>
@@ -28,6 +29,23 @@ ImU32 packed(const std::array<float, 3>& colour, float alpha = 1) {
 
 void grey(const char* text) {
     ImGui::TextColored(kGrey, "%s", text);
+}
+
+// ImGui alone would break lines after points and commas, within numbers; it still breaks words too long.
+void wrapped(const std::string& text) {
+    const float room = ImGui::GetContentRegionAvail().x;
+    std::string lines, line;
+    std::istringstream words(text);
+    for (std::string word; words >> word;) {
+        const std::string longer = line.empty() ? word : line + ' ' + word;
+        if (line.empty() || ImGui::CalcTextSize(longer.c_str()).x <= room) {
+            line = longer;
+            continue;
+        }
+        lines += line + '\n';
+        line = word;
+    }
+    ImGui::TextWrapped("%s", (lines + line).c_str());
 }
 
 // Label on the left in a column of its own, then the widget over the rest of the line.
@@ -317,17 +335,17 @@ void layOutPicture(OperatorControls& c, const OperatorStatus& status) {
 void layOutFacts(const OperatorStatus& status) {
     if (!status.refused.empty()) {
         ImGui::TextColored(kRed, "The latest sketch is not shown:");
-        ImGui::TextWrapped("%s", status.refused.c_str());
+        wrapped(status.refused);
     }
     for (const std::string& warning : status.warnings) {
         ImGui::PushStyleColor(ImGuiCol_Text, kAmber);
-        ImGui::TextWrapped("%s", warning.c_str());
+        wrapped(warning);
         ImGui::PopStyleColor();
     }
     for (const auto& [name, value] : status.facts) {
         grey(name.c_str());
         ImGui::SameLine(128);
-        ImGui::TextWrapped("%s", value.c_str());
+        wrapped(value);
     }
 }
 

@@ -12,6 +12,7 @@
 #include "compute/gpu/commands.h"
 #include "compute/gpu/error.h"
 #include "compute/gpu/image.h"
+#include "engine/present/display_server.h"
 #include "engine/present/operator_layout.h"
 #include "engine/present/presenter_state.h"
 
@@ -105,7 +106,9 @@ void OperatorWindow::State::open() {
     ImGui::GetIO().IniFilename = nullptr; // nothing is written where the program is started
     styleOperatorWindow();
     ImGui_ImplGlfw_InitForVulkan(window->handle, true); // goes on to call the presenter's callbacks
-    window->beforeClose = [] { ImGui_ImplGlfw_Shutdown(); };
+    window->beforeClose = [] {
+        if (!displayServerLost()) ImGui_ImplGlfw_Shutdown(); // frees pointers of the server
+    };
     ImGui_ImplVulkan_InitInfo info{};
     info.Instance = d.instance();
     info.PhysicalDevice = d.physical();
@@ -199,6 +202,7 @@ bool OperatorWindow::isBusy() const {
     if (!state_->window->handle) return false;
     double x = 0, y = 0;
     glfwGetCursorPos(state_->window->handle, &x, &y);
+    checkDisplayServer();
     // Of a mouse elsewhere ImGui knows no place.
     const bool moved = glfwGetWindowAttrib(state_->window->handle, GLFW_HOVERED) &&
                        (std::abs(x - state_->cursorX) >= 1 || std::abs(y - state_->cursorY) >= 1);
@@ -210,10 +214,9 @@ const gpu::Image* OperatorWindow::draw(OperatorControls& controls, const Operato
                                        OperatorActions& actions) {
     State& s = *state_;
     if (!s.window->handle || s.window->hidden()) return nullptr;
-    int width = 0, height = 0;
-    glfwGetFramebufferSize(s.window->handle, &width, &height);
-    if (width <= 0 || height <= 0) return nullptr;
-    s.fit(static_cast<uint32_t>(width), static_cast<uint32_t>(height));
+    const VkExtent2D size = s.window->pixels();
+    if (size.width == 0 || size.height == 0) return nullptr;
+    s.fit(size.width, size.height);
     glfwGetCursorPos(s.window->handle, &s.cursorX, &s.cursorY);
     ImGui_ImplVulkan_NewFrame();
     ImGui_ImplGlfw_NewFrame();

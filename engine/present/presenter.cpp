@@ -9,6 +9,7 @@
 
 #include "compute/gpu/commands.h"
 #include "compute/gpu/error.h"
+#include "engine/present/display_server.h"
 #include "engine/present/presenter_state.h"
 
 #define GLFW_INCLUDE_VULKAN
@@ -153,6 +154,7 @@ std::vector<Event> Presenter::pollEvents(double waitSeconds) {
         glfwWaitEventsTimeout(waitSeconds);
     else
         glfwPollEvents();
+    checkDisplayServer();
     for (Window& window : state_->windows) window.update();
     return std::exchange(state_->events, {});
 }
@@ -199,6 +201,7 @@ size_t Presenter::present(const std::vector<const gpu::Image*>& pictures) {
     info.pImageIndices = indices.data();
     info.pResults = results.data();
     const VkResult overall = vkQueuePresentKHR(state_->device->queue(), &info);
+    checkDisplayServer();
     // Errors that no single window explains; with them the windows' own results say nothing.
     if (overall != VK_ERROR_OUT_OF_DATE_KHR && overall != VK_ERROR_SURFACE_LOST_KHR)
         gpu::check(overall, "vkQueuePresentKHR");
@@ -217,7 +220,7 @@ std::optional<passes::Image8> Presenter::lastShown(size_t window) const {
 }
 
 void wakeUp() {
-    glfwPostEmptyEvent();
+    if (!displayServerLost()) glfwPostEmptyEvent();
 }
 
 gpu::Image uploaded(gpu::Device& device, const passes::Image8& picture, const std::string& name) {

@@ -1,6 +1,7 @@
 // Several windows of one process, each with a swapchain, shown together: one per projector, and more
 // for an operator. Windows may be resized, minimised, closed by the user or lose their display at any time;
-// the others go on. Once a member throws gpu::Error a presenter is fit for nothing but destruction.
+// the others go on. Once a member throws gpu::Error, or std::runtime_error as the display server is gone, a
+// presenter is fit for nothing but destruction.
 #pragma once
 
 #include <array>

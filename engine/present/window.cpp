@@ -12,6 +12,7 @@
 #include "compute/gpu/commands.h"
 #include "compute/gpu/device.h"
 #include "compute/gpu/error.h"
+#include "engine/present/display_server.h"
 
 #define GLFW_INCLUDE_VULKAN
 #include <GLFW/glfw3.h>
@@ -67,12 +68,6 @@ bool areSame(VkExtent2D a, VkExtent2D b) {
     return a.width == b.width && a.height == b.height;
 }
 
-VkExtent2D framebufferOf(GLFWwindow* window) {
-    int width = 0, height = 0;
-    glfwGetFramebufferSize(window, &width, &height);
-    return {static_cast<uint32_t>(std::max(width, 0)), static_cast<uint32_t>(std::max(height, 0))};
-}
-
 constexpr auto kCopyStage = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
 constexpr auto kCopyAccess = VK_ACCESS_2_TRANSFER_WRITE_BIT | VK_ACCESS_2_TRANSFER_READ_BIT;
 
@@ -116,15 +111,6 @@ void copySame(VkCommandBuffer commands, VkImage from, VkImage to, VkExtent2D ext
 }
 
 } // namespace
-
-void openWindowSystem() {
-    static const bool open = glfwInit() == GLFW_TRUE;
-    if (open) return;
-    const char* why = nullptr;
-    glfwGetError(&why);
-    throw std::runtime_error(std::string("no display can be opened for windows: ") +
-                             (why ? why : "no reason given"));
-}
 
 std::vector<Display> displays() {
     openWindowSystem();
@@ -188,7 +174,7 @@ void Window::surfaceLost() {
 void Window::close(const std::string& why) {
     if (handle && beforeClose) std::exchange(beforeClose, {})();
     swapchain.reset();
-    if (handle) glfwDestroyWindow(handle);
+    if (handle && !displayServerLost()) glfwDestroyWindow(handle);
     handle = nullptr;
     notice.clear();
     if (reason.empty()) reason = why;
@@ -227,8 +213,17 @@ bool Window::fullScreen() const {
     return handle && glfwGetWindowMonitor(handle);
 }
 
+VkExtent2D Window::pixels() const {
+    int width = 0, height = 0;
+    glfwGetFramebufferSize(handle, &width, &height);
+    checkDisplayServer(); // a broken connection leaves any size
+    return {static_cast<uint32_t>(std::max(width, 0)), static_cast<uint32_t>(std::max(height, 0))};
+}
+
 bool Window::hidden() const {
-    return handle && glfwGetWindowAttrib(handle, GLFW_ICONIFIED);
+    const bool hidden = handle && glfwGetWindowAttrib(handle, GLFW_ICONIFIED);
+    checkDisplayServer();
+    return hidden;
 }
 
 std::optional<uint32_t> Window::acquire() {
@@ -280,7 +275,7 @@ bool Window::presented(VkResult result) {
 
 bool Window::makeReady() {
     if (!handle || hidden()) return false;
-    const VkExtent2D size = framebufferOf(handle);
+    const VkExtent2D size = pixels();
     if (size.width == 0 || size.height == 0) return false;
     if (swapchain->ready()) return true;
     asked_ = size;
@@ -294,7 +289,7 @@ void Window::update() {
         return;
     }
     followDisplay();
-    if (!areSame(framebufferOf(handle), asked_)) swapchain->markStale();
+    if (!areSame(pixels(), asked_)) swapchain->markStale();
     if (!swapchain->ready()) damaged = true;
 }
 

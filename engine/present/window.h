@@ -19,9 +19,6 @@ class Commands;
 
 namespace heliodon::present {
 
-// GLFW is one per process; opened at the first call. Throws std::runtime_error with its own words.
-void openWindowSystem();
-
 class Window {
 public:
     // Opens it: full-screen where the display that it names is connected, else as an ordinary window.
@@ -40,6 +37,7 @@ public:
     void setFullScreen(bool full);
     bool fullScreen() const;
     bool hidden() const;
+    VkExtent2D pixels() const; // of one that is open
 
     // Writes `picture` into the swapchain's image, stretched, and keeps a copy for the host if wanted. The
     // picture's bytes are taken as coded for the display, whichever of the two has an sRGB format.

@@ -261,6 +261,25 @@ TEST_F(Live, ends_cleanly_with_ctrl_c_and_with_its_windows) {
     EXPECT_EQ(live("file:" + kPhoto, "close 4\n").exitCode, 0); // the operator's
 }
 
+TEST_F(Live, closed_windows_leave_other_scatter_and_a_lost_display_server_ends_with_a_report) {
+    const std::string usual = std::getenv("DISPLAY");
+    unsetenv("DISPLAY");
+    auto server = std::make_unique<OwnDisplay>();
+    std::thread hand([&] {
+        waitFor("three-operator");
+        server.reset();
+    });
+    const Outcome outcome =
+        live("file:" + kPhoto, "wait\nsnapshot four\nclose 0\nwait\nsnapshot three\nsleep 100\n",
+             "--window-scale 0.25 --compensate-scatter");
+    hand.join();
+    setenv("DISPLAY", usual.c_str(), 1);
+    EXPECT_EQ(outcome.exitCode, 1) << outcome.output;
+    EXPECT_NE(outcome.output.find("the connection to the display server has broken"), std::string::npos)
+        << outcome.output;
+    EXPECT_EQ(report["live"]["moments_solved"], 2); // the same moment, for other projectors
+}
+
 TEST_F(Live, a_missing_display_is_named_and_the_picture_shown_in_a_window) {
     json rig = json::parse(readText(kRig));
     rig["projectors"][2]["display"] = rig["projectors"][3]["display"] = "NO-SUCH-OUTPUT";

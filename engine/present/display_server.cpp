@@ -1,0 +1,57 @@
+#include "engine/present/display_server.h"
+
+#include <dlfcn.h>
+
+#include <atomic>
+#include <stdexcept>
+#include <string>
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+namespace heliodon::present {
+
+namespace {
+
+std::atomic<bool> lost = false; // set by whichever thread meets the broken connection
+
+// Xlib would end the program on the spot. Its functions are looked up: GLFW may have been built for another
+// window system, and Xlib before 1.7 has no such handler.
+void surviveBrokenConnection() {
+    using Connection = void*;
+    const auto find = [](const char* name) { return dlsym(RTLD_DEFAULT, name); };
+    const auto connection = reinterpret_cast<Connection (*)()>(find("glfwGetX11Display"));
+    const auto onError = reinterpret_cast<void* (*)(int (*)(Connection))>(find("XSetIOErrorHandler"));
+    const auto onExit = reinterpret_cast<void (*)(Connection, void (*)(Connection, void*), void*)>(
+        find("XSetIOErrorExitHandler"));
+    if (!connection || !onError || !onExit) return;
+    onError([](Connection) { return 0; }); // says nothing: checkDisplayServer() does
+    onExit(
+        connection(), [](Connection, void*) { lost = true; }, nullptr);
+}
+
+} // namespace
+
+void openWindowSystem() {
+    static const bool open = [] {
+        if (glfwInit() != GLFW_TRUE) return false;
+        surviveBrokenConnection();
+        return true;
+    }();
+    checkDisplayServer();
+    if (open) return;
+    const char* why = nullptr;
+    glfwGetError(&why);
+    throw std::runtime_error(std::string("no display can be opened for windows: ") +
+                             (why ? why : "no reason given"));
+}
+
+void checkDisplayServer() {
+    if (lost) throw std::runtime_error("the connection to the display server has broken");
+}
+
+bool displayServerLost() {
+    return lost;
+}
+
+} // namespace heliodon::present
