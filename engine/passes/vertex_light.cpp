@@ -53,12 +53,14 @@ Fit fitPlane(const std::vector<glm::dvec2>& points, const std::vector<double>& i
     for (size_t k = 0; k < points.size(); ++k)
         spread += importance[k] / total * glm::outerProduct(points[k] - mean, points[k] - mean);
     const double trace = spread[0][0] + spread[1][1], determinant = glm::determinant(spread);
+    // Of points in one place, as a surface of one patch has, the spread is rounding.
+    const double rounding = 1e-9 * glm::dot(mean, mean);
     // Smaller over larger eigenvalue, nearly; 0.01 means ten times as long as wide.
-    const bool conditioned = trace > 0 && determinant > 0.01 * trace * trace;
+    const bool conditioned = trace > rounding && determinant > 0.01 * trace * trace;
     Fit fit;
     fit.weights.resize(points.size());
     // Points on a line leave the slope across it open: a little ridge takes it as zero.
-    const double ridge = conditioned ? 0 : 1e-6 * trace + 1e-30;
+    const double ridge = conditioned ? 0 : 1e-6 * trace + rounding + 1e-30;
     const glm::dmat2 inverse = glm::inverse(spread + glm::dmat2(ridge));
     double amplification = 0;
     for (size_t k = 0; k < points.size(); ++k) {
