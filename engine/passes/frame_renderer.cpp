@@ -162,8 +162,7 @@ Image8 widened(const Image8& picture, int columns) {
 // What a picture is drawn from.
 enum class Quantity { exitance, illuminance, picture }; // picture: exitance, and openings as bright panes
 
-Quantity quantityOf(const Tone& tone, bool hdr) {
-    if (hdr) return Quantity::exitance;
+Quantity quantityOf(const Tone& tone) {
     return tone.map == ToneMap::falseColour ? Quantity::illuminance : Quantity::picture;
 }
 
@@ -328,7 +327,7 @@ gpu::Commands FrameRenderer::State::recordProjectors(const compute::Lighting& li
                                                      const ProjectorOptions& o, bool hdr, bool readBack) {
     makeOutputs(o.supersample);
     const FrameScene& scene = model->scene;
-    const Quantity quantity = quantityOf(o.tone, hdr);
+    const Quantity quantity = hdr ? Quantity::picture : quantityOf(o.tone);
     const bool illuminance = quantity == Quantity::illuminance;
     const std::optional<SunDraw> sun = prepareLight(model->shown, light, quantity);
     io::DisplayParams params = displayParams(light, o.tone);
@@ -386,7 +385,7 @@ Output& FrameRenderer::State::drawView(const compute::Lighting& light, View view
         previewOutput->view = std::move(view);
     else
         previewOutput.emplace(*device, std::move(view), "preview");
-    const Quantity quantity = quantityOf(tone, hdr);
+    const Quantity quantity = hdr ? Quantity::exitance : quantityOf(tone);
     io::DisplayParams params = displayParams(light, tone);
     // A picture is drawn in units of its white, so that see-through walls weigh the same at every exposure.
     const float scale = quantity == Quantity::picture ? 1e-3f / std::exchange(params.white, 1.0f) : 1e-3f;

@@ -50,6 +50,14 @@ std::vector<Wanted> wantedOf(const geometry::PatchMesh& mesh, const compute::Lig
     return wanted;
 }
 
+// As shaders/display.frag has it.
+glm::vec3 withinWhite(glm::vec3 light, float white) {
+    const float most = std::max({light.x, light.y, light.z});
+    if (most <= white) return light;
+    const float grey = std::min(static_cast<float>(geometry::photometric(light)), white);
+    return grey + (light - grey) * ((white - grey) / (most - grey));
+}
+
 // The physical model under its projectors, in lux of the simulation.
 class PaintedModel {
 public:
@@ -84,8 +92,8 @@ public:
             if (!(part > 0)) continue;
             for (const bool sun : {false, true}) {
                 const double here = part * (sun ? wanted_[p].lit : 1.0 - double{wanted_[p].lit});
-                const glm::vec3 target =
-                    glm::min(sun ? wanted_[p].sun : wanted_[p].shade, scatter[p] + most(p));
+                const glm::vec3 all = sun ? wanted_[p].sun : wanted_[p].shade,
+                                target = glm::min(all, scatter[p]) + added(p, all - scatter[p]);
                 const double is = geometry::photometric(shown(p, leaveOut, sun, scatter[p])),
                              was = geometry::photometric(target), back = geometry::photometric(scatter[p]);
                 area += here, wanted += here * was, physical += here * is, own += here * back;
@@ -101,11 +109,14 @@ public:
     }
 
 private:
-    // That projectors can add.
-    glm::vec3 most(size_t p) const { return glm::vec3(std::min(painted_.reach[p] * simulated_, white_)); }
+    // What projectors add where `light` is to be added.
+    glm::vec3 added(size_t p, glm::vec3 light) const {
+        const glm::vec3 paint = withinWhite(glm::max(light, glm::vec3(0)), white_);
+        return glm::min(paint, glm::vec3(painted_.reach[p] * simulated_));
+    }
     glm::vec3 shown(size_t p, bool leaveOut, bool sun, glm::vec3 scatter) const {
         const glm::vec3 wanted = sun ? wanted_[p].sun : wanted_[p].shade;
-        return scatter + glm::clamp(leaveOut ? wanted - scatter : wanted, glm::vec3(0), most(p));
+        return scatter + added(p, leaveOut ? wanted - scatter : wanted);
     }
     // Mean over each patch; of surfaces that are not there nothing.
     Values exitances(bool leaveOut, const Values& scatter) const {

@@ -303,6 +303,22 @@ TEST(Projector, response_and_black_level_are_compensated) {
     EXPECT_NEAR(shownBy("1", 0.02), (linear - 0.02) / 0.98, 0.01);
 }
 
+TEST(Projector, a_picture_in_floats_is_the_one_in_bytes_with_its_windows) {
+    geometry::Rig rig = exampleRig();
+    rig.projectors.resize(1);
+    const test::SketchScene scene = test::sketchScene(6);
+    FrameRenderer renderer(test::device(), scene.mesh, scene.occluders, &rig);
+    ProjectorOptions options;
+    options.tone.whiteLux = 200000; // nothing is cut
+    const Image8 bytes = renderer.projectors(scene.light, options)[0];
+    const ImageF floats = renderer.projectorsHdr(scene.light, options)[0];
+    for (size_t i = 0; i < bytes.rgb.size(); ++i) {
+        const double code = bytes.rgb[i] / 255.0, f = std::min(double{floats.rgb[i]}, 1.0);
+        const double coded = f <= 0.0031308 ? 12.92 * f : 1.055 * std::pow(f, 1 / 2.4) - 0.055;
+        ASSERT_NEAR(coded, code, 1.0 / 255) << i; // drivers may round by more than half a step
+    }
+}
+
 TEST(Projector, full_intensity_integrates_back_to_its_lumens) {
     // A narrow square picture of side s at distance 1 has the solid angle s^2 (1 - s^2 / 4 + ...).
     geometry::Projector projector;
