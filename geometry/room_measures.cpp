@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <set>
 #include <tuple>
 
@@ -16,6 +17,7 @@ namespace {
 
 constexpr double kWalkable = 0.98; // of the normal's rise: ramps up to 11 degrees
 constexpr double kLevel = 0.7;     // panes nearer to level than to upright are skylights'
+constexpr double kBend = 0.8;      // cosine of the turn, 37 degrees, that facets of one pane may make
 
 class RoomMeasurer {
 public:
@@ -105,20 +107,41 @@ std::vector<RoomMeasures> measureRooms(const PatchMesh& mesh, double step) {
     return RoomMeasurer(mesh, step).measure();
 }
 
+namespace {
+
+bool sameGlass(const Material& a, const Material& b) {
+    return a.transmittance == b.transmittance && a.refractiveIndex == b.refractiveIndex && a.blind == b.blind;
+}
+
+// Neighbours across an edge that go on in one pane: facets of a curved one bend, corners of a room turn.
+bool oneGlass(const PatchMesh& mesh, size_t i, size_t j) {
+    return mesh.room[i] == mesh.room[j] && glm::dot(patchNormal(mesh, i), patchNormal(mesh, j)) > kBend &&
+           sameGlass(mesh.materials[mesh.material[i]], mesh.materials[mesh.material[j]]);
+}
+
+} // namespace
+
 PaneCount countPanes(const PatchMesh& mesh) {
-    DisjointSets panes(mesh.vertices.size());
-    std::vector<size_t> glass;
-    for (size_t i = 0; i < mesh.patchCount(); ++i)
-        if (mesh.materials[mesh.material[i]].isOpening()) glass.push_back(i);
-    for (const size_t i : glass) {
-        for (const uint32_t v : mesh.patch(i)) panes.join(v, mesh.patch(i)[0]);
-        if (mesh.twin[i] != kNoTwin)
-            panes.join(mesh.patch(static_cast<size_t>(mesh.twin[i]))[0], mesh.patch(i)[0]);
+    DisjointSets panes(mesh.patchCount());
+    std::vector<uint32_t> glass;
+    std::multimap<std::pair<uint32_t, uint32_t>, uint32_t> atEdge;
+    for (uint32_t i = 0; i < mesh.patchCount(); ++i) {
+        if (!mesh.materials[mesh.material[i]].isOpening()) continue;
+        glass.push_back(i);
+        if (mesh.twin[i] != kNoTwin) panes.join(static_cast<uint32_t>(mesh.twin[i]), i);
+        const auto corner = mesh.patch(i);
+        for (size_t k = 0; k < corner.size(); ++k) {
+            const auto edge = std::minmax(corner[k], corner[(k + 1) % corner.size()]);
+            const auto [first, last] = atEdge.equal_range(edge);
+            for (auto other = first; other != last; ++other)
+                if (oneGlass(mesh, i, other->second)) panes.join(i, other->second);
+            atEdge.emplace(edge, i);
+        }
     }
     PaneCount count;
     std::set<uint32_t> seen;
-    for (const size_t i : glass)
-        if (seen.insert(panes.root(mesh.patch(i)[0])).second)
+    for (const uint32_t i : glass)
+        if (seen.insert(panes.root(i)).second)
             ++(std::abs(patchNormal(mesh, i).y) > kLevel ? count.skylightPanes : count.windows);
     return count;
 }

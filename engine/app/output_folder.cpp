@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
+#include <chrono>
 #include <fstream>
 #include <system_error>
+#include <thread>
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -102,7 +104,12 @@ OutputFolder::OutputFolder(const fs::path& named) {
     if (::access(folder.c_str(), W_OK) != 0)
         throw geometry::InputError(folder.string(), "", "cannot be written to");
     handle_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (handle_ < 0 || ::flock(handle_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+    if (handle_ < 0) return;
+    // One that was killed holds it until its memory is given back.
+    for (int tries = 0; tries < 20; ++tries) {
+        if (::flock(handle_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
     ::close(handle_);
     throw geometry::InputError(folder.string(), "",
                                "another run is writing into it, expected a folder of its own");

@@ -191,6 +191,7 @@ TEST_F(Fault, a_folder_has_one_writer_and_a_killed_one_is_no_obstacle) {
     EXPECT_EQ(second.exitCode, 2) << second.output;
     EXPECT_NE(second.output.find("another run"), std::string::npos) << second.output;
     kill(child, SIGKILL);
+    { const app::OutputFolder atOnce(folder / "out"); } // while that one gives back its memory
     int status = 0;
     waitpid(child, &status, 0);
     for (const auto& entry : fs::directory_iterator(folder / "out")) { // what bears its final name is whole

@@ -73,6 +73,44 @@ TEST(RoomMeasures, stairs_lead_to_more_floor) {
     EXPECT_NEAR(measureRooms(model.mesh(), 0.15)[0].floorArea, 30 - 4 * 0.39 - 2, 1e-9);
 }
 
+TEST(RoomMeasures, glass_is_one_pane_up_to_where_it_turns_changes_or_touches_in_a_point) {
+    PatchMesh mesh;
+    const auto material = [&](float transmittance) {
+        mesh.materials.emplace_back().transmittance = glm::vec3(transmittance);
+    };
+    material(0.6f), material(0.9f), material(0);
+    using Polygon = std::vector<uint32_t>;
+    const auto count = [&](const std::vector<glm::dvec3>& vertices,
+                           const std::vector<std::pair<uint32_t, Polygon>>& faces) {
+        PatchMesh of;
+        of.materials = mesh.materials, of.vertices = vertices;
+        for (const auto& [m, corners] : faces) of.addPatch(corners, m, Role::projection, 0, 0);
+        of.twin.assign(of.patchCount(), kNoTwin);
+        const PaneCount panes = countPanes(of);
+        return std::pair(panes.windows, panes.skylightPanes);
+    };
+    using Counts = std::pair<int, int>;
+    const std::vector<glm::dvec3> box{{0, 0, 0}, {5, 0, 0}, {5, 3, 0}, {0, 3, 0},
+                                      {0, 0, 4}, {5, 0, 4}, {5, 3, 4}, {0, 3, 4}};
+    const Polygon south{4, 7, 6, 5}, north{0, 1, 2, 3}, east{1, 5, 6, 2}, top{3, 2, 6, 7}, bottom{0, 4, 5, 1};
+    EXPECT_EQ(count(box, {{0, south}, {0, east}, {0, north}}), Counts(3, 0));
+    EXPECT_EQ(count(box, {{0, south}, {0, top}}), Counts(1, 1));
+    EXPECT_EQ(count(box, {{2, south}, {0, top}, {0, bottom}}), Counts(0, 2));
+    // Squares of one wall, 3 x 3 vertices: side by side, cornerwise, of two kinds, and bent.
+    std::vector<glm::dvec3> wall;
+    for (int y = 0; y < 3; ++y)
+        for (int x = 0; x < 3; ++x) wall.emplace_back(x, y, 0);
+    const auto square = [](uint32_t x, uint32_t y) {
+        const uint32_t at = 3 * y + x;
+        return Polygon{at, at + 1, at + 4, at + 3};
+    };
+    EXPECT_EQ(count(wall, {{0, square(0, 0)}, {0, square(1, 0)}}), Counts(1, 0));
+    EXPECT_EQ(count(wall, {{0, square(0, 0)}, {0, square(1, 1)}}), Counts(2, 0));
+    EXPECT_EQ(count(wall, {{0, square(0, 0)}, {1, square(1, 0)}}), Counts(2, 0));
+    for (int y = 0; y < 3; ++y) wall[static_cast<size_t>(3 * y + 2)].z = 0.5; // 27 degrees: of a curved pane
+    EXPECT_EQ(count(wall, {{0, square(0, 0)}, {0, square(1, 0)}}), Counts(1, 0));
+}
+
 TEST(RoomMeasures, panes_are_counted_by_pieces_of_glass) {
     const PatchMesh mesh =
         meshBuilding(importModel(HELIODON_TEST_DATA "/geometry/models/daylight_d/model.obj", UpAxis::z));
