@@ -187,12 +187,11 @@ void AnnualDaylight::addEdges(const SunHours::Block& block, const TransportParts
         tellEach(nearShare_ * kNearSunWork * static_cast<double>(block.hours.size())));
 }
 
-// Sun straight at the sensors: sensors x hours. Returns, by place in that, what edges of beams leave open.
-std::map<size_t, float> AnnualDaylight::addBeams(std::span<const Sensor> sensors,
-                                                 std::span<float> sun) const {
+// Sun straight at the sensors: sensors x hours.
+void AnnualDaylight::addBeams(std::span<const Sensor> sensors, std::span<float> sun) {
     const SunScene& panes = transport_.parts().sun;
     const std::span<const uint32_t> hours = suns_->skies();
-    std::map<size_t, float> open;
+    beamEdges_.clear();
     std::mutex adding;
     inParallel(hours.size(), [&](size_t k) {
         const daylight::Sky& sky = skies_[hours[k]];
@@ -206,11 +205,10 @@ std::map<size_t, float> AnnualDaylight::addBeams(std::span<const Sensor> sensors
             sun[at] = lux(beam.atPoint(position, normal));
             if (const float unsure = lux(beam.unsureAtPoint(position, normal)); unsure > 0) {
                 const std::scoped_lock lock(adding);
-                open[at] = unsure;
+                beamEdges_[at] = unsure;
             }
         }
     });
-    return open;
 }
 
 void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> lux, std::span<float> sun,
@@ -229,13 +227,12 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
         });
     }
     const std::vector<float> reflected = sunOf(responses);
-    std::map<size_t, float> beamEdges;
     {
         const SecondsAdded clock(report_.productSeconds);
         std::vector<float> sky(count * lit_.size());
         multiply(responses.sky, count, luminance_, sky);
         std::fill(sun.begin(), sun.end(), 0.0f);
-        beamEdges = addBeams(sensors, sun);
+        addBeams(sensors, sun);
         const TransportParts parts = transport_.parts();
         const StraightSky straight(parts.sensorSky, parts.near);
         inParallel(count, [&](size_t s) {
@@ -256,7 +253,7 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
             tellEach(nearShare_ * kNearSkyWork * static_cast<double>(count)));
     }
     reportOf(responses, lux.size());
-    checkAndSetErrors(lux, sun, beamEdges, error);
+    checkAndSetErrors(lux, sun, error);
     sensorsDone_ += count;
     foreseeSun(count);
     tell(kProductWork * static_cast<double>(lit_.size() * count));
@@ -307,7 +304,7 @@ std::vector<uint32_t> AnnualDaylight::checkedHours(size_t& sunless) const {
 // largest of the checked hours that no sun enters in, or where there are none, of all) and of what the sun
 // adds (their mean, weighed by light) is taken for all hours.
 void AnnualDaylight::checkAndSetErrors(std::span<const float> lux, std::span<const float> sun,
-                                       const std::map<size_t, float>& beamEdges, std::span<float> error) {
+                                       std::span<float> error) {
     const SecondsAdded clock(report_.checkSeconds);
     const size_t hours = skies_.size(), count = hours ? lux.size() / hours : 0;
     size_t sunless = 0;
@@ -321,7 +318,7 @@ void AnnualDaylight::checkAndSetErrors(std::span<const float> lux, std::span<con
         for (size_t k = 0; k < checked.size(); ++k) {
             const LightParts& full = moments[k].sensors[s];
             const size_t at = s * hours + checked[k];
-            if (beamEdges.contains(at)) continue; // says nothing of other hours
+            if (beamEdges_.contains(at)) continue; // says nothing of other hours
             const double there = photometric(full.total()), here = lux[at], bySun = error[at];
             const double mistake = static_cast<double>(full.error) + std::abs(here - there);
             // Light of the sun's beam at the sensor itself is exact in both and would hide a difference.
@@ -341,7 +338,7 @@ void AnnualDaylight::checkAndSetErrors(std::span<const float> lux, std::span<con
                                            ofSun * static_cast<double>(error[at]));
         }
     }
-    for (const auto& [at, open] : beamEdges) error[at] += open;
+    for (const auto& [at, open] : beamEdges_) error[at] += open;
     report_.checkRms = checkCount_ > 0 ? std::sqrt(checkSquares_ / checkCount_) : 0;
 }
 

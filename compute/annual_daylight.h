@@ -64,6 +64,10 @@ public:
     void sensors(std::span<const Sensor> sensors, std::span<float> lux, std::span<float> sun,
                  std::span<float> error);
 
+    // Of the last call, by place in its arrays: the direct sun that is there more or less if the sun moves by
+    // a thousandth of a degree (SunPatches::unsureAtPoint), photometric lux. `error` has it in.
+    const std::map<size_t, float>& beamEdges() const { return beamEdges_; }
+
     size_t hours() const { return skies_.size(); }
     const YearReport& report() const { return report_; }
 
@@ -75,9 +79,8 @@ private:
     void addBlinds(const SunHours::Hour& hour, const TransportParts& parts, const SensorResponses& responses,
                    float* reflected) const;
     void addEdges(const SunHours::Block& block, const TransportParts& parts, std::span<float> reflected);
-    std::map<size_t, float> addBeams(std::span<const Sensor> sensors, std::span<float> sun) const;
-    void checkAndSetErrors(std::span<const float> lux, std::span<const float> sun,
-                           const std::map<size_t, float>& beamEdges, std::span<float> error);
+    void addBeams(std::span<const Sensor> sensors, std::span<float> sun);
+    void checkAndSetErrors(std::span<const float> lux, std::span<const float> sun, std::span<float> error);
     std::vector<uint32_t> checkedHours(size_t& sunless) const;
     void reportOf(const SensorResponses& responses, size_t values);
     double answerWork() const; // of a sensor
@@ -97,6 +100,7 @@ private:
     std::vector<uint32_t> lit_; // hours with sky or ground
     Panels luminance_;          // elements x lit hours, times pi
     std::optional<SunHours> suns_;
+    std::map<size_t, float> beamEdges_;
     double checkSquares_ = 0, checkCount_ = 0;
     YearReport report_;
 };

@@ -74,7 +74,8 @@ struct Tally {
             const double e = lux[r], error = luxError[r];
             add(e, std::max(0.0, e - error), e + error, options);
             if (sunLux.empty()) continue;
-            // No sun is no sun: the error is that of the sun's amount.
+            // The error is that of the sun's amount; where there is none, addEdges() says whether some may
+            // be.
             const double direct = sunLux[r];
             if (direct > 0) addSun(direct, direct - error, direct + error, options);
         }
@@ -90,6 +91,15 @@ struct Tally {
         continuous += std::min(1.0, e / target);
         continuousLow += std::min(1.0, low / target);
         continuousHigh += std::min(1.0, high / target);
+    }
+    // `edges`: of all sensors; `first`: this one's place there.
+    void addEdges(const std::map<size_t, float>& edges, size_t first, std::span<const float> sunLux,
+                  std::span<const uint8_t> occupied, const AnnualOptions& options) {
+        const auto end = edges.lower_bound(first + sunLux.size());
+        for (auto edge = edges.lower_bound(first); edge != end; ++edge) {
+            const size_t record = edge->first - first;
+            if (occupied[record] && !(sunLux[record] > 0)) addSun(0, 0, double{edge->second}, options);
+        }
     }
     void addSun(double e, double low, double high, const AnnualOptions& o) {
         sun.add(e > o.aseLux, low > o.aseLux, high > o.aseLux);
@@ -146,7 +156,7 @@ AnnualMetrics summarized(std::vector<SensorMetrics> sensors, std::span<const uin
 
 AnnualMetrics annualMetrics(std::span<const float> lux, std::span<const float> sunLux,
                             std::span<const uint8_t> occupied, const AnnualOptions& options,
-                            std::span<const float> luxError) {
+                            std::span<const float> luxError, const std::map<size_t, float>& sunEdges) {
     const size_t records = occupied.size();
     if (records == 0 || lux.size() % records != 0)
         throw std::invalid_argument("annualMetrics: lux is not sensors x records");
@@ -167,11 +177,14 @@ AnnualMetrics annualMetrics(std::span<const float> lux, std::span<const float> s
             return all.empty() ? all : all.subspan(s * records, records);
         };
         const std::span<const float> e = own(lux);
-        result.sensors.push_back(
-            luxError.empty()
-                ? PlainTally(e, own(sunLux), occupied, options).metrics(percent, options.recordHours)
-                : Tally(e, own(sunLux), own(luxError), occupied, options)
-                      .metrics(percent, options.recordHours));
+        if (luxError.empty()) {
+            result.sensors.push_back(
+                PlainTally(e, own(sunLux), occupied, options).metrics(percent, options.recordHours));
+        } else {
+            Tally tally(e, own(sunLux), own(luxError), occupied, options);
+            tally.addEdges(sunEdges, s * records, own(sunLux), occupied, options);
+            result.sensors.push_back(tally.metrics(percent, options.recordHours));
+        }
         double all = 0;
         for (size_t r = 0; r < records; ++r) {
             all += static_cast<double>(e[r]);

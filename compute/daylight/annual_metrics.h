@@ -15,6 +15,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -56,11 +57,14 @@ struct AnnualMetrics {
 
 // All arrays hold sensor after sensor, one value per record: lux[sensor * records + record]. `occupied` has
 // one flag per record. `sunLux` (direct sun alone, for ASE) and `luxError` (half-width of each illuminance's
-// interval, lux; taken for the sun's part too) may be empty. Throws std::invalid_argument when sizes do not
-// fit. About 2 ns a value.
+// interval, lux; taken for the sun's part too, where there is any) may be empty. `sunEdges`: by place in
+// these arrays, the direct sun that may be there where `sunLux` is 0, just beside a beam; the low end of
+// sunHours' interval needs none, as luxError has it. Throws std::invalid_argument when sizes do not fit.
+// About 2 ns a value.
 AnnualMetrics annualMetrics(std::span<const float> lux, std::span<const float> sunLux,
                             std::span<const uint8_t> occupied, const AnnualOptions& options = {},
-                            std::span<const float> luxError = {});
+                            std::span<const float> luxError = {},
+                            const std::map<size_t, float>& sunEdges = {});
 
 // Summary of sensors whose metrics were made in several calls, all with the same `occupied` and options; its
 // meanLux is left 0.

@@ -355,7 +355,8 @@ Year computeYear(Run& run, const Job& job) {
             }
             for (const size_t s : transport->report().sensorsOutside) year.outside.push_back(first + s);
             const StageTimer timer(run, "metrics");
-            addMetrics(year, daylight::annualMetrics(lux, sun, occupied, job.options(), error));
+            addMetrics(
+                year, daylight::annualMetrics(lux, sun, occupied, job.options(), error, annual->beamEdges()));
             addBlock(year, job, first, lux);
             out.write(lux);
             if (ill) ill->add(lux);

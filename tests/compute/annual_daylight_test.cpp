@@ -124,6 +124,29 @@ TEST(AnnualDaylight, sunlit_patches_that_a_horizon_cuts_count_by_what_is_above) 
                0.01, nearFarWall);
 }
 
+TEST(AnnualDaylight, sun_that_may_be_just_beside_a_beam_is_told) {
+    const geometry::PatchMesh mesh = windowRoom(glm::vec3(0.6f), glm::vec3(0.8f));
+    const daylight::Sky sky = sunny({0.2, 0.5, -0.8});
+    const SunPatches beam(mesh, sky.sun.direction);
+    const auto at = [](double x) { return glm::dvec3(x, 0.1, 1.5); };
+    const auto sun = [&](double x) { return photometric(beam.atPoint(at(x), {0, 1, 0})); };
+    double lit = 2, dark = 4;
+    ASSERT_GT(sun(lit), 0);
+    ASSERT_EQ(sun(dark), 0);
+    while (dark - lit > 1e-6) (sun((lit + dark) / 2) > 0 ? lit : dark) = (lit + dark) / 2;
+    DaylightTransport transport(test::device(), mesh);
+    AnnualDaylight annual(transport, {sky}, 2);
+    std::vector<float> lux(2), direct(2), error(2);
+    annual.sensors(std::vector<Sensor>{{at(dark), {0, 1, 0}}, {at(dark + 0.1), {0, 1, 0}}}, lux, direct,
+                   error);
+    EXPECT_EQ(direct[0], 0);
+    ASSERT_EQ(annual.beamEdges().size(), 1u);
+    const double there = sky.sun.normalIlluminance * sun(lit);
+    EXPECT_NEAR(annual.beamEdges().at(0), there, 1e-4 * there);
+    EXPECT_GT(error[0], there);
+    EXPECT_LT(error[1], 0.1 * there);
+}
+
 TEST(AnnualDaylight, surfaces_that_emit_light_the_night) {
     geometry::PatchMesh mesh = windowRoom(glm::vec3(0.6f), glm::vec3(0.8f));
     mesh.materials[0].exitance = glm::vec3(50);

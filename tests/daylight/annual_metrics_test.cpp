@@ -87,15 +87,17 @@ TEST(AnnualMetrics, intervals_hold_every_truth_within_the_error) {
     std::uniform_real_distribution<float> share(-1, 1);
     const size_t sensors = 9, records = 500;
     std::vector<float> lux(sensors * records), sun(sensors * records), error(sensors * records);
+    std::map<size_t, float> beside;
     for (size_t i = 0; i < lux.size(); ++i) {
         lux[i] = level(random);
         sun[i] = i % 3 ? 0 : level(random) * 4;
         error[i] = 0.05f * lux[i];
+        if (i % 3 == 0 && i % 7 == 0) beside[i] = sun[i], sun[i] = 0; // of a beam that is there or not
     }
     const std::vector<uint8_t> occupied(records, 1);
     AnnualOptions options;
     options.aseHours = 40;
-    const AnnualMetrics stated = annualMetrics(lux, sun, occupied, options, error);
+    const AnnualMetrics stated = annualMetrics(lux, sun, occupied, options, error, beside);
     EXPECT_LT(stated.sensors[0].da.low, stated.sensors[0].da.high);
     for (int trial = 0; trial < 50; ++trial) {
         std::vector<float> truth = lux, trueSun = sun;
@@ -103,6 +105,7 @@ TEST(AnnualMetrics, intervals_hold_every_truth_within_the_error) {
             truth[i] += 0.999f * share(random) * error[i];
             if (sun[i] > 0) trueSun[i] = std::max(0.0f, sun[i] + 0.999f * share(random) * error[i]);
         }
+        for (const auto& [at, there] : beside) trueSun[at] = share(random) > -0.8f ? there : 0;
         const AnnualMetrics real = annualMetrics(truth, trueSun, occupied, options);
         const auto inside = [](const Range& r, double v) { return v >= r.low - 1e-9 && v <= r.high + 1e-9; };
         for (size_t s = 0; s < sensors; ++s)
