@@ -135,13 +135,17 @@ public:
         Progress progress("bench", total, run_.showsProgress());
         for (const BenchScene& scene : scenes_) {
             scene_ = &scene;
-            for (const Step& step : steps()) {
+            const auto patches = static_cast<double>(scene.mesh.patchCount());
+            const std::vector<Step> planned = steps();
+            for (size_t k = 0; k < planned.size();) {
                 const StageTimer timer(run_, "bench");
-                guarded(step);
-                finished += static_cast<double>(scene.mesh.patchCount());
-                progress.advance(++done, finished / work);
+                guarded(planned[k++]);
+                if (reference_.rows.empty()) k = planned.size(); // nothing to hold the other steps against
+                progress.advance(done + k, (finished + static_cast<double>(k) * patches) / work);
             }
-            sceneDone();
+            done += planned.size();
+            finished += static_cast<double>(planned.size()) * patches;
+            if (!results.empty()) sceneDone();
         }
     }
 
@@ -158,8 +162,7 @@ private:
     // Of the scene at hand.
     std::vector<Step> steps() {
         std::vector<Step> steps;
-        steps.push_back(
-            {"reference", "", [this] { reference_ = referenceOf(scene_->mesh, arguments_.referenceRows); }});
+        steps.push_back({"reference", "rows", [this] { makeReference(); }});
         for (const std::string& kernel : arguments_.kernels)
             for (const Setting& setting : settingsOf(kernel, arguments_.errors))
                 steps.push_back({kernel, setting.name, [this, setting] { ours(setting); }});
@@ -179,22 +182,58 @@ private:
             throw;
         } catch (const std::exception& error) {
             throwIfInterrupted(); // a peer's own program had the signal too
-            run_.warn(fmt::format("{}, {} patches: {} {}: {}", scene_->name, scene_->mesh.patchCount(),
-                                  step.kernel, step.setting, error.what()));
+            warn(step.kernel, step.setting, error.what());
         }
+    }
+
+    void warn(const std::string& kernel, const std::string& setting, const std::string& what) {
+        run_.warn(fmt::format("{}, {} patches: {} {}: {}", scene_->name, scene_->mesh.patchCount(), kernel,
+                              setting, what));
+    }
+
+    // None where all rows are zero: every kernel would agree on that.
+    void makeReference() {
+        reference_ = {};
+        Reference reference = referenceOf(scene_->mesh, arguments_.referenceRows);
+        if (std::ranges::all_of(reference.values, [](const auto& row) {
+                return std::ranges::all_of(row.factors, [](double f) { return f == 0; });
+            }))
+            throw std::runtime_error("all are zero, as no patch of them faces another: nothing to compare");
+        reference_ = std::move(reference);
+    }
+
+    struct Times {
+        double wall = 0, cpu = 0, device = 0; // seconds
+    };
+
+    // Medians of `once`, repeated. The first run pays for compilation and is not counted, except a long one
+    // of another program, which is compiled already.
+    void repeat(BenchResult& result, const std::function<Times()>& once) {
+        std::vector<double> wall, cpu, device;
+        result.runs = arguments_.runs.value_or(kRuns);
+        for (int k = 0; k <= result.runs; ++k) {
+            throwIfInterrupted();
+            if (k <= 1) resetPeakMemory();
+            const Times times = once();
+            const bool isLong = k == 0 && !arguments_.runs && times.wall > kLongRun;
+            if (isLong) result.runs = 1;
+            if (k == 0 && !(isLong && result.peer)) continue;
+            wall.push_back(times.wall), cpu.push_back(times.cpu), device.push_back(times.device);
+            if (isLong) break;
+        }
+        result.peakBytes = peakMemory();
+        result.wallSeconds = vision::median(wall);
+        result.cpuSeconds = vision::median(cpu);
+        result.deviceSeconds = vision::median(device);
     }
 
     void ours(const Setting& setting) {
         const auto n = static_cast<double>(scene_->mesh.patchCount());
         BenchResult result = begin(setting.kernel, setting.name);
         gpu::Device& device = run_.device();
-        std::vector<double> wall, cpu, onDevice;
         compute::FormFactors F;
-        result.runs = arguments_.runs.value_or(kRuns);
-        // The first run pays for compilation and is not counted.
-        for (int k = 0; k <= result.runs; ++k) {
+        repeat(result, [&] {
             F = {};
-            if (k == 1) resetPeakMemory();
             device.startTiming();
             const BenchClock clock;
             F = compute::computeFormFactors(device, scene_->mesh, setting.options);
@@ -204,16 +243,9 @@ private:
             const BenchClock measuring; // closure and reciprocity are not the kernel's work
             compute::measureFormFactors(scene_->mesh, F.values, F.report);
             measuring.stop(measureWall, measureCpu);
-            if (k == 0 && !arguments_.runs && F.report.seconds > kLongRun) result.runs = 1;
-            if (k == 0) continue;
-            wall.push_back(F.report.seconds);
-            cpu.push_back(std::max(0.0, cpuSeconds - measureCpu));
-            onDevice.push_back(onClock);
-        }
-        result.peakBytes = peakMemory();
-        result.wallSeconds = vision::median(wall);
-        result.cpuSeconds = vision::median(cpu);
-        result.deviceSeconds = vision::median(onDevice);
+            return Times{F.report.seconds, std::max(0.0, cpuSeconds - measureCpu), onClock};
+        });
+        for (const std::string& warning : F.report.warnings) warn(setting.kernel, setting.name, warning);
         result.claimedRowError = F.report.claimedRowError;
         result.closureMax = F.report.closureMax;
         result.closureRms = F.report.closureRms;
@@ -225,11 +257,14 @@ private:
     }
 
     void peer(BenchResult result, const std::function<PeerResult()>& work) {
-        PeerResult peer = work();
+        PeerResult peer;
         result.peer = true;
-        result.wallSeconds = peer.wallSeconds;
-        result.cpuSeconds = peer.cpuSeconds;
-        result.raysPerSecond = peer.rays / peer.wallSeconds;
+        repeat(result, [&] {
+            peer = {};
+            peer = work();
+            return Times{peer.wallSeconds, peer.cpuSeconds, 0};
+        });
+        result.raysPerSecond = peer.rays / result.wallSeconds;
         gpu::Buffer values(run_.device(), peer.factors.size() * sizeof(float), "peer", gpu::Place::host);
         values.upload(peer.factors);
         compute::FormFactorReport report;
@@ -277,13 +312,11 @@ private:
         result.patches = scene_->mesh.patchCount();
         result.kernel = kernel;
         result.setting = setting;
-        resetPeakMemory();
         return result;
     }
 
     void finish(BenchResult result, const std::vector<float>& F) {
         const auto n = static_cast<double>(result.patches);
-        if (result.peakBytes == 0) result.peakBytes = peakMemory();
         result.pairsPerSecond = n * n / result.wallSeconds;
         result.bytesPerSecond = 4 * n * n / result.wallSeconds;
         judge(F, reference_, result);
@@ -334,10 +367,16 @@ void writeResults(Run& run, const BenchArguments& arguments, Bench& bench, bool 
 }
 
 // Nothing reaches anything there: all kernels, and the reference, would agree on zeros.
-void warnOfOutwardFaces(Run& run, const std::vector<BenchScene>& scenes) {
+void refuseOutwardFaces(const std::vector<BenchScene>& scenes) {
     for (const BenchScene& scene : scenes)
         if (compute::isClosedSolid(scene.mesh, {}) && compute::facesLookOutwards(scene.mesh))
-            run.warn(fmt::format("{}: {}", scene.name, compute::kFacesLookOutwards));
+            throw geometry::InputError(scene.name, "", compute::kFacesLookOutwards);
+}
+
+std::vector<std::string> filesOf(const BenchArguments& arguments) {
+    std::vector<std::string> files{"bench.csv", "bench.json", "bench.svg", "bench.png", "gather.csv"};
+    std::ranges::move(sceneFiles(arguments.scenes, arguments.sizes), std::back_inserter(files));
+    return files;
 }
 
 // Each once; "all" stands for `known`, beside others too.
@@ -378,11 +417,12 @@ void execute(Run& run, const BenchArguments& given) {
     checkBenchScenes(arguments.scenes);
     run.device(); // where there is none, nothing is written
     const OutputFolder folder(arguments.output);
+    startFiles(run, arguments.output, "bench", filesOf(arguments));
     const std::vector<BenchScene> scenes = [&] {
         const StageTimer timer(run, "scenes");
         return benchScenes(arguments.scenes, arguments.sizes, arguments.output);
     }();
-    warnOfOutwardFaces(run, scenes);
+    refuseOutwardFaces(scenes);
     Bench bench(run, arguments, scenes);
     if (arguments.peers && !hasEmbree()) run.skipped("embree: the library was not there when this was built");
     if (arguments.peers && findView3d().empty()) run.skipped("view3d: no such program on the PATH");
@@ -397,6 +437,7 @@ void execute(Run& run, const BenchArguments& given) {
         }
         throw;
     }
+    if (bench.results.empty()) throw std::runtime_error("no setting has a result: the warnings say why");
     writeResults(run, arguments, bench, true);
     run.report()["results"] = (arguments.output / "bench.json").string();
 }

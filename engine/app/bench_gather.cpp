@@ -63,7 +63,7 @@ MultiplyRows bestMultiplyRows() {
 double nativeSeconds(const std::vector<float>& F, const std::vector<float>& B, size_t n, size_t columns) {
     std::vector<float> out(n * columns);
     const size_t workers = std::max(1u, std::thread::hardware_concurrency());
-    const auto repeats = std::max<size_t>(3, 400'000'000 / (n * n * columns));
+    const auto repeats = std::clamp<size_t>(400'000'000 / (n * n * columns), 3, 1'000'000);
     const MultiplyRows multiply = bestMultiplyRows();
     const compute::Stopwatch watch;
     compute::inParallel(workers, [&](size_t w) {

@@ -213,8 +213,8 @@ private:
             y += 2.3 * kLine;
         }
         chart_.line({{x - 5, y - 4}, {x + 6, y - 4}}, kFront, 5);
-        chart_.text({x + 13, y}, "filled: nothing is both", kSmallLetters, Anchor::start, kGrey);
-        chart_.text({x + 13, y + kLine - 1}, "faster and better", kSmallLetters, Anchor::start, kGrey);
+        chart_.text({x + 13, y}, "filled: nothing faster", kSmallLetters, Anchor::start, kGrey);
+        chart_.text({x + 13, y + kLine - 1}, "is as good", kSmallLetters, Anchor::start, kGrey);
         if (std::any_of(results_.begin(), results_.end(), [](const BenchResult& r) { return r.peer; }))
             chart_.text({x + 13, y + 2 * kLine}, "squares: other programs", kSmallLetters, Anchor::start,
                         kGrey);

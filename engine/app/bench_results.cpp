@@ -41,8 +41,9 @@ std::string errorText(double error) {
 void markFront(std::vector<BenchResult>& results) {
     for (BenchResult& r : results)
         r.onFront = std::none_of(results.begin(), results.end(), [&](const BenchResult& o) {
-            return o.scene == r.scene && o.patches == r.patches && o.comparedSeconds < r.comparedSeconds &&
-                   o.rowError < r.rowError;
+            const bool nowhereWorse = o.comparedSeconds <= r.comparedSeconds && o.rowError <= r.rowError,
+                       better = o.comparedSeconds < r.comparedSeconds || o.rowError < r.rowError;
+            return o.scene == r.scene && o.patches == r.patches && nowhereWorse && better;
         });
 }
 

@@ -27,7 +27,7 @@ struct BenchResult {
     double pairsPerSecond = 0, raysPerSecond = 0, bytesPerSecond = 0;
     double peakBytes = 0;        // of the process while it ran
     double rooflineFraction = 0; // least time for the work that no method can leave out, over wallSeconds
-    bool onFront = false;        // no other result of the scene has less error in less time
+    bool onFront = false;        // no other of the scene is nowhere worse and somewhere better
 };
 
 struct GatherResult {

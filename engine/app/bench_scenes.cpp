@@ -135,6 +135,14 @@ auto recipeOf(const std::string& name) {
                         [&](const Recipe& r) { return r.scene.name == name; });
 }
 
+// In the folder of results; models of the user's own are not copied.
+std::string fileOf(const std::string& builtIn) {
+    return fmt::format("scenes/{}.obj", builtIn);
+}
+std::string fileOf(const std::string& builtIn, size_t size) {
+    return fmt::format("scenes/{}-{}.obj", builtIn, size);
+}
+
 // Named after its file; where two are named alike, after the whole path.
 void addUserScene(const std::filesystem::path& file, std::vector<BenchScene>& scenes) {
     const std::string stem = file.stem().string();
@@ -165,6 +173,20 @@ void checkBenchScenes(const std::vector<std::string>& names) {
     }
 }
 
+std::vector<std::string> sceneFiles(const std::vector<std::string>& names, const std::vector<size_t>& sizes) {
+    std::vector<std::string> files;
+    for (const std::string& name : names) {
+        if (recipeOf(name) == recipes().end()) continue;
+        files.push_back(fileOf(name));
+        for (const size_t size : sizes) {
+            const std::filesystem::path mesh = fileOf(name, size);
+            files.push_back(mesh.string());
+            files.push_back(std::filesystem::path(mesh).replace_extension(".mtl").string());
+        }
+    }
+    return files;
+}
+
 std::vector<BenchScene> benchScenes(const std::vector<std::string>& names, const std::vector<size_t>& sizes,
                                     const std::filesystem::path& folder) {
     std::filesystem::create_directories(folder / "scenes");
@@ -175,13 +197,12 @@ std::vector<BenchScene> benchScenes(const std::vector<std::string>& names, const
             addUserScene(name, scenes);
             continue;
         }
-        const std::filesystem::path file = folder / "scenes" / (name + ".obj");
+        const std::filesystem::path file = folder / fileOf(name);
         geometry::writeWholeText(file, GridSurface(recipe->blocks).obj());
         const geometry::Building building = geometry::importModel(file, geometry::UpAxis::z);
         for (const size_t size : sizes) {
             scenes.push_back({name, geometry::meshBuilding(building, {size})});
-            geometry::writeModel(scenes.back().mesh,
-                                 folder / "scenes" / fmt::format("{}-{}.obj", name, size));
+            geometry::writeModel(scenes.back().mesh, folder / fileOf(name, size));
         }
     }
     return scenes;

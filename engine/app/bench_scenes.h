@@ -24,6 +24,9 @@ std::span<const BuiltInScene> builtInScenes();
 // Throws InputError on a name that is neither a built-in scene nor an .obj file that exists.
 void checkBenchScenes(const std::vector<std::string>& names);
 
+// What benchScenes writes, in its `folder`.
+std::vector<std::string> sceneFiles(const std::vector<std::string>& names, const std::vector<size_t>& sizes);
+
 // `names`, checked: built-in scenes, each meshed to every one of `sizes` (triangles), or .obj files, whose
 // faces are taken as they are. The meshes are kept as models in `folder`/scenes, so that other programs can
 // be run on them.

@@ -79,15 +79,45 @@ TEST_F(Bench, a_convex_room_by_two_kernels) {
     EXPECT_TRUE(std::filesystem::exists(in("out/scenes/box-60.obj")));
 }
 
+TEST_F(Bench, of_equals_the_faster_is_on_the_front) {
+    std::vector<app::BenchResult> results(4);
+    results[0].comparedSeconds = 1, results[0].rowError = 1e-3;
+    results[1].comparedSeconds = 2, results[1].rowError = 1e-3; // as good, later
+    results[2].comparedSeconds = 1, results[2].rowError = 1e-3; // the very same
+    results[3].comparedSeconds = 2, results[3].rowError = 1e-4;
+    app::markFront(results);
+    EXPECT_TRUE(results[0].onFront && results[2].onFront && results[3].onFront);
+    EXPECT_FALSE(results[1].onFront);
+}
+
 // All kernels agree on zeros there.
-TEST_F(Bench, a_room_seen_from_outside_is_warned_of) {
+TEST_F(Bench, scenes_in_which_nothing_faces_anything_are_no_result) {
     writeText(in("out.obj"), "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
                              "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n");
     const Outcome outcome = heliodon("bench --kernels hierarchical --runs 1 --no-peers --scenes " +
-                                     in("out.obj") + " -o " + in("out"));
-    ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
+                                     in("out.obj") + " -o " + in("refused"));
+    EXPECT_EQ(outcome.exitCode, 2) << outcome.output;
     EXPECT_NE(outcome.output.find("out: the faces look out of what they enclose"), std::string::npos)
         << outcome.output;
+    // Two squares back to back, after a room: the room's results stay.
+    writeText(
+        in("backs.obj"),
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nf 4 3 2 1\nf 5 6 7 8\n");
+    std::filesystem::create_directories(in("out"));
+    writeText(in("out/bench.csv"), "mine");
+    const std::string command = "bench --kernels exact --errors 1e-2 --runs 1 --no-peers --reference-rows 2 "
+                                "--sizes 12 -o " +
+                                in("out") + " --scenes " + in("backs.obj");
+    const Outcome alone = heliodon(command);
+    EXPECT_EQ(alone.exitCode, 1) << alone.output;
+    EXPECT_EQ(readText(in("out/bench.csv")), "mine");
+    EXPECT_NE(alone.output.find("bench.csv stood there, not known"), std::string::npos) << alone.output;
+    const Outcome after = heliodon(command + ",box");
+    EXPECT_EQ(after.exitCode, 0) << after.output;
+    EXPECT_NE(after.output.find("backs, 2 patches: reference rows: all are zero"), std::string::npos)
+        << after.output;
+    for (const auto& row : nlohmann::json::parse(readText(in("out/bench.json")))["form_factors"])
+        EXPECT_EQ(row["scene"], "box");
 }
 
 // Ctrl-C after the first row: what was finished is there, whole, and says that there was more.
