@@ -9,7 +9,6 @@
 
 const uint kBvhNothing = 0xffffffffu;
 const float kBvhPlane = 1e-6; // of lengths: rounding errors of heights over a triangle's plane
-const float kBvhEdge = 2e-6; // barycentric slack, so that no ray slips between neighbours
 const float kBvhTie = 1e-5;  // share of the distance: of two patches back to back, without thickness, the front is met
 
 struct BvhRay {
@@ -52,7 +51,9 @@ struct BvhCrossing {
     float determinant; // positive: from the front
     float height;      // of the origin over the plane, times twice the area
     float t;
-    bool inside; // within the triangle, as widened by kBvhEdge
+    // Within the triangle, and no wider: a long one, however little widened, would stand before the ends of its body.
+    // What slips between neighbours is as rare as rounding is small.
+    bool inside;
 };
 
 BvhCrossing crossingOf(BvhRay ray, uint at) {
@@ -63,7 +64,7 @@ BvhCrossing crossingOf(BvhRay ray, uint at) {
     float determinant = dot(e, p), inverse = 1.0 / determinant;
     float u = dot(s, p) * inverse, v = dot(ray.direction, q) * inverse, height = dot(f, q);
     return BvhCrossing(t0.w, t1.w, uintBitsToFloat(t2.w), determinant, height, height * inverse,
-                       min(u, v) >= -kBvhEdge && u + v <= 1.0 + kBvhEdge);
+                       min(u, v) >= 0.0 && u + v <= 1.0);
 }
 
 // The nearest patch that a ray meets, times two, plus one seen from behind; kBvhNothing when there is none. Patches

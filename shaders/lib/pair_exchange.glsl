@@ -1,7 +1,8 @@
 // What two triangles exchange when nothing stands between: A_p F_pq = 1/pi int int cos cos / r^2, parts behind
 // either's plane cut away. Near pairs by the double integral round both borders (E. M. Sparrow, "A New and Simpler
 // Formulation for Radiative Angle Factors", 1963), the inner one in closed form, the outer one by Gauss' rule under
-// a substitution that smooths its ends, where borders touch; others by a product rule.
+// a substitution that smooths its ends, where borders touch, and in graded panels where that does not do; others by a
+// product rule.
 #ifndef PAIR_EXCHANGE_GLSL
 #define PAIR_EXCHANGE_GLSL
 #include "shaders/lib/constants.glsl"
@@ -92,16 +93,42 @@ const vec4 kPairLegendre[4] = vec4[](vec4(0.414176097, 0.581608863, -0.267389671
                                            vec4(0.290305417, 0.268829359, 0.209892191, 0.117692456));
 
 const float kPairRounding = 5e-9; // of sums round both borders, which cancel, over the product of their lengths
+const uint kPairMostPanels = 40u;          // of an edge
+const float kPairLeastPanel = 1.0 / 512.0; // of its length
 const float kPairErrorOfLast = 0.3; // measured: 99 of 100 pairs that touch err by less
 
 float around(vec3 p[4]) {
     return length(p[1] - p[0]) + length(p[2] - p[1]) + length(p[3] - p[2]) + length(p[0] - p[3]);
 }
 
-// The double integral over 2 pi, by Gauss' rule in each of `panels` parts of an edge, and in y its error,
-// estimated: the last two coefficients of what is integrated along an edge, as far as these fall from the two
-// before.
-vec2 bordersIntegral(vec3 p[4], vec3 q[4], uint panels) {
+// A panel from `at` along a line with direction `unit` within which what is integrated is smooth: corners of the other
+// triangle, where it is not, are at least three quarters of the panel's length from its middle.
+float panelFrom(vec3 at, vec3 unit, vec3 q[4]) {
+    float reach = kHuge;
+    for (int k = 0; k < 4; ++k) {
+        vec3 d = q[k] - at;
+        float ahead = dot(d, unit);
+        reach = min(reach, 1.6 * (sqrt(ahead * ahead + 1.25 * dot(d, d)) - ahead));
+    }
+    return reach;
+}
+
+// int ln r round q, along each edge times how far that goes with `along`; `less` as in logAlong.
+float logAround(vec3 at, vec3 along, vec3 q[4], vec4 less) {
+    float sum = 0.0;
+    for (int e = 0; e < 4; ++e) {
+        vec3 start = q[e], edge = q[(e + 1) % 4] - start;
+        float size = length(edge);
+        vec3 unit = size > 0.0 ? edge / size : vec3(0.0);
+        sum += size > 0.0 ? dot(along, unit) * logAlong(start - at, unit, size, less[e]) : 0.0;
+    }
+    return sum;
+}
+
+// The double integral over 2 pi, by Gauss' rule along each edge; `graded` in panels that are the shorter the nearer
+// they are to corners of q, else in one that is smoothed at its ends. In y its error, estimated: the last two
+// coefficients of what is integrated along a panel, as far as these fall from the two before.
+vec2 bordersIntegral(vec3 p[4], vec3 q[4], bool graded) {
     vec2 sum = vec2(0.0);
     [[dont_unroll]] for (uint edge = 0u; edge < 4u; ++edge) {
         vec3 from = edge == 0u ? p[0] : edge == 1u ? p[1] : edge == 2u ? p[2] : p[3];
@@ -119,25 +146,24 @@ vec2 bordersIntegral(vec3 p[4], vec3 q[4], uint panels) {
             }
         }
         vec4 coefficients = vec4(0.0);
-        [[dont_unroll]] for (uint k = 0u; k < 8u * panels; ++k) {
+        float begin = length_ > 0.0 ? 0.0 : 1.0, panel = 1.0; // of the edge
+        [[dont_unroll]] for (uint k = 0u; k < 8u * kPairMostPanels && begin < 1.0; ++k) {
+            if (graded && k % 8u == 0u) {
+                panel = max(panelFrom(from + begin * along, along / length_, q) / length_, kPairLeastPanel);
+                if (begin + panel > 1.0 || k / 8u + 1u == kPairMostPanels) panel = 1.0 - begin;
+            }
             uint node = k % 4u;
             bool lower = (k & 4u) == 0u;
-            float t = (float(k / 8u) + 0.5 + 0.5 * (lower ? -kPairNodes[node] : kPairNodes[node])) / float(panels);
-            vec3 at = from + along * (t * t * (3.0 - 2.0 * t));
-            float line = 0.0;
-            for (int e = 0; e < 4; ++e) {
-                vec3 start = q[e], edge_ = q[(e + 1) % 4] - start;
-                float size = length(edge_);
-                vec3 unit = size > 0.0 ? edge_ / size : vec3(0.0);
-                line += size > 0.0 ? dot(along, unit) * logAlong(start - at, unit, size, less[e]) : 0.0;
-            }
-            line *= 3.0 * t * (1.0 - t) / float(panels);
+            float t = 0.5 + 0.5 * (lower ? -kPairNodes[node] : kPairNodes[node]);
+            vec3 at = from + along * (begin + panel * (graded ? t : t * t * (3.0 - 2.0 * t)));
+            float line = panel * (graded ? 0.5 : 3.0 * t * (1.0 - t)) * logAround(at, along, q, less);
             sum.x += kPairWeights[node] * line;
             coefficients += line * (lower ? vec4(1.0, -1.0, 1.0, -1.0) : vec4(1.0)) * kPairLegendre[node];
             if (k % 8u == 7u) {
                 float last = length(coefficients.zw), ratio = min(1.0, last / max(length(coefficients.xy), kTiny));
                 sum.y += kPairErrorOfLast * last * ratio * ratio;
                 coefficients = vec4(0.0);
+                begin += panel;
             }
         }
     }
@@ -173,7 +199,6 @@ vec2 lambertMean(vec3 a, vec3 b, vec3 c, vec3 normal, vec3 q[4], bool wanted) {
 
 const float kPairUneven = 3000.0; // ratio of areas from which points may stand for the smaller one
 const float kPairErrorOfPoints = 0.1; // of a sliver, over how far these and the sums round borders are apart
-const uint kPairMostPanels = 4u;
 
 // What parts exchange that are wholly over each other's plane and, in y, its error, estimated: by points of p where q
 // is much larger, `uneven`, and p is small every way; else round borders. Points of a sliver, which may all lie on one
@@ -186,15 +211,15 @@ vec2 nearExchange(vec3 p[4], vec3 q[4], vec3 normal, bool uneven, bool everyWay,
     float rounding = kPairRounding * around(p) * around(q), wanted = max(allowed, rounding);
     bool enough = uneven && everyWay && points.y <= wanted;
     vec2 borders = vec2(0.0, 2.0 * wanted);
-    [[dont_unroll]] for (uint panels = 1u; panels <= kPairMostPanels && !enough && borders.y > wanted; panels *= 4u)
-        borders = bordersIntegral(p, q, panels);
+    [[dont_unroll]] for (uint look = 0u; look < 2u && !enough && borders.y > wanted; ++look)
+        borders = bordersIntegral(p, q, look > 0u);
     borders.y += rounding;
     float apart = abs(points.x - borders.x);
     vec2 sliver = vec2(points.x, points.y + kPairErrorOfPoints * apart);
     return enough ? points : uneven && apart <= borders.y && sliver.y <= borders.y ? sliver : borders;
 }
 
-// A_p F_pq and, in y, its error, estimated: of sums round borders, made again in parts where it is above
+// A_p F_pq and, in y, its error, estimated: of sums round borders, made again in panels where it is above
 // `allowed`; of points of a much smaller triangle where that is less; or of the product rule, which falls with the
 // cube of size over distance. Corners are relative to one of the smaller triangle, so that it keeps its digits however
 // large the other is. Of pairs that are `near` only with `nearOnes`, of others only without: a constant, so that a
