@@ -151,8 +151,7 @@ void bindStreams(VkCommandBuffer commands, std::initializer_list<const gpu::Buff
 }
 
 // `background` none: colours are kept.
-void begin(gpu::Commands& recorded, const SceneTarget& target, const PixelRect& drawn,
-           std::optional<glm::vec4> background) {
+void begin(gpu::Commands& recorded, const SceneTarget& target, std::optional<glm::vec4> background) {
     // The display pass of the frame before has read the colours; its depth was written and tested.
     recorded.transition(target.colour,
                         background ? VK_IMAGE_LAYOUT_UNDEFINED : VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
@@ -174,8 +173,7 @@ void begin(gpu::Commands& recorded, const SceneTarget& target, const PixelRect& 
     depth.storeOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
     VkRenderingInfo info{VK_STRUCTURE_TYPE_RENDERING_INFO};
     const auto& size = target.colour.info();
-    info.renderArea = {{drawn.x, drawn.y},
-                       {static_cast<uint32_t>(drawn.width), static_cast<uint32_t>(drawn.height)}};
+    info.renderArea.extent = {size.width, size.height};
     info.layerCount = 1;
     info.colorAttachmentCount = 1;
     info.pColorAttachments = &colour;
@@ -223,8 +221,7 @@ ScenePass::ScenePass(gpu::Device& device)
 
 void ScenePass::record(gpu::Commands& commands, const SceneTarget& target, const SceneInputs& inputs) const {
     const VkCommandBuffer buffer = commands.handle();
-    begin(commands, target, inputs.view->drawn,
-          inputs.keepGain ? std::nullopt : std::optional(inputs.background));
+    begin(commands, target, inputs.keepGain ? std::nullopt : std::optional(inputs.background));
     io::SceneParams params{};
     params.clipFromWorld = inputs.view->clipFromWorld;
     if (inputs.sun) {
@@ -260,7 +257,7 @@ void ScenePass::record(gpu::Commands& commands, const SceneTarget& target, const
 void ScenePass::recordGain(gpu::Commands& commands, const SceneTarget& target,
                            const GainInputs& inputs) const {
     const VkCommandBuffer buffer = commands.handle();
-    begin(commands, target, inputs.view->drawn, glm::vec4(0));
+    begin(commands, target, glm::vec4(0));
     io::GainParams params = inputs.params;
     params.clipFromWorld = inputs.view->clipFromWorld;
     gain_.bind(buffer, {*inputs.centres, *inputs.triangles, *inputs.borders}, params);

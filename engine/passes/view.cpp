@@ -95,7 +95,6 @@ View viewOfDevice(const geometry::OpticalDevice& device, int supersample) {
     ideal.cx = centre.x, ideal.cy = centre.y;
     view.clipFromWorld = clipFromDevice(ideal, view.width, view.height, kNear) *
                          rigid(device.deviceFromWorld, device.translation);
-    view.drawn = {0, 0, view.width, view.height};
     view.shown = {0, 0, view.outputWidth, view.outputHeight};
     return view;
 }
@@ -112,8 +111,7 @@ void confine(View& view, const std::vector<glm::dvec3>& points) {
     const double ring = 3.0 * view.supersample + 2;
     const glm::ivec2 first = glm::max(glm::ivec2(glm::floor(low - ring)), glm::ivec2(0));
     const glm::ivec2 end = glm::min(glm::ivec2(glm::ceil(high + ring)), glm::ivec2(view.width, view.height));
-    const glm::ivec2 size = glm::max(end - first, glm::ivec2(0));
-    view.drawn = {first.x, first.y, size.x, size.y};
+    const glm::ivec2 size = glm::max(end - first, glm::ivec2(1));
     glm::ivec2 shownFirst(view.outputWidth, view.outputHeight), shownEnd(0);
     const double reach = view.supersample + 1; // what an output pixel reads round its centre
     for (int y = 0; y < view.outputHeight; ++y)
@@ -128,6 +126,14 @@ void confine(View& view, const std::vector<glm::dvec3>& points) {
     const glm::ivec2 shownSize = glm::max(shownEnd - shownFirst, glm::ivec2(0));
     view.shown = {std::min(shownFirst.x, view.outputWidth - 1), std::min(shownFirst.y, view.outputHeight - 1),
                   shownSize.x, shownSize.y};
+    for (glm::vec2& at : view.warp) at -= glm::vec2(first);
+    const glm::dvec2 whole(view.width, view.height),
+        scale = whole / glm::dvec2(size), shift = (whole - 2.0 * glm::dvec2(first)) / glm::dvec2(size) - 1.0;
+    glm::dmat4 cut(1);
+    cut[0][0] = scale.x, cut[1][1] = scale.y;
+    cut[3][0] = shift.x, cut[3][1] = shift.y;
+    view.clipFromWorld = cut * view.clipFromWorld;
+    view.width = size.x, view.height = size.y;
 }
 
 View viewOfCamera(const PerspectiveCamera& camera, int width, int height, int supersample) {
@@ -137,7 +143,6 @@ View viewOfCamera(const PerspectiveCamera& camera, int width, int height, int su
     view.supersample = supersample;
     view.width = width * supersample;
     view.height = height * supersample;
-    view.drawn = {0, 0, view.width, view.height};
     view.shown = {0, 0, width, height};
     view.eye = camera.eye;
     const glm::dvec3 forward = glm::normalize(camera.target - camera.eye);

@@ -26,12 +26,10 @@ struct View {
     int outputWidth = 0, outputHeight = 0, supersample = 1;
     std::vector<glm::vec2> warp;
 
-    // The part of the pinhole picture that is drawn, and the part of the output that shows it; the rest of
-    // the output stays black.
-    PixelRect drawn, shown;
+    PixelRect shown; // the part of the output that shows the pinhole picture; the rest stays black
 };
 
-// Confines a view with a warp to what lies near `points`: nothing else is drawn in it.
+// Cuts a view with a warp down to what lies near `points`, both of its pictures: nothing else is drawn.
 void confine(View& view, const std::vector<glm::dvec3>& points);
 
 // What a camera or projector sees: outputs are its own panel pixels, so that a world point comes out at

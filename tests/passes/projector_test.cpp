@@ -277,6 +277,9 @@ TEST(Projector, nothing_is_shown_outside_the_model) {
                 EXPECT_LE(enter, leave) << "projector " << p << " pixel " << x << " " << y;
             }
         EXPECT_GT(lit, 500u);
+        const View& view = renderer.scene().views[p]; // and little more is drawn
+        EXPECT_LT(view.width * view.height,
+                  view.supersample * view.supersample * projector.width * projector.height / 2);
     }
 }
 
