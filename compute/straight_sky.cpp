@@ -1,9 +1,45 @@
 #include "compute/straight_sky.h"
 
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include <glm/geometric.hpp>
+
 #include "compute/daylight/sky_table.h"
 #include "compute/lighting.h"
 
 namespace heliodon::compute {
+
+namespace {
+
+// The cells of a near wall see a window from places so near one another that their samples crowd: those
+// within a box of directions count as one at their middle, off by the square of the box's size. Its height is
+// that of the root of the direction's, as skies change fast above the horizon.
+constexpr float kBox = 0.0125F;
+
+std::vector<SkySample> gathered(std::span<const SkySample> samples) {
+    struct Box {
+        glm::dvec3 direction{0}, weight{0};
+        double total = 0;
+    };
+    std::map<std::tuple<int, int, int>, Box> boxes;
+    for (const SkySample& sample : samples) {
+        const auto at = [](float x) { return static_cast<int>(std::floor(x / kBox)); };
+        const glm::vec3 d = sample.direction;
+        Box& box = boxes[{at(d.x), at(d.z), d.y > 0 ? at(std::sqrt(d.y)) : -1}];
+        const double weight = photometric(sample.weight);
+        box.direction += weight * glm::dvec3(d);
+        box.weight += glm::dvec3(sample.weight);
+        box.total += weight;
+    }
+    std::vector<SkySample> few;
+    for (const auto& [key, box] : boxes)
+        if (box.total > 0) few.push_back({glm::vec3(glm::normalize(box.direction)), glm::vec3(box.weight)});
+    return few;
+}
+
+} // namespace
 
 StraightSky::StraightSky(const SkyView& view, std::span<const NearLight> near) {
     for (size_t s = 0; s < near.size(); ++s) {
@@ -19,7 +55,7 @@ StraightSky::StraightSky(const SkyView& view, std::span<const NearLight> near) {
             }
         };
         take(view.of(s));
-        take(near[s].sky);
+        take(gathered(near[s].sky));
         first_.push_back(samples_.size());
         ground_.push_back(static_cast<float>(ground));
     }

@@ -14,7 +14,9 @@ namespace heliodon::compute {
 
 class StraightSky {
 public:
-    // `near`: of the view's points; empty ones have no such walls.
+    // `near`: of the view's points; empty ones have no such walls. Their samples are taken together by
+    // direction, off by about 1e-4 of a sensor's light at the worst hour of a year, 2e-6 in the root mean
+    // square.
     StraightSky(const SkyView& view, std::span<const NearLight> near);
 
     // Adds each sensor's photometric lux to lux[sensor * stride]. 8 ns a sample, of which a sensor beside a

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "compute/straight_sky.h"
 #include "tests/compute/rooms.h"
 #include "tests/compute/skies.h"
 #include "tests/gpu/test_device.h"
@@ -78,6 +79,28 @@ TEST(AnnualDaylight, sky_round_the_sun_is_seen_as_it_is) {
     expectFull(windowRoom(glm::vec3(0.6f), glm::vec3(0.8f)), skies, 0.004);
     skies = {daylight::cieIntermediateSky(glm::normalize(glm::dvec3(0.1, 0.2, -1)), 2e3)};
     expectFull(windowRoom(glm::vec3(0.6f), glm::vec3(0.8f)), skies, 0.004);
+}
+
+// Samples that crowd, as those of the cells of a wall beside a sensor do.
+TEST(AnnualDaylight, crowded_samples_of_sky_may_count_as_one) {
+    std::minstd_rand random(7);
+    std::uniform_real_distribution<float> place(-1, 1);
+    std::vector<NearLight> near(1);
+    for (int k = 0; k < 20000; ++k)
+        near[0].sky.push_back({glm::normalize(glm::vec3(place(random), 0.5f * place(random), -1)),
+                               glm::vec3(1 + place(random), 0.5f, 1 - place(random))});
+    SkyView none;
+    none.first.push_back(0);
+    std::vector<daylight::Sky> skies{overcast(), sunny({0.2, 0.1, -1})};
+    skies.push_back(daylight::perezSky({-1, -0.3, 12, -5, 0.5}, glm::normalize(glm::dvec3(0, 0.1, -1)), 1e3));
+    for (const daylight::Sky& sky : skies) {
+        double lux = 0;
+        for (const SkySample& sample : near[0].sky)
+            lux += photometric(sample.weight) * sky.luminance(glm::normalize(glm::dvec3(sample.direction)));
+        float taken = 0;
+        StraightSky(none, near).addTo(sky, &taken, 1);
+        EXPECT_NEAR(taken, lux, 1e-4 * lux);
+    }
 }
 
 TEST(AnnualDaylight, coloured_walls_and_tinted_glass_too) {
