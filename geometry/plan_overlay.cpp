@@ -269,18 +269,12 @@ private:
             const bool pinched = std::ranges::adjacent_find(round) != round.end();
             const bool shaped = std::ranges::any_of(round, [](int label) { return label >= 0 && label % 2; });
             if (!pinched || !shaped) continue;
-            const glm::dvec2 p = map.points[map.source(start)], u{kTouchSquare, 0}, v{0, kTouchSquare};
-            // A wedge of a few thousandths of a radian touches anew wherever a square cuts it: squares would
-            // walk along it.
-            int walk = 0;
-            for (const Square& other : squares_)
-                if (std::max(std::abs(p.x - other.middle.x), std::abs(p.y - other.middle.y)) <
-                    kTouchSquare + kSnap)
-                    walk = std::max(walk, other.walk + 1);
-            if (walk > kMostWalk) continue;
+            const Square square = squareOver(map.points[map.source(start)]);
+            if (square.walk > kMostWalk) continue;
+            const auto& [p, u, v, walk] = square;
             addLoop({p - u - v, p + u - v, p + u + v, p - u + v}, squareOfTag_,
                     static_cast<int>(squares_.size()));
-            squares_.push_back({p, walk});
+            squares_.push_back(square);
             any = true;
         }
         return any;
@@ -288,11 +282,30 @@ private:
 
     Touching touching_;
     struct Square {
-        glm::dvec2 middle;
-        int walk; // how many squares before it, each at the side of the last
+        glm::dvec2 middle, u, v; // half its sides
+        int walk;                // how many before it, each at the side of the last
     };
 
-    static constexpr int kMostWalk = 2;
+    // A wedge of a few hundredths of a radian touches anew wherever a square cuts it: those that walk along it
+    // become rectangles, each eight times as long as the last, until the wedge is wide enough to stay open.
+    Square squareOver(glm::dvec2 p) const {
+        Square square{p, {kTouchSquare, 0}, {0, kTouchSquare}, 0};
+        for (const Square& other : squares_) {
+            const glm::dvec2 off = p - other.middle;
+            const auto reaches = [&](glm::dvec2 half) {
+                const double size = glm::length(half);
+                return std::abs(glm::dot(off, half)) < size * (size + kSnap);
+            };
+            if (!reaches(other.u) || !reaches(other.v) || other.walk < square.walk) continue;
+            square.walk = other.walk + 1;
+            if (square.walk <= kShortWalk || off == glm::dvec2(0)) continue;
+            square.u = kTouchSquare * std::pow(8.0, square.walk - kShortWalk) * glm::normalize(off);
+            square.v = kTouchSquare * glm::normalize(glm::dvec2(-off.y, off.x));
+        }
+        return square;
+    }
+
+    static constexpr int kShortWalk = 1, kMostWalk = 3;
     size_t roomCount_, shapeCount_;
     std::vector<Square> squares_;
     PlanOverlay overlay_;
