@@ -10,6 +10,7 @@
 #include "compute/daylight/sky_table.h"
 #include "geometry/input_error.h"
 #include "tests/daylight/csv.h"
+#include "tests/documented_file.h"
 
 namespace heliodon::daylight {
 namespace {
@@ -284,6 +285,16 @@ TEST(SkyFile, wrong_fields_are_named) {
         }
     }
     std::remove(file.c_str());
+}
+
+TEST(SkyFile, the_documented_one_is_read) {
+    const std::string file = testing::TempDir() + "documented_sky.json";
+    std::ofstream(file) << test::documentedFile("vh-sky/1");
+    const Sky sky = readSky(file);
+    std::remove(file.c_str());
+    EXPECT_EQ(sky.sun.normalIlluminance, 70000);
+    EXPECT_NEAR(sky.luminance({0, 1, 0}), 3200, 1e-6);
+    EXPECT_GT(sky.ground.luminance, 0);
 }
 
 TEST(Frame, compass_and_world_agree) {

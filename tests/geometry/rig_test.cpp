@@ -10,6 +10,7 @@
 
 #include "geometry/input_error.h"
 #include "geometry/rig_edit.h"
+#include "tests/documented_file.h"
 
 namespace heliodon::geometry {
 namespace {
@@ -47,6 +48,17 @@ std::string replaced(std::string text, const std::string& from, const std::strin
     const size_t at = text.find(from);
     EXPECT_NE(at, std::string::npos) << from;
     return text.replace(at, from.size(), to);
+}
+
+TEST(Rig, the_documented_one_is_read) {
+    const Rig rig = readRig(written(test::documentedFile("vh-rig/1")));
+    EXPECT_TRUE(rig.unknownFields.empty());
+    ASSERT_EQ(rig.projectors.size(), 1u);
+    EXPECT_EQ(rig.projectors[0].display, "HDMI-1");
+    EXPECT_NEAR(rig.camera.centre().y, 1.53, 1e-12); // over the table, which it looks down at
+    const auto middle = rig.projectors[0].pixelFromWorld({0, 0, 0});
+    ASSERT_TRUE(middle);
+    EXPECT_NEAR(middle->x, 512, 1e-9);
 }
 
 TEST(Rig, projects_as_the_formulas_written_out_by_hand) {

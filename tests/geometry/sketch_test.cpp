@@ -7,7 +7,9 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "geometry/building.h"
 #include "geometry/input_error.h"
+#include "tests/documented_file.h"
 
 using namespace heliodon::geometry;
 namespace fs = std::filesystem;
@@ -48,6 +50,18 @@ void expectSameDetection(const Detection& a, const Detection& b) {
 }
 
 } // namespace
+
+TEST_F(SketchFile, the_documented_one_is_a_room) {
+    const Sketch sketch = read(heliodon::test::documentedFile("vh-sketch/1"));
+    EXPECT_TRUE(sketch.unknownFields.empty());
+    const ClosureReport report = closeSketch(sketch).report;
+    EXPECT_EQ(report.code, "OK") << report.message;
+    ASSERT_EQ(report.rooms.size(), 1u);
+    // Centre lines 16 x 12 and half a disc of radius 6, less half a wall's thickness all round.
+    EXPECT_NEAR(report.rooms[0].floorAreaFt2, 15.8125 * 11.625 + 1.5707963 * 5.8125 * 5.8125, 2);
+    EXPECT_EQ(report.windowCount, 1);
+    EXPECT_EQ(report.skylightPaneCount, 1);
+}
 
 TEST_F(SketchFile, written_and_read_back_is_the_same_sketch) {
     Sketch sketch = readSketch(HELIODON_TEST_DATA "/geometry/sketches/i01_mixed.sketch.json");
