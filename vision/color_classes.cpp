@@ -287,8 +287,15 @@ ClassImage classifyPixels(const PlanView& view, const geometry::Rig& rig, const 
     if (!faint.empty()) {
         constexpr uint8_t kVivid = 205; // only the hue counts
         out.withFaint = out.paint;
-        for (const Coloured& c : faint)
-            if (region.ground[c.index] == Ground::table) out.withFaint[c.index] = learned.at(c.hue, kVivid);
+        size_t onTable = 0;
+        for (const Coloured& c : faint) {
+            if (region.ground[c.index] != Ground::table) continue;
+            out.withFaint[c.index] = learned.at(c.hue, kVivid);
+            ++onTable;
+        }
+        out.faintShare =
+            static_cast<double>(onTable) /
+            static_cast<double>(std::count(region.ground.begin(), region.ground.end(), Ground::table));
     }
     return out;
 }

@@ -15,6 +15,7 @@
 #include "vision/doubts.h"
 #include "vision/edges.h"
 #include "vision/median.h"
+#include "vision/picture_faults.h"
 #include "vision/picture_turn.h"
 #include "vision/pieces.h"
 #include "vision/plan_view.h"
@@ -31,6 +32,8 @@ using geometry::Sketch;
 // Regions below are noise: the smallest real one is half an inch of wall.
 constexpr double kSmallestInches2 = 0.06;
 constexpr size_t kMostRegions = 600; // more is noise, not a table
+constexpr const char* kPaleWall =
+    "as pale as glare or wear leaves paint, but with a wall's white ends; it is read as one";
 
 // Before all other warnings: it may explain them.
 void warnOfMovedTable(const Photograph& photo, const geometry::Rig& rig, double gamma,
@@ -98,7 +101,8 @@ public:
         for (std::string& line : doubts_.lines()) out_.warnings.push_back(std::move(line));
         if (out_.sketch.walls.empty() && out_.sketch.arcs.empty())
             out_.warnings.emplace_back("no wall is seen on the table");
-        warnOfLight();
+        for (std::string& line : pictureFaults(out_.sketch, image_, evidence(), view_, radius()))
+            out_.warnings.push_back(std::move(line));
         nameAll();
         return out_;
     }
@@ -153,47 +157,6 @@ public:
     bool seesRelief() const { return showRelief(reliefs()); }
 
 private:
-    // What the picture's light hides, and a table that is not the white that all else is held against.
-    void warnOfLight() {
-        constexpr double kMostClipped = 0.005; // of the table
-        constexpr uint8_t kClipped = 254;
-        const Photograph& photo = view_.photo();
-        glm::dvec2 where{};
-        double clipped = 0, table = 0;
-        const double step = 0.25; // inches
-        for (double x = -radius(); x <= radius(); x += step)
-            for (double y = -radius(); y <= radius(); y += step) {
-                if (glm::length(glm::dvec2(x, y)) > radius() - step) continue;
-                const glm::dvec2 p = view_.pixel({x, y}, 0);
-                const auto i = std::lround(p.x), j = std::lround(p.y);
-                if (i < 0 || j < 0 || i >= photo.width || j >= photo.height) continue;
-                const uint8_t* rgb =
-                    &photo.rgb[3 * (static_cast<size_t>(j) * static_cast<size_t>(photo.width) +
-                                    static_cast<size_t>(i))];
-                table += 1;
-                if (std::min({rgb[0], rgb[1], rgb[2]}) >= kClipped) clipped += 1, where += p;
-            }
-        if (clipped > kMostClipped * table) {
-            where /= clipped;
-            out_.warnings.push_back(fmt::format(
-                "about pixel {:.0f}, {:.0f}: {:.0f} % of the table are overexposed; what lies there "
-                "cannot be seen",
-                where.x, where.y, std::max(1.0, 100 * clipped / table)));
-        }
-        constexpr int kCoarse = 35;
-        if (photo.jpegQuality < kCoarse)
-            out_.warnings.push_back(
-                fmt::format("the file is strongly compressed (JPEG quality {}): colours run together over 16 "
-                            "pixels, markers and tokens may be misread",
-                            photo.jpegQuality));
-        constexpr double kNoisy = 0.1;
-        if (image_.noise > kNoisy)
-            out_.warnings.push_back(fmt::format("the picture is so dark that noise is {:.0f} % of what white "
-                                                "returns: walls may be missed and "
-                                                "colours misread; more light or a longer exposure helps",
-                                                100 * image_.noise));
-    }
-
     void warnOfTurn() {
         const auto turn = pictureTurn(out_.sketch.walls, image_, view_, options_, radius());
         if (!turn) return;
@@ -354,10 +317,72 @@ private:
             if (isMarker(regions_[i].group)) markers.push_back(&regions_[i]);
         }
         for (const Component& strip : paleStrips_) markers.push_back(&strip);
-        const Chains chains = formChains(pieces, markers, view_, options_);
+        Chains chains = formChains(pieces, markers, view_, options_);
         for (const Chain& chain : chains.chains) readChain(chain);
-        for (const Component* marker : chains.orphans) readOrphan(*marker);
+        for (const Component* marker : readPaleWalls(chains.orphans)) readOrphan(*marker);
         for (const StraightWall& whole : wholeWalls_) splitWall(whole);
+    }
+
+    // Of what is too pale to be paint by itself, the strips that have all else of a wall; with the markers
+    // that no other wall has. Returns those that are left.
+    std::vector<const Component*> readPaleWalls(const std::vector<const Component*>& markers) {
+        if (image_.withFaint.empty()) return markers;
+        std::swap(image_.paint, image_.withFaint);
+        const double perInch = view_.pixelsPerInch(glm::dvec2(0), 0);
+        std::vector<const Component*> pieces;
+        for (Component& region :
+             findComponents(image_, static_cast<int>(kSmallestInches2 * perInch * perInch))) {
+            if (!isWall(region.group) || !canStandOnTable(region) || isRead(region)) continue;
+            strips_.push_back(std::move(region));
+            addPiece(strips_.back(), pieces);
+        }
+        Chains chains;
+        if (!pieces.empty() && pieces.size() < kMostRegions)
+            chains = formChains(pieces, markers, view_, options_);
+        std::vector<const Component*> left = chains.orphans;
+        if (chains.chains.empty()) left = markers;
+        for (const Chain& chain : chains.chains) {
+            const auto wall = fitStraight(chain, view_, options_);
+            if (wall && isPaleWall(wall->wall)) {
+                wholeWalls_.push_back(*wall);
+                doubts_.add(centreOf(wall->wall.detection), kPaleWall);
+                for (const geometry::WindowMarker& window : wall->windows)
+                    doubts_.add(centreOf(window.detection),
+                                "a window marker on pale paint: colour may be misread");
+                continue;
+            }
+            left.insert(left.end(), chain.markers.begin(), chain.markers.end());
+            const auto arc = chain.markers.empty() ? fitArc(chain, view_, options_) : std::nullopt;
+            if (!arc || !isPaleWall(*arc)) continue;
+            out_.sketch.arcs.push_back(*arc);
+            doubts_.add(centreOf(arc->detection), kPaleWall);
+        }
+        std::swap(image_.paint, image_.withFaint);
+        return left;
+    }
+    template<class Shape> bool isPaleWall(const Shape& shape) const {
+        constexpr float kEnd = 0.15f, kFoot = 0.08f;
+        if (!evidence().isWall(shape) || !evidence().standsOnTable(shape)) return false;
+        const Relief relief = evidence().reliefOf(shape);
+        return std::min(relief.ends[0], relief.ends[1]) > kEnd && relief.foot.value_or(1) > kFoot;
+    }
+    // A token's rim, or a quarter of it beside walls that were read, as far as compressed colour runs.
+    bool isRead(const Component& region) const {
+        constexpr double kBeside = 0.6; // inches
+        size_t beside = 0;
+        for (const Run& run : region.runs) {
+            const glm::dvec2 pixel(0.5 * (run.x0 + run.x1 - 1), run.y);
+            const auto isNear = [&](const auto& shape) {
+                for (const double height :
+                     {heightOf(region.group), geometry::heightInches(shape.heightClass)})
+                    if (evidence().distance(shape, view_.plan(pixel, height)) < kBeside) return true;
+                return false;
+            };
+            beside += std::any_of(wholeWalls_.begin(), wholeWalls_.end(),
+                                  [&](const StraightWall& whole) { return isNear(whole.wall); }) ||
+                      std::any_of(out_.sketch.arcs.begin(), out_.sketch.arcs.end(), isNear);
+        }
+        return 4 * beside > region.runs.size() || withinToken(region);
     }
 
     void splitWall(const StraightWall& whole) {

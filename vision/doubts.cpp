@@ -78,15 +78,23 @@ private:
         glm::dvec2 plan{};
         double height = 0;
         glm::vec3 seen{};
+        std::optional<float> step; // over what is beside it, where that is no other wall
     };
     // Those in the picture that no marker covers: beneath one, the marker tells where the end is.
     std::vector<End> seenEnds() const {
         std::vector<End> ends;
         const auto look = [&](const auto& shape) {
+            constexpr double kAlone = 0.9; // inches
             const double height = geometry::heightInches(shape.heightClass);
-            for (const glm::dvec2 end : evidence_.endsOf(shape))
-                if (const auto seen = evidence_.overWhite(end, height); seen && !isUnderMarker(end))
-                    ends.push_back({end, height, *seen});
+            const auto middles = evidence_.endsOf(shape);
+            const auto steps = evidence_.endSteps(shape);
+            for (size_t k = 0; k < middles.size(); ++k) {
+                const auto seen = evidence_.overWhite(middles[k], height);
+                if (!seen || isUnderMarker(middles[k])) continue;
+                ends.push_back({middles[k], height, *seen, std::nullopt});
+                if (!anotherStandsAt(view_.pixel(middles[k], height), shape, kAlone))
+                    ends.back().step = steps[k];
+            }
         };
         for (const auto& wall : sketch_.walls) look(wall);
         for (const auto& arc : sketch_.arcs) look(arc);
@@ -102,11 +110,17 @@ private:
         });
     }
 
-    // Card has one colour all over the table. An end that shows another, or is much darker, is not the wall's
-    // but where something hides it or where its paint is interrupted.
+    // Card has one colour all over the table and is brighter than what is beside it. An end that shows
+    // another, or is much darker, or no brighter where others are, is not the wall's but where something
+    // hides it or where its paint is interrupted.
     void lookAtEnds() {
         constexpr float kMostColour = 0.18f, kDarkest = 0.4f; // of the typical end
+        constexpr float kTypicalStep = 0.1f, kNoStep = 0;
         const std::vector<End> ends = seenEnds();
+        std::vector<float> steps;
+        for (const End& end : ends)
+            if (end.step) steps.push_back(*end.step);
+        const float typicalStep = steps.empty() ? 0 : median(std::move(steps));
         glm::vec3 typical(1);
         for (int channel = 0; channel < 3; ++channel) {
             std::vector<float> values;
@@ -116,7 +130,8 @@ private:
         for (const End& end : ends) {
             const glm::vec3 seen = end.seen / typical;
             const auto [low, high] = std::minmax({seen.r, seen.g, seen.b});
-            if (high - low < kMostColour * high && high > kDarkest) continue;
+            const bool standsOut = typicalStep < kTypicalStep || !end.step || *end.step > kNoStep;
+            if (high - low < kMostColour * high && high > kDarkest && standsOut) continue;
             doubts_.add(view_.pixel(end.plan, end.height),
                         "a wall's white end is not seen here; it is read as far as its paint is");
         }
@@ -143,19 +158,20 @@ private:
 
     // A wall's top goes on beyond its white end where glare or wear hides the paint.
     template<class Shape> void lookBeyond(const Shape& shape) {
+        constexpr double kNear = 0.6; // inches
         const double height = geometry::heightInches(shape.heightClass);
         for (const glm::dvec2 beyond : evidence_.goesOnTo(shape)) {
             const glm::dvec2 p = view_.pixel(beyond, height);
-            if (!anotherStandsAt(p, shape))
+            if (!anotherStandsAt(p, shape, kNear))
                 doubts_.add(p, "a wall seems to go on without paint; it is read as far as its paint");
         }
     }
-    template<class Shape> bool anotherStandsAt(glm::dvec2 pixel, const Shape& shape) const {
-        constexpr double kNear = 0.6; // inches
+    // Within `inches` of its middle line, at its height.
+    template<class Shape> bool anotherStandsAt(glm::dvec2 pixel, const Shape& shape, double inches) const {
         const auto stands = [&](const auto& other) {
             if (static_cast<const void*>(&other) == static_cast<const void*>(&shape)) return false;
             const double height = geometry::heightInches(other.heightClass);
-            return evidence_.distance(other, view_.plan(pixel, height)) < kNear;
+            return evidence_.distance(other, view_.plan(pixel, height)) < inches;
         };
         return std::any_of(sketch_.walls.begin(), sketch_.walls.end(), stands) ||
                std::any_of(sketch_.arcs.begin(), sketch_.arcs.end(), stands);

@@ -1,5 +1,7 @@
 #include "vision/photograph.h"
 
+#include <array>
+#include <cmath>
 #include <fstream>
 #include <string>
 #include <system_error>
@@ -32,14 +34,14 @@ constexpr uint64_t kMostPixels = 250'000'000;
 // The pixels as the sensor has them: the rig was calibrated on those, so no rotation by EXIF.
 template<class Picture>
 Picture readOrComplain(std::optional<Picture> (*read)(const std::filesystem::path&),
-                       const std::filesystem::path& file, int* quality = nullptr) {
+                       const std::filesystem::path& file, std::vector<uint8_t>* content = nullptr) {
     std::error_code ignored;
     if (std::filesystem::is_directory(file, ignored))
         throw geometry::InputError(file.string(), "", "is a folder, expected a photograph (png, jpg or tif)");
     if (!std::filesystem::is_regular_file(file, ignored))
         throw geometry::InputError(file.string(), "",
                                    "no such file, expected a photograph (png, jpg or tif)");
-    const std::vector<uint8_t> bytes = bytesOf(file);
+    std::vector<uint8_t> bytes = bytesOf(file);
     if (const auto size = pictureSize(bytes); size && size->first * size->second > kMostPixels)
         throw geometry::InputError(file.string(), "",
                                    fmt::format("{} x {} pixels, expected at most {} million in all",
@@ -50,16 +52,28 @@ Picture readOrComplain(std::optional<Picture> (*read)(const std::filesystem::pat
     if (!picture)
         throw geometry::InputError(file.string(), "",
                                    "not an image that can be read, expected png, jpg or tif");
-    if (quality) *quality = jpegQuality(bytes);
+    if (content) *content = std::move(bytes);
     return std::move(*picture);
+}
+
+// From values that stand for light by that exponent to those of a photograph.
+void encodeAgain(std::vector<uint8_t>& values, double gamma) {
+    constexpr double kUsual = 2.2, kAlike = 0.1;
+    if (std::abs(gamma - kUsual) < kAlike) return;
+    std::array<uint8_t, 256> encoded{};
+    for (size_t i = 0; i < encoded.size(); ++i)
+        encoded[i] =
+            static_cast<uint8_t>(std::lround(255 * std::pow(static_cast<double>(i) / 255, gamma / kUsual)));
+    for (uint8_t& value : values) value = encoded[value];
 }
 
 } // namespace
 
 Photograph readPhotograph(const std::filesystem::path& file) {
-    int quality = 100;
-    auto picture = readOrComplain(geometry::readPictureFile, file, &quality);
-    return {picture.width, picture.height, std::move(picture.rgb), file.string(), quality};
+    std::vector<uint8_t> bytes;
+    auto picture = readOrComplain(geometry::readPictureFile, file, &bytes);
+    if (const auto gamma = statedGamma(bytes)) encodeAgain(picture.rgb, *gamma);
+    return {picture.width, picture.height, std::move(picture.rgb), file.string(), jpegQuality(bytes)};
 }
 
 bool hasColor(const Photograph& photo) {

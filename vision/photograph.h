@@ -15,8 +15,9 @@ struct Photograph {
     int jpegQuality = 100;           // 1 to 100 as libjpeg counts, of the file; 100 where it is no JPEG
 };
 
-// Reads PNG, JPEG and TIFF, 8 or 16 bits, colour or grey; an alpha channel is dropped.
-// Throws InputError when the file is missing, no image, cut short, or of more than 250 million pixels.
+// Reads PNG, JPEG and TIFF, 8 or 16 bits, colour or grey; an alpha channel is dropped, another gamma that a
+// PNG states is taken out. Profiles are not read. Throws InputError when the file is missing, no image, cut
+// short, or of more than 250 million pixels.
 Photograph readPhotograph(const std::filesystem::path& file);
 
 // False for a grey picture: nothing can be read from it, since paint tells the walls' heights.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string_view>
 
 namespace heliodon::vision {
 
@@ -15,16 +16,12 @@ size_t numberAt(const std::vector<uint8_t>& bytes, size_t at, size_t count, bool
     return number;
 }
 
-// The chunks of a PNG, after its signature, up to the last.
-bool isWholePng(const std::vector<uint8_t>& bytes) {
-    for (size_t at = 8; at + 12 <= bytes.size();) {
-        const size_t length = numberAt(bytes, at, 4, true);
-        if (std::equal(bytes.begin() + static_cast<std::ptrdiff_t>(at) + 4,
-                       bytes.begin() + static_cast<std::ptrdiff_t>(at) + 8, "IEND"))
-            return true;
-        at += 12 + length;
-    }
-    return false;
+// Where a PNG's first chunk of that name begins, its length first. Chunks follow the signature.
+std::optional<size_t> chunkOf(const std::vector<uint8_t>& bytes, std::string_view name) {
+    for (size_t at = 8; at + 12 <= bytes.size(); at += 12 + numberAt(bytes, at, 4, true))
+        if (std::equal(name.begin(), name.end(), bytes.begin() + static_cast<std::ptrdiff_t>(at) + 4))
+            return at;
+    return std::nullopt;
 }
 
 // The segments of a JPEG up to the end marker; a preview within one of them has an end marker of its own.
@@ -112,9 +109,17 @@ Size pictureSize(const std::vector<uint8_t>& bytes) {
 }
 
 bool isCutShort(const std::vector<uint8_t>& bytes) {
-    if (isPng(bytes)) return !isWholePng(bytes);
+    if (isPng(bytes)) return !chunkOf(bytes, "IEND");
     if (isJpeg(bytes)) return !isWholeJpeg(bytes);
     return false;
+}
+
+std::optional<double> statedGamma(const std::vector<uint8_t>& bytes) {
+    if (!isPng(bytes) || chunkOf(bytes, "sRGB") || chunkOf(bytes, "iCCP")) return std::nullopt;
+    const auto chunk = chunkOf(bytes, "gAMA");
+    const size_t value = chunk && *chunk + 12 <= bytes.size() ? numberAt(bytes, *chunk + 8, 4, true) : 0;
+    if (value == 0) return std::nullopt;
+    return 100000.0 / static_cast<double>(value);
 }
 
 // The mean of the first table of quantization, of brightness, against that of ITU-T T.81, K.1.

@@ -17,4 +17,8 @@ bool isCutShort(const std::vector<uint8_t>& bytes);
 // 1 to 100 by libjpeg's scale; 100 where it is no JPEG or has no table.
 int jpegQuality(const std::vector<uint8_t>& bytes);
 
+// The exponent that takes its values to light, where the file states one by itself (gAMA of a PNG); none
+// where it does not or names a profile.
+std::optional<double> statedGamma(const std::vector<uint8_t>& bytes);
+
 } // namespace heliodon::vision

@@ -190,11 +190,56 @@ float WallEvidence::endStep(glm::dvec2 end, glm::dvec2 outward, double height) c
     return (level[1] - beside) / std::max(0.5f * (level[1] + beside), 1e-4f);
 }
 
+template<class Shape> std::array<float, 2> WallEvidence::stepsOfEnds(const Shape& shape) const {
+    const double height = geometry::heightInches(shape.heightClass);
+    const Line ends = endsOf(shape), tips = along(shape, 0, 1, 1);
+    std::array<float, 2> out{};
+    for (size_t k = 0; k < 2; ++k) out[k] = endStep(ends[k], glm::normalize(tips[k] - ends[k]), height);
+    return out;
+}
+std::array<float, 2> WallEvidence::endSteps(const geometry::Wall& wall) const {
+    return stepsOfEnds(wall);
+}
+std::array<float, 2> WallEvidence::endSteps(const geometry::Arc& arc) const {
+    return stepsOfEnds(arc);
+}
+
+double WallEvidence::paintedShareOf(const geometry::Wall& wall) const {
+    constexpr double kBlur = 0.1, kStep = 0.1; // inches
+    const double height = geometry::heightInches(wall.heightClass), off = 0.25 * options_.wallThickness;
+    const double length = lengthOf(wall), end = (options_.unpaintedEnd + kBlur) / length;
+    if (end >= 0.5) return 1;
+    const glm::dvec2 across = turnedLeft(glm::normalize(wall.b - wall.a));
+    size_t painted = 0, all = 0;
+    for (const glm::dvec2 middle :
+         along(wall, end, 1 - end, 1 + static_cast<int>((1 - 2 * end) * length / kStep)))
+        for (const double side : {-off, 0.0, off}) {
+            painted += paintSeen(middle + side * across, height) != Paint::none;
+            ++all;
+        }
+    return static_cast<double>(painted) / static_cast<double>(all);
+}
+
+template<class Shape> float WallEvidence::medianSaturation(const Shape& shape) const {
+    std::vector<float> seen;
+    for (const glm::dvec2 at : paintedLine(shape, options_.unpaintedEnd))
+        if (const auto light = overWhite(at, geometry::heightInches(shape.heightClass))) {
+            const auto [low, high] = std::minmax({light->r, light->g, light->b});
+            seen.push_back((high - low) / std::max(high, 1e-6f));
+        }
+    return seen.empty() ? 0 : median(std::move(seen));
+}
+float WallEvidence::saturationOf(const geometry::Wall& wall) const {
+    return medianSaturation(wall);
+}
+float WallEvidence::saturationOf(const geometry::Arc& arc) const {
+    return medianSaturation(arc);
+}
+
 template<class Shape> Relief WallEvidence::reliefOfShape(const Shape& shape) const {
     const double height = geometry::heightInches(shape.heightClass);
     Relief out;
-    const Line ends = endsOf(shape), tips = along(shape, 0, 1, 1);
-    for (size_t k = 0; k < 2; ++k) out.ends[k] = endStep(ends[k], glm::normalize(tips[k] - ends[k]), height);
+    out.ends = stepsOfEnds(shape);
     std::vector<float> steps;
     for (const Stretch& stretch : stretchesOf(shape))
         if (const auto step = footStep(stretch, height)) steps.push_back(*step);

@@ -16,7 +16,7 @@ constexpr double kOverEdge = 3; // inches that a wall may stick out over the tab
 // What a wall shows of its height, as parts of the level of light there. All are near nothing where a pen,
 // tape or a cable lies flat.
 struct Relief {
-    std::array<float, 2> ends{}; // how much brighter the white ends are than what is beside them
+    std::array<float, 2> ends{}; // WallEvidence::endSteps
     std::optional<float> foot;   // step of light where a face meets the table; none: no face is seen
 };
 
@@ -53,6 +53,17 @@ public:
     Line endsOf(const geometry::Wall& wall) const;
     Line endsOf(const geometry::Arc& arc) const;
 
+    // How much brighter each white end is than what is beside it, over the level there.
+    std::array<float, 2> endSteps(const geometry::Wall& wall) const;
+    std::array<float, 2> endSteps(const geometry::Arc& arc) const;
+
+    // Share of its top between the ends that has any paint; 1 where nothing is between them.
+    double paintedShareOf(const geometry::Wall& wall) const;
+
+    // Median of its paint's P' between the ends, 0 to 1; 0 outside the picture.
+    float saturationOf(const geometry::Wall& wall) const;
+    float saturationOf(const geometry::Arc& arc) const;
+
     // Mean light at a place over what white returns there; none outside the picture.
     std::optional<glm::vec3> overWhite(glm::dvec2 plan, double height) const;
 
@@ -74,6 +85,8 @@ private:
         Line foot;
         glm::dvec2 outward{};
     };
+    template<class Shape> std::array<float, 2> stepsOfEnds(const Shape& shape) const;
+    template<class Shape> float medianSaturation(const Shape& shape) const;
     template<class Shape> Relief reliefOfShape(const Shape& shape) const;
     template<class Shape> std::vector<Stretch> stretchesOf(const Shape& shape) const;
     std::optional<float> footStep(const Stretch& stretch, double height) const;

@@ -1,7 +1,9 @@
 // Tables, lamps and cameras that are not as one would wish: each test is a class of photographs that was once
 // misread.
 #include <cmath>
+#include <filesystem>
 #include <fstream>
+#include <iterator>
 
 #include <gtest/gtest.h>
 
@@ -481,6 +483,56 @@ TEST(DetectConditions, says_that_light_or_table_hide_something) {
     Perturbation dark;
     dark.electronsAtWhite = 60;
     EXPECT_TRUE(warnsOf(detectSketch(perturbed(paintTable(room(), rig), dark), rig), "noise"));
+}
+
+TEST(DetectConditions, says_that_paint_is_pale_or_streaked) {
+    const geometry::Rig rig = exampleRig();
+    const Photograph photo = paintTable(room(), rig);
+    Photograph pale = photo;
+    for (size_t i = 0; i + 2 < pale.rgb.size(); i += 3) {
+        const double grey = (pale.rgb[i] + pale.rgb[i + 1] + pale.rgb[i + 2]) / 3.0;
+        for (size_t c = 0; c < 3; ++c)
+            pale.rgb[i + c] = static_cast<uint8_t>(std::lround(grey + 0.3 * (pale.rgb[i + c] - grey)));
+    }
+    const DetectionResult read = detectSketch(pale, rig);
+    EXPECT_EQ(read.sketch.walls.size(), room().walls.size());
+    EXPECT_TRUE(warnsOf(read, "paint is pale"));
+    // Blotches of three quarters of the red light, on every second square of five pixels.
+    Photograph mottled = photo;
+    for (size_t i = 0; i + 2 < mottled.rgb.size(); i += 3) {
+        const size_t x = i / 3 % static_cast<size_t>(photo.width),
+                     y = i / 3 / static_cast<size_t>(photo.width);
+        if ((x / 5 + y / 5) % 2 == 0) mottled.rgb[i] = static_cast<uint8_t>(0.87 * mottled.rgb[i]);
+    }
+    EXPECT_TRUE(warnsOf(detectSketch(mottled, rig), "faintly coloured"));
+    Photograph streaked = photo;
+    for (int i = -6; i < 6; ++i)
+        cover(streaked, rig, {{i, 5.4}, {i + 0.6, 5.4}, {i + 0.6, 5.6}, {i, 5.6}},
+              geometry::heightInches(HeightClass::red), {0.84, 0.84, 0.82});
+    EXPECT_TRUE(warnsOf(detectSketch(streaked, rig), "streaked"));
+    EXPECT_TRUE(detectSketch(photo, rig).warnings.empty());
+}
+
+// A PNG may say that its values are light itself.
+TEST(Photograph, of_a_stated_gamma) {
+    const std::string file = ::testing::TempDir() + "linear.png";
+    std::ifstream in(HELIODON_SOURCE "/examples/i01_mixed.png", std::ios::binary);
+    std::string bytes{std::istreambuf_iterator<char>(in), {}};
+    std::string chunk("gAMA\x00\x01\x86\xA0", 8); // 100000
+    uint32_t check = 0xFFFFFFFF;                  // of PNG's chunks: CRC-32
+    for (const char c : chunk) {
+        check ^= static_cast<uint8_t>(c);
+        for (int bit = 0; bit < 8; ++bit) check = check >> 1 ^ (check & 1 ? 0xEDB88320 : 0);
+    }
+    for (int shift = 24; shift >= 0; shift -= 8) chunk += static_cast<char>(~check >> shift);
+    constexpr size_t kAfterHeader = 33;
+    bytes.insert(kAfterHeader, std::string("\x00\x00\x00\x04", 4) + chunk);
+    std::ofstream(file, std::ios::binary) << bytes;
+    const Photograph usual = readPhotograph(HELIODON_SOURCE "/examples/i01_mixed.png"),
+                     linear = readPhotograph(file);
+    for (size_t i = 0; i < usual.rgb.size(); i += 10007)
+        EXPECT_NEAR(linear.rgb[i], 255 * std::pow(usual.rgb[i] / 255.0, 1 / 2.2), 0.51);
+    std::filesystem::remove(file);
 }
 
 TEST(Photograph, too_many_pixels_are_refused_before_they_are_decoded) {

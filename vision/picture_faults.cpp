@@ -1,0 +1,98 @@
+#include "vision/picture_faults.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+
+#include "vision/doubts.h"
+#include "vision/median.h"
+
+namespace heliodon::vision {
+namespace {
+
+std::optional<std::string> overexposed(const PlanView& view, double radius) {
+    constexpr double kMost = 0.005, kStep = 0.25; // of the table; inches
+    constexpr uint8_t kClipped = 254;
+    const Photograph& photo = view.photo();
+    glm::dvec2 where{};
+    double clipped = 0, table = 0;
+    for (double x = -radius; x <= radius; x += kStep)
+        for (double y = -radius; y <= radius; y += kStep) {
+            if (glm::length(glm::dvec2(x, y)) > radius - kStep) continue;
+            const glm::dvec2 p = view.pixel({x, y}, 0);
+            const auto i = std::lround(p.x), j = std::lround(p.y);
+            if (i < 0 || j < 0 || i >= photo.width || j >= photo.height) continue;
+            const uint8_t* rgb = &photo.rgb[3 * (static_cast<size_t>(j) * static_cast<size_t>(photo.width) +
+                                                 static_cast<size_t>(i))];
+            table += 1;
+            if (std::min({rgb[0], rgb[1], rgb[2]}) >= kClipped) clipped += 1, where += p;
+        }
+    if (clipped <= kMost * table) return std::nullopt;
+    where /= clipped;
+    return fmt::format("about pixel {:.0f}, {:.0f}: {:.0f} % of the table are overexposed; what lies there "
+                       "cannot be seen",
+                       where.x, where.y, std::max(1.0, 100 * clipped / table));
+}
+
+// Glare, wear and a camera's settings make paint pale; that of the walls found is as the rest, of which some
+// may be paler than what counts as paint.
+std::optional<std::string> pale(const geometry::Sketch& sketch, const WallEvidence& evidence) {
+    constexpr float kPale = 0.45f;
+    std::vector<float> saturation;
+    for (const auto& wall : sketch.walls) saturation.push_back(evidence.saturationOf(wall));
+    for (const auto& arc : sketch.arcs) saturation.push_back(evidence.saturationOf(arc));
+    if (saturation.empty()) return std::nullopt;
+    const float typical = median(std::move(saturation));
+    if (typical >= kPale) return std::nullopt;
+    return fmt::format("the walls' paint is pale (saturation {:.2f}, expected 0.6 to 0.9): was the picture's "
+                       "colour turned down, or is there glare? Walls, markers and tokens may be missed",
+                       typical);
+}
+
+// Streaks and wear: the worst of the walls that were read tells of those that were not.
+std::optional<std::string> interrupted(const geometry::Sketch& sketch, const WallEvidence& evidence) {
+    constexpr double kWhole = 0.88;
+    double least = 1;
+    glm::dvec2 where{};
+    for (const auto& wall : sketch.walls)
+        if (const double share = evidence.paintedShareOf(wall); share < least)
+            least = share, where = centreOf(wall.detection);
+    if (least > kWhole) return std::nullopt;
+    return fmt::format(
+        "about pixel {:.0f}, {:.0f}: {:.0f} % of a wall's top are bare between its ends: is the paint "
+        "streaked, worn or in glare? Walls may be misread or missed",
+        where.x, where.y, 100 * (1 - least));
+}
+
+} // namespace
+
+std::vector<std::string> pictureFaults(const geometry::Sketch& sketch, const ClassImage& image,
+                                       const WallEvidence& evidence, const PlanView& view, double radius) {
+    std::vector<std::string> out;
+    if (auto line = overexposed(view, radius)) out.push_back(std::move(*line));
+    constexpr int kCoarse = 35;
+    if (view.photo().jpegQuality < kCoarse)
+        out.push_back(
+            fmt::format("the file is strongly compressed (JPEG quality {}): colours run together over "
+                        "16 pixels, markers and tokens may be misread",
+                        view.photo().jpegQuality));
+    constexpr double kNoisy = 0.1, kMottled = 0.05;
+    if (image.noise > kNoisy)
+        out.push_back(
+            fmt::format("the picture is so dark that noise is {:.0f} % of what white returns: walls may "
+                        "be missed and colours misread; more light or a longer exposure helps",
+                        100 * image.noise));
+    if (image.faintShare > kMottled)
+        out.push_back(
+            fmt::format("{:.0f} % of the table look faintly coloured: noise of the camera, or coloured "
+                        "light? Walls and markers may be misread",
+                        100 * image.faintShare));
+    if (auto line = pale(sketch, evidence)) out.push_back(std::move(*line));
+    if (auto line = interrupted(sketch, evidence)) out.push_back(std::move(*line));
+    return out;
+}
+
+} // namespace heliodon::vision
