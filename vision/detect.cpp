@@ -161,8 +161,8 @@ private:
         const auto turn = pictureTurn(out_.sketch.walls, image_, view_, options_, radius());
         if (!turn) return;
         out_.warnings.push_back(
-            fmt::format("the faces of the walls fit the rig's camera better if the picture is {}: was it "
-                        "changed after it was taken? The sketch would be, too",
+            fmt::format("the picture fits the rig's camera better if it is {}: was it changed after it was "
+                        "taken? The sketch would be, too",
                         *turn == PictureTurn::mirrored     ? "mirrored left to right"
                         : *turn == PictureTurn::upsideDown ? "mirrored top to bottom"
                                                            : "turned by half"));
