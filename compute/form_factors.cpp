@@ -126,9 +126,74 @@ HierarchicalFormFactors links(gpu::Device& device, const geometry::PatchMesh& me
     return HierarchicalFormFactors(device, mesh, options);
 }
 
+using TakeTile = std::function<void(const FormFactorTile&)>;
+
+FormFactorReport exactTiles(gpu::Device& device, const geometry::PatchMesh& mesh, double maxError,
+                            const TakeTile& take) {
+    ExactOptions exact;
+    if (maxError > 0) exact.maxError = maxError;
+    const auto takeTile = [&](const ExactTile& t) {
+        take({t.firstRow, t.rows, t.firstColumn, t.columns, {t.values, size_t{t.rows} * t.columns}});
+    };
+    FormFactorReport report = exactFormFactorTiles(device, mesh, exact, takeTile).factors.report;
+    report.reciprocityRms = 0;
+    return report;
+}
+
+[[noreturn]] void refuseErrorOfRows(size_t patches) {
+    throw geometry::InputError(
+        "--kernel", "hemicube",
+        fmt::format(
+            "rows of {} patches are written as they come, before what their columns show of the error "
+            "is known: no error can be asked for; expected --resolution instead, or another kernel",
+            patches));
+}
+
+FormFactorReport hemicubeRows(gpu::Device& device, const geometry::PatchMesh& mesh,
+                              const FormFactorOptions& options, const TakeTile& take) {
+    const auto n = static_cast<uint32_t>(mesh.patchCount());
+    FormFactorReport report;
+    Hemicube hemicube(device, mesh, {options.resolution});
+    for (uint32_t first = 0; first < n; first += kStreamedRows) {
+        const uint32_t count = std::min(kStreamedRows, n - first);
+        const PatchViewpoints views = patchViewpoints(mesh, options.points, first, count);
+        const auto values =
+            hemicube.run(views.viewpoints, views.pointsPerPatch).factors.download<float>(size_t{count} * n);
+        take({first, count, 0, n, values});
+        report.points = views.pointsPerPatch;
+    }
+    report.kernel = "hemicube";
+    report.why = "rows as their points see them";
+    report.resolution = options.resolution;
+    return report;
+}
+
+FormFactorReport monteCarloRows(gpu::Device& device, const geometry::PatchMesh& mesh,
+                                const FormFactorOptions& options, double maxError, const TakeTile& take) {
+    const auto n = static_cast<uint32_t>(mesh.patchCount());
+    const uint32_t side = std::min(options.resolution, 256u);
+    MonteCarlo kernel(device, mesh, {maxError > 0 ? raysOfRows(device, mesh, maxError) : side * side});
+    std::vector<float> values(size_t{std::min(n, kStreamedRows)} * n);
+    std::vector<MonteCarloSpread> spreads(kStreamedRows);
+    MonteCarloSpread all;
+    for (uint32_t first = 0; first < n; first += kStreamedRows) {
+        const uint32_t count = std::min(kStreamedRows, n - first);
+        kernel.rows(first, count, values, spreads);
+        for (uint32_t k = 0; k < count; ++k) all.add(spreads[k]);
+        take({first, count, 0, n, std::span(values).first(size_t{count} * n)});
+    }
+    FormFactorReport report;
+    report.kernel = "montecarlo";
+    report.why = fmt::format("each row from its own {} rays", kernel.rays());
+    report.points = kernel.rays();
+    report.claimedRowError = all.claim() / std::sqrt(std::max(n, 1u));
+    if (maxError > 0 && report.claimedRowError > maxError && kernel.rays() >= kMostRays)
+        report.why += allRaysCast(report.claimedRowError);
+    return report;
+}
+
 // Rows [0, n) in blocks, each block's on all cores.
-void takeRows(const HierarchicalFormFactors& factors,
-              const std::function<void(const FormFactorTile&)>& take) {
+void takeRows(const HierarchicalFormFactors& factors, const TakeTile& take) {
     const uint32_t n = factors.patchCount();
     std::vector<float> values(size_t{std::min(n, kStreamedRows)} * n);
     for (uint32_t first = 0; first < n; first += kStreamedRows) {
@@ -289,9 +354,8 @@ FormFactorReport streamFormFactors(gpu::Device& device, const geometry::PatchMes
                                    const std::function<void(const FormFactorTile&)>& take) {
     const Stopwatch watch;
     const KernelChoice choice = chooseKernel(device, mesh, options);
-    const auto n = static_cast<uint32_t>(mesh.patchCount());
-    std::vector<double> sums(n, 0.0);
-    const auto taken = [&](const FormFactorTile& tile) {
+    std::vector<double> sums(mesh.patchCount(), 0.0);
+    const TakeTile taken = [&](const FormFactorTile& tile) {
         for (size_t i = 0; i < tile.rows; ++i)
             for (size_t j = 0; j < tile.columns; ++j)
                 sums[tile.firstRow + i] += double{tile.values[i * tile.columns + j]};
@@ -299,57 +363,16 @@ FormFactorReport streamFormFactors(gpu::Device& device, const geometry::PatchMes
     };
     FormFactorReport report;
     if (choice.kernel == "exact") {
-        ExactOptions exact;
-        if (choice.maxError > 0) exact.maxError = choice.maxError;
-        const auto takeTile = [&](const ExactTile& t) {
-            taken({t.firstRow, t.rows, t.firstColumn, t.columns, {t.values, size_t{t.rows} * t.columns}});
-        };
-        report = exactFormFactorTiles(device, mesh, exact, takeTile).factors.report;
-        report.reciprocityRms = 0;
+        report = exactTiles(device, mesh, choice.maxError, taken);
     } else if (choice.kernel == "hierarchical") {
         const HierarchicalFormFactors factors = links(device, mesh, choice.maxError);
         report = factors.report();
         takeRows(factors, taken);
     } else if (choice.kernel == "hemicube") {
-        if (choice.maxError > 0)
-            throw geometry::InputError(
-                "--kernel", "hemicube",
-                fmt::format(
-                    "rows of {} patches are written as they come, before what their columns show of the "
-                    "error is known: no error can be asked for; expected --resolution instead, or "
-                    "another kernel",
-                    n));
-        Hemicube hemicube(device, mesh, {options.resolution});
-        for (uint32_t first = 0; first < n; first += kStreamedRows) {
-            const uint32_t count = std::min(kStreamedRows, n - first);
-            const PatchViewpoints views = patchViewpoints(mesh, options.points, first, count);
-            const auto values = hemicube.run(views.viewpoints, views.pointsPerPatch)
-                                    .factors.download<float>(size_t{count} * n);
-            taken({first, count, 0, n, values});
-            report.points = views.pointsPerPatch;
-        }
-        report.kernel = "hemicube";
-        report.why = "rows as their points see them";
-        report.resolution = options.resolution;
+        if (choice.maxError > 0) refuseErrorOfRows(mesh.patchCount());
+        report = hemicubeRows(device, mesh, options, taken);
     } else if (choice.kernel == "montecarlo") {
-        const uint32_t side = std::min(options.resolution, 256u);
-        MonteCarlo kernel(device, mesh,
-                          {choice.maxError > 0 ? raysOfRows(device, mesh, choice.maxError) : side * side});
-        std::vector<float> values(size_t{std::min(n, kStreamedRows)} * n);
-        std::vector<MonteCarloSpread> spreads(kStreamedRows);
-        MonteCarloSpread all;
-        for (uint32_t first = 0; first < n; first += kStreamedRows) {
-            const uint32_t count = std::min(kStreamedRows, n - first);
-            kernel.rows(first, count, values, spreads);
-            for (uint32_t k = 0; k < count; ++k) all.add(spreads[k]);
-            taken({first, count, 0, n, std::span(values).first(size_t{count} * n)});
-        }
-        report.kernel = "montecarlo";
-        report.why = fmt::format("each row from its own {} rays", kernel.rays());
-        report.points = kernel.rays();
-        report.claimedRowError = all.claim() / std::sqrt(std::max(n, 1u));
-        if (choice.maxError > 0 && report.claimedRowError > choice.maxError && kernel.rays() >= kMostRays)
-            report.why += allRaysCast(report.claimedRowError);
+        report = monteCarloRows(device, mesh, options, choice.maxError, taken);
     } else {
         refuse(choice.kernel);
     }
