@@ -76,7 +76,7 @@ std::vector<std::string> splitCsv(const std::string& line, char separator, const
 }
 
 double numberIn(const std::string& cell, const std::string& file, size_t line, const char* column) {
-    const std::optional<double> value = geometry::numberFrom(cell);
+    const std::optional<double> value = geometry::signedNumberFrom(cell);
     if (!value)
         throw InputError(file, std::to_string(line),
                          fmt::format("column {} is '{}', expected a number", column, cell));

@@ -70,6 +70,8 @@ TEST_F(TableFile, semicolons_and_tabs_become_commas_and_decimal_commas_points) {
     EXPECT_EQ(table.points[0], glm::dvec3(1.5, 2, -3));
     test::writeText(in("s.csv"), "x\ty\tz\tnx\tny\tnz\tnote\r\n1\t2\t3\t0\t0\t1\t\r\n");
     EXPECT_EQ(readSensors(in("s.csv"), geometry::UpAxis::y).rows, std::vector<std::string>{"1,2,3,0,0,1,"});
+    test::writeText(in("s.csv"), "x,y,z,nx,ny,nz\n+1.5,2,+3e0,0,+1,0\n");
+    EXPECT_EQ(readSensors(in("s.csv"), geometry::UpAxis::y).points[0], glm::dvec3(1.5, 2, 3));
 }
 
 TEST_F(TableFile, text_with_commas_is_one_field) {
