@@ -251,24 +251,47 @@ std::optional<FoundTarget> tryDisks(Grey& grey, const CalibrationTarget& target,
     return std::nullopt;
 }
 
-} // namespace
-
-FoundTarget findTarget(const Photograph& photo, const CalibrationTarget& target) {
-    constexpr std::array kNames{"red", "green", "blue", "yellow"};
+// Notes the disks that have candidates.
+std::optional<FoundTarget> search(const Photograph& photo, const CalibrationTarget& target,
+                                  std::array<bool, 4>& seen) {
     Grey grey(greyOf(photo));
-    std::array<bool, 4> seen{};
     // Pale print or stray light wants a lower threshold; hands beside a disk a higher one.
     for (const double saturation : {0.5, 0.35, 0.22}) {
         const auto candidates = findDisks(photo, target, saturation);
         for (const size_t without : {4, 0, 1, 2, 3})
-            if (auto found = tryDisks(grey, target, candidates, without)) return *found;
+            if (auto found = tryDisks(grey, target, candidates, without)) return found;
         for (size_t i = 0; i < 4; ++i) seen[i] = seen[i] || !candidates[i].empty();
     }
+    return std::nullopt;
+}
+
+Photograph mirrored(const Photograph& photo) {
+    Photograph out = photo;
+    const auto width = static_cast<size_t>(photo.width), pixels = width * static_cast<size_t>(photo.height);
+    for (size_t i = 0; i < pixels; ++i) {
+        const size_t from = i - i % width + (width - 1 - i % width);
+        for (size_t c = 0; c < 3; ++c) out.rgb[3 * i + c] = photo.rgb[3 * from + c];
+    }
+    return out;
+}
+
+} // namespace
+
+FoundTarget findTarget(const Photograph& photo, const CalibrationTarget& target) {
+    constexpr std::array kNames{"red", "green", "blue", "yellow"};
+    std::array<bool, 4> seen{};
+    if (auto found = search(photo, target, seen)) return *found;
     FoundTarget none;
     for (size_t i = 0; i < 4; ++i)
         if (!seen[i]) none.problem += fmt::format("{}{}", none.problem.empty() ? "no " : ", no ", kNames[i]);
-    none.problem =
-        none.problem.empty() ? "no marks where its coloured disks should be" : none.problem + " disk found";
+    if (!none.problem.empty()) {
+        none.problem += " disk found";
+        return none;
+    }
+    std::array<bool, 4> ignored{};
+    none.problem = search(mirrored(photo), target, ignored)
+                       ? "the board is seen mirrored: was the picture flipped after it was taken?"
+                       : "no marks where its coloured disks should be";
     return none;
 }
 

@@ -24,8 +24,8 @@ struct FoundTarget {
     std::string problem;                            // why there are no marks, for the user
 };
 
-// The photograph must be in colour and show three of the disks whole; marks may be hidden. About 0.1 s for
-// 1392 x 1032.
+// The photograph must be in colour and show three of the disks whole; marks may be hidden. A mirrored board
+// is none, which `problem` says. About 0.1 s for 1392 x 1032, twice that without a board.
 FoundTarget findTarget(const Photograph& photo, const CalibrationTarget& target);
 
 // A round area of one of the target's colours on white.

@@ -140,6 +140,20 @@ TEST_F(TargetFile, printed_pages_have_true_size_and_are_found_as_they_are_drawn)
     }
 }
 
+TEST_F(TargetFile, a_mirrored_picture_of_the_board_is_named) {
+    const CalibrationTarget target = makeTarget(1.016);
+    const Page page = readSvg(written(target, ".svg"));
+    Photograph photo = painted(page, 900 / page.edge);
+    const auto width = static_cast<size_t>(photo.width);
+    for (size_t i = 0; i < photo.rgb.size() / 3; ++i)
+        if (const size_t x = i % width; 2 * x < width)
+            std::swap_ranges(&photo.rgb[3 * i], &photo.rgb[3 * i] + 3,
+                             &photo.rgb[3 * (i - x + width - 1 - x)]);
+    const FoundTarget found = findTarget(photo, target);
+    EXPECT_TRUE(found.marks.empty());
+    EXPECT_NE(found.problem.find("mirrored"), std::string::npos) << found.problem;
+}
+
 TEST(CalibrationTarget, is_the_papers) {
     const CalibrationTarget target = makeTarget();
     ASSERT_EQ(target.marks.size(), 212u);
