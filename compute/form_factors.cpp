@@ -116,7 +116,13 @@ FormFactors hemicubeFormFactors(gpu::Device& device, const geometry::PatchMesh& 
             hemicube.pairTolerance *= std::clamp(0.5 * maxError / result.nearError, 0.1, 0.5);
             lastNear = result.nearError;
         }
-        if (far) ++step, lastFar = result.farError;
+        if (far) {
+            // Each step about halves it: those that would not do are left out.
+            const double lacking = std::floor(std::log2(result.farError / maxError));
+            step = std::min(step + static_cast<size_t>(std::clamp(lacking, 1.0, 1.0 * kSteps.size())),
+                            kSteps.size() - 1);
+            lastFar = result.farError;
+        }
     }
 }
 
