@@ -4,7 +4,9 @@
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <set>
+#include <sstream>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -20,12 +22,43 @@ namespace {
 
 const std::string kCalibrate = "calibrate";
 
+// Help of 96 columns, which terminals show without breaking words.
+class HelpLayout : public CLI::Formatter {
+public:
+    HelpLayout() { label("SUBCOMMAND", "COMMAND"); }
+
+    std::string make_option_name(const CLI::Option* option, bool isPositional) const override {
+        const std::string name = CLI::Formatter::make_option_name(option, isPositional);
+        return name.substr(0, name.find('{')); // "--no-stamp{false}"
+    }
+    std::string make_option_desc(const CLI::Option* option) const override {
+        return wrapped(option->get_description());
+    }
+    std::string make_subcommand(const CLI::App* sub) const override {
+        std::ostringstream out;
+        CLI::detail::format_help(out, sub->get_name(), wrapped(sub->get_description()), column_width_);
+        return out.str();
+    }
+
+private:
+    std::string wrapped(const std::string& text) const {
+        const size_t width = 96 - column_width_;
+        std::string lines, word;
+        size_t used = 0;
+        for (std::istringstream words(text); words >> word; used += word.size()) {
+            if (used > 0) lines += used + 1 + word.size() > width ? (used = 0, '\n') : (++used, ' ');
+            lines += word;
+        }
+        return lines;
+    }
+};
+
 class Parser {
 public:
     Parser() : app_("A virtual heliodon: from a sketch on a table to daylight on the model.", "heliodon") {
         app_.set_version_flag("--version", HELIODON_VERSION);
         app_.require_subcommand(1);
-        app_.get_formatter()->label("SUBCOMMAND", "COMMAND");
+        app_.formatter(std::make_shared<HelpLayout>());
         app_.footer("heliodon COMMAND --help says more, with an example.");
         addDetect();
         addModel();
@@ -300,7 +333,7 @@ private:
     void addTimelapse() {
         CLI::App* sub = add(
             "timelapse", "a day, or a year, as a film or as pictures", timelapse_,
-            "sketch.json --from 2026-06-21T07:00solar --to 2026-06-21T17:00solar --step PT10M -o day.mp4");
+            "sketch.json --from 2026-06-21T07:00solar --to 2026-06-21T17:00solar \\\n      --step PT10M -o day.mp4");
         addScene(sub, timelapse_.scene);
         addBlinds(sub, timelapse_.scene);
         addMoment(sub, timelapse_.moment, false);
