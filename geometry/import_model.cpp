@@ -11,6 +11,8 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include "geometry/bounds.h"
+#include "geometry/box_tree.h"
 #include "geometry/counted.h"
 #include "geometry/disjoint_sets.h"
 #include "geometry/face_soup.h"
@@ -59,20 +61,24 @@ public:
         gatherSoup();
     }
 
-    Building import() {
+    Building import(const std::function<void()>& beforePart) {
         bool tried = false;
+        const auto then = [&](auto part) {
+            beforePart();
+            return (this->*part)();
+        };
         try {
-            weld();
-            closeGaps();
-            if (endsOnFaces()) {
+            then(&ModelImporter::weld);
+            then(&ModelImporter::closeGaps);
+            if (then(&ModelImporter::endsOnFaces)) {
                 tried = true;
-                if (shareWalls()) return done();
+                if (then(&ModelImporter::shareWalls)) return done();
             }
-            orient();
-            nestShells();
-            splitSharedCorners();
-            finish();
-            prove();
+            then(&ModelImporter::orient);
+            then(&ModelImporter::nestShells);
+            then(&ModelImporter::splitSharedCorners);
+            then(&ModelImporter::finish);
+            then(&ModelImporter::prove);
         } catch (const InputError&) {
             if (tried || !shareWalls()) throw;
         }
@@ -317,23 +323,21 @@ private:
     bool endsOnFaces() const {
         bool ends = std::ranges::any_of(facesOfEdges(building_),
                                         [](const auto& entry) { return entry.second.size() == 1; });
-        std::vector<std::pair<glm::dvec3, glm::dvec3>> boxes;
+        std::vector<Bounds> boxes;
+        std::vector<glm::dvec3> outline;
         for (const Face& face : building_.faces) {
-            boxes.emplace_back(building_.vertices[face.loops[0][0]], building_.vertices[face.loops[0][0]]);
-            for (const uint32_t v : face.loops[0])
-                boxes.back() = {glm::min(boxes.back().first, building_.vertices[v]),
-                                glm::max(boxes.back().second, building_.vertices[v])};
+            outline.clear();
+            for (const uint32_t v : face.loops[0]) outline.push_back(building_.vertices[v]);
+            boxes.push_back(boundsOf(outline));
         }
+        const BoxTree tree(boxes);
         const glm::dvec3 margin(offPlane());
         for (uint32_t f = 0; f < building_.faces.size(); ++f) {
-            const glm::dvec3 low = boxes[f].first + margin, high = boxes[f].second - margin;
             const auto& loop = building_.faces[f].loops[0];
-            bool hidden = false;
-            for (uint32_t g = 0; g < building_.faces.size() && !hidden; ++g)
-                hidden = g != f && glm::all(glm::lessThanEqual(boxes[g].first, low)) &&
-                         glm::all(glm::greaterThanEqual(boxes[g].second, high)) &&
-                         coplanar(building_.faces[g], loop) && inside(building_.faces[g], loop);
-            if (!hidden) continue;
+            const auto hides = [&](uint32_t g) {
+                return g != f && coplanar(building_.faces[g], loop) && inside(building_.faces[g], loop);
+            };
+            if (!tree.anyHolding(boxes[f].low + margin, boxes[f].high - margin, hides)) continue;
             // A pane that lies in a wall face that was not cut is drawn, not hidden: the user must mend it.
             if (model_.materials[building_.faces[f].material].isOpening())
                 refuse({f}, "an opening lies on another face that is not cut out for it");
@@ -485,8 +489,8 @@ private:
 
 } // namespace
 
-Building importModel(const std::filesystem::path& file, UpAxis up) {
-    return ModelImporter(file, up).import();
+Building importModel(const std::filesystem::path& file, UpAxis up, const std::function<void()>& beforePart) {
+    return ModelImporter(file, up).import(beforePart);
 }
 
 } // namespace heliodon::geometry

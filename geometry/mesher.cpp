@@ -63,8 +63,9 @@ double regularEdge(const Building& building, double count) {
 
 class BuildingMesher {
 public:
-    BuildingMesher(const Building& building, size_t wanted)
-        : building_(building), wanted_(static_cast<double>(wanted)),
+    BuildingMesher(const Building& building, const MeshOptions& options)
+        : building_(building), beforePart_(options.beforePart),
+          wanted_(static_cast<double>(std::max<size_t>(options.triangles, 1))),
           domains_(findMeshDomains(building, regularEdge(building, wanted_))), sampler_(building, domains_) {
         for (const MeshDomain& domain : domains_) {
             double twice = 0;
@@ -125,6 +126,7 @@ private:
     double off(double count) const { return std::abs(count - wanted_); }
 
     Draft draftOf(size_t d, double lattice) const {
+        beforePart_();
         Draft draft{sampler_.planar(d), {}, {}, {}};
         if (domains_[d].frames.size() > 1) draft.grid = meshUprightGrid(draft.plane);
         if (draft.grid) {
@@ -166,11 +168,17 @@ private:
         return count;
     }
 
+    void triangulate(Draft& draft) const {
+        if (draft.grid || draft.net) return;
+        beforePart_();
+        draft.net = draftMesh(draft.plane, draft.seeds);
+    }
+
     // Triangulates what is left to; returns how many triangles there are.
     double finishDrafts() {
         double count = 0;
         for (Draft& draft : drafts_) {
-            if (!draft.grid && !draft.net) draft.net = draftMesh(draft.plane, draft.seeds);
+            triangulate(draft);
             count +=
                 static_cast<double>(draft.grid ? draft.grid->triangles.size() : draft.net->corner.size());
         }
@@ -182,7 +190,7 @@ private:
         double added = 0;
         for (Draft& draft : drafts_) {
             if (draft.plane.size.uniform() || draft.grid) continue;
-            if (!draft.net) draft.net = draftMesh(draft.plane, draft.seeds);
+            triangulate(draft);
             added += 2 * static_cast<double>(draft.net->points.size() - draft.plane.boundary.size() -
                                              draft.seeds.size());
         }
@@ -371,6 +379,7 @@ private:
     }
 
     void meshDomain(size_t d) {
+        beforePart_();
         Draft& draft = plan_->drafts[d];
         std::vector<uint32_t> vertices = boundaryVertices(domains_[d]);
         const PlanarMesh flat = draft.grid ? std::move(*draft.grid)
@@ -453,6 +462,7 @@ private:
     }
 
     const Building& building_;
+    const std::function<void()>& beforePart_;
     double wanted_, edge_ = 0, added_ = 0; // added: triangles that refinement adds, as far as known
     size_t additions_ = 0;                 // points that optimisation may still add
     std::vector<double> areas_;            // per domain
@@ -478,7 +488,7 @@ double fittingFacet(double surface, const MeshOptions& options) {
 
 PatchMesh meshBuilding(const Building& building, const MeshOptions& options) {
     if (building.faces.empty()) return {};
-    return BuildingMesher(building, std::max<size_t>(options.triangles, 1)).mesh();
+    return BuildingMesher(building, options).mesh();
 }
 
 } // namespace heliodon::geometry

@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "engine/app/blinds.h"
+#include "engine/app/interrupt.h"
 #include "engine/app/model_hints.h"
 #include "geometry/counted.h"
 #include "geometry/input_error.h"
@@ -121,7 +122,7 @@ void reportImport(Run& run, const geometry::PatchMesh& mesh, const geometry::Bui
 geometry::Building importOrRefuse(Run& run, const SceneArguments& arguments, geometry::UpAxis up) {
     const StageTimer timer(run, "model");
     try {
-        return geometry::importModel(arguments.input, up);
+        return geometry::importModel(arguments.input, up, throwIfInterrupted);
     } catch (const InputError& error) {
         run.report()["outcome"] = "refuse";
         run.report()["code"] = "BAD_MODEL";
@@ -291,7 +292,7 @@ Scene makeScene(Run& run, const SceneArguments& arguments, std::optional<geometr
     }
     {
         const StageTimer timer(run, "model");
-        scene.mesh = geometry::meshBuilding(building, {wanted});
+        scene.mesh = geometry::meshBuilding(building, {wanted, throwIfInterrupted});
         // Curved walls of many facets need many triangles; with few, coarser facets serve better.
         const bool mayCoarsen = curved && !arguments.chordError;
         while (mayCoarsen && closure.chordError < kCoarsestChord && tooManyFacets(scene.mesh, wanted)) {
@@ -302,7 +303,7 @@ Scene makeScene(Run& run, const SceneArguments& arguments, std::optional<geometr
             if (!coarser.building) break;
             building = std::move(*coarser.building);
             reportClosure(run, coarser.report);
-            scene.mesh = geometry::meshBuilding(building, {wanted});
+            scene.mesh = geometry::meshBuilding(building, {wanted, throwIfInterrupted});
         }
     }
     if (!scene.sketch) {

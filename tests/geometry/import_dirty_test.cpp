@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
+#include "geometry/box_tree.h"
 #include "geometry/input_error.h"
 #include "geometry/mesher.h"
 #include "geometry/model_file.h"
@@ -139,6 +140,34 @@ std::string twoRoomsWithPane(double height) {
         for (const double z : {0.0, 3.0}) face("wall", {{x, 0, z}, {end, 0, z}, {end, 2.5, z}, {x, 2.5, z}});
     }
     return file;
+}
+
+TEST(BoxTree, finds_what_holds_a_box_as_looking_at_all_does) {
+    std::mt19937 random(3);
+    std::uniform_int_distribution<int> place(0, 6), size(-1, 4); // many in one place, some empty the other way round
+    const auto boxOf = [&] {
+        const glm::dvec3 low(place(random), place(random), place(random));
+        return Bounds{low, low + glm::dvec3(size(random), size(random), size(random))};
+    };
+    std::vector<Bounds> boxes;
+    for (size_t count = 0; count < 70; boxes.push_back(boxOf()), ++count) {
+        const BoxTree tree(boxes);
+        for (int i = 0; i < 20; ++i) {
+            const Bounds held = boxOf();
+            std::vector<uint32_t> found, all;
+            EXPECT_FALSE(tree.anyHolding(held.low, held.high, [&](uint32_t box) {
+                found.push_back(box);
+                return false;
+            }));
+            for (uint32_t box = 0; box < count; ++box)
+                if (glm::all(glm::lessThanEqual(boxes[box].low, held.low)) &&
+                    glm::all(glm::greaterThanEqual(boxes[box].high, held.high)))
+                    all.push_back(box);
+            std::ranges::sort(found);
+            EXPECT_EQ(found, all);
+            EXPECT_EQ(tree.anyHolding(held.low, held.high, [](uint32_t) { return true; }), !all.empty());
+        }
+    }
 }
 
 TEST(DirtyModel, a_piece_of_a_face_drawn_again_changes_nothing) {

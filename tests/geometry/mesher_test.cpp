@@ -47,6 +47,17 @@ void expectNoTVertices(const PatchMesh& mesh) {
 
 } // namespace
 
+TEST(Mesher, what_is_thrown_before_a_part_ends_the_work) {
+    const Building building = buildingOf("p04_L.json");
+    for (const int parts : {0, 1, 20}) {
+        int left = parts;
+        const auto stop = [&] {
+            if (left-- == 0) throw std::invalid_argument("enough");
+        };
+        EXPECT_THROW(meshBuilding(building, {2000, stop}), std::invalid_argument) << parts;
+    }
+}
+
 class MeshOfSketch : public testing::TestWithParam<std::string> {};
 
 TEST_P(MeshOfSketch, closes_keeps_the_area_and_is_about_as_fine_as_asked) {
