@@ -4,10 +4,12 @@
 #include <array>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include <glm/geometric.hpp>
 
 #include "compute/daylight/frame.h"
+#include "compute/daylight/horizon_ribbon.h"
 #include "compute/daylight/quadrature.h"
 
 namespace heliodon::daylight {
@@ -137,7 +139,7 @@ Sky perezSky(const PerezShape& shape, glm::dvec3 sunDirection, double scale) {
 
 // Every formula depends on the azimuth only through its distance from the sun's, so half the sky is enough.
 // In altitude the rule is cut at the sun, where the luminance has a cone's tip, and its nodes crowd there
-// (t^2), as they do at the horizon for exp(b / z).
+// (t^2), as they do at the horizon for exp(b / z); a ribbon there is cut once more.
 double diffuseHorizontalIlluminance(const Sky& sky) {
     if (sky.formula.scale <= 0) return 0;
     const SkyFormula& f = sky.formula;
@@ -166,10 +168,22 @@ double diffuseHorizontalIlluminance(const Sky& sky) {
             sum += w * 2.0 * t * std::abs(to - from) * ring(from + (to - from) * t * t);
         return sum;
     };
+    const auto between = [&](double from, double to) {
+        const double middle = 0.5 * (from + to);
+        return band(from, middle) + band(to, middle);
+    };
+    if (hasHorizonRibbon(f)) {
+        std::array<double, 6> ends{sunAltitude, kPi / 2};
+        std::ranges::transform(horizonRibbonCuts(f), ends.begin() + 2,
+                               [](double z) { return std::asin(std::min(1.0, z)); });
+        std::ranges::sort(ends);
+        double sum = 0, from = 0;
+        for (const double to : ends) sum += between(std::exchange(from, to), to);
+        return sum;
+    }
     const double low = std::asin(std::min(1.0, darkBelow(f)));
     if (low >= sunAltitude) return band(low, kPi / 2);
-    const double middle = 0.5 * (low + sunAltitude);
-    return band(low, middle) + band(sunAltitude, middle) + band(sunAltitude, kPi / 2);
+    return between(low, sunAltitude) + band(sunAltitude, kPi / 2);
 }
 
 double directHorizontalIlluminance(const Sky& sky) {

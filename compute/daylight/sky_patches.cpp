@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "compute/daylight/frame.h"
+#include "compute/daylight/horizon_ribbon.h"
 #include "compute/daylight/quadrature.h"
 
 namespace heliodon::daylight {
@@ -70,6 +71,20 @@ double refinedMean(const Sky& sky, const Cell& cell, int depth) {
         sum += estimate.agrees() || depth == kDeepest ? estimate.fine : refinedMean(sky, quarter, depth + 1);
     }
     return 0.25 * sum;
+}
+
+// Of a sky with a ribbon at the horizon, which halving a cell would find too late.
+double meanWithRibbon(const Sky& sky, const Cell& cell) {
+    double sum = 0;
+    Cell part = cell;
+    const auto add = [&](double highSine) {
+        part.highSine = std::clamp(highSine, part.lowSine, cell.highSine);
+        if (part.highSine > part.lowSine) sum += (part.highSine - part.lowSine) * refinedMean(sky, part, 1);
+        part.lowSine = part.highSine;
+    };
+    for (const double z : horizonRibbonCuts(sky.formula)) add(z);
+    add(cell.highSine);
+    return sum / (cell.highSine - cell.lowSine);
 }
 
 // The cells that a patch is made of: itself, or the sectors of the cap.
@@ -141,6 +156,7 @@ std::vector<double> SkyPatches::luminances(const Sky& sky) const {
     std::vector<double> result(elementCount(), 0.0);
     result.back() = sky.ground.luminance;
     if (sky.formula.scale <= 0) return result;
+    const double ribbonEnd = hasHorizonRibbon(sky.formula) ? horizonRibbonCuts(sky.formula).back() : 0.0;
     size_t sample = 0;
     for (size_t patch = 0; patch < patchCount_; ++patch) {
         const SkyRow& row = rowOf(patch);
@@ -149,7 +165,9 @@ std::vector<double> SkyPatches::luminances(const Sky& sky) const {
             std::array<double, kNodes> values{};
             for (double& value : values) value = sky.luminance(samples_[sample++]);
             const Estimate estimate(values);
-            result[patch] += share * (estimate.agrees() ? estimate.fine : refinedMean(sky, cell, 1));
+            result[patch] += share * (cell.lowSine < ribbonEnd ? meanWithRibbon(sky, cell)
+                                      : estimate.agrees()      ? estimate.fine
+                                                               : refinedMean(sky, cell, 1));
         });
     }
     return result;

@@ -126,6 +126,23 @@ TEST(SkyPatches, mean_luminance_is_that_of_a_hundred_times_finer_sampling) {
         }
 }
 
+// Of a sky that is the same all round.
+TEST(SkyPatches, ribbon_at_the_horizon_is_in_the_lowest_patches) {
+    for (const int mf : {1, 2, 4}) {
+        const SkyPatches patches(mf);
+        for (const double b : {0.1, 0.2, 0.26, 0.33}) {
+            const Sky sky = perezSky({0.25, b, 0, -1, 0}, {0, 1, 0}, 1);
+            const SkyRow row = patches.rows()[0];
+            double sum = 0;
+            const int n = 100'000;
+            for (int k = 0; k < n; ++k)
+                sum += gradation(sky.formula, row.lowSine + (row.highSine - row.lowSine) * (k + 0.5) / n);
+            const double mean = sum / n; // off by half a step at the ribbon's edge
+            EXPECT_NEAR(patches.luminances(sky)[3] / mean, 1, 6e-4) << mf << " " << b;
+        }
+    }
+}
+
 // Lux, of the sky that was cut up.
 double horizontalIlluminance(const SkyPatches& patches, const Sky& sky) {
     const std::vector<double> luminances = patches.luminances(sky);

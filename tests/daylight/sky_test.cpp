@@ -1,5 +1,6 @@
 #include "compute/daylight/sky.h"
 
+#include <array>
 #include <cmath>
 #include <fstream>
 
@@ -224,6 +225,35 @@ TEST(PerezSky, keeps_the_efficacy_models_illuminance_for_any_weather) {
                 for (const double z : {0.0, 40.0, 85.0, 89.99})
                     ASSERT_TRUE(std::isfinite(sky.luminance(towards(10, z))));
             }
+}
+
+// Where b > 0 nearly all light comes from a ribbon at the horizon: against the midpoint rule in azimuth and
+// in altitude, by steps that are even in the ribbon and grow with the square of the distance above it.
+TEST(PerezSky, ribbon_at_the_horizon_is_integrated) {
+    for (const auto& [altitude, direct, diffuse] :
+         {std::array{0.5, 300.0, 25.0}, {1.0, 300.0, 30.0}, {2.0, 350.0, 40.0}, {3.0, 600.0, 50.0}}) {
+        const Sky sky = skyFromIrradiance({direct, diffuse}, sunAt(200, altitude));
+        const SkyFormula& f = sky.formula;
+        ASSERT_TRUE(f.a > 0 && f.b > 0);
+        const double edge = std::asin(f.zFloor), sunLevel = std::sqrt(1 - std::pow(sky.shapeDirection.y, 2));
+        const auto ring = [&](double h) {
+            double sum = 0;
+            const int round = 240;
+            for (int j = 0; j < round; ++j)
+                sum += indicatrix(f, std::sin(h) * sky.shapeDirection.y +
+                                         std::cos(h) * sunLevel * std::cos(kPi * (j + 0.5) / round));
+            return gradation(f, std::sin(h)) * std::sin(h) * std::cos(h) * sum / round;
+        };
+        double lux = 0;
+        const int steps = 2000;
+        for (int k = 0; k < steps; ++k) {
+            const double t = (k + 0.5) / steps, above = kPi / 2 - edge;
+            lux += edge * ring(edge * t) + 2 * t * above * ring(edge + above * t * t);
+        }
+        lux *= f.scale * 2 * kPi / steps;
+        // 1e-5 stated; the midpoint rule at the sun's cone adds up to 5e-5.
+        EXPECT_NEAR(diffuseHorizontalIlluminance(sky) / lux, 1, 6e-5) << altitude;
+    }
 }
 
 TEST(SkyOption, wrong_options_are_refused_by_name) {
