@@ -170,6 +170,21 @@ private:
         throw InputError(out_.file, place, what);
     }
 
+    // The loader takes lists of any length; a part passed over would place the mesh elsewhere.
+    void checkPlacement(const tinygltf::Node& node, const std::string& place) const {
+        const auto check = [&](const char* field, const std::vector<double>& numbers, size_t count) {
+            if (!numbers.empty() && numbers.size() != count)
+                fail(place + field, fmt::format("has {} numbers, expected {}", numbers.size(), count));
+        };
+        check(".matrix", node.matrix, 16);
+        check(".translation", node.translation, 3);
+        check(".scale", node.scale, 3);
+        check(".rotation", node.rotation, 4);
+        double squares = node.rotation.empty() ? 1 : 0;
+        for (const double x : node.rotation) squares += x * x;
+        if (std::abs(squares - 1) > 1e-2) fail(place + ".rotation", "is no unit quaternion");
+    }
+
     static glm::dmat4 parentFromNode(const tinygltf::Node& node) {
         glm::dmat4 m(1);
         if (node.matrix.size() == 16) {
@@ -177,8 +192,8 @@ private:
             return m;
         }
         if (node.rotation.size() == 4)
-            m = glm::mat4_cast(
-                glm::dquat(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2]));
+            m = glm::mat4_cast(glm::normalize(
+                glm::dquat(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2])));
         if (node.scale.size() == 3)
             for (int c = 0; c < 3; ++c) m[c] *= node.scale[static_cast<size_t>(c)];
         if (node.translation.size() == 3)
@@ -207,6 +222,7 @@ private:
         if (depth > 256) fail(place, "lies under more than 256 others");
         seen = Seen::above;
         const tinygltf::Node& node = in_.nodes[static_cast<size_t>(index)];
+        checkPlacement(node, place);
         const glm::dmat4 worldFromNode = worldFromParent * parentFromNode(node);
         if (node.mesh >= 0) {
             if (static_cast<size_t>(node.mesh) >= in_.meshes.size()) fail(place + ".mesh", "does not exist");
@@ -237,10 +253,13 @@ private:
         const int width = tinygltf::GetComponentSizeInBytes(static_cast<uint32_t>(accessor.componentType));
         if (stride <= 0 || components <= 0 || width <= 0) fail(place, "has an unknown type");
         const auto element = static_cast<size_t>(components) * static_cast<size_t>(width);
-        const size_t begin = view.byteOffset + accessor.byteOffset, step = static_cast<size_t>(stride);
-        if (accessor.count > 0 && (begin > bytes.size() || accessor.count > bytes.size() ||
-                                   begin + (accessor.count - 1) * step + element > bytes.size()))
+        const size_t length = view.byteLength, offset = accessor.byteOffset;
+        if (view.byteOffset > bytes.size() || length > bytes.size() - view.byteOffset)
             fail(place, "reaches past the end of its buffer");
+        const size_t begin = view.byteOffset + offset, step = static_cast<size_t>(stride);
+        if (accessor.count > 0 && (offset > length || accessor.count > length ||
+                                   offset + (accessor.count - 1) * step + element > length))
+            fail(place, "reaches past the end of its bufferView");
         for (size_t i = 0; i < accessor.count; ++i) take(bytes.data() + begin + i * step);
     }
 

@@ -246,3 +246,29 @@ TEST(GltfScene, meshes_that_bend_or_are_instanced_are_refused_though_the_file_do
         json::parse(R"({"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":0}}})");
     expectRefused(instanced, "EXT_mesh_gpu_instancing");
 }
+
+TEST(GltfScene, placements_of_a_wrong_length_are_refused_by_name) {
+    const auto refused = [](const char* nodes, const std::string& why) {
+        expectRefused(roomScene(json::parse(nodes)), why);
+    };
+    refused(R"([{"mesh":0,"scale":[2,2]}])", "nodes[0].scale: has 2 numbers, expected 3");
+    refused(R"([{"mesh":0,"translation":[1,2,3,4]}])", "nodes[0].translation: has 4 numbers");
+    refused(R"([{"mesh":0,"matrix":[1,0,0,0]}])", "nodes[0].matrix: has 4 numbers, expected 16");
+    refused(R"([{"mesh":0,"rotation":[0,0,0]}])", "nodes[0].rotation: has 3 numbers, expected 4");
+    refused(R"([{"mesh":0,"rotation":[0,0,0,0]}])", "nodes[0].rotation: is no unit quaternion");
+    refused(R"([{"mesh":0,"rotation":[0,2,0,2]}])", "nodes[0].rotation: is no unit quaternion");
+    expectRooms(R"([{"mesh":0,"rotation":[0,0.708,0,0.708]}])", 1, 30); // three digits turn, and stretch nothing
+}
+
+// Bytes past a view belong to another one: indices read as positions made a room of another size.
+TEST(GltfScene, accessors_end_within_their_view) {
+    json past = roomScene(kOneNode);
+    past["accessors"][0]["byteOffset"] = 4;
+    expectRefused(past, "POSITION: reaches past the end of its bufferView");
+    json shortView = roomScene(kOneNode);
+    shortView["bufferViews"][1]["byteLength"] = 70;
+    expectRefused(shortView, "indices: reaches past the end of its bufferView");
+    json longView = roomScene(kOneNode);
+    longView["bufferViews"][1]["byteLength"] = 1000;
+    expectRefused(longView, "indices: reaches past the end of its buffer");
+}
