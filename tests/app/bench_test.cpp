@@ -116,8 +116,8 @@ TEST_F(Bench, scenes_in_which_nothing_faces_anything_are_no_result) {
     EXPECT_EQ(after.exitCode, 0) << after.output;
     EXPECT_NE(after.output.find("backs, 2 patches: reference rows: all are zero"), std::string::npos)
         << after.output;
-    for (const auto& row : nlohmann::json::parse(readText(in("out/bench.json")))["form_factors"])
-        EXPECT_EQ(row["scene"], "box");
+    const auto results = nlohmann::json::parse(readText(in("out/bench.json")));
+    for (const auto& row : results["form_factors"]) EXPECT_EQ(row["scene"], "box");
 }
 
 // Ctrl-C after the first row: what was finished is there, whole, and says that there was more.
