@@ -23,6 +23,9 @@ constexpr Paint groupOf(Paint p) {
     return p == Paint::orange ? Paint::red : p == Paint::sky ? Paint::blue : p;
 }
 
+constexpr bool isWallPaint(Paint p) {
+    return p == Paint::red || p == Paint::blue || p == Paint::green;
+}
 constexpr bool isMarker(Paint p) {
     return p == Paint::cyan || p == Paint::magenta || p == Paint::yellow;
 }

@@ -9,16 +9,18 @@
 #include <glm/trigonometric.hpp>
 
 #include "geometry/input_error.h"
-#include "vision/chroma.h"
+#include "vision/bright_ends.h"
 #include "vision/color_classes.h"
 #include "vision/components.h"
 #include "vision/doubts.h"
 #include "vision/edges.h"
 #include "vision/median.h"
+#include "vision/pale_walls.h"
 #include "vision/picture_faults.h"
 #include "vision/picture_turn.h"
 #include "vision/pieces.h"
 #include "vision/plan_view.h"
+#include "vision/sketch_names.h"
 #include "vision/table_edge.h"
 #include "vision/table_marks.h"
 #include "vision/wall_evidence.h"
@@ -29,43 +31,8 @@ namespace {
 
 using geometry::Sketch;
 
-// Regions below are noise: the smallest real one is half an inch of wall.
-constexpr double kSmallestInches2 = 0.06;
-constexpr size_t kMostRegions = 600; // more is noise, not a table
-constexpr const char* kPaleWall =
-    "as pale as glare or wear leaves paint, but with a wall's white ends; it is read as one";
-
-// Before all other warnings: it may explain them.
-void warnOfMovedTable(const Photograph& photo, const geometry::Rig& rig, double gamma,
-                      std::vector<std::string>& warnings) {
-    const PlanView view(photo, rig.camera, gamma);
-    const double radius = rig.tableRadius / geometry::kMetresPerInch;
-    const auto offset = tableOffset(view, radius);
-    if (!offset) {
-        if (const auto seen = tableRadiusSeen(view, radius))
-            warnings.insert(
-                warnings.begin(),
-                fmt::format("the table seems to be {:.1f} in across, but the rig has {:.1f} in: was "
-                            "the size of the calibration board, or of the table, another? All "
-                            "lengths may be off",
-                            2 * *seen, 2 * radius));
-        return;
-    }
-    const glm::dvec2 expected = view.pixel({}, 0), seen = view.pixel(*offset, 0);
-    warnings.insert(
-        warnings.begin(),
-        fmt::format(
-            "the table's edge shows {:.1f} in from where the rig has it (its middle at pixel {:.0f}, {:.0f}, "
-            "not {:.0f}, {:.0f}): was the camera moved, or the picture turned? Walls may be misread",
-            glm::length(*offset), seen.x, seen.y, expected.x, expected.y));
-}
-
 size_t wallsIn(const DetectionResult& result) {
     return result.sketch.walls.size() + result.sketch.arcs.size();
-}
-
-bool isWall(Paint p) {
-    return p == Paint::red || p == Paint::blue || p == Paint::green;
 }
 
 class Detector {
@@ -81,10 +48,9 @@ public:
             return out_;
         }
         view_.setWhite(image_.white);
-        const double perInch = view_.pixelsPerInch(glm::dvec2(0), 0);
-        regions_ =
-            findComponents(image_, std::max(4, static_cast<int>(kSmallestInches2 * perInch * perInch)));
-        std::erase_if(regions_, [&](const Component& region) { return !canStandOnTable(region); });
+        regions_ = findComponents(image_, smallestArea(view_));
+        std::erase_if(regions_,
+                      [&](const Component& region) { return !canStandOnTable(region, view_, radius()); });
         if (regions_.size() > kMostRegions) {
             out_.warnings.push_back(fmt::format(
                 "{} coloured regions: the picture is noise, nothing is read from it", regions_.size()));
@@ -103,41 +69,9 @@ public:
             out_.warnings.emplace_back("no wall is seen on the table");
         for (std::string& line : pictureFaults(out_.sketch, image_, evidence(), view_, radius()))
             out_.warnings.push_back(std::move(line));
-        nameAll();
+        out_.sketch.tableDiameter = 2 * radius();
+        nameInOrder(out_.sketch);
         return out_;
-    }
-
-    // The walls' ends are bare foam core, a little nearer to the lamps than the table. What they return where
-    // that is more than what the paints were told by; none on a white table.
-    struct BrightEnds {
-        CardWhite card;
-        float overWhite = 1;
-        size_t count = 0;
-    };
-    std::optional<BrightEnds> brightEnds() const {
-        constexpr float kBrighter = 1.8f;
-        std::array<std::vector<float>, 5> seen; // red, green, blue over white, two chromas of the light
-        const auto look = [&](const auto& shape) {
-            for (const glm::dvec2 end : evidence().endsOf(shape)) {
-                const glm::dvec2 p = view_.pixel(end, geometry::heightInches(shape.heightClass));
-                const glm::vec3 light = view_.light(p), over = light / view_.white(p);
-                const glm::vec2 colour = chroma(light.r, light.g, light.b);
-                const std::array<float, 5> values{over.r, over.g, over.b, colour[0], colour[1]};
-                for (size_t i = 0; i < seen.size(); ++i) seen[i].push_back(values[i]);
-            }
-        };
-        for (const auto& wall : out_.sketch.walls) look(wall);
-        for (const auto& arc : out_.sketch.arcs) look(arc);
-        const size_t count = seen[0].size();
-        if (count == 0) return std::nullopt;
-        std::array<float, 5> typical{};
-        for (size_t i = 0; i < seen.size(); ++i) typical[i] = median(std::move(seen[i]));
-        const float most = std::max({typical[0], typical[1], typical[2]});
-        if (most < kBrighter) return std::nullopt;
-        return BrightEnds{
-            {image_.whiteOverTable * glm::vec3(typical[0], typical[1], typical[2]), {typical[3], typical[4]}},
-            most,
-            count};
     }
 
     // Walls cut from another sheet: the width that most strips have which are no walls of the options'
@@ -153,6 +87,9 @@ public:
         if (static_cast<double>(alike) < kMost * static_cast<double>(otherWidths_.size()))
             return std::nullopt;
         return width;
+    }
+    std::optional<BrightEnds> brightEnds() const {
+        return vision::brightEnds(out_.sketch, evidence(), image_, view_);
     }
     bool seesRelief() const { return showRelief(reliefs()); }
 
@@ -170,12 +107,6 @@ private:
 
     double radius() const { return rig_.tableRadius / geometry::kMetresPerInch; }
 
-    // The floor beside the table may have any colour. What is seen there can be the top of a wall near the
-    // edge, which leans outwards in the picture, and nothing else.
-    bool canStandOnTable(const Component& region) const {
-        const double height = isWall(region.group) ? heightOf(region.group) : 10;
-        return glm::length(view_.plan(region.centre, height)) < radius() + kOverEdge;
-    }
     bool liesOnTable(glm::dvec2 plan, double halfWidth) const {
         return glm::length(plan) + halfWidth < radius() + 0.3;
     }
@@ -192,14 +123,17 @@ private:
     void findTokens() {
         auto& tokens = out_.sketch.tokens;
         for (size_t i = 0; i < regions_.size(); ++i) {
-            if (!isWall(regions_[i].group) || withinToken(regions_[i])) continue;
+            if (!isWallPaint(regions_[i].group) ||
+                liesWithin(out_.sketch.tokens, regions_[i], view_, options_))
+                continue;
             auto token = fitToken(regions_[i], image_, view_, options_);
             if (!token) token = fitToken(withNeighbours(i), image_, view_, options_);
             if (token && liesOnTable(token->pos, 0.5 * options_.tokenSide)) tokens.push_back(*token);
         }
         findFaintTokens();
         // What lies within a token is its chip, whatever its colour.
-        for (size_t i = 0; i < regions_.size(); ++i) used_[i] = withinToken(regions_[i]);
+        for (size_t i = 0; i < regions_.size(); ++i)
+            used_[i] = liesWithin(out_.sketch.tokens, regions_[i], view_, options_);
     }
 
     // A rim of two pixels, or a blurred one, is paler than paint.
@@ -209,20 +143,13 @@ private:
         const double perInch = view_.pixelsPerInch(glm::dvec2(0), 0);
         const double least = 0.3 * options_.tokenSide * options_.tokenBand * perInch * perInch; // half a side
         for (const Component& region : findComponents(image_, std::max(4, static_cast<int>(least)))) {
-            if (!isWall(region.group) || withinToken(region)) continue;
+            if (!isWallPaint(region.group) || liesWithin(out_.sketch.tokens, region, view_, options_))
+                continue;
             const auto token = fitToken(region, image_, view_, options_, TokenLook::faint);
             if (token && liesOnTable(token->pos, 0.5 * options_.tokenSide))
                 out_.sketch.tokens.push_back(*token);
         }
         std::swap(image_.paint, image_.withFaint);
-    }
-
-    bool withinToken(const Component& region) const {
-        const glm::dvec2 p = view_.plan(region.centre, options_.tokenThickness);
-        const auto& tokens = out_.sketch.tokens;
-        return std::any_of(tokens.begin(), tokens.end(), [&](const geometry::Token& token) {
-            return glm::distance(p, token.pos) < 0.6 * options_.tokenSide;
-        });
     }
 
     // Noise or a shadow may cut a token's rim: the region with those of its paint that lie as near as a rim's
@@ -311,78 +238,31 @@ private:
             if (used_[i]) continue;
             // The blurred rim of a marker can have another marker's or a wall's hue: a sliver, much thinner
             // than they.
-            if (relativeWidth(regions_[i], isWall(regions_[i].group) ? heightOf(regions_[i].group) : 8) < 0.5)
+            if (relativeWidth(regions_[i], isWallPaint(regions_[i].group) ? heightOf(regions_[i].group) : 8) <
+                0.5)
                 continue;
-            if (isWall(regions_[i].group)) addPieces(regions_[i], pieces);
+            if (isWallPaint(regions_[i].group)) addPieces(regions_[i], pieces);
             if (isMarker(regions_[i].group)) markers.push_back(&regions_[i]);
         }
         for (const Component& strip : paleStrips_) markers.push_back(&strip);
         Chains chains = formChains(pieces, markers, view_, options_);
         for (const Chain& chain : chains.chains) readChain(chain);
-        for (const Component* marker : readPaleWalls(chains.orphans)) readOrphan(*marker);
+        readPale(chains.orphans);
         for (const StraightWall& whole : wholeWalls_) splitWall(whole);
     }
 
-    // Of what is too pale to be paint by itself, the strips that have all else of a wall; with the markers
-    // that no other wall has. Returns those that are left.
-    std::vector<const Component*> readPaleWalls(const std::vector<const Component*>& markers) {
-        if (image_.withFaint.empty()) return markers;
-        std::swap(image_.paint, image_.withFaint);
-        const double perInch = view_.pixelsPerInch(glm::dvec2(0), 0);
-        std::vector<const Component*> pieces;
-        for (Component& region :
-             findComponents(image_, static_cast<int>(kSmallestInches2 * perInch * perInch))) {
-            if (!isWall(region.group) || !canStandOnTable(region) || isRead(region)) continue;
-            strips_.push_back(std::move(region));
-            addPiece(strips_.back(), pieces);
+    // `markers` that no vivid wall has, with what is faint.
+    void readPale(const std::vector<const Component*>& markers) {
+        PaleWalls pale{{}, {}, markers};
+        if (!image_.withFaint.empty()) {
+            std::swap(image_.paint, image_.withFaint);
+            pale = readPaleWalls({wholeWalls_, out_.sketch, markers}, image_, view_, options_, radius(),
+                                 doubts_);
+            std::swap(image_.paint, image_.withFaint);
         }
-        Chains chains;
-        if (!pieces.empty() && pieces.size() < kMostRegions)
-            chains = formChains(pieces, markers, view_, options_);
-        std::vector<const Component*> left = chains.orphans;
-        if (chains.chains.empty()) left = markers;
-        for (const Chain& chain : chains.chains) {
-            const auto wall = fitStraight(chain, view_, options_);
-            if (wall && isPaleWall(wall->wall)) {
-                wholeWalls_.push_back(*wall);
-                doubts_.add(centreOf(wall->wall.detection), kPaleWall);
-                for (const geometry::WindowMarker& window : wall->windows)
-                    doubts_.add(centreOf(window.detection),
-                                "a window marker on pale paint: colour may be misread");
-                continue;
-            }
-            left.insert(left.end(), chain.markers.begin(), chain.markers.end());
-            const auto arc = chain.markers.empty() ? fitArc(chain, view_, options_) : std::nullopt;
-            if (!arc || !isPaleWall(*arc)) continue;
-            out_.sketch.arcs.push_back(*arc);
-            doubts_.add(centreOf(arc->detection), kPaleWall);
-        }
-        std::swap(image_.paint, image_.withFaint);
-        return left;
-    }
-    template<class Shape> bool isPaleWall(const Shape& shape) const {
-        constexpr float kEnd = 0.15f, kFoot = 0.08f;
-        if (!evidence().isWall(shape) || !evidence().standsOnTable(shape)) return false;
-        const Relief relief = evidence().reliefOf(shape);
-        return std::min(relief.ends[0], relief.ends[1]) > kEnd && relief.foot.value_or(1) > kFoot;
-    }
-    // A token's rim, or a quarter of it beside walls that were read, as far as compressed colour runs.
-    bool isRead(const Component& region) const {
-        constexpr double kBeside = 0.6; // inches
-        size_t beside = 0;
-        for (const Run& run : region.runs) {
-            const glm::dvec2 pixel(0.5 * (run.x0 + run.x1 - 1), run.y);
-            const auto isNear = [&](const auto& shape) {
-                for (const double height :
-                     {heightOf(region.group), geometry::heightInches(shape.heightClass)})
-                    if (evidence().distance(shape, view_.plan(pixel, height)) < kBeside) return true;
-                return false;
-            };
-            beside += std::any_of(wholeWalls_.begin(), wholeWalls_.end(),
-                                  [&](const StraightWall& whole) { return isNear(whole.wall); }) ||
-                      std::any_of(out_.sketch.arcs.begin(), out_.sketch.arcs.end(), isNear);
-        }
-        return 4 * beside > region.runs.size() || withinToken(region);
+        wholeWalls_.insert(wholeWalls_.end(), pale.straight.begin(), pale.straight.end());
+        out_.sketch.arcs.insert(out_.sketch.arcs.end(), pale.arcs.begin(), pale.arcs.end());
+        for (const Component* marker : pale.otherMarkers) readOrphan(*marker);
     }
 
     void splitWall(const StraightWall& whole) {
@@ -409,30 +289,18 @@ private:
         unread(marker, "a window marker on no wall; it is left out");
     }
 
-    // One that is a straight strip or an arc as it is.
-    bool addPiece(const Component& region, std::vector<const Component*>& pieces) {
-        const Chain alone{region.group, {&region}, {}};
-        const double height = heightOf(region.group);
-        const Pca pca = principalAxes(planPoints(region, view_, height));
-        if (pca.minor > 1.5 * stripSpread(view_, pca.mean, height, options_) &&
-            !fitArc(alone, view_, options_))
-            return false;
-        pieces.push_back(&region);
-        return true;
-    }
-
     // A region that is neither a straight strip nor an arc may be walls that touch: its strips, if they are
     // walls.
     void addPieces(const Component& region, std::vector<const Component*>& pieces) {
         if (region.group == Paint::blue && 2 * region.minorityArea > region.area)
             return unread(region, "light blue like a skylight, but no rectangle; it is left out");
-        if (addPiece(region, pieces)) return;
+        if (isStripOrArc(region, view_, options_)) return pieces.push_back(&region);
         bool any = false;
         for (Component& part : thinParts(region, view_, options_)) {
             strips_.push_back(std::move(part));
             const Component& thin = strips_.back();
-            if (thin.area < region.area && addPiece(thin, pieces)) {
-                any = true;
+            if (thin.area < region.area && isStripOrArc(thin, view_, options_)) {
+                pieces.push_back(&thin), any = true;
                 continue;
             }
             for (Component& strip : splitStrips(thin, view_, options_)) {
@@ -513,11 +381,9 @@ private:
 
     void unread(const Component& region, const char* what) {
         const double perInch = view_.pixelsPerInch(view_.plan(region.centre, 0), 0);
-        if (region.area < 3 * kSmallestInches2 * perInch * perInch) return; // specks are not worth a line
+        if (region.area < 3 * kSmallestRegion * perInch * perInch) return; // specks are not worth a line
         doubts_.add(region.centre, what);
     }
-
-    void nameAll();
 
     const geometry::Rig& rig_;
     const DetectOptions& options_;
@@ -533,37 +399,6 @@ private:
     Doubts doubts_;
     DetectionResult out_;
 };
-
-// Sorted as they lie in the picture, so that ids do not depend on the order in which regions were met.
-void Detector::nameAll() {
-    Sketch& sketch = out_.sketch;
-    sketch.tableDiameter = 2 * rig_.tableRadius / geometry::kMetresPerInch;
-    auto place = [](const geometry::Detection& d) {
-        const glm::dvec2 mean = centreOf(d);
-        return std::pair(std::lround(mean.y), std::lround(mean.x));
-    };
-    auto byPlace = [&](const auto& a, const auto& b) { return place(a.detection) < place(b.detection); };
-    std::vector<size_t> order(sketch.walls.size());
-    for (size_t i = 0; i < order.size(); ++i) order[i] = i;
-    std::stable_sort(order.begin(), order.end(),
-                     [&](size_t a, size_t b) { return byPlace(sketch.walls[a], sketch.walls[b]); });
-    std::vector<geometry::Wall> walls;
-    std::vector<std::string> idOfOld(order.size());
-    for (const size_t old : order) {
-        walls.push_back(sketch.walls[old]);
-        walls.back().id = idOfOld[old] = fmt::format("w{}", walls.size());
-    }
-    sketch.walls.swap(walls);
-    for (auto& window : sketch.windows) window.wall = idOfOld[std::stoul(window.wall)];
-    auto name = [&](auto& list, const char* prefix) {
-        std::stable_sort(list.begin(), list.end(), byPlace);
-        for (size_t i = 0; i < list.size(); ++i) list[i].id = fmt::format("{}{}", prefix, i + 1);
-    };
-    name(sketch.arcs, "a");
-    name(sketch.windows, "win");
-    name(sketch.skylights, "sky");
-    name(sketch.tokens, "token");
-}
 
 } // namespace
 
@@ -608,7 +443,10 @@ DetectionResult detectSketch(const Photograph& photo, const geometry::Rig& rig,
         result.warnings.push_back(fmt::format("the walls' white ends are {:.1f} times as bright as what was "
                                               "taken for white: colours may be misread",
                                               ends->overWhite));
-    warnOfMovedTable(photo, rig, options.gamma, result.warnings);
+    // Before all other warnings: it may explain them.
+    const PlanView view(photo, rig.camera, options.gamma);
+    if (auto line = tableElsewhere(view, rig.tableRadius / geometry::kMetresPerInch))
+        result.warnings.insert(result.warnings.begin(), std::move(*line));
     return result;
 }
 

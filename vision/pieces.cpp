@@ -1,8 +1,12 @@
 #include "vision/pieces.h"
 
+#include <algorithm>
 #include <cmath>
 
+#include <glm/geometric.hpp>
+
 #include "geometry/sketch.h"
+#include "vision/wall_evidence.h"
 #include "vision/wall_fit.h"
 
 namespace heliodon::vision {
@@ -32,6 +36,17 @@ geometry::HeightClass heightClassOf(Paint wallPaint) {
 
 double heightOf(Paint wallPaint) {
     return geometry::heightInches(heightClassOf(wallPaint));
+}
+
+int smallestArea(const PlanView& view) {
+    const double perInch = view.pixelsPerInch(glm::dvec2(0), 0);
+    return std::max(4, static_cast<int>(kSmallestRegion * perInch * perInch));
+}
+
+bool canStandOnTable(const Component& region, const PlanView& view, double radius) {
+    constexpr double kHigh = 10; // inches, of markers, which may stand on any wall
+    const double height = isWallPaint(region.group) ? heightOf(region.group) : kHigh;
+    return glm::length(view.plan(region.centre, height)) < radius + kOverEdge;
 }
 
 } // namespace heliodon::vision

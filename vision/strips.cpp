@@ -154,4 +154,11 @@ std::vector<Component> splitStrips(const Component& component, const PlanView& v
     return out;
 }
 
+bool isStripOrArc(const Component& region, const PlanView& view, const DetectOptions& options) {
+    const double height = heightOf(region.group);
+    const Pca pca = principalAxes(planPoints(region, view, height));
+    return pca.minor <= 1.5 * stripSpread(view, pca.mean, height, options) ||
+           fitArc({region.group, {&region}, {}}, view, options);
+}
+
 } // namespace heliodon::vision

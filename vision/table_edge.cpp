@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <glm/geometric.hpp>
 
 namespace heliodon::vision {
@@ -93,6 +94,22 @@ std::optional<double> tableRadiusSeen(const PlanView& view, double radius) {
     if (to - from < kReach) return std::nullopt; // a clear edge does for twice that
     if (std::abs(seen - radius) < kWorth) return std::nullopt;
     return seen;
+}
+
+std::optional<std::string> tableElsewhere(const PlanView& view, double radius) {
+    if (const auto offset = tableOffset(view, radius)) {
+        const glm::dvec2 expected = view.pixel({}, 0), seen = view.pixel(*offset, 0);
+        return fmt::format(
+            "the table's edge shows {:.1f} in from where the rig has it (its middle at pixel {:.0f}, {:.0f}, "
+            "not {:.0f}, {:.0f}): was the camera moved, or the picture turned? Walls may be misread",
+            glm::length(*offset), seen.x, seen.y, expected.x, expected.y);
+    }
+    const auto seen = tableRadiusSeen(view, radius);
+    if (!seen) return std::nullopt;
+    return fmt::format("the table seems to be {:.1f} in across, but the rig has {:.1f} in: was "
+                       "the size of the calibration board, or of the table, another? All "
+                       "lengths may be off",
+                       2 * *seen, 2 * radius);
 }
 
 } // namespace heliodon::vision

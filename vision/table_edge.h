@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include <glm/vec2.hpp>
 
@@ -21,5 +22,8 @@ std::optional<glm::dvec2> tableOffset(const PlanView& view, double radius);
 // within a third of an inch, and where none shows within a third of the radius. Good to 0.1 in. Under a
 // millisecond where the edge is at its place, else about 2.
 std::optional<double> tableRadiusSeen(const PlanView& view, double radius);
+
+// A warning of either, for the user; none where neither is seen.
+std::optional<std::string> tableElsewhere(const PlanView& view, double radius);
 
 } // namespace heliodon::vision

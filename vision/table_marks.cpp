@@ -401,4 +401,12 @@ std::optional<geometry::NorthArrow> fitArrow(const Component& component, const P
     return out;
 }
 
+bool liesWithin(const std::vector<geometry::Token>& tokens, const Component& region, const PlanView& view,
+                const DetectOptions& options) {
+    const glm::dvec2 p = view.plan(region.centre, options.tokenThickness);
+    return std::any_of(tokens.begin(), tokens.end(), [&](const geometry::Token& token) {
+        return glm::distance(p, token.pos) < 0.6 * options.tokenSide;
+    });
+}
+
 } // namespace heliodon::vision

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "geometry/sketch.h"
 #include "vision/color_classes.h"
@@ -21,6 +22,10 @@ enum class TokenLook { vivid, faint };
 std::optional<geometry::Token> fitToken(const Component& component, const ClassImage& image,
                                         const PlanView& view, const DetectOptions& options,
                                         TokenLook look = TokenLook::vivid);
+
+// Whether the region lies in one of the tokens: it is a part of its rim or chip, whatever its colour.
+bool liesWithin(const std::vector<geometry::Token>& tokens, const Component& region, const PlanView& view,
+                const DetectOptions& options);
 
 // An arrow: longer than wide, one end broader than the other. None for every other shape.
 std::optional<geometry::NorthArrow> fitArrow(const Component& component, const PlanView& view,

@@ -52,6 +52,9 @@ std::vector<glm::dvec2> windowOutline(const geometry::Wall& wall, const geometry
 // None when the paint does not follow a circle's arc.
 std::optional<geometry::Arc> fitArc(const Chain& chain, const PlanView& view, const DetectOptions& options);
 
+// That a region is one straight strip or one arc as it is.
+bool isStripOrArc(const Component& region, const PlanView& view, const DetectOptions& options);
+
 // The width of a straight or a curved strip of wall paint, whatever it is, up to a quarter of an inch more or
 // less than the options' thickness. None where either side is not seen along most of it.
 std::optional<double> straightWidth(const Chain& chain, const PlanView& view, const DetectOptions& options);
