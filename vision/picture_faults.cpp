@@ -37,29 +37,48 @@ std::optional<std::string> overexposed(const PlanView& view, double radius) {
                        where.x, where.y, std::max(1.0, 100 * clipped / table));
 }
 
+constexpr float kPale = 0.45f; // saturation
+
+// By what is too pale to be paint by itself.
+template<class Shape> bool isReadAsPale(const Shape& shape, const WallEvidence& evidence) {
+    return evidence.saturationOf(shape) < kPale && !evidence.isWall(shape);
+}
+
 // Glare, wear and a camera's settings make paint pale; that of the walls found is as the rest, of which some
 // may be paler than what counts as paint.
 std::optional<std::string> pale(const geometry::Sketch& sketch, const WallEvidence& evidence) {
-    constexpr float kPale = 0.45f;
     std::vector<float> saturation;
-    for (const auto& wall : sketch.walls) saturation.push_back(evidence.saturationOf(wall));
-    for (const auto& arc : sketch.arcs) saturation.push_back(evidence.saturationOf(arc));
+    std::optional<float> palest; // of the walls read as pale
+    const auto look = [&](const auto& shape) {
+        saturation.push_back(evidence.saturationOf(shape));
+        if (isReadAsPale(shape, evidence)) palest = std::min(palest.value_or(1), saturation.back());
+    };
+    for (const auto& wall : sketch.walls) look(wall);
+    for (const auto& arc : sketch.arcs) look(arc);
     if (saturation.empty()) return std::nullopt;
     const float typical = median(std::move(saturation));
-    if (typical >= kPale) return std::nullopt;
-    return fmt::format("the walls' paint is pale (saturation {:.2f}, expected 0.6 to 0.9): was the picture's "
-                       "colour turned down, or is there glare? Walls, markers and tokens may be missed",
-                       typical);
+    if (typical < kPale)
+        return fmt::format(
+            "the walls' paint is pale (saturation {:.2f}, expected 0.6 to 0.9): was the picture's "
+            "colour turned down, or is there glare? Walls, markers and tokens may be missed",
+            typical);
+    if (!palest) return std::nullopt;
+    return fmt::format(
+        "paint of a wall is pale (saturation {:.2f}, expected 0.6 to 0.9): is there glare, or is it "
+        "worn? Other walls, markers and tokens may be missed",
+        *palest);
 }
 
-// Streaks and wear: the worst of the walls that were read tells of those that were not.
+// Streaks and wear: the worst of the walls that were read by their paint tells of those that were not.
 std::optional<std::string> interrupted(const geometry::Sketch& sketch, const WallEvidence& evidence) {
     constexpr double kWhole = 0.88;
     double least = 1;
     glm::dvec2 where{};
-    for (const auto& wall : sketch.walls)
+    for (const auto& wall : sketch.walls) {
+        if (isReadAsPale(wall, evidence)) continue;
         if (const double share = evidence.paintedShareOf(wall); share < least)
             least = share, where = centreOf(wall.detection);
+    }
     if (least > kWhole) return std::nullopt;
     return fmt::format(
         "about pixel {:.0f}, {:.0f}: {:.0f} % of a wall's top are bare between its ends: is the paint "
