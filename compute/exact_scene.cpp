@@ -29,6 +29,15 @@ void splitPosition(const dvec3& relative, glm::vec3& high, glm::vec3& low) {
     }
 }
 
+// A position in the frame of exact_scene.glsl: of a sliver that lies askew, float32 would lose the width.
+glm::dvec2 inPlane(const std::vector<dvec3>& corners, const dvec3& normal, const dvec3& p) {
+    const dvec3 edge = corners[1] - corners[0], along = edge - glm::dot(edge, normal) * normal;
+    const double size = glm::length(along);
+    if (!(size > 0)) return {0, 0};
+    const dvec3 u = along / size, d = p - corners[0];
+    return {glm::dot(d, u), glm::dot(d, glm::cross(normal, u))};
+}
+
 struct Faces {
     dvec3 centre{0}; // subtracted from all corners
     std::vector<glm::vec4> high, low, normal, middle;
@@ -52,8 +61,9 @@ struct Faces {
         for (const dvec3& p : corners) {
             glm::vec3 h, l;
             splitPosition(p - centre, h, l);
-            high.emplace_back(h, 0.0f);
-            low.emplace_back(l, 0.0f);
+            const glm::vec2 flat(inPlane(corners, unitNormal, p));
+            high.emplace_back(h, flat.x);
+            low.emplace_back(l, flat.y);
             radius = std::max(radius, glm::length(p - middleD));
         }
         normal.emplace_back(glm::vec3(total > 0 ? unitNormal : dvec3(0)), static_cast<float>(total));

@@ -39,12 +39,12 @@ void loadPair(uint record) {
     pair.worst = max(1.0, outerFace.area / face.area);
     outerCorners = 3;
     if (wholePair) {
-        loadPiece(outerFrame, origin, outerFace);
+        loadPiece(outerFace);
         clipTo(outerFrame, face.normal, cornerFrom(origin, face.first));
         outerCorners = pieceCorners;
         NO_UNROLL for (int k = 0; k < pieceCorners; ++k) outer[k] = piece[k];
     }
-    loadPiece(innerFrame, origin, face);
+    loadPiece(face);
     clipTo(innerFrame, outerFace.normal, cornerFrom(origin, outerFace.first));
     outerCorners = pieceCorners < 3 ? 0 : outerCorners;
     pair.innerSize = pieceSize();

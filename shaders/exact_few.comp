@@ -57,11 +57,11 @@ void loadPair(uint record) {
     vec2 corner[kRim], outerCorner[kRim];
     float height[kRim], outerHeight[kRim];
     [[unroll]] for (uint k = 0u; k < kCorners; ++k) {
-        vec3 p = cornerFrom(origin, outerFace.first + min(k, outerFace.count - 1u));
-        vec3 q = cornerFrom(origin, face.first + min(k, face.count - 1u));
-        outerCorner[k] = vec2(dot(p - own.origin, own.u), dot(p - own.origin, own.v));
+        uint there = outerFace.first + min(k, outerFace.count - 1u), here = face.first + min(k, face.count - 1u);
+        vec3 p = cornerFrom(origin, there), q = cornerFrom(origin, here);
+        outerCorner[k] = cornerInFrame(there);
         outerHeight[k] = heightOver(face.normal, p - frame.origin);
-        corner[k] = turned(frame, q - frame.origin).xy;
+        corner[k] = cornerInFrame(here);
         height[k] = heightOver(outerFace.normal, q - own.origin);
         pair.innerSize = max(pair.innerSize, length(corner[k]));
     }

@@ -3,8 +3,8 @@
 #ifndef EXACT_SCENE_GLSL
 #define EXACT_SCENE_GLSL
 #include "shaders/lib/constants.glsl"
-layout(set = 0, binding = 0) uniform samplerBuffer cornerHigh;
-layout(set = 0, binding = 1) uniform samplerBuffer cornerLow;
+layout(set = 0, binding = 0) uniform samplerBuffer cornerHigh; // w first coordinate in the face's frame
+layout(set = 0, binding = 1) uniform samplerBuffer cornerLow;  // w second
 layout(set = 0, binding = 2) uniform samplerBuffer faceNormal; // xyz unit normal, w area
 layout(set = 0, binding = 3) uniform samplerBuffer faceCentre; // xyz centroid from the first corner, w radius about it
 layout(set = 0, binding = 4) uniform usamplerBuffer faceRange; // first corner, corners, room, place in its tile
@@ -73,6 +73,11 @@ Frame frameOf(Origin o, Face face) {
 uvec2 fixedOf(float x) {
     float scaled = x * kExactOne, whole = floor(scaled);
     return uvec2(whole, (scaled - whole) * kExactFraction);
+}
+
+// A corner in the frame of its face.
+vec2 cornerInFrame(uint corner) {
+    return vec2(texelFetch(cornerHigh, int(corner)).w, texelFetch(cornerLow, int(corner)).w);
 }
 
 // x lowest, y highest height of a face's corners over the plane of another face.

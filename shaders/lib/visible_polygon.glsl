@@ -49,12 +49,9 @@ vec2 extent(vec3 line, float flatness) {
     return range;
 }
 
-void loadPiece(Frame f, Origin o, Face face) {
+void loadPiece(Face face) {
     pieceCorners = int(face.count);
-    NO_UNROLL for (int k = 0; k < pieceCorners; ++k) {
-        vec3 d = cornerFrom(o, face.first + uint(k)) - f.origin;
-        piece[k] = vec2(dot(d, f.u), dot(d, f.v));
-    }
+    NO_UNROLL for (int k = 0; k < pieceCorners; ++k) piece[k] = cornerInFrame(face.first + uint(k));
 }
 
 float pieceSize() {

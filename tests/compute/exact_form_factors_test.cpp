@@ -49,6 +49,22 @@ TEST(ExactFormFactors, unoccluded_pairs_agree_with_closed_forms) {
             }
 }
 
+// Their width is a few hundred roundings of a coordinate.
+TEST(ExactFormFactors, slivers_askew_agree_with_the_reference) {
+    const reference::Polygon square{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+    for (int k = 0; k < 6; ++k) {
+        const glm::dvec3 along = glm::normalize(glm::dvec3(std::cos(1.0 + k), std::sin(2.0 + 3 * k), 0.3)),
+                         across = 1e-4 * glm::normalize(glm::cross(along, glm::dvec3(k - 2.5, 1, 0.2))),
+                         corner(0.3, 0.4, 0.5);
+        const reference::Polygon sliver{corner, corner + along, corner + along + across, corner + across};
+        const geometry::PatchMesh mesh = test::meshOf({square, sliver});
+        const double exchange = reference::exchangeIn(mesh, 0, 1).value;
+        const std::vector<float> F = matrixOf(mesh, 1e-7);
+        EXPECT_NEAR(F[2], exchange / reference::polygonArea(sliver), 1e-7) << k;
+        EXPECT_NEAR(F[1], exchange, 1e-10) << k;
+    }
+}
+
 TEST(ExactFormFactors, occluded_pairs_agree_with_split_tensor_cubature) {
     for (const auto& c : test::formFactorCases("occluded")) {
         const std::vector<float> F = matrixOf(test::meshOf(c.polygons), 2e-5);
