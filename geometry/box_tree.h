@@ -1,4 +1,5 @@
-// Boxes by where they are: which of them hold a given one. O(n log n) to build, O(log n) a question where few overlap.
+// Boxes by where they are: which of them hold a given one. O(n log n) to build, O(log n) a question where few
+// overlap.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +18,8 @@ public:
     // The boxes outlive the tree.
     explicit BoxTree(std::span<const Bounds> boxes);
 
-    // Whether `accepts(i)` says so of any box i that reaches at least from `low` to `high` along each axis; it is asked
-    // of no other. `low` may be above `high`.
+    // Whether `accepts(i)` says so of any box i that reaches at least from `low` to `high` along each axis;
+    // it is asked of no other. `low` may be above `high`.
     template<class Accepts> bool anyHolding(glm::dvec3 low, glm::dvec3 high, const Accepts& accepts) const {
         return search(0, boxes_.size(), low, high, accepts);
     }
@@ -36,11 +37,12 @@ private:
         const size_t middle = first + (end - first) / 2;
         const Entry& entry = order_[middle];
         const auto holds = [&](const Bounds& box) {
-            return glm::all(glm::lessThanEqual(box.low, low)) && glm::all(glm::greaterThanEqual(box.high, high));
+            return glm::all(glm::lessThanEqual(box.low, low)) &&
+                   glm::all(glm::greaterThanEqual(box.high, high));
         };
-        return holds(entry.around) && ((holds(boxes_[entry.box]) && accepts(entry.box)) ||
-                                       search(first, middle, low, high, accepts) ||
-                                       search(middle + 1, end, low, high, accepts));
+        return holds(entry.around) &&
+               ((holds(boxes_[entry.box]) && accepts(entry.box)) ||
+                search(first, middle, low, high, accepts) || search(middle + 1, end, low, high, accepts));
     }
 
     std::span<const Bounds> boxes_;

@@ -30,9 +30,11 @@ PatchMesh readPatches(const std::filesystem::path& file, UpAxis up = UpAxis::y);
 
 // The model as closed rooms: duplicate vertices welded, T-vertices split, flipped faces turned where that is
 // safe; otherwise refused with the faces named. A model that is not closed is refused. Throws
-// InputError. `beforePart` is called before each part of the work (1 s of 300,000 faces); what it throws ends the work.
-Building importModel(const std::filesystem::path& file, UpAxis up = UpAxis::y,
-                     const std::function<void()>& beforePart = [] {});
+// InputError. `beforePart` is called before each part of the work (1 s of 300,000 faces); what it throws ends
+// the work.
+Building importModel(
+    const std::filesystem::path& file, UpAxis up = UpAxis::y,
+    const std::function<void()>& beforePart = [] {});
 
 // .obj (+ .mtl beside it) or .glb, by extension; written whole. Groups carry role and room. `northDeg`:
 // direction of north in the plan, degrees counter-clockwise from +x seen from above.

@@ -60,8 +60,8 @@ std::optional<GreyPixels> readGrey(const std::filesystem::path& file) {
 
 bool writePng(const std::filesystem::path& file, int width, int height, const uint8_t* rgb) {
     try {
-        // Not by OpenCV: it does not look whether all of it was written. A compression asked for, whichever, would
-        // have each row filtered in five ways: three times the time for a tenth of the bytes.
+        // Not by OpenCV: it does not look whether all of it was written. A compression asked for, whichever,
+        // would have each row filtered in five ways: three times the time for a tenth of the bytes.
         std::vector<uint8_t> bytes;
         if (!cv::imencode(".png", bgrOf(width, height, rgb), bytes)) return false;
         bytes.insert(bytes.begin() + kAfterPngHeader, kSrgbChunk.begin(), kSrgbChunk.end());

@@ -286,8 +286,9 @@ private:
         int walk;                // how many before it, each at the side of the last
     };
 
-    // A wedge of a few hundredths of a radian touches anew wherever a square cuts it: those that walk along it
-    // become rectangles, each eight times as long as the last, until the wedge is wide enough to stay open.
+    // A wedge of a few hundredths of a radian touches anew wherever a square cuts it: those that walk along
+    // it become rectangles, each eight times as long as the last, until the wedge is wide enough to stay
+    // open.
     Square squareOver(glm::dvec2 p) const {
         Square square{p, {kTouchSquare, 0}, {0, kTouchSquare}, 0};
         for (const Square& other : squares_) {

@@ -15,8 +15,8 @@ struct RoomMeasures {
     int euler = 0;        // V - E + F of the room's surfaces together: 2 for each, less 2 for each handle
 };
 
-// Upright and level pieces of glass; one between two rooms is one. A piece ends where glass turns by 37 degrees,
-// as round a room's corner, or is of another kind, and where it touches the next in a point alone.
+// Upright and level pieces of glass; one between two rooms is one. A piece ends where glass turns by 37
+// degrees, as round a room's corner, or is of another kind, and where it touches the next in a point alone.
 struct PaneCount {
     int windows = 0, skylightPanes = 0;
 };

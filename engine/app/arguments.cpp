@@ -331,9 +331,9 @@ private:
     }
 
     void addTimelapse() {
-        CLI::App* sub = add(
-            "timelapse", "a day, or a year, as a film or as pictures", timelapse_,
-            "sketch.json --from 2026-06-21T07:00solar --to 2026-06-21T17:00solar \\\n      --step PT10M -o day.mp4");
+        CLI::App* sub = add("timelapse", "a day, or a year, as a film or as pictures", timelapse_,
+                            "sketch.json --from 2026-06-21T07:00solar --to 2026-06-21T17:00solar \\\n      "
+                            "--step PT10M -o day.mp4");
         addScene(sub, timelapse_.scene);
         addBlinds(sub, timelapse_.scene);
         addMoment(sub, timelapse_.moment, false);

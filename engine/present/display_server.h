@@ -7,8 +7,9 @@ namespace heliodon::present {
 // checkDisplayServer().
 void openWindowSystem();
 
-// Throws std::runtime_error once the connection has broken. Nothing of GLFW that asks the server may be called
-// then, as Xlib goes on without a buffer: to be called after what waits for an answer, before anything else.
+// Throws std::runtime_error once the connection has broken. Nothing of GLFW that asks the server may be
+// called then, as Xlib goes on without a buffer: to be called after what waits for an answer, before anything
+// else.
 void checkDisplayServer();
 bool displayServerLost();
 

@@ -223,14 +223,15 @@ TEST_F(BadInput, an_unknown_command_and_a_missing_option) {
 }
 
 TEST_F(BadInput, help_of_every_command_fits_a_terminal) {
-    for (const char* command :
-         {"", "detect", "model", "formfactors", "illuminance", "render", "timelapse", "annual", "live", "calibrate",
-          "calibrate target", "calibrate camera", "calibrate patterns", "calibrate projector", "bench", "devices"}) {
+    for (const char* command : {"", "detect", "model", "formfactors", "illuminance", "render", "timelapse",
+                                "annual", "live", "calibrate", "calibrate target", "calibrate camera",
+                                "calibrate patterns", "calibrate projector", "bench", "devices"}) {
         const Outcome help = heliodon(std::string(command) + " --help");
         EXPECT_EQ(help.exitCode, 0) << command;
         EXPECT_NE(help.output.find("Usage: heliodon"), std::string::npos) << command;
         std::istringstream lines(help.output);
-        for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 96u) << command << ": " << line;
+        for (std::string line; std::getline(lines, line);)
+            EXPECT_LE(line.size(), 96u) << command << ": " << line;
     }
 }
 

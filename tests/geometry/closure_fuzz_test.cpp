@@ -209,11 +209,12 @@ void expectMeshed(const Building& building) {
 } // namespace
 
 // Windows of different kinds over one another, so that a window shows as several glasses; glasses that share
-// edges; faces of a wall that are not parallel; the tip of a wedge between a low wall and a high one; skylights
-// whose side leaves a wall by less than two degrees, so that ceilings touched themselves (the last two).
+// edges; faces of a wall that are not parallel; the tip of a wedge between a low wall and a high one;
+// skylights whose side leaves a wall by less than two degrees, so that ceilings touched themselves (the last
+// two).
 TEST(ClosureFuzz, sketches_that_once_closed_but_could_not_be_meshed) {
-    for (const unsigned seed :
-         {30000220u, 36000046u, 38000109u, 38000173u, 40000134u, 40000181u, 3723588892u, 866686894u, 1873687004u}) {
+    for (const unsigned seed : {30000220u, 36000046u, 38000109u, 38000173u, 40000134u, 40000181u, 3723588892u,
+                                866686894u, 1873687004u}) {
         SCOPED_TRACE(seed);
         const Closure closure = closeSketch(SketchMaker(seed).make());
         ASSERT_TRUE(closure.building) << closure.report.message;

@@ -257,7 +257,8 @@ TEST(GltfScene, placements_of_a_wrong_length_are_refused_by_name) {
     refused(R"([{"mesh":0,"rotation":[0,0,0]}])", "nodes[0].rotation: has 3 numbers, expected 4");
     refused(R"([{"mesh":0,"rotation":[0,0,0,0]}])", "nodes[0].rotation: is no unit quaternion");
     refused(R"([{"mesh":0,"rotation":[0,2,0,2]}])", "nodes[0].rotation: is no unit quaternion");
-    expectRooms(R"([{"mesh":0,"rotation":[0,0.708,0,0.708]}])", 1, 30); // three digits turn, and stretch nothing
+    expectRooms(R"([{"mesh":0,"rotation":[0,0.708,0,0.708]}])", 1,
+                30); // three digits turn, and stretch nothing
 }
 
 // Bytes past a view belong to another one: indices read as positions made a room of another size.

@@ -144,7 +144,8 @@ std::string twoRoomsWithPane(double height) {
 
 TEST(BoxTree, finds_what_holds_a_box_as_looking_at_all_does) {
     std::mt19937 random(3);
-    std::uniform_int_distribution<int> place(0, 6), size(-1, 4); // many in one place, some empty the other way round
+    std::uniform_int_distribution<int> place(0, 6),
+        size(-1, 4); // many in one place, some empty the other way round
     const auto boxOf = [&] {
         const glm::dvec3 low(place(random), place(random), place(random));
         return Bounds{low, low + glm::dvec3(size(random), size(random), size(random))};

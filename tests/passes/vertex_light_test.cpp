@@ -109,7 +109,8 @@ TEST(VertexLight, lone_patches_and_slivers_keep_their_value) {
         EXPECT_NEAR(atVertices[light.ofCorner(c)].x, 7.0 + double(c / 3), 1e-3);
 }
 
-// Centroids of one patch lie in one place but for rounding, which is no slope: such triangles would be drawn thousands of times as bright.
+// Centroids of one patch lie in one place but for rounding, which is no slope: such triangles would be drawn
+// thousands of times as bright.
 TEST(VertexLight, a_lone_patch_anywhere_keeps_its_value) {
     PatchMesh mesh;
     mesh.materials = {{"white", glm::vec3(0.5f)}};
@@ -117,10 +118,12 @@ TEST(VertexLight, a_lone_patch_anywhere_keeps_its_value) {
     std::uniform_real_distribution<double> place(-0.4, 0.4), size(0.001, 0.03);
     for (uint32_t i = 0; i < 3000; ++i) {
         const glm::dvec3 at(place(random), place(random), place(random));
-        for (int k = 0; k < 3; ++k) mesh.vertices.push_back(at + glm::dvec3(size(random), size(random), size(random)));
+        for (int k = 0; k < 3; ++k)
+            mesh.vertices.push_back(at + glm::dvec3(size(random), size(random), size(random)));
         mesh.addPatch(std::array{3 * i, 3 * i + 1, 3 * i + 2}, 0, geometry::Role::projection, i, 0);
     }
-    for (const glm::vec3& v : VertexLight(mesh).evaluate(std::vector<glm::vec3>(mesh.patchCount(), glm::vec3(7))))
+    for (const glm::vec3& v :
+         VertexLight(mesh).evaluate(std::vector<glm::vec3>(mesh.patchCount(), glm::vec3(7))))
         EXPECT_NEAR(v.x, 7, 1e-4);
 }
 
