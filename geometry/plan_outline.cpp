@@ -11,6 +11,7 @@
 #include "geometry/perpendicular.h"
 #include "geometry/plan_curves.h"
 #include "geometry/plan_rooms.h"
+#include "geometry/segment_distance.h"
 
 namespace heliodon::geometry {
 
@@ -219,8 +220,32 @@ glm::dvec2 inwardAt(const OutlineLoop& loop, size_t i) {
     return glm::length(inward) < 1e-6 ? in : glm::normalize(inward);
 }
 
-// Corners that coincide, or lie on another edge, are drawn a hair into their own side's air; those that are
-// too near to one, away from it. True when any was.
+// Whether the room's air reaches corner i from direction d.
+bool airLies(glm::dvec2 d, const OutlineLoop& loop, size_t i) {
+    const size_t n = loop.points.size();
+    const glm::dvec2 back = loop.points[(i + n - 1) % n] - loop.points[i],
+                     on = loop.points[(i + 1) % n] - loop.points[i];
+    return cross(on, back) > 0 ? cross(on, d) > 0 && cross(d, back) > 0
+                               : !(cross(back, d) >= 0 && cross(d, on) >= 0);
+}
+
+// Whether the room's air passes between corner i and an edge of its own that touches it: a neck without
+// width.
+bool narrowsNeck(const std::vector<OutlineLoop>& loops, const OutlineLoop& own, size_t i) {
+    const glm::dvec2 p = own.points[i];
+    for (const OutlineLoop& loop : loops)
+        for (size_t k = 0, n = loop.points.size(); k < n; ++k) {
+            const glm::dvec2 a = loop.points[k], b = loop.points[(k + 1) % n];
+            if ((&loop == &own && (k == i || (k + 1) % n == i)) || distanceToSegment(p, a, b) >= kTouches)
+                continue;
+            const glm::dvec2 far = glm::length(a - p) > glm::length(b - p) ? a : b;
+            if (airLies(far - p, own, i)) return true;
+        }
+    return false;
+}
+
+// Corners that coincide, or lie on another edge, are drawn a hair into their own side's air, or back from it
+// where it narrows to nothing between them; those that are too near to one, away from it. True when any was.
 bool separatePinches(std::vector<RoomPlan>& rooms) {
     const Crowd crowd(rooms);
     bool any = false;
@@ -232,7 +257,8 @@ bool separatePinches(std::vector<RoomPlan>& rooms) {
                 const double apart = glm::length(offset);
                 glm::dvec2 move{0};
                 if (apart < kTouches || crowd.shares(before[l].points[i]))
-                    move = kPinchGap * inwardAt(before[l], i);
+                    move =
+                        (narrowsNeck(before, before[l], i) ? -kPinchGap : kPinchGap) * inwardAt(before[l], i);
                 else if (apart < 0.9 * kPinchGap)
                     move = (kPinchGap - apart) / apart * offset;
                 room.loops[l].points[i] += move;
