@@ -23,6 +23,7 @@
 #include <tiny_gltf.h>
 #pragma GCC diagnostic pop
 
+#include "geometry/gltf_fields.h"
 #include "geometry/input_error.h"
 #include "geometry/raw_model.h"
 #include "geometry/text_file.h"
@@ -67,7 +68,15 @@ public:
         std::ifstream in(file, std::ios::binary);
         char magic[4] = {};
         in.read(magic, 4);
+        checkGltfFields(file);
         tinygltf::TinyGLTF loader;
+        // The loader would read a folder as a file without end.
+        const auto isFile = [](const std::string& path, void*) {
+            std::error_code none;
+            return std::filesystem::is_regular_file(path, none);
+        };
+        loader.SetFsCallbacks(
+            {isFile, tinygltf::ExpandFilePath, tinygltf::ReadWholeFile, tinygltf::WriteWholeFile, nullptr});
         loader.SetImageLoader([](auto*, int, std::string*, std::string*, int, int, const unsigned char*, int,
                                  void*) { return true; },
                               nullptr);

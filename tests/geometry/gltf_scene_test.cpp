@@ -273,3 +273,24 @@ TEST(GltfScene, accessors_end_within_their_view) {
     longView["bufferViews"][1]["byteLength"] = 1000;
     expectRefused(longView, "indices: reaches past the end of its buffer");
 }
+
+// The loader takes a field of another type for one that is absent.
+TEST(GltfScene, fields_of_another_type_are_refused_by_name) {
+    const json scene = roomScene(kOneNode);
+    const auto refused = [&](const char* pointer, const json& value, const std::string& why) {
+        json wrong = scene;
+        wrong[json::json_pointer(pointer)] = value;
+        expectRefused(wrong, why);
+    };
+    refused("/nodes/0/scale", "abc", "nodes[0].scale: expected a list");
+    refused("/nodes/0/scale", json::parse(R"([2,"2",2])"), "nodes[0].scale[1]: expected a number");
+    refused("/accessors/0/byteOffset", -4, "accessors[0].byteOffset: expected a whole number, 0 or more");
+    refused("/accessors/1/byteOffset", 1.5, "accessors[1].byteOffset: expected a whole number");
+    refused("/bufferViews/1/byteOffset", "96", "bufferViews[1].byteOffset: expected a whole number");
+    refused("/meshes/0/primitives/0/mode", "5", "meshes[0].primitives[0].mode: expected a whole number");
+    refused("/materials", json::parse(R"([{"extensions":{"KHR_materials_ior":{"ior":"1"}}}])"),
+            "materials[0].extensions.KHR_materials_ior.ior: expected a number");
+    refused("/materials", json::parse(R"([{"pbrMetallicRoughness":7}])"),
+            "materials[0].pbrMetallicRoughness: expected an object");
+    refused("/buffers/0/uri", testing::TempDir(), "File not found"); // a folder
+}

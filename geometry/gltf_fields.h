@@ -1,0 +1,13 @@
+// The types of the fields of a glTF that rooms are made of. The loader passes over a field of another type
+// and goes on with its default, which would place or colour things silently wrong.
+#pragma once
+
+#include <filesystem>
+
+namespace heliodon::geometry {
+
+// Throws InputError naming the first such field, "nodes[0].scale[1]", with what was expected. `file`: .gltf
+// or .glb; what is no JSON is left to the loader to complain about.
+void checkGltfFields(const std::filesystem::path& file);
+
+} // namespace heliodon::geometry
