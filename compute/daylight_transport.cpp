@@ -97,10 +97,11 @@ struct DaylightTransport::State {
     template<class Light> void glow(Moment& moment, const Light& light) const;
     void hideSky(Moment& moment, std::span<const double> luminances) const;
     struct PlaceErrors {
-        std::vector<float> exitance, gathered; // per patch, photometric; empty: one bound for all
+        double alike = 0;                      // one bound for all, photometric
+        std::vector<float> exitance, gathered; // per patch; empty where that will do
     };
-    PlaceErrors errorsByPlace(const Moment& moment, std::span<const float> emitted,
-                              std::span<const uint32_t> channel, const SolvedColumns& solved);
+    PlaceErrors errorsByPlace(const Moment& moment, std::span<const uint32_t> channel,
+                              const SolvedColumns& solved);
     float emitted(const Moment& moment, size_t patch, uint32_t channel) const;
     void solve(std::span<Moment> moments);
     double rowError() const {
@@ -404,10 +405,9 @@ void DaylightTransport::State::solve(std::span<Moment> moments) {
         if (grey)
             moment.report.skipped.emplace_back(
                 "colour: all materials are grey, one channel stands for three");
-        SolvedColumns solved{exitance, gathered, k * perMoment * n, {}, {}};
-        const PlaceErrors errors = anyLight && options.errorByPlace
-                                       ? errorsByPlace(moment, outgoing, channel, solved)
-                                       : PlaceErrors{};
+        SolvedColumns solved{exitance, gathered, k * perMoment * n, 0, {}, {}};
+        const PlaceErrors errors = anyLight ? errorsByPlace(moment, channel, solved) : PlaceErrors{};
+        solved.error = errors.alike;
         solved.exitanceError = errors.exitance, solved.gatheredError = errors.gathered;
         lightPatches(scene, solved, moment);
         lightSensors(scene, solved, moment);
@@ -416,8 +416,8 @@ void DaylightTransport::State::solve(std::span<Moment> moments) {
 
 // Those of the solver, where one bound for all is over kSeen of the light of more than kOften of the patches.
 DaylightTransport::State::PlaceErrors
-DaylightTransport::State::errorsByPlace(const Moment& moment, std::span<const float> emitted,
-                                        std::span<const uint32_t> channel, const SolvedColumns& solved) {
+DaylightTransport::State::errorsByPlace(const Moment& moment, std::span<const uint32_t> channel,
+                                        const SolvedColumns& solved) {
     constexpr double kSeen = 0.003, kOften = 0.05;
     const size_t n = mesh.patchCount(), columns = columnsPerMoment();
     const auto photometricOf = [&](std::span<const float> values, size_t i) {
@@ -425,17 +425,15 @@ DaylightTransport::State::errorsByPlace(const Moment& moment, std::span<const fl
     };
     const std::span<const float> exitance = solved.exitance.subspan(solved.first, columns * n),
                                  gathered = solved.gathered.subspan(solved.first, columns * n);
-    double most = 0;
-    for (size_t i = 0; i < n; ++i) most = std::max(most, photometricOf(exitance, i));
+    PlaceErrors errors;
+    for (size_t i = 0; i < n; ++i) // no less than what is reflected
+        errors.alike = std::max(errors.alike, moment.report.radiosity.bound * photometricOf(gathered, i));
     size_t seen = 0;
     for (size_t i = 0; i < n; ++i)
-        seen += moment.report.radiosity.bound * most >
-                kSeen * (photometricOf(gathered, i) + photometric(moment.patches[i].total()));
-    PlaceErrors errors;
+        seen += errors.alike > kSeen * (photometricOf(gathered, i) + photometric(moment.patches[i].total()));
     std::vector<float> onExitance, onGathered;
-    if (static_cast<double>(seen) < kOften * static_cast<double>(n) ||
-        !solver->findErrors(emitted.subspan(solved.first, columns * n),
-                            channel.subspan(solved.first / n, columns), exitance, gathered, onExitance,
+    if (!options.errorByPlace || static_cast<double>(seen) < kOften * static_cast<double>(n) ||
+        !solver->findErrors(channel.subspan(solved.first / n, columns), exitance, gathered, onExitance,
                             onGathered))
         return errors;
     for (size_t i = 0; i < n; ++i) {

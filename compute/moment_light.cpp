@@ -84,9 +84,8 @@ float slatsError(const LightParts& parts, double even, double lobes, double bySl
                               bySlats * std::max(0.0, photometric(parts.interreflected) - seen));
 }
 
-// `mean`, `most`: of the exitance, photometric. Needs report.lumensIn.
-void setPatchErrors(const MomentScene& scene, const SolvedColumns& solved, double mean, double most,
-                    Moment& moment) {
+// `mean`: of the exitance, photometric. Needs report.lumensIn.
+void setPatchErrors(const MomentScene& scene, const SolvedColumns& solved, double mean, Moment& moment) {
     const std::vector<float> slats = slatsGlow(scene.mesh, moment);
     std::vector<float> seen(slats.size()); // of it, straight
     std::vector<glm::vec3> lobes(slats.size(), glm::vec3(0));
@@ -98,14 +97,13 @@ void setPatchErrors(const MomentScene& scene, const SolvedColumns& solved, doubl
     const std::vector<float> near = nearErrors(scene, moment);
     for (size_t i = 0; i < moment.patches.size(); ++i) {
         LightParts& parts = moment.patches[i];
-        parts.error +=
-            static_cast<float>(std::abs(1 - scene.rowSums[i]) * mean +
-                               (solved.gatheredError.empty() ? moment.report.radiosity.bound * most
-                                                             : double{solved.gatheredError[i]}) +
-                               (scene.rowError + kPatchBounceError) * photometric(parts.interreflected) +
-                               (kPatchSkyError + (scene.skyError.empty() ? 0 : double{scene.skyError[i]})) *
-                                   photometric(parts.sky + parts.ground)) +
-            near[i];
+        parts.error += static_cast<float>(
+                           std::abs(1 - scene.rowSums[i]) * mean +
+                           (solved.gatheredError.empty() ? solved.error : double{solved.gatheredError[i]}) +
+                           (scene.rowError + kPatchBounceError) * photometric(parts.interreflected) +
+                           (kPatchSkyError + (scene.skyError.empty() ? 0 : double{scene.skyError[i]})) *
+                               photometric(parts.sky + parts.ground)) +
+                       near[i];
         if (!slats.empty()) parts.error += slatsError(parts, double{seen[i]}, photometric(lobes[i]), bySlats);
     }
 }
@@ -221,7 +219,7 @@ void lightPatches(const MomentScene& scene, const SolvedColumns& solved, Moment&
     const geometry::PatchMesh& mesh = scene.mesh;
     const size_t n = mesh.patchCount();
     moment.lighting.exitance.resize(n);
-    double in = 0, absorbed = 0, lost = 0, mean = 0, total = 0, most = 0;
+    double in = 0, absorbed = 0, lost = 0, mean = 0, total = 0;
     for (size_t i = 0; i < n; ++i) {
         LightParts& parts = moment.patches[i];
         const geometry::Material& m = mesh.materials[mesh.material[i]];
@@ -247,11 +245,10 @@ void lightPatches(const MomentScene& scene, const SolvedColumns& solved, Moment&
         lost += scene.areas[i] * (1 - double{scene.rowSums[i]}) * photometric(out);
         mean += scene.areas[i] * photometric(out);
         total += scene.areas[i];
-        most = std::max(most, photometric(out));
     }
     mean /= std::max(total, 1e-30);
     moment.report.lumensIn = in;
-    setPatchErrors(scene, solved, mean, most, moment);
+    setPatchErrors(scene, solved, mean, moment);
     moment.report.lumensAbsorbed = absorbed;
     moment.report.lumensLost = lost;
     moment.report.energyImbalance = in > 0 ? std::abs(in - absorbed - lost) / in : 0;
@@ -262,8 +259,6 @@ void lightSensors(const MomentScene& scene, const SolvedColumns& solved, Moment&
     if (moment.sensors.empty()) return;
     const SensorGather& sensors = scene.sensors;
     const size_t n = scene.mesh.patchCount();
-    double most = 0;
-    for (const glm::vec3& out : moment.lighting.exitance) most = std::max(most, photometric(out));
     const SensedLight light = sensedLight(scene, solved, moment);
     const std::vector<float> spread = spreadWithin(scene, smoothLux(scene, light));
     const std::vector<float> slats = slatsGlow(scene.mesh, moment);
@@ -272,8 +267,8 @@ void lightSensors(const MomentScene& scene, const SolvedColumns& solved, Moment&
         LightParts& parts = moment.sensors[s];
         const std::span<const float> even{&sensors.even[s * n], n};
         const double byLobes = receive(scene, light, s, parts);
-        const double bySolver = solved.exitanceError.empty() ? moment.report.radiosity.bound * most
-                                                             : solverError(sensors, s, solved.exitanceError);
+        const double bySolver =
+            solved.exitanceError.empty() ? solved.error : solverError(sensors, s, solved.exitanceError);
         parts.error +=
             static_cast<float>(bySolver + nearError(sensors, light, s) + kSpreadShare * dot(even, spread) +
                                (scene.rowError + kBounceError) * photometric(parts.interreflected) +

@@ -38,8 +38,8 @@ struct MomentScene {
 struct SolvedColumns {
     std::span<const float> exitance, gathered;
     size_t first;
-    // Photometric errors that the solver leaves, per patch: on its exitance, and on what it gathers. Empty:
-    // the report's bound on each.
+    double error; // photometric, that the solver leaves on each patch's exitance, and on what it gathers
+    // The same per patch, where it was found place by place; else empty.
     std::span<const float> exitanceError, gatheredError;
 };
 

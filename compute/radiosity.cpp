@@ -29,10 +29,10 @@ double dot(std::span<const double> a, std::span<const double> b) {
     return (parts[0] + parts[1]) + (parts[2] + parts[3]);
 }
 
-double largest(std::span<const double> a) {
-    double most = 0;
-    for (double x : a) most = std::max(most, std::abs(x));
-    return most;
+template<class T> double largest(const std::vector<T>& a) {
+    T most = 0;
+    for (const T x : a) most = std::max(most, std::abs(x));
+    return double{most};
 }
 
 } // namespace
@@ -164,9 +164,9 @@ double RadiositySolver::weightedSlack(uint32_t channel, uint32_t& passes) {
     RadiosityOptions rough;
     rough.tolerance = 0.2 * std::max(1 - largest(given), 1e-4); // w is about the inverse of that
     rough.maxPasses = 3 * kBasis;
-    const double ofResidual = 1; // what tolerance is of here
+    const Goal ofResidual; // what tolerance is of here
     std::vector<float> w, gathered;
-    passes += solveWith(std::span(&ofResidual, 1), ones, std::span(&channel, 1), w, gathered, rough).passes;
+    passes += solveFor(std::span(&ofResidual, 1), ones, std::span(&channel, 1), w, gathered, rough).passes;
     matter_.reflect<double>(channel, gathered, given);
     double most = 0, least = INFINITY;
     for (size_t i = 0; i < n; ++i) {
@@ -178,13 +178,13 @@ double RadiositySolver::weightedSlack(uint32_t channel, uint32_t& passes) {
 }
 
 // As above, with w for the light r of the residual itself: |e_i| <= w_i max_k r_k / d_k, a little over w_i.
-bool RadiositySolver::findErrors(std::span<const float> emitted, std::span<const uint32_t> channel,
-                                 std::span<const float> radiosity, std::span<const float> gathered,
-                                 std::vector<float>& error, std::vector<float>& ofGathered) {
+bool RadiositySolver::findErrors(std::span<const uint32_t> channel, std::span<const float> radiosity,
+                                 std::span<const float> gathered, std::vector<float>& error,
+                                 std::vector<float>& ofGathered) {
     constexpr double kLeast = 0.01, kOfLeast = 0.3; // of the largest residual; how exact w is, of that
     const size_t n = matter_.patchCount;
     std::vector<float> light(radiosity.size());
-    std::vector<double> given(n);
+    std::vector<double> reflected(n), given(n);
     RadiosityOptions rough;
     rough.tolerance = kLeast * kOfLeast;
     rough.maxPasses = 3 * kBasis;
@@ -192,19 +192,19 @@ bool RadiositySolver::findErrors(std::span<const float> emitted, std::span<const
     factors_->gatherIn(channel, radiosity, measured);
     for (size_t c = 0; c < channel.size(); ++c) {
         float* residual = &light[c * n];
+        // Of E + K gathered, since E itself has no error, however much float32 rounds where it is bright.
+        matter_.reflect<double>(channel[c], {&gathered[c * n], n}, reflected);
         matter_.reflect<double>(channel[c], {&measured[c * n], n}, given);
         for (size_t i = 0; i < n; ++i)
-            residual[i] = static_cast<float>(std::abs(emitted[c * n + i] + given[i] - radiosity[c * n + i]) +
-                                             kGatherRounding * given[i]);
+            residual[i] = static_cast<float>(std::abs(given[i] - reflected[i]) + kGatherRounding * given[i]);
         const float most = *std::max_element(residual, residual + n);
         for (size_t i = 0; i < n; ++i)
             residual[i] = std::max(residual[i], std::max(static_cast<float>(kLeast) * most, 1e-30F));
         uint32_t passes = 0;
         rough.tolerance = std::min(rough.tolerance, kLeast * kOfLeast * slack(channel[c], passes));
     }
-    const std::vector<double> ofResidual(channel.size(), 1); // what tolerance is of here
-    error.clear();
-    solveWith(ofResidual, light, channel, error, ofGathered, rough);
+    const std::vector<Goal> ofResidual(channel.size()); // what tolerance is of here
+    solveFor(ofResidual, light, channel, error, ofGathered, rough);
     for (size_t c = 0; c < channel.size(); ++c) {
         matter_.reflect<double>(channel[c], {&ofGathered[c * n], n}, given);
         double times = 0;
@@ -224,32 +224,60 @@ bool RadiositySolver::findErrors(std::span<const float> emitted, std::span<const
 RadiosityReport RadiositySolver::solve(std::span<const float> emitted, std::span<const uint32_t> channel,
                                        std::vector<float>& radiosity, std::vector<float>& gathered,
                                        const RadiosityOptions& options) {
-    std::vector<double> slacks;
+    const size_t n = matter_.patchCount, count = channel.size();
+    assert(emitted.size() == n * count);
+    std::vector<float> direct(n * count), once(n * count), reflected(n);
+    factors_->gatherIn(channel, emitted, direct);
+    std::vector<double> known(count), rounding(count);
+    for (size_t c = 0; c < count; ++c) {
+        matter_.reflect<float>(channel[c], {&direct[c * n], n}, reflected);
+        std::ranges::copy(reflected, &once[c * n]);
+        known[c] = largest(reflected);
+        rounding[c] = kRounding * known[c];
+    }
+    RadiosityReport report = solveReflected(once, channel, known, rounding, radiosity, gathered, options);
+    ++report.passes;
+    for (size_t k = 0; k < n * count; ++k) gathered[k] += direct[k];
+    for (size_t c = 0; c < count; ++c) {
+        matter_.reflect<float>(channel[c], {&gathered[c * n], n}, {&radiosity[c * n], n});
+        for (size_t i = c * n; i < (c + 1) * n; ++i) radiosity[i] += emitted[i];
+    }
+    return report;
+}
+
+RadiosityReport RadiositySolver::solveReflected(std::span<const float> once,
+                                                std::span<const uint32_t> channel,
+                                                std::span<const double> known,
+                                                std::span<const double> rounding,
+                                                std::vector<float>& reflected, std::vector<float>& gathered,
+                                                const RadiosityOptions& options) {
+    std::vector<Goal> goals;
     uint32_t passes = 0;
-    for (uint32_t c : channel) slacks.push_back(slack(c, passes));
-    RadiosityReport report = solveWith(slacks, emitted, channel, radiosity, gathered, options);
+    for (size_t c = 0; c < channel.size(); ++c)
+        goals.push_back({slack(channel[c], passes), known[c], rounding[c]});
+    RadiosityReport report = solveFor(goals, once, channel, reflected, gathered, options);
     report.passes += passes;
     return report;
 }
 
-RadiosityReport RadiositySolver::solveWith(std::span<const double> slack, std::span<const float> emitted,
-                                           std::span<const uint32_t> channel, std::vector<float>& radiosity,
-                                           std::vector<float>& gathered, const RadiosityOptions& options) {
+RadiosityReport RadiositySolver::solveFor(std::span<const Goal> goals, std::span<const float> light,
+                                          std::span<const uint32_t> channel, std::vector<float>& solution,
+                                          std::vector<float>& gathered, const RadiosityOptions& options) {
     const size_t n = matter_.patchCount, count = channel.size();
-    assert(emitted.size() == n * count);
+    assert(light.size() == n * count);
     RadiosityReport report;
-    if (radiosity.size() != n * count) radiosity.assign(emitted.begin(), emitted.end());
+    solution.assign(light.begin(), light.end());
     gathered.assign(n * count, 0);
     std::vector<Column> columns(count);
     std::vector<double> given(n);
-    for (size_t c = 0; c < count; ++c) columns[c].solution.assign(&radiosity[c * n], &radiosity[c * n] + n);
+    for (size_t c = 0; c < count; ++c) columns[c].solution.assign(&solution[c * n], &solution[c * n] + n);
 
     for (;;) {
-        // The true residual, of B as it will be handed out.
+        // The true residual, of the solution as it will be handed out.
         for (size_t c = 0; c < count; ++c)
-            std::transform(columns[c].solution.begin(), columns[c].solution.end(), &radiosity[c * n],
+            std::transform(columns[c].solution.begin(), columns[c].solution.end(), &solution[c * n],
                            [](double x) { return static_cast<float>(x); });
-        factors_->gatherIn(channel, radiosity, gathered);
+        factors_->gatherIn(channel, solution, gathered);
         ++report.passes;
         report.residual = report.bound = 0;
         for (size_t c = 0; c < count; ++c) {
@@ -257,14 +285,15 @@ RadiosityReport RadiositySolver::solveWith(std::span<const double> slack, std::s
             matter_.reflect<double>(channel[c], {&gathered[c * n], n}, given);
             column.residual.resize(n);
             for (size_t i = 0; i < n; ++i)
-                column.residual[i] = emitted[c * n + i] + given[i] - radiosity[c * n + i];
-            column.scale = std::max(largest(column.solution), 1e-30);
-            const double room = slack[c];
+                column.residual[i] = light[c * n + i] + given[i] - solution[c * n + i];
+            column.scale = std::max({largest(column.solution), goals[c].known, 1e-30});
+            const double room = goals[c].slack;
             const double residual = largest(column.residual) / column.scale;
             column.target = options.tolerance * room * column.scale;
             column.setResidual(residual, options.tolerance * room);
             report.residual = std::max(report.residual, residual);
-            report.bound = std::max(report.bound, (residual + kGatherRounding) / room);
+            const double rounding = kGatherRounding * largest(given) + goals[c].rounding;
+            report.bound = std::max(report.bound, (residual + rounding / column.scale) / room);
         }
         report.converged = std::ranges::all_of(columns, &Column::done);
         if (std::ranges::all_of(columns, &Column::hasEnded) || report.passes >= options.maxPasses)

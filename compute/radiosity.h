@@ -22,14 +22,16 @@ namespace heliodon::compute {
 constexpr double kGatherRounding = 2 * double{std::numeric_limits<float>::epsilon()};
 
 struct RadiosityOptions {
-    double tolerance = 1e-4;  // wanted bound on the error of B, relative to the largest B of the column
+    double tolerance = 1e-4;  // wanted bound on the error of B - E, relative to its largest value
     uint32_t maxPasses = 400; // passes over F; fewer where rounding of B keeps the tolerance out of reach
 };
 
 struct RadiosityReport {
     uint32_t passes = 0; // with those that found slack()
-    double residual = 0; // max |E + K F B - B| / max B, worst column
-    // On max |B - exact| / max B for this F: residual over slack(), and what rounding of the gather may hide.
+    // Both of the worst column, over the largest light that patches reflect, max (B - E), beside which a
+    // lamp's own may be bright; float32's rounding of B itself apart.
+    double residual = 0; // max |E + K F B - B|
+    // On max |B - exact| for this F: residual over slack(), and what rounding of the gather may hide.
     double bound = 0;
     // The residual over slack() is within the tolerance; else maxPasses ran out or rounding stood in the way.
     bool converged = true;
@@ -70,29 +72,41 @@ public:
     // dozen passes, once for each matter). 1e-6 where no more can be shown.
     double slack(uint32_t channel);
 
-    // emitted: columns x patches; channel[c] says which reflectance column c sees. On return `radiosity` is B
-    // and `gathered` is F B. `radiosity` may hold a first guess (same size) or be empty.
+    // emitted: columns x patches; channel[c] says which reflectance column c sees. On return `gathered` is F
+    // B, and `radiosity` is B = E + K `gathered`.
     RadiosityReport solve(std::span<const float> emitted, std::span<const uint32_t> channel,
                           std::vector<float>& radiosity, std::vector<float>& gathered,
                           const RadiosityOptions& options = {});
 
-    // Where the errors of a solution lie, per column and patch: at least |B - exact| in `error`, and of its
-    // `gathered` in `ofGathered`. Its residual, as if it were light, is sent round the room, so that dark
-    // places have no part in that of bright ones; what lies below 0.01 of the largest residual counts as that
-    // much. Some six passes over F; false where nothing can be shown.
-    bool findErrors(std::span<const float> emitted, std::span<const uint32_t> channel,
-                    std::span<const float> radiosity, std::span<const float> gathered,
-                    std::vector<float>& error, std::vector<float>& ofGathered);
+    // The part of it after the first pass: `reflected` = `once` + K F `reflected`, and `gathered` is F of it.
+    // `known`: per column, what else is reflected, at its largest, which tolerance and bound may be relative
+    // to; `rounding`: by how much `once` may be off.
+    RadiosityReport solveReflected(std::span<const float> once, std::span<const uint32_t> channel,
+                                   std::span<const double> known, std::span<const double> rounding,
+                                   std::vector<float>& reflected, std::vector<float>& gathered,
+                                   const RadiosityOptions& options);
+
+    // Where the errors of a solution B = E + K `gathered` lie, per column and patch: at least |B - exact| in
+    // `error`, float32's rounding of B itself apart, and of its `gathered` in `ofGathered`. Its residual, as
+    // if it were light, is sent round the room, so that dark places have no part in that of bright ones; what
+    // lies below 0.01 of the largest residual counts as that much. Some six passes over F; false where
+    // nothing can be shown.
+    bool findErrors(std::span<const uint32_t> channel, std::span<const float> radiosity,
+                    std::span<const float> gathered, std::vector<float>& error,
+                    std::vector<float>& ofGathered);
 
 private:
     struct Column;
     // Both add the passes that they take.
     double slack(uint32_t channel, uint32_t& passes);
     double weightedSlack(uint32_t channel, uint32_t& passes);
-    // slack: of each column.
-    RadiosityReport solveWith(std::span<const double> slack, std::span<const float> emitted,
-                              std::span<const uint32_t> channel, std::vector<float>& radiosity,
-                              std::vector<float>& gathered, const RadiosityOptions& options);
+    // What is wanted of a column: see solveReflected. As it stands, of the residual over the solution.
+    struct Goal {
+        double slack = 1, known = 0, rounding = 0;
+    };
+    RadiosityReport solveFor(std::span<const Goal> goals, std::span<const float> light,
+                             std::span<const uint32_t> channel, std::vector<float>& solution,
+                             std::vector<float>& gathered, const RadiosityOptions& options);
 
     FormFactorOperator* factors_;
     std::vector<float> rowSums_;

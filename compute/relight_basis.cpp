@@ -95,28 +95,31 @@ RadiosityReport RelightBasis::solve(std::span<const float> emitted, std::span<co
     factors_->gatherIn(channel, emitted, gathered);
     report.passes = 1;
     std::vector<float> residual(n * count);
-    std::vector<double> scale(count), left(count), rounding(count);
+    std::vector<double> scale(count), left(count), rounding(count); // scale: largest reflected light so far
+    const auto reflect = [&](size_t c) {
+        matter.reflect<float>(channel[c], {&gathered[c * n], n}, {&radiosity[c * n], n});
+        return std::max(largest({&radiosity[c * n], n}), 1e-30);
+    };
     inParallel(count, [&](size_t c) {
         const std::span<float> r(&residual[c * n], n), h(&gathered[c * n], n);
         matter.reflect<float>(channel[c], h, r);
-        scale[c] = std::max(largest({&emitted[c * n], n}), 1e-30);
-        rounding[c] = project(channel[c], r, h) / scale[c];
-        left[c] = largest(r) / scale[c];
+        rounding[c] = project(channel[c], r, h);
+        left[c] = largest(r);
+        scale[c] = reflect(c);
     });
     std::vector<uint32_t> open, openChannel;
-    double tolerance = 0.5;
-    for (uint32_t c = 0; c < count; ++c) {
-        const double allowed = options.tolerance * solver_->slack(channel[c]);
-        if (left[c] <= allowed) continue;
-        open.push_back(c), openChannel.push_back(channel[c]);
-        tolerance = std::min(tolerance, allowed / left[c]);
-    }
+    for (uint32_t c = 0; c < count; ++c)
+        if (left[c] > options.tolerance * solver_->slack(channel[c]) * scale[c])
+            open.push_back(c), openChannel.push_back(channel[c]);
     if (!open.empty()) {
         std::vector<float> right, answer, seen;
-        for (uint32_t c : open) right.insert(right.end(), &residual[c * n], &residual[c * n] + n);
-        RadiosityOptions rest = options;
-        rest.tolerance = tolerance;
-        report.passes += solver_->solve(right, openChannel, answer, seen, rest).passes;
+        std::vector<double> known, uncertain;
+        for (uint32_t c : open) {
+            right.insert(right.end(), &residual[c * n], &residual[c * n] + n);
+            known.push_back(scale[c]), uncertain.push_back(rounding[c]);
+        }
+        report.passes +=
+            solver_->solveReflected(right, openChannel, known, uncertain, answer, seen, options).passes;
         std::vector<uint32_t> learnt;
         for (size_t k = 0; k < open.size(); ++k) {
             const size_t at = open[k] * n;
@@ -127,22 +130,22 @@ RadiosityReport RelightBasis::solve(std::span<const float> emitted, std::span<co
                 residual[at + i] -= image[i];
                 gathered[at + i] += seen[k * n + i];
             }
-            left[open[k]] = largest({&residual[at], n}) / scale[open[k]];
-            rounding[open[k]] += kGatherRounding *
-                                 std::max(largest({&seen[k * n], n}), largest({&answer[k * n], n})) /
-                                 scale[open[k]];
+            left[open[k]] = largest({&residual[at], n});
+            scale[open[k]] = std::max(scale[open[k]], reflect(open[k]));
+            rounding[open[k]] +=
+                kGatherRounding * std::max(largest({&seen[k * n], n}), largest({&answer[k * n], n}));
             if (learn(openChannel[k], std::move(image), {&seen[k * n], &seen[k * n] + n}))
                 learnt.push_back(openChannel[k]);
         }
         if (!learnt.empty()) measure(learnt), ++report.passes;
     }
     for (size_t c = 0; c < count; ++c) {
-        matter.reflect<float>(channel[c], {&gathered[c * n], n}, {&radiosity[c * n], n});
         for (size_t i = 0; i < n; ++i) radiosity[c * n + i] += emitted[c * n + i];
         // B = E + K F (E + w): what is left of the residual is bounced once more.
-        report.residual = std::max(report.residual, left[c]);
-        report.bound = std::max(report.bound, (left[c] + rounding[c]) / solver_->slack(channel[c]));
-        report.converged &= left[c] <= options.tolerance * solver_->slack(channel[c]);
+        const double room = solver_->slack(channel[c]) * scale[c];
+        report.residual = std::max(report.residual, left[c] / scale[c]);
+        report.bound = std::max(report.bound, (left[c] + rounding[c]) / room);
+        report.converged &= left[c] <= options.tolerance * room;
     }
     return report;
 }
