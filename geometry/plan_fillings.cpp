@@ -18,6 +18,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kFacingSine = 0.26;     // 15 degrees: ends that look at each other
 constexpr double kFacingOffset = 0.6;    // inches: by which they may miss one another
 constexpr double kDoor = 1.25;           // times a crack's width from end to end: as wide as a door
+constexpr double kSpike = 2;             // times the thickness of walls that touch: a tip longer than that
 constexpr double kParallelSine = 0.18;   // 10 degrees: walls side by side
 constexpr double kNarrowSlot = 1.0;      // inches between walls side by side: less is a crack,
 constexpr double kNarrowestNiche = 0.45; // but for a niche so wide
@@ -101,10 +102,14 @@ private:
         const double te = cross(between, f.out) / sine, tf = cross(between, e.out) / sine;
         const double behindE = -thickness(f) / std::abs(sine), behindF = -thickness(e) / std::abs(sine);
         if (te < behindE || tf < behindF || te > width_ || tf > width_) return;
-        const size_t first = plan_.solids.size();
         const glm::dvec2 crossing = e.middle + te * e.out;
         const glm::dvec2 u = e.out * (0.5 * thickness(f) / std::abs(sine));
         const glm::dvec2 v = f.out * (0.5 * thickness(e) / sine);
+        const double tip = std::max(te + glm::length(u), tf + glm::length(v));
+        if (std::min(te, tf) > 0 && tip > kSpike * std::max(thickness(e), thickness(f)) &&
+            (endsIn(e, f) || endsIn(f, e)))
+            return;
+        const size_t first = plan_.solids.size();
         addStub(e, crossing + u - v, crossing + u + v);
         addStub(f, crossing + v * std::copysign(1.0, sine) + u * std::copysign(1.0, sine),
                 crossing + v * std::copysign(1.0, sine) - u * std::copysign(1.0, sine));
@@ -112,6 +117,13 @@ private:
         const glm::dvec2 beyond = crossing - 0.5 * (e.middle + f.middle);
         const glm::dvec2 off = (glm::length(u - v) + 0.1) / glm::length(beyond) * beyond;
         plan_.wideCorners.push_back({first, plan_.solids.size(), {crossing + off, crossing - off}});
+    }
+
+    // Walls that meet side by side, as where an arc runs into a straight one, leave no corner open: a tip
+    // before them would stand in whatever they end at, a door say.
+    bool endsIn(const WallEnd& e, const WallEnd& f) const {
+        const auto& outline = physical_[static_cast<size_t>(f.piece)].outline;
+        return contains(outline, e.right) || contains(outline, e.left) || contains(outline, e.middle);
     }
 
     static double clearance(const WallEnd& e, const WallEnd& f) {
