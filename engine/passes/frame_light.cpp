@@ -29,8 +29,10 @@ std::vector<glm::vec3> pictureLight(const geometry::PatchMesh& mesh, const compu
     std::vector<glm::vec3> values = indirectExitance(mesh, light);
     const bool lamps = std::any_of(mesh.materials.begin(), mesh.materials.end(),
                                    [](const auto& m) { return glm::dot(m.exitance, glm::vec3(1)) > 0; });
+    const bool lit =
+        std::any_of(values.begin(), values.end(), [](glm::vec3 v) { return glm::dot(v, v) > 0; });
     // Light without lamps has come through the openings, so it is day.
-    const bool day = !lamps || glm::dot(light.sunNormalIlluminance, glm::vec3(1)) > 0;
+    const bool day = (lit && !lamps) || glm::dot(light.sunNormalIlluminance, glm::vec3(1)) > 0;
     if (!day) return values;
     const glm::vec3 sky = static_cast<float>(autoWhite(mesh, light)) * glm::vec3(0.75f, 0.88f, 1.0f);
     for (size_t p = 0; p < values.size(); ++p)

@@ -18,7 +18,8 @@ double autoWhite(const geometry::PatchMesh& mesh, const compute::Lighting& light
 // Lux on each patch that projectors show, sun included: what false-colour scales are chosen from.
 std::vector<float> shownLux(const geometry::PatchMesh& mesh, const compute::Lighting& light);
 
-// Exitance to draw, per patch: openings, which reflect nothing, are shown as the pale sky behind them.
+// Exitance to draw, per patch: openings, which reflect nothing, are shown as the pale sky behind them; by
+// night, with no light in the rooms or that of lamps alone, as they are.
 std::vector<glm::vec3> pictureLight(const geometry::PatchMesh& mesh, const compute::Lighting& light);
 
 // Sets the values of openings, per vertex, so far below zero that they count as not known.

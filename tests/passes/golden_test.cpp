@@ -127,6 +127,30 @@ TEST(Golden, what_lies_below_the_scale_is_black) {
     EXPECT_GT(black, 1000);
 }
 
+// By night there is no pale sky to be seen, even where the picture has chosen its own white.
+TEST(Golden, windows_are_dark_by_night) {
+    const test::SketchScene scene = test::sketchScene(6);
+    FrameRenderer renderer(test::device(), scene.mesh, scene.occluders, nullptr);
+    PreviewOptions options;
+    options.width = 160;
+    options.height = 120;
+    options.azimuthDegrees = 205; // a window faces the eye
+    const auto pale = [&](const compute::Lighting& light) {
+        const Image8 picture = renderer.preview(light, options);
+        int count = 0;
+        for (int y = 0; y < picture.height; ++y)
+            for (int x = 0; x < picture.width; ++x)
+                count += picture.pixel(x, y)[2] > picture.pixel(x, y)[0] + 15; // bluer than all else
+        return count;
+    };
+    compute::Lighting night = scene.light;
+    EXPECT_GT(pale(night), 20);
+    night.sunDirection = glm::dvec3(0);
+    night.sunNormalIlluminance = glm::vec3(0);
+    std::fill(night.exitance.begin(), night.exitance.end(), glm::vec3(0));
+    EXPECT_EQ(pale(night), 0);
+}
+
 // Walls are drawn as on glass, over whatever lies behind them: also over nothing, beyond a small table's
 // edge.
 TEST(Golden, tops_of_walls_show_against_the_background) {
