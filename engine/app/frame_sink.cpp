@@ -7,6 +7,7 @@
 
 #include "engine/passes/image_file.h"
 #include "geometry/input_error.h"
+#include "geometry/whole_file.h"
 
 namespace heliodon::app {
 
@@ -47,9 +48,7 @@ FrameSink::FrameSink(FrameSinkOptions options)
         folder_ = options_.output;
     else if (options_.resume)
         folder_ = fs::path(options_.output).replace_extension(".frames");
-    const fs::path parent = options_.output.parent_path();
-    if (isFilm_ && !parent.empty() && !fs::is_directory(parent))
-        throw geometry::InputError(options_.output.string(), "", "its folder does not exist");
+    for (const fs::path& film : films()) geometry::refuseUnwritable(film); // now, not after the form factors
     if (options_.resume) refuseOtherJob();
     if (folder_.empty()) return; // Film has a thread of its own
     made_.emplace(folder_);
