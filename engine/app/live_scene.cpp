@@ -7,6 +7,7 @@
 #include "compute/gpu/error.h"
 #include "engine/app/interrupt.h"
 #include "engine/app/light_report.h"
+#include "engine/app/projector_reach.h"
 #include "geometry/input_error.h"
 
 namespace heliodon::app {
@@ -194,7 +195,9 @@ void LiveSceneMaker::make(const SeenTable& seen) {
         sayDoing("what the projectors see");
         const StageTimer timer(run, "prepare"); // what is left of it
         change.frame = frame.get();
+        reaching_ = reachingProjectors(change.frame->shown.blend.visible);
     }
+    warnOfBlack(run, rig_, reaching_);
     made->report = run.report();
     change.scene = made;
     before_ = made;

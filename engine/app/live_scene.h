@@ -100,6 +100,7 @@ private:
     std::function<void(SceneChange)> deliver_;
     std::shared_ptr<const LiveScene> before_;
     size_t spoiltBefore_ = 0; // devices, when `before_` was made
+    uint32_t reaching_ = 0;   // projectors that reach anything of `before_`, as bits
     std::thread thread_;      // last: it uses all of the above
 };
 

@@ -1,7 +1,9 @@
 #include "engine/app/projector_reach.h"
 
 #include <array>
+#include <functional>
 #include <map>
+#include <numeric>
 #include <vector>
 
 #include <fmt/format.h>
@@ -57,19 +59,20 @@ std::vector<std::array<glm::dvec3, 3>> unreachableTriangles(const Scene& scene) 
     return out;
 }
 
-// One that stands or looks elsewhere than its rig says leaves a black picture among good ones.
-void warnOfBlack(Run& run, const geometry::Rig& rig, const geometry::ProjectorMesh& split) {
-    uint32_t reached = 0;
-    for (size_t t = 0; t < split.triangleCount(); ++t) reached |= split.visible[t];
+} // namespace
+
+uint32_t reachingProjectors(std::span<const uint32_t> visible) {
+    return std::reduce(visible.begin(), visible.end(), 0u, std::bit_or());
+}
+
+void warnOfBlack(Run& run, const geometry::Rig& rig, uint32_t reaching) {
     for (size_t p = 0; p < rig.projectors.size(); ++p)
-        if (!(reached >> p & 1u))
+        if (!(reaching >> p & 1u))
             run.warn(
                 fmt::format("projector '{}' reaches no wall and no floor, its picture is black: are its R "
                             "and t right?",
                             rig.projectors[p].id));
 }
-
-} // namespace
 
 void reportReach(Run& run, const Scene& scene) {
     if (!scene.rig || scene.rig->projectors.empty()) return;
@@ -77,7 +80,7 @@ void reportReach(Run& run, const Scene& scene) {
     const auto devices = projectorsOf(*scene.rig);
     const geometry::ProjectorMesh split =
         geometry::splitByProjectorVisibility(scene.mesh, scene.occluders, devices);
-    warnOfBlack(run, *scene.rig, split);
+    warnOfBlack(run, *scene.rig, reachingProjectors(split.visible));
     struct Place {
         glm::dvec3 sum{0};
         double area = 0;

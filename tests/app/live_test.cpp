@@ -236,8 +236,11 @@ TEST_F(Live, ends_cleanly_with_ctrl_c_and_with_its_windows) {
         kill(pid_t(std::stoi(readText(folder / "pid"))), SIGINT);
     });
     writeText(folder / "script", "wait\nsnapshot up\n");
+    json rig = json::parse(readText(kRig));
+    rig["projectors"][1]["t"] = {0, 0, -3};
+    writeText(folder / "rig.json", rig.dump());
     const std::string command = "sh -c 'echo $$ > " + in("pid") + "; exec " HELIODON_PROGRAM " live --rig " +
-                                kRig + " --camera file:" + kPhoto + kFast +
+                                in("rig.json") + " --camera file:" + kPhoto + kFast +
                                 "--windowed --window-scale 0.25 --script " + in("script") + " --snapshots " +
                                 in("shots") + " --report " + in("report.json") + "'";
     setenv("ASAN_OPTIONS", "detect_leaks=0:detect_odr_violation=0", 1);
@@ -245,7 +248,10 @@ TEST_F(Live, ends_cleanly_with_ctrl_c_and_with_its_windows) {
     hand.join();
     ASSERT_TRUE(WIFEXITED(status));
     EXPECT_EQ(WEXITSTATUS(status), 0);
-    EXPECT_EQ(json::parse(readText(folder / "report.json"))["live"]["sketches"], 1);
+    report = json::parse(readText(folder / "report.json"));
+    EXPECT_EQ(report["live"]["sketches"], 1);
+    EXPECT_NE(report["table"]["warnings"].dump().find("'P1' reaches no wall"), std::string::npos)
+        << report["table"];
 
     const Outcome closed =
         live("file:" + kPhoto,
