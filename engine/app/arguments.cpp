@@ -1,16 +1,13 @@
 #include "engine/app/arguments.h"
 
-#include <cmath>
-#include <cstdlib>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <set>
-#include <sstream>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "engine/app/command_line.h"
 #include "engine/app/option_checks.h"
 #include "engine/app/option_groups.h"
 #include "engine/present/operator_window.h"
@@ -19,39 +16,6 @@
 namespace heliodon::app {
 
 namespace {
-
-const std::string kCalibrate = "calibrate";
-
-// Help of 96 columns, which terminals show without breaking words.
-class HelpLayout : public CLI::Formatter {
-public:
-    HelpLayout() { label("SUBCOMMAND", "COMMAND"); }
-
-    std::string make_option_name(const CLI::Option* option, bool isPositional) const override {
-        const std::string name = CLI::Formatter::make_option_name(option, isPositional);
-        return name.substr(0, name.find('{')); // "--no-stamp{false}"
-    }
-    std::string make_option_desc(const CLI::Option* option) const override {
-        return wrapped(option->get_description());
-    }
-    std::string make_subcommand(const CLI::App* sub) const override {
-        std::ostringstream out;
-        CLI::detail::format_help(out, sub->get_name(), wrapped(sub->get_description()), column_width_);
-        return out.str();
-    }
-
-private:
-    std::string wrapped(const std::string& text) const {
-        const size_t width = 96 - column_width_;
-        std::string lines, word;
-        size_t used = 0;
-        for (std::istringstream words(text); words >> word; used += word.size()) {
-            if (used > 0) lines += used + 1 + word.size() > width ? (used = 0, '\n') : (++used, ' ');
-            lines += word;
-        }
-        return lines;
-    }
-};
 
 class Parser {
 public:
@@ -74,13 +38,8 @@ public:
     }
 
     std::optional<Arguments> parse(int argc, const char* const* argv) {
-        const auto isNamed = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
-        if (argc > 1 && argv[1][0] != '-' && app_.get_subcommands(isNamed).empty())
-            throw geometry::InputError("command line", argv[1], "is no command; heliodon --help lists them");
-        if (argc < 2)
-            throw geometry::InputError("command line", "", "names no command; heliodon --help lists them");
-        refuseStep(argc, argv);
-        refuseNoValue(argc, argv);
+        const CLI::App& named = commandNamed(app_, argc, argv);
+        if (&named != &app_) refuseWords(named, argc, argv);
         try {
             app_.parse(argc, argv);
         } catch (const CLI::Success& success) { // --help, --version
@@ -91,9 +50,7 @@ public:
         }
         for (auto& [sub, command] : commands_) {
             if (!*sub) continue;
-            refuseEmpty(*sub);
-            refuseInfinite(*sub);
-            refuseOverwriting(*sub);
+            refuseValues(*sub);
             noteWritten(*sub);
             std::string name = sub->get_name();
             if (sub->get_parent() != &app_) name = fmt::format("{} {}", sub->get_parent()->get_name(), name);
@@ -103,99 +60,6 @@ public:
     }
 
 private:
-    // A command of several steps without one, or with one that it does not have.
-    void refuseStep(int argc, const char* const* argv) {
-        if (argc < 2 || argv[1] != kCalibrate || (argc > 2 && argv[2][0] == '-')) return;
-        std::string steps;
-        for (const CLI::App* step : app_.get_subcommand(kCalibrate)->get_subcommands({})) {
-            if (argc > 2 && step->get_name() == argv[2]) return;
-            steps += fmt::format("{}{}", steps.empty() ? "" : ", ", step->get_name());
-        }
-        throw geometry::InputError("command line", kCalibrate, "needs one of its steps: " + steps);
-    }
-
-    // What the parser complains of, in this program's words.
-    static std::string inOurWords(const CLI::ParseError& error) {
-        const std::string said = error.what();
-        const size_t colon = said.find(": "), equals = said.find(" = ");
-        if (colon == std::string::npos) return said;
-        const std::string first = said.substr(0, colon), rest = said.substr(colon + 2);
-        if (dynamic_cast<const CLI::ExtrasError*>(&error)) // "The following argument was not expected: --foo"
-            return rest + ": is nothing that this command takes; --help lists what is";
-        if (dynamic_cast<const CLI::ArgumentMismatch*>(&error)) // "--size: At Most 1 required but received 2"
-            return first + (rest.find("received") != std::string::npos ? ": is given more than once"
-                                                                       : ": its value is missing");
-        if (!dynamic_cast<const CLI::ConversionError*>(&error) || equals == std::string::npos) return said;
-        const std::string value = said.substr(equals + 3); // "Could not convert: --triangles = 20.5"
-        double number = 0;
-        return fmt::format("{}: '{}' is no {}number", said.substr(colon + 2, equals - colon - 2), value,
-                           CLI::detail::lexical_cast(value, number) ? "whole " : "");
-    }
-
-    // "--sky=" takes the next word, another option too, as its value.
-    static void refuseNoValue(int argc, const char* const* argv) {
-        for (int i = 2; i < argc; ++i) {
-            const std::string word = argv[i];
-            if (word.starts_with("--") && word.find('=') == word.size() - 1)
-                throw geometry::InputError(word.substr(0, word.size() - 1), "", "is empty, expected a value");
-        }
-    }
-
-    // A script's variable that was never set is not the default that its user meant to leave.
-    static void refuseEmpty(const CLI::App& sub) {
-        for (const CLI::Option* option : sub.get_options())
-            for (const std::string& text : option->results())
-                if (text.empty())
-                    throw geometry::InputError(option->get_name(), "", "is empty, expected a value");
-    }
-
-    // "nan" and "inf" are numbers to the parser, and within every range.
-    static void refuseInfinite(const CLI::App& sub) {
-        for (const CLI::Option* option : sub.get_options()) {
-            if (option->get_type_name().find("FLOAT") == std::string::npos) continue;
-            for (const std::string& text : option->results())
-                if (!std::isfinite(std::strtod(text.c_str(), nullptr)))
-                    throw geometry::InputError(option->get_name(), text, "is no finite number");
-        }
-    }
-
-    // One file written twice, or written over what is read. `calibrate` may put a rig in the old one's place.
-    static void refuseOverwriting(const CLI::App& sub) {
-        namespace fs = std::filesystem;
-        const auto isFile = [](const fs::path& path) {
-            std::error_code none;
-            return fs::is_regular_file(path, none);
-        };
-        const auto isNew = [](const fs::path& path) {
-            std::error_code none;
-            return fs::status(path, none).type() == fs::file_type::not_found;
-        };
-        const auto same = [](const fs::path& a, const fs::path& b) {
-            std::error_code unknown;
-            const fs::path where = fs::weakly_canonical(a, unknown);
-            return !unknown && where == fs::weakly_canonical(b, unknown) && !unknown;
-        };
-        const auto isStdout = [](const fs::path& path) { return path == "-" || path == "/dev/stdout"; };
-        const bool renewsRig = sub.get_parent()->get_name() == kCalibrate;
-        std::vector<std::pair<std::string, std::string>> written;
-        for (const char* name : {"--output", "--report", "--overlay", "--plan"}) {
-            const CLI::Option* option = sub.get_option_no_throw(name);
-            if (!option || option->empty()) continue;
-            const std::string& file = option->results().front();
-            for (const auto& [other, path] : written)
-                if ((isStdout(file) && isStdout(path)) || (same(file, path) && (isFile(file) || isNew(file))))
-                    throw geometry::InputError(name, file, "is written by " + other + " too");
-            written.emplace_back(name, file);
-        }
-        for (const CLI::Option* option : sub.get_options())
-            for (const std::string& text : option->results())
-                for (const auto& [name, file] : written)
-                    if (option->get_name() != name && isFile(text) && same(text, file) &&
-                        !(renewsRig && name == "--output" && option->get_name() == "--rig"))
-                        throw geometry::InputError(
-                            name, file, "is read by " + option->get_name() + ", expected another file");
-    }
-
     // A file that a command writes.
     CLI::Option* written(CLI::Option* option) {
         writtenFiles_.insert(option);
@@ -407,7 +271,7 @@ private:
 
     void addCalibrate() {
         CLI::App* group =
-            app_.add_subcommand(kCalibrate, "print the target, calibrate camera and projectors");
+            app_.add_subcommand("calibrate", "print the target, calibrate camera and projectors");
         group->require_subcommand(1);
         group->footer(
             "heliodon calibrate STEP --help says more, with an example; docs/calibration.md, what to do.");

@@ -91,6 +91,7 @@ TEST_F(BadInput, names_of_files_where_a_folder_is_written) {
         "timelapse " + sketch + " --from 2026-06-21T10:00Z --to 2026-06-21T11:00Z --step PT1H -o ";
     expectRefused("render " + sketch + " -o " + in("out.png"), {"out.png", "folder"});
     expectRefused(film + in("out.avi"), {"out.avi", ".mp4"});
+    expectRefused(film + in("none/out.mp4"), {"none/out.mp4", "its folder does not exist"});
     expectRefused(film + in("out.MP4"), {"out.MP4", ".mp4"});
     for (const char* size :
          {"1920", "1920x", "x1080", "0x0", "-640x480", "640x480x2", "99999x10", "640.5x480"})
@@ -208,13 +209,16 @@ TEST_F(BadModel, sensors_with_text_where_a_number_belongs) {
 }
 
 TEST_F(BadInput, an_unknown_command_and_a_missing_option) {
-    expectRefused("paint", {"command line"});
+    for (const char* word : {"paint", "--paint"})
+        expectRefused(word, {"command line", word, "is no command"});
     expectRefused("detect " + kPhoto + " -o " + in("out.json"), {"--rig"});
     const std::string sketch = "render " HELIODON_TEST_DATA "/geometry/sketches/p04_L.json -o ";
     expectRefused(sketch, {"--output", "its value is missing"});
     expectRefused("illuminance " HELIODON_TEST_DATA "/geometry/sketches/p04_L.json -o - --report -",
                   {"--report", "is written by --output too"});
     expectRefused(sketch + in("out") + " --rgi r.json", {"--rgi", "--help lists"});
+    expectRefused("timelapse --frm 2026-06-21T10:00Z",
+                  {"--frm", "--help lists"}); // not what is missing beside it
     expectRefused(sketch + in("out") + " -o " + in("out"), {"--output", "more than once"});
     for (const char* unset : {" --sky ''", " --sky=", " --site ''"})
         expectRefused(sketch + in("out") + unset, {std::string(unset).substr(1, 5), "is empty"});

@@ -1,0 +1,169 @@
+#include "engine/app/command_line.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "geometry/input_error.h"
+
+namespace heliodon::app {
+
+namespace fs = std::filesystem;
+using geometry::InputError;
+
+namespace {
+
+// A script's variable that was never set is not the default that its user meant to leave.
+void refuseEmpty(const CLI::Option& option) {
+    for (const std::string& text : option.results())
+        if (text.empty()) throw InputError(option.get_name(), "", "is empty, expected a value");
+}
+
+// "nan" and "inf" are numbers to the parser, and within every range.
+void refuseInfinite(const CLI::Option& option) {
+    if (option.get_type_name().find("FLOAT") == std::string::npos) return;
+    for (const std::string& text : option.results())
+        if (!std::isfinite(std::strtod(text.c_str(), nullptr)))
+            throw InputError(option.get_name(), text, "is no finite number");
+}
+
+bool isFile(const fs::path& path) {
+    std::error_code none;
+    return fs::is_regular_file(path, none);
+}
+
+bool isFileOrNew(const fs::path& path) {
+    std::error_code none;
+    return isFile(path) || fs::status(path, none).type() == fs::file_type::not_found;
+}
+
+bool isSame(const fs::path& a, const fs::path& b) {
+    std::error_code unknown;
+    const fs::path where = fs::weakly_canonical(a, unknown);
+    return !unknown && where == fs::weakly_canonical(b, unknown) && !unknown;
+}
+
+bool isStdout(const fs::path& path) {
+    return path == "-" || path == "/dev/stdout";
+}
+
+// `calibrate` may put a rig in the old one's place.
+void refuseOverwriting(const CLI::App& command) {
+    const bool renewsRig = command.get_parent()->get_name() == "calibrate";
+    std::vector<std::pair<std::string, std::string>> written;
+    for (const char* name : {"--output", "--report", "--overlay", "--plan"}) {
+        const CLI::Option* option = command.get_option_no_throw(name);
+        if (!option || option->empty()) continue;
+        const std::string& file = option->results().front();
+        for (const auto& [other, path] : written)
+            if ((isStdout(file) && isStdout(path)) || (isSame(file, path) && isFileOrNew(file)))
+                throw InputError(name, file, "is written by " + other + " too");
+        written.emplace_back(name, file);
+    }
+    for (const CLI::Option* option : command.get_options())
+        for (const std::string& text : option->results())
+            for (const auto& [name, file] : written)
+                if (option->get_name() != name && isFile(text) && isSame(text, file) &&
+                    !(renewsRig && name == "--output" && option->get_name() == "--rig"))
+                    throw InputError(name, file,
+                                     "is read by " + option->get_name() + ", expected another file");
+}
+
+} // namespace
+
+HelpLayout::HelpLayout() {
+    label("SUBCOMMAND", "COMMAND");
+}
+
+std::string HelpLayout::make_option_name(const CLI::Option* option, bool isPositional) const {
+    const std::string name = CLI::Formatter::make_option_name(option, isPositional);
+    return name.substr(0, name.find('{')); // "--no-stamp{false}"
+}
+
+std::string HelpLayout::make_option_desc(const CLI::Option* option) const {
+    return wrapped(option->get_description());
+}
+
+std::string HelpLayout::make_subcommand(const CLI::App* sub) const {
+    std::ostringstream out;
+    CLI::detail::format_help(out, sub->get_name(), wrapped(sub->get_description()), column_width_);
+    return out.str();
+}
+
+std::string HelpLayout::wrapped(const std::string& text) const {
+    const size_t width = 96 - column_width_;
+    std::string lines, word;
+    size_t used = 0;
+    for (std::istringstream words(text); words >> word; used += word.size()) {
+        if (used > 0) lines += used + 1 + word.size() > width ? (used = 0, '\n') : (++used, ' ');
+        lines += word;
+    }
+    return lines;
+}
+
+const CLI::App& commandNamed(const CLI::App& app, int argc, const char* const* argv) {
+    if (argc < 2) throw InputError("command line", "", "names no command; heliodon --help lists them");
+    if (argv[1][0] == '-') {
+        if (app.get_option_no_throw(argv[1])) return app;
+        throw InputError("command line", argv[1], "is no command; heliodon --help lists them");
+    }
+    const CLI::App* command = nullptr;
+    for (const CLI::App* sub : app.get_subcommands({}))
+        if (sub->get_name() == argv[1]) command = sub;
+    if (!command) throw InputError("command line", argv[1], "is no command; heliodon --help lists them");
+    std::vector<std::string> steps;
+    for (const CLI::App* step : command->get_subcommands({})) {
+        if (argc > 2 && step->get_name() == argv[2]) return *step;
+        steps.push_back(step->get_name());
+    }
+    if (!steps.empty() && (argc < 3 || argv[2][0] != '-'))
+        throw InputError("command line", argv[1],
+                         fmt::format("needs one of its steps: {}", fmt::join(steps, ", ")));
+    return *command;
+}
+
+void refuseWords(const CLI::App& command, int argc, const char* const* argv) {
+    for (int i = 2; i < argc; ++i) {
+        const std::string word = argv[i];
+        if (word == "--") return; // what follows are no options
+        if (!word.starts_with("--")) continue;
+        const std::string name = word.substr(0, word.find('='));
+        if (!command.get_option_no_throw(name))
+            throw InputError("command line", "",
+                             name + ": is nothing that this command takes; --help lists what is");
+        if (word.size() == name.size() + 1) throw InputError(name, "", "is empty, expected a value");
+    }
+}
+
+std::string inOurWords(const CLI::ParseError& error) {
+    const std::string said = error.what();
+    const size_t colon = said.find(": "), equals = said.find(" = ");
+    if (colon == std::string::npos) return said;
+    const std::string first = said.substr(0, colon), rest = said.substr(colon + 2);
+    if (dynamic_cast<const CLI::ExtrasError*>(&error)) // "The following argument was not expected: foo"
+        return rest + ": is nothing that this command takes; --help lists what is";
+    if (dynamic_cast<const CLI::ArgumentMismatch*>(&error)) // "--size: At Most 1 required but received 2"
+        return first + (rest.find("received") != std::string::npos ? ": is given more than once"
+                                                                   : ": its value is missing");
+    if (!dynamic_cast<const CLI::ConversionError*>(&error) || equals == std::string::npos) return said;
+    const std::string value = said.substr(equals + 3); // "Could not convert: --triangles = 20.5"
+    double number = 0;
+    return fmt::format("{}: '{}' is no {}number", said.substr(colon + 2, equals - colon - 2), value,
+                       CLI::detail::lexical_cast(value, number) ? "whole " : "");
+}
+
+void refuseValues(const CLI::App& command) {
+    for (const CLI::Option* option : command.get_options()) {
+        refuseEmpty(*option);
+        refuseInfinite(*option);
+    }
+    refuseOverwriting(command);
+}
+
+} // namespace heliodon::app
