@@ -68,8 +68,8 @@ Frame frameOf(Origin o, Face face) {
     return Frame(a, u, cross(face.normal, u), face.normal);
 }
 
-// In units of 1 / kExactOne and fractions of one, which are summed apart: rounding a hundred thousand cells alike would
-// show in the sixth digit, and errors of small cells are less than a unit.
+// In units of 1 / kExactOne and fractions of one, which are summed apart: a hundred thousand cells, each rounded down,
+// may share a wall's form factor to a sliver, 1e-6 of the sliver's to the wall.
 uvec2 fixedOf(float x) {
     float scaled = x * kExactOne, whole = floor(scaled);
     return uvec2(whole, (scaled - whole) * kExactFraction);

@@ -65,6 +65,16 @@ TEST(ExactFormFactors, slivers_askew_agree_with_the_reference) {
     }
 }
 
+// Each cell of the wall carries less than 1e-11. What remains: shadows' borders are good to 5e-7 of the distance.
+TEST(ExactFormFactors, slivers_and_walls_behind_slivers_lose_no_light) {
+    const reference::Polygon sliver{{0, 0, 0}, {1, 0, 0}, {0, 1e-4, 0}},
+        blocker{{0.45, -0.7, 0.03}, {0.45, 0.3, 0.03}, {0.45, -0.7, 0.0301}},
+        wall{{-0.5, -2, 1.8}, {1, -0.5, 1.8}, {1, -2, 1.8}};
+    const geometry::PatchMesh mesh = test::meshOf({sliver, wall, blocker});
+    const double exchange = reference::exchangeIn(mesh, 0, 1, 1e-8).value;
+    EXPECT_NEAR(matrixOf(mesh, 3e-6)[1], exchange / reference::polygonArea(sliver), 1e-5);
+}
+
 TEST(ExactFormFactors, occluded_pairs_agree_with_split_tensor_cubature) {
     for (const auto& c : test::formFactorCases("occluded")) {
         const std::vector<float> F = matrixOf(test::meshOf(c.polygons), 2e-5);
