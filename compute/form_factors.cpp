@@ -170,7 +170,7 @@ FormFactorReport hemicubeRows(gpu::Device& device, const geometry::PatchMesh& me
     }
     report.kernel = "hemicube";
     report.why = "rows as their points see them";
-    report.resolution = options.resolution;
+    report.resolution = hemicube.resolution();
     return report;
 }
 

@@ -23,7 +23,7 @@ namespace heliodon::compute {
 
 struct FormFactorOptions {
     std::string kernel = "auto"; // "auto" or one of formFactorKernels()
-    // Of `hemicube`: pixels along one side of the top face, even. Of `montecarlo`: R x R rays a patch, to the
+    // Of `hemicube`: pixels along one side of the top face, odd ones rounded up. Of `montecarlo`: R x R rays a patch, to the
     // next power of two up to 65536. Others have none.
     uint32_t resolution = 64;
     uint32_t points = 1; // viewpoints a patch, of `hemicube`

@@ -18,7 +18,7 @@
 namespace heliodon::compute {
 
 struct HemicubeOptions {
-    uint32_t resolution = 64; // of the top face, pixels along one side; even, at least 2
+    uint32_t resolution = 64; // of the top face, pixels along one side; odd ones are rounded up
 };
 
 class Hemicube {
@@ -43,6 +43,7 @@ public:
     };
     void record(gpu::Commands& commands, const Inputs& in, const gpu::Binding& factors);
     uint32_t batch() const { return batch_; }
+    uint32_t resolution() const { return options_.resolution; } // as used: even
 
 private:
     void uploadMesh(const geometry::PatchMesh& mesh);

@@ -222,7 +222,7 @@ RefinedHemicube refinedHemicubeFormFactors(gpu::Device& device, const geometry::
     Hemicube hemicube(device, mesh, {options.resolution});
     result.values = hemicube.run(views.viewpoints, views.pointsPerPatch).factors;
     result.report.kernel = "hemicube";
-    result.report.resolution = options.resolution;
+    result.report.resolution = hemicube.resolution();
     result.report.points = views.pointsPerPatch;
     Patches patches(mesh);
     const std::vector<glm::uvec2> pairs = nearPairs(mesh, patches, options.near);
@@ -239,7 +239,7 @@ RefinedHemicube refinedHemicubeFormFactors(gpu::Device& device, const geometry::
     double near = 0;
     for (const glm::uvec2& pair : pairs) near += disagreement(F, patches, pair.x, pair.y);
     double far = std::max(0.0, averageEnds(F, patches) - near);
-    const double side = 2.0 / options.resolution; // of a pixel of the top face, seen from one away
+    const double side = 2.0 / hemicube.resolution(); // of a pixel of the top face, seen from one away
     far += missed(F, mesh, patches, side * side / std::numbers::pi);
     near = setNearPairs(device, mesh, pairs, options.pairTolerance, patches, F);
     const auto claim = [n](double variance) {

@@ -126,7 +126,7 @@ private:
                         "auto, exact, hemicube, hierarchical or montecarlo (default auto)");
         auto* resolution =
             sub->add_option("--resolution", formFactors_.resolution,
-                            "hemicube: pixels along its top; montecarlo: R x R rays a patch (default 64)")
+                            "hemicube: pixels along its top, even; montecarlo: R x R rays a patch (default 64)")
                 ->check(within(4, 1024));
         sub->add_option("--points", formFactors_.points, "hemicube: viewpoints a patch (default 1)")
             ->check(within(1, 1024));
