@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/passes/frame_light.h"
 #include "engine/passes/lettering.h"
 
 namespace heliodon::app {
@@ -59,8 +60,9 @@ std::string sunInWords(const daylight::SunPosition& sun) {
 
 std::vector<std::string> stampOf(const SkySource& source, const daylight::Moment& moment, double whiteLux) {
     const std::string white = whiteLux >= 100 ? fmt::format("; white is {:.0f} lux", whiteLux)
-                              : whiteLux > 0  ? fmt::format("; white is {:.2g} lux", whiteLux)
-                                              : "";
+                              : whiteLux > passes::kLeastWhite
+                                  ? fmt::format("; white is {:.2g} lux", whiteLux)
+                                  : "";
     if (!source.followsTime()) return {source.skyInWords() + white};
     return {daylight::timeInWords(moment),
             sunInWords(source.sunAt(moment)) + ", " + source.skyInWords() + white};

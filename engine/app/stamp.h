@@ -21,7 +21,7 @@ void drawStamp(passes::Image8& picture, const std::vector<std::string>& lines);
 std::string sunInWords(const daylight::SunPosition& sun);
 
 // "21 June 2026, 13:00 solar time", "sun 70.6° high, clear sky, 42.73 N 73.68 W; white is 1200 lux". A sky
-// file has neither time nor sun; a picture of lux as colours (`whiteLux` 0) has no white.
+// file has neither time nor sun; a picture of lux as colours (`whiteLux` 0), or of no light, has no white.
 std::vector<std::string> stampOf(const SkySource& source, const daylight::Moment& moment, double whiteLux);
 
 // For EXR: what the numbers are (`unit`), white, when, where, under which sky.

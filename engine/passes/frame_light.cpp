@@ -22,7 +22,7 @@ double autoWhite(const geometry::PatchMesh& mesh, const compute::Lighting& light
         total += area;
     }
     std::sort(luxAndArea.begin(), luxAndArea.end());
-    return luxAndArea.empty() ? 1 : std::max(weightedQuantile(luxAndArea, total, 0.95), 1e-6);
+    return luxAndArea.empty() ? 1 : std::max(weightedQuantile(luxAndArea, total, 0.95), kLeastWhite);
 }
 
 std::vector<glm::vec3> pictureLight(const geometry::PatchMesh& mesh, const compute::Lighting& light) {

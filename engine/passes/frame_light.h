@@ -10,9 +10,11 @@
 
 namespace heliodon::passes {
 
+constexpr double kLeastWhite = 1e-6; // lux; that of a scene without light
+
 // The light, without the direct sun's first bounce, that nineteen twentieths of the shown area stay
 // below, lux: what is shown as white unless told otherwise. So a room is readable while its sun patch is
-// as bright as the display can. A time-lapse takes one value for all its frames.
+// as bright as the display can. A time-lapse takes one value for all its frames. kLeastWhite or more.
 double autoWhite(const geometry::PatchMesh& mesh, const compute::Lighting& light);
 
 // Lux on each patch that projectors show, sun included: what false-colour scales are chosen from.
