@@ -1,16 +1,20 @@
 #include "vision/doubts.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
 #include <glm/vec3.hpp>
 
 #include "geometry/counted.h"
 #include "geometry/segment_distance.h"
+#include "vision/edges.h"
 #include "vision/median.h"
 
 namespace heliodon::vision {
@@ -72,6 +76,32 @@ private:
         else if (std::max(off.x, off.y) < kAsChip)
             doubts_.add(centreOf(skylight.detection),
                         "read as a skylight, but as large as the chip of a token: is it one?");
+        else if (!isLightBlue(skylight))
+            doubts_.add(centreOf(skylight.detection), "read as a skylight, but deeper or darker than "
+                                                      "light-blue card: is it a mat, a note or a pot?");
+    }
+
+    // The card returns most of the light and takes half of the red: its chroma holds in shadow, its
+    // brightness within what the light found there is good for.
+    bool isLightBlue(const geometry::Skylight& skylight) const {
+        constexpr float kDeepest = 0.65f, kDarkest = 0.35f; // saturation; of white
+        constexpr int kPlaces = 4;                          // to either side of the middle
+        std::array<std::vector<float>, 3> seen;
+        const double angle = glm::radians(skylight.angleDeg);
+        const glm::dvec2 axis(std::cos(angle), std::sin(angle));
+        for (int i = -kPlaces; i <= kPlaces; ++i)
+            for (int j = -kPlaces; j <= kPlaces; ++j) {
+                const glm::dvec2 off = 0.1 * skylight.size * glm::dvec2(i, j);
+                const auto light = evidence_.overWhite(
+                    skylight.center + off.x * axis + off.y * turnedLeft(axis), options_.markerThickness);
+                for (int channel = 0; light && channel < 3; ++channel)
+                    seen[static_cast<size_t>(channel)].push_back((*light)[channel]);
+            }
+        if (seen[0].empty()) return true;
+        std::array<float, 3> typical{};
+        for (size_t channel = 0; channel < 3; ++channel) typical[channel] = median(std::move(seen[channel]));
+        const auto [low, high] = std::minmax_element(typical.begin(), typical.end());
+        return *high > kDarkest && *high - *low < kDeepest * *high;
     }
 
     struct End {

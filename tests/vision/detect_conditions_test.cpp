@@ -460,6 +460,9 @@ TEST(DetectConditions, says_what_is_found_in_doubt) {
     chip.size = {0.7, 0.7};
     sketch.skylights = {chip};
     EXPECT_TRUE(warnsOf(detectSketch(paintTable(sketch, rig), rig), "chip of a token"));
+    PaintBox mats;
+    mats.sky = {0.03, 0.12, 0.3};
+    EXPECT_TRUE(warnsOf(detectSketch(paintTable(room(), rig, mats), rig), "deeper or darker"));
 }
 
 TEST(DetectConditions, says_where_a_wall_is_hidden_or_cut_off) {
