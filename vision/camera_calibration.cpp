@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 #include <glm/glm.hpp>
@@ -18,6 +19,12 @@ struct Working {
     std::vector<Correspondences> views;
     std::vector<size_t> index;
 };
+
+void leaveOut(size_t view, Working& work, std::vector<CalibratedView>& report) {
+    report[work.index[view]].used = false;
+    work.views.erase(work.views.begin() + static_cast<std::ptrdiff_t>(view));
+    work.index.erase(work.index.begin() + static_cast<std::ptrdiff_t>(view));
+}
 
 // Leaves out marks beyond 4.5 deviations (the median of a 2-D residual is 1.18 of them) and views that lie
 // far off as a whole: a board that moved or bent, or marks taken for others. True when something went.
@@ -35,9 +42,7 @@ bool reject(Working& work, const LensSolution& solution, std::vector<CalibratedV
     const size_t worst =
         static_cast<size_t>(std::max_element(ofViews.begin(), ofViews.end()) - ofViews.begin());
     if (ofViews[worst] > viewLimit && work.views.size() > kLeastViews) {
-        report[work.index[worst]].used = false;
-        work.views.erase(work.views.begin() + static_cast<std::ptrdiff_t>(worst));
-        work.index.erase(work.index.begin() + static_cast<std::ptrdiff_t>(worst));
+        leaveOut(worst, work, report);
         return true;
     }
     bool changed = false;
@@ -94,12 +99,48 @@ void warnOf(CameraCalibration& result, size_t used, int width, int height) {
              "there");
 }
 
-// The lens from all views but one.
-LensSolution without(size_t left, const Working& work, int width, int height, LensTerms terms,
-                     const LensSolution& all) {
+// What the lens of all other views makes of a view.
+struct HeldOut {
+    geometry::Lens lens;
+    double rms = 0, turnedRms = 0; // px; turned: with the picture turned by half
+};
+
+HeldOut holdOut(size_t left, const Working& work, int width, int height, LensTerms terms,
+                const LensSolution& all) {
     std::vector<Correspondences> others = work.views;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(left));
-    return solveLens(others, width, height, terms, &all);
+    HeldOut out{solveLens(others, width, height, terms, &all).fit.lens};
+    const auto rmsWith = [&](const Correspondences& view, const Pose& start) {
+        return rmsOf(residuals(view, out.lens, solvePose(view, out.lens, start)));
+    };
+    Correspondences turned = work.views[left];
+    for (Correspondence& point : turned) point.pixel = glm::dvec2(width - 1, height - 1) - point.pixel;
+    const glm::dmat3 half(glm::dvec3(-1, 0, 0), glm::dvec3(0, -1, 0), glm::dvec3(0, 0, 1));
+    const Pose& pose = all.poses[left];
+    out.rms = rmsWith(work.views[left], pose);
+    out.turnedRms = rmsWith(turned, {half * pose.rotation, half * pose.translation});
+    return out;
+}
+
+// Empty of so few views that none can be held out.
+std::vector<HeldOut> holdOutEach(const Working& work, int width, int height, LensTerms terms,
+                                 const LensSolution& all) {
+    std::vector<HeldOut> out;
+    if (work.views.size() <= kLeastViews) return out;
+    for (size_t v = 0; v < work.views.size(); ++v) out.push_back(holdOut(v, work, width, height, terms, all));
+    return out;
+}
+
+// Turned by half, a board looks as one in another pose, but through a lens whose middle and distortion lie on
+// the other side. Of four views the lens of the other three is not sure enough to tell.
+std::optional<size_t> mostTurned(const std::vector<HeldOut>& heldOut) {
+    constexpr double kClearlyBetter = 0.5;
+    if (heldOut.size() <= kLeastViews + 1) return std::nullopt;
+    const auto gain = [](const HeldOut& view) { return view.turnedRms / view.rms; };
+    const auto worst = std::min_element(heldOut.begin(), heldOut.end(),
+                                        [&](const auto& a, const auto& b) { return gain(a) < gain(b); });
+    if (gain(*worst) > kClearlyBetter) return std::nullopt;
+    return static_cast<size_t>(worst - heldOut.begin());
 }
 
 std::vector<size_t> missingFrom(const Correspondences& used, const TargetView& given) {
@@ -146,6 +187,13 @@ CameraCalibration calibrateCamera(const CalibrationTarget& target, int width, in
     for (size_t round = 0; round < 4 + given.size() && reject(work, solution, result.views); ++round)
         solution = solveLens(work.views, width, height, terms, &solution);
     solution = withThirdRadialIfBetter(std::move(solution), work, width, height, terms);
+    std::vector<HeldOut> heldOut = holdOutEach(work, width, height, terms, solution);
+    while (const auto turned = mostTurned(heldOut)) {
+        result.views[work.index[*turned]].turned = true;
+        leaveOut(*turned, work, result.views);
+        solution = solveLens(work.views, width, height, terms, nullptr);
+        heldOut = holdOutEach(work, width, height, terms, solution);
+    }
 
     result.fit = solution.fit;
     if (const double turn = turnBetween(solution.poses); turn < kLeastTurn)
@@ -164,12 +212,10 @@ CameraCalibration calibrateCamera(const CalibrationTarget& target, int width, in
         view.rejected = missingFrom(work.views[v], given[work.index[v]]);
         view.rms = rmsOf(residuals(work.views[v], result.fit.lens, solution.poses[v]));
         view.tiltDegrees = glm::degrees(std::acos(std::clamp(solution.poses[v].rotation[2].z, -1.0, 1.0)));
-        if (work.views.size() <= kLeastViews) continue;
-        const geometry::Lens other = without(v, work, width, height, terms, solution).fit.lens;
-        const Pose pose = solvePose(work.views[v], other, solution.poses[v]);
-        view.heldOutRms = rmsOf(residuals(work.views[v], other, pose));
+        if (heldOut.empty()) continue;
+        view.heldOutRms = heldOut[v].rms;
         heldOutSquares += view.heldOutRms * view.heldOutRms * static_cast<double>(view.marks);
-        others.push_back(other);
+        others.push_back(heldOut[v].lens);
     }
     if (!others.empty()) widenByJackknife(result.fit.sigma, others);
     result.heldOutRms = std::sqrt(heldOutSquares / static_cast<double>(solution.points));

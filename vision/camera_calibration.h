@@ -24,6 +24,7 @@ struct CalibratedView {
     double rms = 0, heldOutRms = 0; // px; heldOut: with the lens from all other views; 0 of kLeastViews views
     double tiltDegrees = 0;         // between the board's normal and the camera's axis
     bool used = true;               // false: its marks do not fit those of the other views
+    bool turned = false;            // so, but do once the picture is turned by half; not used
     geometry::OpticalDevice camera; // with the board as the world's table
 };
 
@@ -38,7 +39,8 @@ struct CameraCalibration {
 
 // `thickness`: metres from the printed side down to the world's y = 0. k3 is fitted only if that lowers the
 // residual by more than chance (Akaike). Marks that lie off by more than 4.5 robust deviations are left out,
-// and so are views that lie far off as a whole. At least kLeastViews views of at least 20 marks
+// and so are views that lie far off as a whole, or in a picture turned by half (of four views or fewer that
+// cannot be told). At least kLeastViews views of at least 20 marks
 // (precondition). Throws CalibrationError when the views do not determine the lens (all within 5 degrees of
 // parallel). About 5 s for 30 views with all marks.
 CameraCalibration calibrateCamera(const CalibrationTarget& target, int width, int height,

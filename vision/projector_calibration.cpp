@@ -14,6 +14,8 @@
 namespace heliodon::vision {
 namespace {
 
+// A picture of 4 : 3 stretched to 16 : 9 has pixels of 0.75 : 1.
+constexpr double kMostAspect = 1.6;
 constexpr double kMostOff = 0.01; // of the picture's width, rms: beyond, the corners are no projector's
 constexpr double kApart = 0.02;   // metres, least from camera to projector
 
@@ -271,6 +273,11 @@ ProjectorCalibration calibrateProjector(const geometry::OpticalDevice& camera, i
     result.coverage = coverageOf({&work.points, 1}, width, height);
     measureOnPlanes(work.points, result);
     examinePlanes(work, solution, planes, width, height, result);
+    const double aspect = result.projector.lens.fx / result.projector.lens.fy;
+    if (std::max(aspect, 1 / aspect) > kMostAspect)
+        throw CalibrationError(fmt::format("only a lens with pixels of {:.2f} : 1 puts the corners on the "
+                                           "planes: are the planes in order, and their heights right?",
+                                           aspect));
     warnOf(result);
     return result;
 }

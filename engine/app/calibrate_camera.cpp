@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include <fmt/format.h>
+#include <glm/geometric.hpp>
 
 #include "engine/app/calibration_report.h"
 #include "engine/app/commands.h"
@@ -14,6 +15,7 @@
 #include "geometry/rig_edit.h"
 #include "vision/calibration_overlay.h"
 #include "vision/camera_calibration.h"
+#include "vision/median.h"
 
 namespace heliodon::app {
 
@@ -58,6 +60,31 @@ void markOtherSizes(std::vector<Picture>& pictures) {
         if (std::pair(p.width, p.height) != usual)
             p.target.problem = fmt::format("is {} x {} pixels, the others {} x {}", p.width, p.height,
                                            usual.first, usual.second);
+}
+
+// Pictures of a board that did not move, or copies of one, count once: they say nothing new, but would make
+// the lens look surer than it is.
+void markCopies(std::vector<Picture>& pictures, size_t flat) {
+    constexpr double kSamePlace = 0.25; // px; marks of one board found twice differ by some hundredths
+    const auto samePlace = [](const Picture& a, const Picture& b) {
+        std::map<size_t, glm::dvec2> at;
+        for (const vision::FoundMark& mark : a.target.marks) at[mark.id] = mark.pixel;
+        std::vector<double> moved;
+        for (const vision::FoundMark& mark : b.target.marks)
+            if (const auto same = at.find(mark.id); same != at.end())
+                moved.push_back(glm::distance(same->second, mark.pixel));
+        return moved.size() >= kLeastMarks && vision::median(std::move(moved)) < kSamePlace;
+    };
+    for (size_t i = 0; i < pictures.size(); ++i)
+        for (size_t j = 0; j < pictures.size(); ++j) {
+            const bool wins = j == flat || (i != flat && j < i);
+            if (!wins || i == j || !pictures[j].target.problem.empty() ||
+                !pictures[i].target.problem.empty() || !samePlace(pictures[j], pictures[i]))
+                continue;
+            pictures[i].target.problem =
+                fmt::format("shows the board where {} does: move it between pictures",
+                            pictures[j].file.filename().string());
+        }
 }
 
 // Those in which the board was found.
@@ -123,6 +150,11 @@ std::optional<double> tableRadius(Run& run, const CalibrateCameraArguments& argu
     return radius;
 }
 
+std::string misfit(const vision::CalibratedView& view) {
+    return view.turned ? "it is turned by half against the other pictures: take it as the camera gave it"
+                       : "its marks do not fit those of the other pictures";
+}
+
 void report(Run& run, const std::vector<Picture>& pictures, const std::vector<size_t>& indexOfView,
             const vision::CameraCalibration& result, size_t flat) {
     json& out = run.report();
@@ -146,7 +178,7 @@ void report(Run& run, const std::vector<Picture>& pictures, const std::vector<si
         json& entry = list[indexOfView[v]];
         entry["used"] = view.used;
         if (!view.used) {
-            entry["problem"] = "its marks do not fit those of the other pictures";
+            entry["problem"] = misfit(view);
             continue;
         }
         entry.update({{"marks_rejected", view.rejected.size()},
@@ -233,6 +265,7 @@ void execute(Run& run, const CalibrateCameraArguments& arguments) {
     }
     std::vector<Picture> pictures = readPictures(run, arguments, target);
     markOtherSizes(pictures);
+    markCopies(pictures, flat);
 
     const Views views = usableViews(pictures);
     const auto flatView = std::find(views.picture.begin(), views.picture.end(), flat);
@@ -256,8 +289,7 @@ void execute(Run& run, const CalibrateCameraArguments& arguments) {
     if (!world.used)
         throw geometry::InputError(
             pictures[flat].file.string(), "",
-            "its marks do not fit those of the other pictures, and it should show the board "
-            "flat on the table; --flat names another");
+            misfit(world) + ", and it should show the board flat on the table; --flat names another");
     if (!arguments.rig.empty())
         run.note("the projectors of the rig, if any, were calibrated with its former camera: calibrate them "
                  "again");

@@ -90,7 +90,7 @@ TEST_F(CalibrateCamera, bad_input_is_named_and_nothing_is_written) {
         {in("a1.png") + " " + in("c0.png") + out, "at least 3"},
         {in("*.png") + out + " --flat none.png", "none.png"},
         {in("*.png") + out + " --flat d_nothing.png", "d_nothing.png"},
-        {in("a1.png") + " " + in("a1.png") + " " + in("a1.png") + out, "parallel"},
+        {in("a1.png") + " " + in("a1.png") + " " + in("a1.png") + out, "where a1.png does"},
         {in("*.png") + out + " --rig " + in("c0.png"), "vh-rig/1"},
         {in("*.png") + out + " --overlay " + in("./"), "write over"}, // the photographs
         {in("none.png") + out, "none.png"}};

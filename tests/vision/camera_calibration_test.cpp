@@ -194,6 +194,21 @@ TEST(CalibrateCamera, leaves_out_marks_and_views_that_do_not_fit) {
     expectLens(result.fit, kUsual.lens);
 }
 
+// Turned by half it looks as the board in another pose, but for the lens's own middle and distortion.
+TEST(CalibrateCamera, tells_a_picture_that_is_turned_by_half) {
+    const CalibrationTarget target = makeTarget();
+    for (const size_t count : {5, 9}) {
+        auto views = exactViews(target, kUsual, count, 0.03);
+        for (FoundMark& mark : views[2].marks) mark.pixel = glm::dvec2(kWidth - 1, kHeight - 1) - mark.pixel;
+        const auto result = calibrateCamera(target, kWidth, kHeight, views);
+        for (size_t v = 0; v < count; ++v) {
+            EXPECT_EQ(result.views[v].used, v != 2) << v;
+            EXPECT_EQ(result.views[v].turned, v == 2) << v;
+        }
+        expectLens(result.fit, kUsual.lens);
+    }
+}
+
 TEST(CalibrateCamera, warns_of_few_and_level_views_and_refuses_parallel_ones) {
     const CalibrationTarget target = makeTarget();
     auto views = exactViews(target, kUsual, 12, 0.03);

@@ -190,6 +190,9 @@ TEST(CalibrateProjector, a_wrong_height_is_noticed_and_too_little_refused) {
     auto swapped = decode(scene, kHeights);
     std::swap(swapped[1].corners, swapped[swapped.size() - 1].corners);
     EXPECT_THROW(calibrate(scene, swapped), CalibrationError);
+    auto reversed = planes;
+    std::swap(reversed.front().height, reversed.back().height);
+    EXPECT_THROW(calibrate(scene, reversed), CalibrationError);
     EXPECT_THROW(calibrate(scene, {planes[0]}), CalibrationError);
     std::vector<ProjectorPlane> mirrored = planes;
     for (ProjectorPlane& plane : mirrored)
