@@ -19,6 +19,7 @@ constexpr double kFacingSine = 0.26;     // 15 degrees: ends that look at each o
 constexpr double kFacingOffset = 0.6;    // inches: by which they may miss one another
 constexpr double kDoor = 1.25;           // times a crack's width from end to end: as wide as a door
 constexpr double kSpike = 2;             // times the thickness of walls that touch: a tip longer than that
+constexpr double kBesideCorner = 0.1;    // inches off what fills it
 constexpr double kParallelSine = 0.18;   // 10 degrees: walls side by side
 constexpr double kNarrowSlot = 1.0;      // inches between walls side by side: less is a crack,
 constexpr double kNarrowestNiche = 0.45; // but for a niche so wide
@@ -114,9 +115,13 @@ private:
         addStub(f, crossing + v * std::copysign(1.0, sine) + u * std::copysign(1.0, sine),
                 crossing + v * std::copysign(1.0, sine) - u * std::copysign(1.0, sine));
         if (clearance(e, f) <= kDoor * width_) return;
-        const glm::dvec2 beyond = crossing - 0.5 * (e.middle + f.middle);
-        const glm::dvec2 off = (glm::length(u - v) + 0.1) / glm::length(beyond) * beyond;
-        plan_.wideCorners.push_back({first, plan_.solids.size(), {crossing + off, crossing - off}});
+        const glm::dvec2 middle = 0.5 * (e.middle + f.middle), beyond = glm::normalize(crossing - middle);
+        const double apex = std::min(glm::length(u - v), glm::length(u + v)),
+                     half = std::max(thickness(e), thickness(f)) / 2;
+        plan_.wideCorners.push_back(
+            {first,
+             plan_.solids.size(),
+             {crossing + (apex + kBesideCorner) * beyond, middle - (half + kBesideCorner) * beyond}});
     }
 
     // Walls that meet side by side, as where an arc runs into a straight one, leave no corner open: a tip
