@@ -120,6 +120,28 @@ std::vector<fs::path> FrameSink::films() const {
     return files;
 }
 
+// What a film was made from: its rate is no matter of frames.
+FrameJob FrameSink::filmJob() const {
+    FrameJob job = options_.job;
+    job.options["--fps"] = options_.framesPerSecond;
+    return job;
+}
+
+fs::path FrameSink::filmRecord() const {
+    return fs::path(options_.output).replace_extension(".frames.json");
+}
+
+bool FrameSink::complete() const {
+    if (!options_.resume || !fs::exists(table())) return false;
+    const std::optional<FrameJob> there = readFrameJob(isFilm_ ? filmRecord() : folder_ / kJobFile);
+    if (!there || difference(*there, isFilm_ ? filmJob() : options_.job)) return false;
+    const std::vector<fs::path> made = films();
+    if (isFilm_) return std::ranges::all_of(made, [](const fs::path& film) { return fs::exists(film); });
+    for (size_t frame = 0; frame < options_.job.frames; ++frame)
+        if (!done(frame)) return false;
+    return true;
+}
+
 bool FrameSink::done(size_t frame) const {
     if (!options_.resume) return false;
     for (size_t v = 0; v < options_.job.views.size(); ++v)
@@ -190,15 +212,21 @@ void FrameSink::filmsFromPictures() {
         }
 }
 
-void FrameSink::close() {
+void FrameSink::close(const std::string& text) {
     endThreads();
     throwFailure();
     if (!folder_.empty() && !started_) startFolder(); // nothing was drawn
-    if (!isFilm_) return;
+    if (isFilm_) closeFilms();
+    geometry::writeWholeText(table(), text);
+    if (isFilm_ && options_.resume) writeFrameJob(filmJob(), filmRecord());
+}
+
+void FrameSink::closeFilms() {
     if (options_.resume) filmsFromPictures();
+    std::error_code ignored;
+    if (readFrameJob(filmRecord())) fs::remove(filmRecord(), ignored); // of the films before
     for (auto& film : films_) film->close();
     if (!options_.resume) return;
-    std::error_code ignored;
     for (const fs::path& frame : picturesOf(options_.job, folder_)) fs::remove(frame, ignored);
     fs::remove(folder_ / kJobFile, ignored);
     fs::remove(folder_, ignored); // unless others put something there

@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -25,7 +26,7 @@ struct FrameSinkOptions {
     double framesPerSecond = 24;
     bool exr = false;    // linear pictures too; folders only
     bool resume = false; // keep what is there; a film's frames stay in OUT.frames/ until the film is whole
-    FrameJob job;        // goes into the folder of pictures as frames.json
+    FrameJob job;        // goes into the folder of pictures as frames.json, beside films as OUT.frames.json
 };
 
 class FrameSink {
@@ -39,6 +40,8 @@ public:
 
     // Where `frames.csv` goes: into the folder, or beside the film as OUT.frames.csv.
     std::filesystem::path table() const;
+    // With `resume`: everything that the job writes is there, pictures or films and table.
+    bool complete() const;
     // Its pictures are there and whole: a disk that filled up or was unplugged leaves empty or cut ones.
     bool done(size_t frame) const;
     // Names of what stands in a folder of pictures like this job's own, where no job is known to have left
@@ -50,9 +53,12 @@ public:
     // In order of frames; one picture a view. Errors of the threads are thrown by the next call.
     void add(size_t frame, std::vector<passes::Image8> pictures, std::vector<passes::ImageF> linear = {},
              passes::ExrAttributes attributes = {});
-    void close();
+    // After the last frame: finishes pictures and films and writes `table`.
+    void close(const std::string& table);
 
 private:
+    FrameJob filmJob() const;
+    std::filesystem::path filmRecord() const;
     void refuseOtherJob() const;
     void startFolder();
     std::filesystem::path picture(size_t view, size_t frame, const char* extension) const;
@@ -60,6 +66,7 @@ private:
     Film& film(size_t view, int width, int height);
     void addToFilms(std::vector<passes::Image8>&& pictures);
     void filmsFromPictures();
+    void closeFilms();
     void throwFailure();
     void work();
     void endThreads();

@@ -18,7 +18,6 @@
 #include "engine/app/sky_tint.h"
 #include "engine/app/stamp.h"
 #include "geometry/input_error.h"
-#include "geometry/whole_file.h"
 
 namespace heliodon::app {
 
@@ -333,6 +332,12 @@ void execute(Run& run, const TimelapseArguments& arguments) {
     FrameJob job = frameJobOf(run, arguments, scene, views, times.size());
     FrameSink sink({arguments.output, arguments.framesPerSecond, arguments.picture.exr, arguments.resume,
                     std::move(job)});
+    if (sink.complete()) {
+        run.note(fmt::format("{}: an earlier run has made all of it", arguments.output.string()));
+        run.skipped("everything: --resume, and an earlier run has made all of it");
+        run.report()["frames"] = {{"count", times.size()}, {"drawn", 0}};
+        return;
+    }
     noteFilms(run, scene, sink, views);
     warnOfStrangers(run, arguments.output, sink.strangers());
 
@@ -354,9 +359,8 @@ void execute(Run& run, const TimelapseArguments& arguments) {
     const Frames frames = makeFrames(run, scene, source, times, stream, painter ? &*painter : nullptr, sink);
     {
         const StageTimer timer(run, "encode"); // what is left of it
-        sink.close();
+        sink.close(frames.table);
     }
-    geometry::writeWholeText(sink.table(), frames.table);
     reportFrames(run, frames, white);
     if (stream.worstScatter())
         run.report()["scatter"] = scatterEntry(*stream.worstScatter(), scene.rig->surfaceReflectance);

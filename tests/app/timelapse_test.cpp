@@ -176,6 +176,14 @@ TEST_F(Timelapse, a_film_goes_on_from_its_frames) {
     ASSERT_EQ(film("whole.mp4", " --resume").exitCode, 0);
     EXPECT_EQ(drawn(), 4u);
     EXPECT_FALSE(std::filesystem::exists(folder / "whole.frames")); // the film is whole
+    const auto made = std::filesystem::last_write_time(folder / "whole.mp4");
+    ASSERT_EQ(film("whole.mp4", " --resume").exitCode, 0);
+    EXPECT_EQ(drawn(), 0u);
+    EXPECT_EQ(std::filesystem::last_write_time(folder / "whole.mp4"), made);
+    ASSERT_EQ(film("whole.mp4", " --resume --fps 30").exitCode, 0); // another film
+    EXPECT_EQ(drawn(), 4u);
+    ASSERT_EQ(film("whole.mp4", "").exitCode, 0);
+    EXPECT_FALSE(std::filesystem::exists(folder / "whole.frames.json")); // nothing to compare with any more
     ASSERT_EQ(film("part.frames", "").exitCode, 0);
     for (const char* missing : {"00002.png", "00003.png"})
         std::filesystem::remove(folder / "part.frames" / missing);
