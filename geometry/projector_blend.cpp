@@ -197,6 +197,12 @@ void keepOnly(ProjectorBlend& blend, uint32_t projectors) {
     });
 }
 
+double steepnessAt(glm::dvec3 point, glm::dvec3 normal, glm::dvec3 centre) {
+    const glm::dvec3 towards = centre - point;
+    const double r2 = glm::dot(towards, towards), cosine = glm::dot(normal, towards) / std::sqrt(r2);
+    return std::max(cosine, kBlendLeastCosine) / r2;
+}
+
 std::vector<double> blendShares(const ProjectorBlend& blend, size_t triangle, glm::dvec3 point,
                                 glm::dvec3 normal, std::span<const glm::dvec3> centres) {
     std::vector<double> shares(centres.size(), 0);
@@ -209,10 +215,7 @@ std::vector<double> blendShares(const ProjectorBlend& blend, size_t triangle, gl
                 double& nearest = border.right == 0 ? end : distance;
                 nearest = std::min(nearest, distanceToSegment(point, border.from, border.to));
             }
-        const double fade = fadeAt(distance, end);
-        const glm::dvec3 towards = centres[p] - point;
-        const double r2 = glm::dot(towards, towards), cosine = glm::dot(normal, towards) / std::sqrt(r2);
-        shares[p] = fade * std::max(cosine, kBlendLeastCosine) / r2;
+        shares[p] = fadeAt(distance, end) * steepnessAt(point, normal, centres[p]);
         sum += shares[p];
     }
     for (double& share : shares)

@@ -52,9 +52,12 @@ ProjectorBlend blendProjectors(const ProjectorMesh& mesh, const PatchMesh& patch
 // As if there were only these projectors (bits).
 void keepOnly(ProjectorBlend& blend, uint32_t projectors);
 
-// The share of each projector at a point of a triangle, in proportion to its fade and to cos / r^2. `normal`:
-// of the surface, smooth over its facets; `centres`: of the projectors. All zero where none sees the
-// triangle. shaders/gain.frag has the same, with the constants above.
+// cos / r^2, lux at a point per candela of a projector; the cosine is at least kBlendLeastCosine.
+double steepnessAt(glm::dvec3 point, glm::dvec3 normal, glm::dvec3 centre);
+
+// The share of each projector at a point of a triangle, in proportion to its fade and its steepness.
+// `normal`: of the surface, smooth over its facets; `centres`: of the projectors. All zero where none sees
+// the triangle. shaders/gain.frag has both, with the constants above.
 std::vector<double> blendShares(const ProjectorBlend& blend, size_t triangle, glm::dvec3 point,
                                 glm::dvec3 normal, std::span<const glm::dvec3> centres);
 

@@ -59,13 +59,10 @@ std::vector<double> reachOfTriangles(const ShownMesh& shown, const geometry::Rig
         const glm::dvec3 middle = (a + b + c) / 3.0;
         const std::vector<double> shares = geometry::blendShares(shown.blend, t, middle, normal, centres);
         double reach = std::numeric_limits<double>::infinity();
-        for (size_t p = 0; p < shares.size(); ++p) {
-            if (!(shares[p] > 0)) continue;
-            const glm::dvec3 towards = centres[p] - middle;
-            const double r = glm::length(towards),
-                         cosine = std::max(glm::dot(towards / r, normal), geometry::kBlendLeastCosine);
-            reach = std::min(reach, intensity[p] * rig.surfaceReflectance * cosine / (r * r * shares[p]));
-        }
+        for (size_t p = 0; p < shares.size(); ++p)
+            if (shares[p] > 0)
+                reach = std::min(reach, intensity[p] * rig.surfaceReflectance *
+                                            geometry::steepnessAt(middle, normal, centres[p]) / shares[p]);
         if (std::isfinite(reach)) reachable[t] = reach;
     }
     return reachable;
