@@ -107,7 +107,7 @@ private:
         const glm::dvec2 u = e.out * (0.5 * thickness(f) / std::abs(sine));
         const glm::dvec2 v = f.out * (0.5 * thickness(e) / sine);
         const double tip = std::max(te + glm::length(u), tf + glm::length(v));
-        if (std::min(te, tf) > 0 && tip > kSpike * std::max(thickness(e), thickness(f)) &&
+        if (glm::dot(e.out, f.out) > 0 && tip > kSpike * std::max(thickness(e), thickness(f)) &&
             (endsIn(e, f) || endsIn(f, e)))
             return;
         const size_t first = plan_.solids.size();
