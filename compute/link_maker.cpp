@@ -8,6 +8,7 @@
 
 #include "compute/gpu/commands.h"
 #include "compute/gpu/device.h"
+#include "compute/narrow_gaps.h"
 #include "compute/parallel.h"
 #include "spirv/hierarchical_links_comp.h"
 #include "spirv/hierarchical_many_rays_comp.h"
@@ -108,7 +109,12 @@ void LinkMaker::prepareKernels(gpu::Device& device) {
 }
 
 void LinkMaker::add(uint32_t first, uint32_t second) {
-    const bool triangles = scene_->tree.nodes[first].child == 0 && scene_->tree.nodes[second].child == 0;
+    const PatchTree::Node &a = scene_->tree.nodes[first], &b = scene_->tree.nodes[second];
+    if (acrossNarrowGap(a, b)) {
+        narrowPairs_.push_back({first, second});
+        return;
+    }
+    const bool triangles = a.child == 0 && b.child == 0;
     (triangles ? leafPairs_ : pending_).push_back({first, second});
     if (pending_.size() >= kBatch || leafPairs_.size() >= kBatch) work(kBatch);
 }
@@ -151,6 +157,9 @@ void LinkMaker::work(size_t least) {
 
 std::vector<io::HierarchicalLink> LinkMaker::finish() {
     work(1);
+    const std::vector<io::HierarchicalLink> narrow =
+        linksAcrossNarrowGaps(scene_->tree, std::exchange(narrowPairs_, {}));
+    links_.insert(links_.end(), narrow.begin(), narrow.end());
     sortLinks(links_, scene_->tree.nodes.size());
     return std::move(links_);
 }

@@ -53,7 +53,7 @@ private:
     gpu::Device* device_;
     const ClusterScene* scene_;
     io::HierarchicalLinksParams params_{};
-    std::vector<glm::uvec2> pending_, leafPairs_, nearPairs_;
+    std::vector<glm::uvec2> pending_, leafPairs_, nearPairs_, narrowPairs_;
     std::vector<io::HierarchicalDoubt> doubts_, longDoubts_; // the latter after many rays
     std::vector<io::HierarchicalLink> links_;
     uint64_t pairCount_ = 0;
