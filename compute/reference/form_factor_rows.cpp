@@ -53,6 +53,23 @@ std::vector<Polygon> FormFactorRows::between(size_t i, size_t j) const {
     return result;
 }
 
+namespace {
+
+// Of a pair that exchanges `open` with nothing between.
+void count(FormFactorRows::PairMix& mix, const Estimate& exchange, double open) {
+    const double uncertain = std::max(exchange.error, 1e-6 * open);
+    if (open <= 0)
+        ++mix.apart;
+    else if (exchange.value <= uncertain)
+        ++mix.hidden;
+    else if (exchange.value >= open - uncertain)
+        ++mix.visible;
+    else
+        ++mix.partial;
+}
+
+} // namespace
+
 FormFactorRows::Row FormFactorRows::row(size_t i, double tolerance, size_t maxCells) const {
     Row result;
     result.factors.assign(polygons_.size(), 0.0);
@@ -60,11 +77,14 @@ FormFactorRows::Row FormFactorRows::row(size_t i, double tolerance, size_t maxCe
     if (area <= 0) return result;
     double squares = 0;
     for (size_t j = 0; j < polygons_.size(); ++j) {
-        if (j == i || mesh_->room[j] != mesh_->room[i] || glm::length(areaVectors_[j]) <= 0) continue;
-        const std::vector<Polygon> blockers = between(i, j);
-        const Estimate exchange =
-            blockers.empty() ? Estimate{exchangeUnoccluded(polygons_[i], polygons_[j]), 0}
-                             : exchangeOccluded(polygons_[i], polygons_[j], blockers, tolerance, maxCells);
+        if (j == i) continue;
+        const bool together = mesh_->room[j] == mesh_->room[i] && glm::length(areaVectors_[j]) > 0;
+        const double open = together ? exchangeUnoccluded(polygons_[i], polygons_[j]) : 0;
+        Estimate exchange{open, 0};
+        if (open > 0)
+            if (const std::vector<Polygon> blockers = between(i, j); !blockers.empty())
+                exchange = exchangeOccluded(polygons_[i], polygons_[j], blockers, tolerance, maxCells);
+        count(result.mix, exchange, open);
         result.factors[j] = exchange.value / area;
         squares += exchange.error * exchange.error / (area * area);
     }

@@ -13,9 +13,15 @@ public:
     // Every patch of a room blocks from both sides.
     explicit FormFactorRows(const geometry::PatchMesh& mesh);
 
+    // How many other patches a patch does not face at all (those of other rooms too), would but for what
+    // stands between, sees whole, and sees in part.
+    struct PairMix {
+        size_t apart = 0, hidden = 0, visible = 0, partial = 0;
+    };
     struct Row {
         std::vector<double> factors; // F_ij for all j
         double error = 0;            // L2 norm of the estimated errors of its entries
+        PairMix mix;
     };
     // Serial, double precision. Partly hidden entries are refined until their estimated error is below
     // `tolerance` or `maxCells` cells are spent, which happens where large patches see each other through

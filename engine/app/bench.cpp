@@ -2,8 +2,10 @@
 #include <cmath>
 #include <fstream>
 #include <functional>
+#include <thread>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "compute/closed_solid.h"
 #include "compute/form_factors.h"
@@ -90,6 +92,12 @@ void judge(const std::vector<float>& F, const Reference& reference, BenchResult&
             result.entryMax = std::max(result.entryMax, std::abs(d));
         }
         squares += row;
+        const compute::reference::FormFactorRows::PairMix& mix = reference.values[k].mix;
+        const double share = 1 / std::max(1.0, static_cast<double>((n - 1) * reference.rows.size()));
+        result.pairsApart += share * static_cast<double>(mix.apart);
+        result.pairsHidden += share * static_cast<double>(mix.hidden);
+        result.pairsVisible += share * static_cast<double>(mix.visible);
+        result.pairsPartial += share * static_cast<double>(mix.partial);
         result.rowErrorMax = std::max(result.rowErrorMax, std::sqrt(row));
     }
     result.rowError = std::sqrt(squares / static_cast<double>(reference.rows.size()));
@@ -112,6 +120,30 @@ double peakMemory() {
 double leastSeconds(const compute::Roofline& roofline, double n) {
     return roofline.seconds(60 * n * n / 2, 4 * n * n);
 }
+
+// Seconds that all cores have been busy, where the system counts them; else 0.
+double busySeconds() {
+    std::ifstream file("/proc/stat");
+    std::string name;
+    double user = 0, nice = 0, system = 0, idle = 0, waiting = 0, interrupts = 0, soft = 0, stolen = 0;
+    file >> name >> user >> nice >> system >> idle >> waiting >> interrupts >> soft >> stolen;
+    return (user + nice + system + interrupts + soft + stolen) / static_cast<double>(::sysconf(_SC_CLK_TCK));
+}
+
+// How much of the machine other work has had since.
+class OtherWork {
+public:
+    double cores() const {
+        double wall = 0, own = 0;
+        clock_.stop(wall, own);
+        return std::max(0.0, (busySeconds() - before_ - own) / wall);
+    }
+
+private:
+    double before_ = busySeconds();
+    BenchClock clock_;
+};
+constexpr double kMuchWork = 0.1; // of all cores
 
 // How often a setting is run where --runs does not say.
 constexpr int kRuns = 3;
@@ -149,6 +181,7 @@ public:
         }
     }
 
+    const OtherWork otherWork;
     std::vector<BenchResult> results;
     std::vector<GatherResult> gathers;
     const compute::Roofline& roofline() const { return roofline_; }
@@ -223,6 +256,8 @@ private:
         }
         result.peakBytes = peakMemory();
         result.wallSeconds = vision::median(wall);
+        result.leastSeconds = *std::ranges::min_element(wall),
+        result.mostSeconds = *std::ranges::max_element(wall);
         result.cpuSeconds = vision::median(cpu);
         result.deviceSeconds = vision::median(device);
     }
@@ -339,6 +374,16 @@ private:
     Reference reference_;
 };
 
+// As Linux names it; empty elsewhere.
+std::string processorName() {
+    std::ifstream file("/proc/cpuinfo");
+    for (std::string line; std::getline(file, line);)
+        if (const size_t colon = line.find(": ");
+            line.starts_with("model name") && colon != std::string::npos)
+            return line.substr(colon + 2);
+    return "";
+}
+
 template<class Result> nlohmann::ordered_json listOf(const std::vector<Result>& results) {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const Result& result : results) list.push_back(jsonOf(result));
@@ -353,6 +398,10 @@ void writeResults(Run& run, const BenchArguments& arguments, Bench& bench, bool 
     const nlohmann::ordered_json all{{"version", HELIODON_VERSION},
                                      {"complete", complete},
                                      {"device", device},
+                                     {"driver", run.device().info().driver},
+                                     {"processor", processorName()},
+                                     {"cores", std::thread::hardware_concurrency()},
+                                     {"cores_of_other_work", bench.otherWork.cores()},
                                      {"compared_by", arguments.clock + " time"},
                                      {"flops_per_second", bench.roofline().flopsPerSecond},
                                      {"bytes_per_second", bench.roofline().bytesPerSecond},
@@ -439,6 +488,13 @@ void execute(Run& run, const BenchArguments& given) {
     }
     if (bench.results.empty()) throw std::runtime_error("no setting has a result: the warnings say why");
     writeResults(run, arguments, bench, true);
+    if (const double others = bench.otherWork.cores(),
+        all = std::max(1u, std::thread::hardware_concurrency());
+        arguments.clock != "CPU" && others > kMuchWork * all)
+        run.warn(fmt::format(
+            "other work had {:.1f} of {} cores: times on the wall are longer than they need be, and "
+            "not all by as much; --clock CPU compares processor time",
+            others, all));
     run.report()["results"] = (arguments.output / "bench.json").string();
 }
 

@@ -53,11 +53,17 @@ TEST_F(Bench, a_convex_room_by_two_kernels) {
     const auto json = nlohmann::json::parse(readText(in("out/bench.json")));
     EXPECT_TRUE(json["complete"].get<bool>());
     EXPECT_GT(json["flops_per_second"].get<double>(), 0);
+    EXPECT_GT(json["cores"].get<int>(), 0);
     std::map<std::string, double> rowError;
     for (const auto& row : json["form_factors"]) {
         EXPECT_EQ(row["scene"], "box");
         EXPECT_GT(row["seconds"].get<double>(), 0);
         EXPECT_GT(row["device_seconds"].get<double>(), 0);
+        EXPECT_LE(row["seconds_min"], row["seconds"]);
+        EXPECT_GE(row["seconds_max"], row["seconds"]);
+        // Of 59 others about ten lie in a patch's own wall, and nothing hides any.
+        EXPECT_NEAR(row["pairs_apart"].get<double>() + row["pairs_visible"].get<double>(), 1, 1e-9);
+        EXPECT_NEAR(row["pairs_apart"].get<double>(), 0.2, 0.15);
         EXPECT_LE(row["row_error"].get<double>(), row["row_error_max"].get<double>());
         rowError[row["kernel"].get<std::string>() + " " + row["setting"].get<std::string>()] =
             row["row_error"];
