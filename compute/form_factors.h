@@ -23,8 +23,8 @@ namespace heliodon::compute {
 
 struct FormFactorOptions {
     std::string kernel = "auto"; // "auto" or one of formFactorKernels()
-    // Of `hemicube`: pixels along one side of the top face, odd ones rounded up. Of `montecarlo`: R x R rays a patch, to the
-    // next power of two up to 65536. Others have none.
+    // Of `hemicube`: pixels along one side of the top face, odd ones rounded up. Of `montecarlo`: R x R rays
+    // a patch, to the next power of two up to 65536. Others have none.
     uint32_t resolution = 64;
     uint32_t points = 1; // viewpoints a patch, of `hemicube`
     // Wanted RMS over rows of ||F_i - true||; 0: as resolution says, or 1e-3. Kernels with a resolution raise
@@ -42,18 +42,20 @@ struct FormFactorOptions {
 // Rows of closed rooms whose sums are off by more are worth a warning.
 constexpr double kClosureBound = 0.05;
 
-// Measured on the finished matrix, before any normalisation.
+// Of the finished matrix, before any normalisation.
 struct FormFactorReport {
-    std::string kernel, why; // what was chosen and why
-    uint32_t resolution = 0, points = 0;
+    std::string kernel, why;             // what was chosen and why
+    uint32_t resolution = 0, points = 0; // as used; points of `montecarlo`: rays a patch
+    // With the choice of the kernel; of a whole matrix without closure and reciprocity, which are measured
+    // after.
     double seconds = 0;
-    double closureMax = 0,
-           closureRms = 0; // |sum_j F_ij - 1| over all rows: errors only where rooms are closed
+    // |sum_j F_ij - 1| over all rows: errors only where rooms are closed.
+    double closureMax = 0, closureRms = 0;
     // RMS over pairs of |A_i F_ij - A_j F_ji| / mean patch area; 0 where both are one number by construction,
     // none where that is not so and no whole matrix was there to measure.
     std::optional<double> reciprocityRms;
-    double claimedRadiosityError = 0; // what that gives of radiosity, when asked for
     double claimedRowError = 0;       // the kernel's own estimate of the RMS row error; 0 when it makes none
+    double claimedRadiosityError = 0; // what that gives of radiosity over its largest value, when asked for
     // Of `hierarchical` and `hemicube` (not streamed): what the worst row's sum may be off by; else 0.
     double claimedRowSumError = 0;
     std::vector<std::string> skipped; // what was not modelled, with the reason
@@ -86,7 +88,8 @@ FormFactorReport streamFormFactors(gpu::Device& device, const geometry::PatchMes
                                    const FormFactorOptions& options,
                                    const std::function<void(const FormFactorTile&)>& take);
 
-// Throws geometry::InputError on an unknown kernel name.
+// The whole matrix, in the device's memory, beside what its kernel needs (its header says). Throws
+// geometry::InputError on an unknown kernel name, gpu::Error where there is no room.
 FormFactors computeFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
                                const FormFactorOptions& options = {});
 
