@@ -125,8 +125,9 @@ private:
         sub->add_option("--kernel", formFactors_.kernel,
                         "auto, exact, hemicube, hierarchical or montecarlo (default auto)");
         auto* resolution =
-            sub->add_option("--resolution", formFactors_.resolution,
-                            "hemicube: pixels along its top, even; montecarlo: R x R rays a patch (default 64)")
+            sub->add_option(
+                   "--resolution", formFactors_.resolution,
+                   "hemicube: pixels along its top, even; montecarlo: R x R rays a patch (default 64)")
                 ->check(within(4, 1024));
         sub->add_option("--points", formFactors_.points, "hemicube: viewpoints a patch (default 1)")
             ->check(within(1, 1024));
@@ -219,8 +220,8 @@ private:
             ->check(within(1.0, 240.0));
         sub->add_flag(
             "--resume", timelapse_.resume,
-            "go on where an interrupted run of the same options stopped; a film's frames are kept in "
-            "OUT.frames until it is whole, if it had --resume too");
+            "go on where an interrupted run of the same options stopped, or do nothing where it has made "
+            "everything; a film's frames are kept in OUT.frames until it is whole, if it had --resume too");
         sub->add_option(
                "-o,--output", timelapse_.output,
                "film (.mp4; OUT-projector-0.mp4 ... of several projectors), with OUT.frames.csv beside it, "

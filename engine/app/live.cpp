@@ -53,6 +53,9 @@ public:
 
     void report() {
         say();
+        if (step_ < script_.size())
+            run_.warn(fmt::format("{}: ended with {} of its {} steps not done", arguments_.script.string(),
+                                  script_.size() - step_, script_.size()));
         const LiveStatus status = board_.read();
         nlohmann::json& report = run_.report();
         report["live"] = {{"seconds", secondsSince(started_)},
