@@ -1,5 +1,6 @@
 #include "compute/hemicube.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -156,6 +157,20 @@ TEST(Hemicube, empty_and_single_patch_meshes_are_no_special_case) {
     EXPECT_TRUE(rawRows(test::polygons({}), 64).empty());
     const auto one = test::polygons({{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}}});
     EXPECT_EQ(rawRows(one, 64)[0], 0.0f);
+}
+
+// What is left open of a hall's form factor to the speck is a million million times as much the other way round.
+TEST(FormFactors, no_hemicube_claims_that_rows_are_off_by_more_than_one) {
+    geometry::PatchMesh mesh = test::boxRoom({.low = {0, 0, 0}, .high = {10, 10, 10}, .cells = {2, 2, 2}});
+    const size_t hall = mesh.corners.size();
+    test::addBox(mesh, {.low = {5, 4, 5}, .high = {5.00001, 4.00001, 5.00001}, .cells = {1, 1, 1}});
+    std::reverse(mesh.corners.begin() + static_cast<long>(hall), mesh.corners.end()); // it faces outwards
+    FormFactorOptions options;
+    options.kernel = "hemicube";
+    options.maxError = 1e-3;
+    const FormFactorReport report = computeFormFactors(test::device(), mesh, options).report;
+    EXPECT_LE(report.claimedRowError, 1);
+    EXPECT_LE(report.claimedRowSumError, 1);
 }
 
 TEST(FormFactors, unknown_kernels_are_refused_by_name) {
