@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include "compute/daylight/horizon_ribbon.h"
 #include "compute/daylight/sky_patches.h"
 #include "compute/float_dot.h"
 #include "compute/gpu/device.h"
@@ -29,6 +30,8 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 constexpr double kHemicubeRowError = 0.02; // where the kernel claims none
+// Of sky light, where most is from a ribbon at the horizon; sensors that see part of its height err more.
+constexpr double kRibbonError = 0.03;
 
 bool isGrey(glm::vec3 v) {
     return v.x == v.y && v.y == v.z;
@@ -301,16 +304,19 @@ Moment DaylightTransport::State::direct(const daylight::Sky& sky) const {
 
 // The sky's own formula in the directions of the samples: nothing is lost to sky elements.
 void DaylightTransport::State::skyAtSensors(Moment& moment, const daylight::Sky& sky) const {
+    const daylight::CellSky cells(sky);
     inParallel(moment.sensors.size(), [&](size_t s) {
         glm::dvec3 above(0), below(0);
         for (const SkySample& sample : sensors.sky.of(s))
             (sample.direction.y > 0 ? above : below) +=
-                glm::dvec3(sample.weight) * sky.luminance(glm::dvec3(sample.direction));
+                glm::dvec3(sample.weight) * cells.luminance(glm::dvec3(sample.direction));
+        if (daylight::hasHorizonRibbon(sky.formula))
+            moment.sensors[s].error += static_cast<float>(kRibbonError * photometric(glm::vec3(above)));
         moment.sensors[s].sky = glm::vec3(above);
         moment.sensors[s].ground = glm::vec3(below);
         glm::dvec3 byWalls(0);
         for (const SkySample& sample : sensors.near[s].sky)
-            byWalls += glm::dvec3(sample.weight) * sky.luminance(glm::dvec3(sample.direction));
+            byWalls += glm::dvec3(sample.weight) * cells.luminance(glm::dvec3(sample.direction));
         moment.sensors[s].interreflected += glm::vec3(byWalls);
     });
 }

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include <glm/geometric.hpp>
+
+#include "compute/daylight/horizon_ribbon.h"
 
 namespace heliodon::compute {
 
@@ -13,14 +16,22 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr int kBands = 90, kAround = 180; // cells of the whole sphere: 2 degrees
 
+// Heights between bands of cells.
+std::vector<double> bandEdges() {
+    std::vector<double> edges(daylight::kSkyCellCuts.begin(), std::prev(daylight::kSkyCellCuts.end()));
+    for (int k = 0; k <= kBands; ++k) edges.push_back(std::sin(kPi * (double(k) / kBands - 0.5)));
+    std::ranges::sort(edges);
+    return edges;
+}
+
 // work(direction, what arrives from the cell on the plane per unit of luminance) for cells before the window.
 template<class Work> void forDirections(glm::dvec3 normal, const Work& work) {
     double sum = 0; // of the hemisphere: pi, but for the cells that the plane cuts
+    const std::vector<double> edges = bandEdges();
     for (const bool first : {true, false})
-        for (int band = 0; band < kBands; ++band) {
-            const double low = kPi * (double(band) / kBands - 0.5), high = low + kPi / kBands,
-                         middle = 0.5 * (low + high);
-            const double area = 2 * kPi / kAround * (std::sin(high) - std::sin(low));
+        for (size_t band = 1; band < edges.size(); ++band) {
+            const double middle = 0.5 * (std::asin(edges[band - 1]) + std::asin(edges[band]));
+            const double area = 2 * kPi / kAround * (edges[band] - edges[band - 1]);
             for (int k = 0; k < kAround; ++k) {
                 const double turn = 2 * kPi * (k + 0.5) / kAround;
                 const glm::dvec3 direction(std::cos(middle) * std::sin(turn), std::sin(middle),
@@ -93,9 +104,11 @@ daylight::Window::Lobes GlowingBlinds::lobesOf(size_t group, const LitProfiles& 
 daylight::Window::Lobes GlowingBlinds::lobesBySky(size_t group, const daylight::Sky& sky) const {
     LitProfiles inside = groundInside_[group];
     for (glm::dvec3& lux : inside) lux *= sky.ground.luminance;
+    const daylight::CellSky cells(sky);
     if (sky.formula.scale > 0)
         for (const Sample& sample : sky_[group])
-            inside[sample.profile] += glm::dvec3(sample.inside) * sky.luminance(glm::dvec3(sample.direction));
+            inside[sample.profile] +=
+                glm::dvec3(sample.inside) * cells.luminance(glm::dvec3(sample.direction));
     return lobesOf(group, inside);
 }
 
@@ -121,9 +134,10 @@ std::vector<float> GlowingBlinds::lobeCoefficients(size_t group, const daylight:
 
 glm::vec3 GlowingBlinds::bySky(size_t group, const daylight::Sky& sky) const {
     glm::dvec3 sum = ground_[group] * sky.ground.luminance;
+    const daylight::CellSky cells(sky);
     if (sky.formula.scale > 0)
         for (const Sample& sample : sky_[group])
-            sum += glm::dvec3(sample.weight) * sky.luminance(glm::dvec3(sample.direction));
+            sum += glm::dvec3(sample.weight) * cells.luminance(glm::dvec3(sample.direction));
     return glm::vec3(sum);
 }
 

@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vector_relational.hpp>
 
+#include "compute/daylight/horizon_ribbon.h"
 #include "compute/lighting.h"
 #include "compute/view_cells.h"
 #include "geometry/bounds.h"
@@ -32,6 +33,35 @@ void splitAtHorizon(const PointView::Polygon& polygon, PointView::Polygon& sky, 
         polygon, [](const dvec3& p) { return -p.y; }, ground);
     for (dvec3& p : sky) p.y = std::max(p.y, 0.0);
     for (dvec3& p : ground) p.y = std::min(p.y, 0.0);
+}
+
+// Cells of a polygon above the horizon, cut at kSkyCellCuts: work(centre, weight).
+template<class Work>
+void forSkyCells(std::span<const dvec3> polygon, dvec3 normal, double angle, const Work& work) {
+    PointView::Polygon rest, part, above;
+    const auto visit = [&](std::span<const dvec3> cell) {
+        if (cell.size() < 3) return;
+        const auto [centre, weight] = viewCell(cell, normal);
+        if (weight > 0) work(centre, weight);
+    };
+    forTriangles(polygon, angle, [&](const std::array<dvec3, 3>& corners) {
+        dvec3 away = corners[0] + corners[1] + corners[2];
+        away.y = 0;
+        const double level = glm::length(away);
+        rest.assign(corners.begin(), corners.end());
+        for (const double z : daylight::kSkyCellCuts) {
+            // The cone of this height as a plane, where the cell is.
+            const double slope = z / std::sqrt(1 - z * z);
+            const auto height = [&](const dvec3& p) { return level * p.y - slope * glm::dot(p, away); };
+            if (std::ranges::all_of(rest, [&](const dvec3& p) { return height(p) >= 0; })) break;
+            geometry::clip<dvec3>(
+                rest, [&](const dvec3& p) { return -height(p); }, part);
+            visit(part);
+            geometry::clip<dvec3>(rest, height, above);
+            rest.swap(above);
+        }
+        visit(rest);
+    });
 }
 
 dvec3 normalOf(const ConvexRegion& region) {
@@ -302,7 +332,7 @@ void PointScene::skyOf(const PointView& view, const RoomBeyond& beyond, double a
                 const double factor = view.unhinderedFactor(halves[half]);
                 const size_t first = samples.size();
                 double weights = 0;
-                forCells(halves[half], view.normal(), angle, [&](dvec3 centre, double weight) {
+                const auto take = [&](dvec3 centre, double weight) {
                     const dvec3 direction = glm::normalize(centre);
                     dvec3 through = greyGlass
                                         ? dvec3(daylight::slabTransmittance(-glm::dot(direction, normal), t.x,
@@ -311,7 +341,11 @@ void PointScene::skyOf(const PointView& view, const RoomBeyond& beyond, double a
                     if (!beyond.panes.empty()) through *= beyond.transmittance(direction);
                     samples.push_back({glm::vec3(direction), glm::vec3(weight * through)});
                     weights += weight;
-                });
+                };
+                if (half == 0)
+                    forSkyCells(halves[half], view.normal(), angle, take);
+                else
+                    forCells(halves[half], view.normal(), angle, take);
                 // The cells' shares come from cubature, their sum from Lambert's formula.
                 const auto scale = static_cast<float>(weights > 0 ? kPi * factor / weights : 0);
                 for (size_t k = first; k < samples.size(); ++k) {

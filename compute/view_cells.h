@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <span>
@@ -11,10 +12,29 @@
 
 namespace heliodon::compute {
 
+// A small convex polygon, relative to the point.
+struct ViewCell {
+    glm::dvec3 centre;
+    double weight; // in proportion to its form factor; negative behind the horizon
+};
+inline ViewCell viewCell(std::span<const glm::dvec3> polygon, glm::dvec3 normal) {
+    glm::dvec3 middle(0), area(0);
+    double total = 0;
+    for (size_t k = 1; k + 1 < polygon.size(); ++k) {
+        const glm::dvec3 part = glm::cross(polygon[k] - polygon[0], polygon[k + 1] - polygon[0]);
+        const double size = glm::length(part);
+        middle += size / 3.0 * (polygon[0] + polygon[k] + polygon[k + 1]);
+        area += part, total += size;
+    }
+    if (total <= 0) return {polygon[0], 0};
+    middle /= total;
+    const double distance2 = glm::dot(middle, middle);
+    return {middle, std::abs(glm::dot(area, middle)) * glm::dot(middle, normal) / (distance2 * distance2)};
+}
+
 // Cuts a convex polygon (relative to the point) into triangles that span less than `angle`, seen from the
-// point; work(centre, weight) with weights in proportion to the cells' form factors.
-template<class Work>
-void forCells(std::span<const glm::dvec3> polygon, glm::dvec3 normal, double angle, const Work& work) {
+// point; work(corners).
+template<class Work> void forTriangles(std::span<const glm::dvec3> polygon, double angle, const Work& work) {
     struct Triangle {
         glm::dvec3 a, b, c;
         int depth;
@@ -33,9 +53,7 @@ void forCells(std::span<const glm::dvec3> polygon, glm::dvec3 normal, double ang
             const double ab = glm::dot(t.b - t.a, t.b - t.a), bc = glm::dot(t.c - t.b, t.c - t.b),
                          ca = glm::dot(t.a - t.c, t.a - t.c), longest = std::max({ab, bc, ca});
             if (longest <= angle * angle * distance2 || t.depth >= kDeepest) {
-                const glm::dvec3 area = glm::cross(t.b - t.a, t.c - t.a);
-                const double weight = std::abs(glm::dot(area, centre)) * glm::dot(centre, normal);
-                if (weight > 0) work(centre, weight / (distance2 * distance2));
+                work(std::array{t.a, t.b, t.c});
             } else if (longest == ab) {
                 const glm::dvec3 m = 0.5 * (t.a + t.b);
                 stack[top++] = {t.a, m, t.c, t.depth + 1}, stack[top++] = {m, t.b, t.c, t.depth + 1};
@@ -48,6 +66,15 @@ void forCells(std::span<const glm::dvec3> polygon, glm::dvec3 normal, double ang
             }
         }
     }
+}
+
+// The same; work(centre, weight).
+template<class Work>
+void forCells(std::span<const glm::dvec3> polygon, glm::dvec3 normal, double angle, const Work& work) {
+    forTriangles(polygon, angle, [&](const std::array<glm::dvec3, 3>& corners) {
+        const ViewCell cell = viewCell(corners, normal);
+        if (cell.weight > 0) work(cell.centre, cell.weight);
+    });
 }
 
 } // namespace heliodon::compute

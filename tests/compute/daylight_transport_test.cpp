@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
+#include "compute/daylight/glazing.h"
 #include "compute/sun_bounce.h"
 #include "geometry/input_error.h"
 #include "geometry/mesher.h"
@@ -73,6 +76,40 @@ geometry::PatchMesh windowRoom(glm::vec3 wall = glm::vec3(0.5f)) {
     box.wall.reflectance = wall;
     box.isGlass = [](glm::dvec3 p) { return p.z < 1e-9 && p.x > 1 && p.x < 3 && p.y > 1 && p.y < 2; };
     return test::boxRoom(box);
+}
+
+// Light from a ribbon 0.6 degrees high through a window, against the midpoint rule in azimuth and height.
+TEST(DaylightTransport, sensors_see_a_ribbon_at_the_horizon) {
+    const daylight::Sky sky =
+        daylight::perezSky({2, 0.1, 3, -2, 0.2}, glm::normalize(glm::dvec3(0.5, 0.03, -1)), 0.01);
+    DaylightTransport transport(test::device(), windowRoom(glm::vec3(0)));
+    const std::vector<Sensor> sensors{{{2, 1.5, 2.5}, {0, 0, -1}}, {{1.5, 1.2, 1}, {0, 1, 0}}};
+    transport.setSensors(sensors);
+    const Moment moment = transport.light(sky);
+    const daylight::Glazing glass = daylight::glazingOf(test::BoxRoom().glass);
+    const double kPi = std::numbers::pi;
+    constexpr int kAround = 720, kHeights = 400;
+    for (size_t s = 0; s < sensors.size(); ++s) {
+        const Sensor& at = sensors[s];
+        double lux = 0;
+        for (int k = 0; k < 2 * kHeights; ++k) { // even in the ribbon, growing above it
+            const double t = (k % kHeights + 0.5) / kHeights, f = sky.formula.zFloor;
+            const double z = k < kHeights ? f * t : f + (1 - f) * t * t * t;
+            const double step = (k < kHeights ? f : 3 * (1 - f) * t * t) / kHeights,
+                         level = std::sqrt(1 - z * z);
+            for (int j = 0; j < kAround; ++j) {
+                const double turn = 2 * kPi * (j + 0.5) / kAround;
+                const glm::dvec3 d(level * std::sin(turn), z, -level * std::cos(turn));
+                const glm::dvec3 hit = at.position + d * (at.position.z / -d.z);
+                if (d.z < 0 && hit.x > 1 && hit.x < 3 && hit.y > 1 && hit.y < 2)
+                    lux += step * 2 * kPi / kAround * sky.luminance(d) *
+                           std::max(0.0, glm::dot(d, at.normal)) *
+                           glass.transmittance(-d.z).x;
+            }
+        }
+        EXPECT_NEAR(photometric(moment.sensors[s].sky) / lux, 1, 0.025) << s;
+        EXPECT_LT(std::abs(photometric(moment.sensors[s].total()) - lux), moment.sensors[s].error) << s;
+    }
 }
 
 TEST(DaylightTransport, parts_sum_to_what_patches_reflect) {
