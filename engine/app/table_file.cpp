@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <sstream>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -26,8 +28,10 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "binary tables are written as they lie in memory");
 
-// What stands between cells: spreadsheets of many languages write semicolons, others tabs.
+// What stands between cells: spreadsheets of many languages write semicolons, others tabs; a blank stands for
+// any number of them.
 char separatorOf(const std::string& header) {
+    if (header.find_first_of(",;\t") == std::string::npos) return ' ';
     return std::ranges::max({',', ';', '\t'}, {}, [&](char c) { return std::ranges::count(header, c); });
 }
 
@@ -44,8 +48,13 @@ std::string trimmed(const std::string& text, const char* blanks = " \t") {
 // count. Only a cell that goes over several lines is refused.
 std::vector<std::string> splitCsv(const std::string& line, char separator, const std::string& file,
                                   size_t number) {
-    const char* const blanks = blanksBeside(separator);
     std::vector<std::string> cells;
+    if (separator == ' ') {
+        std::istringstream words(line);
+        for (std::string word; words >> word;) cells.push_back(word);
+        return cells;
+    }
+    const char* const blanks = blanksBeside(separator);
     for (size_t at = 0; at <= line.size(); ++at) { // behind a separator, or at the start
         const size_t first = std::min(line.find_first_not_of(blanks, at), line.size());
         std::string cell;
@@ -81,6 +90,16 @@ double numberIn(const std::string& cell, const std::string& file, size_t line, c
         throw InputError(file, std::to_string(line),
                          fmt::format("column {} is '{}', expected a number", column, cell));
     return *value;
+}
+
+// Names in small letters, unless those wanted are there as they are.
+std::vector<std::string> columnNames(std::vector<std::string> header, std::span<const char* const> wanted) {
+    const auto has = [&](const char* name) { return std::ranges::find(header, name) != header.end(); };
+    if (std::ranges::all_of(wanted, has)) return header;
+    for (std::string& name : header)
+        std::ranges::transform(name, name.begin(),
+                               [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return header;
 }
 
 // Cells with commas between; a line that has them already stays as it is.
@@ -138,8 +157,9 @@ SensorTable readSensors(const std::filesystem::path& file, geometry::UpAxis up) 
     const char separator = separatorOf(line);
     constexpr std::array<const char*, 6> kNames{"x", "y", "z", "nx", "ny", "nz"};
     std::array<size_t, 6> column{};
-    const std::vector<std::string> header = splitCsv(line, separator, file.string(), 1);
+    std::vector<std::string> header = splitCsv(line, separator, file.string(), 1);
     table.header = commaSeparated(line, separator, header);
+    header = columnNames(std::move(header), kNames);
     for (size_t k = 0; k < kNames.size(); ++k) {
         const auto found = std::find(header.begin(), header.end(), kNames[k]);
         if (found == header.end())

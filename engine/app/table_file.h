@@ -25,8 +25,8 @@ struct SensorTable {
 };
 
 // CSV with a header that names x,y,z,nx,ny,nz, in any order among other columns; model units and axes. Cells
-// may be quoted (RFC 4180), but not go over several lines. Semicolons or tabs between cells, and then decimal
-// commas, are read too, and become commas and points.
+// may be quoted (RFC 4180), but not go over several lines. Semicolons, tabs or blanks between cells, and then
+// decimal commas, are read too, and become commas and points; capitals in the header, too.
 // Throws InputError naming the line: missing columns, text or NaN where a number belongs, a normal of length
 // zero, no rows.
 SensorTable readSensors(const std::filesystem::path& file, geometry::UpAxis up);

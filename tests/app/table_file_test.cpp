@@ -74,6 +74,19 @@ TEST_F(TableFile, semicolons_and_tabs_become_commas_and_decimal_commas_points) {
     EXPECT_EQ(readSensors(in("s.csv"), geometry::UpAxis::y).points[0], glm::dvec3(1.5, 2, 3));
 }
 
+TEST_F(TableFile, capitals_and_blanks_are_understood_where_only_one_column_fits) {
+    test::writeText(in("s.csv"), "  X Y   Z NX\tNY NZ\n1 2 3  0 0 1 \n");
+    EXPECT_THROW(readSensors(in("s.csv"), geometry::UpAxis::y), InputError); // a tab, and blanks
+    test::writeText(in("s.csv"), "  X Y   Z NX NY NZ\n1 2 3,5  0 0 1 \n");
+    const SensorTable table = readSensors(in("s.csv"), geometry::UpAxis::y);
+    EXPECT_EQ(table.header, "X,Y,Z,NX,NY,NZ");
+    EXPECT_EQ(table.rows, std::vector<std::string>{"1,2,3.5,0,0,1"});
+    test::writeText(in("s.csv"), "X,x,y,z,nx,ny,nz\nfirst,1,2,3,0,0,1\n");
+    EXPECT_EQ(readSensors(in("s.csv"), geometry::UpAxis::y).points[0], glm::dvec3(1, 2, 3));
+    test::writeText(in("s.csv"), "X,x,Y,z,nx,ny,nz\n0,1,2,3,0,0,1\n");
+    EXPECT_THROW(readSensors(in("s.csv"), geometry::UpAxis::y), InputError); // which x?
+}
+
 TEST_F(TableFile, text_with_commas_is_one_field) {
     EXPECT_EQ(csvField("plain"), "plain");
     EXPECT_EQ(csvField("a, \"b\""), "\"a, \"\"b\"\"\"");
