@@ -59,6 +59,7 @@ public:
 
     void run() {
         for (const auto& skylight : sketch_.skylights) lookAt(skylight);
+        if (sketch_.north) lookAt(*sketch_.north);
         lookAtEnds();
         lookAtPicturesEdge();
         for (const auto& wall : sketch_.walls) lookBeyond(wall);
@@ -79,6 +80,14 @@ private:
         else if (!isLightBlue(skylight))
             doubts_.add(centreOf(skylight.detection), "read as a skylight, but deeper or darker than "
                                                       "light-blue card: is it a mat, a note or a pot?");
+    }
+
+    // Its confidence is the share of its length along which both sides are seen as edges that lie alike.
+    void lookAt(const geometry::NorthArrow& north) {
+        constexpr double kMost = 0.5;
+        if (north.detection.confidence < kMost)
+            doubts_.add(centreOf(north.detection),
+                        "read as the north arrow, but its two sides are not seen all along: is it one?");
     }
 
     // The card returns most of the light and takes half of the red: its chroma holds in shadow, its
