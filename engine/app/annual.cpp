@@ -406,6 +406,7 @@ void execute(Run& run, const AnnualArguments& arguments) {
     job.weather = weatherFor(run, arguments);
     const OutputFolder folder(arguments.output);
     job.scene = loadScene(run, arguments.scene);
+    if (job.scene.northIsAssumed) run.assume(kAssumedNorth);
     job.sensors = given ? std::move(*given) : sensorsFor(run, arguments, job.scene);
     if (!arguments.sensors.empty())
         refuseAllOutside(arguments.sensors, job.sensors, job.scene, arguments.scene);

@@ -313,6 +313,7 @@ Scene makeScene(Run& run, const SceneArguments& arguments, std::optional<geometr
     drawBlinds(run, arguments.blinds, arguments.input.string(), scene.mesh);
     scene.occluders = std::move(building.occluders);
     scene.northDeg = building.northDeg - arguments.northDeg; // plan angles grow counter-clockwise
+    scene.northIsAssumed = scene.sketch && !scene.sketch->north && arguments.northDeg == 0;
     const geometry::MeshQuality quality = geometry::measureMesh(scene.mesh);
     run.report()["triangles"] = quality.triangles;
     run.report()["mesh"] = {{"triangles", quality.triangles},

@@ -18,6 +18,7 @@ struct Photograph;
 namespace heliodon::app {
 
 constexpr size_t kDefaultTriangles = 2000;
+constexpr const char* kAssumedNorth = "north along y of the plan (no arrow)";
 
 struct Scene {
     std::optional<geometry::Rig> rig;
@@ -26,6 +27,7 @@ struct Scene {
     geometry::Occluders occluders; // physical walls; none for models
     // Direction of north in the plan: degrees counter-clockwise from +x, seen from above.
     double northDeg = 90;
+    bool northIsAssumed = false;        // a sketch without an arrow, and no --north
     double worldPerBuilding = 1.0 / 12; // world metres a metre of building
     geometry::PatchMesh mesh;
 };

@@ -83,6 +83,16 @@ TEST_F(MainJob, a_model_is_taken_at_the_scale_that_is_given_or_assumed) {
     EXPECT_NEAR(report("r.json")["rooms"][0]["floor_area"].get<double>(), 144 * area, 1e-6 * area);
 }
 
+TEST_F(MainJob, a_sketch_without_an_arrow_is_said_to_have_its_north_assumed) {
+    const auto assumedWith = [&](const std::string& options) {
+        run("illuminance " HELIODON_TEST_DATA "/geometry/sketches/garden_l.json --triangles 100 -o " +
+            in("lux.csv") + " --report " + in("r.json") + options);
+        return report("r.json").value("assumed", "");
+    };
+    EXPECT_NE(assumedWith("").find("north along y of the plan"), std::string::npos);
+    EXPECT_EQ(assumedWith(" --north 30").find("north"), std::string::npos);
+}
+
 TEST_F(MainJob, a_model_on_its_side_or_in_other_units_is_said_to_seem_so) {
     const auto saidOf = [&](const char* corners) {
         std::ofstream(in("box.obj")) << corners
