@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 
 #include "geometry/input_error.h"
-#include "geometry/text_file.h"
 
 namespace heliodon::geometry {
 
@@ -99,11 +98,10 @@ std::string_view jsonOf(std::string_view bytes) {
 
 } // namespace
 
-void checkGltfFields(const std::filesystem::path& file) {
-    const std::string bytes = readText(file, "a model (.gltf .glb)");
+void checkGltfFields(std::string_view bytes, const std::string& file) {
     const json root = json::parse(jsonOf(bytes), nullptr, false);
     if (root.is_discarded()) return;
-    const FieldChecker checker(file.string());
+    const FieldChecker checker(file);
     for (const Field& field : kFields) checker.check(root, field.path, field.kind, "");
 }
 

@@ -2,12 +2,13 @@
 // and goes on with its default, which would place or colour things silently wrong.
 #pragma once
 
-#include <filesystem>
+#include <string>
+#include <string_view>
 
 namespace heliodon::geometry {
 
-// Throws InputError naming the first such field, "nodes[0].scale[1]", with what was expected. `file`: .gltf
-// or .glb; what is no JSON is left to the loader to complain about.
-void checkGltfFields(const std::filesystem::path& file);
+// Throws InputError naming the first such field, "nodes[0].scale[1]", with what was expected. `bytes`: of a
+// .gltf or .glb; what is no JSON is left to the loader to complain about.
+void checkGltfFields(std::string_view bytes, const std::string& file);
 
 } // namespace heliodon::geometry

@@ -64,11 +64,8 @@ class GltfReader {
 public:
     explicit GltfReader(const std::filesystem::path& file) {
         out_.file = file.string();
-        refuseUnreadable(file, "a model (.gltf .glb)");
-        std::ifstream in(file, std::ios::binary);
-        char magic[4] = {};
-        in.read(magic, 4);
-        checkGltfFields(file);
+        const std::string bytes = readText(file, "a model (.gltf .glb)");
+        checkGltfFields(bytes, out_.file);
         tinygltf::TinyGLTF loader;
         // The loader would read a folder as a file without end.
         const auto isFile = [](const std::string& path, void*) {
@@ -81,9 +78,14 @@ public:
                                  void*) { return true; },
                               nullptr);
         std::string errors, warnings;
-        const bool binary = std::memcmp(magic, "glTF", 4) == 0;
-        const bool good = binary ? loader.LoadBinaryFromFile(&in_, &errors, &warnings, out_.file)
-                                 : loader.LoadASCIIFromFile(&in_, &errors, &warnings, out_.file);
+        const std::string beside = file.parent_path().string();
+        const auto size = static_cast<unsigned>(bytes.size());
+        const bool good =
+            bytes.starts_with("glTF")
+                ? loader.LoadBinaryFromMemory(&in_, &errors, &warnings,
+                                              reinterpret_cast<const unsigned char*>(bytes.data()), size,
+                                              beside)
+                : loader.LoadASCIIFromString(&in_, &errors, &warnings, bytes.data(), size, beside);
         if (!good) {
             // In one line, and without the file's name, which stands in front.
             for (size_t at; (at = errors.find(out_.file)) != std::string::npos;)
