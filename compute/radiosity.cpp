@@ -7,6 +7,7 @@
 #include <glm/common.hpp>
 
 #include "compute/daylight/glazing.h"
+#include "compute/largest.h"
 
 namespace heliodon::compute {
 
@@ -27,12 +28,6 @@ double dot(std::span<const double> a, std::span<const double> b) {
         for (size_t k = 0; k < 4; ++k) parts[k] += a[i + k] * b[i + k];
     for (; i < a.size(); ++i) parts[0] += a[i] * b[i];
     return (parts[0] + parts[1]) + (parts[2] + parts[3]);
-}
-
-template<class T> double largest(const std::vector<T>& a) {
-    T most = 0;
-    for (const T x : a) most = std::max(most, std::abs(x));
-    return double{most};
 }
 
 } // namespace
@@ -226,13 +221,12 @@ RadiosityReport RadiositySolver::solve(std::span<const float> emitted, std::span
                                        const RadiosityOptions& options) {
     const size_t n = matter_.patchCount, count = channel.size();
     assert(emitted.size() == n * count);
-    std::vector<float> direct(n * count), once(n * count), reflected(n);
+    std::vector<float> direct(n * count), once(n * count);
     factors_->gatherIn(channel, emitted, direct);
     std::vector<double> known(count), rounding(count);
     for (size_t c = 0; c < count; ++c) {
-        matter_.reflect<float>(channel[c], {&direct[c * n], n}, reflected);
-        std::ranges::copy(reflected, &once[c * n]);
-        known[c] = largest(reflected);
+        matter_.reflect<float>(channel[c], {&direct[c * n], n}, {&once[c * n], n});
+        known[c] = largest(std::span<const float>(&once[c * n], n));
         rounding[c] = kRounding * known[c];
     }
     RadiosityReport report = solveReflected(once, channel, known, rounding, radiosity, gathered, options);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "compute/float_dot.h"
+#include "compute/largest.h"
 #include "compute/parallel.h"
 
 namespace heliodon::compute {
@@ -13,12 +14,6 @@ namespace {
 void subtract(std::span<float> from, double times, std::span<const float> what) {
     const auto t = static_cast<float>(times);
     for (size_t i = 0; i < from.size(); ++i) from[i] -= t * what[i];
-}
-
-double largest(std::span<const float> a) {
-    float most = 0;
-    for (float x : a) most = std::max(most, std::abs(x));
-    return double{most};
 }
 
 } // namespace
