@@ -19,6 +19,8 @@ using geometry::InputError;
 
 namespace {
 
+const std::string kUnknown = ": is nothing that this command takes; --help lists what is";
+
 // A script's variable that was never set is not the default that its user meant to leave.
 void refuseEmpty(const CLI::Option& option) {
     for (const std::string& text : option.results())
@@ -109,10 +111,7 @@ std::string HelpLayout::wrapped(const std::string& text) const {
 
 const CLI::App& commandNamed(const CLI::App& app, int argc, const char* const* argv) {
     if (argc < 2) throw InputError("command line", "", "names no command; heliodon --help lists them");
-    if (argv[1][0] == '-') {
-        if (app.get_option_no_throw(argv[1])) return app;
-        throw InputError("command line", argv[1], "is no command; heliodon --help lists them");
-    }
+    if (argv[1][0] == '-' && app.get_option_no_throw(argv[1])) return app;
     const CLI::App* command = nullptr;
     for (const CLI::App* sub : app.get_subcommands({}))
         if (sub->get_name() == argv[1]) command = sub;
@@ -134,9 +133,7 @@ void refuseWords(const CLI::App& command, int argc, const char* const* argv) {
         if (word == "--") return; // what follows are no options
         if (!word.starts_with("--")) continue;
         const std::string name = word.substr(0, word.find('='));
-        if (!command.get_option_no_throw(name))
-            throw InputError("command line", "",
-                             name + ": is nothing that this command takes; --help lists what is");
+        if (!command.get_option_no_throw(name)) throw InputError("command line", "", name + kUnknown);
         if (word.size() == name.size() + 1) throw InputError(name, "", "is empty, expected a value");
     }
 }
@@ -147,7 +144,7 @@ std::string inOurWords(const CLI::ParseError& error) {
     if (colon == std::string::npos) return said;
     const std::string first = said.substr(0, colon), rest = said.substr(colon + 2);
     if (dynamic_cast<const CLI::ExtrasError*>(&error)) // "The following argument was not expected: foo"
-        return rest + ": is nothing that this command takes; --help lists what is";
+        return rest + kUnknown;
     if (dynamic_cast<const CLI::ArgumentMismatch*>(&error)) // "--size: At Most 1 required but received 2"
         return first + (rest.find("received") != std::string::npos ? ": is given more than once"
                                                                    : ": its value is missing");
