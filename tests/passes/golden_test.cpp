@@ -51,6 +51,13 @@ void expectLike(const std::string& name, const Image8& picture) {
     ADD_FAILURE() << "see " << folder / (name + "-new.png") << " and -difference.png";
 }
 
+compute::Lighting nightOf(compute::Lighting light) {
+    light.sunDirection = glm::dvec3(0);
+    light.sunNormalIlluminance = glm::vec3(0);
+    std::fill(light.exitance.begin(), light.exitance.end(), glm::vec3(0));
+    return light;
+}
+
 TEST(Golden, preview_of_a_sunlit_room) {
     const test::SketchScene scene = test::sketchScene(6);
     FrameRenderer renderer(test::device(), scene.mesh, scene.occluders, nullptr);
@@ -108,15 +115,12 @@ TEST(Golden, walls_of_glass_that_overlap_are_as_one) {
 TEST(Golden, what_lies_below_the_scale_is_black) {
     const test::SketchScene scene = test::sketchScene(6);
     FrameRenderer renderer(test::device(), scene.mesh, scene.occluders, nullptr);
-    compute::Lighting night = scene.light;
-    night.sunDirection = glm::dvec3(0);
-    std::fill(night.exitance.begin(), night.exitance.end(), glm::vec3(0));
     PreviewOptions options;
     options.width = 160;
     options.height = 120;
     options.tone.map = ToneMap::falseColour;
     options.tone.legend = false;
-    const Image8 picture = renderer.preview(night, options);
+    const Image8 picture = renderer.preview(nightOf(scene.light), options);
     int black = 0;
     for (int y = 0; y < picture.height; ++y)
         for (int x = 0; x < picture.width; ++x) {
@@ -143,12 +147,8 @@ TEST(Golden, windows_are_dark_by_night) {
                 count += picture.pixel(x, y)[2] > picture.pixel(x, y)[0] + 15; // bluer than all else
         return count;
     };
-    compute::Lighting night = scene.light;
-    EXPECT_GT(pale(night), 20);
-    night.sunDirection = glm::dvec3(0);
-    night.sunNormalIlluminance = glm::vec3(0);
-    std::fill(night.exitance.begin(), night.exitance.end(), glm::vec3(0));
-    EXPECT_EQ(pale(night), 0);
+    EXPECT_GT(pale(scene.light), 20);
+    EXPECT_EQ(pale(nightOf(scene.light)), 0);
 }
 
 // Walls are drawn as on glass, over whatever lies behind them: also over nothing, beyond a small table's
