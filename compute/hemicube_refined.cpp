@@ -206,7 +206,8 @@ double setNearPairs(gpu::Device& device, const geometry::PatchMesh& mesh, std::s
                      areaB = patches.area[b.patch];
         F[a.patch * n + b.patch] += static_cast<float>(exchange / areaA);
         F[b.patch * n + a.patch] += static_cast<float>(exchange / areaB);
-        // No form factor is off by more than one, whatever an estimate makes of tiny patches before large ones.
+        // No form factor is off by more than one, whatever an estimate makes of tiny patches before large
+        // ones.
         const double inA = std::min(error / areaA, 1.0), inB = std::min(error / areaB, 1.0);
         variance += inA * inA + inB * inB;
     }

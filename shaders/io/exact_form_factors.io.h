@@ -4,14 +4,14 @@
 #include "shaders/io/io.h"
 IO_BEGIN
 const uint kExactGroup = 64u;
-const uint kExactPieceCorners = 6u;    // most corners of a radiating piece; larger patches are cut
-const uint kExactBlockerCorners = 8u;  // of a blocker
-const uint kExactListed = 64u;         // blockers of one pair that one walk can name; more take a second
-const float kExactOne = 1073741824.0f; // a form factor of 1 in fixed point: sums do not depend on their order
+const uint kExactPieceCorners = 6u;         // most corners of a radiating piece; larger patches are cut
+const uint kExactBlockerCorners = 8u;       // of a blocker
+const uint kExactListed = 64u;              // blockers of one pair that one walk can name; more take a second
+const float kExactOne = 1073741824.0f;      // a form factor of 1 in fixed point: sums do not depend on their order
 const float kExactFraction = 2147483648.0f; // and of what is left over of one of its units
 const uint kExactCarry = 2u;                // units that 2^32 of those are
-const uint kExactCellWords = 7u;       // a cell of cubature: record, three corners in the plane of the outer piece
-const uint kExactFew = 2u;             // so many blockers are quickly done, when no face has more corners than these
+const uint kExactCellWords = 7u;            // a cell of cubature: record, three corners in the plane of the outer piece
+const uint kExactFew = 2u; // so many blockers are quickly done, when no face has more corners than these
 const uint kExactFewCorners = 4u;
 const uint kExactLongList = 160u; // 256 points behind more blockers are too much at once, lib/loop_limit.glsl
 

@@ -103,8 +103,7 @@ TEST(DaylightTransport, sensors_see_a_ribbon_at_the_horizon) {
                 const glm::dvec3 hit = at.position + d * (at.position.z / -d.z);
                 if (d.z < 0 && hit.x > 1 && hit.x < 3 && hit.y > 1 && hit.y < 2)
                     lux += step * 2 * kPi / kAround * sky.luminance(d) *
-                           std::max(0.0, glm::dot(d, at.normal)) *
-                           glass.transmittance(-d.z).x;
+                           std::max(0.0, glm::dot(d, at.normal)) * glass.transmittance(-d.z).x;
             }
         }
         EXPECT_NEAR(photometric(moment.sensors[s].sky) / lux, 1, 0.025) << s;

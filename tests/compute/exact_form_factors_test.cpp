@@ -65,7 +65,8 @@ TEST(ExactFormFactors, slivers_askew_agree_with_the_reference) {
     }
 }
 
-// Each cell of the wall carries less than 1e-11. What remains: shadows' borders are good to 5e-7 of the distance.
+// Each cell of the wall carries less than 1e-11. What remains: shadows' borders are good to 5e-7 of the
+// distance.
 TEST(ExactFormFactors, slivers_and_walls_behind_slivers_lose_no_light) {
     const reference::Polygon sliver{{0, 0, 0}, {1, 0, 0}, {0, 1e-4, 0}},
         blocker{{0.45, -0.7, 0.03}, {0.45, 0.3, 0.03}, {0.45, -0.7, 0.0301}},

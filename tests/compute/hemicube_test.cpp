@@ -159,7 +159,8 @@ TEST(Hemicube, empty_and_single_patch_meshes_are_no_special_case) {
     EXPECT_EQ(rawRows(one, 64)[0], 0.0f);
 }
 
-// What is left open of a hall's form factor to the speck is a million million times as much the other way round.
+// What is left open of a hall's form factor to the speck is a million million times as much the other way
+// round.
 TEST(FormFactors, no_hemicube_claims_that_rows_are_off_by_more_than_one) {
     geometry::PatchMesh mesh = test::boxRoom({.low = {0, 0, 0}, .high = {10, 10, 10}, .cells = {2, 2, 2}});
     const size_t hall = mesh.corners.size();
