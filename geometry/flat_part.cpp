@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "geometry/key_hash.h"
 #include "geometry/perpendicular.h"
 #include "geometry/segment_distance.h"
 
@@ -53,6 +55,124 @@ double FlatPart::spacing() const {
     double twice = 0;
     for (const Piece& p : pieces) twice += cross(p.corner[1] - p.corner[0], p.corner[2] - p.corner[0]);
     return std::sqrt(2 / std::sqrt(3.0) * twice / static_cast<double>(pieces.size()));
+}
+
+namespace {
+
+// The planes of each surface, with their pieces.
+std::vector<FlatPart> planesOf(const PatchMesh& mesh) {
+    using PlaneKey = std::array<int64_t, 5>;
+    std::vector<FlatPart> parts;
+    std::unordered_map<PlaneKey, size_t, KeyHash> planes;
+    PlaneKey last{};
+    size_t at = 0;
+    for (uint32_t i = 0; i < mesh.patchCount(); ++i) {
+        if (mesh.role[i] != Role::projection) continue;
+        const glm::dvec3 n = patchNormal(mesh, i), p = mesh.vertices[mesh.patch(i)[0]];
+        const PlaneKey key{mesh.surface[i], std::llround(n.x * 1e7), std::llround(n.y * 1e7),
+                           std::llround(n.z * 1e7), std::llround(glm::dot(n, p) * 1e7)};
+        if (parts.empty() || key != last) {
+            const auto [place, isNew] = planes.try_emplace(key, parts.size());
+            if (isNew) {
+                FlatPart& part = parts.emplace_back();
+                const glm::dvec3 u = perpendicular(n);
+                part.frame = {p, u, glm::cross(n, u), n};
+                part.surface = mesh.surface[i];
+            }
+            at = place->second;
+            last = key;
+        }
+        const auto corner = mesh.patch(i);
+        for (size_t k = 1; k + 1 < corner.size(); ++k) {
+            Piece& piece = parts[at].pieces.emplace_back();
+            piece.vertex = {corner[0], corner[k], corner[k + 1]}; // of the mesh, for now
+            piece.patch = i;
+        }
+    }
+    return parts;
+}
+
+// On surfaces of several planes: means of the facets around each vertex, by area.
+void addNormals(std::vector<FlatPart>& parts) {
+    std::unordered_map<uint32_t, int> planes; // of each surface
+    for (const FlatPart& part : parts) ++planes[part.surface];
+    std::unordered_map<std::array<int64_t, 2>, glm::dvec3, KeyHash> sums;
+    for (const FlatPart& part : parts)
+        for (const Piece& piece : part.pieces)
+            for (size_t k = 0; k < 3 && planes[part.surface] > 1; ++k)
+                sums[{part.surface, part.vertices[piece.vertex[k]]}] +=
+                    cross(piece.corner[1] - piece.corner[0], piece.corner[2] - piece.corner[0]) *
+                    part.frame.normal;
+    for (FlatPart& part : parts)
+        for (size_t v = 0; v < part.vertices.size() && planes[part.surface] > 1; ++v)
+            part.normals.push_back(sums.at({part.surface, part.vertices[v]}));
+}
+
+} // namespace
+
+std::vector<FlatPart> flatParts(const PatchMesh& mesh) {
+    std::vector<FlatPart> parts = planesOf(mesh);
+    std::vector<uint32_t> numbered(mesh.vertices.size()), place(mesh.vertices.size());
+    for (uint32_t number = 1; FlatPart & part : parts) {
+        for (Piece& piece : part.pieces)
+            for (size_t k = 0; k < 3; ++k) {
+                uint32_t& v = piece.vertex[k];
+                piece.corner[k] = part.frame.flat(mesh.vertices[v]);
+                if (numbered[v] != number) {
+                    numbered[v] = number;
+                    place[v] = static_cast<uint32_t>(part.vertices.size());
+                    part.vertices.push_back(v);
+                }
+                v = place[v];
+            }
+        part.link();
+        ++number;
+    }
+    addNormals(parts);
+    return parts;
+}
+
+void FlatPart::limit(glm::dvec3 centre, const std::vector<glm::dvec3>& at, double leastCosine) {
+    std::vector<double> values;
+    for (size_t v = 0; v < vertices.size(); ++v)
+        values.push_back(glm::dot(glm::normalize(normals[v]), glm::normalize(centre - at[vertices[v]])) -
+                         leastCosine);
+    const auto inside = [](double value) { return value > 0; };
+    if (std::ranges::none_of(values, inside)) views.back().seen = false;
+    if (std::ranges::all_of(values, inside)) values.clear();
+    excess.resize(views.size());
+    excess.back() = std::move(values);
+}
+
+std::vector<Segment> FlatPart::limitLines() const {
+    std::vector<Segment> lines;
+    if (excess.empty() || excess.back().empty() || !views.back().seen) return lines;
+    const std::vector<double>& value = excess.back();
+    for (const Piece& piece : pieces) {
+        Segment line;
+        size_t ends = 0;
+        for (size_t k = 0; k < 3; ++k) {
+            const size_t next = (k + 1) % 3;
+            const double from = value[piece.vertex[k]], to = value[piece.vertex[next]];
+            if ((from > 0) == (to > 0)) continue;
+            line[ends++] = piece.corner[k] + from / (from - to) * (piece.corner[next] - piece.corner[k]);
+        }
+        if (ends == 2) lines.push_back(line);
+    }
+    return lines;
+}
+
+uint32_t FlatPart::seenFrom(const Piece& piece, glm::dvec2 p) const {
+    uint32_t seen = 0;
+    for (size_t v = 0; v < views.size(); ++v) {
+        if (!views[v].reaches(p)) continue;
+        if (v < excess.size() && !excess[v].empty()) {
+            const auto at = [&](size_t k) { return excess[v][piece.vertex[k]]; };
+            if (!(glm::dot(piece.barycentric(p), glm::dvec3(at(0), at(1), at(2))) > 0)) continue;
+        }
+        seen |= 1u << v;
+    }
+    return seen;
 }
 
 PieceGrid::PieceGrid(const std::vector<Piece>& pieces, const FlatBox& box, double cell)

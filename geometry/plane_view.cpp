@@ -53,7 +53,7 @@ public:
     OutlineFinder(const PlaneView& view, const FlatBox& box, std::vector<Segment>& out)
         : view_(view), box_(box), out_(out) {}
 
-    void find() {
+    void find(std::span<const Segment> limit) {
         for (size_t s = 0; s < view_.shadows.size(); ++s) {
             glm::dvec2 from = view_.shadows[s].points.back();
             for (const glm::dvec2 to : view_.shadows[s].points) {
@@ -72,6 +72,7 @@ public:
             add(on - along, on + along, kNone, b, true);
         }
         if (std::isfinite(view_.reach)) addCircle();
+        for (const Segment& line : limit) add(line[0], line[1], kNone, kNone, false);
     }
 
 private:
@@ -238,8 +239,9 @@ PlaneView viewOfPlane(const PlaneFrame& plane, std::span<const glm::dvec2> hull,
     return view;
 }
 
-void appendOutline(const PlaneView& view, const FlatBox& box, std::vector<Segment>& out) {
-    if (view.seen) OutlineFinder(view, box, out).find();
+void appendOutline(const PlaneView& view, const FlatBox& box, std::span<const Segment> limit,
+                   std::vector<Segment>& out) {
+    if (view.seen) OutlineFinder(view, box, out).find(limit);
 }
 
 } // namespace heliodon::geometry

@@ -41,7 +41,9 @@ PlaneView viewOfPlane(const PlaneFrame& plane, std::span<const glm::dvec2> hull,
 
 using Segment = std::array<glm::dvec2, 2>;
 // Appends the border of what the view reaches, as far as it lies in the box. The circle where n . d has its
-// least value is followed by chords to within 0.2 mm.
-void appendOutline(const PlaneView& view, const FlatBox& box, std::vector<Segment>& out);
+// least value is followed by chords to within 0.2 mm. `limit`: further lines at which the piece ends for the
+// projector, of which what lies in the picture and in no shadow is appended too.
+void appendOutline(const PlaneView& view, const FlatBox& box, std::span<const Segment> limit,
+                   std::vector<Segment>& out);
 
 } // namespace heliodon::geometry

@@ -8,30 +8,18 @@
 #include <cmath>
 #include <map>
 #include <stdexcept>
-#include <tuple>
 #include <unordered_map>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "geometry/flat_part.h"
-#include "geometry/perpendicular.h"
+#include "geometry/key_hash.h"
 #include "geometry/region_mesh.h"
 
 namespace heliodon::geometry {
 
 namespace {
-
-struct Hash {
-    template<size_t N> size_t operator()(const std::array<int64_t, N>& key) const {
-        uint64_t hash = 0;
-        for (const int64_t value : key) {
-            hash = (hash ^ static_cast<uint64_t>(value)) * 0x9E3779B97F4A7C15ull;
-            hash ^= hash >> 32;
-        }
-        return hash;
-    }
-};
 
 class VisibilitySplitter {
 public:
@@ -44,7 +32,7 @@ public:
     ProjectorMesh split() {
         copies_.assign(mesh_.vertices.size(), Piece::kNone);
         cutVertices_.assign(mesh_.vertices.size(), false);
-        collectParts();
+        parts_ = flatParts(mesh_);
         for (FlatPart& part : parts_) findCuts(part);
         for (auto& [edge, cuts] : edgeCuts_) tidy(edge, cuts);
         for (FlatPart& part : parts_) build(part);
@@ -55,60 +43,16 @@ public:
 private:
     using EdgeKey = std::array<int64_t, 2>; // vertices, the lower number first
 
-    void collectParts() {
-        using PlaneKey = std::array<int64_t, 5>;
-        std::unordered_map<PlaneKey, size_t, Hash> planes;
-        PlaneKey last{};
-        size_t at = 0;
-        for (uint32_t i = 0; i < mesh_.patchCount(); ++i) {
-            if (mesh_.role[i] != Role::projection) continue;
-            const glm::dvec3 n = patchNormal(mesh_, i), p = mesh_.vertices[mesh_.patch(i)[0]];
-            const PlaneKey key{mesh_.surface[i], std::llround(n.x * 1e7), std::llround(n.y * 1e7),
-                               std::llround(n.z * 1e7), std::llround(glm::dot(n, p) * 1e7)};
-            if (parts_.empty() || key != last) {
-                const auto [place, isNew] = planes.try_emplace(key, parts_.size());
-                if (isNew) {
-                    FlatPart& part = parts_.emplace_back();
-                    const glm::dvec3 u = perpendicular(n);
-                    part.frame = {p, u, glm::cross(n, u), n};
-                    part.surface = mesh_.surface[i];
-                }
-                at = place->second;
-                last = key;
-            }
-            const auto corner = mesh_.patch(i);
-            for (size_t k = 1; k + 1 < corner.size(); ++k) {
-                Piece& piece = parts_[at].pieces.emplace_back();
-                piece.vertex = {corner[0], corner[k], corner[k + 1]};
-                piece.patch = i;
-            }
-        }
-        std::vector<uint32_t> numbered(mesh_.vertices.size()), place(mesh_.vertices.size());
-        for (uint32_t number = 1; FlatPart & part : parts_) {
-            for (Piece& piece : part.pieces)
-                for (size_t k = 0; k < 3; ++k) {
-                    uint32_t& v = piece.vertex[k];
-                    piece.corner[k] = part.frame.flat(mesh_.vertices[v]);
-                    if (numbered[v] != number) {
-                        numbered[v] = number;
-                        place[v] = static_cast<uint32_t>(part.vertices.size());
-                        part.vertices.push_back(v);
-                    }
-                    v = place[v];
-                }
-            part.link();
-            ++number;
-        }
-    }
-
     void findCuts(FlatPart& part) {
         const auto& [low, high] = part.box;
         std::vector<glm::dvec2> hull{low, {high.x, low.y}, high, {low.x, high.y}};
         if (part.pieces.size() == 1) hull.assign(part.pieces[0].corner.begin(), part.pieces[0].corner.end());
         outline_.clear();
+        const bool curved = !part.normals.empty() && options_.leastCosine > 0;
         for (const Beam& beam : beams_) {
-            part.views.push_back(viewOfPlane(part.frame, hull, beam, options_.leastCosine));
-            appendOutline(part.views.back(), part.box, outline_);
+            part.views.push_back(viewOfPlane(part.frame, hull, beam, curved ? 0 : options_.leastCosine));
+            if (curved) part.limit(beam.centre, mesh_.vertices, options_.leastCosine);
+            appendOutline(part.views.back(), part.box, part.limitLines(), outline_);
         }
         if (outline_.empty()) return;
         part.cuts = clipToRegion(outline_, part.border);
@@ -178,21 +122,19 @@ private:
         out_.sourceWeight.emplace_back(weight);
     }
 
-    void addTriangle(const std::array<uint32_t, 3>& vertex, const std::array<glm::dvec2, 3>& corner,
-                     uint32_t patch, const FlatPart& part) {
+    // `beneath`: the piece under its middle.
+    void addTriangle(const std::array<uint32_t, 3>& vertex, glm::dvec2 middle, const Piece& beneath,
+                     const FlatPart& part) {
         out_.triangles.insert(out_.triangles.end(), vertex.begin(), vertex.end());
-        out_.sourcePatch.push_back(patch);
-        uint32_t seen = 0;
-        for (size_t p = 0; p < part.views.size(); ++p)
-            if (part.views[p].reaches((corner[0] + corner[1] + corner[2]) / 3.0)) seen |= 1u << p;
-        out_.visible.push_back(seen);
+        out_.sourcePatch.push_back(beneath.patch);
+        out_.visible.push_back(part.seenFrom(beneath, middle));
     }
 
     // As it is in the mesh.
     void keep(const Piece& piece, const FlatPart& part) {
         std::array<uint32_t, 3> vertex{};
         for (size_t k = 0; k < 3; ++k) vertex[k] = cornerVertex(part.vertices[piece.vertex[k]], part.surface);
-        addTriangle(vertex, piece.corner, piece.patch, part);
+        addTriangle(vertex, (piece.corner[0] + piece.corner[1] + piece.corner[2]) / 3.0, piece, part);
     }
 
     void build(FlatPart& part) {
@@ -314,9 +256,9 @@ private:
             addVertex(part.frame.inSpace(mesh.points[i]), source, piece.barycentric(mesh.points[i]));
         }
         for (const auto& t : mesh.triangles) {
-            const std::array corner{mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]};
-            const Piece& beneath = part.pieces[grid.at((corner[0] + corner[1] + corner[2]) / 3.0)];
-            addTriangle({vertices[t[0]], vertices[t[1]], vertices[t[2]]}, corner, beneath.patch, part);
+            const glm::dvec2 middle = (mesh.points[t[0]] + mesh.points[t[1]] + mesh.points[t[2]]) / 3.0;
+            addTriangle({vertices[t[0]], vertices[t[1]], vertices[t[2]]}, middle,
+                        part.pieces[grid.at(middle)], part);
         }
     }
 
@@ -393,7 +335,7 @@ private:
     std::vector<ConvexSolid> casters_;
     std::vector<Beam> beams_; // per projector
     std::vector<FlatPart> parts_;
-    std::unordered_map<EdgeKey, std::vector<double>, Hash> edgeCuts_;
+    std::unordered_map<EdgeKey, std::vector<double>, KeyHash> edgeCuts_;
     std::vector<bool> cutVertices_;                    // of the mesh: ends of edges that are cut
     std::vector<const std::vector<double>*> cutEdges_; // of the part at hand, per border edge, or null
     std::vector<Segment> outline_;                     // likewise
@@ -402,7 +344,7 @@ private:
     };
     std::vector<CornerCopy> cornerCopies_;
     std::vector<uint32_t> copies_; // per vertex of the mesh: the last of its copies
-    std::unordered_map<std::array<int64_t, 4>, uint32_t, Hash> edgeVertices_;
+    std::unordered_map<std::array<int64_t, 4>, uint32_t, KeyHash> edgeVertices_;
     ProjectorMesh out_;
 };
 

@@ -17,8 +17,9 @@
 namespace heliodon::geometry {
 
 struct ProjectorOptions {
-    double leastCosine =
-        0.2; // a surface is painted only where n . d (d: unit vector to the projector) is larger
+    // A surface is painted only where n . d (d: unit vector to the projector) is larger. On curved surfaces n
+    // turns smoothly from facet to facet, so that what is painted does not end in teeth.
+    double leastCosine = 0.2;
 };
 
 struct SurfaceReach {
