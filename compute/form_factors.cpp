@@ -252,6 +252,31 @@ FormFactors factorsOf(gpu::Device& device, const geometry::PatchMesh& mesh, cons
     refuse(choice.kernel);
 }
 
+// No patch sends more than all of its light: what a row has above one is an error, whatever its kernel
+// claims. Sums may be off by more than their row as long as errors of entries are alike; beyond that the
+// claims grow.
+void claimExcess(std::span<const double> rowSums, FormFactorReport& report) {
+    constexpr double kRounding = 1e-5;
+    const double likely =
+        std::max({kSumOverRow * report.claimedRowError, report.claimedRowSumError, kRounding});
+    double squares = 0, worst = 0;
+    size_t rows = 0;
+    for (double sum : rowSums)
+        if (sum - 1 > likely) {
+            squares += (sum - 1) * (sum - 1);
+            worst = std::max(worst, sum - 1);
+            ++rows;
+        }
+    if (rows == 0) return;
+    report.claimedRowError =
+        std::hypot(report.claimedRowError, std::sqrt(squares / static_cast<double>(rowSums.size())));
+    report.claimedRowSumError = std::max(report.claimedRowSumError, worst);
+    report.warnings.push_back(fmt::format(
+        "the form factors of {} patches sum to more than one, by up to {:.2g}: surfaces closer to one "
+        "another than a millionth of the scene, or faces that lie in one place",
+        rows, worst));
+}
+
 void measureClosure(std::span<const double> rowSums, FormFactorReport& report) {
     double squares = 0;
     report.closureMax = 0;
@@ -260,6 +285,7 @@ void measureClosure(std::span<const double> rowSums, FormFactorReport& report) {
         squares += (sum - 1) * (sum - 1);
     }
     report.closureRms = std::sqrt(squares / static_cast<double>(std::max<size_t>(rowSums.size(), 1)));
+    claimExcess(rowSums, report);
 }
 
 // Open scenes' rows end where their light leaves; of closed rooms all of it arrives.
@@ -348,9 +374,9 @@ FormFactors computeFormFactors(gpu::Device& device, const geometry::PatchMesh& m
         result = {}; // both matrices would take twice the memory
         result = factorsOf(device, mesh, options, choice);
     }
-    explain(result.report, options, choice);
     result.report.seconds = watch.seconds();
     measureFormFactors(mesh, result.values, result.report);
+    explain(result.report, options, choice);
     warnOfLostLight(mesh, result.report);
     return result;
 }
@@ -382,8 +408,8 @@ FormFactorReport streamFormFactors(gpu::Device& device, const geometry::PatchMes
     } else {
         refuse(choice.kernel);
     }
-    explain(report, options, choice);
     measureClosure(sums, report);
+    explain(report, options, choice);
     warnOfLostLight(mesh, report);
     report.seconds = watch.seconds();
     return report;

@@ -56,7 +56,8 @@ struct FormFactorReport {
     std::optional<double> reciprocityRms;
     double claimedRowError = 0;       // the kernel's own estimate of the RMS row error; 0 when it makes none
     double claimedRadiosityError = 0; // what that gives of radiosity over its largest value, when asked for
-    // Of `hierarchical` and `hemicube` (not streamed): what the worst row's sum may be off by; else 0.
+    // Of `hierarchical` and `hemicube` (not streamed): what the worst row's sum may be off by; else 0. Both
+    // claims are raised to what rows have above one, of any kernel, and a warning says so.
     double claimedRowSumError = 0;
     std::vector<std::string> skipped; // what was not modelled, with the reason
     std::vector<std::string> warnings;
@@ -68,7 +69,8 @@ struct FormFactors {
     FormFactorReport report;
 };
 
-// Fills in closure and reciprocity of a matrix. About 15 ms for 2000 patches.
+// Fills in closure and reciprocity of a matrix; raises its claims where rows sum to more than one. About 15
+// ms for 2000 patches.
 void measureFormFactors(const geometry::PatchMesh& mesh, const gpu::Buffer& values, FormFactorReport& report);
 
 // Names that FormFactorOptions::kernel takes, without "auto".

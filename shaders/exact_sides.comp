@@ -24,7 +24,10 @@ void main() {
         Face blocker = faceAt(params.pieceCount + word * 32u + bit);
         vec2 own = heightsOver(blocker, self);
         vec2 its = heightsOver(self, blocker);
-        bool same = max(abs(own.x), abs(own.y)) <= params.samePlane && abs(dot(blocker.normal, self.normal)) > 0.99999;
+        float facing = dot(blocker.normal, self.normal);
+        // Wholly before one another, by more than rounding: a gap between two bodies, and the blocker covers the piece.
+        bool gap = facing < 0.0 && own.x > 0.0 && its.x > 0.0;
+        bool same = max(abs(own.x), abs(own.y)) <= params.samePlane && abs(facing) > 0.99999 && !gap;
         if (own.x >= 0.0) bits.x |= 1u << bit;
         if (own.y <= 0.0) bits.y |= 1u << bit;
         // Rooms do not see one another: as good as below.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <iterator>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -170,6 +171,38 @@ TEST(HardCases, thin_slab_closes) {
         double sum = 0;
         for (size_t j = 0; j < 6; ++j) sum += F[6 * i + j];
         EXPECT_NEAR(sum, 1, 1e-5) << i;
+    }
+}
+
+// Slabs of 1 : 0.8 : 0.02 in a pile: what counts as a wall's own plane must not take the next slab for it, or
+// each face sees past its neighbour and rows sum to two.
+TEST(HardCases, slabs_a_micrometre_apart_close) {
+    Polygons polygons = box({0, 0, 0}, {2.7, 2.7, 2.7}, true);
+    for (int k = 0; k < 3; ++k)
+        std::ranges::copy(box({0.8, 0.8 + k * (0.02 + 1e-6), 0.8}, {1, 0.02, 0.8}, false),
+                          std::back_inserter(polygons));
+    const geometry::PatchMesh mesh = test::meshOf(polygons);
+    const FormFactors F = computeFormFactors(test::device(), mesh, {.kernel = "exact", .maxError = 1e-3});
+    EXPECT_LE(F.report.closureMax, 5e-3);
+}
+
+// A ceiling that is listed twice gets the light of each patch twice: told, whatever the kernel claims by
+// itself.
+TEST(HardCases, rows_above_one_are_within_the_claim) {
+    Polygons polygons = box({0, 0, 0}, {1, 1, 1}, true);
+    polygons.push_back(polygons[3]);
+    const geometry::PatchMesh mesh = test::meshOf(polygons);
+    for (const std::string kernel : {"exact", "hierarchical"}) {
+        FormFactorReport report =
+            computeFormFactors(test::device(), mesh, {.kernel = kernel, .maxError = 1e-3}).report;
+        EXPECT_NEAR(report.closureMax, 0.2, 0.01) << kernel;
+        EXPECT_GE(report.claimedRowSumError, report.closureMax) << kernel;
+        EXPECT_GE(report.claimedRowError, 0.1) << kernel;
+        EXPECT_GE(report.warnings.size(), 2u)
+            << kernel; // of the rows, and that claims are above what was asked
+        report = streamFormFactors(test::device(), mesh, {.kernel = kernel, .maxError = 1e-3},
+                                   [](const FormFactorTile&) {});
+        EXPECT_GE(report.claimedRowSumError, 0.19) << kernel;
     }
 }
 
