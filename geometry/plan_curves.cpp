@@ -13,7 +13,7 @@ namespace heliodon::geometry {
 
 namespace {
 
-constexpr double kAlike = 0.75;    // of the longest facet's length: the shortest one of a run that is even
+constexpr double kAlike = 0.97;    // of the longest facet's length: the shortest one of a run that is even
 constexpr double kOffCircle = 0.1; // inches: corners farther from the face's circle are none of its facets
 constexpr double kKeepsOff = 0.02; // inches: of other outlines
 constexpr double kRounding = 1e-9; // of a facet

@@ -95,8 +95,33 @@ TEST(CurvedFacets, are_even_between_the_walls_that_cut_them) {
     ASSERT_GE(widths.size(), 4u);
     for (const auto& [surface, all] : widths) {
         const auto [least, most] = std::ranges::minmax(all);
-        EXPECT_GT(least, 0.75 * most) << surface;
+        EXPECT_GT(least, 0.97 * most) << surface;
     }
+}
+
+// Corridors between two arcs, closed at both ends: facets a fifth shorter there left no room for columns, and
+// what projectors see took 2.5 times as long to mesh in triangles that lean across the folds.
+TEST(CurvedFacets, even_ones_take_upright_triangles) {
+    int leaning = 0;
+    for (const double sweep : {110.0, 120.0, 130.0, 140.0}) {
+        Sketch sketch;
+        sketch.arcs = {arc("outer", {0, 0}, 13, 0, sweep), arc("inner", {0, 0}, 10, 0, sweep)};
+        for (const double angle : {0.0, sweep * std::acos(-1.0) / 180}) {
+            Wall& wall = sketch.walls.emplace_back();
+            wall.id = "end" + std::to_string(sketch.walls.size());
+            const glm::dvec2 outwards(std::cos(angle), std::sin(angle));
+            wall.a = 9.9 * outwards;
+            wall.b = 13.1 * outwards;
+        }
+        const Closure closure = closeSketch(sketch, fittedOptions(sketch));
+        ASSERT_TRUE(closure.building) << closure.report.message;
+        const PatchMesh mesh = meshBuilding(*closure.building);
+        for (size_t i = 0; i < mesh.patchCount(); ++i) {
+            const double up = std::abs(patchNormal(mesh, i).y);
+            leaning += std::abs(up - std::round(up)) > 1e-9;
+        }
+    }
+    EXPECT_EQ(leaning, 0);
 }
 
 // A wall that cuts an arc 0.24 in behind a corner left 24.8 degrees and 0.19 before.
