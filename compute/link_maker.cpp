@@ -8,7 +8,6 @@
 
 #include "compute/gpu/commands.h"
 #include "compute/gpu/device.h"
-#include "compute/narrow_gaps.h"
 #include "compute/parallel.h"
 #include "spirv/hierarchical_links_comp.h"
 #include "spirv/hierarchical_many_rays_comp.h"
@@ -110,13 +109,22 @@ void LinkMaker::prepareKernels(gpu::Device& device) {
 
 void LinkMaker::add(uint32_t first, uint32_t second) {
     const PatchTree::Node &a = scene_->tree.nodes[first], &b = scene_->tree.nodes[second];
-    if (acrossNarrowGap(a, b)) {
-        narrowPairs_.push_back({first, second});
-        return;
-    }
+    if (a.covered || b.covered) return linkAcrossGaps(a, b);
     const bool triangles = a.child == 0 && b.child == 0;
     (triangles ? leafPairs_ : pending_).push_back({first, second});
     if (pending_.size() >= kBatch || leafPairs_.size() >= kBatch) work(kBatch);
+}
+
+// Covered triangles send all their light to what covers them; the error is what passes the borders.
+void LinkMaker::linkAcrossGaps(const PatchTree::Node& a, const PatchTree::Node& b) {
+    for (uint32_t i = a.firstLeaf; i < a.firstLeaf + a.leafCount; ++i) {
+        const PatchTree::Leaf& leaf = scene_->tree.leaves[i];
+        if (leaf.across - b.firstLeaf >= b.leafCount) continue; // not of b, or of none
+        const uint32_t other = scene_->tree.leaves[leaf.across].node;
+        const auto density = static_cast<float>(1 / leaf.area);
+        links_.push_back({std::min(leaf.node, other), std::max(leaf.node, other), density, 0, 0,
+                          static_cast<float>(leaf.passes / (leaf.area * leaf.area)), density, 0});
+    }
 }
 
 // Until fewer than `least` wait in each queue: full dispatches of the last stages first, so that little
@@ -157,9 +165,6 @@ void LinkMaker::work(size_t least) {
 
 std::vector<io::HierarchicalLink> LinkMaker::finish() {
     work(1);
-    const std::vector<io::HierarchicalLink> narrow =
-        linksAcrossNarrowGaps(scene_->tree, std::exchange(narrowPairs_, {}));
-    links_.insert(links_.end(), narrow.begin(), narrow.end());
     sortLinks(links_, scene_->tree.nodes.size());
     return std::move(links_);
 }

@@ -47,13 +47,14 @@ public:
     uint64_t pairs() const { return pairCount_; } // of clusters that were looked at
 
 private:
+    void linkAcrossGaps(const PatchTree::Node& a, const PatchTree::Node& b);
     void work(size_t least);
     void run(LinkStage stage, const gpu::Buffer& in, uint32_t count);
 
     gpu::Device* device_;
     const ClusterScene* scene_;
     io::HierarchicalLinksParams params_{};
-    std::vector<glm::uvec2> pending_, leafPairs_, nearPairs_, narrowPairs_;
+    std::vector<glm::uvec2> pending_, leafPairs_, nearPairs_;
     std::vector<io::HierarchicalDoubt> doubts_, longDoubts_; // the latter after many rays
     std::vector<io::HierarchicalLink> links_;
     uint64_t pairCount_ = 0;

@@ -1,90 +1,173 @@
 #include "compute/narrow_gaps.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include <glm/geometric.hpp>
 
+#include "compute/convex_regions.h"
+#include "geometry/bounds.h"
 #include "geometry/clip_polygon.h"
+#include "geometry/outline_area.h"
 
 namespace heliodon::compute {
 
 namespace {
 
-constexpr double kFlat = 1e-6;        // of distance and radii, as kPairFlat of pair_exchange.glsl
-constexpr double kTouching = 1e-9;    // as large a share is the rounding of coordinates: they touch
+using glm::dvec3;
+using Polygon = std::vector<dvec3>;
+
+constexpr double kTouching = 1e-9;    // as large a share of distance and radii is the rounding of coordinates
 constexpr double kStraight = 0.99999; // cosine between both normals
+constexpr double kSliver = 1e-7;      // of a patch: what cuts leave over
 
-double gapBetween(const PatchTree::Node& a, const PatchTree::Node& b) {
-    return glm::dot(a.normal, b.centre - a.centre);
-}
-
-double crossAlong(const glm::dvec3& normal, const glm::dvec3& a, const glm::dvec3& b) {
-    return glm::dot(normal, glm::cross(a, b));
-}
-
-struct Overlap {
-    double area = 0, border = 0;
+// One plane's patches.
+struct Sheet {
+    dvec3 centre{0}, normal{0};
+    double radius = 0, order = 0; // that of the same plane seen from its back is the negative
+    uint32_t room = 0;
+    std::vector<uint32_t> patches;
 };
 
-// Of `a` and of what lies of `b` over it.
-Overlap overlapOf(const PatchTree::Leaf& a, const PatchTree::Leaf& b, const glm::dvec3& normal) {
-    std::vector<glm::dvec3> part(b.corner.begin(), b.corner.end()), left;
-    for (size_t k = 0; k < 3; ++k) {
-        const glm::dvec3 from = a.corner[k], along = a.corner[(k + 1) % 3] - from;
-        geometry::clip<glm::dvec3>(
-            part, [&](const glm::dvec3& p) { return crossAlong(normal, along, p - from); }, left);
-        part.swap(left);
+std::vector<Sheet> sheetsOf(const geometry::PatchMesh& mesh, std::span<const uint32_t> plane,
+                            const geometry::Bounds& box) {
+    std::vector<Sheet> sheets;
+    std::vector<double> area;
+    for (uint32_t i = 0; i < mesh.patchCount(); ++i) {
+        if (plane[i] == 0) continue;
+        if (plane[i] > sheets.size()) sheets.resize(plane[i]), area.resize(plane[i], 0.0);
+        Sheet& sheet = sheets[plane[i] - 1];
+        const double own = geometry::patchArea(mesh, i);
+        sheet.patches.push_back(i);
+        sheet.room = mesh.room[i];
+        sheet.normal += geometry::patchAreaVector(mesh, i);
+        sheet.centre += own * geometry::patchCentroid(mesh, i);
+        area[plane[i] - 1] += own;
     }
-    Overlap overlap;
-    for (size_t k = 0; k < part.size(); ++k) {
-        const glm::dvec3 &p = part[k], &q = part[(k + 1) % part.size()];
-        overlap.area -= 0.5 * crossAlong(normal, p - part[0], q - part[0]); // seen from its back
-        overlap.border += glm::length(q - p);
+    for (size_t k = 0; k < sheets.size(); ++k) {
+        Sheet& sheet = sheets[k];
+        sheet.centre /= area[k];
+        sheet.normal = glm::normalize(sheet.normal);
+        for (uint32_t i : sheet.patches)
+            for (uint32_t corner : mesh.patch(i))
+                sheet.radius = std::max(sheet.radius, glm::distance(mesh.vertices[corner], sheet.centre));
+        sheet.order = glm::dot(sheet.normal, dvec3(0.37, 0.61, 0.7)) +
+                      glm::dot(sheet.normal, sheet.centre - box.centre()) / box.diagonal();
     }
-    return overlap;
+    std::sort(sheets.begin(), sheets.end(), [](const Sheet& a, const Sheet& b) { return a.order < b.order; });
+    return sheets;
 }
+
+// The gap between two planes; 0 where they touch or are farther apart.
+double gapBetween(const Sheet& a, const Sheet& b, double widest) {
+    if (a.room != b.room || glm::dot(a.normal, b.normal) > -kStraight) return 0;
+    const dvec3 d = b.centre - a.centre;
+    const double reach = a.radius + b.radius, tilt = glm::length(glm::cross(a.normal, b.normal)),
+                 overA = glm::dot(a.normal, d), overB = -glm::dot(b.normal, d);
+    if (glm::length(d) > reach || std::min(overA, overB) <= kTouching * (glm::length(d) + reach)) return 0;
+    const double most = std::min(overA + b.radius * tilt, overB + a.radius * tilt);
+    return most <= widest ? std::min(overA, overB) : 0;
+}
+
+class Cutter {
+public:
+    Cutter(const geometry::PatchMesh& mesh, NarrowGaps& gaps) : mesh_(mesh), gaps_(gaps) {}
+
+    void cut(const Sheet& a, const Sheet& b, double gap) {
+        std::vector<geometry::Bounds> boxes;
+        for (uint32_t j : b.patches) boxes.push_back(geometry::boundsOf(geometry::patchCorners(mesh_, j)));
+        for (uint32_t i : a.patches) {
+            const geometry::Bounds own = geometry::boundsOf(geometry::patchCorners(mesh_, i));
+            for (size_t k = 0; k < b.patches.size(); ++k)
+                if (glm::all(glm::lessThanEqual(own.low - gap, boxes[k].high + gap)) &&
+                    glm::all(glm::lessThanEqual(boxes[k].low - gap, own.high + gap)))
+                    cut(i, b.patches[k], a.normal, gap);
+        }
+    }
+
+private:
+    std::vector<Polygon> openOf(uint32_t patch) const {
+        const auto found = gaps_.open.find(patch);
+        return found != gaps_.open.end() ? found->second
+                                         : std::vector<Polygon>{geometry::patchCorners(mesh_, patch)};
+    }
+
+    // What of `part` lies within `by`, both counter-clockwise about the normal; the rest is added to
+    // `outside`.
+    static Polygon within(Polygon part, const Polygon& by, const dvec3& normal, double sliver,
+                          std::vector<Polygon>& outside) {
+        Polygon beyond, inside;
+        for (size_t k = 0; k < by.size() && !part.empty(); ++k) {
+            const dvec3 inward = glm::cross(normal, by[(k + 1) % by.size()] - by[k]);
+            const auto height = [&](const dvec3& p) { return glm::dot(inward, p - by[k]); };
+            geometry::clip<dvec3>(
+                part, [&](const dvec3& p) { return -height(p); }, beyond);
+            geometry::clip<dvec3>(part, height, inside);
+            if (areaOf(beyond) > sliver) outside.push_back(beyond);
+            part.swap(inside);
+        }
+        return part;
+    }
+
+    static double areaOf(const Polygon& p) { return p.empty() ? 0 : glm::length(geometry::areaVector(p)); }
+
+    void cut(uint32_t i, uint32_t j, const dvec3& normal, double gap) {
+        const double sliver =
+            kSliver * std::min(geometry::patchArea(mesh_, i), geometry::patchArea(mesh_, j));
+        std::vector<Polygon> ours = openOf(i), theirs = openOf(j), left;
+        bool any = false;
+        for (size_t p = 0; p < ours.size(); ++p)
+            for (size_t q = 0; q < theirs.size(); ++q) {
+                // As seen from the first's side both turn alike.
+                const Polygon other(theirs[q].rbegin(), theirs[q].rend());
+                std::vector<Polygon> oursOut, theirsOut;
+                const Polygon common = within(ours[p], other, normal, sliver, oursOut);
+                if (areaOf(common) <= sliver) continue;
+                within(other, ours[p], normal, sliver, theirsOut);
+                for (Polygon& part : theirsOut) std::reverse(part.begin(), part.end());
+                gaps_.overlaps.push_back({i, j, common, gap});
+                any = true;
+                theirs.erase(theirs.begin() + static_cast<std::ptrdiff_t>(q));
+                std::ranges::move(theirsOut, std::back_inserter(theirs));
+                ours.erase(ours.begin() + static_cast<std::ptrdiff_t>(p));
+                std::ranges::move(oursOut, std::back_inserter(ours));
+                --p; // the next one stands in its place
+                break;
+            }
+        if (any) gaps_.open[i] = std::move(ours), gaps_.open[j] = std::move(theirs);
+    }
+
+    const geometry::PatchMesh& mesh_;
+    NarrowGaps& gaps_;
+};
 
 } // namespace
 
-bool acrossNarrowGap(const PatchTree::Node& a, const PatchTree::Node& b) {
-    if (a.room != b.room || glm::dot(a.normal, b.normal) > -kStraight) return false;
-    const glm::dvec3 d = b.centre - a.centre;
-    const double size = glm::length(d) + a.radius + b.radius,
-                 tilt = glm::length(glm::cross(a.normal, b.normal)), overA = gapBetween(a, b),
-                 overB = gapBetween(b, a);
-    if (glm::length(d) > a.radius + b.radius || std::min(overA, overB) <= kTouching * size) return false;
-    return overA + b.radius * tilt <= kFlat * size || overB + a.radius * tilt <= kFlat * size;
-}
-
-std::vector<io::HierarchicalLink> linksAcrossNarrowGaps(const PatchTree& tree,
-                                                        std::span<const glm::uvec2> pairs) {
-    std::vector<std::pair<double, glm::uvec2>> byGap;
-    for (const glm::uvec2& pair : pairs)
-        byGap.emplace_back(gapBetween(tree.nodes[pair.x], tree.nodes[pair.y]), pair);
-    std::stable_sort(byGap.begin(), byGap.end(),
-                     [](const auto& a, const auto& b) { return a.first < b.first; });
-    std::vector<double> left;
-    for (const PatchTree::Leaf& leaf : tree.leaves) left.push_back(leaf.area);
-    std::vector<io::HierarchicalLink> links;
-    for (const auto& [gap, pair] : byGap) {
-        const PatchTree::Node &a = tree.nodes[pair.x], &b = tree.nodes[pair.y];
-        for (uint32_t i = a.firstLeaf; i < a.firstLeaf + a.leafCount; ++i)
-            for (uint32_t j = b.firstLeaf; j < b.firstLeaf + b.leafCount; ++j) {
-                const PatchTree::Leaf &one = tree.leaves[i], &other = tree.leaves[j];
-                const Overlap overlap = overlapOf(one, other, a.normal);
-                const double exchange = std::min({overlap.area, left[i], left[j]});
-                if (!(exchange > 0)) continue;
-                left[i] -= exchange, left[j] -= exchange;
-                const auto density = static_cast<float>(exchange / (one.area * other.area));
-                const double error = std::min(0.5 * gap * overlap.border, exchange) / (one.area * other.area);
-                links.push_back({std::min(one.node, other.node), std::max(one.node, other.node), density, 0,
-                                 0, static_cast<float>(error), density, 0});
-            }
+NarrowGaps narrowGaps(const geometry::PatchMesh& mesh, std::span<const uint32_t> plane) {
+    constexpr double kAlike = 3e-3; // of orders of one plane
+    NarrowGaps gaps;
+    const geometry::Bounds box = geometry::boundsOf(mesh.vertices);
+    if (!(box.diagonal() > 0)) return gaps;
+    const std::vector<Sheet> sheets = sheetsOf(mesh, plane, box);
+    struct Facing {
+        double gap;
+        const Sheet *a, *b;
+    };
+    std::vector<Facing> facing;
+    for (const Sheet& a : sheets) {
+        const auto first = std::lower_bound(sheets.begin(), sheets.end(), -a.order - kAlike,
+                                            [](const Sheet& s, double order) { return s.order < order; });
+        for (auto b = first; b != sheets.end() && b->order <= -a.order + kAlike; ++b)
+            if (&*b > &a)
+                if (const double gap = gapBetween(a, *b, kSamePlane * box.diagonal()); gap > 0)
+                    facing.push_back({gap, &a, &*b});
     }
-    return links;
+    std::ranges::stable_sort(facing, {}, &Facing::gap);
+    Cutter cutter(mesh, gaps);
+    for (const Facing& pair : facing) cutter.cut(*pair.a, *pair.b, pair.gap);
+    return gaps;
 }
 
 } // namespace heliodon::compute

@@ -1,25 +1,36 @@
-// Clusters that face each other across so little that float32, in which shaders place them, takes both planes
-// for one: slabs a micrometre apart in a room.
+// Patches that face each other across so little that float32, in which shaders place them, takes both planes
+// for one: slabs a micrometre apart in a room. What lies under a neighbour sends it all its light and sees
+// nothing else.
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <span>
 #include <vector>
 
-#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 
-#include "compute/patch_tree.h"
-#include "shaders/io/hierarchical.io.h"
+#include "geometry/patch_mesh.h"
 
 namespace heliodon::compute {
 
-// Whether two clusters lie so; never where their discs do not overlap. Shaders drop such pairs.
-bool acrossNarrowGap(const PatchTree::Node& a, const PatchTree::Node& b);
+struct NarrowGaps {
+    // Convex, counter-clockwise about the normal of `first`, in its plane; `gap` metres before it lies
+    // `second`.
+    struct Overlap {
+        uint32_t first = 0, second = 0; // patches
+        std::vector<glm::dvec3> outline;
+        double gap = 0;
+    };
+    std::vector<Overlap> overlaps; // no two of one patch cover the same place
+    // Of patches that are covered at all: convex parts of what is left of them, perhaps none.
+    std::map<uint32_t, std::vector<std::vector<glm::dvec3>>> open;
+};
 
-// Links between the triangles of such pairs: each sends all its light to what lies over it. The error is what
-// passes the borders, about half the gap times their length. Narrower gaps come first, and no triangle gives
-// more than it has: of sheets in a pile only the next counts. As many tests as triangles of one times those
-// of the other.
-std::vector<io::HierarchicalLink> linksAcrossNarrowGaps(const PatchTree& tree,
-                                                        std::span<const glm::uvec2> pairs);
+// `plane`: planeNumbers (compute/convex_regions.h). Gaps up to 1e-6 of the mesh's diagonal; what touches, to
+// within rounding of doubles, may be both sides of a sheet and has none. Narrower gaps come first: of sheets
+// in a pile only the next counts. n log n, and for two planes that lie so the patches of one times those of
+// the other.
+NarrowGaps narrowGaps(const geometry::PatchMesh& mesh, std::span<const uint32_t> plane);
 
 } // namespace heliodon::compute

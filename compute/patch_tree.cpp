@@ -6,7 +6,9 @@
 
 #include <glm/geometric.hpp>
 
+#include "compute/narrow_gaps.h"
 #include "geometry/bounds.h"
+#include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
 
 namespace heliodon::compute {
@@ -21,6 +23,7 @@ struct Foot {
 };
 
 constexpr double kWorthCutting = 0.3; // see cutWorth
+constexpr double kSliver = 1e-7;      // of what was cut: rounding
 
 std::vector<Foot> feetOn(const dvec3& point, const dvec3& normal, uint32_t room,
                          std::span<const ConvexRegion> blockers, double flat) {
@@ -67,6 +70,7 @@ public:
         PatchTree::Node root;
         root.normal = normal;
         root.room = room;
+        root.covered = leaves[0].across != PatchTree::kNone;
         root.firstLeaf = static_cast<uint32_t>(tree_.leaves.size());
         root.leafCount = static_cast<uint32_t>(leaves.size());
         tree_.leaves.insert(tree_.leaves.end(), leaves.begin(), leaves.end());
@@ -99,6 +103,7 @@ private:
                 PatchTree::Node child;
                 child.normal = node.normal;
                 child.room = node.room;
+                child.covered = node.covered;
                 child.parent = index;
                 child.firstLeaf = node.firstLeaf + half * low;
                 child.leafCount = half ? node.leafCount - low : low;
@@ -187,17 +192,52 @@ private:
     std::vector<std::vector<Foot>> feet_; // per node, of what its parent holds; none once it was divided
 };
 
-void addLeaves(const geometry::PatchMesh& mesh, size_t patch, std::vector<PatchTree::Leaf>& leaves) {
-    const auto c = mesh.patch(patch);
-    for (size_t k = 1; k + 1 < c.size(); ++k) {
-        PatchTree::Leaf leaf{{mesh.vertices[c[0]], mesh.vertices[c[k]], mesh.vertices[c[k + 1]]},
-                             static_cast<uint32_t>(patch),
-                             0,
-                             0};
+// A fan of triangles; those that cuts left without area, and less than `least`, are left out.
+void addLeaves(std::span<const dvec3> outline, uint32_t patch, double least,
+               std::vector<PatchTree::Leaf>& leaves) {
+    for (size_t k = 1; k + 1 < outline.size(); ++k) {
+        PatchTree::Leaf leaf{.corner = {outline[0], outline[k], outline[k + 1]}, .patch = patch};
         leaf.area =
             0.5 * glm::length(glm::cross(leaf.corner[1] - leaf.corner[0], leaf.corner[2] - leaf.corner[0]));
-        if (leaf.area > 0) leaves.push_back(leaf);
+        if (leaf.area > least) leaves.push_back(leaf);
     }
+}
+
+// Triangles of all overlaps, by the plane of their patch; `across` numbers them until the tree is done.
+std::vector<std::vector<PatchTree::Leaf>> coveredLeaves(const NarrowGaps& gaps,
+                                                        std::span<const uint32_t> plane, size_t planes) {
+    std::vector<std::vector<PatchTree::Leaf>> result(planes);
+    uint32_t count = 0;
+    for (const NarrowGaps::Overlap& overlap : gaps.overlaps) {
+        std::vector<PatchTree::Leaf> own;
+        const double size = 0.5 * glm::length(geometry::areaVector(overlap.outline));
+        addLeaves(overlap.outline, overlap.first, kSliver * size, own);
+        for (PatchTree::Leaf& leaf : own) {
+            double border = 0;
+            for (size_t k = 0; k < 3; ++k) border += glm::distance(leaf.corner[k], leaf.corner[(k + 1) % 3]);
+            leaf.passes = std::min(0.5 * overlap.gap * border, leaf.area);
+            leaf.across = count + 1;
+            PatchTree::Leaf other = leaf;
+            other.patch = overlap.second;
+            other.across = count;
+            const dvec3 up =
+                glm::normalize(glm::cross(leaf.corner[1] - leaf.corner[0], leaf.corner[2] - leaf.corner[0]));
+            for (size_t k = 0; k < 3; ++k) other.corner[k] = leaf.corner[2 - k] + overlap.gap * up;
+            result[plane[overlap.first]].push_back(leaf);
+            result[plane[overlap.second]].push_back(other);
+            count += 2;
+        }
+    }
+    return result;
+}
+
+// Numbers of covered leaves become their places in the tree; the two of a pair differ in the last bit.
+void joinAcross(PatchTree& tree) {
+    std::vector<uint32_t> place(tree.leaves.size());
+    for (uint32_t k = 0; k < tree.leaves.size(); ++k)
+        if (const uint32_t across = tree.leaves[k].across; across != PatchTree::kNone) place[across ^ 1u] = k;
+    for (PatchTree::Leaf& leaf : tree.leaves)
+        if (leaf.across != PatchTree::kNone) leaf.across = place[leaf.across];
 }
 
 } // namespace
@@ -217,21 +257,30 @@ PatchTree buildPatchTree(const geometry::PatchMesh& mesh, std::span<const Convex
         if (plane[i] >= patches.size()) patches.resize(plane[i] + 1);
         patches[plane[i]].push_back(i);
     }
+    const NarrowGaps gaps = narrowGaps(mesh, plane);
+    std::vector<std::vector<PatchTree::Leaf>> covered = coveredLeaves(gaps, plane, patches.size());
     Builder builder(tree);
     for (size_t k = 1; k < patches.size(); ++k) { // the first has no area
         dvec3 sum{0};
         std::vector<PatchTree::Leaf> leaves;
         for (size_t i : patches[k]) {
             sum += geometry::patchAreaVector(mesh, i);
-            addLeaves(mesh, i, leaves);
+            const auto patch = static_cast<uint32_t>(i);
+            if (const auto found = gaps.open.find(patch); found == gaps.open.end())
+                addLeaves(geometry::patchCorners(mesh, i), patch, 0, leaves);
+            else
+                for (const std::vector<dvec3>& part : found->second)
+                    addLeaves(part, patch, kSliver * geometry::patchArea(mesh, i), leaves);
         }
-        if (leaves.empty()) continue;
         const dvec3 normal = glm::normalize(sum);
         const uint32_t room = mesh.room[patches[k][0]];
+        if (!covered[k].empty()) builder.addRoot(std::move(covered[k]), normal, room, {});
+        if (leaves.empty()) continue;
         std::vector<Foot> feet = feetOn(leaves[0].corner[0], normal, room, blockers, flat);
         builder.addRoot(std::move(leaves), normal, room, std::move(feet));
     }
     builder.split();
+    joinAcross(tree);
     return tree;
 }
 

@@ -24,6 +24,8 @@ struct PatchTree {
         uint32_t child = 0;                    // the first of two successive nodes; 0: one triangle
         uint32_t parent = kNone;
         uint32_t room = 0;
+        bool covered =
+            false; // across narrow gaps (compute/narrow_gaps.h): exchanges nothing but with `across`
     };
     static constexpr uint32_t kNone = 0xffffffffu;
 
@@ -31,6 +33,8 @@ struct PatchTree {
         std::array<glm::dvec3, 3> corner;
         uint32_t patch = 0, node = 0;
         double area = 0;
+        uint32_t across = kNone; // of a covered one: the leaf that covers it, of equal shape
+        double passes = 0;       // and what of its light misses that, m2
     };
 
     std::vector<Node> nodes;          // level after level, roots first
@@ -41,8 +45,9 @@ struct PatchTree {
     static std::array<double, 2> coordinates(const Node& node, const glm::dvec3& point);
 };
 
-// Clusters are cut along the feet of `blockers` (compute/convex_regions.h), whose two sides see different
-// things, and elsewhere halved. Triangles without area are left out. n log n, and planes times blockers.
+// Patches that others cover across narrow gaps are cut, and what is covered has clusters of its own. Clusters
+// are cut along the feet of `blockers` (compute/convex_regions.h), whose two sides see different things, and
+// elsewhere halved. Triangles without area are left out. n log n, and planes times blockers.
 PatchTree buildPatchTree(const geometry::PatchMesh& mesh, std::span<const ConvexRegion> blockers);
 
 } // namespace heliodon::compute
