@@ -13,7 +13,8 @@ namespace heliodon::geometry {
 
 namespace {
 
-constexpr double kMeets = 0.4;     // inches between markers that make one window
+constexpr double kMeets = 0.4;     // inches between markers on either side of a joint that make one window
+constexpr double kTouches = 0.2;   // inches: likewise, of one wall; what is left between others is a post
 constexpr double kNarrowest = 0.2; // inches
 constexpr double kToCorner = 0.1;  // inches: a strip narrower than this beside a window is not worth a face
 // What of a marker may lie beyond its wall without a word: markers are laid to a corner by eye. With more
@@ -33,6 +34,7 @@ struct SideWindow {
     Stretch on{};
     std::string id;
     Blind blind;
+    std::string wall; // of the marker that reaches farthest
 };
 
 const WallPiece* pieceOf(const std::vector<WallPiece>& pieces, const std::string& wall) {
@@ -71,8 +73,8 @@ private:
         const WallLine& line = plan_.lines[static_cast<size_t>(piece->line)];
         const glm::dvec2 middle = wall->a + marker.pos * glm::normalize(wall->b - wall->a);
         const double s = line.along(middle);
-        SideWindow window{
-            piece->line, marker.kind, {s - marker.width / 2, s + marker.width / 2}, marker.id, marker.blind};
+        SideWindow window{piece->line, marker.kind,  {s - marker.width / 2, s + marker.width / 2},
+                          marker.id,   marker.blind, marker.wall};
         if (marker.width < kNarrowest)
             return note("WINDOW_TOO_NARROW", marker, "is too narrow for a window and is ignored");
         if (onItsWall(window, marker.wall) < kNarrowest)
@@ -119,8 +121,10 @@ private:
         std::ranges::sort(windows_, {}, order);
         for (size_t i = 0; i + 1 < windows_.size();) {
             SideWindow &w = windows_[i], &next = windows_[i + 1];
+            const double between = w.wall == next.wall ? kTouches : kMeets;
             if (w.line == next.line && w.kind == next.kind && w.blind == next.blind &&
-                next.on.from <= w.on.to + kMeets) {
+                next.on.from <= w.on.to + between) {
+                if (next.on.to > w.on.to) w.wall = next.wall;
                 w.on.to = std::max(w.on.to, next.on.to);
                 w.id += "+" + next.id;
                 windows_.erase(windows_.begin() + static_cast<std::ptrdiff_t>(i) + 1);

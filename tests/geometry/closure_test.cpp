@@ -396,6 +396,26 @@ TEST(Closure, copies_of_arcs_are_named) {
     EXPECT_EQ(reasonOf(report, "ring"), "");
 }
 
+// Posts of 0.3 in stand between windows of one wall, but over a joint of two walls a gap is none.
+TEST(Closure, markers_of_one_wall_are_one_window_only_where_they_touch) {
+    Sketch sketch = box(-8, -6, 8, 6);
+    const std::string wall = sketch.walls[0].id;
+    const auto windows = [&](double gap) {
+        sketch.windows = {window("one", wall, 5, 3), window("two", wall, 8 + gap, 3)};
+        return closeSketch(sketch).report.windowCount;
+    };
+    EXPECT_EQ(windows(0), 1);
+    EXPECT_EQ(windows(0.1), 1);
+    EXPECT_EQ(windows(0.3), 2);
+    Wall rest = sketch.walls[0];
+    const glm::dvec2 joint = rest.a + 6.6 * glm::normalize(rest.b - rest.a);
+    sketch.walls[0].b = rest.a = joint;
+    rest.id = "rest";
+    sketch.walls.push_back(rest);
+    sketch.windows = {window("one", wall, 5, 3), window("two", "rest", 1.7, 3)};
+    EXPECT_EQ(closeSketch(sketch).report.windowCount, 1);
+}
+
 TEST(Closure, a_window_that_reaches_far_beyond_its_wall_is_named) {
     const auto codeOf = [](const WindowMarker& marker) {
         Sketch s = box(-10, -6, 10, 6);
