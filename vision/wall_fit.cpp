@@ -10,6 +10,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "vision/bare_paint.h"
 #include "vision/edges.h"
 #include "vision/median.h"
 #include "vision/pieces.h"
@@ -320,12 +321,22 @@ std::optional<StraightWall> fitStraight(const Chain& chain, const PlanView& view
     const Span first = spans.front();
     const Span last = *std::max_element(spans.begin(), spans.end(),
                                         [](const Span& a, const Span& b) { return a.high < b.high; });
+    const auto own = std::find_if(spans.begin(), spans.end(), [](const Span& s) { return !s.marker; });
+    const auto barePaintPast = [&](const Span& marker, double edge, int sign) {
+        if (own == spans.end()) return 0.0;
+        return barePaintBeyond({axis.at(edge), static_cast<double>(sign) * axis.along, height,
+                                marker.high - marker.low, axis.at(0.5 * (own->low + own->high))},
+                               view);
+    };
     auto endOf = [&](const Span& span, int sign) {
         const double s = sign < 0 ? span.low : span.high;
         const double top = height + (span.marker ? options.markerThickness : 0);
         const double edge = refinedEnd(axis, s, sign, view, top, span.high - span.low);
-        if (span.marker) return endBeyondMarker(axis, edge, sign, view, height, options.unpaintedEnd);
-        return edge + sign * options.unpaintedEnd;
+        if (!span.marker) return edge + sign * options.unpaintedEnd;
+        if (const double bare = barePaintPast(span, edge, sign); bare > 0)
+            return refinedEnd(axis, edge + sign * bare, sign, view, height, bare) +
+                   sign * options.unpaintedEnd;
+        return endBeyondMarker(axis, edge, sign, view, height, options.unpaintedEnd);
     };
     const double low = endOf(first, -1), high = endOf(last, 1);
     StraightWall out;

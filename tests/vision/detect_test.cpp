@@ -160,6 +160,25 @@ TEST(Detect, reads_s_curves_neighbouring_markers_and_a_wall_over_the_edge) {
     EXPECT_LT(score.at("token").colorWorst, 12);
 }
 
+// The paint that a marker leaves before the white end is no region of its own.
+TEST(Detect, ends_a_wall_by_the_quarter_inch_of_paint_beyond_a_marker) {
+    using geometry::HeightClass;
+    using geometry::WindowKind;
+    const geometry::Rig rig = exampleRig();
+    for (const double bare : {0.2, 0.3}) {
+        geometry::Sketch sketch;
+        sketch.walls = {wall("w1", {-12, -8}, {-2, -8}, HeightClass::blue),
+                        wall("w2", {3, -7}, {12, -2}, HeightClass::red),
+                        wall("w3", {-4, 9}, {5, 8}, HeightClass::blue)};
+        const double first = 0.5 + bare + 0.75;
+        sketch.windows = {window("win1", "w1", first, 1.5, WindowKind::standard),
+                          window("win2", "w2", first, 1.5, WindowKind::transom),
+                          window("win3", "w3", first, 1.5, WindowKind::picture)};
+        const Score score = scoreSketch(sketch, detectSketch(paintTable(sketch, rig), rig).sketch);
+        expectAll(score, kPlace, kAngle);
+    }
+}
+
 TEST(Detect, reads_random_walls_under_random_poses_and_lamps) {
     std::mt19937 random(20);
     auto uniform = [&](double low, double high) {
