@@ -25,7 +25,6 @@
 #include "geometry/input_error.h"
 #include "geometry/text_file.h"
 #include "geometry/whole_file.h"
-#include "vision/median.h"
 
 namespace heliodon::app {
 
@@ -149,6 +148,12 @@ constexpr double kMuchWork = 0.1; // of all cores
 constexpr int kRuns = 3;
 constexpr double kLongRun = 2; // seconds; noise is small beside such a run, one counts
 
+BenchResult::Seconds spread(std::vector<double> seconds) {
+    std::ranges::sort(seconds);
+    const size_t count = seconds.size();
+    return {0.5 * (seconds[(count - 1) / 2] + seconds[count / 2]), seconds.front(), seconds.back()};
+}
+
 class Bench {
 public:
     Bench(Run& run, const BenchArguments& arguments, const std::vector<BenchScene>& scenes)
@@ -255,11 +260,9 @@ private:
             if (isLong) break;
         }
         result.peakBytes = peakMemory();
-        result.wallSeconds = vision::median(wall);
-        result.leastSeconds = *std::ranges::min_element(wall),
-        result.mostSeconds = *std::ranges::max_element(wall);
-        result.cpuSeconds = vision::median(cpu);
-        result.deviceSeconds = vision::median(device);
+        result.wall = spread(wall);
+        result.cpu = spread(cpu);
+        result.deviceSeconds = spread(device).median;
     }
 
     void ours(const Setting& setting) {
@@ -285,8 +288,8 @@ private:
         result.closureMax = F.report.closureMax;
         result.closureRms = F.report.closureRms;
         result.reciprocityRms = F.report.reciprocityRms.value();
-        result.raysPerSecond = n * setting.raysPerPatch / result.wallSeconds;
-        result.rooflineFraction = leastSeconds(roofline_, n) / result.wallSeconds;
+        result.raysPerSecond = n * setting.raysPerPatch / result.wall.median;
+        result.rooflineFraction = leastSeconds(roofline_, n) / result.wall.median;
         finish(std::move(result),
                F.values.download<float>(scene_->mesh.patchCount() * scene_->mesh.patchCount()));
     }
@@ -299,7 +302,7 @@ private:
             peer = work();
             return Times{peer.wallSeconds, peer.cpuSeconds, 0};
         });
-        result.raysPerSecond = peer.rays / result.wallSeconds;
+        result.raysPerSecond = peer.rays / result.wall.median;
         gpu::Buffer values(run_.device(), peer.factors.size() * sizeof(float), "peer", gpu::Place::host);
         values.upload(peer.factors);
         compute::FormFactorReport report;
@@ -352,15 +355,15 @@ private:
 
     void finish(BenchResult result, const std::vector<float>& F) {
         const auto n = static_cast<double>(result.patches);
-        result.pairsPerSecond = n * n / result.wallSeconds;
-        result.bytesPerSecond = 4 * n * n / result.wallSeconds;
+        result.pairsPerSecond = n * n / result.wall.median;
+        result.bytesPerSecond = 4 * n * n / result.wall.median;
         judge(F, reference_, result);
-        result.comparedSeconds = arguments_.clock == "CPU" ? result.cpuSeconds : result.wallSeconds;
+        result.compared = arguments_.clock == "CPU" ? result.cpu : result.wall;
         run_.note(fmt::format(
             "{:<12} {:>6} patches  {:<16} {:<16} {:9.4f} s  {:9.4f} CPU s  row error {:.2e}  closure "
             "{:.1e}",
-            result.scene, result.patches, result.kernel, result.setting, result.wallSeconds,
-            result.cpuSeconds, result.rowError, result.closureMax));
+            result.scene, result.patches, result.kernel, result.setting, result.wall.median,
+            result.cpu.median, result.rowError, result.closureMax));
         results.push_back(std::move(result));
     }
 

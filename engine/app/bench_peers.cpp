@@ -152,6 +152,13 @@ private:
     float nearest_ = 0;
 };
 
+// Where it is rounded least: floats lose a ray's start and ends where a scene lies far from the origin.
+geometry::PatchMesh aboutOrigin(geometry::PatchMesh mesh) {
+    const glm::dvec3 centre = geometry::boundsOf(mesh.vertices).centre();
+    for (glm::dvec3& v : mesh.vertices) v -= centre;
+    return mesh;
+}
+
 double radicalInverse(uint32_t k, uint32_t base) {
     double result = 0, digit = 1.0 / base;
     for (; k > 0; k /= base, digit /= base) result += digit * (k % base);
@@ -204,11 +211,12 @@ Lanes everywhere(double value) {
 
 } // namespace
 
-PeerResult embreeHemicube(const geometry::PatchMesh& mesh, uint32_t resolution) {
-    const size_t n = mesh.patchCount();
+PeerResult embreeHemicube(const geometry::PatchMesh& given, uint32_t resolution) {
+    const size_t n = given.patchCount();
     PeerResult result;
     result.factors.assign(n * n, 0);
     const BenchClock clock;
+    const geometry::PatchMesh mesh = aboutOrigin(given);
     const EmbreeScene scene(mesh);
     const Bundle bundle = hemicubeBundle(resolution);
     result.rays = static_cast<double>(n) * static_cast<double>(bundle.rays);
@@ -264,12 +272,13 @@ private:
 
 } // namespace
 
-PeerResult embreeRays(const geometry::PatchMesh& mesh, uint32_t raysPerPatch) {
-    const size_t n = mesh.patchCount();
+PeerResult embreeRays(const geometry::PatchMesh& given, uint32_t raysPerPatch) {
+    const size_t n = given.patchCount();
     PeerResult result;
     result.factors.assign(n * n, 0);
     result.rays = static_cast<double>(n) * raysPerPatch;
     const BenchClock clock;
+    const geometry::PatchMesh mesh = aboutOrigin(given);
     const EmbreeScene scene(mesh);
     Bundle bundle;
     std::vector<std::array<double, 2>> starts(raysPerPatch);

@@ -87,26 +87,30 @@ class Panel {
 public:
     Panel(Chart& chart, std::vector<BenchResult> results, double top, const std::string& clock)
         : chart_(chart), results_(std::move(results)), top_(top),
-          x_(axis([](const BenchResult& r) { return secondsOf(r); }, kLeft, kRight)),
-          y_(axis([](const BenchResult& r) { return errorOf(r); }, bottom(), top + kAbove)) {
+          x_(axis([](const BenchResult& r) { return secondsOf(r.compared.least); },
+                  [](const BenchResult& r) { return secondsOf(r.compared.most); }, kLeft, kRight)),
+          y_(axis(errorOf, errorOf, bottom(), top + kAbove)) {
         chart_.text({kLeft, top_ + 24}, panelName(results_.front()), 15);
         grid(clock);
         lines();
+        for (const BenchResult& r : results_) bar(r);
         for (const BenchResult& r : results_) mark(placeOf(r), r);
         labels();
         legend();
     }
 
 private:
-    static double secondsOf(const BenchResult& r) { return std::max(r.comparedSeconds, 1e-6); }
+    static double secondsOf(double seconds) { return std::max(seconds, 1e-6); }
     static double errorOf(const BenchResult& r) { return std::max(r.rowError, 1e-8); }
     double bottom() const { return top_ + kPanelHeight - kBelow; }
-    glm::dvec2 placeOf(const BenchResult& r) const { return {x_.at(secondsOf(r)), y_.at(errorOf(r))}; }
+    glm::dvec2 placeOf(const BenchResult& r) const {
+        return {x_.at(secondsOf(r.compared.median)), y_.at(errorOf(r))};
+    }
 
-    template<class Value> Axis axis(const Value& value, double from, double to) const {
+    template<class Low, class High>
+    Axis axis(const Low& low, const High& high, double from, double to) const {
         double least = INFINITY, most = 0;
-        for (const BenchResult& r : results_)
-            least = std::min(least, value(r)), most = std::max(most, value(r));
+        for (const BenchResult& r : results_) least = std::min(least, low(r)), most = std::max(most, high(r));
         return {least, most, from, to};
     }
 
@@ -138,7 +142,8 @@ private:
         std::vector<const BenchResult*> best;
         for (const BenchResult& r : results_)
             if (r.onFront) best.push_back(&r);
-        std::sort(best.begin(), best.end(), [](auto* a, auto* b) { return secondsOf(*a) < secondsOf(*b); });
+        std::sort(best.begin(), best.end(),
+                  [](auto* a, auto* b) { return a->compared.median < b->compared.median; });
         std::vector<glm::dvec2> front;
         for (const BenchResult* r : best) front.push_back(placeOf(*r));
         line(std::move(front), kFront, 5);
@@ -162,6 +167,16 @@ private:
         return names;
     }
 
+    // Where the runs of a setting differ by more than its mark is wide.
+    void bar(const BenchResult& r) {
+        const double y = placeOf(r).y, from = x_.at(secondsOf(r.compared.least)),
+                     to = x_.at(secondsOf(r.compared.most));
+        if (to - from < kMark) return;
+        const Ink ink = paler(styleOf(r.kernel).ink);
+        line({{from, y}, {to, y}}, ink, 1.4);
+        for (const double x : {from, to}) chart_.line({{x, y - kMark}, {x, y + kMark}}, ink, 1.4);
+    }
+
     // A square for other programs.
     void mark(glm::dvec2 at, const BenchResult& r, bool explained = true) {
         std::vector<glm::dvec2> outline;
@@ -175,8 +190,9 @@ private:
         chart_.fill(outline, r.onFront && explained ? ink : kPaper);
         chart_.line(std::move(outline), ink, 1.4);
         if (explained)
-            chart_.explain(fmt::format("{} {}: row error {:.2g} in {:.3g} s", r.kernel, r.setting, r.rowError,
-                                       r.comparedSeconds));
+            chart_.explain(fmt::format("{} {}: row error {:.2g} in {:.3g} s ({:.3g} to {:.3g} in {} run{})",
+                                       r.kernel, r.setting, r.rowError, r.compared.median, r.compared.least,
+                                       r.compared.most, r.runs, r.runs > 1 ? "s" : ""));
     }
 
     void labels() {
@@ -215,9 +231,13 @@ private:
         chart_.line({{x - 5, y - 4}, {x + 6, y - 4}}, kFront, 5);
         chart_.text({x + 13, y}, "filled: nothing faster", kSmallLetters, Anchor::start, kGrey);
         chart_.text({x + 13, y + kLine - 1}, "is as good", kSmallLetters, Anchor::start, kGrey);
+        y += 2 * kLine;
+        if (std::ranges::any_of(results_, [](const BenchResult& r) { return r.runs > 1; })) {
+            chart_.text({x + 13, y}, "bar: all runs", kSmallLetters, Anchor::start, kGrey);
+            y += kLine;
+        }
         if (std::any_of(results_.begin(), results_.end(), [](const BenchResult& r) { return r.peer; }))
-            chart_.text({x + 13, y + 2 * kLine}, "squares: other programs", kSmallLetters, Anchor::start,
-                        kGrey);
+            chart_.text({x + 13, y}, "squares: other programs", kSmallLetters, Anchor::start, kGrey);
     }
 
     Chart& chart_;

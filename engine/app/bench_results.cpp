@@ -39,10 +39,11 @@ std::string errorText(double error) {
 }
 
 void markFront(std::vector<BenchResult>& results) {
+    const auto known = [](const BenchResult& r) { return std::max(r.rowError, r.referenceError); };
     for (BenchResult& r : results)
         r.onFront = std::none_of(results.begin(), results.end(), [&](const BenchResult& o) {
-            const bool nowhereWorse = o.comparedSeconds <= r.comparedSeconds && o.rowError <= r.rowError,
-                       better = o.comparedSeconds < r.comparedSeconds || o.rowError < r.rowError;
+            const bool nowhereWorse = o.compared.median <= r.compared.median && known(o) <= known(r),
+                       better = o.compared.median < r.compared.median || known(o) < known(r);
             return o.scene == r.scene && o.patches == r.patches && nowhereWorse && better;
         });
 }
@@ -54,10 +55,12 @@ nlohmann::ordered_json jsonOf(const BenchResult& r) {
             {"setting", r.setting},
             {"peer", r.peer},
             {"runs", r.runs},
-            {"seconds", r.wallSeconds},
-            {"seconds_min", r.leastSeconds},
-            {"seconds_max", r.mostSeconds},
-            {"cpu_seconds", r.cpuSeconds},
+            {"seconds", r.wall.median},
+            {"seconds_min", r.wall.least},
+            {"seconds_max", r.wall.most},
+            {"cpu_seconds", r.cpu.median},
+            {"cpu_seconds_min", r.cpu.least},
+            {"cpu_seconds_max", r.cpu.most},
             {"device_seconds", r.deviceSeconds},
             {"row_error", r.rowError},
             {"row_error_max", r.rowErrorMax},

@@ -13,6 +13,7 @@
 #include "compute/form_factors.h"
 #include "compute/parallel.h"
 #include "compute/reference/form_factor_rows.h"
+#include "engine/app/bench_peers.h"
 #include "engine/app/bench_plot.h"
 #include "engine/app/bench_results.h"
 #include "engine/app/bench_scenes.h"
@@ -37,7 +38,7 @@ TEST_F(Bench, names_with_commas_and_quotes_stay_one_cell) {
 TEST_F(Bench, names_that_are_no_plain_words_do_not_break_the_plot) {
     app::BenchResult r;
     r.scene = "a, <b> & \"c\".obj", r.kernel = "exact", r.setting = "1 < 2";
-    r.comparedSeconds = 1, r.rowError = 1e-3;
+    r.compared.median = 1, r.rowError = 1e-3;
     const std::string svg = app::plotOf({r}, "R&D", "CPU").svg();
     EXPECT_EQ(svg.find("<b>"), std::string::npos) << svg;
     EXPECT_EQ(svg.find("1 < 2"), std::string::npos) << svg;
@@ -87,13 +88,42 @@ TEST_F(Bench, a_convex_room_by_two_kernels) {
 
 TEST_F(Bench, of_equals_the_faster_is_on_the_front) {
     std::vector<app::BenchResult> results(4);
-    results[0].comparedSeconds = 1, results[0].rowError = 1e-3;
-    results[1].comparedSeconds = 2, results[1].rowError = 1e-3; // as good, later
-    results[2].comparedSeconds = 1, results[2].rowError = 1e-3; // the very same
-    results[3].comparedSeconds = 2, results[3].rowError = 1e-4;
+    results[0].compared.median = 1, results[0].rowError = 1e-3;
+    results[1].compared.median = 2, results[1].rowError = 1e-3; // as good, later
+    results[2].compared.median = 1, results[2].rowError = 1e-3; // the very same
+    results[3].compared.median = 2, results[3].rowError = 1e-4;
     app::markFront(results);
     EXPECT_TRUE(results[0].onFront && results[2].onFront && results[3].onFront);
     EXPECT_FALSE(results[1].onFront);
+    // Later and better, but by less than the reference knows.
+    for (app::BenchResult& r : results) r.referenceError = 2e-3;
+    app::markFront(results);
+    EXPECT_FALSE(results[3].onFront);
+}
+
+TEST_F(Bench, runs_that_differ_have_a_bar_over_their_range) {
+    app::BenchResult r;
+    r.kernel = "exact", r.rowError = 1e-3, r.runs = 3;
+    r.compared = {1, 1, 1};
+    const auto lines = [](const app::BenchResult& result) {
+        const std::string svg = app::plotOf({result}, "device", "wall").svg();
+        return std::pair{svg.find("bar: all runs") != std::string::npos,
+                         std::count(svg.begin(), svg.end(), '\n')};
+    };
+    const auto same = lines(r);
+    r.compared = {1, 0.9, 5};
+    const auto apart = lines(r);
+    EXPECT_TRUE(same.first && apart.first);
+    EXPECT_GE(apart.second, same.second + 3); // the bar and its ends
+}
+
+TEST_F(Bench, peers_see_scenes_far_from_the_origin_as_near_it) {
+    if (!app::hasEmbree()) GTEST_SKIP() << "built without Embree";
+    geometry::PatchMesh mesh = app::benchScenes({"box"}, {12}, in("out"))[0].mesh;
+    const std::vector<float> near = app::embreeRays(mesh, 256).factors;
+    for (glm::dvec3& v : mesh.vertices) v += glm::dvec3(4e6, -2e6, 1e6);
+    const std::vector<float> far = app::embreeRays(mesh, 256).factors;
+    for (size_t k = 0; k < near.size(); ++k) EXPECT_NEAR(near[k], far[k], 0.01) << k;
 }
 
 // All kernels agree on zeros there.
