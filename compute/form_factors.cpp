@@ -1,8 +1,10 @@
 #include "compute/form_factors.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -272,9 +274,29 @@ void claimExcess(std::span<const double> rowSums, FormFactorReport& report) {
         std::hypot(report.claimedRowError, std::sqrt(squares / static_cast<double>(rowSums.size())));
     report.claimedRowSumError = std::max(report.claimedRowSumError, worst);
     report.warnings.push_back(fmt::format(
-        "the form factors of {} patches sum to more than one, by up to {:.2g}: surfaces closer to one "
-        "another than a millionth of the scene, or faces that lie in one place",
+        "the form factors of {} patches sum to more than one, by up to {:.2g}: of patches much smaller than "
+        "others, or where faces nearly or wholly lie in one place",
         rows, worst));
+}
+
+// Which of faces in one place light meets is not defined: kernels give it to one, to each or in parts, so
+// that an entry may be off by all that they get together.
+void claimDuplicates(const geometry::PatchMesh& mesh, std::span<const float> F, FormFactorReport& report) {
+    const size_t n = mesh.patchCount();
+    const std::vector<std::vector<uint32_t>> groups = patchesInOnePlace(mesh);
+    if (groups.empty()) return;
+    double squares = 0;
+    for (const std::vector<uint32_t>& group : groups) {
+        for (size_t i = 0; i < n; ++i) {
+            double together = 0;
+            for (uint32_t j : group) together += double{F[i * n + j]};
+            squares += static_cast<double>(group.size() - 1) * together * together;
+        }
+        // Their own rows are parted alike, by what light sees of each.
+        for (uint32_t i : group)
+            for (size_t j = 0; j < n; ++j) squares += std::pow(double{F[i * n + j]}, 2);
+    }
+    report.claimedRowError = std::hypot(report.claimedRowError, std::sqrt(squares / static_cast<double>(n)));
 }
 
 void measureClosure(std::span<const double> rowSums, FormFactorReport& report) {
@@ -320,6 +342,23 @@ void explain(FormFactorReport& report, const FormFactorOptions& options, const K
 
 } // namespace
 
+std::vector<std::vector<uint32_t>> patchesInOnePlace(const geometry::PatchMesh& mesh) {
+    std::map<std::vector<std::array<double, 3>>, std::vector<uint32_t>> byCorners;
+    for (uint32_t i = 0; i < mesh.patchCount(); ++i) {
+        std::vector<std::array<double, 3>> corners{{1.0 * mesh.room[i], 0, 0}};
+        for (uint32_t c : mesh.patch(i))
+            corners.push_back({mesh.vertices[c].x, mesh.vertices[c].y, mesh.vertices[c].z});
+        // From the least corner on: the way round stays.
+        std::rotate(corners.begin() + 1, std::min_element(corners.begin() + 1, corners.end()), corners.end());
+        byCorners[std::move(corners)].push_back(i);
+    }
+    std::vector<std::vector<uint32_t>> groups;
+    for (auto& [corners, group] : byCorners)
+        if (group.size() > 1 && geometry::patchArea(mesh, group[0]) > 0) groups.push_back(std::move(group));
+    std::ranges::sort(groups);
+    return groups;
+}
+
 void measureFormFactors(const geometry::PatchMesh& mesh, const gpu::Buffer& values,
                         FormFactorReport& report) {
     const size_t n = mesh.patchCount();
@@ -349,6 +388,7 @@ void measureFormFactors(const geometry::PatchMesh& mesh, const gpu::Buffer& valu
         squares[block] = part[0] + part[1] + part[2] + part[3];
     });
     measureClosure(sums, report);
+    claimDuplicates(mesh, {F.data(), n * n}, report);
     const double reciprocity = std::accumulate(squares.begin(), squares.end(), 0.0);
     const double pairs = 0.5 * static_cast<double>(n) * static_cast<double>(n - 1);
     report.reciprocityRms = std::sqrt(reciprocity / std::max(pairs, 1.0)) / (total / static_cast<double>(n));

@@ -69,7 +69,12 @@ struct FormFactors {
     FormFactorReport report;
 };
 
-// Fills in closure and reciprocity of a matrix; raises its claims where rows sum to more than one. About 15
+// Groups of two and more patches of one room with the same corners the same way round, each in order, by
+// their first. n log n.
+std::vector<std::vector<uint32_t>> patchesInOnePlace(const geometry::PatchMesh& mesh);
+
+// Fills in closure and reciprocity of a matrix; raises its claims where rows sum to more than one
+// and where patches lie in one place (patchesInOnePlace). About 15
 // ms for 2000 patches.
 void measureFormFactors(const geometry::PatchMesh& mesh, const gpu::Buffer& values, FormFactorReport& report);
 

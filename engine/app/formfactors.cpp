@@ -1,7 +1,5 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -26,18 +24,10 @@ constexpr size_t kLargestDense = 16000; // patches, 1 GB; larger matrices go to 
 
 // Faces in one place that face one way: the rows of a closed room with such faces sum to more than one.
 void warnOfDoubles(Run& run, const geometry::PatchMesh& mesh) {
-    std::map<std::vector<std::array<double, 3>>, size_t> seen;
     std::vector<std::string> pairs;
-    for (size_t i = 0; i < mesh.patchCount(); ++i) {
-        std::vector<std::array<double, 3>> corners;
-        for (const uint32_t v : mesh.patch(i)) {
-            const glm::dvec3& p = mesh.vertices[v];
-            corners.push_back({p.x, p.y, p.z});
-        }
-        std::ranges::rotate(corners, std::ranges::min_element(corners));
-        const auto [first, isNew] = seen.emplace(std::move(corners), i);
-        if (!isNew) pairs.push_back(fmt::format("{} and {}", first->second, i));
-    }
+    for (const std::vector<uint32_t>& group : compute::patchesInOnePlace(mesh))
+        for (size_t k = 1; k < group.size(); ++k)
+            pairs.push_back(fmt::format("{} and {}", group[0], group[k]));
     if (pairs.empty()) return;
     run.warn(fmt::format("{} face{} the place of another and face{} the same way (faces {}, counted from 0): "
                          "exact, hemicube and hierarchical count both whole, montecarlo one of them",

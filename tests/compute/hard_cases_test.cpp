@@ -186,20 +186,22 @@ TEST(HardCases, slabs_a_micrometre_apart_close) {
     EXPECT_LE(F.report.closureMax, 5e-3);
 }
 
-// A ceiling that is listed twice gets the light of each patch twice: told, whatever the kernel claims by
-// itself.
+// A ceiling that is listed twice gets the light of each patch twice, or once, by chance: told, whatever the
+// kernel claims by itself.
 TEST(HardCases, rows_above_one_are_within_the_claim) {
     Polygons polygons = box({0, 0, 0}, {1, 1, 1}, true);
     polygons.push_back(polygons[3]);
     const geometry::PatchMesh mesh = test::meshOf(polygons);
-    for (const std::string kernel : {"exact", "hierarchical"}) {
+    for (const std::string kernel : {"exact", "hierarchical", "montecarlo"}) {
+        const bool whole = kernel != "montecarlo";
         FormFactorReport report =
-            computeFormFactors(test::device(), mesh, {.kernel = kernel, .maxError = 1e-3}).report;
+            computeFormFactors(test::device(), mesh, {.kernel = kernel, .maxError = whole ? 1e-3 : 1e-2})
+                .report;
+        EXPECT_GE(report.claimedRowError, whole ? 0.19 : 0.16) << kernel; // 0.2 of one entry in most rows
+        EXPECT_FALSE(report.warnings.empty()) << kernel;
+        if (!whole) continue;
         EXPECT_NEAR(report.closureMax, 0.2, 0.01) << kernel;
         EXPECT_GE(report.claimedRowSumError, report.closureMax) << kernel;
-        EXPECT_GE(report.claimedRowError, 0.1) << kernel;
-        EXPECT_GE(report.warnings.size(), 2u)
-            << kernel; // of the rows, and that claims are above what was asked
         report = streamFormFactors(test::device(), mesh, {.kernel = kernel, .maxError = 1e-3},
                                    [](const FormFactorTile&) {});
         EXPECT_GE(report.claimedRowSumError, 0.19) << kernel;
