@@ -19,6 +19,7 @@
 #include "compute/sensor_gather.h"
 #include "compute/stopwatch.h"
 #include "compute/sun_bounce.h"
+#include "compute/sun_glow.h"
 #include "compute/sun_patches.h"
 #include "compute/window_links.h"
 #include "geometry/input_error.h"
@@ -69,6 +70,7 @@ struct DaylightTransport::State {
     std::unique_ptr<SunScene> sunScene;
     std::unique_ptr<NearPairs> nearPairs;
     std::unique_ptr<SunBounce> sunBounce; // none without openings
+    std::unique_ptr<SunGlow> sunGlow;     // likewise, and where no pictures are made
     std::unique_ptr<GlowingBlinds> blinds;
     std::unique_ptr<SlatLobes> slats;
     std::unique_ptr<HiddenSky> hiddenSky; // before blinds
@@ -171,6 +173,7 @@ void DaylightTransport::State::findOpenings() {
     relight = std::make_unique<RelightBasis>(*tinted, *solver);
     sunScene = std::make_unique<SunScene>(mesh);
     sunBounce = hasOpenings ? std::make_unique<SunBounce>(*points, *nearPairs) : nullptr;
+    sunGlow = hasOpenings && options.forPictures ? std::make_unique<SunGlow>(*points, *nearPairs) : nullptr;
     blinds = std::make_unique<GlowingBlinds>(mesh);
     slats = std::make_unique<SlatLobes>(*points, *blinds, factors.values);
     hiddenSky = std::make_unique<HiddenSky>(mesh, *sunScene, *blinds, skyPatches);
@@ -350,6 +353,7 @@ void DaylightTransport::State::sunOn(Moment& moment, const daylight::SunDisc& di
         moment.patches[i].interreflected += bounced[i];
         firstBounce[i] = mesh.materials[mesh.material[i]].reflectance * moment.patches[i].sun;
     }
+    if (sunGlow) sunGlow->addTo(moment.lighting, partly, disc.normalIlluminance);
     inParallel(sensors.sensors.size(), [&](size_t s) {
         const Sensor& sensor = sensors.sensors[s];
         if (sensors.room[s] == geometry::kNoRoom) return;

@@ -16,8 +16,12 @@ struct Lighting {
                                            // all zero without sun
     glm::dvec3 sunDirection{0};            // unit, world, towards the sun; zero when no sun is modelled
     glm::vec3 sunNormalIlluminance{0};     // outside, on a plane facing the sun
-    std::vector<glm::vec3> ownScatter;     // exitance that projectors leave out, as the physical model sends
-                                           // it back by itself (engine/passes/own_scatter.h); or empty
+    // Of the exitance, what sunlit patches nearby light: illuminance, mean over each patch, and at each
+    // corner of the mesh (compute/sun_glow.h). Empty where there is none, and with
+    // TransportOptions::forPictures off.
+    std::vector<glm::vec3> sunGlow, cornerGlow;
+    std::vector<glm::vec3> ownScatter; // exitance that projectors leave out, as the physical model sends
+                                       // it back by itself (engine/passes/own_scatter.h); or empty
 };
 
 using geometry::photometric;

@@ -158,7 +158,7 @@ std::unique_ptr<SlottedTransport> LiveSceneMaker::transportOf(Run& run, const ge
     if (!slot) return nullptr;
     auto transport = std::make_unique<SlottedTransport>(slots_, *slot);
     try {
-        transport->transport = makeTransport(run, transport->device(), mesh, {});
+        transport->transport = makeTransport(run, transport->device(), mesh, {.forPictures = true});
     } catch (const gpu::Error&) {
         transport->spoil();
         throw;

@@ -187,7 +187,7 @@ void execute(Run& run, const RenderArguments& arguments) {
     const SkySource source(run, arguments.moment, scene);
     const daylight::Sky sky = source.reportedSky(run);
     const OutputFolder folder(arguments.output);
-    compute::TransportOptions options;
+    compute::TransportOptions options{.forPictures = true};
     if (arguments.maxRadiosityError > 0) { // most of it for the form factors, which cost more
         options.formFactors.maxRadiosityError = 0.9 * arguments.maxRadiosityError;
         options.radiosity.tolerance = 0.1 * arguments.maxRadiosityError;

@@ -50,6 +50,8 @@ void tintLight(compute::DaylightTransport& transport, std::span<const daylight::
         const std::vector<compute::Moment> parts = transport.light(apart);
         compute::Lighting& light = moments[m].lighting;
         light.sunNormalIlluminance *= sources[0].colour;
+        for (std::vector<glm::vec3>* glow : {&light.sunGlow, &light.cornerGlow})
+            for (glm::vec3& lux : *glow) lux *= sources[0].colour;
         for (size_t i = 0; i < light.exitance.size(); ++i) {
             light.sunIlluminance[i] *= sources[0].colour;
             const glm::vec3 own = parts[3].lighting.exitance[i];

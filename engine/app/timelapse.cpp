@@ -341,7 +341,7 @@ void execute(Run& run, const TimelapseArguments& arguments) {
     noteFilms(run, scene, sink, views);
     warnOfStrangers(run, arguments.output, sink.strangers());
 
-    const auto transport = makeTransport(run, scene.mesh);
+    const auto transport = makeTransport(run, scene.mesh, {.forPictures = !views.empty()});
     std::optional<FramePainter> painter;
     double white = 0;
     if (!views.empty()) {

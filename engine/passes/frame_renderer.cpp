@@ -231,7 +231,11 @@ std::optional<SunDraw> FrameRenderer::State::prepareLight(DeviceMesh& target, co
                                             : quantity == Quantity::illuminance
                                                 ? indirectIlluminance(scene.mesh, light)
                                                 : indirectExitance(scene.mesh, light);
-    std::vector<glm::vec3> perVertex = scene.vertexLight.evaluate(perPatch);
+    std::vector<glm::vec3> perLux(perPatch.size(), glm::vec3(1));
+    if (quantity != Quantity::illuminance)
+        for (size_t p = 0; p < perLux.size(); ++p)
+            perLux[p] = scene.mesh.materials[scene.mesh.material[p]].reflectance;
+    std::vector<glm::vec3> perVertex = scene.vertexLight.evaluate(perPatch, light, perLux);
     if (quantity == Quantity::illuminance)
         markOpenings(scene, perVertex);
     else if (&target == &model->shown)

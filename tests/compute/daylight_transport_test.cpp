@@ -219,6 +219,33 @@ TEST(SunBounce, is_what_a_mesh_four_times_as_fine_gives) {
     }
 }
 
+// Of what sunlit patches light nearby, a patch has the mean of what its corners have, but where that bends
+// within the patch, at the foot of walls; and never more than all light on it.
+TEST(SunGlow, at_corners_and_on_patches_is_the_same_light) {
+    const geometry::PatchMesh mesh = squares(4);
+    DaylightTransport transport(test::device(), mesh, {.forPictures = true});
+    for (const glm::dvec3 towards : {glm::dvec3(0.5, 0.35, -0.5), {-0.7, 0.5, -0.6}}) {
+        const Lighting light = transport.light(sunny(towards)).lighting;
+        ASSERT_EQ(light.sunGlow.size(), mesh.patchCount());
+        ASSERT_EQ(light.cornerGlow.size(), mesh.corners.size());
+        double apart = 0, all = 0;
+        for (size_t i = 0; i < mesh.patchCount(); ++i) {
+            double corners = 0;
+            for (uint32_t c = mesh.firstCorner[i]; c < mesh.firstCorner[i + 1]; ++c)
+                corners += photometric(light.cornerGlow[c]) / static_cast<double>(mesh.patch(i).size());
+            const double mean = photometric(light.sunGlow[i]);
+            const float rho = mesh.materials[mesh.material[i]].reflectance.y;
+            apart += std::abs(corners - mean), all += mean;
+            EXPECT_LE(rho * mean,
+                      1.02 * photometric(light.exitance[i] - glm::vec3(rho) * light.sunIlluminance[i]));
+        }
+        EXPECT_GT(all, 0);
+        EXPECT_LT(apart, 0.25 * all);
+    }
+    EXPECT_TRUE(
+        DaylightTransport(test::device(), mesh).light(sunny({0.5, 0.35, -0.5})).lighting.sunGlow.empty());
+}
+
 TEST(DaylightTransport, grey_scenes_take_one_channel_and_give_the_same_light) {
     DaylightTransport grey(test::device(), windowRoom());
     DaylightTransport coloured(test::device(), windowRoom({0.5f, 0.5f, 0.5001f}));
