@@ -60,6 +60,7 @@ public:
     void run() {
         for (const auto& skylight : sketch_.skylights) lookAt(skylight);
         if (sketch_.north) lookAt(*sketch_.north);
+        for (const auto& wall : sketch_.walls) lookForPaleMarkers(wall);
         lookAtEnds();
         lookAtPicturesEdge();
         for (const auto& wall : sketch_.walls) lookBeyond(wall);
@@ -88,6 +89,15 @@ private:
         if (north.detection.confidence < kMost)
             doubts_.add(centreOf(north.detection),
                         "read as the north arrow, but its two sides are not seen all along: is it one?");
+    }
+
+    // Light blue is one group with blue, so that a cyan marker read as light blue goes with the wall's paint.
+    void lookForPaleMarkers(const geometry::Wall& wall) {
+        const double height = geometry::heightInches(wall.heightClass);
+        for (const glm::dvec2 middle : evidence_.lightBlueOn(wall))
+            if (!isUnderMarker(middle))
+                doubts_.add(view_.pixel(middle, height),
+                            "light blue on a wall's top: a marker of a window? It is left out");
     }
 
     // The card returns most of the light and takes half of the red: its chroma holds in shadow, its

@@ -363,7 +363,8 @@ std::optional<geometry::NorthArrow> fitArrow(const Component& component, const P
     if (length < 0.6 * options.arrowLength || length > 1.4 * options.arrowLength || pca.major < 2 * pca.minor)
         return std::nullopt;
     const ArrowWidths widths(points, pca);
-    if (widths.head < 1.35 * widths.shaft) return std::nullopt;
+    // The seam of colour along a wall's top or a shadow is thinner than any head.
+    if (widths.head < 1.35 * widths.shaft || widths.head < options.wallThickness) return std::nullopt;
 
     const double pixel = 1 / view.pixelsPerInch(pca.mean, height);
     const std::vector<glm::dvec2> middles = middlesOf(widths, pca, view, height);

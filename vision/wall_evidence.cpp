@@ -220,6 +220,38 @@ double WallEvidence::paintedShareOf(const geometry::Wall& wall) const {
     return static_cast<double>(painted) / static_cast<double>(all);
 }
 
+WallEvidence::Line WallEvidence::lightBlueOn(const geometry::Wall& wall) const {
+    constexpr double kStep = 0.1, kLeast = 0.5; // inches
+    const double height = geometry::heightInches(wall.heightClass), length = lengthOf(wall);
+    const double end = options_.unpaintedEnd / length, side = 0.25 * options_.wallThickness;
+    if (end >= 0.5) return {};
+    const glm::dvec2 across = side * turnedLeft(glm::normalize(wall.b - wall.a));
+    const auto isLightBlue = [&](glm::dvec2 middle) {
+        int seen = 0;
+        for (const glm::dvec2 plan : {middle - across, middle, middle + across}) {
+            const glm::dvec2 p = view_.pixel(plan, height);
+            seen += image_.at(static_cast<int>(std::lround(p.x)), static_cast<int>(std::lround(p.y))) ==
+                    Paint::sky;
+        }
+        return seen >= 2;
+    };
+    Line out, stretch;
+    const auto close = [&] {
+        if (kStep * static_cast<double>(stretch.size()) >= kLeast)
+            out.push_back(0.5 * (stretch.front() + stretch.back()));
+        stretch.clear();
+    };
+    for (const glm::dvec2 middle :
+         along(wall, end, 1 - end, 1 + static_cast<int>((1 - 2 * end) * length / kStep))) {
+        if (isLightBlue(middle))
+            stretch.push_back(middle);
+        else
+            close();
+    }
+    close();
+    return out;
+}
+
 template<class Shape> float WallEvidence::medianSaturation(const Shape& shape) const {
     std::vector<float> seen;
     for (const glm::dvec2 at : paintedLine(shape, options_.unpaintedEnd))

@@ -465,6 +465,26 @@ TEST(DetectConditions, says_what_is_found_in_doubt) {
     EXPECT_TRUE(warnsOf(detectSketch(paintTable(room(), rig, mats), rig), "deeper or darker"));
 }
 
+TEST(DetectConditions, a_seam_of_colour_is_no_arrow_however_orange) {
+    const geometry::Rig rig = exampleRig();
+    const geometry::Sketch stated = room();
+    Photograph photo = paintTable(stated, rig);
+    cover(photo, rig,
+          {{-1.5, 13.95}, {0.7, 13.93}, {0.7, 13.85}, {1.5, 14}, {0.7, 14.15}, {0.7, 14.07}, {-1.5, 14.05}},
+          0.03, PaintBox{}.orange);
+    expectRead(stated, photo);
+}
+
+TEST(DetectConditions, says_that_a_walls_top_is_light_blue_in_part) {
+    const geometry::Rig rig = exampleRig();
+    Photograph photo = paintTable(room(), rig);
+    cover(photo, rig, {{7.21, 2.5}, {7.59, 2.5}, {7.59, 3.8}, {7.21, 3.8}}, 8, PaintBox{}.sky);
+    const auto warnings = detectSketch(photo, rig).warnings;
+    EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [](const std::string& line) {
+        return line.find("light blue on a wall's top") != std::string::npos;
+    })) << fmt::format("{}", fmt::join(warnings, "\n"));
+}
+
 TEST(DetectConditions, says_where_a_wall_is_hidden_or_cut_off) {
     const geometry::Rig rig = exampleRig();
     Photograph photo = paintTable(room(), rig);
