@@ -307,7 +307,6 @@ void measureClosure(std::span<const double> rowSums, FormFactorReport& report) {
         squares += (sum - 1) * (sum - 1);
     }
     report.closureRms = std::sqrt(squares / static_cast<double>(std::max<size_t>(rowSums.size(), 1)));
-    claimExcess(rowSums, report);
 }
 
 // Open scenes' rows end where their light leaves; of closed rooms all of it arrives.
@@ -388,6 +387,7 @@ void measureFormFactors(const geometry::PatchMesh& mesh, const gpu::Buffer& valu
         squares[block] = part[0] + part[1] + part[2] + part[3];
     });
     measureClosure(sums, report);
+    claimExcess(sums, report);
     claimDuplicates(mesh, {F.data(), n * n}, report);
     const double reciprocity = std::accumulate(squares.begin(), squares.end(), 0.0);
     const double pairs = 0.5 * static_cast<double>(n) * static_cast<double>(n - 1);
@@ -449,6 +449,7 @@ FormFactorReport streamFormFactors(gpu::Device& device, const geometry::PatchMes
         refuse(choice.kernel);
     }
     measureClosure(sums, report);
+    claimExcess(sums, report);
     explain(report, options, choice);
     warnOfLostLight(mesh, report);
     report.seconds = watch.seconds();

@@ -73,9 +73,8 @@ struct FormFactors {
 // their first. n log n.
 std::vector<std::vector<uint32_t>> patchesInOnePlace(const geometry::PatchMesh& mesh);
 
-// Fills in closure and reciprocity of a matrix; raises its claims where rows sum to more than one
-// and where patches lie in one place (patchesInOnePlace). About 15
-// ms for 2000 patches.
+// Fills in closure and reciprocity of a matrix; raises its claims where rows sum to more than one and where
+// patches lie in one place (patchesInOnePlace). About 15 ms for 2000 patches.
 void measureFormFactors(const geometry::PatchMesh& mesh, const gpu::Buffer& values, FormFactorReport& report);
 
 // Names that FormFactorOptions::kernel takes, without "auto".

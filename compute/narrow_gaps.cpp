@@ -21,7 +21,7 @@ using Polygon = std::vector<dvec3>;
 
 constexpr double kTouching = 1e-9;    // as large a share of distance and radii is the rounding of coordinates
 constexpr double kStraight = 0.99999; // cosine between both normals
-constexpr double kSliver = 1e-7;      // of a patch: what cuts leave over
+constexpr double kSliver = 5e-8;      // of a patch: what cuts leave over
 
 // One plane's patches.
 struct Sheet {
@@ -111,7 +111,7 @@ private:
         return part;
     }
 
-    static double areaOf(const Polygon& p) { return p.empty() ? 0 : glm::length(geometry::areaVector(p)); }
+    static double areaOf(const Polygon& p) { return 0.5 * glm::length(geometry::areaVector(p)); }
 
     void cut(uint32_t i, uint32_t j, const dvec3& normal, double gap) {
         const double sliver =

@@ -24,8 +24,8 @@ struct PatchTree {
         uint32_t child = 0;                    // the first of two successive nodes; 0: one triangle
         uint32_t parent = kNone;
         uint32_t room = 0;
-        bool covered =
-            false; // across narrow gaps (compute/narrow_gaps.h): exchanges nothing but with `across`
+        // Across a narrow gap (compute/narrow_gaps.h): its leaves exchange nothing but with their `across`.
+        bool covered = false;
     };
     static constexpr uint32_t kNone = 0xffffffffu;
 

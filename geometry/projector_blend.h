@@ -22,7 +22,7 @@ constexpr double kBlendLeastSlope = 1e-3, kBlendLeastFade = 1e-6;
 // Of the fade towards where a surface ends before what lies behind it. Less of it hands more over to others,
 // whose pixels err at the surface's other ends: sums over the table get no better.
 constexpr double kBlendEndFade = 0.15;
-constexpr double kBlendLeastCosine = 0.05; // smooth normals may fall below the limit that facets keep to
+constexpr double kBlendLeastCosine = 0.05; // a guard: what is painted has more (ProjectorOptions)
 
 // An edge of the mesh between two sets of projectors (bits), neither of them empty; or, with `right` empty,
 // an end of the surface past which those of `left` see to what lies behind: there a pixel meant for the
