@@ -14,11 +14,11 @@
 #include "geometry/bounds.h"
 #include "geometry/box_tree.h"
 #include "geometry/counted.h"
-#include "geometry/disjoint_sets.h"
 #include "geometry/face_soup.h"
 #include "geometry/glass_pairs.h"
 #include "geometry/input_error.h"
 #include "geometry/model_file.h"
+#include "geometry/model_surfaces.h"
 #include "geometry/outline_area.h"
 #include "geometry/raw_model.h"
 #include "geometry/ray_crossing.h"
@@ -99,7 +99,7 @@ private:
     }
 
     void finish() {
-        findSurfaces();
+        findSurfaces(building_, model_, source_);
         building_.materials = model_.materials;
         for (const auto& [a, b] : pairGlasses(building_, kPlanarOfExtent * extent_, extent_))
             refuse({a, b}, "the glass has another shape than that on the other side of its wall");
@@ -428,21 +428,6 @@ private:
                     }
                     v = place->second;
                 }
-    }
-
-    // Neighbours in one plane and of one material are one surface.
-    void findSurfaces() {
-        DisjointSets surfaces(building_.faces.size());
-        for (const auto& [edge, faces] : facesOfEdges(building_)) {
-            const Face &a = building_.faces[faces[0]], &b = building_.faces[faces[1]];
-            const glm::dvec3 m = normal(a), n = normal(b);
-            if (a.material == b.material && glm::dot(m, n) > 0 && glm::length(glm::cross(m, n)) < 1e-4)
-                surfaces.join(faces[0], faces[1]);
-        }
-        std::map<uint32_t, uint32_t> ids;
-        for (uint32_t f = 0; f < building_.faces.size(); ++f)
-            building_.faces[f].surface =
-                ids.try_emplace(surfaces.root(f), static_cast<uint32_t>(ids.size())).first->second;
     }
 
     std::vector<uint32_t> facesOfRoom(uint32_t room) const {

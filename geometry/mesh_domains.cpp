@@ -18,6 +18,7 @@ using Edge = std::pair<uint32_t, uint32_t>;
 using Frame = MeshDomain::Frame;
 constexpr double kStraightSine = 1e-7;
 constexpr double kFlat = 1e-7; // of the domain's extent: how far corners of merged faces lie off their plane
+constexpr double kOnePlaneSine = 1e-6;
 constexpr double kMostTurn = 0.7; // radians along an edge of a triangle
 
 // Axes of a face: v up along the wall, or any axis of a level one.
@@ -122,9 +123,34 @@ private:
                             other != faceOf.end() && seen.insert(other->second).second)
                             members.push_back(other->second);
             const bool one = members.size() > 1 && (flat(members) ? merge(members) : unroll(members, faceOf));
-            if (!one)
-                for (const uint32_t f : members) domains_.push_back(single(f));
+            if (!one) addFlatParts(members, faceOf);
         }
+    }
+
+    // Neighbours in one plane together.
+    void addFlatParts(const std::vector<uint32_t>& members, const std::map<Edge, uint32_t>& faceOf) {
+        std::set<uint32_t> rest(members.begin(), members.end());
+        for (const uint32_t start : members) {
+            if (rest.erase(start) == 0) continue;
+            std::vector<uint32_t> part{start};
+            for (size_t i = 0; i < part.size(); ++i)
+                for (const auto& loop : building_.faces[part[i]].loops)
+                    for (size_t k = 0; k < loop.size(); ++k)
+                        if (const auto other = faceOf.find({loop[(k + 1) % loop.size()], loop[k]});
+                            other != faceOf.end() && rest.contains(other->second) &&
+                            inOnePlane(part[i], other->second)) {
+                            part.push_back(other->second);
+                            rest.erase(other->second);
+                        }
+            if (part.size() == 1 || !flat(part) || !merge(part))
+                for (const uint32_t f : part) domains_.push_back(single(f));
+        }
+    }
+
+    bool inOnePlane(uint32_t f, uint32_t g) const {
+        const glm::dvec3 m = faceNormal(building_, building_.faces[f]),
+                         n = faceNormal(building_, building_.faces[g]);
+        return glm::dot(m, n) > 0 && glm::length(glm::cross(m, n)) < kOnePlaneSine;
     }
 
     bool flat(const std::vector<uint32_t>& members) const {
@@ -158,7 +184,7 @@ private:
         return true;
     }
 
-    // Upright facets that hang together along upright edges, laid out side by side.
+    // Upright facets that hang together along upright edges, or are parts of one, laid out side by side.
     bool unroll(const std::vector<uint32_t>& members, const std::map<Edge, uint32_t>& faceOf) {
         for (const uint32_t f : members)
             if (std::abs(faceNormal(building_, building_.faces[f]).y) > 1e-6) return false;
@@ -206,7 +232,8 @@ private:
                 for (size_t k = 0; k < loop.size(); ++k) {
                     const Edge edge{loop[k], loop[(k + 1) % loop.size()]};
                     const auto other = faceOf.find({edge.second, edge.first});
-                    if (other == faceOf.end() || !rest.contains(other->second) || !upright(edge)) continue;
+                    if (other == faceOf.end() || !rest.contains(other->second)) continue;
+                    if (!upright(edge) && !inOnePlane(domain.faces[i], other->second)) continue;
                     Frame frame = frameOfFace(building_, building_.faces[other->second]);
                     const glm::dvec3 p = building_.vertices[edge.first];
                     frame.offset = domain.frames[i].coordinates(p).x;

@@ -1,5 +1,5 @@
 // Wavefront .obj and .mtl. Our own reader because every refusal must name its line; what lights need is a
-// small part of the format: v, f, usemtl, mtllib, g, o, north; Kd, Tf, Ni, Ke,
+// small part of the format: v, vn, f, usemtl, mtllib, g, o, north; Kd, Tf, Ni, Ke,
 // and `blinds`, our own.
 #include <algorithm>
 #include <charconv>
@@ -201,6 +201,8 @@ public:
             const std::string_view key = lines_.word();
             if (key == "v")
                 readVertex();
+            else if (key == "vn")
+                readNormal();
             else if (key == "f")
                 readFace();
             else if (key == "mtllib")
@@ -236,10 +238,36 @@ private:
         model_.vertices.push_back(p);
     }
 
+    // Programs write "nan" for corners of faces without area: such a normal says nothing.
+    void readNormal() {
+        glm::vec3 n{0};
+        bool known = true;
+        for (int c = 0; c < 3; ++c) {
+            const std::optional<double> value = signedNumberFrom(lines_.word());
+            known = known && value;
+            n[c] = static_cast<float>(value.value_or(0));
+        }
+        normals_.push_back(known ? n : glm::vec3(0));
+    }
+
+    // Of a corner "7/1/3" or "7//-1"; 0 where it names none.
+    glm::vec3 normalOf(std::string_view corner) const {
+        const size_t place = corner.find('/');
+        const size_t begin = place == std::string_view::npos ? place : corner.find('/', place + 1);
+        if (begin == std::string_view::npos) return glm::vec3(0);
+        long long value = 0;
+        std::from_chars(corner.data() + begin + 1, corner.data() + corner.size(), value);
+        const auto count = static_cast<long long>(normals_.size());
+        const long long at = value < 0 ? count + value : value - 1;
+        return at < 0 || at >= count ? glm::vec3(0) : normals_[static_cast<size_t>(at)];
+    }
+
     void readFace() {
         size_t count = 0;
-        for (std::string_view word = lines_.word(); !word.empty(); word = lines_.word(), ++count)
+        for (std::string_view word = lines_.word(); !word.empty(); word = lines_.word(), ++count) {
             model_.corners.push_back(readIndex(word, model_.vertices.size(), lines_));
+            model_.cornerNormals.push_back(normalOf(word));
+        }
         if (count < 3) lines_.fail(fmt::format("a face of {} corners, expected at least 3", count));
         if (!currentMaterial_) useMaterial("default");
         if (model_.groups.empty()) useGroup("default");
@@ -273,6 +301,7 @@ private:
     std::filesystem::path path_;
     Lines lines_;
     RawModel model_;
+    std::vector<glm::vec3> normals_; // in the file's own axes
     MaterialIndex materials_;
     std::optional<uint32_t> currentMaterial_;
 };

@@ -23,6 +23,9 @@ struct RawModel {
     // indices.
     std::vector<uint32_t> corners;
     std::vector<uint32_t> firstCorner{0};
+    // Per corner, in the file's own axes, of any length: what a curved surface is smooth by. 0 where the file
+    // gives none; empty where its reader does not look.
+    std::vector<glm::vec3> cornerNormals;
     std::vector<uint32_t> material; // per face, into `materials`
     std::vector<uint32_t> group;    // per face, into `groups`
     std::vector<size_t> number; // per face: its line in an .obj, its triangle within the primitive in a glTF

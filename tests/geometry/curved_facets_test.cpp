@@ -1,13 +1,18 @@
 // Curved walls that other walls cut between two corners of their facets.
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <map>
+#include <numbers>
+#include <set>
 
+#include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
 #include "geometry/building.h"
 #include "geometry/mesher.h"
+#include "geometry/model_file.h"
 #include "geometry/sketch.h"
 
 using namespace heliodon::geometry;
@@ -202,5 +207,58 @@ TEST(CurvedFacets, no_solid_stands_out_of_the_wall_that_rooms_see) {
         }
         EXPECT_GT(asked, 100u) << name;
         EXPECT_EQ(out, 0u) << name << " of " << asked;
+    }
+}
+
+namespace {
+
+// A round room of `sides` facets as an .obj: with one normal at each corner, or one for each facet.
+Building roundModel(int sides, bool smooth, bool triangles) {
+    const std::string file = testing::TempDir() + "round.obj";
+    std::ofstream out(file);
+    const auto angle = [&](double k) { return 2 * std::numbers::pi * k / sides; };
+    const auto at = [&](double k) {
+        return fmt::format("{:.6f} {} {:.6f}", std::cos(angle(k)), "{}", -std::sin(angle(k)));
+    };
+    std::string floor = "f", ceiling;
+    for (int k = 0; k < sides; ++k) {
+        for (const int y : {0, 1}) out << "v " << fmt::format(fmt::runtime(at(k)), y) << "\n";
+        out << "vn " << fmt::format(fmt::runtime(at(smooth ? k : k + 0.5)), 0) << "\n";
+        floor += fmt::format(" {}", 2 * k + 1);
+        ceiling = fmt::format(" {}", 2 * k + 2) + ceiling;
+    }
+    out << floor << "\nf" << ceiling << "\n";
+    for (int k = 0; k < sides; ++k) {
+        const int next = (k + 1) % sides, normal = (smooth ? next : k) + 1;
+        const std::string a = fmt::format(" {}//{}", 2 * k + 1, k + 1),
+                          b = fmt::format(" {}/7/{}", 2 * k + 2, k + 1),
+                          c = fmt::format(" {}//{}", 2 * next + 2, normal),
+                          d = fmt::format(" {}//{}", 2 * next + 1, normal - sides - 1);
+        out << "f" << a << b << c << (triangles ? "\nf" + a + c : "") << d << "\n";
+    }
+    out.close();
+    return importModel(file);
+}
+
+size_t surfacesOf(const Building& building) {
+    std::set<uint32_t> surfaces;
+    for (const Face& face : building.faces) surfaces.insert(face.surface);
+    return surfaces.size();
+}
+
+} // namespace
+
+// Light runs on over its facets, as in a sketch's curved wall.
+TEST(CurvedFacets, a_models_wall_is_one_surface_where_its_normals_say_so) {
+    for (const bool triangles : {false, true}) {
+        EXPECT_EQ(surfacesOf(roundModel(24, true, triangles)), 3);
+        EXPECT_EQ(surfacesOf(roundModel(24, false, triangles)), 26);
+        EXPECT_EQ(surfacesOf(roundModel(6, true, triangles)), 8); // corners of 60 degrees
+        for (const int sides : {24, 100}) {
+            const Building building = roundModel(sides, true, triangles);
+            const MeshQuality mesh = measureMesh(meshBuilding(building));
+            EXPECT_NEAR(static_cast<double>(mesh.triangles), 2000, 60);
+            EXPECT_GE(mesh.minAngleDeg, 30);
+        }
     }
 }
