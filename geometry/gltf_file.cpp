@@ -318,6 +318,26 @@ private:
         });
     }
 
+    // Per vertex; empty where the primitive has none that can be read: then it stays in facets.
+    std::vector<glm::vec3> normals(const tinygltf::Primitive& primitive, const std::string& place,
+                                   const glm::dmat3& worldFromNode) const {
+        const auto found = primitive.attributes.find("NORMAL");
+        if (found == primitive.attributes.end() || found->second < 0 ||
+            static_cast<size_t>(found->second) >= in_.accessors.size())
+            return {};
+        const tinygltf::Accessor& accessor = in_.accessors[static_cast<size_t>(found->second)];
+        if (accessor.type != TINYGLTF_TYPE_VEC3 || accessor.sparse.isSparse || accessor.bufferView < 0 ||
+            accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT)
+            return {};
+        const glm::dmat3 turned = glm::transpose(glm::inverse(worldFromNode)); // keeps them perpendicular
+        std::vector<glm::vec3> out;
+        forEachElement(found->second, place, [&](const unsigned char* bytes) {
+            const glm::vec3 n(turned * positionAt(bytes, accessor));
+            out.push_back(glm::length(n) > 0 && glm::length(n) < 1e30f ? n : glm::vec3(0));
+        });
+        return out;
+    }
+
     std::vector<uint32_t> indices(const tinygltf::Primitive& primitive, const std::string& place,
                                   size_t count) {
         std::vector<uint32_t> found;
@@ -378,6 +398,9 @@ private:
         if (position == primitive.attributes.end()) fail(place, "has no POSITION");
         const auto first = static_cast<uint32_t>(out_.vertices.size());
         addVertices(position->second, place + ".attributes.POSITION", worldFromNode);
+        std::vector<glm::vec3> normal =
+            normals(primitive, place + ".attributes.NORMAL", glm::dmat3(worldFromNode));
+        normal.resize(out_.vertices.size() - first, glm::vec3(0));
         const std::vector<uint32_t> corner = separateTriangles(
             indices(primitive, place + ".indices", out_.vertices.size() - first), primitive.mode);
         if (corner.size() % 3 != 0) fail(place + ".indices", "do not come in threes");
@@ -387,7 +410,11 @@ private:
         out_.groups.push_back(name);
         out_.source.push_back(place);
         for (size_t t = 0; t < corner.size(); t += 3) {
-            for (size_t k = 0; k < 3; ++k) out_.corners.push_back(first + corner[t + (mirrored ? 2 - k : k)]);
+            for (size_t k = 0; k < 3; ++k) {
+                const uint32_t v = corner[t + (mirrored ? 2 - k : k)];
+                out_.corners.push_back(first + v);
+                out_.cornerNormals.push_back(normal[v]);
+            }
             out_.firstCorner.push_back(static_cast<uint32_t>(out_.corners.size()));
             out_.material.push_back(material);
             out_.group.push_back(static_cast<uint32_t>(out_.groups.size() - 1));

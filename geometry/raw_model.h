@@ -24,7 +24,7 @@ struct RawModel {
     std::vector<uint32_t> corners;
     std::vector<uint32_t> firstCorner{0};
     // Per corner, in the file's own axes, of any length: what a curved surface is smooth by. 0 where the file
-    // gives none; empty where its reader does not look.
+    // gives none.
     std::vector<glm::vec3> cornerNormals;
     std::vector<uint32_t> material; // per face, into `materials`
     std::vector<uint32_t> group;    // per face, into `groups`
