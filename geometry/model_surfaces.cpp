@@ -30,7 +30,8 @@ glm::dvec3 normalAt(const RawModel& model, uint32_t face, glm::dvec3 p) {
         if (off < nearest) nearest = off, best = k;
     }
     const glm::dvec3 n(model.cornerNormals[model.firstCorner[face] + best]);
-    return n == glm::dvec3(0) ? n : glm::normalize(n);
+    const double size = glm::length(n);
+    return size > 0 && std::isfinite(size) ? n / size : glm::dvec3(0);
 }
 
 // What is known of two faces at the edge between them.
