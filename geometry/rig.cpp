@@ -19,6 +19,7 @@ namespace heliodon::geometry {
 namespace {
 
 using nlohmann::json;
+using namespace std::string_view_literals;
 
 struct Distorted {
     glm::dvec2 point;
@@ -81,11 +82,16 @@ public:
         return value_.get<std::string>();
     }
     bool isText() const { return value_.is_string(); }
-    // The places of an object's fields that are none of `known`.
-    void listOthers(std::span<const char* const> known, std::vector<std::string>& others) const {
-        for (const auto& [key, value] : value_.items())
-            if (std::ranges::find(known, std::string_view(key)) == known.end())
-                others.push_back(path_ + "." + key);
+    // An object's fields that are none of `known`; of what notes of other programs are welcome in, only those
+    // that may be misspelt.
+    void listOthers(std::span<const std::string_view> known, std::vector<std::string>& others,
+                    bool welcome = false) const {
+        for (const auto& [key, value] : value_.items()) {
+            if (std::ranges::find(known, std::string_view(key)) != known.end()) continue;
+            const std::string_view meant = meantBy(key, known);
+            if (welcome && meant.empty()) continue;
+            others.push_back(unknownField(path_.empty() ? key : path_ + "." + key, meant));
+        }
     }
     // [row][column], as the file has it.
     std::array<std::array<double, 3>, 3> matrix3() const {
@@ -147,11 +153,11 @@ bool foldsBack(const OpticalDevice& device) {
 }
 
 // `centre` is written for people, R and t say it.
-constexpr std::array kOfRig{"format", "set",        "units", "conventions",        "table",
-                            "camera", "projectors", "site",  "surface_reflectance"};
-constexpr std::array kOfCamera{"id", "width", "height", "K", "dist", "R", "t", "centre"};
-constexpr std::array kOfProjector{"id", "width",  "height", "K",           "dist",     "R",
-                                  "t",  "centre", "lumens", "black_level", "response", "display"};
+constexpr std::array kOfRig{"format"sv, "set"sv,        "units"sv, "conventions"sv,        "table"sv,
+                            "camera"sv, "projectors"sv, "site"sv,  "surface_reflectance"sv};
+constexpr std::array kOfCamera{"id"sv, "width"sv, "height"sv, "K"sv, "dist"sv, "R"sv, "t"sv, "centre"sv};
+constexpr std::array kOfProjector{"id"sv, "width"sv,  "height"sv, "K"sv,           "dist"sv,     "R"sv,
+                                  "t"sv,  "centre"sv, "lumens"sv, "black_level"sv, "response"sv, "display"sv};
 
 void readDevice(const Field& field, OpticalDevice& device) {
     device.width = field["width"].pixels();
@@ -180,14 +186,6 @@ Projector readProjector(const Field& field, size_t index) {
     }
     if (field.has("display")) projector.display = field["display"].text();
     return projector;
-}
-
-// Notes of other programs are welcome in a rig, misspellings not.
-void listMisspelt(const json& rig, std::vector<std::string>& fields) {
-    for (const auto& [key, value] : rig.items())
-        if (std::ranges::find(kOfRig, std::string_view(key)) == kOfRig.end() &&
-            std::ranges::any_of(kOfRig, [&](const char* known) { return beginAlike(known, key); }))
-            fields.push_back(key);
 }
 
 } // namespace
@@ -274,7 +272,7 @@ Rig rigOf(const json& document, const std::string& file) {
     if (root.has("site"))
         rig.site = Site{root["site"]["latitude_deg"].numberWithin(-90, 90),
                         root["site"]["longitude_deg"].numberWithin(-180, 180)};
-    listMisspelt(document, rig.unknownFields);
+    root.listOthers(kOfRig, rig.unknownFields, true);
     return rig;
 }
 

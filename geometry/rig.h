@@ -66,8 +66,7 @@ struct Rig {
     std::vector<Projector> projectors; // kMostProjectors at most
     double surfaceReflectance = 0.84;  // of the physical walls and table: white foam core, museum board
     std::optional<Site> site;
-    // Not of this format: "projectors[0].lumnes"; outside devices only what may be a misspelling:
-    // "projector".
+    // Not of this format: "projectors[0].lumnes (lumens?)"; outside devices only what may be a misspelling.
     std::vector<std::string> unknownFields;
 };
 

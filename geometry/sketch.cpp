@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 #include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -41,16 +42,15 @@ public:
         return place_.empty() ? std::string(field) : place_ + "." + std::string(field);
     }
 
-    // Fields that nobody has asked for.
-    std::vector<std::string> unread() const {
-        std::vector<std::string> fields;
-        for (const auto& [field, value] : json_.items())
-            if (!asked_.contains(field)) fields.push_back(field);
-        return fields;
-    }
-    bool isLikeOne(const std::string& field) const {
-        return std::ranges::any_of(asked_,
-                                   [&](const std::string& known) { return beginAlike(known, field); });
+    // Fields that nobody has asked for; of what notes of other programs are welcome in, only those that may
+    // be misspelt.
+    void listUnread(std::vector<std::string>& fields, bool welcome = false) const {
+        const std::vector<std::string_view> known(asked_.begin(), asked_.end());
+        for (const auto& [field, value] : json_.items()) {
+            if (asked_.contains(field)) continue;
+            const std::string_view meant = meantBy(field, known);
+            if (!welcome || !meant.empty()) fields.push_back(unknownField(at(field), meant));
+        }
     }
 
     // nullptr when absent; null counts as absent.
@@ -217,7 +217,7 @@ std::vector<Item> readList(const Object& root, const char* field, const std::str
         Item item = read(in);
         item.id = in.text("id", "");
         item.detection = readDetection(in);
-        for (const std::string& other : in.unread()) unknown.push_back(in.at(other));
+        in.listUnread(unknown);
         if (!item.id.empty() && !taken.insert(item.id).second)
             in.fail("id", fmt::format("\"{}\" is used twice", item.id));
         items.push_back(std::move(item));
@@ -328,8 +328,11 @@ Sketch readSketch(const std::filesystem::path& file) {
     Sketch sketch;
     sketch.id = root.text("id", file.stem().string());
     sketch.title = root.text("title", "");
-    if (const Json* table = root.find("table"))
-        sketch.tableDiameter = Object(name, "table", *table).positive("diameter", Sketch{}.tableDiameter);
+    if (const Json* tableJson = root.find("table")) {
+        const Object in(name, "table", *tableJson);
+        sketch.tableDiameter = in.positive("diameter", Sketch{}.tableDiameter);
+        in.listUnread(sketch.unknownFields, true);
+    }
     sketch.walls = readList<Wall>(root, "walls", "w", readWall, sketch.unknownFields);
     sketch.arcs = readList<Arc>(root, "arcs", "a", readArc, sketch.unknownFields);
     sketch.windows = readList<WindowMarker>(root, "windows", "win", readWindow, sketch.unknownFields);
@@ -338,9 +341,9 @@ Sketch readSketch(const std::filesystem::path& file) {
     if (const Json* northJson = root.find("north")) {
         const Object in(name, "north", *northJson);
         sketch.north = NorthArrow{in.point("pos"), in.number("dir_deg"), readDetection(in)};
+        in.listUnread(sketch.unknownFields, true);
     }
-    for (const std::string& other : root.unread()) // notes of other programs are welcome, misspellings not
-        if (root.isLikeOne(other)) sketch.unknownFields.push_back(other);
+    root.listUnread(sketch.unknownFields, true);
     checkReferences(root, sketch);
     return sketch;
 }

@@ -1,7 +1,10 @@
 // Skies as users name them: --sky options and `vh-sky/1` files.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
+#include <span>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
@@ -19,9 +22,15 @@ namespace {
 
 using geometry::InputError;
 using nlohmann::json;
+using namespace std::string_view_literals;
 
 constexpr double kBrightest = 1e10; // cd/m2 or lux: above the sun's own luminance something else was meant
 constexpr const char* kOption = "--sky";
+
+constexpr std::array kOfSky{"format"sv, "model"sv,   "type"sv,  "zenith_luminance_cdm2"sv,
+                            "norm"sv,   "Lz_cdm2"sv, "abcde"sv, "sun_direction"sv,
+                            "sun"sv,    "ground"sv,  "A_cdm2"sv};
+constexpr std::array kOfGround{"albedo"sv, "luminance_cdm2"sv};
 
 [[noreturn]] void refuseOption(const std::string& option, const std::string& why) {
     throw InputError(
@@ -56,6 +65,16 @@ struct Field {
 
     [[noreturn]] void refuse(const std::string& what) const { throw InputError(file, name, what); }
 
+    // Nothing of `known` may be misspelt; a sun that is not read is a sun that does not shine.
+    void refuseMisspelt(std::span<const std::string_view> known) const {
+        for (const auto& [key, ignored] : value.items()) {
+            if (std::ranges::find(known, std::string_view(key)) != known.end()) continue;
+            if (const std::string_view meant = geometry::meantBy(key, known, geometry::Alike::near);
+                !meant.empty())
+                Field{value, file, path(key)}.refuse(
+                    fmt::format("is no field of a sky, expected \"{}\"", meant));
+        }
+    }
     bool has(const char* key) const { return value.contains(key); }
     Field at(const char* key) const {
         if (!value.contains(key)) Field{value, file, path(key)}.refuse("is missing");
@@ -129,6 +148,7 @@ Sky readSky(const std::filesystem::path& path, geometry::UpAxis axes) {
     const Field root{document, file, ""};
     root.asObject();
     if (root.at("format").value != "vh-sky/1") root.at("format").refuse("expected \"vh-sky/1\"");
+    root.refuseMisspelt(kOfSky);
     Sky sky = distribution(root, axes);
     sky.sun.direction = sky.shapeDirection;
     if (root.has("sun")) {
@@ -143,6 +163,7 @@ Sky readSky(const std::filesystem::path& path, geometry::UpAxis axes) {
     if (root.has("ground")) {
         const Field ground = root.at("ground");
         ground.asObject();
+        ground.refuseMisspelt(kOfGround);
         if (ground.has("albedo")) albedo = ground.at("albedo").number(0, 1);
         if (ground.has("luminance_cdm2")) luminance = ground.at("luminance_cdm2").number(0, kBrightest);
     }

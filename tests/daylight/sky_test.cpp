@@ -304,7 +304,10 @@ TEST(SkyFile, wrong_fields_are_named) {
         {R"({"format":"vh-sky/1","model":"perez","A_cdm2":1,"sun_direction":[0,0,1],"abcde":[1,2,3]})",
          ":abcde: "},
         {R"({"format":"vh-sky/1","model":"perez","A_cdm2":1,"sun_direction":[0,0,1],"abcde":[1,9,3,4,5]})",
-         ":abcde: "}};
+         ":abcde: "},
+        {R"({"format":"vh-sky/1","model":"cie_overcast","zenith_luminance_cdm2":1,"snu":{}})", ":snu: "},
+        {R"({"format":"vh-sky/1","model":"cie_overcast","zenith_luminance_cdm2":1,"ground":{"albdeo":1}})",
+         ":ground.albdeo: "}};
     for (const auto& c : cases) {
         std::ofstream(file) << c.text;
         try {

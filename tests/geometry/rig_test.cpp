@@ -150,9 +150,11 @@ TEST(Rig, names_fields_that_it_does_not_know) {
     const std::string wrong = replaced(replaced(kPlainRig, "lumens", "lumnes"), "\"t\": [0, 0, 2]",
                                        "\"t\": [0, 0, 2], \"distortion\": [0.1]");
     EXPECT_EQ(readRig(written(wrong)).unknownFields,
-              (std::vector<std::string>{"camera.distortion", "projectors[0].lumnes"}));
+              (std::vector<std::string>{"camera.distortion (dist?)", "projectors[0].lumnes (lumens?)"}));
     const std::string alone = replaced(kPlainRig, "\"projectors\":", "\"note\": 1, \"Projector\":");
-    EXPECT_EQ(readRig(written(alone)).unknownFields, std::vector<std::string>{"Projector"});
+    EXPECT_EQ(readRig(written(alone)).unknownFields, std::vector<std::string>{"Projector (projectors?)"});
+    const std::string turned = replaced(kPlainRig, "\"projectors\":", "\"porjectors\":");
+    EXPECT_EQ(readRig(written(turned)).unknownFields, std::vector<std::string>{"porjectors (projectors?)"});
 }
 
 TEST(Rig, makes_a_rounded_rotation_orthonormal) {

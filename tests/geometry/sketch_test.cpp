@@ -126,12 +126,15 @@ TEST_F(SketchFile, other_units_and_scales_are_refused) {
 }
 
 TEST_F(SketchFile, misspelt_fields_are_named) {
-    const Sketch sketch =
-        read(R"({"format": "vh-sketch/1", "window": [], "expect": {}, "difficulty": 3, "notes": "",
+    const Sketch sketch = read(
+        R"({"format": "vh-sketch/1", "window": [], "widnows": [], "nroth": 1, "expect": {}, "difficulty": 3, "notes": "",
+        "table": {"diamter": 100, "center": [0, 0]},
         "walls": [{"a": [0, 0], "b": [5, 0], "height_class": "red", "thicknes": 1},
                   {"a": [0, 0], "b": [0, 5], "height_class": "red", "thickness": 1}],
         "north": {"pos": [0, 0], "dir_deg": 90}})");
-    EXPECT_EQ(sketch.unknownFields, (std::vector<std::string>{"walls[0].thicknes", "window"}));
+    EXPECT_EQ(sketch.unknownFields,
+              (std::vector<std::string>{"table.diamter (diameter?)", "walls[0].thicknes (thickness?)",
+                                        "window (windows?)", "widnows (windows?)", "nroth (north?)"}));
 }
 
 TEST_F(SketchFile, missing_ids_are_given_and_do_not_collide) {
