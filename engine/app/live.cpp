@@ -7,6 +7,7 @@
 #include "compute/gpu/image.h"
 #include "engine/app/blinds.h"
 #include "engine/app/commands.h"
+#include "engine/app/file_watch.h"
 #include "engine/app/interrupt.h"
 #include "engine/app/live_controls.h"
 #include "engine/app/live_outputs.h"
@@ -27,9 +28,10 @@ constexpr double kOperatorBusy = 1.0 / 30, kOperatorIdle = 0.25; // seconds from
 class LiveSession {
 public:
     LiveSession(Run& run, const LiveArguments& arguments)
-        : run_(run), arguments_(arguments), rig_(loadRig(run, arguments.scene.rig)),
-          source_(run, arguments.moment, sceneOfRig()), controls_(source_, arguments),
-          script_(scriptOf(arguments)), outputs_(std::in_place, run, rig_, arguments), slots_(run),
+        : run_(run), arguments_(arguments), rigFile_(arguments.scene.rig),
+          rig_(loadRig(run, arguments.scene.rig)), source_(run, arguments.moment, sceneOfRig()),
+          controls_(source_, arguments), script_(scriptOf(arguments)),
+          outputs_(std::in_place, run, rig_, arguments), slots_(run),
           light_(board_, present::wakeUp, [this] { makeSceneAgain(); }),
           maker_(arguments.scene, rig_, slots_, board_, tables_,
                  [this](SceneChange change) { light_.change(std::move(change)); }),
@@ -133,6 +135,11 @@ private:
 
     // The windows show the latest; who runs without them reads it here.
     void say() {
+        if (rigFile_.changes())
+            run_.warn(
+                fmt::format("{}: has been changed; what is shown is still by what it was when live began, "
+                            "which has to be started again",
+                            arguments_.scene.rig.string()));
         for (const LiveStatus::Message& message : board_.takeUnsaid())
             message.warning ? run_.warn(message.text) : run_.note(message.text);
     }
@@ -348,6 +355,7 @@ private:
 
     Run& run_;
     const LiveArguments& arguments_;
+    FileWatch rigFile_; // first: nothing written after it was read is missed
     geometry::Rig rig_;
     SkySource source_;
     LiveControls controls_;

@@ -50,6 +50,11 @@ struct LiveStatus {
         ++refusals;
         unsaid.push_back({true, "not shown: " + why});
     }
+    // Of a sketch that is shown from now on: of its picture and its rooms.
+    void warnOfScene() {
+        for (const std::string& warning : detectWarnings) unsaid.push_back({true, warning});
+        for (const nlohmann::json& warning : scene["warnings"]) unsaid.push_back({true, warning});
+    }
     // What the camera is, or, where it `fails`, why there is none.
     void describeCamera(const std::string& what, bool fails) {
         const bool changes = fails != cameraFails || unnamed;

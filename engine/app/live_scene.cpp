@@ -207,6 +207,7 @@ void LiveSceneMaker::make(const SeenTable& seen) {
         status.refused.clear();
         status.scene = made->report;
         status.sketches += !anew;
+        status.warnOfScene();
     });
     deliver_(std::move(change));
 }

@@ -233,6 +233,8 @@ TEST_F(Live, a_look_after_the_end_of_a_replay_is_an_error) {
 TEST_F(Live, ends_cleanly_with_ctrl_c_and_with_its_windows) {
     std::thread hand([this] {
         waitFor("up-operator");
+        fs::copy_file(kRig, folder / "rig.json", fs::copy_options::overwrite_existing);
+        std::this_thread::sleep_for(std::chrono::milliseconds(1500));
         kill(pid_t(std::stoi(readText(folder / "pid"))), SIGINT);
     });
     writeText(folder / "script", "wait\nsnapshot up\n");
@@ -252,6 +254,11 @@ TEST_F(Live, ends_cleanly_with_ctrl_c_and_with_its_windows) {
     EXPECT_EQ(report["live"]["sketches"], 1);
     EXPECT_NE(report["table"]["warnings"].dump().find("'P1' reaches no wall"), std::string::npos)
         << report["table"];
+    // Said where nobody looks at the windows, too; and that the rig is not the one that is shown by.
+    EXPECT_NE(report["warnings"].dump().find("'P1' reaches no wall"), std::string::npos)
+        << report["warnings"];
+    EXPECT_NE(report["warnings"].dump().find("rig.json: has been changed"), std::string::npos)
+        << report["warnings"];
 
     const Outcome closed =
         live("file:" + kPhoto,
