@@ -2,6 +2,7 @@
 #include "compute/daylight/epw.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <memory>
 #include <string_view>
@@ -51,6 +52,8 @@ std::string readLines(const std::string& file) {
     std::string text = readText(file);
     if (text.starts_with("PK\x03\x04"))
         throw InputError(file, "", "is a zip archive, expected the .epw in it");
+    if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
+        throw InputError(file, "", "is UTF-16 text, expected UTF-8 or plain letters");
     if (text.find('\n') == text.npos) std::replace(text.begin(), text.end(), '\r', '\n');
     return text;
 }
@@ -60,6 +63,11 @@ std::string_view trim(std::string_view text) {
     while (!text.empty() && blank(text.front())) text.remove_prefix(1);
     while (!text.empty() && blank(text.back())) text.remove_suffix(1);
     return text;
+}
+
+bool sameWord(std::string_view a, std::string_view b) {
+    return std::ranges::equal(
+        a, b, [](unsigned char c, unsigned char d) { return std::tolower(c) == std::tolower(d); });
 }
 
 Cells splitCells(std::string_view line) {
@@ -104,7 +112,9 @@ struct Line {
             refuse(fmt::format("field {} ({}) is {:g}, expected a whole number", field + 1, name, v));
         return static_cast<int>(v);
     }
+    bool isBlank(size_t field) const { return field < cells.size() && cells[field].empty(); }
     std::optional<double> irradiance(size_t field, const char* name) const {
+        if (isBlank(field)) return std::nullopt;
         const double v = value(field, name);
         if (v >= kMissingIrradiance || v <= -kMissingIrradiance) return std::nullopt;
         if (v < -50 || v > kGreatestIrradiance)
@@ -118,38 +128,81 @@ struct Period {
     Date first{2001, 1, 1}, last{2001, 12, 31}; // of a common year
 };
 
+// 1 to 12 by its first three letters.
+std::optional<double> monthNamed(std::string_view word) {
+    for (int month = 1; month <= 12; ++month)
+        if (sameWord(word.substr(0, 3), monthName(month).substr(0, 3))) return month;
+    return std::nullopt;
+}
+
+// "6/20", "6/20/2003"; "20-Jun" or "Jun-20", as spreadsheets make of it; 171, the day of a common year.
 std::optional<Date> monthAndDay(std::string_view text) {
-    const size_t slash = text.find('/');
-    if (slash == text.npos) return std::nullopt;
-    const auto month = geometry::signedNumberFrom(trim(text.substr(0, slash)));
-    std::string_view rest = text.substr(slash + 1);
-    const auto day = geometry::signedNumberFrom(trim(rest.substr(0, rest.find('/'))));
+    Cells words;
+    const auto isPart = [](unsigned char c) { return std::isalnum(c) != 0; };
+    for (auto at = text.begin(); (at = std::find_if(at, text.end(), isPart)) != text.end();) {
+        const auto end = std::find_if_not(at, text.end(), isPart);
+        words.emplace_back(at, end);
+        at = end;
+    }
+    if (words.empty() || words.size() > 3) return std::nullopt;
+    if (words.size() == 1) {
+        const auto day = geometry::numberFrom(words[0]);
+        if (!day || *day != std::floor(*day) || *day < 1 || *day > 366) return std::nullopt;
+        const int64_t days = daysSinceEpoch({2001, 1, 1}) + static_cast<int64_t>(std::min(*day, 365.0)) - 1;
+        return dateFromDays(days);
+    }
+    if (monthNamed(words[1])) std::swap(words[0], words[1]);
+    const auto named = monthNamed(words[0]);
+    const auto month = named ? named : geometry::numberFrom(words[0]);
+    const auto day = geometry::numberFrom(words[1]);
     if (!month || !day || *month < 1 || *month > 12 || *day < 1 ||
         *day > daysInMonth(2000, static_cast<int>(*month)))
         return std::nullopt;
     return Date{2001, static_cast<int>(*month), static_cast<int>(*day)};
 }
 
+// What a file is expected to cover, and by what.
+struct Coverage {
+    std::vector<Period> periods;
+    int recordsPerHour = 1;
+    std::string by;
+};
+
 // DATA PERIODS,n,records an hour,{name,week day,first,last} n times.
-std::vector<Period> dataPeriods(const Line& line, EpwFile& epw) {
+Coverage readCoverage(const Line& line, EpwFile& epw) {
     const auto count = line.cells.size() > 1 ? geometry::signedNumberFrom(line.cells[1]) : std::nullopt;
     const auto perHour = line.cells.size() > 2 ? geometry::signedNumberFrom(line.cells[2]) : std::nullopt;
     if (perHour && (*perHour < 1 || *perHour > 60 || std::fmod(60.0, *perHour) != 0))
         line.refuse(fmt::format("field 3 (records per hour) is {:g}, expected a divisor of 60", *perHour));
-    epw.recordsPerHour = perHour ? static_cast<int>(*perHour) : 1;
-    std::vector<Period> periods;
-    for (size_t i = 0; count && i < static_cast<size_t>(std::clamp(*count, 0.0, 366.0)); ++i) {
+    Coverage coverage;
+    coverage.recordsPerHour = perHour ? static_cast<int>(*perHour) : 1;
+    const auto wanted = static_cast<size_t>(std::clamp(count.value_or(0), 0.0, 366.0));
+    for (size_t i = 0; i < wanted; ++i) {
         const size_t at = 3 + 4 * i;
         const auto first = at + 2 < line.cells.size() ? monthAndDay(line.cells[at + 2]) : std::nullopt;
         const auto last = at + 3 < line.cells.size() ? monthAndDay(line.cells[at + 3]) : std::nullopt;
-        if (first && last) periods.push_back({*first, *last});
+        if (first && last) coverage.periods.push_back({*first, *last});
     }
-    if (!count || !perHour || periods.empty()) {
-        epw.warnings.push_back(
-            fmt::format("Line {}: DATA PERIODS could not be read; a whole year is expected.", line.number));
-        return {Period{}};
+    if (perHour && !coverage.periods.empty() && coverage.periods.size() == wanted) {
+        coverage.by = fmt::format("{} record{} an hour by DATA PERIODS", coverage.recordsPerHour,
+                                  coverage.recordsPerHour == 1 ? "" : "s");
+        return coverage;
     }
-    return periods;
+    // Most files are a year whatever this line says; what is none is refused by its records.
+    coverage.by = fmt::format("a whole year, since DATA PERIODS, line {}, could not be read", line.number);
+    epw.warnings.push_back(
+        fmt::format("Line {}: DATA PERIODS could not be read; a whole year is expected.", line.number));
+    coverage.periods = {Period{}};
+    return coverage;
+}
+
+[[noreturn]] void refuseFirst(const Line& line) {
+    const std::string_view word = line.cells[0];
+    if (sameWord(word.substr(0, 6), "place "))
+        line.refuse("begins as a .wea, expected the .epw that it was made from");
+    if (sameWord(word.substr(0, 8), "LOCATION"))
+        line.refuse(fmt::format("has '{}' between its fields, expected commas", word.substr(8, 1)));
+    line.refuse("expected LOCATION, the first line of an EPW file");
 }
 
 void readLocation(const Line& line, EpwFile& epw) {
@@ -213,8 +266,9 @@ Stamp readStamp(const Line& line) {
 EpwRecord readRecord(const Line& line, EpwFile& epw) {
     EpwRecord record;
     record.line = line.number;
-    const double dewPoint = line.value(7, "dew point");
-    if (dewPoint > -90 && dewPoint < 70) record.dewPointC = dewPoint; // 99.9 = missing
+    std::optional<double> dewPoint;
+    if (!line.isBlank(7)) dewPoint = line.value(7, "dew point");
+    if (dewPoint && *dewPoint > -90 && *dewPoint < 70) record.dewPointC = dewPoint; // 99.9 = missing
     record.global = line.irradiance(13, "global horizontal radiation");
     record.direct = line.irradiance(14, "direct normal radiation");
     record.diffuse = line.irradiance(15, "diffuse horizontal radiation");
@@ -229,13 +283,16 @@ EpwRecord readRecord(const Line& line, EpwFile& epw) {
 // file has it.
 class Sequence {
 public:
-    Sequence(std::vector<Period> periods, int perHour)
-        : periods_(std::move(periods)), perHour_(perHour), date_(periods_[0].first) {}
+    explicit Sequence(Coverage coverage)
+        : periods_(std::move(coverage.periods)), perHour_(coverage.recordsPerHour),
+          by_(std::move(coverage.by)), date_(periods_[0].first) {}
 
     bool finished() const { return period_ == periods_.size(); }
     bool hoursFromZero() const { return fromZero_; }
     bool clockAtEnd() const { return clockAtEnd_; }
-    std::string expected() const { return fmt::format("{}/{} hour {}", date_.month, date_.day, hour_); }
+    std::string expected() const {
+        return fmt::format("{}/{} hour {} ({})", date_.month, date_.day, hour_, by_);
+    }
 
     void accept(const Line& line, const Stamp& stamp, EpwRecord& record) {
         if (!year_) fromZero_ = stamp.hour == 0;
@@ -243,12 +300,11 @@ public:
         // 29 February has been stepped over already: step back to it.
         if (leapDay && !leapDayDone_ && hour_ == 1 && part_ == 0 && date_.month == 3 && date_.day == 1)
             date_ = {2001, 2, 29};
-        if (finished()) line.refuse("a record after the end of the data period");
+        if (finished()) line.refuse(fmt::format("a record after the end of the data period ({})", by_));
         const bool byClock = endsNow(stamp);
         if (!byClock && (!isOn(stamp.date, date_) || stamp.hour + fromZero_ != hour_))
-            line.refuse(fmt::format("is {}/{} hour {}, expected {} ({} record{} an hour by DATA PERIODS)",
-                                    stamp.date.month, stamp.date.day, stamp.hour + fromZero_, expected(),
-                                    perHour_, perHour_ == 1 ? "" : "s"));
+            line.refuse(fmt::format("is {}/{} hour {}, expected {}", stamp.date.month, stamp.date.day,
+                                    stamp.hour + fromZero_, expected()));
         clockAtEnd_ |= byClock;
         if (!byClock || !year_) year_ = stamp.date.year; // at midnight of New Year the clock has the next
         record.date = {*year_, date_.month, date_.day};
@@ -289,6 +345,7 @@ private:
 
     std::vector<Period> periods_;
     int perHour_;
+    std::string by_; // what they are expected by
     size_t period_ = 0;
     Date date_;
     int hour_ = 1, part_ = 0;
@@ -319,14 +376,16 @@ EpwFile readEpw(const std::filesystem::path& path) {
             continue;
         const Line line{file, number, splitCells(content)};
         if (!located) {
-            if (line.cells[0] != "LOCATION") line.refuse("expected LOCATION, the first line of an EPW file");
+            if (!sameWord(line.cells[0], "LOCATION")) refuseFirst(line);
             readLocation(line, epw);
             located = true;
         } else if (!sequence) {
-            if (content.starts_with("COMMENTS")) readComment(content, epw);
-            if (line.cells[0] == "DATA PERIODS")
-                sequence.emplace(dataPeriods(line, epw), epw.recordsPerHour);
-            else if (geometry::signedNumberFrom(line.cells[0]))
+            if (sameWord(content.substr(0, 8), "COMMENTS")) readComment(content, epw);
+            if (sameWord(line.cells[0], "DATA PERIODS")) {
+                Coverage coverage = readCoverage(line, epw);
+                epw.recordsPerHour = coverage.recordsPerHour;
+                sequence.emplace(std::move(coverage));
+            } else if (geometry::signedNumberFrom(line.cells[0]))
                 line.refuse("a record before the line DATA PERIODS");
         } else {
             const Stamp stamp = readStamp(line);

@@ -252,7 +252,20 @@ void warnOfComponents(const EpwFile& epw, Weather& weather) {
             "No record has direct or diffuse irradiance (fields 15 and 16): all is dark.");
 }
 
+// A place for each record of a leap year.
+size_t placeOf(const Date& date, double clockHour, int recordsPerHour) {
+    const int day = dayOfYear({2000, date.month, date.day}) - 1;
+    const auto part = static_cast<size_t>(std::max(0.0, std::floor(clockHour * recordsPerHour)));
+    const size_t aDay = 24 * static_cast<size_t>(recordsPerHour);
+    return static_cast<size_t>(day) * aDay + std::min(part, aDay - 1);
+}
+
 } // namespace
+
+std::optional<size_t> Weather::recordOn(const Date& date, double clockHour) const {
+    const uint32_t record = byPlace.at(placeOf(date, clockHour, recordsPerHour));
+    return record == kNoRecord ? std::nullopt : std::optional<size_t>(record);
+}
 
 Weather readWeather(const std::filesystem::path& file) {
     EpwFile epw = readEpw(file);
@@ -270,6 +283,7 @@ Weather readWeather(const std::filesystem::path& file) {
     std::vector<Gap> gaps;
     size_t withoutDewPoint = 0, atNight = 0;
     weather.hours.reserve(epw.records.size());
+    weather.byPlace.assign(size_t{366} * 24 * static_cast<size_t>(weather.recordsPerHour), kNoRecord);
     for (const EpwRecord& record : epw.records) {
         WeatherHour hour;
         hour.date = record.date;
@@ -282,6 +296,8 @@ Weather readWeather(const std::filesystem::path& file) {
             ++withoutDewPoint;
         if (!hour.sun.isUp() && shinesAtNight(epw, record, shift)) ++atNight;
         gaps.push_back(fillFromRecord(record, hour));
+        uint32_t& there = weather.byPlace[placeOf(hour.date, hour.clockHour, weather.recordsPerHour)];
+        if (there == kNoRecord) there = static_cast<uint32_t>(weather.hours.size());
         weather.hours.push_back(hour);
     }
     if (atNight)
@@ -319,20 +335,12 @@ double clockSecondsOf(const Weather& weather, double utc) {
 // the 28th.
 std::optional<size_t> recordAt(const Weather& weather, double utc) {
     const double local = clockSecondsOf(weather, utc);
-    const auto day = static_cast<int64_t>(std::floor(local / 86400.0));
-    const double clock = (local - static_cast<double>(day) * 86400.0) / 3600.0;
-    const Date date = dateFromDays(day);
-    const auto find = [&](int dayOfMonth) -> std::optional<size_t> {
-        for (size_t i = 0; i < weather.hours.size(); ++i) {
-            const WeatherHour& h = weather.hours[i];
-            if (h.date.month == date.month && h.date.day == dayOfMonth &&
-                std::abs(h.clockHour - clock) <= 0.5 * weather.recordHours() + 1e-9)
-                return i;
-        }
-        return std::nullopt;
-    };
-    const auto found = find(date.day);
-    return found || date.month != 2 || date.day != 29 ? found : find(28);
+    const double day = std::floor(local / 86400.0);
+    const double clock = (local - day * 86400.0) / 3600.0;
+    const auto found = [&](const Date& date) { return weather.recordOn(date, clock); };
+    const Date date = dateFromDays(static_cast<int64_t>(day));
+    const auto here = found(date);
+    return here || date.month != 2 || date.day != 29 ? here : found({date.year, 2, 28});
 }
 
 } // namespace
@@ -344,8 +352,8 @@ std::optional<Sky> skyAt(const Weather& weather, double utc, const WeatherSky& o
     const double local = clockSecondsOf(weather, utc);
     const double clock = (local - std::floor(local / 86400.0) * 86400.0) / 3600.0;
     const double ahead = (clock - hour.clockHour) / weather.recordHours(); // -0.5 .. 0.5
-    const bool atStart = *here == 0, atEnd = *here + 1 == weather.hours.size();
-    const size_t next = ahead < 0 ? (atStart ? *here : *here - 1) : (atEnd ? *here : *here + 1);
+    const double toNext = (ahead < 0 ? -3600.0 : 3600.0) * weather.recordHours();
+    const size_t next = recordAt(weather, utc + toNext).value_or(*here);
     const double share = std::abs(ahead);
     const auto mix = [&](double a, double b) { return (1.0 - share) * a + share * b; };
     const WeatherHour& other = weather.hours[next];

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -30,6 +31,8 @@ struct WeatherHour {
     bool filled = false;            // irradiance was missing in the file and derived or borrowed
 };
 
+inline constexpr uint32_t kNoRecord = ~uint32_t{0};
+
 struct Weather {
     std::string place; // "Chicago Ohare Intl Ap, IL, USA"
     Site site;
@@ -42,19 +45,23 @@ struct Weather {
     std::vector<std::string> warnings; // one sentence each: gaps, odd conventions
 
     double recordHours() const { return 1.0 / recordsPerHour; }
+    // The record of a day of the (typical) year whose interval a clock reading in [0, 24) lies in, whatever
+    // its year, by its place in `hours`; none that the file does not cover. O(1).
+    std::optional<size_t> recordOn(const Date& date, double clockHour) const;
+    std::vector<uint32_t> byPlace; // of each record of a leap year: its place in `hours`, or kNoRecord
 };
 
 // Accepts gzip, CRLF, a byte-order mark, blank and '#' lines, lines of commas, Windows-1252, a missing
-// elevation (0 m), leap days, hours 0 to 23, clocks at the records' ends (midnight the next day's 0
-// o'clock, hours as 13:00), several records an hour and partial years. The header's summer time is not
-// asked, minutes only to tell such clocks: records follow one another. 9999 and above is missing: one
-// missing irradiance is derived from the other two (GHI = DNI sin h + DHI), both components from GHI alone
-// by Erbs, Klein and Duffie 1982, all three borrowed from the same hour of the nearest day within a week.
-// A negative direct irradiance is 0 (noise of the night), or missing where global less diffuse says that
-// the sun shone; light of the sun in the night is warned of and left out, and months are warned of whose
-// direct and diffuse irradiance do not add up to the global. Throws InputError(file, line, ...): a wrong
-// number, a record out of order, an end before the data period's, no irradiance by day at all. 0.2 s a
-// year.
+// elevation (0 m), capitals or not in the header, its dates as spreadsheets write them, leap days, hours 0 to
+// 23, clocks at the records' ends (midnight the next day's 0 o'clock, hours as 13:00), several records an
+// hour and partial years. The header's summer time is not asked, minutes only to tell such clocks: records
+// follow one another. 9999 and above, and a blank, is missing: one missing irradiance is derived from the
+// other two (GHI = DNI sin h + DHI), both components from GHI alone by Erbs, Klein and Duffie 1982, all three
+// borrowed from the same hour of the nearest day within a week. A negative direct irradiance is 0 (noise of
+// the night), or missing where global less diffuse says that the sun shone; light of the sun in the night is
+// warned of and left out, and months are warned of whose direct and diffuse irradiance do not add up to the
+// global. Throws InputError(file, line, ...): a wrong number, a record out of order, an end before the data
+// period's, no irradiance by day at all. 0.2 s a year.
 Weather readWeather(const std::filesystem::path& file);
 
 struct WeatherSky {
@@ -69,7 +76,8 @@ struct WeatherSky {
 Sky skyOfHour(const WeatherHour& hour, const WeatherSky& options = {});
 
 // For any instant: the sun's exact position with the irradiance interpolated linearly between the middles of
-// the records of that day of the (typical) year. None outside the period that the file covers.
+// the records of that day of the (typical) year, from December on to January. None outside the period that
+// the file covers.
 std::optional<Sky> skyAt(const Weather& weather, double utcSeconds, const WeatherSky& options = {});
 
 // Whether someone is there: the middle of the record lies in [from, to) o'clock. All days of the week (LM-83

@@ -1,5 +1,6 @@
 #include "compute/daylight/weather.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -48,7 +49,7 @@ std::string days(int month, int first, int last, Row row = {}) {
     for (row.day = first; row.day <= last; ++row.day)
         for (row.hour = 1; row.hour <= 24; ++row.hour) {
             const auto at = [&](const char* value) {
-                return (row.hour < 8 || row.hour > 18) && std::strlen(value) < 4 ? "0" : value;
+                return (row.hour < 8 || row.hour > 18) && *value != 0 && std::strlen(value) < 4 ? "0" : value;
             };
             row.global = at(day.global), row.direct = at(day.direct), row.diffuse = at(day.diffuse);
             all += text(row);
@@ -272,6 +273,80 @@ TEST(Weather, accepts_what_spreadsheets_and_old_editors_make_of_files) {
     ASSERT_EQ(flat.warnings.size(), 1u);
     EXPECT_NE(flat.warnings[0].find("elevation"), std::string::npos);
     EXPECT_NE(refusalOf("PK\x03\x04 and more").find("zip"), std::string::npos);
+    EXPECT_NE(refusalOf("\xff\xfeL").find("UTF-16"), std::string::npos);
+    std::string low = kHeader + records, semicolons = low;
+    low.replace(low.find("LOCATION"), 8, "Location").replace(low.find("DATA PERIODS"), 12, "data periods");
+    EXPECT_EQ(weatherOf(low).hours.size(), 24u);
+    std::ranges::replace(semicolons, ',', ';');
+    EXPECT_EQ(refusalOf(semicolons), ":1: has ';' between its fields, expected commas");
+    EXPECT_NE(refusalOf("place Somewhere\nlatitude 40\n").find(":1: begins as a .wea"), std::string::npos);
+}
+
+// What cannot be read is a whole year's: files are that as a rule.
+TEST(Weather, reads_the_dates_of_periods_as_spreadsheets_write_them) {
+    for (const auto& [first, last] : {std::pair{"6/1", "6/2"},
+                                      {"06/01/2003", "06/02/2003"},
+                                      {"1-Jun", "2-JUN"},
+                                      {"Jun-01", "Jun-02"},
+                                      {"1 June", "2 June"},
+                                      {"152", "153"}})
+        EXPECT_EQ(weatherOf(kHeader + periods(first, last) + days(6, 1, 2)).hours.size(), 48u) << first;
+    for (const auto& [first, last] : {std::pair{"6/1", "6/31"}, {"6/1", "?"}, {"", "6/2"}, {"0", "6/2"}})
+        EXPECT_EQ(refusalOf(kHeader + periods(first, last) + days(6, 1, 2)),
+                  ":6: is 6/1 hour 1, expected 1/1 hour 1 (a whole year, since DATA PERIODS, line 5, could "
+                  "not be read)")
+            << first << " to " << last;
+    // Nor is one period of two left out.
+    EXPECT_NE(refusalOf(kHeader + "DATA PERIODS,2,1,A,Sunday,6/1,6/1,B,Sunday,6/2,\n" + days(6, 1, 2))
+                  .find("line 5, could not be read"),
+              std::string::npos);
+}
+
+// Neighbours on the clock, not in the file: the record after the last of a period is not the next period's.
+TEST(Weather, sky_is_not_interpolated_between_days_far_apart) {
+    std::string records = "DATA PERIODS,3,1,A,Sunday,12/31,12/31,B,Sunday,6/1,6/1,C,Sunday,1/1,1/1\n";
+    for (const Row day : {Row{12, 31, 1, "800", "700", "150"}, {6, 1, 1}, {1, 1, 1, "400", "300", "100"}})
+        for (Row row = day; row.hour <= 24; ++row.hour) records += text(row);
+    std::string farEast = kHeader; // noon at midnight
+    farEast.replace(farEast.find("-77.03,-5.0"), 11, "-77.03,7.00");
+    const Weather w = weatherOf(farEast + records);
+    const auto direct = [&](const char* time) {
+        const double utc = clockSeconds(parseTime(time, ""));
+        return skyAt(w, utc)->sun.normalIlluminance / skyAt(w, w.hours[23].utc)->sun.normalIlluminance;
+    };
+    EXPECT_NEAR(direct("2026-12-31T23:59:59.9+07:00"), 500.0 / 700,
+                0.02); // half way to 1 January; the efficacy moves with it
+    EXPECT_NEAR(direct("2027-01-01T00:00:00.1+07:00"), 500.0 / 700, 0.02);
+    EXPECT_NEAR(direct("2026-12-31T23:30+07:00"), 1, 0.01);
+    EXPECT_EQ(direct("2026-06-01T00:01+07:00"), 0);
+    EXPECT_FALSE(skyAt(w, clockSeconds(parseTime("2026-06-02T00:01+07:00", ""))));
+}
+
+// Files of spreadsheets have nothing where others have 9999.
+TEST(Weather, a_blank_cell_is_a_missing_value) {
+    const std::string head = kHeader + periods("6/1", "6/2") + days(6, 1, 1, {6, 1, 1, "800", "700", "150"});
+    for (const Row& gap : {Row{6, 1, 1, "", "700", "150"},
+                           {6, 1, 1, "800", "", "150"},
+                           {6, 1, 1, "800", "700", ""},
+                           {6, 1, 1, "", "", ""},
+                           {6, 1, 1, "800", "700", "150", ""}}) {
+        Row missing = gap;
+        for (const char** cell : {&missing.global, &missing.direct, &missing.diffuse})
+            if (**cell == 0) *cell = "9999";
+        if (*missing.dewPoint == 0) missing.dewPoint = "99.9";
+        const Weather blank = weatherOf(head + days(6, 2, 2, gap)),
+                      nines = weatherOf(head + days(6, 2, 2, missing));
+        ASSERT_EQ(blank.hours.size(), 48u);
+        EXPECT_EQ(blank.warnings, nines.warnings);
+        for (size_t h = 24; h < 48; ++h) {
+            EXPECT_EQ(blank.hours[h].irradiance.directNormal, nines.hours[h].irradiance.directNormal);
+            EXPECT_EQ(blank.hours[h].irradiance.diffuseHorizontal,
+                      nines.hours[h].irradiance.diffuseHorizontal);
+            EXPECT_EQ(blank.hours[h].precipitableWaterCm, nines.hours[h].precipitableWaterCm);
+        }
+    }
+    EXPECT_EQ(refusalOf(kHeader + periods("6/1", "6/2") + days(6, 1, 2, {6, 1, 1, "", "", ""})).substr(0, 5),
+              ":11: ");
 }
 
 TEST(Weather, fills_gaps_and_says_so) {
