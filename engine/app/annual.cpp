@@ -2,7 +2,6 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
-#include <map>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -33,6 +32,7 @@ namespace {
 using daylight::Range;
 using nlohmann::json;
 
+constexpr const char* kHoursFile = "illuminance.npy"; // sensors x records
 // Of sensors at once five arrays of the year are held: 36 MB each at most.
 constexpr size_t kSensorsAtOnce = 256, kValuesAtOnce = kSensorsAtOnce * 4 * 8760;
 
@@ -102,9 +102,8 @@ struct Job {
 // Metrics of all sensors, block by block.
 struct Year {
     std::vector<daylight::SensorMetrics> sensors;
-    std::vector<size_t> outside;               // of these, in no room: dark, and not counted in any mean
-    std::vector<float> meanLux;                // of every record over the sensors in rooms
-    std::map<size_t, std::vector<float>> rows; // of sensors that get a map of their own
+    std::vector<size_t> outside; // of these, in no room: dark, and not counted in any mean
+    std::vector<float> meanLux;  // of every record over the sensors in rooms
     double occupiedLux = 0;
 
     size_t inRooms() const { return sensors.size() - outside.size(); }
@@ -140,34 +139,29 @@ std::vector<size_t> temporalRows(const std::string& text, size_t count) {
     return rows;
 }
 
-// Lines `month day hour lux lux ...`, the hour at the record's middle.
-class IllWriter {
-public:
-    IllWriter(const daylight::Weather& weather, size_t sensors) : weather_(weather), sensors_(sensors) {
-        values_.reserve(weather.hours.size() * sensors);
-    }
-    void add(std::span<const float> block) { values_.insert(values_.end(), block.begin(), block.end()); }
-    void write(const std::filesystem::path& file) const {
-        geometry::writeWhole(file, [&](const std::filesystem::path& aside) {
-            std::ofstream out(aside, std::ios::binary);
-            const size_t records = weather_.hours.size();
-            std::string line;
-            for (size_t h = 0; h < records; ++h) {
-                const daylight::WeatherHour& hour = weather_.hours[h];
+// Lines `month day hour lux lux ...`, the hour at the record's middle. `lux`: sensors x records; text goes
+// the other way round, so some records of all sensors are held at a time.
+void writeIll(const std::filesystem::path& file, const daylight::Weather& weather, size_t sensors,
+              MatrixFile& lux) {
+    const size_t records = weather.hours.size(),
+                 atOnce = std::clamp<size_t>(kValuesAtOnce / sensors, 1, records);
+    geometry::writeWhole(file, [&](const std::filesystem::path& aside) {
+        std::ofstream out(aside, std::ios::binary);
+        std::string line;
+        for (size_t first = 0; first < records; first += atOnce) {
+            const size_t count = std::min(atOnce, records - first);
+            const std::vector<float> block = lux.read(0, sensors, first, count);
+            for (size_t k = 0; k < count; ++k) {
+                const daylight::WeatherHour& hour = weather.hours[first + k];
                 line = fmt::format("{} {} {:.3f}", hour.date.month, hour.date.day, hour.clockHour);
-                for (size_t s = 0; s < sensors_; ++s)
-                    fmt::format_to(std::back_inserter(line), " {:.0f}", values_[s * records + h]);
+                for (size_t s = 0; s < sensors; ++s)
+                    fmt::format_to(std::back_inserter(line), " {:.0f}", block[s * count + k]);
                 out << line << '\n';
             }
-            if (!out.flush()) throw std::runtime_error(file.string() + ": could not be written (disk full?)");
-        });
-    }
-
-private:
-    const daylight::Weather& weather_;
-    size_t sensors_;
-    std::vector<float> values_; // sensors x records: text goes the other way round
-};
+        }
+        if (!out.flush()) throw std::runtime_error(file.string() + ": could not be written (disk full?)");
+    });
+}
 
 std::string temporalName(size_t row) {
     return fmt::format("temporal-{:04}", row);
@@ -180,8 +174,10 @@ void drawYear(Run& run, const Job& job, const Year& year) {
     const ValueScale lux = luxScale({year.meanLux.begin(), year.meanLux.end()});
     temporalChart(weather, year.meanLux, lux, fmt::format("Illuminance, mean of {} sensors", year.inRooms()))
         .write(arguments.output / ("temporal-mean" + extension));
-    for (const auto& [row, values] : year.rows)
-        temporalChart(weather, values, lux, fmt::format("Illuminance at sensor {}", row))
+    MatrixFile hours(arguments.output / kHoursFile, sensors.points.size(), job.records());
+    for (const size_t row : mapped)
+        temporalChart(weather, hours.read(row, 1, 0, job.records()), lux,
+                      fmt::format("Illuminance at sensor {}", row))
             .write(arguments.output / (temporalName(row) + extension));
     const std::string when = fmt::format("{} o'clock, weather of {}", arguments.occupied, weather.place);
     const auto plan = [&](const char* name, const std::string& title,
@@ -200,7 +196,7 @@ void drawYear(Run& run, const Job& job, const Year& year) {
 
 std::vector<std::string> filesOf(const AnnualArguments& arguments, const std::vector<size_t>& mapped) {
     const std::string extension = arguments.svg ? ".svg" : ".png";
-    std::vector<std::string> files{"illuminance.npy", "metrics.csv", "summary.json"};
+    std::vector<std::string> files{kHoursFile, "metrics.csv", "summary.json"};
     if (arguments.ill) files.emplace_back("illuminance.ill");
     for (const char* drawing : {"temporal-mean", "plan-da", "plan-udi"}) files.push_back(drawing + extension);
     for (const size_t row : mapped) files.push_back(temporalName(row) + extension);
@@ -307,18 +303,6 @@ daylight::Weather weatherFor(Run& run, const AnnualArguments& arguments) {
     return weather;
 }
 
-// What one block of sensors adds to the year: arrays of sensors x records. The mean is the sum as yet.
-void addBlock(Year& year, const Job& job, size_t first, std::span<const float> lux) {
-    const size_t records = job.records(), block = lux.size() / records;
-    for (size_t s = 0; s < block; ++s)
-        for (size_t h = 0; h < records; ++h) year.meanLux[h] += lux[s * records + h];
-    for (const size_t row : job.mapped)
-        if (row >= first && row < first + block) {
-            const auto from = lux.begin() + static_cast<std::ptrdiff_t>((row - first) * records);
-            year.rows[row].assign(from, from + static_cast<std::ptrdiff_t>(records));
-        }
-}
-
 // Computes the year, and writes it hour by hour.
 Year computeYear(Run& run, const Job& job) {
     const size_t records = job.records(), count = job.sensors.points.size();
@@ -329,8 +313,6 @@ Year computeYear(Run& run, const Job& job) {
     Progress progress("hours of the year", records, run.showsProgress());
     Year year;
     year.meanLux.assign(records, 0);
-    std::optional<IllWriter> ill;
-    if (job.arguments.ill) ill.emplace(job.weather, count);
     std::optional<compute::AnnualDaylight> annual;
     {
         const StageTimer timer(run, "sky");
@@ -340,7 +322,7 @@ Year computeYear(Run& run, const Job& job) {
                                static_cast<size_t>(std::lround(share * static_cast<double>(records))), share);
                        });
     }
-    NpyWriter::writeWhole(output / "illuminance.npy", count, records, [&](NpyWriter& out) {
+    NpyWriter::writeWhole(output / kHoursFile, count, records, [&](NpyWriter& out) {
         const size_t atOnce = std::clamp<size_t>(kValuesAtOnce / records, 1, kSensorsAtOnce);
         std::vector<float> lux, sun, error;
         for (size_t first = 0; first < count; first += atOnce) {
@@ -357,16 +339,18 @@ Year computeYear(Run& run, const Job& job) {
             const StageTimer timer(run, "metrics");
             addMetrics(
                 year, daylight::annualMetrics(lux, sun, occupied, job.options(), error, annual->beamEdges()));
-            addBlock(year, job, first, lux);
+            for (size_t at = 0; at < lux.size(); ++at) year.meanLux[at % records] += lux[at];
             out.write(lux);
-            if (ill) ill->add(lux);
         }
         startFiles(run, output, "annual", filesOf(job.arguments, job.mapped));
     });
     for (float& lux : year.meanLux) lux /= static_cast<float>(std::max<size_t>(year.inRooms(), 1));
     warnOfSensorsOutside(run, year.outside, count);
     reportYear(run, annual->report());
-    if (ill) ill->write(output / "illuminance.ill");
+    if (job.arguments.ill) {
+        MatrixFile hours(output / kHoursFile, count, records);
+        writeIll(output / "illuminance.ill", job.weather, count, hours);
+    }
     return year;
 }
 

@@ -240,32 +240,48 @@ void NpyWriter::writeWhole(const std::filesystem::path& file, size_t rowCount, s
     });
 }
 
-std::vector<float> readMatrix(const std::filesystem::path& file, size_t rowCount, size_t columnCount) {
+MatrixFile::MatrixFile(const std::filesystem::path& file, size_t rowCount, size_t columnCount)
+    : name_(file.string()), columnCount_(columnCount) {
     geometry::refuseUnreadable(file, "a matrix (.npy or .f32)");
-    std::ifstream in(file, std::ios::binary);
+    in_.open(file, std::ios::binary);
     if (file.extension() == ".npy") {
         std::array<char, 10> preamble{};
-        in.read(preamble.data(), preamble.size());
+        in_.read(preamble.data(), preamble.size());
         uint16_t length = 0;
         std::memcpy(&length, preamble.data() + 8, 2);
         std::string header(length, ' ');
-        in.read(header.data(), length);
+        in_.read(header.data(), length);
         const std::string shape = fmt::format("({}, {})", rowCount, columnCount);
-        if (!in || std::memcmp(preamble.data(), "\x93NUMPY\x01", 7) != 0 ||
+        if (!in_ || std::memcmp(preamble.data(), "\x93NUMPY\x01", 7) != 0 ||
             header.find("'<f4'") == std::string::npos ||
             header.find("'fortran_order': False") == std::string::npos ||
             header.find(shape) == std::string::npos)
-            throw InputError(file.string(), "",
-                             fmt::format("expected a NumPy array of float32 of shape {}", shape));
+            throw InputError(name_, "", fmt::format("expected a NumPy array of float32 of shape {}", shape));
+        begin_ = preamble.size() + length;
     }
-    std::vector<float> values(rowCount * columnCount);
-    in.read(reinterpret_cast<char*>(values.data()),
-            static_cast<std::streamsize>(values.size() * sizeof(float)));
-    if (!in || in.peek() != std::ifstream::traits_type::eof())
+    std::error_code unknown; // of what is no plain file
+    if (std::filesystem::file_size(file, unknown) != begin_ + rowCount * columnCount * sizeof(float))
         throw InputError(
-            file.string(), "",
+            name_, "",
             fmt::format("its size is not that of a {} x {} float32 matrix", rowCount, columnCount));
+}
+
+std::vector<float> MatrixFile::read(size_t firstRow, size_t rows, size_t firstColumn, size_t columns) {
+    std::vector<float> values(rows * columns);
+    // Whole rows in one go; parts of rows one by one.
+    const size_t step = columns == columnCount_ ? std::max<size_t>(rows, 1) : 1;
+    for (size_t row = 0; row < rows; row += step) {
+        const size_t place = (firstRow + row) * columnCount_ + firstColumn;
+        in_.seekg(static_cast<std::streamoff>(begin_ + place * sizeof(float)));
+        in_.read(reinterpret_cast<char*>(&values[row * columns]),
+                 static_cast<std::streamsize>(step * columns * sizeof(float)));
+    }
+    if (!in_) throw InputError(name_, "", "could not be read to its end");
     return values;
+}
+
+std::vector<float> readMatrix(const std::filesystem::path& file, size_t rowCount, size_t columnCount) {
+    return MatrixFile(file, rowCount, columnCount).read(0, rowCount, 0, columnCount);
 }
 
 } // namespace heliodon::app

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <fstream>
 #include <functional>
-#include <iosfwd>
 #include <span>
 #include <string>
 #include <vector>
@@ -58,7 +58,22 @@ private:
     size_t written_ = 0;
 };
 
-// A float32 matrix of rowCount x columnCount from .npy (version 1, '<f4', C order) or raw little-endian .f32.
+// A float32 matrix of rowCount x columnCount in a file, .npy (version 1, '<f4', C order) or raw little-endian
+// .f32, of which parts are read. Throws InputError where the file is no such matrix.
+class MatrixFile {
+public:
+    MatrixFile(const std::filesystem::path& file, size_t rowCount, size_t columnCount);
+
+    // Rows x columns values from there on, row-major.
+    std::vector<float> read(size_t firstRow, size_t rows, size_t firstColumn, size_t columns);
+
+private:
+    std::string name_;
+    std::ifstream in_;
+    size_t begin_ = 0, columnCount_; // byte of the first value
+};
+
+// All of it.
 std::vector<float> readMatrix(const std::filesystem::path& file, size_t rowCount, size_t columnCount);
 
 } // namespace heliodon::app

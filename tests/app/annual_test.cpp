@@ -1,5 +1,6 @@
 // `heliodon annual` and the plans as a user runs them.
 #include <numbers>
+#include <sstream>
 
 #include <nlohmann/json.hpp>
 
@@ -59,6 +60,17 @@ TEST_F(Annual, a_folder_of_results_appears) {
         << metrics.substr(0, 80);
     const std::string ill = readText(folder / "year/illuminance.ill");
     EXPECT_EQ(static_cast<size_t>(std::count(ill.begin(), ill.end(), '\n')), records);
+    std::istringstream lines(ill);
+    for (size_t h = 0; h < records; ++h) {
+        double month = 0, day = 0, hour = 0, value = 0;
+        lines >> month >> day >> hour;
+        EXPECT_EQ(day, h < 24 ? 28 : h < 48 ? 29 : 1);
+        EXPECT_EQ(hour, static_cast<double>(h % 24) + 0.5);
+        for (size_t s = 0; s < sensors; ++s) {
+            lines >> value;
+            EXPECT_NEAR(value, double{lux[s * records + h]}, 0.5001) << s << ", record " << h;
+        }
+    }
     for (const char* picture : {"temporal-mean.png", "temporal-0000.png", "plan-da.png", "plan-udi.png"})
         EXPECT_GT(std::filesystem::file_size(folder / "year" / picture), 2000u) << picture;
     const auto report = nlohmann::json::parse(readText(folder / "report.json"));

@@ -123,6 +123,10 @@ TEST_F(TableFile, tiles_lie_at_their_places_and_what_is_never_put_is_zero) {
         out.put(0, 1, 0, 4, std::vector<float>{1, 2, 3, 4});
     });
     EXPECT_EQ(readMatrix(in("m.npy"), 3, 4), (std::vector<float>{1, 2, 3, 4, 0, 0, 7, 8, 0, 0, 11, 12}));
+    MatrixFile file(in("m.npy"), 3, 4);
+    EXPECT_EQ(file.read(0, 3, 2, 2), (std::vector<float>{3, 4, 7, 8, 11, 12}));
+    EXPECT_EQ(file.read(1, 2, 0, 4), (std::vector<float>{0, 0, 7, 8, 0, 0, 11, 12}));
+    EXPECT_EQ(file.read(0, 1, 1, 1), (std::vector<float>{2}));
     EXPECT_THROW(NpyWriter::writeWhole(in("none/m.npy"), 3, 4, [](NpyWriter&) { FAIL(); }), InputError);
 }
 
