@@ -9,6 +9,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "compute/daylight/horizon_ribbon.h"
 #include "compute/glow_rows.h"
 #include "compute/parallel.h"
 #include "compute/stopwatch.h"
@@ -19,6 +20,7 @@ namespace heliodon::compute {
 namespace {
 
 constexpr size_t kCheckedSunless = 3, kCheckedSunny = 6;
+constexpr size_t kSolvedAtOnce = 8; // hours that share passes over F
 // Work in about milliseconds, for the bar, measured on 40 to 400 sensors, 600 to 2000 patches, whole and half
 // hours: an hour's sky, its sun; of a sensor what it answers, by patches, and its products, by hours with
 // light.
@@ -48,9 +50,11 @@ AnnualDaylight::AnnualDaylight(DaylightTransport& transport, std::vector<dayligh
     sunWork_ = kSunWork * static_cast<double>(suns_->sunny());
     makeSkies(parts);
     report_.hours = skies_.size();
-    report_.lit = lit_.size();
-    report_.sunless = static_cast<size_t>(
-        std::ranges::count_if(lit_, [&](uint32_t hour) { return !skies_[hour].hasSun(); }));
+    report_.solved = ribbons_.size();
+    report_.lit = lit_.size() + ribbons_.size();
+    for (const auto* hours : {&lit_, &ribbons_})
+        report_.sunless += static_cast<size_t>(
+            std::ranges::count_if(*hours, [&](uint32_t hour) { return !skies_[hour].hasSun(); }));
 }
 
 double AnnualDaylight::answerWork() const {
@@ -101,7 +105,9 @@ void AnnualDaylight::makeSkies(const TransportParts& parts) {
     const SecondsAdded clock(report_.skySeconds);
     if (parts.skyElements == 0) return;
     for (size_t h = 0; h < skies_.size(); ++h)
-        if (skies_[h].formula.scale > 0 || skies_[h].ground.luminance > 0)
+        if (skies_[h].formula.scale > 0 && daylight::hasHorizonRibbon(skies_[h].formula))
+            ribbons_.push_back(static_cast<uint32_t>(h));
+        else if (skies_[h].formula.scale > 0 || skies_[h].ground.luminance > 0)
             lit_.push_back(static_cast<uint32_t>(h));
     luminance_ = Panels(parts.skyElements, lit_.size());
     size_t told = 0;
@@ -254,6 +260,7 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
     }
     reportOf(responses, lux.size());
     checkAndSetErrors(lux, sun, error);
+    solveRibbons(lux, sun, error);
     sensorsDone_ += count;
     foreseeSun(count);
     tell(kProductWork * static_cast<double>(lit_.size() * count));
@@ -291,8 +298,8 @@ void AnnualDaylight::reportOf(const SensorResponses& responses, size_t values) {
 
 // Sunless ones first.
 std::vector<uint32_t> AnnualDaylight::checkedHours(size_t& sunless) const {
-    const std::vector<uint32_t> sunny(suns_->skies().begin(), suns_->skies().end());
-    std::vector<uint32_t> others;
+    std::vector<uint32_t> sunny, others;
+    std::ranges::set_difference(suns_->skies(), ribbons_, std::back_inserter(sunny));
     std::set_difference(lit_.begin(), lit_.end(), sunny.begin(), sunny.end(), std::back_inserter(others));
     std::vector<uint32_t> hours = spread(others, kCheckedSunless);
     sunless = hours.size();
@@ -340,6 +347,25 @@ void AnnualDaylight::checkAndSetErrors(std::span<const float> lux, std::span<con
     }
     for (const auto& [at, open] : beamEdges_) error[at] += open;
     report_.checkRms = checkCount_ > 0 ? std::sqrt(checkSquares_ / checkCount_) : 0;
+}
+
+void AnnualDaylight::solveRibbons(std::span<float> lux, std::span<float> sun, std::span<float> error) {
+    const SecondsAdded clock(report_.solvedSeconds);
+    const size_t hours = skies_.size();
+    for (size_t first = 0; first < ribbons_.size(); first += kSolvedAtOnce) {
+        std::vector<daylight::Sky> skies;
+        for (size_t k = first; k < std::min(first + kSolvedAtOnce, ribbons_.size()); ++k)
+            skies.push_back(skies_[ribbons_[k]]);
+        const std::vector<Moment> moments = transport_.light(skies);
+        for (size_t k = 0; k < moments.size(); ++k)
+            for (size_t s = 0; s < moments[k].sensors.size(); ++s) {
+                const LightParts& parts = moments[k].sensors[s];
+                const size_t at = s * hours + ribbons_[first + k];
+                lux[at] = static_cast<float>(photometric(parts.total()));
+                sun[at] = static_cast<float>(photometric(parts.sun));
+                error[at] = parts.error;
+            }
+    }
 }
 
 } // namespace heliodon::compute

@@ -7,7 +7,8 @@
 // coefficients, sun_i the sun's exactly clipped illuminance on patch i that hour. So a sensor costs one
 // solution of the radiosity system, an hour one row of luminances and one clipped sun, and the year their
 // product. Reciprocity (A_i F_ij = A_j F_ji) is used: where form factors keep it only to some error, results
-// differ from DaylightTransport::light by as much; `sensors` measures that on some hours of the year.
+// differ from DaylightTransport::light by as much; `sensors` measures that on some hours of the year. The few
+// hours whose sky has a ribbon at the horizon, too low for sky elements, are that function's own.
 #pragma once
 
 #include <cstddef>
@@ -32,7 +33,9 @@ struct YearReport {
     size_t withSun = 0;        // hours whose sun enters
     size_t sunOutside = 0;     // sun in the sky, but on no opening from outside
     size_t sunless = 0;        // lit, no sun
-    double skySeconds = 0, sunSeconds = 0, sensorSeconds = 0, productSeconds = 0, checkSeconds = 0;
+    size_t solved = 0;         // one by one in full: skies with a ribbon at the horizon
+    double skySeconds = 0, sunSeconds = 0, sensorSeconds = 0, productSeconds = 0, checkSeconds = 0,
+           solvedSeconds = 0;
     size_t sunlitPatches = 0; // over all hours
     size_t sunBlocks = 0;     // that the hours with sun are held in, one at a time
     size_t sunBytes = 0;      // of the largest
@@ -82,6 +85,7 @@ private:
     void addBeams(std::span<const Sensor> sensors, std::span<float> sun);
     void checkAndSetErrors(std::span<const float> lux, std::span<const float> sun, std::span<float> error);
     std::vector<uint32_t> checkedHours(size_t& sunless) const;
+    void solveRibbons(std::span<float> lux, std::span<float> sun, std::span<float> error);
     void reportOf(const SensorResponses& responses, size_t values);
     double answerWork() const; // of a sensor
     void foreseeSun(size_t sensors);
@@ -97,8 +101,9 @@ private:
     double sunWork_ = 0, nearWork_ = 0; // done and to come
     double nearShare_ = 0;              // of sensors, those with walls beside them
     SensorResponder responder_;
-    std::vector<uint32_t> lit_; // hours with sky or ground
-    Panels luminance_;          // elements x lit hours, times pi
+    std::vector<uint32_t> lit_;     // hours with sky or ground, but for ...
+    std::vector<uint32_t> ribbons_; // ... those whose sky has a ribbon
+    Panels luminance_;              // elements x lit hours, times pi
     std::optional<SunHours> suns_;
     std::map<size_t, float> beamEdges_;
     double checkSquares_ = 0, checkCount_ = 0;

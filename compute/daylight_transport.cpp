@@ -16,6 +16,7 @@
 #include "compute/patch_slopes.h"
 #include "compute/radiosity_gather.h"
 #include "compute/relight_basis.h"
+#include "compute/ribbon_light.h"
 #include "compute/sensor_gather.h"
 #include "compute/stopwatch.h"
 #include "compute/sun_bounce.h"
@@ -31,8 +32,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 constexpr double kHemicubeRowError = 0.02; // where the kernel claims none
-// Of sky light, where most is from a ribbon at the horizon; sensors that see part of its height err more.
-constexpr double kRibbonError = 0.03;
+constexpr double kRibbonError = 0.003;     // of what a ribbon at the horizon gives straight
 
 bool isGrey(glm::vec3 v) {
     return v.x == v.y && v.y == v.z;
@@ -97,7 +97,8 @@ struct DaylightTransport::State {
     void makeNearLight(const std::function<void(size_t)>& done);
     void readMaterials();
     Moment direct(const daylight::Sky& sky) const;
-    void skyAtSensors(Moment& moment, const daylight::Sky& sky) const;
+    void skyAtSensors(Moment& moment, const daylight::Sky& even) const;
+    void addRibbon(Moment& moment, const daylight::Sky& sky) const;
     void sunOn(Moment& moment, const daylight::SunDisc& disc) const;
     template<class Light> void glow(Moment& moment, const Light& light) const;
     void hideSky(Moment& moment, std::span<const double> luminances) const;
@@ -277,10 +278,15 @@ Moment DaylightTransport::State::direct(const daylight::Sky& sky) const {
         skipped.emplace_back("sky and ground: dark");
     } else {
         modelled.emplace_back("sky and ground");
-        const std::vector<double> means = skyPatches.luminances(sky);
+        const daylight::Sky even = daylight::withoutRibbon(sky);
+        std::vector<double> means = skyPatches.luminances(even);
         const std::vector<float> luminance(means.begin(), means.end());
         for (size_t i = 0; i < n; ++i) patchSky.combine(i, luminance, moment.patches[i]);
-        skyAtSensors(moment, sky);
+        skyAtSensors(moment, even);
+        if (daylight::hasHorizonRibbon(sky.formula)) {
+            addRibbon(moment, sky);
+            if (!hiddenSky->patches().empty()) means = skyPatches.luminances(sky);
+        }
         std::vector<glm::vec3> bySky;
         for (size_t g = 0; g < blinds->groups().size(); ++g) bySky.push_back(blinds->bySky(g, sky));
         glow(moment, [&](size_t g, uint32_t) { return bySky[g]; });
@@ -306,21 +312,41 @@ Moment DaylightTransport::State::direct(const daylight::Sky& sky) const {
 }
 
 // The sky's own formula in the directions of the samples: nothing is lost to sky elements.
-void DaylightTransport::State::skyAtSensors(Moment& moment, const daylight::Sky& sky) const {
-    const daylight::CellSky cells(sky);
+void DaylightTransport::State::skyAtSensors(Moment& moment, const daylight::Sky& even) const {
     inParallel(moment.sensors.size(), [&](size_t s) {
-        glm::dvec3 above(0), below(0);
+        glm::dvec3 above(0), below(0), byWalls(0);
         for (const SkySample& sample : sensors.sky.of(s))
             (sample.direction.y > 0 ? above : below) +=
-                glm::dvec3(sample.weight) * cells.luminance(glm::dvec3(sample.direction));
-        if (daylight::hasHorizonRibbon(sky.formula))
-            moment.sensors[s].error += static_cast<float>(kRibbonError * photometric(glm::vec3(above)));
+                glm::dvec3(sample.weight) * even.luminance(glm::dvec3(sample.direction));
+        for (const SkySample& sample : sensors.near[s].sky)
+            byWalls += glm::dvec3(sample.weight) * even.luminance(glm::dvec3(sample.direction));
         moment.sensors[s].sky = glm::vec3(above);
         moment.sensors[s].ground = glm::vec3(below);
-        glm::dvec3 byWalls(0);
-        for (const SkySample& sample : sensors.near[s].sky)
-            byWalls += glm::dvec3(sample.weight) * cells.luminance(glm::dvec3(sample.direction));
         moment.sensors[s].interreflected += glm::vec3(byWalls);
+    });
+}
+
+// Of skies that are too bright at the horizon for samples and elements of sky.
+void DaylightTransport::State::addRibbon(Moment& moment, const daylight::Sky& sky) const {
+    moment.report.modelled.emplace_back("sky: the ribbon of light at its horizon");
+    const RibbonLight ribbon(*points, sky);
+    inParallel(moment.sensors.size(), [&](size_t s) {
+        if (sensors.room[s] == geometry::kNoRoom) return;
+        LightParts& parts = moment.sensors[s];
+        const Sensor& sensor = sensors.sensors[s];
+        const glm::vec3 straight(ribbon.at(sensor.position, sensor.normal, sensors.room[s]));
+        parts.sky += straight;
+        parts.error += static_cast<float>(kRibbonError * photometric(straight));
+        parts.interreflected += glm::vec3(ribbon.byWalls(sensors.near[s], sensors.room[s]));
+    });
+    double light = 0, area = 0;
+    for (size_t i = 0; i < mesh.patchCount(); ++i)
+        light += areas[i] * photometric(moment.patches[i].sky), area += areas[i];
+    inParallel(mesh.patchCount(), [&](size_t i) {
+        const RibbonLight::Mean mean = ribbon.onPatch(static_cast<uint32_t>(i), light / area);
+        LightParts& parts = moment.patches[i];
+        parts.sky += glm::vec3(mean.lux);
+        parts.error += static_cast<float>(mean.error + kRibbonError * photometric(mean.lux));
     });
 }
 

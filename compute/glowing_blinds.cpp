@@ -14,24 +14,47 @@ namespace heliodon::compute {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr int kBands = 90, kAround = 180; // cells of the whole sphere: 2 degrees
+constexpr size_t kBands = 90; // of the whole sphere: 2 degrees
+constexpr int kAround = 180;  // cells of a band
 
-// Heights between bands of cells.
-std::vector<double> bandEdges() {
-    std::vector<double> edges(daylight::kSkyCellCuts.begin(), std::prev(daylight::kSkyCellCuts.end()));
-    for (int k = 0; k <= kBands; ++k) edges.push_back(std::sin(kPi * (double(k) / kBands - 0.5)));
-    std::ranges::sort(edges);
-    return edges;
+// Height between bands of cells.
+double bandEdge(size_t k) {
+    return std::sin(kPi * (static_cast<double>(k) / kBands - 0.5));
 }
+
+// A sky's luminance over cells, by their middles; of a ribbon at the horizon each band has its mean.
+class BandSky {
+public:
+    explicit BandSky(const daylight::Sky& sky) : sky_(&sky), even_(daylight::withoutRibbon(sky)) {
+        if (!daylight::hasHorizonRibbon(sky.formula)) return;
+        const daylight::HorizonRibbon ribbon(sky.formula);
+        for (size_t k = kBands / 2; bandEdge(k) < daylight::kRibbonTop; ++k)
+            means_.push_back(ribbon.between(bandEdge(k), bandEdge(k + 1)).light /
+                             (bandEdge(k + 1) - bandEdge(k)));
+    }
+    // cd/m2 of the middle of a cell above the horizon.
+    double luminance(glm::dvec3 direction) const {
+        const auto band = static_cast<size_t>(std::asin(direction.y) / kPi * kBands);
+        double more = 0;
+        if (band < means_.size())
+            more = means_[band] *
+                   std::max(0.0, indicatrix(sky_->formula, glm::dot(direction, sky_->shapeDirection)));
+        return even_.luminance(direction) + sky_->formula.scale * more;
+    }
+
+private:
+    const daylight::Sky* sky_;
+    daylight::Sky even_;
+    std::vector<double> means_; // of the ribbon's gradation, from the horizon up
+};
 
 // work(direction, what arrives from the cell on the plane per unit of luminance) for cells before the window.
 template<class Work> void forDirections(glm::dvec3 normal, const Work& work) {
     double sum = 0; // of the hemisphere: pi, but for the cells that the plane cuts
-    const std::vector<double> edges = bandEdges();
     for (const bool first : {true, false})
-        for (size_t band = 1; band < edges.size(); ++band) {
-            const double middle = 0.5 * (std::asin(edges[band - 1]) + std::asin(edges[band]));
-            const double area = 2 * kPi / kAround * (edges[band] - edges[band - 1]);
+        for (size_t band = 0; band < kBands; ++band) {
+            const double middle = kPi * ((static_cast<double>(band) + 0.5) / kBands - 0.5);
+            const double area = 2 * kPi / kAround * (bandEdge(band + 1) - bandEdge(band));
             for (int k = 0; k < kAround; ++k) {
                 const double turn = 2 * kPi * (k + 0.5) / kAround;
                 const glm::dvec3 direction(std::cos(middle) * std::sin(turn), std::sin(middle),
@@ -104,7 +127,7 @@ daylight::Window::Lobes GlowingBlinds::lobesOf(size_t group, const LitProfiles& 
 daylight::Window::Lobes GlowingBlinds::lobesBySky(size_t group, const daylight::Sky& sky) const {
     LitProfiles inside = groundInside_[group];
     for (glm::dvec3& lux : inside) lux *= sky.ground.luminance;
-    const daylight::CellSky cells(sky);
+    const BandSky cells(sky);
     if (sky.formula.scale > 0)
         for (const Sample& sample : sky_[group])
             inside[sample.profile] +=
@@ -134,7 +157,7 @@ std::vector<float> GlowingBlinds::lobeCoefficients(size_t group, const daylight:
 
 glm::vec3 GlowingBlinds::bySky(size_t group, const daylight::Sky& sky) const {
     glm::dvec3 sum = ground_[group] * sky.ground.luminance;
-    const daylight::CellSky cells(sky);
+    const BandSky cells(sky);
     if (sky.formula.scale > 0)
         for (const Sample& sample : sky_[group])
             sum += glm::dvec3(sample.weight) * cells.luminance(glm::dvec3(sample.direction));

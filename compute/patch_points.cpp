@@ -67,6 +67,10 @@ std::vector<glm::dvec3> pointsOnPatch(const geometry::PatchMesh& mesh, size_t pa
 
 } // namespace
 
+std::vector<glm::dvec3> spreadPoints(const geometry::PatchMesh& mesh, size_t patch, uint32_t count) {
+    return fanPoints(geometry::patchCorners(mesh, patch), count);
+}
+
 PatchViewpoints patchViewpoints(const geometry::PatchMesh& mesh, uint32_t points) {
     return patchViewpoints(mesh, points, 0, static_cast<uint32_t>(mesh.patchCount()));
 }

@@ -30,4 +30,8 @@ PatchViewpoints patchViewpoints(const geometry::PatchMesh& mesh, uint32_t points
 PatchViewpoints patchViewpoints(const geometry::PatchMesh& mesh, uint32_t points, uint32_t first,
                                 uint32_t count);
 
+// Points of equal weight on a patch, spread so that along any line few lie side by side, as where light ends
+// somewhere within it.
+std::vector<glm::dvec3> spreadPoints(const geometry::PatchMesh& mesh, size_t patch, uint32_t count);
+
 } // namespace heliodon::compute

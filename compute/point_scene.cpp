@@ -10,7 +10,6 @@
 #include <glm/geometric.hpp>
 #include <glm/vector_relational.hpp>
 
-#include "compute/daylight/horizon_ribbon.h"
 #include "compute/lighting.h"
 #include "compute/view_cells.h"
 #include "geometry/bounds.h"
@@ -33,35 +32,6 @@ void splitAtHorizon(const PointView::Polygon& polygon, PointView::Polygon& sky, 
         polygon, [](const dvec3& p) { return -p.y; }, ground);
     for (dvec3& p : sky) p.y = std::max(p.y, 0.0);
     for (dvec3& p : ground) p.y = std::min(p.y, 0.0);
-}
-
-// Cells of a polygon above the horizon, cut at kSkyCellCuts: work(centre, weight).
-template<class Work>
-void forSkyCells(std::span<const dvec3> polygon, dvec3 normal, double angle, const Work& work) {
-    PointView::Polygon rest, part, above;
-    const auto visit = [&](std::span<const dvec3> cell) {
-        if (cell.size() < 3) return;
-        const auto [centre, weight] = viewCell(cell, normal);
-        if (weight > 0) work(centre, weight);
-    };
-    forTriangles(polygon, angle, [&](const std::array<dvec3, 3>& corners) {
-        dvec3 away = corners[0] + corners[1] + corners[2];
-        away.y = 0;
-        const double level = glm::length(away);
-        rest.assign(corners.begin(), corners.end());
-        for (const double z : daylight::kSkyCellCuts) {
-            // The cone of this height as a plane, where the cell is.
-            const double slope = z / std::sqrt(1 - z * z);
-            const auto height = [&](const dvec3& p) { return level * p.y - slope * glm::dot(p, away); };
-            if (std::ranges::all_of(rest, [&](const dvec3& p) { return height(p) >= 0; })) break;
-            geometry::clip<dvec3>(
-                rest, [&](const dvec3& p) { return -height(p); }, part);
-            visit(part);
-            geometry::clip<dvec3>(rest, height, above);
-            rest.swap(above);
-        }
-        visit(rest);
-    });
 }
 
 dvec3 normalOf(const ConvexRegion& region) {
@@ -278,13 +248,6 @@ void PointScene::forRoomsSeen(const PointView& view, const RoomBeyond& here, con
     }
 }
 
-void PointScene::seeSky(const PointView& view, uint32_t room, double angle,
-                        std::vector<SkySample>& samples) const {
-    forRoomsSeen(view, {room, {}}, [&](const PointView& seen, const RoomBeyond& beyond) {
-        skyOf(seen, beyond, angle, samples);
-    });
-}
-
 double PointScene::factor(const PointView& view, uint32_t patch) const {
     const Patch& at = patches_[patch];
     if (glm::dot(view.position() - at.centre, at.normal) <= blockers_.tolerance()) return 0;
@@ -309,52 +272,76 @@ void PointScene::seePatchesBeyond(const PointView& view, uint32_t room, float* r
     });
 }
 
-void PointScene::skyOf(const PointView& view, const RoomBeyond& beyond, double angle,
-                       std::vector<SkySample>& samples) const {
+dvec3 PointScene::GlassBefore::transmittance(dvec3 direction) const {
+    const daylight::Glazing& glazing = window->glazing();
+    const dvec3 through =
+        grey ? dvec3(daylight::slabTransmittance(-glm::dot(direction, normal), glazing.transmissivity.x,
+                                                 glazing.refractiveIndex))
+             : window->straight(direction, normal);
+    return beyond->panes.empty() ? through : through * beyond->transmittance(direction);
+}
+
+void PointScene::forOutside(const PointView& view, uint32_t room, const OutsideWork& work) const {
+    forRoomsSeen(view, {room, {}},
+                 [&](const PointView& seen, const RoomBeyond& beyond) { outsideOf(seen, beyond, work); });
+}
+
+void PointScene::outsideOf(const PointView& view, const RoomBeyond& beyond, const OutsideWork& work) const {
     std::vector<PointView::Polygon> parts;
-    PointView::Polygon halves[2];
     for (const Opening& opening : openings_) {
         const daylight::Window& pane = window(opening);
         if (opening.region.room != beyond.room || !pane.passesStraight()) continue;
-        const dvec3 normal = opening.normal;
-        if (glm::dot(view.position() - opening.region.corners[0], normal) <= blockers_.tolerance()) continue;
+        if (glm::dot(view.position() - opening.region.corners[0], opening.normal) <= blockers_.tolerance())
+            continue;
         if (view.factor(opening.region.corners, parts) <= 0) continue;
         const std::vector<PointView> framed = framesOf(view, parts);
         for (const PointView::Polygon& wall : opening.hiddenBy)
             if (anyShows(framed, wall)) view.hideBeyond(wall, parts);
-        const daylight::Glazing& glazing = pane.glazing();
-        const glm::dvec3 t = glazing.transmissivity;
-        const bool greyGlass = t.x == t.y && t.y == t.z && !glazing.isHole() && !pane.hasBlind();
-        for (const PointView::Polygon& part : parts) {
-            splitAtHorizon(part, halves[0], halves[1]);
-            for (size_t half = 0; half < 2; ++half) {
-                if (halves[half].size() < 3) continue;
-                const double factor = view.unhinderedFactor(halves[half]);
-                const size_t first = samples.size();
-                double weights = 0;
-                const auto take = [&](dvec3 centre, double weight) {
-                    const dvec3 direction = glm::normalize(centre);
-                    dvec3 through = greyGlass
-                                        ? dvec3(daylight::slabTransmittance(-glm::dot(direction, normal), t.x,
-                                                                            glazing.refractiveIndex))
-                                        : pane.straight(direction, normal);
-                    if (!beyond.panes.empty()) through *= beyond.transmittance(direction);
-                    samples.push_back({glm::vec3(direction), glm::vec3(weight * through)});
-                    weights += weight;
-                };
-                if (half == 0)
-                    forSkyCells(halves[half], view.normal(), angle, take);
-                else
-                    forCells(halves[half], view.normal(), angle, take);
-                // The cells' shares come from cubature, their sum from Lambert's formula.
-                const auto scale = static_cast<float>(weights > 0 ? kPi * factor / weights : 0);
-                for (size_t k = first; k < samples.size(); ++k) {
-                    samples[k].weight *= scale;
-                    if (half == 1) samples[k].direction.y = std::min(samples[k].direction.y, 0.0f);
-                }
+        const glm::dvec3 t = pane.glazing().transmissivity;
+        const bool grey = t.x == t.y && t.y == t.z && !pane.glazing().isHole() && !pane.hasBlind();
+        for (const PointView::Polygon& part : parts) work(part, {&pane, opening.normal, &beyond, grey});
+    }
+}
+
+bool PointScene::mayShowLow(dvec3 position, dvec3 normal, uint32_t room, double slope) const {
+    if (hasRoomsBeyond()) return true;
+    // What lies above a cone round the upright axis is convex, and so is what lies behind the point.
+    return std::ranges::any_of(openings_, [&](const Opening& opening) {
+        if (opening.region.room != room) return false;
+        bool above = true, below = true, behind = true;
+        for (const dvec3& corner : opening.region.corners) {
+            const dvec3 p = corner - position;
+            above &= p.y > slope * std::hypot(p.x, p.z);
+            below &= p.y <= 0;
+            behind &= glm::dot(p, normal) <= 0;
+        }
+        return !above && !below && !behind;
+    });
+}
+
+void PointScene::seeSky(const PointView& view, uint32_t room, double angle,
+                        std::vector<SkySample>& samples) const {
+    PointView::Polygon halves[2];
+    forOutside(view, room, [&](const PointView::Polygon& part, const GlassBefore& glass) {
+        splitAtHorizon(part, halves[0], halves[1]);
+        for (size_t half = 0; half < 2; ++half) {
+            if (halves[half].size() < 3) continue;
+            const double factor = view.unhinderedFactor(halves[half]);
+            const size_t first = samples.size();
+            double weights = 0;
+            forCells(halves[half], view.normal(), angle, [&](dvec3 centre, double weight) {
+                const dvec3 direction = glm::normalize(centre);
+                samples.push_back({glm::vec3(direction), glm::vec3(weight * glass.transmittance(direction))});
+                weights += weight;
+            });
+            // The cells' shares come from cubature, their sum from Lambert's formula.
+            const auto scale = static_cast<float>(weights > 0 ? kPi * factor / weights : 0);
+            for (size_t k = first; k < samples.size(); ++k) {
+                samples[k].weight *= scale;
+                if (half == 1) samples[k].direction.y = std::min(samples[k].direction.y, 0.0f);
             }
         }
-    }
+    });
 }
 
 } // namespace heliodon::compute

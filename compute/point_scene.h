@@ -71,6 +71,24 @@ public:
         forRoomsSeen(view, {room, {}}, work);
     }
 
+    // What stands between a point and a piece of the outside: an opening's glass, after that of the panes
+    // before it.
+    struct GlassBefore {
+        const daylight::Window* window;
+        glm::dvec3 normal; // into the room
+        const RoomBeyond* beyond;
+        bool grey; // clear glass in one channel, which is quicker
+
+        glm::dvec3 transmittance(glm::dvec3 direction) const; // unit, from the point
+    };
+    // work(part, glass) for what a point in the air of `room` sees of the outside, in convex parts relative
+    // to the point; through panes too.
+    using OutsideWork = std::function<void(const PointView::Polygon&, const GlassBefore&)>;
+    void forOutside(const PointView& view, uint32_t room, const OutsideWork& work) const;
+    // False where no opening can show a point the sky between the horizon and `slope`, the tangent of an
+    // altitude; a quick look.
+    bool mayShowLow(glm::dvec3 position, glm::dvec3 normal, uint32_t room, double slope) const;
+
     // From a point in the air of `room`, in pieces of at most `angle` radians; through panes too.
     void seeSky(const PointView& view, uint32_t room, double angle, std::vector<SkySample>& samples) const;
 
@@ -113,8 +131,7 @@ private:
     void forRoomsSeen(const PointView& view, const RoomBeyond& here, const RoomWork& work) const;
     std::vector<PointView> framesOf(const PointView& view, std::span<const PointView::Polygon> parts) const;
     static bool anyShows(std::span<const PointView> frames, std::span<const glm::dvec3> polygon);
-    void skyOf(const PointView& view, const RoomBeyond& beyond, double angle,
-               std::vector<SkySample>& samples) const;
+    void outsideOf(const PointView& view, const RoomBeyond& beyond, const OutsideWork& work) const;
 
     const geometry::PatchMesh* mesh_;
     Blockers blockers_;

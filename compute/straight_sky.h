@@ -1,6 +1,6 @@
 // What sensors get of sky and ground straight through openings, and by way of walls taken apart beside them,
 // for many skies: by each sky's own luminance in the directions of the samples, so that nothing of its course
-// round the sun is lost to sky elements.
+// round the sun is lost to sky elements; not of skies with a ribbon at the horizon (RibbonLight).
 #pragma once
 
 #include <cstddef>

@@ -3,16 +3,13 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "compute/daylight/horizon_ribbon.h"
-
 namespace heliodon::daylight {
 
 SkyTable::SkyTable(const Sky& sky) : sun_(sky.shapeDirection) {
     if (sky.formula.intermediate) throw std::invalid_argument("SkyTable: a sky that is not separable");
-    const CellSky cells(sky);
     for (size_t k = 0; k < gradation_.size(); ++k) {
         const double root = static_cast<double>(k) / kHeights;
-        gradation_[k] = static_cast<float>(sky.formula.scale * cells.gradation(root * root));
+        gradation_[k] = static_cast<float>(sky.formula.scale * gradation(sky.formula, root * root));
     }
     for (size_t k = 0; k < indicatrix_.size(); ++k) {
         const double chord = 2.0 * static_cast<double>(k) / kChords;

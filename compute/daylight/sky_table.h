@@ -1,4 +1,4 @@
-// A sky's luminance (CellSky's) by two tables, for many directions under one sky: 5 ns each instead of 40.
+// A sky's luminance by two tables, for many directions under one sky: 5 ns each instead of 40.
 #pragma once
 
 #include <array>

@@ -240,6 +240,9 @@ void reportYear(Run& run, const compute::YearReport& year) {
     if (year.lit > 0) run.modelled(fmt::format("sky and ground: {} hours", year.lit));
     if (year.withSun > 0)
         run.modelled(fmt::format("sun at its exact place, clipped by the openings: {} hours", year.withSun));
+    if (year.solved > 0)
+        run.modelled(fmt::format("skies with a ribbon of light at the horizon, each solved in full: {} hours",
+                                 year.solved));
     const auto skip = [&](size_t hours, const char* what) {
         if (hours > 0) run.skipped(fmt::format("{} hours: {}", hours, what));
     };
@@ -251,11 +254,13 @@ void reportYear(Run& run, const compute::YearReport& year) {
                             {"with_sun", year.withSun},
                             {"sun_outside", year.sunOutside},
                             {"without_sun", year.sunless},
+                            {"solved_in_full", year.solved},
                             {"sky_seconds", year.skySeconds},
                             {"sun_seconds", year.sunSeconds},
                             {"sensor_seconds", year.sensorSeconds},
                             {"product_seconds", year.productSeconds},
                             {"check_seconds", year.checkSeconds},
+                            {"solved_seconds", year.solvedSeconds},
                             {"bytes", year.bytes},
                             {"sun_bytes", year.sunBytes},
                             {"sun_blocks", year.sunBlocks},

@@ -188,6 +188,22 @@ TEST(AnnualDaylight, hours_that_need_no_sun_or_no_sky_are_counted) {
     EXPECT_LT(report.checkRms, 0.01);
 }
 
+// Of sky elements, which are 6 degrees high, a ribbon fills a tenth: the sensor below the sill sees a little.
+TEST(AnnualDaylight, skies_with_a_ribbon_at_the_horizon_are_solved_in_full) {
+    std::vector<daylight::Sky> skies = kSkies;
+    for (const double b : {0.02, 0.3}) {
+        skies.push_back(daylight::perezSky({2, b, 3, -2, 0.2}, glm::normalize(glm::dvec3(0.5, 0.03, -1)),
+                                           10 * std::exp(-100 * b)));
+        skies.back().sun = {skies.back().shapeDirection, 500};
+    }
+    const geometry::PatchMesh mesh = windowRoom(glm::vec3(0.6f), glm::vec3(0.8f));
+    expectFull(mesh, skies, 0.01,
+               {{{2, 1, 2}, {0, 1, 0}}, {{2, 0.97, 3}, {0, 0, -1}}, {{0.01, 0.9, 2}, {1, 0, 0}}});
+    DaylightTransport transport(test::device(), mesh);
+    EXPECT_EQ(yearOf(transport, skies).report.solved, 2u);
+    EXPECT_EQ(yearOf(transport, skies).report.lit, 7u);
+}
+
 TEST(AnnualDaylight, a_room_without_openings_is_dark_all_year) {
     DaylightTransport transport(test::device(), test::boxRoom({}));
     const Arrays year = yearOf(transport, kSkies);

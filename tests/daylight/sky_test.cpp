@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "compute/daylight/frame.h"
+#include "compute/daylight/horizon_ribbon.h"
 #include "compute/daylight/sky_table.h"
 #include "geometry/input_error.h"
 #include "tests/daylight/csv.h"
@@ -254,6 +255,39 @@ TEST(PerezSky, ribbon_at_the_horizon_is_integrated) {
         // 1e-5 stated; the midpoint rule at the sun's cone adds up to 5e-5.
         EXPECT_NEAR(diffuseHorizontalIlluminance(sky) / lux, 1, 6e-5) << altitude;
     }
+}
+
+// Against the midpoint rule.
+TEST(HorizonRibbon, is_what_the_sky_has_more_than_the_even_one) {
+    for (const auto& [a, b] : {std::array{2.0, 0.02}, {0.3, 0.3}, {2.0, 0.7}, {-0.98, -0.02}}) {
+        const Sky sky = perezSky({a, b, 0, -1, 0}, {0, 1, 0}, 1), even = withoutRibbon(sky);
+        ASSERT_TRUE(hasHorizonRibbon(sky.formula));
+        EXPECT_FALSE(hasHorizonRibbon(even.formula));
+        const HorizonRibbon ribbon(sky.formula);
+        for (const auto& [low, high] : {std::array{0.0, 1.0},
+                                        {0.002, 0.007},
+                                        {0.004, 0.0102},
+                                        {0.0101, 0.0101001},
+                                        {0.012, 0.4},
+                                        {0.03, 0.05},
+                                        {0.2, 0.3},
+                                        {0.26, 0.5},
+                                        {0.1, 0.1}}) {
+            double light = 0, moment = 0;
+            constexpr int kSteps = 100'000;
+            for (int k = 0; k < kSteps; ++k) { // many steps low
+                const double t = (k + 0.5) / kSteps, z = low + (high - low) * t * t;
+                const double share =
+                    2 * t * (high - low) / kSteps * (gradation(sky.formula, z) - gradation(even.formula, z));
+                light += share, moment += share * z;
+            }
+            const HorizonRibbon::Integral sum = ribbon.between(low, high);
+            EXPECT_NEAR(sum.light, light, 1e-5 * light) << b << ": " << low << " to " << high;
+            EXPECT_NEAR(sum.moment, moment, 1e-5 * moment) << b << ": " << low << " to " << high;
+        }
+    }
+    for (int type = 1; type <= 16; ++type)
+        EXPECT_FALSE(hasHorizonRibbon(cieGeneralSky(type, {0, 1, 0}, 1).formula)) << type;
 }
 
 TEST(SkyOption, wrong_options_are_refused_by_name) {
