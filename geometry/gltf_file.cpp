@@ -332,8 +332,7 @@ private:
         const glm::dmat3 turned = glm::transpose(glm::inverse(worldFromNode)); // keeps them perpendicular
         std::vector<glm::vec3> out;
         forEachElement(found->second, place, [&](const unsigned char* bytes) {
-            const glm::vec3 n(turned * positionAt(bytes, accessor));
-            out.push_back(glm::length(n) > 0 && glm::length(n) < 1e30f ? n : glm::vec3(0));
+            out.emplace_back(turned * positionAt(bytes, accessor));
         });
         return out;
     }
@@ -398,9 +397,8 @@ private:
         if (position == primitive.attributes.end()) fail(place, "has no POSITION");
         const auto first = static_cast<uint32_t>(out_.vertices.size());
         addVertices(position->second, place + ".attributes.POSITION", worldFromNode);
-        std::vector<glm::vec3> normal =
+        const std::vector<glm::vec3> normal =
             normals(primitive, place + ".attributes.NORMAL", glm::dmat3(worldFromNode));
-        normal.resize(out_.vertices.size() - first, glm::vec3(0));
         const std::vector<uint32_t> corner = separateTriangles(
             indices(primitive, place + ".indices", out_.vertices.size() - first), primitive.mode);
         if (corner.size() % 3 != 0) fail(place + ".indices", "do not come in threes");
@@ -412,13 +410,9 @@ private:
         for (size_t t = 0; t < corner.size(); t += 3) {
             for (size_t k = 0; k < 3; ++k) {
                 const uint32_t v = corner[t + (mirrored ? 2 - k : k)];
-                out_.corners.push_back(first + v);
-                out_.cornerNormals.push_back(normal[v]);
+                out_.addCorner(first + v, v < normal.size() ? normal[v] : glm::vec3(0));
             }
-            out_.firstCorner.push_back(static_cast<uint32_t>(out_.corners.size()));
-            out_.material.push_back(material);
-            out_.group.push_back(static_cast<uint32_t>(out_.groups.size() - 1));
-            out_.number.push_back(t / 3);
+            out_.endFace(material, t / 3);
         }
     }
 

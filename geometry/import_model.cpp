@@ -17,6 +17,7 @@
 #include "geometry/face_soup.h"
 #include "geometry/glass_pairs.h"
 #include "geometry/input_error.h"
+#include "geometry/model_faces.h"
 #include "geometry/model_file.h"
 #include "geometry/model_surfaces.h"
 #include "geometry/outline_area.h"
@@ -30,22 +31,9 @@ namespace heliodon::geometry {
 
 namespace {
 
-constexpr double kWeldOfExtent = 2e-6; // files hold 6 or 7 digits
-// Where that leaves the model open: gaps that nobody sees, 0.5 mm in a room of 5 m.
+// Where corners of files' digits leave the model open: gaps that nobody sees, 0.5 mm in a room of 5 m.
 constexpr std::array kGapsOfExtent{kWeldOfExtent, 2e-5, 1e-4};
-constexpr double kPlanarOfExtent = 1e-5;
-constexpr double kBentOfExtent = 2e-4;       // 1 mm in a room of 5 m: corners in whole millimetres, turned
 constexpr double kLeastRoomOfExtent = 1e-15; // of its cube: less is what rounding leaves
-
-template<class Loops>
-std::vector<std::vector<glm::dvec3>> placed(const std::vector<glm::dvec3>& vertices, const Loops& loops) {
-    std::vector<std::vector<glm::dvec3>> out;
-    for (const auto& loop : loops) {
-        out.emplace_back();
-        for (const uint32_t v : loop) out.back().push_back(vertices[v]);
-    }
-    return out;
-}
 
 class ModelImporter {
 public:
@@ -58,7 +46,7 @@ public:
         }
         extent_ = glm::length(high - low);
         if (!(extent_ > 0)) throw InputError(model_.file, model_.place(0), "all faces lie in one point");
-        gatherSoup();
+        faces_ = flatFaces(model_, extent_);
     }
 
     Building import(const std::function<void()>& beforePart) {
@@ -95,6 +83,7 @@ private:
             if (isUsed(material)) building_.repairs.push_back(assumption);
         for (const auto& [material, doubt] : model_.doubts)
             if (isUsed(material)) building_.warnings.push_back(doubt);
+        if (!faces_.warning.empty()) building_.warnings.push_back(faces_.warning);
         return std::move(building_);
     }
 
@@ -110,7 +99,7 @@ private:
 
     // Rooms whose common walls have no thickness; false when that is not what kept them from closing.
     bool shareWalls() {
-        const auto space = divideSpace(soup_, weldOfExtent_ * extent_);
+        const auto space = divideSpace(faces_.soup, weldOfExtent_ * extent_);
         if (!space || proveShells(space->outside)[0].selfIntersecting) return false;
         for (const auto& [one, other] : space->pairs)
             if (isOpening(one) != isOpening(other))
@@ -141,11 +130,6 @@ private:
 
     glm::dvec3 normal(const Face& face) const { return glm::normalize(areaOf(face.loops[0])); }
 
-    // "role" of a group that writeModel named ("room0_fill-in"), else projection.
-    Role roleOf(size_t face) const {
-        return model_.groups[model_.group[face]].ends_with("_fill-in") ? Role::fillIn : Role::projection;
-    }
-
     // A wider tolerance, only when the model is open without it and closed with it.
     void closeGaps() {
         for (const double gap : kGapsOfExtent) {
@@ -174,77 +158,14 @@ private:
         }
     }
 
-    // Without what has no area, and faces that are bent a little in triangles.
-    void gatherSoup() {
-        size_t bent = 0;
-        double most = 0;
-        for (size_t i = 0; i < model_.faceCount(); ++i) {
-            const auto loops = placed(model_.vertices, model_.loops(i));
-            // The surface carries the number of the face through the welding.
-            const SoupFace face{loops, model_.material[i], roleOf(i), static_cast<uint32_t>(i)};
-            if (widthOf(loops[0]) < kWeldOfExtent * extent_) {
-                ++dropped_;
-                continue;
-            }
-            const double off = loops[0].size() > 3 ? offPlane(loops) : 0;
-            if (off <= kPlanarOfExtent * extent_ || off > kBentOfExtent * extent_) {
-                soup_.push_back(face);
-                continue;
-            }
-            ++bent;
-            most = std::max(most, off);
-            for (SoupFace& piece : inTriangles(face)) soup_.push_back(std::move(piece));
-        }
-        if (bent > 0)
-            bentRepair_ = fmt::format("{} bent by up to {:.2g} {} divided into triangles",
-                                      counted(bent, "face"), most, bent == 1 ? "was" : "were");
-    }
-
-    // About that of a strip of its area and perimeter.
-    static double widthOf(const std::vector<glm::dvec3>& outline) {
-        double perimeter = 0;
-        for (size_t k = 0; k < outline.size(); ++k)
-            perimeter += glm::length(outline[(k + 1) % outline.size()] - outline[k]);
-        return perimeter > 0 ? 2 * glm::length(areaVector(outline)) / perimeter : 0;
-    }
-
-    static double offPlane(const std::vector<std::vector<glm::dvec3>>& loops) {
-        const glm::dvec3 n = glm::normalize(areaVector(loops[0]));
-        double low = 0, high = 0;
-        for (const auto& loop : loops)
-            for (const glm::dvec3 p : loop) {
-                low = std::min(low, glm::dot(p - loops[0][0], n));
-                high = std::max(high, glm::dot(p - loops[0][0], n));
-            }
-        return high - low;
-    }
-
-    // The face itself where that fails: its outline crosses itself, which is refused later.
-    static std::vector<SoupFace> inTriangles(const SoupFace& face) {
-        Building alone;
-        Face whole;
-        for (const auto& loop : face.loops) {
-            whole.loops.emplace_back();
-            for (const glm::dvec3 p : loop) {
-                whole.loops.back().push_back(static_cast<uint32_t>(alone.vertices.size()));
-                alone.vertices.push_back(p);
-            }
-        }
-        std::vector<SoupFace> out;
-        for (const auto& t : triangulateFace(alone, whole)) {
-            out.push_back(face);
-            out.back().loops = {{alone.vertices[t[0]], alone.vertices[t[1]], alone.vertices[t[2]]}};
-        }
-        return out.empty() ? std::vector{face} : out;
-    }
-
     void weld() {
         source_.clear();
-        building_ = weldFaces(soup_, 1, weldOfExtent_ * extent_);
-        if (!bentRepair_.empty()) building_.repairs.push_back(bentRepair_);
+        building_ = weldFaces(faces_.soup, 1, weldOfExtent_ * extent_);
+        if (!faces_.repair.empty()) building_.repairs.push_back(faces_.repair);
         std::map<std::vector<uint32_t>, uint32_t> known; // by corners, the face of the file
         std::map<std::pair<uint32_t, uint32_t>, std::vector<std::pair<uint32_t, uint32_t>>> otherMaterials;
-        size_t dropped = dropped_ + soup_.size() - building_.faces.size(); // fewer than three corners left
+        size_t dropped =
+            faces_.dropped + faces_.soup.size() - building_.faces.size(); // fewer than three corners left
         dropped += std::erase_if(building_.faces, [&](const Face& face) {
             std::vector<uint32_t> corners;
             for (const auto& loop : face.loops) corners.insert(corners.end(), loop.begin(), loop.end());
@@ -462,9 +383,7 @@ private:
     }
 
     RawModel model_;
-    std::vector<SoupFace> soup_; // all faces of the model
-    size_t dropped_ = 0;         // faces of it without area
-    std::string bentRepair_;     // what to say of bent ones
+    ModelFaces faces_;
     Building building_;
     std::vector<uint32_t> source_, shell_; // per face
     uint32_t shellCount_ = 0;

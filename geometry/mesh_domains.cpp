@@ -17,9 +17,12 @@ namespace {
 using Edge = std::pair<uint32_t, uint32_t>;
 using Frame = MeshDomain::Frame;
 constexpr double kStraightSine = 1e-7;
-constexpr double kFlat = 1e-7; // of the domain's extent: how far corners of merged faces lie off their plane
-constexpr double kOnePlaneSine = 1e-6;
-constexpr double kMostTurn = 0.7; // radians along an edge of a triangle
+// Of the domain's extent: how far corners of merged faces lie off their plane, as the corners of one face of
+// a model may (model_faces.h).
+constexpr double kFlat = 1e-5;
+constexpr double kOnePlaneSine = 1e-4;
+constexpr double kUprightSine = 1e-5; // scenes in single precision, turned by their nodes
+constexpr double kMostTurn = 0.7;     // radians along an edge of a triangle
 
 // Axes of a face: v up along the wall, or any axis of a level one.
 Frame frameOfFace(const Building& building, const Face& face) {
@@ -112,45 +115,54 @@ private:
         for (const uint32_t f : faces)
             for (const auto& loop : building_.faces[f].loops)
                 for (size_t i = 0; i < loop.size(); ++i) faceOf[{loop[i], loop[(i + 1) % loop.size()]}] = f;
-        std::set<uint32_t> seen;
-        for (const uint32_t start : faces) {
-            if (!seen.insert(start).second) continue;
-            std::vector<uint32_t> members{start};
-            for (size_t i = 0; i < members.size(); ++i)
-                for (const auto& loop : building_.faces[members[i]].loops)
-                    for (size_t k = 0; k < loop.size(); ++k)
-                        if (const auto other = faceOf.find({loop[(k + 1) % loop.size()], loop[k]});
-                            other != faceOf.end() && seen.insert(other->second).second)
-                            members.push_back(other->second);
-            const bool one = members.size() > 1 && (flat(members) ? merge(members) : unroll(members, faceOf));
-            if (!one) addFlatParts(members, faceOf);
+        for (const auto& whole : connected(faces, faceOf, [](uint32_t, uint32_t) { return true; })) {
+            if (whole.size() > 1 && flat(whole) && merge(whole)) continue;
+            // A wall that runs on into a vault is unrolled up to there.
+            const auto sameWay = [&](uint32_t f, uint32_t g) { return isUpright(f) == isUpright(g); };
+            for (const auto& part : connected(whole, faceOf, sameWay))
+                if (part.size() == 1 || !isUpright(part[0]) || flat(part) || !unroll(part, faceOf))
+                    addFlatParts(part, faceOf);
         }
     }
 
     // Neighbours in one plane together.
     void addFlatParts(const std::vector<uint32_t>& members, const std::map<Edge, uint32_t>& faceOf) {
+        const auto level = [&](uint32_t f, uint32_t g) { return inOnePlane(f, g); };
+        for (const auto& part : connected(members, faceOf, level))
+            if (part.size() == 1 || !flat(part) || !merge(part))
+                for (const uint32_t f : part) domains_.push_back(single(f));
+    }
+
+    // Parts of `members` that hang together by edges across which `joins` holds of both faces.
+    template<class Joins>
+    std::vector<std::vector<uint32_t>> connected(const std::vector<uint32_t>& members,
+                                                 const std::map<Edge, uint32_t>& faceOf,
+                                                 const Joins& joins) const {
+        std::vector<std::vector<uint32_t>> parts;
         std::set<uint32_t> rest(members.begin(), members.end());
         for (const uint32_t start : members) {
             if (rest.erase(start) == 0) continue;
-            std::vector<uint32_t> part{start};
+            std::vector<uint32_t>& part = parts.emplace_back(1, start);
             for (size_t i = 0; i < part.size(); ++i)
                 for (const auto& loop : building_.faces[part[i]].loops)
                     for (size_t k = 0; k < loop.size(); ++k)
                         if (const auto other = faceOf.find({loop[(k + 1) % loop.size()], loop[k]});
                             other != faceOf.end() && rest.contains(other->second) &&
-                            inOnePlane(part[i], other->second)) {
+                            joins(part[i], other->second)) {
                             part.push_back(other->second);
                             rest.erase(other->second);
                         }
-            if (part.size() == 1 || !flat(part) || !merge(part))
-                for (const uint32_t f : part) domains_.push_back(single(f));
         }
+        return parts;
+    }
+
+    bool isUpright(uint32_t f) const {
+        return std::abs(faceNormal(building_, building_.faces[f]).y) <= kUprightSine;
     }
 
     bool inOnePlane(uint32_t f, uint32_t g) const {
-        const glm::dvec3 m = faceNormal(building_, building_.faces[f]),
-                         n = faceNormal(building_, building_.faces[g]);
-        return glm::dot(m, n) > 0 && glm::length(glm::cross(m, n)) < kOnePlaneSine;
+        return geometry::inOnePlane(faceNormal(building_, building_.faces[f]),
+                                    faceNormal(building_, building_.faces[g]));
     }
 
     bool flat(const std::vector<uint32_t>& members) const {
@@ -186,8 +198,6 @@ private:
 
     // Upright facets that hang together along upright edges, or are parts of one, laid out side by side.
     bool unroll(const std::vector<uint32_t>& members, const std::map<Edge, uint32_t>& faceOf) {
-        for (const uint32_t f : members)
-            if (std::abs(faceNormal(building_, building_.faces[f]).y) > 1e-6) return false;
         if (turnsSharply(members, faceOf)) return false;
         std::set<uint32_t> rest(members.begin(), members.end());
         std::vector<MeshDomain> found;
@@ -259,7 +269,7 @@ private:
             const glm::dvec3 a = building_.vertices[edge.first], b = building_.vertices[edge.second];
             const glm::dvec2 own = domain.frames[facet].coordinates(0.5 * (a + b)),
                              its = domain.frames[other->second].coordinates(0.5 * (a + b));
-            if (glm::length(own - its) < 1e-6 * glm::length(b - a) + 1e-12) seams.insert(edge);
+            if (glm::length(own - its) < 10 * kUprightSine * glm::length(b - a) + 1e-12) seams.insert(edge);
         }
     }
 
@@ -275,7 +285,7 @@ private:
 
     bool upright(Edge edge) const {
         const glm::dvec3 d = building_.vertices[edge.second] - building_.vertices[edge.first];
-        return std::abs(d.x) + std::abs(d.z) < 1e-9 * glm::length(d) + 1e-12;
+        return std::hypot(d.x, d.z) < kUprightSine * glm::length(d) + 1e-12;
     }
 
     bool straight(uint32_t before, uint32_t at, uint32_t after) const {
@@ -342,6 +352,10 @@ glm::dvec3 faceNormal(const Building& building, const Face& face) {
             sum += glm::cross(building.vertices[loop[i]] - origin,
                               building.vertices[loop[(i + 1) % loop.size()]] - origin);
     return glm::normalize(sum);
+}
+
+bool inOnePlane(glm::dvec3 a, glm::dvec3 b) {
+    return glm::dot(a, b) > 0 && glm::length(glm::cross(a, b)) < kOnePlaneSine;
 }
 
 glm::dvec2 mainDirection(const MeshDomain& domain) {

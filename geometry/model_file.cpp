@@ -10,6 +10,7 @@
 
 #include "geometry/disjoint_sets.h"
 #include "geometry/input_error.h"
+#include "geometry/mesh_domains.h"
 #include "geometry/raw_model.h"
 
 namespace heliodon::geometry {
@@ -91,8 +92,7 @@ private:
 
     bool alike(uint32_t i, uint32_t j) const {
         if (mesh_.material[i] != mesh_.material[j] || mesh_.room[i] != mesh_.room[j]) return false;
-        const glm::dvec3 a = patchNormal(mesh_, i), b = patchNormal(mesh_, j);
-        return glm::dot(a, b) > 0 && glm::length(glm::cross(a, b)) < 1e-4;
+        return inOnePlane(patchNormal(mesh_, i), patchNormal(mesh_, j));
     }
 
     PatchMesh& mesh_;

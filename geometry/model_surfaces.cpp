@@ -14,10 +14,8 @@ namespace heliodon::geometry {
 
 namespace {
 
-constexpr double kInPlane = 1e-4; // sine of the angle between normals
-constexpr double kUpright = 1e-3; // files hold 6 digits
-constexpr double kMostTurn = 50;  // degrees: an octagon's corners may be a column's, a room's may not
-constexpr double kSame = 0.1;     // of what the faces turn by: the file's normals differ by less
+constexpr double kMostTurn = 50; // degrees: an octagon's corners may be a column's, a room's may not
+constexpr double kSame = 0.1;    // of what the faces turn by: the file's normals differ by less
 
 // Of the face's corner nearest to the place, of length one; 0 where the file gives none.
 glm::dvec3 normalAt(const RawModel& model, uint32_t face, glm::dvec3 p) {
@@ -39,22 +37,20 @@ struct Fold {
     glm::dvec3 normal[2], ends[2];
     uint32_t source[2];
 
-    bool flat() const {
-        return glm::dot(normal[0], normal[1]) > 0 && glm::length(glm::cross(normal[0], normal[1])) < kInPlane;
-    }
-
     bool smooth(const RawModel& model) const {
-        const glm::dvec3 along = glm::normalize(ends[1] - ends[0]);
-        if (std::hypot(along.x, along.z) > kUpright || std::abs(normal[0].y) > kUpright ||
-            std::abs(normal[1].y) > kUpright ||
-            glm::dot(normal[0], normal[1]) < std::cos(glm::radians(kMostTurn)))
-            return false;
+        if (glm::dot(normal[0], normal[1]) < std::cos(glm::radians(kMostTurn))) return false;
+        if (source[0] == source[1]) return true;
+        bool anyNormal = false;
         for (const glm::dvec3 p : ends) {
             const glm::dvec3 m = normalAt(model, source[0], p), n = normalAt(model, source[1], p);
-            if (m == glm::dvec3(0) || n == glm::dvec3(0)) return false;
-            if (glm::length(m - n) > kSame * glm::length(normal[0] - normal[1])) return false;
+            anyNormal = anyNormal || m != glm::dvec3(0) || n != glm::dvec3(0);
+            // One end is enough: at the tip of a cone each facet may have a normal of its own.
+            if (m != glm::dvec3(0) && n != glm::dvec3(0) &&
+                glm::length(m - n) <= kSame * glm::length(normal[0] - normal[1]))
+                return true;
         }
-        return true;
+        return !anyNormal && !model.smoothing.empty() && model.smoothing[source[0]] != 0 &&
+               model.smoothing[source[0]] == model.smoothing[source[1]];
     }
 };
 
@@ -72,7 +68,8 @@ void findSurfaces(Building& building, const RawModel& model, std::span<const uin
                         {source[faces[0]], source[faces[1]]}};
         // Panes stay flat: each is a window.
         const bool pane = model.materials[a.material].isOpening();
-        if (fold.flat() || (!pane && fold.smooth(model))) surfaces.join(faces[0], faces[1]);
+        if (inOnePlane(fold.normal[0], fold.normal[1]) || (!pane && fold.smooth(model)))
+            surfaces.join(faces[0], faces[1]);
     }
     std::map<uint32_t, uint32_t> ids;
     for (uint32_t f = 0; f < building.faces.size(); ++f)

@@ -9,10 +9,10 @@
 
 namespace heliodon::geometry {
 
-// Sets Face::surface: neighbours of one material are one surface where they lie in one plane, and at an
-// upright edge of upright walls, too, that turn there by at most 50 degrees with one normal of the file on
-// both sides of the edge. Other curved shapes stay in facets. `source`: per face of the building, that of the
-// model; the vertices of both are metres, y up.
+// Sets Face::surface: neighbours of one material are one surface where they lie in one plane or are parts of
+// one face of the file and, but for panes, where they turn by at most 50 degrees and the file has one normal
+// on both sides of the edge or, without normals, one smoothing group. Without either, curved shapes stay in
+// facets. `source`: per face of the building, that of the model; the vertices of both are metres, y up.
 void findSurfaces(Building& building, const RawModel& model, std::span<const uint32_t> source);
 
 } // namespace heliodon::geometry

@@ -1,5 +1,5 @@
 // Wavefront .obj and .mtl. Our own reader because every refusal must name its line; what lights need is a
-// small part of the format: v, vn, f, usemtl, mtllib, g, o, north; Kd, Tf, Ni, Ke,
+// small part of the format: v, vn, s, f, usemtl, mtllib, g, o, north; Kd, Tf, Ni, Ke,
 // and `blinds`, our own.
 #include <algorithm>
 #include <charconv>
@@ -211,6 +211,8 @@ public:
                 useMaterial(lines_.remainder());
             else if (key == "g" || key == "o")
                 useGroup(lines_.remainder());
+            else if (key == "s")
+                readSmoothing();
             else if (key == "north")
                 model_.northDeg = lines_.number("north DEG");
         }
@@ -264,17 +266,19 @@ private:
 
     void readFace() {
         size_t count = 0;
-        for (std::string_view word = lines_.word(); !word.empty(); word = lines_.word(), ++count) {
-            model_.corners.push_back(readIndex(word, model_.vertices.size(), lines_));
-            model_.cornerNormals.push_back(normalOf(word));
-        }
+        for (std::string_view word = lines_.word(); !word.empty(); word = lines_.word(), ++count)
+            model_.addCorner(readIndex(word, model_.vertices.size(), lines_), normalOf(word));
         if (count < 3) lines_.fail(fmt::format("a face of {} corners, expected at least 3", count));
         if (!currentMaterial_) useMaterial("default");
         if (model_.groups.empty()) useGroup("default");
-        model_.firstCorner.push_back(static_cast<uint32_t>(model_.corners.size()));
-        model_.material.push_back(*currentMaterial_);
-        model_.group.push_back(static_cast<uint32_t>(model_.groups.size() - 1));
-        model_.number.push_back(lines_.lineNumber());
+        model_.endFace(*currentMaterial_, lines_.lineNumber(), smoothing_);
+    }
+
+    // "s 3"; "s off" and "s 0" end it, and so does what is no number.
+    void readSmoothing() {
+        const std::string_view word = lines_.word();
+        smoothing_ = 0;
+        std::from_chars(word.data(), word.data() + word.size(), smoothing_);
     }
 
     void useMaterial(const std::string& name) {
@@ -304,6 +308,7 @@ private:
     std::vector<glm::vec3> normals_; // in the file's own axes
     MaterialIndex materials_;
     std::optional<uint32_t> currentMaterial_;
+    uint32_t smoothing_ = 0;
 };
 
 } // namespace

@@ -1,7 +1,11 @@
 #include "geometry/patch_mesh.h"
 
+#include <map>
+#include <utility>
+
 #include <glm/geometric.hpp>
 
+#include "geometry/mesh_domains.h"
 #include "geometry/outline_area.h"
 
 namespace heliodon::geometry {
@@ -49,6 +53,21 @@ glm::dvec3 patchCentroid(const PatchMesh& mesh, size_t patch) {
         weight += twiceArea;
     }
     return weight > 0 ? origin + sum / weight : origin;
+}
+
+std::vector<glm::dvec3> cornerNormals(const PatchMesh& mesh) {
+    std::map<std::pair<uint32_t, uint32_t>, glm::dvec3> sums; // by vertex and surface
+    for (size_t i = 0; i < mesh.patchCount(); ++i)
+        for (const uint32_t v : mesh.patch(i))
+            sums.try_emplace({v, mesh.surface[i]}, 0.0).first->second += patchAreaVector(mesh, i);
+    std::vector<glm::dvec3> out;
+    bool curved = false;
+    for (size_t i = 0; i < mesh.patchCount(); ++i)
+        for (const uint32_t v : mesh.patch(i)) {
+            out.push_back(glm::normalize(sums.at({v, mesh.surface[i]})));
+            curved = curved || !inOnePlane(out.back(), patchNormal(mesh, i));
+        }
+    return curved ? out : std::vector<glm::dvec3>{};
 }
 
 } // namespace heliodon::geometry

@@ -13,6 +13,25 @@
 
 namespace heliodon::geometry {
 
+void RawModel::addCorner(uint32_t vertex, glm::vec3 normal) {
+    if (normal != glm::vec3(0) || !cornerNormals.empty()) {
+        cornerNormals.resize(corners.size());
+        cornerNormals.push_back(normal);
+    }
+    corners.push_back(vertex);
+}
+
+void RawModel::endFace(uint32_t itsMaterial, size_t itsNumber, uint32_t itsSmoothing) {
+    if (itsSmoothing != 0 || !smoothing.empty()) {
+        smoothing.resize(faceCount());
+        smoothing.push_back(itsSmoothing);
+    }
+    firstCorner.push_back(static_cast<uint32_t>(corners.size()));
+    material.push_back(itsMaterial);
+    group.push_back(static_cast<uint32_t>(groups.size() - 1));
+    number.push_back(itsNumber);
+}
+
 std::string RawModel::place(size_t i) const {
     const std::string& name = source[group[i]];
     return name.empty() ? std::to_string(number[i]) : fmt::format("{} triangle {}", name, number[i]);

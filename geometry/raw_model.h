@@ -23,9 +23,11 @@ struct RawModel {
     // indices.
     std::vector<uint32_t> corners;
     std::vector<uint32_t> firstCorner{0};
-    // Per corner, in the file's own axes, of any length: what a curved surface is smooth by. 0 where the file
-    // gives none.
+    // Per corner, in the file's own axes, as the file gives them, finite or not: what a curved surface is
+    // smooth by. 0 where the file gives none; empty where it gives none at all.
     std::vector<glm::vec3> cornerNormals;
+    // Per face, of those without normals: neighbours of one group but 0 are smooth. Empty where all are 0.
+    std::vector<uint32_t> smoothing;
     std::vector<uint32_t> material; // per face, into `materials`
     std::vector<uint32_t> group;    // per face, into `groups`
     std::vector<size_t> number; // per face: its line in an .obj, its triangle within the primitive in a glTF
@@ -36,6 +38,10 @@ struct RawModel {
     double northDeg = kModelNorthDeg; // direction of north, as Building has it
     // By material, one sentence each: what the file does not say, and what may have been meant otherwise.
     std::map<uint32_t, std::string> assumed, doubts;
+
+    // Adds a corner to the face that is not ended yet.
+    void addCorner(uint32_t vertex, glm::vec3 normal);
+    void endFace(uint32_t itsMaterial, size_t itsNumber, uint32_t itsSmoothing = 0); // of the last group
 
     size_t faceCount() const { return firstCorner.size() - 1; }
     std::span<const uint32_t> face(size_t i) const {

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
 #include "geometry/input_error.h"
@@ -76,6 +77,24 @@ std::string mtlText(const PatchMesh& mesh) {
     return text;
 }
 
+// Normals of curved surfaces, so that they are smooth where the file is read again; then all corners have
+// one. Without any curved surface there are none.
+struct Normals {
+    std::vector<glm::vec3> different;
+    std::vector<uint32_t> ofCorner; // into `different`
+
+    explicit Normals(const PatchMesh& mesh) {
+        std::map<std::array<float, 3>, uint32_t> known;
+        for (const glm::dvec3 exact : cornerNormals(mesh)) {
+            const glm::vec3 n(glm::round(exact * 1e5) / 1e5 + 0.0); // 2 seconds of arc, and no -0
+            const auto [place, isNew] =
+                known.try_emplace({n.x, n.y, n.z}, static_cast<uint32_t>(different.size()));
+            if (isNew) different.push_back(n);
+            ofCorner.push_back(place->second);
+        }
+    }
+};
+
 void writeObj(const PatchMesh& mesh, const std::filesystem::path& file, double northDeg) {
     std::filesystem::path library = file;
     library.replace_extension(".mtl");
@@ -91,6 +110,8 @@ void writeObj(const PatchMesh& mesh, const std::filesystem::path& file, double n
             northDeg);
     for (const glm::dvec3& p : mesh.vertices)
         text += fmt::format("v {} {} {}\n", p.x, p.y, p.z); // shortest that reads back
+    const Normals normals(mesh);
+    for (const glm::vec3 n : normals.different) text += fmt::format("vn {} {} {}\n", n.x, n.y, n.z);
     for (const auto& [key, patches] : groups(mesh)) {
         // Some programs make objects of one, some of the other.
         text += fmt::format("o {0}\ng {0}\n", groupName(key));
@@ -101,7 +122,10 @@ void writeObj(const PatchMesh& mesh, const std::filesystem::path& file, double n
                 text += "usemtl " + names[material] + "\n";
             }
             text += "f";
-            for (const uint32_t v : mesh.patch(i)) text += fmt::format(" {}", v + 1);
+            for (uint32_t c = mesh.firstCorner[i]; c < mesh.firstCorner[i + 1]; ++c) {
+                text += fmt::format(" {}", mesh.corners[c] + 1);
+                if (!normals.ofCorner.empty()) text += fmt::format("//{}", normals.ofCorner[c] + 1);
+            }
             text += "\n";
         }
     }
@@ -114,7 +138,8 @@ void writeObj(const PatchMesh& mesh, const std::filesystem::path& file, double n
 
 class GlbWriter {
 public:
-    GlbWriter(const PatchMesh& mesh, double northDeg) : mesh_(mesh), northDeg_(northDeg) {}
+    GlbWriter(const PatchMesh& mesh, double northDeg)
+        : mesh_(mesh), northDeg_(northDeg), normals_(mesh), points_(mesh.corners) {}
 
     std::string bytes() {
         // Every list first: an ordered object moves its members when it grows.
@@ -125,7 +150,7 @@ public:
         if (northDeg_ != kModelNorthDeg) json_["asset"]["extras"] = {{"north_deg", northDeg_}};
         json_["scene"] = 0;
         addMaterials();
-        addPositions();
+        addPoints();
         nlohmann::ordered_json nodes = nlohmann::ordered_json::array();
         for (const auto& [key, patches] : groups(mesh_)) addGroup(key, patches, nodes);
         json_["scenes"] = {{{"nodes", nodes}}};
@@ -201,20 +226,44 @@ private:
         return json_["bufferViews"].size() - 1;
     }
 
-    void addPositions() {
+    // glTF has one normal a point: where surfaces meet at a vertex of the mesh, each has a point of its own.
+    void addPoints() {
+        std::vector<glm::dvec3> places = mesh_.vertices;
+        std::vector<glm::vec3> directions;
+        if (!normals_.ofCorner.empty()) {
+            places.clear();
+            std::map<std::pair<uint32_t, uint32_t>, uint32_t> known; // vertex and normal
+            for (size_t c = 0; c < points_.size(); ++c) {
+                const auto [point, isNew] = known.try_emplace({mesh_.corners[c], normals_.ofCorner[c]},
+                                                              static_cast<uint32_t>(places.size()));
+                points_[c] = point->second;
+                if (!isNew) continue;
+                places.push_back(mesh_.vertices[mesh_.corners[c]]);
+                directions.push_back(glm::normalize(normals_.different[normals_.ofCorner[c]]));
+            }
+        }
         glm::vec3 low(1e30f), high(-1e30f);
-        for (const glm::dvec3& p : mesh_.vertices) {
+        for (const glm::dvec3& p : places) {
             const glm::vec3 q(p);
             low = glm::min(low, q);
             high = glm::max(high, q);
             for (int c = 0; c < 3; ++c) append(data_, q[c]);
         }
-        json_["accessors"].push_back({{"bufferView", addView(0, 34962)},
+        attributes_["POSITION"] = addVectors(0, places.size());
+        json_["accessors"].back().update({{"min", {low.x, low.y, low.z}}, {"max", {high.x, high.y, high.z}}});
+        if (directions.empty()) return;
+        const size_t begin = data_.size();
+        for (const glm::vec3 n : directions)
+            for (int c = 0; c < 3; ++c) append(data_, n[c]);
+        attributes_["NORMAL"] = addVectors(begin, directions.size());
+    }
+
+    size_t addVectors(size_t begin, size_t count) {
+        json_["accessors"].push_back({{"bufferView", addView(begin, 34962)},
                                       {"componentType", 5126},
-                                      {"count", mesh_.vertices.size()},
-                                      {"type", "VEC3"},
-                                      {"min", {low.x, low.y, low.z}},
-                                      {"max", {high.x, high.y, high.z}}});
+                                      {"count", count},
+                                      {"type", "VEC3"}});
+        return json_["accessors"].size() - 1;
     }
 
     void addGroup(GroupKey key, const std::vector<size_t>& patches, nlohmann::ordered_json& nodes) {
@@ -223,15 +272,16 @@ private:
             const uint32_t material = mesh_.material[patches[first]];
             const size_t begin = data_.size();
             for (; first < patches.size() && mesh_.material[patches[first]] == material; ++first) {
-                const auto corner = mesh_.patch(patches[first]);
-                for (size_t k = 1; k + 1 < corner.size(); ++k)
-                    for (const uint32_t v : {corner[0], corner[k], corner[k + 1]}) append(data_, v);
+                const uint32_t own = mesh_.firstCorner[patches[first]],
+                               next = mesh_.firstCorner[patches[first] + 1];
+                for (uint32_t c = own + 1; c + 1 < next; ++c)
+                    for (const uint32_t corner : {own, c, c + 1}) append(data_, points_[corner]);
             }
             json_["accessors"].push_back({{"bufferView", addView(begin, 34963)},
                                           {"componentType", 5125},
                                           {"count", (data_.size() - begin) / 4},
                                           {"type", "SCALAR"}});
-            primitives.push_back({{"attributes", {{"POSITION", 0}}},
+            primitives.push_back({{"attributes", attributes_},
                                   {"indices", json_["accessors"].size() - 1},
                                   {"material", material}});
         }
@@ -243,7 +293,9 @@ private:
 
     const PatchMesh& mesh_;
     double northDeg_;
-    nlohmann::ordered_json json_;
+    Normals normals_;
+    std::vector<uint32_t> points_; // of the file, per corner of the mesh
+    nlohmann::ordered_json json_, attributes_;
     std::string data_;
 };
 

@@ -11,9 +11,11 @@
 #include <gtest/gtest.h>
 
 #include "geometry/building.h"
+#include "geometry/mesh_domains.h"
 #include "geometry/mesher.h"
 #include "geometry/model_file.h"
 #include "geometry/sketch.h"
+#include "tests/geometry/mesh_volume.h"
 
 using namespace heliodon::geometry;
 
@@ -275,6 +277,51 @@ Building roundScene(int sides, bool smooth) {
     return importModel(file);
 }
 
+enum class Smooth { no, byNormals, byGroup };
+
+// A round room of 24 sides under a roof of `rings` rings of facets: a dome, or a cone with a normal for each
+// facet at its tip.
+Building roofedModel(int rings, bool cone, Smooth smooth) {
+    const int sides = 24;
+    const std::string file = testing::TempDir() + "roofed.obj";
+    std::ofstream out(file);
+    const auto place = [&](double share, double k) { // 0: where the roof begins, 1: its top
+        const double up = share * std::numbers::pi / 2, a = 2 * std::numbers::pi * k / sides;
+        const double radius = cone ? 1 - share : std::cos(up), rise = cone ? share : std::sin(up);
+        return glm::dvec3(radius * std::cos(a), 1 + rise, -radius * std::sin(a));
+    };
+    std::vector<glm::dvec3> normals;
+    const auto corner = [&](glm::dvec3 p, glm::dvec3 normal) {
+        normals.push_back(normal);
+        out << fmt::format("v {:.6f} {:.6f} {:.6f}\nvn {:.4f} {:.4f} {:.4f}\n", p.x, p.y, p.z, normal.x,
+                           normal.y, normal.z);
+    };
+    const auto face = [&](int count) {
+        out << (smooth == Smooth::byGroup ? "s 2\nf" : "s off\nf");
+        for (int k = -count; k < 0; ++k)
+            out << ' ' << k << (smooth == Smooth::byNormals ? fmt::format("//{}", k) : "");
+        out << "\n";
+    };
+    for (int k = 0; k < sides; ++k)
+        for (int ring = -1; ring < rings; ++ring) {
+            const auto at = [&](int r, int column) {
+                glm::dvec3 p = place(std::max(r, 0) / double(rings), column);
+                if (r < 0) p.y = 0;
+                const double a = 2 * std::numbers::pi * (r == rings ? k + 0.5 : column) / sides;
+                const double up = r < 0 ? 0 : cone ? std::numbers::pi / 4 : r * std::numbers::pi / 2 / rings;
+                corner(p, {-std::cos(a) * std::cos(up), -std::sin(up), std::sin(a) * std::cos(up)});
+            };
+            at(ring, k), at(ring + 1, k);
+            if (ring + 1 < rings) at(ring + 1, k + 1);
+            at(ring, k + 1);
+            face(ring + 1 < rings ? 4 : 3);
+        }
+    for (int k = 0; k < sides; ++k) corner(place(0, k) * glm::dvec3(1, 0, 1), {0, 1, 0});
+    face(sides);
+    out.close();
+    return importModel(file);
+}
+
 size_t surfacesOf(const Building& building) {
     std::set<uint32_t> surfaces;
     for (const Face& face : building.faces) surfaces.insert(face.surface);
@@ -298,4 +345,32 @@ TEST(CurvedFacets, a_models_wall_is_one_surface_where_its_normals_say_so) {
             EXPECT_GE(mesh.minAngleDeg, 30);
         }
     }
+}
+
+// A dome, which runs on from the wall, and a cone, whose facets meet in a tip and turn by 45 degrees from the
+// wall.
+TEST(CurvedFacets, a_models_roof_is_one_surface_where_normals_or_groups_say_so) {
+    for (const bool cone : {false, true}) {
+        const int rings = cone ? 1 : 6;
+        EXPECT_EQ(surfacesOf(roofedModel(rings, cone, Smooth::no)), 1 + 24 * (rings + 1)) << cone;
+        for (const Smooth smooth : {Smooth::byGroup, Smooth::byNormals})
+            EXPECT_EQ(surfacesOf(roofedModel(rings, cone, smooth)), 2) << cone;
+    }
+    // The wall below a dome is unrolled, the dome's facets and the floor are flat.
+    EXPECT_EQ(findMeshDomains(roofedModel(6, false, Smooth::byNormals), 0.15).size(), 1 + 24 * 6 + 1);
+}
+
+// Curved surfaces keep their normals in what the program writes.
+TEST(CurvedFacets, what_was_curved_is_so_when_it_is_read_again) {
+    const Building rounded = roundModel(24, true, false), roofed = roofedModel(6, false, Smooth::byNormals);
+    for (const Building* building : {&rounded, &roofed})
+        for (const char* name : {"again.obj", "again.glb"}) {
+            const std::string file = testing::TempDir() + name;
+            const PatchMesh mesh = meshBuilding(*building, {1000});
+            writeModel(mesh, file);
+            const Building again = importModel(file);
+            EXPECT_EQ(surfacesOf(again), surfacesOf(*building)) << name;
+            const PatchMesh finer = meshBuilding(again, {3000});
+            EXPECT_NEAR(volume(finer), volume(mesh), 2e-3 * volume(mesh)) << name;
+        }
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <fstream>
 #include <random>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -268,6 +269,33 @@ TEST(DirtyModel, corners_in_whole_millimetres_bend_faces_which_are_divided) {
     house.faces = {{0, 1, 2, 3, 4}, {9, 8, 7, 6, 5}};
     for (uint32_t i = 0; i < 5; ++i) house.faces.push_back({i, i + 5, (i + 1) % 5 + 5, (i + 1) % 5});
     expectRooms(house, 1, 97.5, "divided into triangles");
+}
+
+// As drawn by hand, or for water to run off: folded as little as may be seen, and said.
+TEST(DirtyModel, faces_bent_by_centimetres_are_divided_with_a_warning) {
+    Polygons bent = box({0, 0, 0}, {6, 3, 6});
+    bent.vertices[7].y += 0.022;
+    const std::string warning = "1 face bent by up to 0.011 m (the first at 10) was divided into triangles";
+    expectRooms(bent, 1, 108 + 36 * 0.022 / 6, "", warning); // the fold ends in the corner that is lifted
+    const Building building = importModel(written(bent));
+    std::set<uint32_t> surfaces;
+    for (const Face& face : building.faces) surfaces.insert(face.surface);
+    EXPECT_EQ(building.faces.size(), 7u);
+    EXPECT_EQ(surfaces.size(), 6u); // light runs on over the fold
+    // Both sides of a floor without thickness fold alike, whichever corner they begin with.
+    for (const size_t first : {0, 1, 2, 3}) {
+        Polygons two = bent;
+        two.vertices.insert(two.vertices.end(), {{0, 6, 0}, {6, 6, 0}, {0, 6, 6}, {6, 6, 6}});
+        for (const std::vector<uint32_t>& face : {std::vector<uint32_t>{6, 7, 3, 2},
+                                                  {8, 9, 11, 10},
+                                                  {2, 3, 9, 8},
+                                                  {7, 6, 10, 11},
+                                                  {6, 2, 8, 10},
+                                                  {3, 7, 11, 9}})
+            two.faces.push_back(face);
+        std::ranges::rotate(two.faces[6], two.faces[6].begin() + static_cast<std::ptrdiff_t>(first));
+        expectRooms(two, 2, 216, "", "2 faces bent by up to 0.011 m (the first at 14)");
+    }
 }
 
 TEST(DirtyModel, a_copy_of_another_material_is_named) {

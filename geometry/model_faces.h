@@ -1,0 +1,27 @@
+// The faces of a model's file as loose polygons that are flat.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "geometry/face_soup.h"
+#include "geometry/raw_model.h"
+
+namespace heliodon::geometry {
+
+// Of the model's extent: corners nearer are one, as files hold 6 or 7 digits; corners farther off a face's
+// plane bend it.
+constexpr double kWeldOfExtent = 2e-6, kPlanarOfExtent = 1e-5;
+
+struct ModelFaces {
+    std::vector<SoupFace> soup;  // SoupFace::surface: the face's number in the file
+    size_t dropped = 0;          // faces without area
+    std::string repair, warning; // of faces bent by little, and by more; empty where there are none
+};
+
+// Bent faces in triangles, both sides of a wall alike. Throws InputError where a face is bent so far that
+// which corners its triangles join would make another room. `extent`: of the model, metres.
+ModelFaces flatFaces(const RawModel& model, double extent);
+
+} // namespace heliodon::geometry
