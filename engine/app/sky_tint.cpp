@@ -1,6 +1,6 @@
 #include "engine/app/sky_tint.h"
 
-#include <array>
+#include <algorithm>
 
 #include <glm/common.hpp>
 
@@ -10,13 +10,11 @@ namespace heliodon::app {
 
 namespace {
 
-struct Source {
-    daylight::Sky sky;
-    glm::vec3 colour{1};
+struct Colours {
+    glm::vec3 sun{1}, sky{1}, ground{1};
 };
 
-// Sun, sky and ground of one sky, and what the room emits by itself, which is in each of them.
-std::array<Source, 4> sourcesOf(const daylight::Sky& sky, const daylight::SkyPatches& patches) {
+Colours coloursOf(const daylight::Sky& sky, const daylight::SkyPatches& patches) {
     const std::vector<double> luminances = patches.luminances(sky);
     const std::vector<glm::dvec3> coloured = daylight::colouredLuminances(sky, patches, luminances);
     glm::dvec3 onPlane(0);
@@ -25,17 +23,21 @@ std::array<Source, 4> sourcesOf(const daylight::Sky& sky, const daylight::SkyPat
         onPlane += patches.projectedSolidAngle(i) * coloured[i];
         lux += patches.projectedSolidAngle(i) * luminances[i];
     }
-    std::array<Source, 4> sources;
-    auto& [ofSun, ofSky, ofGround, own] = sources;
-    ofSun = {sky, glm::vec3(daylight::SkyColour(sky).ofSun())};
-    ofSun.sky.formula.scale = 0, ofSun.sky.ground.luminance = 0;
-    ofSky.sky = ofGround.sky = own.sky = sky;
-    ofSky.sky.sun.normalIlluminance = 0, ofSky.sky.ground.luminance = 0;
-    if (lux > 0) ofSky.colour = glm::vec3(onPlane / lux);
-    ofGround.sky.sun.normalIlluminance = 0, ofGround.sky.formula.scale = 0;
-    if (luminances.back() > 0) ofGround.colour = glm::vec3(coloured.back() / luminances.back());
-    own.sky.sun.normalIlluminance = 0, own.sky.formula.scale = 0, own.sky.ground.luminance = 0;
-    return sources;
+    Colours colours;
+    colours.sun = glm::vec3(daylight::SkyColour(sky).ofSun());
+    if (lux > 0) colours.sky = glm::vec3(onPlane / lux);
+    if (luminances.back() > 0) colours.ground = glm::vec3(coloured.back() / luminances.back());
+    return colours;
+}
+
+// A source of a moment that is solved apart: its share of the light takes another colour than the rest.
+struct Apart {
+    size_t moment;
+    glm::vec3 more; // its colour less the rest's
+};
+
+void addTimes(std::vector<glm::vec3>& sum, glm::vec3 colour, const std::vector<glm::vec3>& light) {
+    for (size_t i = 0; i < sum.size(); ++i) sum[i] += colour * light[i];
 }
 
 } // namespace
@@ -43,23 +45,50 @@ std::array<Source, 4> sourcesOf(const daylight::Sky& sky, const daylight::SkyPat
 void tintLight(compute::DaylightTransport& transport, std::span<const daylight::Sky> skies,
                std::span<compute::Moment> moments) {
     const daylight::SkyPatches patches(2);
+    std::vector<daylight::Sky> solved;
+    std::vector<Apart> apart;
+    std::vector<glm::vec3> rest; // per moment, the colour of what is not solved apart
     for (size_t m = 0; m < skies.size(); ++m) {
-        const std::array<Source, 4> sources = sourcesOf(skies[m], patches);
-        std::vector<daylight::Sky> apart;
-        for (const Source& source : sources) apart.push_back(source.sky);
-        const std::vector<compute::Moment> parts = transport.light(apart);
         compute::Lighting& light = moments[m].lighting;
-        light.sunNormalIlluminance *= sources[0].colour;
-        for (std::vector<glm::vec3>* glow : {&light.sunGlow, &light.cornerGlow})
-            for (glm::vec3& lux : *glow) lux *= sources[0].colour;
-        for (size_t i = 0; i < light.exitance.size(); ++i) {
-            light.sunIlluminance[i] *= sources[0].colour;
-            const glm::vec3 own = parts[3].lighting.exitance[i];
-            light.exitance[i] = own;
-            for (size_t k = 0; k < 3; ++k)
-                light.exitance[i] +=
-                    sources[k].colour * glm::max(parts[k].lighting.exitance[i] - own, glm::vec3(0));
-        }
+        const Colours colours = coloursOf(skies[m], patches);
+        // The sun, which costs most, or without any the ground.
+        const bool hasSun = light.sunNormalIlluminance != glm::vec3(0),
+                   hasGround = skies[m].ground.luminance > 0;
+        rest.push_back(hasSun ? colours.sun : hasGround ? colours.ground : colours.sky);
+        const auto solveApart = [&](glm::vec3 colour) -> daylight::Sky& {
+            apart.push_back({m, colour - rest.back()});
+            solved.push_back(skies[m]);
+            solved.back().sun.normalIlluminance = 0;
+            return solved.back();
+        };
+        if (skies[m].formula.scale > 0 && (hasSun || hasGround)) solveApart(colours.sky).ground.luminance = 0;
+        if (hasSun && hasGround) solveApart(colours.ground).formula.scale = 0;
+        light.sunNormalIlluminance *= colours.sun;
+        for (std::vector<glm::vec3>* sunny : {&light.sunIlluminance, &light.sunGlow, &light.cornerGlow})
+            for (glm::vec3& lux : *sunny) lux *= colours.sun;
+    }
+    // What the room emits by itself keeps its colour, and is in everything that is solved.
+    const bool emits =
+        std::ranges::any_of(transport.mesh().materials, [](const geometry::Material& material) {
+            return material.exitance != glm::vec3(0);
+        });
+    if (emits) {
+        daylight::Sky dark = skies[0];
+        dark.sun.normalIlluminance = dark.formula.scale = dark.ground.luminance = 0;
+        solved.push_back(dark);
+    }
+    const std::vector<compute::Moment> parts = transport.light(solved);
+    for (size_t m = 0; m < moments.size(); ++m)
+        for (glm::vec3& lux : moments[m].lighting.exitance) lux *= rest[m];
+    for (size_t k = 0; k < apart.size(); ++k) {
+        std::vector<glm::vec3>& light = moments[apart[k].moment].lighting.exitance;
+        addTimes(light, apart[k].more, parts[k].lighting.exitance);
+        if (emits) addTimes(light, -apart[k].more, parts.back().lighting.exitance);
+    }
+    for (size_t m = 0; m < moments.size(); ++m) {
+        std::vector<glm::vec3>& light = moments[m].lighting.exitance;
+        if (emits) addTimes(light, glm::vec3(1) - rest[m], parts.back().lighting.exitance);
+        for (glm::vec3& lux : light) lux = glm::max(lux, glm::vec3(0)); // what the solver leaves
     }
 }
 
