@@ -18,9 +18,10 @@ struct BrightEnds {
     size_t count = 0;    // of ends
 };
 
-// Medians of all the walls' ends. None where they return less than that, as on a white table, and without
-// walls. `image`: what the paints of the sketch were told by, as `view`'s white.
+// Medians of all the walls' ends. None where they return less than that, as on a white table, without walls,
+// and where the table elsewhere returns as much: then it is they that stand in more light. `image`: what the
+// paints of the sketch were told by, as `view`'s white; `radius` of the table: inches.
 std::optional<BrightEnds> brightEnds(const geometry::Sketch& sketch, const WallEvidence& evidence,
-                                     const ClassImage& image, const PlanView& view);
+                                     const ClassImage& image, const PlanView& view, double radius);
 
 } // namespace heliodon::vision

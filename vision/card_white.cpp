@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include <glm/geometric.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -47,10 +48,27 @@ float most(glm::vec3 v) {
 class CardFinder {
 public:
     CardFinder(const PlanView& view, const TableRegion& region, const LightGrid& table)
-        : size_((region.width + kStride - 1) / kStride, (region.height + kStride - 1) / kStride),
+        : view_(view), region_(region),
+          size_((region.width + kStride - 1) / kStride, (region.height + kStride - 1) / kStride),
           perInch_(view.pixelsPerInch({0, 0}, 0) / kStride),
           enough_(static_cast<size_t>(std::ceil(kLeastCard * perInch_ * perInch_))), bins_(kBins * kBins) {
         takeSamples(view, region, table);
+        constexpr double kBright = 0.9; // rank
+        std::vector<float> green;
+        for (int y = 0; y < region.height; y += kBlock)
+            for (int x = 0; x < region.width; x += kBlock)
+                if (region.ground[static_cast<size_t>(y) * static_cast<size_t>(region.width) +
+                                  static_cast<size_t>(x)] == Ground::table)
+                    green.push_back(
+                        table
+                            .light[static_cast<size_t>(y / kBlock) * static_cast<size_t>(table.columns) +
+                                   static_cast<size_t>(x / kBlock)]
+                            .g);
+        const auto rank =
+            green.begin() + static_cast<std::ptrdiff_t>(kBright * static_cast<double>(green.size()));
+        if (rank == green.end()) return;
+        std::nth_element(green.begin(), rank, green.end());
+        brightTable_ = *rank;
     }
 
     std::optional<CardWhite> find() const {
@@ -59,11 +77,12 @@ public:
         for (const auto& [level, cell] : brightCells()) {
             const glm::vec3 colour = colourOf(cell);
             // All that has the cell's colour is no dimmer than what of it is next to paint.
-            if (best && kInBin * meanOf({colour, {}, level, false}) < meanOf(*best)) continue;
+            if (best && kInBin * meanOf({colour, {}, {}, level, false}) < meanOf(*best)) continue;
             const auto about = [&](Cell other) { return distance(cell, other) <= 1; };
             const std::optional<Card> card = cardOf(colour, about);
             if (!card || (best && meanOf(*card) < kBrighter * meanOf(*best)) || !card->isOnTops) continue;
-            return CardWhite{card->white, card->light};
+            if (tableReturns(view_, region_, card->seen)) continue;
+            return CardWhite{inTheSameLight(*card), card->light};
         }
         if (best && best->level > kDarkTable && best->isOnTops) return CardWhite{best->white, best->light};
         return std::nullopt;
@@ -79,7 +98,7 @@ private:
     };
     struct Sample {
         glm::vec3 ratio; // to the table
-        glm::vec2 light; // chroma
+        glm::vec3 seen;  // as the picture has it
         Cell cell;
         cv::Point place;
         bool mayBeCard;
@@ -87,6 +106,7 @@ private:
     struct Card {
         glm::vec3 white;
         glm::vec2 light; // chroma
+        glm::vec3 seen;  // as the picture has it
         float level;     // of the dimmest channel, which the least area of card exceeds
         bool isOnTops;
     };
@@ -94,6 +114,18 @@ private:
     // The level as the mean of its channels, as it is where the table's colour darkens one of them most.
     static float meanOf(const Card& card) {
         return card.level * (card.white.r + card.white.g + card.white.b) / (3 * least(card.white));
+    }
+
+    // Walls stand higher than the table and throw shadows on it: their tops can be in light that the table
+    // about them is shaded from. They are in no more than the table has where it is brightest. What is dark
+    // stays so: of such a table's light much may be gloss.
+    glm::vec3 inTheSameLight(const Card& card) const {
+        constexpr float kLeast = 0.5f, kStillDark = 1.01f * kDarkTable;
+        const float dimmest = least(card.white);
+        if (!(brightTable_ > 0)) return card.white;
+        float scale = std::max(card.seen.g / brightTable_ / card.white.g, kLeast);
+        if (dimmest > kDarkTable) scale = std::max(scale, kStillDark / dimmest);
+        return std::min(scale, 1.0f) * card.white;
     }
 
     static int binOf(float v) {
@@ -132,8 +164,7 @@ private:
                 if (!mayBeCard && least(ratio) > (1 - kNotTable) * most(ratio)) continue; // of no use
                 const glm::vec2 c = chroma(ratio.r, ratio.g, ratio.b);
                 const Cell cell{binOf(c[0]), binOf(c[1])};
-                samples_.push_back(
-                    {ratio, chroma(light.r, light.g, light.b), cell, {x / kStride, y / kStride}, mayBeCard});
+                samples_.push_back({ratio, light, cell, {x / kStride, y / kStride}, mayBeCard});
                 if (mayBeCard) bins_[static_cast<size_t>(cell.i * kBins + cell.j)].push_back(least(ratio));
             }
     }
@@ -202,20 +233,23 @@ private:
         if (!ofTable &&
             static_cast<double>(levels.size()) < kShareNextTo * static_cast<double>(levels.size() + apart))
             return std::nullopt;
-        Card out{{}, {}, levelOf(levels), false};
-        std::array<std::vector<float>, 3> channel;
+        Card out{{}, {}, {}, levelOf(levels), false};
+        std::array<std::vector<float>, 3> channel, seen;
         std::array<std::vector<float>, 2> light;
         cv::Mat card = cv::Mat::zeros(size_, CV_8U);
         for (const Sample& s : samples_) {
             if (!s.mayBeCard || !has(s.cell) || !nextToPaint.at<uint8_t>(s.place)) continue;
             card.at<uint8_t>(s.place) = 1;
             if (least(s.ratio) < kFullLight * out.level) continue;
+            const glm::vec2 of = chroma(s.seen.r, s.seen.g, s.seen.b);
             for (int c = 0; c < 3; ++c) channel[static_cast<size_t>(c)].push_back(s.ratio[c]);
-            for (int c = 0; c < 2; ++c) light[static_cast<size_t>(c)].push_back(s.light[c]);
+            for (int c = 0; c < 3; ++c) seen[static_cast<size_t>(c)].push_back(s.seen[c]);
+            for (int c = 0; c < 2; ++c) light[static_cast<size_t>(c)].push_back(of[c]);
         }
         out.light = {median(std::move(light[0])), median(std::move(light[1]))};
         out.white = {median(std::move(channel[0])), median(std::move(channel[1])),
                      median(std::move(channel[2]))};
+        out.seen = {median(std::move(seen[0])), median(std::move(seen[1])), median(std::move(seen[2]))};
         out.isOnTops = isOnTops(paint, card);
         return out;
     }
@@ -238,14 +272,41 @@ private:
         return withCard > 0 && withCard >= kShareOfTops * tops;
     }
 
+    const PlanView& view_;
+    const TableRegion& region_;
     cv::Size size_;
     double perInch_;
     size_t enough_;
+    float brightTable_ = 0;       // green of the light that the table returns where it is bright
     std::vector<Sample> samples_; // all that may be card or paint
     std::vector<std::vector<float>> bins_;
 };
 
 } // namespace
+
+bool tableReturns(const PlanView& view, const TableRegion& region, glm::vec3 light) {
+    constexpr int kStep = 5;                       // pixels
+    constexpr double kShare = 0.2;                 // of the table
+    constexpr float kNearly = 0.7f, kSame = 0.12f; // of the light; of log chroma
+    const Photograph& photo = view.photo();
+    const auto& linear = view.linearFromByte();
+    const glm::vec2 colour = chroma(light.r, light.g, light.b);
+    size_t all = 0, alike = 0;
+    for (int y = 0; y < region.height; y += kStep)
+        for (int x = 0; x < region.width; x += kStep) {
+            if (region.ground[static_cast<size_t>(y) * static_cast<size_t>(region.width) +
+                              static_cast<size_t>(x)] != Ground::table)
+                continue;
+            const uint8_t* p =
+                &photo.rgb[3 * (static_cast<size_t>(y + region.y0) * static_cast<size_t>(photo.width) +
+                                static_cast<size_t>(x + region.x0))];
+            const glm::vec3 here(linear[p[0]], linear[p[1]], linear[p[2]]);
+            ++all;
+            alike += least(here / light) > kNearly &&
+                     glm::distance(chroma(here.r, here.g, here.b), colour) < kSame;
+        }
+    return static_cast<double>(alike) > kShare * static_cast<double>(all);
+}
 
 std::optional<CardWhite> findCard(const PlanView& view, const TableRegion& region, const LightGrid& table) {
     return CardFinder(view, region, table).find();

@@ -21,4 +21,8 @@ constexpr float kDarkTable = 5;
 // white table seldom any, three passes over its samples, two distance transforms and one labelling.
 std::optional<CardWhite> findCard(const PlanView& view, const TableRegion& region, const LightGrid& table);
 
+// Whether a fifth of the table or more returns that light, or nearly: then what does so elsewhere is no card
+// on a table of another colour, but stands in a light that the table there is shaded from.
+bool tableReturns(const PlanView& view, const TableRegion& region, glm::vec3 light);
+
 } // namespace heliodon::vision

@@ -52,6 +52,43 @@ bool isTableOrCard(glm::vec3 p, glm::vec3 card, float minSaturation) {
     return std::min(apart, 360 - apart) < kSameHue;
 }
 
+// As bright as white in all channels: white in a light of another colour, or so bright that its colour was
+// cut off. Paint so pale is darker and paint so bright, as on a dark table, less pale; but for light-blue
+// card.
+bool isBrightAsWhite(float low, float saturation, float hue, bool whiteTable) {
+    constexpr float kAsWhite = 0.8f, kPale = 0.6f;     // of white; of P'
+    constexpr float kFirstBlue = 190, kLastBlue = 230; // degrees
+    return low > kAsWhite && saturation < kPale && (whiteTable || !(hue > kFirstBlue && hue < kLastBlue));
+}
+
+// Whether much of the table returns nearly as much as the brightest that lies on it, which where walls stand
+// is card.
+bool nothingOutshines(const PlanView& view, const TableRegion& region) {
+    constexpr int kStep = 4;                                            // pixels
+    constexpr double kBrightest = 0.9993, kNearly = 0.75, kShare = 0.1; // rank; of its light; of the table
+    const Photograph& photo = view.photo();
+    std::array<size_t, 256> histogram{};
+    size_t all = 0;
+    for (int y = 0; y < region.height; y += kStep)
+        for (int x = 0; x < region.width; x += kStep) {
+            if (region.ground[static_cast<size_t>(y) * static_cast<size_t>(region.width) +
+                              static_cast<size_t>(x)] != Ground::table)
+                continue;
+            ++histogram[photo.rgb[3 * (static_cast<size_t>(y + region.y0) * static_cast<size_t>(photo.width) +
+                                       static_cast<size_t>(x + region.x0)) +
+                                  1]];
+            ++all;
+        }
+    size_t level = 0, below = 0, nearly = 0;
+    while (level < 255 &&
+           static_cast<double>(below + histogram[level]) < kBrightest * static_cast<double>(all))
+        below += histogram[level++];
+    const auto& linear = view.linearFromByte();
+    for (size_t v = 0; v < 256; ++v)
+        if (linear[v] > kNearly * linear[level]) nearly += histogram[v];
+    return static_cast<double>(nearly) > kShare * static_cast<double>(all);
+}
+
 // No brighter than the noise of a dark table, of which each pixel has another colour.
 bool isDarkTable(glm::vec3 p, glm::vec3 card, float brightest) {
     p *= card;
@@ -146,6 +183,7 @@ ColouredPixels findColoured(const PlanView& view, const TableRegion& region, con
     const float notTable = white.darkTable
                                ? minSaturation
                                : std::max(minSaturation, std::min(4 * static_cast<float>(white.noise), 0.6f));
+    const bool whiteTable = nothingOutshines(view, region);
     // By ground. Beyond the table there is only dark floor to tell from the lit top of a wall.
     // Noise has every colour: where little light comes from, a pixel must stand well out of it.
     const double offTable = std::max(options.minBrightnessOffTable, 4.5 * noise);
@@ -185,6 +223,7 @@ ColouredPixels findColoured(const PlanView& view, const TableRegion& region, con
                         continue;
                 }
                 const float hue = hueOf(r, g, b, high, low);
+                if (vivid && isBrightAsWhite(low, (high - low) / high, hue, whiteTable)) continue;
                 (vivid ? out.vivid : out.faint)
                     .push_back({static_cast<uint32_t>(start) + static_cast<uint32_t>(x),
                                 static_cast<uint16_t>(static_cast<int>(hue + 0.5f) % 360),

@@ -67,7 +67,7 @@ public:
         for (std::string& line : doubts_.lines()) out_.warnings.push_back(std::move(line));
         if (out_.sketch.walls.empty() && out_.sketch.arcs.empty())
             out_.warnings.emplace_back("no wall is seen on the table");
-        for (std::string& line : pictureFaults(out_.sketch, image_, evidence(), view_, radius()))
+        for (std::string& line : pictureFaults(out_.sketch, image_, evidence(), view_, options_, radius()))
             out_.warnings.push_back(std::move(line));
         out_.sketch.tableDiameter = 2 * radius();
         nameInOrder(out_.sketch);
@@ -89,7 +89,7 @@ public:
         return width;
     }
     std::optional<BrightEnds> brightEnds() const {
-        return vision::brightEnds(out_.sketch, evidence(), image_, view_);
+        return vision::brightEnds(out_.sketch, evidence(), image_, view_, radius());
     }
     bool seesRelief() const { return showRelief(reliefs()); }
 

@@ -61,6 +61,7 @@ public:
         for (const auto& skylight : sketch_.skylights) lookAt(skylight);
         if (sketch_.north) lookAt(*sketch_.north);
         for (const auto& wall : sketch_.walls) lookForPaleMarkers(wall);
+        for (const auto& window : sketch_.windows) lookAt(window);
         lookAtEnds();
         lookAtPicturesEdge();
         for (const auto& wall : sketch_.walls) lookBeyond(wall);
@@ -91,13 +92,28 @@ private:
                         "read as the north arrow, but its two sides are not seen all along: is it one?");
     }
 
-    // Light blue is one group with blue, so that a cyan marker read as light blue goes with the wall's paint.
+    // Coloured fringes along a wall's sides, where the lens or the mosaic parts the channels, can be as long
+    // as a marker. Those of the paper are on walls of full height.
+    void lookAt(const geometry::WindowMarker& window) {
+        constexpr double kNarrow = 0.8; // inches
+        const geometry::Wall& wall = sketch_.walls[std::stoul(window.wall)];
+        if (wall.heightClass == geometry::HeightClass::green)
+            doubts_.add(centreOf(window.detection),
+                        "read as a window marker, but on a low wall, which has no windows: is it one?");
+        else if (window.width < kNarrow)
+            doubts_.add(centreOf(window.detection), "read as a window marker, but very narrow: is it one?");
+    }
+
+    // Light blue is one group with blue, so that a cyan marker read as light blue goes with the wall's paint;
+    // so is orange with red.
     void lookForPaleMarkers(const geometry::Wall& wall) {
         const double height = geometry::heightInches(wall.heightClass);
-        for (const glm::dvec2 middle : evidence_.lightBlueOn(wall))
+        for (const glm::dvec2 middle : evidence_.otherShadeOn(wall))
             if (!isUnderMarker(middle))
                 doubts_.add(view_.pixel(middle, height),
-                            "light blue on a wall's top: a marker of a window? It is left out");
+                            wall.heightClass == geometry::HeightClass::red
+                                ? "orange on a wall's top: a marker of a window? It is left out"
+                                : "light blue on a wall's top: a marker of a window? It is left out");
     }
 
     // The card returns most of the light and takes half of the red: its chroma holds in shadow, its

@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "vision/doubts.h"
+#include "vision/edges.h"
 #include "vision/median.h"
 
 namespace heliodon::vision {
@@ -69,6 +70,64 @@ std::optional<std::string> pale(const geometry::Sketch& sketch, const WallEviden
         *palest);
 }
 
+// Pixels across the sharpest part of a side, as long as its whole step would take at that slope.
+std::optional<double> edgeWidth(const PlanView& view, glm::dvec2 plan, glm::dvec2 outward, glm::dvec2 along,
+                                double thickness, double height) {
+    constexpr double kStep = 0.5, kReach = 0.15; // pixels; inches, to average along the side
+    constexpr float kLeast = 0.2f;               // of the brighter side
+    const double perInch = view.pixelsPerInch(plan, height);
+    const int steps = static_cast<int>(thickness * perInch / kStep);
+    std::vector<float> profile;
+    for (int i = -steps; i <= steps; ++i) {
+        float sum = 0;
+        for (const double side : {-kReach, -0.5 * kReach, 0.0, 0.5 * kReach, kReach}) {
+            const glm::vec3 light =
+                view.light(view.pixel(plan + i * kStep / perInch * outward + side * along, height));
+            sum += light.r + light.g + light.b;
+        }
+        profile.push_back(sum);
+    }
+    if (profile.size() < 3) return std::nullopt;
+    const size_t middle = profile.size() / 2;
+    float slope = 0;
+    for (size_t i = 1; i < profile.size(); ++i)
+        slope = std::max(slope, std::abs(profile[i] - profile[i - 1]));
+    // The paint's own level is that of the wall's middle, half a thickness within.
+    const float inside = profile[middle / 2], outside = profile[middle + middle / 2],
+                step = std::abs(inside - outside);
+    if (step < kLeast * std::max(inside, outside) || slope <= 0) return std::nullopt;
+    return static_cast<double>(step / slope) * kStep;
+}
+
+// Against the width of the walls' own tops: what is thinner than that, as a token's rim, runs together.
+std::optional<std::string> smeared(const geometry::Sketch& sketch, const PlanView& view,
+                                   const DetectOptions& options) {
+    constexpr double kMost = 0.5, kLeastPixels = 4.5; // of the top's width; of the top on the table
+    const double top = options.wallThickness * view.pixelsPerInch({0, 0}, 0);
+    if (top < kLeastPixels)
+        return fmt::format("a wall's top is {:.1f} pixels wide, expected {:.1f} or more: walls and markers "
+                           "may be misread, tokens missed; more pixels or a nearer camera help",
+                           top, kLeastPixels);
+    std::vector<double> widths;
+    for (const auto& wall : sketch.walls) {
+        const double height = geometry::heightInches(wall.heightClass);
+        const glm::dvec2 along = glm::normalize(wall.b - wall.a), across = turnedLeft(along);
+        for (const double at : {0.2, 0.35, 0.5, 0.65, 0.8})
+            for (const double side : {-0.5, 0.5}) {
+                const glm::dvec2 plan = wall.a + at * (wall.b - wall.a) + side * wall.thickness * across;
+                if (const auto width =
+                        edgeWidth(view, plan, 2 * side * across, along, wall.thickness, height))
+                    widths.push_back(*width / (wall.thickness * view.pixelsPerInch(plan, height)));
+            }
+    }
+    if (widths.empty()) return std::nullopt;
+    const double typical = median(std::move(widths));
+    if (typical < kMost) return std::nullopt;
+    return fmt::format("the picture is out of focus: edges are {:.0f} % as wide as a wall's top; walls and "
+                       "markers may be misread, tokens missed",
+                       100 * typical);
+}
+
 // Streaks and wear: the worst of the walls that were read by their paint tells of those that were not.
 std::optional<std::string> interrupted(const geometry::Sketch& sketch, const WallEvidence& evidence) {
     constexpr double kWhole = 0.88;
@@ -89,7 +148,8 @@ std::optional<std::string> interrupted(const geometry::Sketch& sketch, const Wal
 } // namespace
 
 std::vector<std::string> pictureFaults(const geometry::Sketch& sketch, const ClassImage& image,
-                                       const WallEvidence& evidence, const PlanView& view, double radius) {
+                                       const WallEvidence& evidence, const PlanView& view,
+                                       const DetectOptions& options, double radius) {
     std::vector<std::string> out;
     if (auto line = overexposed(view, radius)) out.push_back(std::move(*line));
     constexpr int kCoarse = 35;
@@ -109,6 +169,7 @@ std::vector<std::string> pictureFaults(const geometry::Sketch& sketch, const Cla
             fmt::format("{:.0f} % of the table look faintly coloured: noise of the camera, or coloured "
                         "light? Walls and markers may be misread",
                         100 * image.faintShare));
+    if (auto line = smeared(sketch, view, options)) out.push_back(std::move(*line));
     if (auto line = pale(sketch, evidence)) out.push_back(std::move(*line));
     if (auto line = interrupted(sketch, evidence)) out.push_back(std::move(*line));
     return out;

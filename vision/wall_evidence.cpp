@@ -220,22 +220,24 @@ double WallEvidence::paintedShareOf(const geometry::Wall& wall) const {
     return static_cast<double>(painted) / static_cast<double>(all);
 }
 
-WallEvidence::Line WallEvidence::lightBlueOn(const geometry::Wall& wall) const {
+WallEvidence::Line WallEvidence::otherShadeOn(const geometry::Wall& wall) const {
     constexpr double kStep = 0.1, kLeast = 0.5; // inches
     const double height = geometry::heightInches(wall.heightClass), length = lengthOf(wall);
     const double end = options_.unpaintedEnd / length, side = 0.25 * options_.wallThickness;
     if (end >= 0.5) return {};
     const glm::dvec2 across = side * turnedLeft(glm::normalize(wall.b - wall.a));
-    const auto isLightBlue = [&](glm::dvec2 middle) {
+    const auto isOther = [&](glm::dvec2 middle) {
         int seen = 0;
         for (const glm::dvec2 plan : {middle - across, middle, middle + across}) {
             const glm::dvec2 p = view_.pixel(plan, height);
-            seen += image_.at(static_cast<int>(std::lround(p.x)), static_cast<int>(std::lround(p.y))) ==
-                    Paint::sky;
+            const Paint paint =
+                image_.at(static_cast<int>(std::lround(p.x)), static_cast<int>(std::lround(p.y)));
+            seen += paint == Paint::sky || paint == Paint::orange;
         }
         return seen >= 2;
     };
     Line out, stretch;
+    size_t all = 0, other = 0;
     const auto close = [&] {
         if (kStep * static_cast<double>(stretch.size()) >= kLeast)
             out.push_back(0.5 * (stretch.front() + stretch.back()));
@@ -243,13 +245,14 @@ WallEvidence::Line WallEvidence::lightBlueOn(const geometry::Wall& wall) const {
     };
     for (const glm::dvec2 middle :
          along(wall, end, 1 - end, 1 + static_cast<int>((1 - 2 * end) * length / kStep))) {
-        if (isLightBlue(middle))
-            stretch.push_back(middle);
+        ++all;
+        if (isOther(middle))
+            stretch.push_back(middle), ++other;
         else
             close();
     }
     close();
-    return out;
+    return 2 * other > all ? Line{} : out;
 }
 
 template<class Shape> float WallEvidence::medianSaturation(const Shape& shape) const {

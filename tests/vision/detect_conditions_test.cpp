@@ -1,5 +1,6 @@
 // Tables, lamps and cameras that are not as one would wish: each test is a class of photographs that was once
 // misread.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -167,6 +168,23 @@ TEST(DetectConditions, tables_of_wood_and_grey_ones) {
             paints.table = colour, paints.face = face;
             expectRead(room(), paintTable(room(), exampleRig(), paints, lamps));
         }
+}
+
+// Daylight that comes in low reaches the walls' tops and faces; the table about them, and what lies on it,
+// has the lamps alone. There the table shows neither the daylight's colour nor its brightness.
+TEST(DetectConditions, walls_in_daylight_on_a_white_table_in_their_shadow) {
+    const geometry::Rig rig = exampleRig();
+    const Lighting daylight{{0.62, 0.66, 0.7}, {0.6, 0.66, 0.72}};
+    geometry::Sketch standing;
+    standing.walls = room().walls;
+    const Photograph walls = paintTable(standing, rig, {}, daylight),
+                     bare = paintTable({}, rig, {}, daylight);
+    Photograph photo = paintTable(room(), rig, {}, daylight), shaded = photo;
+    shade(shaded, rig, {{-13, -9}, {9, -9}, {9, 12}, {-13, 12}}, 0, {0.36, 0.27, 0.2});
+    for (size_t i = 0; i < photo.rgb.size(); i += 3)
+        if (std::equal(&walls.rgb[i], &walls.rgb[i] + 3, &bare.rgb[i]))
+            std::copy_n(&shaded.rgb[i], 3, &photo.rgb[i]);
+    expectRead(room(), photo);
 }
 
 // The table's noise has every paint's colour there, and its own says nothing of the light's.
@@ -483,6 +501,31 @@ TEST(DetectConditions, says_that_a_walls_top_is_light_blue_in_part) {
     EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [](const std::string& line) {
         return line.find("light blue on a wall's top") != std::string::npos;
     })) << fmt::format("{}", fmt::join(warnings, "\n"));
+}
+
+TEST(DetectConditions, says_that_a_window_may_be_none_or_another_kind) {
+    const geometry::Rig rig = exampleRig();
+    geometry::Sketch sketch = room();
+    sketch.walls.push_back(wall("w5", {-3, -3}, {3, -3}, HeightClass::green));
+    sketch.windows.push_back(window("win4", "w5", 3, 2, WindowKind::standard));
+    EXPECT_TRUE(warnsOf(detectSketch(paintTable(sketch, rig), rig), "on a low wall"));
+    sketch = room();
+    sketch.windows[1].width = 0.6;
+    EXPECT_TRUE(warnsOf(detectSketch(paintTable(sketch, rig), rig), "very narrow"));
+    Photograph photo = paintTable(room(), rig);
+    cover(photo, rig, {{-3, 5.21}, {-1, 5.21}, {-1, 5.59}, {-3, 5.59}}, 10, PaintBox{}.orange);
+    EXPECT_TRUE(warnsOf(detectSketch(photo, rig), "orange on a wall's top"));
+}
+
+TEST(DetectConditions, says_that_the_picture_is_too_coarse_or_out_of_focus) {
+    geometry::Rig rig = exampleRig();
+    Perturbation blurred;
+    blurred.blurPx = 2.5;
+    EXPECT_TRUE(warnsOf(detectSketch(perturbed(paintTable(room(), rig), blurred), rig), "out of focus"));
+    geometry::Lens& lens = rig.camera.lens;
+    rig.camera.width /= 2, rig.camera.height /= 2;
+    lens.fx /= 2, lens.fy /= 2, lens.cx /= 2, lens.cy /= 2;
+    EXPECT_TRUE(warnsOf(detectSketch(paintTable(room(), rig), rig), "pixels wide"));
 }
 
 TEST(DetectConditions, says_where_a_wall_is_hidden_or_cut_off) {
