@@ -22,6 +22,8 @@ using Polygon = std::vector<dvec3>;
 constexpr double kTouching = 1e-9;    // as large a share of distance and radii is the rounding of coordinates
 constexpr double kStraight = 0.99999; // cosine between both normals
 constexpr double kSliver = 5e-8;      // of a patch: what cuts leave over
+constexpr double kShort =
+    1e-9; // of an outline's size: edges left by cuts that have no direction but rounding
 
 // One plane's patches.
 struct Sheet {
@@ -99,8 +101,10 @@ private:
     static Polygon within(Polygon part, const Polygon& by, const dvec3& normal, double sliver,
                           std::vector<Polygon>& outside) {
         Polygon beyond, inside;
+        const double shortest = kShort * geometry::boundsOf(by).diagonal();
         for (size_t k = 0; k < by.size() && !part.empty(); ++k) {
-            const dvec3 inward = glm::cross(normal, by[(k + 1) % by.size()] - by[k]);
+            const dvec3 edge = by[(k + 1) % by.size()] - by[k], inward = glm::cross(normal, edge);
+            if (glm::length(edge) <= shortest) continue;
             const auto height = [&](const dvec3& p) { return glm::dot(inward, p - by[k]); };
             geometry::clip<dvec3>(
                 part, [&](const dvec3& p) { return -height(p); }, beyond);
@@ -125,7 +129,7 @@ private:
                 std::vector<Polygon> oursOut, theirsOut;
                 const Polygon common = within(ours[p], other, normal, sliver, oursOut);
                 if (areaOf(common) <= sliver) continue;
-                within(other, ours[p], normal, sliver, theirsOut);
+                within(other, common, normal, sliver, theirsOut); // so that both lose the same
                 for (Polygon& part : theirsOut) std::reverse(part.begin(), part.end());
                 gaps_.overlaps.push_back({i, j, common, gap});
                 any = true;

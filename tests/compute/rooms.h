@@ -68,6 +68,33 @@ inline geometry::PatchMesh boxRoom(const BoxRoom& box) {
     return mesh;
 }
 
+// Slabs of 1 x 0.8 x 0.02 m, `gap` metres apart, in a room of 2.7 m: a pile in which each is `turn` radians
+// further about its axis than the one beneath; all together turned by `lean`, radians about x, y and z.
+inline geometry::PatchMesh pileOfSlabs(double gap, double turn, glm::dvec3 lean, uint32_t slabs = 3,
+                                       double thickness = 0.02) {
+    geometry::PatchMesh mesh = boxRoom({.low = {0, 0, 0}, .high = {2.7, 2.7, 2.7}, .cells = {2, 2, 2}});
+    const size_t room = mesh.corners.size();
+    const auto about = [](glm::dvec3 p, int axis, double angle) {
+        const int a = (axis + 1) % 3, b = (axis + 2) % 3;
+        const double c = std::cos(angle), s = std::sin(angle), u = p[a], v = p[b];
+        p[a] = c * u - s * v, p[b] = s * u + c * v;
+        return p;
+    };
+    for (uint32_t k = 0; k < slabs; ++k) {
+        const size_t first = mesh.vertices.size();
+        const double y = k * (thickness + gap);
+        addBox(mesh, {.low = {-0.5, y, -0.4}, .high = {0.5, y + thickness, 0.4}, .cells = {2, 1, 2}});
+        for (size_t v = first; v < mesh.vertices.size(); ++v) {
+            glm::dvec3& p = mesh.vertices[v];
+            p = about(p, 1, turn * k);
+            for (int axis = 0; axis < 3; ++axis) p = about(p, axis, lean[axis]);
+            p += glm::dvec3(1.3, 1.1, 1.3);
+        }
+    }
+    std::reverse(mesh.corners.begin() + static_cast<long>(room), mesh.corners.end()); // they face outwards
+    return mesh;
+}
+
 // A room of 6 x 3 x 4 m, its patches half a metre square and larger, with two screens 10 cm thick that leave
 // slots of 2 and 3 cm to floor, ceiling and walls.
 inline geometry::PatchMesh roomWithScreens() {
