@@ -10,6 +10,27 @@
 
 namespace heliodon::compute::reference {
 
+using glm::dvec3;
+
+namespace {
+
+constexpr double kTouching = 1e-3; // of what counts as one plane: less is rounding of coordinates
+
+struct Heights {
+    double low = INFINITY, high = -INFINITY;
+};
+
+Heights heights(const Polygon& polygon, const dvec3& onPlane, const dvec3& normal) {
+    Heights result;
+    for (const dvec3& p : polygon) {
+        const double h = glm::dot(p - onPlane, normal);
+        result.low = std::min(result.low, h), result.high = std::max(result.high, h);
+    }
+    return result;
+}
+
+} // namespace
+
 FormFactorRows::FormFactorRows(const geometry::PatchMesh& mesh) : mesh_(&mesh) {
     uint32_t rooms = 0;
     for (size_t i = 0; i < mesh.patchCount(); ++i) {
@@ -24,14 +45,18 @@ FormFactorRows::FormFactorRows(const geometry::PatchMesh& mesh) : mesh_(&mesh) {
         blockers_[region.room].push_back(std::move(region.corners));
 }
 
-// A wall must not hide its own patches, however rounding bends it.
+// A wall must not hide its own patches, however rounding bends it. What faces a patch across a gap, however
+// narrow, is another body's and hides all that it covers: wholly before one another, by more than the
+// rounding of coordinates.
 bool FormFactorRows::inPlaneOf(size_t patch, const Polygon& blocker) const {
-    const glm::dvec3 normal = glm::normalize(glm::cross(blocker[1] - blocker[0], blocker[2] - blocker[0]));
-    double farthest = 0;
-    for (const glm::dvec3& p : polygons_[patch])
-        farthest = std::max(farthest, std::abs(glm::dot(p - blocker[0], normal)));
-    return farthest <= samePlane_ &&
-           std::abs(glm::dot(normal, areaVectors_[patch])) > 0.99999 * glm::length(areaVectors_[patch]);
+    const dvec3 its = glm::normalize(glm::cross(blocker[1] - blocker[0], blocker[2] - blocker[0])),
+                own = glm::normalize(areaVectors_[patch]);
+    const Polygon& corners = polygons_[patch];
+    const Heights over = heights(corners, blocker[0], its), under = heights(blocker, corners[0], own);
+    const double facing = glm::dot(its, own);
+    const bool gap = facing < 0 && over.low > kTouching * samePlane_ && under.low > kTouching * samePlane_;
+    return std::max(std::abs(over.low), std::abs(over.high)) <= samePlane_ && std::abs(facing) > 0.99999 &&
+           !gap;
 }
 
 // What lies in front of both patches and has them on different sides of its plane.
@@ -43,7 +68,7 @@ std::vector<Polygon> FormFactorRows::between(size_t i, size_t j) const {
         Polygon part = clipped(blocker, from[0], areaVectors_[i]);
         if (!part.empty()) part = clipped(part, to[0], areaVectors_[j]);
         if (part.empty()) continue;
-        const glm::dvec3 plane = glm::cross(blocker[1] - blocker[0], blocker[2] - blocker[0]);
+        const dvec3 plane = glm::cross(blocker[1] - blocker[0], blocker[2] - blocker[0]);
         const auto reaches = [&](const Polygon& p, double side) {
             return reachesAbove(p, blocker[0], side * plane);
         };

@@ -2,12 +2,15 @@
 
 #include <cmath>
 #include <fstream>
+#include <numeric>
+#include <utility>
 
 #include <gtest/gtest.h>
 
 #include "compute/reference/form_factor_rows.h"
 #include "geometry/model_file.h"
 #include "tests/compute/form_factor_cases.h"
+#include "tests/compute/rooms.h"
 
 namespace heliodon::compute::reference {
 namespace {
@@ -75,6 +78,20 @@ TEST(ExactReference, rows_of_a_room_with_partitions_agree_and_close) {
         }
         EXPECT_LT(std::sqrt(squares), 2e-5) << "row " << i;
         EXPECT_NEAR(sum, 1, 5e-5) << "row " << i;
+    }
+}
+
+// The second slab of a pile hides the third from the first, though both its planes are those of their faces
+// to within rounding: rows summed to two.
+TEST(ExactReference, slabs_a_micrometre_apart_hide_one_another) {
+    const geometry::PatchMesh mesh = test::pileOfSlabs(1e-6, 0.1, {0.37, 0.5, 0.21});
+    const FormFactorRows rows(mesh);
+    const size_t n = mesh.patchCount(), aSlab = 32;
+    for (const auto& [first, side] : {std::pair(n - 3 * aSlab, -1.0), std::pair(n - aSlab, 1.0)}) {
+        size_t i = first; // the uppermost slab comes first
+        while (geometry::patchArea(mesh, i) < 0.05 || side * geometry::patchAreaVector(mesh, i).y < 0) ++i;
+        const std::vector<double> row = rows.row(i, 1e-5, 100).factors;
+        EXPECT_NEAR(std::accumulate(row.begin(), row.end(), 0.0), 1, 1e-3) << "row " << i;
     }
 }
 
