@@ -2,6 +2,7 @@
 // small part of the format: v, vn, s, f, usemtl, mtllib, g, o, north; Kd, Tf, Ni, Ke,
 // and `blinds`, our own.
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -190,6 +191,29 @@ uint32_t readIndex(std::string_view text, size_t vertexCount, const Lines& lines
     return static_cast<uint32_t>(value > 0 ? value - 1 : count + value);
 }
 
+// As written, or with Windows' backslashes, or, as paths of another machine mean it, the file of that name
+// beside the model, in capitals or not.
+std::optional<std::filesystem::path> findLibrary(const std::filesystem::path& folder, std::string name) {
+    const auto isFile = [](const std::filesystem::path& file) {
+        std::error_code ignored;
+        return std::filesystem::exists(file, ignored) && !std::filesystem::is_directory(file, ignored);
+    };
+    if (name.size() > 1 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
+    if (isFile(folder / name)) return folder / name;
+    std::ranges::replace(name, '\\', '/');
+    if (isFile(folder / name)) return folder / name;
+    const auto alike = [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); };
+    const std::string last = std::filesystem::path(name).filename().string();
+    std::optional<std::filesystem::path> found; // the first by name
+    std::error_code ignored;
+    for (const auto& entry : std::filesystem::directory_iterator(folder.empty() ? "." : folder, ignored)) {
+        const std::string own = entry.path().filename().string();
+        if (std::ranges::equal(own, last, alike) && isFile(entry.path()) && (!found || entry.path() < *found))
+            found = entry.path();
+    }
+    return found;
+}
+
 class ObjReader {
 public:
     explicit ObjReader(const std::filesystem::path& file) : path_(file), lines_(file, "a model (.obj)") {
@@ -222,16 +246,18 @@ public:
 private:
     // One file, whose name may hold blanks, or several.
     void readLibraries() {
-        const std::filesystem::path folder = path_.parent_path(), whole = folder / lines_.remainder();
-        std::vector<std::filesystem::path> several;
-        for (std::string_view name = lines_.word(); !name.empty(); name = lines_.word())
-            several.push_back(folder / name);
-        const auto exists = [](const std::filesystem::path& file) {
-            std::error_code ignored;
-            return std::filesystem::exists(file, ignored);
-        };
-        if (exists(whole) || !std::ranges::all_of(several, exists)) several = {whole};
-        for (const std::filesystem::path& file : several) readMtl(file, model_, materials_);
+        const std::filesystem::path folder = path_.parent_path();
+        const std::string whole = lines_.remainder();
+        if (whole.empty()) lines_.fail("mtllib without a name");
+        std::vector<std::optional<std::filesystem::path>> files{findLibrary(folder, whole)};
+        if (!files[0]) {
+            files.clear();
+            for (std::string_view name = lines_.word(); !name.empty(); name = lines_.word())
+                files.push_back(findLibrary(folder, std::string(name)));
+        }
+        if (!std::ranges::all_of(files, [](const auto& file) { return file.has_value(); }))
+            lines_.fail(fmt::format("mtllib \"{}\" does not exist, expected materials (.mtl)", whole));
+        for (const auto& file : files) readMtl(*file, model_, materials_);
     }
 
     void readVertex() {

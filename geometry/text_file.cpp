@@ -98,7 +98,11 @@ std::string readText(const std::filesystem::path& file, const std::string& expec
     text << in.rdbuf(); // nothing of an empty file fails, too
     if (text.bad() || !in.is_open())
         throw InputError(file.string(), "", "cannot be read, expected " + expected);
-    return std::move(text).str();
+    std::string read = std::move(text).str();
+    for (const char* const mark : {"\xFF\xFE", "\xFE\xFF"})
+        if (read.starts_with(mark))
+            throw InputError(file.string(), "", "is UTF-16, expected UTF-8: save it in that encoding");
+    return read;
 }
 
 std::string_view meantBy(std::string_view name, std::span<const std::string_view> known, Alike alike) {

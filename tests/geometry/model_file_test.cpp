@@ -101,13 +101,31 @@ TEST_F(ModelFile, what_the_format_allows_but_few_programs_write) {
     write("a.mtl", "\xEF\xBB\xBFnewmtl a\nKd 0.25\n");
     write("b c.mtl", "newmtl b\rKd +0.5 5e-1 .5\r"); // lines of an old Mac
     const std::string square = "\xEF\xBB\xBFmtllib a.mtl b.mtl\n" + kSquare;
-    EXPECT_EQ(refusal("mtllib a.mtl b c.mtl\n" + kSquare).substr(0, 27), "a.mtl b c.mtl: does not exi");
+    EXPECT_EQ(refusal("mtllib a.mtl b c.mtl\n" + kSquare),
+              "m.obj:1: mtllib \"a.mtl b c.mtl\" does not exist, expected materials (.mtl)");
     write("b.mtl", "newmtl b\nKd 0.5 0.5 0.5\n");
     const PatchMesh mesh = readPatches(write("m.obj", square + "usemtl a\nf 1 2 3\nusemtl b\nf 1 3 4\n"));
     ASSERT_EQ(mesh.materials.size(), 2u);
     EXPECT_EQ(mesh.materials[0].reflectance, glm::vec3(0.25f));
     EXPECT_EQ(refusal("mtllib b c.mtl\nv +0.0 +0 0\nv +1e0 0 0\nv 1 1 0\nusemtl b\nf 1 2 3\n"), "accepted");
     EXPECT_EQ(refusal("v 0 +-1 0\n"), "m.obj:1: \"+-1\" is not a finite number, expected v x y z");
+}
+
+// As programs for Windows write them, and files that came without their folders.
+TEST_F(ModelFile, materials_beside_the_model_are_found_by_name) {
+    write("room.mtl", "newmtl a\nKd 0.25\n");
+    for (const char* name : {"room.mtl", "Room.MTL", ".\\room.mtl", "C:\\Users\\me\\models\\room.mtl",
+                             "/home/me/room.mtl", "\"room.mtl\""})
+        EXPECT_EQ(refusal(std::string("mtllib ") + name + "\n" + kSquare + "usemtl a\nf 1 2 3\n"), "accepted")
+            << name;
+    EXPECT_NE(refusal("mtllib models\\other.mtl\n" + kSquare), "accepted");
+}
+
+TEST_F(ModelFile, messages_hold_no_more_than_a_line_of_text) {
+    EXPECT_EQ(refusal(std::string("v 0 4\0\x1b[2J 0\n", 14)),
+              "m.obj:1: \"4??[2J\" is not a finite number, expected v x y z");
+    EXPECT_EQ(refusal(std::string("\xFF\xFEv\0 \0", 6)),
+              "m.obj: is UTF-16, expected UTF-8: save it in that encoding");
 }
 
 TEST_F(ModelFile, bad_faces_are_named_by_line) {
@@ -145,7 +163,9 @@ TEST_F(ModelFile, unphysical_materials_are_named_by_line) {
         "m.mtl:3: material \"a\": reflectance 0.8 and transmittance (Tf) 1 add up to more than 1; an opaque "
         "material has no Tf");
     EXPECT_EQ(withMtl("Kd 0 0 0\n"), "m.mtl:1: Kd stands before any newmtl");
-    EXPECT_EQ(refusal("mtllib missing.mtl\n"), "missing.mtl: does not exist, expected materials (.mtl)");
+    EXPECT_EQ(refusal("# no\nmtllib missing.mtl\n"),
+              "m.obj:2: mtllib \"missing.mtl\" does not exist, expected materials (.mtl)");
+    EXPECT_EQ(refusal("mtllib\n"), "m.obj:1: mtllib without a name");
     EXPECT_EQ(refusal("usemtl red\n"), "m.obj:1: material \"red\" is not defined in any mtllib");
 }
 
