@@ -8,6 +8,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "geometry/facet_merging.h"
 #include "geometry/perpendicular.h"
 
 namespace heliodon::geometry {
@@ -81,7 +82,7 @@ class DomainFinder {
 public:
     DomainFinder(const Building& building, double edge) : building_(building), edge_(edge) {}
 
-    std::vector<MeshDomain> find() {
+    std::vector<MeshDomain> find(bool merging) {
         std::map<std::tuple<uint32_t, uint32_t, Role, uint32_t>, std::vector<uint32_t>> groups;
         for (uint32_t f = 0; f < building_.faces.size(); ++f) {
             const Face& face = building_.faces[f];
@@ -96,6 +97,7 @@ public:
             else
                 addConnected(faces);
         dropStraightCorners();
+        if (merging) mergeFacets(building_, domains_, edge_);
         for (MeshDomain& domain : domains_) place(domain);
         return std::move(domains_);
     }
@@ -378,8 +380,8 @@ glm::dvec2 mainDirection(const MeshDomain& domain) {
     return best;
 }
 
-std::vector<MeshDomain> findMeshDomains(const Building& building, double edge) {
-    return DomainFinder(building, edge).find();
+std::vector<MeshDomain> findMeshDomains(const Building& building, double edge, bool merging) {
+    return DomainFinder(building, edge).find(merging);
 }
 
 } // namespace heliodon::geometry

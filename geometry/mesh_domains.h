@@ -41,6 +41,7 @@ glm::dvec2 mainDirection(const MeshDomain& domain);
 // Corners in a straight line that no domain needs are left out of all of them, so that seams between faces of
 // one surface leave no trace. A face with a twin is a domain by itself.
 // `edge`: length that triangles will have, metres; a wall that turns too far within it stays in facets.
-std::vector<MeshDomain> findMeshDomains(const Building& building, double edge);
+// `merging`: facets much narrower than it become wider ones (facet_merging.h).
+std::vector<MeshDomain> findMeshDomains(const Building& building, double edge, bool merging = false);
 
 } // namespace heliodon::geometry

@@ -66,7 +66,8 @@ public:
     BuildingMesher(const Building& building, const MeshOptions& options)
         : building_(building), beforePart_(options.beforePart),
           wanted_(static_cast<double>(std::max<size_t>(options.triangles, 1))),
-          domains_(findMeshDomains(building, regularEdge(building, wanted_))), sampler_(building, domains_) {
+          domains_(findMeshDomains(building, regularEdge(building, wanted_), options.mergesFacets)),
+          sampler_(building, domains_) {
         for (const MeshDomain& domain : domains_) {
             double twice = 0;
             for (const auto& loop : domain.planar)

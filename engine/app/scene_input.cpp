@@ -292,7 +292,7 @@ Scene makeScene(Run& run, const SceneArguments& arguments, std::optional<geometr
     }
     {
         const StageTimer timer(run, "model");
-        scene.mesh = geometry::meshBuilding(building, {wanted, throwIfInterrupted});
+        scene.mesh = geometry::meshBuilding(building, {wanted, throwIfInterrupted, !scene.sketch});
         // Curved walls of many facets need many triangles; with few, coarser facets serve better.
         const bool mayCoarsen = curved && !arguments.chordError;
         while (mayCoarsen && closure.chordError < kCoarsestChord && tooManyFacets(scene.mesh, wanted)) {
