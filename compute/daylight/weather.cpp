@@ -260,6 +260,28 @@ size_t placeOf(const Date& date, double clockHour, int recordsPerHour) {
     return static_cast<size_t>(day) * aDay + std::min(part, aDay - 1);
 }
 
+// Zeros where 9999 was meant: under a sun so high, the heaviest cloud lets some W/m2 through.
+void warnOfDarkDays(const EpwFile& epw, Weather& weather) {
+    constexpr double kHigh = 10; // degrees
+    size_t dark = 0, first = 0, lit = 0;
+    const size_t count = epw.records.size();
+    for (size_t begin = 0, end = 0; begin < count; begin = end) {
+        bool light = false, high = false;
+        for (; end < count && epw.records[end].date == epw.records[begin].date; ++end) {
+            const EpwRecord& r = epw.records[end];
+            light |= r.global != 0.0 || r.direct != 0.0 || r.diffuse != 0.0;
+            high |= weather.hours[end].sun.trueAltitudeDeg > kHigh;
+        }
+        lit += light;
+        if (!light && high && dark++ == 0) first = epw.records[begin].line;
+    }
+    if (dark && lit)
+        weather.warnings.push_back(
+            fmt::format("{} day{} no light at all, the first from line {} on, though the sun is over {:g} "
+                        "degrees high: missing values are 9999, these stay dark.",
+                        dark, dark == 1 ? " has" : "s have", first, kHigh));
+}
+
 } // namespace
 
 std::optional<size_t> Weather::recordOn(const Date& date, double clockHour) const {
@@ -312,6 +334,7 @@ Weather readWeather(const std::filesystem::path& file) {
     refuseWithoutLight(file, epw, weather, gaps);
     fillGaps(weather, gaps);
     warnOfComponents(epw, weather);
+    warnOfDarkDays(epw, weather);
     if (withoutDewPoint)
         weather.warnings.push_back(daylitThatLack(withoutDewPoint) +
                                    " the dew point; 2 cm of precipitable water is taken.");

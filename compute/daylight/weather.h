@@ -52,16 +52,17 @@ struct Weather {
 };
 
 // Accepts gzip, CRLF, a byte-order mark, blank and '#' lines, lines of commas, Windows-1252, a missing
-// elevation (0 m), capitals or not in the header, its dates as spreadsheets write them, leap days, hours 0 to
-// 23, clocks at the records' ends (midnight the next day's 0 o'clock, hours as 13:00), several records an
-// hour and partial years. The header's summer time is not asked, minutes only to tell such clocks: records
-// follow one another. 9999 and above, and a blank, is missing: one missing irradiance is derived from the
-// other two (GHI = DNI sin h + DHI), both components from GHI alone by Erbs, Klein and Duffie 1982, all three
-// borrowed from the same hour of the nearest day within a week. A negative direct irradiance is 0 (noise of
-// the night), or missing where global less diffuse says that the sun shone; light of the sun in the night is
-// warned of and left out, and months are warned of whose direct and diffuse irradiance do not add up to the
-// global. Throws InputError(file, line, ...): a wrong number, a record out of order, an end before the data
-// period's, no irradiance by day at all. 0.2 s a year.
+// elevation (0 m), capitals or not in the header, its dates as spreadsheets write them, leap days, hours 0
+// to 23, clocks at the records' ends (midnight the next day's 0 o'clock, hours as 13:00), several records
+// an hour and partial years. The header's summer time is not asked, minutes only to tell such clocks:
+// records follow one another. 9999 and above, and a blank, is missing: one missing irradiance is derived
+// from the other two (GHI = DNI sin h + DHI), both components from GHI alone by Erbs, Klein and Duffie
+// 1982, all three borrowed from the same hour of the nearest day within a week. A negative direct
+// irradiance is 0 (noise of the night), or missing where global less diffuse says that the sun shone;
+// light of the sun in the night is warned of and left out, whole days without light are warned of, and
+// months are warned of whose direct and diffuse irradiance do not add up to the global. Throws
+// InputError(file, line, ...): a wrong number, a record out of order, an end before the data period's, no
+// irradiance by day at all. 0.2 s a year.
 Weather readWeather(const std::filesystem::path& file);
 
 struct WeatherSky {

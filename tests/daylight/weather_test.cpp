@@ -154,7 +154,8 @@ TEST(Weather, direct_sun_of_a_year_is_that_of_gendaymtx) {
 
 TEST(Weather, an_irradiance_offset_stated_in_a_comment_is_believed) {
     const Weather w = readWeather(test::dataFile("pvgis_45N_8E.epw.gz"));
-    ASSERT_EQ(w.warnings.size(), 1u);
+    ASSERT_EQ(w.warnings.size(), 2u);
+    EXPECT_NE(w.warnings[1].find("2 days have no light at all"), std::string::npos); // 17 and 18 May 2008
     EXPECT_NEAR(w.sunShiftHours, -0.8239 + 0.5, 1e-12);
     // The three irradiances close with that sun: GHI = DNI sin h + DHI, each rounded to 0.01 W/m2.
     double squares = 0;
@@ -433,6 +434,21 @@ TEST(Weather, components_that_do_not_add_up_to_the_global_are_named) {
     EXPECT_NE(warningOf("500", "0", "200").find("in 1 month: 66 against 165"), std::string::npos);
     EXPECT_EQ(warningOf("500", "0", "480"), "none");
     EXPECT_NE(warningOf("0", "0", "0").find("all is dark"), std::string::npos);
+}
+
+// Days that nobody measured have zeros in some files.
+TEST(Weather, days_without_any_light_are_named) {
+    const Row sunny{6, 1, 1, "800", "700", "150"};
+    const auto warnings = [&](const Row& row) {
+        return weatherOf(kHeader + periods("6/1", "6/4") + days(6, 1, 1, sunny) + days(6, 2, 3, row) +
+                         days(6, 4, 4, sunny))
+            .warnings;
+    };
+    const std::vector<std::string> dark = warnings({});
+    ASSERT_EQ(dark.size(), 1u);
+    EXPECT_NE(dark[0].find("2 days have no light at all, the first from line 30 on"), std::string::npos)
+        << dark[0];
+    EXPECT_TRUE(warnings({6, 1, 1, "3", "0", "3"}).empty());
 }
 
 // Small negative numbers are noise of the night; where global less diffuse says sun, it is taken from there.
