@@ -19,7 +19,7 @@ using Frame = MeshDomain::Frame;
 
 constexpr double kNarrow = 0.7;     // of an edge: facets that are merged
 constexpr double kColumn = 0.93;    // of an edge: what facets become
-constexpr double kMostTurn = 0.35;  // radians from one of those to the next
+constexpr double kMostTurn = 0.25;  // radians along an edge: chords take 0.9 % off, triangles over folds less
 constexpr double kSamePlace = 1e-6; // of the wall's length
 
 // A place where a domain's outline has a vertex.
@@ -187,8 +187,8 @@ private:
         for (size_t fold = from + 1; fold < to; ++fold) turn += turnAt(domains_[d], strip, fold);
         // As many for each, so that those of one wall stay even.
         const auto narrow = static_cast<double>(to - from);
-        const double each = std::min({std::round(narrow * kColumn * edge_ / length),
-                                      turn > 0 ? std::floor(narrow * kMostTurn / turn) : narrow, narrow / 2}),
+        const bool flat = turn * edge_ < kMostTurn * length;
+        const double each = flat ? std::min(std::round(narrow * kColumn * edge_ / length), narrow / 2) : 1,
                      wide = each > 1 ? std::ceil(narrow / each) : narrow;
         const bool merges = wide < narrow;
         for (size_t fold = from + 1; fold <= to; ++fold) {
