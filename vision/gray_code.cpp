@@ -46,6 +46,14 @@ bool bitAt(const PatternSet& set, bool column, int bit, int pixel) {
            (grayOf(static_cast<unsigned>(pixel / set.cell)) >> bit & 1u) != 0;
 }
 
+// Of the stripes that the bit makes.
+int edgesOf(const PatternSet& set, bool column, int bit) {
+    int edges = 0;
+    for (int cell = 1; cell < (column ? set.columns() : set.rows()); ++cell)
+        edges += bitAt(set, column, bit, cell * set.cell) != bitAt(set, column, bit, (cell - 1) * set.cell);
+    return edges;
+}
+
 // The cell of every camera pixel that is lit, as finely as it is sure of.
 class CellMap {
 public:
@@ -60,13 +68,54 @@ public:
     // A bit of column or row, the lowest being 0.
     void add(bool column, int bit, const GreyPicture& pattern, const GreyPicture& inverse) {
         std::vector<unsigned>& codes = column ? columns_ : rows_;
+        BitSeen& seen = seen_.emplace_back(BitSeen{column, bit});
+        std::vector<int8_t> sign(codes.size(), 0); // 0: dark or undecided
         for (size_t i = 0; i < codes.size(); ++i) {
             const float difference = pattern.values[i] - inverse.values[i];
-            if (std::abs(difference) < kSure * light_.values[i])
+            const bool isSure = std::abs(difference) >= kSure * light_.values[i];
+            if (!isSure)
                 unsureBits_[i] = std::max(unsureBits_[i], bit + 1);
             else if (difference > 0)
                 codes[i] |= 1u << bit;
+            if (unsureBits_[i] == kDark) continue;
+            seen.undecided += !isSure;
+            if (isSure) sign[i] = difference > 0 ? 1 : -1;
         }
+        const auto width = static_cast<size_t>(light_.width);
+        for (size_t i = width; i < sign.size(); ++i)
+            seen.changes += (i % width > 0 && sign[i] * sign[i - 1] < 0) || sign[i] * sign[i - width] < 0;
+    }
+
+    // What a bit's picture and its inverse cannot be, beside those of the bits before and after it.
+    std::vector<std::string> doubts(const PatternSet& set) const {
+        constexpr double kMost = 0.3, kFewer = 0.5, kFewerEdges = 0.8; // of the light; of the coarser's
+        constexpr int kLeastEdges = 2;                                 // one may lie aslant, or unseen
+        const auto lit = static_cast<double>(lit_);
+        const auto nameOf = [](const BitSeen& seen) {
+            return fmt::format("{}_bit{}", seen.column ? 'x' : 'y', seen.bit);
+        };
+        std::vector<std::string> out;
+        for (size_t i = 0; i + 1 < seen_.size(); ++i)
+            for (size_t j = i + 1; j < seen_.size() && seen_[j].column == seen_[i].column; ++j) {
+                const BitSeen &coarse = seen_[i], &fine = seen_[j];
+                const auto undecided = static_cast<double>(coarse.undecided);
+                if (undecided > kMost * lit && static_cast<double>(fine.undecided) < kFewer * undecided) {
+                    out.push_back(
+                        fmt::format("{} and its inverse leave {:.0f} % of the light undecided, finer "
+                                    "patterns less: are they pictures of that pattern?",
+                                    nameOf(coarse), 100 * undecided / lit));
+                    break;
+                }
+                const bool decided = std::max(undecided, static_cast<double>(fine.undecided)) < kMost * lit;
+                if (decided && edgesOf(set, coarse.column, coarse.bit) >= kLeastEdges &&
+                    static_cast<double>(fine.changes) < kFewerEdges * static_cast<double>(coarse.changes)) {
+                    out.push_back(fmt::format("{} has more stripes than {}, expected fewer: were their "
+                                              "pictures exchanged?",
+                                              nameOf(coarse), nameOf(fine)));
+                    break;
+                }
+            }
+        return out;
     }
 
     // How many of the lowest bits are to be left out, so that cells are resolved; 0 where nothing helps.
@@ -115,9 +164,15 @@ public:
 
 private:
     static constexpr int kDark = 32; // more than there are bits
+    struct BitSeen {
+        bool column;
+        int bit;
+        size_t undecided = 0, changes = 0; // pixels that are lit; with a neighbour of the other value
+    };
     GreyPicture light_;
     std::vector<unsigned> columns_, rows_; // Gray codes
     std::vector<int> unsureBits_;          // from the lowest up to the highest that is unsure
+    std::vector<BitSeen> seen_;            // columns, then rows, the coarsest first
     size_t lit_ = 0, decoded_ = 0;
 };
 
@@ -232,6 +287,7 @@ DecodedPatterns decodePatterns(const PatternSet& set,
 
     DecodedPatterns out;
     out.cell = used.cell;
+    out.doubts = cells.doubts(set);
     const auto middles = cells.middles(used, bits);
     const double pixels = static_cast<double>(std::max<size_t>(cells.light().values.size(), 1));
     out.litShare = static_cast<double>(cells.lit()) / pixels;

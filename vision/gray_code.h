@@ -42,6 +42,7 @@ struct DecodedPatterns {
     double litShare = 0;     // of the camera's picture: lit by the projector
     double decodedShare = 0; // of those: every bit of the cells used sure
     double contrast = 0;     // median of white less black where lit, of the files' range
+    std::vector<std::string> doubts; // of pictures that seem to be another pattern's, one line each
 };
 
 // `read` gives the camera's picture of the pattern of that name, all of one size (precondition); the

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <random>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 #include <glm/glm.hpp>
@@ -241,10 +243,8 @@ void warnOf(ProjectorCalibration& result) {
         warn("the projector comes out below the table; are the heights right?");
 }
 
-} // namespace
-
-ProjectorCalibration calibrateProjector(const geometry::OpticalDevice& camera, int width, int height,
-                                        const std::vector<ProjectorPlane>& planes) {
+ProjectorCalibration calibrateAsTaken(const geometry::OpticalDevice& camera, int width, int height,
+                                      const std::vector<ProjectorPlane>& planes) {
     ProjectorCalibration result;
     Working work = gather(camera, width, planes, result.planes);
     std::set<double> heights;
@@ -278,6 +278,63 @@ ProjectorCalibration calibrateProjector(const geometry::OpticalDevice& camera, i
         throw CalibrationError(fmt::format("only a lens with pixels of {:.2f} : 1 puts the corners on the "
                                            "planes: are the planes in order, and their heights right?",
                                            aspect));
+    return result;
+}
+
+void turnByHalf(ProjectorPlane& plane, const geometry::OpticalDevice& camera) {
+    for (PatternCorner& corner : plane.corners)
+        corner.camera = glm::dvec2(camera.width - 1, camera.height - 1) - corner.camera;
+}
+
+// Throws where corners that lie `rms` off come to lie where they should once all pictures, or those of one
+// plane, are turned by half.
+void refuseTurned(const geometry::OpticalDevice& camera, int width, int height,
+                  const std::vector<ProjectorPlane>& planes, double rms) {
+    constexpr double kFits = 0.2, kUsed = 0.5; // of what they are off as they are; of the corners
+    std::vector<ProjectorPlane> turned = planes;
+    // How far corners then lie off; none where that is no better, or those of these planes are left out.
+    const auto fit = [&](size_t first, size_t last) -> std::optional<double> {
+        try {
+            const ProjectorCalibration result = calibrateAsTaken(camera, width, height, turned);
+            size_t used = 0, all = 0;
+            for (size_t i = first; i <= last; ++i)
+                used += result.planes[i].corners, all += turned[i].corners.size();
+            if (result.rms<kFits * rms&& static_cast<double>(used)> kUsed * static_cast<double>(all))
+                return result.rms;
+        } catch (const CalibrationError&) { // so they are not turned
+        }
+        return std::nullopt;
+    };
+    for (ProjectorPlane& plane : turned) turnByHalf(plane, camera);
+    if (!turned.empty() && fit(0, turned.size() - 1))
+        throw CalibrationError(
+            "the camera's pictures are turned by half against the rig's camera: take them as "
+            "it gave those that it was calibrated with");
+    std::optional<std::pair<double, size_t>> best;
+    for (size_t i = 0; i < planes.size(); ++i) {
+        turned = planes;
+        turnByHalf(turned[i], camera);
+        if (const auto off = fit(i, i); off && (!best || *off < best->first)) best = {*off, i};
+    }
+    if (best)
+        throw CalibrationError(fmt::format("the pictures of the plane at {:.4f} m are turned by half against "
+                                           "those of the others",
+                                           planes[best->second].height));
+}
+
+} // namespace
+
+ProjectorCalibration calibrateProjector(const geometry::OpticalDevice& camera, int width, int height,
+                                        const std::vector<ProjectorPlane>& planes) {
+    constexpr double kFar = 1; // px: more is no noise
+    ProjectorCalibration result;
+    try {
+        result = calibrateAsTaken(camera, width, height, planes);
+    } catch (const CalibrationError&) {
+        refuseTurned(camera, width, height, planes, kMostOff * width);
+        throw;
+    }
+    if (result.rms > kFar) refuseTurned(camera, width, height, planes, result.rms);
     warnOf(result);
     return result;
 }

@@ -45,8 +45,9 @@ constexpr size_t kLeastPlanes = 2, kLeastCorners = 12; // of a plane
 // k1, k2, p1 and p2, k3 only as far as they lower the residual by more than chance.
 // Throws CalibrationError with fewer than kLeastPlanes planes at different heights, where they do not
 // determine the lens, where the corners do not move with the plane's height, where no lens comes within a
-// hundredth of the picture's width of the corners, and where only one with pixels more than 1.6 times as long
-// as wide does. About 2 s for nine planes of 500 corners.
+// hundredth of the picture's width of the corners, where only one with pixels more than 1.6 times as long as
+// wide does, and where they fit once the pictures of all planes, or of one, are turned by half. About 2 s for
+// nine planes of 500 corners.
 ProjectorCalibration calibrateProjector(const geometry::OpticalDevice& camera, int width, int height,
                                         const std::vector<ProjectorPlane>& planes);
 

@@ -45,6 +45,8 @@ vision::ProjectorPlane decodePlane(Run& run, const CalibrationFolder& folder, si
         run.warn(
             fmt::format("{}: the camera does not resolve cells of {} projector pixels; read as cells of {}",
                         plane.folder.string(), folder.patterns.cell, decoded.cell));
+    for (const std::string& doubt : decoded.doubts)
+        run.warn(fmt::format("{}: {}", plane.folder.string(), doubt));
     constexpr double kFaint = 16.0 / 255;
     if (decoded.contrast < kFaint)
         run.warn(fmt::format("{}: the projector's white is only {:.1f} of 255 steps over its black: corners "

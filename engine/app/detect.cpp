@@ -19,6 +19,7 @@ void execute(Run& run, const DetectArguments& arguments) {
         throw geometry::InputError("--overlay", arguments.overlay.string(), "is written as .png");
     const geometry::Rig rig = loadRig(run, arguments.rig);
     const geometry::Sketch sketch = loadSketch(run, scene, rig);
+    if (!sketch.north) run.assume(kAssumedNorth);
     if (!arguments.overlay.empty())
         writeOverlay(vision::readPhotograph(arguments.photo), rig, sketch, arguments.overlay);
     geometry::writeSketch(sketch, arguments.output);

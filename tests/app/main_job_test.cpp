@@ -1,6 +1,7 @@
 // The main job as a user does it: photograph in, pictures and a film out.
 #include <nlohmann/json.hpp>
 
+#include "geometry/picture_file.h"
 #include "tests/app/program.h"
 #include "vision/photograph.h"
 
@@ -91,6 +92,14 @@ TEST_F(MainJob, a_sketch_without_an_arrow_is_said_to_have_its_north_assumed) {
     };
     EXPECT_NE(assumedWith("").find("north along y of the plan"), std::string::npos);
     EXPECT_EQ(assumedWith(" --north 30").find("north"), std::string::npos);
+    // So is one that is read from a photograph.
+    const int width = 1392, height = 1032;
+    std::vector<uint8_t> table(static_cast<size_t>(3 * width) * height, 180);
+    table[0] = 200;
+    geometry::writePngFile(in("bare.png"), width, height, table.data());
+    run("detect " + in("bare.png") + " --rig " HELIODON_SOURCE "/examples/rig.json -o " + in("s.json") +
+        " --report " + in("r.json"));
+    EXPECT_NE(report("r.json").value("assumed", "").find("north along y of the plan"), std::string::npos);
 }
 
 TEST_F(MainJob, a_model_on_its_side_or_in_other_units_is_said_to_seem_so) {

@@ -148,6 +148,31 @@ TEST(GrayCode, codes_finer_than_the_camera_resolves_are_read_by_coarser_cells) {
     EXPECT_LT(worstMiss(result.projector, scene.projector), 0.5);
 }
 
+TEST(GrayCode, pictures_of_other_patterns_are_in_doubt) {
+    PatternScene scene = usualScene();
+    scene.height = 0.1, scene.noise = 0.005;
+    const PatternPainter painter(scene);
+    EXPECT_TRUE(decodePatterns(scene.patterns, std::cref(painter)).doubts.empty());
+    const auto doubtsWith = [&](const std::string& one, const std::string& other) {
+        const auto decoded = decodePatterns(scene.patterns, [&](const std::string& name) {
+            return painter(name == one ? other : name == other ? one : name);
+        });
+        std::string all;
+        for (const std::string& doubt : decoded.doubts) all += doubt + "\n";
+        return all;
+    };
+    EXPECT_NE(doubtsWith("x_bit3", "x_bit2").find("x_bit3 and its inverse"), std::string::npos)
+        << doubtsWith("x_bit3", "x_bit2");
+    const auto exchanged = decodePatterns(scene.patterns, [&](const std::string& name) {
+        std::string shown = name;
+        if (name.starts_with("y_bit2") || name.starts_with("y_bit1")) shown[5] = name[5] == '2' ? '1' : '2';
+        return painter(shown);
+    });
+    ASSERT_FALSE(exchanged.doubts.empty());
+    EXPECT_NE(exchanged.doubts.front().find("y_bit2 has more stripes than y_bit1"), std::string::npos)
+        << exchanged.doubts.front();
+}
+
 TEST(CalibrateProjector, finds_a_principal_point_above_the_picture_and_no_distortion_where_there_is_none) {
     const PatternScene scene = usualScene();
     const auto result = calibrate(scene, decode(scene, kHeights));
@@ -204,6 +229,20 @@ TEST(CalibrateProjector, a_wrong_height_is_noticed_and_too_little_refused) {
     } catch (const CalibrationError& error) {
         EXPECT_NE(std::string(error.what()).find("mirrored"), std::string::npos) << error.what();
     }
+    const auto turned = [&](size_t first, size_t last) {
+        std::vector<ProjectorPlane> out = planes;
+        for (size_t i = first; i <= last; ++i)
+            for (auto& corner : out[i].corners)
+                corner.camera = glm::dvec2(scene.camera.width - 1, scene.camera.height - 1) - corner.camera;
+        try {
+            calibrate(scene, out);
+        } catch (const CalibrationError& error) {
+            return std::string(error.what());
+        }
+        return std::string("taken");
+    };
+    EXPECT_NE(turned(0, 2).find("pictures are turned by half"), std::string::npos) << turned(0, 2);
+    EXPECT_NE(turned(1, 1).find("plane at 0.0600 m are turned by half"), std::string::npos) << turned(1, 1);
     EXPECT_THROW(calibrate(scene, {planes[0], planes[0]}), CalibrationError);
     EXPECT_THROW(calibrate(scene, {{0, {}}, {0.1, {}}}), CalibrationError);
 }
