@@ -3,25 +3,20 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <map>
 #include <optional>
-#include <set>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
-#include "compute/lighting.h"
-#include "engine/app/floor_cells.h"
 #include "engine/app/plan_field.h"
+#include "engine/app/plan_floors.h"
 #include "engine/passes/false_colour.h"
 #include "geometry/clip_polygon.h"
 
 namespace heliodon::app {
 
 namespace {
-
-using Points = std::vector<glm::dvec2>;
 
 constexpr double kPlan = 720, kNarrowest = 420, kMargin = 40, kLegend = 90, kHead = 62, kFoot = 40; // pixels
 constexpr double kOutline = 0.01; // pixels to which areas of one colour are joined
@@ -31,62 +26,6 @@ constexpr size_t kFew = 12;   // sensors whose numbers are written beside them
 // Building metres around the sensors that are coloured at least: a grid of sensors leaves out a border of
 // half a metre along the walls (EN 12464-1, EN 17037).
 constexpr double kBorder = 0.5;
-
-glm::dvec2 flat(glm::dvec3 p) {
-    return {p.x, p.z};
-}
-
-// Edges of some patches that only one of them has, by place so that welding does not matter.
-std::vector<std::array<glm::dvec3, 2>> borders(const geometry::PatchMesh& mesh,
-                                               const std::vector<size_t>& patches) {
-    using Key = std::array<int64_t, 3>;
-    const auto key = [](glm::dvec3 p) {
-        return Key{std::llround(p.x * 1e6), std::llround(p.y * 1e6), std::llround(p.z * 1e6)};
-    };
-    std::map<std::pair<Key, Key>, std::array<glm::dvec3, 2>> edges;
-    for (size_t i : patches) {
-        const auto corners = mesh.patch(i);
-        for (size_t k = 0; k < corners.size(); ++k) {
-            const glm::dvec3 a = mesh.vertices[corners[k]],
-                             b = mesh.vertices[corners[(k + 1) % corners.size()]];
-            if (!edges.erase({key(b), key(a)})) edges.insert({{key(a), key(b)}, {a, b}});
-        }
-    }
-    std::vector<std::array<glm::dvec3, 2>> result;
-    for (const auto& [keys, edge] : edges) result.push_back(edge);
-    return result;
-}
-
-// Where the sun falls on the planes of a floor's sensors.
-struct Sunlight {
-    std::vector<double> heights; // of the planes
-    struct Part {
-        size_t plane;
-        Points polygon; // convex
-        double lux;
-    };
-    std::vector<Part> parts;
-};
-
-struct Floor {
-    FloorCells cells;
-    std::vector<std::array<glm::dvec3, 2>> outline;
-    std::vector<Sample> samples{}; // all that is shown
-    std::optional<Sunlight> sun{}; // of all samples, which have their values without it in `shaded`
-    std::vector<Sample> shaded{};
-};
-
-// Tops of walls that no sensor stands above, `top` being the highest, are no floor.
-std::vector<Floor> floorsOf(const geometry::PatchMesh& mesh, double top) {
-    std::map<uint32_t, std::vector<size_t>> floors;
-    for (size_t i = 0; i < mesh.patchCount(); ++i)
-        if (geometry::patchNormal(mesh, i).y > 0.5 && geometry::patchCentroid(mesh, i).y <= top)
-            floors[mesh.room[i]].push_back(i);
-    std::vector<Floor> result;
-    for (const auto& [room, patches] : floors)
-        result.push_back({FloorCells(mesh, patches), borders(mesh, patches)});
-    return result;
-}
 
 // The part of a convex polygon where the linear field reaches `level` (or stays below it).
 std::vector<Sample> clipped(const std::vector<Sample>& polygon, double level, bool above) {
@@ -115,7 +54,7 @@ public:
     glm::dvec2 size() const { return size_; }
 
     // Few sensors that do not cover the floor tell nothing about what they do not surround, and no lines.
-    void colours(Chart& chart, const Floor& floor, bool few) {
+    void colours(Chart& chart, const PlanFloor& floor, bool few) {
         std::vector<Sample> samples = floor.sun ? floor.shaded : floor.samples;
         const double spacing = std::max(spacingOf(samples), border_);
         const Points reach = reachOf(samples, spacing * (1 + 1e-6));
@@ -187,7 +126,7 @@ public:
     }
 
     // Only over the floor and where there are colours, of the plane that these show: in bits of a few pixels.
-    void sunEdges(Chart& chart, const Floor& floor, const Points& reach,
+    void sunEdges(Chart& chart, const PlanFloor& floor, const Points& reach,
                   const std::vector<SampleTriangle>& triangles) {
         for (size_t plane = 0; plane < floor.sun->heights.size(); ++plane) {
             std::vector<Points> polygons;
@@ -240,7 +179,7 @@ public:
     }
 
     // A number a line, where it is clear of walls and openings, of other numbers and, best, of other lines.
-    void labels(Chart& chart, const std::vector<Floor>& floors) const {
+    void labels(Chart& chart, const std::vector<PlanFloor>& floors) const {
         constexpr double kShortest = 50, kWall = 17, kLabel = 42, kLine = 24; // pixels
         Points obstacles, placed = numbers_;
         const auto along = [&](const std::array<glm::dvec3, 2>& edge) {
@@ -248,7 +187,8 @@ public:
             const double steps = std::ceil(glm::distance(a, b) / 6 + 1e-9);
             for (double k = 0; k <= steps; ++k) obstacles.push_back(a + k / steps * (b - a));
         };
-        for (const Floor& floor : floors) std::for_each(floor.outline.begin(), floor.outline.end(), along);
+        for (const PlanFloor& floor : floors)
+            std::for_each(floor.outline.begin(), floor.outline.end(), along);
         const auto edges = openings();
         std::for_each(edges.begin(), edges.end(), along);
         const auto nearest = [](const Points& points, glm::dvec2 p, double least) {
@@ -279,8 +219,8 @@ public:
         }
     }
 
-    void walls(Chart& chart, const std::vector<Floor>& floors) const {
-        for (const Floor& floor : floors)
+    void walls(Chart& chart, const std::vector<PlanFloor>& floors) const {
+        for (const PlanFloor& floor : floors)
             for (const auto& [a, b] : floor.outline)
                 chart.line({pixel(flat(a)), pixel(flat(b))}, kBlack, 1.8);
         for (const auto& [a, b] : openings()) chart.line({pixel(flat(a)), pixel(flat(b))}, kOpening, 3);
@@ -331,7 +271,7 @@ private:
     }
     // Out to the walls: a point of the floor's outline takes the value of the sensors nearest to it, one on
     // either side along the wall and before it, by how far along it they stand.
-    void extend(const Floor& floor, std::vector<Sample>& samples, double spacing) const {
+    void extend(const PlanFloor& floor, std::vector<Sample>& samples, double spacing) const {
         const size_t sensors = samples.size();
         for (const auto& [a, b] : floor.outline) {
             const glm::dvec2 wall = glm::normalize(flat(b) - flat(a));
@@ -400,51 +340,10 @@ void drawNorthAndScale(Chart& chart, const Scene& scene, const PlanDrawing& plan
     chart.text(foot + 24.0 * north + 14.0 * side + glm::dvec2(0, 4), "N", 12, Anchor::middle);
 }
 
-// Sensors by the floor that they stand over.
-void sortIn(const PlanValues& given, std::vector<Floor>& floors) {
-    std::set<std::pair<int64_t, int64_t>> taken;
-    for (size_t s = 0; s < given.points.size(); ++s) {
-        const glm::dvec2 p = flat(given.points[s]);
-        if (given.normals[s].y < 0.5 ||
-            !taken.insert({std::llround(p.x * 1e5), std::llround(p.y * 1e5)}).second)
-            continue;
-        const auto floor = std::ranges::find_if(floors, [&](const Floor& f) { return f.cells.covers(p); });
-        if (floor == floors.end()) continue;
-        floor->samples.push_back({p, given.values[s], given.points[s].y});
-        if (!given.sunPatches) continue;
-        floor->shaded.push_back({p, given.values[s] - given.sun[s], given.points[s].y});
-        if (floor->samples.size() == 1) floor->sun.emplace();
-        if (given.normals[s].y < 1 - 1e-6) floor->sun.reset();
-    }
-}
-
-void findSunlight(const Scene& scene, const PlanValues& given, Floor& floor) {
-    constexpr size_t kMostPlanes = 8;
-    const double same = 1e-3 * scene.worldPerBuilding;
-    glm::dvec2 low(1e300), high(-1e300);
-    for (const auto& [a, b] : floor.outline) low = glm::min(low, flat(a)), high = glm::max(high, flat(a));
-    Sunlight& sun = *floor.sun;
-    for (const Sample& s : floor.samples)
-        if (std::ranges::none_of(sun.heights, [&](double h) { return std::abs(h - s.height) < same; }))
-            sun.heights.push_back(s.height);
-    if (sun.heights.size() > kMostPlanes) return floor.sun.reset();
-    for (size_t plane = 0; plane < sun.heights.size(); ++plane) {
-        const double y = sun.heights[plane];
-        const std::array corners{glm::dvec3(low.x, y, low.y), glm::dvec3(low.x, y, high.y),
-                                 glm::dvec3(high.x, y, high.y), glm::dvec3(high.x, y, low.y)};
-        for (const compute::SunlitParts::Part& part : given.sunPatches->onPolygon(corners)) {
-            Points polygon;
-            std::ranges::transform(part.polygon, std::back_inserter(polygon), flat);
-            std::ranges::reverse(polygon); // as isWithin() has it: seen from above z runs down
-            sun.parts.push_back({plane, std::move(polygon), given.sunLux * compute::photometric(part.light)});
-        }
-    }
-}
-
 // Of the sensors, and of sun that falls between them as though it had as many.
-ValueScale scaleOf(const PlanValues& given, const std::vector<Floor>& floors) {
+ValueScale scaleOf(const PlanValues& given, const std::vector<PlanFloor>& floors) {
     std::vector<double> lux(given.values.begin(), given.values.end());
-    for (const Floor& floor : floors) {
+    for (const PlanFloor& floor : floors) {
         if (!floor.sun) continue;
         const double spacing = std::max(spacingOf(floor.samples), 1e-9);
         for (const Sunlight::Part& part : floor.sun->parts) {
@@ -461,23 +360,16 @@ ValueScale scaleOf(const PlanValues& given, const std::vector<Floor>& floors) {
 
 Plan planChart(const Scene& scene, const PlanValues& given, std::optional<ValueScale> scale,
                const std::string& title, const std::string& subtitle) {
-    double top = -1e300;
-    for (size_t s = 0; s < given.points.size(); ++s)
-        if (given.normals[s].y >= 0.5) top = std::max(top, given.points[s].y);
-    std::vector<Floor> floors = floorsOf(scene.mesh, top);
-    sortIn(given, floors);
+    const std::vector<PlanFloor> floors = planFloors(scene, given);
     size_t shown = 0;
-    for (Floor& floor : floors) {
-        if (floor.sun) findSunlight(scene, given, floor);
-        shown += floor.samples.size();
-    }
+    for (const PlanFloor& floor : floors) shown += floor.samples.size();
     if (!scale) scale = scaleOf(given, floors);
     PlanDrawing plan(scene, *scale);
     Chart chart = plan.chart();
-    for (const Floor& floor : floors)
+    for (const PlanFloor& floor : floors)
         if (!floor.samples.empty()) plan.colours(chart, floor, shown <= kFew);
     plan.walls(chart, floors);
-    for (const Floor& floor : floors) plan.sensors(chart, floor.samples, shown <= kFew);
+    for (const PlanFloor& floor : floors) plan.sensors(chart, floor.samples, shown <= kFew);
     plan.labels(chart, floors);
     chart.text({kMargin, 22}, title, 15);
     chart.text({kMargin, 40}, subtitle, 11);

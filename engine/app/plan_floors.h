@@ -1,0 +1,46 @@
+// The floors of a plan, with the sensors that stand over them and the sun among those.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "engine/app/floor_cells.h"
+#include "engine/app/plan_chart.h"
+#include "engine/app/plan_field.h"
+
+namespace heliodon::app {
+
+using Points = std::vector<glm::dvec2>;
+
+inline glm::dvec2 flat(glm::dvec3 p) {
+    return {p.x, p.z};
+}
+
+// Where the sun falls on the planes of a floor's sensors.
+struct Sunlight {
+    std::vector<double> heights; // of the planes
+    struct Part {
+        size_t plane;
+        Points polygon; // convex
+        double lux;
+    };
+    std::vector<Part> parts;
+};
+
+struct PlanFloor {
+    FloorCells cells;
+    std::vector<std::array<glm::dvec3, 2>> outline;
+    std::vector<Sample> samples{}; // all that is shown
+    std::optional<Sunlight> sun{}; // of all samples, which have their values without it in `shaded`
+    std::vector<Sample> shaded{};
+};
+
+// Tops of walls that no sensor stands above are no floor. Of several sensors at one place the first is taken.
+std::vector<PlanFloor> planFloors(const Scene& scene, const PlanValues& given);
+
+// Edges of some patches that only one of them has, by place so that welding does not matter.
+std::vector<std::array<glm::dvec3, 2>> borders(const geometry::PatchMesh& mesh,
+                                               const std::vector<size_t>& patches);
+
+} // namespace heliodon::app
