@@ -54,10 +54,15 @@ public:
         if (!options.entryErrors) return;
         entryErrors_.assign(size_t{scene_.patchCount} * scene_.patchCount, 0.0f);
         shareOfPatch_.assign(scene_.pieceCount, 0.0f);
-        std::vector<float> patchArea(scene_.patchCount, 0.0f);
-        for (size_t i = 0; i < scene_.pieceCount; ++i) patchArea[scene_.patchOfPiece[i]] += scene_.area[i];
         for (size_t i = 0; i < scene_.pieceCount; ++i)
-            if (scene_.area[i] > 0) shareOfPatch_[i] = scene_.area[i] / patchArea[scene_.patchOfPiece[i]];
+            if (scene_.area[i] > 0)
+                shareOfPatch_[i] =
+                    static_cast<float>(double{scene_.area[i]} / scene_.patchArea[scene_.patchOfPiece[i]]);
+        for (const ExactScene::Covered& c : scene_.covered) {
+            const size_t n = scene_.patchCount, i = c.first, j = c.second;
+            entryErrors_[i * n + j] += static_cast<float>(c.passes / scene_.patchArea[i]);
+            entryErrors_[j * n + i] += static_cast<float>(c.passes / scene_.patchArea[j]);
+        }
     }
 
     const ExactScene& scene() const { return scene_; }
@@ -424,6 +429,12 @@ void report(const Solver& solver, const ExactOptions& options, ExactFormFactors&
         error = std::max(error, static_cast<float>(kRowCaution * std::sqrt(solver.rowSquares()[i])));
         squares += solver.rowSquares()[i];
     }
+    for (const ExactScene::Covered& c : scene.covered)
+        for (const uint32_t i : {c.first, c.second}) {
+            const double error = c.passes / scene.patchArea[i];
+            result.rowError[i] = std::hypot(result.rowError[i], static_cast<float>(error));
+            squares += error * error;
+        }
     report.claimedRowError = std::sqrt(squares / std::max(1.0, static_cast<double>(scene.pieceCount)));
     report.why = fmt::format("row error {:g} asked; {} blockers, {} pairs partly hidden, {} cells",
                              options.maxError, s.blockers, s.partial, s.cells);
@@ -461,7 +472,7 @@ ExactFormFactors exactFormFactors(gpu::Device& device, const geometry::PatchMesh
     const size_t n = mesh.patchCount();
     SecondsAdded timer(result.factors.report.seconds);
     Solver solver(device, mesh, options);
-    if (solver.scene().tiles.size() == 1 && solver.scene().pieceCount == n) {
+    if (solver.scene().tiles.size() == 1 && solver.scene().piecesArePatches()) {
         solver.run([](const ExactTileRange&, const ExactTileRange&) {});
         result.factors.values = solver.takeMatrix();
     } else {

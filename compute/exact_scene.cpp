@@ -9,6 +9,7 @@
 #include "compute/convex_regions.h"
 #include "compute/exact_clusters.h"
 #include "compute/gpu/device.h"
+#include "compute/narrow_gaps.h"
 #include "geometry/bounds.h"
 #include "geometry/outline_area.h"
 #include "shaders/io/exact_form_factors.io.h"
@@ -76,23 +77,47 @@ dvec3 unitOrZero(const dvec3& v) {
     return size > 0 ? v / size : dvec3(0);
 }
 
-// Patches of many corners are cut into fans.
-std::vector<RadiatingPiece> piecesOf(const geometry::PatchMesh& mesh) {
-    const std::vector<uint32_t> planes = planeNumbers(mesh);
+constexpr double kNarrow =
+    1e-6; // of faces' sizes: gaps that heights in float32, see kFlat, do not tell surely
+constexpr double kSliver = 1e-7; // of a patch: triangles that are what rounding left of cuts
+
+// Patches of many corners are cut into fans; of those that others cover across a narrow gap what is left,
+// into triangles, for which most is made.
+std::vector<RadiatingPiece> piecesOf(const geometry::PatchMesh& mesh, std::span<const uint32_t> planes,
+                                     const NarrowGaps& gaps) {
     std::vector<RadiatingPiece> pieces;
-    for (size_t i = 0; i < mesh.patchCount(); ++i) {
-        const auto corner = mesh.patch(i);
+    const auto add = [&](const std::vector<dvec3>& outline, size_t i, size_t most, double least) {
         const dvec3 normal = unitOrZero(geometry::patchAreaVector(mesh, i));
-        for (size_t first = 1; first + 1 < corner.size(); first += io::kExactPieceCorners - 2) {
-            std::vector<dvec3> corners{mesh.vertices[corner[0]]};
-            for (size_t k = first; k < std::min<size_t>(corner.size(), first + io::kExactPieceCorners - 1);
-                 ++k)
-                corners.push_back(mesh.vertices[corner[k]]);
+        for (size_t first = 1; first + 1 < outline.size(); first += most - 2) {
+            std::vector<dvec3> corners{outline[0]};
+            for (size_t k = first; k < std::min(outline.size(), first + most - 1); ++k)
+                corners.push_back(outline[k]);
+            if (glm::length(geometry::areaVector(corners)) <= least) continue;
             pieces.push_back(
                 {std::move(corners), normal, static_cast<uint32_t>(i), mesh.room[i], planes[i], 0});
         }
+    };
+    for (size_t i = 0; i < mesh.patchCount(); ++i) {
+        const auto open = gaps.open.find(static_cast<uint32_t>(i));
+        if (open == gaps.open.end())
+            add(geometry::patchCorners(mesh, i), i, io::kExactPieceCorners, -1); // without area too
+        else
+            for (const std::vector<dvec3>& part : open->second)
+                add(part, i, 3, kSliver * geometry::patchArea(mesh, i));
     }
     return pieces;
+}
+
+std::vector<ExactScene::Covered> coveredOf(const NarrowGaps& gaps) {
+    std::vector<ExactScene::Covered> covered;
+    for (const NarrowGaps::Overlap& overlap : gaps.overlaps) {
+        double border = 0;
+        for (size_t k = 0; k < overlap.outline.size(); ++k)
+            border += glm::distance(overlap.outline[k], overlap.outline[(k + 1) % overlap.outline.size()]);
+        const double area = 0.5 * glm::length(geometry::areaVector(overlap.outline));
+        covered.push_back({overlap.first, overlap.second, area, std::min(0.5 * overlap.gap * border, area)});
+    }
+    return covered;
 }
 
 std::vector<ExactTileRange> tilesOf(std::vector<RadiatingPiece>& pieces, uint32_t most, uint32_t patchCount) {
@@ -127,7 +152,11 @@ ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh, uint
     const geometry::Bounds box = geometry::boundsOf(mesh.vertices);
     scene.centre = faces.centre = box.centre();
     scene.samePlane = static_cast<float>(kSamePlane * box.diagonal());
-    std::vector<RadiatingPiece> pieces = piecesOf(mesh);
+    const std::vector<uint32_t> planes = planeNumbers(mesh);
+    const NarrowGaps gaps = narrowGaps(mesh, planes, kNarrow);
+    scene.covered = coveredOf(gaps);
+    std::vector<RadiatingPiece> pieces = piecesOf(mesh, planes, gaps);
+    for (size_t i = 0; i < mesh.patchCount(); ++i) scene.patchArea.push_back(geometry::patchArea(mesh, i));
     scene.pieceCount = static_cast<uint32_t>(pieces.size());
     scene.tiles = tilesOf(pieces, tilePieces, scene.patchCount);
     std::vector<PieceCluster> clusters;

@@ -28,6 +28,16 @@ struct ExactScene {
     std::vector<uint32_t> patchOfPiece;
     std::vector<uint32_t> placeOfPiece; // in its tile, in patch order
     std::vector<float> area;            // per piece
+    std::vector<double> patchArea;      // of which pieces leave out what is covered
+    // What patches cover of one another across narrow gaps (compute/narrow_gaps.h) is in no piece: it sends
+    // all its light across, but for what passes the borders, `passes`, m2.
+    struct Covered {
+        uint32_t first = 0, second = 0; // patches
+        double area = 0, passes = 0;
+    };
+    std::vector<Covered> covered;
+    // Whether each patch is a piece, and the matrix of these that of the patches.
+    bool piecesArePatches() const { return pieceCount == patchCount && covered.empty(); }
     gpu::Buffer cornerHigh, cornerLow, faceNormal, faceCentre,
         faceRange;        // as in shaders/lib/exact_scene.glsl
     gpu::Buffer clusters; // as in shaders/io/exact_form_factors.io.h

@@ -10,26 +10,42 @@
 
 namespace heliodon::compute {
 
+namespace {
+
+bool piecesArePatches(const ExactScene& scene, const ExactTileRange& a, const ExactTileRange& b) {
+    return a.pieces == a.patches && b.pieces == b.patches && scene.covered.empty();
+}
+
+} // namespace
+
 void handOver(const ExactScene& scene, const ExactTileRange& a, const ExactTileRange& b,
               const gpu::Buffer& values, const std::function<void(const ExactTile&)>& take) {
     const gpu::HostView<float> view(values, static_cast<size_t>(a.pieces) * b.pieces);
     ExactTile tile{a.firstPatch, a.patches, b.firstPatch, b.patches, view.data()};
     std::vector<float> merged;
-    if (a.pieces != a.patches || b.pieces != b.patches) {
-        std::vector<double> sums(static_cast<size_t>(a.patches) * b.patches, 0.0), area(a.patches, 0.0);
+    if (!piecesArePatches(scene, a, b)) {
+        std::vector<double> sums(static_cast<size_t>(a.patches) * b.patches, 0.0);
         std::vector<uint32_t> column(b.pieces);
         for (uint32_t k = b.firstPiece; k < b.firstPiece + b.pieces; ++k)
             column[scene.placeOfPiece[k]] = scene.patchOfPiece[k] - b.firstPatch;
         for (uint32_t k = a.firstPiece; k < a.firstPiece + a.pieces; ++k) {
             const size_t row = scene.patchOfPiece[k] - a.firstPatch;
             const float* from = tile.values + static_cast<size_t>(scene.placeOfPiece[k]) * b.pieces;
-            area[row] += double{scene.area[k]};
             for (size_t j = 0; j < b.pieces; ++j)
                 sums[row * b.patches + column[j]] += double{scene.area[k]} * double{from[j]};
         }
-        for (size_t k = 0; k < sums.size(); ++k)
-            merged.push_back(area[k / b.patches] > 0 ? static_cast<float>(sums[k] / area[k / b.patches])
-                                                     : 0.0f);
+        const auto across = [&](uint32_t i, uint32_t j, double exchange) {
+            if (i - a.firstPatch < a.patches && j - b.firstPatch < b.patches)
+                sums[size_t{i - a.firstPatch} * b.patches + (j - b.firstPatch)] += exchange;
+        };
+        for (const ExactScene::Covered& covered : scene.covered) {
+            across(covered.first, covered.second, covered.area);
+            across(covered.second, covered.first, covered.area);
+        }
+        for (size_t k = 0; k < sums.size(); ++k) {
+            const double area = scene.patchArea[a.firstPatch + k / b.patches];
+            merged.push_back(area > 0 ? static_cast<float>(sums[k] / area) : 0.0f);
+        }
         tile.values = merged.data();
     }
     take(tile);
@@ -45,7 +61,7 @@ void placeTile(gpu::Device& device, const ExactScene& scene, const ExactTileRang
         device.submitAndWait(std::move(commands));
     };
     float* all = matrix.mapped<float>();
-    if (!all && a.pieces == a.patches && b.pieces == b.patches) return copyOnDevice(values);
+    if (!all && piecesArePatches(scene, a, b)) return copyOnDevice(values);
     handOver(scene, a, b, values, [&](const ExactTile& tile) {
         const size_t rows = tile.rows, columns = tile.columns;
         if (!all)

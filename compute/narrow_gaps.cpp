@@ -149,7 +149,7 @@ private:
 
 } // namespace
 
-NarrowGaps narrowGaps(const geometry::PatchMesh& mesh, std::span<const uint32_t> plane) {
+NarrowGaps narrowGaps(const geometry::PatchMesh& mesh, std::span<const uint32_t> plane, double ofFaces) {
     constexpr double kAlike = 3e-3; // of orders of one plane
     NarrowGaps gaps;
     const geometry::Bounds box = geometry::boundsOf(mesh.vertices);
@@ -165,7 +165,9 @@ NarrowGaps narrowGaps(const geometry::PatchMesh& mesh, std::span<const uint32_t>
                                             [](const Sheet& s, double order) { return s.order < order; });
         for (auto b = first; b != sheets.end() && b->order <= -a.order + kAlike; ++b)
             if (&*b > &a)
-                if (const double gap = gapBetween(a, *b, kSamePlane * box.diagonal()); gap > 0)
+                if (const double gap = gapBetween(
+                        a, *b, std::min(kSamePlane * box.diagonal(), ofFaces * (a.radius + b->radius)));
+                    gap > 0)
                     facing.push_back({gap, &a, &*b});
     }
     std::ranges::stable_sort(facing, {}, &Facing::gap);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <span>
 #include <vector>
@@ -31,6 +32,9 @@ struct NarrowGaps {
 // within rounding of doubles, may be both sides of a sheet and has none. Narrower gaps come first: of sheets
 // in a pile only the next counts. n log n, and for two planes that lie so the patches of one times those of
 // the other.
-NarrowGaps narrowGaps(const geometry::PatchMesh& mesh, std::span<const uint32_t> plane);
+// `ofFaces`: nor wider than this share of both planes' radii together, for those who place corners from one
+// another and so tell smaller faces apart, however large the mesh is.
+NarrowGaps narrowGaps(const geometry::PatchMesh& mesh, std::span<const uint32_t> plane,
+                      double ofFaces = std::numeric_limits<double>::infinity());
 
 } // namespace heliodon::compute
