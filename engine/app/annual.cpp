@@ -359,6 +359,17 @@ Year computeYear(Run& run, const Job& job) {
     return year;
 }
 
+// Shares of no hours would all be 0.
+void refuseUnoccupied(const Job& job) {
+    const std::vector<uint8_t> occupied = job.occupiedRecords();
+    if (std::ranges::any_of(occupied, [](uint8_t record) { return record != 0; })) return;
+    throw geometry::InputError(
+        "--occupied", "",
+        fmt::format(
+            "no record of {} has its middle in {} o'clock, expected longer hours (records are of {:g} h)",
+            job.arguments.weather.filename().string(), job.arguments.occupied, job.weather.recordHours()));
+}
+
 // Of the sensors in rooms: one in a wall or beyond it is no dark place of a room.
 daylight::AnnualMetrics metricsInRooms(const Job& job, const Year& year) {
     std::vector<daylight::SensorMetrics> inRooms;
@@ -393,6 +404,7 @@ void execute(Run& run, const AnnualArguments& arguments) {
     std::optional<SensorTable> given;
     if (!arguments.sensors.empty()) given = readSensors(arguments.sensors, upAxisOf(arguments.scene));
     job.weather = weatherFor(run, arguments);
+    refuseUnoccupied(job);
     const OutputFolder folder(arguments.output);
     job.scene = loadScene(run, arguments.scene);
     if (job.scene.northIsAssumed) run.assume(kAssumedNorth);

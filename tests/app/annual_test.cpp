@@ -237,6 +237,9 @@ TEST_F(Annual, wrong_words_are_named) {
     for (const std::string hours : {"18-8", "8:3-9", "8:75-9", "8:30-"})
         EXPECT_NE(said("--occupied " + hours).find("--occupied: '" + hours + "'"), std::string::npos)
             << hours;
+    EXPECT_NE(
+        said("--occupied 12-12:20").find("--occupied: no record of days.epw has its middle in 12-12:20"),
+        std::string::npos);
     EXPECT_NE(said("--temporal 5000").find("--temporal: '5000'"), std::string::npos);
     writeText(in("far.csv"), "x,y,z,nx,ny,nz\n1800,4000,800,0,0,1\n3000,4000,800,0,0,1\n");
     const std::string far = said("--sensors " + in("far.csv"));
