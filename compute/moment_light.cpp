@@ -23,10 +23,11 @@ constexpr double kApartSunShare = 0.2; // of that light, the sun's first bounce,
 constexpr double kBounceError = 0.006; // of reflected light: what earlier bounces between patches leave
 constexpr double kSensorSkyError = 0.008; // of sky light, from its cubature and that of glass
 // The same of patches' means, against meshes four and sixteen times as fine (docs/accuracy.md).
-constexpr double kPatchBounceError = 0.01;
-constexpr double kPatchSkyError = 0.012;  // of sky light, from sky elements and glass
-constexpr float kPatchSpreadShare = 0.3F; // of light's variation within patches nearby
-constexpr float kPatchNearShare = 0.6F;   // of the light of a patch nearby, times its form factor
+constexpr double kPatchBounceError = 0.007;
+constexpr double kPatchSkyError = 0.012; // of sky light, from sky elements and glass
+constexpr float kPatchSpreadShare = 0.3F,
+                kFarSpreadShare = 0.05F; // of light's variation within patches nearby, and farther off
+constexpr float kPatchBendShare = 1.5F;  // of how light bends within a patch nearby, times its form factor
 // Slats against sheets traced one by one (tests/compute/blinds_test.cpp): of their light that a place gets
 // straight, of what it would get were that even, and of what comes by way of the room.
 constexpr double kSlatsSeen = 0.12, kSlatsEven = 0.04, kSlatsLater = 0.05;
@@ -42,6 +43,23 @@ std::vector<float> spreadWithin(const MomentScene& scene, std::span<const float>
     return spread;
 }
 
+// How much each patch's light bends: towards a neighbour that fills much of its view it changes from what it
+// gets of the whole room to what it gets of that one. Nothing where both are alike, as in corners of white
+// rooms.
+std::vector<float> bendWithin(const MomentScene& scene, const Moment& moment, std::span<const float> light) {
+    std::vector<float> bend(light.size(), 0), lit(light.size()), reflectance(light.size());
+    for (size_t i = 0; i < light.size(); ++i) {
+        const LightParts& parts = moment.patches[i];
+        lit[i] = static_cast<float>(photometric(parts.sky + parts.ground + parts.interreflected));
+        reflectance[i] =
+            static_cast<float>(photometric(scene.mesh.materials[scene.mesh.material[i]].reflectance));
+    }
+    for (size_t j = 0; j < light.size(); ++j)
+        for (const NearPairs::Pair& pair : scene.pairs.nearest(j))
+            bend[pair.to] += reflectance[pair.to] * pair.factor * std::abs(light[j] - lit[pair.to]);
+    return bend;
+}
+
 // What the light of patches nearby leaves open on each patch: the mesh spreads it evenly over them.
 std::vector<float> nearErrors(const MomentScene& scene, const Moment& moment) {
     const size_t n = scene.mesh.patchCount();
@@ -50,11 +68,15 @@ std::vector<float> nearErrors(const MomentScene& scene, const Moment& moment) {
         light[i] = static_cast<float>(
             photometric(moment.lighting.exitance[i] -
                         scene.mesh.materials[scene.mesh.material[i]].reflectance * moment.patches[i].sun));
-    const std::vector<float> spread = spreadWithin(scene, light);
-    for (size_t j = 0; j < n; ++j)
-        for (const NearPairs::Pair& pair : scene.pairs.nearest(j))
-            errors[pair.to] += pair.factor * (kPatchSpreadShare * spread[j] +
-                                              kPatchNearShare * pair.factor * std::max(0.0F, light[j]));
+    const std::vector<float> spread = spreadWithin(scene, light), bend = bendWithin(scene, moment, light);
+    for (size_t j = 0; j < n; ++j) {
+        const auto all = scene.pairs.of(j), nearest = scene.pairs.nearest(j);
+        for (const NearPairs::Pair& pair : nearest)
+            errors[pair.to] +=
+                pair.factor * (kPatchSpreadShare * spread[j] + kPatchBendShare * pair.factor * bend[j]);
+        for (const NearPairs::Pair& pair : all.subspan(nearest.size()))
+            errors[pair.to] += kFarSpreadShare * pair.factor * spread[j];
+    }
     return errors;
 }
 

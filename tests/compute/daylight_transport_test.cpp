@@ -228,6 +228,19 @@ TEST(DaylightTransport, light_on_patches_lies_in_its_stated_error) {
     }
 }
 
+// In a furnace light is the same everywhere, also where patches see much of one another.
+TEST(DaylightTransport, even_light_in_corners_is_no_error) {
+    test::BoxRoom box;
+    box.wall.exitance = glm::vec3(100);
+    const geometry::PatchMesh mesh = test::boxRoom(box);
+    DaylightTransport transport(test::device(), mesh);
+    const Moment moment = transport.light(daylight::Sky{});
+    for (const LightParts& parts : moment.patches) {
+        EXPECT_LT(std::abs(photometric(parts.total()) - 200), parts.error); // exitance / (1 - reflectance)
+        EXPECT_LT(parts.error, 0.015 * 200);
+    }
+}
+
 // What sunlight sends on from patches that it lights in part: on patches of 1 m against the same room in
 // patches of 25 cm, which hardly err themselves.
 TEST(SunBounce, is_what_a_mesh_four_times_as_fine_gives) {
