@@ -22,6 +22,8 @@ constexpr double kSpike = 2;             // times the thickness of walls that to
 constexpr double kBesideCorner = 0.1;    // inches off what fills it
 constexpr double kParallelSine = 0.18;   // 10 degrees: walls side by side
 constexpr double kNarrowSlot = 1.0;      // inches between walls side by side: less is a crack,
+constexpr double kRunsBy = 0.5;          // inches: nearer to its end a wall does not run by another one
+constexpr double kTouching = 0.02;       // inches: what facets leave between walls that touch
 constexpr double kNarrowestNiche = 0.45; // but for a niche so wide
 
 // Two ends that look at each other over a crack: the crack is the hull of the two end faces.
@@ -51,7 +53,10 @@ public:
             for (size_t j = i + 1; j < ends_.size(); ++j) fillBetweenEnds(ends_[i], ends_[j]);
         for (const WallEnd& end : ends_) fillToFace(end);
         for (size_t i = 0; i < plan_.pieces.size(); ++i)
-            for (size_t j = i + 1; j < plan_.pieces.size(); ++j) fillBetweenFaces(i, j);
+            for (size_t j = i + 1; j < plan_.pieces.size(); ++j) {
+                fillBetweenFaces(i, j);
+                fillBesideArc(plan_.pieces[i], plan_.pieces[j]);
+            }
     }
 
 private:
@@ -196,6 +201,50 @@ private:
         if (std::ranges::find(niches_, std::pair(i, j), &Niche::walls) != niches_.end()) return;
         const std::optional<Slot> slot = slotBetween(plan_.pieces[i], plan_.pieces[j]);
         if (slot && slot->least > 0 && slot->most <= kNarrowSlot) add(slot->outline);
+    }
+
+    // Whether the arc has a part to either side of the point in that direction from its centre.
+    static bool runsBy(const WallPiece& arc, glm::dvec2 direction) {
+        double angle = std::atan2(direction.y, direction.x) - arc.a0;
+        angle -= 2 * kPi * std::floor(angle / (2 * kPi));
+        const double turn = arc.a1 - arc.a0, beside = kRunsBy / arc.radius;
+        return turn >= 2 * kPi - 1e-9 || (angle > beside && angle < turn - beside);
+    }
+
+    // Where a curved wall bulges towards another one and comes nearest to it, there is no way through: the
+    // crack has a bar across.
+    void fillBesideArc(const WallPiece& p, const WallPiece& q) {
+        if (!p.curved && !q.curved) return;
+        const WallPiece &arc = p.curved ? p : q, &other = p.curved ? q : p;
+        glm::dvec2 onArc, onOther;
+        double apart = 0; // of the centre lines
+        if (other.curved) {
+            const glm::dvec2 d = other.center - arc.center;
+            const double off = glm::length(d);
+            if (off < kNarrowSlot) return; // side by side
+            const glm::dvec2 to = d / off;
+            const bool outside = off > std::max(arc.radius, other.radius);
+            const double way = outside || arc.radius > other.radius ? 1 : -1,
+                         back = outside || arc.radius < other.radius ? -1 : 1;
+            onArc = arc.center + way * arc.radius * to;
+            onOther = other.center + back * other.radius * to;
+            if (!runsBy(arc, way * to) || !runsBy(other, back * to)) return;
+            apart = outside ? off - arc.radius - other.radius : std::abs(arc.radius - other.radius) - off;
+        } else {
+            const glm::dvec2 along = glm::normalize(other.b - other.a);
+            const double at = glm::dot(arc.center - other.a, along);
+            if (at < kRunsBy || at > glm::length(other.b - other.a) - kRunsBy) return;
+            onOther = other.a + at * along;
+            const double off = glm::length(onOther - arc.center);
+            if (off < arc.radius || !runsBy(arc, onOther - arc.center)) return;
+            onArc = glm::mix(arc.center, onOther, arc.radius / off);
+            apart = off - arc.radius;
+        }
+        const double gap = apart - (arc.thickness + other.thickness) / 2;
+        if (gap < -kTouching || gap > kNarrowSlot) return;
+        const glm::dvec2 d = (onOther - onArc) / apart,
+                         side = std::min(arc.thickness, other.thickness) / 2 * glm::dvec2(-d.y, d.x);
+        add({onArc - side, onArc + side, onOther + side, onOther - side});
     }
 
     // A slot that a third wall ends, with nothing before its mouth: whoever laid that wall meant it.

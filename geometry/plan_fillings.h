@@ -7,7 +7,7 @@
 namespace heliodon::geometry {
 
 // Adds solids where ends of walls lie within `width` (inches) of one another or of a face, where a corner was
-// left open, and between walls side by side.
+// left open, between walls side by side, and where a curved wall runs by another one.
 void fillCracks(PlanWalls& plan, double width);
 
 // Takes the fillings of corners as wide as a door out again where rooms are on both sides: in an outer wall

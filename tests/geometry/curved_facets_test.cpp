@@ -154,6 +154,34 @@ TEST(CurvedFacets, of_partitions_leave_no_slivers_where_others_cross_them) {
     EXPECT_GE(qualityOf(sketch).minAngleDeg, 29);
 }
 
+// A ring in a square, drawn to touch its four sides: whether one could walk past was an accident of its
+// facets.
+TEST(CurvedFacets, curved_walls_that_run_by_others_within_a_crack_leave_no_way_past) {
+    const double inner = 8 - 0.1875;
+    for (const double gap : {-0.1, -0.02, -0.001, 0.0, 0.001, 0.01, 0.05, 0.3, 0.9, 1.2}) {
+        Sketch sketch = box(16, 16);
+        sketch.arcs.push_back(arc("ring", {}, inner - gap - 0.1875, 0, 360));
+        const Closure closure = closeSketch(sketch, fittedOptions(sketch));
+        ASSERT_EQ(closure.report.rooms.size(), gap < 1 ? 5 : 2) << gap;
+        double floors = 0;
+        for (const RoomReport& room : closure.report.rooms) floors += room.floorAreaFt2;
+        const double ring = std::numbers::pi * (std::pow(inner - gap, 2) - std::pow(inner - gap - 0.375, 2));
+        EXPECT_NEAR(floors, 4 * inner * inner - ring, 0.01 * (4 * inner * inner - ring)) << gap;
+    }
+    for (const double gap : {-0.01, 0.0, 0.02, 0.5, 1.2}) { // rings side by side, and one within the other
+        Sketch sketch = box(30, 16);
+        const double x = 5 + gap / 2;
+        sketch.arcs.push_back(arc("one", {-x, 0}, 5 - 0.1875, 0, 360));
+        sketch.arcs.push_back(arc("two", {x, 0}, 5 - 0.1875, 0, 360));
+        sketch.arcs.push_back(arc("in one", {-x - 5 + 0.375 + 2 + gap, 0}, 2 - 0.1875, 0, 360));
+        const Closure closure = closeSketch(sketch, fittedOptions(sketch));
+        ASSERT_EQ(closure.report.rooms.size(), 4u) << gap;
+        int rings = 0; // islands in a room: none where they are joined to each other or to what is around
+        for (const RoomReport& room : closure.report.rooms) rings += (2 - room.euler) / 2;
+        EXPECT_EQ(rings, gap < 1 ? 1 : 3) << gap;
+    }
+}
+
 // Their facets are strips side by side, and staggered by turns all the way round: 24 degrees before.
 TEST(CurvedFacets, of_columns_are_staggered) {
     Sketch sketch = box(20, 12);
