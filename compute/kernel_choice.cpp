@@ -16,9 +16,11 @@ namespace {
 
 constexpr double kDefaultError = 1e-3;
 // Where links begin to pay, fitted to what was measured (docs/form-factors.md): kOfOneBlocker over the root
-// of blockers, at most kMostWithBlockers. With any blocker links send rays between clusters that it comes
-// near; without any they send none, and pay sooner: hence the jump from 0 to 1.
-constexpr double kOfOneBlocker = 0.019, kMostWithBlockers = 6e-3, kWithoutBlockers = 2e-3;
+// of blockers or, where these are fewer than 28, kOfFewBlockers over their number, at most kMostWithBlockers.
+// With any blocker links send rays between clusters that it comes near; without any they send none, and pay
+// sooner: hence the jump from 0 to 1.
+constexpr double kOfOneBlocker = 0.019, kOfFewBlockers = 0.1, kMostWithBlockers = 6e-3,
+                 kWithoutBlockers = 2e-3;
 constexpr double kFewAPlaneGain = 1.0 / 3; // of these, with few patches a plane
 // With fewer patches a blocker than this, links do not pay below.
 constexpr double kFewABlocker = 2.3, kLeastWithFewABlocker = 3e-3;
@@ -74,8 +76,10 @@ Obstacles obstaclesIn(const geometry::PatchMesh& mesh) {
 
 double errorFromWhichLinksPay(const Obstacles& obstacles) {
     const bool any = obstacles.blockers > 0;
-    double pays =
-        any ? std::min(kOfOneBlocker / std::sqrt(obstacles.blockers), kMostWithBlockers) : kWithoutBlockers;
+    double pays = any ? std::min(std::max(kOfOneBlocker / std::sqrt(obstacles.blockers),
+                                          kOfFewBlockers / obstacles.blockers),
+                                 kMostWithBlockers)
+                      : kWithoutBlockers;
     if (any && obstacles.patchesABlocker < kFewABlocker) return std::max(pays, kLeastWithFewABlocker);
     if (obstacles.fewPatchesAPlane)
         pays *= kFewAPlaneGain;

@@ -101,6 +101,9 @@ TEST(KernelChoice, links_pay_from_lower_errors_on_the_more_stands_between) {
     }
     EXPECT_EQ(errorFromWhichLinksPay({1e6, 10, true}), kLeastErrorOfLinks); // as far as links go
     EXPECT_EQ(errorFromWhichLinksPay({1, 10, false}), errorFromWhichLinksPay({2, 10, false}));
+    // Three partitions and five boxes, off floor and walls, 2000 patches (docs/form-factors.md).
+    EXPECT_GT(errorFromWhichLinksPay({18, 130, false}), 5e-3);
+    EXPECT_LT(errorFromWhichLinksPay({30, 70, false}), 5e-3);
 }
 
 // A room with a few partitions, and one full of small boxes; beside a large empty room, what stands in a
