@@ -235,6 +235,13 @@ ColouredPixels findColoured(const PlanView& view, const TableRegion& region, con
     return out;
 }
 
+// Whether light-blue card would be taken for bare table, of which it has the colour.
+bool takesSkyForTable(const WhiteMap& white, const DetectOptions& options) {
+    constexpr glm::vec3 kSky(0.42f, 0.66f, 0.92f); // over white card
+    return white.card && !white.darkTable &&
+           isTableOrCard(kSky, *white.card, static_cast<float>(options.minSaturation));
+}
+
 // Not on the table, or within two pixels of its edge, which are in part of the floor's colour.
 bool mayBeFloor(const TableRegion& region, uint32_t index) {
     constexpr int kEdge = 2;
@@ -322,6 +329,7 @@ ClassImage classifyPixels(const PlanView& view, const geometry::Rig& rig, const 
     paint(learned);
     out.white = white.grid, out.noise = white.noiseOfWhite();
     if (white.card) out.whiteOverTable = *white.card;
+    out.hidesSky = takesSkyForTable(white, options);
     settleRims(out, coloured, learned.cyanSaturation());
     if (!faint.empty()) {
         constexpr uint8_t kVivid = 205; // only the hue counts

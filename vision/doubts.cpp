@@ -71,11 +71,16 @@ public:
 private:
     void lookAt(const geometry::Skylight& skylight) {
         constexpr double kAllEdges = 0.98, kAsChip = 0.12; // inches
+        constexpr double kNarrow = 1, kLong = 3;           // inches; times as long as wide
         const double chip = options_.tokenSide - 4 * options_.tokenBand;
         const glm::dvec2 off = glm::abs(skylight.size - chip);
         if (skylight.detection.confidence < kAllEdges)
             doubts_.add(centreOf(skylight.detection),
                         "read as a skylight, but its edges are not straight all round");
+        else if (const auto [least, most] = std::minmax({skylight.size.x, skylight.size.y});
+                 least < kNarrow && most > kLong * least)
+            doubts_.add(centreOf(skylight.detection),
+                        "read as a skylight, but as narrow as a wall or a face of one: is it one?");
         else if (std::max(off.x, off.y) < kAsChip)
             doubts_.add(centreOf(skylight.detection),
                         "read as a skylight, but as large as the chip of a token: is it one?");

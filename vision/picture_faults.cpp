@@ -1,6 +1,7 @@
 #include "vision/picture_faults.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -15,11 +16,12 @@ namespace heliodon::vision {
 namespace {
 
 std::optional<std::string> overexposed(const PlanView& view, double radius) {
-    constexpr double kMost = 0.005, kStep = 0.25; // of the table; inches
+    constexpr double kMost = 0.005, kMostOfOne = 0.1, kStep = 0.25; // of the table; inches
     constexpr uint8_t kClipped = 254;
     const Photograph& photo = view.photo();
     glm::dvec2 where{};
     double clipped = 0, table = 0;
+    std::array<double, 3> clippedIn{}; // a channel
     for (double x = -radius; x <= radius; x += kStep)
         for (double y = -radius; y <= radius; y += kStep) {
             if (glm::length(glm::dvec2(x, y)) > radius - kStep) continue;
@@ -30,7 +32,15 @@ std::optional<std::string> overexposed(const PlanView& view, double radius) {
                                                  static_cast<size_t>(i))];
             table += 1;
             if (std::min({rgb[0], rgb[1], rgb[2]}) >= kClipped) clipped += 1, where += p;
+            for (size_t c = 0; c < 3; ++c) clippedIn[c] += rgb[c] >= kClipped;
         }
+    const auto worst = std::max_element(clippedIn.begin(), clippedIn.end());
+    if (clipped <= kMost * table && *worst > kMostOfOne * table)
+        return fmt::format(
+            "{:.0f} % of the table are overexposed in {} alone: its white has another colour there "
+            "than in shadows; paint may be misread",
+            100 * *worst / table,
+            std::array{"red", "green", "blue"}[static_cast<size_t>(worst - clippedIn.begin())]);
     if (clipped <= kMost * table) return std::nullopt;
     where /= clipped;
     return fmt::format("about pixel {:.0f}, {:.0f}: {:.0f} % of the table are overexposed; what lies there "
@@ -158,6 +168,10 @@ std::vector<std::string> pictureFaults(const geometry::Sketch& sketch, const Cla
             fmt::format("the file is strongly compressed (JPEG quality {}): colours run together over "
                         "16 pixels, markers and tokens may be misread",
                         view.photo().jpegQuality));
+    if (image.hidesSky)
+        out.emplace_back(
+            "the table has the colour of light-blue card: skylights on it are not seen, and blue "
+            "paint may be missed");
     constexpr double kNoisy = 0.1, kMottled = 0.05;
     if (image.noise > kNoisy)
         out.push_back(

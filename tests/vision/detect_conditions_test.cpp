@@ -187,6 +187,14 @@ TEST(DetectConditions, walls_in_daylight_on_a_white_table_in_their_shadow) {
     expectRead(room(), photo);
 }
 
+// A spot of warm lamplight is brighter than the white about it in all channels, as no paint is.
+TEST(DetectConditions, a_spot_of_warm_light_is_no_paint) {
+    const geometry::Rig rig = exampleRig();
+    Photograph photo = paintTable(room(), rig, {}, {{0.3, 0.3, 0.3}, {0.3, 0.3, 0.3}});
+    shade(photo, rig, {{-6, 8}, {-2, 8}, {-2, 11}, {-6, 11}}, 0, {2.6, 1.6, 1.15}, 1);
+    EXPECT_EQ(fmt::format("{}", fmt::join(detectSketch(photo, rig).warnings, "\n")), "");
+}
+
 // The table's noise has every paint's colour there, and its own says nothing of the light's.
 TEST(DetectConditions, a_black_table_in_little_light) {
     PaintBox paints;
@@ -517,6 +525,16 @@ TEST(DetectConditions, says_that_a_window_may_be_none_or_another_kind) {
     EXPECT_TRUE(warnsOf(detectSketch(photo, rig), "orange on a wall's top"));
 }
 
+TEST(DetectConditions, says_that_the_table_is_as_blue_as_skylights) {
+    PaintBox paints;
+    paints.table = {0.16, 0.27, 0.42};
+    EXPECT_TRUE(warnsOf(detectSketch(paintTable(room(), exampleRig(), paints), exampleRig()),
+                        "colour of light-blue card"));
+    geometry::Sketch sketch = room();
+    sketch.skylights[0].size = {5, 0.7};
+    EXPECT_TRUE(warnsOf(detectSketch(paintTable(sketch, exampleRig()), exampleRig()), "narrow as a wall"));
+}
+
 TEST(DetectConditions, says_that_the_picture_is_too_coarse_or_out_of_focus) {
     geometry::Rig rig = exampleRig();
     Perturbation blurred;
@@ -553,6 +571,10 @@ TEST(DetectConditions, says_that_light_or_table_hide_something) {
     EXPECT_TRUE(warnsOf(detectSketch(photo, rig), "JPEG quality 20"));
     cover(photo, rig, {{-5, 8}, {5, 8}, {5, 14}, {-5, 14}}, 0, {2, 2, 2});
     EXPECT_TRUE(warnsOf(detectSketch(photo, rig), "overexposed"));
+    Lighting tungsten;
+    tungsten.left = tungsten.right = {1.4, 0.8, 0.5};
+    EXPECT_TRUE(
+        warnsOf(detectSketch(paintTable(room(), rig, {}, tungsten), rig), "overexposed in red alone"));
     Perturbation dark;
     dark.electronsAtWhite = 60;
     EXPECT_TRUE(warnsOf(detectSketch(perturbed(paintTable(room(), rig), dark), rig), "noise"));

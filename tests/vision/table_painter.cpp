@@ -58,7 +58,7 @@ public:
                     const auto i = static_cast<size_t>(c);
                     const double share = static_cast<double>(x) / small.cols;
                     const double light = (1 - share) * lighting.left[i] + share * lighting.right[i];
-                    const double v = small.at<cv::Vec<uint16_t, 3>>(y, x)[c] / 65535.0 * light;
+                    const double v = std::min(1.0, small.at<cv::Vec<uint16_t, 3>>(y, x)[c] / 65535.0 * light);
                     out.rgb[3 * (static_cast<size_t>(y) * static_cast<size_t>(small.cols) +
                                  static_cast<size_t>(x)) +
                             i] = static_cast<uint8_t>(std::lround(255 * std::pow(v, 1 / 2.2)));
