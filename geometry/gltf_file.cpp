@@ -99,6 +99,8 @@ public:
     }
 
     RawModel read() {
+        if (!in_.asset.version.starts_with("2."))
+            fail("asset.version", fmt::format("is \"{}\", expected 2.0", in_.asset.version));
         checkExtensions();
         readNorth();
         for (size_t i = 0; i < in_.materials.size(); ++i) {

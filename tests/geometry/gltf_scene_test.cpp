@@ -111,6 +111,9 @@ TEST(GltfScene, what_cannot_be_read_is_refused_by_place) {
     for (int k = 1; k <= 300; ++k) deep.push_back({{"children", {k}}});
     deep.push_back({{"mesh", 0}});
     expectRefused(roomScene(deep), "nodes[257]");
+    json older = roomScene(kOneNode);
+    older["asset"]["version"] = "1.0";
+    expectRefused(older, "asset.version: is \"1.0\", expected 2.0");
     json external = roomScene(kOneNode);
     external["buffers"][0]["uri"] = "gone.bin";
     expectRefused(external, "gone.bin");
