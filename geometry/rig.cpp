@@ -12,6 +12,7 @@
 #include <glm/glm.hpp>
 #include <nlohmann/json.hpp>
 
+#include "geometry/field_names.h"
 #include "geometry/input_error.h"
 #include "geometry/text_file.h"
 
@@ -82,16 +83,9 @@ public:
         return value_.get<std::string>();
     }
     bool isText() const { return value_.is_string(); }
-    // An object's fields that are none of `known`; of what notes of other programs are welcome in, only those
-    // that may be misspelt.
-    void listOthers(std::span<const std::string_view> known, std::vector<std::string>& others,
-                    bool welcome = false) const {
-        for (const auto& [key, value] : value_.items()) {
-            if (std::ranges::find(known, std::string_view(key)) != known.end()) continue;
-            const std::string_view meant = meantBy(key, known);
-            if (welcome && meant.empty()) continue;
-            others.push_back(unknownField(path_.empty() ? key : path_ + "." + key, meant));
-        }
+    void listOthers(std::span<const std::string_view> known, std::vector<std::string>& list,
+                    Notes notes = Notes::unexpected) const {
+        geometry::listOthers(otherFields(value_, known), path_, notes, list);
     }
     // [row][column], as the file has it.
     std::array<std::array<double, 3>, 3> matrix3() const {
@@ -158,6 +152,8 @@ constexpr std::array kOfRig{"format"sv, "set"sv,        "units"sv, "conventions"
 constexpr std::array kOfCamera{"id"sv, "width"sv, "height"sv, "K"sv, "dist"sv, "R"sv, "t"sv, "centre"sv};
 constexpr std::array kOfProjector{"id"sv, "width"sv,  "height"sv, "K"sv,           "dist"sv,     "R"sv,
                                   "t"sv,  "centre"sv, "lumens"sv, "black_level"sv, "response"sv, "display"sv};
+constexpr std::array kOfTable{"radius_m"sv}; // and notes of what stands around it
+constexpr std::array kOfSite{"latitude_deg"sv, "longitude_deg"sv};
 
 void readDevice(const Field& field, OpticalDevice& device) {
     device.width = field["width"].pixels();
@@ -251,7 +247,11 @@ Rig rigOf(const json& document, const std::string& file) {
         root["units"].fail(fmt::format("\"{}\", expected \"metres\"", root["units"].text()));
     Rig rig;
     rig.tableAssumed = !root.has("table");
-    if (!rig.tableAssumed) rig.tableRadius = root["table"]["radius_m"].numberWithin(0.05, 50);
+    if (!rig.tableAssumed) {
+        const Field table = root["table"];
+        rig.tableRadius = table["radius_m"].numberWithin(0.05, 50);
+        table.listOthers(kOfTable, rig.unknownFields, Notes::welcome);
+    }
     readDevice(root["camera"], rig.camera);
     rig.camera.id = "camera";
     root["camera"].listOthers(kOfCamera, rig.unknownFields);
@@ -269,10 +269,13 @@ Rig rigOf(const json& document, const std::string& file) {
     }
     if (root.has("surface_reflectance"))
         rig.surfaceReflectance = root["surface_reflectance"].numberWithin(0.01, 0.98);
-    if (root.has("site"))
-        rig.site = Site{root["site"]["latitude_deg"].numberWithin(-90, 90),
-                        root["site"]["longitude_deg"].numberWithin(-180, 180)};
-    root.listOthers(kOfRig, rig.unknownFields, true);
+    if (root.has("site")) {
+        const Field site = root["site"];
+        rig.site =
+            Site{site["latitude_deg"].numberWithin(-90, 90), site["longitude_deg"].numberWithin(-180, 180)};
+        site.listOthers(kOfSite, rig.unknownFields, Notes::welcome);
+    }
+    root.listOthers(kOfRig, rig.unknownFields, Notes::welcome);
     return rig;
 }
 

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "geometry/field_names.h"
 #include "geometry/input_error.h"
 #include "geometry/text_file.h"
 #include "geometry/whole_file.h"
@@ -42,15 +43,10 @@ public:
         return place_.empty() ? std::string(field) : place_ + "." + std::string(field);
     }
 
-    // Fields that nobody has asked for; of what notes of other programs are welcome in, only those that may
-    // be misspelt.
-    void listUnread(std::vector<std::string>& fields, bool welcome = false) const {
+    // Fields that nobody has asked for.
+    void listUnread(std::vector<std::string>& list, Notes notes = Notes::unexpected) const {
         const std::vector<std::string_view> known(asked_.begin(), asked_.end());
-        for (const auto& [field, value] : json_.items()) {
-            if (asked_.contains(field)) continue;
-            const std::string_view meant = meantBy(field, known);
-            if (!welcome || !meant.empty()) fields.push_back(unknownField(at(field), meant));
-        }
+        listOthers(otherFields(json_, known), place_, notes, list);
     }
 
     // nullptr when absent; null counts as absent.
@@ -331,7 +327,7 @@ Sketch readSketch(const std::filesystem::path& file) {
     if (const Json* tableJson = root.find("table")) {
         const Object in(name, "table", *tableJson);
         sketch.tableDiameter = in.positive("diameter", Sketch{}.tableDiameter);
-        in.listUnread(sketch.unknownFields, true);
+        in.listUnread(sketch.unknownFields, Notes::welcome);
     }
     sketch.walls = readList<Wall>(root, "walls", "w", readWall, sketch.unknownFields);
     sketch.arcs = readList<Arc>(root, "arcs", "a", readArc, sketch.unknownFields);
@@ -341,9 +337,9 @@ Sketch readSketch(const std::filesystem::path& file) {
     if (const Json* northJson = root.find("north")) {
         const Object in(name, "north", *northJson);
         sketch.north = NorthArrow{in.point("pos"), in.number("dir_deg"), readDetection(in)};
-        in.listUnread(sketch.unknownFields, true);
+        in.listUnread(sketch.unknownFields, Notes::welcome);
     }
-    root.listUnread(sketch.unknownFields, true);
+    root.listUnread(sketch.unknownFields, Notes::welcome);
     checkReferences(root, sketch);
     return sketch;
 }

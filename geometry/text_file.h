@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
-#include <span>
 #include <string>
-#include <string_view>
 
 #include <nlohmann/json.hpp>
 
@@ -43,16 +41,6 @@ Json readJson(const std::filesystem::path& file, const std::string& expected) {
 template<class Json> std::string jsonText(const Json& json, int indent = 2) {
     return json.dump(indent, ' ', false, Json::error_handler_t::replace) + "\n";
 }
-
-// The one of `known` that `name`, none of them, may be misspelt for: "windows" for "widnows", whatever their
-// case. Near: by an edit in four letters, a letter more, less or other, or two that have changed places.
-// Or with the same first three letters, "projector_count". The nearest; empty where there is none.
-enum class Alike { near, nearOrSameStart };
-std::string_view meantBy(std::string_view name, std::span<const std::string_view> known,
-                         Alike alike = Alike::nearOrSameStart);
-
-// A field for a warning, "projectors[0].lumnes (lumens?)"; `place` ends with its name.
-std::string unknownField(const std::string& place, std::string_view meant);
 
 // `text` if it is UTF-8, else read as Windows-1252 (ISO 8859-1 and more), which old files are in.
 std::string asUtf8(const std::string& text);

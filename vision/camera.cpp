@@ -10,7 +10,9 @@
 
 #include <fmt/format.h>
 
+#include "geometry/file_state.h"
 #include "geometry/input_error.h"
+#include "geometry/text_file.h"
 #include "vision/aravis_camera.h"
 
 namespace heliodon::vision {
@@ -18,6 +20,7 @@ namespace heliodon::vision {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+using geometry::FileState;
 using geometry::InputError;
 
 Clock::duration seconds(double value) {
@@ -33,15 +36,18 @@ class FileCamera : public Camera {
 public:
     FileCamera(std::filesystem::path file, const CameraOptions& options)
         : file_(std::move(file)), refresh_(seconds(options.refreshSeconds)) {
-        std::error_code ignored;
-        if (!std::filesystem::is_regular_file(file_, ignored))
-            throw InputError(file_.string(), "", "no such file, expected a photograph (png, jpg or tif)");
+        constexpr const char* kExpected = "a photograph (png, jpg or tif)";
+        if (file_.empty())
+            throw InputError("--camera", "file:", std::string("names no file, expected ") + kExpected);
+        geometry::refuseUnreadable(file_, kExpected);
+        if (!std::filesystem::is_regular_file(file_))
+            throw InputError(file_.string(), "", std::string("can be read only once, expected ") + kExpected);
     }
 
     std::optional<CameraPicture> next(std::chrono::milliseconds longest) override {
         const auto end = Clock::now() + longest;
         for (;;) {
-            const std::optional<Stamp> now = stamp();
+            const std::optional<FileState> now = geometry::fileState(file_);
             const bool settled = now == last_; // whoever writes it has finished
             last_ = now;
             if (now && settled && now != read_) {
@@ -70,20 +76,9 @@ public:
     std::string description() const override { return "file " + file_.filename().string(); }
 
 private:
-    struct Stamp {
-        std::filesystem::file_time_type written;
-        std::uintmax_t bytes = 0;
-        bool operator==(const Stamp&) const = default;
-    };
-    std::optional<Stamp> stamp() const {
-        std::error_code time, size;
-        Stamp stamp{std::filesystem::last_write_time(file_, time), std::filesystem::file_size(file_, size)};
-        return time || size ? std::nullopt : std::optional(stamp);
-    }
-
     std::filesystem::path file_;
     Clock::duration refresh_;
-    std::optional<Stamp> last_, read_;
+    std::optional<FileState> last_, read_;
     std::optional<Clock::time_point> missingSince_;
 };
 

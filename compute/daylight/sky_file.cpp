@@ -1,5 +1,4 @@
 // Skies as users name them: --sky options and `vh-sky/1` files.
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -12,6 +11,7 @@
 
 #include "compute/daylight/frame.h"
 #include "compute/daylight/sky.h"
+#include "geometry/field_names.h"
 #include "geometry/input_error.h"
 #include "geometry/number_text.h"
 #include "geometry/text_file.h"
@@ -30,6 +30,7 @@ constexpr const char* kOption = "--sky";
 constexpr std::array kOfSky{"format"sv, "model"sv,   "type"sv,  "zenith_luminance_cdm2"sv,
                             "norm"sv,   "Lz_cdm2"sv, "abcde"sv, "sun_direction"sv,
                             "sun"sv,    "ground"sv,  "A_cdm2"sv};
+constexpr std::array kOfSun{"direction"sv, "normal_illuminance_lux"sv};
 constexpr std::array kOfGround{"albedo"sv, "luminance_cdm2"sv};
 
 [[noreturn]] void refuseOption(const std::string& option, const std::string& why) {
@@ -67,13 +68,10 @@ struct Field {
 
     // Nothing of `known` may be misspelt; a sun that is not read is a sun that does not shine.
     void refuseMisspelt(std::span<const std::string_view> known) const {
-        for (const auto& [key, ignored] : value.items()) {
-            if (std::ranges::find(known, std::string_view(key)) != known.end()) continue;
-            if (const std::string_view meant = geometry::meantBy(key, known, geometry::Alike::near);
-                !meant.empty())
+        for (const auto& [key, meant] : geometry::otherFields(value, known, geometry::Alike::near))
+            if (!meant.empty())
                 Field{value, file, path(key)}.refuse(
                     fmt::format("is no field of a sky, expected \"{}\"", meant));
-        }
     }
     bool has(const char* key) const { return value.contains(key); }
     Field at(const char* key) const {
@@ -154,6 +152,7 @@ Sky readSky(const std::filesystem::path& path, geometry::UpAxis axes) {
     if (root.has("sun")) {
         const Field sun = root.at("sun");
         sun.asObject();
+        sun.refuseMisspelt(kOfSun);
         sky.sun.direction = sun.at("direction").direction(axes);
         sky.sun.normalIlluminance = sun.at("normal_illuminance_lux").number(0, kBrightest);
         if (sky.sun.direction.y <= 0) sky.sun.normalIlluminance = 0;

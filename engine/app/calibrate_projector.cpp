@@ -9,6 +9,7 @@
 #include "engine/app/output_folder.h"
 #include "engine/app/pixel_size.h"
 #include "engine/app/progress.h"
+#include "engine/app/scene_input.h"
 #include "geometry/input_error.h"
 #include "geometry/picture_file.h"
 #include "geometry/rig_edit.h"
@@ -159,6 +160,8 @@ void execute(Run& run, const CalibrateProjectorArguments& arguments) {
             throw geometry::InputError(
                 arguments.folders[i].string(), "",
                 fmt::format("is the second folder of projector \"{}\"; --id names them", folders.back().id));
+        for (const auto& [description, fields] : folders.back().misspelt)
+            warnOfUnknown(run, description, fields, "projector's description");
         if (!folders.back().assumed.empty()) run.assume(folders.back().assumed);
     }
     if (arguments.heights.empty())

@@ -1,13 +1,16 @@
 #include "engine/app/calibration_folder.h"
 
+#include <array>
 #include <charconv>
 #include <map>
 #include <optional>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "engine/app/pixel_size.h"
+#include "geometry/field_names.h"
 #include "geometry/input_error.h"
 #include "geometry/text_file.h"
 
@@ -17,6 +20,9 @@ using nlohmann::json;
 namespace fs = std::filesystem;
 
 namespace {
+
+using namespace std::string_view_literals;
+constexpr std::array kOfDescription{"format"sv, "id"sv, "width"sv, "height"sv, "cell"sv, "names"sv};
 
 // Null where there is no such file. Throws InputError where it is not JSON.
 json readJson(const fs::path& file) {
@@ -61,8 +67,12 @@ void describePatterns(const CalibrateProjectorArguments& arguments, const fs::pa
         if (!knowsSize && width && height)
             out.patterns.width = *width, out.patterns.height = *height, knowsSize = true;
         if (!knowsCell && cell) out.patterns.cell = *cell, knowsCell = true;
-        if (out.id.empty() && description.contains("id") && description["id"].is_string())
-            out.id = description["id"];
+        if (description.contains("id") && !description["id"].is_string())
+            throw geometry::InputError(file.string(), "id", "expected a text");
+        if (out.id.empty()) out.id = description.value("id", "");
+        CalibrationFolder::Misspelt& misspelt = out.misspelt.emplace_back(file);
+        geometry::listOthers(geometry::otherFields(description, kOfDescription), "", geometry::Notes::welcome,
+                             misspelt.fields);
     }
     if (const fs::path sent = folder / "patterns"; fs::exists(sent / "x_bit0.png")) {
         const vision::GreyPicture lastBit = vision::readGrey(sent / "x_bit0.png");

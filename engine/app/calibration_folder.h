@@ -19,6 +19,11 @@ struct CalibrationFolder {
     };
     std::vector<Plane> planes; // by their number
     std::string assumed;       // what nothing in the folder says
+    struct Misspelt {
+        std::filesystem::path file;
+        std::vector<std::string> fields; // geometry/field_names.h
+    };
+    std::vector<Misspelt> misspelt; // of patterns.json and projector.json
 };
 
 constexpr int kMostPixels = 16384; // along an edge of a projector's picture

@@ -60,24 +60,12 @@ public:
                                   script_.size() - step_, script_.size()));
         const LiveStatus status = board_.read();
         nlohmann::json& report = run_.report();
-        report["live"] = {{"seconds", secondsSince(started_)},
-                          {"camera", status.camera},
-                          {"pictures", status.pictures},
-                          {"detections", status.detections},
-                          {"sketches", status.sketches},
-                          {"refusals", status.refusals},
-                          {"refused", status.pictureRefused.empty() ? status.refused : status.pictureRefused},
-                          {"camera_losses", status.cameraLosses},
-                          {"device_losses", status.deviceLosses},
-                          {"moments_solved", light_.solved()},
-                          {"moments_repeated", light_.repeated()},
-                          {"frames", figures_.frames},
-                          {"wheel_to_light", figures_.wheelToLight.summary()},
-                          {"photo_to_light", figures_.photoToLight.summary()},
-                          {"solve", figures_.solve.summary()},
-                          {"draw", figures_.draw.summary()},
-                          {"done_again", rows_},
-                          {"outputs", outputs_ ? outputs_->report() : nlohmann::json::array()}};
+        report["live"] = reportOf(status, figures_);
+        report["live"]["seconds"] = secondsSince(started_);
+        report["live"]["moments_solved"] = light_.solved();
+        report["live"]["moments_repeated"] = light_.repeated();
+        report["live"]["done_again"] = rows_;
+        report["live"]["outputs"] = outputs_ ? outputs_->report() : nlohmann::json::array();
         report["table"] = status.scene;
         // Of the latest sketch and the latest drawing.
         report["stages"] = status.scene.value("stages", nlohmann::json::object());
@@ -86,13 +74,7 @@ public:
         report["stages"]["render"] = figures_.draw.last();
         if (lit_) {
             reportMoment(run_, lit_->moment->report);
-            report["light"] = {
-                {"time", lit_->time}, // of the last moment; `sky` and `assumed` are the start's
-                {"sky", lit_->sky},
-                {"mean_lux", lit_->figures.meanLux},
-                {"max_lux", lit_->figures.maxLux},
-                {"glare_ratio", lit_->figures.glareRatio},
-                {"white_lux", controls_.tone().whiteLux.value_or(lit_->autoWhite)}};
+            report["light"] = reportOf(*lit_, controls_.tone());
             if (lit_->scatter) report["scatter"] = scatterEntry(*lit_->scatter, rig_.surfaceReflectance);
         }
     }
@@ -260,16 +242,7 @@ private:
     // A state is on all outputs.
     void count(double seconds) {
         figures_.draw.add(seconds);
-        ++figures_.frames;
-        frameTimes_.push_back(LiveClock::now());
-        std::erase_if(frameTimes_, [](LiveClock::time_point t) { return secondsSince(t) > 2; });
-        figures_.framesPerSecond =
-            frameTimes_.size() < 2
-                ? 0
-                : static_cast<double>(frameTimes_.size() - 1) /
-                      std::max(
-                          1e-3,
-                          std::chrono::duration<double>(frameTimes_.back() - frameTimes_.front()).count());
+        figures_.frameShown();
         if (!fresh_ || !lit_) return;
         fresh_ = false;
         if (lit_->fromPicture)
@@ -368,7 +341,6 @@ private:
     bool fresh_ = false; // there is light that no output shows yet
     std::optional<LitScene> lit_;
     LiveFigures figures_;
-    std::vector<LiveClock::time_point> frameTimes_;
     std::vector<std::string> rows_; // what each of the latest sketches took
     LiveBoard board_;
     Latest<SeenTable> tables_;

@@ -73,6 +73,43 @@ nlohmann::json Durations::summary() const {
     return {{"count", count_}, {"median", rank(0.5)}, {"p90", rank(0.9)}, {"max", largest_}};
 }
 
+void LiveFigures::frameShown() {
+    ++frames;
+    latestFrames_.push_back(LiveClock::now());
+    std::erase_if(latestFrames_, [](LiveClock::time_point t) { return secondsSince(t) > 2; });
+}
+
+double LiveFigures::framesPerSecond() const {
+    if (latestFrames_.size() < 2) return 0;
+    const std::chrono::duration<double> between = latestFrames_.back() - latestFrames_.front();
+    return static_cast<double>(latestFrames_.size() - 1) / std::max(1e-3, between.count());
+}
+
+nlohmann::json reportOf(const LiveStatus& status, const LiveFigures& figures) {
+    return {{"camera", status.camera},
+            {"pictures", status.pictures},
+            {"detections", status.detections},
+            {"sketches", status.sketches},
+            {"refusals", status.refusals},
+            {"refused", status.pictureRefused.empty() ? status.refused : status.pictureRefused},
+            {"camera_losses", status.cameraLosses},
+            {"device_losses", status.deviceLosses},
+            {"frames", figures.frames},
+            {"wheel_to_light", figures.wheelToLight.summary()},
+            {"photo_to_light", figures.photoToLight.summary()},
+            {"solve", figures.solve.summary()},
+            {"draw", figures.draw.summary()}};
+}
+
+nlohmann::json reportOf(const LitScene& lit, const passes::Tone& tone) {
+    return {{"time", lit.time}, // of the last moment; the report's `sky` and `assumed` are the start's
+            {"sky", lit.sky},
+            {"mean_lux", lit.figures.meanLux},
+            {"max_lux", lit.figures.maxLux},
+            {"glare_ratio", lit.figures.glareRatio},
+            {"white_lux", tone.whiteLux.value_or(lit.autoWhite)}};
+}
+
 std::vector<std::pair<std::string, std::string>> factsOf(const LiveStatus& status, const LitScene* lit,
                                                          const LiveFigures& figures) {
     std::vector<std::pair<std::string, std::string>> facts;
@@ -98,7 +135,7 @@ std::vector<std::pair<std::string, std::string>> factsOf(const LiveStatus& statu
     if (!figures.photoToLight.empty()) add("photo to light", duration(figures.photoToLight.last()));
     if (!figures.wheelToLight.empty()) add("wheel to light", duration(figures.wheelToLight.last()));
     add("drawing",
-        fmt::format("{}, {:.0f} frames/s", duration(figures.draw.last()), figures.framesPerSecond));
+        fmt::format("{}, {:.0f} frames/s", duration(figures.draw.last()), figures.framesPerSecond()));
     return facts;
 }
 

@@ -30,9 +30,18 @@ struct LiveFigures {
     Durations photoToLight; // from a picture that shows a new table to all outputs showing it
     Durations solve;        // skies, light and what is read off it
     Durations draw;         // recording, drawing and presenting
-    double framesPerSecond = 0;
     size_t frames = 0;
+
+    void frameShown(); // now
+    double framesPerSecond() const;
+
+private:
+    std::vector<LiveClock::time_point> latestFrames_; // of two seconds
 };
+
+nlohmann::json reportOf(const LiveStatus& status, const LiveFigures& figures);
+// Time, sky and figures of the light that is shown.
+nlohmann::json reportOf(const LitScene& lit, const passes::Tone& tone);
 
 // A line each: name, value.
 std::vector<std::pair<std::string, std::string>> factsOf(const LiveStatus& status, const LitScene* lit,

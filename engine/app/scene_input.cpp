@@ -161,6 +161,16 @@ geometry::Building closeOrRefuse(Run& run, const SceneArguments& arguments, cons
     return std::move(*closure.building);
 }
 
+// More triangles than were asked for, or so few to an arc that they are slivers.
+bool tooManyFacets(const geometry::PatchMesh& mesh, size_t wanted) {
+    const geometry::MeshQuality quality = geometry::measureMesh(mesh);
+    constexpr double kSliver = 20; // degrees
+    return static_cast<double>(quality.triangles) > 1.03 * static_cast<double>(wanted) ||
+           quality.minAngleDeg < kSliver;
+}
+
+} // namespace
+
 void warnOfUnknown(Run& run, const std::filesystem::path& file, const std::vector<std::string>& fields,
                    const char* of) {
     if (fields.empty()) return;
@@ -171,16 +181,6 @@ void warnOfUnknown(Run& run, const std::filesystem::path& file, const std::vecto
                          fields.size() > kFew ? fmt::format(" and {} more", fields.size() - kFew) : "",
                          fields.size() == 1 ? "is" : "are", of, fields.size() == 1 ? "s" : ""));
 }
-
-// More triangles than were asked for, or so few to an arc that they are slivers.
-bool tooManyFacets(const geometry::PatchMesh& mesh, size_t wanted) {
-    const geometry::MeshQuality quality = geometry::measureMesh(mesh);
-    constexpr double kSliver = 20; // degrees
-    return static_cast<double>(quality.triangles) > 1.03 * static_cast<double>(wanted) ||
-           quality.minAngleDeg < kSliver;
-}
-
-} // namespace
 
 bool isPhotograph(const std::filesystem::path& input) {
     return kindOf(input) == InputKind::photograph;

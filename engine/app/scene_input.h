@@ -32,6 +32,11 @@ struct Scene {
     geometry::PatchMesh mesh;
 };
 
+// Says which `fields` of a file (geometry/field_names.h) are "no part of a rig"; nothing where there are
+// none.
+void warnOfUnknown(Run& run, const std::filesystem::path& file, const std::vector<std::string>& fields,
+                   const char* of);
+
 // True when the input is a picture: what the file's name says.
 bool isPhotograph(const std::filesystem::path& input);
 

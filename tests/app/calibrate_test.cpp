@@ -136,6 +136,21 @@ protected:
     }
 };
 
+TEST_F(CalibrateProjector, misspelt_fields_of_descriptions_are_named) {
+    std::filesystem::create_directories(folder / "left/plane_0");
+    writeText(folder / "left/patterns.json", R"({"widht": 512, "height": 384, "taken": "today"})");
+    const std::string command =
+        "calibrate projector " + in("left") + " --rig " + in("rig.json") + " -o " + in("new.json");
+    const std::string said = heliodon(command).output;
+    EXPECT_NE(said.find("left/patterns.json: widht (width?) is no part of"), std::string::npos) << said;
+    EXPECT_EQ(said.find("taken"), std::string::npos) << said;
+    writeText(folder / "left/projector.json", R"({"id": 5})");
+    const Outcome named = heliodon(command);
+    EXPECT_EQ(named.exitCode, 2);
+    EXPECT_NE(named.output.find("left/projector.json:id: expected a text"), std::string::npos)
+        << named.output;
+}
+
 TEST_F(CalibrateProjector, patterns_are_written_seen_and_understood) {
     ASSERT_EQ(heliodon("calibrate patterns --size 512x384 -o " + in("east")).exitCode, 0);
     const auto sent = geometry::readPictureFile(in("east/x_bit4.png"));

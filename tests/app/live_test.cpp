@@ -234,7 +234,9 @@ TEST_F(Live, ends_cleanly_with_ctrl_c_and_with_its_windows) {
     std::thread hand([this] {
         waitFor("up-operator");
         fs::copy_file(kRig, folder / "rig.json", fs::copy_options::overwrite_existing);
-        std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+        for (int i = 0; i < 400 && readText(folder / "said").find("has been changed") == std::string::npos;
+             ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(50));
         kill(pid_t(std::stoi(readText(folder / "pid"))), SIGINT);
     });
     writeText(folder / "script", "wait\nsnapshot up\n");
@@ -244,7 +246,7 @@ TEST_F(Live, ends_cleanly_with_ctrl_c_and_with_its_windows) {
     const std::string command = "sh -c 'echo $$ > " + in("pid") + "; exec " HELIODON_PROGRAM " live --rig " +
                                 in("rig.json") + " --camera file:" + kPhoto + kFast +
                                 "--windowed --window-scale 0.25 --script " + in("script") + " --snapshots " +
-                                in("shots") + " --report " + in("report.json") + "'";
+                                in("shots") + " --report " + in("report.json") + " 2> " + in("said") + "'";
     setenv("ASAN_OPTIONS", "detect_leaks=0:detect_odr_violation=0", 1);
     const int status = std::system(command.c_str());
     hand.join();

@@ -325,6 +325,8 @@ TEST(SkyFile, wrong_fields_are_named) {
         {R"({"format":"vh-sky/1","model":"cie_overcast","zenith_luminance_cdm2":1,"sun":[]})", ":sun: "},
         {R"({"format":"vh-sky/1","model":"cie_overcast","zenith_luminance_cdm2":1,"sun":{"direction":[0,0,1]}})",
          ":sun.normal_illuminance_lux: "},
+        {R"({"format":"vh-sky/1","model":"cie_overcast","zenith_luminance_cdm2":1,"sun":{"direction":[0,0,1],"normal_iluminance_lux":1}})",
+         ":sun.normal_iluminance_lux: is no field of a sky, expected \"normal_illuminance_lux\""},
         {R"({"format":"vh-sky/1","model":"cie_clear","Lz_cdm2":1})", ":sun_direction: "},
         {R"({"format":"vh-sky/1","model":"cie_clear","Lz_cdm2":1,"sun_direction":[0,0,0]})",
          ":sun_direction: "},
