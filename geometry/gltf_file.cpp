@@ -80,13 +80,14 @@ public:
         std::string errors, warnings;
         const std::string beside = file.parent_path().string();
         const auto size = static_cast<unsigned>(bytes.size());
+        const bool binary = bytes.starts_with("glTF");
         const bool good =
-            bytes.starts_with("glTF")
-                ? loader.LoadBinaryFromMemory(&in_, &errors, &warnings,
-                                              reinterpret_cast<const unsigned char*>(bytes.data()), size,
-                                              beside)
-                : loader.LoadASCIIFromString(&in_, &errors, &warnings, bytes.data(), size, beside);
+            binary ? loader.LoadBinaryFromMemory(&in_, &errors, &warnings,
+                                                 reinterpret_cast<const unsigned char*>(bytes.data()), size,
+                                                 beside)
+                   : loader.LoadASCIIFromString(&in_, &errors, &warnings, bytes.data(), size, beside);
         if (!good) {
+            if (!binary) readJson(file, "a model (glTF 2.0)"); // where it stops being JSON
             // In one line, and without the file's name, which stands in front.
             for (size_t at; (at = errors.find(out_.file)) != std::string::npos;)
                 errors.erase(at, out_.file.size());

@@ -1,5 +1,4 @@
 #include <csignal>
-#include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <new>
@@ -11,6 +10,7 @@
 #include "compute/gpu/candidates.h"
 #include "engine/app/arguments.h"
 #include "engine/app/commands.h"
+#include "engine/app/console.h"
 #include "engine/app/interrupt.h"
 #include "engine/app/run.h"
 #include "geometry/input_error.h"
@@ -21,7 +21,7 @@ namespace {
 constexpr int kFailed = 1, kBadInput = 2;
 
 int complain(const std::string& text, int code) {
-    fmt::print(stderr, "heliodon: {}\n", text);
+    heliodon::app::say(fmt::format("heliodon: {}\n", text));
     return code;
 }
 
@@ -79,11 +79,12 @@ void refuseUnknownDevice(const std::string& select) {
 int main(int argc, char** argv) {
     // A file that outgrows the limit on its size (ulimit -f) is an error of writing, as on a full disk.
     std::signal(SIGXFSZ, SIG_IGN);
+    heliodon::app::keepStandardStreams();
     int code = 0;
     std::string unreported;
     const int outside = guarded(unreported, [&] {
         const auto arguments = heliodon::app::parseArguments(argc, argv);
-        if (!arguments) return;
+        if (!arguments) return heliodon::app::refuseLostOutput(); // help
         heliodon::app::Run run(*arguments);
         std::string error;
         code = guarded(error, [&] {
@@ -94,6 +95,7 @@ int main(int argc, char** argv) {
             const std::string& device = arguments->common.device;
             if (!device.empty() && opensNoDevice(arguments->command)) refuseUnknownDevice(device);
             std::visit([&](const auto& those) { heliodon::app::execute(run, those); }, arguments->command);
+            heliodon::app::refuseLostOutput();
         });
         run.finish(error);
     });

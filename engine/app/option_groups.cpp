@@ -26,7 +26,8 @@ void addMesh(CLI::App* sub, SceneArguments& scene) {
            "how far facets of curved walls may lie off the arc, in inches on the table (default 0.02, "
            "more where so many facets would exceed --triangles)")
         ->check(within(0.001, 0.5));
-    sub->add_option("--north", scene.northDeg, "turn north by so many degrees, clockwise seen from above");
+    sub->add_option("--north", scene.northDeg, "turn north by so many degrees, clockwise seen from above")
+        ->check(within(-360, 360));
 }
 
 void addBlinds(CLI::App* sub, SceneArguments& scene) {

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cstdio>
 #include <unistd.h>
 
 #include <fmt/format.h>
 
+#include "engine/app/console.h"
 #include "engine/app/interrupt.h"
 
 namespace heliodon::app {
@@ -22,8 +22,7 @@ std::string clockText(double seconds) {
 }
 
 void eraseLine() {
-    fmt::print(stderr, "\r\x1b[K");
-    std::fflush(stderr);
+    say("\r\x1b[K");
 }
 
 } // namespace
@@ -33,7 +32,7 @@ Progress::Progress(std::string what, size_t total, bool shown)
       start_(Clock::now()), last_(start_) {}
 
 Progress::~Progress() {
-    if (drawn_ && terminal_) fmt::print(stderr, "\n");
+    if (drawn_ && terminal_) say("\n");
     if (drawn_) --barsDrawn;
 }
 
@@ -53,13 +52,12 @@ void Progress::advance(size_t done, double share) {
     if (terminal_) {
         constexpr int kWidth = 30;
         const int filled = std::clamp(static_cast<int>(share * kWidth), 0, kWidth);
-        fmt::print(stderr, "\r{} [{}{}] {}/{}, {} left \x1b[K", what_,
-                   std::string(static_cast<size_t>(filled), '#'),
-                   std::string(static_cast<size_t>(kWidth - filled), '.'), done, total_, left);
+        say(fmt::format("\r{} [{}{}] {}/{}, {} left \x1b[K", what_,
+                        std::string(static_cast<size_t>(filled), '#'),
+                        std::string(static_cast<size_t>(kWidth - filled), '.'), done, total_, left));
     } else {
-        fmt::print(stderr, "{}: {} of {}, {} left\n", what_, done, total_, left);
+        say(fmt::format("{}: {} of {}, {} left\n", what_, done, total_, left));
     }
-    std::fflush(stderr);
 }
 
 Heartbeat::Heartbeat(bool shown) : shown_(shown && ::isatty(STDERR_FILENO) == 1) {}
@@ -108,8 +106,7 @@ void Heartbeat::beat() {
         const auto& [name, start] = stages_.back();
         const double elapsed = std::chrono::duration<double>(Clock::now() - start).count();
         if (elapsed < 2) continue;
-        fmt::print(stderr, "\r{}: {} \x1b[K", name, clockText(elapsed));
-        std::fflush(stderr);
+        say(fmt::format("\r{}: {} \x1b[K", name, clockText(elapsed)));
         drawn_ = true;
     }
     wipeLocked();

@@ -1,11 +1,11 @@
 #include "engine/app/run.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include <fmt/format.h>
 
 #include "compute/gpu/error.h"
+#include "engine/app/console.h"
 #include "engine/app/interrupt.h"
 #include "geometry/input_error.h"
 #include "geometry/text_file.h"
@@ -66,7 +66,7 @@ Run::anotherDevice(const std::function<gpu::DeviceOptions(gpu::DeviceOptions)>& 
 void Run::note(const std::string& text) {
     if (quiet_) return;
     heartbeat_.wipe();
-    fmt::print(stderr, "{}\n", text);
+    say(text + "\n");
 }
 
 void Run::assume(const std::string& what, bool aloud) {
@@ -82,7 +82,12 @@ void Run::noteAssumed() {
 }
 
 void Run::warn(const std::string& text) {
-    if (addOnce(report_["warnings"], text)) note("warning: " + text);
+    json& warnings = report_["warnings"];
+    if (!addOnce(warnings, text)) return;
+    note("warning: " + text);
+    if (warnings.size() <= kMostWarnings) return;
+    warnings.erase(warnings.begin());
+    report_["warnings_left_out"] = report_.value("warnings_left_out", size_t{0}) + 1;
 }
 
 void Run::warnOfEach(const std::vector<std::string>& texts) {

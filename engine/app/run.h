@@ -29,7 +29,10 @@ public:
 
     nlohmann::json& report() { return report_; } // fields of the command's own
     void note(const std::string& text);          // to stderr unless --quiet
-    void warn(const std::string& text);          // to stderr unless --quiet, and to the report
+    // To stderr unless --quiet, and to the report: the latest of them, which a display that runs for days
+    // goes on collecting, and in `warnings_left_out` how many were before.
+    static constexpr size_t kMostWarnings = 1000;
+    void warn(const std::string& text);
     // Of many of one kind, as of a picture of something else, the first few are shown; the report has all.
     void warnOfEach(const std::vector<std::string>& texts);
     // What stands in for options not given, said once: to the report and, if `aloud`, to noteAssumed, which

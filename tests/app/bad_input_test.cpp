@@ -165,6 +165,14 @@ TEST_F(BadModel, a_face_with_a_bad_index) {
     expectRefused(command(), {"m.obj:10", "9"});
 }
 
+TEST_F(BadModel, text_that_is_no_gltf) {
+    for (const std::string name : {"room.gltf", "room.glb"}) {
+        writeText(folder / name, "{\"asset\":\n oops}");
+        expectRefused("formfactors " + in(name) + " --quiet -o " + in("F.npy"),
+                      {name + ":2: is not JSON here (character 2 of the line)", "glTF"});
+    }
+}
+
 TEST_F(BadModel, a_reflectance_that_is_not_a_number) {
     writeModel("f 2 4 3", "nan 0.5 0.5");
     expectRefused(command(), {"m.mtl:2"});
@@ -247,7 +255,8 @@ TEST_F(BadInput, scenes_and_kernels_that_no_bench_knows) {
 
 TEST_F(BadInput, numbers_that_are_none_and_devices_that_are_not_there) {
     const std::string sketch = HELIODON_TEST_DATA "/geometry/sketches/p04_L.json";
-    expectRefused("illuminance " + sketch + " --north nan -o " + in("out.csv"), {"--north", "nan", "finite"});
+    expectRefused("illuminance " + sketch + " --north nan -o " + in("out.csv"), {"--north", "nan", "360"});
+    expectRefused("illuminance " + sketch + " --north 1e99 -o " + in("out.csv"), {"--north", "1e99", "360"});
     expectRefused("illuminance " + sketch +
                       " --triangles 100 --time 2026-03-21T13:00solar --site 42,-73 --sky "
                       "clear --quiet --device none -o " +
@@ -288,6 +297,26 @@ TEST_F(BadInput, the_standard_output_is_written_to_where_it_stands) {
     }
     expectRefused("illuminance " + sketch + " --triangles 60 --quiet -o /dev/fd/77",
                   {"/dev/fd/77", "not open for writing"});
+}
+
+// Of a program that nobody listens to the results are what they would be; a list that is lost is an error.
+TEST_F(BadInput, what_cannot_be_said_ends_no_work_and_goes_into_no_file) {
+    setenv("ASAN_OPTIONS", "detect_leaks=0:detect_odr_violation=0", 1);
+    const auto code = [](const std::string& arguments) {
+        const int status = std::system((std::string(HELIODON_PROGRAM) + " " + arguments).c_str());
+        return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    };
+    const std::string command =
+        "illuminance " HELIODON_TEST_DATA "/geometry/sketches/p04_L.json --triangles 60 -o ";
+    ASSERT_EQ(code(command + in("lux.csv") + " --quiet"), 0);
+    for (const std::string nowhere : {" 2> /dev/full", " 2>&-", " 0<&- 2>&-"}) {
+        EXPECT_EQ(code(command + in("same.csv") + nowhere), 0) << nowhere;
+        EXPECT_EQ(readText(folder / "same.csv"), readText(folder / "lux.csv")) << nowhere;
+        EXPECT_EQ(code("model no-such.json -o " + in("room.obj") + nowhere), 2) << nowhere;
+    }
+    for (const std::string list : {"devices", "--help", "render --help"})
+        for (const std::string nowhere : {" > /dev/full 2>&1", " >&- 2> /dev/null"})
+            EXPECT_EQ(code(list + nowhere), 1) << list << nowhere;
 }
 
 TEST_F(BadInput, windows_in_a_state_that_is_none) {

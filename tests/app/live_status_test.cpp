@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/app/live_board.h"
+#include "engine/app/run.h"
 
 namespace heliodon::test {
 namespace {
@@ -43,6 +44,21 @@ TEST(LiveStatus, every_reason_of_a_refusal_is_handed_on_once) {
     EXPECT_TRUE(cameras[0].warning);
     EXPECT_EQ(cameras[1].text, "camera: file a.png");
     EXPECT_FALSE(cameras[1].warning);
+}
+
+// A display that runs for days meets one picture after another that it cannot show.
+TEST(LiveStatus, warnings_of_days_are_the_latest) {
+    app::Arguments arguments;
+    arguments.common.quiet = true;
+    app::Run run(arguments);
+    const size_t left = 500;
+    for (size_t k = 0; k < app::Run::kMostWarnings + left; ++k) run.warn(std::to_string(k));
+    run.warn(std::to_string(app::Run::kMostWarnings)); // said before
+    const nlohmann::json& warnings = run.report()["warnings"];
+    ASSERT_EQ(warnings.size(), app::Run::kMostWarnings);
+    EXPECT_EQ(warnings.front(), std::to_string(left));
+    EXPECT_EQ(warnings.back(), std::to_string(app::Run::kMostWarnings + left - 1));
+    EXPECT_EQ(run.report()["warnings_left_out"], left);
 }
 
 } // namespace
