@@ -123,7 +123,7 @@ void LinkMaker::linkAcrossGaps(const PatchTree::Node& a, const PatchTree::Node& 
         const uint32_t other = scene_->tree.leaves[leaf.across].node;
         const auto density = static_cast<float>(1 / leaf.area);
         links_.push_back({std::min(leaf.node, other), std::max(leaf.node, other), density, 0, 0,
-                          static_cast<float>(leaf.passes / (leaf.area * leaf.area)), density, 0});
+                          static_cast<float>(leaf.misses / leaf.area), density, 0});
     }
 }
 

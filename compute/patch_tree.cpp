@@ -204,18 +204,22 @@ void addLeaves(std::span<const dvec3> outline, uint32_t patch, double least,
 }
 
 // Triangles of all overlaps, by the plane of their patch; `across` numbers them until the tree is done.
-std::vector<std::vector<PatchTree::Leaf>> coveredLeaves(const NarrowGaps& gaps,
+std::vector<std::vector<PatchTree::Leaf>> coveredLeaves(const geometry::PatchMesh& mesh,
+                                                        const NarrowGaps& gaps,
                                                         std::span<const uint32_t> plane, size_t planes) {
     std::vector<std::vector<PatchTree::Leaf>> result(planes);
     uint32_t count = 0;
     for (const NarrowGaps::Overlap& overlap : gaps.overlaps) {
         std::vector<PatchTree::Leaf> own;
-        const double size = 0.5 * glm::length(geometry::areaVector(overlap.outline));
+        const double size = 0.5 * glm::length(geometry::areaVector(overlap.outline)),
+                     patch = std::min(geometry::patchArea(mesh, overlap.first),
+                                      geometry::patchArea(mesh, overlap.second));
         addLeaves(overlap.outline, overlap.first, kSliver * size, own);
         for (PatchTree::Leaf& leaf : own) {
             double border = 0;
             for (size_t k = 0; k < 3; ++k) border += glm::distance(leaf.corner[k], leaf.corner[(k + 1) % 3]);
-            leaf.passes = std::min(0.5 * overlap.gap * border, leaf.area);
+            leaf.misses =
+                std::min(0.5 * overlap.gap * border / leaf.area, 1.0) * std::sqrt(leaf.area / patch);
             leaf.across = count + 1;
             PatchTree::Leaf other = leaf;
             other.patch = overlap.second;
@@ -258,7 +262,7 @@ PatchTree buildPatchTree(const geometry::PatchMesh& mesh, std::span<const Convex
         patches[plane[i]].push_back(i);
     }
     const NarrowGaps gaps = narrowGaps(mesh, plane);
-    std::vector<std::vector<PatchTree::Leaf>> covered = coveredLeaves(gaps, plane, patches.size());
+    std::vector<std::vector<PatchTree::Leaf>> covered = coveredLeaves(mesh, gaps, plane, patches.size());
     Builder builder(tree);
     for (size_t k = 1; k < patches.size(); ++k) { // the first has no area
         dvec3 sum{0};

@@ -34,7 +34,9 @@ struct PatchTree {
         uint32_t patch = 0, node = 0;
         double area = 0;
         uint32_t across = kNone; // of a covered one: the leaf that covers it, of equal shape
-        double passes = 0;       // and what of its light misses that, m2
+        // And the share of its light that misses that, times the root of its share of the smaller patch of
+        // both: the mean square over a patch's triangles is then that of the patch's row.
+        double misses = 0;
     };
 
     std::vector<Node> nodes;          // level after level, roots first
