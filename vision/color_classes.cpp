@@ -235,11 +235,22 @@ ColouredPixels findColoured(const PlanView& view, const TableRegion& region, con
     return out;
 }
 
+constexpr glm::vec3 kSky(0.42f, 0.66f, 0.92f); // light-blue card over white
+
 // Whether light-blue card would be taken for bare table, of which it has the colour.
 bool takesSkyForTable(const WhiteMap& white, const DetectOptions& options) {
-    constexpr glm::vec3 kSky(0.42f, 0.66f, 0.92f); // over white card
     return white.card && !white.darkTable &&
            isTableOrCard(kSky, *white.card, static_cast<float>(options.minSaturation));
+}
+
+// Whether it is white by the light that falls on much of the table where a second light alone falls on it.
+bool takesSkyForShade(const WhiteMap& white, const DetectOptions& options) {
+    constexpr double kShare = 0.2; // of the table
+    if (!white.secondLight) return false;
+    const auto hidden = std::count_if(white.grid.light.begin(), white.grid.light.end(), [&](glm::vec3 light) {
+        return saturationOf(kSky * *white.secondLight / light) < options.minSaturation;
+    });
+    return static_cast<double>(hidden) > kShare * static_cast<double>(white.grid.light.size());
 }
 
 // Not on the table, or within two pixels of its edge, which are in part of the floor's colour.
@@ -330,6 +341,7 @@ ClassImage classifyPixels(const PlanView& view, const geometry::Rig& rig, const 
     out.white = white.grid, out.noise = white.noiseOfWhite();
     if (white.card) out.whiteOverTable = *white.card;
     out.hidesSky = takesSkyForTable(white, options);
+    out.shadeHidesSky = takesSkyForShade(white, options);
     settleRims(out, coloured, learned.cyanSaturation());
     if (!faint.empty()) {
         constexpr uint8_t kVivid = 205; // only the hue counts

@@ -172,6 +172,10 @@ std::vector<std::string> pictureFaults(const geometry::Sketch& sketch, const Cla
         out.emplace_back(
             "the table has the colour of light-blue card: skylights on it are not seen, and blue "
             "paint may be missed");
+    if (image.shadeHidesSky)
+        out.emplace_back(
+            "the light in shadows has another colour than elsewhere, by which light-blue card looks "
+            "white there: skylights in shadows may be missed");
     constexpr double kNoisy = 0.1, kMottled = 0.05;
     if (image.noise > kNoisy)
         out.push_back(

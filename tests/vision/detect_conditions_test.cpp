@@ -185,6 +185,7 @@ TEST(DetectConditions, walls_in_daylight_on_a_white_table_in_their_shadow) {
         if (std::equal(&walls.rgb[i], &walls.rgb[i] + 3, &bare.rgb[i]))
             std::copy_n(&shaded.rgb[i], 3, &photo.rgb[i]);
     expectRead(room(), photo);
+    EXPECT_TRUE(warnsOf(detectSketch(photo, rig), "skylights in shadows may be missed"));
 }
 
 // A spot of warm lamplight is brighter than the white about it in all channels, as no paint is.
