@@ -92,20 +92,20 @@ std::vector<FlatPart> planesOf(const PatchMesh& mesh) {
     return parts;
 }
 
-// On surfaces of several planes: means of the facets around each vertex, by area.
-void addNormals(std::vector<FlatPart>& parts) {
+void addNormals(const PatchMesh& mesh, std::vector<FlatPart>& parts) {
     std::unordered_map<uint32_t, int> planes; // of each surface
     for (const FlatPart& part : parts) ++planes[part.surface];
-    std::unordered_map<std::array<int64_t, 2>, glm::dvec3, KeyHash> sums;
-    for (const FlatPart& part : parts)
+    if (planes.size() == parts.size()) return;
+    const std::vector<glm::dvec3> normals = cornerNormals(mesh);
+    if (normals.empty()) return;
+    for (FlatPart& part : parts) {
+        if (planes[part.surface] == 1) continue;
+        part.normals.resize(part.vertices.size());
         for (const Piece& piece : part.pieces)
-            for (size_t k = 0; k < 3 && planes[part.surface] > 1; ++k)
-                sums[{part.surface, part.vertices[piece.vertex[k]]}] +=
-                    cross(piece.corner[1] - piece.corner[0], piece.corner[2] - piece.corner[0]) *
-                    part.frame.normal;
-    for (FlatPart& part : parts)
-        for (size_t v = 0; v < part.vertices.size() && planes[part.surface] > 1; ++v)
-            part.normals.push_back(sums.at({part.surface, part.vertices[v]}));
+            for (uint32_t c = mesh.firstCorner[piece.patch]; c < mesh.firstCorner[piece.patch + 1]; ++c)
+                for (const uint32_t v : piece.vertex)
+                    if (part.vertices[v] == mesh.corners[c]) part.normals[v] = normals[c];
+    }
 }
 
 } // namespace
@@ -128,15 +128,14 @@ std::vector<FlatPart> flatParts(const PatchMesh& mesh) {
         part.link();
         ++number;
     }
-    addNormals(parts);
+    addNormals(mesh, parts);
     return parts;
 }
 
 void FlatPart::limit(glm::dvec3 centre, const std::vector<glm::dvec3>& at, double leastCosine) {
     std::vector<double> values;
     for (size_t v = 0; v < vertices.size(); ++v)
-        values.push_back(glm::dot(glm::normalize(normals[v]), glm::normalize(centre - at[vertices[v]])) -
-                         leastCosine);
+        values.push_back(glm::dot(normals[v], glm::normalize(centre - at[vertices[v]])) - leastCosine);
     const auto inside = [](double value) { return value > 0; };
     if (std::ranges::none_of(values, inside)) views.back().seen = false;
     if (std::ranges::all_of(values, inside)) values.clear();
@@ -146,7 +145,7 @@ void FlatPart::limit(glm::dvec3 centre, const std::vector<glm::dvec3>& at, doubl
 
 std::vector<Segment> FlatPart::limitLines() const {
     std::vector<Segment> lines;
-    if (excess.empty() || excess.back().empty() || !views.back().seen) return lines;
+    if (excess.size() < views.size() || excess.back().empty() || !views.back().seen) return lines;
     const std::vector<double>& value = excess.back();
     for (const Piece& piece : pieces) {
         Segment line;

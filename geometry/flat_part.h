@@ -31,12 +31,11 @@ struct FlatPart {
     std::vector<uint32_t> vertices; // of the mesh, per vertex of the part
     std::vector<Piece> pieces;
     FlatBox box;
-    std::vector<glm::dvec3> normals; // per vertex of the part, of any length, smooth over the facets of a
-                                     // curved surface; none on flat ones
+    std::vector<glm::dvec3> normals; // cornerNormals() per vertex of the part; none on flat surfaces
     std::vector<PlaneView> views;
     // On curved surfaces, per view: by how much n . d exceeds its least at each vertex of the part, n turning
     // smoothly from facet to facet and the excess linear over each piece; empty where it does so everywhere,
-    // and on flat surfaces, whose views keep to the limit themselves.
+    // for views at any angle, and on flat surfaces, whose views keep to the limit themselves.
     std::vector<std::vector<double>> excess;
     std::vector<Cut> cuts; // their edges are those of `border`
     struct Side {
@@ -51,7 +50,7 @@ struct FlatPart {
     double spacing() const;
     // Adds `excess` for the last of the views, that from `centre`. `at`: the vertices of the mesh.
     void limit(glm::dvec3 centre, const std::vector<glm::dvec3>& at, double leastCosine);
-    // Where the excess of that view is zero.
+    // Where the excess of the last of the views is zero.
     std::vector<Segment> limitLines() const;
     // Those of the views, as bits, that reach a point of a piece.
     uint32_t seenFrom(const Piece& piece, glm::dvec2 p) const;

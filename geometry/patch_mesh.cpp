@@ -64,8 +64,12 @@ std::vector<glm::dvec3> cornerNormals(const PatchMesh& mesh) {
     bool curved = false;
     for (size_t i = 0; i < mesh.patchCount(); ++i)
         for (const uint32_t v : mesh.patch(i)) {
-            out.push_back(glm::normalize(sums.at({v, mesh.surface[i]})));
-            curved = curved || !inOnePlane(out.back(), patchNormal(mesh, i));
+            const glm::dvec3 sum = sums.at({v, mesh.surface[i]}), own = patchAreaVector(mesh, i);
+            const bool faces = glm::length(own) > 0; // a patch without area does not say where to
+            out.push_back(glm::length(sum) > 0 ? glm::normalize(sum)
+                          : faces              ? glm::normalize(own)
+                                               : glm::dvec3(0, 1, 0));
+            curved = curved || (faces && !inOnePlane(out.back(), glm::normalize(own)));
         }
     return curved ? out : std::vector<glm::dvec3>{};
 }

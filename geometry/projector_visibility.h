@@ -20,6 +20,7 @@ struct ProjectorOptions {
     // A surface is painted only where n . d (d: unit vector to the projector) is larger. On curved surfaces n
     // turns smoothly from facet to facet, so that what is painted does not end in teeth.
     double leastCosine = 0.2;
+    uint32_t atAnyAngle = 0; // as bits, devices without this limit: cameras, which see all that faces them
 };
 
 struct SurfaceReach {

@@ -44,18 +44,11 @@ std::vector<std::array<glm::dvec3, 3>> unreachableTriangles(const Scene& scene) 
     const uint32_t camera = 1u << devices.size();
     devices.push_back(scene.rig->camera);
     const geometry::ProjectorMesh split =
-        geometry::splitByProjectorVisibility(scene.mesh, scene.occluders, devices);
-    for (size_t t = 0; t < split.triangleCount(); ++t) {
-        if (split.visible[t] & (camera - 1)) continue;
-        const std::array<glm::dvec3, 3> corners{split.vertices[split.triangles[3 * t]],
-                                                split.vertices[split.triangles[3 * t + 1]],
-                                                split.vertices[split.triangles[3 * t + 2]]};
-        // The camera sees walls too, at angles at which a projector would not light them.
-        const glm::dvec3 d = glm::normalize(scene.rig->camera.centre() - corners[0]);
-        const double cosine = glm::dot(d, geometry::patchNormal(scene.mesh, split.sourcePatch[t]));
-        const bool grazing = cosine > 0 && cosine <= geometry::ProjectorOptions{}.leastCosine;
-        if (grazing || (split.visible[t] & camera)) out.push_back(corners);
-    }
+        geometry::splitByProjectorVisibility(scene.mesh, scene.occluders, devices, {.atAnyAngle = camera});
+    for (size_t t = 0; t < split.triangleCount(); ++t)
+        if (split.visible[t] == camera)
+            out.push_back({split.vertices[split.triangles[3 * t]], split.vertices[split.triangles[3 * t + 1]],
+                           split.vertices[split.triangles[3 * t + 2]]});
     return out;
 }
 

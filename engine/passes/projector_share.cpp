@@ -9,27 +9,13 @@
 
 namespace heliodon::passes {
 
-namespace {
-
 using geometry::ProjectorMesh;
-
-// Per pair of VertexLight: the mean normal of the surface's patches there, weighted by area.
-std::vector<glm::dvec3> smoothNormals(const geometry::PatchMesh& mesh, const VertexLight& vertexLight) {
-    std::vector<glm::dvec3> normals(vertexLight.size(), glm::dvec3(0));
-    for (size_t p = 0; p < mesh.patchCount(); ++p)
-        for (uint32_t c = mesh.firstCorner[p]; c < mesh.firstCorner[p + 1]; ++c)
-            normals[vertexLight.ofCorner(c)] += geometry::patchAreaVector(mesh, p);
-    return normals;
-}
-
-} // namespace
 
 ShownMesh shownMesh(const geometry::PatchMesh& mesh, const VertexLight& vertexLight,
                     const geometry::Occluders& occluders, const geometry::Rig& rig) {
     const std::vector<geometry::OpticalDevice> devices(rig.projectors.begin(), rig.projectors.end());
     assert(devices.size() <= geometry::kMostProjectors);
     const ProjectorMesh cut = geometry::splitByProjectorVisibility(mesh, occluders, devices);
-    const std::vector<glm::dvec3> smooth = smoothNormals(mesh, vertexLight);
     DrawMesh out;
     for (size_t t = 0; t < cut.triangleCount(); ++t) {
         const uint32_t patch = cut.sourcePatch[t];
@@ -41,9 +27,7 @@ ShownMesh shownMesh(const geometry::PatchMesh& mesh, const VertexLight& vertexLi
             glm::dvec3 mean(0);
             for (size_t s = 0; s < 3; ++s) {
                 mix.pair[s] = vertexLight.pairOf(cut.sourceVertex[v][s], mesh.surface[patch]);
-                const glm::dvec3& part = smooth[mix.pair[s]];
-                if (glm::length(part) > 0)
-                    mean += double{mix.weight[static_cast<int>(s)]} * glm::normalize(part);
+                mean += double{mix.weight[static_cast<int>(s)]} * vertexLight.normal(mix.pair[s]);
             }
             if (!(glm::length(mean) > 0.5)) mean = normal;
             out.light.push_back(mix);

@@ -132,14 +132,16 @@ VertexLight::VertexLight(const PatchMesh& mesh)
     findCorners(mesh, patchesAt, vertexOf);
     weighCorners(mesh);
     const Patches patches = measure(mesh);
+    const std::vector<glm::dvec3> normals = geometry::cornerNormals(mesh);
+    normal_.resize(pairs_.size());
+    for (size_t p = 0; p < mesh.patchCount(); ++p)
+        for (uint32_t c = firstCorner_[p]; c < firstCorner_[p + 1]; ++c)
+            normal_[corners_[c].pair] = normals.empty() ? patches.normal[p] : normals[c];
     constexpr int kMostRings = 4;
     for (size_t pair = 0; pair < patchesAt.size(); ++pair) {
         const glm::dvec3 vertex = mesh.vertices[vertexOf[pair]];
         std::set<uint32_t> ring(patchesAt[pair].begin(), patchesAt[pair].end());
-        glm::dvec3 normal{0};
-        for (uint32_t p : ring) normal += patches.area[p] * patches.normal[p];
-        const Tangents frame =
-            tangentsOf(glm::length(normal) > 0 ? glm::normalize(normal) : patches.normal[*ring.begin()]);
+        const Tangents frame = tangentsOf(normal_[pair]);
         Fit fit;
         for (int rings = 1; rings <= kMostRings; ++rings) {
             std::vector<glm::dvec2> points;

@@ -31,6 +31,9 @@ public:
     // The pair of a vertex that some patch of the surface has as a corner.
     uint32_t pairOf(uint32_t vertex, uint32_t surface) const { return pairs_.at({vertex, surface}); }
 
+    // Of the surface at the pair: cornerNormals() of geometry/patch_mesh.h.
+    glm::dvec3 normal(uint32_t pair) const { return normal_[pair]; }
+
     // One value per pair, never negative. `patchValues` has one value per patch.
     std::vector<glm::vec3> evaluate(std::span<const glm::vec3> patchValues) const;
     // The same with the light's glow, which is part of the values, as it is at the vertices. `perLux`: per
@@ -53,6 +56,7 @@ private:
     std::map<std::pair<uint32_t, uint32_t>, uint32_t> pairs_;
     std::vector<uint32_t> firstCorner_; // of the mesh
     std::vector<Corner> corners_;
+    std::vector<glm::dvec3> normal_;         // per pair
     std::vector<uint32_t> first_{0}, patch_; // pair i combines patch_[first_[i] .. first_[i + 1])
     std::vector<float> weight_;
 };

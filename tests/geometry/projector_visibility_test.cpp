@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
+#include "geometry/flat_part.h"
 #include "geometry/mesher.h"
 #include "geometry/projector_blend.h"
 
@@ -110,12 +111,16 @@ double areaOf(const ProjectorMesh& mesh, size_t t) {
 } // namespace
 
 TEST(ProjectorVisibility, labels_agree_with_random_rays) {
+    uint32_t atAnyAngle = 0;
     for (const char* name : {"p04_L.json", "p08_cubicle.json", "i01_mixed.sketch.json",
                              "i02_pinwheel.sketch.json", "three_arcs.json", "walls20.json"}) {
+        atAnyAngle ^= 0b100; // in every other sketch
+
         const Building building = buildingOf(name);
         const PatchMesh mesh = meshBuilding(building);
         const auto projectors = fourProjectors();
-        const ProjectorMesh split = splitByProjectorVisibility(mesh, building.occluders, projectors);
+        const ProjectorMesh split =
+            splitByProjectorVisibility(mesh, building.occluders, projectors, {.atAnyAngle = atAnyAngle});
         const SmoothNormals smooth(mesh);
         std::vector<double> cumulative;
         double total = 0;
@@ -144,7 +149,8 @@ TEST(ProjectorVisibility, labels_agree_with_random_rays) {
                 return smooth.at(split, split.triangles[3 * t + corner], split.sourcePatch[t]);
             };
             const glm::dvec3 m = glm::normalize((1 - u - v) * turned(0) + u * turned(1) + v * turned(2));
-            const bool sees = glm::dot(m, d) > 0.2 && glm::dot(n, d) > 0 && inPicture &&
+            const bool steep = glm::dot(m, d) > 0.2 || (atAnyAngle >> which & 1u);
+            const bool sees = steep && glm::dot(n, d) > 0 && inPicture &&
                               !blocked(building.occluders, p, n, projectors[which].centre());
             ++asked;
             wrong += sees != ((split.visible[t] >> which & 1u) != 0);
@@ -191,6 +197,30 @@ TEST(ProjectorVisibility, the_limit_runs_smoothly_over_a_curved_wall) {
     EXPECT_GT(seen, 50);
     EXPECT_GT(hidden, 10);
     EXPECT_LT(worst, 0.01); // chords lie inside the cylinder, and normals turn evenly along them
+}
+
+// Uniform facets of four sides: at a vertex between two of them the normal is that of the cylinder.
+TEST(ProjectorVisibility, facets_of_four_sides_turn_as_smoothly_as_triangles) {
+    PatchMesh mesh;
+    mesh.materials = {{}};
+    constexpr uint32_t kFacets = 10;
+    for (uint32_t i = 0; i <= kFacets; ++i)
+        for (const double y : {0.0, 0.25}) {
+            const double angle = std::numbers::pi * i / kFacets;
+            mesh.vertices.push_back({std::cos(angle), y, -std::sin(angle)});
+        }
+    for (uint32_t v = 0; v < 2 * kFacets; v += 2)
+        mesh.addPatch(std::array{v + 2, v, v + 1, v + 3}, 0, Role::projection, 0, 0);
+    const std::vector<FlatPart> parts = flatParts(mesh);
+    EXPECT_EQ(parts.size(), kFacets);
+    for (const FlatPart& part : parts) {
+        ASSERT_EQ(part.normals.size(), 4u);
+        for (size_t k = 0; k < 4; ++k) {
+            const glm::dvec3 at = mesh.vertices[part.vertices[k]];
+            if (std::abs(at.x) > 0.999) continue; // the ends
+            EXPECT_NEAR(glm::dot(glm::normalize(part.normals[k]), glm::dvec3(-at.x, 0, -at.z)), 1, 1e-12);
+        }
+    }
 }
 
 TEST(ProjectorVisibility, no_t_vertices_within_or_between_surfaces) {
