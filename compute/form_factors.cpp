@@ -8,8 +8,10 @@
 #include <numeric>
 
 #include <fmt/format.h>
+#include <glm/geometric.hpp>
 
 #include "compute/closed_solid.h"
+#include "compute/convex_regions.h"
 #include "compute/exact_form_factors.h"
 #include "compute/gpu/device.h"
 #include "compute/hemicube.h"
@@ -17,9 +19,11 @@
 #include "compute/hierarchical.h"
 #include "compute/kernel_choice.h"
 #include "compute/monte_carlo.h"
+#include "compute/narrow_gaps.h"
 #include "compute/parallel.h"
 #include "compute/stopwatch.h"
 #include "geometry/input_error.h"
+#include "geometry/outline_area.h"
 
 namespace heliodon::compute {
 
@@ -299,6 +303,28 @@ void claimDuplicates(const geometry::PatchMesh& mesh, std::span<const float> F, 
     report.claimedRowError = std::hypot(report.claimedRowError, std::sqrt(squares / static_cast<double>(n)));
 }
 
+// Rays begin and end at planes to within float32's rounding of the scene: of faces nearer to one another they
+// leave one and miss the other, so that what lies under a neighbour may lose all its light.
+void claimGapsThatRaysMiss(const geometry::PatchMesh& mesh, FormFactorReport& report) {
+    std::vector<double> covered(mesh.patchCount(), 0.0);
+    double widest = 0;
+    for (const NarrowGaps::Overlap& overlap : narrowGaps(mesh, planeNumbers(mesh)).overlaps) {
+        const double area = 0.5 * glm::length(geometry::areaVector(overlap.outline));
+        covered[overlap.first] += area, covered[overlap.second] += area;
+        widest = std::max(widest, overlap.gap);
+    }
+    double squares = 0;
+    for (size_t i = 0; i < covered.size(); ++i)
+        if (covered[i] > 0) squares += std::pow(covered[i] / geometry::patchArea(mesh, i), 2);
+    if (!(squares > 0)) return;
+    report.claimedRowError =
+        std::hypot(report.claimedRowError, std::sqrt(squares / static_cast<double>(covered.size())));
+    report.warnings.push_back(fmt::format(
+        "{} patches face others across gaps of at most {:.1g} m, which rays do not tell from none: light "
+        "between them is lost; --kernel exact or hierarchical keeps it",
+        std::ranges::count_if(covered, [](double area) { return area > 0; }), widest));
+}
+
 void measureClosure(std::span<const double> rowSums, FormFactorReport& report) {
     double squares = 0;
     report.closureMax = 0;
@@ -416,6 +442,7 @@ FormFactors computeFormFactors(gpu::Device& device, const geometry::PatchMesh& m
     }
     result.report.seconds = watch.seconds();
     measureFormFactors(mesh, result.values, result.report);
+    if (choice.kernel == "montecarlo") claimGapsThatRaysMiss(mesh, result.report);
     explain(result.report, options, choice);
     warnOfLostLight(mesh, result.report);
     return result;
@@ -450,6 +477,7 @@ FormFactorReport streamFormFactors(gpu::Device& device, const geometry::PatchMes
     }
     measureClosure(sums, report);
     claimExcess(sums, report);
+    if (choice.kernel == "montecarlo") claimGapsThatRaysMiss(mesh, report);
     explain(report, options, choice);
     warnOfLostLight(mesh, report);
     report.seconds = watch.seconds();

@@ -198,6 +198,18 @@ TEST(HardCases, slabs_a_micrometre_apart_close) {
     }
 }
 
+// Rays end on a slab's own face or miss the next one's: rows of zero, which the spread of rays does not show.
+TEST(HardCases, light_that_rays_lose_in_narrow_gaps_is_claimed) {
+    const geometry::PatchMesh mesh = test::pileOfSlabs(1e-6, 0, {0, 0, 0});
+    const FormFactorOptions options{.kernel = "montecarlo", .maxError = 1e-2};
+    const FormFactors F = computeFormFactors(test::device(), mesh, options);
+    EXPECT_GE(F.report.claimedRowError, 0.9 * F.report.closureRms); // of each such row one entry is lost
+    EXPECT_FALSE(F.report.warnings.empty());
+    const FormFactorReport streamed =
+        streamFormFactors(test::device(), mesh, options, [](const FormFactorTile&) {});
+    EXPECT_GE(streamed.claimedRowError, 0.9 * streamed.closureRms);
+}
+
 // A ceiling that is listed twice gets the light of each patch twice, or once, by chance: told, whatever the
 // kernel claims by itself.
 TEST(HardCases, rows_above_one_are_within_the_claim) {
