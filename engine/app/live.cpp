@@ -122,8 +122,15 @@ private:
                 fmt::format("{}: has been changed; what is shown is still by what it was when live began, "
                             "which has to be started again",
                             arguments_.scene.rig.string()));
-        for (const LiveStatus::Message& message : board_.takeUnsaid())
-            message.warning ? run_.warn(message.text) : run_.note(message.text);
+        const nlohmann::json& warned = run_.report()["warnings"];
+        for (const auto& [warning, text, each] : board_.takeUnsaid())
+            if (!warning)
+                run_.note(text);
+            else if (each && std::find(warned.begin(), warned.end(), text) !=
+                                 warned.end()) // which has each text once
+                run_.note("warning: " + text);
+            else
+                run_.warn(text);
     }
 
     // What the user did, and the light that follows from it, asked for at once. True if there was anything.

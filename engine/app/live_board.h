@@ -41,6 +41,7 @@ struct LiveStatus {
     struct Message {
         bool warning;
         std::string text;
+        bool each = false; // a warning that is said each time that it comes, not once
     };
     std::vector<Message> unsaid; // to the console; the thread that shows has not taken them yet
 
@@ -61,7 +62,7 @@ struct LiveStatus {
         camera = what;
         cameraFails = fails;
         unnamed = false;
-        if (changes) unsaid.push_back({fails, fails ? what : "camera: " + what});
+        if (changes) unsaid.push_back({fails, fails ? what : "camera: " + what, true});
     }
 };
 

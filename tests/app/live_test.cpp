@@ -337,19 +337,24 @@ TEST_F(Live, sky_file_and_photograph_may_go_and_come_back) {
     std::thread user([&] {
         waitFor("first-operator");
         fs::remove(sky);
-        fs::remove(photo);
-        std::this_thread::sleep_for(std::chrono::seconds(3)); // after two it is no longer being replaced
-        fs::copy_file(kPhoto, photo);
+        for (const bool again : {true, false}) {
+            fs::remove(photo);
+            std::this_thread::sleep_for(std::chrono::seconds(3)); // after two it is no longer being replaced
+            fs::copy_file(kPhoto, photo);
+            if (again) waitFor("back-operator");
+        }
     });
     const Outcome outcome = live("file:" + photo,
-                                 "wait\nsnapshot first\nsleep 1\nwheel 3\nwait\nlook 2\nsky overcast\n"
-                                 "wait\nsnapshot last\nquit\n",
+                                 "wait\nsnapshot first\nsleep 1\nwheel 3\nwait\nlook 2\nsnapshot back\n"
+                                 "look 3\nsky overcast\nwait\nsnapshot last\nquit\n",
                                  "--window-scale 0.25 --sky " + sky);
     user.join();
     EXPECT_EQ(outcome.exitCode, 0) << outcome.output;
     EXPECT_GE(report["live"]["refusals"], 1); // of the sky
     EXPECT_LE(report["live"]["refusals"], 2); // looking for the photograph is none
-    EXPECT_EQ(report["live"]["camera_losses"], 1);
+    EXPECT_EQ(report["live"]["camera_losses"], 2);
+    const std::string lost = "photo.png is not there; trying again"; // said whenever it goes
+    EXPECT_NE(outcome.output.find(lost, outcome.output.find(lost) + 1), std::string::npos) << outcome.output;
     EXPECT_NE(shot("last-projector-0").rgb, shot("first-projector-0").rgb);
 }
 
