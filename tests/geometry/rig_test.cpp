@@ -155,10 +155,10 @@ TEST(Rig, names_fields_that_it_does_not_know) {
     EXPECT_EQ(readRig(written(alone)).unknownFields, std::vector<std::string>{"Projector (projectors?)"});
     const std::string turned = replaced(kPlainRig, "\"projectors\":", "\"porjectors\":");
     EXPECT_EQ(readRig(written(turned)).unknownFields, std::vector<std::string>{"porjectors (projectors?)"});
-    const std::string inner =
-        replaced(replaced(kPlainRig, "\"site\":",
-                          "\"table\": {\"radius_m\": 0.5, \"radius\": 1, \"height_m\": 0.8}, \"site\":"),
-                 "\"latitude_deg\":", "\"latitude\": 1, \"latitude_deg\":");
+    const std::string inner = replaced(
+        replaced(kPlainRig,
+                 "\"site\":", "\"table\": {\"radius_m\": 0.5, \"radius\": 1, \"height_m\": 0.8}, \"site\":"),
+        "\"latitude_deg\":", "\"latitude\": 1, \"latitude_deg\":");
     EXPECT_EQ(readRig(written(inner)).unknownFields,
               (std::vector<std::string>{"table.radius (radius_m?)", "site.latitude (latitude_deg?)"}));
 }
