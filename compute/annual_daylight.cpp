@@ -105,7 +105,7 @@ void AnnualDaylight::makeSkies(const TransportParts& parts) {
     const SecondsAdded clock(report_.skySeconds);
     if (parts.skyElements == 0) return;
     for (size_t h = 0; h < skies_.size(); ++h)
-        if (skies_[h].formula.scale > 0 && daylight::hasHorizonRibbon(skies_[h].formula))
+        if (daylight::hasHorizonRibbon(skies_[h].formula))
             ribbons_.push_back(static_cast<uint32_t>(h));
         else if (skies_[h].formula.scale > 0 || skies_[h].ground.luminance > 0)
             lit_.push_back(static_cast<uint32_t>(h));

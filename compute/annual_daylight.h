@@ -8,7 +8,8 @@
 // solution of the radiosity system, an hour one row of luminances and one clipped sun, and the year their
 // product. Reciprocity (A_i F_ij = A_j F_ji) is used: where form factors keep it only to some error, results
 // differ from DaylightTransport::light by as much; `sensors` measures that on some hours of the year. The few
-// hours whose sky has a ribbon at the horizon, too low for sky elements, are that function's own.
+// hours whose sky has a ribbon at the horizon, too low for sky elements, are that function's own, at 0.15 to
+// 0.4 CPU seconds each in every call of `sensors`.
 #pragma once
 
 #include <cstddef>

@@ -17,7 +17,6 @@ namespace {
 
 using Frame = MeshDomain::Frame;
 
-constexpr double kNarrow = 0.7;     // of an edge: facets that are merged
 constexpr double kColumn = 0.93;    // of an edge: what facets become
 constexpr double kMostTurn = 0.25;  // radians along an edge: chords take 0.9 % off, triangles over folds less
 constexpr double kSamePlace = 1e-6; // of the wall's length

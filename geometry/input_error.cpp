@@ -4,16 +4,11 @@
 
 namespace heliodon::geometry {
 
-namespace {
-
-// What files hold may end a message or steer a terminal.
 std::string printable(std::string text) {
     std::ranges::replace_if(
         text, [](unsigned char c) { return c < ' ' || c == 0x7F; }, '?');
     return text;
 }
-
-} // namespace
 
 InputError::InputError(const std::string& file, const std::string& place, const std::string& what)
     : std::runtime_error(printable(file + (place.empty() ? "" : ":" + place) + ": " + what)) {}

@@ -8,6 +8,9 @@
 
 namespace heliodon::geometry {
 
+// With '?' for the control characters, which would end a message or steer the terminal that shows it.
+std::string printable(std::string text);
+
 class InputError : public std::runtime_error {
 public:
     // `place` is a line ("12") or a field ("walls[3].thickness"), or empty for the file as a whole. `what`

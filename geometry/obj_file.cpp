@@ -191,25 +191,41 @@ uint32_t readIndex(std::string_view text, size_t vertexCount, const Lines& lines
     return static_cast<uint32_t>(value > 0 ? value - 1 : count + value);
 }
 
-// As written, or with Windows' backslashes, or, as paths of another machine mean it, the file of that name
-// beside the model, in capitals or not.
-std::optional<std::filesystem::path> findLibrary(const std::filesystem::path& folder, std::string name) {
-    const auto isFile = [](const std::filesystem::path& file) {
-        std::error_code ignored;
-        return std::filesystem::exists(file, ignored) && !std::filesystem::is_directory(file, ignored);
-    };
-    if (name.size() > 1 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
-    if (isFile(folder / name)) return folder / name;
-    std::ranges::replace(name, '\\', '/');
-    if (isFile(folder / name)) return folder / name;
-    const auto alike = [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); };
-    const std::string last = std::filesystem::path(name).filename().string();
-    std::optional<std::filesystem::path> found; // the first by name
+bool isFile(const std::filesystem::path& file) {
     std::error_code ignored;
-    for (const auto& entry : std::filesystem::directory_iterator(folder.empty() ? "." : folder, ignored)) {
-        const std::string own = entry.path().filename().string();
-        if (std::ranges::equal(own, last, alike) && isFile(entry.path()) && (!found || entry.path() < *found))
-            found = entry.path();
+    return std::filesystem::is_regular_file(file, ignored);
+}
+
+std::string unquoted(const std::string& name) {
+    const bool quoted = name.size() > 1 && name.front() == '"' && name.back() == '"';
+    return quoted ? name.substr(1, name.size() - 2) : name;
+}
+
+std::string withSlashes(std::string name) {
+    std::ranges::replace(name, '\\', '/');
+    return name;
+}
+
+// As written, or with Windows' backslashes.
+std::optional<std::filesystem::path> libraryAt(const std::filesystem::path& folder, const std::string& name) {
+    for (const std::string& way : {name, withSlashes(name)})
+        if (isFile(folder / way)) return folder / way;
+    return std::nullopt;
+}
+
+// As paths of another machine mean it: the file of that name beside the model, in capitals or not.
+std::optional<std::filesystem::path> libraryBeside(const std::filesystem::path& folder,
+                                                   const std::string& name) {
+    const auto alike = [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); };
+    const std::string last = std::filesystem::path(withSlashes(name)).filename().string();
+    std::optional<std::filesystem::path> found; // the first by name
+    std::error_code failed;
+    for (std::filesystem::directory_iterator entry(folder.empty() ? "." : folder, failed), end;
+         !failed && entry != end; entry.increment(failed)) {
+        const std::string own = entry->path().filename().string();
+        if (std::ranges::equal(own, last, alike) && isFile(entry->path()) &&
+            (!found || entry->path() < *found))
+            found = entry->path();
     }
     return found;
 }
@@ -249,15 +265,23 @@ private:
         const std::filesystem::path folder = path_.parent_path();
         const std::string whole = lines_.remainder();
         if (whole.empty()) lines_.fail("mtllib without a name");
-        std::vector<std::optional<std::filesystem::path>> files{findLibrary(folder, whole)};
-        if (!files[0]) {
+        std::vector<std::string> words;
+        for (std::string_view word = lines_.word(); !word.empty(); word = lines_.word())
+            words.emplace_back(word);
+        std::vector<std::filesystem::path> files;
+        const auto findAll = [&](const std::vector<std::string>& names, const auto& find) {
             files.clear();
-            for (std::string_view name = lines_.word(); !name.empty(); name = lines_.word())
-                files.push_back(findLibrary(folder, std::string(name)));
-        }
-        if (!std::ranges::all_of(files, [](const auto& file) { return file.has_value(); }))
+            for (const std::string& name : names)
+                if (const auto file = find(folder, unquoted(name))) files.push_back(*file);
+            return files.size() == names.size();
+        };
+        const auto anyhow = [](const std::filesystem::path& in, const std::string& name) {
+            const auto there = libraryAt(in, name);
+            return there ? there : libraryBeside(in, name);
+        };
+        if (!findAll({whole}, libraryAt) && !findAll(words, anyhow) && !findAll({whole}, libraryBeside))
             lines_.fail(fmt::format("mtllib \"{}\" does not exist, expected materials (.mtl)", whole));
-        for (const auto& file : files) readMtl(*file, model_, materials_);
+        for (const auto& file : files) readMtl(file, model_, materials_);
     }
 
     void readVertex() {

@@ -241,7 +241,7 @@ private:
             apart = off - arc.radius;
         }
         const double gap = apart - (arc.thickness + other.thickness) / 2;
-        if (gap < -kTouching || gap > kNarrowSlot) return;
+        if (gap < -kTouching || gap > kNarrowSlot || apart <= 0) return;
         const glm::dvec2 d = (onOther - onArc) / apart,
                          side = std::min(arc.thickness, other.thickness) / 2 * glm::dvec2(-d.y, d.x);
         add({onArc - side, onArc + side, onOther + side, onOther - side});

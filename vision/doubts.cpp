@@ -113,12 +113,12 @@ private:
     // so is orange with red.
     void lookForPaleMarkers(const geometry::Wall& wall) {
         const double height = geometry::heightInches(wall.heightClass);
-        for (const glm::dvec2 middle : evidence_.otherShadeOn(wall))
-            if (!isUnderMarker(middle))
-                doubts_.add(view_.pixel(middle, height),
-                            wall.heightClass == geometry::HeightClass::red
-                                ? "orange on a wall's top: a marker of a window? It is left out"
-                                : "light blue on a wall's top: a marker of a window? It is left out");
+        for (const auto& [shade, name] : {std::pair{Paint::sky, "light blue"}, {Paint::orange, "orange"}})
+            for (const glm::dvec2 middle : evidence_.otherShadeOn(wall, shade))
+                if (!isUnderMarker(middle))
+                    doubts_.add(
+                        view_.pixel(middle, height),
+                        fmt::format("{} on a wall's top: a marker of a window? It is left out", name));
     }
 
     // The card returns most of the light and takes half of the red: its chroma holds in shadow, its

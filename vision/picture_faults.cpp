@@ -34,13 +34,18 @@ std::optional<std::string> overexposed(const PlanView& view, double radius) {
             if (std::min({rgb[0], rgb[1], rgb[2]}) >= kClipped) clipped += 1, where += p;
             for (size_t c = 0; c < 3; ++c) clippedIn[c] += rgb[c] >= kClipped;
         }
-    const auto worst = std::max_element(clippedIn.begin(), clippedIn.end());
-    if (clipped <= kMost * table && *worst > kMostOfOne * table)
+    const double worst = *std::max_element(clippedIn.begin(), clippedIn.end());
+    if (clipped <= kMost * table && worst > kMostOfOne * table) {
+        std::string channels;
+        for (size_t c = 0; c < 3; ++c)
+            if (clippedIn[c] > kMostOfOne * table)
+                channels +=
+                    (channels.empty() ? "" : " and ") + std::array<std::string, 3>{"red", "green", "blue"}[c];
         return fmt::format(
             "{:.0f} % of the table are overexposed in {} alone: its white has another colour there "
             "than in shadows; paint may be misread",
-            100 * *worst / table,
-            std::array{"red", "green", "blue"}[static_cast<size_t>(worst - clippedIn.begin())]);
+            100 * worst / table, channels);
+    }
     if (clipped <= kMost * table) return std::nullopt;
     where /= clipped;
     return fmt::format("about pixel {:.0f}, {:.0f}: {:.0f} % of the table are overexposed; what lies there "

@@ -299,8 +299,9 @@ void refuseTurned(const geometry::OpticalDevice& camera, int width, int height,
             size_t used = 0, all = 0;
             for (size_t i = first; i <= last; ++i)
                 used += result.planes[i].corners, all += turned[i].corners.size();
-            if (result.rms<kFits * rms&& static_cast<double>(used)> kUsed * static_cast<double>(all))
-                return result.rms;
+            const bool fits =
+                result.rms<kFits * rms, uses = static_cast<double>(used)> kUsed * static_cast<double>(all);
+            if (fits && uses) return result.rms;
         } catch (const CalibrationError&) { // so they are not turned
         }
         return std::nullopt;

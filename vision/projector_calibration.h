@@ -47,7 +47,7 @@ constexpr size_t kLeastPlanes = 2, kLeastCorners = 12; // of a plane
 // determine the lens, where the corners do not move with the plane's height, where no lens comes within a
 // hundredth of the picture's width of the corners, where only one with pixels more than 1.6 times as long as
 // wide does, and where they fit once the pictures of all planes, or of one, are turned by half. About 2 s for
-// nine planes of 500 corners.
+// nine planes of 500 corners; where they do not fit, as long again for each plane and once for all.
 ProjectorCalibration calibrateProjector(const geometry::OpticalDevice& camera, int width, int height,
                                         const std::vector<ProjectorPlane>& planes);
 

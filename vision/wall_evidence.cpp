@@ -220,7 +220,7 @@ double WallEvidence::paintedShareOf(const geometry::Wall& wall) const {
     return static_cast<double>(painted) / static_cast<double>(all);
 }
 
-WallEvidence::Line WallEvidence::otherShadeOn(const geometry::Wall& wall) const {
+WallEvidence::Line WallEvidence::otherShadeOn(const geometry::Wall& wall, Paint shade) const {
     constexpr double kStep = 0.1, kLeast = 0.5; // inches
     const double height = geometry::heightInches(wall.heightClass), length = lengthOf(wall);
     const double end = options_.unpaintedEnd / length, side = 0.25 * options_.wallThickness;
@@ -230,9 +230,8 @@ WallEvidence::Line WallEvidence::otherShadeOn(const geometry::Wall& wall) const 
         int seen = 0;
         for (const glm::dvec2 plan : {middle - across, middle, middle + across}) {
             const glm::dvec2 p = view_.pixel(plan, height);
-            const Paint paint =
-                image_.at(static_cast<int>(std::lround(p.x)), static_cast<int>(std::lround(p.y)));
-            seen += paint == Paint::sky || paint == Paint::orange;
+            seen +=
+                image_.at(static_cast<int>(std::lround(p.x)), static_cast<int>(std::lround(p.y))) == shade;
         }
         return seen >= 2;
     };

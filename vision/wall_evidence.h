@@ -64,9 +64,9 @@ public:
     float saturationOf(const geometry::Wall& wall) const;
     float saturationOf(const geometry::Arc& arc) const;
 
-    // Where its top is light blue, or orange, along at least half an inch but not most of it, which is no
-    // wall's paint but goes with blue and red: middles of these stretches.
-    Line otherShadeOn(const geometry::Wall& wall) const;
+    // Where its top is of another shade (light blue, orange), which is no wall's paint but goes with blue or
+    // red, along at least half an inch but not most of it: middles of these stretches.
+    Line otherShadeOn(const geometry::Wall& wall, Paint shade) const;
 
     // Mean light at a place over what white returns there; none outside the picture.
     std::optional<glm::vec3> overWhite(glm::dvec2 plan, double height) const;

@@ -137,6 +137,7 @@ std::optional<double> monthNamed(std::string_view word) {
 
 // "6/20", "6/20/2003"; "20-Jun" or "Jun-20", as spreadsheets make of it; 171, the day of a common year.
 std::optional<Date> monthAndDay(std::string_view text) {
+    text = text.substr(0, text.find(':')); // "6/20/2003 0:00": the hour goes with the year
     Cells words;
     const auto isPart = [](unsigned char c) { return std::isalnum(c) != 0; };
     for (auto at = text.begin(); (at = std::find_if(at, text.end(), isPart)) != text.end();) {
@@ -144,7 +145,7 @@ std::optional<Date> monthAndDay(std::string_view text) {
         words.emplace_back(at, end);
         at = end;
     }
-    if (words.empty() || words.size() > 3) return std::nullopt;
+    if (words.empty() || words.size() > 4) return std::nullopt;
     if (words.size() == 1) {
         const auto day = geometry::numberFrom(words[0]);
         if (!day || *day != std::floor(*day) || *day < 1 || *day > 366) return std::nullopt;
@@ -200,7 +201,8 @@ Coverage readCoverage(const Line& line, EpwFile& epw) {
     const std::string_view word = line.cells[0];
     if (sameWord(word.substr(0, 6), "place "))
         line.refuse("begins as a .wea, expected the .epw that it was made from");
-    if (sameWord(word.substr(0, 8), "LOCATION"))
+    if (sameWord(word.substr(0, 8), "LOCATION") && word.size() > 8 &&
+        !std::isalnum(static_cast<unsigned char>(word[8])))
         line.refuse(fmt::format("has '{}' between its fields, expected commas", word.substr(8, 1)));
     line.refuse("expected LOCATION, the first line of an EPW file");
 }

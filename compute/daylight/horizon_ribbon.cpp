@@ -14,7 +14,8 @@ constexpr double kRow = 0.1, kLeastFloor = 1e-3; // heights
 
 bool hasHorizonRibbon(const SkyFormula& f) {
     // Where a and b differ in sign it is dark at the horizon.
-    if (f.intermediate || f.g1 != 0 || f.a * f.b <= 0 || f.zFloor < kLeastFloor || f.zFloor >= kRow)
+    if (f.intermediate || f.g1 != 0 || f.a * f.b <= 0 || f.scale <= 0 || f.zFloor < kLeastFloor ||
+        f.zFloor >= kRow)
         return false;
     return gradation(f, kRibbonTop) > 0 && gradation(f, 0) > kRibbonContrast * gradation(f, kRow);
 }

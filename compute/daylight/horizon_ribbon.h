@@ -16,16 +16,15 @@ namespace heliodon::daylight {
 // z^2 / b, a cell of sky or more, to fall by 1/e.
 inline constexpr double kRibbonTop = 0.25;
 
-// Whether the gradation falls by over this factor within 6 degrees, the height of sky elements. Cells of sky
-// are good for less: 0.7 % at the worst sensor, with 1.6.
+// Whether the gradation falls by over this factor within 6 degrees, the height of sky elements, and the sky
+// shines at all. Cells of sky are good for less: 0.7 % at the worst sensor, with 1.6.
 inline constexpr double kRibbonContrast = 1.8;
 bool hasHorizonRibbon(const SkyFormula& formula);
 
 // The sky without its ribbon: below kRibbonTop as bright as there.
 Sky withoutRibbon(const Sky& sky);
 
-// Heights z, from low to high, between which it is smooth enough for a Gauss rule, and above which there is
-// none.
+// Heights z, from low to high, between which, and above which, it is smooth enough for a Gauss rule.
 inline std::array<double, 4> horizonRibbonCuts(const SkyFormula& f) {
     return {f.zFloor, 1.1 * f.zFloor, 1.5 * f.zFloor, 4 * f.zFloor};
 }

@@ -24,8 +24,9 @@ bool FileWatch::changes() {
         std::string text = geometry::readText(file_, "a file");
         std::swap(text, text_);
         return text != text_;
-    } catch (const geometry::InputError&) { // gone again
-        return false;
+    } catch (const geometry::InputError&) { // whoever reads it says what is amiss
+        text_.clear();
+        return true;
     }
 }
 

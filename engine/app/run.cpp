@@ -77,24 +77,29 @@ void Run::assume(const std::string& what, bool aloud) {
 }
 
 void Run::noteAssumed() {
-    if (!assumed_.empty()) note("assumed: " + assumed_);
+    if (!assumed_.empty()) note("assumed: " + geometry::printable(assumed_));
     assumed_.clear();
 }
 
 void Run::warn(const std::string& text) {
+    if (isNewWarning(text)) note("warning: " + geometry::printable(text));
+}
+
+bool Run::isNewWarning(const std::string& text) {
     json& warnings = report_["warnings"];
-    if (!addOnce(warnings, text)) return;
-    note("warning: " + text);
-    if (warnings.size() <= kMostWarnings) return;
-    warnings.erase(warnings.begin());
-    report_["warnings_left_out"] = report_.value("warnings_left_out", size_t{0}) + 1;
+    if (!addOnce(warnings, text)) return false;
+    if (warnings.size() > kMostWarnings) {
+        warnings.erase(warnings.begin());
+        report_["warnings_left_out"] = report_.value("warnings_left_out", size_t{0}) + 1;
+    }
+    return true;
 }
 
 void Run::warnOfEach(const std::vector<std::string>& texts) {
     constexpr size_t kShown = 12;
     size_t count = 0;
     for (const std::string& text : texts)
-        if (addOnce(report_["warnings"], text) && ++count <= kShown) note("warning: " + text);
+        if (isNewWarning(text) && ++count <= kShown) note("warning: " + geometry::printable(text));
     if (count > kShown)
         note(fmt::format("warning: {} more like these; {}", count - kShown,
                          reportFile_.empty() ? "--report lists them" : "the report lists them"));

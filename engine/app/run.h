@@ -33,7 +33,7 @@ public:
     // goes on collecting, and in `warnings_left_out` how many were before.
     static constexpr size_t kMostWarnings = 1000;
     void warn(const std::string& text);
-    // Of many of one kind, as of a picture of something else, the first few are shown; the report has all.
+    // Of many of one kind, as of a picture of something else, the first few are shown.
     void warnOfEach(const std::vector<std::string>& texts);
     // What stands in for options not given, said once: to the report and, if `aloud`, to noteAssumed, which
     // is called when all input has been read: errors of input stand alone.
@@ -53,6 +53,8 @@ public:
     void finish(const std::string& error = "");
 
 private:
+    bool isNewWarning(const std::string& text); // and if so, adds it
+
     std::string deviceName_;
     std::filesystem::path reportFile_;
     bool quiet_;

@@ -259,7 +259,8 @@ MatrixFile::MatrixFile(const std::filesystem::path& file, size_t rowCount, size_
             throw InputError(name_, "", fmt::format("expected a NumPy array of float32 of shape {}", shape));
         begin_ = preamble.size() + length;
     }
-    std::error_code unknown; // of what is no plain file
+    std::error_code unknown;
+    if (!std::filesystem::is_regular_file(file, unknown)) throw InputError(name_, "", "is no plain file");
     if (std::filesystem::file_size(file, unknown) != begin_ + rowCount * columnCount * sizeof(float))
         throw InputError(
             name_, "",

@@ -136,7 +136,10 @@ VertexLight::VertexLight(const PatchMesh& mesh)
     normal_.resize(pairs_.size());
     for (size_t p = 0; p < mesh.patchCount(); ++p)
         for (uint32_t c = firstCorner_[p]; c < firstCorner_[p + 1]; ++c)
-            normal_[corners_[c].pair] = normals.empty() ? patches.normal[p] : normals[c];
+            if (glm::dvec3& normal = normal_[corners_[c].pair]; !normals.empty())
+                normal = normals[c];
+            else if (patches.area[p] > 1e-300 || normal == glm::dvec3(0)) // others have no direction
+                normal = patches.normal[p];
     constexpr int kMostRings = 4;
     for (size_t pair = 0; pair < patchesAt.size(); ++pair) {
         const glm::dvec3 vertex = mesh.vertices[vertexOf[pair]];

@@ -310,6 +310,7 @@ TEST_F(BadInput, what_cannot_be_said_ends_no_work_and_goes_into_no_file) {
         "illuminance " HELIODON_TEST_DATA "/geometry/sketches/p04_L.json --triangles 60 -o ";
     ASSERT_EQ(code(command + in("lux.csv") + " --quiet"), 0);
     for (const std::string nowhere : {" 2> /dev/full", " 2>&-", " 0<&- 2>&-"}) {
+        std::filesystem::remove(folder / "same.csv");
         EXPECT_EQ(code(command + in("same.csv") + nowhere), 0) << nowhere;
         EXPECT_EQ(readText(folder / "same.csv"), readText(folder / "lux.csv")) << nowhere;
         EXPECT_EQ(code("model no-such.json -o " + in("room.obj") + nowhere), 2) << nowhere;

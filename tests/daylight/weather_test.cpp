@@ -287,6 +287,7 @@ TEST(Weather, accepts_what_spreadsheets_and_old_editors_make_of_files) {
 TEST(Weather, reads_the_dates_of_periods_as_spreadsheets_write_them) {
     for (const auto& [first, last] : {std::pair{"6/1", "6/2"},
                                       {"06/01/2003", "06/02/2003"},
+                                      {"6/1/2003 0:00", "6/2/2003 23:00"},
                                       {"1-Jun", "2-JUN"},
                                       {"Jun-01", "Jun-02"},
                                       {"1 June", "2 June"},

@@ -119,6 +119,10 @@ TEST_F(ModelFile, materials_beside_the_model_are_found_by_name) {
         EXPECT_EQ(refusal(std::string("mtllib ") + name + "\n" + kSquare + "usemtl a\nf 1 2 3\n"), "accepted")
             << name;
     EXPECT_NE(refusal("mtllib models\\other.mtl\n" + kSquare), "accepted");
+    write("b.mtl", "newmtl b\nKd 0.5\n");
+    for (const char* two : {"./room.mtl ./b.mtl", "m/room.mtl m/b.mtl"}) // not the last alone
+        EXPECT_EQ(refusal(std::string("mtllib ") + two + "\n" + kSquare + "usemtl a\nf 1 2 3\n"), "accepted")
+            << two;
 }
 
 TEST_F(ModelFile, messages_hold_no_more_than_a_line_of_text) {
