@@ -114,7 +114,7 @@ std::vector<ExactScene::Covered> coveredOf(const NarrowGaps& gaps) {
         double border = 0;
         for (size_t k = 0; k < overlap.outline.size(); ++k)
             border += glm::distance(overlap.outline[k], overlap.outline[(k + 1) % overlap.outline.size()]);
-        const double area = 0.5 * glm::length(geometry::areaVector(overlap.outline));
+        const double area = overlap.area();
         covered.push_back({overlap.first, overlap.second, area, std::min(0.5 * overlap.gap * border, area)});
     }
     return covered;

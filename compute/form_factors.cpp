@@ -309,7 +309,7 @@ void claimGapsThatRaysMiss(const geometry::PatchMesh& mesh, FormFactorReport& re
     std::vector<double> covered(mesh.patchCount(), 0.0);
     double widest = 0;
     for (const NarrowGaps::Overlap& overlap : narrowGaps(mesh, planeNumbers(mesh)).overlaps) {
-        const double area = 0.5 * glm::length(geometry::areaVector(overlap.outline));
+        const double area = overlap.area();
         covered[overlap.first] += area, covered[overlap.second] += area;
         widest = std::max(widest, overlap.gap);
     }

@@ -149,6 +149,10 @@ private:
 
 } // namespace
 
+double NarrowGaps::Overlap::area() const {
+    return 0.5 * glm::length(geometry::areaVector(outline));
+}
+
 NarrowGaps narrowGaps(const geometry::PatchMesh& mesh, std::span<const uint32_t> plane, double ofFaces) {
     constexpr double kAlike = 3e-3; // of orders of one plane
     NarrowGaps gaps;

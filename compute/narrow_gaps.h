@@ -22,6 +22,8 @@ struct NarrowGaps {
         uint32_t first = 0, second = 0; // patches
         std::vector<glm::dvec3> outline;
         double gap = 0;
+
+        double area() const; // m2
     };
     std::vector<Overlap> overlaps; // no two of one patch cover the same place
     // Of patches that are covered at all: convex parts of what is left of them, perhaps none.

@@ -211,9 +211,8 @@ std::vector<std::vector<PatchTree::Leaf>> coveredLeaves(const geometry::PatchMes
     uint32_t count = 0;
     for (const NarrowGaps::Overlap& overlap : gaps.overlaps) {
         std::vector<PatchTree::Leaf> own;
-        const double size = 0.5 * glm::length(geometry::areaVector(overlap.outline)),
-                     patch = std::min(geometry::patchArea(mesh, overlap.first),
-                                      geometry::patchArea(mesh, overlap.second));
+        const double size = overlap.area(), patch = std::min(geometry::patchArea(mesh, overlap.first),
+                                                             geometry::patchArea(mesh, overlap.second));
         addLeaves(overlap.outline, overlap.first, kSliver * size, own);
         for (PatchTree::Leaf& leaf : own) {
             double border = 0;

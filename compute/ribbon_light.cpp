@@ -21,10 +21,10 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr auto kGauss3 = daylight::gaussLegendre<3>();
-constexpr double kStep = 0.15;                   // radians of azimuth at first
-constexpr double kAgrees = 1e-3, kSmall = 2e-5;  // of a step's light and of all so far: what may be off
-constexpr int kDeepest = 10;                     // halvings of a step
-constexpr double kTopSlope = 0.2581988897471611; // of kRibbonTop: z over root of 1 - z^2
+constexpr double kStep = 0.15;                  // radians of azimuth at first
+constexpr double kAgrees = 1e-3, kSmall = 2e-5; // of a step's light and of all so far: what may be off
+constexpr int kDeepest = 10;                    // halvings of a step
+const double kTopSlope = daylight::kRibbonTop / std::sqrt(1 - daylight::kRibbonTop * daylight::kRibbonTop);
 // Of how far a patch's points lie apart, what four of them may be off, and of many, over their number; of the
 // last change, what may be left. Off by this share of its light and the usual one, it is told by more points.
 constexpr double kCurved = 0.1, kEdge = 0.5, kChangeLeft = 0.5, kOff = 0.01;

@@ -1,9 +1,7 @@
 #include "geometry/facet_merging.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <set>
 

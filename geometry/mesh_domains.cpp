@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "geometry/facet_merging.h"
+#include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
 
 namespace heliodon::geometry {
@@ -21,7 +22,6 @@ constexpr double kStraightSine = 1e-7;
 // Of the domain's extent: how far corners of merged faces lie off their plane, as the corners of one face of
 // a model may (model_faces.h).
 constexpr double kFlat = 1e-5;
-constexpr double kOnePlaneSine = 1e-4;
 constexpr double kUprightSine = 1e-5; // scenes in single precision, turned by their nodes
 constexpr double kMostTurn = 0.7;     // radians along an edge of a triangle
 
@@ -354,10 +354,6 @@ glm::dvec3 faceNormal(const Building& building, const Face& face) {
             sum += glm::cross(building.vertices[loop[i]] - origin,
                               building.vertices[loop[(i + 1) % loop.size()]] - origin);
     return glm::normalize(sum);
-}
-
-bool inOnePlane(glm::dvec3 a, glm::dvec3 b) {
-    return glm::dot(a, b) > 0 && glm::length(glm::cross(a, b)) < kOnePlaneSine;
 }
 
 glm::dvec2 mainDirection(const MeshDomain& domain) {

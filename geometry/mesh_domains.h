@@ -32,9 +32,6 @@ struct MeshDomain {
 
 glm::dvec3 faceNormal(const Building& building, const Face& face);
 
-// Whether normals of length one are those of one plane: files hold 6 or 7 digits.
-bool inOnePlane(glm::dvec3 a, glm::dvec3 b);
-
 // In the plane, of the longest straight run of the outlines.
 glm::dvec2 mainDirection(const MeshDomain& domain);
 

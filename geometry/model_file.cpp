@@ -10,7 +10,7 @@
 
 #include "geometry/disjoint_sets.h"
 #include "geometry/input_error.h"
-#include "geometry/mesh_domains.h"
+#include "geometry/outline_area.h"
 #include "geometry/raw_model.h"
 
 namespace heliodon::geometry {

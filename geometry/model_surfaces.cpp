@@ -8,6 +8,7 @@
 
 #include "geometry/disjoint_sets.h"
 #include "geometry/mesh_domains.h"
+#include "geometry/outline_area.h"
 #include "geometry/shell_faces.h"
 
 namespace heliodon::geometry {

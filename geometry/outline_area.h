@@ -26,4 +26,10 @@ inline glm::dvec3 areaVector(std::span<const glm::dvec3> vertices, std::span<con
     return areaVector(outline.size(), [&](size_t k) { return vertices[outline[k]]; });
 }
 
+// Whether normals of length one are those of one plane: files hold 6 or 7 digits.
+inline bool inOnePlane(glm::dvec3 a, glm::dvec3 b) {
+    constexpr double kSine = 1e-4;
+    return glm::dot(a, b) > 0 && glm::length(glm::cross(a, b)) < kSine;
+}
+
 } // namespace heliodon::geometry

@@ -5,7 +5,6 @@
 
 #include <glm/geometric.hpp>
 
-#include "geometry/mesh_domains.h"
 #include "geometry/outline_area.h"
 
 namespace heliodon::geometry {

@@ -70,10 +70,14 @@ std::string readText(const std::filesystem::path& file, const std::string& expec
     if (text.bad() || !in.is_open())
         throw InputError(file.string(), "", "cannot be read, expected " + expected);
     std::string read = std::move(text).str();
-    for (const char* const mark : {"\xFF\xFE", "\xFE\xFF"})
-        if (read.starts_with(mark))
-            throw InputError(file.string(), "", "is UTF-16, expected UTF-8: save it in that encoding");
+    refuseUtf16(file, read);
     return read;
+}
+
+void refuseUtf16(const std::filesystem::path& file, const std::string& text) {
+    for (const char* const mark : {"\xFF\xFE", "\xFE\xFF"})
+        if (text.starts_with(mark))
+            throw InputError(file.string(), "", "is UTF-16, expected UTF-8: save it in that encoding");
 }
 
 std::string asUtf8(const std::string& text) {

@@ -18,6 +18,7 @@ std::string readText(const std::filesystem::path& file, const std::string& expec
 
 // For readers of other kinds of file: throws what readText would.
 void refuseUnreadable(const std::filesystem::path& file, const std::string& expected);
+void refuseUtf16(const std::filesystem::path& file, const std::string& text);
 
 // The same, and InputError with the line where it stops being JSON. Json: nlohmann::json or ordered_json.
 template<class Json = nlohmann::json>

@@ -57,8 +57,7 @@ public:
         std::vector<float> green;
         for (int y = 0; y < region.height; y += kBlock)
             for (int x = 0; x < region.width; x += kBlock)
-                if (region.ground[static_cast<size_t>(y) * static_cast<size_t>(region.width) +
-                                  static_cast<size_t>(x)] == Ground::table)
+                if (region.isTable(x, y))
                     green.push_back(
                         table
                             .light[static_cast<size_t>(y / kBlock) * static_cast<size_t>(table.columns) +
@@ -294,9 +293,7 @@ bool tableReturns(const PlanView& view, const TableRegion& region, glm::vec3 lig
     size_t all = 0, alike = 0;
     for (int y = 0; y < region.height; y += kStep)
         for (int x = 0; x < region.width; x += kStep) {
-            if (region.ground[static_cast<size_t>(y) * static_cast<size_t>(region.width) +
-                              static_cast<size_t>(x)] != Ground::table)
-                continue;
+            if (!region.isTable(x, y)) continue;
             const uint8_t* p =
                 &photo.rgb[3 * (static_cast<size_t>(y + region.y0) * static_cast<size_t>(photo.width) +
                                 static_cast<size_t>(x + region.x0))];

@@ -71,9 +71,7 @@ bool nothingOutshines(const PlanView& view, const TableRegion& region) {
     size_t all = 0;
     for (int y = 0; y < region.height; y += kStep)
         for (int x = 0; x < region.width; x += kStep) {
-            if (region.ground[static_cast<size_t>(y) * static_cast<size_t>(region.width) +
-                              static_cast<size_t>(x)] != Ground::table)
-                continue;
+            if (!region.isTable(x, y)) continue;
             ++histogram[photo.rgb[3 * (static_cast<size_t>(y + region.y0) * static_cast<size_t>(photo.width) +
                                        static_cast<size_t>(x + region.x0)) +
                                   1]];

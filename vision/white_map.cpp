@@ -37,9 +37,7 @@ double relativeNoise(const PlanView& view, const TableRegion& region) {
     std::vector<float> samples;
     for (int y = 4; y < region.height - 4; y += 13)
         for (int x = 4; x < region.width - 4; x += 17) {
-            if (region.ground[static_cast<size_t>(y) * static_cast<size_t>(region.width) +
-                              static_cast<size_t>(x)] != Ground::table)
-                continue;
+            if (!region.isTable(x, y)) continue;
             const size_t at = 3 * (static_cast<size_t>(y + region.y0) * static_cast<size_t>(photo.width) +
                                    static_cast<size_t>(x + region.x0)) +
                               1;

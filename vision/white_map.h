@@ -20,6 +20,11 @@ struct TableRegion {
     int x0 = 0, y0 = 0, width = 0,
         height = 0;             // in the photograph; no width: the camera does not see the table
     std::vector<Ground> ground; // row-major
+
+    bool isTable(int x, int y) const { // 0, 0 first
+        return ground[static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)] ==
+               Ground::table;
+    }
 };
 
 // `overEdge`: inches that a wall may stick out over the table.

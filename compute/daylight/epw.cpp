@@ -52,8 +52,7 @@ std::string readLines(const std::string& file) {
     std::string text = readText(file);
     if (text.starts_with("PK\x03\x04"))
         throw InputError(file, "", "is a zip archive, expected the .epw in it");
-    if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
-        throw InputError(file, "", "is UTF-16 text, expected UTF-8 or plain letters");
+    geometry::refuseUtf16(file, text);
     if (text.find('\n') == text.npos) std::replace(text.begin(), text.end(), '\r', '\n');
     return text;
 }

@@ -284,11 +284,6 @@ void warnOfDarkDays(const EpwFile& epw, Weather& weather) {
 
 } // namespace
 
-std::optional<size_t> Weather::recordOn(const Date& date, double clockHour) const {
-    const uint32_t record = byPlace.at(placeOf(date, clockHour, recordsPerHour));
-    return record == kNoRecord ? std::nullopt : std::optional<size_t>(record);
-}
-
 Weather readWeather(const std::filesystem::path& file) {
     EpwFile epw = readEpw(file);
     Weather weather;
@@ -360,7 +355,10 @@ std::optional<size_t> recordAt(const Weather& weather, double utc) {
     const double local = clockSecondsOf(weather, utc);
     const double day = std::floor(local / 86400.0);
     const double clock = (local - day * 86400.0) / 3600.0;
-    const auto found = [&](const Date& date) { return weather.recordOn(date, clock); };
+    const auto found = [&](const Date& date) -> std::optional<size_t> {
+        const uint32_t record = weather.byPlace.at(placeOf(date, clock, weather.recordsPerHour));
+        return record == kNoRecord ? std::nullopt : std::optional<size_t>(record);
+    };
     const Date date = dateFromDays(static_cast<int64_t>(day));
     const auto here = found(date);
     return here || date.month != 2 || date.day != 29 ? here : found({date.year, 2, 28});

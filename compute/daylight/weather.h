@@ -45,10 +45,9 @@ struct Weather {
     std::vector<std::string> warnings; // one sentence each: gaps, odd conventions
 
     double recordHours() const { return 1.0 / recordsPerHour; }
-    // The record of a day of the (typical) year whose interval a clock reading in [0, 24) lies in, whatever
-    // its year, by its place in `hours`; none that the file does not cover. O(1).
-    std::optional<size_t> recordOn(const Date& date, double clockHour) const;
-    std::vector<uint32_t> byPlace; // of each record of a leap year: its place in `hours`, or kNoRecord
+    // Of each record of a leap year: its place in `hours`, or kNoRecord where the file does not cover it, so
+    // that a moment's is found at once.
+    std::vector<uint32_t> byPlace;
 };
 
 // Accepts gzip, CRLF, a byte-order mark, blank and '#' lines, lines of commas, Windows-1252, a missing
