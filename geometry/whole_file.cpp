@@ -195,16 +195,18 @@ void writeWhole(const fs::path& named, const std::function<void(const fs::path&)
     }
 }
 
+void writeTextAside(const fs::path& aside, const fs::path& target, std::string_view text) {
+    errno = 0;
+    std::ofstream out(aside, std::ios::binary);
+    out.write(text.data(), static_cast<std::streamsize>(text.size()));
+    if (!out.flush())
+        throw std::runtime_error(
+            fmt::format("{}: could not be written: {}", target.string(),
+                        errno != 0 ? std::system_category().message(errno) : "is the disk full?"));
+}
+
 void writeWholeText(const fs::path& target, std::string_view text) {
-    writeWhole(target, [&](const fs::path& aside) {
-        errno = 0;
-        std::ofstream out(aside, std::ios::binary);
-        out.write(text.data(), static_cast<std::streamsize>(text.size()));
-        if (!out.flush())
-            throw std::runtime_error(
-                fmt::format("{}: could not be written: {}", target.string(),
-                            errno != 0 ? std::system_category().message(errno) : "is the disk full?"));
-    });
+    writeWhole(target, [&](const fs::path& aside) { writeTextAside(aside, target, text); });
 }
 
 } // namespace heliodon::geometry

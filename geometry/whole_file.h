@@ -25,6 +25,10 @@ std::filesystem::path asideOf(const std::filesystem::path& target);
 // Throws InputError where a file cannot be written: for long work, before it begins.
 void refuseUnwritable(const std::filesystem::path& target);
 
+// What writeWhole's `write` may do; errors name `target`.
+void writeTextAside(const std::filesystem::path& aside, const std::filesystem::path& target,
+                    std::string_view text);
+
 void writeWholeText(const std::filesystem::path& target, std::string_view text);
 
 } // namespace heliodon::geometry

@@ -131,7 +131,7 @@ void writeObj(const PatchMesh& mesh, const std::filesystem::path& file, double n
     }
     // Materials when all else is written: without a model none appear, nor replace those of an older one.
     writeWhole(file, [&](const std::filesystem::path& aside) {
-        writeWholeText(aside, text);
+        writeTextAside(aside, file, text);
         writeWholeText(library, mtlText(mesh));
     });
 }

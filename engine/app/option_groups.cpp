@@ -15,7 +15,7 @@ void addScene(CLI::App* sub, SceneArguments& scene) {
     sub->add_option("--model-scale", scene.modelScale,
                     "how many times larger than a model (.obj .gltf .glb) its building is (default 12 for "
                     "models under 1 m high, as on the table, else 1)")
-        ->check(positive());
+        ->check(within(1e-6, 1e6));
 }
 
 void addMesh(CLI::App* sub, SceneArguments& scene) {

@@ -261,6 +261,8 @@ SceneSource readSource(Run& run, const SceneArguments& arguments) {
                          "is for models from files, what lies on the table is 12 times smaller");
     if (arguments.chordError && kind == InputKind::model)
         throw InputError("--chord-error", "", "is for curved walls on the table, a model's faces are flat");
+    if (arguments.up == "z" && kind != InputKind::model)
+        run.warn("--up is not used: it is for models from files, what lies on the table has y up");
     SceneSource source;
     if (!arguments.rig.empty()) source.rig = loadRig(run, arguments.rig);
     if (kind != InputKind::model) source.sketch = loadSketch(run, arguments, source.rig);

@@ -200,6 +200,7 @@ TEST_F(BadModel, options_that_are_for_other_input_or_other_kernels) {
     expectRefused("model " + in("m.obj") + " --chord-error 0.1 -o " + in("out.glb"),
                   {"--chord-error", "curved"});
     expectRefused("illuminance \"\" -o " + in("out.csv"), {"INPUT", "is empty"});
+    expectRefused(command() + " --model-scale 1e300", {"--model-scale", "1e300", "from 1e-06 to 1000000"});
     const std::string report = " --report " + in("report.json");
     Outcome outcome = heliodon(command() + " --kernel exact --resolution 16 --points 2" + report);
     EXPECT_EQ(outcome.exitCode, 0) << outcome.output;
@@ -207,6 +208,9 @@ TEST_F(BadModel, options_that_are_for_other_input_or_other_kernels) {
     EXPECT_NE(outcome.output.find("--points is not used"), std::string::npos) << outcome.output;
     outcome = heliodon(command() + " --kernel hemicube --resolution 16 --points 2" + report);
     EXPECT_EQ(outcome.output.find("not used"), std::string::npos) << outcome.output;
+    outcome = heliodon("model " HELIODON_TEST_DATA "/geometry/sketches/p04_L.json --up z -o " + in("l.obj"));
+    EXPECT_EQ(outcome.exitCode, 0) << outcome.output;
+    EXPECT_NE(outcome.output.find("--up is not used"), std::string::npos) << outcome.output;
 }
 
 TEST_F(BadModel, sensors_with_text_where_a_number_belongs) {

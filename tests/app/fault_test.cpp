@@ -153,6 +153,7 @@ TEST_F(Fault, a_full_disk_leaves_no_half_of_a_file) {
         const Outcome outcome = onFullDisk(blocks, command);
         EXPECT_EQ(outcome.exitCode, 1) << command << ": " << outcome.output;
         EXPECT_NE(outcome.output.find("out"), std::string::npos) << command << ": " << outcome.output;
+        EXPECT_EQ(outcome.output.find(".heliodon-"), std::string::npos) << command << ": " << outcome.output;
         expectNothingHalf(command);
         fs::remove_all(folder / "out");
     }
