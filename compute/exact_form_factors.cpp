@@ -443,7 +443,6 @@ void report(const Solver& solver, const ExactOptions& options, ExactFormFactors&
 
 ExactFormFactors emptyResult(const geometry::PatchMesh& mesh) {
     ExactFormFactors result;
-    result.factors.report.kernel = "exact";
     result.factors.patchCount = static_cast<uint32_t>(mesh.patchCount());
     result.rowError.assign(mesh.patchCount(), 0.0f);
     return result;

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <glm/geometric.hpp>
 
 #include "compute/closed_solid.h"
@@ -174,7 +175,6 @@ FormFactorReport hemicubeRows(gpu::Device& device, const geometry::PatchMesh& me
         take({first, count, 0, n, values});
         report.points = views.pointsPerPatch;
     }
-    report.kernel = "hemicube";
     report.why = "rows as their points see them";
     report.resolution = hemicube.resolution();
     return report;
@@ -195,7 +195,6 @@ FormFactorReport monteCarloRows(gpu::Device& device, const geometry::PatchMesh& 
         take({first, count, 0, n, std::span(values).first(size_t{count} * n)});
     }
     FormFactorReport report;
-    report.kernel = "montecarlo";
     report.why = fmt::format("each row from its own {} rays", kernel.rays());
     report.points = kernel.rays();
     report.claimedRowError = all.claim() / std::sqrt(std::max(n, 1u));
@@ -235,14 +234,9 @@ FormFactors hierarchicalFormFactors(gpu::Device& device, const geometry::PatchMe
     return result;
 }
 
-std::string kernelList() {
-    std::string names = "auto";
-    for (std::string_view name : formFactorKernels()) names += ", " + std::string(name);
-    return names;
-}
-
 [[noreturn]] void refuse(const std::string& kernel) {
-    throw geometry::InputError("--kernel", kernel, "unknown; expected " + kernelList());
+    throw geometry::InputError(
+        "--kernel", kernel, fmt::format("unknown; expected auto, {}", fmt::join(formFactorKernels(), ", ")));
 }
 
 FormFactors factorsOf(gpu::Device& device, const geometry::PatchMesh& mesh, const FormFactorOptions& options,
@@ -349,6 +343,7 @@ void warnOfLostLight(const geometry::PatchMesh& mesh, FormFactorReport& report) 
 }
 
 void explain(FormFactorReport& report, const FormFactorOptions& options, const KernelChoice& choice) {
+    report.kernel = choice.kernel;
     if (!choice.why.empty()) report.why = choice.why + "; " + report.why;
     report.claimedRadiosityError = choice.amplification * report.claimedRowError;
     // Claims lie above the errors: in rooms with a reference those of `exact` by 3 to 13 times, others by up

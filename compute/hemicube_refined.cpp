@@ -225,7 +225,6 @@ RefinedHemicube refinedHemicubeFormFactors(gpu::Device& device, const geometry::
     const PatchViewpoints views = patchViewpoints(mesh, options.points);
     Hemicube hemicube(device, mesh, {options.resolution});
     result.values = hemicube.run(views.viewpoints, views.pointsPerPatch).factors;
-    result.report.kernel = "hemicube";
     result.report.resolution = hemicube.resolution();
     result.report.points = views.pointsPerPatch;
     Patches patches(mesh);

@@ -56,7 +56,6 @@ HierarchicalFormFactors::HierarchicalFormFactors(gpu::Device& device, const geom
     uploadTree();
     makeLinks(options);
     makeOperator();
-    report_.kernel = "hierarchical";
     report_.reciprocityRms = 0;
     report_.seconds = watch.seconds();
     report_.why = fmt::format(

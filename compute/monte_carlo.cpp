@@ -219,7 +219,6 @@ MonteCarloFormFactors MonteCarlo::run() {
     FormFactors& factors = result.factors;
     factors.patchCount = n;
     factors.values = gpu::Buffer(*device_, size_t{n} * n * sizeof(float), "form factors");
-    factors.report.kernel = "montecarlo";
     factors.report.points = rays();
     result.rows.resize(n);
     if (n == 0) return result;

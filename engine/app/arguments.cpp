@@ -6,7 +6,9 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "compute/form_factors.h"
 #include "engine/app/command_line.h"
 #include "engine/app/option_checks.h"
 #include "engine/app/option_groups.h"
@@ -122,8 +124,9 @@ private:
         CLI::App* sub = add("formfactors", "the matrix of form factors", formFactors_,
                             "room.obj --kernel hemicube --resolution 64 -o F.npy");
         addScene(sub, formFactors_.scene);
-        sub->add_option("--kernel", formFactors_.kernel,
-                        "auto, exact, hemicube, hierarchical or montecarlo (default auto)");
+        sub->add_option(
+            "--kernel", formFactors_.kernel,
+            fmt::format("auto, {} (default auto)", fmt::join(compute::formFactorKernels(), ", ")));
         auto* resolution =
             sub->add_option(
                    "--resolution", formFactors_.resolution,

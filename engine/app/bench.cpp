@@ -5,6 +5,7 @@
 #include <thread>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include "compute/closed_solid.h"
@@ -451,11 +452,9 @@ BenchArguments completed(BenchArguments arguments) {
     const auto known = compute::formFactorKernels();
     arguments.kernels = expanded(arguments.kernels, known);
     for (const std::string& kernel : arguments.kernels)
-        if (kernel != "auto" && std::find(known.begin(), known.end(), kernel) == known.end()) {
-            std::string names = "all, auto";
-            for (const std::string_view name : known) names += ", " + std::string(name);
-            throw geometry::InputError("--kernels", kernel, "unknown; expected " + names);
-        }
+        if (kernel != "auto" && std::find(known.begin(), known.end(), kernel) == known.end())
+            throw geometry::InputError(
+                "--kernels", kernel, fmt::format("unknown; expected all, auto, {}", fmt::join(known, ", ")));
     std::vector<std::string_view> scenes;
     for (const BuiltInScene& scene : builtInScenes()) scenes.emplace_back(scene.name);
     arguments.scenes = expanded(arguments.scenes, scenes);
