@@ -107,7 +107,10 @@ private:
             operatorDue(kOperatorBusy) && (controls_.values.playing || outputs_->operatorBusy());
         controls_.play(); // a step for each drawing, so that no core solves what nobody sees
         const bool events = listen(dirty_ || hurried || scriptReady() ? 0 : 0.02);
-        if (!outputs_->wanted()) ended_ = true;
+        if (!outputs_->wanted()) {
+            outputs_->refuseLoss();
+            ended_ = true;
+        }
         if (arguments_.duration > 0 && secondsSince(started_) > arguments_.duration) ended_ = true;
         runScript();
         take();

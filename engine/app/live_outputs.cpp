@@ -101,6 +101,8 @@ std::vector<present::Event> LiveOutputs::pollEvents(double waitSeconds) {
                 run_.note(fmt::format("display '{}' is connected", rig_.projectors[i].display));
         }
         notices_[i] = notice;
+        if (presenter_->reason(i) == present::kDisplayLost)
+            run_.warn(fmt::format("{} is closed: {}", windowName(i), present::kDisplayLost));
     }
     std::erase_if(events, [this](const present::Event& event) {
         return event.window == operatorIndex() &&
@@ -114,6 +116,16 @@ bool LiveOutputs::wanted() const {
     bool any = false;
     for (size_t i = 0; i < operatorIndex(); ++i) any = any || open(i);
     return any && open(operatorIndex());
+}
+
+void LiveOutputs::refuseLoss() const {
+    for (size_t i = 0; i < presenter_->size(); ++i)
+        if (presenter_->reason(i) == present::kDisplayLost)
+            throw std::runtime_error("windows that are needed were closed: their displays went away");
+}
+
+std::string LiveOutputs::windowName(size_t window) const {
+    return window == operatorIndex() ? "the operator's window" : rig_.projectors[window].id + "'s window";
 }
 
 bool LiveOutputs::damaged() const {

@@ -56,6 +56,8 @@ struct Event {
 };
 constexpr int kEscapeKey = 27, kLeftKey = 1, kRightKey = 2, kUpKey = 3, kDownKey = 4;
 
+constexpr const char* kDisplayLost = "its display went away";
+
 class Presenter {
 public:
     // Throws gpu::Error when the device cannot present to a window or has no 8-bit format for it. A display
@@ -67,7 +69,7 @@ public:
 
     size_t size() const;
     WindowState state(size_t window) const;
-    // Why a window was closed, for the report; empty while it is open.
+    // Why a window was closed, for the report; empty while it is open. kDisplayLost: nobody wanted it.
     const std::string& reason(size_t window) const;
     // What is not as it was wanted, now: names the display that is missing and those that are connected.
     const std::string& notice(size_t window) const;

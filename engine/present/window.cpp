@@ -156,18 +156,17 @@ void Window::openSurface() {
 
 // A surface may be lost without its window, as when a display is plugged in again: once more, then.
 void Window::surfaceLost() {
-    const std::string why = "its display went away";
     swapchain.reset();
     damaged = true;
     if (std::exchange(surfaceLost_, true)) {
-        close(why);
+        close(kDisplayLost);
         return;
     }
     try {
         openSurface();
     } catch (const gpu::Error& error) {
         if (error.deviceLost()) throw;
-        close(why);
+        close(kDisplayLost);
     }
 }
 
