@@ -29,7 +29,7 @@ private:
 
     std::string what_;
     size_t total_;
-    bool shown_, terminal_, drawn_ = false;
+    bool shown_, terminal_, drawn_ = false, finished_ = false;
     Clock::time_point start_, last_;
 };
 

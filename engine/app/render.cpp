@@ -210,8 +210,7 @@ void execute(Run& run, const RenderArguments& arguments) {
     renderPreviews(run, renderer, shown, arguments);
     if (sheet) renderSheet(run, renderer, *transport, source, *sheet, arguments);
     if (scene.rig) {
-        if (scene.rig->projectors.empty())
-            run.warn(arguments.scene.rig.string() + ": projectors: there is none, only previews are drawn");
+        if (scene.rig->projectors.empty()) warnOfNoProjectors(run, arguments.scene.rig);
         renderProjectors(run, renderer, shown, arguments);
         reportReach(run, scene);
         if (isPhotograph(arguments.scene.input))

@@ -253,6 +253,10 @@ geometry::Rig loadRig(Run& run, const std::filesystem::path& file) {
     return rig;
 }
 
+void warnOfNoProjectors(Run& run, const std::filesystem::path& rig) {
+    run.warn(rig.string() + ": projectors: there is none, only previews are drawn");
+}
+
 SceneSource readSource(Run& run, const SceneArguments& arguments) {
     for (const std::string& state : arguments.blinds) parseWindowState(state); // now, not after the meshing
     const InputKind kind = kindOf(arguments.input);

@@ -46,6 +46,9 @@ void refuseGrey(const vision::Photograph& photograph);
 // A rig that says nothing of its table: the paper's is assumed, and noted.
 geometry::Rig loadRig(Run& run, const std::filesystem::path& file);
 
+// Of a rig that has none, where pictures for them were to be expected.
+void warnOfNoProjectors(Run& run, const std::filesystem::path& rig);
+
 geometry::UpAxis upAxisOf(const SceneArguments& arguments);
 
 // The sketch in a file, or detected in a photograph (which needs a rig). Fills `stages.detect` and `detected`

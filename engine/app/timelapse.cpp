@@ -224,17 +224,24 @@ std::string tableRow(const daylight::Moment& time, const daylight::SunPosition& 
                        sun.altitudeDeg, figures.meanLux, figures.maxLux, figures.glareRatio);
 }
 
-std::vector<std::string> viewsOf(const TimelapseArguments& arguments, const Scene& scene) {
+std::vector<std::string> viewsOf(Run& run, const TimelapseArguments& arguments, const Scene& scene) {
+    const bool projectors = scene.rig && !scene.rig->projectors.empty();
     const std::string view =
-        !arguments.view.empty() ? arguments.view : (scene.rig ? "projectors" : "preview");
+        !arguments.view.empty() ? arguments.view : (projectors ? "projectors" : "preview");
     if (view == "none") {
         if (arguments.output.extension() == ".mp4")
             throw geometry::InputError("--view", "", "none draws nothing, expected a folder for frames.csv");
         return {};
     }
-    if (view == "preview") return {"preview"};
+    if (view == "preview") {
+        if (scene.rig && arguments.view.empty()) warnOfNoProjectors(run, arguments.scene.rig);
+        return {"preview"};
+    }
     if (!scene.rig)
         throw geometry::InputError("--view", "", "projectors need a rig, expected --rig RIG.json");
+    if (!projectors)
+        throw geometry::InputError(arguments.scene.rig.string(), "projectors",
+                                   "there is none to show anything on");
     std::vector<std::string> views;
     for (size_t p = 0; p < scene.rig->projectors.size(); ++p) views.push_back(fmt::format("projector-{}", p));
     return views;
@@ -328,7 +335,7 @@ void execute(Run& run, const TimelapseArguments& arguments) {
     MomentArguments moment = arguments.moment;
     moment.time = arguments.from;
     const SkySource source(run, moment, scene);
-    const std::vector<std::string> views = viewsOf(arguments, scene);
+    const std::vector<std::string> views = viewsOf(run, arguments, scene);
     FrameJob job = frameJobOf(run, arguments, scene, views, times.size());
     FrameSink sink({arguments.output, arguments.framesPerSecond, arguments.picture.exr, arguments.resume,
                     std::move(job)});

@@ -6,7 +6,11 @@
 #include <cstring>
 #include <map>
 #include <regex>
+#include <thread>
 #include <vector>
+
+#include <fcntl.h>
+#include <unistd.h>
 
 #include <nlohmann/json.hpp>
 
@@ -17,6 +21,7 @@
 #include "engine/app/bench_plot.h"
 #include "engine/app/bench_results.h"
 #include "engine/app/bench_scenes.h"
+#include "engine/app/progress.h"
 #include "tests/app/program.h"
 #include "tests/gpu/test_device.h"
 #include "tests/sanitized.h"
@@ -25,6 +30,27 @@ namespace heliodon::test {
 namespace {
 
 class Bench : public InFolder {};
+
+// Steps may be many to a unit of what is counted.
+TEST(Progress, says_once_that_all_is_done) {
+    const int screen = ::posix_openpt(O_RDWR | O_NOCTTY), usual = ::dup(STDERR_FILENO);
+    ASSERT_TRUE(::grantpt(screen) == 0 && ::unlockpt(screen) == 0);
+    const int end = ::open(::ptsname(screen), O_RDWR | O_NOCTTY);
+    ::dup2(end, STDERR_FILENO);
+    {
+        app::Progress progress("hours", 3, true);
+        std::this_thread::sleep_for(std::chrono::milliseconds(2100));
+        progress.advance(2);
+        for (int step = 0; step < 5; ++step) progress.advance(3);
+    }
+    ::dup2(usual, STDERR_FILENO);
+    std::array<char, 4096> text{};
+    const std::string said(text.data(), static_cast<size_t>(::read(screen, text.data(), text.size())));
+    for (const int handle : {end, usual, screen}) ::close(handle);
+    EXPECT_NE(said.find("2/3"), std::string::npos) << said;
+    EXPECT_NE(said.find("3/3"), std::string::npos) << said;
+    EXPECT_EQ(said.find("3/3"), said.rfind("3/3")) << said;
+}
 
 TEST_F(Bench, names_with_commas_and_quotes_stay_one_cell) {
     app::BenchResult result;

@@ -126,6 +126,21 @@ TEST_F(Timelapse, a_table_alone_is_a_job_like_any_other) {
     EXPECT_TRUE(has("00000.png"));
 }
 
+TEST_F(Timelapse, a_rig_without_projectors_leaves_the_preview) {
+    auto rig = nlohmann::json::parse(readText(HELIODON_SOURCE "/examples/rig.json"));
+    rig["projectors"] = nlohmann::json::array();
+    writeText(folder / "rig.json", rig.dump());
+    const std::string rigged = "--size 64x48 --rig " + in("rig.json");
+    const Outcome plain = heliodon(day("10:00", "PT1H", rigged));
+    EXPECT_EQ(plain.exitCode, 0) << plain.output;
+    EXPECT_TRUE(has("00000.png"));
+    EXPECT_NE(readText(folder / "report.json").find("rig.json: projectors: there is none"),
+              std::string::npos);
+    const Outcome asked = heliodon(day("10:00", "PT1H", rigged + " --view projectors"));
+    EXPECT_EQ(asked.exitCode, 2) << asked.output;
+    EXPECT_NE(asked.output.find("rig.json:projectors: there is none"), std::string::npos) << asked.output;
+}
+
 TEST_F(Timelapse, polar_day_and_polar_night) {
     const auto day = [&](const std::string& date) {
         const Outcome outcome =
