@@ -112,16 +112,20 @@ std::vector<present::Event> LiveOutputs::pollEvents(double waitSeconds) {
 }
 
 bool LiveOutputs::wanted() const {
-    const auto open = [this](size_t i) { return presenter_->state(i) != present::WindowState::closed; };
-    bool any = false;
-    for (size_t i = 0; i < operatorIndex(); ++i) any = any || open(i);
-    return any && open(operatorIndex());
+    return projectorsOpen() && presenter_->state(operatorIndex()) != present::WindowState::closed;
+}
+
+bool LiveOutputs::projectorsOpen() const {
+    for (size_t i = 0; i < operatorIndex(); ++i)
+        if (presenter_->state(i) != present::WindowState::closed) return true;
+    return false;
 }
 
 void LiveOutputs::refuseLoss() const {
-    for (size_t i = 0; i < presenter_->size(); ++i)
-        if (presenter_->reason(i) == present::kDisplayLost)
-            throw std::runtime_error("windows that are needed were closed: their displays went away");
+    bool lost = presenter_->reason(operatorIndex()) == present::kDisplayLost;
+    for (size_t i = 0; i < operatorIndex() && !projectorsOpen(); ++i)
+        lost |= presenter_->reason(i) == present::kDisplayLost;
+    if (lost) throw std::runtime_error("windows that are needed were closed: their displays went away");
 }
 
 std::string LiveOutputs::windowName(size_t window) const {

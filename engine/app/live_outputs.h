@@ -28,7 +28,7 @@ public:
     std::vector<present::Event> pollEvents(double waitSeconds);
     // The operator's window is open, and one of a projector.
     bool wanted() const;
-    // Throws where that is not so and displays that went away have their part in it.
+    // Throws where that is not so because displays went away.
     void refuseLoss() const;
     // Some window wants its picture again.
     bool damaged() const;
@@ -73,6 +73,7 @@ public:
 
 private:
     std::vector<bool> closedProjectors() const;
+    bool projectorsOpen() const;
     std::string windowName(size_t window) const;
     size_t operatorIndex() const { return rig_.projectors.size(); }
     const gpu::Image* testPicture(size_t projector, present::Shown shown);
