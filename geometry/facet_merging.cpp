@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <set>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "geometry/ray_crossing.h"
@@ -15,9 +17,12 @@ namespace {
 
 using Frame = MeshDomain::Frame;
 
-constexpr double kColumn = 0.93;    // of an edge: what facets become
-constexpr double kMostTurn = 0.25;  // radians along an edge: chords take 0.9 % off, triangles over folds less
-constexpr double kSamePlace = 1e-6; // of the wall's length
+constexpr double kColumn = 0.93;       // of an edge: what facets become
+constexpr double kMostTurn = 0.25;     // radians in such a facet: chords take up to 1 % off
+constexpr double kNarrow = 0.8;        // of an edge: facets that cannot be columns of the triangles wanted
+constexpr double kMostFolded = 0.3;    // radians along an edge: triangles over the folds take up to 1 % off
+constexpr double kMostOfColumns = 0.7; // the same, where there will mostly be columns
+constexpr double kSamePlace = 1e-6;    // of the wall's length
 
 // A place where a domain's outline has a vertex.
 struct Use {
@@ -29,8 +34,43 @@ struct Use {
 struct Strip {
     std::vector<double> folds;                // along the wall, its two ends included
     std::vector<uint32_t> columnOf;           // per frame: the facet between two folds
+    std::vector<uint32_t> frameAt;            // per facet: one of its frames
     std::vector<std::vector<size_t>> corners; // of the outline, per fold
 };
+
+// None where anything but floor and ceiling, or another wall's edge, has a corner on its border.
+std::optional<Strip> stripOf(const Building& building, const MeshDomain& domain) {
+    if (domain.frames.size() < 2 || domain.loops.size() != 1) return std::nullopt;
+    Strip strip;
+    const std::vector<uint32_t>& loop = domain.loops[0];
+    std::vector<double> places;
+    for (size_t k = 0; k < loop.size(); ++k)
+        places.push_back(domain.frames[domain.frameOf[0][k]].coordinates(building.vertices[loop[k]]).x);
+    std::vector<size_t> order(loop.size());
+    std::iota(order.begin(), order.end(), size_t{0});
+    std::ranges::sort(order, {}, [&](size_t k) { return places[k]; });
+    const double same = kSamePlace * (places[order.back()] - places[order.front()]);
+    for (const size_t k : order) {
+        if (strip.folds.empty() || places[k] > strip.folds.back() + same) {
+            strip.folds.push_back(places[k]);
+            strip.corners.emplace_back();
+        }
+        strip.corners.back().push_back(k);
+    }
+    for (const auto& corners : strip.corners)
+        if (corners.size() != 2) return std::nullopt;
+    strip.frameAt.resize(strip.folds.size() - 1);
+    for (uint32_t f = 0; f < domain.frames.size(); ++f) {
+        const Frame& frame = domain.frames[f];
+        const auto after = std::ranges::upper_bound(strip.folds, 0.5 * (frame.low + frame.high));
+        if (after == strip.folds.begin() || after == strip.folds.end() || frame.low < *(after - 1) - same ||
+            frame.high > *after + same)
+            return std::nullopt;
+        strip.columnOf.push_back(static_cast<uint32_t>(after - strip.folds.begin()) - 1);
+        strip.frameAt[strip.columnOf[f]] = f;
+    }
+    return strip;
+}
 
 class FacetMerger {
 public:
@@ -45,8 +85,7 @@ public:
     void merge() {
         gone_.assign(building_.vertices.size(), false);
         for (uint32_t d = 0; d < domains_.size(); ++d)
-            if (domains_[d].frames.size() > 1 && domains_[d].loops.size() == 1)
-                if (const auto strip = stripOf(domains_[d])) thin(d, *strip);
+            if (const auto strip = stripOf(building_, domains_[d])) thin(d, *strip);
         for (MeshDomain& domain : domains_)
             for (size_t l = 0; l < domain.loops.size(); ++l) {
                 std::vector<uint32_t> loop, frames;
@@ -58,40 +97,14 @@ public:
                 domain.loops[l] = std::move(loop);
                 domain.frameOf[l] = std::move(frames);
             }
+        for (size_t d = 0, n = domains_.size(); d < n; ++d)
+            if (const auto strip = stripOf(building_, domains_[d]);
+                strip && turnsSharply(domains_[d], *strip))
+                divide(d, *strip);
     }
 
 private:
     glm::dvec3 at(uint32_t vertex) const { return building_.vertices[vertex]; }
-
-    std::optional<Strip> stripOf(const MeshDomain& domain) const {
-        Strip strip;
-        std::vector<double> ends;
-        for (const Frame& frame : domain.frames) ends.insert(ends.end(), {frame.low, frame.high});
-        std::ranges::sort(ends);
-        const double same = kSamePlace * (ends.back() - ends.front());
-        for (const double end : ends)
-            if (strip.folds.empty() || end > strip.folds.back() + same) strip.folds.push_back(end);
-        const auto foldAt = [&](double x) -> std::optional<size_t> {
-            const auto found = std::ranges::lower_bound(strip.folds, x - same);
-            if (found == strip.folds.end() || *found > x + same) return std::nullopt;
-            return static_cast<size_t>(found - strip.folds.begin());
-        };
-        for (const Frame& frame : domain.frames) {
-            const auto low = foldAt(frame.low), high = foldAt(frame.high);
-            if (!low || !high || *high != *low + 1) return std::nullopt;
-            strip.columnOf.push_back(static_cast<uint32_t>(*low));
-        }
-        strip.corners.resize(strip.folds.size());
-        for (size_t k = 0; k < domain.loops[0].size(); ++k) {
-            const Frame& frame = domain.frames[domain.frameOf[0][k]];
-            const auto fold = foldAt(frame.coordinates(at(domain.loops[0][k])).x);
-            if (!fold) return std::nullopt;
-            strip.corners[*fold].push_back(k);
-        }
-        for (const auto& corners : strip.corners)
-            if (corners.size() != 2) return std::nullopt;
-        return strip;
-    }
 
     // The other domain's corner that goes with one of the wall's; none where the fold must stay.
     std::optional<Use> partner(uint32_t d, size_t corner) const {
@@ -110,12 +123,9 @@ private:
         return other;
     }
 
-    double turnAt(const MeshDomain& domain, const Strip& strip, size_t fold) const {
-        const auto direction = [&](size_t column) {
-            const auto found = std::ranges::find(strip.columnOf, static_cast<uint32_t>(column));
-            return domain.frames[static_cast<size_t>(found - strip.columnOf.begin())].u;
-        };
-        const glm::dvec3 before = direction(fold - 1), after = direction(fold);
+    static double turnAt(const MeshDomain& domain, const Strip& strip, size_t fold) {
+        const glm::dvec3 before = domain.frames[strip.frameAt[fold - 1]].u,
+                         after = domain.frames[strip.frameAt[fold]].u;
         return std::abs(std::atan2(glm::length(glm::cross(before, after)), glm::dot(before, after)));
     }
 
@@ -131,15 +141,20 @@ private:
             std::vector<uint32_t> outline;
             for (size_t fold = from; fold <= to; ++fold)
                 outline.push_back(cornerAt(domains_[d], strip, fold, upper));
+            const std::set<uint32_t> own(outline.begin(), outline.end());
             std::set<uint32_t> flat;
             for (size_t k = 1; k + 1 < outline.size(); ++k)
                 for (const Use& use : uses_[outline[k]])
                     if (use.domain != d) flat.insert(use.domain);
+            glm::dvec3 low = at(outline[0]), high = low;
+            for (const uint32_t v : outline) low = glm::min(low, at(v)), high = glm::max(high, at(v));
+            const auto isNear = [&](glm::dvec3 p) {
+                return p.x >= low.x && p.x <= high.x && p.z >= low.z && p.z <= high.z;
+            };
             for (const uint32_t other : flat)
                 for (const auto& loop : domains_[other].loops)
                     for (const uint32_t v : loop)
-                        if (std::ranges::find(outline, v) == outline.end() && isWithin(outline, at(v)))
-                            return false;
+                        if (isNear(at(v)) && !own.contains(v) && isWithin(outline, at(v))) return false;
         }
         return true;
     }
@@ -184,8 +199,9 @@ private:
         for (size_t fold = from + 1; fold < to; ++fold) turn += turnAt(domains_[d], strip, fold);
         // As many for each, so that those of one wall stay even.
         const auto narrow = static_cast<double>(to - from);
-        const bool flat = turn * edge_ < kMostTurn * length;
-        const double each = flat ? std::min(std::round(narrow * kColumn * edge_ / length), narrow / 2) : 1,
+        const double fitting = std::round(narrow * kColumn * edge_ / length),
+                     gentle = std::floor(narrow * kMostTurn / std::max(turn, kMostTurn)),
+                     each = std::min({fitting, gentle, narrow / 2}),
                      wide = each > 1 ? std::ceil(narrow / each) : narrow;
         const bool merges = wide < narrow;
         for (size_t fold = from + 1; fold <= to; ++fold) {
@@ -199,6 +215,31 @@ private:
             if (fold - kept.back() > 1 && !isFree(d, strip, kept.back(), fold))
                 for (size_t between = kept.back() + 1; between < fold; ++between) kept.push_back(between);
             kept.push_back(fold);
+        }
+    }
+
+    // Within the length of a triangle's edge.
+    bool turnsSharply(const MeshDomain& domain, const Strip& strip) const {
+        for (size_t fold = 1; fold + 1 < strip.folds.size(); ++fold) {
+            const double width = std::min(strip.folds[fold] - strip.folds[fold - 1],
+                                          strip.folds[fold + 1] - strip.folds[fold]);
+            const double most = width < kNarrow * edge_ ? kMostFolded : kMostOfColumns;
+            if (turnAt(domain, strip, fold) * edge_ > most * width) return true;
+        }
+        return false;
+    }
+
+    // Each facet by itself.
+    void divide(size_t d, const Strip& strip) {
+        const MeshDomain whole = domains_[d];
+        for (size_t c = 0; c + 1 < strip.folds.size(); ++c) {
+            MeshDomain facet;
+            facet.faces = whole.faces;
+            facet.frames = {whole.frames[strip.frameAt[c]]};
+            facet.loops = {{cornerAt(whole, strip, c, false), cornerAt(whole, strip, c + 1, false),
+                            cornerAt(whole, strip, c + 1, true), cornerAt(whole, strip, c, true)}};
+            facet.frameOf = {{0, 0, 0, 0}};
+            (c == 0 ? domains_[d] : domains_.emplace_back()) = std::move(facet);
         }
     }
 
@@ -236,6 +277,10 @@ private:
 };
 
 } // namespace
+
+bool isPlainStrip(const Building& building, const MeshDomain& domain) {
+    return stripOf(building, domain).has_value();
+}
 
 void mergeFacets(const Building& building, std::vector<MeshDomain>& domains, double edge) {
     FacetMerger(building, domains, edge).merge();

@@ -80,9 +80,12 @@ bool repeatsCorner(const MeshDomain& domain) {
 
 class DomainFinder {
 public:
-    DomainFinder(const Building& building, double edge) : building_(building), edge_(edge) {}
+    DomainFinder(const Building& building, double edge, bool merging)
+        : building_(building), edge_(edge), merging_(merging) {
+        for (const Face& face : building.faces) normals_.push_back(faceNormal(building, face));
+    }
 
-    std::vector<MeshDomain> find(bool merging) {
+    std::vector<MeshDomain> find() {
         std::map<std::tuple<uint32_t, uint32_t, Role, uint32_t>, std::vector<uint32_t>> groups;
         for (uint32_t f = 0; f < building_.faces.size(); ++f) {
             const Face& face = building_.faces[f];
@@ -97,7 +100,7 @@ public:
             else
                 addConnected(faces);
         dropStraightCorners();
-        if (merging) mergeFacets(building_, domains_, edge_);
+        if (merging_) mergeFacets(building_, domains_, edge_);
         for (MeshDomain& domain : domains_) place(domain);
         return std::move(domains_);
     }
@@ -158,14 +161,9 @@ private:
         return parts;
     }
 
-    bool isUpright(uint32_t f) const {
-        return std::abs(faceNormal(building_, building_.faces[f]).y) <= kUprightSine;
-    }
+    bool isUpright(uint32_t f) const { return std::abs(normals_[f].y) <= kUprightSine; }
 
-    bool inOnePlane(uint32_t f, uint32_t g) const {
-        return geometry::inOnePlane(faceNormal(building_, building_.faces[f]),
-                                    faceNormal(building_, building_.faces[g]));
-    }
+    bool inOnePlane(uint32_t f, uint32_t g) const { return geometry::inOnePlane(normals_[f], normals_[g]); }
 
     bool flat(const std::vector<uint32_t>& members) const {
         const Frame frame = frameOfFace(building_, building_.faces[members[0]]);
@@ -200,7 +198,8 @@ private:
 
     // Upright facets that hang together along upright edges, or are parts of one, laid out side by side.
     bool unroll(const std::vector<uint32_t>& members, const std::map<Edge, uint32_t>& faceOf) {
-        if (turnsSharply(members, faceOf)) return false;
+        const bool sharp = turnsSharply(members, faceOf); // merging takes such facets apart again
+        if (sharp && !merging_) return false;
         std::set<uint32_t> rest(members.begin(), members.end());
         std::vector<MeshDomain> found;
         while (!rest.empty()) {
@@ -208,6 +207,7 @@ private:
             std::set<Edge> seams;
             layOut(*rest.begin(), faceOf, rest, domain, seams);
             BoundaryTracer(building_, domain).trace(seams);
+            if (sharp && !isPlainStrip(building_, domain)) return false;
             found.push_back(std::move(domain));
         }
         domains_.insert(domains_.end(), found.begin(), found.end());
@@ -217,7 +217,6 @@ private:
     // Within the length of a triangle's edge: triangles over several facets would cut off too much.
     bool turnsSharply(const std::vector<uint32_t>& members, const std::map<Edge, uint32_t>& faceOf) const {
         for (const uint32_t f : members) {
-            const glm::dvec3 normal = faceNormal(building_, building_.faces[f]);
             Frame frame = frameOfFace(building_, building_.faces[f]);
             measure(frame, building_.faces[f]);
             for (const auto& loop : building_.faces[f].loops)
@@ -225,8 +224,7 @@ private:
                     const Edge edge{loop[k], loop[(k + 1) % loop.size()]};
                     const auto other = faceOf.find({edge.second, edge.first});
                     if (other == faceOf.end() || !upright(edge)) continue;
-                    const double cosine =
-                        glm::dot(normal, faceNormal(building_, building_.faces[other->second]));
+                    const double cosine = glm::dot(normals_[f], normals_[other->second]);
                     const double turn = std::acos(std::clamp(cosine, -1.0, 1.0));
                     if (turn * edge_ > kMostTurn * (frame.high - frame.low)) return true;
                 }
@@ -329,6 +327,8 @@ private:
 
     const Building& building_;
     double edge_;
+    bool merging_;
+    std::vector<glm::dvec3> normals_; // per face
     std::vector<MeshDomain> domains_;
 };
 
@@ -377,7 +377,7 @@ glm::dvec2 mainDirection(const MeshDomain& domain) {
 }
 
 std::vector<MeshDomain> findMeshDomains(const Building& building, double edge, bool merging) {
-    return DomainFinder(building, edge).find(merging);
+    return DomainFinder(building, edge, merging).find();
 }
 
 } // namespace heliodon::geometry

@@ -59,12 +59,14 @@ struct Fold {
 
 void findSurfaces(Building& building, const RawModel& model, std::span<const uint32_t> source) {
     DisjointSets surfaces(building.faces.size());
+    std::vector<glm::dvec3> normals;
+    for (const Face& face : building.faces) normals.push_back(faceNormal(building, face));
     for (const auto& [edge, faces] : facesOfEdges(building)) {
         if (faces.size() < 2) continue;
         const Face &a = building.faces[faces[0]], &b = building.faces[faces[1]];
         if (a.material != b.material) continue;
         const auto [p, q] = edge;
-        const Fold fold{{faceNormal(building, a), faceNormal(building, b)},
+        const Fold fold{{normals[faces[0]], normals[faces[1]]},
                         {building.vertices[p], building.vertices[q]},
                         {source[faces[0]], source[faces[1]]}};
         // Panes stay flat: each is a window.

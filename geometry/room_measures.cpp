@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 
 #include "geometry/disjoint_sets.h"
+#include "geometry/face_soup.h"
 
 namespace heliodon::geometry {
 
@@ -101,13 +102,22 @@ private:
     std::vector<RoomMeasures> rooms_;
 };
 
-} // namespace
-
-std::vector<RoomMeasures> measureRooms(const PatchMesh& mesh, double step) {
-    return RoomMeasurer(mesh, step).measure();
+// The building's own faces in triangles.
+PatchMesh trianglesOf(const Building& building) {
+    PatchMesh mesh;
+    mesh.vertices = building.vertices;
+    for (const Face& face : building.faces)
+        for (const auto& t : triangulateFace(building, face))
+            mesh.addPatch(t, face.material, face.role, face.surface, face.room);
+    return mesh;
 }
 
-namespace {
+std::vector<double> roomVolumes(const PatchMesh& mesh, size_t rooms) {
+    std::vector<double> volumes(rooms, 0);
+    for (size_t i = 0; i < mesh.patchCount(); ++i) // normals point into the air
+        volumes[mesh.room[i]] -= glm::dot(patchAreaVector(mesh, i), patchCentroid(mesh, i)) / 6;
+    return volumes;
+}
 
 bool sameGlass(const Material& a, const Material& b) {
     return a.transmittance == b.transmittance && a.refractiveIndex == b.refractiveIndex && a.blind == b.blind;
@@ -120,6 +130,20 @@ bool oneGlass(const PatchMesh& mesh, size_t i, size_t j) {
 }
 
 } // namespace
+
+std::vector<RoomMeasures> measureRooms(const Building& building, double step) {
+    return RoomMeasurer(trianglesOf(building), step).measure();
+}
+
+VolumeError worstVolumeError(const Building& building, const PatchMesh& mesh) {
+    const std::vector<double> own = roomVolumes(trianglesOf(building), building.roomCount),
+                              meshed = roomVolumes(mesh, building.roomCount);
+    VolumeError worst;
+    for (uint32_t r = 0; r < building.roomCount; ++r)
+        if (const double share = meshed[r] / own[r] - 1; std::abs(share) > std::abs(worst.share))
+            worst = {r, share};
+    return worst;
+}
 
 PaneCount countPanes(const PatchMesh& mesh) {
     DisjointSets panes(mesh.patchCount());

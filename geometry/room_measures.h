@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "geometry/patch_mesh.h"
+#include "geometry/building.h"
 
 namespace heliodon::geometry {
 
@@ -21,11 +21,19 @@ struct PaneCount {
     int windows = 0, skylightPanes = 0;
 };
 
-// One entry a room, for closed rooms as meshBuilding() makes them. Floor is what one can walk on: level faces
+// One entry a room. Floor is what one can walk on: level faces
 // and ramps of the shell that encloses the room (things that stand free in it have no floor), the lowest ones
 // and all that rise by no more than `step` metres over what is reached already; so the tops of tables,
 // partitions and shelves are none, while those of stairs and low platforms are.
-std::vector<RoomMeasures> measureRooms(const PatchMesh& mesh, double step = 0.25);
+std::vector<RoomMeasures> measureRooms(const Building& building, double step = 0.25);
+
+// By how much the volume of a room may differ from the building's in its mesh, whose triangles are chords of
+// curved walls: of the room's volume, for the room where it is most. Negative where the mesh encloses less.
+struct VolumeError {
+    uint32_t room = 0;
+    double share = 0;
+};
+VolumeError worstVolumeError(const Building& building, const PatchMesh& mesh);
 PaneCount countPanes(const PatchMesh& mesh);
 
 } // namespace heliodon::geometry

@@ -1,6 +1,7 @@
 #include "geometry/shell_faces.h"
 
 #include <algorithm>
+#include <set>
 
 #include <glm/geometric.hpp>
 
@@ -10,11 +11,13 @@ namespace heliodon::geometry {
 
 namespace {
 
-bool runs(const Face& face, Edge edge) {
-    for (const auto& loop : face.loops)
-        for (size_t i = 0; i < loop.size(); ++i)
-            if (loop[i] == edge.first && loop[(i + 1) % loop.size()] == edge.second) return true;
-    return false;
+// Each edge of each face in the face's direction.
+std::set<std::pair<uint32_t, Edge>> runsOf(const Building& building) {
+    std::set<std::pair<uint32_t, Edge>> runs;
+    for (uint32_t f = 0; f < building.faces.size(); ++f)
+        for (const auto& loop : building.faces[f].loops)
+            for (size_t i = 0; i < loop.size(); ++i) runs.insert({f, {loop[i], loop[(i + 1) % loop.size()]}});
+    return runs;
 }
 
 ShellFaces refused(std::vector<uint32_t> faces, std::string what) {
@@ -50,6 +53,7 @@ ShellFaces orientShells(Building& building) {
     if (!crowded.empty()) return refused(crowded, "more than two faces meet in an edge of this face");
     ShellFaces out;
     out.shell.assign(building.faces.size(), 0);
+    const auto runs = runsOf(building);
     std::vector<int> turned(building.faces.size(), -1);
     for (uint32_t start = 0; start < building.faces.size(); ++start) {
         if (turned[start] >= 0) continue;
@@ -66,7 +70,7 @@ ShellFaces orientShells(Building& building) {
                     const Edge edge{loop[i], loop[(i + 1) % loop.size()]};
                     const auto& pair = edges.at(std::minmax(edge.first, edge.second));
                     const uint32_t g = pair[0] == f ? pair[1] : pair[0];
-                    const int wanted = turned[f] ^ static_cast<int>(runs(building.faces[g], edge));
+                    const int wanted = turned[f] ^ static_cast<int>(runs.contains({g, edge}));
                     if (turned[g] < 0) {
                         turned[g] = wanted;
                         queue.push_back(g);

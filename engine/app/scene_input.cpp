@@ -89,7 +89,8 @@ void reportImport(Run& run, const geometry::PatchMesh& mesh, const geometry::Bui
     constexpr double kStep = 0.25; // metres: more is no floor
     constexpr double kThin = 0.4;  // metres
     const double foot = geometry::kMetresPerFoot * worldPerBuilding;
-    const std::vector<geometry::RoomMeasures> rooms = geometry::measureRooms(mesh, kStep * worldPerBuilding);
+    const std::vector<geometry::RoomMeasures> rooms =
+        geometry::measureRooms(building, kStep * worldPerBuilding);
     json& report = run.report();
     report["outcome"] = "ok";
     report["code"] = "OK";
@@ -117,6 +118,25 @@ void reportImport(Run& run, const geometry::PatchMesh& mesh, const geometry::Bui
     const geometry::PaneCount panes = geometry::countPanes(mesh);
     report["n_windows"] = panes.windows;
     report["n_skylight_panes"] = panes.skylightPanes;
+}
+
+// Triangles are chords of curved walls.
+void reportMesh(Run& run, const geometry::Building& building, const geometry::PatchMesh& mesh) {
+    constexpr double kMuch = 0.01; // of a room
+    const geometry::MeshQuality quality = geometry::measureMesh(mesh);
+    const geometry::VolumeError volume = geometry::worstVolumeError(building, mesh);
+    run.report()["triangles"] = quality.triangles;
+    run.report()["mesh"] = {{"triangles", quality.triangles},
+                            {"min_angle_deg", quality.minAngleDeg},
+                            {"min_angle_all_deg", quality.minAngleAllDeg},
+                            {"strip_triangles", quality.stripTriangles},
+                            {"area_deviation", quality.areaDeviation},
+                            {"volume_error", volume.share}};
+    if (std::abs(volume.share) > kMuch)
+        run.warn(
+            fmt::format("the triangles of room {} enclose {:.1f} % {} than its curved walls do: more of them "
+                        "(--triangles) are nearer to the walls",
+                        volume.room, 100 * std::abs(volume.share), volume.share < 0 ? "less" : "more"));
 }
 
 geometry::Building importOrRefuse(Run& run, const SceneArguments& arguments, geometry::UpAxis up) {
@@ -316,17 +336,11 @@ Scene makeScene(Run& run, const SceneArguments& arguments, std::optional<geometr
         reportImport(run, scene.mesh, building, scene.worldPerBuilding);
         warnOfLying(run, scene.mesh, scene.worldPerBuilding, scene.up);
     }
+    reportMesh(run, building, scene.mesh);
     drawBlinds(run, arguments.blinds, arguments.input.string(), scene.mesh);
     scene.occluders = std::move(building.occluders);
     scene.northDeg = building.northDeg - arguments.northDeg; // plan angles grow counter-clockwise
     scene.northIsAssumed = scene.sketch && !scene.sketch->north && arguments.northDeg == 0;
-    const geometry::MeshQuality quality = geometry::measureMesh(scene.mesh);
-    run.report()["triangles"] = quality.triangles;
-    run.report()["mesh"] = {{"triangles", quality.triangles},
-                            {"min_angle_deg", quality.minAngleDeg},
-                            {"min_angle_all_deg", quality.minAngleAllDeg},
-                            {"strip_triangles", quality.stripTriangles},
-                            {"area_deviation", quality.areaDeviation}};
     return scene;
 }
 

@@ -14,6 +14,7 @@
 #include "geometry/mesh_domains.h"
 #include "geometry/mesher.h"
 #include "geometry/model_file.h"
+#include "geometry/room_measures.h"
 #include "geometry/sketch.h"
 #include "tests/geometry/mesh_volume.h"
 
@@ -390,6 +391,27 @@ TEST(CurvedFacets, facets_much_narrower_than_triangles_are_merged) {
             EXPECT_LE(quality.areaDeviation, 0.13) << sides;
             EXPECT_NEAR(volume(mesh), std::numbers::pi, 3e-3 * std::numbers::pi) << sides;
         }
+}
+
+// Where 0.93 edges of a triangle turn by more than 0.25 radians facets become narrower than that, and are
+// meshed one by one: with facets as they come there are 1196 triangles for 300, with angles of 0.6 degrees.
+TEST(CurvedFacets, small_circles_of_narrow_facets_keep_their_volume) {
+    const Building building = roundModel(300, true, false);
+    const PatchMesh mesh = meshBuilding(building, {.triangles = 300, .mergesFacets = true});
+    const MeshQuality quality = measureMesh(mesh);
+    EXPECT_NEAR(static_cast<double>(quality.triangles), 300, 15);
+    EXPECT_GE(quality.minAngleDeg, 25);
+    const VolumeError error = worstVolumeError(building, mesh);
+    EXPECT_LT(error.share, 0);
+    EXPECT_GT(error.share, -0.013);
+    EXPECT_NEAR(error.share, volume(mesh) / measureRooms(building)[0].volume - 1, 1e-12);
+}
+
+// Rounded coordinates put some corners of very narrow facets into one straight line, and such walls were left
+// with all of their facets: 6 GB of memory.
+TEST(CurvedFacets, facets_in_one_plane_by_chance_do_not_keep_others_from_merging) {
+    const PatchMesh mesh = meshBuilding(roundModel(8000, true, false), {.mergesFacets = true});
+    EXPECT_NEAR(static_cast<double>(mesh.patchCount()), 2000, 60);
 }
 
 // Edges of solids 0.5 mm before a wall 1 m away, where chords would leave it by 1 to 2 mm.
