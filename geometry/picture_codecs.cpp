@@ -2,6 +2,7 @@
 #include <array>
 #include <fstream>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <opencv2/core/utils/logger.hpp>
@@ -25,10 +26,35 @@ cv::Mat bgrOf(int width, int height, const uint8_t* rgb) {
     return bgr;
 }
 
-// OpenCV's own lines about a file come before ours, which names it.
+// Sets the orientation that a TIFF's first directory states to the usual one; other bytes stay as they are.
+void forgetTurn(std::vector<uint8_t>& bytes) {
+    constexpr size_t kHeader = 8, kEntry = 12, kOrientation = 274;
+    const bool highFirst = !bytes.empty() && bytes[0] == 'M';
+    const auto number = [&](size_t at, size_t count) { // 0 beyond the end
+        size_t value = 0;
+        for (size_t i = 0; i < count && at + count <= bytes.size(); ++i)
+            value = value << 8 | bytes[highFirst ? at + i : at + count - 1 - i];
+        return value;
+    };
+    if (bytes.size() < kHeader || number(0, 2) != (highFirst ? 0x4D4D : 0x4949) || number(2, 2) != 42) return;
+    const size_t directory = number(4, 4);
+    for (size_t i = 0; i < number(directory, 2); ++i)
+        if (const size_t at = directory + 2 + i * kEntry;
+            number(at, 2) == kOrientation && at + kEntry <= bytes.size())
+            for (const size_t byte : {0, 1}) bytes[at + 8 + byte] = (byte == 1) == highFirst;
+}
+
+// Decoded from memory, since OpenCV follows the orientation of a TIFF in spite of the flag. Its own lines
+// about a file come before ours, which names it.
 cv::Mat imageIn(const std::filesystem::path& file, int flags) {
     cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-    return cv::imread(file.string(), flags | cv::IMREAD_IGNORE_ORIENTATION);
+    std::error_code gone;
+    const uintmax_t size = std::filesystem::file_size(file, gone);
+    std::vector<uint8_t> bytes(gone ? 0 : size);
+    std::ifstream(file, std::ios::binary)
+        .read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    forgetTurn(bytes);
+    return bytes.empty() ? cv::Mat() : cv::imdecode(bytes, flags | cv::IMREAD_IGNORE_ORIENTATION);
 }
 
 std::optional<PicturePixels> read(const std::filesystem::path& file) {

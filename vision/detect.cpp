@@ -404,11 +404,14 @@ private:
 
 DetectionResult detectSketch(const Photograph& photo, const geometry::Rig& rig,
                              const DetectOptions& options) {
-    if (photo.width != rig.camera.width || photo.height != rig.camera.height)
-        throw geometry::InputError(photo.name, "",
-                                   fmt::format("{} x {} pixels, but the rig's camera has {} x {}",
-                                               photo.width, photo.height, rig.camera.width,
-                                               rig.camera.height));
+    if (photo.width != rig.camera.width || photo.height != rig.camera.height) {
+        const bool turned = photo.width == rig.camera.height && photo.height == rig.camera.width;
+        throw geometry::InputError(
+            photo.name, "",
+            fmt::format("{} x {} pixels, but the rig's camera has {} x {}{}", photo.width, photo.height,
+                        rig.camera.width, rig.camera.height,
+                        turned ? ": it was turned, expected it as the camera gave it" : ""));
+    }
     constexpr size_t kEnough = 4; // ends; a single wall can be one misread under a lamp
     Detector first(photo, rig, options);
     DetectionResult result = first.run();

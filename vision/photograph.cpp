@@ -31,7 +31,8 @@ std::vector<uint8_t> bytesOf(const std::filesystem::path& file) {
 // Larger ones are refused before they are decoded: three bytes a pixel, twice for a moment.
 constexpr uint64_t kMostPixels = 250'000'000;
 
-// The pixels as the sensor has them: the rig was calibrated on those, so no rotation by EXIF.
+// The pixels as the sensor has them: the rig was calibrated on those, and the turn that EXIF states is chance
+// where a telephone looks straight down.
 template<class Picture>
 Picture readOrComplain(std::optional<Picture> (*read)(const std::filesystem::path&),
                        const std::filesystem::path& file, std::vector<uint8_t>* content = nullptr) {

@@ -291,6 +291,40 @@ TEST(Detect, refuses_a_photograph_of_another_size) {
     } catch (const geometry::InputError& error) {
         EXPECT_STREQ(error.what(), "photograph: 64 x 48 pixels, but the rig's camera has 1392 x 1032");
     }
+    try {
+        detectSketch({1032, 1392, std::vector<uint8_t>(1032 * 1392 * 3, 200)}, exampleRig());
+        FAIL() << "accepted";
+    } catch (const geometry::InputError& error) {
+        EXPECT_NE(std::string(error.what()).find("it was turned"), std::string::npos) << error.what();
+    }
+}
+
+// As the sensor had it, whichever way up the camera believed to be: the rig was calibrated on that.
+TEST(Photograph, does_not_follow_the_orientation_that_its_file_states) {
+    using namespace std::string_literals;
+    const std::string file = testing::TempDir() + "heliodon_oriented";
+    const auto entry = [](char tag, char type, char value, char high = 1) {
+        return std::string{tag, high, type, 0, 1, 0, 0, 0, value, 0, 0, 0};
+    };
+    for (const char orientation : {'\1', '\2', '\3', '\4', '\6', '\10'}) {
+        // 3 x 2 pixels after nine entries: size, bits, compression, colours, strip, orientation, samples,
+        // rows, bytes.
+        const std::string tiff = "II*\0\x08\0\0\0\x09\0"s + entry(0, 3, 3) + entry(1, 3, 2) + entry(2, 3, 8) +
+                                 entry(3, 3, 1) + entry(6, 3, 2) + entry(17, 4, 122) +
+                                 entry(18, 3, orientation) + entry(21, 3, 3) + entry(23, 4, 18) +
+                                 "\0\0\0\0"s + "abcdefghijklmnopqr";
+        std::ofstream(file, std::ios::binary) << tiff;
+        const Photograph photo = readPhotograph(file);
+        EXPECT_EQ(photo.width, 3) << int{orientation};
+        EXPECT_EQ(std::string(photo.rgb.begin(), photo.rgb.end()), "abcdefghijklmnopqr") << int{orientation};
+    }
+    std::ifstream in(kData + "i01_mixed_harsh.jpg", std::ios::binary);
+    std::string jpeg((std::istreambuf_iterator<char>(in)), {});
+    jpeg.insert(2, "\xFF\xE1\0\x22"
+                   "Exif\0\0II*\0\x08\0\0\0\1\0"s +
+                       entry(18, 3, 6) + "\0\0\0\0"s);
+    std::ofstream(file, std::ios::binary) << jpeg;
+    EXPECT_EQ(readPhotograph(file).rgb, readPhotograph(kData + "i01_mixed_harsh.jpg").rgb);
 }
 
 TEST(Photograph, names_a_file_that_is_missing_or_no_picture) {
