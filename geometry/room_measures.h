@@ -21,10 +21,10 @@ struct PaneCount {
     int windows = 0, skylightPanes = 0;
 };
 
-// One entry a room. Floor is what one can walk on: level faces
-// and ramps of the shell that encloses the room (things that stand free in it have no floor), the lowest ones
-// and all that rise by no more than `step` metres over what is reached already; so the tops of tables,
-// partitions and shelves are none, while those of stairs and low platforms are.
+// One entry a room, of the building's own faces. Floor is what one can walk on: level faces and ramps of the
+// shell that encloses the room (things that stand free in it have no floor), the lowest ones and all that rise
+// by no more than `step` metres over what is reached already; so the tops of tables, partitions and shelves
+// are none, while those of stairs and low platforms are.
 std::vector<RoomMeasures> measureRooms(const Building& building, double step = 0.25);
 
 // By how much the volume of a room may differ from the building's in its mesh, whose triangles are chords of
