@@ -50,22 +50,16 @@ public:
         kernels_.prepare(byLines(), scene_.blockerCount);
         makeBuffers(storage);
         statistics.blockers = scene_.blockerCount;
-        rowSquares_.assign(scene_.pieceCount, 0.0);
-        if (!options.entryErrors) return;
-        entryErrors_.assign(size_t{scene_.patchCount} * scene_.patchCount, 0.0f);
-        shareOfPatch_.assign(scene_.pieceCount, 0.0f);
-        for (size_t i = 0; i < scene_.pieceCount; ++i)
-            if (scene_.area[i] > 0)
-                shareOfPatch_[i] =
-                    static_cast<float>(double{scene_.area[i]} / scene_.patchArea[scene_.patchOfPiece[i]]);
+        rowSquares_.assign(scene_.patchCount, 0.0);
+        if (options.entryErrors) entryErrors_.assign(size_t{scene_.patchCount} * scene_.patchCount, 0.0f);
         for (const ExactScene::Covered& c : scene_.covered) {
-            const size_t n = scene_.patchCount, i = c.first, j = c.second;
-            entryErrors_[i * n + j] += static_cast<float>(c.passes / scene_.patchArea[i]);
-            entryErrors_[j * n + i] += static_cast<float>(c.passes / scene_.patchArea[j]);
+            claimCovered(c.first, c.second, c.passes);
+            claimCovered(c.second, c.first, c.passes);
         }
     }
 
     const ExactScene& scene() const { return scene_; }
+    // Of patches' rows, the squared norms of their estimated errors.
     const std::vector<double>& rowSquares() const { return rowSquares_; }
     // Of what was integrated; far pairs in the open, which were held to the tolerance, are left at zero.
     std::vector<float> takeEntryErrors() { return std::move(entryErrors_); }
@@ -392,18 +386,25 @@ private:
             const double error = (sum[2] + sum[3] / double{io::kExactFraction}) / double{io::kExactOne};
             const io::ExactRecord& r = records[k];
             const double back = error * scene_.area[r.outer] / scene_.area[r.inner];
-            rowSquares_[r.outer] += error * error;
-            rowSquares_[r.inner] += back * back;
-            if (!entryErrors_.empty()) {
-                addEntryError(r.outer, r.inner, error);
-                addEntryError(r.inner, r.outer, back);
-            }
+            claim(r.outer, r.inner, error);
+            claim(r.inner, r.outer, back);
         }
     }
 
-    void addEntryError(uint32_t from, uint32_t to, double error) {
-        entryErrors_[size_t{scene_.patchOfPiece[from]} * scene_.patchCount + scene_.patchOfPiece[to]] +=
-            (static_cast<float>(error) + tolerance_) * shareOfPatch_[from];
+    // A patch's row is the mean of its pieces' rows by area, its error at most the root of their mean square.
+    void claim(uint32_t from, uint32_t to, double error) {
+        const uint32_t patch = scene_.patchOfPiece[from];
+        rowSquares_[patch] += error * error * double{scene_.shareOfPatch[from]};
+        if (!entryErrors_.empty())
+            entryErrors_[size_t{patch} * scene_.patchCount + scene_.patchOfPiece[to]] +=
+                (static_cast<float>(error) + tolerance_) * scene_.shareOfPatch[from];
+    }
+
+    void claimCovered(uint32_t from, uint32_t to, double passes) {
+        const double error = passes / scene_.patchArea[from];
+        rowSquares_[from] += error * error;
+        if (!entryErrors_.empty())
+            entryErrors_[size_t{from} * scene_.patchCount + to] += static_cast<float>(error);
     }
 
     gpu::Device& device_;
@@ -416,7 +417,7 @@ private:
     gpu::Counters counters_;
     gpu::Buffer sidesA_, sidesB_, blocks_, masks_, records_, fewRecords_, lists_, sums_, cells_[2];
     std::vector<double> rowSquares_;
-    std::vector<float> entryErrors_, shareOfPatch_; // n x n; per piece
+    std::vector<float> entryErrors_; // n x n
 };
 
 void report(const Solver& solver, const ExactOptions& options, ExactFormFactors& result) {
@@ -424,18 +425,11 @@ void report(const Solver& solver, const ExactOptions& options, ExactFormFactors&
     FormFactorReport& report = result.factors.report;
     const ExactStatistics& s = result.statistics = solver.statistics;
     double squares = 0;
-    for (size_t i = 0; i < scene.pieceCount; ++i) {
-        float& error = result.rowError[scene.patchOfPiece[i]];
-        error = std::max(error, static_cast<float>(kRowCaution * std::sqrt(solver.rowSquares()[i])));
+    for (size_t i = 0; i < scene.patchCount; ++i) {
+        result.rowError[i] = static_cast<float>(kRowCaution * std::sqrt(solver.rowSquares()[i]));
         squares += solver.rowSquares()[i];
     }
-    for (const ExactScene::Covered& c : scene.covered)
-        for (const uint32_t i : {c.first, c.second}) {
-            const double error = c.passes / scene.patchArea[i];
-            result.rowError[i] = std::hypot(result.rowError[i], static_cast<float>(error));
-            squares += error * error;
-        }
-    report.claimedRowError = std::sqrt(squares / std::max(1.0, static_cast<double>(scene.pieceCount)));
+    report.claimedRowError = std::sqrt(squares / std::max(1.0, static_cast<double>(scene.patchCount)));
     report.why = fmt::format("row error {:g} asked; {} blockers, {} pairs partly hidden, {} cells",
                              options.maxError, s.blockers, s.partial, s.cells);
     if (s.blockers == 0) report.skipped.emplace_back("occlusion: nothing can stand between two patches");
@@ -471,7 +465,7 @@ ExactFormFactors exactFormFactors(gpu::Device& device, const geometry::PatchMesh
     const size_t n = mesh.patchCount();
     SecondsAdded timer(result.factors.report.seconds);
     Solver solver(device, mesh, options);
-    if (solver.scene().tiles.size() == 1 && solver.scene().piecesArePatches()) {
+    if (solver.scene().tiles.size() == 1 && solver.scene().tiles[0].piecesArePatches) {
         solver.run([](const ExactTileRange&, const ExactTileRange&) {});
         result.factors.values = solver.takeMatrix();
     } else {

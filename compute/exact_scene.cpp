@@ -134,11 +134,15 @@ std::vector<ExactTileRange> tilesOf(std::vector<RadiatingPiece>& pieces, uint32_
         tiles.push_back({pieces[begin].patch, 0, begin, end - begin, 0, 0});
         begin = end;
     }
-    // Patches without pieces (fewer than three corners) belong to a neighbour.
+    // Patches without pieces (fewer than three corners, or covered) belong to a neighbour.
     for (size_t k = 0; k < tiles.size(); ++k) {
         tiles[k].firstPatch = k == 0 ? 0 : tiles[k].firstPatch;
         const uint32_t next = k + 1 < tiles.size() ? tiles[k + 1].firstPatch : patchCount;
         tiles[k].patches = next - tiles[k].firstPatch;
+        tiles[k].piecesArePatches = tiles[k].pieces == tiles[k].patches;
+        for (uint32_t p = 0; p < tiles[k].pieces; ++p)
+            if (pieces[tiles[k].firstPiece + p].patch != tiles[k].firstPatch + p)
+                tiles[k].piecesArePatches = false;
     }
     return tiles;
 }
@@ -166,11 +170,15 @@ ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh, uint
              clusterPieces(std::span(pieces).subspan(tile.firstPiece, tile.pieces), tile.firstPiece))
             clusters.push_back(std::move(cluster));
         tile.clusters = static_cast<uint32_t>(clusters.size()) - tile.firstCluster;
+        tile.piecesArePatches = tile.piecesArePatches && scene.covered.empty();
     }
     for (const RadiatingPiece& piece : pieces) {
         scene.mostCorners = std::max(scene.mostCorners, static_cast<uint32_t>(piece.corners.size()));
         faces.add(piece.corners, piece.normal, piece.room, piece.place);
-        scene.area.push_back(faces.normal.back().w);
+        const float area = faces.normal.back().w;
+        scene.area.push_back(area);
+        scene.shareOfPatch.push_back(
+            area > 0 ? static_cast<float>(std::min(1.0, double{area} / scene.patchArea[piece.patch])) : 0.0f);
         scene.patchOfPiece.push_back(piece.patch);
         scene.placeOfPiece.push_back(piece.place);
     }

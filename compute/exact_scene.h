@@ -14,6 +14,7 @@ namespace heliodon::compute {
 // Successive patches whose rows are worked on together; their pieces stand together, in the clusters' order.
 struct ExactTileRange {
     uint32_t firstPatch = 0, patches = 0, firstPiece = 0, pieces = 0, firstCluster = 0, clusters = 0;
+    bool piecesArePatches = false; // each patch is one piece, and nothing of it is covered
 };
 
 struct ExactScene {
@@ -28,6 +29,7 @@ struct ExactScene {
     std::vector<uint32_t> patchOfPiece;
     std::vector<uint32_t> placeOfPiece; // in its tile, in patch order
     std::vector<float> area;            // per piece
+    std::vector<float> shareOfPatch;    // per piece: its area's in its patch; 0 without area
     std::vector<double> patchArea;      // of which pieces leave out what is covered
     // What patches cover of one another across narrow gaps (compute/narrow_gaps.h) is in no piece: it sends
     // all its light across, but for what passes the borders, `passes`, m2.
@@ -36,8 +38,6 @@ struct ExactScene {
         double area = 0, passes = 0;
     };
     std::vector<Covered> covered;
-    // Whether each patch is a piece, and the matrix of these that of the patches.
-    bool piecesArePatches() const { return pieceCount == patchCount && covered.empty(); }
     gpu::Buffer cornerHigh, cornerLow, faceNormal, faceCentre,
         faceRange;        // as in shaders/lib/exact_scene.glsl
     gpu::Buffer clusters; // as in shaders/io/exact_form_factors.io.h

@@ -10,20 +10,12 @@
 
 namespace heliodon::compute {
 
-namespace {
-
-bool piecesArePatches(const ExactScene& scene, const ExactTileRange& a, const ExactTileRange& b) {
-    return a.pieces == a.patches && b.pieces == b.patches && scene.covered.empty();
-}
-
-} // namespace
-
 void handOver(const ExactScene& scene, const ExactTileRange& a, const ExactTileRange& b,
               const gpu::Buffer& values, const std::function<void(const ExactTile&)>& take) {
     const gpu::HostView<float> view(values, static_cast<size_t>(a.pieces) * b.pieces);
     ExactTile tile{a.firstPatch, a.patches, b.firstPatch, b.patches, view.data()};
     std::vector<float> merged;
-    if (!piecesArePatches(scene, a, b)) {
+    if (!a.piecesArePatches || !b.piecesArePatches) {
         std::vector<double> sums(static_cast<size_t>(a.patches) * b.patches, 0.0);
         std::vector<uint32_t> column(b.pieces);
         for (uint32_t k = b.firstPiece; k < b.firstPiece + b.pieces; ++k)
@@ -61,7 +53,7 @@ void placeTile(gpu::Device& device, const ExactScene& scene, const ExactTileRang
         device.submitAndWait(std::move(commands));
     };
     float* all = matrix.mapped<float>();
-    if (!all && piecesArePatches(scene, a, b)) return copyOnDevice(values);
+    if (!all && a.piecesArePatches && b.piecesArePatches) return copyOnDevice(values);
     handOver(scene, a, b, values, [&](const ExactTile& tile) {
         const size_t rows = tile.rows, columns = tile.columns;
         if (!all)
