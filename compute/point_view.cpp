@@ -91,6 +91,17 @@ Blockers::Blockers(const geometry::PatchMesh& mesh) : regions_(blockingRegions(m
     tolerance_ = kLeastOfExtent * geometry::boundsOf(mesh.vertices).diagonal();
 }
 
+Blockers Blockers::within(dvec3 centre, double radius) const {
+    Blockers near;
+    near.tolerance_ = tolerance_;
+    for (const ConvexRegion& region : regions_) {
+        const geometry::Bounds box = geometry::boundsOf(region.corners);
+        if (glm::length(centre - glm::clamp(centre, box.low, box.high)) <= radius)
+            near.regions_.push_back(region);
+    }
+    return near;
+}
+
 PointView::PointView(const Blockers& blockers, dvec3 position, dvec3 normal, uint32_t room)
     : PointView(blockers, position, normal) {
     addCones(blockers, room);

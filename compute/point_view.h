@@ -26,10 +26,14 @@ class Blockers {
 public:
     explicit Blockers(const geometry::PatchMesh& mesh);
 
+    // Those that can stand between two points of a ball.
+    Blockers within(glm::dvec3 centre, double radius) const;
+
     double tolerance() const { return tolerance_; } // a length that does not matter in this mesh
     std::span<const ConvexRegion> regions() const { return regions_; }
 
 private:
+    Blockers() = default;
     std::vector<ConvexRegion> regions_;
     double tolerance_ = 0;
 };

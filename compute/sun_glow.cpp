@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <unordered_map>
+#include <optional>
 
 #include <glm/geometric.hpp>
 
 #include "compute/parallel.h"
+#include "compute/patch_points.h"
 #include "compute/point_view.h"
 
 namespace heliodon::compute {
@@ -16,9 +16,9 @@ using glm::dvec3;
 
 namespace {
 
-constexpr uint32_t kPoints = 4;                   // on a patch
-constexpr double kInward = 0.3;                   // of the way to the middle of the patches around a corner
 constexpr double kWholeWithin = 1, kNoneFrom = 3; // sizes of a patch: how far a sender counts
+constexpr double kInward = 0.02;   // of the way to a triangle's middle; light jumps where surfaces touch
+constexpr double kUnhidden = 0.95; // of a sender, as few points see it: more counts as all
 
 double smooth(double x) {
     x = std::clamp(x, 0.0, 1.0);
@@ -28,40 +28,28 @@ double smooth(double x) {
 } // namespace
 
 SunGlow::SunGlow(const PointScene& scene, const NearPairs& pairs)
-    : scene_(&scene), pairs_(&pairs), views_(patchViewpoints(scene.mesh(), kPoints)) {
-    const size_t n = scene.mesh().patchCount();
-    double area = 0;
-    for (const PointScene::Patch& patch : scene.patches()) area += patch.size * patch.size;
-    size_ = std::sqrt(area / static_cast<double>(std::max<size_t>(n, 1)));
-    findPlaces();
-    senders_.resize(n);
-    inParallel(n, [&](size_t j) { findNear(j); });
-}
-
-void SunGlow::findPlaces() {
-    const geometry::PatchMesh& mesh = scene_->mesh();
-    std::unordered_map<uint64_t, uint32_t> known; // vertex and surface
-    struct Sum {
-        dvec3 middle{0}, normal{0};
-        double area = 0;
-        uint32_t vertex = 0;
-    };
-    std::vector<Sum> sums;
-    for (uint32_t p = 0; p < mesh.patchCount(); ++p) {
-        const PointScene::Patch& patch = scene_->patches()[p];
-        const double area = patch.size * patch.size;
-        for (const uint32_t v : mesh.patch(p)) {
-            const auto [entry, fresh] =
-                known.try_emplace(uint64_t{v} << 32 | mesh.surface[p], static_cast<uint32_t>(sums.size()));
-            if (fresh) sums.push_back({.vertex = v});
-            Sum& sum = sums[entry->second];
-            sum.middle += area * patch.centre, sum.normal += area * patch.normal, sum.area += area;
-            placeOf_.push_back(entry->second);
+    : scene_(&scene), near_(scene.mesh().patchCount()) {
+    constexpr uint32_t kPoints = 4; // on a patch
+    const geometry::PatchMesh& mesh = scene.mesh();
+    const PatchViewpoints views = patchViewpoints(mesh, kPoints);
+    for (const PointScene::Patch& patch : scene.patches()) size_ += patch.size * patch.size;
+    size_ = std::sqrt(size_ / static_cast<double>(std::max<size_t>(near_.size(), 1)));
+    for (uint32_t from = 0; from < near_.size(); ++from) {
+        if (mesh.materials[mesh.material[from]].reflectance == glm::vec3(0)) continue;
+        const std::vector<dvec3> polygon = geometry::patchCorners(mesh, from);
+        for (const NearPairs::Pair& pair : pairs.of(from)) {
+            if (mesh.patch(pair.to).size() != 3 || mesh.materials[mesh.material[pair.to]].isOpening() ||
+                !(weight(scene.patches()[pair.to].centre, from) > 0))
+                continue;
+            double open = 0;
+            for (uint32_t k = 0; k < views.pointsPerPatch; ++k) {
+                const Viewpoint& at = views.viewpoints[size_t{pair.to} * views.pointsPerPatch + k];
+                open += PointView(scene.blockers(), at.position, at.normal).factor(polygon) /
+                        views.pointsPerPatch;
+            }
+            near_[pair.to].push_back({from, pair.factor < kUnhidden * open});
         }
     }
-    for (const Sum& sum : sums)
-        places_.push_back({glm::mix(mesh.vertices[sum.vertex], sum.middle / sum.area, kInward),
-                           glm::normalize(sum.normal)});
 }
 
 // 1 near the sender, 0 from a distance on: light from there is smooth enough.
@@ -71,83 +59,77 @@ double SunGlow::weight(dvec3 point, size_t sender) const {
     return 1 - smooth((sizes - kWholeWithin) / (kNoneFrom - kWholeWithin));
 }
 
-std::span<const Viewpoint> SunGlow::pointsOf(uint32_t patch) const {
-    return std::span(views_.viewpoints).subspan(size_t{patch} * views_.pointsPerPatch, views_.pointsPerPatch);
-}
-
-dvec3 SunGlow::atPlace(uint32_t place, std::span<const SunlitParts::Part> parts) const {
-    const PointView view(scene_->blockers(), places_[place].position, places_[place].normal);
-    dvec3 sum(0);
-    for (const SunlitParts::Part& part : parts) sum += view.factor(part.polygon) * dvec3(part.light);
-    return sum;
-}
-
-dvec3 SunGlow::onPatch(uint32_t patch, size_t sender, std::span<const SunlitParts::Part> parts) const {
-    dvec3 sum(0);
-    for (const Viewpoint& at : pointsOf(patch)) {
-        const double counts = weight(at.position, sender);
-        if (!(counts > 0)) continue;
-        const PointView view(scene_->blockers(), at.position, at.normal);
-        for (const SunlitParts::Part& part : parts)
-            sum += counts * view.factor(part.polygon) * dvec3(part.light);
-    }
-    return sum;
-}
-
-void SunGlow::findNear(size_t sender) {
-    const geometry::PatchMesh& mesh = scene_->mesh();
-    const std::vector<SunlitParts::Part> all{{geometry::patchCorners(mesh, sender), glm::vec3(1)}};
-    struct Share {
-        double factor = 0, open = 0; // form factors from the patches around, and as if nothing stood between
-    };
-    std::map<uint32_t, Share> around; // by place
-    Sender& near = senders_[sender];
-    for (const NearPairs::Pair& pair : pairs_->of(sender)) {
-        if (!(weight(scene_->patches()[pair.to].centre, sender) > 0)) continue;
-        double open = 0;
-        for (const Viewpoint& at : pointsOf(pair.to))
-            open += PointView(scene_->blockers(), at.position, at.normal).factor(all[0].polygon);
-        if (!(open > 0)) continue;
-        const double scale = double{pair.factor} / open;
-        near.patches.push_back({pair.to, static_cast<float>(scale),
-                                static_cast<float>(scale * onPatch(pair.to, sender, all).x)});
-        for (uint32_t c = mesh.firstCorner[pair.to]; c < mesh.firstCorner[pair.to + 1]; ++c) {
-            Share& share = around[placeOf_[c]];
-            share.factor += pair.factor;
-            share.open += open / views_.pointsPerPatch;
-        }
-    }
-    for (const auto& [place, share] : around) {
-        const double scale =
-            std::min(1.0, share.factor / share.open) * weight(places_[place].position, sender);
-        if (scale > 0)
-            near.places.push_back(
-                {place, static_cast<float>(scale), static_cast<float>(scale * atPlace(place, all).x)});
-    }
-}
-
-void SunGlow::addTo(Lighting& light, std::span<const SunlitParts> partly, double strength) const {
+std::vector<SunGlow::Lit> SunGlow::litPatches(const Lighting& light, std::span<const SunlitParts> partly,
+                                              double strength) const {
     const geometry::PatchMesh& mesh = scene_->mesh();
     std::vector<const SunlitParts*> partsOf(mesh.patchCount());
     for (const SunlitParts& lit : partly) partsOf[lit.patch] = &lit;
-    std::vector<dvec3> onPatches(mesh.patchCount(), dvec3(0)), atPlaces(places_.size(), dvec3(0));
-    bool any = false;
-    for (size_t j = 0; j < mesh.patchCount(); ++j) {
-        const glm::vec3 reflectance = mesh.materials[mesh.material[j]].reflectance;
-        if (light.sunIlluminance[j] * reflectance == glm::vec3(0)) continue;
-        const dvec3 whole(reflectance * light.sunIlluminance[j]), part = strength * dvec3(reflectance);
-        for (const Near& near : senders_[j].patches)
-            onPatches[near.to] += partsOf[j]
-                                      ? double{near.scale} * part * onPatch(near.to, j, partsOf[j]->parts)
-                                      : double{near.whole} * whole;
-        for (const Near& near : senders_[j].places)
-            atPlaces[near.to] += partsOf[j] ? double{near.scale} * part * atPlace(near.to, partsOf[j]->parts)
-                                            : double{near.whole} * whole;
-        any = any || !senders_[j].patches.empty();
+    std::vector<Lit> all;
+    for (uint32_t p = 0; p < mesh.patchCount(); ++p) {
+        const glm::vec3 reflectance = mesh.materials[mesh.material[p]].reflectance;
+        if (light.sunIlluminance[p] * reflectance == glm::vec3(0)) continue;
+        Lit& lit = all.emplace_back(p);
+        if (!partsOf[p]) {
+            lit.parts.push_back({geometry::patchCorners(mesh, p), reflectance * light.sunIlluminance[p]});
+            continue;
+        }
+        lit.parts = partsOf[p]->parts;
+        for (SunlitParts::Part& part : lit.parts) part.light *= static_cast<float>(strength) * reflectance;
     }
-    if (!any) return;
-    light.sunGlow.assign(onPatches.begin(), onPatches.end());
-    for (const uint32_t place : placeOf_) light.cornerGlow.emplace_back(atPlaces[place]);
+    return all;
+}
+
+void SunGlow::fillGrid(uint32_t patch, std::span<const Lit* const> lit, bool hidden,
+                       std::span<glm::vec3> grid) const {
+    const geometry::PatchMesh& mesh = scene_->mesh();
+    const std::vector<dvec3> corner = geometry::patchCorners(mesh, patch);
+    const dvec3 middle = (corner[0] + corner[1] + corner[2]) / 3.0, normal = scene_->patches()[patch].normal;
+    std::optional<Blockers> between;
+    if (hidden) {
+        double reach = 0;
+        for (const dvec3& p : corner) reach = std::max(reach, glm::length(p - middle));
+        for (const Lit* from : lit)
+            for (const SunlitParts::Part& part : from->parts)
+                for (const dvec3& p : part.polygon) reach = std::max(reach, glm::length(p - middle));
+        between = scene_->blockers().within(middle, reach);
+    }
+    size_t place = 0;
+    for (int j = 0; j <= PatchGlow::kCells; ++j)
+        for (int i = 0; i + j <= PatchGlow::kCells; ++i) {
+            const dvec3 at =
+                corner[0] + (double(i) * (corner[1] - corner[0]) + double(j) * (corner[2] - corner[0])) /
+                                double(PatchGlow::kCells);
+            const dvec3 inward = glm::mix(at, middle, kInward);
+            const PointView view = between ? PointView(*between, inward, normal, mesh.room[patch])
+                                           : PointView(scene_->blockers(), inward, normal);
+            dvec3 sum(0);
+            for (const Lit* from : lit)
+                if (const double counts = weight(at, from->patch); counts > 0)
+                    for (const SunlitParts::Part& part : from->parts)
+                        sum += counts * view.factor(part.polygon) * dvec3(part.light);
+            grid[place++] = sum;
+        }
+}
+
+void SunGlow::addTo(Lighting& light, std::span<const SunlitParts> partly, double strength) const {
+    const std::vector<Lit> all = litPatches(light, partly, strength);
+    std::vector<const Lit*> litOf(near_.size());
+    for (const Lit& lit : all) litOf[lit.patch] = &lit;
+    std::vector<PatchGlow> glow;
+    for (uint32_t p = 0; p < near_.size(); ++p)
+        if (std::any_of(near_[p].begin(), near_[p].end(), [&](const Near& near) { return litOf[near.from]; }))
+            glow.push_back({p, {}});
+    if (glow.empty()) return;
+    inParallel(glow.size(), [&](size_t g) {
+        std::vector<const Lit*> lit;
+        bool hidden = false;
+        for (const Near& near : near_[glow[g].patch])
+            if (litOf[near.from]) lit.push_back(litOf[near.from]), hidden |= near.hidden;
+        fillGrid(glow[g].patch, lit, hidden, glow[g].lux);
+    });
+    light.sunGlow.assign(near_.size(), glm::vec3(0));
+    for (const PatchGlow& grid : glow) light.sunGlow[grid.patch] = grid.mean();
+    light.glow = std::move(glow);
 }
 
 } // namespace heliodon::compute

@@ -1,7 +1,7 @@
-// The first bounce of sunlight in corners, where it varies within a patch too much for a value per patch: a
-// wall beside a sunlit floor is several times brighter at its foot than half a patch higher. Here is that
-// part of a patch's light exactly at the mesh's corners, with its means over patches, so that who draws can
-// take the means off, draw what is left smoothly, and add the values at corners.
+// The first bounce of sunlight near sunlit spots, where it varies within a patch too much for a value per
+// patch, or for values at its corners: a wall beside a sunlit floor is several times brighter at its foot
+// than half a patch higher. Here is that part of a patch's light over a grid on the patch, exactly, with its
+// mean, so that who draws can take the mean off, draw what is left smoothly, and add the grid.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,6 @@
 
 #include "compute/lighting.h"
 #include "compute/near_pairs.h"
-#include "compute/patch_points.h"
 #include "compute/point_scene.h"
 #include "compute/sun_patches.h"
 
@@ -20,42 +19,32 @@ namespace heliodon::compute {
 
 class SunGlow {
 public:
-    // Both outlive this. What stands between two patches is taken to hide as much of a lit part as of all of
-    // a patch. Cost: some 20 ms of one core for 2000 patches.
+    // Both outlive this. Cost: less than 20 ms of one core for 2000 patches.
     SunGlow(const PointScene& scene, const NearPairs& pairs);
 
     // `light.sunIlluminance` as it is, `partly` those of its patches that are lit in part, for suns of
-    // `strength`. Fills in sunGlow and cornerGlow; leaves both empty where no sunlit patch has another near.
+    // `strength`. Fills in sunGlow and glow; leaves both empty where no sunlit patch has another near.
+    // Cost: 1 to 5 ms of one core.
     void addTo(Lighting& light, std::span<const SunlitParts> partly, double strength) const;
 
 private:
-    // What a sender lights: a patch, in the mean over it, or a place.
-    struct Near {
-        uint32_t to;
-        float scale; // of form factors: a patch's, summed over its points, or a place's
-        float whole; // scale times the factor of all of the sender
+    struct Near { // a patch that lights another one, when the sun is on it
+        uint32_t from;
+        bool hidden; // in part
     };
-    struct Sender {
-        std::vector<Near> patches, places;
+    struct Lit { // what the sun lights of a patch
+        uint32_t patch;
+        std::vector<SunlitParts::Part> parts; // `light`: what leaves it, lux
     };
-    struct Place { // a corner of the mesh on one surface, a little inward
-        glm::dvec3 position, normal;
-    };
-    void findPlaces();
-    void findNear(size_t sender);
+    std::vector<Lit> litPatches(const Lighting& light, std::span<const SunlitParts> partly,
+                                double strength) const;
     double weight(glm::dvec3 point, size_t sender) const;
-    std::span<const Viewpoint> pointsOf(uint32_t patch) const;
-    // Of convex polygons, `light` times the form factor from a place or weighted points of a patch.
-    glm::dvec3 atPlace(uint32_t place, std::span<const SunlitParts::Part> parts) const;
-    glm::dvec3 onPatch(uint32_t patch, size_t sender, std::span<const SunlitParts::Part> parts) const;
+    void fillGrid(uint32_t patch, std::span<const Lit* const> lit, bool hidden,
+                  std::span<glm::vec3> grid) const;
 
     const PointScene* scene_;
-    const NearPairs* pairs_;
-    PatchViewpoints views_;
-    double size_ = 0; // of a patch, mean
-    std::vector<Place> places_;
-    std::vector<uint32_t> placeOf_; // per corner of the mesh
-    std::vector<Sender> senders_;   // per patch
+    double size_ = 0;                     // of a patch, mean
+    std::vector<std::vector<Near>> near_; // per triangle
 };
 
 } // namespace heliodon::compute

@@ -64,8 +64,10 @@ void tintLight(compute::DaylightTransport& transport, std::span<const daylight::
         if (skies[m].formula.scale > 0 && (hasSun || hasGround)) solveApart(colours.sky).ground.luminance = 0;
         if (hasSun && hasGround) solveApart(colours.ground).formula.scale = 0;
         light.sunNormalIlluminance *= colours.sun;
-        for (std::vector<glm::vec3>* sunny : {&light.sunIlluminance, &light.sunGlow, &light.cornerGlow})
+        for (std::vector<glm::vec3>* sunny : {&light.sunIlluminance, &light.sunGlow})
             for (glm::vec3& lux : *sunny) lux *= colours.sun;
+        for (compute::PatchGlow& glow : light.glow)
+            for (glm::vec3& lux : glow.lux) lux *= colours.sun;
     }
     // What the room emits by itself keeps its colour, and is in everything that is solved.
     const bool emits =

@@ -23,19 +23,36 @@ void DrawMesh::mixLight(std::span<const glm::vec3> luxPerPair, float scale, std:
     }
 }
 
+TrianglePlaces::TrianglePlaces(const PatchMesh& mesh, uint32_t patch) {
+    const std::vector<glm::dvec3> corner = geometry::patchCorners(mesh, patch);
+    const glm::dvec3 a = corner[1] - corner[0], b = corner[2] - corner[0];
+    const double aa = glm::dot(a, a), ab = glm::dot(a, b), bb = glm::dot(b, b), square = aa * bb - ab * ab;
+    origin_ = corner[0];
+    // Of a triangle without area, all of it is the first corner.
+    second_ = square > 0 ? (bb * a - ab * b) / square : glm::dvec3(0);
+    third_ = square > 0 ? (aa * b - ab * a) / square : glm::dvec3(0);
+}
+
+glm::vec2 TrianglePlaces::of(glm::vec3 point) const {
+    const glm::dvec3 offset = glm::dvec3(point) - origin_;
+    return {glm::dot(second_, offset), glm::dot(third_, offset)};
+}
+
 DrawMesh drawMesh(const PatchMesh& mesh, const VertexLight& vertexLight) {
     DrawMesh out;
     for (size_t p = 0; p < mesh.patchCount(); ++p) {
         const glm::vec3 normal(geometry::patchNormal(mesh, p));
         const glm::vec3 reflectance = mesh.materials[mesh.material[p]].reflectance;
         const uint32_t first = mesh.firstCorner[p];
-        for (uint32_t c = first + 1; c + 1 < mesh.firstCorner[p + 1]; ++c)
+        for (uint32_t c = first + 1; c + 1 < mesh.firstCorner[p + 1]; ++c) {
+            out.patch.push_back(static_cast<uint32_t>(p));
             for (uint32_t corner : {first, c, c + 1}) {
                 const uint32_t pair = vertexLight.ofCorner(corner);
                 out.corners.push_back(
                     {glm::vec3(mesh.vertices[mesh.corners[corner]]), normal, reflectance, normal});
                 out.light.push_back({{pair, pair, pair}, {1, 0, 0}});
             }
+        }
     }
     return out;
 }

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include "engine/passes/vertex_light.h"
@@ -27,10 +28,21 @@ struct LightMix {
 struct DrawMesh {
     std::vector<DrawCorner> corners; // three a triangle
     std::vector<LightMix> light;     // one a corner
+    std::vector<uint32_t> patch;     // one a triangle
 
     double area(size_t triangle) const; // m2
     // The light stream: `scale` times the lux per pair.
     void mixLight(std::span<const glm::vec3> luxPerPair, float scale, std::span<glm::vec3> out) const;
+};
+
+// Where points lie on a triangle: weights of its second and third corner.
+class TrianglePlaces {
+public:
+    TrianglePlaces(const geometry::PatchMesh& mesh, uint32_t patch);
+    glm::vec2 of(glm::vec3 point) const;
+
+private:
+    glm::dvec3 origin_, second_, third_;
 };
 
 DrawMesh drawMesh(const geometry::PatchMesh& mesh, const VertexLight& vertexLight);

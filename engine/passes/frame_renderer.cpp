@@ -184,13 +184,13 @@ struct Model {
           blend(d, scene.shown.blend, scene.rig), solids(d, scene.solids, "solids"),
           tops(d, scene.tops, "wall tops"), sides(d, scene.sides, "wall sides"),
           table(d, scene.table, "table"), volumes("shadow volumes"), paneData("panes"),
-          paneEdges("pane edges") {}
+          paneEdges("pane edges"), glowCorners("glow"), glowPlaces("glow places"), glowGrids("glow grids") {}
 
     FrameScene scene;
     DeviceMesh all, shown;
     DeviceBlend blend;
     Solid solids, tops, sides, table;
-    FrameBuffer volumes, paneData, paneEdges;
+    FrameBuffer volumes, paneData, paneEdges, glowCorners, glowPlaces, glowGrids;
     std::vector<Output> outputs; // per projector
     int outputsSupersample = 0;
     std::optional<Output> previewOutput;
@@ -198,17 +198,26 @@ struct Model {
 
 } // namespace
 
+// Of one frame, what is added to the light between vertices.
+struct AddedLight {
+    std::optional<GlowDraw> glow;
+    std::optional<SunDraw> sun;
+};
+
 struct FrameRenderer::State {
     State(gpu::Device& d, FrameScene scene)
         : device(&d), scenePass(d), displayPass(d), model(std::make_unique<Model>(d, std::move(scene))) {}
 
-    // Uploads what changes with the light and returns the sun's draw when there is a sun.
-    std::optional<SunDraw> prepareLight(DeviceMesh& target, const compute::Lighting& light, Quantity quantity,
-                                        float scale = 1e-3f);
+    // Uploads what changes with the light.
+    AddedLight prepareLight(DeviceMesh& target, const compute::Lighting& light, Quantity quantity,
+                            float scale = 1e-3f);
+    std::optional<GlowDraw> prepareGlow(const DrawMesh& mesh, const compute::Lighting& light,
+                                        const std::vector<glm::vec3>& perLux, float scale);
+    std::optional<SunDraw> prepareSun(const compute::Lighting& light, float scale);
     void leaveOutScatter(const compute::Lighting& light, std::vector<glm::vec3>& perVertex) const;
     io::DisplayParams displayParams(const compute::Lighting& light, const Tone& tone) const;
-    SceneInputs projectorInputs(size_t i, const std::optional<SunDraw>& sun, bool illuminance) const;
-    SceneInputs previewInputs(const View& view, const std::optional<SunDraw>& sun, Quantity quantity) const;
+    SceneInputs projectorInputs(size_t i, const AddedLight& added, bool illuminance) const;
+    SceneInputs previewInputs(const View& view, const AddedLight& added, Quantity quantity) const;
     void makeOutputs(int supersample);
     void drawGains();
     gpu::Commands recordProjectors(const compute::Lighting& light, const ProjectorOptions& options, bool hdr,
@@ -223,24 +232,59 @@ struct FrameRenderer::State {
     uint64_t drawing = 0;         // ticket of a draw that was not waited for
 };
 
-std::optional<SunDraw> FrameRenderer::State::prepareLight(DeviceMesh& target, const compute::Lighting& light,
-                                                          Quantity quantity, float scale) {
+AddedLight FrameRenderer::State::prepareLight(DeviceMesh& target, const compute::Lighting& light,
+                                              Quantity quantity, float scale) {
     const FrameScene& scene = model->scene;
     device->wait(drawing); // it reads what is written here
-    const std::vector<glm::vec3> perPatch = quantity == Quantity::picture ? pictureLight(scene.mesh, light)
-                                            : quantity == Quantity::illuminance
-                                                ? indirectIlluminance(scene.mesh, light)
-                                                : indirectExitance(scene.mesh, light);
+    std::vector<glm::vec3> perPatch = quantity == Quantity::picture ? pictureLight(scene.mesh, light)
+                                      : quantity == Quantity::illuminance
+                                          ? indirectIlluminance(scene.mesh, light)
+                                          : indirectExitance(scene.mesh, light);
     std::vector<glm::vec3> perLux(perPatch.size(), glm::vec3(1));
     if (quantity != Quantity::illuminance)
         for (size_t p = 0; p < perLux.size(); ++p)
             perLux[p] = scene.mesh.materials[scene.mesh.material[p]].reflectance;
-    std::vector<glm::vec3> perVertex = scene.vertexLight.evaluate(perPatch, light, perLux);
+    for (size_t p = 0; p < light.sunGlow.size(); ++p)
+        perPatch[p] = glm::max(perPatch[p] - perLux[p] * light.sunGlow[p], glm::vec3(0));
+    std::vector<glm::vec3> perVertex = scene.vertexLight.evaluate(perPatch);
     if (quantity == Quantity::illuminance)
         markOpenings(scene, perVertex);
     else if (&target == &model->shown)
         leaveOutScatter(light, perVertex);
     target.mixLight(*device, perVertex, scale);
+    return {prepareGlow(target.mesh, light, perLux, scale), prepareSun(light, scale)};
+}
+
+std::optional<GlowDraw> FrameRenderer::State::prepareGlow(const DrawMesh& mesh,
+                                                          const compute::Lighting& light,
+                                                          const std::vector<glm::vec3>& perLux, float scale) {
+    const geometry::PatchMesh& patches = model->scene.mesh;
+    std::vector<int> gridOf(patches.patchCount(), -1);
+    std::vector<glm::vec3> grids;
+    for (size_t g = 0; g < light.glow.size(); ++g) {
+        const uint32_t patch = light.glow[g].patch;
+        gridOf[patch] = static_cast<int>(g);
+        for (const glm::vec3& lux : light.glow[g].lux) grids.push_back(scale * perLux[patch] * lux);
+    }
+    std::vector<DrawCorner> corners;
+    std::vector<glm::vec3> places;
+    for (size_t t = 0; t < mesh.patch.size(); ++t) {
+        const int grid = gridOf[mesh.patch[t]];
+        if (grid < 0) continue;
+        const TrianglePlaces placesOf(patches, mesh.patch[t]);
+        for (size_t c = 3 * t; c < 3 * t + 3; ++c) {
+            corners.push_back(mesh.corners[c]);
+            places.emplace_back(placesOf.of(mesh.corners[c].position), grid);
+        }
+    }
+    if (corners.empty()) return std::nullopt;
+    return GlowDraw{{&model->glowCorners.write(*device, corners), &model->glowPlaces.write(*device, places),
+                     static_cast<uint32_t>(corners.size())},
+                    &model->glowGrids.write(*device, grids)};
+}
+
+std::optional<SunDraw> FrameRenderer::State::prepareSun(const compute::Lighting& light, float scale) {
+    const FrameScene& scene = model->scene;
     const bool sunny = glm::length(light.sunDirection) > 0.5 && scene.panes.size() > 0 &&
                        glm::dot(light.sunNormalIlluminance, glm::vec3(1)) > 0;
     if (!sunny) return std::nullopt;
@@ -279,12 +323,12 @@ io::DisplayParams FrameRenderer::State::displayParams(const compute::Lighting& l
     return params;
 }
 
-SceneInputs FrameRenderer::State::projectorInputs(size_t i, const std::optional<SunDraw>& sun,
-                                                  bool illuminance) const {
+SceneInputs FrameRenderer::State::projectorInputs(size_t i, const AddedLight& added, bool illuminance) const {
     SceneInputs inputs;
     inputs.view = &model->outputs[i].view;
     inputs.surfaces = model->shown.streams(illuminance); // what solids hide has no gain
-    inputs.sun = sun;
+    inputs.glow = added.glow;
+    inputs.sun = added.sun;
     inputs.keepGain = true;
     return inputs;
 }
@@ -333,7 +377,7 @@ gpu::Commands FrameRenderer::State::recordProjectors(const compute::Lighting& li
     const FrameScene& scene = model->scene;
     const Quantity quantity = hdr ? Quantity::picture : quantityOf(o.tone);
     const bool illuminance = quantity == Quantity::illuminance;
-    const std::optional<SunDraw> sun = prepareLight(model->shown, light, quantity);
+    const AddedLight added = prepareLight(model->shown, light, quantity);
     io::DisplayParams params = displayParams(light, o.tone);
     gpu::Commands commands(*device);
     for (size_t i = 0; i < model->outputs.size(); ++i) {
@@ -343,7 +387,7 @@ gpu::Commands FrameRenderer::State::recordProjectors(const compute::Lighting& li
         params.blackLevel = static_cast<float>(projector.blackLevel);
         params.gamma = hdr ? 0 : gammaOf(projector);
         params.outputWidth = static_cast<uint32_t>(projector.width);
-        scenePass.record(commands, output.scene, projectorInputs(i, sun, illuminance));
+        scenePass.record(commands, output.scene, projectorInputs(i, added, illuminance));
         const auto kind = hdr                ? DisplayTarget::Kind::float32
                           : params.gamma > 0 ? DisplayTarget::Kind::unorm8
                                              : DisplayTarget::Kind::srgb8;
@@ -354,12 +398,13 @@ gpu::Commands FrameRenderer::State::recordProjectors(const compute::Lighting& li
     return commands;
 }
 
-SceneInputs FrameRenderer::State::previewInputs(const View& view, const std::optional<SunDraw>& sun,
+SceneInputs FrameRenderer::State::previewInputs(const View& view, const AddedLight& added,
                                                 Quantity quantity) const {
     SceneInputs inputs;
     inputs.view = &view;
     inputs.surfaces = model->all.streams(quantity == Quantity::illuminance);
-    inputs.sun = sun;
+    inputs.glow = added.glow;
+    inputs.sun = added.sun;
     if (quantity == Quantity::exitance) return inputs; // nothing but what is simulated
     // Display colours; alpha 2 marks what is not simulated.
     inputs.background = {0.62f, 0.64f, 0.67f, 2};
@@ -393,10 +438,10 @@ Output& FrameRenderer::State::drawView(const compute::Lighting& light, View view
     io::DisplayParams params = displayParams(light, tone);
     // A picture is drawn in units of its white, so that see-through walls weigh the same at every exposure.
     const float scale = quantity == Quantity::picture ? 1e-3f / std::exchange(params.white, 1.0f) : 1e-3f;
-    const std::optional<SunDraw> sun = prepareLight(model->all, light, quantity, scale);
+    const AddedLight added = prepareLight(model->all, light, quantity, scale);
     params.outputWidth = static_cast<uint32_t>(previewOutput->view.outputWidth);
     gpu::Commands commands(*device);
-    scenePass.record(commands, previewOutput->scene, previewInputs(previewOutput->view, sun, quantity));
+    scenePass.record(commands, previewOutput->scene, previewInputs(previewOutput->view, added, quantity));
     displayPass.record(
         commands, previewOutput->scene.colour, previewOutput->warp, previewOutput->view,
         previewOutput->target(*device, hdr ? DisplayTarget::Kind::float32 : DisplayTarget::Kind::srgb8),

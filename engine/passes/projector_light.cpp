@@ -78,9 +78,9 @@ PaintedPatches paintedPatches(const geometry::PatchMesh& mesh, const ShownMesh& 
     double seenInAll = 0;
     for (size_t t = 0; t < reach.size(); ++t) {
         const double area = shown.mesh.area(t);
-        all[shown.patch[t]] += area;
+        all[shown.mesh.patch[t]] += area;
         if (!(reach[t] > 0)) continue;
-        seen[shown.patch[t]] += area, sum[shown.patch[t]] += area * reach[t];
+        seen[shown.mesh.patch[t]] += area, sum[shown.mesh.patch[t]] += area * reach[t];
         reachAndArea.emplace_back(reach[t], area);
         seenInAll += area;
     }

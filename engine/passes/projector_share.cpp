@@ -17,6 +17,7 @@ ShownMesh shownMesh(const geometry::PatchMesh& mesh, const VertexLight& vertexLi
     assert(devices.size() <= geometry::kMostProjectors);
     const ProjectorMesh cut = geometry::splitByProjectorVisibility(mesh, occluders, devices);
     DrawMesh out;
+    out.patch = cut.sourcePatch;
     for (size_t t = 0; t < cut.triangleCount(); ++t) {
         const uint32_t patch = cut.sourcePatch[t];
         const glm::dvec3 normal = geometry::patchNormal(mesh, patch);
@@ -37,7 +38,7 @@ ShownMesh shownMesh(const geometry::PatchMesh& mesh, const VertexLight& vertexLi
     }
     std::vector<glm::dvec3> centres;
     for (const geometry::OpticalDevice& device : devices) centres.push_back(device.centre());
-    return {std::move(out), cut.sourcePatch, geometry::blendProjectors(cut, mesh, centres)};
+    return {std::move(out), geometry::blendProjectors(cut, mesh, centres)};
 }
 
 } // namespace heliodon::passes

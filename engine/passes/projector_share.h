@@ -11,7 +11,6 @@ namespace heliodon::passes {
 
 struct ShownMesh {
     DrawMesh mesh;
-    std::vector<uint32_t> patch;    // per triangle
     geometry::ProjectorBlend blend; // of the same triangles
 };
 

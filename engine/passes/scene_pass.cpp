@@ -7,6 +7,7 @@
 #include "shaders/io/scene.io.h"
 #include "spirv/gain_frag.h"
 #include "spirv/gain_vert.h"
+#include "spirv/glow_frag.h"
 #include "spirv/scene_frag.h"
 #include "spirv/scene_vert.h"
 #include "spirv/shadow_volume_vert.h"
@@ -84,13 +85,25 @@ gpu::GraphicsPipeline volumePipeline(gpu::Device& device, bool caps) {
     return {device, info, caps ? "caps of shadow volumes" : "sides of shadow volumes"};
 }
 
-gpu::GraphicsPipeline sunPipeline(gpu::Device& device) {
+// More light on surfaces that are drawn.
+gpu::GraphicsPipelineInfo addingInfo() {
     gpu::GraphicsPipelineInfo info = surfaceInfo();
-    info.stages = {scene_vert, sun_frag};
     info.depthWrite = false;
     info.depthCompare = VK_COMPARE_OP_EQUAL;
     info.blend = gpu::Blend::add;
     info.writeMask = kRgb;
+    return info;
+}
+
+gpu::GraphicsPipeline glowPipeline(gpu::Device& device) {
+    gpu::GraphicsPipelineInfo info = addingInfo();
+    info.stages = {scene_vert, glow_frag};
+    return {device, info, "glow"};
+}
+
+gpu::GraphicsPipeline sunPipeline(gpu::Device& device) {
+    gpu::GraphicsPipelineInfo info = addingInfo();
+    info.stages = {scene_vert, sun_frag};
     info.stencilFront = {
         VK_STENCIL_OP_KEEP, VK_STENCIL_OP_KEEP, VK_STENCIL_OP_KEEP, VK_COMPARE_OP_EQUAL, 0xFF, 0, 0};
     info.specialization = {{"kSun", 1u}};
@@ -216,8 +229,8 @@ SceneTarget::SceneTarget(gpu::Device& device, int width, int height, const std::
 ScenePass::ScenePass(gpu::Device& device)
     : ambient_(ambientPipeline(device, false)), ambientKeepingGain_(ambientPipeline(device, true)),
       volumeCaps_(volumePipeline(device, true)), volumeSides_(volumePipeline(device, false)),
-      sun_(sunPipeline(device)), solid_(device, solidInfo(), "solids"), front_(frontPipeline(device)),
-      seeThrough_(seeThroughPipeline(device)), gain_(gainPipeline(device)) {}
+      sun_(sunPipeline(device)), glow_(glowPipeline(device)), solid_(device, solidInfo(), "solids"),
+      front_(frontPipeline(device)), seeThrough_(seeThroughPipeline(device)), gain_(gainPipeline(device)) {}
 
 void ScenePass::record(gpu::Commands& commands, const SceneTarget& target, const SceneInputs& inputs) const {
     const VkCommandBuffer buffer = commands.handle();
@@ -234,6 +247,11 @@ void ScenePass::record(gpu::Commands& commands, const SceneTarget& target, const
     vkCmdDraw(buffer, surfaces.count, 1, 0, 0);
     for (const SolidDraw& solid : inputs.solids)
         if (!solid.seeThrough) draw(buffer, solid_, solid, *inputs.view);
+    if (inputs.glow) {
+        glow_.bind(buffer, {*inputs.glow->grids}, params);
+        bindStreams(buffer, {inputs.glow->surfaces.corners, inputs.glow->surfaces.light});
+        vkCmdDraw(buffer, inputs.glow->surfaces.count, 1, 0, 0);
+    }
     if (inputs.sun) {
         volumeCaps_.bind(buffer, {}, params);
         bindStreams(buffer, {inputs.sun->volumes});

@@ -34,6 +34,12 @@ struct SurfaceStreams {
     uint32_t count = 0;
 };
 
+// Light that varies within patches, added to the surfaces that it is on.
+struct GlowDraw {
+    SurfaceStreams surfaces;            // those with any; light: place on the triangle, number of its grid
+    const gpu::Buffer* grids = nullptr; // vec3, kilolux: shaders/glow.frag
+};
+
 // Geometry in one flat colour. Alpha is what the scene picture's alpha becomes (see shaders/display.frag).
 struct SolidDraw {
     const gpu::Buffer* corners = nullptr; // DrawCorner
@@ -58,6 +64,7 @@ struct SunDraw {
 struct SceneInputs {
     const View* view = nullptr;
     SurfaceStreams surfaces;
+    std::optional<GlowDraw> glow;
     std::vector<SolidDraw> solids; // see-through ones last
     glm::vec4 background{0};       // where nothing is drawn; what is seen through is blended over it, too
     std::optional<SunDraw> sun;    // none: neither volumes nor the sun pass are recorded
@@ -89,8 +96,8 @@ public:
     void recordGain(gpu::Commands& commands, const SceneTarget& target, const GainInputs& inputs) const;
 
 private:
-    gpu::GraphicsPipeline ambient_, ambientKeepingGain_, volumeCaps_, volumeSides_, sun_, solid_, front_,
-        seeThrough_, gain_;
+    gpu::GraphicsPipeline ambient_, ambientKeepingGain_, volumeCaps_, volumeSides_, sun_, glow_, solid_,
+        front_, seeThrough_, gain_;
 };
 
 } // namespace heliodon::passes

@@ -175,34 +175,13 @@ VertexLight::VertexLight(const PatchMesh& mesh)
     }
 }
 
-std::vector<glm::vec3> VertexLight::fit(std::span<const glm::vec3> patchValues) const {
+std::vector<glm::vec3> VertexLight::evaluate(std::span<const glm::vec3> patchValues) const {
     std::vector<glm::vec3> values(size());
     for (size_t pair = 0; pair < values.size(); ++pair) {
         glm::vec3 sum{0};
         for (uint32_t k = first_[pair]; k < first_[pair + 1]; ++k) sum += weight_[k] * patchValues[patch_[k]];
         values[pair] = glm::max(sum, glm::vec3(0));
     }
-    return values;
-}
-
-std::vector<glm::vec3> VertexLight::evaluate(std::span<const glm::vec3> patchValues) const {
-    std::vector<glm::vec3> values = fit(patchValues);
-    keepMeans(patchValues, values);
-    return values;
-}
-
-std::vector<glm::vec3> VertexLight::evaluate(std::span<const glm::vec3> patchValues,
-                                             const compute::Lighting& light,
-                                             std::span<const glm::vec3> perLux) const {
-    if (light.sunGlow.empty()) return evaluate(patchValues);
-    std::vector<glm::vec3> without(patchValues.begin(), patchValues.end());
-    for (size_t p = 0; p < without.size(); ++p)
-        without[p] = glm::max(without[p] - perLux[p] * light.sunGlow[p], glm::vec3(0));
-    std::vector<glm::vec3> values = fit(without), glow(values.size(), glm::vec3(0));
-    for (size_t p = 0; p < without.size(); ++p)
-        for (uint32_t c = firstCorner_[p]; c < firstCorner_[p + 1]; ++c)
-            glow[corners_[c].pair] = perLux[p] * light.cornerGlow[c];
-    for (size_t i = 0; i < values.size(); ++i) values[i] += glow[i];
     keepMeans(patchValues, values);
     return values;
 }

@@ -36,10 +36,6 @@ public:
 
     // One value per pair, never negative. `patchValues` has one value per patch.
     std::vector<glm::vec3> evaluate(std::span<const glm::vec3> patchValues) const;
-    // The same with the light's glow, which is part of the values, as it is at the vertices. `perLux`: per
-    // patch, value that a lux of the glow gives.
-    std::vector<glm::vec3> evaluate(std::span<const glm::vec3> patchValues, const compute::Lighting& light,
-                                    std::span<const glm::vec3> perLux) const;
 
 private:
     struct Corner {
@@ -50,7 +46,6 @@ private:
     void findCorners(const geometry::PatchMesh& mesh, std::vector<std::vector<uint32_t>>& patchesAt,
                      std::vector<uint32_t>& vertexOf);
     void weighCorners(const geometry::PatchMesh& mesh);
-    std::vector<glm::vec3> fit(std::span<const glm::vec3> patchValues) const;
     void keepMeans(std::span<const glm::vec3> patchValues, std::vector<glm::vec3>& values) const;
 
     std::map<std::pair<uint32_t, uint32_t>, uint32_t> pairs_;

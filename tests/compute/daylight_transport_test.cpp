@@ -180,10 +180,10 @@ TEST(DaylightTransport, parts_sum_to_what_patches_reflect) {
 }
 
 // A box of 4 x 3 x 5 m with a window, in squares of 1 m over `times`.
-geometry::PatchMesh squares(uint32_t times) {
+geometry::PatchMesh squares(uint32_t times, bool inTriangles = false) {
     test::BoxRoom box;
     box.cells = {4 * times, 3 * times, 5 * times};
-    box.triangles = false;
+    box.triangles = inTriangles;
     box.isGlass = [](glm::dvec3 p) { return p.z < 1e-9 && p.x > 1 && p.x < 3 && p.y > 1 && p.y < 2; };
     return test::boxRoom(box);
 }
@@ -287,31 +287,58 @@ TEST(SunBounce, is_what_a_mesh_four_times_as_fine_gives) {
     }
 }
 
-// Of what sunlit patches light nearby, a patch has the mean of what its corners have, but where that bends
-// within the patch, at the foot of walls; and never more than all light on it.
-TEST(SunGlow, at_corners_and_on_patches_is_the_same_light) {
-    const geometry::PatchMesh mesh = squares(4);
-    DaylightTransport transport(test::device(), mesh, {.forPictures = true});
-    for (const glm::dvec3 towards : {glm::dvec3(0.5, 0.35, -0.5), {-0.7, 0.5, -0.6}}) {
-        const Lighting light = transport.light(sunny(towards)).lighting;
-        ASSERT_EQ(light.sunGlow.size(), mesh.patchCount());
-        ASSERT_EQ(light.cornerGlow.size(), mesh.corners.size());
-        double apart = 0, all = 0;
-        for (size_t i = 0; i < mesh.patchCount(); ++i) {
-            double corners = 0;
-            for (uint32_t c = mesh.firstCorner[i]; c < mesh.firstCorner[i + 1]; ++c)
-                corners += photometric(light.cornerGlow[c]) / static_cast<double>(mesh.patch(i).size());
-            const double mean = photometric(light.sunGlow[i]);
-            const float rho = mesh.materials[mesh.material[i]].reflectance.y;
-            apart += std::abs(corners - mean), all += mean;
-            EXPECT_LE(rho * mean,
-                      1.02 * photometric(light.exitance[i] - glm::vec3(rho) * light.sunIlluminance[i]));
+// Where PatchGlow has what lies at a point of a triangle, to the nearest place.
+glm::vec3 glowAt(const PatchGlow& glow, const geometry::PatchMesh& mesh, glm::dvec3 point) {
+    const std::vector<glm::dvec3> corner = geometry::patchCorners(mesh, glow.patch);
+    double nearest = 1e300;
+    glm::vec3 found(0);
+    size_t place = 0;
+    for (int j = 0; j <= PatchGlow::kCells; ++j)
+        for (int i = 0; i + j <= PatchGlow::kCells; ++i, ++place) {
+            const glm::dvec3 at =
+                corner[0] + (double(i) * (corner[1] - corner[0]) + double(j) * (corner[2] - corner[0])) /
+                                double(PatchGlow::kCells);
+            if (glm::length(at - point) < nearest) nearest = glm::length(at - point), found = glow.lux[place];
         }
-        EXPECT_GT(all, 0);
-        EXPECT_LT(apart, 0.25 * all);
+    return found;
+}
+
+// Triangles of 1 m with what they have of their light within themselves come much nearer to squares of 25 cm
+// than their means do, and never have more of it than all of their light.
+TEST(SunGlow, is_the_light_within_a_patch_that_finer_patches_have) {
+    const geometry::PatchMesh coarse = squares(1, true), fine = squares(4);
+    DaylightTransport few(test::device(), coarse, {.forPictures = true}), many(test::device(), fine);
+    for (const glm::dvec3 towards : {glm::dvec3(0.5, 0.35, -0.5), {-0.7, 0.5, -0.6}}) {
+        const Lighting light = few.light(sunny(towards)).lighting,
+                       exact = many.light(sunny(towards)).lighting;
+        ASSERT_EQ(light.sunGlow.size(), coarse.patchCount());
+        ASSERT_FALSE(light.glow.empty());
+        double before = 0, after = 0;
+        for (const PatchGlow& glow : light.glow) {
+            const uint32_t i = glow.patch;
+            const float rho = coarse.materials[coarse.material[i]].reflectance.y;
+            const double mean = photometric(light.exitance[i] - rho * light.sunIlluminance[i]);
+            EXPECT_NEAR(photometric(light.sunGlow[i]), photometric(glow.mean()), 1e-3 * mean);
+            EXPECT_LE(rho * photometric(glow.mean()), 1.02 * mean);
+            const std::vector<glm::dvec3> corner = geometry::patchCorners(coarse, i);
+            for (size_t k = 0; k < fine.patchCount(); ++k) {
+                const glm::dvec3 at = geometry::patchCentroid(fine, k);
+                if (fine.surface[k] != coarse.surface[i] ||
+                    glm::length(glm::cross(corner[1] - corner[0], at - corner[0])) +
+                            glm::length(glm::cross(corner[2] - corner[1], at - corner[1])) +
+                            glm::length(glm::cross(corner[0] - corner[2], at - corner[2])) >
+                        1.001 * 2 * geometry::patchArea(coarse, i))
+                    continue;
+                const double there = photometric(exact.exitance[k] - rho * exact.sunIlluminance[k]);
+                const double within = rho * photometric(glowAt(glow, coarse, at) - light.sunGlow[i]);
+                before += std::pow(mean - there, 2), after += std::pow(mean + within - there, 2);
+            }
+        }
+        EXPECT_GT(before, 0);
+        EXPECT_LT(std::sqrt(after), 0.65 * std::sqrt(before));
     }
     EXPECT_TRUE(
-        DaylightTransport(test::device(), mesh).light(sunny({0.5, 0.35, -0.5})).lighting.sunGlow.empty());
+        DaylightTransport(test::device(), coarse).light(sunny({0.5, 0.35, -0.5})).lighting.glow.empty());
 }
 
 TEST(DaylightTransport, grey_scenes_take_one_channel_and_give_the_same_light) {

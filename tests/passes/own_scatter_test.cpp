@@ -176,11 +176,11 @@ std::vector<double> physicalExitance(const FrameScene& scene, const RoomFactors&
     const geometry::Rig& rig = scene.rig;
     std::vector<double> painted(factors.n), B(factors.n), area(factors.n);
     const auto isThere = [&](size_t p) { return scene.mesh.role[p] == geometry::Role::projection; };
-    for (size_t t = 0; t < scene.shown.patch.size(); ++t) {
+    for (size_t t = 0; t < scene.shown.mesh.patch.size(); ++t) {
         const DrawCorner* corner = &scene.shown.mesh.corners[3 * t];
         const glm::dvec3 middle((corner[0].position + corner[1].position + corner[2].position) / 3.0f);
-        area[scene.shown.patch[t]] += scene.shown.mesh.area(t);
-        painted[scene.shown.patch[t]] +=
+        area[scene.shown.mesh.patch[t]] += scene.shown.mesh.area(t);
+        painted[scene.shown.mesh.patch[t]] +=
             scene.shown.mesh.area(t) *
             paintedAt(rig, pictures, scene.shown.blend.visible[t], middle, glm::dvec3(corner[0].normal));
     }

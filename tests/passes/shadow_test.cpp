@@ -247,5 +247,39 @@ TEST(Pane, interior_glass_counts_once_and_exterior_glass_each_time) {
     EXPECT_NEAR(picture.pixel(16, 16)[0], 700 * sun.z * one * one, 1.5);
 }
 
+// A glow that bends within triangles: each pixel shows what it is there, not what their corners have.
+TEST(Glow, is_drawn_as_it_is_within_a_triangle) {
+    RoomBuilder room;
+    room.box({-0.5, 0, -0.5}, {1, 1, 1}, 1, [](int, int) { return test::kWhite; });
+    const PatchMesh& mesh = room.mesh;
+    const auto there = [](glm::dvec3 p) { return 1000 * (p.x * p.x + std::abs(p.z) + 0.1); };
+    compute::Lighting light;
+    light.exitance.assign(mesh.patchCount(), glm::vec3(100));
+    light.sunGlow.assign(mesh.patchCount(), glm::vec3(0));
+    for (uint32_t p = 0; p < mesh.patchCount(); ++p) {
+        if (geometry::patchNormal(mesh, p).y < 0.9) continue;
+        compute::PatchGlow glow{p, {}};
+        const std::vector<glm::dvec3> corner = geometry::patchCorners(mesh, p);
+        size_t place = 0;
+        for (int j = 0; j <= glow.kCells; ++j)
+            for (int i = 0; i + j <= glow.kCells; ++i)
+                glow.lux[place++] = glm::vec3(there(
+                    corner[0] + (double(i) * (corner[1] - corner[0]) + double(j) * (corner[2] - corner[0])) /
+                                    double(glow.kCells)));
+        light.sunGlow[p] = glow.mean();
+        light.exitance[p] += 0.7f * glow.mean();
+        light.glow.push_back(glow);
+    }
+    ASSERT_EQ(light.glow.size(), 2u);
+    FrameRenderer renderer(test::device(), mesh, {}, nullptr);
+    const ImageF picture = renderer.exitance(light, viewOfCamera({{0, 5, 0}, {0, 0, 0}, 10}, 64, 64));
+    const double metres = 2 * 5 * std::tan(glm::radians(5.0)) / 64; // a pixel
+    for (int y = 8; y < 56; ++y)
+        for (int x = 8; x < 56; ++x)
+            EXPECT_NEAR(picture.pixel(x, y)[1],
+                        100 + 0.7 * there({metres * (x - 31.5), 0, metres * (y - 31.5)}), 8)
+                << x << ' ' << y;
+}
+
 } // namespace
 } // namespace heliodon::passes
