@@ -25,6 +25,8 @@ constexpr size_t kSolvedAtOnce = 8; // hours that share passes over F
 // hours: an hour's sky, its sun; of a sensor what it answers, by patches, and its products, by hours with
 // light.
 constexpr double kSkyWork = 0.5, kSunWork = 0.8, kAnswerWork = 5e-3, kProductWork = 4e-4;
+// An hour whose sky has a ribbon, by patches.
+constexpr double kRibbonWork = 0.1;
 // Of a sensor with walls beside it: by patches; by hours with sky; by hours with sun.
 constexpr double kNearWork = 9e-3, kNearSkyWork = 4.5e-3, kNearSunWork = 1.7e-3;
 
@@ -49,6 +51,7 @@ AnnualDaylight::AnnualDaylight(DaylightTransport& transport, std::vector<dayligh
     });
     sunWork_ = kSunWork * static_cast<double>(suns_->sunny());
     makeSkies(parts);
+    ribbonWork_ = ribbonWork() * static_cast<double>(ribbons_.size());
     report_.hours = skies_.size();
     report_.solved = ribbons_.size();
     report_.lit = lit_.size() + ribbons_.size();
@@ -61,14 +64,20 @@ double AnnualDaylight::answerWork() const {
     return kAnswerWork * static_cast<double>(transport_.mesh().patchCount());
 }
 
+double AnnualDaylight::ribbonWork() const {
+    return kRibbonWork * static_cast<double>(transport_.mesh().patchCount());
+}
+
 // Where the hours' sun is not kept, all but its last block is made again in each call that is still to come,
-// taken to be of as many sensors as the last.
-void AnnualDaylight::foreseeSun(size_t sensors) {
+// taken to be of as many sensors as the last; so are ribbon hours that are not kept.
+void AnnualDaylight::foresee(size_t sensors) {
     const size_t left = sensorCount_ - std::min(sensorsDone_, sensorCount_),
                  calls = (left + sensors - 1) / sensors;
     const auto blocks = static_cast<double>(std::max<size_t>(suns_->blocks(), 1));
     sunWork_ = sunDone_ + static_cast<double>(calls) * (1 - 1 / blocks) * kSunWork *
                               static_cast<double>(suns_->skies().size());
+    ribbonWork_ =
+        ribbonsDone_ + static_cast<double>(calls * (ribbons_.size() - solved_.size())) * ribbonWork();
 }
 
 // To be told how many things are done, of which each has `work`.
@@ -96,7 +105,7 @@ void AnnualDaylight::tell(double work) {
     workDone_ += work;
     const auto lit = static_cast<double>(lit_.size());
     const double all =
-        kSkyWork * lit + sunWork_ + nearWork_ +
+        kSkyWork * lit + sunWork_ + nearWork_ + ribbonWork_ +
         (answerWork() + kProductWork * lit) * static_cast<double>(std::max<size_t>(sensorCount_, 1));
     tell_(std::min(1.0, workDone_ / all));
 }
@@ -155,7 +164,7 @@ void AnnualDaylight::addBlinds(const SunHours::Hour& hour, const TransportParts&
         for (auto l = lit; l != last; ++l) responses.add(rows.glow + l->row, even * l->lux, reflected);
         if (group.window.hasSlats() && lit != last) {
             const auto add = [&](size_t row, glm::vec3 lux) {
-                for (size_t node = 0; node < daylight::kSlatNodes; ++node)
+                for (size_t node = 0; node < daylight::kSlatLobes; ++node)
                     responses.add(row + node, lux * lobes[node], reflected);
             };
             const glm::vec3 one = lit->lux;
@@ -163,10 +172,10 @@ void AnnualDaylight::addBlinds(const SunHours::Hour& hour, const TransportParts&
                 std::all_of(lit, last, [&](const SunHours::Lit& l) {
                     return glm::length(l.lux - one) <= 1e-6F * glm::length(one);
                 }))
-                add(rows.groupLobes + g * daylight::kSlatNodes, one);
+                add(rows.groupLobes + g * daylight::kSlatLobes, one);
             else
                 for (auto l = lit; l != last; ++l)
-                    add(rows.lobes + (slats + l->row - window) * daylight::kSlatNodes, l->lux);
+                    add(rows.lobes + (slats + l->row - window) * daylight::kSlatLobes, l->lux);
         }
         if (group.window.hasSlats()) slats += count;
         window += count;
@@ -262,7 +271,7 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
     checkAndSetErrors(lux, sun, error);
     solveRibbons(lux, sun, error);
     sensorsDone_ += count;
-    foreseeSun(count);
+    foresee(count);
     tell(kProductWork * static_cast<double>(lit_.size() * count));
 }
 
@@ -292,8 +301,8 @@ void AnnualDaylight::reportOf(const SensorResponses& responses, size_t values) {
     size_t floats = count * (lit_.size() + report_.withSun) + responses.sky.size() + 3 * values;
     for (const std::vector<float>& rows : responses.sun) // and about as many importances of the sky
         floats += rows.size() + (rows.empty() ? 0 : count * transport_.mesh().patchCount());
-    report_.bytes = std::max(report_.bytes, luminance_.bytes() + responder_.bytes() + report_.sunBytes +
-                                                nearWalls + sizeof(float) * floats);
+    report_.bytes = std::max(report_.bytes, luminance_.bytes() + responder_.bytes() + solvedBytes_ +
+                                                report_.sunBytes + nearWalls + sizeof(float) * floats);
 }
 
 // Sunless ones first.
@@ -352,20 +361,61 @@ void AnnualDaylight::checkAndSetErrors(std::span<const float> lux, std::span<con
 void AnnualDaylight::solveRibbons(std::span<float> lux, std::span<float> sun, std::span<float> error) {
     const SecondsAdded clock(report_.solvedSeconds);
     const size_t hours = skies_.size();
-    for (size_t first = 0; first < ribbons_.size(); first += kSolvedAtOnce) {
+    const auto write = [&](const Moment& moment, uint32_t hour) {
+        for (size_t s = 0; s < moment.sensors.size(); ++s) {
+            const LightParts& parts = moment.sensors[s];
+            const size_t at = s * hours + hour;
+            lux[at] = static_cast<float>(photometric(parts.total()));
+            sun[at] = static_cast<float>(photometric(parts.sun));
+            error[at] = parts.error;
+        }
+    };
+    const size_t kept = solved_.size();
+    for (size_t k = 0; k < kept; ++k) {
+        transport_.lightSensors(solved_[k], skies_[ribbons_[k]]);
+        write(solved_[k], ribbons_[k]);
+    }
+    for (size_t first = kept; first < ribbons_.size(); first += kSolvedAtOnce) {
         std::vector<daylight::Sky> skies;
         for (size_t k = first; k < std::min(first + kSolvedAtOnce, ribbons_.size()); ++k)
             skies.push_back(skies_[ribbons_[k]]);
-        const std::vector<Moment> moments = transport_.light(skies);
-        for (size_t k = 0; k < moments.size(); ++k)
-            for (size_t s = 0; s < moments[k].sensors.size(); ++s) {
-                const LightParts& parts = moments[k].sensors[s];
-                const size_t at = s * hours + ribbons_[first + k];
-                lux[at] = static_cast<float>(photometric(parts.total()));
-                sun[at] = static_cast<float>(photometric(parts.sun));
-                error[at] = parts.error;
-            }
+        std::vector<Moment> moments = transport_.light(skies);
+        for (size_t k = 0; k < moments.size(); ++k) write(moments[k], ribbons_[first + k]);
+        const double work = static_cast<double>(moments.size()) * ribbonWork();
+        ribbonsDone_ += work;
+        tell(work);
+        keep(std::move(moments));
     }
+}
+
+// For sensors to come, as many as may be held.
+void AnnualDaylight::keep(std::vector<Moment> moments) {
+    for (Moment& moment : moments) {
+        const size_t vectors = moment.lobes.size() + moment.glow.size() + 2 * moment.patches.size();
+        const size_t bytes =
+            moment.patches.size() * (sizeof(LightParts) + sizeof(float)) + vectors * sizeof(glm::vec3);
+        if (!keeps_ || solvedBytes_ + bytes > kSolvedBytes) {
+            keeps_ = false;
+            return;
+        }
+        solvedBytes_ += bytes;
+        moment.sensors.clear();
+        solved_.push_back(std::move(moment));
+    }
+}
+
+YearReport& YearReport::operator+=(const YearReport& part) {
+    const double squares = checkRms * checkRms * static_cast<double>(checkedHours) +
+                           part.checkRms * part.checkRms * static_cast<double>(part.checkedHours);
+    hours += part.hours, lit += part.lit, withSun += part.withSun, sunOutside += part.sunOutside;
+    sunless += part.sunless, solved += part.solved, sunlitPatches += part.sunlitPatches;
+    skySeconds += part.skySeconds, sunSeconds += part.sunSeconds, sensorSeconds += part.sensorSeconds;
+    productSeconds += part.productSeconds, checkSeconds += part.checkSeconds;
+    solvedSeconds += part.solvedSeconds;
+    sunBlocks += part.sunBlocks, checkedHours += part.checkedHours;
+    sunBytes = std::max(sunBytes, part.sunBytes), bytes = std::max(bytes, part.bytes);
+    checkRms = checkedHours > 0 ? std::sqrt(squares / static_cast<double>(checkedHours)) : 0;
+    return *this;
 }
 
 } // namespace heliodon::compute

@@ -9,7 +9,7 @@
 // product. Reciprocity (A_i F_ij = A_j F_ji) is used: where form factors keep it only to some error, results
 // differ from DaylightTransport::light by as much; `sensors` measures that on some hours of the year. The few
 // hours whose sky has a ribbon at the horizon, too low for sky elements, are that function's own, at 0.15 to
-// 0.4 CPU seconds each in every call of `sensors`.
+// 0.4 CPU seconds each, once.
 #pragma once
 
 #include <cstddef>
@@ -44,6 +44,8 @@ struct YearReport {
     // Against DaylightTransport::light on some hours: RMS of the relative difference over sensors.
     size_t checkedHours = 0;
     double checkRms = 0;
+
+    YearReport& operator+=(const YearReport& part); // of other hours, at the same sensors
 };
 
 class AnnualDaylight {
@@ -52,6 +54,7 @@ public:
     using Tell = std::function<void(double share)>;
 
     static constexpr size_t kSunBytes = 128 << 20;
+    static constexpr size_t kSolvedBytes = 64 << 20; // of ribbon hours kept; more are solved in each call
 
     // Luminances of every sky, about half a millisecond each and core. `transport` must outlive this and keep
     // its materials.
@@ -87,9 +90,11 @@ private:
     void checkAndSetErrors(std::span<const float> lux, std::span<const float> sun, std::span<float> error);
     std::vector<uint32_t> checkedHours(size_t& sunless) const;
     void solveRibbons(std::span<float> lux, std::span<float> sun, std::span<float> error);
+    void keep(std::vector<Moment> moments);
+    double ribbonWork() const; // of an hour
     void reportOf(const SensorResponses& responses, size_t values);
     double answerWork() const; // of a sensor
-    void foreseeSun(size_t sensors);
+    void foresee(size_t sensors);
     void makeNearLight(size_t sensors);
     std::function<void(size_t)> tellEach(double work);
     void tell(double work); // that was done
@@ -98,13 +103,16 @@ private:
     std::vector<daylight::Sky> skies_;
     size_t sensorCount_, sensorsDone_ = 0;
     Tell tell_;
-    double workDone_ = 0, sunDone_ = 0, nearDone_ = 0;
-    double sunWork_ = 0, nearWork_ = 0; // done and to come
-    double nearShare_ = 0;              // of sensors, those with walls beside them
+    double workDone_ = 0, sunDone_ = 0, nearDone_ = 0, ribbonsDone_ = 0;
+    double sunWork_ = 0, nearWork_ = 0, ribbonWork_ = 0; // done and to come
+    double nearShare_ = 0;                               // of sensors, those with walls beside them
     SensorResponder responder_;
     std::vector<uint32_t> lit_;     // hours with sky or ground, but for ...
     std::vector<uint32_t> ribbons_; // ... those whose sky has a ribbon
-    Panels luminance_;              // elements x lit hours, times pi
+    std::vector<Moment> solved_;    // of the first of these
+    size_t solvedBytes_ = 0;
+    bool keeps_ = true; // there is room for more of them
+    Panels luminance_;  // elements x lit hours, times pi
     std::optional<SunHours> suns_;
     std::map<size_t, float> beamEdges_;
     double checkSquares_ = 0, checkCount_ = 0;

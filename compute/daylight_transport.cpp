@@ -97,9 +97,11 @@ struct DaylightTransport::State {
     void makeNearLight(const std::function<void(size_t)>& done);
     void readMaterials();
     Moment direct(const daylight::Sky& sky) const;
-    void skyAtSensors(Moment& moment, const daylight::Sky& even) const;
+    void skyAtSensors(Moment& moment, const daylight::Sky& sky) const;
     void addRibbon(Moment& moment, const daylight::Sky& sky) const;
     void sunOn(Moment& moment, const daylight::SunDisc& disc) const;
+    void sunAtSensors(Moment& moment, const SunPatches& sun, std::span<const SunlitParts> partly) const;
+    MomentScene momentScene() const;
     template<class Light> void glow(Moment& moment, const Light& light) const;
     void hideSky(Moment& moment, std::span<const double> luminances) const;
     struct PlaceErrors {
@@ -110,6 +112,7 @@ struct DaylightTransport::State {
                               const SolvedColumns& solved);
     float emitted(const Moment& moment, size_t patch, uint32_t channel) const;
     void solve(std::span<Moment> moments);
+    void lightSensors(Moment& moment, const daylight::Sky& sky) const;
     double rowError() const {
         return factors.report.claimedRowError > 0 ? factors.report.claimedRowError : kHemicubeRowError;
     }
@@ -282,7 +285,7 @@ Moment DaylightTransport::State::direct(const daylight::Sky& sky) const {
         std::vector<double> means = skyPatches.luminances(even);
         const std::vector<float> luminance(means.begin(), means.end());
         for (size_t i = 0; i < n; ++i) patchSky.combine(i, luminance, moment.patches[i]);
-        skyAtSensors(moment, even);
+        skyAtSensors(moment, sky);
         if (daylight::hasHorizonRibbon(sky.formula)) {
             addRibbon(moment, sky);
             if (!hiddenSky->patches().empty()) means = skyPatches.luminances(sky);
@@ -312,7 +315,10 @@ Moment DaylightTransport::State::direct(const daylight::Sky& sky) const {
 }
 
 // The sky's own formula in the directions of the samples: nothing is lost to sky elements.
-void DaylightTransport::State::skyAtSensors(Moment& moment, const daylight::Sky& even) const {
+void DaylightTransport::State::skyAtSensors(Moment& moment, const daylight::Sky& sky) const {
+    const daylight::Sky even = daylight::withoutRibbon(sky);
+    std::optional<RibbonLight> ribbon;
+    if (daylight::hasHorizonRibbon(sky.formula)) ribbon.emplace(*points, sky);
     inParallel(moment.sensors.size(), [&](size_t s) {
         glm::dvec3 above(0), below(0), byWalls(0);
         for (const SkySample& sample : sensors.sky.of(s))
@@ -322,7 +328,14 @@ void DaylightTransport::State::skyAtSensors(Moment& moment, const daylight::Sky&
             byWalls += glm::dvec3(sample.weight) * even.luminance(glm::dvec3(sample.direction));
         moment.sensors[s].sky = glm::vec3(above);
         moment.sensors[s].ground = glm::vec3(below);
-        moment.sensors[s].interreflected += glm::vec3(byWalls);
+        LightParts& parts = moment.sensors[s];
+        parts.interreflected += glm::vec3(byWalls);
+        if (!ribbon || sensors.room[s] == geometry::kNoRoom) return;
+        const Sensor& sensor = sensors.sensors[s];
+        const glm::vec3 straight(ribbon->at(sensor.position, sensor.normal, sensors.room[s]));
+        parts.sky += straight;
+        parts.error += static_cast<float>(kRibbonError * photometric(straight));
+        parts.interreflected += glm::vec3(ribbon->byWalls(sensors.near[s], sensors.room[s]));
     });
 }
 
@@ -330,15 +343,6 @@ void DaylightTransport::State::skyAtSensors(Moment& moment, const daylight::Sky&
 void DaylightTransport::State::addRibbon(Moment& moment, const daylight::Sky& sky) const {
     moment.report.modelled.emplace_back("sky: the ribbon of light at its horizon");
     const RibbonLight ribbon(*points, sky);
-    inParallel(moment.sensors.size(), [&](size_t s) {
-        if (sensors.room[s] == geometry::kNoRoom) return;
-        LightParts& parts = moment.sensors[s];
-        const Sensor& sensor = sensors.sensors[s];
-        const glm::vec3 straight(ribbon.at(sensor.position, sensor.normal, sensors.room[s]));
-        parts.sky += straight;
-        parts.error += static_cast<float>(kRibbonError * photometric(straight));
-        parts.interreflected += glm::vec3(ribbon.byWalls(sensors.near[s], sensors.room[s]));
-    });
     double light = 0, area = 0;
     for (size_t i = 0; i < mesh.patchCount(); ++i)
         light += areas[i] * photometric(moment.patches[i].sky), area += areas[i];
@@ -373,13 +377,21 @@ void DaylightTransport::State::sunOn(Moment& moment, const daylight::SunDisc& di
             return blinds->groups()[g].window.lobes(moment.lighting.sunDirection, blinds->groups()[g].normal);
         },
         [&](uint32_t patch) { return glm::dvec3(disc.normalIlluminance * sun.onOutside(patch)); });
-    std::vector<glm::vec3> firstBounce(n);
     for (size_t i = 0; i < n; ++i) {
         moment.patches[i].sun = moment.lighting.sunIlluminance[i] *= strength;
         moment.patches[i].interreflected += bounced[i];
-        firstBounce[i] = mesh.materials[mesh.material[i]].reflectance * moment.patches[i].sun;
     }
     if (sunGlow) sunGlow->addTo(moment.lighting, partly, disc.normalIlluminance);
+    sunAtSensors(moment, sun, partly);
+}
+
+void DaylightTransport::State::sunAtSensors(Moment& moment, const SunPatches& sun,
+                                            std::span<const SunlitParts> partly) const {
+    if (sensors.sensors.empty()) return;
+    const float strength = moment.lighting.sunNormalIlluminance.x;
+    std::vector<glm::vec3> firstBounce;
+    for (size_t i = 0; i < mesh.patchCount(); ++i)
+        firstBounce.push_back(mesh.materials[mesh.material[i]].reflectance * moment.patches[i].sun);
     inParallel(sensors.sensors.size(), [&](size_t s) {
         const Sensor& sensor = sensors.sensors[s];
         if (sensors.room[s] == geometry::kNoRoom) return;
@@ -427,9 +439,7 @@ void DaylightTransport::State::solve(std::span<Moment> moments) {
         exitance.assign(outgoing.size(), 0), gathered.assign(outgoing.size(), 0);
     }
     const double seconds = clock.seconds() / static_cast<double>(moments.size());
-    const MomentScene scene{
-        mesh,    areas,   rowSums, links->rowSums(), solver->matter(), clear, *slopes,       *nearPairs,
-        *points, sensors, *slats,  *gather,          rowError(),       grey,  patchSky.error};
+    const MomentScene scene = momentScene();
     for (size_t k = 0; k < moments.size(); ++k) {
         Moment& moment = moments[k];
         moment.report.radiosity = solution;
@@ -441,13 +451,31 @@ void DaylightTransport::State::solve(std::span<Moment> moments) {
         if (grey)
             moment.report.skipped.emplace_back(
                 "colour: all materials are grey, one channel stands for three");
-        SolvedColumns solved{exitance, gathered, k * perMoment * n, 0, {}, {}};
-        const PlaceErrors errors = anyLight ? errorsByPlace(moment, channel, solved) : PlaceErrors{};
-        solved.error = errors.alike;
-        solved.exitanceError = errors.exitance, solved.gatheredError = errors.gathered;
+        SolvedColumns solved{exitance, gathered, k * perMoment * n, {}};
+        PlaceErrors errors = anyLight ? errorsByPlace(moment, channel, solved) : PlaceErrors{};
+        moment.solverError = errors.alike;
+        moment.exitanceErrors = std::move(errors.exitance), solved.gatheredError = errors.gathered;
         lightPatches(scene, solved, moment);
-        lightSensors(scene, solved, moment);
+        compute::lightSensors(scene, moment);
     }
+}
+
+MomentScene DaylightTransport::State::momentScene() const {
+    return {mesh,    areas,   rowSums, links->rowSums(), solver->matter(), clear, *slopes,       *nearPairs,
+            *points, sensors, *slats,  *gather,          rowError(),       grey,  patchSky.error};
+}
+
+void DaylightTransport::State::lightSensors(Moment& moment, const daylight::Sky& sky) const {
+    moment.sensors.assign(sensors.sensors.size(), {});
+    if ((hasOpenings && (sky.formula.scale > 0 || sky.ground.luminance > 0)) || options.skipNothing)
+        skyAtSensors(moment, sky);
+    if (glm::length(moment.lighting.sunDirection) > 0) {
+        const SunPatches sun(*sunScene, sky.sun.direction, options.skipNothing);
+        std::vector<SunlitParts> partly;
+        (void)sun.onPatches(&partly);
+        sunAtSensors(moment, sun, partly);
+    }
+    compute::lightSensors(momentScene(), moment);
 }
 
 // Those of the solver, where one bound for all is over kSeen of the light of more than kOften of the patches.
@@ -542,6 +570,11 @@ std::vector<Moment> DaylightTransport::light(std::span<const daylight::Sky> skie
     for (const daylight::Sky& sky : skies) moments.push_back(state_->direct(sky));
     if (!moments.empty()) state_->solve(moments);
     return moments;
+}
+
+void DaylightTransport::lightSensors(Moment& moment, const daylight::Sky& sky) {
+    makeNearLight();
+    state_->lightSensors(moment, sky);
 }
 
 TransportParts DaylightTransport::parts() {

@@ -77,6 +77,10 @@ struct Moment {
     std::vector<glm::vec3> glow; // per patch: exitance of blinds by light from outside; empty without blinds
     std::vector<glm::vec3>
         lobes; // of slats, rows of SlatLobes: how luminance x pi differs from that; or empty
+    // What the solver leaves on patches' exitance, photometric: on each, or place by place where that is
+    // told.
+    double solverError = 0;
+    std::vector<float> exitanceErrors;
     MomentReport report;
 };
 
@@ -151,6 +155,10 @@ public:
     // Sensors so near to patches that one fills a fifth of their view or several 0.35 of it, as in corners,
     // get their light anew (makeNearLight).
     std::vector<Moment> light(std::span<const daylight::Sky> skies);
+
+    // The sensors of now in a moment of this sky that was made for others: the same bits as light(sky) has,
+    // without its work on patches.
+    void lightSensors(Moment& moment, const daylight::Sky& sky);
 
     TransportParts parts();
     const geometry::PatchMesh& mesh() const;

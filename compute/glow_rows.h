@@ -15,7 +15,7 @@ struct GlowRows {
         for (const GlowingBlinds::Group& group : parts.blinds.groups()) lobes += group.patches.size();
         groupLobes = lobes + parts.slats.rows();
         smooth = groupLobes;
-        if (!parts.slats.empty()) smooth += parts.blinds.groups().size() * daylight::kSlatNodes;
+        if (!parts.slats.empty()) smooth += parts.blinds.groups().size() * daylight::kSlatLobes;
         all = smooth + patches;
     }
     size_t glow, lobes, groupLobes, smooth, all;

@@ -144,7 +144,7 @@ std::vector<float> GlowingBlinds::lobeCoefficients(size_t group, const daylight:
         inside[sky.elementOf(glm::dvec3(sample.direction))][sample.profile] +=
             glm::dvec3(sample.inside) / kPi;
     for (size_t k = 0; k < kProfiles; ++k) inside[sky.groundElement()][k] = groundInside_[group][k] / kPi;
-    std::vector<float> values(daylight::kSlatNodes * channels * elements);
+    std::vector<float> values(daylight::kSlatLobes * channels * elements);
     for (size_t e = 0; e < elements; ++e) {
         const daylight::Window::Lobes lobes = lobesOf(group, inside[e]);
         for (size_t node = 0; node < lobes.size(); ++node)

@@ -28,9 +28,12 @@ constexpr double kPatchSkyError = 0.012; // of sky light, from sky elements and 
 constexpr float kPatchSpreadShare = 0.3F,
                 kFarSpreadShare = 0.05F; // of light's variation within patches nearby, and farther off
 constexpr float kPatchBendShare = 1.5F;  // of how light bends within a patch nearby, times its form factor
-// Slats against sheets traced one by one (tests/compute/blinds_test.cpp): of their light that a place gets
-// straight, of what it would get were that even, and of what comes by way of the room.
-constexpr double kSlatsSeen = 0.12, kSlatsEven = 0.04, kSlatsLater = 0.05;
+// Slats against slats traced one by one (docs/accuracy.md#blinds): of their glow that a place gets straight,
+// of what it would get were that even, of the room's own light that they send back and a place sees straight,
+// which they are taken to send evenly; and of what comes by way of the room, by the share of both in its
+// light.
+constexpr double kSlatsSeen = 0.03, kSlatsEven = 0.02, kSlatsBack = 0.25;
+constexpr double kSlatsLater = 0.015, kSlatsBackLater = 0.5;
 
 // How much light that runs on smoothly, photometric, changes across each patch.
 std::vector<float> spreadWithin(const MomentScene& scene, std::span<const float> light) {
@@ -80,53 +83,63 @@ std::vector<float> nearErrors(const MomentScene& scene, const Moment& moment) {
     return errors;
 }
 
-// Glow of slats, photometric lux per patch; empty without any.
-std::vector<float> slatsGlow(const geometry::PatchMesh& mesh, const Moment& moment) {
-    std::vector<float> glow;
-    for (size_t i = 0; i < moment.glow.size(); ++i)
-        if (mesh.materials[mesh.material[i]].blind.kind == geometry::Blind::Kind::slats) {
-            glow.resize(mesh.patchCount(), 0);
-            glow[i] = static_cast<float>(photometric(moment.glow[i]));
-        }
-    return glow;
+// Of slats, photometric exitance per patch: their glow, and what they send back of the room's own light.
+// Empty without any. Needs report.lumensIn, of which `unsure` lumens by way of the room are off.
+struct SlatsLight {
+    std::vector<float> glow, back;
+    double unsure = 0; // share
+
+    bool isEmpty() const { return glow.empty(); }
+};
+
+SlatsLight slatsLight(const MomentScene& scene, const Moment& moment) {
+    SlatsLight light;
+    double glowing = 0, back = 0; // lumens
+    for (size_t i = 0; i < moment.glow.size(); ++i) {
+        if (scene.mesh.materials[scene.mesh.material[i]].blind.kind != geometry::Blind::Kind::slats) continue;
+        for (auto* values : {&light.glow, &light.back}) values->resize(scene.mesh.patchCount(), 0);
+        const double all = photometric(moment.lighting.exitance[i]), glow = photometric(moment.glow[i]);
+        light.glow[i] = static_cast<float>(glow);
+        light.back[i] = static_cast<float>(std::max(0.0, all - glow));
+        glowing += scene.areas[i] * glow, back += scene.areas[i] * double{light.back[i]};
+    }
+    if (glowing + back > 0)
+        light.unsure = (kSlatsLater * glowing + kSlatsBackLater * back) / moment.report.lumensIn;
+    return light;
 }
 
-// Of the light that enters, what slats scatter.
-double slatsShare(const MomentScene& scene, const Moment& moment, std::span<const float> glow) {
-    double lumens = 0;
-    for (size_t i = 0; i < glow.size(); ++i) lumens += scene.areas[i] * double{glow[i]};
-    return lumens > 0 ? std::min(1.0, lumens / moment.report.lumensIn) : 0;
-}
-
-// `even`: lux of their even glow, straight; `lobes`: what goes up or down beyond it; `bySlats`: share of the
-// rest that is off.
-float slatsError(const LightParts& parts, double even, double lobes, double bySlats) {
+// `even`: lux of slats' even glow, straight; `lobes`: what goes up or down beyond it; `back`: of what they
+// send back.
+float slatsError(const LightParts& parts, double even, double lobes, double back, double unsure) {
     const double seen = std::max(0.0, even + lobes);
-    return static_cast<float>(kSlatsSeen * seen + kSlatsEven * even +
-                              bySlats * std::max(0.0, photometric(parts.interreflected) - seen));
+    return static_cast<float>(kSlatsSeen * seen + kSlatsEven * even + kSlatsBack * back +
+                              unsure * std::max(0.0, photometric(parts.interreflected) - seen - back));
 }
 
 // `mean`: of the exitance, photometric. Needs report.lumensIn.
 void setPatchErrors(const MomentScene& scene, const SolvedColumns& solved, double mean, Moment& moment) {
-    const std::vector<float> slats = slatsGlow(scene.mesh, moment);
-    std::vector<float> seen(slats.size()); // of it, straight
-    std::vector<glm::vec3> lobes(slats.size(), glm::vec3(0));
-    if (!slats.empty()) {
-        scene.factors.gather(slats, seen, 1);
+    const SlatsLight slats = slatsLight(scene, moment);
+    std::vector<float> even(slats.glow.size()), back(even.size()); // straight
+    std::vector<glm::vec3> lobes(even.size(), glm::vec3(0));
+    if (!slats.isEmpty()) {
+        scene.factors.gather(slats.glow, even, 1);
+        scene.factors.gather(slats.back, back, 1);
         scene.slats.light(moment.lobes, lobes);
     }
-    const double bySlats = kSlatsLater * slatsShare(scene, moment, slats);
     const std::vector<float> near = nearErrors(scene, moment);
     for (size_t i = 0; i < moment.patches.size(); ++i) {
         LightParts& parts = moment.patches[i];
-        parts.error += static_cast<float>(
-                           std::abs(1 - scene.rowSums[i]) * mean +
-                           (solved.gatheredError.empty() ? solved.error : double{solved.gatheredError[i]}) +
-                           (scene.rowError + kPatchBounceError) * photometric(parts.interreflected) +
-                           (kPatchSkyError + (scene.skyError.empty() ? 0 : double{scene.skyError[i]})) *
-                               photometric(parts.sky + parts.ground)) +
-                       near[i];
-        if (!slats.empty()) parts.error += slatsError(parts, double{seen[i]}, photometric(lobes[i]), bySlats);
+        parts.error +=
+            static_cast<float>(
+                std::abs(1 - scene.rowSums[i]) * mean +
+                (solved.gatheredError.empty() ? moment.solverError : double{solved.gatheredError[i]}) +
+                (scene.rowError + kPatchBounceError) * photometric(parts.interreflected) +
+                (kPatchSkyError + (scene.skyError.empty() ? 0 : double{scene.skyError[i]})) *
+                    photometric(parts.sky + parts.ground)) +
+            near[i];
+        if (!slats.isEmpty())
+            parts.error +=
+                slatsError(parts, double{even[i]}, photometric(lobes[i]), double{back[i]}, slats.unsure);
     }
 }
 
@@ -151,14 +164,13 @@ struct SensedLight {
     std::vector<float> whole, apart; // photometric: all of it; with what of the sun's first bounce is unknown
 };
 
-SensedLight sensedLight(const MomentScene& scene, const SolvedColumns& solved, const Moment& moment) {
+SensedLight sensedLight(const MomentScene& scene, const Moment& moment) {
     const geometry::PatchMesh& mesh = scene.mesh;
     const size_t n = mesh.patchCount();
     SensedLight light;
     light.sun = glm::length(moment.lighting.sunDirection) > 0;
     for (int c = 0; c < (scene.grey ? 1 : 3); ++c) {
-        const float* exitance = &solved.exitance[solved.first + static_cast<size_t>(c) * n];
-        light.smooth[c].assign(exitance, exitance + n);
+        for (const glm::vec3& exitance : moment.lighting.exitance) light.smooth[c].push_back(exitance[c]);
         if (!light.sun) continue;
         light.even[c].resize(n);
         for (size_t i = 0; i < n; ++i) {
@@ -276,26 +288,28 @@ void lightPatches(const MomentScene& scene, const SolvedColumns& solved, Moment&
     moment.report.energyImbalance = in > 0 ? std::abs(in - absorbed - lost) / in : 0;
 }
 
-void lightSensors(const MomentScene& scene, const SolvedColumns& solved, Moment& moment) {
+void lightSensors(const MomentScene& scene, Moment& moment) {
     const Stopwatch clock;
     if (moment.sensors.empty()) return;
     const SensorGather& sensors = scene.sensors;
     const size_t n = scene.mesh.patchCount();
-    const SensedLight light = sensedLight(scene, solved, moment);
+    const SensedLight light = sensedLight(scene, moment);
     const std::vector<float> spread = spreadWithin(scene, smoothLux(scene, light));
-    const std::vector<float> slats = slatsGlow(scene.mesh, moment);
-    const double bySlats = kSlatsLater * slatsShare(scene, moment, slats);
+    const SlatsLight slats = slatsLight(scene, moment);
     inParallel(moment.sensors.size(), [&](size_t s) {
         LightParts& parts = moment.sensors[s];
         const std::span<const float> even{&sensors.even[s * n], n};
         const double byLobes = receive(scene, light, s, parts);
-        const double bySolver =
-            solved.exitanceError.empty() ? solved.error : solverError(sensors, s, solved.exitanceError);
+        const double bySolver = moment.exitanceErrors.empty()
+                                    ? moment.solverError
+                                    : solverError(sensors, s, moment.exitanceErrors);
         parts.error +=
             static_cast<float>(bySolver + nearError(sensors, light, s) + kSpreadShare * dot(even, spread) +
                                (scene.rowError + kBounceError) * photometric(parts.interreflected) +
                                kSensorSkyError * photometric(parts.sky + parts.ground));
-        if (!slats.empty()) parts.error += slatsError(parts, dot(even, slats), byLobes, bySlats);
+        if (!slats.isEmpty())
+            parts.error +=
+                slatsError(parts, dot(even, slats.glow), byLobes, dot(even, slats.back), slats.unsure);
     });
     moment.report.sensorSeconds = clock.seconds();
 }

@@ -38,17 +38,17 @@ struct MomentScene {
 struct SolvedColumns {
     std::span<const float> exitance, gathered;
     size_t first;
-    double error; // photometric, that the solver leaves on each patch's exitance, and on what it gathers
-    // The same per patch, where it was found place by place; else empty.
-    std::span<const float> exitanceError, gatheredError;
+    // What the solver leaves on what each patch gathers, photometric, where it was found place by place; else
+    // it is Moment::solverError.
+    std::span<const float> gatheredError;
 };
 
 // Fills lighting.exitance, each patch's interreflected light and error, and the report's lumens. Direct
-// light, with that of slats' lobes for interreflected, and report.radiosity are there already. Behind slats
-// one pass over F more, for that error.
+// light, with that of slats' lobes for interreflected, the solver's errors and report.radiosity are there
+// already. Behind slats two passes over F more, for that error.
 void lightPatches(const MomentScene& scene, const SolvedColumns& solved, Moment& moment);
 
 // Adds interreflected light of sensors, and sets their error; after lightPatches.
-void lightSensors(const MomentScene& scene, const SolvedColumns& solved, Moment& moment);
+void lightSensors(const MomentScene& scene, Moment& moment);
 
 } // namespace heliodon::compute

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include <glm/geometric.hpp>
 
@@ -12,28 +13,40 @@
 
 namespace heliodon::compute {
 
-using daylight::BetweenNodes, daylight::kSlatNodes, glm::dvec3;
+using daylight::BetweenNodes, daylight::kSlatLobes, daylight::kSlatNodes, glm::dvec3;
 
 namespace {
 
 // Distance over the larger patch's size from which one direction stands for all.
 constexpr double kFarPair = 6;
-constexpr double kSeenAngle = 0.1;   // radians, of one piece of a window that a point sees
+constexpr double kSeenAngle = 0.05;  // radians, of one piece of a window that a point sees
 constexpr uint32_t kPoints = 4;      // on each of two near patches
-constexpr double kMostCorrected = 2; // times, or to one over it, that a node's shares are put right
+constexpr double kMostCorrected = 2; // times that a lobe's shares are put right
 
-// Shares of the exchange of two patches by the nodes of light that leaves a window.
+using LobeShares = std::array<double, kSlatLobes>;
+
+// Light that leaves a window that way. `normal`: of the window.
+void addWay(const daylight::Window& window, dvec3 way, dvec3 normal, double weight, LobeShares& shares) {
+    const BetweenNodes at = daylight::betweenNodes(daylight::Window::slatElevation(way, normal));
+    const double mirrored = window.mirrored(way, normal);
+    for (const auto& [node, part] : {std::pair(at.lower, 1 - at.part), std::pair(at.lower + 1, at.part)}) {
+        shares[node] += weight * part;
+        shares[kSlatNodes + node] += weight * part * mirrored;
+    }
+}
+
+// Shares of the exchange of two patches by the lobes of light that leaves a window.
 class PairShares {
 public:
     PairShares(const geometry::PatchMesh& mesh, std::span<const PointScene::Patch> patches)
         : patches_(patches), views_(patchViewpoints(mesh, kPoints)) {}
 
-    std::array<double, kSlatNodes> of(size_t patch, size_t window) const {
-        std::array<double, kSlatNodes> shares{};
+    LobeShares of(size_t patch, size_t window, const daylight::Window& state) const {
+        LobeShares shares{};
         const PointScene::Patch &to = patches_[patch], &from = patches_[window];
         const dvec3 way = to.centre - from.centre;
         if (glm::length(way) > kFarPair * std::max(to.size, from.size)) {
-            add(way, from.normal, 1, shares);
+            addWay(state, way, from.normal, 1, shares);
             return shares;
         }
         double all = 0;
@@ -45,22 +58,16 @@ public:
                 const double cosines = -glm::dot(d, to.normal) * glm::dot(d, from.normal);
                 if (glm::dot(d, from.normal) <= 0 || cosines <= 0) continue;
                 all += cosines / (square * square);
-                add(d, from.normal, cosines / (square * square), shares);
+                addWay(state, d, from.normal, cosines / (square * square), shares);
             }
         if (all > 0)
             for (double& share : shares) share /= all;
         else // seen through panes, or by the edge
-            add(way, from.normal, 1, shares);
+            addWay(state, way, from.normal, 1, shares);
         return shares;
     }
 
 private:
-    static void add(dvec3 way, dvec3 normal, double weight, std::array<double, kSlatNodes>& shares) {
-        const BetweenNodes at = daylight::betweenNodes(daylight::Window::slatElevation(way, normal));
-        shares[at.lower] += weight * (1 - at.part);
-        shares[at.lower + 1] += weight * at.part;
-    }
-
     std::span<const PointScene::Patch> patches_;
     PatchViewpoints views_;
 };
@@ -68,7 +75,7 @@ private:
 } // namespace
 
 SlatLobes::SlatLobes(const PointScene& scene, const GlowingBlinds& blinds, const gpu::Buffer& factors)
-    : scene_(&scene) {
+    : scene_(&scene), groups_(blinds.groups()) {
     for (size_t g = 0; g < blinds.groups().size(); ++g)
         if (blinds.groups()[g].window.hasSlats())
             for (const uint32_t patch : blinds.groups()[g].patches) windows_.push_back({patch, g});
@@ -85,31 +92,59 @@ SlatLobes::SlatLobes(const PointScene& scene, const GlowingBlinds& blinds, const
         for (size_t w = 0; w < windows_.size(); ++w) {
             const double factor = double{matrix[i * n + windows_[w].patch]};
             if (factor <= 0) continue;
-            const auto split = pairs.of(i, windows_[w].patch);
-            for (size_t node = 0; node < kSlatNodes; ++node)
-                if (split[node] > 0)
-                    row.push_back({static_cast<uint32_t>(w * kSlatNodes + node),
-                                   static_cast<float>(factor * split[node])});
+            const LobeShares split = pairs.of(i, windows_[w].patch, groups_[windows_[w].group].window);
+            for (size_t lobe = 0; lobe < kSlatLobes; ++lobe)
+                if (split[lobe] > 0)
+                    row.push_back({static_cast<uint32_t>(w * kSlatLobes + lobe),
+                                   static_cast<float>(factor * split[lobe])});
         }
         shares_[i].assign(row.begin(), row.end()); // no room beyond what it takes
     });
+    keepLight();
+}
+
+// Puts right what the form factors of each lobe add up to: by no more than kMostCorrected times, and what is
+// still missing, straight up and down where few patches lie, goes where the next lobe's light goes that has
+// enough.
+void SlatLobes::keepLight() {
+    const geometry::PatchMesh& mesh = scene_->mesh();
     std::vector<double> arriving(rows(), 0), all(windows_.size(), 0);
-    for (size_t i = 0; i < n; ++i) {
+    for (size_t i = 0; i < shares_.size(); ++i) {
         const double area = geometry::patchArea(mesh, i);
         for (const Share& share : shares_[i]) {
             arriving[share.row] += area * double{share.factor};
-            all[share.row / kSlatNodes] += area * double{share.factor};
+            if (share.row % kSlatLobes < kSlatNodes)
+                all[share.row / kSlatLobes] += area * double{share.factor};
         }
     }
-    std::vector<float> corrected(rows());
+    const auto wanted = [&](size_t row) {
+        return daylight::lobeShare(row % kSlatLobes) * all[row / kSlatLobes];
+    };
+    const auto hasEnough = [&](size_t row) { return kMostCorrected * arriving[row] >= wanted(row); };
+    std::vector<std::vector<Share>> passedOn(rows()); // with a lobe's own light, times
     for (size_t row = 0; row < rows(); ++row) {
-        const double wanted = daylight::nodeShare(row % kSlatNodes) * all[row / kSlatNodes];
-        if (arriving[row] > 0)
-            corrected[row] =
-                static_cast<float>(std::clamp(wanted / arriving[row], 1 / kMostCorrected, kMostCorrected));
+        if (hasEnough(row)) continue;
+        const size_t node = row % kSlatNodes, middle = kSlatNodes / 2;
+        const size_t step = node < middle ? 1 : size_t(-1); // towards the horizontal
+        for (size_t k = node, next = row; k != middle;) {
+            k += step, next += step;
+            if (!hasEnough(next)) continue;
+            const double missing = wanted(row) - kMostCorrected * arriving[row];
+            passedOn[next].push_back(
+                {static_cast<uint32_t>(row), static_cast<float>(missing / arriving[next])});
+            break;
+        }
     }
-    inParallel(n, [&](size_t i) {
-        for (Share& share : shares_[i]) share.factor *= corrected[share.row];
+    inParallel(shares_.size(), [&](size_t i) {
+        std::vector<Share> row;
+        for (const Share& share : shares_[i]) {
+            const double times =
+                hasEnough(share.row) ? wanted(share.row) / arriving[share.row] : kMostCorrected;
+            row.push_back({share.row, static_cast<float>(times) * share.factor});
+            for (const Share& more : passedOn[share.row])
+                row.push_back({more.row, more.factor * share.factor});
+        }
+        shares_[i].assign(row.begin(), row.end());
     });
 }
 
@@ -134,24 +169,21 @@ void SlatLobes::see(const PointView& view, uint32_t room, glm::vec3 times,
                 continue;
             const double factor = seen.factor(geometry::patchCorners(mesh, patch), parts);
             if (factor <= 0) continue;
-            std::array<double, kSlatNodes> nodes{};
+            LobeShares shares{};
             double weights = 0;
             for (const PointView::Polygon& part : parts)
                 forCells(part, seen.normal(), kSeenAngle, [&](dvec3 centre, double weight) {
-                    const BetweenNodes to =
-                        daylight::betweenNodes(daylight::Window::slatElevation(-centre, at.normal));
-                    nodes[to.lower] += weight * (1 - to.part);
-                    nodes[to.lower + 1] += weight * to.part;
+                    addWay(groups_[windows_[w].group].window, -centre, at.normal, weight, shares);
                     weights += weight;
                 });
             if (weights <= 0) continue;
             glm::vec3 through = times;
             if (!beyond.panes.empty())
                 through *= glm::vec3(beyond.transmittance(at.centre - seen.position()));
-            for (size_t node = 0; node < kSlatNodes; ++node)
+            for (size_t lobe = 0; lobe < kSlatLobes; ++lobe)
                 for (size_t c = 0; c < channels.size(); ++c)
-                    channels[c][w * kSlatNodes + node] +=
-                        static_cast<float>(factor * nodes[node] / weights) * through[static_cast<int>(c)];
+                    channels[c][w * kSlatLobes + lobe] +=
+                        static_cast<float>(factor * shares[lobe] / weights) * through[static_cast<int>(c)];
         }
     });
 }

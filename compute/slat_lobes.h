@@ -20,20 +20,19 @@ class SlatLobes {
 public:
     // `factors`: float32, patchCount^2, row-major, with what runs through panes. Nothing, at no cost, without
     // slats. Else time and memory grow with pairs of a patch and a window patch that it sees: about 0.1 us
-    // and 16 bytes each, near ones up to 200 bytes (16,000 patches, 1600 of them windows: seconds, 400 MB).
-    // Each window's light is kept, node by node, but what a node's form factors add up to is put right by no
-    // more than 2 or 1/2: straight up and down, where few patches lie, some is missing. `scene` outlives
-    // this.
+    // and 16 bytes each, near ones up to 250, behind glass twice that (16,000 patches, 1600 of them windows:
+    // seconds, 800 MB).
+    // Each window's light is kept, lobe by lobe. `scene` and `blinds` outlive this.
     SlatLobes(const PointScene& scene, const GlowingBlinds& blinds, const gpu::Buffer& factors);
 
     bool empty() const { return windows_.empty(); }
-    // Lobes are told apart by window patch, then node: row = place in windows() times kSlatNodes, plus node.
+    // Lobes are told apart by window patch, then node: row = place in windows() times kSlatLobes, plus node.
     struct Window {
         uint32_t patch;
         size_t group; // of blinds
     };
     std::span<const Window> windows() const { return windows_; }
-    size_t rows() const { return windows_.size() * daylight::kSlatNodes; }
+    size_t rows() const { return windows_.size() * daylight::kSlatLobes; }
 
     // Lobes of all windows: light(group) gives those of a group, lit(patch) what they are multiplied with.
     template<class Light, class Lit>
@@ -42,8 +41,8 @@ public:
         for (size_t w = 0; w < windows_.size(); ++w) {
             if (w == 0 || windows_[w].group != windows_[w - 1].group) ofGroup = light(windows_[w].group);
             const glm::dvec3 times(lit(windows_[w].patch));
-            for (size_t node = 0; node < daylight::kSlatNodes; ++node)
-                lobes[w * daylight::kSlatNodes + node] += glm::vec3(times * ofGroup[node]);
+            for (size_t node = 0; node < daylight::kSlatLobes; ++node)
+                lobes[w * daylight::kSlatLobes + node] += glm::vec3(times * ofGroup[node]);
         }
     }
 
@@ -62,7 +61,10 @@ public:
              std::span<std::vector<float>> channels) const;
 
 private:
+    void keepLight();
+
     const PointScene* scene_;
+    std::span<const GlowingBlinds::Group> groups_;
     std::vector<Window> windows_;
     std::vector<std::vector<Share>> shares_; // per patch
 };

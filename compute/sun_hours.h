@@ -28,7 +28,7 @@ public:
     };
     struct Scatter { // of light before the glass
         glm::vec3 even;
-        std::array<glm::vec3, daylight::kSlatNodes> lobes; // of slats
+        std::array<glm::vec3, daylight::kSlatLobes> lobes; // of slats
     };
     struct Hour {
         uint32_t sky; // which of the skies

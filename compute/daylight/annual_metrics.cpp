@@ -135,6 +135,19 @@ double mean(const std::vector<SensorMetrics>& sensors, Range SensorMetrics::*met
 
 } // namespace
 
+SensorMetrics& SensorMetrics::operator+=(const SensorMetrics& part) {
+    for (Range SensorMetrics::*metric :
+         {&SensorMetrics::da, &SensorMetrics::cda, &SensorMetrics::udiBelow, &SensorMetrics::udiSupplementary,
+          &SensorMetrics::udiAutonomous, &SensorMetrics::udiUseful, &SensorMetrics::udiAbove,
+          &SensorMetrics::sunHours}) {
+        Range& all = this->*metric;
+        const Range& more = part.*metric;
+        all.value += more.value, all.low += more.low, all.high += more.high;
+    }
+    luxHours += part.luxHours;
+    return *this;
+}
+
 AnnualMetrics summarized(std::vector<SensorMetrics> sensors, std::span<const uint8_t> occupied,
                          const AnnualOptions& options) {
     AnnualMetrics result{std::move(sensors), {}};
@@ -166,8 +179,10 @@ AnnualMetrics annualMetrics(std::span<const float> lux, std::span<const float> s
         throw std::invalid_argument("annualMetrics: luxError has another size");
 
     const size_t sensors = lux.size() / records;
-    const auto occupiedRecords = static_cast<size_t>(
-        std::count_if(occupied.begin(), occupied.end(), [](uint8_t o) { return o != 0; }));
+    const auto occupiedRecords = options.occupiedRecords
+                                     ? options.occupiedRecords
+                                     : static_cast<size_t>(std::count_if(occupied.begin(), occupied.end(),
+                                                                         [](uint8_t o) { return o != 0; }));
     const double percent = occupiedRecords ? 100.0 / static_cast<double>(occupiedRecords) : 0.0;
     AnnualMetrics result;
     result.sensors.reserve(sensors);

@@ -27,6 +27,8 @@ struct AnnualOptions {
     double sdaShare = 0.5;
     double aseLux = 1000, aseHours = 250;
     double recordHours = 1; // length of a record
+    // Where metrics are made of parts of the year and then added: occupied records of all of it.
+    size_t occupiedRecords = 0; // 0: of what is given
 };
 
 struct Range {
@@ -40,6 +42,8 @@ struct SensorMetrics {
         udiAbove;        // useful = supplementary + autonomous
     Range sunHours;      // occupied hours with direct sun above aseLux
     double luxHours = 0; // over all records, occupied or not
+
+    SensorMetrics& operator+=(const SensorMetrics& part); // of other records (AnnualOptions::occupiedRecords)
 };
 
 struct AnnualSummary {

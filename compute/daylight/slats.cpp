@@ -28,6 +28,35 @@ double exchange(const Segment& i, const Segment& j) {
 
 constexpr double kNodeStep = std::numbers::pi / (kSlatNodes - 1);
 
+namespace {
+
+// The light between nodes whose means about each node are given: of all that runs linearly between them the
+// nearest in the square, weighed as a Lambertian face sends.
+class NearestLine {
+public:
+    void add(BetweenNodes at, double weight) {
+        const double lower = 1 - at.part, upper = at.part;
+        own_[at.lower] += weight * lower * lower, own_[at.lower + 1] += weight * upper * upper;
+        next_[at.lower] += weight * lower * upper;
+    }
+    SlatLight fitTo(const SlatLight& means) const { // a band of three, solved from node to node
+        SlatLight light{}, factor{};
+        for (size_t k = 0; k < kSlatNodes; ++k) {
+            const double before = k > 0 ? next_[k - 1] : 0,
+                         own = own_[k] - (k > 0 ? before * factor[k - 1] : 0);
+            factor[k] = next_[k] / own;
+            light[k] = (nodeShare(k) * means[k] - (k > 0 ? before * light[k - 1] : 0)) / own;
+        }
+        for (size_t k = kSlatNodes - 1; k-- > 0;) light[k] -= factor[k] * light[k + 1];
+        return light;
+    }
+
+private:
+    SlatLight own_{}, next_{}; // overlap of each node with itself and with the next one
+};
+
+} // namespace
+
 // A Lambertian face sends half the cosine of the elevation, here times the tent over the node.
 double nodeShare(size_t node) {
     static const SlatLight shares = [] {
@@ -96,32 +125,43 @@ Slats::Slats(double angleDeg, double spacing, double reflectance)
     // elevation falls on what is seen against it; on the room's side the channel's mirror image is seen.
     constexpr size_t kFine = 16;            // looks between two nodes
     std::array<OnStrips, kSlatNodes> lit{}; // shares of the plane, by light that travels in
+    NearestLine line;
     for (size_t q = 0; q < kFine * (kSlatNodes - 1); ++q) {
         const double elevation = (static_cast<double>(q) + 0.5) * kNodeStep / kFine - 0.5 * std::numbers::pi;
         const BetweenNodes at = betweenNodes(elevation);
         const double profile = -elevation, look = 0.5 * std::cos(elevation) * kNodeStep / kFine;
+        line.add(at, look);
         const OnStrips seen = seenFromOutside(profile);
         for (const auto& [node, part] :
              {std::pair(at.lower, 1 - at.part), std::pair(at.lower + 1, at.part)}) {
             const double weight = part * look / nodeShare(node);
-            onward_[node][node] += weight * straight(profile);
+            passing_[node] += weight * straight(profile);
             for (size_t k = 0; k < seen.size(); ++k) lit[node][k] += weight * seen[k];
         }
+    }
+    std::array<OnStrips, kSlatNodes> seen{};
+    for (size_t k = 0; k < strip.size(); ++k) {
+        SlatLight means;
+        for (size_t node = 0; node < kSlatNodes; ++node) means[node] = lit[node][k];
+        const SlatLight nodes = line.fitTo(means);
+        for (size_t node = 0; node < kSlatNodes; ++node) seen[node][k] = nodes[node];
     }
     for (size_t node = 0; node < kSlatNodes; ++node) {
         // Seen from the room is, of light that travels there, what light the same way round falls on in the
         // mirror.
-        OnStrips fromRoom = mirrored(lit[node]), fromOutside = lit[kSlatNodes - 1 - node];
+        OnStrips fromRoom = mirrored(seen[node]), fromOutside = seen[kSlatNodes - 1 - node];
         for (size_t k = 0; k < strip.size(); ++k)
             fromRoom[k] *= spacing / width, fromOutside[k] *= spacing / width;
         nodesIn_[node] = settled(fromRoom), nodesOut_[node] = settled(fromOutside);
     }
-    for (size_t from = 0; from < kSlatNodes; ++from)
+    for (size_t from = 0; from < kSlatNodes; ++from) {
+        onward_[from][from] = passing_[from];
         for (size_t to = 0; to < kSlatNodes; ++to)
             for (size_t k = 0; k < strip.size(); ++k) {
                 onward_[from][to] += nodeShare(from) * lit[from][k] * nodesIn_[to][k];
                 backward_[from][to] += nodeShare(from) * lit[from][k] * nodesOut_[to][k];
             }
+    }
 }
 
 // Height of a slat on the blind's plane, cast along the light, over the spacing.
@@ -185,6 +225,12 @@ SlatLight Slats::scatteredLight(double profile) const {
 SlatLight Slats::reflectedLight(double profile) const {
     SlatLight light;
     for (size_t node = 0; node < kSlatNodes; ++node) light[node] = byWayOfSlats(profile, nodesOut_[node]);
+    return light;
+}
+
+SlatLight Slats::straightOn(const SlatLight& arriving) const {
+    SlatLight light;
+    for (size_t node = 0; node < kSlatNodes; ++node) light[node] = passing_[node] * arriving[node];
     return light;
 }
 

@@ -15,8 +15,9 @@
 namespace heliodon::daylight {
 
 // Directions in which light travels away from one side of a blind, by their elevation seen along the slats:
-// nodes every 7.5 degrees from straight down to straight up, light runs linearly between them.
-constexpr size_t kSlatNodes = 25;
+// nodes every 3.75 degrees from straight down to straight up, light runs linearly between them: of what is
+// seen, the line that comes nearest to it, for it has sharp bends where slats are seen edge-on or hide all.
+constexpr size_t kSlatNodes = 49;
 using SlatLight = std::array<double, kSlatNodes>; // luminance x pi at the nodes, per illuminance of the plane
 
 // Share of a Lambertian face's light that belongs to a node; all shares sum to 1.
@@ -51,6 +52,7 @@ public:
     // What becomes of light from outside, luminance x pi by the elevation of its travel: on the room's side,
     // with what passes straight, and back.
     SlatLight onward(const SlatLight& arriving) const { return times(arriving, onward_); }
+    SlatLight straightOn(const SlatLight& arriving) const; // of that, what touches no slat
     SlatLight backward(const SlatLight& arriving) const { return times(arriving, backward_); }
 
 private:
@@ -71,6 +73,7 @@ private:
     // and the light of the nodes there.
     OnStrips toIn_{}, toOut_{};
     std::array<OnStrips, kSlatNodes> nodesIn_{}, nodesOut_{};
+    SlatLight passing_{}; // about each node, straight
     Exchange onward_{}, backward_{};
     double transmitted_ = 0, returned_ = 0;
 };

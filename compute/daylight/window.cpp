@@ -26,7 +26,7 @@ double profileAngle(glm::dvec3 towards, glm::dvec3 normal) {
 
 glm::dvec3 mean(const Window::Lobes& lobes) {
     glm::dvec3 sum(0);
-    for (size_t node = 0; node < kSlatNodes; ++node) sum += nodeShare(node) * lobes[node];
+    for (size_t lobe = 0; lobe < lobes.size(); ++lobe) sum += lobeShare(lobe) * lobes[lobe];
     return sum;
 }
 
@@ -76,8 +76,9 @@ Window::Window(const geometry::Material& opening) : glazing_(glazingOf(opening))
 void Window::sendBackByGlass() {
     for (int c = 0; c < 3; ++c) {
         const SlatLight mirror = mirrorOf(glazing_.transmissivity[c], glazing_.refractiveIndex);
-        // All that arrives in the end of what leaves towards the glass, then what of it gets into the room.
-        const auto intoRoom = [&](const SlatLight& leaving) {
+        for (size_t node = 0; node < kSlatNodes; ++node) mirror_[node] += mirror[node] / 3;
+        // All that arrives at the slats in the end of what leaves towards the glass.
+        const auto mirroredOn = [&](const SlatLight& leaving) {
             SlatLight arriving{}, all{};
             for (size_t node = 0; node < kSlatNodes; ++node) arriving[node] = mirror[node] * leaving[node];
             for (double left = 1; left > 1e-12;) {
@@ -87,19 +88,22 @@ void Window::sendBackByGlass() {
                 arriving = slats_->backward(arriving);
                 for (size_t node = 0; node < kSlatNodes; ++node) arriving[node] *= mirror[node];
             }
-            return slats_->onward(all);
+            return all;
         };
         SlatLight even;
         even.fill(1);
         SlatLight outwards = slats_->onward(even); // from the room: the channel turned by half a turn
         std::reverse(outwards.begin(), outwards.end());
-        const SlatLight back = intoRoom(outwards);
+        const SlatLight back = slats_->onward(mirroredOn(outwards));
         for (size_t from = 0; from < kSlatNodes; ++from) {
             roomByGlass_[c] += nodeShare(from) * back[from];
             SlatLight one{};
             one[from] = 1;
-            const SlatLight light = intoRoom(one);
-            for (size_t to = 0; to < kSlatNodes; ++to) byGlass_[from][to][c] = light[to];
+            const SlatLight arriving = mirroredOn(one), light = slats_->onward(arriving),
+                            straight = slats_->straightOn(arriving);
+            for (size_t to = 0; to < kSlatNodes; ++to)
+                byGlass_[from][to][c] = light[to] - straight[to],
+                byGlass_[from][kSlatNodes + to][c] = straight[to];
         }
     }
 }
@@ -134,12 +138,11 @@ Window::Lobes Window::lobesBehindGlass(double profile) const {
     Lobes lobes{};
     if (!slats_) return lobes;
     const SlatLight on = slats_->scatteredLight(profile), back = slats_->reflectedLight(profile);
-    for (size_t to = 0; to < kSlatNodes; ++to) {
-        lobes[to] = glm::dvec3(on[to]);
+    for (size_t to = 0; to < kSlatNodes; ++to) lobes[to] = glm::dvec3(on[to]);
+    for (size_t to = 0; to < kSlatLobes; ++to)
         for (size_t from = 0; from < kSlatNodes; ++from) lobes[to] += back[from] * byGlass_[from][to];
-    }
     const glm::dvec3 even = mean(lobes);
-    for (glm::dvec3& lobe : lobes) lobe -= even;
+    for (size_t to = 0; to < kSlatNodes; ++to) lobes[to] -= even;
     return lobes;
 }
 
@@ -153,6 +156,16 @@ Window::Lobes Window::lobes(glm::dvec3 towards, glm::dvec3 normal) const {
 
 double Window::slatElevation(glm::dvec3 direction, glm::dvec3 normal) {
     return -profileAngle(-direction, normal);
+}
+
+double Window::mirrored(glm::dvec3 direction, glm::dvec3 normal) const {
+    if (glazing_.isHole()) return 0;
+    const double cosine = std::clamp(glm::dot(direction, normal) / glm::length(direction), 0.0, 1.0);
+    const BetweenNodes at = betweenNodes(slatElevation(direction, normal));
+    double there = 0;
+    for (int c = 0; c < 3; ++c)
+        there += slabReflectance(cosine, glazing_.transmissivity[c], glazing_.refractiveIndex) / 3;
+    return there / ((1 - at.part) * mirror_[at.lower] + at.part * mirror_[at.lower + 1]);
 }
 
 glm::dvec3 Window::roomReflectance() const {

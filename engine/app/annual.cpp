@@ -3,6 +3,8 @@
 #include <cmath>
 #include <fstream>
 #include <numeric>
+#include <optional>
+#include <span>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
@@ -33,8 +35,9 @@ using daylight::Range;
 using nlohmann::json;
 
 constexpr const char* kHoursFile = "illuminance.npy"; // sensors x records
-// Of sensors at once five arrays of the year are held: 36 MB each at most.
-constexpr size_t kSensorsAtOnce = 256, kValuesAtOnce = kSensorsAtOnce * 4 * 8760;
+// Of sensors and records at once five arrays are held, 36 MB each at most, and the records' skies: 82 MB.
+constexpr size_t kSensorsAtOnce = 256, kRecordsAtOnce = 4 * 8784, // quarter hours of a year
+    kValuesAtOnce = kSensorsAtOnce * kRecordsAtOnce;
 
 struct ClockHours {
     double from = 8, to = 18;
@@ -65,14 +68,13 @@ ClockHours parseOccupied(const std::string& text) {
     return hours;
 }
 
-std::vector<daylight::Sky> skiesOf(const daylight::Weather& weather, const AnnualArguments& arguments,
-                                   double northDeg) {
+std::vector<daylight::Sky> skiesOf(std::span<const daylight::WeatherHour> hours,
+                                   const AnnualArguments& arguments, double northDeg) {
     daylight::WeatherSky options;
     options.setting.northDeg = northDeg;
     options.setting.groundAlbedo = arguments.groundAlbedo;
-    std::vector<daylight::Sky> skies(weather.hours.size());
-    compute::inParallel(skies.size(),
-                        [&](size_t h) { skies[h] = daylight::skyOfHour(weather.hours[h], options); });
+    std::vector<daylight::Sky> skies(hours.size());
+    compute::inParallel(skies.size(), [&](size_t h) { skies[h] = daylight::skyOfHour(hours[h], options); });
     return skies;
 }
 
@@ -89,6 +91,7 @@ struct Job {
     daylight::AnnualOptions options() const {
         daylight::AnnualOptions options;
         options.recordHours = weather.recordHours();
+        options.occupiedRecords = static_cast<size_t>(std::ranges::count(occupiedRecords(), 1));
         return options;
     }
     std::vector<uint8_t> occupiedRecords() const {
@@ -99,20 +102,22 @@ struct Job {
     }
 };
 
-// Metrics of all sensors, block by block.
+// Metrics of all sensors, added up from parts of the year.
 struct Year {
     std::vector<daylight::SensorMetrics> sensors;
     std::vector<size_t> outside; // of these, in no room: dark, and not counted in any mean
     std::vector<float> meanLux;  // of every record over the sensors in rooms
     double occupiedLux = 0;
+    compute::YearReport report;
 
     size_t inRooms() const { return sensors.size() - outside.size(); }
 };
 
-void addMetrics(Year& year, daylight::AnnualMetrics&& block) {
+// `block`: of some records, of sensors from `first` on.
+void addMetrics(Year& year, size_t first, const daylight::AnnualMetrics& block) {
     const auto count = static_cast<double>(block.sensors.size());
     year.occupiedLux += block.summary.meanLux * count;
-    std::move(block.sensors.begin(), block.sensors.end(), std::back_inserter(year.sensors));
+    for (size_t s = 0; s < block.sensors.size(); ++s) year.sensors[first + s] += block.sensors[s];
 }
 
 // Sensors of `--temporal`.
@@ -308,50 +313,65 @@ daylight::Weather weatherFor(Run& run, const AnnualArguments& arguments) {
     return weather;
 }
 
-// Computes the year, and writes it hour by hour.
+// Computes the year's records from `firstRecord` on, kRecordsAtOnce of them, and writes them.
+void computePart(Run& run, const Job& job, compute::DaylightTransport& transport, size_t firstRecord,
+                 Progress& progress, Year& year, NpyWriter& out) {
+    const size_t count = job.sensors.points.size(),
+                 records = std::min(kRecordsAtOnce, job.records() - firstRecord);
+    const std::vector<uint8_t> occupied = job.occupiedRecords();
+    const daylight::AnnualOptions options = job.options();
+    std::optional<compute::AnnualDaylight> annual;
+    {
+        const StageTimer timer(run, "sky");
+        const std::span hours(&job.weather.hours[firstRecord], records);
+        annual.emplace(
+            transport, skiesOf(hours, job.arguments, job.scene.northDeg), count, [&](double share) {
+                const double done = static_cast<double>(firstRecord) + share * static_cast<double>(records);
+                progress.advance(static_cast<size_t>(std::lround(done)),
+                                 done / static_cast<double>(job.records()));
+            });
+    }
+    std::vector<float> lux, sun, error;
+    for (size_t first = 0; first < count; first += kSensorsAtOnce) {
+        throwIfInterrupted();
+        std::vector<compute::Sensor> points;
+        for (size_t s = first; s < std::min(first + kSensorsAtOnce, count); ++s)
+            points.push_back({job.sensors.points[s], job.sensors.normals[s]});
+        for (auto* values : {&lux, &sun, &error}) values->resize(points.size() * records);
+        {
+            const StageTimer timer(run, "solve");
+            annual->sensors(points, lux, sun, error);
+        }
+        if (firstRecord == 0)
+            for (const size_t s : transport.report().sensorsOutside) year.outside.push_back(first + s);
+        const StageTimer timer(run, "metrics");
+        addMetrics(year, first,
+                   daylight::annualMetrics(lux, sun, std::span(&occupied[firstRecord], records), options,
+                                           error, annual->beamEdges()));
+        for (size_t at = 0; at < lux.size(); ++at) year.meanLux[firstRecord + at % records] += lux[at];
+        out.put(first, points.size(), firstRecord, records, lux);
+    }
+    year.report += annual->report();
+}
+
+// Computes the year, and writes it part by part.
 Year computeYear(Run& run, const Job& job) {
     const size_t records = job.records(), count = job.sensors.points.size();
     const std::filesystem::path& output = job.arguments.output;
-    const std::vector<uint8_t> occupied = job.occupiedRecords();
     const auto transport =
         makeTransport(run, job.scene.mesh, compute::TransportOptions{.errorByPlace = true});
     Progress progress("hours of the year", records, run.showsProgress());
     Year year;
     year.meanLux.assign(records, 0);
-    std::optional<compute::AnnualDaylight> annual;
-    {
-        const StageTimer timer(run, "sky");
-        annual.emplace(*transport, skiesOf(job.weather, job.arguments, job.scene.northDeg), count,
-                       [&](double share) {
-                           progress.advance(
-                               static_cast<size_t>(std::lround(share * static_cast<double>(records))), share);
-                       });
-    }
+    year.sensors.resize(count);
     NpyWriter::writeWhole(output / kHoursFile, count, records, [&](NpyWriter& out) {
-        const size_t atOnce = std::clamp<size_t>(kValuesAtOnce / records, 1, kSensorsAtOnce);
-        std::vector<float> lux, sun, error;
-        for (size_t first = 0; first < count; first += atOnce) {
-            throwIfInterrupted();
-            std::vector<compute::Sensor> points;
-            for (size_t s = first; s < std::min(first + atOnce, count); ++s)
-                points.push_back({job.sensors.points[s], job.sensors.normals[s]});
-            for (auto* values : {&lux, &sun, &error}) values->resize(points.size() * records);
-            {
-                const StageTimer timer(run, "solve");
-                annual->sensors(points, lux, sun, error);
-            }
-            for (const size_t s : transport->report().sensorsOutside) year.outside.push_back(first + s);
-            const StageTimer timer(run, "metrics");
-            addMetrics(
-                year, daylight::annualMetrics(lux, sun, occupied, job.options(), error, annual->beamEdges()));
-            for (size_t at = 0; at < lux.size(); ++at) year.meanLux[at % records] += lux[at];
-            out.write(lux);
-        }
+        for (size_t first = 0; first < records; first += kRecordsAtOnce)
+            computePart(run, job, *transport, first, progress, year, out);
         startFiles(run, output, "annual", filesOf(job.arguments, job.mapped));
     });
     for (float& lux : year.meanLux) lux /= static_cast<float>(std::max<size_t>(year.inRooms(), 1));
     warnOfSensorsOutside(run, year.outside, count);
-    reportYear(run, annual->report());
+    reportYear(run, year.report);
     if (job.arguments.ill) {
         MatrixFile hours(output / kHoursFile, count, records);
         writeIll(output / "illuminance.ill", job.weather, count, hours);

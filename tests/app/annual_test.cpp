@@ -2,6 +2,7 @@
 #include <numbers>
 #include <sstream>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "engine/app/table_file.h"
@@ -86,6 +87,40 @@ TEST_F(Annual, a_folder_of_results_appears) {
         EXPECT_FALSE(std::filesystem::exists(folder / "year" / old)) << old;
     for (const char* kept : {"notes.ill", "illuminance.npy", "metrics.csv", "summary.json", "plan-da.svg"})
         EXPECT_TRUE(std::filesystem::exists(folder / "year" / kept)) << kept;
+}
+
+// 25 days of minutes, all dark but for an hour of the first day and one of the last.
+TEST_F(Annual, minutes_are_computed_in_parts_of_the_year) {
+    std::string text = readText(folder / "days.epw");
+    text = text.substr(0, text.find("DATA PERIODS")) + "DATA PERIODS,1,60,Data,Thursday,3/1,3/25\n";
+    const auto isLit = [](size_t record) {
+        const size_t day = record / 1440, hour = record % 1440 / 60;
+        return hour == 12 && (day == 0 || day == 24);
+    };
+    const size_t records = 25 * 1440;
+    for (size_t r = 0; r < records; ++r)
+        text += fmt::format(
+            "2024,3,{},{},{},,5.0,1.0,75,99500,0,1415,300,{},0,0,0,0,180,3,5,5,16,77777,9,0,10,0.1,"
+            "0,88,0.2,0,0\n",
+            1 + r / 1440, 1 + r % 1440 / 60, 1 + r % 60, isLit(r) ? "400,500,120" : "0,0,0");
+    writeText(folder / "minutes.epw", text);
+    writeText(folder / "one.csv", "x,y,z,nx,ny,nz\n1.8,3,0.85,0,0,1\n");
+    const Outcome outcome =
+        heliodon("annual " + kOffice + " --weather " + in("minutes.epw") + " --sensors " + in("one.csv") +
+                 " --occupied 12-14 --quiet -o " + in("year") + " --report " + in("report.json"));
+    ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
+    const std::vector<float> lux = app::readMatrix(folder / "year/illuminance.npy", 1, records);
+    size_t reached = 0;
+    for (size_t r = 0; r < records; ++r) {
+        EXPECT_EQ(lux[r] > 0, isLit(r)) << r;
+        reached += lux[r] >= 300;
+    }
+    const auto report = nlohmann::json::parse(readText(folder / "report.json"));
+    EXPECT_EQ(report["year"]["hours"], records);
+    EXPECT_EQ(report["year"]["lit"], 120);
+    EXPECT_EQ(report["year"]["checked_hours"], 12); // of each part
+    EXPECT_NEAR(report["summary"]["mean_DA"].get<double>(), 100.0 * static_cast<double>(reached) / (50 * 60),
+                1e-9);
 }
 
 TEST_F(Annual, blinds_dim_every_command_that_computes_light) {

@@ -188,20 +188,59 @@ TEST(AnnualDaylight, hours_that_need_no_sun_or_no_sky_are_counted) {
     EXPECT_LT(report.checkRms, 0.01);
 }
 
-// Of sky elements, which are 6 degrees high, a ribbon fills a tenth: the sensor below the sill sees a little.
-TEST(AnnualDaylight, skies_with_a_ribbon_at_the_horizon_are_solved_in_full) {
+std::vector<daylight::Sky> skiesWithRibbons() {
     std::vector<daylight::Sky> skies = kSkies;
     for (const double b : {0.02, 0.3}) {
         skies.push_back(daylight::perezSky({2, b, 3, -2, 0.2}, glm::normalize(glm::dvec3(0.5, 0.03, -1)),
                                            10 * std::exp(-100 * b)));
         skies.back().sun = {skies.back().shapeDirection, 500};
     }
+    return skies;
+}
+
+// Of sky elements, which are 6 degrees high, a ribbon fills a tenth: the sensor below the sill sees a little.
+TEST(AnnualDaylight, skies_with_a_ribbon_at_the_horizon_are_solved_in_full) {
+    const std::vector<daylight::Sky> skies = skiesWithRibbons();
     const geometry::PatchMesh mesh = windowRoom(glm::vec3(0.6f), glm::vec3(0.8f));
     expectFull(mesh, skies, 0.01,
                {{{2, 1, 2}, {0, 1, 0}}, {{2, 0.97, 3}, {0, 0, -1}}, {{0.01, 0.9, 2}, {1, 0, 0}}});
     DaylightTransport transport(test::device(), mesh);
     EXPECT_EQ(yearOf(transport, skies).report.solved, 2u);
     EXPECT_EQ(yearOf(transport, skies).report.lit, 7u);
+}
+
+// Most of the work here, and all of it in the first call.
+TEST(AnnualDaylight, skies_with_a_ribbon_are_solved_once_for_all_sensors) {
+    const std::vector<daylight::Sky> skies = skiesWithRibbons();
+    DaylightTransport transport(test::device(), windowRoom(glm::vec3(0.6f), glm::vec3(0.8f)));
+    std::vector<double> told;
+    AnnualDaylight annual(transport, skies, kSensors.size(), [&](double share) { told.push_back(share); });
+    std::vector<float> lux(skies.size()), sun(lux.size()), error(lux.size());
+    for (const Sensor& sensor : kSensors) {
+        annual.sensors({&sensor, 1}, lux, sun, error);
+        EXPECT_GT(told.back(), 0.8);
+        for (size_t h = kSkies.size(); h < skies.size(); ++h) {
+            const LightParts full = transport.light(skies[h]).sensors[0];
+            EXPECT_NEAR(lux[h], photometric(full.total()), 1e-5 * photometric(full.total()));
+            EXPECT_NEAR(sun[h], photometric(full.sun), 1e-6 * photometric(full.sun));
+            EXPECT_NEAR(error[h], full.error, 1e-2F * full.error);
+        }
+    }
+    const auto first = std::find_if(told.begin(), told.end(), [](double share) { return share > 0.8; });
+    EXPECT_LT(*(first - 1), 0.2);
+    EXPECT_NEAR(told.back(), 1, 1e-9);
+}
+
+TEST(AnnualDaylight, a_part_of_the_year_and_the_rest_are_all_of_it) {
+    DaylightTransport transport(test::device(), windowRoom(glm::vec3(0.6f), glm::vec3(0.8f)));
+    YearReport parts = yearOf(transport, {kSkies.begin(), kSkies.begin() + 3}).report;
+    parts += yearOf(transport, {kSkies.begin() + 3, kSkies.end()}).report;
+    const YearReport whole = yearOf(transport, kSkies).report;
+    EXPECT_EQ(parts.hours, whole.hours);
+    EXPECT_EQ(parts.lit, whole.lit);
+    EXPECT_EQ(parts.withSun, whole.withSun);
+    EXPECT_EQ(parts.checkedHours, whole.checkedHours);
+    EXPECT_NEAR(parts.checkRms, whole.checkRms, 1e-3);
 }
 
 TEST(AnnualDaylight, a_room_without_openings_is_dark_all_year) {

@@ -1,10 +1,13 @@
 #include "compute/daylight/annual_metrics.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <map>
 #include <random>
+#include <span>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -117,6 +120,41 @@ TEST(AnnualMetrics, intervals_hold_every_truth_within_the_error) {
         ASSERT_TRUE(inside(stated.summary.sda, real.summary.sda.value));
         ASSERT_TRUE(inside(stated.summary.ase, real.summary.ase.value));
     }
+}
+
+TEST(AnnualMetrics, parts_of_the_year_add_up) {
+    std::minstd_rand random(6);
+    std::lognormal_distribution<float> level(5.5f, 1.5f);
+    const size_t records = 500, first = 180;
+    std::vector<float> lux(records), sun(records), error(records);
+    std::vector<uint8_t> occupied(records);
+    for (size_t r = 0; r < records; ++r) {
+        lux[r] = level(random), sun[r] = level(random), error[r] = 0.05f * lux[r];
+        occupied[r] = r % 3 != 0;
+    }
+    AnnualOptions options;
+    options.recordHours = 0.25;
+    const SensorMetrics whole = annualMetrics(lux, sun, occupied, options, error).sensors[0];
+    options.occupiedRecords = static_cast<size_t>(std::count(occupied.begin(), occupied.end(), 1));
+    SensorMetrics sum;
+    double meanLux = 0;
+    for (const auto& [from, count] : {std::pair(size_t{0}, first), {first, records - first}}) {
+        const auto part = [&, from = from, count = count](const auto& all) {
+            return std::span(&all[from], count);
+        };
+        const AnnualMetrics of = annualMetrics(part(lux), part(sun), part(occupied), options, part(error));
+        sum += of.sensors[0], meanLux += of.summary.meanLux;
+    }
+    for (const auto metric :
+         {&SensorMetrics::da, &SensorMetrics::cda, &SensorMetrics::udiBelow, &SensorMetrics::udiSupplementary,
+          &SensorMetrics::udiAutonomous, &SensorMetrics::udiUseful, &SensorMetrics::udiAbove,
+          &SensorMetrics::sunHours}) {
+        EXPECT_NEAR((sum.*metric).value, (whole.*metric).value, 1e-9);
+        EXPECT_NEAR((sum.*metric).low, (whole.*metric).low, 1e-9);
+        EXPECT_NEAR((sum.*metric).high, (whole.*metric).high, 1e-9);
+    }
+    EXPECT_NEAR(sum.luxHours, whole.luxHours, 1e-6);
+    EXPECT_NEAR(meanLux, annualMetrics(lux, sun, occupied, options, error).summary.meanLux, 1e-6);
 }
 
 TEST(AnnualMetrics, empty_and_misfit_arrays_are_handled) {

@@ -1,5 +1,7 @@
 #include "compute/daylight/window.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -15,13 +17,35 @@ namespace {
 
 struct Shares {
     double straight = 0, scattered = 0, reflected = 0;
-    SlatLight onward{}, back{}; // of scattered and reflected, where to
+    SlatLight onward{}, back{};     // of scattered and reflected, where to
+    std::array<double, 90> steps{}; // of scattered, luminance x pi every 2 degrees of elevation
+    double sideways = 0;            // of scattered, more than 60 degrees along the slats
 };
 
 void addTo(SlatLight& light, double up, double out, double share) {
     const BetweenNodes at = betweenNodes(std::atan2(up, out));
     light[at.lower] += share * (1 - at.part) / nodeShare(at.lower);
     light[at.lower + 1] += share * at.part / nodeShare(at.lower + 1);
+}
+
+// Of a Lambertian face's light, every 2 degrees of elevation.
+double shareOfStep(size_t step) {
+    const double low = std::numbers::pi * (static_cast<double>(step) / 90 - 0.5);
+    return 0.5 * (std::sin(low + radians(2)) - std::sin(low));
+}
+
+// Means about the nodes of what runs linearly between them, as `addTo` counts rays.
+SlatLight meansOf(const SlatLight& light) {
+    SlatLight means{};
+    const int steps = 100 * (kSlatNodes - 1);
+    for (int k = 0; k < steps; ++k) {
+        const double elevation = std::numbers::pi * ((k + 0.5) / steps - 0.5);
+        const BetweenNodes at = betweenNodes(elevation);
+        addTo(means, std::sin(elevation), std::cos(elevation),
+              ((1 - at.part) * light[at.lower] + at.part * light[at.lower + 1]) * 0.5 * std::cos(elevation) *
+                  std::numbers::pi / steps);
+    }
+    return means;
 }
 
 // Rays through a stack of slats, one by one, Lambertian and in three dimensions; shares no code with Slats.
@@ -67,6 +91,13 @@ Shares traced(double angleDeg, double spacing, double rho, double profile, doubl
                 if (touched)
                     addTo(towards.x < 0 ? shares.onward : shares.back, towards.y, std::abs(towards.x),
                           1.0 / rays);
+                if (touched && towards.x < 0) {
+                    const double elevation = std::atan2(towards.y, -towards.x);
+                    const auto step = static_cast<size_t>(90 * (elevation / std::numbers::pi + 0.5));
+                    shares.steps[std::min<size_t>(step, 89)] += 1 / (rays * shareOfStep(step));
+                    if (std::abs(towards.z) > std::tan(radians(60)) * std::hypot(towards.x, towards.y))
+                        shares.sideways += 1.0 / rays;
+                }
                 break;
             }
             if (unit(random) >= rho) break;
@@ -95,7 +126,8 @@ TEST(Slats, agree_with_traced_rays) {
                 EXPECT_NEAR(slats.straight(profile), s.straight, 5e-5) << angle << ' ' << profileDeg;
                 EXPECT_NEAR(slats.scattered(profile), s.scattered, 0.006) << angle << ' ' << profileDeg;
                 EXPECT_NEAR(slats.reflected(profile), s.reflected, 0.006) << angle << ' ' << profileDeg;
-                const SlatLight on = slats.scatteredLight(profile), back = slats.reflectedLight(profile);
+                const SlatLight on = meansOf(slats.scatteredLight(profile)),
+                                back = meansOf(slats.reflectedLight(profile));
                 double onMean = 0, backMean = 0;
                 for (size_t node = 0; node < kSlatNodes; ++node) {
                     onMean += nodeShare(node) * on[node], backMean += nodeShare(node) * back[node];
@@ -111,6 +143,28 @@ TEST(Slats, agree_with_traced_rays) {
                 EXPECT_NEAR(onMean, slats.scattered(profile), 1e-3);
                 EXPECT_NEAR(backMean, slats.reflected(profile), 1e-3);
             }
+}
+
+// Slats seen edge-on hide their bright faces within a few degrees: the light between nodes bends with them.
+TEST(Slats, light_bends_where_slats_are_seen_edge_on) {
+    for (const double angle : {30.0, 45.0, 60.0, 70.0}) {
+        const int rays = 300'000;
+        const double profile = radians(40);
+        const Shares s = traced(angle, 0.8, 0.7, profile, 0, rays);
+        const SlatLight light = Slats(angle, 0.8, 0.7).scatteredLight(profile);
+        double lower = 0, furthest = 0; // light from straight down on, told over traced
+        for (size_t step = 0; step < s.steps.size(); ++step) {
+            for (const double part : {0.125, 0.375, 0.625, 0.875}) {
+                const BetweenNodes at =
+                    betweenNodes(std::numbers::pi * ((static_cast<double>(step) + part) / 90 - 0.5));
+                lower += 0.25 * shareOfStep(step) *
+                         ((1 - at.part) * light[at.lower] + at.part * light[at.lower + 1]);
+            }
+            lower -= shareOfStep(step) * s.steps[step];
+            furthest = std::max(furthest, std::abs(lower));
+        }
+        EXPECT_LT(furthest, 0.001) << angle; // the noise of the rays is 0.0003 to 0.0006
+    }
 }
 
 // The sun on level slats lights their upper faces, which only what is above them sees.
@@ -227,15 +281,54 @@ TEST(Window, slats_behind_glass_agree_with_traced_rays) {
             EXPECT_NEAR(scattered, s.scattered, 0.006);
             const Window::Lobes lobes = window.lobes(towards, kInwards);
             double mean = 0;
+            SlatLight all;
+            for (size_t node = 0; node < kSlatNodes; ++node)
+                all[node] = (lobes[node] + lobes[kSlatNodes + node]).y / through + scattered;
+            all = meansOf(all);
             for (size_t node = 0; node < kSlatNodes; ++node) {
-                const double light = lobes[node].y / through + scattered;
+                const double light = all[node];
                 EXPECT_NEAR(light, s.onward[node],
                             4 * std::sqrt(std::max(light, 0.01) / (rays * nodeShare(node))) + 0.008)
                     << angle << ' ' << direction.y << ' ' << node;
-                mean += nodeShare(node) * lobes[node].y;
+                mean += nodeShare(node) * (lobes[node] + lobes[kSlatNodes + node]).y;
             }
             EXPECT_NEAR(mean, 0, 1e-12);
         }
+    }
+}
+
+// What glass mirrors between the slats goes sideways more than straight on: of a Lambertian face's light 5.8
+// % run more than 60 degrees along the slats.
+TEST(Window, glass_mirrors_sideways_more_than_straight_on) {
+    for (const float angle : {45.0f, 60.0f}) {
+        const Window window(withBlind(glass(), {geometry::Blind::Kind::slats, 0, 0.7f, angle, 0.8f}));
+        const glm::dvec3 towards = glm::normalize(glm::dvec3(0, 0.8, -0.5));
+        const Shares s = traced(double{angle}, 0.8, 0.7, std::atan2(towards.y, -towards.z), 0, 300'000,
+                                window.glazing().transmissivity.y);
+        const double through = window.glazing().transmittance(-towards.z).y,
+                     even = window.scattered(towards, kInwards).y / through;
+        const Window::Lobes lobes = window.lobes(towards, kInwards);
+        double sideways = 0, all = 0;
+        for (int i = 0; i < 180; ++i)
+            for (int k = 0; k < 180; ++k) {
+                const double elevation = radians(i - 89.5), turn = radians((k + 0.5) / 2);
+                const glm::dvec3 way(std::sin(turn), std::cos(turn) * std::sin(elevation),
+                                     std::cos(turn) * std::cos(elevation));
+                const BetweenNodes at = betweenNodes(elevation);
+                const auto between = [&](size_t first) {
+                    return ((1 - at.part) * lobes[first + at.lower].y +
+                            at.part * lobes[first + at.lower + 1].y) /
+                           through;
+                };
+                const double light = even + between(0) + window.mirrored(way, kInwards) * between(kSlatNodes);
+                const double share = std::cos(elevation) * std::cos(turn) * std::cos(turn) * radians(1) *
+                                     radians(0.5) * 2 / std::numbers::pi;
+                all += share * light;
+                if (turn > radians(60)) sideways += share * light;
+            }
+        EXPECT_NEAR(all, s.scattered, 0.004);
+        EXPECT_NEAR(sideways / all, s.sideways / s.scattered, 0.004) << angle;
+        EXPECT_GT(sideways / all, 0.07);
     }
 }
 
