@@ -69,12 +69,16 @@ public:
 
     // Calls `done(a, b)` after each pair of tiles.
     template<class Done> void run(const Done& done) {
+        const double all = 0.5 * static_cast<double>(scene_.pieceCount) * scene_.pieceCount;
+        double pairs = 0;
         for (const ExactTileRange& a : scene_.tiles) {
             findSides(a, sidesA_);
             for (const ExactTileRange* b = &a; b < scene_.tiles.data() + scene_.tiles.size(); ++b) {
                 if (b != &a) findSides(*b, sidesB_);
                 runTile(a, *b);
                 done(a, *b);
+                pairs += (b == &a ? 0.5 : 1.0) * a.pieces * b->pieces;
+                if (options_.progress) options_.progress(pairs / all);
             }
         }
     }

@@ -23,6 +23,7 @@ struct ExactOptions {
     // For lists of blockers and cells of cubature; less takes more rounds. Room for those of 16 x 16 patches,
     // 2 kB a blocker, is needed: throws std::runtime_error.
     uint64_t workBytes = 256u << 20;
+    std::function<void(double share)> progress; // after each pair of tiles: of all pairs of patches
 };
 
 struct ExactStatistics {

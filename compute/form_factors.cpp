@@ -244,6 +244,7 @@ FormFactors factorsOf(gpu::Device& device, const geometry::PatchMesh& mesh, cons
     if (choice.kernel == "exact") {
         ExactOptions exact;
         if (choice.maxError > 0) exact.maxError = choice.maxError;
+        exact.progress = options.progress;
         return exactFormFactors(device, mesh, exact).factors;
     }
     if (choice.kernel == "hemicube") return hemicubeFormFactors(device, mesh, options, choice.maxError);

@@ -37,6 +37,8 @@ struct FormFactorOptions {
     // The matrix is for light that goes round, to which sums of rows matter more than entries: `auto` takes
     // links, whose sums may be off by ten times the row error, for coarse errors only.
     bool forLight = false;
+    // Told how much of the work is done, by `exact` at more than about 2300 patches.
+    std::function<void(double share)> progress;
 };
 
 // Rows of closed rooms whose sums are off by more are worth a warning.

@@ -132,6 +132,10 @@ void execute(Run& run, const FormFactorArguments& arguments) {
         }
         const compute::FormFactors factors = [&] {
             const StageTimer timer(run, "formfactors");
+            Progress progress("formfactors", n, run.showsProgress());
+            options.progress = [&](double share) {
+                progress.advance(static_cast<size_t>(share * static_cast<double>(n)), share);
+            };
             return compute::computeFormFactors(device, mesh, options);
         }();
         const gpu::HostView<float> view(factors.values, n * n);
