@@ -164,8 +164,8 @@ void AnnualDaylight::addBlinds(const SunHours::Hour& hour, const TransportParts&
         for (auto l = lit; l != last; ++l) responses.add(rows.glow + l->row, even * l->lux, reflected);
         if (group.window.hasSlats() && lit != last) {
             const auto add = [&](size_t row, glm::vec3 lux) {
-                for (size_t node = 0; node < daylight::kSlatLobes; ++node)
-                    responses.add(row + node, lux * lobes[node], reflected);
+                for (size_t lobe = 0; lobe < daylight::kSlatLobes; ++lobe)
+                    responses.add(row + lobe, lux * lobes[lobe], reflected);
             };
             const glm::vec3 one = lit->lux;
             if (static_cast<size_t>(last - lit) == count &&

@@ -44,7 +44,7 @@ struct TransportOptions {
     // share of `error` is found place by place, for as many passes over F again. For tables; pictures show
     // none.
     bool errorByPlace = false;
-    bool forPictures = false; // fills in sunGlow and cornerGlow of Lighting; nothing else depends on it
+    bool forPictures = false; // fills in sunGlow and glow of Lighting; nothing else depends on it
     // Computes in full what is known to give nothing, or the same: dark skies, suns that cannot enter, light
     // where there is none, three channels of grey, the sky of rooms without openings. To check the rules that
     // skip these.
@@ -156,8 +156,8 @@ public:
     // get their light anew (makeNearLight).
     std::vector<Moment> light(std::span<const daylight::Sky> skies);
 
-    // The sensors of now in a moment of this sky that was made for others: the same bits as light(sky) has,
-    // without its work on patches.
+    // The sensors of now in a moment of this sky that was made for others: as the call of light() that
+    // made it would have them, without its work on patches.
     void lightSensors(Moment& moment, const daylight::Sky& sky);
 
     TransportParts parts();

@@ -84,7 +84,12 @@ GlowingBlinds::GlowingBlinds(const geometry::PatchMesh& mesh) {
                (materials[g] != mesh.material[i] || glm::dot(groups_[g].normal, normal) < 1 - 1e-9))
             ++g;
         if (g == groups_.size()) {
-            groups_.push_back({daylight::Window(material), normal, {}});
+            const auto alike = std::ranges::find(materials, mesh.material[i]);
+            groups_.push_back({alike == materials.end()
+                                   ? daylight::Window(material)
+                                   : groups_[static_cast<size_t>(alike - materials.begin())].window,
+                               normal,
+                               {}});
             materials.push_back(mesh.material[i]);
         }
         groups_[g].patches.push_back(static_cast<uint32_t>(i));
@@ -119,8 +124,8 @@ GlowingBlinds::GlowingBlinds(const geometry::PatchMesh& mesh) {
 daylight::Window::Lobes GlowingBlinds::lobesOf(size_t group, const LitProfiles& inside) const {
     daylight::Window::Lobes lobes{};
     for (size_t k = 0; k < kProfiles; ++k)
-        for (size_t node = 0; node < lobes.size(); ++node)
-            lobes[node] += inside[k] * profiles_[group][k][node];
+        for (size_t lobe = 0; lobe < lobes.size(); ++lobe)
+            lobes[lobe] += inside[k] * profiles_[group][k][lobe];
     return lobes;
 }
 
@@ -147,10 +152,10 @@ std::vector<float> GlowingBlinds::lobeCoefficients(size_t group, const daylight:
     std::vector<float> values(daylight::kSlatLobes * channels * elements);
     for (size_t e = 0; e < elements; ++e) {
         const daylight::Window::Lobes lobes = lobesOf(group, inside[e]);
-        for (size_t node = 0; node < lobes.size(); ++node)
+        for (size_t lobe = 0; lobe < lobes.size(); ++lobe)
             for (uint32_t c = 0; c < channels; ++c)
-                values[(node * channels + c) * elements + e] =
-                    static_cast<float>(lobes[node][static_cast<int>(c)]);
+                values[(lobe * channels + c) * elements + e] =
+                    static_cast<float>(lobes[lobe][static_cast<int>(c)]);
     }
     return values;
 }

@@ -39,8 +39,8 @@ struct Lighting {
     glm::dvec3 sunDirection{0};            // unit, world, towards the sun; zero when no sun is modelled
     glm::vec3 sunNormalIlluminance{0};     // outside, on a plane facing the sun
     // Of the exitance, what sunlit patches nearby light: illuminance, mean over each patch, and within those
-    // that have any (compute/sun_glow.h). Empty where there is none, and with TransportOptions::forPictures
-    // off.
+    // triangles that have any (compute/sun_glow.h). Empty where there is none, and with
+    // TransportOptions::forPictures off.
     std::vector<glm::vec3> sunGlow;
     std::vector<PatchGlow> glow;
     std::vector<glm::vec3> ownScatter; // exitance that projectors leave out, as the physical model sends

@@ -9,6 +9,7 @@
 
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
+#include <glm/vector_relational.hpp>
 
 #include "geometry/bounds.h"
 #include "geometry/clip_polygon.h"
@@ -91,15 +92,23 @@ Blockers::Blockers(const geometry::PatchMesh& mesh) : regions_(blockingRegions(m
     tolerance_ = kLeastOfExtent * geometry::boundsOf(mesh.vertices).diagonal();
 }
 
-Blockers Blockers::within(dvec3 centre, double radius) const {
-    Blockers near;
-    near.tolerance_ = tolerance_;
+Blockers Blockers::between(std::span<const dvec3> points) const {
+    Blockers some;
+    some.tolerance_ = tolerance_;
+    const geometry::Bounds box = geometry::boundsOf(points);
     for (const ConvexRegion& region : regions_) {
-        const geometry::Bounds box = geometry::boundsOf(region.corners);
-        if (glm::length(centre - glm::clamp(centre, box.low, box.high)) <= radius)
-            near.regions_.push_back(region);
+        const geometry::Bounds own = geometry::boundsOf(region.corners);
+        if (glm::any(glm::greaterThan(own.low, box.high)) || glm::any(glm::greaterThan(box.low, own.high)))
+            continue;
+        const dvec3 normal = glm::normalize(geometry::areaVector(region.corners));
+        bool before = false, behind = false;
+        for (const dvec3& p : points) {
+            const double height = glm::dot(normal, p - region.corners[0]);
+            before |= height > tolerance_, behind |= height < -tolerance_;
+        }
+        if (before && behind) some.regions_.push_back(region);
     }
-    return near;
+    return some;
 }
 
 PointView::PointView(const Blockers& blockers, dvec3 position, dvec3 normal, uint32_t room)

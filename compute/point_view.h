@@ -26,8 +26,8 @@ class Blockers {
 public:
     explicit Blockers(const geometry::PatchMesh& mesh);
 
-    // Those that can stand between two points of a ball.
-    Blockers within(glm::dvec3 centre, double radius) const;
+    // Those that can stand between two of the points, or of points between these.
+    Blockers between(std::span<const glm::dvec3> points) const;
 
     double tolerance() const { return tolerance_; } // a length that does not matter in this mesh
     std::span<const ConvexRegion> regions() const { return regions_; }

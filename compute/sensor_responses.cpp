@@ -214,14 +214,14 @@ void SensorResponder::addGlow(const TransportParts& parts, SensorResponses& resu
         slot += count;
         if (!parts.blinds.groups()[g].window.hasSlats()) continue;
         const std::vector<float> lobes = parts.blinds.lobeCoefficients(g, parts.sky, parts.skyChannels);
-        for (size_t node = 0; node < daylight::kSlatLobes; ++node)
+        for (size_t lobe = 0; lobe < daylight::kSlatLobes; ++lobe)
             for (size_t b = 0; b < beams_; ++b)
                 inParallel(sensors, [&](size_t s) {
                     const float answer =
-                        result.sun[b][(rows.groupLobes + g * daylight::kSlatLobes + node) * sensors + s];
+                        result.sun[b][(rows.groupLobes + g * daylight::kSlatLobes + lobe) * sensors + s];
                     for (size_t e = 0; e < elements; ++e)
                         result.sky[s * elements + e] +=
-                            answer * lobes[(node * parts.skyChannels + b) * elements + e];
+                            answer * lobes[(lobe * parts.skyChannels + b) * elements + e];
                 });
     }
 }
@@ -243,9 +243,9 @@ void SensorResponder::hideGlow(const TransportParts& parts, SensorResponses& res
                     &parts.hiddenSky.coefficients(p.group)[b * elements]);
                 if (!parts.blinds.groups()[p.group].window.hasSlats()) continue;
                 const std::vector<float>& lobes = parts.hiddenSky.lobeCoefficients(p.group);
-                for (size_t node = 0; node < daylight::kSlatLobes; ++node)
-                    see(answers[(rows.lobes + p.slats * daylight::kSlatLobes + node) * sensors],
-                        &lobes[(node * 3 + b) * elements]);
+                for (size_t lobe = 0; lobe < daylight::kSlatLobes; ++lobe)
+                    see(answers[(rows.lobes + p.slats * daylight::kSlatLobes + lobe) * sensors],
+                        &lobes[(lobe * 3 + b) * elements]);
             }
             for (size_t e = 0; e < elements; ++e) result.sky[s * elements + e] -= p.hidden[e] * seen[e];
         }

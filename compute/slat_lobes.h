@@ -22,11 +22,12 @@ public:
     // slats. Else time and memory grow with pairs of a patch and a window patch that it sees: about 0.1 us
     // and 16 bytes each, near ones up to 250, behind glass twice that (16,000 patches, 1600 of them windows:
     // seconds, 800 MB).
-    // Each window's light is kept, lobe by lobe. `scene` and `blinds` outlive this.
+    // Each window's light is kept, lobe by lobe, but for what no lobe towards the horizontal has room for.
+    // `scene` and `blinds` outlive this.
     SlatLobes(const PointScene& scene, const GlowingBlinds& blinds, const gpu::Buffer& factors);
 
     bool empty() const { return windows_.empty(); }
-    // Lobes are told apart by window patch, then node: row = place in windows() times kSlatLobes, plus node.
+    // Lobes are told apart by window patch, then lobe: row = place in windows() times kSlatLobes, plus lobe.
     struct Window {
         uint32_t patch;
         size_t group; // of blinds
@@ -41,8 +42,8 @@ public:
         for (size_t w = 0; w < windows_.size(); ++w) {
             if (w == 0 || windows_[w].group != windows_[w - 1].group) ofGroup = light(windows_[w].group);
             const glm::dvec3 times(lit(windows_[w].patch));
-            for (size_t node = 0; node < daylight::kSlatLobes; ++node)
-                lobes[w * daylight::kSlatLobes + node] += glm::vec3(times * ofGroup[node]);
+            for (size_t lobe = 0; lobe < daylight::kSlatLobes; ++lobe)
+                lobes[w * daylight::kSlatLobes + lobe] += glm::vec3(times * ofGroup[lobe]);
         }
     }
 

@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include <glm/geometric.hpp>
 
 #include "compute/parallel.h"
-#include "compute/patch_points.h"
 #include "compute/point_view.h"
 
 namespace heliodon::compute {
@@ -17,8 +15,7 @@ using glm::dvec3;
 namespace {
 
 constexpr double kWholeWithin = 1, kNoneFrom = 3; // sizes of a patch: how far a sender counts
-constexpr double kInward = 0.02;   // of the way to a triangle's middle; light jumps where surfaces touch
-constexpr double kUnhidden = 0.95; // of a sender, as few points see it: more counts as all
+constexpr double kInward = 0.02; // of the way to a triangle's middle; light jumps where surfaces touch
 
 double smooth(double x) {
     x = std::clamp(x, 0.0, 1.0);
@@ -28,28 +25,15 @@ double smooth(double x) {
 } // namespace
 
 SunGlow::SunGlow(const PointScene& scene, const NearPairs& pairs)
-    : scene_(&scene), near_(scene.mesh().patchCount()) {
-    constexpr uint32_t kPoints = 4; // on a patch
+    : scene_(&scene), senders_(scene.mesh().patchCount()) {
     const geometry::PatchMesh& mesh = scene.mesh();
-    const PatchViewpoints views = patchViewpoints(mesh, kPoints);
     for (const PointScene::Patch& patch : scene.patches()) size_ += patch.size * patch.size;
-    size_ = std::sqrt(size_ / static_cast<double>(std::max<size_t>(near_.size(), 1)));
-    for (uint32_t from = 0; from < near_.size(); ++from) {
-        if (mesh.materials[mesh.material[from]].reflectance == glm::vec3(0)) continue;
-        const std::vector<dvec3> polygon = geometry::patchCorners(mesh, from);
-        for (const NearPairs::Pair& pair : pairs.of(from)) {
-            if (mesh.patch(pair.to).size() != 3 || mesh.materials[mesh.material[pair.to]].isOpening() ||
-                !(weight(scene.patches()[pair.to].centre, from) > 0))
-                continue;
-            double open = 0;
-            for (uint32_t k = 0; k < views.pointsPerPatch; ++k) {
-                const Viewpoint& at = views.viewpoints[size_t{pair.to} * views.pointsPerPatch + k];
-                open += PointView(scene.blockers(), at.position, at.normal).factor(polygon) /
-                        views.pointsPerPatch;
-            }
-            near_[pair.to].push_back({from, pair.factor < kUnhidden * open});
-        }
-    }
+    size_ = std::sqrt(size_ / static_cast<double>(std::max<size_t>(senders_.size(), 1)));
+    for (uint32_t from = 0; from < senders_.size(); ++from)
+        for (const NearPairs::Pair& pair : pairs.of(from))
+            if (mesh.patch(pair.to).size() == 3 && !mesh.materials[mesh.material[pair.to]].isOpening() &&
+                weight(scene.patches()[pair.to].centre, from) > 0)
+                senders_[pair.to].push_back(from);
 }
 
 // 1 near the sender, 0 from a distance on: light from there is smooth enough.
@@ -79,29 +63,22 @@ std::vector<SunGlow::Lit> SunGlow::litPatches(const Lighting& light, std::span<c
     return all;
 }
 
-void SunGlow::fillGrid(uint32_t patch, std::span<const Lit* const> lit, bool hidden,
-                       std::span<glm::vec3> grid) const {
+void SunGlow::fillGrid(uint32_t patch, std::span<const Lit* const> lit, std::span<glm::vec3> grid) const {
     const geometry::PatchMesh& mesh = scene_->mesh();
     const std::vector<dvec3> corner = geometry::patchCorners(mesh, patch);
     const dvec3 middle = (corner[0] + corner[1] + corner[2]) / 3.0, normal = scene_->patches()[patch].normal;
-    std::optional<Blockers> between;
-    if (hidden) {
-        double reach = 0;
-        for (const dvec3& p : corner) reach = std::max(reach, glm::length(p - middle));
-        for (const Lit* from : lit)
-            for (const SunlitParts::Part& part : from->parts)
-                for (const dvec3& p : part.polygon) reach = std::max(reach, glm::length(p - middle));
-        between = scene_->blockers().within(middle, reach);
-    }
+    std::vector<dvec3> ends = corner;
+    for (const Lit* from : lit)
+        for (const SunlitParts::Part& part : from->parts)
+            ends.insert(ends.end(), part.polygon.begin(), part.polygon.end());
+    const Blockers between = scene_->blockers().between(ends);
     size_t place = 0;
     for (int j = 0; j <= PatchGlow::kCells; ++j)
         for (int i = 0; i + j <= PatchGlow::kCells; ++i) {
             const dvec3 at =
                 corner[0] + (double(i) * (corner[1] - corner[0]) + double(j) * (corner[2] - corner[0])) /
                                 double(PatchGlow::kCells);
-            const dvec3 inward = glm::mix(at, middle, kInward);
-            const PointView view = between ? PointView(*between, inward, normal, mesh.room[patch])
-                                           : PointView(scene_->blockers(), inward, normal);
+            const PointView view(between, glm::mix(at, middle, kInward), normal, mesh.room[patch]);
             dvec3 sum(0);
             for (const Lit* from : lit)
                 if (const double counts = weight(at, from->patch); counts > 0)
@@ -113,21 +90,20 @@ void SunGlow::fillGrid(uint32_t patch, std::span<const Lit* const> lit, bool hid
 
 void SunGlow::addTo(Lighting& light, std::span<const SunlitParts> partly, double strength) const {
     const std::vector<Lit> all = litPatches(light, partly, strength);
-    std::vector<const Lit*> litOf(near_.size());
+    std::vector<const Lit*> litOf(senders_.size());
     for (const Lit& lit : all) litOf[lit.patch] = &lit;
     std::vector<PatchGlow> glow;
-    for (uint32_t p = 0; p < near_.size(); ++p)
-        if (std::any_of(near_[p].begin(), near_[p].end(), [&](const Near& near) { return litOf[near.from]; }))
+    for (uint32_t p = 0; p < senders_.size(); ++p)
+        if (std::ranges::any_of(senders_[p], [&](uint32_t from) { return litOf[from]; }))
             glow.push_back({p, {}});
     if (glow.empty()) return;
     inParallel(glow.size(), [&](size_t g) {
         std::vector<const Lit*> lit;
-        bool hidden = false;
-        for (const Near& near : near_[glow[g].patch])
-            if (litOf[near.from]) lit.push_back(litOf[near.from]), hidden |= near.hidden;
-        fillGrid(glow[g].patch, lit, hidden, glow[g].lux);
+        for (const uint32_t from : senders_[glow[g].patch])
+            if (litOf[from]) lit.push_back(litOf[from]);
+        fillGrid(glow[g].patch, lit, glow[g].lux);
     });
-    light.sunGlow.assign(near_.size(), glm::vec3(0));
+    light.sunGlow.assign(senders_.size(), glm::vec3(0));
     for (const PatchGlow& grid : glow) light.sunGlow[grid.patch] = grid.mean();
     light.glow = std::move(glow);
 }

@@ -19,19 +19,16 @@ namespace heliodon::compute {
 
 class SunGlow {
 public:
-    // Both outlive this. Cost: less than 20 ms of one core for 2000 patches.
+    // Both outlive this.
     SunGlow(const PointScene& scene, const NearPairs& pairs);
 
     // `light.sunIlluminance` as it is, `partly` those of its patches that are lit in part, for suns of
-    // `strength`. Fills in sunGlow and glow; leaves both empty where no sunlit patch has another near.
+    // `strength`. Fills in sunGlow and glow, of triangles only; leaves both empty where no
+    // sunlit patch has one near.
     // Cost: 1 to 5 ms of one core.
     void addTo(Lighting& light, std::span<const SunlitParts> partly, double strength) const;
 
 private:
-    struct Near { // a patch that lights another one, when the sun is on it
-        uint32_t from;
-        bool hidden; // in part
-    };
     struct Lit { // what the sun lights of a patch
         uint32_t patch;
         std::vector<SunlitParts::Part> parts; // `light`: what leaves it, lux
@@ -39,12 +36,11 @@ private:
     std::vector<Lit> litPatches(const Lighting& light, std::span<const SunlitParts> partly,
                                 double strength) const;
     double weight(glm::dvec3 point, size_t sender) const;
-    void fillGrid(uint32_t patch, std::span<const Lit* const> lit, bool hidden,
-                  std::span<glm::vec3> grid) const;
+    void fillGrid(uint32_t patch, std::span<const Lit* const> lit, std::span<glm::vec3> grid) const;
 
     const PointScene* scene_;
-    double size_ = 0;                     // of a patch, mean
-    std::vector<std::vector<Near>> near_; // per triangle
+    double size_ = 0;                            // of a patch, mean
+    std::vector<std::vector<uint32_t>> senders_; // per patch: those that light it when the sun is on them
 };
 
 } // namespace heliodon::compute

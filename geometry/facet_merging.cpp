@@ -234,7 +234,7 @@ private:
         const MeshDomain whole = domains_[d];
         for (size_t c = 0; c + 1 < strip.folds.size(); ++c) {
             MeshDomain facet;
-            facet.faces = whole.faces;
+            facet.faces = {whole.faces[0]};
             facet.frames = {whole.frames[strip.frameAt[c]]};
             facet.loops = {{cornerAt(whole, strip, c, false), cornerAt(whole, strip, c + 1, false),
                             cornerAt(whole, strip, c + 1, true), cornerAt(whole, strip, c, true)}};

@@ -28,20 +28,24 @@ cv::Mat bgrOf(int width, int height, const uint8_t* rgb) {
 
 // Sets the orientation that a TIFF's first directory states to the usual one; other bytes stay as they are.
 void forgetTurn(std::vector<uint8_t>& bytes) {
-    constexpr size_t kHeader = 8, kEntry = 12, kOrientation = 274;
+    constexpr size_t kOrientation = 274;
     const bool highFirst = !bytes.empty() && bytes[0] == 'M';
     const auto number = [&](size_t at, size_t count) { // 0 beyond the end
         size_t value = 0;
-        for (size_t i = 0; i < count && at + count <= bytes.size(); ++i)
+        for (size_t i = 0; i < count && count <= bytes.size() && at <= bytes.size() - count; ++i)
             value = value << 8 | bytes[highFirst ? at + i : at + count - 1 - i];
         return value;
     };
-    if (bytes.size() < kHeader || number(0, 2) != (highFirst ? 0x4D4D : 0x4949) || number(2, 2) != 42) return;
-    const size_t directory = number(4, 4);
-    for (size_t i = 0; i < number(directory, 2); ++i)
-        if (const size_t at = directory + 2 + i * kEntry;
-            number(at, 2) == kOrientation && at + kEntry <= bytes.size())
-            for (const size_t byte : {0, 1}) bytes[at + 8 + byte] = (byte == 1) == highFirst;
+    if (number(0, 2) != (highFirst ? 0x4D4D : 0x4949)) return;
+    const size_t version = number(2, 2);
+    if (version != 42 && version != 43) return;
+    const bool big = version == 43; // numbers of eight bytes
+    const size_t directory = big ? number(8, 8) : number(4, 4), count = big ? 8 : 2, entry = big ? 20 : 12;
+    if (directory >= bytes.size()) return;
+    const size_t entries = number(directory, count);
+    for (size_t i = 0, at = directory + count; i < entries && at + entry <= bytes.size(); ++i, at += entry)
+        if (const size_t value = at + (big ? 12 : 8); number(at, 2) == kOrientation)
+            bytes[value] = highFirst ? 0 : 1, bytes[value + 1] = highFirst ? 1 : 0;
 }
 
 // Decoded from memory, since OpenCV follows the orientation of a TIFF in spite of the flag. Its own lines

@@ -17,8 +17,8 @@ struct PicturePixels {
     std::vector<uint8_t> rgb;
 };
 
-// PNG, JPEG and TIFF, 8 or 16 bits, colour or grey; an alpha channel is dropped, the stated orientation ignored.
-// Nothing where the file cannot be read as a picture.
+// PNG, JPEG and TIFF, 8 or 16 bits, colour or grey; an alpha channel is dropped, the stated orientation
+// ignored. Nothing where the file cannot be read as a picture.
 std::optional<PicturePixels> readPictureFile(const std::filesystem::path& file);
 
 struct GreyPixels {

@@ -140,7 +140,8 @@ VolumeError worstVolumeError(const Building& building, const PatchMesh& mesh) {
                               meshed = roomVolumes(mesh, building.roomCount);
     VolumeError worst;
     for (uint32_t r = 0; r < building.roomCount; ++r)
-        if (const double share = meshed[r] / own[r] - 1; std::abs(share) > std::abs(worst.share))
+        if (const double share = own[r] > 0 ? meshed[r] / own[r] - 1 : 0;
+            std::abs(share) > std::abs(worst.share))
             worst = {r, share};
     return worst;
 }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "geometry/building.h"
+#include "geometry/patch_mesh.h"
 
 namespace heliodon::geometry {
 
@@ -22,9 +23,9 @@ struct PaneCount {
 };
 
 // One entry a room, of the building's own faces. Floor is what one can walk on: level faces and ramps of the
-// shell that encloses the room (things that stand free in it have no floor), the lowest ones and all that rise
-// by no more than `step` metres over what is reached already; so the tops of tables, partitions and shelves
-// are none, while those of stairs and low platforms are.
+// shell that encloses the room (things that stand free in it have no floor), the lowest ones and all that
+// rise by no more than `step` metres over what is reached already; so the tops of tables, partitions and
+// shelves are none, while those of stairs and low platforms are.
 std::vector<RoomMeasures> measureRooms(const Building& building, double step = 0.25);
 
 // By how much the volume of a room may differ from the building's in its mesh, whose triangles are chords of

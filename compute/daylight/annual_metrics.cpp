@@ -159,7 +159,7 @@ AnnualMetrics summarized(std::vector<SensorMetrics> sensors, std::span<const uin
     summary.sda = share(result.sensors, &SensorMetrics::da,
                         [&](double da) { return da >= 100.0 * options.sdaShare - 1e-9; });
     summary.ase = share(result.sensors, &SensorMetrics::sunHours,
-                        [&](double hours) { return hours > options.aseHours; });
+                        [&](double hours) { return hours > options.aseHours + 1e-9; });
     summary.meanDa = mean(result.sensors, &SensorMetrics::da);
     summary.meanCda = mean(result.sensors, &SensorMetrics::cda);
     summary.meanUdiUseful = mean(result.sensors, &SensorMetrics::udiUseful);

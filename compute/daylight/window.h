@@ -25,6 +25,7 @@
 
 namespace heliodon::daylight {
 
+// Directions of light from slats: nodes for what the faces send, then as many for what glass mirrors.
 constexpr size_t kSlatLobes = 2 * kSlatNodes;
 inline double lobeShare(size_t lobe) {
     return nodeShare(lobe % kSlatNodes);
@@ -32,7 +33,7 @@ inline double lobeShare(size_t lobe) {
 
 class Window {
 public:
-    // About 3 ms with slats, next to nothing otherwise.
+    // About 6 ms and 190 KB with slats, next to nothing otherwise.
     explicit Window(const geometry::Material& opening);
 
     const Glazing& glazing() const { return glazing_; }

@@ -208,7 +208,8 @@ private:
         addGround(sub, timelapse_.moment);
         addPicture(sub, timelapse_.picture, "pixels of previews (default 1280x960)");
         sub->add_option("--from", timelapse_.from, "time of the first frame")->required();
-        sub->add_option("--to", timelapse_.to, "time of the last frame, or after it where no step ends there")
+        sub->add_option("--to", timelapse_.to,
+                        "time of the last frame; where no step ends there, frames end before it")
             ->required();
         sub->add_option("--step", timelapse_.step, "time between frames: PT10M, P1D")->required();
         sub->add_option("--view", timelapse_.view,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -80,6 +81,7 @@ LiveOutputs::LiveOutputs(Run& run, const geometry::Rig& rig, const LiveArguments
     presenter_.emplace(*device_, windows);
     operator_ = std::make_unique<present::OperatorWindow>(*device_, *presenter_, operatorIndex());
     notices_.resize(windows.size());
+    saidLost_.resize(windows.size());
     displayLosses_.resize(windows.size());
     chosen_.resize(rig.projectors.size());
     choose(present::Shown::light, false);
@@ -101,7 +103,7 @@ std::vector<present::Event> LiveOutputs::pollEvents(double waitSeconds) {
                 run_.note(fmt::format("display '{}' is connected", rig_.projectors[i].display));
         }
         notices_[i] = notice;
-        if (presenter_->reason(i) == present::kDisplayLost)
+        if (presenter_->reason(i) == present::kDisplayLost && !std::exchange(saidLost_[i], char{1}))
             run_.warn(fmt::format("{} is closed: {}", windowName(i), present::kDisplayLost));
     }
     std::erase_if(events, [this](const present::Event& event) {

@@ -93,6 +93,7 @@ private:
     std::shared_ptr<const vision::Photograph> cameraShown_;
     std::chrono::steady_clock::time_point cameraSent_{};
     std::vector<std::string> notices_;
+    std::vector<char> saidLost_;        // per window, too
     std::vector<size_t> displayLosses_; // per window: how often its display was missing
 };
 

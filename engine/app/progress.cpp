@@ -43,8 +43,8 @@ void Progress::advance(size_t done, double share) {
     const double elapsed = std::chrono::duration<double>(now - start_).count();
     const double since = std::chrono::duration<double>(now - last_).count();
     const double pause = terminal_ ? 0.1 : 10;
-    const bool end = done >= total_ && drawn_ && !finished_; // said at once, and once
-    if (elapsed < 2 || (since < pause && !end)) return;
+    const bool end = done >= total_ && drawn_; // said at once, and once
+    if (elapsed < 2 || finished_ || (since < pause && !end)) return;
     last_ = now;
     finished_ = done >= total_;
     if (!drawn_) ++barsDrawn;

@@ -133,10 +133,10 @@ void reportMesh(Run& run, const geometry::Building& building, const geometry::Pa
                             {"area_deviation", quality.areaDeviation},
                             {"volume_error", volume.share}};
     if (std::abs(volume.share) > kMuch)
-        run.warn(
-            fmt::format("the triangles of room {} enclose {:.1f} % {} than its curved walls do: more of them "
-                        "(--triangles) are nearer to the walls",
-                        volume.room, 100 * std::abs(volume.share), volume.share < 0 ? "less" : "more"));
+        run.warn(fmt::format(
+            "the triangles of room {} enclose {:.1f} % {} than its walls do: more of them (--triangles) are "
+            "nearer to curves",
+            volume.room, 100 * std::abs(volume.share), volume.share < 0 ? "less" : "more"));
 }
 
 geometry::Building importOrRefuse(Run& run, const SceneArguments& arguments, geometry::UpAxis up) {

@@ -302,7 +302,7 @@ std::optional<SunDraw> FrameRenderer::State::prepareSun(const compute::Lighting&
     return sun;
 }
 
-// What is left may be negative, until the sun is added to it.
+// What is left may be negative, until glow and sun are added to it.
 void FrameRenderer::State::leaveOutScatter(const compute::Lighting& light,
                                            std::vector<glm::vec3>& perVertex) const {
     if (light.ownScatter.empty()) return;

@@ -389,11 +389,11 @@ TEST_F(Live, goes_on_when_a_device_is_lost_or_a_window_loses_its_surface) {
         EXPECT_EQ(report["live"]["device_losses"], 0) << fault;
     }
     // A show that nobody ended is not over in silence.
-    const FaultOutcome ended =
-        heliodonWithFault("acquire:9:surface:100000",
-                          "live --rig " + kRig + " --camera file:" + kPhoto +
-                              " --triangles 100 --windowed --window-scale 0.25 --report " + in("report.json"),
-                          folder);
+    const FaultOutcome ended = heliodonWithFault(
+        "acquire:9:surface:100000",
+        "live --rig " + kRig + " --camera file:" + kPhoto +
+            " --triangles 100 --windowed --window-scale 0.25 --duration 100 --report " + in("report.json"),
+        folder);
     EXPECT_EQ(ended.exitCode, 1) << ended.output;
     EXPECT_NE(ended.output.find("window is closed: its display went away"), std::string::npos)
         << ended.output;

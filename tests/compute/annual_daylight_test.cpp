@@ -227,6 +227,7 @@ TEST(AnnualDaylight, skies_with_a_ribbon_are_solved_once_for_all_sensors) {
         }
     }
     const auto first = std::find_if(told.begin(), told.end(), [](double share) { return share > 0.8; });
+    ASSERT_TRUE(first != told.begin() && first != told.end());
     EXPECT_LT(*(first - 1), 0.2);
     EXPECT_NEAR(told.back(), 1, 1e-9);
 }
@@ -240,7 +241,7 @@ TEST(AnnualDaylight, a_part_of_the_year_and_the_rest_are_all_of_it) {
     EXPECT_EQ(parts.lit, whole.lit);
     EXPECT_EQ(parts.withSun, whole.withSun);
     EXPECT_EQ(parts.checkedHours, whole.checkedHours);
-    EXPECT_NEAR(parts.checkRms, whole.checkRms, 1e-3);
+    EXPECT_NEAR(parts.checkRms, whole.checkRms, 0.05 * whole.checkRms);
 }
 
 TEST(AnnualDaylight, a_room_without_openings_is_dark_all_year) {

@@ -311,9 +311,10 @@ void addSlats(geometry::PatchMesh& mesh, double angleDeg, float reflectance, boo
 
 // Sheets in the sun light the ceiling far more than the floor; behind a pane that mirrors too.
 TEST(Blinds, light_of_sheets_traced_one_by_one_lies_in_the_stated_error) {
-    const std::vector<Sensor> sensors{
-        {{2, 0.8, 3}, {0, 1, 0}}, {{2, 2.99, 1.5}, {0, -1, 0}}, {{2, 1.5, 2.5}, {0, 0, -1}},
-        {{2, 2.99, 0.4}, {0, -1, 0}}}; // the last looks at slats edge-on
+    const std::vector<Sensor> sensors{{{2, 0.8, 3}, {0, 1, 0}},
+                                      {{2, 2.99, 1.5}, {0, -1, 0}},
+                                      {{2, 1.5, 2.5}, {0, 0, -1}},
+                                      {{2, 2.99, 0.4}, {0, -1, 0}}}; // the last looks at slats edge-on
     for (const auto& [angle, glass] : {std::pair(0.0f, false), {60.0f, false}, {0.0f, true}, {45.0f, true}})
         for (const daylight::Sky& sky : {sunny({0.3, 0.6, -0.8}), overcast()}) {
             DaylightTransport transport(test::device(),

@@ -318,7 +318,6 @@ TEST(SunGlow, is_the_light_within_a_patch_that_finer_patches_have) {
             const uint32_t i = glow.patch;
             const float rho = coarse.materials[coarse.material[i]].reflectance.y;
             const double mean = photometric(light.exitance[i] - rho * light.sunIlluminance[i]);
-            EXPECT_NEAR(photometric(light.sunGlow[i]), photometric(glow.mean()), 1e-3 * mean);
             EXPECT_LE(rho * photometric(glow.mean()), 1.02 * mean);
             const std::vector<glm::dvec3> corner = geometry::patchCorners(coarse, i);
             for (size_t k = 0; k < fine.patchCount(); ++k) {

@@ -263,9 +263,9 @@ TEST(Glow, is_drawn_as_it_is_within_a_triangle) {
         size_t place = 0;
         for (int j = 0; j <= glow.kCells; ++j)
             for (int i = 0; i + j <= glow.kCells; ++i)
-                glow.lux[place++] = glm::vec3(there(
+                glow.lux[place++] = glm::vec3(static_cast<float>(there(
                     corner[0] + (double(i) * (corner[1] - corner[0]) + double(j) * (corner[2] - corner[0])) /
-                                    double(glow.kCells)));
+                                    double(glow.kCells))));
         light.sunGlow[p] = glow.mean();
         light.exitance[p] += 0.7f * glow.mean();
         light.glow.push_back(glow);
