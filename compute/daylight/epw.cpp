@@ -172,7 +172,8 @@ struct Coverage {
 Coverage readCoverage(const Line& line, EpwFile& epw) {
     const auto count = line.cells.size() > 1 ? geometry::signedNumberFrom(line.cells[1]) : std::nullopt;
     const auto perHour = line.cells.size() > 2 ? geometry::signedNumberFrom(line.cells[2]) : std::nullopt;
-    if (perHour && (*perHour < 1 || *perHour > 60 || std::fmod(60.0, *perHour) != 0))
+    if (perHour &&
+        (*perHour < 1 || *perHour > 60 || std::fmod(60.0, *perHour) != 0 || *perHour != std::floor(*perHour)))
         line.refuse(fmt::format("field 3 (records per hour) is {:g}, expected a divisor of 60", *perHour));
     Coverage coverage;
     coverage.recordsPerHour = perHour ? static_cast<int>(*perHour) : 1;
@@ -202,7 +203,8 @@ Coverage readCoverage(const Line& line, EpwFile& epw) {
         line.refuse("begins as a .wea, expected the .epw that it was made from");
     if (sameWord(word.substr(0, 8), "LOCATION") && word.size() > 8 &&
         !std::isalnum(static_cast<unsigned char>(word[8])))
-        line.refuse(fmt::format("has '{}' between its fields, expected commas", word.substr(8, 1)));
+        line.refuse(fmt::format("has {} between its fields, expected commas",
+                                word[8] == '\t' ? "tabs" : fmt::format("'{}'", word[8])));
     line.refuse("expected LOCATION, the first line of an EPW file");
 }
 
@@ -265,6 +267,11 @@ Stamp readStamp(const Line& line) {
 }
 
 EpwRecord readRecord(const Line& line, EpwFile& epw) {
+    constexpr size_t kFields = 35, kMore = 2; // columns that somebody added
+    const auto filled = static_cast<size_t>(
+        std::ranges::count_if(line.cells, [](std::string_view cell) { return !cell.empty(); }));
+    if (filled > kFields + kMore)
+        line.refuse(fmt::format("has {} fields, expected {}: are there decimal commas?", filled, kFields));
     EpwRecord record;
     record.line = line.number;
     std::optional<double> dewPoint;

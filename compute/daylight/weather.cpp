@@ -260,16 +260,20 @@ size_t placeOf(const Date& date, double clockHour, int recordsPerHour) {
     return static_cast<size_t>(day) * aDay + std::min(part, aDay - 1);
 }
 
-// Zeros where 9999 was meant: under a sun so high, the heaviest cloud lets some W/m2 through.
+// Zeros where 9999 was meant, or kW/m2: under a sun so high, the heaviest cloud lets some W/m2 through.
 void warnOfDarkDays(const EpwFile& epw, Weather& weather) {
     constexpr double kHigh = 10; // degrees
+    constexpr double kLeast = 2; // W/m2
+    const auto isLight = [](const std::optional<double>& v) { return !v || *v > kLeast; };
     size_t dark = 0, first = 0, lit = 0;
+    bool faint = false;
     const size_t count = epw.records.size();
     for (size_t begin = 0, end = 0; begin < count; begin = end) {
         bool light = false, high = false;
         for (; end < count && epw.records[end].date == epw.records[begin].date; ++end) {
             const EpwRecord& r = epw.records[end];
-            light |= r.global != 0.0 || r.direct != 0.0 || r.diffuse != 0.0;
+            light |= isLight(r.global) || isLight(r.direct) || isLight(r.diffuse);
+            faint |= r.global > 0.0 || r.direct > 0.0 || r.diffuse > 0.0;
             high |= weather.hours[end].sun.trueAltitudeDeg > kHigh;
         }
         lit += light;
@@ -280,6 +284,11 @@ void warnOfDarkDays(const EpwFile& epw, Weather& weather) {
             fmt::format("{} day{} no light at all, the first from line {} on, though the sun is over {:g} "
                         "degrees high: missing values are 9999, these stay dark.",
                         dark, dark == 1 ? " has" : "s have", first, kHigh));
+    else if (dark && faint)
+        weather.warnings.push_back(fmt::format(
+            "No irradiance is over {:g} W/m2 though the sun is over {:g} degrees high: are fields 14 "
+            "to 16 in W/m2?",
+            kLeast, kHigh));
 }
 
 } // namespace

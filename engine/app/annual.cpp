@@ -310,6 +310,12 @@ daylight::Weather weatherFor(Run& run, const AnnualArguments& arguments) {
     const StageTimer timer(run, "weather");
     daylight::Weather weather = daylight::readWeather(arguments.weather);
     for (const std::string& warning : weather.warnings) run.warn(warning);
+    const double days = static_cast<double>(weather.hours.size()) * weather.recordHours() / 24;
+    if (days < 365)
+        run.warn(
+            fmt::format("{}: covers {:g} of 365 days: hours of direct sun, ASE and lux hours are of these "
+                        "alone",
+                        arguments.weather.string(), days));
     return weather;
 }
 

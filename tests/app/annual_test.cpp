@@ -77,6 +77,7 @@ TEST_F(Annual, a_folder_of_results_appears) {
     const auto report = nlohmann::json::parse(readText(folder / "report.json"));
     EXPECT_EQ(report["year"]["hours"], records);
     EXPECT_FALSE(report["skipped"].empty());
+    EXPECT_NE(report["warnings"].dump().find("of 365 days"), std::string::npos);
     EXPECT_FALSE(report["warnings"].empty()); // the missing hour
 
     writeText(folder / "year/notes.ill", "the user's own");

@@ -280,6 +280,8 @@ TEST(Weather, accepts_what_spreadsheets_and_old_editors_make_of_files) {
     EXPECT_EQ(weatherOf(low).hours.size(), 24u);
     std::ranges::replace(semicolons, ',', ';');
     EXPECT_EQ(refusalOf(semicolons), ":1: has ';' between its fields, expected commas");
+    std::ranges::replace(semicolons, ';', '\t');
+    EXPECT_EQ(refusalOf(semicolons), ":1: has tabs between its fields, expected commas");
     EXPECT_NE(refusalOf("place Somewhere\nlatitude 40\n").find(":1: begins as a .wea"), std::string::npos);
 }
 
@@ -450,6 +452,10 @@ TEST(Weather, days_without_any_light_are_named) {
     EXPECT_NE(dark[0].find("2 days have no light at all, the first from line 30 on"), std::string::npos)
         << dark[0];
     EXPECT_TRUE(warnings({6, 1, 1, "3", "0", "3"}).empty());
+    const Weather kilowatts =
+        weatherOf(kHeader + periods("6/1", "6/2") + days(6, 1, 2, {6, 1, 1, "0.8", "0.7", ".15"}));
+    ASSERT_FALSE(kilowatts.warnings.empty());
+    EXPECT_NE(kilowatts.warnings.back().find("in W/m2?"), std::string::npos) << kilowatts.warnings.back();
 }
 
 // Small negative numbers are noise of the night; where global less diffuse says sun, it is taken from there.
@@ -486,6 +492,11 @@ TEST(Weather, wrong_lines_are_named_by_number) {
     EXPECT_EQ(refusalOf(head + text({6, 31, 1})).substr(0, 4), ":6: ");
     EXPECT_EQ(refusalOf(head + "1999,6,1\n").substr(0, 4), ":6: ");
     EXPECT_EQ(refusalOf(kHeader + periods("6/1", "6/1", 7) + good).substr(0, 4), ":5: ");
+    std::string halves = head, columns = text({6, 1, 1});
+    halves.replace(halves.find(",1,Data"), 2, ",1.5");
+    EXPECT_EQ(refusalOf(halves + good).substr(0, 4), ":5: ");
+    while (std::ranges::count(columns, ',') < 37) columns.insert(columns.size() - 2, ",0");
+    EXPECT_EQ(refusalOf(head + columns), ":6: has 38 fields, expected 35: are there decimal commas?");
     EXPECT_EQ(refusalOf(kHeader + periods("6/1", "6/1", 2) + good),
               ":7: is 6/1 hour 2, expected 6/1 hour 1 (2 records an hour by DATA PERIODS)");
     const std::string february = kHeader + periods("2/28", "3/1") + days(2, 28, 28), leap = days(2, 29, 29);
