@@ -299,30 +299,49 @@ TEST(Detect, refuses_a_photograph_of_another_size) {
     }
 }
 
+// 3 x 2 pixels, not compressed.
+struct Tiff {
+    bool highFirst = false, big = false;
+
+    std::string number(uint64_t value, int bytes) const {
+        std::string text;
+        for (int k = 0; k < bytes; ++k)
+            text += static_cast<char>(value >> (8 * (highFirst ? bytes - 1 - k : k)) & 0xFF);
+        return text;
+    }
+    std::string entry(uint64_t tag, int type, uint64_t value) const { // 3: two bytes, 4: four
+        const int wide = big ? 8 : 4, bytes = type == 3 ? 2 : 4;
+        return number(tag, 2) + number(static_cast<uint64_t>(type), 2) + number(1, wide) +
+               number(value, bytes) + std::string(static_cast<size_t>(wide - bytes), '\0');
+    }
+    std::string of(const std::string& pixels, int orientation) const {
+        const uint64_t at = big ? 16 + 8 + 9 * 20 + 8 : 8 + 2 + 9 * 12 + 4;
+        return (highFirst ? "MM" : "II") +
+               (big ? number(43, 2) + number(8, 2) + number(0, 2) + number(16, 8) + number(9, 8)
+                    : number(42, 2) + number(8, 4) + number(9, 2)) +
+               entry(256, 3, 3) + entry(257, 3, 2) + entry(258, 3, 8) + entry(259, 3, 1) + entry(262, 3, 2) +
+               entry(273, 4, at) + entry(274, 3, static_cast<uint64_t>(orientation)) + entry(277, 3, 3) +
+               entry(279, 4, pixels.size()) + number(0, big ? 8 : 4) + pixels;
+    }
+};
+
 // As the sensor had it, whichever way up the camera believed to be: the rig was calibrated on that.
 TEST(Photograph, does_not_follow_the_orientation_that_its_file_states) {
-    using namespace std::string_literals;
     const std::string file = testing::TempDir() + "heliodon_oriented";
-    const auto entry = [](char tag, char type, char value, char high = 1) {
-        return std::string{tag, high, type, 0, 1, 0, 0, 0, value, 0, 0, 0};
-    };
-    for (const char orientation : {'\1', '\2', '\3', '\4', '\6', '\10'}) {
-        // 3 x 2 pixels after nine entries: size, bits, compression, colours, strip, orientation, samples,
-        // rows, bytes.
-        const std::string tiff = "II*\0\x08\0\0\0\x09\0"s + entry(0, 3, 3) + entry(1, 3, 2) + entry(2, 3, 8) +
-                                 entry(3, 3, 1) + entry(6, 3, 2) + entry(17, 4, 122) +
-                                 entry(18, 3, orientation) + entry(21, 3, 3) + entry(23, 4, 18) +
-                                 "\0\0\0\0"s + "abcdefghijklmnopqr";
-        std::ofstream(file, std::ios::binary) << tiff;
-        const Photograph photo = readPhotograph(file);
-        EXPECT_EQ(photo.width, 3) << int{orientation};
-        EXPECT_EQ(std::string(photo.rgb.begin(), photo.rgb.end()), "abcdefghijklmnopqr") << int{orientation};
-    }
+    for (const Tiff& tiff : {Tiff{}, Tiff{.highFirst = true}, Tiff{.big = true}})
+        for (const int orientation : {1, 2, 3, 4, 6, 8}) {
+            std::ofstream(file, std::ios::binary) << tiff.of("abcdefghijklmnopqr", orientation);
+            const Photograph photo = readPhotograph(file);
+            EXPECT_EQ(photo.width, 3) << orientation;
+            EXPECT_EQ(std::string(photo.rgb.begin(), photo.rgb.end()), "abcdefghijklmnopqr")
+                << orientation << tiff.highFirst << tiff.big;
+        }
     std::ifstream in(kData + "i01_mixed_harsh.jpg", std::ios::binary);
     std::string jpeg((std::istreambuf_iterator<char>(in)), {});
+    using namespace std::string_literals;
     jpeg.insert(2, "\xFF\xE1\0\x22"
                    "Exif\0\0II*\0\x08\0\0\0\1\0"s +
-                       entry(18, 3, 6) + "\0\0\0\0"s);
+                       Tiff{}.entry(274, 3, 6) + "\0\0\0\0"s);
     std::ofstream(file, std::ios::binary) << jpeg;
     EXPECT_EQ(readPhotograph(file).rgb, readPhotograph(kData + "i01_mixed_harsh.jpg").rgb);
 }
