@@ -97,8 +97,10 @@ struct DaylightTransport::State {
     void makeNearLight(const std::function<void(size_t)>& done);
     void readMaterials();
     Moment direct(const daylight::Sky& sky) const;
-    void skyAtSensors(Moment& moment, const daylight::Sky& sky) const;
-    void addRibbon(Moment& moment, const daylight::Sky& sky) const;
+    std::optional<RibbonLight> ribbonOf(const daylight::Sky& sky) const;
+    void skyAtSensors(Moment& moment, const daylight::Sky& even,
+                      const std::optional<RibbonLight>& ribbon) const;
+    void addRibbon(Moment& moment, const RibbonLight& ribbon) const;
     void sunOn(Moment& moment, const daylight::SunDisc& disc) const;
     void sunAtSensors(Moment& moment, const SunPatches& sun, std::span<const SunlitParts> partly) const;
     MomentScene momentScene() const;
@@ -285,9 +287,10 @@ Moment DaylightTransport::State::direct(const daylight::Sky& sky) const {
         std::vector<double> means = skyPatches.luminances(even);
         const std::vector<float> luminance(means.begin(), means.end());
         for (size_t i = 0; i < n; ++i) patchSky.combine(i, luminance, moment.patches[i]);
-        skyAtSensors(moment, sky);
-        if (daylight::hasHorizonRibbon(sky.formula)) {
-            addRibbon(moment, sky);
+        const std::optional<RibbonLight> ribbon = ribbonOf(sky);
+        skyAtSensors(moment, even, ribbon);
+        if (ribbon) {
+            addRibbon(moment, *ribbon);
             if (!hiddenSky->patches().empty()) means = skyPatches.luminances(sky);
         }
         std::vector<glm::vec3> bySky;
@@ -314,11 +317,15 @@ Moment DaylightTransport::State::direct(const daylight::Sky& sky) const {
     return moment;
 }
 
+// Of skies that are too bright at the horizon for samples and elements of sky.
+std::optional<RibbonLight> DaylightTransport::State::ribbonOf(const daylight::Sky& sky) const {
+    if (!daylight::hasHorizonRibbon(sky.formula)) return std::nullopt;
+    return RibbonLight(*points, sky);
+}
+
 // The sky's own formula in the directions of the samples: nothing is lost to sky elements.
-void DaylightTransport::State::skyAtSensors(Moment& moment, const daylight::Sky& sky) const {
-    const daylight::Sky even = daylight::withoutRibbon(sky);
-    std::optional<RibbonLight> ribbon;
-    if (daylight::hasHorizonRibbon(sky.formula)) ribbon.emplace(*points, sky);
+void DaylightTransport::State::skyAtSensors(Moment& moment, const daylight::Sky& even,
+                                            const std::optional<RibbonLight>& ribbon) const {
     inParallel(moment.sensors.size(), [&](size_t s) {
         glm::dvec3 above(0), below(0), byWalls(0);
         for (const SkySample& sample : sensors.sky.of(s))
@@ -339,10 +346,8 @@ void DaylightTransport::State::skyAtSensors(Moment& moment, const daylight::Sky&
     });
 }
 
-// Of skies that are too bright at the horizon for samples and elements of sky.
-void DaylightTransport::State::addRibbon(Moment& moment, const daylight::Sky& sky) const {
+void DaylightTransport::State::addRibbon(Moment& moment, const RibbonLight& ribbon) const {
     moment.report.modelled.emplace_back("sky: the ribbon of light at its horizon");
-    const RibbonLight ribbon(*points, sky);
     double light = 0, area = 0;
     for (size_t i = 0; i < mesh.patchCount(); ++i)
         light += areas[i] * photometric(moment.patches[i].sky), area += areas[i];
@@ -468,7 +473,7 @@ MomentScene DaylightTransport::State::momentScene() const {
 void DaylightTransport::State::lightSensors(Moment& moment, const daylight::Sky& sky) const {
     moment.sensors.assign(sensors.sensors.size(), {});
     if ((hasOpenings && (sky.formula.scale > 0 || sky.ground.luminance > 0)) || options.skipNothing)
-        skyAtSensors(moment, sky);
+        skyAtSensors(moment, daylight::withoutRibbon(sky), ribbonOf(sky));
     if (glm::length(moment.lighting.sunDirection) > 0) {
         const SunPatches sun(*sunScene, sky.sun.direction, options.skipNothing);
         std::vector<SunlitParts> partly;

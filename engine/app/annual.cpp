@@ -83,22 +83,19 @@ struct Job {
     const AnnualArguments& arguments;
     ClockHours occupied;
     daylight::Weather weather;
+    std::vector<uint8_t> occupiedRecords; // of the weather
+    daylight::AnnualOptions options;
     Scene scene;
     SensorTable sensors;
     std::vector<size_t> mapped; // sensors with a map of their own
 
     size_t records() const { return weather.hours.size(); }
-    daylight::AnnualOptions options() const {
-        daylight::AnnualOptions options;
-        options.recordHours = weather.recordHours();
-        options.occupiedRecords = static_cast<size_t>(std::ranges::count(occupiedRecords(), 1));
-        return options;
-    }
-    std::vector<uint8_t> occupiedRecords() const {
-        std::vector<uint8_t> occupiedRecords;
+    void take(daylight::Weather read) {
+        weather = std::move(read);
         for (const daylight::WeatherHour& hour : weather.hours)
             occupiedRecords.push_back(daylight::isOccupied(hour, occupied.from, occupied.to));
-        return occupiedRecords;
+        options.recordHours = weather.recordHours();
+        options.occupiedRecords = static_cast<size_t>(std::ranges::count(occupiedRecords, 1));
     }
 };
 
@@ -173,7 +170,7 @@ std::string temporalName(size_t row) {
 }
 
 void drawYear(Run& run, const Job& job, const Year& year) {
-    const auto& [arguments, occupied, weather, scene, sensors, mapped] = job;
+    const auto& [arguments, occupied, weather, occupiedRecords, options, scene, sensors, mapped] = job;
     const StageTimer timer(run, "draw");
     const std::string extension = arguments.svg ? ".svg" : ".png";
     const ValueScale lux = luxScale({year.meanLux.begin(), year.meanLux.end()});
@@ -324,8 +321,6 @@ void computePart(Run& run, const Job& job, compute::DaylightTransport& transport
                  Progress& progress, Year& year, NpyWriter& out) {
     const size_t count = job.sensors.points.size(),
                  records = std::min(kRecordsAtOnce, job.records() - firstRecord);
-    const std::vector<uint8_t> occupied = job.occupiedRecords();
-    const daylight::AnnualOptions options = job.options();
     std::optional<compute::AnnualDaylight> annual;
     {
         const StageTimer timer(run, "sky");
@@ -352,8 +347,8 @@ void computePart(Run& run, const Job& job, compute::DaylightTransport& transport
             for (const size_t s : transport.report().sensorsOutside) year.outside.push_back(first + s);
         const StageTimer timer(run, "metrics");
         addMetrics(year, first,
-                   daylight::annualMetrics(lux, sun, std::span(&occupied[firstRecord], records), options,
-                                           error, annual->beamEdges()));
+                   daylight::annualMetrics(lux, sun, std::span(&job.occupiedRecords[firstRecord], records),
+                                           job.options, error, annual->beamEdges()));
         for (size_t at = 0; at < lux.size(); ++at) year.meanLux[firstRecord + at % records] += lux[at];
         out.put(first, points.size(), firstRecord, records, lux);
     }
@@ -387,8 +382,7 @@ Year computeYear(Run& run, const Job& job) {
 
 // Shares of no hours would all be 0.
 void refuseUnoccupied(const Job& job) {
-    const std::vector<uint8_t> occupied = job.occupiedRecords();
-    if (std::ranges::any_of(occupied, [](uint8_t record) { return record != 0; })) return;
+    if (job.options.occupiedRecords > 0) return;
     throw geometry::InputError(
         "--occupied", "",
         fmt::format(
@@ -405,7 +399,7 @@ daylight::AnnualMetrics metricsInRooms(const Job& job, const Year& year) {
         else
             inRooms.push_back(year.sensors[s]);
     daylight::AnnualMetrics metrics =
-        daylight::summarized(std::move(inRooms), job.occupiedRecords(), job.options());
+        daylight::summarized(std::move(inRooms), job.occupiedRecords, job.options);
     metrics.summary.meanLux = year.occupiedLux / static_cast<double>(std::max<size_t>(year.inRooms(), 1));
     return metrics;
 }
@@ -426,10 +420,10 @@ void writeMetrics(Run& run, const Job& job, const Year& year) {
 
 void execute(Run& run, const AnnualArguments& arguments) {
     // Small files first: a typing error there should not cost the form factors.
-    Job job{arguments, parseOccupied(arguments.occupied), {}, {}, {}, {}};
+    Job job{arguments, parseOccupied(arguments.occupied), {}, {}, {}, {}, {}, {}};
     std::optional<SensorTable> given;
     if (!arguments.sensors.empty()) given = readSensors(arguments.sensors, upAxisOf(arguments.scene));
-    job.weather = weatherFor(run, arguments);
+    job.take(weatherFor(run, arguments));
     refuseUnoccupied(job);
     const OutputFolder folder(arguments.output);
     job.scene = loadScene(run, arguments.scene);
