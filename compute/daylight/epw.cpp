@@ -304,10 +304,7 @@ public:
 
     void accept(const Line& line, const Stamp& stamp, EpwRecord& record) {
         if (!year_) fromZero_ = stamp.hour == 0;
-        const bool leapDay = isOn(stamp.date, {2001, 2, 29});
-        // 29 February has been stepped over already: step back to it.
-        if (leapDay && !leapDayDone_ && hour_ == 1 && part_ == 0 && date_.month == 3 && date_.day == 1)
-            date_ = {2001, 2, 29};
+        if (isOn(stamp.date, kLeapDay) && mayBeLeapDay()) date_ = kLeapDay, period_ = donePeriod_;
         if (finished()) line.refuse(fmt::format("a record after the end of the data period ({})", by_));
         const bool byClock = endsNow(stamp);
         if (!byClock && (!isOn(stamp.date, date_) || stamp.hour + fromZero_ != hour_))
@@ -326,9 +323,16 @@ public:
     }
 
 private:
+    static constexpr Date kLeapDay{2001, 2, 29};
+
     static bool isOn(const Date& a, const Date& b) { return a.month == b.month && a.day == b.day; }
+    // It has been stepped over: 28 February is done, and was not the last of its period.
+    bool mayBeLeapDay() const {
+        return hour_ == 1 && part_ == 0 && done_ && isOn(*done_, {2001, 2, 28}) &&
+               !isOn(periods_[donePeriod_].last, *done_);
+    }
     static Date dayAfter(const Date& date) {
-        Date next = isOn(date, {2001, 2, 29}) ? Date{2001, 3, 1} : dateFromDays(daysSinceEpoch(date) + 1);
+        Date next = isOn(date, kLeapDay) ? Date{2001, 3, 1} : dateFromDays(daysSinceEpoch(date) + 1);
         next.year = 2001; // a period may run over New Year
         return next;
     }
@@ -339,12 +343,13 @@ private:
         if (part_ + 1 < perHour_ || (fromZero_ && (perHour_ == 1 || !stamp.fullHour))) return false;
         if (hour_ == 24 && stamp.hour == 0)
             return isOn(stamp.date, dayAfter(date_)) ||
-                   (isOn(stamp.date, {2001, 2, 29}) && isOn(date_, {2001, 2, 28}));
+                   (isOn(stamp.date, kLeapDay) && isOn(date_, {2001, 2, 28}));
         return fromZero_ && stamp.hour == hour_ && isOn(stamp.date, date_);
     }
     void nextDay(const Date& done) {
-        leapDayDone_ = done.month == 2 && done.day == 29;
-        if (done.month == periods_[period_].last.month && done.day == periods_[period_].last.day) {
+        done_ = done, donePeriod_ = period_;
+        const Date& last = periods_[period_].last;
+        if (isOn(done, last) || (isOn(done, {2001, 2, 28}) && isOn(last, kLeapDay))) {
             if (++period_ < periods_.size()) date_ = periods_[period_].first;
             return;
         }
@@ -357,10 +362,11 @@ private:
     size_t period_ = 0;
     Date date_;
     int hour_ = 1, part_ = 0;
+    std::optional<Date> done_; // the last day that is whole, in ...
+    size_t donePeriod_ = 0;    // ... this period
     std::optional<int> year_;  // of the last record; none before the first
     bool fromZero_ = false;    // hours 0 to 23, by the first record
     bool clockAtEnd_ = false;  // records carry the clock at their end
-    bool leapDayDone_ = false; // by the last record
 };
 
 } // namespace

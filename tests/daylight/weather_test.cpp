@@ -206,6 +206,9 @@ TEST(Weather, accepts_the_oddities_of_real_files) {
               72u);
     EXPECT_EQ(weatherOf(kHeader + periods("2/27", "3/1") + days(2, 27, 29) + days(3, 1, 1)).hours.size(),
               96u);
+    const std::string toLeapDay = kHeader + periods("2/27", "2/29") + days(2, 27, 28);
+    EXPECT_EQ(weatherOf(toLeapDay).hours.size(), 48u);
+    EXPECT_EQ(weatherOf(toLeapDay + days(2, 29, 29)).hours.size(), 72u);
     // A winter over New Year.
     EXPECT_EQ(weatherOf(kHeader + periods("12/31", "1/1") + days(12, 31, 31) + days(1, 1, 1)).hours.size(),
               48u);
@@ -502,6 +505,9 @@ TEST(Weather, wrong_lines_are_named_by_number) {
     const std::string february = kHeader + periods("2/28", "3/1") + days(2, 28, 28), leap = days(2, 29, 29);
     EXPECT_EQ(refusalOf(february + leap + leap + days(3, 1, 1)).substr(0, 40),
               ":54: is 2/29 hour 1, expected 3/1 hour 1");
+    EXPECT_EQ(refusalOf(kHeader + periods("2/28", "2/29") + days(2, 28, 28) + text({2, 29, 1})),
+              ":30: the file ends before 2/29 hour 2 (1 record an hour by DATA PERIODS)");
+    EXPECT_EQ(refusalOf(kHeader + periods("2/28", "2/28") + days(2, 28, 28) + leap).substr(0, 5), ":30: ");
     EXPECT_THROW(readWeather("no/such/file.epw"), geometry::InputError);
     EXPECT_THROW(readWeather(testing::TempDir()), geometry::InputError);
 }
