@@ -170,14 +170,16 @@ std::string temporalName(size_t row) {
 }
 
 void drawYear(Run& run, const Job& job, const Year& year) {
-    const auto& [arguments, occupied, weather, occupiedRecords, options, scene, sensors, mapped] = job;
     const StageTimer timer(run, "draw");
+    const AnnualArguments& arguments = job.arguments;
+    const daylight::Weather& weather = job.weather;
+    const SensorTable& sensors = job.sensors;
     const std::string extension = arguments.svg ? ".svg" : ".png";
     const ValueScale lux = luxScale({year.meanLux.begin(), year.meanLux.end()});
     temporalChart(weather, year.meanLux, lux, fmt::format("Illuminance, mean of {} sensors", year.inRooms()))
         .write(arguments.output / ("temporal-mean" + extension));
     MatrixFile hours(arguments.output / kHoursFile, sensors.points.size(), job.records());
-    for (const size_t row : mapped)
+    for (const size_t row : job.mapped)
         temporalChart(weather, hours.read(row, 1, 0, job.records()), lux,
                       fmt::format("Illuminance at sensor {}", row))
             .write(arguments.output / (temporalName(row) + extension));
@@ -187,7 +189,7 @@ void drawYear(Run& run, const Job& job, const Year& year) {
         std::vector<double> values;
         for (const daylight::SensorMetrics& m : year.sensors) values.push_back((m.*metric).value);
         const Plan drawn =
-            planChart(scene, {sensors.points, sensors.normals, values}, percentScale(), title, when);
+            planChart(job.scene, {sensors.points, sensors.normals, values}, percentScale(), title, when);
         drawn.chart.write(arguments.output / (name + extension));
         return drawn.shown;
     };
@@ -308,11 +310,10 @@ daylight::Weather weatherFor(Run& run, const AnnualArguments& arguments) {
     daylight::Weather weather = daylight::readWeather(arguments.weather);
     for (const std::string& warning : weather.warnings) run.warn(warning);
     const double days = static_cast<double>(weather.hours.size()) * weather.recordHours() / 24;
-    if (days < 365)
-        run.warn(
-            fmt::format("{}: covers {:g} of 365 days: hours of direct sun, ASE and lux hours are of these "
-                        "alone",
-                        arguments.weather.string(), days));
+    if (days < 365 || days > 366)
+        run.warn(fmt::format("{}: covers {:g} days: hours of direct sun, ASE and lux hours are of these, "
+                             "not of a year",
+                             arguments.weather.string(), days));
     return weather;
 }
 

@@ -77,7 +77,7 @@ TEST_F(Annual, a_folder_of_results_appears) {
     const auto report = nlohmann::json::parse(readText(folder / "report.json"));
     EXPECT_EQ(report["year"]["hours"], records);
     EXPECT_FALSE(report["skipped"].empty());
-    EXPECT_NE(report["warnings"].dump().find("of 365 days"), std::string::npos);
+    EXPECT_NE(report["warnings"].dump().find("not of a year"), std::string::npos);
     EXPECT_FALSE(report["warnings"].empty()); // the missing hour
 
     writeText(folder / "year/notes.ill", "the user's own");
@@ -122,6 +122,22 @@ TEST_F(Annual, minutes_are_computed_in_parts_of_the_year) {
     EXPECT_EQ(report["year"]["checked_hours"], 12); // of each part
     EXPECT_NEAR(report["summary"]["mean_DA"].get<double>(), 100.0 * static_cast<double>(reached) / (50 * 60),
                 1e-9);
+}
+
+// The same days over and over, as in files of several years, or with a data period listed twice.
+TEST_F(Annual, more_than_a_year_is_said_to_be_that) {
+    const std::string text = readText(folder / "days.epw");
+    const size_t periods = text.find("DATA PERIODS"), records = text.find("2024,");
+    std::string many = text.substr(0, periods) + "DATA PERIODS,123,1", again;
+    for (int k = 0; k < 123; ++k) many += ",Data,Wednesday,2/28,3/1", again += text.substr(records);
+    writeText(folder / "many.epw", many + '\n' + again);
+    writeText(folder / "one.csv", "x,y,z,nx,ny,nz\n1.8,3,0.85,0,0,1\n");
+    ASSERT_EQ(heliodon("annual " + kOffice + " --weather " + in("many.epw") + " --sensors " + in("one.csv") +
+                       " --quiet -o " + in("year") + " --report " + in("report.json"))
+                  .exitCode,
+              0);
+    const auto report = nlohmann::json::parse(readText(folder / "report.json"));
+    EXPECT_NE(report["warnings"].dump().find("covers 369 days"), std::string::npos) << report["warnings"];
 }
 
 TEST_F(Annual, blinds_dim_every_command_that_computes_light) {
