@@ -273,9 +273,9 @@ void claimExcess(std::span<const double> rowSums, FormFactorReport& report) {
         std::hypot(report.claimedRowError, std::sqrt(squares / static_cast<double>(rowSums.size())));
     report.claimedRowSumError = std::max(report.claimedRowSumError, worst);
     report.warnings.push_back(fmt::format(
-        "the form factors of {} patches sum to more than one, by up to {:.2g}: of patches much smaller than "
+        "the form factors of {} patch{} sum to more than one, by up to {:.2g}: of patches much smaller than "
         "others, or where faces nearly or wholly lie in one place",
-        rows, worst));
+        rows, rows == 1 ? "" : "es", worst));
 }
 
 // Which of faces in one place light meets is not defined: kernels give it to one, to each or in parts, so
