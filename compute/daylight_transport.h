@@ -81,6 +81,7 @@ struct Moment {
     // told.
     double solverError = 0;
     std::vector<float> exitanceErrors;
+    double laterShare = 0; // of light by way of the room: what the mesh leaves on it
     MomentReport report;
 };
 
@@ -147,8 +148,8 @@ public:
     // Light of one sky. `error` is an estimate, meant to hold on 99 of 100 places, not a proven bound. It
     // adds up: the solver's bound; a share of how much light varies within the patches that a sensor sees
     // (what the mesh leaves open: falls as the mesh gets finer; of patches' means, that of patches nearby);
-    // and small shares of reflected light for form factors and earlier bounces, and of sky light for its
-    // cubature (constants in the source).
+    // shares of reflected light for form factors and earlier bounces, small but where few patches, as in
+    // shafts, send most of it; and of sky light for its cubature (constants in the source).
     Moment light(const daylight::Sky& sky);
     // Several moments through shared passes over F; bits may differ from one at a time by the solver's
     // tolerance.

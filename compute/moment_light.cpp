@@ -1,6 +1,7 @@
 #include "compute/moment_light.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <glm/geometric.hpp>
@@ -20,11 +21,12 @@ constexpr double kSpreadShare = 0.05;  // of light's variation within patches, a
 constexpr double kNearShare = 0.5;     // of a patch's light, times its own share of the view
 constexpr double kApartShare = 0.25;   // the same where such patches are taken apart (near_light.h)
 constexpr double kApartSunShare = 0.2; // of that light, the sun's first bounce, whose shape is known
-constexpr double kBounceError = 0.006; // of reflected light: what earlier bounces between patches leave
+constexpr double kBounceError = 0.006; // of reflected light, at least: what earlier bounces leave
 constexpr double kSensorSkyError = 0.008; // of sky light, from its cubature and that of glass
 // The same of patches' means, against meshes four and sixteen times as fine (docs/accuracy.md).
 constexpr double kPatchBounceError = 0.007;
 constexpr double kPatchSkyError = 0.012; // of sky light, from sky elements and glass
+constexpr double kLaterShare = 16;       // of what patches send on in error, for reflected light anywhere
 constexpr float kPatchSpreadShare = 0.3F,
                 kFarSpreadShare = 0.05F; // of light's variation within patches nearby, and farther off
 constexpr float kPatchBendShare = 1.5F;  // of how light bends within a patch nearby, times its form factor
@@ -34,6 +36,7 @@ constexpr float kPatchBendShare = 1.5F;  // of how light bends within a patch ne
 // light.
 constexpr double kSlatsSeen = 0.03, kSlatsEven = 0.02, kSlatsBack = 0.25;
 constexpr double kSlatsLater = 0.015, kSlatsBackLater = 0.5;
+constexpr double kSlatsBent = 0.1; // of how sharply it bends between the elevations that it is told by
 
 // How much light that runs on smoothly, photometric, changes across each patch.
 std::vector<float> spreadWithin(const MomentScene& scene, std::span<const float> light) {
@@ -83,11 +86,39 @@ std::vector<float> nearErrors(const MomentScene& scene, const Moment& moment) {
     return errors;
 }
 
+// Rows of SlatLobes, photometric: how far light about each node is from a straight line through the nodes
+// beside it, as where slats are seen edge-on.
+std::vector<float> slatBends(std::span<const glm::vec3> lobes) {
+    using daylight::kSlatNodes;
+    std::vector<float> bends(lobes.size());
+    for (size_t row = 0; row < lobes.size(); ++row) {
+        const size_t node = row % kSlatNodes;
+        glm::vec3 bend(0);
+        if (node > 0) bend += lobes[row - 1] - lobes[row];
+        if (node + 1 < kSlatNodes) bend += lobes[row + 1] - lobes[row];
+        bends[row] = static_cast<float>(std::abs(photometric(bend)));
+    }
+    return bends;
+}
+
+// What patches' own errors leave on light by way of the room, as a share of it. Single patches' even out; in
+// shafts and reveals all light passes by a few, and each of them sends too much of it on.
+double laterShare(const MomentScene& scene, const Moment& moment, std::span<const float> near) {
+    double squares = 0, all = 0; // lumens
+    for (size_t i = 0; i < near.size(); ++i) {
+        const double reflectance = photometric(scene.mesh.materials[scene.mesh.material[i]].reflectance);
+        squares += std::pow(scene.areas[i] * reflectance * double{near[i]}, 2);
+        all += scene.areas[i] * photometric(moment.lighting.exitance[i]);
+    }
+    return all > 0 ? kLaterShare * std::sqrt(squares) / all : 0;
+}
+
 // Of slats, photometric exitance per patch: their glow, and what they send back of the room's own light.
 // Empty without any. Needs report.lumensIn, of which `unsure` lumens by way of the room are off.
 struct SlatsLight {
     std::vector<float> glow, back;
-    double unsure = 0; // share
+    std::vector<float> bends; // rows of SlatLobes
+    double unsure = 0;        // share
 
     bool isEmpty() const { return glow.empty(); }
 };
@@ -103,17 +134,39 @@ SlatsLight slatsLight(const MomentScene& scene, const Moment& moment) {
         light.back[i] = static_cast<float>(std::max(0.0, all - glow));
         glowing += scene.areas[i] * glow, back += scene.areas[i] * double{light.back[i]};
     }
+    if (!light.isEmpty()) light.bends = slatBends(moment.lobes);
     if (glowing + back > 0)
         light.unsure = (kSlatsLater * glowing + kSlatsBackLater * back) / moment.report.lumensIn;
     return light;
 }
 
-// `even`: lux of slats' even glow, straight; `lobes`: what goes up or down beyond it; `back`: of what they
-// send back.
-float slatsError(const LightParts& parts, double even, double lobes, double back, double unsure) {
-    const double seen = std::max(0.0, even + lobes);
-    return static_cast<float>(kSlatsSeen * seen + kSlatsEven * even + kSlatsBack * back +
-                              unsure * std::max(0.0, photometric(parts.interreflected) - seen - back));
+// What a place gets of bends, lux: off one way at one node and the other way at the next, so a wide view
+// evens them out and a narrow one does not.
+class SlatsBent {
+public:
+    void add(size_t row, double lux) { byLobe_[row % daylight::kSlatLobes] += lux; }
+    double lux() const {
+        double squares = 0;
+        for (const double lobe : byLobe_) squares += lobe * lobe;
+        return std::sqrt(squares);
+    }
+
+private:
+    std::array<double, daylight::kSlatLobes> byLobe_{};
+};
+
+// Lux of slats that a place gets straight.
+struct SlatsSeen {
+    double even = 0, lobes = 0; // their glow were it even, and what goes up or down beyond that
+    double back = 0;            // of the room's own light
+    double bent = 0;            // SlatsBent
+};
+
+float slatsError(const LightParts& parts, const SlatsSeen& slats, double unsure) {
+    const double seen = std::max(0.0, slats.even + slats.lobes);
+    return static_cast<float>(kSlatsSeen * seen + kSlatsEven * slats.even + kSlatsBack * slats.back +
+                              kSlatsBent * slats.bent +
+                              unsure * std::max(0.0, photometric(parts.interreflected) - seen - slats.back));
 }
 
 // `mean`: of the exitance, photometric. Needs report.lumensIn.
@@ -127,19 +180,24 @@ void setPatchErrors(const MomentScene& scene, const SolvedColumns& solved, doubl
         scene.slats.light(moment.lobes, lobes);
     }
     const std::vector<float> near = nearErrors(scene, moment);
+    moment.laterShare = laterShare(scene, moment, near);
     for (size_t i = 0; i < moment.patches.size(); ++i) {
         LightParts& parts = moment.patches[i];
         parts.error +=
             static_cast<float>(
                 std::abs(1 - scene.rowSums[i]) * mean +
                 (solved.gatheredError.empty() ? moment.solverError : double{solved.gatheredError[i]}) +
-                (scene.rowError + kPatchBounceError) * photometric(parts.interreflected) +
+                (scene.rowError + std::max(kPatchBounceError, moment.laterShare)) *
+                    photometric(parts.interreflected) +
                 (kPatchSkyError + (scene.skyError.empty() ? 0 : double{scene.skyError[i]})) *
                     photometric(parts.sky + parts.ground)) +
             near[i];
-        if (!slats.isEmpty())
-            parts.error +=
-                slatsError(parts, double{even[i]}, photometric(lobes[i]), double{back[i]}, slats.unsure);
+        if (slats.isEmpty()) continue;
+        SlatsBent bent;
+        for (const SlatLobes::Share& share : scene.slats.of(i))
+            bent.add(share.row, double{share.factor} * double{slats.bends[share.row]});
+        parts.error += slatsError(
+            parts, {double{even[i]}, photometric(lobes[i]), double{back[i]}, bent.lux()}, slats.unsure);
     }
 }
 
@@ -303,13 +361,17 @@ void lightSensors(const MomentScene& scene, Moment& moment) {
         const double bySolver = moment.exitanceErrors.empty()
                                     ? moment.solverError
                                     : solverError(sensors, s, moment.exitanceErrors);
-        parts.error +=
-            static_cast<float>(bySolver + nearError(sensors, light, s) + kSpreadShare * dot(even, spread) +
-                               (scene.rowError + kBounceError) * photometric(parts.interreflected) +
-                               kSensorSkyError * photometric(parts.sky + parts.ground));
-        if (!slats.isEmpty())
-            parts.error +=
-                slatsError(parts, dot(even, slats.glow), byLobes, dot(even, slats.back), slats.unsure);
+        parts.error += static_cast<float>(
+            bySolver + nearError(sensors, light, s) + kSpreadShare * dot(even, spread) +
+            (scene.rowError + std::max(kBounceError, moment.laterShare)) * photometric(parts.interreflected) +
+            kSensorSkyError * photometric(parts.sky + parts.ground));
+        if (slats.isEmpty()) return;
+        SlatsBent bent;
+        const auto& rows = sensors.slats[s][scene.grey || sensors.slats[s][1].empty() ? 0 : 1];
+        for (size_t row = 0; row < rows.size(); ++row)
+            bent.add(row, double{rows[row]} * double{slats.bends[row]});
+        parts.error += slatsError(parts, {dot(even, slats.glow), byLobes, dot(even, slats.back), bent.lux()},
+                                  slats.unsure);
     });
     moment.report.sensorSeconds = clock.seconds();
 }

@@ -100,6 +100,29 @@ TEST(OtherRooms, a_hair_from_an_opening_half_the_sky_is_seen) {
         EXPECT_NEAR(photometric(parts.sky), half, 2e-3 * half);
 }
 
+// Coarse patches below a window send too much of its light down.
+TEST(OtherRooms, what_coarse_meshes_leave_in_a_shaft_lies_in_the_stated_error) {
+    std::vector<Sensor> sensors;
+    for (const double y : {0.3, 0.8, 1.6}) {
+        sensors.push_back({{0.5, y, 0.4}, {1, 0, 0}});
+        sensors.push_back({{0.3, y, 0.5}, {0, -1, 0}});
+    }
+    const auto lightOn = [&](uint32_t times, const daylight::Sky& sky) {
+        test::BoxRoom shaft{.high = {0.8, 4, 0.8}, .cells = {2 * times, 8 * times, 2 * times}};
+        shaft.wall.reflectance = glm::vec3(0.7f);
+        shaft.isGlass = [](dvec3 p) { return p.y > 4 - 1e-9; };
+        DaylightTransport transport(test::device(), test::boxRoom(shaft));
+        transport.setSensors(sensors);
+        return transport.light(sky).sensors;
+    };
+    for (const daylight::Sky& sky : {test::sunny({0.7, 0.3, 0.1}), test::overcast()}) {
+        const std::vector<LightParts> coarse = lightOn(1, sky), fine = lightOn(4, sky);
+        for (size_t s = 0; s < sensors.size(); ++s)
+            EXPECT_NEAR(photometric(coarse[s].total()), photometric(fine[s].total()), double{coarse[s].error})
+                << s;
+    }
+}
+
 // A second building before the window at z = 0, if wanted with a window that looks back at it.
 geometry::PatchMesh facingAnother(uint32_t times, bool triangles, bool window = false) {
     geometry::PatchMesh mesh = threeWindows(times, triangles);
