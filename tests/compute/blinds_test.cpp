@@ -345,7 +345,6 @@ TEST(Blinds, light_of_sheets_traced_one_by_one_lies_in_the_stated_error) {
         }
 }
 
-// What windows give, each node of theirs, arrives somewhere in a closed room.
 // Right above and below steep slats all light arrives at elevations between a few nodes, where it bends.
 TEST(Blinds, beside_steep_slats_the_stated_error_holds) {
     constexpr double kLuminance = 1000;
@@ -388,6 +387,7 @@ TEST(Blinds, beside_steep_slats_the_stated_error_holds) {
     }
 }
 
+// What windows give, each node of theirs, arrives somewhere in a closed room.
 TEST(Blinds, lobes_keep_the_light_of_windows) {
     const geometry::PatchMesh mesh = windowRoom(kSlats);
     DaylightTransport transport(test::device(), mesh);
