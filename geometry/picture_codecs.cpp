@@ -2,7 +2,6 @@
 #include <array>
 #include <fstream>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include <opencv2/core/utils/logger.hpp>
@@ -48,41 +47,36 @@ void forgetTurn(std::vector<uint8_t>& bytes) {
             bytes[value] = highFirst ? 0 : 1, bytes[value + 1] = highFirst ? 1 : 0;
 }
 
-// Decoded from memory, since OpenCV follows the orientation of a TIFF in spite of the flag. Its own lines
-// about a file come before ours, which names it.
-cv::Mat imageIn(const std::filesystem::path& file, int flags) {
+// OpenCV follows the orientation of a TIFF in spite of the flag. Its own lines about a file come before ours,
+// which names it.
+cv::Mat imageIn(std::vector<uint8_t> bytes, int flags) {
     cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-    std::error_code gone;
-    const uintmax_t size = std::filesystem::file_size(file, gone);
-    std::vector<uint8_t> bytes(gone ? 0 : size);
-    std::ifstream(file, std::ios::binary)
-        .read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     forgetTurn(bytes);
     return bytes.empty() ? cv::Mat() : cv::imdecode(bytes, flags | cv::IMREAD_IGNORE_ORIENTATION);
 }
 
-std::optional<PicturePixels> read(const std::filesystem::path& file) {
+std::optional<PicturePixels> picture(const std::vector<uint8_t>& bytes) {
     try {
-        const cv::Mat bgr = imageIn(file, cv::IMREAD_COLOR);
+        const cv::Mat bgr = imageIn(bytes, cv::IMREAD_COLOR);
         if (bgr.empty()) return std::nullopt;
-        PicturePixels picture{bgr.cols, bgr.rows, {}};
-        picture.rgb.resize(static_cast<size_t>(bgr.cols) * static_cast<size_t>(bgr.rows) * 3);
-        cv::cvtColor(bgr, cv::Mat(bgr.rows, bgr.cols, CV_8UC3, picture.rgb.data()), cv::COLOR_BGR2RGB);
-        return picture;
+        PicturePixels out{bgr.cols, bgr.rows, {}};
+        out.rgb.resize(static_cast<size_t>(bgr.cols) * static_cast<size_t>(bgr.rows) * 3);
+        cv::cvtColor(bgr, cv::Mat(bgr.rows, bgr.cols, CV_8UC3, out.rgb.data()), cv::COLOR_BGR2RGB);
+        return out;
     } catch (const cv::Exception&) { // a header that promises more than OpenCV is willing to allocate
         return std::nullopt;
     }
 }
 
-std::optional<GreyPixels> readGrey(const std::filesystem::path& file) {
+std::optional<GreyPixels> greyPicture(const std::vector<uint8_t>& bytes) {
     try {
         // Without IMREAD_COLOR: one channel.
-        const cv::Mat grey = imageIn(file, cv::IMREAD_ANYDEPTH);
+        const cv::Mat grey = imageIn(bytes, cv::IMREAD_ANYDEPTH);
         if (grey.empty() || (grey.depth() != CV_8U && grey.depth() != CV_16U)) return std::nullopt;
-        GreyPixels picture{grey.cols, grey.rows, std::vector<float>(grey.total())};
-        cv::Mat values(grey.rows, grey.cols, CV_32FC1, picture.values.data());
+        GreyPixels out{grey.cols, grey.rows, std::vector<float>(grey.total())};
+        cv::Mat values(grey.rows, grey.cols, CV_32FC1, out.values.data());
         grey.convertTo(values, CV_32F, 1.0 / (grey.depth() == CV_16U ? 65535 : 255));
-        return picture;
+        return out;
     } catch (const cv::Exception&) { // as above
         return std::nullopt;
     }
@@ -109,5 +103,5 @@ bool writePng(const std::filesystem::path& file, int width, int height, const ui
 
 extern "C" const heliodon::geometry::PictureCodecs heliodonPictureCodecs;
 const heliodon::geometry::PictureCodecs heliodonPictureCodecs{
-    heliodon::geometry::kPictureCodecsVersion, heliodon::geometry::read, heliodon::geometry::readGrey,
+    heliodon::geometry::kPictureCodecsVersion, heliodon::geometry::picture, heliodon::geometry::greyPicture,
     heliodon::geometry::writePng, heliodon::geometry::openFilm};

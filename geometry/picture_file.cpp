@@ -1,7 +1,9 @@
 #include "geometry/picture_file.h"
 
+#include <fstream>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 
 #include <dlfcn.h>
 
@@ -38,12 +40,21 @@ const PictureCodecs& codecs() {
 
 } // namespace
 
-std::optional<PicturePixels> readPictureFile(const std::filesystem::path& file) {
-    return codecs().read(file);
+std::vector<uint8_t> bytesOf(const std::filesystem::path& file) {
+    std::error_code gone;
+    const uintmax_t size = std::filesystem::file_size(file, gone);
+    std::vector<uint8_t> bytes(gone ? 0 : size); // at once: a photograph waits for it
+    std::ifstream(file, std::ios::binary)
+        .read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    return bytes;
 }
 
-std::optional<GreyPixels> readGreyFile(const std::filesystem::path& file) {
-    return codecs().readGrey(file);
+std::optional<PicturePixels> pictureIn(const std::vector<uint8_t>& bytes) {
+    return codecs().picture(bytes);
+}
+
+std::optional<GreyPixels> greyPictureIn(const std::vector<uint8_t>& bytes) {
+    return codecs().greyPicture(bytes);
 }
 
 void writePngFile(const std::filesystem::path& file, int width, int height, const uint8_t* rgb) {

@@ -17,9 +17,12 @@ struct PicturePixels {
     std::vector<uint8_t> rgb;
 };
 
-// PNG, JPEG and TIFF, 8 or 16 bits, colour or grey; an alpha channel is dropped, the stated orientation
-// ignored. Nothing where the file cannot be read as a picture.
-std::optional<PicturePixels> readPictureFile(const std::filesystem::path& file);
+// All bytes of a file; none where it cannot be read.
+std::vector<uint8_t> bytesOf(const std::filesystem::path& file);
+
+// From a file's bytes: PNG, JPEG and TIFF, 8 or 16 bits, colour or grey; an alpha channel is dropped, the
+// stated orientation ignored. Nothing where they are no picture.
+std::optional<PicturePixels> pictureIn(const std::vector<uint8_t>& bytes);
 
 struct GreyPixels {
     int width = 0, height = 0;
@@ -27,7 +30,7 @@ struct GreyPixels {
 };
 
 // The same with one channel, and all 16 bits where there are as many.
-std::optional<GreyPixels> readGreyFile(const std::filesystem::path& file);
+std::optional<GreyPixels> greyPictureIn(const std::vector<uint8_t>& bytes);
 
 // The file appears whole or not at all. `rgb`: width x height x 3 bytes. Throws std::runtime_error.
 void writePngFile(const std::filesystem::path& file, int width, int height, const uint8_t* rgb);
@@ -49,13 +52,13 @@ std::unique_ptr<FilmEncoder> openFilmFile(const std::filesystem::path& file, int
                                           double framesPerSecond);
 
 // Counts up with every change of what stands below: a module of another build is refused, not called.
-constexpr uint32_t kPictureCodecsVersion = 4;
+constexpr uint32_t kPictureCodecsVersion = 5;
 
 // What the module exports, by the name `heliodonPictureCodecs`.
 struct PictureCodecs {
     uint32_t version;
-    std::optional<PicturePixels> (*read)(const std::filesystem::path&);
-    std::optional<GreyPixels> (*readGrey)(const std::filesystem::path&);
+    std::optional<PicturePixels> (*picture)(const std::vector<uint8_t>&);
+    std::optional<GreyPixels> (*greyPicture)(const std::vector<uint8_t>&);
     bool (*writePng)(const std::filesystem::path&, int, int, const uint8_t*);
     std::unique_ptr<FilmEncoder> (*openFilm)(const std::filesystem::path&, int, int, double);
 };

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -19,22 +18,13 @@ namespace heliodon::vision {
 
 namespace {
 
-std::vector<uint8_t> bytesOf(const std::filesystem::path& file) {
-    std::error_code gone;
-    const uintmax_t size = std::filesystem::file_size(file, gone);
-    std::vector<uint8_t> bytes(gone ? 0 : size); // at once: a photograph waits for it
-    std::ifstream(file, std::ios::binary)
-        .read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    return bytes;
-}
-
 // Larger ones are refused before they are decoded: three bytes a pixel, twice for a moment.
 constexpr uint64_t kMostPixels = 250'000'000;
 
 // The pixels as the sensor has them: the rig was calibrated on those, and the turn that EXIF states is chance
 // where a telephone looks straight down.
 template<class Picture>
-Picture readOrComplain(std::optional<Picture> (*read)(const std::filesystem::path&),
+Picture readOrComplain(std::optional<Picture> (*pictureIn)(const std::vector<uint8_t>&),
                        const std::filesystem::path& file, std::vector<uint8_t>* content = nullptr) {
     std::error_code ignored;
     if (std::filesystem::is_directory(file, ignored))
@@ -42,14 +32,14 @@ Picture readOrComplain(std::optional<Picture> (*read)(const std::filesystem::pat
     if (!std::filesystem::is_regular_file(file, ignored))
         throw geometry::InputError(file.string(), "",
                                    "no such file, expected a photograph (png, jpg or tif)");
-    std::vector<uint8_t> bytes = bytesOf(file);
+    std::vector<uint8_t> bytes = geometry::bytesOf(file);
     if (const auto size = pictureSize(bytes); size && size->first * size->second > kMostPixels)
         throw geometry::InputError(file.string(), "",
                                    fmt::format("{} x {} pixels, expected at most {} million in all",
                                                size->first, size->second, kMostPixels / 1000000));
     if (isCutShort(bytes))
         throw geometry::InputError(file.string(), "", "the picture is cut short, expected a whole file");
-    auto picture = read(file);
+    auto picture = pictureIn(bytes);
     if (!picture)
         throw geometry::InputError(file.string(), "",
                                    "not an image that can be read, expected png, jpg or tif");
@@ -72,7 +62,7 @@ void encodeAgain(std::vector<uint8_t>& values, double gamma) {
 
 Photograph readPhotograph(const std::filesystem::path& file) {
     std::vector<uint8_t> bytes;
-    auto picture = readOrComplain(geometry::readPictureFile, file, &bytes);
+    auto picture = readOrComplain(geometry::pictureIn, file, &bytes);
     if (const auto gamma = statedGamma(bytes)) encodeAgain(picture.rgb, *gamma);
     return {picture.width, picture.height, std::move(picture.rgb), file.string(), jpegQuality(bytes)};
 }
@@ -84,7 +74,7 @@ bool hasColor(const Photograph& photo) {
 }
 
 GreyPicture readGrey(const std::filesystem::path& file) {
-    auto picture = readOrComplain(geometry::readGreyFile, file);
+    auto picture = readOrComplain(geometry::greyPictureIn, file);
     return {picture.width, picture.height, std::move(picture.values)};
 }
 

@@ -16,7 +16,7 @@ namespace heliodon::app {
 namespace fs = std::filesystem;
 
 passes::Image8 readPicture(const fs::path& file) {
-    auto picture = geometry::readPictureFile(file);
+    auto picture = geometry::pictureIn(geometry::bytesOf(file));
     if (!picture) throw std::runtime_error(file.string() + ": cannot be read as a picture");
     return {picture->width, picture->height, std::move(picture->rgb)};
 }

@@ -153,7 +153,7 @@ TEST_F(CalibrateProjector, misspelt_fields_of_descriptions_are_named) {
 
 TEST_F(CalibrateProjector, patterns_are_written_seen_and_understood) {
     ASSERT_EQ(heliodon("calibrate patterns --size 512x384 -o " + in("east")).exitCode, 0);
-    const auto sent = geometry::readPictureFile(in("east/x_bit4.png"));
+    const auto sent = geometry::pictureIn(geometry::bytesOf(in("east/x_bit4.png")));
     ASSERT_TRUE(sent);
     EXPECT_EQ(sent->rgb, vision::drawPattern(scene.patterns, "x_bit4").rgb);
     capture("east");
