@@ -1,12 +1,17 @@
 #include "geometry/text_file.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <fstream>
 #include <sstream>
+#include <string_view>
 #include <system_error>
 
+#include <fmt/format.h>
 #include <unistd.h>
+
+#include "geometry/input_error.h"
 
 namespace heliodon::geometry {
 
@@ -47,6 +52,11 @@ std::string fromWindows(const std::string& text) {
     return out;
 }
 
+// Of the character there, from 1 on.
+std::string lineAt(std::string_view text, size_t at) {
+    return std::to_string(1 + std::ranges::count(text.substr(0, at), '\n'));
+}
+
 } // namespace
 
 void refuseUnreadable(const std::filesystem::path& file, const std::string& expected) {
@@ -78,6 +88,25 @@ void refuseUtf16(const std::filesystem::path& file, const std::string& text) {
     for (const char* const mark : {"\xFF\xFE", "\xFE\xFF"})
         if (text.starts_with(mark))
             throw InputError(file.string(), "", "is UTF-16, expected UTF-8: save it in that encoding");
+}
+
+void refuseNotJson(const std::filesystem::path& file, const std::string& text, size_t byte,
+                   const std::string& expected) {
+    const size_t end = std::min(byte, text.size()), newline = text.substr(0, end).rfind('\n');
+    const size_t character = end - (newline == std::string::npos ? 0 : newline + 1);
+    throw InputError(file.string(), lineAt(text, end),
+                     fmt::format("is not JSON here (character {} of the line), expected {}",
+                                 std::max<size_t>(character, 1), expected));
+}
+
+void refuseLargeNumber(const std::filesystem::path& file, const std::string& text,
+                       const nlohmann::json::out_of_range& error) {
+    // "[json.exception.out_of_range.406] number overflow parsing '1e999'"
+    const std::string_view said = error.what();
+    const size_t end = said.rfind('\''), begin = said.rfind('\'', end - 1) + 1;
+    const std::string_view number = said.substr(begin, end - begin);
+    throw InputError(file.string(), lineAt(text, text.find(number)),
+                     fmt::format("{} is too large a number to represent", number));
 }
 
 std::string asUtf8(const std::string& text) {

@@ -1,14 +1,10 @@
 // Text and JSON files that are read as a whole, with one way to complain about them.
 #pragma once
 
-#include <algorithm>
 #include <filesystem>
-#include <iterator>
 #include <string>
 
 #include <nlohmann/json.hpp>
-
-#include "geometry/input_error.h"
 
 namespace heliodon::geometry {
 
@@ -20,21 +16,23 @@ std::string readText(const std::filesystem::path& file, const std::string& expec
 void refuseUnreadable(const std::filesystem::path& file, const std::string& expected);
 void refuseUtf16(const std::filesystem::path& file, const std::string& text);
 
-// The same, and InputError with the line where it stops being JSON. Json: nlohmann::json or ordered_json.
+// Throws InputError with the line at which, `byte` bytes into `text`, it stops being JSON.
+[[noreturn]] void refuseNotJson(const std::filesystem::path& file, const std::string& text, size_t byte,
+                                const std::string& expected);
+// Throws it with the line of the number that `error`, of parsing `text`, names as beyond double.
+[[noreturn]] void refuseLargeNumber(const std::filesystem::path& file, const std::string& text,
+                                    const nlohmann::json::out_of_range& error);
+
+// As readText, and InputError with the line where it stops being JSON. Json: nlohmann::json or ordered_json.
 template<class Json = nlohmann::json>
 Json readJson(const std::filesystem::path& file, const std::string& expected) {
     const std::string text = readText(file, expected);
     try {
         return Json::parse(text);
     } catch (const nlohmann::json::parse_error& error) {
-        const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
-        const auto line = std::find(std::make_reverse_iterator(end), text.rend(), '\n').base();
-        throw InputError(file.string(), std::to_string(1 + std::count(text.begin(), end, '\n')),
-                         "is not JSON here (character " +
-                             std::to_string(std::max<std::ptrdiff_t>(end - line, 1)) +
-                             " of the line), expected " + expected);
-    } catch (const nlohmann::json::out_of_range&) { // the parser's word for a number beyond double
-        throw InputError(file.string(), "", "holds a number too large to represent");
+        refuseNotJson(file, text, error.byte, expected);
+    } catch (const nlohmann::json::out_of_range& error) {
+        refuseLargeNumber(file, text, error);
     }
 }
 
