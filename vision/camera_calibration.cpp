@@ -37,7 +37,7 @@ bool reject(Working& work, const LensSolution& solution, std::vector<CalibratedV
         ofViews.push_back(median(off[v]));
     }
     const double limit = std::max(0.15, 4.5 * median(all) / 1.18);
-    const double viewLimit = std::max(0.3, 4 * median(ofViews));
+    const double viewLimit = std::max(0.1, 4 * median(ofViews));
     // One at a time: a bad view bends the lens, so that others look bad as well.
     const size_t worst =
         static_cast<size_t>(std::max_element(ofViews.begin(), ofViews.end()) - ofViews.begin());
@@ -99,27 +99,29 @@ void warnOf(CameraCalibration& result, size_t used, int width, int height) {
              "there");
 }
 
-// What the lens of all other views makes of a view.
+// What a lens found without a view makes of it.
 struct HeldOut {
     geometry::Lens lens;
     double rms = 0, turnedRms = 0; // px; turned: with the picture turned by half
 };
 
+HeldOut judge(const geometry::Lens& lens, const Correspondences& view, const Pose& pose, int width,
+              int height) {
+    const auto rmsWith = [&](const Correspondences& points, const Pose& start) {
+        return rmsOf(residuals(points, lens, solvePose(points, lens, start)));
+    };
+    Correspondences turned = view;
+    for (Correspondence& point : turned) point.pixel = glm::dvec2(width - 1, height - 1) - point.pixel;
+    const glm::dmat3 half(glm::dvec3(-1, 0, 0), glm::dvec3(0, -1, 0), glm::dvec3(0, 0, 1));
+    return {lens, rmsWith(view, pose), rmsWith(turned, {half * pose.rotation, half * pose.translation})};
+}
+
 HeldOut holdOut(size_t left, const Working& work, int width, int height, LensTerms terms,
                 const LensSolution& all) {
     std::vector<Correspondences> others = work.views;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(left));
-    HeldOut out{solveLens(others, width, height, terms, &all).fit.lens};
-    const auto rmsWith = [&](const Correspondences& view, const Pose& start) {
-        return rmsOf(residuals(view, out.lens, solvePose(view, out.lens, start)));
-    };
-    Correspondences turned = work.views[left];
-    for (Correspondence& point : turned) point.pixel = glm::dvec2(width - 1, height - 1) - point.pixel;
-    const glm::dmat3 half(glm::dvec3(-1, 0, 0), glm::dvec3(0, -1, 0), glm::dvec3(0, 0, 1));
-    const Pose& pose = all.poses[left];
-    out.rms = rmsWith(work.views[left], pose);
-    out.turnedRms = rmsWith(turned, {half * pose.rotation, half * pose.translation});
-    return out;
+    return judge(solveLens(others, width, height, terms, &all).fit.lens, work.views[left], all.poses[left],
+                 width, height);
 }
 
 // Empty of so few views that none can be held out.
@@ -133,8 +135,8 @@ std::vector<HeldOut> holdOutEach(const Working& work, int width, int height, Len
 
 // Turned by half, a board looks as one in another pose, but through a lens whose middle and distortion lie on
 // the other side. Of four views the lens of the other three is not sure enough to tell.
+constexpr double kClearlyBetter = 0.5;
 std::optional<size_t> mostTurned(const std::vector<HeldOut>& heldOut) {
-    constexpr double kClearlyBetter = 0.5;
     if (heldOut.size() <= kLeastViews + 1) return std::nullopt;
     const auto gain = [](const HeldOut& view) { return view.turnedRms / view.rms; };
     const auto worst = std::min_element(heldOut.begin(), heldOut.end(),
@@ -184,6 +186,8 @@ CameraCalibration calibrateCamera(const CalibrationTarget& target, int width, in
 
     LensTerms terms;
     LensSolution solution = solveLens(work.views, width, height, terms, nullptr);
+    const std::vector<Correspondences> all = work.views;
+    const std::vector<Pose> poses = solution.poses;
     for (size_t round = 0; round < 4 + given.size() && reject(work, solution, result.views); ++round)
         solution = solveLens(work.views, width, height, terms, &solution);
     solution = withThirdRadialIfBetter(std::move(solution), work, width, height, terms);
@@ -194,6 +198,12 @@ CameraCalibration calibrateCamera(const CalibrationTarget& target, int width, in
         solution = solveLens(work.views, width, height, terms, nullptr);
         heldOut = holdOutEach(work, width, height, terms, solution);
     }
+
+    for (size_t v = 0; v < all.size(); ++v)
+        if (CalibratedView& view = result.views[v]; !view.used && work.views.size() > kLeastViews) {
+            const HeldOut out = judge(solution.fit.lens, all[v], poses[v], width, height);
+            view.turned = view.turned || out.turnedRms < kClearlyBetter * out.rms;
+        }
 
     result.fit = solution.fit;
     if (const double turn = turnBetween(solution.poses); turn < kLeastTurn)
