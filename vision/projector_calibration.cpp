@@ -234,7 +234,10 @@ void warnOf(ProjectorCalibration& result) {
             fmt::format("the planes catch {:.0f} % of the projector's picture; its lens is guessed elsewhere",
                         100 * result.coverage));
     if (result.rms > 0.5)
-        warn(fmt::format("corners lie {:.2f} px off; are the planes' heights right?", result.rms));
+        warn(fmt::format(
+            "corners lie {:.2f} px off; are the planes' heights right, and did neither camera nor "
+            "projector move?",
+            result.rms));
     const geometry::Lens &lens = result.projector.lens, &sigma = result.sigma;
     if (sigma.fx > 0.005 * lens.fx || sigma.fy > 0.005 * lens.fy)
         warn(fmt::format("the focal length is uncertain: {:.1f} +- {:.1f} px", lens.fx,
@@ -287,34 +290,41 @@ void turnByHalf(ProjectorPlane& plane, const geometry::OpticalDevice& camera) {
 }
 
 // Throws where corners that lie `rms` off come to lie where they should once all pictures, or those of one
-// plane, are turned by half.
-void refuseTurned(const geometry::OpticalDevice& camera, int width, int height,
-                  const std::vector<ProjectorPlane>& planes, double rms) {
+// plane, are turned by half, or the heights are put in reverse.
+void refuseMixedUp(const geometry::OpticalDevice& camera, int width, int height,
+                   const std::vector<ProjectorPlane>& planes, double rms) {
     constexpr double kFits = 0.2, kUsed = 0.5; // of what they are off as they are; of the corners
-    std::vector<ProjectorPlane> turned = planes;
+    if (planes.empty()) return;
+    const size_t end = planes.size() - 1;
+    std::vector<ProjectorPlane> tried = planes;
     // How far corners then lie off; none where that is no better, or those of these planes are left out.
     const auto fit = [&](size_t first, size_t last) -> std::optional<double> {
         try {
-            const ProjectorCalibration result = calibrateAsTaken(camera, width, height, turned);
+            const ProjectorCalibration result = calibrateAsTaken(camera, width, height, tried);
             size_t used = 0, all = 0;
             for (size_t i = first; i <= last; ++i)
-                used += result.planes[i].corners, all += turned[i].corners.size();
+                used += result.planes[i].corners, all += tried[i].corners.size();
             const bool fits =
                 result.rms<kFits * rms, uses = static_cast<double>(used)> kUsed * static_cast<double>(all);
             if (fits && uses) return result.rms;
-        } catch (const CalibrationError&) { // so they are not turned
+        } catch (const CalibrationError&) { // so that is not it
         }
         return std::nullopt;
     };
-    for (ProjectorPlane& plane : turned) turnByHalf(plane, camera);
-    if (!turned.empty() && fit(0, turned.size() - 1))
+    for (ProjectorPlane& plane : tried) turnByHalf(plane, camera);
+    if (fit(0, end))
         throw CalibrationError(
             "the camera's pictures are turned by half against the rig's camera: take them as "
             "it gave those that it was calibrated with");
+    tried = planes;
+    for (size_t i = 0; i <= end; ++i) tried[i].height = planes[end - i].height;
+    if (fit(0, end))
+        throw CalibrationError(
+            "the corners fit the planes' heights in reverse: is the first plane the lowest?");
     std::optional<std::pair<double, size_t>> best;
-    for (size_t i = 0; i < planes.size(); ++i) {
-        turned = planes;
-        turnByHalf(turned[i], camera);
+    for (size_t i = 0; i <= end; ++i) {
+        tried = planes;
+        turnByHalf(tried[i], camera);
         if (const auto off = fit(i, i); off && (!best || *off < best->first)) best = {*off, i};
     }
     if (best)
@@ -332,10 +342,10 @@ ProjectorCalibration calibrateProjector(const geometry::OpticalDevice& camera, i
     try {
         result = calibrateAsTaken(camera, width, height, planes);
     } catch (const CalibrationError&) {
-        refuseTurned(camera, width, height, planes, kMostOff * width);
+        refuseMixedUp(camera, width, height, planes, kMostOff * width);
         throw;
     }
-    if (result.rms > kFar) refuseTurned(camera, width, height, planes, result.rms);
+    if (result.rms > kFar) refuseMixedUp(camera, width, height, planes, result.rms);
     warnOf(result);
     return result;
 }

@@ -212,12 +212,20 @@ TEST(CalibrateProjector, a_wrong_height_is_noticed_and_too_little_refused) {
     bool named = false;
     for (const std::string& warning : warnings) named = named || warning.find("off") != std::string::npos;
     EXPECT_TRUE(named);
-    auto swapped = decode(scene, kHeights);
+    auto swapped = decode(scene, kHeights), fromAbove = swapped;
     std::swap(swapped[1].corners, swapped[swapped.size() - 1].corners);
     EXPECT_THROW(calibrate(scene, swapped), CalibrationError);
     auto reversed = planes;
     std::swap(reversed.front().height, reversed.back().height);
     EXPECT_THROW(calibrate(scene, reversed), CalibrationError);
+    for (size_t i = 0; 2 * i + 1 < fromAbove.size(); ++i)
+        std::swap(fromAbove[i].height, fromAbove[fromAbove.size() - 1 - i].height);
+    try {
+        calibrate(scene, fromAbove);
+        ADD_FAILURE() << "planes in reverse were taken";
+    } catch (const CalibrationError& error) {
+        EXPECT_NE(std::string(error.what()).find("in reverse"), std::string::npos) << error.what();
+    }
     EXPECT_THROW(calibrate(scene, {planes[0]}), CalibrationError);
     std::vector<ProjectorPlane> mirrored = planes;
     for (ProjectorPlane& plane : mirrored)
