@@ -103,8 +103,10 @@ std::vector<present::Event> LiveOutputs::pollEvents(double waitSeconds) {
                 run_.note(fmt::format("display '{}' is connected", rig_.projectors[i].display));
         }
         notices_[i] = notice;
-        if (presenter_->reason(i) == present::kDisplayLost && !std::exchange(saidLost_[i], char{1}))
+        if (presenter_->reason(i) == present::kDisplayLost && !std::exchange(saidLost_[i], char{1})) {
             run_.warn(fmt::format("{} is closed: {}", windowName(i), present::kDisplayLost));
+            endedByLoss_ = !wanted();
+        }
     }
     std::erase_if(events, [this](const present::Event& event) {
         return event.window == operatorIndex() &&
@@ -114,20 +116,14 @@ std::vector<present::Event> LiveOutputs::pollEvents(double waitSeconds) {
 }
 
 bool LiveOutputs::wanted() const {
-    return projectorsOpen() && presenter_->state(operatorIndex()) != present::WindowState::closed;
-}
-
-bool LiveOutputs::projectorsOpen() const {
-    for (size_t i = 0; i < operatorIndex(); ++i)
-        if (presenter_->state(i) != present::WindowState::closed) return true;
-    return false;
+    const std::vector<bool> closed = closedProjectors();
+    return std::ranges::count(closed, false) > 0 &&
+           presenter_->state(operatorIndex()) != present::WindowState::closed;
 }
 
 void LiveOutputs::refuseLoss() const {
-    bool lost = presenter_->reason(operatorIndex()) == present::kDisplayLost;
-    for (size_t i = 0; i < operatorIndex() && !projectorsOpen(); ++i)
-        lost |= presenter_->reason(i) == present::kDisplayLost;
-    if (lost) throw std::runtime_error("windows that are needed were closed: their displays went away");
+    if (endedByLoss_)
+        throw std::runtime_error("windows that are needed were closed: their displays went away");
 }
 
 std::string LiveOutputs::windowName(size_t window) const {

@@ -28,7 +28,7 @@ public:
     std::vector<present::Event> pollEvents(double waitSeconds);
     // The operator's window is open, and one of a projector.
     bool wanted() const;
-    // Throws where that is not so because displays went away.
+    // Throws where that is not so because a display went away, the last of those needed.
     void refuseLoss() const;
     // Some window wants its picture again.
     bool damaged() const;
@@ -73,7 +73,6 @@ public:
 
 private:
     std::vector<bool> closedProjectors() const;
-    bool projectorsOpen() const;
     std::string windowName(size_t window) const;
     size_t operatorIndex() const { return rig_.projectors.size(); }
     const gpu::Image* testPicture(size_t projector, present::Shown shown);
@@ -94,6 +93,7 @@ private:
     std::chrono::steady_clock::time_point cameraSent_{};
     std::vector<std::string> notices_;
     std::vector<char> saidLost_;        // per window, too
+    bool endedByLoss_ = false;          // the loss noticed last left no window that is needed
     std::vector<size_t> displayLosses_; // per window: how often its display was missing
 };
 

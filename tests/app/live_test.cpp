@@ -398,6 +398,21 @@ TEST_F(Live, goes_on_when_a_device_is_lost_or_a_window_loses_its_surface) {
     EXPECT_NE(ended.output.find("window is closed: its display went away"), std::string::npos)
         << ended.output;
     EXPECT_TRUE(json::parse(readText(folder / "report.json"))["live"]["outputs"].is_array());
+    // But one that its user ends is over, whichever window was lost before; not the operator's.
+    writeText(folder / "closing",
+              "wait\nclose 0\nsleep 0.2\nclose 1\nsleep 0.2\nclose 2\nsleep 0.2\nclose 3\nsleep 100\n");
+    bool lostProjector = false;
+    for (int call = 9; call < 15 && !lostProjector; ++call) {
+        const FaultOutcome closed =
+            heliodonWithFault("acquire:" + std::to_string(call) + ":surface:2",
+                              "live --rig " + kRig + " --camera file:" + kPhoto +
+                                  " --triangles 100 --windowed --window-scale 0.25 --script " + in("closing"),
+                              folder);
+        lostProjector = closed.output.find("window is closed") != std::string::npos &&
+                        closed.output.find("operator's window is closed") == std::string::npos;
+        EXPECT_TRUE(!lostProjector || closed.exitCode == 0) << closed.output;
+    }
+    EXPECT_TRUE(lostProjector);
     // Images that never fit are made anew once, not for every presentation.
     EXPECT_LE(difference(run("present:2:suboptimal:100000"), whole).first, 2);
     EXPECT_GT(swapchains, enough);
