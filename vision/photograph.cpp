@@ -39,6 +39,9 @@ Picture readOrComplain(std::optional<Picture> (*pictureIn)(const std::vector<uin
                                                size->first, size->second, kMostPixels / 1000000));
     if (isCutShort(bytes))
         throw geometry::InputError(file.string(), "", "the picture is cut short, expected a whole file");
+    if (isDamaged(bytes))
+        throw geometry::InputError(file.string(), "",
+                                   "the picture is damaged: a checksum in it is not that of its data");
     auto picture = pictureIn(bytes);
     if (!picture)
         throw geometry::InputError(file.string(), "",

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <string_view>
 
+#include <zlib.h>
+
 namespace heliodon::vision {
 
 namespace {
@@ -111,6 +113,20 @@ Size pictureSize(const std::vector<uint8_t>& bytes) {
 bool isCutShort(const std::vector<uint8_t>& bytes) {
     if (isPng(bytes)) return !chunkOf(bytes, "IEND");
     if (isJpeg(bytes)) return !isWholeJpeg(bytes);
+    return false;
+}
+
+bool isDamaged(const std::vector<uint8_t>& bytes) {
+    if (!isPng(bytes)) return false;
+    constexpr uint8_t kAncillary = 0x20; // a small first letter
+    const size_t end = chunkOf(bytes, "IEND").value_or(0);
+    for (size_t at = 8; at < end;) {
+        const size_t length = numberAt(bytes, at, 4, true), sum = at + 8 + length;
+        if (!(bytes[at + 4] & kAncillary) &&
+            crc32(0, bytes.data() + at + 4, static_cast<uInt>(length + 4)) != numberAt(bytes, sum, 4, true))
+            return true;
+        at = sum + 4;
+    }
     return false;
 }
 

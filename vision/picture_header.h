@@ -14,6 +14,9 @@ std::optional<std::pair<uint64_t, uint64_t>> pictureSize(const std::vector<uint8
 // Decoders read what is there of a PNG or JPEG file that was cut short and leave the rest grey.
 bool isCutShort(const std::vector<uint8_t>& bytes);
 
+// Whether a part of a PNG that decoders need is not as it was written, by its checksum.
+bool isDamaged(const std::vector<uint8_t>& bytes);
+
 // 1 to 100 by libjpeg's scale; 100 where it is no JPEG or has no table.
 int jpegQuality(const std::vector<uint8_t>& bytes);
 

@@ -367,6 +367,10 @@ TEST(Photograph, names_a_file_that_is_missing_or_no_picture) {
         std::ofstream(text, std::ios::binary) << whole.substr(0, length);
         complaint(text);
     }
+    std::string damaged = whole;
+    damaged[whole.size() / 2] ^= 1;
+    std::ofstream(text, std::ios::binary) << damaged;
+    EXPECT_NE(complaint(text).find("is damaged"), std::string::npos) << complaint(text);
 }
 
 TEST(Overlay, draws_over_the_photograph_and_names_what_was_found) {
