@@ -481,7 +481,12 @@ private:
 } // namespace
 
 std::optional<Arguments> parseArguments(int argc, const char* const* argv) {
-    return Parser().parse(argc, argv);
+    std::vector<const char*> words(argv, argv + argc);
+    if (argc > 1 && words[1] == std::string("help")) { // "help render" for "render --help"
+        words.erase(words.begin() + 1);
+        words.push_back("--help");
+    }
+    return Parser().parse(static_cast<int>(words.size()), words.data());
 }
 
 } // namespace heliodon::app

@@ -24,7 +24,7 @@ private:
 const CLI::App& commandNamed(const CLI::App& app, int argc, const char* const* argv);
 
 // Options that the command does not have, which the parser would name only after those that are missing, and
-// "--sky=", which would take the next word, another option too, as its value.
+// those without a value, "--sky=" too, which would take the next word, another option too, as theirs.
 void refuseWords(const CLI::App& command, int argc, const char* const* argv);
 
 // What the parser complains of, in this program's words.

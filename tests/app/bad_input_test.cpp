@@ -226,6 +226,8 @@ TEST_F(BadInput, an_unknown_command_and_a_missing_option) {
     expectRefused("detect " + kPhoto + " -o " + in("out.json"), {"--rig"});
     const std::string sketch = "render " HELIODON_TEST_DATA "/geometry/sketches/p04_L.json -o ";
     expectRefused(sketch, {"--output", "its value is missing"});
+    expectRefused("detect " + kPhoto + " --rig -o " + in("out.json"),
+                  {"--rig: its value is missing before -o"});
     expectRefused("illuminance " HELIODON_TEST_DATA "/geometry/sketches/p04_L.json -o - --report -",
                   {"--report", "is written by --output too"});
     expectRefused(sketch + in("out") + " --rgi r.json", {"--rgi", "--help lists"});
@@ -245,6 +247,7 @@ TEST_F(BadInput, help_of_every_command_fits_a_terminal) {
         const Outcome help = heliodon(std::string(command) + " --help");
         EXPECT_EQ(help.exitCode, 0) << command;
         EXPECT_NE(help.output.find("Usage: heliodon"), std::string::npos) << command;
+        EXPECT_EQ(heliodon("help " + std::string(command)).output, help.output);
         std::istringstream lines(help.output);
         for (std::string line; std::getline(lines, line);)
             EXPECT_LE(line.size(), 96u) << command << ": " << line;
