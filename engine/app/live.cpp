@@ -367,7 +367,6 @@ private:
 void execute(Run& run, const LiveArguments& arguments) {
     LiveArguments complete = arguments;
     if (complete.camera.empty()) complete.camera = "aravis:";
-    complete.scene.input = complete.camera; // named where a sketch is refused
     LiveSession session(run, complete);
     try {
         session.show();

@@ -171,7 +171,9 @@ void LiveSceneMaker::make(const SeenTable& seen) {
     auto made = std::make_shared<LiveScene>();
     made->taken = seen.taken;
     sayDoing("working out the rooms");
-    made->scene = makeScene(run, arguments_, rig_, seen.sketch);
+    SceneArguments arguments = arguments_;
+    arguments.input = seen.picture; // named where the sketch is refused
+    made->scene = makeScene(run, arguments, rig_, seen.sketch);
     Scene& scene = made->scene;
     separateMaterials(scene.mesh);
     SceneChange change;

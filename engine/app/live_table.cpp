@@ -82,7 +82,7 @@ private:
 
     void detect(const vision::CameraPicture& picture) {
         table_.board_.begin(); // counted as looked at before what was seen is handed on
-        if (const auto sketch = sketchOf(picture, true)) accept(*sketch, picture.taken);
+        if (const auto sketch = sketchOf(picture, true)) accept(*sketch, picture);
         table_.board_.end();
     }
 
@@ -91,19 +91,20 @@ private:
         if (const auto sketch = sketchOf(picture, false)) {
             const bool agrees = candidate_ && vision::steadied(*candidate_, *sketch).same();
             candidate_ = *sketch;
-            if (agrees) accept(*sketch, picture.taken);
+            if (agrees) accept(*sketch, picture);
         }
         table_.board_.end();
     }
 
-    void accept(const geometry::Sketch& sketch, LiveClock::time_point taken) {
+    void accept(const geometry::Sketch& sketch, const vision::CameraPicture& picture) {
         candidate_.reset();
         vision::SteadySketch steady{sketch};
         if (before_) steady = vision::steadied(*before_, sketch);
         if (before_ && steady.same()) return;
         before_ = steady.sketch;
         table_.board_.begin();
-        if (!table_.out_.put({steady.sketch, taken})) table_.board_.end(); // one takes the other's place
+        if (!table_.out_.put({steady.sketch, picture.photo->name, picture.taken}))
+            table_.board_.end(); // one takes the other's place
     }
 
     LiveTable& table_;

@@ -16,7 +16,8 @@ namespace heliodon::app {
 // A sketch that differs from the one before.
 struct SeenTable {
     geometry::Sketch sketch;
-    LiveClock::time_point taken; // the picture
+    std::string picture; // its name, for messages
+    LiveClock::time_point taken{};
 };
 
 class LiveTable {

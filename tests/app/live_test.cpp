@@ -218,15 +218,19 @@ TEST_F(Live, a_camera_is_followed) {
 
 // Nothing more can come: said, not waited for.
 TEST_F(Live, a_look_after_the_end_of_a_replay_is_an_error) {
-    for (const bool readable : {true, false}) {
-        fs::create_directories(folder / "pictures");
-        fs::copy_file(kPhoto, folder / "pictures/1.png", fs::copy_options::overwrite_existing);
-        if (!readable) writeText(folder / "pictures/2.png", "no picture");
+    fs::create_directories(folder / "pictures");
+    fs::copy_file(kPhoto, folder / "pictures/1.png");
+    for (const std::string_view second : {"", "not an image", "NO_WALLS"}) {
+        if (second == "not an image") writeText(folder / "pictures/2.png", "no picture");
+        if (second == "NO_WALLS") paint({}, 1, in("pictures/2.png"));
         const Outcome outcome = live("replay:" + in("pictures"), "look 3\nquit\n",
                                      "--interval 1 --window-scale 0.25 --duration 200");
         EXPECT_EQ(outcome.exitCode, 2) << outcome.output;
         EXPECT_NE(outcome.output.find("look 3: the replay has ended with"), std::string::npos)
             << outcome.output;
+        const std::string named =
+            second.empty() ? "" : "pictures/2.png: " + std::string(second); // not the folder
+        EXPECT_NE(outcome.output.find(named), std::string::npos) << outcome.output;
     }
 }
 
