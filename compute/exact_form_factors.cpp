@@ -95,7 +95,8 @@ private:
     gpu::Binding centre() const { return gpu::texel(scene_.faceCentre, VK_FORMAT_R32G32B32A32_SFLOAT); }
     gpu::Binding range() const { return gpu::texel(scene_.faceRange, VK_FORMAT_R32G32B32A32_UINT); }
     gpu::Binding clusters() const { return gpu::texel(scene_.clusters, VK_FORMAT_R32G32B32A32_UINT); }
-    const gpu::Buffer& sidesOf(bool diagonal) const { return diagonal ? sidesA_ : sidesB_; }
+    gpu::Binding sides(const gpu::Buffer& of) const { return gpu::texel(of, VK_FORMAT_R32G32B32A32_UINT); }
+    gpu::Binding sidesOf(bool diagonal) const { return sides(diagonal ? sidesA_ : sidesB_); }
     const gpu::Buffer& backOf(bool diagonal) const { return diagonal ? there_ : back_; }
 
     // Whether far pairs with blockers are sampled along lines.
@@ -126,7 +127,7 @@ private:
         there_ = gpu::Buffer(device_, pieces * pieces * 4, "form factors");
         if (!oneTile) back_ = gpu::Buffer(device_, pieces * pieces * 4, "exact mirror tile");
         for (gpu::Buffer* sides : {&sidesA_, &sidesB_})
-            *sides = gpu::Buffer(device_, (pieces + mostClusters) * words_ * 12, "exact sides");
+            *sides = gpu::Buffer(device_, (pieces + mostClusters) * words_ * 16, "exact sides");
         blocks_ = gpu::Buffer(device_, mostClusters * mostClusters * 4, "exact blocks");
         masks_ = gpu::Buffer(device_, mostClusters * mostClusters * words_ * 4, "exact masks");
         counters_ = gpu::Counters(device_, io::kExactCounters, "exact counters");
@@ -193,7 +194,6 @@ private:
         const uint32_t open = counters_[io::kExactOpenCount], one = counters_[io::kExactOneCount],
                        two = counters_[io::kExactTwoCount], many = counters_[io::kExactManyCount],
                        lines = counters_[io::kExactLineCount];
-        statistics.partial += counters_[io::kExactPartialCount];
         cellTolerance_ = tolerance_;
         if (lines) integrateLines(lines, pairTolerance(lines / share, a, b), a, b);
         if (open) integrate(kernels_.few(0), records_, 0, open, a, b);
@@ -225,8 +225,8 @@ private:
                                            b.pieces,          a.firstCluster, a.clusters,
                                            b.firstCluster,    b.clusters,     scene_.closed ? 1u : 0u};
         commands.dispatch(kernels_.blocks(),
-                          {high(), low(), normal(), centre(), range(), clusters(), sidesA_, sidesOf(diagonal),
-                           counters_.buffer(), blocks_, masks_},
+                          {high(), low(), normal(), centre(), range(), clusters(), sides(sidesA_),
+                           sidesOf(diagonal), counters_.buffer(), blocks_, masks_},
                           params, gpu::groupsFor(b.clusters, io::kExactGroup), a.clusters);
         submit(std::move(commands));
         const uint32_t clear = counters_[io::kExactClearCount], mixed = counters_[io::kExactMixedCount];
@@ -272,7 +272,7 @@ private:
                                               byLines() ? 1u : 0u,
                                               tolerance_};
             commands.dispatch(kernels_.pairs(clear),
-                              {high(), low(), normal(), centre(), range(), clusters(), sidesA_,
+                              {high(), low(), normal(), centre(), range(), clusters(), sides(sidesA_),
                                sidesOf(diagonal), counters_.buffer(), blocks_, masks_, records_, lists_,
                                there_, backOf(diagonal), fewRecords_},
                               params, strips, std::min(kMostGroups, count - done));
@@ -390,6 +390,7 @@ private:
             const double error = (sum[2] + sum[3] / double{io::kExactFraction}) / double{io::kExactOne};
             const io::ExactRecord& r = records[k];
             const double back = error * scene_.area[r.outer] / scene_.area[r.inner];
+            if (r.listed > 0) ++statistics.partial;
             claim(r.outer, r.inner, error);
             claim(r.inner, r.outer, back);
         }

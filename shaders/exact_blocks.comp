@@ -12,8 +12,8 @@
 
 layout(local_size_x = kExactGroup) in;
 layout(set = 0, binding = 5) uniform usamplerBuffer clusters;
-layout(set = 0, binding = 6, scalar) readonly buffer SidesA { uvec3 sidesA[]; };
-layout(set = 0, binding = 7, scalar) readonly buffer SidesB { uvec3 sidesB[]; };
+layout(set = 0, binding = 6) uniform usamplerBuffer sidesA;
+layout(set = 0, binding = 7) uniform usamplerBuffer sidesB;
 layout(set = 0, binding = 8, scalar) buffer Counters { uint counters[]; };
 layout(set = 0, binding = 9, scalar) writeonly buffer Blocks { uint blocks[]; };
 layout(set = 0, binding = 10, scalar) writeonly buffer Masks { uint masks[]; }; // [block][word]
@@ -31,8 +31,8 @@ bool findBlockers(uint a, uint b, Origin o, uint block, out bool hidden) {
     buildShaft();
     uint w = 0u;
     [[dont_unroll]] do {
-        uvec3 sa = sidesA[(params.piecesA + a - params.firstA) * params.words + w];
-        uvec3 sb = sidesB[(params.piecesB + b - params.firstB) * params.words + w];
+        uvec3 sa = texelFetch(sidesA, int((params.piecesA + a - params.firstA) * params.words + w)).xyz;
+        uvec3 sb = texelFetch(sidesB, int((params.piecesB + b - params.firstB) * params.words + w)).xyz;
         uint bits = between(sa, sb, params.closed != 0u), wholes = wholesBetween(sa, sb), mask = 0u;
         [[dont_unroll]] do {
             uint bit = bits & (~bits + 1u);

@@ -13,8 +13,8 @@
 
 layout(local_size_x = kExactGroup) in;
 layout(set = 0, binding = 5) uniform usamplerBuffer clusters;
-layout(set = 0, binding = 6, scalar) readonly buffer SidesA { uvec3 sidesA[]; };
-layout(set = 0, binding = 7, scalar) readonly buffer SidesB { uvec3 sidesB[]; };
+layout(set = 0, binding = 6) uniform usamplerBuffer sidesA;
+layout(set = 0, binding = 7) uniform usamplerBuffer sidesB;
 layout(set = 0, binding = 8, scalar) buffer Counters { uint counters[]; };
 layout(set = 0, binding = 9, scalar) readonly buffer Blocks { uint blocks[]; };
 layout(set = 0, binding = 10, scalar) readonly buffer Masks { uint masks[]; };
@@ -33,8 +33,8 @@ bool listFits;
 bool few; // exact_few.comp can do the pair
 
 uint betweenOf(uint i, uint j, uint block, uint w, out uint front, out uint wholes) {
-    uvec3 si = sidesA[(i - params.firstPieceA) * params.words + w];
-    uvec3 sj = sidesB[(j - params.firstPieceB) * params.words + w];
+    uvec3 si = texelFetch(sidesA, int((i - params.firstPieceA) * params.words + w)).xyz;
+    uvec3 sj = texelFetch(sidesB, int((j - params.firstPieceB) * params.words + w)).xyz;
     front = si.x;
     wholes = wholesBetween(si, sj);
     return between(si, sj, params.closed != 0u) & masks[block * params.words + w];
@@ -122,24 +122,9 @@ vec2 distancesTo(Origin o, vec3 p, vec3 q, uint face) {
     return sqrt(height * height + beyond * beyond);
 }
 
-void addRecord(uint outer, uint inner, uint first, uint count, bool byLines) {
-    uint kind = byLines                               ? kExactLineCount
-                : !few                                ? kExactManyCount
-                : count == 0u                         ? kExactOpenCount
-                : count == 1u && params.byLines == 0u ? kExactOneCount
-                                                      : kExactTwoCount; // few are left: not worth a kernel of their own
-    bool fromEnd = kind == kExactManyCount || kind == kExactTwoCount;
-    uint slot = atomicAdd(counters[kind], 1u), place = fromEnd ? params.recordCapacity - 1u - slot : slot;
-    ExactRecord record = ExactRecord(outer, inner, first, count);
-    if (slot >= params.recordCapacity) return;
-    if (byLines || few && count > 0u)
-        fewRecords[place] = record;
-    else
-        records[place] = record;
-}
-
-void addPartial(uint i, uint j, Origin o, float areaI, float areaJ, bool byLines) {
-    // Points lie on the side farther from the blockers, where shadows are blurred; but not on a much larger piece.
+// Whether points lie on the first piece: the one farther from the blockers, where shadows are blurred, unless it is
+// much larger; in the open the smaller. Blockers that `listed` holds are put into `lists`.
+bool firstIsOuter(uint i, uint j, Origin o, float areaI, float areaJ) {
     vec3 ci = centreFrom(o, i), cj = centreFrom(o, j);
     vec2 clear = vec2(kHuge);
     uint count = listFits ? listedCount : min(listedCount, kExactListed);
@@ -151,15 +136,25 @@ void addPartial(uint i, uint j, Origin o, float areaI, float areaJ, bool byLines
         if (listFits && m < min(count, kExactListed)) lists[firstListed + m] = face;
         ++m;
     } while (subgroupAny(m < count));
-    bool iIsOuter = clear.x * sqrt(areaJ) >= clear.y * sqrt(areaI);
-    atomicAdd(counters[kExactPartialCount], 1u);
-    few = few && listedCount <= kExactFew;
-    addRecord(iIsOuter ? i : j, iIsOuter ? j : i, firstListed, listedCount, byLines);
+    return clear.x * sqrt(areaJ) >= clear.y * sqrt(areaI);
 }
 
-void addNear(uint i, uint j, float areaI, float areaJ) {
-    bool iIsOuter = areaI <= areaJ;
-    addRecord(iIsOuter ? i : j, iIsOuter ? j : i, 0u, 0u, false);
+void addRecord(uint outer, uint inner, bool byLines) {
+    few = few && listedCount <= kExactFew;
+    // By lines few with one blocker are left: not worth a kernel of their own.
+    uint kind = byLines                                     ? kExactLineCount
+                : !few                                      ? kExactManyCount
+                : listedCount == 0u                         ? kExactOpenCount
+                : listedCount == 1u && params.byLines == 0u ? kExactOneCount
+                                                            : kExactTwoCount;
+    bool fromEnd = kind == kExactManyCount || kind == kExactTwoCount;
+    uint slot = atomicAdd(counters[kind], 1u), place = fromEnd ? params.recordCapacity - 1u - slot : slot;
+    ExactRecord record = ExactRecord(outer, inner, firstListed, listedCount);
+    if (slot >= params.recordCapacity) return;
+    if (byLines || few && listedCount > 0u)
+        fewRecords[place] = record;
+    else
+        records[place] = record;
 }
 
 // Whether the product rule is good enough: its error falls with the cube of size over distance.
@@ -177,24 +172,21 @@ void classify(uint i, uint j, uint block) {
     vec4 heights = mutualHeights(a.normal, b.normal);
     bool facing = heights.y > 0.0 && heights.w > 0.0, straddles = heights.x < 0.0 || heights.z < 0.0;
     bool hidden = false;
-    listedCount = 0u;
+    listedCount = firstListed = 0u;
     few = max(a.count, b.count) <= kExactFewCorners;
-    if (!kClear && facing) {
-        hidden = listBlockers(i, j, o, block);
-        bool partial = listedCount > 0u; // and not hidden
-        bool byLines = partial && params.byLines != 0u && listedCount <= kExactLongList && few && kCorners == 3 &&
-                       !straddles && isFar(i, j, o, a.area, b.area);
-        if (partial) addPartial(i, j, o, a.area, b.area, byLines);
-    }
-    bool visible = facing && !hidden && listedCount == 0u;
-    bool far = visible && !straddles && isFar(i, j, o, a.area, b.area);
-    if (far) {
+    if (!kClear && facing) hidden = listBlockers(i, j, o, block);
+    if (!facing || hidden) return;
+    bool partial = listedCount > 0u, far = !straddles && isFar(i, j, o, a.area, b.area), iIsOuter = a.area <= b.area;
+    if (far && !partial) {
         float exchange = productRule(a.normal, b.normal);
         uint row = texelFetch(faceRange, int(i)).w, column = texelFetch(faceRange, int(j)).w;
         there[row * params.columns + column] = exchange / a.area;
         back[column * params.rows + row] = exchange / b.area;
+        return;
     }
-    if (visible && !far) addNear(i, j, a.area, b.area);
+    if (!kClear && partial) iIsOuter = firstIsOuter(i, j, o, a.area, b.area);
+    bool byLines = partial && far && params.byLines != 0u && listedCount <= kExactLongList && few && kCorners == 3;
+    addRecord(iIsOuter ? i : j, iIsOuter ? j : i, byLines);
 }
 
 void main() {

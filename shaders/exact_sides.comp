@@ -9,7 +9,7 @@
 #include "shaders/lib/exact_scene.glsl"
 
 layout(local_size_x = kExactGroup) in;
-layout(set = 0, binding = 5, scalar) writeonly buffer Sides { uvec3 sides[]; }; // [row][word]
+layout(set = 0, binding = 5, scalar) writeonly buffer Sides { uvec4 sides[]; }; // [row][word]
 layout(push_constant, scalar) uniform Push { ExactSidesParams params; };
 
 void main() {
@@ -36,5 +36,5 @@ void main() {
     // Past the last blocker everything is below.
     uint known = params.blockerCount - min(params.blockerCount, word * 32u);
     if (known < 32u) bits.z |= ~((1u << known) - 1u);
-    sides[index] = bits;
+    sides[index] = uvec4(bits, 0u);
 }

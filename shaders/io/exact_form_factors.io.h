@@ -25,10 +25,9 @@ const uint kExactClearCount = 4u;   // blocks that nothing can stand in
 const uint kExactMixedCount = 5u;   // and others, filled from the end of the blocks
 const uint kExactOneCount = 6u;     // pairs with one blocker, in records of their own, exact_few.comp too
 const uint kExactTwoCount = 7u;     // with two; filled from their end
-const uint kExactPartialCount = 8u; // pairs with blockers
-const uint kExactLineCount = 9u;    // far pairs of triangles with blockers, exact_lines.comp; where those with one were
-const uint kExactCutCount = 10u;    // invocations whose loops the device ended early, lib/loop_limit.glsl
-const uint kExactCounters = 11u;
+const uint kExactLineCount = 8u;    // far pairs of triangles with blockers, exact_lines.comp; where those with one were
+const uint kExactCutCount = 9u;     // invocations whose loops the device ended early, lib/loop_limit.glsl
+const uint kExactCounters = 10u;
 
 // Faces come in this order: pieces, blockers, clusters. A cluster (uvec4) is: first piece, pieces, face of the
 // rectangle that holds them, 1 where it lies in one plane.
