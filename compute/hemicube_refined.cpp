@@ -78,20 +78,22 @@ std::vector<glm::uvec2> nearPairs(const geometry::PatchMesh& mesh, const Patches
     return pairs;
 }
 
-// What both ends' measurements of a pair disagree by, as a variance of the mean in rows i and j.
-double disagreement(const float* F, const Patches& patches, size_t i, size_t j) {
-    const size_t n = patches.area.size();
-    const double a = patches.area[i], b = patches.area[j];
-    if (!(a > 0 && b > 0)) return 0;
-    const double d = 0.5 * (a * double{F[i * n + j]} - b * double{F[j * n + i]}),
-                 inI = std::min(std::abs(d / a), 1.0), inJ = std::min(std::abs(d / b), 1.0);
-    return inI * inI + inJ * inJ;
-}
-
 // Weight of i's measurement of a pair: the error of one point falls with the square of what it stands for.
 double weightOf(const Patches& patches, size_t i, size_t j) {
     const double a = patches.share[i] * patches.share[i], b = patches.share[j] * patches.share[j];
     return a + b > 0 ? b / (a + b) : 0.5;
+}
+
+// What both ends' measurements of a pair disagree by, as a variance of the mean in rows i and j: as if both
+// erred alike, until one is so much better that eight times its part in both is less.
+double disagreement(const float* F, const Patches& patches, size_t i, size_t j) {
+    const size_t n = patches.area.size();
+    const double a = patches.area[i], b = patches.area[j], w = weightOf(patches, i, j);
+    if (!(a > 0 && b > 0)) return 0;
+    const double d = std::min(0.5, 8 * std::sqrt(w * (1 - w))) *
+                     (a * double{F[i * n + j]} - b * double{F[j * n + i]}),
+                 inI = std::min(std::abs(d / a), 1.0), inJ = std::min(std::abs(d / b), 1.0);
+    return inI * inI + inJ * inJ;
 }
 
 // Per row, what its sum may be off by once both ends are averaged: the difference between what its own few

@@ -174,6 +174,30 @@ TEST(FormFactors, no_hemicube_claims_that_rows_are_off_by_more_than_one) {
     EXPECT_LE(report.claimedRowSumError, 1);
 }
 
+// Walls miss a die of a centimetre with most of their pixels: nothing to hold against what the die itself
+// sees.
+TEST(FormFactors, hemicubes_of_halls_with_a_die_claim_no_more_than_thrice_their_error) {
+    geometry::PatchMesh mesh = test::boxRoom({.low = {0, 0, 0}, .high = {10, 10, 10}, .cells = {3, 3, 3}});
+    const size_t hall = mesh.corners.size();
+    for (const double x : {3.0, 5.0, 6.5})
+        test::addBox(mesh, {.low = {x, 4, 5}, .high = {x + 0.01, 4.01, 5.01}, .cells = {1, 1, 1}});
+    std::reverse(mesh.corners.begin() + static_cast<long>(hall), mesh.corners.end()); // they face outwards
+    const size_t n = mesh.patchCount();
+    FormFactorOptions options;
+    options.kernel = "hemicube";
+    const FormFactors hemicube = computeFormFactors(test::device(), mesh, options);
+    options.kernel = "exact";
+    options.maxError = 1e-4;
+    const std::vector<float> F = hemicube.values.download<float>(n * n),
+                             exact = computeFormFactors(test::device(), mesh, options)
+                                         .values.download<float>(n * n);
+    double squares = 0;
+    for (size_t k = 0; k < n * n; ++k) squares += std::pow(double{F[k]} - double{exact[k]}, 2);
+    const double error = std::sqrt(squares / static_cast<double>(n));
+    EXPECT_LT(hemicube.report.claimedRowError, 3 * error);
+    EXPECT_GT(hemicube.report.claimedRowError, error / 1.6);
+}
+
 TEST(FormFactors, unknown_kernels_are_refused_by_name) {
     FormFactorOptions options;
     options.kernel = "guess";
