@@ -95,6 +95,10 @@ public:
                 if (c == '\n') c = ' ';
             for (size_t at; (at = errors.find("file: :")) != std::string::npos;) errors.erase(at + 4, 2);
             while (!errors.empty() && (errors.back() == ' ' || errors.back() == ':')) errors.pop_back();
+            if (const size_t data = errors.find(";base64,"); data != std::string::npos) { // of any length
+                const size_t begin = data + std::strlen(";base64,");
+                errors.replace(begin, errors.find(' ', begin) - begin, "...");
+            }
             throw InputError(out_.file, "", "is no glTF 2.0: " + errors);
         }
     }
@@ -105,6 +109,7 @@ public:
         checkExtensions();
         readNorth();
         for (size_t i = 0; i < in_.materials.size(); ++i) {
+            checkColour(i);
             Material material = materialOf(in_.materials[i]);
             readBlind(i, material);
             if (material.name.empty()) material.name = fmt::format("material{}", i);
@@ -125,6 +130,7 @@ public:
         }
         seen_.assign(in_.nodes.size(), Seen::never);
         for (const int node : rootNodes()) visit(node, glm::dmat4(1), 0);
+        if (out_.faceCount() == 0 && !withoutFaces_.empty()) fail(withoutFaces_, "is not triangles");
         return std::move(out_);
     }
 
@@ -184,6 +190,14 @@ private:
         throw InputError(out_.file, place, what);
     }
 
+    // The loader takes a colour of another length for none.
+    void checkColour(size_t i) const {
+        const auto colour = in_.materials[i].values.find("baseColorFactor");
+        if (colour == in_.materials[i].values.end() || colour->second.number_array.size() == 4) return;
+        fail(fmt::format("materials[{}].pbrMetallicRoughness.baseColorFactor", i),
+             fmt::format("has {} numbers, expected 4", colour->second.number_array.size()));
+    }
+
     // The loader takes lists of any length; a part passed over would place the mesh elsewhere.
     void checkPlacement(const tinygltf::Node& node, const std::string& place) const {
         const auto check = [&](const char* field, const std::vector<double>& numbers, size_t count) {
@@ -191,6 +205,10 @@ private:
                 fail(place + field, fmt::format("has {} numbers, expected {}", numbers.size(), count));
         };
         check(".matrix", node.matrix, 16);
+        constexpr std::array<double, 4> kLastRow{0, 0, 0, 1};
+        for (size_t c = 0; c < 4 && !node.matrix.empty(); ++c)
+            if (std::abs(node.matrix[4 * c + 3] - kLastRow[c]) > 1e-6)
+                fail(place + ".matrix", "has another last row than 0 0 0 1");
         check(".translation", node.translation, 3);
         check(".scale", node.scale, 3);
         check(".rotation", node.rotation, 4);
@@ -267,6 +285,7 @@ private:
         const int width = tinygltf::GetComponentSizeInBytes(static_cast<uint32_t>(accessor.componentType));
         if (stride <= 0 || components <= 0 || width <= 0) fail(place, "has an unknown type");
         const auto element = static_cast<size_t>(components) * static_cast<size_t>(width);
+        if (static_cast<size_t>(stride) < element) fail(place, "has elements that overlap (byteStride)");
         const size_t length = view.byteLength, offset = accessor.byteOffset;
         if (view.byteOffset > bytes.size() || length > bytes.size() - view.byteOffset)
             fail(place, "reaches past the end of its buffer");
@@ -393,9 +412,11 @@ private:
 
     void addPrimitive(const tinygltf::Primitive& primitive, const std::string& place, const std::string& name,
                       const glm::dmat4& worldFromNode) {
-        if (primitive.mode != -1 && primitive.mode != TINYGLTF_MODE_TRIANGLES &&
-            primitive.mode != TINYGLTF_MODE_TRIANGLE_STRIP && primitive.mode != TINYGLTF_MODE_TRIANGLE_FAN)
-            fail(place + ".mode", "is not triangles");
+        if (primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN) fail(place + ".mode", "expected 0 to 6");
+        if (primitive.mode >= 0 && primitive.mode < TINYGLTF_MODE_TRIANGLES) { // loose points and edges
+            withoutFaces_ = place + ".mode";
+            return;
+        }
         const auto position = primitive.attributes.find("POSITION");
         if (position == primitive.attributes.end()) fail(place, "has no POSITION");
         const auto first = static_cast<uint32_t>(out_.vertices.size());
@@ -422,6 +443,7 @@ private:
     tinygltf::Model in_;
     RawModel out_;
     std::optional<uint32_t> greyMaterial_;
+    std::string withoutFaces_; // a primitive of points or lines
     enum class Seen : uint8_t { never, above, before };
     std::vector<Seen> seen_; // per node
 };

@@ -128,6 +128,21 @@ TEST(GltfScene, what_cannot_be_read_is_refused_by_place) {
     }
 }
 
+// Modellers write loose edges and points beside the faces; they bound nothing.
+TEST(GltfScene, edges_and_points_beside_faces_are_passed_over) {
+    json scene = roomScene(kOneNode);
+    json& primitives = scene["meshes"][0]["primitives"];
+    for (const int mode : {0, 1, 2, 3}) {
+        primitives.push_back(primitives[0]);
+        primitives.back()["mode"] = mode;
+    }
+    const Building building = importModel(written(scene));
+    EXPECT_EQ(building.faces.size(), 12u);
+    EXPECT_TRUE(building.repairs.empty());
+    primitives.back()["mode"] = 7;
+    expectRefused(scene, "primitives[4].mode: expected 0 to 6");
+}
+
 // A strip goes on at the next face by triangles without area.
 TEST(GltfScene, strips_and_fans_are_triangles) {
     json strip = roomScene(kOneNode, {0, 4, 1, 5, 5, 2, 2, 3, 6, 7, 7, 0, 0, 1, 2, 3, 3,
@@ -230,6 +245,14 @@ TEST(GltfScene, a_material_without_colour_gets_what_it_gets_in_an_obj_and_one_of
     EXPECT_TRUE(importModel(written(scene)).repairs.empty());
     scene["materials"] = json::parse(R"([{"pbrMetallicRoughness":{"baseColorFactor":[1,1,1,1]}}])");
     expectRefused(scene, "reflectance (Kd) is 1");
+    scene["materials"] = json::parse(R"([{"pbrMetallicRoughness":{"baseColorFactor":[0.2,0.3,0.4]}}])");
+    expectRefused(scene, "materials[0].pbrMetallicRoughness.baseColorFactor: has 3 numbers, expected 4");
+}
+
+TEST(GltfScene, what_is_said_of_a_buffer_does_not_repeat_it) {
+    json scene = roomScene(kOneNode);
+    scene["buffers"][0]["byteLength"] = 1000;
+    expectRefused(scene, "data:application/octet-stream;base64,... ");
 }
 
 TEST(GltfScene, meshes_that_bend_or_are_instanced_are_refused_though_the_file_does_not_require_it) {
@@ -257,6 +280,8 @@ TEST(GltfScene, placements_of_a_wrong_length_are_refused_by_name) {
     refused(R"([{"mesh":0,"scale":[2,2]}])", "nodes[0].scale: has 2 numbers, expected 3");
     refused(R"([{"mesh":0,"translation":[1,2,3,4]}])", "nodes[0].translation: has 4 numbers");
     refused(R"([{"mesh":0,"matrix":[1,0,0,0]}])", "nodes[0].matrix: has 4 numbers, expected 16");
+    refused(R"([{"mesh":0,"matrix":[1,0,0,0.5, 0,1,0,0, 0,0,1,0, 0,0,0,1]}])",
+            "nodes[0].matrix: has another last row than 0 0 0 1");
     refused(R"([{"mesh":0,"rotation":[0,0,0]}])", "nodes[0].rotation: has 3 numbers, expected 4");
     refused(R"([{"mesh":0,"rotation":[0,0,0,0]}])", "nodes[0].rotation: is no unit quaternion");
     refused(R"([{"mesh":0,"rotation":[0,2,0,2]}])", "nodes[0].rotation: is no unit quaternion");
@@ -275,6 +300,9 @@ TEST(GltfScene, accessors_end_within_their_view) {
     json longView = roomScene(kOneNode);
     longView["bufferViews"][1]["byteLength"] = 1000;
     expectRefused(longView, "indices: reaches past the end of its buffer");
+    json overlapping = roomScene(kOneNode);
+    overlapping["bufferViews"][0]["byteStride"] = 8;
+    expectRefused(overlapping, "POSITION: has elements that overlap (byteStride)");
 }
 
 // The loader takes a field of another type for one that is absent.
