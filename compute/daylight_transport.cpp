@@ -18,6 +18,7 @@
 #include "compute/relight_basis.h"
 #include "compute/ribbon_light.h"
 #include "compute/sensor_gather.h"
+#include "compute/sky_detail.h"
 #include "compute/stopwatch.h"
 #include "compute/sun_bounce.h"
 #include "compute/sun_glow.h"
@@ -71,6 +72,7 @@ struct DaylightTransport::State {
     std::unique_ptr<NearPairs> nearPairs;
     std::unique_ptr<SunBounce> sunBounce; // none without openings
     std::unique_ptr<SunGlow> sunGlow;     // likewise, and where no pictures are made
+    std::unique_ptr<SkyDetail> skyDetail; // likewise
     std::unique_ptr<GlowingBlinds> blinds;
     std::unique_ptr<SlatLobes> slats;
     std::unique_ptr<HiddenSky> hiddenSky; // before blinds
@@ -180,6 +182,7 @@ void DaylightTransport::State::findOpenings() {
     sunScene = std::make_unique<SunScene>(mesh);
     sunBounce = hasOpenings ? std::make_unique<SunBounce>(*points, *nearPairs) : nullptr;
     sunGlow = hasOpenings && options.forPictures ? std::make_unique<SunGlow>(*points, *nearPairs) : nullptr;
+    skyDetail = sunGlow ? std::make_unique<SkyDetail>(*points) : nullptr;
     blinds = std::make_unique<GlowingBlinds>(mesh);
     slats = std::make_unique<SlatLobes>(*points, *blinds, factors.values);
     hiddenSky = std::make_unique<HiddenSky>(mesh, *sunScene, *blinds, skyPatches);
@@ -289,6 +292,7 @@ Moment DaylightTransport::State::direct(const daylight::Sky& sky) const {
         for (size_t i = 0; i < n; ++i) patchSky.combine(i, luminance, moment.patches[i]);
         const std::optional<RibbonLight> ribbon = ribbonOf(sky);
         skyAtSensors(moment, even, ribbon);
+        if (skyDetail) moment.lighting.detail = skyDetail->of(even);
         if (ribbon) {
             addRibbon(moment, *ribbon);
             if (!hiddenSky->patches().empty()) means = skyPatches.luminances(sky);
@@ -386,7 +390,7 @@ void DaylightTransport::State::sunOn(Moment& moment, const daylight::SunDisc& di
         moment.patches[i].sun = moment.lighting.sunIlluminance[i] *= strength;
         moment.patches[i].interreflected += bounced[i];
     }
-    if (sunGlow) sunGlow->addTo(moment.lighting, partly, disc.normalIlluminance);
+    if (sunGlow) moment.lighting.detail.add(sunGlow->of(moment.lighting, partly, disc.normalIlluminance));
     sunAtSensors(moment, sun, partly);
 }
 

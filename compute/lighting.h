@@ -19,6 +19,12 @@ struct PatchGlow {
     uint32_t patch = 0;
     std::array<glm::vec3, io::kGlowPlaces> lux{};
 
+    // Where a place lies, or what is there of values that are linear between corners.
+    template<class V> static V place(V corner0, V corner1, V corner2, int i, int j) {
+        using Number = typename V::value_type;
+        return corner0 + (Number(i) * (corner1 - corner0) + Number(j) * (corner2 - corner0)) / Number(kCells);
+    }
+
     glm::vec3 mean() const {
         glm::vec3 sum(0);
         size_t place = 0;
@@ -31,6 +37,16 @@ struct PatchGlow {
     }
 };
 
+// Illuminance that varies within patches too much for a value per patch. Who draws takes the means off,
+// draws what is left smoothly, and adds corners and grids.
+struct LightDetail {
+    std::vector<glm::vec3> mean;    // per patch, of both that follow; empty where there is none
+    std::vector<glm::vec3> corners; // as PatchMesh::corners, linear between; one value where a surface's meet
+    std::vector<PatchGlow> grids;   // on top of that, in the order of patches
+
+    void add(const LightDetail& other, glm::vec3 times = glm::vec3(1));
+};
+
 // Lux per linear Rec. 709 channel; one entry per patch.
 struct Lighting {
     std::vector<glm::vec3> exitance;       // B = E + rho H, all light that leaves the patch into the room
@@ -38,11 +54,9 @@ struct Lighting {
                                            // all zero without sun
     glm::dvec3 sunDirection{0};            // unit, world, towards the sun; zero when no sun is modelled
     glm::vec3 sunNormalIlluminance{0};     // outside, on a plane facing the sun
-    // Of the exitance, what sunlit patches nearby light: illuminance, mean over each patch, and within those
-    // triangles that have any (compute/sun_glow.h). Empty where there is none, and with
-    // TransportOptions::forPictures off.
-    std::vector<glm::vec3> sunGlow;
-    std::vector<PatchGlow> glow;
+    // Behind some of the exitance: what the sky gives straight (compute/sky_detail.h) and what sunlit patches
+    // nearby send on (compute/sun_glow.h). Empty with TransportOptions::forPictures off.
+    LightDetail detail;
     std::vector<glm::vec3> ownScatter; // exitance that projectors leave out, as the physical model sends
                                        // it back by itself (engine/passes/own_scatter.h); or empty
 };

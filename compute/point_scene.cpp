@@ -281,6 +281,15 @@ dvec3 PointScene::GlassBefore::transmittance(dvec3 direction) const {
     return beyond->panes.empty() ? through : through * beyond->transmittance(direction);
 }
 
+Blockers PointScene::blockersOfSky(uint32_t patch) const {
+    if (hasRoomsBeyond()) return blockers_;
+    std::vector<dvec3> ends = geometry::patchCorners(*mesh_, patch);
+    for (const Opening& opening : openings_)
+        if (opening.region.room == mesh_->room[patch])
+            ends.insert(ends.end(), opening.region.corners.begin(), opening.region.corners.end());
+    return blockers_.between(ends);
+}
+
 void PointScene::forOutside(const PointView& view, uint32_t room, const OutsideWork& work) const {
     forRoomsSeen(view, {room, {}},
                  [&](const PointView& seen, const RoomBeyond& beyond) { outsideOf(seen, beyond, work); });

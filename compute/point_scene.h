@@ -58,6 +58,8 @@ public:
     explicit PointScene(const geometry::PatchMesh& mesh); // must outlive this
     const geometry::PatchMesh& mesh() const { return *mesh_; }
     const Blockers& blockers() const { return blockers_; }
+    // Of these, those that can hide the outside from points on a patch.
+    Blockers blockersOfSky(uint32_t patch) const;
 
     // Whether any pane leads from room to room, or any window looks at another one.
     bool hasRoomsBeyond() const { return !panes_.empty() || seesOthers_; }

@@ -52,8 +52,8 @@ struct Seen {
     double mean, range;
 };
 // Adds to `row`, channels x elements.
-Seen skyFromPoints(const PointScene& scene, const daylight::SkyPatches& sky, const PatchViewpoints& views,
-                   std::span<float> row) {
+Seen skyFromPoints(const PointScene& scene, const Blockers& blockers, const daylight::SkyPatches& sky,
+                   const PatchViewpoints& views, std::span<float> row) {
     const uint32_t points = views.pointsPerPatch;
     const auto scale = static_cast<float>(1 / (kPi * points));
     const size_t elements = sky.elementCount(), channels = row.size() / elements;
@@ -61,7 +61,7 @@ Seen skyFromPoints(const PointScene& scene, const daylight::SkyPatches& sky, con
     std::vector<SkySample> seen;
     for (const Viewpoint& v : views.viewpoints) {
         seen.clear();
-        scene.seeSky(PointView(scene.blockers(), v.position, v.normal, v.room), v.room, kPatchSkyAngle, seen);
+        scene.seeSky(PointView(blockers, v.position, v.normal, v.room), v.room, kPatchSkyAngle, seen);
         double here = 0;
         for (const SkySample& sample : seen) {
             const size_t element = sky.elementOf(dvec3(sample.direction));
@@ -85,7 +85,9 @@ PatchSky patchSkyCoefficients(const PointScene& scene, const daylight::SkyPatche
         return std::span(result.coefficients).subspan(i * channels * elements, channels * elements);
     };
     const auto look = [&](size_t i, uint32_t points) {
-        return skyFromPoints(scene, sky, patchViewpoints(mesh, points, static_cast<uint32_t>(i), 1), row(i));
+        const auto patch = static_cast<uint32_t>(i);
+        return skyFromPoints(scene, scene.blockersOfSky(patch), sky, patchViewpoints(mesh, points, patch, 1),
+                             row(i));
     };
     inParallel(n, [&](size_t i) {
         const Seen seen = look(i, 4);

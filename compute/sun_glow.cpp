@@ -75,9 +75,7 @@ void SunGlow::fillGrid(uint32_t patch, std::span<const Lit* const> lit, std::spa
     size_t place = 0;
     for (int j = 0; j <= PatchGlow::kCells; ++j)
         for (int i = 0; i + j <= PatchGlow::kCells; ++i) {
-            const dvec3 at =
-                corner[0] + (double(i) * (corner[1] - corner[0]) + double(j) * (corner[2] - corner[0])) /
-                                double(PatchGlow::kCells);
+            const dvec3 at = PatchGlow::place(corner[0], corner[1], corner[2], i, j);
             const PointView view(between, glm::mix(at, middle, kInward), normal, mesh.room[patch]);
             dvec3 sum(0);
             for (const Lit* from : lit)
@@ -88,24 +86,25 @@ void SunGlow::fillGrid(uint32_t patch, std::span<const Lit* const> lit, std::spa
         }
 }
 
-void SunGlow::addTo(Lighting& light, std::span<const SunlitParts> partly, double strength) const {
+LightDetail SunGlow::of(const Lighting& light, std::span<const SunlitParts> partly, double strength) const {
     const std::vector<Lit> all = litPatches(light, partly, strength);
     std::vector<const Lit*> litOf(senders_.size());
     for (const Lit& lit : all) litOf[lit.patch] = &lit;
-    std::vector<PatchGlow> glow;
+    LightDetail detail;
+    std::vector<PatchGlow>& glow = detail.grids;
     for (uint32_t p = 0; p < senders_.size(); ++p)
         if (std::ranges::any_of(senders_[p], [&](uint32_t from) { return litOf[from]; }))
             glow.push_back({p, {}});
-    if (glow.empty()) return;
+    if (glow.empty()) return detail;
     inParallel(glow.size(), [&](size_t g) {
         std::vector<const Lit*> lit;
         for (const uint32_t from : senders_[glow[g].patch])
             if (litOf[from]) lit.push_back(litOf[from]);
         fillGrid(glow[g].patch, lit, glow[g].lux);
     });
-    light.sunGlow.assign(senders_.size(), glm::vec3(0));
-    for (const PatchGlow& grid : glow) light.sunGlow[grid.patch] = grid.mean();
-    light.glow = std::move(glow);
+    detail.mean.assign(senders_.size(), glm::vec3(0));
+    for (const PatchGlow& grid : glow) detail.mean[grid.patch] = grid.mean();
+    return detail;
 }
 
 } // namespace heliodon::compute

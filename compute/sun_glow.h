@@ -1,7 +1,6 @@
 // The first bounce of sunlight near sunlit spots, where it varies within a patch too much for a value per
 // patch, or for values at its corners: a wall beside a sunlit floor is several times brighter at its foot
-// than half a patch higher. Here is that part of a patch's light over a grid on the patch, exactly, with its
-// mean, so that who draws can take the mean off, draw what is left smoothly, and add the grid.
+// than half a patch higher. Here is that part of a patch's light over a grid on the patch, exactly.
 #pragma once
 
 #include <cstdint>
@@ -23,10 +22,9 @@ public:
     SunGlow(const PointScene& scene, const NearPairs& pairs);
 
     // `light.sunIlluminance` as it is, `partly` those of its patches that are lit in part, for suns of
-    // `strength`. Fills in sunGlow and glow, of triangles only; leaves both empty where no
-    // sunlit patch has one near.
+    // `strength`. Grids of triangles only; nothing where no sunlit patch has one near.
     // Cost: 1 to 5 ms of one core.
-    void addTo(Lighting& light, std::span<const SunlitParts> partly, double strength) const;
+    LightDetail of(const Lighting& light, std::span<const SunlitParts> partly, double strength) const;
 
 private:
     struct Lit { // what the sun lights of a patch

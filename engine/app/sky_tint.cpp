@@ -1,6 +1,7 @@
 #include "engine/app/sky_tint.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <glm/common.hpp>
 
@@ -64,10 +65,7 @@ void tintLight(compute::DaylightTransport& transport, std::span<const daylight::
         if (skies[m].formula.scale > 0 && (hasSun || hasGround)) solveApart(colours.sky).ground.luminance = 0;
         if (hasSun && hasGround) solveApart(colours.ground).formula.scale = 0;
         light.sunNormalIlluminance *= colours.sun;
-        for (std::vector<glm::vec3>* sunny : {&light.sunIlluminance, &light.sunGlow})
-            for (glm::vec3& lux : *sunny) lux *= colours.sun;
-        for (compute::PatchGlow& glow : light.glow)
-            for (glm::vec3& lux : glow.lux) lux *= colours.sun;
+        for (glm::vec3& lux : light.sunIlluminance) lux *= colours.sun;
     }
     // What the room emits by itself keeps its colour, and is in everything that is solved.
     const bool emits =
@@ -80,12 +78,16 @@ void tintLight(compute::DaylightTransport& transport, std::span<const daylight::
         solved.push_back(dark);
     }
     const std::vector<compute::Moment> parts = transport.light(solved);
-    for (size_t m = 0; m < moments.size(); ++m)
-        for (glm::vec3& lux : moments[m].lighting.exitance) lux *= rest[m];
+    for (size_t m = 0; m < moments.size(); ++m) {
+        compute::Lighting& light = moments[m].lighting;
+        for (glm::vec3& lux : light.exitance) lux *= rest[m];
+        light.detail.add(std::exchange(light.detail, {}), rest[m]);
+    }
     for (size_t k = 0; k < apart.size(); ++k) {
-        std::vector<glm::vec3>& light = moments[apart[k].moment].lighting.exitance;
-        addTimes(light, apart[k].more, parts[k].lighting.exitance);
-        if (emits) addTimes(light, -apart[k].more, parts.back().lighting.exitance);
+        compute::Lighting& light = moments[apart[k].moment].lighting;
+        addTimes(light.exitance, apart[k].more, parts[k].lighting.exitance);
+        light.detail.add(parts[k].lighting.detail, apart[k].more);
+        if (emits) addTimes(light.exitance, -apart[k].more, parts.back().lighting.exitance);
     }
     for (size_t m = 0; m < moments.size(); ++m) {
         std::vector<glm::vec3>& light = moments[m].lighting.exitance;

@@ -244,9 +244,11 @@ AddedLight FrameRenderer::State::prepareLight(DeviceMesh& target, const compute:
     if (quantity != Quantity::illuminance)
         for (size_t p = 0; p < perLux.size(); ++p)
             perLux[p] = scene.mesh.materials[scene.mesh.material[p]].reflectance;
-    for (size_t p = 0; p < light.sunGlow.size(); ++p)
-        perPatch[p] = glm::max(perPatch[p] - perLux[p] * light.sunGlow[p], glm::vec3(0));
+    const compute::LightDetail& detail = light.detail;
+    for (size_t p = 0; p < detail.mean.size(); ++p)
+        perPatch[p] = glm::max(perPatch[p] - perLux[p] * detail.mean[p], glm::vec3(0));
     std::vector<glm::vec3> perVertex = scene.vertexLight.evaluate(perPatch);
+    if (!detail.corners.empty()) scene.vertexLight.addCorners(perLux, detail.corners, perVertex);
     if (quantity == Quantity::illuminance)
         markOpenings(scene, perVertex);
     else if (&target == &model->shown)
@@ -261,10 +263,10 @@ std::optional<GlowDraw> FrameRenderer::State::prepareGlow(const DrawMesh& mesh,
     const geometry::PatchMesh& patches = model->scene.mesh;
     std::vector<int> gridOf(patches.patchCount(), -1);
     std::vector<glm::vec3> grids;
-    for (size_t g = 0; g < light.glow.size(); ++g) {
-        const uint32_t patch = light.glow[g].patch;
+    for (size_t g = 0; g < light.detail.grids.size(); ++g) {
+        const uint32_t patch = light.detail.grids[g].patch;
         gridOf[patch] = static_cast<int>(g);
-        for (const glm::vec3& lux : light.glow[g].lux) grids.push_back(scale * perLux[patch] * lux);
+        for (const glm::vec3& lux : light.detail.grids[g].lux) grids.push_back(scale * perLux[patch] * lux);
     }
     std::vector<DrawCorner> corners;
     std::vector<glm::vec3> places;

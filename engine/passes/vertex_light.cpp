@@ -186,6 +186,13 @@ std::vector<glm::vec3> VertexLight::evaluate(std::span<const glm::vec3> patchVal
     return values;
 }
 
+void VertexLight::addCorners(std::span<const glm::vec3> perPatch, std::span<const glm::vec3> corners,
+                             std::vector<glm::vec3>& values) const {
+    for (size_t p = 0; p < perPatch.size(); ++p)
+        for (uint32_t c = firstCorner_[p]; c < firstCorner_[p + 1]; ++c)
+            values[corners_[c].pair] += corners_[c].pull * perPatch[p] * corners[c];
+}
+
 void VertexLight::keepMeans(std::span<const glm::vec3> patchValues, std::vector<glm::vec3>& values) const {
     constexpr int kRounds = 4; // the first does most; later ones sharpen borders of light
     // A vertex stays between its fit and the patches at it: beyond, dark spots stand beside steep edges.

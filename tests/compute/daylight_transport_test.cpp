@@ -287,8 +287,10 @@ TEST(SunBounce, is_what_a_mesh_four_times_as_fine_gives) {
     }
 }
 
-// Where PatchGlow has what lies at a point of a triangle, to the nearest place.
-glm::vec3 glowAt(const PatchGlow& glow, const geometry::PatchMesh& mesh, glm::dvec3 point) {
+// What a grid and corners have at a point of a triangle, to the nearest place.
+glm::vec3 detailAt(const LightDetail& detail, const PatchGlow& glow, const geometry::PatchMesh& mesh,
+                   glm::dvec3 point) {
+    const glm::vec3* lux = &detail.corners[mesh.firstCorner[glow.patch]];
     const std::vector<glm::dvec3> corner = geometry::patchCorners(mesh, glow.patch);
     double nearest = 1e300;
     glm::vec3 found(0);
@@ -298,7 +300,9 @@ glm::vec3 glowAt(const PatchGlow& glow, const geometry::PatchMesh& mesh, glm::dv
             const glm::dvec3 at =
                 corner[0] + (double(i) * (corner[1] - corner[0]) + double(j) * (corner[2] - corner[0])) /
                                 double(PatchGlow::kCells);
-            if (glm::length(at - point) < nearest) nearest = glm::length(at - point), found = glow.lux[place];
+            if (glm::length(at - point) < nearest)
+                nearest = glm::length(at - point),
+                found = glow.lux[place] + PatchGlow::place(lux[0], lux[1], lux[2], i, j);
         }
     return found;
 }
@@ -311,14 +315,14 @@ TEST(SunGlow, is_the_light_within_a_patch_that_finer_patches_have) {
     for (const glm::dvec3 towards : {glm::dvec3(0.5, 0.35, -0.5), {-0.7, 0.5, -0.6}}) {
         const Lighting light = few.light(sunny(towards)).lighting,
                        exact = many.light(sunny(towards)).lighting;
-        ASSERT_EQ(light.sunGlow.size(), coarse.patchCount());
-        ASSERT_FALSE(light.glow.empty());
+        ASSERT_EQ(light.detail.mean.size(), coarse.patchCount());
+        ASSERT_FALSE(light.detail.grids.empty());
         double before = 0, after = 0;
-        for (const PatchGlow& glow : light.glow) {
+        for (const PatchGlow& glow : light.detail.grids) {
             const uint32_t i = glow.patch;
             const float rho = coarse.materials[coarse.material[i]].reflectance.y;
             const double mean = photometric(light.exitance[i] - rho * light.sunIlluminance[i]);
-            EXPECT_LE(rho * photometric(glow.mean()), 1.02 * mean);
+            EXPECT_LE(rho * photometric(light.detail.mean[i]), 1.02 * mean);
             const std::vector<glm::dvec3> corner = geometry::patchCorners(coarse, i);
             for (size_t k = 0; k < fine.patchCount(); ++k) {
                 const glm::dvec3 at = geometry::patchCentroid(fine, k);
@@ -329,15 +333,44 @@ TEST(SunGlow, is_the_light_within_a_patch_that_finer_patches_have) {
                         1.001 * 2 * geometry::patchArea(coarse, i))
                     continue;
                 const double there = photometric(exact.exitance[k] - rho * exact.sunIlluminance[k]);
-                const double within = rho * photometric(glowAt(glow, coarse, at) - light.sunGlow[i]);
+                const double within =
+                    rho * photometric(detailAt(light.detail, glow, coarse, at) - light.detail.mean[i]);
                 before += std::pow(mean - there, 2), after += std::pow(mean + within - there, 2);
             }
         }
         EXPECT_GT(before, 0);
         EXPECT_LT(std::sqrt(after), 0.65 * std::sqrt(before));
     }
-    EXPECT_TRUE(
-        DaylightTransport(test::device(), coarse).light(sunny({0.5, 0.35, -0.5})).lighting.glow.empty());
+    EXPECT_TRUE(DaylightTransport(test::device(), coarse)
+                    .light(sunny({0.5, 0.35, -0.5}))
+                    .lighting.detail.grids.empty());
+}
+
+// At the middles of triangles, most of which see the window, what sensors have there; also where light bends.
+TEST(SkyDetail, is_the_direct_light_that_sensors_see) {
+    const geometry::PatchMesh mesh = squares(1, true);
+    DaylightTransport transport(test::device(), mesh, {.forPictures = true});
+    std::vector<Sensor> sensors;
+    for (size_t p = 0; p < mesh.patchCount(); ++p)
+        sensors.push_back({geometry::patchCentroid(mesh, p), geometry::patchNormal(mesh, p)});
+    transport.setSensors(sensors);
+    const Moment moment = transport.light(test::overcast());
+    const LightDetail& detail = moment.lighting.detail;
+    ASSERT_FALSE(detail.grids.empty());
+    EXPECT_LT(detail.grids.size(), mesh.patchCount());
+    double usual = 0;
+    for (const LightParts& parts : moment.sensors) usual += photometric(parts.sky + parts.ground);
+    usual /= static_cast<double>(mesh.patchCount());
+    std::vector<const PatchGlow*> gridOf(mesh.patchCount());
+    for (const PatchGlow& grid : detail.grids) gridOf[grid.patch] = &grid;
+    for (size_t p = 0; p < mesh.patchCount(); ++p) {
+        if (mesh.materials[mesh.material[p]].isOpening()) continue;
+        PatchGlow grid{static_cast<uint32_t>(p), {}};
+        if (gridOf[p]) grid = *gridOf[p];
+        const double there = photometric(moment.sensors[p].sky + moment.sensors[p].ground);
+        EXPECT_NEAR(photometric(detailAt(detail, grid, mesh, sensors[p].position)), there,
+                    0.06 * (there + usual));
+    }
 }
 
 TEST(DaylightTransport, grey_scenes_take_one_channel_and_give_the_same_light) {

@@ -255,7 +255,7 @@ TEST(Glow, is_drawn_as_it_is_within_a_triangle) {
     const auto there = [](glm::dvec3 p) { return 1000 * (p.x * p.x + std::abs(p.z) + 0.1); };
     compute::Lighting light;
     light.exitance.assign(mesh.patchCount(), glm::vec3(100));
-    light.sunGlow.assign(mesh.patchCount(), glm::vec3(0));
+    light.detail.mean.assign(mesh.patchCount(), glm::vec3(0));
     for (uint32_t p = 0; p < mesh.patchCount(); ++p) {
         if (geometry::patchNormal(mesh, p).y < 0.9) continue;
         compute::PatchGlow glow{p, {}};
@@ -266,11 +266,11 @@ TEST(Glow, is_drawn_as_it_is_within_a_triangle) {
                 glow.lux[place++] = glm::vec3(static_cast<float>(there(
                     corner[0] + (double(i) * (corner[1] - corner[0]) + double(j) * (corner[2] - corner[0])) /
                                     double(glow.kCells))));
-        light.sunGlow[p] = glow.mean();
+        light.detail.mean[p] = glow.mean();
         light.exitance[p] += 0.7f * glow.mean();
-        light.glow.push_back(glow);
+        light.detail.grids.push_back(glow);
     }
-    ASSERT_EQ(light.glow.size(), 2u);
+    ASSERT_EQ(light.detail.grids.size(), 2u);
     FrameRenderer renderer(test::device(), mesh, {}, nullptr);
     const ImageF picture = renderer.exitance(light, viewOfCamera({{0, 5, 0}, {0, 0, 0}, 10}, 64, 64));
     const double metres = 2 * 5 * std::tan(glm::radians(5.0)) / 64; // a pixel
