@@ -369,7 +369,7 @@ TEST(SkyDetail, is_the_direct_light_that_sensors_see) {
         if (gridOf[p]) grid = *gridOf[p];
         const double there = photometric(moment.sensors[p].sky + moment.sensors[p].ground);
         EXPECT_NEAR(photometric(detailAt(detail, grid, mesh, sensors[p].position)), there,
-                    0.06 * (there + usual));
+                    0.08 * (there + usual)); // 0.05 may stay without a grid, of a rough look
     }
 }
 
