@@ -161,23 +161,7 @@ std::vector<Segment> FlatPart::limitLines() const {
     return lines;
 }
 
-size_t FlatPart::pieceAt(glm::dvec2 p) const {
-    size_t best = 0;
-    double most = -1e300;
-    for (size_t i = 0; i < pieces.size() && most < 0; ++i) {
-        const glm::dvec3 w = pieces[i].barycentric(p);
-        const double least = std::min({w.x, w.y, w.z});
-        if (least > most) most = least, best = i;
-    }
-    return best;
-}
-
 uint32_t FlatPart::seenFrom(const Piece& piece, glm::dvec2 p) const {
-    if (!facets.empty()) {
-        const FlatPart& facet = facets[piece.facet];
-        const Piece& same = facet.pieces[piece.inFacet];
-        return facet.seenFrom(same, same.at(piece.barycentric(p)));
-    }
     uint32_t seen = 0;
     for (size_t v = 0; v < views.size(); ++v) {
         if (!views[v].reaches(p)) continue;

@@ -1,5 +1,4 @@
-// The triangles of a mesh that lie on one surface and in one plane, or on a wall unrolled to one, with what
-// projectors see of them.
+// The triangles of a mesh that lie on one surface and in one plane, with what projectors see of them.
 #pragma once
 
 #include <array>
@@ -22,12 +21,8 @@ struct Piece {
     std::array<uint32_t, 3> vertex{};                       // of the part
     std::array<uint32_t, 3> neighbour{kNone, kNone, kNone}; // the piece beyond the edge from corner k on
     uint32_t patch = 0;
-    uint32_t facet = 0, inFacet = 0; // of a sheet: the facet, and the piece of it, that this one is
 
     glm::dvec3 barycentric(glm::dvec2 p) const;
-    glm::dvec2 at(glm::dvec3 weight) const {
-        return weight.x * corner[0] + weight.y * corner[1] + weight.z * corner[2];
-    }
 };
 
 struct FlatPart {
@@ -48,9 +43,6 @@ struct FlatPart {
     };
     std::vector<Side> borderSides; // without a piece beyond
     std::vector<Segment> border;   // the same in the plane
-    // Of a curved wall unrolled to a sheet (unrolled_wall.h), which has no frame, normals or views of its
-    // own.
-    std::vector<FlatPart> facets;
 
     // Fills in box, neighbours and border.
     void link();
@@ -60,8 +52,6 @@ struct FlatPart {
     void limit(glm::dvec3 centre, const std::vector<glm::dvec3>& at, double leastCosine);
     // Where the excess of the last of the views is zero.
     std::vector<Segment> limitLines() const;
-    // The piece that a point lies in, or, by a rounding error beside all, the nearest.
-    size_t pieceAt(glm::dvec2 p) const;
     // Those of the views, as bits, that reach a point of a piece.
     uint32_t seenFrom(const Piece& piece, glm::dvec2 p) const;
 };

@@ -16,7 +16,6 @@
 #include "geometry/flat_part.h"
 #include "geometry/key_hash.h"
 #include "geometry/region_mesh.h"
-#include "geometry/unrolled_wall.h"
 
 namespace heliodon::geometry {
 
@@ -33,13 +32,8 @@ public:
     ProjectorMesh split() {
         copies_.assign(mesh_.vertices.size(), Piece::kNone);
         cutVertices_.assign(mesh_.vertices.size(), false);
-        parts_ = unrollWalls(flatParts(mesh_), mesh_);
-        for (FlatPart& part : parts_) {
-            if (part.facets.empty()) findCuts(part);
-            for (FlatPart& facet : part.facets) findCuts(facet);
-            unrollCuts(part);
-            noteEdgeCuts(part);
-        }
+        parts_ = flatParts(mesh_);
+        for (FlatPart& part : parts_) findCuts(part);
         for (auto& [edge, cuts] : edgeCuts_) tidy(edge, cuts);
         for (FlatPart& part : parts_) build(part);
         measureReach();
@@ -64,9 +58,6 @@ private:
         }
         if (outline_.empty()) return;
         part.cuts = clipToRegion(outline_, part.border);
-    }
-
-    void noteEdgeCuts(const FlatPart& part) {
         for (const Cut& cut : part.cuts)
             for (const CutEnd& end : cut)
                 if (end.edge >= 0 && end.t > 0 && end.t < 1) {
@@ -221,8 +212,7 @@ private:
                 chain.points.push_back(static_cast<uint32_t>(region.border.size()));
                 chain.places.push_back(a < b ? t : 1 - t);
                 anew.vertices.push_back(edgeVertex(keyOf(a, b), index, part.surface));
-                const auto& [from, to] = part.border[e];
-                region.border.push_back(from + chain.places.back() * (to - from));
+                region.border.push_back(part.frame.flat(out_.vertices[anew.vertices.back()]));
             }
             chain.points.push_back(borderPoint(part, part.pieces[i], (k + 1) % 3, anew));
             chain.places.push_back(1);
@@ -265,10 +255,7 @@ private:
             std::array<uint32_t, 3> source{};
             for (size_t k = 0; k < 3; ++k) source[k] = part.vertices[piece.vertex[k]];
             vertices.push_back(static_cast<uint32_t>(out_.vertices.size()));
-            const glm::dvec3 weight = piece.barycentric(mesh.points[i]);
-            glm::dvec3 p(0);
-            for (size_t k = 0; k < 3; ++k) p += weight[static_cast<int>(k)] * mesh_.vertices[source[k]];
-            addVertex(p, source, weight);
+            addVertex(part.frame.inSpace(mesh.points[i]), source, piece.barycentric(mesh.points[i]));
         }
         for (const auto& t : mesh.triangles) {
             const glm::dvec2 middle = (mesh.points[t[0]] + mesh.points[t[1]] + mesh.points[t[2]]) / 3.0;

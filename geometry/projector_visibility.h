@@ -47,8 +47,7 @@ struct ProjectorMesh {
 // picture is the largest four-sided cone within the lens's true border, so nothing is labelled visible that
 // the panel cannot reach. Surfaces without T-vertices stay so.
 // Shadows thinner than 0.1 mm and lines within that of one another are not told apart. Away from borders and
-// outlines the triangles are those of the mesh; outlines have points about an edge length apart. On
-// upright curved walls the triangles along them may be chords over several facets. Cost: 2 ms
+// outlines the triangles are those of the mesh; outlines have points about an edge length apart. Cost: 2 ms
 // for four projectors and a room of six walls at 2000 patches, 5 ms with 20 walls.
 ProjectorMesh splitByProjectorVisibility(const PatchMesh& mesh, const Occluders& occluders,
                                          std::span<const OpticalDevice> projectors,

@@ -34,8 +34,8 @@ using Structure = CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>;
 using Triangulation =
     CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure, CGAL::Exact_predicates_tag>;
 
-constexpr double kStraight = 5e-4; // metres: how far lines move to get rid of their corners
-constexpr double kMakesWay = 0.25; // of its spacing: a seed nearer to a line
+constexpr double kStraight = 1.5e-4; // metres: how far lines move to get rid of their corners
+constexpr double kMakesWay = 0.25;   // of its spacing: a seed nearer to a line
 
 // The lines as edges between nodes that meet at nodes only.
 class LineNet {

@@ -47,7 +47,7 @@ struct RegionMesh {
     std::vector<std::array<uint32_t, 3>> triangles; // counter-clockwise
 };
 
-// Every line is an edge or a chain of edges of the result, to within 0.6 mm. Constrained Delaunay
+// Every line is an edge or a chain of edges of the result, to within 0.2 mm. Constrained Delaunay
 // triangulation; seeds nearer to a line than a quarter of their spacing make way for its own points. Cost:
 // about 1 us a point.
 RegionMesh meshRegion(const Region& region);
