@@ -38,7 +38,8 @@ ShownMesh shownMesh(const geometry::PatchMesh& mesh, const VertexLight& vertexLi
     }
     std::vector<glm::dvec3> centres;
     for (const geometry::OpticalDevice& device : devices) centres.push_back(device.centre());
-    return {std::move(out), geometry::blendProjectors(cut, mesh, centres)};
+    return {std::move(out), geometry::blendProjectors(cut, mesh, centres),
+            static_cast<float>(cut.bulge)};
 }
 
 } // namespace heliodon::passes
