@@ -19,10 +19,16 @@ struct PatchGlow {
     uint32_t patch = 0;
     std::array<glm::vec3, io::kGlowPlaces> lux{};
 
-    // Where a place lies, or what is there of values that are linear between corners.
-    template<class V> static V place(V corner0, V corner1, V corner2, int i, int j) {
+    // Where the places lie, or what is there of values that are linear between corners.
+    template<class V> static std::array<V, io::kGlowPlaces> places(V corner0, V corner1, V corner2) {
         using Number = typename V::value_type;
-        return corner0 + (Number(i) * (corner1 - corner0) + Number(j) * (corner2 - corner0)) / Number(kCells);
+        std::array<V, io::kGlowPlaces> all;
+        size_t place = 0;
+        for (int j = 0; j <= kCells; ++j)
+            for (int i = 0; i + j <= kCells; ++i)
+                all[place++] = corner0 + (Number(i) * (corner1 - corner0) + Number(j) * (corner2 - corner0)) /
+                                             Number(kCells);
+        return all;
     }
 
     glm::vec3 mean() const {

@@ -20,7 +20,7 @@ using glm::dvec3;
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kAngle = 0.3, kRoughAngle = 0.5; // radians, of one sample; to find where light bends
+constexpr double kAngle = 0.3;    // radians, of one sample
 constexpr double kInward = 0.005; // of the way to a patch's middle; light jumps where surfaces touch
 constexpr double kBent = 0.05;    // of the light there and the usual one, off linear: worth a grid
 
@@ -69,17 +69,23 @@ glm::vec3 linearMean(const geometry::PatchMesh& mesh, size_t patch, const glm::v
 } // namespace
 
 SkyDetail::SkyDetail(const PointScene& scene) : scene_(&scene), pairOf_(scene.mesh().corners.size()) {
-    const std::vector<Row> pairs = seenFromCorners();
-    bent_ = bentPatches(pairs);
-    for (const std::vector<Row>& rows : {pairs, seenFromGrids()})
+    const auto keep = [this](std::span<const Row> rows) {
         for (const Row& row : rows) {
             shares_.insert(shares_.end(), row.begin(), row.end());
             first_.push_back(shares_.size());
         }
+    };
+    const std::vector<Row> pairs = seenFromCorners();
+    keep(pairs);
+    const std::vector<std::vector<Row>> grids = seenFromGrids(pairs);
+    for (uint32_t p = 0; p < grids.size(); ++p) {
+        if (grids[p].empty()) continue;
+        bent_.push_back(p);
+        keep(grids[p]);
+    }
 }
 
-std::vector<SkyDetail::Row> SkyDetail::seenFrom(uint32_t patch, std::span<const dvec3> points,
-                                                double angle) const {
+std::vector<SkyDetail::Row> SkyDetail::seenFrom(uint32_t patch, std::span<const dvec3> points) const {
     const uint32_t room = scene_->mesh().room[patch];
     const PointScene::Patch& on = scene_->patches()[patch];
     const Blockers blockers = scene_->blockersOfSky(patch);
@@ -87,8 +93,8 @@ std::vector<SkyDetail::Row> SkyDetail::seenFrom(uint32_t patch, std::span<const 
     std::vector<SkySample> samples;
     for (const dvec3& point : points) {
         samples.clear();
-        scene_->seeSky(PointView(blockers, glm::mix(point, on.centre, kInward), on.normal, room), room, angle,
-                       samples);
+        scene_->seeSky(PointView(blockers, glm::mix(point, on.centre, kInward), on.normal, room), room,
+                       kAngle, samples);
         NodeWeights sums{};
         for (const SkySample& sample : samples) addTo(sums, sample);
         Row& row = rows.emplace_back();
@@ -96,6 +102,12 @@ std::vector<SkyDetail::Row> SkyDetail::seenFrom(uint32_t patch, std::span<const 
             if (sums[node] != glm::vec3(0)) row.push_back({node, sums[node]});
     }
     return rows;
+}
+
+double SkyDetail::underEvenSky(const Row& row) {
+    double sum = 0;
+    for (const Share& share : row) sum += photometric(share.weight);
+    return sum;
 }
 
 std::vector<SkyDetail::Row> SkyDetail::seenFromCorners() {
@@ -111,62 +123,50 @@ std::vector<SkyDetail::Row> SkyDetail::seenFromCorners() {
         }
     std::vector<Row> rows(places.size());
     inParallel(places.size(), [&](size_t k) {
-        rows[k] = std::move(seenFrom(places[k].first, {&places[k].second, 1}, kAngle)[0]);
+        rows[k] = std::move(seenFrom(places[k].first, {&places[k].second, 1})[0]);
     });
     return rows;
 }
 
-std::vector<uint32_t> SkyDetail::bentPatches(std::span<const Row> pairs) const {
+double SkyDetail::meanOf(std::span<const double> atPairs) const {
     const geometry::PatchMesh& mesh = scene_->mesh();
-    const size_t n = mesh.patchCount();
-    const auto underEvenSky = [](const Row& row) {
-        double sum = 0;
-        for (const Share& share : row) sum += photometric(share.weight);
-        return sum;
-    };
-    std::vector<double> atPair;
-    for (const Row& row : pairs) atPair.push_back(underEvenSky(row));
     double light = 0, area = 0;
-    for (size_t p = 0; p < n; ++p) {
+    for (size_t p = 0; p < mesh.patchCount(); ++p) {
         const double here = geometry::patchArea(mesh, p), corners = static_cast<double>(mesh.patch(p).size());
         for (uint32_t c = mesh.firstCorner[p]; c < mesh.firstCorner[p + 1]; ++c)
-            light += here / corners * atPair[pairOf_[c]];
+            light += here / corners * atPairs[pairOf_[c]];
         area += here;
     }
-    const double usual = light / std::max(area, 1e-300);
-    std::vector<char> bends(n, 0);
-    inParallel(n, [&](size_t p) {
-        if (mesh.patch(p).size() != 3 || mesh.materials[mesh.material[p]].isOpening()) return;
-        const std::vector<dvec3> at = geometry::patchCorners(mesh, p);
-        const uint32_t* pair = &pairOf_[mesh.firstCorner[p]];
-        const dvec3 corner(atPair[pair[0]], atPair[pair[1]], atPair[pair[2]]);
-        const dvec3 inside[]{{0.5, 0.5, 0}, {0, 0.5, 0.5}, {0.5, 0, 0.5}, dvec3(1.0 / 3)};
-        std::vector<dvec3> points;
-        for (const dvec3& w : inside) points.push_back(w.x * at[0] + w.y * at[1] + w.z * at[2]);
-        const std::vector<Row> seen = seenFrom(static_cast<uint32_t>(p), points, kRoughAngle);
-        for (size_t k = 0; k < points.size(); ++k) {
-            const double there = underEvenSky(seen[k]);
-            bends[p] |= std::abs(there - glm::dot(inside[k], corner)) > kBent * (there + usual);
-        }
-    });
-    std::vector<uint32_t> found;
-    for (uint32_t p = 0; p < n; ++p)
-        if (bends[p]) found.push_back(p);
-    return found;
+    return light / std::max(area, 1e-300);
 }
 
-std::vector<SkyDetail::Row> SkyDetail::seenFromGrids() const {
-    std::vector<Row> rows(bent_.size() * io::kGlowPlaces);
-    inParallel(bent_.size(), [&](size_t b) {
-        const std::vector<dvec3> corner = geometry::patchCorners(scene_->mesh(), bent_[b]);
-        std::vector<dvec3> points;
-        for (int j = 0; j <= PatchGlow::kCells; ++j)
-            for (int i = 0; i + j <= PatchGlow::kCells; ++i)
-                points.push_back(PatchGlow::place(corner[0], corner[1], corner[2], i, j));
-        std::ranges::move(seenFrom(bent_[b], points, kAngle),
-                          rows.begin() + static_cast<std::ptrdiff_t>(b * io::kGlowPlaces));
+bool SkyDetail::bends(uint32_t triangle, std::span<const double> atPairs, double usual) const {
+    const std::vector<dvec3> at = geometry::patchCorners(scene_->mesh(), triangle);
+    const uint32_t* pair = &pairOf_[scene_->mesh().firstCorner[triangle]];
+    const dvec3 corner(atPairs[pair[0]], atPairs[pair[1]], atPairs[pair[2]]);
+    const dvec3 inside[]{{0.5, 0.5, 0}, {0, 0.5, 0.5}, {0.5, 0, 0.5}, dvec3(1.0 / 3)};
+    return std::ranges::any_of(inside, [&](const dvec3& w) {
+        const dvec3 point = w.x * at[0] + w.y * at[1] + w.z * at[2];
+        const double there = underEvenSky(seenFrom(triangle, {&point, 1})[0]);
+        return std::abs(there - glm::dot(w, corner)) > kBent * (there + usual);
     });
-    return rows;
+}
+
+std::vector<std::vector<SkyDetail::Row>> SkyDetail::seenFromGrids(std::span<const Row> pairs) const {
+    const geometry::PatchMesh& mesh = scene_->mesh();
+    std::vector<double> atPairs;
+    for (const Row& row : pairs) atPairs.push_back(underEvenSky(row));
+    const double usual = meanOf(atPairs);
+    std::vector<std::vector<Row>> grids(mesh.patchCount());
+    inParallel(grids.size(), [&](size_t i) {
+        const auto p = static_cast<uint32_t>(i);
+        if (mesh.patch(p).size() != 3 || mesh.materials[mesh.material[p]].isOpening() ||
+            !bends(p, atPairs, usual))
+            return;
+        const std::vector<dvec3> corner = geometry::patchCorners(mesh, p);
+        grids[p] = seenFrom(p, PatchGlow::places(corner[0], corner[1], corner[2]));
+    });
+    return grids;
 }
 
 LightDetail SkyDetail::of(const daylight::Sky& sky) const {
@@ -187,10 +187,8 @@ LightDetail SkyDetail::of(const daylight::Sky& sky) const {
     for (const uint32_t p : bent_) {
         PatchGlow& grid = detail.grids.emplace_back(p);
         const glm::vec3* corner = &detail.corners[mesh.firstCorner[p]];
-        size_t place = 0;
-        for (int j = 0; j <= PatchGlow::kCells; ++j)
-            for (int i = 0; i + j <= PatchGlow::kCells; ++i)
-                grid.lux[place++] = lux[point++] - PatchGlow::place(corner[0], corner[1], corner[2], i, j);
+        const auto linear = PatchGlow::places(corner[0], corner[1], corner[2]);
+        for (size_t k = 0; k < linear.size(); ++k) grid.lux[k] = lux[point++] - linear[k];
         detail.mean[p] += grid.mean();
     }
     return detail;

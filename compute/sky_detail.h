@@ -32,11 +32,14 @@ private:
         glm::vec3 weight;
     };
     using Row = std::vector<Share>;
+    static double underEvenSky(const Row& row);
     // Points on one patch.
-    std::vector<Row> seenFrom(uint32_t patch, std::span<const glm::dvec3> points, double angle) const;
+    std::vector<Row> seenFrom(uint32_t patch, std::span<const glm::dvec3> points) const;
     std::vector<Row> seenFromCorners(); // one a pair
-    std::vector<Row> seenFromGrids() const;
-    std::vector<uint32_t> bentPatches(std::span<const Row> pairs) const;
+    // Per patch; none where values of pairs will do.
+    std::vector<std::vector<Row>> seenFromGrids(std::span<const Row> pairs) const;
+    double meanOf(std::span<const double> atPairs) const; // by area
+    bool bends(uint32_t triangle, std::span<const double> atPairs, double usual) const;
 
     const PointScene* scene_;
     std::vector<uint32_t> pairOf_; // per corner of the mesh: number of its vertex and surface

@@ -73,17 +73,15 @@ void SunGlow::fillGrid(uint32_t patch, std::span<const Lit* const> lit, std::spa
             ends.insert(ends.end(), part.polygon.begin(), part.polygon.end());
     const Blockers between = scene_->blockers().between(ends);
     size_t place = 0;
-    for (int j = 0; j <= PatchGlow::kCells; ++j)
-        for (int i = 0; i + j <= PatchGlow::kCells; ++i) {
-            const dvec3 at = PatchGlow::place(corner[0], corner[1], corner[2], i, j);
-            const PointView view(between, glm::mix(at, middle, kInward), normal, mesh.room[patch]);
-            dvec3 sum(0);
-            for (const Lit* from : lit)
-                if (const double counts = weight(at, from->patch); counts > 0)
-                    for (const SunlitParts::Part& part : from->parts)
-                        sum += counts * view.factor(part.polygon) * dvec3(part.light);
-            grid[place++] = sum;
-        }
+    for (const dvec3& at : PatchGlow::places(corner[0], corner[1], corner[2])) {
+        const PointView view(between, glm::mix(at, middle, kInward), normal, mesh.room[patch]);
+        dvec3 sum(0);
+        for (const Lit* from : lit)
+            if (const double counts = weight(at, from->patch); counts > 0)
+                for (const SunlitParts::Part& part : from->parts)
+                    sum += counts * view.factor(part.polygon) * dvec3(part.light);
+        grid[place++] = sum;
+    }
 }
 
 LightDetail SunGlow::of(const Lighting& light, std::span<const SunlitParts> partly, double strength) const {

@@ -1,4 +1,5 @@
 // Checklist 28: the sun per pixel, against ray casting in double precision on the same pixels.
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <random>
@@ -260,12 +261,8 @@ TEST(Glow, is_drawn_as_it_is_within_a_triangle) {
         if (geometry::patchNormal(mesh, p).y < 0.9) continue;
         compute::PatchGlow glow{p, {}};
         const std::vector<glm::dvec3> corner = geometry::patchCorners(mesh, p);
-        size_t place = 0;
-        for (int j = 0; j <= glow.kCells; ++j)
-            for (int i = 0; i + j <= glow.kCells; ++i)
-                glow.lux[place++] = glm::vec3(static_cast<float>(there(
-                    corner[0] + (double(i) * (corner[1] - corner[0]) + double(j) * (corner[2] - corner[0])) /
-                                    double(glow.kCells))));
+        std::ranges::transform(glow.places(corner[0], corner[1], corner[2]), glow.lux.begin(),
+                               [&](glm::dvec3 at) { return glm::vec3(static_cast<float>(there(at))); });
         light.detail.mean[p] = glow.mean();
         light.exitance[p] += 0.7f * glow.mean();
         light.detail.grids.push_back(glow);
