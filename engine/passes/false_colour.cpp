@@ -101,7 +101,7 @@ int legendUnit(int height) {
 } // namespace
 
 int legendWidth(int height) {
-    constexpr int kLeastHeight = 68; // a bar of 20 rows between "lux", what is below it and the margins
+    constexpr int kLeastHeight = 76; // a bar of 20 rows between "lux", what is below it and the margins
     return height < kLeastHeight ? 0 : 72 * legendUnit(height);
 }
 
@@ -109,7 +109,7 @@ void drawLegend(Image8& picture, const FalseScale& scale) {
     const int size = legendUnit(picture.height), barWidth = 12 * size, margin = 10 * size;
     const int right = picture.width - margin, left = picture.width - legendWidth(picture.height);
     const int black = picture.height - margin - 10 * size; // from here to the margin
-    const int top = margin + 14 * size, bottom = black - 4 * size;
+    const int top = margin + 18 * size, bottom = black - 8 * size;
     if (left < 0 || left == picture.width) return;
     fill(picture, left, 0, picture.width, picture.height, {24, 24, 24});
     const Lettering letters{9.0 * size, kInk};
@@ -135,8 +135,7 @@ void drawLegend(Image8& picture, const FalseScale& scale) {
         const double power = std::log10(lux);
         if (factor < 1.2 * letters.capital && std::abs(power - std::round(power)) > 1e-6) continue;
         const int y = position(lux);
-        const double baseline =
-            std::clamp(y + 0.5 * (size + letters.capital), top + letters.capital, 1.0 * bottom);
+        const double baseline = y + 0.5 * (size + letters.capital);
         if (baseline > before - 1.1 * letters.capital) continue;
         before = baseline;
         fill(picture, right - barWidth - 3 * size, y, right - barWidth, y + size, kInk);

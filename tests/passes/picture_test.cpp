@@ -140,6 +140,23 @@ TEST(FalseColour, the_legend_shows_both_ends_of_the_scale) {
     EXPECT_TRUE(has(viridis(1)));
     EXPECT_TRUE(has(glm::vec3(0)));            // below the scale
     EXPECT_EQ(picture.pixel(10, 150)[0], 128); // the rest of the picture is left alone
+    // Each number beside its tick.
+    const auto isInked = [&](int x0, int x1, int y) {
+        for (int x = x0; x < x1; ++x)
+            if (picture.pixel(x, y)[0] > 120) return true;
+        return false;
+    };
+    const int left = picture.width - legendWidth(picture.height), bar = picture.width - 22;
+    int ticks = 0;
+    for (int y = 20; y < 280; ++y) { // below "lux", above what is below the scale
+        if (!isInked(bar - 2, bar, y)) continue;
+        int top = y, bottom = y;
+        while (isInked(left, bar - 4, top - 1)) --top;
+        while (isInked(left, bar - 4, bottom + 1)) ++bottom;
+        EXPECT_NEAR(0.5 * (top + bottom), y, 1) << y;
+        ++ticks;
+    }
+    EXPECT_EQ(ticks, 10);
     Image8 tiny{3, 3, std::vector<uint8_t>(27, 9)};
     drawLegend(tiny, {}); // no room: nothing happens
     EXPECT_EQ(tiny.rgb, std::vector<uint8_t>(27, 9));
