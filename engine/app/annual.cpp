@@ -183,7 +183,8 @@ void drawYear(Run& run, const Job& job, const Year& year) {
         temporalChart(weather, hours.read(row, 1, 0, job.records()), lux,
                       fmt::format("Illuminance at sensor {}", row))
             .write(arguments.output / (temporalName(row) + extension));
-    const std::string when = fmt::format("{} o'clock, weather of {}", arguments.occupied, weather.place);
+    const std::string when = fmt::format("{} o'clock, weather of {}{}", arguments.occupied, weather.place,
+                                         arguments.sensors.empty() ? "; " + WorkPlane().inWords() : "");
     const auto plan = [&](const char* name, const std::string& title,
                           Range daylight::SensorMetrics::*metric) {
         std::vector<double> values;
@@ -300,8 +301,7 @@ SensorTable sensorsFor(Run& run, const AnnualArguments& arguments, const Scene& 
     if (table.points.empty())
         throw geometry::InputError(arguments.scene.input.string(), "",
                                    "has no floor to put sensors over, expected --sensors S.csv");
-    run.note(
-        fmt::format("{} sensors on a work plane {} m above the floor", table.points.size(), plane.height));
+    run.note(fmt::format("{} sensors on a {}", table.points.size(), plane.inWords()));
     return table;
 }
 

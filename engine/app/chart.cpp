@@ -186,8 +186,8 @@ void drawScale(Chart& chart, const ValueScale& scale, glm::dvec2 at, double heig
     }
     chart.text({at.x, at.y - 8}, scale.unit, 12);
     if (!scale.logarithmic) return;
-    chart.rectangle(at.x, at.y + height + 5, kWidth, 9, kDark);
-    chart.text({at.x + kWidth + 7, at.y + height + 14}, passes::belowScale({scale.low, scale.high}), 11);
+    chart.rectangle(at.x, at.y + height + 12, kWidth, 9, kDark);
+    chart.text({at.x + kWidth + 7, at.y + height + 21}, passes::belowScale({scale.low, scale.high}), 11);
 }
 
 } // namespace heliodon::app

@@ -77,7 +77,7 @@ struct ValueScale {
 ValueScale luxScale(std::vector<double> lux);
 ValueScale percentScale();
 
-// A bar with numbers, `height` tall, its left edge at `at`, and some 14 pixels below it black, where the
+// A bar with numbers, `height` tall, its left edge at `at`, and some 21 pixels below it black, where the
 // scale is logarithmic.
 void drawScale(Chart& chart, const ValueScale& scale, glm::dvec2 at, double height);
 

@@ -139,6 +139,7 @@ Solution solveOn(Run& run, const IlluminanceArguments& arguments, const Input& i
         plane.worldPerBuilding = s.scene.worldPerBuilding;
         plane.spacing /= 2; // for the drawing only: patches of sun keep their shape
         s.sensors = workPlaneSensors(s.scene.mesh, s.scene.up, plane);
+        s.title += "; " + plane.inWords();
     }
     if (s.sensors) giveSensors(run, *transport, *s.sensors);
     s.moment = solveLight(run, *transport, sky);

@@ -76,6 +76,7 @@ public:
     }
 
     bool hasSunEdges() const { return hasSunEdges_; }
+    bool hasDots() const { return hasDots_; }
 
     void fillBands(Chart& chart, const std::vector<SampleTriangle>& triangles) const {
         std::vector<std::vector<Points>> bands(kBands);
@@ -155,12 +156,16 @@ public:
         }
     }
 
-    // Small squares; of few sensors rounds of their colour with their numbers.
+    static void dot(Chart& chart, glm::dvec2 p) {
+        chart.rectangle(p.x - 0.8, p.y - 0.8, 1.6, 1.6, {90, 90, 90});
+    }
+
+    // Dots; of few sensors rounds of their colour with their numbers.
     void sensors(Chart& chart, const std::vector<Sample>& samples, bool few) {
         for (const Sample& s : samples) {
             const glm::dvec2 p = pixel(s.at);
             if (!few) {
-                chart.rectangle(p.x - 0.8, p.y - 0.8, 1.6, 1.6, {90, 90, 90});
+                dot(chart, p), hasDots_ = true;
                 continue;
             }
             for (const auto& [radius, ink] :
@@ -309,7 +314,7 @@ private:
     double border_; // world metres
     std::vector<IsoLine> lines_;
     Points numbers_; // pixels, where the sensors' stand
-    bool hasSunEdges_ = false;
+    bool hasSunEdges_ = false, hasDots_ = false;
     glm::dvec2 low_{1e300}, high_{-1e300}, size_{0};
     double pixels_ = 1;
 };
@@ -324,13 +329,18 @@ void drawNorthAndScale(Chart& chart, const Scene& scene, const PlanDrawing& plan
     for (double end : {0.0, length * metre})
         chart.line({at + glm::dvec2(end, -4), at + glm::dvec2(end, 4)}, kBlack, 1.2);
     chart.text(at + glm::dvec2(length * metre + 8, 4), fmt::format("{:g} m", length), 11);
+    const glm::dvec2 keys(at.x + 215, at.y - (plan.hasSunEdges() ? 9 : 0));
     const auto key = [&](double down, Ink ink, double thickness, const char* words) {
-        const glm::dvec2 p(at.x + 215, at.y + down);
+        const glm::dvec2 p = keys + glm::dvec2(0, down);
         chart.line({p, p + glm::dvec2(20, 0)}, ink, thickness);
         chart.text(p + glm::dvec2(28, 4), words, 11);
     };
-    key(plan.hasSunEdges() ? -9 : 0, kOpening, 3, "opening");
-    if (plan.hasSunEdges()) key(9, kSunEdge, 1.2, "edge of direct sun");
+    key(0, kOpening, 3, "opening");
+    if (plan.hasSunEdges()) key(18, kSunEdge, 1.2, "edge of direct sun");
+    if (plan.hasDots()) {
+        PlanDrawing::dot(chart, keys + glm::dvec2(92, 0));
+        chart.text(keys + glm::dvec2(99, 4), "sensor", 11);
+    }
     const double angle = glm::radians(scene.northDeg);
     const glm::dvec2 north(std::cos(angle), -std::sin(angle)), side(-north.y, north.x);
     const glm::dvec2 foot = glm::dvec2(chart.width() - kLegend - kMargin - 20, at.y) - 12.0 * north;

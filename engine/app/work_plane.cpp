@@ -101,6 +101,10 @@ glm::dvec3 modelFromWorld(glm::dvec3 p, geometry::UpAxis up) {
     return up == geometry::UpAxis::y ? p : glm::dvec3(p.x, 0.0 - p.z, p.y); // no negative zero
 }
 
+std::string WorkPlane::inWords() const {
+    return fmt::format("work plane {:.2f} m above the floors", height);
+}
+
 SensorTable workPlaneSensors(const geometry::PatchMesh& mesh, geometry::UpAxis up, WorkPlane plane) {
     const std::vector<Room> rooms = roomsOf(mesh);
     double area = 0;

@@ -1,6 +1,8 @@
 // Sensors where a desk would stand: a square grid over the floors of all rooms, looking up.
 #pragma once
 
+#include <string>
+
 #include "engine/app/table_file.h"
 #include "geometry/patch_mesh.h"
 
@@ -11,6 +13,8 @@ struct WorkPlane {
            spacing = 0.6096;     // building metres: 2 ft 6 in above the floor, every 2 ft (IES LM-83)
     double worldPerBuilding = 1; // world metres a building metre
     size_t most = 2000;          // sensors; more floor than that widens the spacing
+
+    std::string inWords() const; // how high it is
 };
 
 // Rows `x,y,z,nx,ny,nz` in the model's axes. Points under which a floor lies (an upward surface at most half

@@ -262,6 +262,8 @@ TEST_F(Annual, a_plan_of_illuminance_is_a_drawing) {
     EXPECT_NE(svg.find("<path"), std::string::npos);
     EXPECT_TRUE(svg.ends_with("</svg>\n"));
     EXPECT_EQ(svg.find("edge of direct sun"), std::string::npos);
+    for (const char* told : {"work plane 0.76 m above the floors", ">sensor<"})
+        EXPECT_NE(svg.find(told), std::string::npos) << told;
     EXPECT_EQ(heliodon(command + in("plan.gif")).exitCode, 2);
     const std::string sunny =
         "illuminance " + kOffice + " --time 2026-12-21T12:00solar --quiet -o " + in("lux.csv");
