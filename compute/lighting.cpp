@@ -4,14 +4,10 @@
 
 namespace heliodon::compute {
 
-namespace {
-
 void addTimes(std::vector<glm::vec3>& sum, glm::vec3 times, const std::vector<glm::vec3>& more) {
     sum.resize(std::max(sum.size(), more.size()), glm::vec3(0));
     for (size_t i = 0; i < more.size(); ++i) sum[i] += times * more[i];
 }
-
-} // namespace
 
 void LightDetail::add(const LightDetail& other, glm::vec3 times) {
     addTimes(mean, times, other.mean);

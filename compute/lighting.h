@@ -1,10 +1,13 @@
 // What the light solvers hand to drawing and to tables: one moment of light on a PatchMesh.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
 
+#include <glm/common.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include "geometry/luminance.h"
@@ -31,6 +34,23 @@ struct PatchGlow {
         return all;
     }
 
+    // At a place along the edges from corner 0 to 1 and to 2, 0 to 1 each; as shaders/glow.frag has it.
+    glm::vec3 at(glm::vec2 place) const {
+        const auto value = [&](int i, int j) {
+            return lux[static_cast<size_t>(j * (2 * kCells + 3 - j) / 2 + i)];
+        };
+        const glm::vec2 scaled = float(kCells) * glm::clamp(place, 0.0F, 1.0F);
+        const int j = std::min(static_cast<int>(scaled.y), kCells - 1),
+                  i = std::min(static_cast<int>(scaled.x), kCells - 1 - j);
+        const glm::vec2 share = scaled - glm::vec2(i, j);
+        if (share.x + share.y > 1 && i + j < kCells - 1) {
+            const glm::vec3 far = value(i + 1, j + 1);
+            return far + (1 - share.x) * (value(i, j + 1) - far) + (1 - share.y) * (value(i + 1, j) - far);
+        }
+        const glm::vec3 base = value(i, j);
+        return base + share.x * (value(i + 1, j) - base) + share.y * (value(i, j + 1) - base);
+    }
+
     glm::vec3 mean() const {
         glm::vec3 sum(0);
         size_t place = 0;
@@ -43,12 +63,15 @@ struct PatchGlow {
     }
 };
 
+// sum += times more, place by place; what `sum` lacks was zero.
+void addTimes(std::vector<glm::vec3>& sum, glm::vec3 times, const std::vector<glm::vec3>& more);
+
 // Illuminance that varies within patches too much for a value per patch. Who draws takes the means off,
 // draws what is left smoothly, and adds corners and grids.
 struct LightDetail {
     std::vector<glm::vec3> mean;    // per patch, of both that follow; empty where there is none
     std::vector<glm::vec3> corners; // as PatchMesh::corners, linear between; one value where a surface's meet
-    std::vector<PatchGlow> grids;   // on top of that, in the order of patches
+    std::vector<PatchGlow> grids;   // on top of that, in the order of patches; may be negative
 
     void add(const LightDetail& other, glm::vec3 times = glm::vec3(1));
 };

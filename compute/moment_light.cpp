@@ -86,8 +86,8 @@ std::vector<float> nearErrors(const MomentScene& scene, const Moment& moment) {
     return errors;
 }
 
-// Rows of SlatLobes, photometric: how far light about each node is from a straight line through the nodes
-// beside it, as where slats are seen edge-on.
+// Rows of SlatLobes, photometric: second differences of light over the nodes, large where slats are seen
+// edge-on. At the first and last node, beyond which nothing is told, all of the step to the next one counts.
 std::vector<float> slatBends(std::span<const glm::vec3> lobes) {
     using daylight::kSlatNodes;
     std::vector<float> bends(lobes.size());

@@ -21,8 +21,8 @@ public:
     explicit SkyDetail(const PointScene& scene);
 
     // Of a sky without a ribbon at its horizon. Luminance is taken for linear between directions 15 degrees
-    // apart, which changes how light spreads within patches, not how much they have. Cost: below 1 ms of one
-    // core.
+    // apart, which changes how light spreads within patches, not how much they have. Cost: 0.5 ms of one
+    // core at 4000 triangles.
     LightDetail of(const daylight::Sky& sky) const;
 
 private:

@@ -103,11 +103,11 @@ private:
         const auto made = static_cast<uint32_t>(out_.vertices.size());
         cornerCopies_.push_back({surface, made, copies_[v]});
         copies_[v] = static_cast<uint32_t>(cornerCopies_.size() - 1);
-        addVertex(mesh_.vertices[v], {v, v, v}, {1, 0, 0});
+        addVertex(mesh_.vertices[v], {v, v, v}, {1, 0, 0}, ProjectorMesh::kCorner);
         return made;
     }
 
-    uint32_t edgeVertex(const EdgeKey& edge, size_t index, uint32_t surface) {
+    uint32_t edgeVertex(const EdgeKey& edge, size_t index, uint32_t surface, uint32_t patch) {
         const auto [place, isNew] =
             edgeVertices_.try_emplace({edge[0], edge[1], static_cast<int64_t>(index), surface},
                                       static_cast<uint32_t>(out_.vertices.size()));
@@ -115,15 +115,16 @@ private:
             const double t = edgeCuts_.at(edge)[index];
             const auto a = static_cast<uint32_t>(edge[0]), b = static_cast<uint32_t>(edge[1]);
             addVertex(mesh_.vertices[a] + t * (mesh_.vertices[b] - mesh_.vertices[a]), {a, b, a},
-                      {1 - t, t, 0});
+                      {1 - t, t, 0}, patch);
         }
         return place->second;
     }
 
-    void addVertex(glm::dvec3 p, std::array<uint32_t, 3> source, glm::dvec3 weight) {
+    void addVertex(glm::dvec3 p, std::array<uint32_t, 3> source, glm::dvec3 weight, uint32_t patch) {
         out_.vertices.push_back(p);
         out_.sourceVertex.push_back(source);
         out_.sourceWeight.emplace_back(weight);
+        out_.vertexPatch.push_back(patch);
     }
 
     // `beneath`: the piece under its middle.
@@ -213,7 +214,7 @@ private:
                 const double t = (*cutEdges_[e])[index];
                 chain.points.push_back(static_cast<uint32_t>(region.border.size()));
                 chain.places.push_back(a < b ? t : 1 - t);
-                anew.vertices.push_back(edgeVertex(keyOf(a, b), index, part.surface));
+                anew.vertices.push_back(edgeVertex(keyOf(a, b), index, part.surface, part.pieces[i].patch));
                 region.border.push_back(part.frame.flat(out_.vertices[anew.vertices.back()]));
             }
             chain.points.push_back(borderPoint(part, part.pieces[i], (k + 1) % 3, anew));
@@ -257,7 +258,8 @@ private:
             std::array<uint32_t, 3> source{};
             for (size_t k = 0; k < 3; ++k) source[k] = part.vertices[piece.vertex[k]];
             vertices.push_back(static_cast<uint32_t>(out_.vertices.size()));
-            addVertex(part.frame.inSpace(mesh.points[i]), source, piece.barycentric(mesh.points[i]));
+            addVertex(part.frame.inSpace(mesh.points[i]), source, piece.barycentric(mesh.points[i]),
+                      piece.patch);
         }
         for (const auto& t : mesh.triangles) {
             const glm::dvec2 middle = (mesh.points[t[0]] + mesh.points[t[1]] + mesh.points[t[2]]) / 3.0;

@@ -29,17 +29,21 @@ struct SurfaceReach {
 };
 
 struct ProjectorMesh {
+    static constexpr uint32_t kCorner = 0xffffffff;
     std::vector<glm::dvec3>
         vertices; // metres; a corner where surfaces meet is one vertex per surface, bit for bit alike
     // Light at a vertex = sum over k of sourceWeight[k] * light at PatchMesh vertex sourceVertex[k], on its
     // surface.
     std::vector<std::array<uint32_t, 3>> sourceVertex;
     std::vector<glm::vec3> sourceWeight; // sums to one
-    std::vector<uint32_t> triangles;     // three indices each, counter-clockwise seen from the air
-    std::vector<uint32_t> sourcePatch;   // per triangle: the patch under its middle
-    std::vector<uint32_t> visible;       // per triangle: bit p is set where projector p sees it
-    std::vector<SurfaceReach> surfaces;  // by surface id
-    double bulge = 0; // metres: how far occluders stand at most over triangles that are chords of curved walls
+    std::vector<uint32_t>
+        vertexPatch;                 // a patch that the vertex lies on; kCorner at vertices of the PatchMesh
+    std::vector<uint32_t> triangles; // three indices each, counter-clockwise seen from the air
+    std::vector<uint32_t> sourcePatch;  // per triangle: the patch under its middle
+    std::vector<uint32_t> visible;      // per triangle: bit p is set where projector p sees it
+    std::vector<SurfaceReach> surfaces; // by surface id
+    double bulge =
+        0; // metres: how far occluders stand at most over triangles that are chords of curved walls
 
     size_t triangleCount() const { return visible.size(); }
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cstdint>
 #include <fstream>
 #include <sstream>
@@ -105,7 +106,14 @@ void refuseLargeNumber(const std::filesystem::path& file, const std::string& tex
     const std::string_view said = error.what();
     const size_t end = said.rfind('\''), begin = said.rfind('\'', end - 1) + 1;
     const std::string_view number = said.substr(begin, end - begin);
-    throw InputError(file.string(), lineAt(text, text.find(number)),
+    const auto isPart = [&](size_t at) { // of a longer word or a text
+        return at < text.size() && (std::isalnum(static_cast<unsigned char>(text[at])) ||
+                                    std::string_view(".+-\"").find(text[at]) != std::string_view::npos);
+    };
+    size_t at = text.find(number);
+    while (at != std::string::npos && ((at > 0 && isPart(at - 1)) || isPart(at + number.size())))
+        at = text.find(number, at + 1);
+    throw InputError(file.string(), lineAt(text, at),
                      fmt::format("{} is too large a number to represent", number));
 }
 

@@ -133,9 +133,10 @@ std::vector<HeldOut> holdOutEach(const Working& work, int width, int height, Len
     return out;
 }
 
+constexpr double kClearlyBetter = 0.5; // residuals once turned, as a share
+
 // Turned by half, a board looks as one in another pose, but through a lens whose middle and distortion lie on
 // the other side. Of four views the lens of the other three is not sure enough to tell.
-constexpr double kClearlyBetter = 0.5;
 std::optional<size_t> mostTurned(const std::vector<HeldOut>& heldOut) {
     if (heldOut.size() <= kLeastViews + 1) return std::nullopt;
     const auto gain = [](const HeldOut& view) { return view.turnedRms / view.rms; };

@@ -128,19 +128,20 @@ const CLI::App& commandNamed(const CLI::App& app, int argc, const char* const* a
 }
 
 void refuseWords(const CLI::App& command, int argc, const char* const* argv) {
+    const auto nameOf = [](const std::string& word) { return word.substr(0, word.find('=')); };
     const auto optionOf = [&](const std::string& name) {
         return name.starts_with("-") ? command.get_option_no_throw(name) : nullptr;
     };
     for (int i = 2; i < argc; ++i) {
         const std::string word = argv[i];
         if (word == "--") return; // what follows are no options
-        const std::string name = word.substr(0, word.find('='));
+        const std::string name = nameOf(word);
         const CLI::Option* option = optionOf(name);
         if (!option && word.starts_with("--")) throw InputError("command line", "", name + kUnknown);
         if (option && word.size() == name.size() + 1)
             throw InputError(name, "", "is empty, expected a value");
         if (option && word == name && option->get_items_expected_min() > 0 && i + 1 < argc &&
-            optionOf(argv[i + 1]))
+            optionOf(nameOf(argv[i + 1])))
             throw InputError("command line", "",
                              fmt::format("{}: its value is missing before {}", name, argv[i + 1]));
     }

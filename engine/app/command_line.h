@@ -23,8 +23,8 @@ private:
 // The command, or the step of one, that the first words name; `app` where they begin with an option.
 const CLI::App& commandNamed(const CLI::App& app, int argc, const char* const* argv);
 
-// Options that the command does not have, which the parser would name only after those that are missing, and
-// those without a value, "--sky=" too, which would take the next word, another option too, as theirs.
+// Throws where the command has no such option, which the parser would name only after those that are missing,
+// and where an option lacks its value ("--sky=" too): the parser would take the option that follows for it.
 void refuseWords(const CLI::App& command, int argc, const char* const* argv);
 
 // What the parser complains of, in this program's words.

@@ -37,10 +37,6 @@ struct Apart {
     glm::vec3 more; // its colour less the rest's
 };
 
-void addTimes(std::vector<glm::vec3>& sum, glm::vec3 colour, const std::vector<glm::vec3>& light) {
-    for (size_t i = 0; i < sum.size(); ++i) sum[i] += colour * light[i];
-}
-
 } // namespace
 
 void tintLight(compute::DaylightTransport& transport, std::span<const daylight::Sky> skies,
@@ -85,13 +81,13 @@ void tintLight(compute::DaylightTransport& transport, std::span<const daylight::
     }
     for (size_t k = 0; k < apart.size(); ++k) {
         compute::Lighting& light = moments[apart[k].moment].lighting;
-        addTimes(light.exitance, apart[k].more, parts[k].lighting.exitance);
+        compute::addTimes(light.exitance, apart[k].more, parts[k].lighting.exitance);
         light.detail.add(parts[k].lighting.detail, apart[k].more);
-        if (emits) addTimes(light.exitance, -apart[k].more, parts.back().lighting.exitance);
+        if (emits) compute::addTimes(light.exitance, -apart[k].more, parts.back().lighting.exitance);
     }
     for (size_t m = 0; m < moments.size(); ++m) {
         std::vector<glm::vec3>& light = moments[m].lighting.exitance;
-        if (emits) addTimes(light, glm::vec3(1) - rest[m], parts.back().lighting.exitance);
+        if (emits) compute::addTimes(light, glm::vec3(1) - rest[m], parts.back().lighting.exitance);
         for (glm::vec3& lux : light) lux = glm::max(lux, glm::vec3(0)); // what the solver leaves
     }
 }

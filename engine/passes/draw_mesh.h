@@ -29,6 +29,8 @@ struct DrawMesh {
     std::vector<DrawCorner> corners; // three a triangle
     std::vector<LightMix> light;     // one a corner
     std::vector<uint32_t> patch;     // one a triangle
+    // One a corner, as ProjectorMesh::vertexPatch; empty where each triangle lies on its own patch.
+    std::vector<uint32_t> cornerPatch;
 
     double area(size_t triangle) const; // m2
     // The light stream: `scale` times the lux per pair.

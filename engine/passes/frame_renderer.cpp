@@ -15,6 +15,7 @@
 #include "engine/passes/draw_mesh.h"
 #include "engine/passes/false_colour.h"
 #include "engine/passes/frame_light.h"
+#include "engine/passes/glow_grids.h"
 #include "engine/passes/scene_pass.h"
 #include "engine/passes/vertex_light.h"
 
@@ -260,23 +261,19 @@ AddedLight FrameRenderer::State::prepareLight(DeviceMesh& target, const compute:
 std::optional<GlowDraw> FrameRenderer::State::prepareGlow(const DrawMesh& mesh,
                                                           const compute::Lighting& light,
                                                           const std::vector<glm::vec3>& perLux, float scale) {
-    const geometry::PatchMesh& patches = model->scene.mesh;
-    std::vector<int> gridOf(patches.patchCount(), -1);
+    if (light.detail.grids.empty()) return std::nullopt;
+    const GlowGrids glow(model->scene.mesh, model->scene.vertexLight, light.detail.grids, perLux);
     std::vector<glm::vec3> grids;
-    for (size_t g = 0; g < light.detail.grids.size(); ++g) {
-        const uint32_t patch = light.detail.grids[g].patch;
-        gridOf[patch] = static_cast<int>(g);
-        for (const glm::vec3& lux : light.detail.grids[g].lux) grids.push_back(scale * perLux[patch] * lux);
-    }
     std::vector<DrawCorner> corners;
     std::vector<glm::vec3> places;
     for (size_t t = 0; t < mesh.patch.size(); ++t) {
-        const int grid = gridOf[mesh.patch[t]];
-        if (grid < 0) continue;
-        const TrianglePlaces placesOf(patches, mesh.patch[t]);
-        for (size_t c = 3 * t; c < 3 * t + 3; ++c) {
-            corners.push_back(mesh.corners[c]);
-            places.emplace_back(placesOf.of(mesh.corners[c].position), grid);
+        const auto on = glow.on(mesh, t);
+        if (!on) continue;
+        const auto number = static_cast<float>(grids.size() / on->light.size());
+        for (const glm::vec3& value : on->light) grids.push_back(scale * value);
+        for (size_t k = 0; k < 3; ++k) {
+            corners.push_back(mesh.corners[3 * t + k]);
+            places.emplace_back(on->at[k], number);
         }
     }
     if (corners.empty()) return std::nullopt;
@@ -359,7 +356,8 @@ void FrameRenderer::State::drawGains() {
                          model->solids.count,
                          glm::vec4(0),
                          0,
-                         kPushBack + model->scene.shown.bulge / static_cast<float>(geometry::kBlendLeastCosine),
+                         kPushBack +
+                             model->scene.shown.bulge / static_cast<float>(geometry::kBlendLeastCosine),
                          false};
         inputs.centres = &model->blend.centres;
         inputs.triangles = &model->blend.triangles;

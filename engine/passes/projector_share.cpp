@@ -32,14 +32,14 @@ ShownMesh shownMesh(const geometry::PatchMesh& mesh, const VertexLight& vertexLi
             }
             if (!(glm::length(mean) > 0.5)) mean = normal;
             out.light.push_back(mix);
+            out.cornerPatch.push_back(cut.vertexPatch[v]);
             out.corners.push_back({glm::vec3(cut.vertices[v]), glm::vec3(normal), reflectance,
                                    glm::vec3(glm::normalize(mean))});
         }
     }
     std::vector<glm::dvec3> centres;
     for (const geometry::OpticalDevice& device : devices) centres.push_back(device.centre());
-    return {std::move(out), geometry::blendProjectors(cut, mesh, centres),
-            static_cast<float>(cut.bulge)};
+    return {std::move(out), geometry::blendProjectors(cut, mesh, centres), static_cast<float>(cut.bulge)};
 }
 
 } // namespace heliodon::passes

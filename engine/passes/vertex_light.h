@@ -37,7 +37,8 @@ public:
     // One value per pair, never negative. `patchValues` has one value per patch.
     std::vector<glm::vec3> evaluate(std::span<const glm::vec3> patchValues) const;
 
-    // Adds values of corners, as PatchMesh::corners and the same at all of a pair, times their patch's.
+    // Adds light given at corners (in the order of PatchMesh::corners, the same at all corners of a pair),
+    // times `perPatch`.
     void addCorners(std::span<const glm::vec3> perPatch, std::span<const glm::vec3> corners,
                     std::vector<glm::vec3>& values) const;
 

@@ -228,6 +228,8 @@ TEST_F(BadInput, an_unknown_command_and_a_missing_option) {
     expectRefused(sketch, {"--output", "its value is missing"});
     expectRefused("detect " + kPhoto + " --rig -o " + in("out.json"),
                   {"--rig: its value is missing before -o"});
+    expectRefused("detect " + kPhoto + " --rig --output=" + in("out.json"),
+                  {"--rig: its value is missing before --output"});
     expectRefused("illuminance " HELIODON_TEST_DATA "/geometry/sketches/p04_L.json -o - --report -",
                   {"--report", "is written by --output too"});
     expectRefused(sketch + in("out") + " --rgi r.json", {"--rgi", "--help lists"});

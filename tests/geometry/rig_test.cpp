@@ -186,6 +186,7 @@ TEST(Rig, names_the_wrong_field) {
         {"[0, -1, 0]]", "[0, -1.1, 0]]", "camera.R: not a rotation"},
         {"[0, -1, 0]]", "[0, 1, 0]]", "camera.R: mirrors space"},
         {"\"t\": [0, 0, 1]", "\"t\": [0, 1]", "projectors[0].t: expected 3 elements"},
+        {"\"t\": [0, 0, 1]", "\"x\": \"1e400\",\n\"t\": [0, 0, 1e400]", "test.json:7: 1e400 is too large"},
         {"\"t\": [0, 0, 1]", "\"t\": [0, 0, 1e400]", "test.json:6: 1e400 is too large a number to represent"},
         {"0.01", "7", "projectors[0].black_level: 7 is not between 0 and 1"},
         {"\"response\": 2.2", "\"response\": \"log\"", "projectors[0].response: \"log\" is not known"},

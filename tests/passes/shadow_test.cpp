@@ -1,5 +1,6 @@
 // Checklist 28: the sun per pixel, against ray casting in double precision on the same pixels.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <random>
@@ -11,7 +12,9 @@
 
 #include "compute/daylight/glazing.h"
 #include "engine/passes/frame_renderer.h"
+#include "engine/passes/glow_grids.h"
 #include "engine/passes/panes.h"
+#include "geometry/projector_visibility.h"
 #include "tests/gpu/test_device.h"
 #include "tests/passes/room_builder.h"
 
@@ -246,6 +249,46 @@ TEST(Pane, interior_glass_counts_once_and_exterior_glass_each_time) {
     const ImageF picture = renderer.exitance(light, view);
     const double one = daylight::glazingOf(mesh.materials[test::kGlass]).transmittance(sun.z).x;
     EXPECT_NEAR(picture.pixel(16, 16)[0], 700 * sun.z * one * one, 1.5);
+}
+
+// Outlines of projectors cut triangles that go over several patches.
+TEST(Glow, a_triangle_over_two_patches_has_what_their_grids_say_at_its_corners) {
+    PatchMesh mesh;
+    mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 0, -1}, {1, 0, -1}};
+    mesh.materials = {{}};
+    mesh.addPatch(std::array{0u, 1u, 2u}, 0, geometry::Role::projection, 0, 0);
+    mesh.addPatch(std::array{3u, 2u, 1u}, 0, geometry::Role::projection, 0, 0);
+    const auto there = [](glm::dvec3 p) { return glm::vec3(glm::dvec3(p.x + 2, 3 - p.z, p.x - p.z)); };
+    std::vector<compute::PatchGlow> grids{{0, {}}, {1, {}}};
+    for (compute::PatchGlow& grid : grids) {
+        const std::vector<glm::dvec3> corner = geometry::patchCorners(mesh, grid.patch);
+        std::ranges::transform(grid.places(corner[0], corner[1], corner[2]), grid.lux.begin(), there);
+        EXPECT_LT(glm::length(grid.at({0.31f, 0.62f}) - there(corner[0] + 0.31 * (corner[1] - corner[0]) +
+                                                              0.62 * (corner[2] - corner[0]))),
+                  1e-5);
+    }
+    const VertexLight vertexLight(mesh);
+    const std::vector<glm::vec3> twice(2, glm::vec3(2));
+    const GlowGrids glow(mesh, vertexLight, grids, twice);
+    DrawMesh drawn;
+    const std::array<glm::dvec3, 3> at{{{1, 0, 0}, {0.9, 0, -0.8}, {0.1, 0, -0.3}}};
+    for (const glm::dvec3 p : at) {
+        drawn.corners.push_back({glm::vec3(p), {}, {}, {}});
+        drawn.light.push_back({{vertexLight.pairOf(1, 0), 0, 0}, {1, 0, 0}});
+    }
+    drawn.patch = {0};
+    drawn.cornerPatch = {geometry::ProjectorMesh::kCorner, 1, 0};
+    const auto on = glow.on(drawn, 0);
+    ASSERT_TRUE(on);
+    const size_t last[]{0, compute::PatchGlow::kCells, io::kGlowPlaces - 1};
+    for (size_t k = 0; k < 3; ++k)
+        EXPECT_LT(glm::length(on->light[last[k]] - 2.0f * there(at[k])), 1e-4) << k;
+    EXPECT_EQ(on->at[1], glm::vec2(1, 0));
+    drawn.corners[1].position = {0.2f, 0, -0.2f}; // now on its own patch
+    const auto own = glow.on(drawn, 0);
+    ASSERT_TRUE(own);
+    EXPECT_EQ(own->light[3], 2.0f * grids[0].lux[3]);
+    EXPECT_LT(glm::length(own->at[1] - glm::vec2(0.2f, 0.2f)), 1e-6);
 }
 
 // A glow that bends within triangles: each pixel shows what it is there, not what their corners have.
