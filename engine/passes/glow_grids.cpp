@@ -30,6 +30,7 @@ GlowGrids::GlowGrids(const geometry::PatchMesh& mesh, const VertexLight& vertexL
 std::optional<GlowGrids::OnTriangle> GlowGrids::on(const DrawMesh& drawn, size_t triangle) const {
     OnTriangle out;
     const uint32_t patch = drawn.patch[triangle];
+    if (drawn.cornerPatch.empty() && !gridOf_[patch]) return std::nullopt;
     const TrianglePlaces places(mesh_, patch);
     for (size_t k = 0; k < 3; ++k) out.at[k] = places.of(drawn.corners[3 * triangle + k].position);
     if (drawn.cornerPatch.empty() || std::ranges::all_of(out.at, isOnTriangle)) {
