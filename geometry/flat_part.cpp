@@ -58,9 +58,10 @@ double FlatPart::spacing() const {
 }
 
 double FlatPart::bulge() const {
-    if (pieces.size() != 1 || normals.empty()) return 0; // several are a facet, over which its solids do not rise
-    // An arc whose normals n and m at the ends of a chord c are 2 a apart rises c tan(a / 2) / 2 over it: less than
-    // 0.15 c |n - m| up to quarter turns.
+    // Several pieces are a facet of the wall, over which its solids do not rise.
+    if (pieces.size() != 1 || normals.empty()) return 0;
+    // An arc whose normals n and m at the ends of a chord c are 2 a apart rises c tan(a / 2) / 2 over it:
+    // less than 0.15 c |n - m| up to quarter turns.
     double most = 0;
     for (size_t k = 0; k < 3; ++k) {
         const size_t next = (k + 1) % 3;

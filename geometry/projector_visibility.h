@@ -36,14 +36,14 @@ struct ProjectorMesh {
     // surface.
     std::vector<std::array<uint32_t, 3>> sourceVertex;
     std::vector<glm::vec3> sourceWeight; // sums to one
-    std::vector<uint32_t>
-        vertexPatch;                 // a patch that the vertex lies on; kCorner at vertices of the PatchMesh
-    std::vector<uint32_t> triangles; // three indices each, counter-clockwise seen from the air
-    std::vector<uint32_t> sourcePatch;  // per triangle: the patch under its middle
-    std::vector<uint32_t> visible;      // per triangle: bit p is set where projector p sees it
-    std::vector<SurfaceReach> surfaces; // by surface id
-    double bulge =
-        0; // metres: how far occluders stand at most over triangles that are chords of curved walls
+    std::vector<uint32_t> vertexPatch;   // per vertex: where it lies; kCorner at the PatchMesh's own
+    std::vector<uint32_t> triangles;     // three indices each, counter-clockwise seen from the air
+    std::vector<uint32_t> sourcePatch;   // per triangle: the patch under its middle
+    std::vector<uint32_t> visible;       // per triangle: bit p is set where projector p sees it
+    std::vector<SurfaceReach> surfaces;  // by surface id
+    // Metres: how far occluders stand at most over triangles that are chords of walls which bulge into a
+    // room.
+    double bulge = 0;
 
     size_t triangleCount() const { return visible.size(); }
 };

@@ -70,8 +70,8 @@ std::optional<glm::dvec2> imageOf(glm::dvec3 p, const OpticalDevice& device);
 // What the solid hides of the front of the plane from a light at `light`; empty when nothing of it lies in
 // the box. A solid that rises less than `skin` over the plane casts no shadow, so that a wall does not shadow
 // its own face; of others nothing that is less than `depth` over it does, where the plane is a chord below a
-// surface that bulges so far. `outline`: the solid's as seen from the light, which saves looking for it; may be
-// null.
+// surface that bulges so far. `outline`: the solid's as seen from the light, which saves looking for it; may
+// be null.
 ConvexOutline shadowOnPlane(const ConvexSolid& solid, const ImageOutline* outline, glm::dvec3 light,
                             const PlaneFrame& plane, double skin, double depth, const FlatBox& within);
 

@@ -199,8 +199,8 @@ TEST(ProjectorVisibility, the_limit_runs_smoothly_over_a_curved_wall) {
     EXPECT_LT(worst, 0.01); // chords lie inside the cylinder, and normals turn evenly along them
 }
 
-// Triangles lean across the folds of a round column and lie in its solids, up to 6 mm deep here; projectors see
-// the column as it stands.
+// Triangles lean across the folds of a round column and lie in its solids, up to 6 mm deep here; projectors
+// see the column as it stands.
 TEST(ProjectorVisibility, a_round_column_does_not_hide_its_own_outside) {
     const Building building = buildingOf("round_column.json");
     const PatchMesh mesh = meshBuilding(building);
