@@ -85,10 +85,10 @@ SkyDetail::SkyDetail(const PointScene& scene) : scene_(&scene), pairOf_(scene.me
     }
 }
 
-std::vector<SkyDetail::Row> SkyDetail::seenFrom(uint32_t patch, std::span<const dvec3> points) const {
+std::vector<SkyDetail::Row> SkyDetail::seenFrom(uint32_t patch, const Blockers& blockers,
+                                                std::span<const dvec3> points) const {
     const uint32_t room = scene_->mesh().room[patch];
     const PointScene::Patch& on = scene_->patches()[patch];
-    const Blockers blockers = scene_->blockersOfSky(patch);
     std::vector<Row> rows;
     std::vector<SkySample> samples;
     for (const dvec3& point : points) {
@@ -123,7 +123,8 @@ std::vector<SkyDetail::Row> SkyDetail::seenFromCorners() {
         }
     std::vector<Row> rows(places.size());
     inParallel(places.size(), [&](size_t k) {
-        rows[k] = std::move(seenFrom(places[k].first, {&places[k].second, 1})[0]);
+        const auto& [patch, vertex] = places[k];
+        rows[k] = std::move(seenFrom(patch, scene_->blockersOfSky(patch), {&vertex, 1})[0]);
     });
     return rows;
 }
@@ -140,14 +141,15 @@ double SkyDetail::meanOf(std::span<const double> atPairs) const {
     return light / std::max(area, 1e-300);
 }
 
-bool SkyDetail::bends(uint32_t triangle, std::span<const double> atPairs, double usual) const {
+bool SkyDetail::bends(uint32_t triangle, const Blockers& blockers, std::span<const double> atPairs,
+                      double usual) const {
     const std::vector<dvec3> at = geometry::patchCorners(scene_->mesh(), triangle);
     const uint32_t* pair = &pairOf_[scene_->mesh().firstCorner[triangle]];
     const dvec3 corner(atPairs[pair[0]], atPairs[pair[1]], atPairs[pair[2]]);
     const dvec3 inside[]{{0.5, 0.5, 0}, {0, 0.5, 0.5}, {0.5, 0, 0.5}, dvec3(1.0 / 3)};
     return std::ranges::any_of(inside, [&](const dvec3& w) {
         const dvec3 point = w.x * at[0] + w.y * at[1] + w.z * at[2];
-        const double there = underEvenSky(seenFrom(triangle, {&point, 1})[0]);
+        const double there = underEvenSky(seenFrom(triangle, blockers, {&point, 1})[0]);
         return std::abs(there - glm::dot(w, corner)) > kBent * (there + usual);
     });
 }
@@ -160,11 +162,11 @@ std::vector<std::vector<SkyDetail::Row>> SkyDetail::seenFromGrids(std::span<cons
     std::vector<std::vector<Row>> grids(mesh.patchCount());
     inParallel(grids.size(), [&](size_t i) {
         const auto p = static_cast<uint32_t>(i);
-        if (mesh.patch(p).size() != 3 || mesh.materials[mesh.material[p]].isOpening() ||
-            !bends(p, atPairs, usual))
-            return;
+        if (mesh.patch(p).size() != 3 || mesh.materials[mesh.material[p]].isOpening()) return;
+        const Blockers blockers = scene_->blockersOfSky(p);
+        if (!bends(p, blockers, atPairs, usual)) return;
         const std::vector<dvec3> corner = geometry::patchCorners(mesh, p);
-        grids[p] = seenFrom(p, PatchGlow::places(corner[0], corner[1], corner[2]));
+        grids[p] = seenFrom(p, blockers, PatchGlow::places(corner[0], corner[1], corner[2]));
     });
     return grids;
 }

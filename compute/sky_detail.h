@@ -33,13 +33,15 @@ private:
     };
     using Row = std::vector<Share>;
     static double underEvenSky(const Row& row);
-    // Points on one patch.
-    std::vector<Row> seenFrom(uint32_t patch, std::span<const glm::dvec3> points) const;
+    // Points on one patch; `blockers` as PointScene::blockersOfSky.
+    std::vector<Row> seenFrom(uint32_t patch, const Blockers& blockers,
+                              std::span<const glm::dvec3> points) const;
     std::vector<Row> seenFromCorners(); // one a pair
     // Per patch; none where values of pairs will do.
     std::vector<std::vector<Row>> seenFromGrids(std::span<const Row> pairs) const;
     double meanOf(std::span<const double> atPairs) const; // by area
-    bool bends(uint32_t triangle, std::span<const double> atPairs, double usual) const;
+    bool bends(uint32_t triangle, const Blockers& blockers, std::span<const double> atPairs,
+               double usual) const;
 
     const PointScene* scene_;
     std::vector<uint32_t> pairOf_; // per corner of the mesh: number of its vertex and surface

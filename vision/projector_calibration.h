@@ -22,9 +22,8 @@ struct CalibratedPlane {
     double height = 0;
     std::vector<size_t> rejected; // of its corners: beside the plane, or off
     size_t corners = 0;           // used
-    double rms = 0,
-           heldOutRms =
-               0; // projector px; heldOut: with the lens from all other planes, 0 where too few are left
+    // Projector px; heldOut: with the lens from all other planes, 0 where too few are left.
+    double rms = 0, heldOutRms = 0;
     double meanOff = 0; // projector px: length of the mean residual, which noise makes small
 };
 
