@@ -15,6 +15,7 @@
 #include "shaders/io/fixed_to_float.io.h"
 #include "spirv/fixed_to_float_comp.h"
 #include "spirv/hemicube_comp.h"
+#include "spirv/hemicube_lists_comp.h"
 #include "spirv/hemicube_sum_comp.h"
 
 namespace heliodon::compute {
@@ -58,6 +59,7 @@ Hemicube::Hemicube(gpu::Device& device, const geometry::PatchMesh& mesh, const H
     options_.resolution = std::max(2u, (options.resolution + 1) / 2 * 2);
     uploadMesh(mesh);
     const uint32_t R = options_.resolution;
+    list_ = gpu::Kernel(device, hemicube_lists_comp, "hemicube lists");
     raster_ = gpu::Kernel(device, hemicube_comp, "hemicube raster");
     sum_ = gpu::Kernel(device, hemicube_sum_comp, "hemicube sum");
     // About three layers of triangles cover the pixels; a lane should have no more than some 256 of them to
@@ -65,13 +67,14 @@ Hemicube::Hemicube(gpu::Device& device, const geometry::PatchMesh& mesh, const H
     params_.stripes = std::clamp(9 * R * R / (256 * std::max(params_.triangleCount, 1u)), 1u, R);
     const size_t pixels = size_t{3} * R * R;
     params_.listLength = std::max(10 * params_.triangleCount * params_.stripes, 2u);
-    // Buffers for each viewpoint of a dispatch: few on a CPU, which wants them in its cache.
+    // Buffers for each viewpoint of a dispatch: few on a CPU, which wants them in its caches.
     const size_t largest = std::max(pixels, size_t{params_.listLength}) * sizeof(uint32_t);
     const size_t most = std::min<size_t>(device.limits().maxStorageBufferRange / largest,
-                                         device.limits().maxTexelBufferElements / pixels);
-    batch_ = static_cast<uint32_t>(std::clamp<size_t>(most, 1, device.info().type == "software" ? 64 : 1024));
+                                         device.limits().maxTexelBufferElements * size_t{2} / pixels);
+    batch_ = static_cast<uint32_t>(std::clamp<size_t>(most, 1, device.info().type == "software" ? 16 : 1024));
     items_ = gpu::Buffer(device, pixels * batch_ * sizeof(uint32_t), "hemicube items");
     lists_ = gpu::Buffer(device, size_t{params_.listLength} * batch_ * sizeof(uint32_t), "hemicube lists");
+    counts_ = gpu::Buffer(device, io::kHemicubeSizes * batch_ * sizeof(uint32_t), "hemicube counts");
     params_.resolution = R;
 }
 
@@ -129,21 +132,23 @@ void Hemicube::makeDeltas(uint32_t points) {
 }
 
 void Hemicube::record(gpu::Commands& commands, const Inputs& in, const gpu::Binding& factors) {
-    constexpr VkFormat kUvec4 = VK_FORMAT_R32G32B32A32_UINT;
+    constexpr VkFormat kUvec2 = VK_FORMAT_R32G32_UINT, kUvec4 = VK_FORMAT_R32G32B32A32_UINT;
+    const gpu::Binding triangles = gpu::texel(triangles_, kUvec4),
+                       viewpoints = gpu::texel(in.viewpoints, kUvec4);
     io::HemicubeParams params = params_;
     params.firstViewpoint = in.firstOfWindow + in.first;
     params.pointsPerRow = in.pointsPerRow;
     params.viewpointInRow = in.first;
     commands.barrier(gpu::Stage::any, gpu::Stage::any); // the last batch is done with items and lists
     commands.fill(items_, 0xffffffffu);
+    commands.fill(counts_, 0);
     commands.barrier(gpu::Stage::transfer, gpu::Stage::compute);
-    commands.dispatch(raster_,
-                      {gpu::texel(triangles_, kUvec4), gpu::texel(in.viewpoints, kUvec4), lists_, items_},
-                      params, in.count);
-    commands.barrier(gpu::Stage::compute, gpu::Stage::compute); // items, lists
-    commands.dispatch(
-        sum_, {gpu::texel(deltas_, VK_FORMAT_R32_UINT), gpu::texel(items_, VK_FORMAT_R32_UINT), factors},
-        params, in.count);
+    commands.dispatch(list_, {triangles, viewpoints, lists_, counts_}, params, in.count);
+    commands.barrier(gpu::Stage::compute, gpu::Stage::compute); // lists, counts
+    commands.dispatch(raster_, {triangles, viewpoints, lists_, counts_, items_}, params, in.count);
+    commands.barrier(gpu::Stage::compute, gpu::Stage::compute); // items
+    commands.dispatch(sum_, {gpu::texel(deltas_, kUvec2), gpu::texel(items_, kUvec2), factors}, params,
+                      in.count);
 }
 
 Hemicube::Result Hemicube::run(const std::vector<Viewpoint>& viewpoints, uint32_t points) {

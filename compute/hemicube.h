@@ -1,4 +1,4 @@
-// Form factors by hemicube: what a point sees, pixel by pixel. Host half of shaders/hemicube.comp. For each
+// Form factors by hemicube: what a point sees, pixel by pixel. Host half of shaders/hemicube*.comp. For each
 // row the fraction F of what arrives at (leaves from) the row's viewpoints that comes from each patch. Cost:
 // about 0.4 ms a viewpoint at 64^2 with 2000 patches on two cores of a CPU device.
 #pragma once
@@ -52,12 +52,12 @@ private:
 
     gpu::Device* device_;
     HemicubeOptions options_;
-    gpu::Kernel raster_, sum_, toFloat_;
+    gpu::Kernel list_, raster_, sum_, toFloat_;
     glm::dvec3 centre_{0}; // subtracted from all positions before they become float32
     io::HemicubeParams params_{};
     uint32_t deltaPoints_ = 0;
     uint32_t batch_ = 1;
-    gpu::Buffer triangles_, deltas_, items_, lists_;
+    gpu::Buffer triangles_, deltas_, items_, lists_, counts_;
 };
 
 // Exact form factors of the pixels of a hemicube from a point to its top and one side, R x R and R/2 x R in

@@ -1,10 +1,11 @@
-// Hemicube in compute, first half: all patches rastered into an item buffer round a viewpoint.
+// Hemicube in compute, second of three: what hemicube_lists.comp lists is rastered into an item buffer round a viewpoint.
 // Cohen and Greenberg, The Hemi-Cube, 1985; raster by homogeneous edge functions (Olano and Greer, Triangle Scan
 // Conversion using 2D Homogeneous Coordinates, 1997): planes through the viewpoint and an edge, so that triangles that
 // cross the horizon or touch the viewpoint need no clipping. One workgroup, one viewpoint.
-// CPU devices run what is in an `if` whether or not a lane wants it, and a loop as long as its longest lane: so work is
-// first listed by face and size, then done by lanes that all have some. Loops also stay short because such devices
-// end an invocation's loops after 65535 turns in all.
+// CPU devices run what is in an `if` whether or not a lane wants it, and a loop as long as its longest lane: so lanes do
+// listed work of one size, and all have some. Such devices keep the variables of kernels with barriers in memory and load
+// push constants where they are used: so there is no barrier here and no constant in a loop. Loops also stay short
+// because an invocation's loops end after 65535 turns in all.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -15,11 +16,12 @@
 layout(local_size_x = kHemicubeGroup) in;
 layout(set = 0, binding = 0) uniform usamplerBuffer triangles;
 layout(set = 0, binding = 1) uniform usamplerBuffer viewpoints;
-layout(set = 0, binding = 2, scalar) coherent buffer Lists { uint lists[]; }; // listLength per workgroup
-layout(set = 0, binding = 3, scalar) buffer Items { uint items[]; };          // 3 R^2 per workgroup, all ones before
+layout(set = 0, binding = 2, scalar) readonly buffer Lists { uint lists[]; };   // listLength per workgroup
+layout(set = 0, binding = 3, scalar) readonly buffer Counts { uint counts[]; }; // kHemicubeSizes per workgroup
+layout(set = 0, binding = 4, scalar) buffer Items { uint items[]; };            // 3 R^2 per workgroup, all ones before
 layout(push_constant, scalar) uniform Push { HemicubeParams params; };
+#include "shaders/lib/hemicube_triangle.glsl"
 
-const uint kSizes = 4u; // classes of triangles by the pixels that they cover
 const float kOutside = 1e9; // pixels: beyond every picture
 // Pixels: lines and edges are known to less. What lies on an edge counts for both sides: a crack would lose light, a
 // tie is settled by depth and number.
@@ -27,7 +29,6 @@ const float kLineSlack = 1e-3, kEdgeSlack = 1e-4;
 const float kMostDepth = 16777216.0; // steps that float32 tells apart
 // Of sheets without thickness the front is seen, whatever rounding makes of both depths: the back lies deeper.
 const float kBackDeeper = 2e-6, kBackSteps = 2.0;
-shared uint sizeCounts[kSizes];
 
 // Grows the range of y/w over the part of edge a-b in front of the face's eye plane, w > 0; where the edge goes through
 // that plane the range runs to infinity on the side of the passage.
@@ -43,73 +44,9 @@ void growRange(vec3 a, vec3 b, inout vec2 range) {
     }
 }
 
-struct Raster {
-    vec3 a, b, c;    // corners
-    vec3 ea, eb, ec; // edge planes, positive inside
-    vec3 depth;      // depth . direction = 1 / depth along the face
-    float volume;    // twice the area times the distance of the plane; negative seen from the front
-    uint id;
-    bool visible;
-};
-
-Raster setUp(uint t, Frame frame, uint self, uint room) {
-    uvec4 t0 = texelFetch(triangles, int(3u * t)), t1 = texelFetch(triangles, int(3u * t + 1u)),
-          t2 = texelFetch(triangles, int(3u * t + 2u));
-    mat3 turn = transpose(mat3(frame.u, frame.v, frame.n));
-    Raster r;
-    r.a = turn * (uintBitsToFloat(t0.xyz) - frame.origin);
-    r.b = turn * (uintBitsToFloat(t1.xyz) - frame.origin);
-    r.c = turn * (uintBitsToFloat(t2.xyz) - frame.origin);
-    vec3 normal = cross(r.b - r.a, r.c - r.a);
-    r.volume = dot(normal, r.a);
-    float side = r.volume < 0.0 ? -1.0 : 1.0;
-    r.ea = side * cross(r.b, r.c);
-    r.eb = side * cross(r.c, r.a);
-    r.ec = side * cross(r.a, r.b);
-    r.depth = normal / r.volume;
-    r.id = t0.w * 2u + (r.volume < 0.0 ? 0u : kHemicubeBack);
-    r.visible = t0.w != self && (room == kHemicubeAnyRoom || t1.w == room) &&
-                max(r.a.z, max(r.b.z, r.c.z)) > params.flatness &&
-                abs(r.volume) > params.flatness * length(normal);
-    return r;
-}
-
-// Where class `size` keeps its k-th entry: two lists, each filled from both ends.
-uint listPlace(uint size, uint k) {
-    uint half_ = params.listLength / 2u;
-    uint place = (size / 2u) * half_ + ((size & 1u) == 0u ? k : half_ - 1u - k);
-    return gl_WorkGroupID.x * params.listLength + place;
-}
-
-// Lists the faces of the hemicube that a stripe of a triangle may touch: not those where all its corners lie behind
-// one of the planes that bound the face's pyramid.
-void classify(uint work, Frame frame, uint self, uint room) {
-    Raster r = setUp(work / params.stripes, frame, self, room);
-    vec3 x = vec3(r.a.x, r.b.x, r.c.x), y = vec3(r.a.y, r.b.y, r.c.y), z = vec3(r.a.z, r.b.z, r.c.z);
-    bvec4 zOver = bvec4(any(greaterThan(z, x)), any(greaterThan(z, -x)), any(greaterThan(z, y)),
-                        any(greaterThan(z, -y)));
-    bool xOverY = any(greaterThan(x, y)), yOverX = any(greaterThan(y, x)), xOverMinusY = any(greaterThan(x, -y)),
-         minusYOverX = any(greaterThan(-y, x));
-    uint faces = 0u;
-    if (all(zOver)) faces = 1u;
-    if (any(greaterThan(x, z)) && any(greaterThan(x, vec3(0))) && xOverY && xOverMinusY) faces |= 2u;
-    if (any(greaterThan(-x, z)) && any(greaterThan(-x, vec3(0))) && yOverX && minusYOverX) faces |= 4u;
-    if (any(greaterThan(y, z)) && any(greaterThan(y, vec3(0))) && yOverX && xOverMinusY) faces |= 8u;
-    if (any(greaterThan(-y, z)) && any(greaterThan(-y, vec3(0))) && xOverY && minusYOverX) faces |= 16u;
-    if (!r.visible) faces = 0u;
-    // Solid angle, roughly, in pixels of the top's middle.
-    vec3 middle = (r.a + r.b + r.c) / 3.0;
-    float distance2 = dot(middle, middle);
-    float R = float(params.resolution);
-    float pixels = abs(r.volume) * R * R / (8.0 * distance2 * sqrt(distance2) * float(params.stripes));
-    uint size = pixels < 8.0 ? 0u : pixels < 32.0 ? 1u : pixels < 128.0 ? 2u : 3u;
-    do {
-        if (faces != 0u) {
-            uint face = uint(findLSB(faces));
-            lists[listPlace(size, atomicAdd(sizeCounts[size], 1u))] = work * 8u + face;
-            faces &= faces - 1u;
-        }
-    } while (faces != 0u);
+uint itemOf(float inverse, float scale, vec2 bias, float most, uint idBits, uint id) {
+    float depth = inverse > 0.0 ? min(scale / inverse * bias.x + bias.y, most) : most;
+    return (uint(depth) << idBits) | id;
 }
 
 void rasterItem(uint item, Frame frame, uint self, uint room, uint base) {
@@ -142,43 +79,39 @@ void rasterItem(uint item, Frame frame, uint self, uint room, uint base) {
     vec3 bound = -rest / column, boundStep = -line / column;
     vec3 low = mix(vec3(-kOutside), bound - kEdgeSlack, fromLeft), lowStep = mix(vec3(0), boundStep, fromLeft);
     vec3 high = mix(bound + kEdgeSlack, vec3(kOutside), fromLeft), highStep = mix(boundStep, vec3(0), fromLeft);
-    float most = min(exp2(32.0 - float(params.idBits)), kMostDepth) - kBackSteps;
+    uint idBits = params.idBits;
+    float most = min(exp2(32.0 - float(idBits)), kMostDepth) - kBackSteps;
     vec2 bias = (r.id & kHemicubeBack) != 0u ? vec2(1.0 + kBackDeeper, kBackSteps) : vec2(1.0, 0.0);
+    float scale = params.depthScale;
     uint at = base + (face == 0u ? 0u : (face + 1u) * params.resolution * params.resolution / 2u) +
               uint(first) * params.resolution;
+    uint nextLine = uint(stripes) * params.resolution;
     for (int j = first; j <= last; j += stripes) {
         vec3 from = low + lowStep * float(j), to = high + highStep * float(j);
         int i = int(ceil(clamp(max(from.x, max(from.y, from.z)), 0.0, R)));
         int end = int(floor(clamp(min(to.x, min(to.y, to.z)), -1.0, R - 1.0)));
         float inverse = depthRest + depthStep.y * float(j) + depthStep.x * float(i);
+        int place = int(at) + i, lastPlace = int(at) + end;
+        uint value = itemOf(inverse, scale, bias, most, idBits, r.id);
         do {
-            float depth = inverse > 0.0 ? min(params.depthScale / inverse * bias.x + bias.y, most) : most;
-            uint value = (uint(depth) << params.idBits) | r.id;
-            if (i <= end) atomicMin(items[at + uint(i)], value);
+            if (place <= lastPlace) atomicMin(items[place], value);
             inverse += depthStep.x;
-            ++i;
-        } while (i <= end);
-        at += uint(stripes) * params.resolution;
+            value = itemOf(inverse, scale, bias, most, idBits, r.id);
+            ++place;
+        } while (place <= lastPlace);
+        at += nextLine;
     }
 }
 
 void main() {
-    uint lane = gl_LocalInvocationIndex, R = params.resolution;
+    uint R = params.resolution;
     int viewpoint = 3 * int(params.firstViewpoint + gl_WorkGroupID.x);
     uvec4 v0 = texelFetch(viewpoints, viewpoint), v1 = texelFetch(viewpoints, viewpoint + 1),
           v2 = texelFetch(viewpoints, viewpoint + 2);
     Frame frame = frameOf(v0, v1, v2);
-    if (lane < kSizes) sizeCounts[lane] = 0u;
-    memoryBarrierShared();
-    barrier();
-    uint work = params.triangleCount * params.stripes;
-    for (uint w = lane; w < work; w += kHemicubeGroup) classify(w, frame, v0.w, v1.w);
-    memoryBarrierShared();
-    memoryBarrierBuffer();
-    barrier();
-    for (uint size = 0u; size < kSizes; ++size) {
-        uint count = sizeCounts[size];
-        for (uint k = lane; k < count; k += kHemicubeGroup)
+    for (uint size = 0u; size < kHemicubeSizes; ++size) {
+        uint count = counts[gl_WorkGroupID.x * kHemicubeSizes + size];
+        for (uint k = gl_LocalInvocationIndex; k < count; k += kHemicubeGroup)
             rasterItem(lists[listPlace(size, k)], frame, v0.w, v1.w, gl_WorkGroupID.x * 3u * R * R);
     }
 }

@@ -4,6 +4,7 @@
 #include "shaders/io/io.h"
 IO_BEGIN
 const uint kHemicubeGroup = 128u;
+const uint kHemicubeSizes = 4u; // classes of triangles by the pixels that they cover
 const uint kHemicubeAnyRoom = 0xffffffffu;
 const uint kHemicubeNoPatch = 0xffffffffu;
 // Sums of delta form factors are kept in fixed point, so that their order does not matter: 1 is 2^31.
