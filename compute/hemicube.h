@@ -1,6 +1,6 @@
 // Form factors by hemicube: what a point sees, pixel by pixel. Host half of shaders/hemicube*.comp. For each
 // row the fraction F of what arrives at (leaves from) the row's viewpoints that comes from each patch. Cost:
-// about 0.4 ms a viewpoint at 64^2 with 2000 patches on two cores of a CPU device.
+// about 0.4 ms of one core a viewpoint at 64^2 with 2000 patches on a CPU device.
 #pragma once
 
 #include <cstdint>
