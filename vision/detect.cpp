@@ -169,7 +169,7 @@ private:
         return joined;
     }
 
-    // The most orange of the regions with an arrow's shape.
+    // Of the regions with an arrow's shape the one that is most orange and whose sides are seen best.
     void findArrow() {
         double best = -1;
         size_t bestRegion = 0;
@@ -177,15 +177,27 @@ private:
             const Component& region = regions_[i];
             if (used_[i] || (region.group != Paint::red && region.group != Paint::yellow)) continue;
             const double orange = static_cast<double>(region.minorityArea) / region.area;
-            if (orange <= best) continue;
             const auto arrow = fitArrow(region, view_, options_);
-            if (!arrow || !liesOnTable(*arrow)) continue;
+            if (!arrow || !liesOnTable(*arrow) || continuesAWall(region)) continue;
+            const double likely = orange * arrow->detection.confidence;
+            if (likely <= best) continue;
             if (out_.sketch.north && best > 0.5)
                 out_.warnings.emplace_back("more than one north arrow: the most orange one counts");
-            best = orange, bestRegion = i;
+            best = likely, bestRegion = i;
             out_.sketch.north = arrow;
         }
         if (out_.sketch.north) used_[bestRegion] = true;
+    }
+
+    // A marker has its wall's paint past both of its ends.
+    bool continuesAWall(const Component& region) const {
+        constexpr double kGap = 0.25; // inches: past blur
+        const Pca pca = principalAxes(planPoints(region, view_, 0));
+        const auto isWallAt = [&](double along) {
+            const Paint paint = image_.groupAt(view_.pixel(pca.mean + along * pca.axis, 0));
+            return isWallPaint(paint) && paint != region.group;
+        };
+        return isWallAt(pca.low - kGap) && isWallAt(pca.high + kGap);
     }
 
     void findSkylights() {

@@ -17,7 +17,7 @@ namespace {
 constexpr double kStep = 0.04;        // inches along the wall
 constexpr double kFoot = 0.6;         // below it: shadows and feet, inches
 constexpr double kLegs = 1.6;         // longest leg of a marker, inches
-constexpr double kWidest = 0.9;       // a gap of an inch is no joint (see the sketch rules), inches
+constexpr double kWidest = 0.5;       // between panels of one wall; streaks of light are wider, inches
 constexpr float kStripe = 0.12f;      // relative difference that makes a stripe; faces vary by 0.02
 constexpr float kEveryHeight = 0.06f; // and that much, with the same sign, in each third of the height
 

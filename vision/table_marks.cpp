@@ -363,8 +363,14 @@ std::optional<geometry::NorthArrow> fitArrow(const Component& component, const P
     if (length < 0.6 * options.arrowLength || length > 1.4 * options.arrowLength || pca.major < 2 * pca.minor)
         return std::nullopt;
     const ArrowWidths widths(points, pca);
+    // Nothing else is orange: there less of the head's width may be left by blur, which widens the shaft as
+    // much.
+    constexpr double kBroader = 1.35, kBroaderOrange = 1.15;
+    const bool isOrange = component.minorityArea > 0.9 * component.area;
     // The seam of colour along a wall's top or a shadow is thinner than any head.
-    if (widths.head < 1.35 * widths.shaft || widths.head < options.wallThickness) return std::nullopt;
+    if (widths.head < (isOrange ? kBroaderOrange : kBroader) * widths.shaft ||
+        widths.head < options.wallThickness)
+        return std::nullopt;
 
     const double pixel = 1 / view.pixelsPerInch(pca.mean, height);
     const std::vector<glm::dvec2> middles = middlesOf(widths, pca, view, height);

@@ -278,10 +278,14 @@ template<class Shape> Relief WallEvidence::reliefOfShape(const Shape& shape) con
     for (const Stretch& stretch : stretchesOf(shape))
         if (const auto step = footStep(stretch, height)) steps.push_back(*step);
     if (!steps.empty()) out.foot = median(std::move(steps));
+    out.saturation = saturationOf(shape);
     return out;
 }
 Relief WallEvidence::reliefOf(const geometry::Wall& wall) const {
-    return reliefOfShape(wall);
+    Relief out = reliefOfShape(wall);
+    if (isStripOfPaint(paintedLine(wall, options_.unpaintedEnd), paintOf(wall.heightClass)))
+        out.painted = paintedShareOf(wall); // else it was read by paler paint
+    return out;
 }
 Relief WallEvidence::reliefOf(const geometry::Arc& arc) const {
     return reliefOfShape(arc);
@@ -358,15 +362,24 @@ std::vector<Lies> lieFlat(const std::vector<Relief>& reliefs) {
     constexpr float kNoEnd = 0.03f, kShare = 0.3f;      // nothing; of what the ends of the others are
     constexpr float kVividEnd = 0.2f;                   // of the others, where ends alone tell
     constexpr float kNoFoot = 0.04f, kFaintFoot = 0.1f; // with one bright end, with none
+    constexpr float kPaler = 0.75f;                     // of the saturation of the others
+    constexpr double kPainted = 0.85;                   // of its top
     std::vector<Lies> out(reliefs.size(), Lies::no);
     if (!showRelief(reliefs)) return out;
     const float typical = typicalEnd(reliefs), noEnd = std::max(kNoEnd, kShare * typical);
+    std::vector<float> saturation;
+    for (const Relief& r : reliefs) saturation.push_back(r.saturation);
+    const float pale = kPaler * upperQuartile(std::move(saturation));
     for (size_t i = 0; i < reliefs.size(); ++i) {
         const Relief& r = reliefs[i];
         const auto [low, high] = std::minmax(r.ends[0], r.ends[1]);
         if (low >= noEnd) continue;
-        if (r.foot && *r.foot < (high < noEnd ? kFaintFoot : kNoFoot)) out[i] = Lies::flat;
-        if (out[i] == Lies::no && high < noEnd && typical >= kVividEnd) out[i] = Lies::unsure;
+        const bool noEnds = high < noEnd;
+        if (r.foot && *r.foot < (noEnds ? kFaintFoot : kNoFoot)) out[i] = Lies::flat;
+        if (out[i] == Lies::flat || typical < kVividEnd) continue;
+        const bool isPale = r.saturation < pale, isBare = r.painted < kPainted;
+        if (noEnds) out[i] = isPale || isBare ? Lies::flat : Lies::unsure;
+        if (isPale && isBare) out[i] = Lies::flat;
     }
     return out;
 }

@@ -14,15 +14,18 @@ namespace heliodon::vision {
 constexpr double kOverEdge = 3; // inches that a wall may stick out over the table
 
 // What a wall shows of its height, as parts of the level of light there. All are near nothing where a pen,
-// tape or a cable lies flat.
+// tape or a cable lies flat. And its paint: what a lens or a file's compression smears beside walls is paler
+// than theirs, or interrupted.
 struct Relief {
     std::array<float, 2> ends{}; // WallEvidence::endSteps
     std::optional<float> foot;   // step of light where a face meets the table; none: no face is seen
+    float saturation = 1;        // WallEvidence::saturationOf
+    double painted = 1;          // WallEvidence::paintedShareOf
 };
 
 // Of things with the colour and the shape of walls, those that are none: where others show relief, they have
-// neither a bright end nor a foot. Unsure: no bright ends, and no face would be seen either, as below the
-// camera, or something there may be another's.
+// neither a bright end nor a foot, or lack an end and much of the paint. Unsure: ends that hardly are bright,
+// and no face would be seen either, as below the camera, or something there may be another's.
 enum class Lies { no, unsure, flat };
 std::vector<Lies> lieFlat(const std::vector<Relief>& reliefs);
 
