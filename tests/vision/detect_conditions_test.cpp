@@ -502,6 +502,84 @@ TEST(DetectConditions, a_seam_of_colour_is_no_arrow_however_orange) {
     expectRead(stated, photo);
 }
 
+// Blur widens an arrow's shaft as much as its head.
+TEST(DetectConditions, an_arrow_out_of_focus) {
+    const geometry::Rig rig = exampleRig();
+    geometry::Sketch sketch = room();
+    sketch.north.reset();
+    Photograph photo = paintTable(sketch, rig);
+    cover(photo, rig,
+          {{-1.5, -13.81},
+           {0.55, -13.81},
+           {0.55, -13.71},
+           {1.5, -14},
+           {0.55, -14.29},
+           {0.55, -14.19},
+           {-1.5, -14.19}},
+          0.03, PaintBox{}.orange);
+    Perturbation how;
+    how.blurPx = 4;
+    const auto north = detectSketch(perturbed(photo, how), rig).sketch.north;
+    ASSERT_TRUE(north.has_value());
+    EXPECT_LT(glm::distance(north->pos, {0, -14}), 0.1);
+    EXPECT_LT(std::abs(std::remainder(north->dirDeg, 360)), 2);
+}
+
+TEST(DetectConditions, orange_light_of_an_arrows_shape_is_none) {
+    const geometry::Rig rig = exampleRig();
+    Photograph photo = paintTable(room(), rig);
+    shade(photo, rig,
+          {{-16, 6}, {-14, 6.3}, {-14, 5.9}, {-13.2, 6.9}, {-14.2, 7.6}, {-14.1, 7.1}, {-15.9, 6.6}}, 0,
+          {0.9, 0.45, 0.12}, 9);
+    const auto north = detectSketch(photo, rig).sketch.north;
+    ASSERT_TRUE(north.has_value());
+    EXPECT_LT(glm::distance(north->pos, room().north->pos), 0.1);
+}
+
+// Orange by compression, with an end that blur has made broader.
+TEST(DetectConditions, a_marker_on_a_wall_is_no_arrow) {
+    const geometry::Rig rig = exampleRig();
+    geometry::Sketch sketch = room();
+    sketch.north.reset();
+    Photograph photo = paintTable(sketch, rig);
+    cover(photo, rig,
+          {{-7.5, -1},
+           {-7.3, -1},
+           {-7.3, 0.6},
+           {-7.18, 0.6},
+           {-7.22, 1.4},
+           {-7.58, 1.4},
+           {-7.62, 0.6},
+           {-7.5, 0.6}},
+          8, PaintBox{}.orange);
+    EXPECT_FALSE(detectSketch(photo, rig).sketch.north.has_value());
+}
+
+// Compression lays a pale seam of the complement beside a wall's paint.
+TEST(DetectConditions, a_pale_seam_beside_a_wall_is_no_wall) {
+    const geometry::Rig rig = exampleRig();
+    PaintBox paints;
+    paints.face = {0.17, 0.17, 0.17};
+    Photograph photo = paintTable(room(), rig, paints);
+    cover(photo, rig, {{4, -2}, {4.37, -2}, {4.37, 1}, {4, 1}}, 4, {0.18, 0.3, 0.19});
+    expectRead(room(), photo);
+}
+
+// A slat's: wider than the gap between two panels.
+TEST(DetectConditions, a_streak_of_light_below_a_marker_is_no_joint) {
+    const geometry::Rig rig = exampleRig();
+    const glm::dvec3 eye = rig.camera.centre() / geometry::kMetresPerInch;
+    // Where on the table the camera sees a place on the face of the first wall.
+    const auto behind = [&](double x, double height) {
+        const glm::dvec2 face(x, -5 + 0.19);
+        return glm::mix(glm::dvec2(eye.x, -eye.z), face, eye.y / (eye.y - height));
+    };
+    Photograph photo = paintTable(room(), rig);
+    shade(photo, rig, {behind(-2.4, 0), behind(-1.7, 0), behind(-1.7, 9.5), behind(-2.4, 9.5)}, 0,
+          {1.4, 1.4, 1.4});
+    expectRead(room(), photo);
+}
+
 TEST(DetectConditions, says_that_a_walls_top_is_light_blue_in_part) {
     const geometry::Rig rig = exampleRig();
     Photograph photo = paintTable(room(), rig);
