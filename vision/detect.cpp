@@ -315,17 +315,67 @@ private:
                 pieces.push_back(&thin), any = true;
                 continue;
             }
+            std::vector<geometry::Arc> arcs; // that have their pieces already
             for (Component& strip : splitStrips(thin, view_, options_)) {
-                strips_.push_back(std::move(strip));
-                const Chain piece{region.group, {&strips_.back()}, {}};
+                const Chain piece{region.group, {&strip}, {}};
                 const auto wall = fitStraight(piece, view_, options_);
-                if ((wall && evidence().isWall(wall->wall)) || fitArc(piece, view_, options_))
-                    pieces.push_back(&strips_.back()), any = true;
+                if (!wall || !evidence().isWall(wall->wall)) {
+                    if (liesOnOne(arcs, strip)) continue;
+                    const auto arc = followArc(strip, thin);
+                    if (!arc) continue;
+                    arcs.push_back(*arc);
+                }
+                strips_.push_back(std::move(strip));
+                pieces.push_back(&strips_.back()), any = true;
             }
         }
         if (any) return;
         noteWidth({region.group, {&region}, {}});
         unread(region, "coloured like a wall, but not of a wall's shape; it is left out");
+    }
+
+    // The arc of a strip that was cut out of a region, which takes what of the region goes on along it as far
+    // as white ends would be.
+    std::optional<geometry::Arc> followArc(Component& strip, const Component& region) const {
+        constexpr int kMostPasses = 40;
+        auto arc = fitArc({strip.group, {&strip}, {}}, view_, options_);
+        for (int pass = 0; arc && pass < kMostPasses; ++pass) {
+            Component longer = alongArc(region, *arc);
+            if (longer.area <= strip.area) break;
+            const auto next = fitArc({longer.group, {&longer}, {}}, view_, options_);
+            if (!next) break;
+            strip = std::move(longer), arc = next;
+        }
+        return arc;
+    }
+    Component alongArc(const Component& region, const geometry::Arc& arc) const {
+        Component out;
+        out.group = region.group;
+        for (const Run& run : region.runs)
+            for (int x = run.x0; x < run.x1; ++x) {
+                if (!isOn(arc, {x, run.y})) continue;
+                out.runs.push_back({run.y, x, x + 1});
+                out.centre += glm::dvec2(x, run.y), ++out.area;
+            }
+        if (out.area > 0) out.centre /= out.area;
+        return out;
+    }
+    bool isOn(const geometry::Arc& arc, glm::dvec2 pixel) const {
+        const glm::dvec2 p = view_.plan(pixel, geometry::heightInches(arc.heightClass)) - arc.center;
+        if (std::abs(glm::length(p) - arc.radius) > 0.6 * options_.wallThickness) return false;
+        const double beyond =
+            glm::degrees(0.8 * options_.unpaintedEnd / arc.radius); // its own ends are in it
+        double angle = glm::degrees(std::atan2(p.y, p.x)) - arc.a0Deg + beyond;
+        angle -= 360 * std::floor(angle / 360);
+        return angle < arc.a1Deg - arc.a0Deg + 2 * beyond;
+    }
+    bool liesOnOne(const std::vector<geometry::Arc>& arcs, const Component& strip) const {
+        return std::any_of(arcs.begin(), arcs.end(), [&](const geometry::Arc& arc) {
+            const auto on = std::count_if(strip.runs.begin(), strip.runs.end(), [&](const Run& run) {
+                return isOn(arc, {0.5 * (run.x0 + run.x1 - 1), run.y});
+            });
+            return 2 * static_cast<size_t>(on) > strip.runs.size();
+        });
     }
 
     // Of a strip that is no wall of the options' thickness.

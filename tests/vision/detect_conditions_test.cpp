@@ -580,6 +580,21 @@ TEST(DetectConditions, a_streak_of_light_below_a_marker_is_no_joint) {
     expectRead(room(), photo);
 }
 
+// In the picture; what is cut at it falls into straight strips.
+TEST(DetectConditions, a_pen_that_touches_a_curved_wall) {
+    const geometry::Rig rig = exampleRig();
+    geometry::Sketch sketch;
+    geometry::Arc arc;
+    arc.id = "a1", arc.center = {0, 0}, arc.radius = 7, arc.a0Deg = -70, arc.a1Deg = 75;
+    arc.heightClass = HeightClass::red;
+    sketch.arcs = {arc};
+    sketch.walls = {wall("w1", {-7, -6.5}, {2, -6.5}, HeightClass::blue),
+                    wall("w2", {-7, 6.6}, {1.4, 6.6}, HeightClass::blue)};
+    Photograph photo = paintTable(sketch, rig);
+    cover(photo, rig, {{6.6, -3.4}, {10, -0.4}, {9.9, -0.2}, {6.4, -3.2}}, 10, PaintBox{}.red);
+    expectRead(sketch, photo);
+}
+
 TEST(DetectConditions, says_that_a_walls_top_is_light_blue_in_part) {
     const geometry::Rig rig = exampleRig();
     Photograph photo = paintTable(room(), rig);
