@@ -1,10 +1,7 @@
 #include "vision/pale_walls.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
-
-#include <glm/geometric.hpp>
 
 #include "vision/pieces.h"
 #include "vision/table_marks.h"
@@ -82,20 +79,9 @@ private:
 
     template<class Shape> bool isPaleWall(const Shape& shape) const {
         constexpr float kEnd = 0.15f, kFoot = 0.08f;
-        if (!evidence_.isWall(shape) || !evidence_.standsOnTable(shape) || followsTablesEdge(shape))
-            return false;
+        if (!evidence_.isWall(shape) || !evidence_.standsOnTable(shape)) return false;
         const Relief relief = evidence_.reliefOf(shape);
         return std::min(relief.ends[0], relief.ends[1]) > kEnd && relief.foot.value_or(1) > kFoot;
-    }
-
-    // The lens and a file's compression tint the table's edge, which is bright on one side as card is.
-    template<class Shape> bool followsTablesEdge(const Shape& shape) const {
-        const double height = geometry::heightInches(shape.heightClass);
-        const WallEvidence::Line ends = evidence_.endsOf(shape);
-        return std::all_of(ends.begin(), ends.end(), [&](glm::dvec2 end) {
-            const glm::dvec2 onTable = view_.plan(view_.pixel(end, height), 0);
-            return std::abs(glm::length(onTable) - radius_) < 2 * options_.wallThickness;
-        });
     }
 
     const VividReading& read_;
