@@ -225,11 +225,13 @@ CameraCalibration calibrateCamera(const CalibrationTarget& target, int width, in
         view.tiltDegrees = glm::degrees(std::acos(std::clamp(solution.poses[v].rotation[2].z, -1.0, 1.0)));
         if (heldOut.empty()) continue;
         view.heldOutRms = heldOut[v].rms;
-        heldOutSquares += view.heldOutRms * view.heldOutRms * static_cast<double>(view.marks);
+        heldOutSquares += heldOut[v].rms * heldOut[v].rms * static_cast<double>(view.marks);
         others.push_back(heldOut[v].lens);
     }
-    if (!others.empty()) widenByJackknife(result.fit.sigma, others);
-    result.heldOutRms = std::sqrt(heldOutSquares / static_cast<double>(solution.points));
+    if (!others.empty()) {
+        widenByJackknife(result.fit.sigma, others);
+        result.heldOutRms = std::sqrt(heldOutSquares / static_cast<double>(solution.points));
+    }
     warnOf(result, work.views.size(), width, height);
     return result;
 }

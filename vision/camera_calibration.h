@@ -2,6 +2,7 @@
 // for camera calibration", 2000), with what the figures are worth.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,19 +20,21 @@ constexpr size_t kLeastViews = 3;
 
 struct CalibratedView {
     std::string name;
-    size_t marks = 0;               // used
-    std::vector<size_t> rejected;   // ids of marks left out because they lay too far off
-    double rms = 0, heldOutRms = 0; // px; heldOut: with the lens from all other views; 0 of kLeastViews views
-    double tiltDegrees = 0;         // between the board's normal and the camera's axis
-    bool used = true;               // false: its marks do not fit those of the other views
-    bool turned = false;            // so, but do once the picture is turned by half; not used
-    geometry::OpticalDevice camera; // with the board as the world's table
+    size_t marks = 0;                 // used
+    std::vector<size_t> rejected;     // ids of marks left out because they lay too far off
+    double rms = 0;                   // px
+    std::optional<double> heldOutRms; // with the lens from all other views; none of kLeastViews views
+    double tiltDegrees = 0;           // between the board's normal and the camera's axis
+    bool used = true;                 // false: its marks do not fit those of the other views
+    bool turned = false;              // so, but do once the picture is turned by half; not used
+    geometry::OpticalDevice camera;   // with the board as the world's table
 };
 
 struct CameraCalibration {
     // Its sigma: the larger of what the residuals say and how the lens changes with each view left out.
     LensFit fit;
-    double rms = 0, heldOutRms = 0;    // px, over all marks used
+    double rms = 0;                    // px, over all marks used
+    std::optional<double> heldOutRms;  // the same of marks in views held out
     double coverage = 0;               // share of the picture's 8 x 6 fields that hold marks
     std::vector<CalibratedView> views; // as given
     std::vector<std::string> warnings;

@@ -194,8 +194,9 @@ void examinePlanes(const Working& work, const LensSolution& solution,
         plane.meanOff = glm::length(mean);
         if (heightsWithout(p) < kLeastPlanes) continue;
         others.push_back(solveView(ofPlane(work, p, true), result.terms, solution));
-        plane.heldOutRms = rmsOf(residuals(own, others.back().fit.lens, others.back().poses[0]));
-        squares += plane.heldOutRms * plane.heldOutRms * static_cast<double>(own.size());
+        const double rms = rmsOf(residuals(own, others.back().fit.lens, others.back().poses[0]));
+        plane.heldOutRms = rms;
+        squares += rms * rms * static_cast<double>(own.size());
         n += static_cast<double>(own.size());
     }
     if (others.empty()) return;

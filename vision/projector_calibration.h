@@ -4,6 +4,7 @@
 // shift their lens).
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,18 +21,19 @@ struct ProjectorPlane {
 
 struct CalibratedPlane {
     double height = 0;
-    std::vector<size_t> rejected; // of its corners: beside the plane, or off
-    size_t corners = 0;           // used
-    // Projector px; heldOut: with the lens from all other planes, 0 where too few are left.
-    double rms = 0, heldOutRms = 0;
-    double meanOff = 0; // projector px: length of the mean residual, which noise makes small
+    std::vector<size_t> rejected;     // of its corners: beside the plane, or off
+    size_t corners = 0;               // used
+    double rms = 0;                   // projector px
+    std::optional<double> heldOutRms; // with the lens from all other planes; none where these are too few
+    double meanOff = 0;               // projector px: length of the mean residual, which noise makes small
 };
 
 struct ProjectorCalibration {
     geometry::OpticalDevice projector;
     geometry::Lens sigma; // as in CameraCalibration
     glm::dvec3 centreSigma{};
-    double rms = 0, heldOutRms = 0;     // projector px; heldOut: as of planes
+    double rms = 0;                     // projector px
+    std::optional<double> heldOutRms;   // over the planes that have it; none where no plane has
     double meanMm = 0, deviationMm = 0; // distance on the planes between corners seen and shown, millimetres
     double coverage = 0;                // share of the projector's 8 x 6 fields that hold corners
     LensTerms terms; // fitted: what H. Akaike's kin, G. Schwarz's criterion (1978), finds worth it

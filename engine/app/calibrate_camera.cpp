@@ -164,9 +164,7 @@ void report(Run& run, const std::vector<Picture>& pictures, const std::vector<si
     out["rms_px"] = result.rms;
     const auto used =
         std::count_if(result.views.begin(), result.views.end(), [](const auto& v) { return v.used; });
-    // As many as are needed at least: none can be held out.
-    const bool holdsOut = used > static_cast<std::ptrdiff_t>(vision::kLeastViews);
-    out["held_out_rms_px"] = holdsOut ? json(result.heldOutRms) : json();
+    out["held_out_rms_px"] = orNull(result.heldOutRms);
     out["coverage"] = result.coverage;
     json& list = out["views"] = json::array();
     for (const Picture& p : pictures)
@@ -183,7 +181,7 @@ void report(Run& run, const std::vector<Picture>& pictures, const std::vector<si
         }
         entry.update({{"marks_rejected", view.rejected.size()},
                       {"rms_px", view.rms},
-                      {"held_out_rms_px", holdsOut ? json(view.heldOutRms) : json()},
+                      {"held_out_rms_px", orNull(view.heldOutRms)},
                       {"tilt_deg", view.tiltDegrees}});
     }
     for (const json& entry : list)
@@ -193,8 +191,9 @@ void report(Run& run, const std::vector<Picture>& pictures, const std::vector<si
     for (const std::string& warning : result.warnings) run.warn(warning);
     const auto& view = pictures[flat];
     const geometry::Lens &lens = result.fit.lens, &sigma = result.fit.sigma;
-    const std::string heldOut = holdsOut ? fmt::format("{:.3f} px in pictures held out", result.heldOutRms)
-                                         : "too few to hold one out";
+    const std::string heldOut = result.heldOutRms
+                                    ? fmt::format("{:.3f} px in pictures held out", *result.heldOutRms)
+                                    : "too few to hold one out";
     run.note(fmt::format(
         "{} of {} pictures, RMS {:.3f} px, {}\n"
         "focal length {:.2f} +- {:.2f}, {:.2f} +- {:.2f} px; principal point {:.2f} +- {:.2f}, {:.2f} +- "

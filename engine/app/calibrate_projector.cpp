@@ -69,14 +69,13 @@ std::vector<vision::ProjectorPlane> decodePlanes(Run& run, const CalibrationFold
 }
 
 void report(Run& run, json& out, const vision::ProjectorCalibration& result) {
-    const auto heldOut = [](double rms) { return rms > 0 ? json(rms) : json(); };
     out["projector"] = lensReport(result.projector.lens);
     out["projector_sigma"] = lensReport(result.sigma);
     const glm::dvec3 centre = result.projector.centre(), sigma = result.centreSigma;
     out["centre_m"] = {centre.x, centre.y, centre.z};
     out["centre_sigma_m"] = {sigma.x, sigma.y, sigma.z};
     out["rms_px"] = result.rms;
-    out["held_out_rms_px"] = heldOut(result.heldOutRms);
+    out["held_out_rms_px"] = orNull(result.heldOutRms);
     out["mean_mm"] = result.meanMm;
     out["deviation_mm"] = result.deviationMm;
     out["coverage"] = result.coverage;
@@ -87,7 +86,7 @@ void report(Run& run, json& out, const vision::ProjectorCalibration& result) {
         out["planes"][i].update({{"corners_used", plane.corners},
                                  {"corners_rejected", plane.rejected.size()},
                                  {"rms_px", plane.rms},
-                                 {"held_out_rms_px", heldOut(plane.heldOutRms)},
+                                 {"held_out_rms_px", orNull(plane.heldOutRms)},
                                  {"mean_off_px", plane.meanOff}});
         if (plane.corners == 0)
             run.warn(fmt::format("{}: left out: no plane of corners found in it",
@@ -101,8 +100,8 @@ void report(Run& run, json& out, const vision::ProjectorCalibration& result) {
         "focal length {:.1f} +- {:.1f}, {:.1f} +- {:.1f} px; principal point {:.1f} +- {:.1f}, {:.1f} +- "
         "{:.1f} px",
         id, corners, result.rms,
-        result.heldOutRms > 0 ? fmt::format("{:.3f} px on planes held out", result.heldOutRms)
-                              : "too few planes to hold one out",
+        result.heldOutRms ? fmt::format("{:.3f} px on planes held out", *result.heldOutRms)
+                          : "too few planes to hold one out",
         result.meanMm, result.deviationMm, lens.fx, result.sigma.fx, lens.fy, result.sigma.fy, lens.cx,
         result.sigma.cx, lens.cy, result.sigma.cy));
 }

@@ -1,6 +1,8 @@
 // What calibrations report alike.
 #pragma once
 
+#include <optional>
+
 #include <nlohmann/json.hpp>
 
 #include "geometry/rig.h"
@@ -8,5 +10,6 @@
 namespace heliodon::app {
 
 nlohmann::json lensReport(const geometry::Lens& lens);
+nlohmann::json orNull(std::optional<double> figure);
 
 } // namespace heliodon::app

@@ -169,7 +169,7 @@ TEST(CalibrateCamera, finds_the_lens_and_the_place_within_what_it_says_of_itself
             calibrateCamera(target, kWidth, kHeight, exactViews(target, camera, 12, 0.05), 0.01);
         expectLens(result.fit, camera.lens);
         EXPECT_NEAR(result.rms, 0.05 * std::sqrt(2), 0.005);
-        EXPECT_NEAR(result.heldOutRms, result.rms, 0.005);
+        EXPECT_NEAR(result.heldOutRms.value(), result.rms, 0.005);
         // The first board lies flat, 1 cm over the table.
         const geometry::OpticalDevice& device = result.views[0].camera;
         const Pose pose = poses(camera, 1)[0];
