@@ -142,7 +142,7 @@ Solution solveOn(Run& run, const IlluminanceArguments& arguments, const Input& i
         s.title += "; " + plane.inWords();
     }
     if (s.sensors) giveSensors(run, *transport, *s.sensors);
-    s.moment = solveLight(run, *transport, sky);
+    s.moment = solveLight(run, *transport, sky, s.scene.worldPerBuilding);
     warnOfNight(run, source, lightFigures(s.scene.mesh, s.moment).maxLux);
     return s;
 }

@@ -36,11 +36,14 @@ void warnOfTolerance(Run& run, const compute::MomentReport& r) {
         run.warn("the radiosity solution did not reach its tolerance; see radiosity.bound in the report");
 }
 
-void reportRadiosity(Run& run, const compute::MomentReport& r) {
-    run.report()["radiosity"] = {{"passes", r.radiosity.passes}, {"residual", r.radiosity.residual},
-                                 {"bound", r.radiosity.bound},   {"converged", r.radiosity.converged},
-                                 {"lumens_in", r.lumensIn},      {"lumens_absorbed", r.lumensAbsorbed},
-                                 {"lumens_lost", r.lumensLost},  {"energy_imbalance", r.energyImbalance}};
+// Lumens of the building, whose areas are not the mesh's.
+void reportRadiosity(Run& run, const compute::MomentReport& r, double worldPerBuilding) {
+    const double lumens = 1 / (worldPerBuilding * worldPerBuilding);
+    run.report()["radiosity"] = {
+        {"passes", r.radiosity.passes},         {"residual", r.radiosity.residual},
+        {"bound", r.radiosity.bound},           {"converged", r.radiosity.converged},
+        {"lumens_in", lumens * r.lumensIn},     {"lumens_absorbed", lumens * r.lumensAbsorbed},
+        {"lumens_lost", lumens * r.lumensLost}, {"energy_imbalance", r.energyImbalance}};
     warnOfTolerance(run, r);
 }
 
@@ -124,9 +127,10 @@ std::unique_ptr<compute::DaylightTransport> makeTransport(Run& run, gpu::Device&
     return transport;
 }
 
-compute::Moment solveLight(Run& run, compute::DaylightTransport& transport, const daylight::Sky& sky) {
+compute::Moment solveLight(Run& run, compute::DaylightTransport& transport, const daylight::Sky& sky,
+                           double worldPerBuilding) {
     compute::Moment moment = std::move(solveLights(run, transport, std::span(&sky, 1))[0]);
-    reportMoment(run, moment.report);
+    reportMoment(run, moment.report, worldPerBuilding);
     if (const size_t count = transport.report().sensorsNearWalls; count > 0)
         run.modelled(fmt::format("walls beside {} sensors, taken apart", count));
     return moment;
@@ -140,8 +144,8 @@ std::vector<compute::Moment> solveLights(Run& run, compute::DaylightTransport& t
     return moments;
 }
 
-void reportMoment(Run& run, const compute::MomentReport& r) {
-    reportRadiosity(run, r);
+void reportMoment(Run& run, const compute::MomentReport& r, double worldPerBuilding) {
+    reportRadiosity(run, r, worldPerBuilding);
     for (const std::string& what : r.modelled) run.modelled(what);
     for (const std::string& what : r.skipped) run.skipped(what);
 }
@@ -152,8 +156,8 @@ void FrameTally::add(const compute::MomentReport& report) {
     for (const std::string& what : report.skipped) ++skipped_[what];
 }
 
-void FrameTally::report(Run& run) const {
-    reportRadiosity(run, worst_);
+void FrameTally::report(Run& run, double worldPerBuilding) const {
+    reportRadiosity(run, worst_, worldPerBuilding);
     for (const auto& [what, count] : modelled_)
         run.modelled(count == frames_ ? what : fmt::format("{}: {} frames", what, count));
     for (const auto& [what, count] : skipped_)

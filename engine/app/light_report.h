@@ -30,14 +30,15 @@ std::unique_ptr<compute::DaylightTransport> makeTransport(Run& run, gpu::Device&
                                                           const compute::TransportOptions& options);
 
 // Solves one sky; fills `stages.solve` and what reportMoment does.
-compute::Moment solveLight(Run& run, compute::DaylightTransport& transport, const daylight::Sky& sky);
+compute::Moment solveLight(Run& run, compute::DaylightTransport& transport, const daylight::Sky& sky,
+                           double worldPerBuilding);
 
 // Solves several at once; fills `stages.solve`, and warns of solutions that did not reach their tolerance.
 std::vector<compute::Moment> solveLights(Run& run, compute::DaylightTransport& transport,
                                          std::span<const daylight::Sky> skies);
 
-// What one moment's solution measured: `radiosity`, `modelled` and `skipped`.
-void reportMoment(Run& run, const compute::MomentReport& report);
+// What one moment's solution measured: `radiosity`, `modelled` and `skipped`. worldPerBuilding: Scene's.
+void reportMoment(Run& run, const compute::MomentReport& report, double worldPerBuilding);
 
 // What the solutions of a film's frames measured.
 class FrameTally {
@@ -45,7 +46,7 @@ public:
     void add(const compute::MomentReport& report);
     // `radiosity` of the frame with the largest bound; `modelled` and `skipped` with the number of frames,
     // where it was not for all.
-    void report(Run& run) const;
+    void report(Run& run, double worldPerBuilding) const;
 
 private:
     size_t frames_ = 0;

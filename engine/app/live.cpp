@@ -73,7 +73,7 @@ public:
         report["stages"]["solve"] = figures_.solve.last();
         report["stages"]["render"] = figures_.draw.last();
         if (lit_) {
-            reportMoment(run_, lit_->moment->report);
+            reportMoment(run_, lit_->moment->report, sceneOfRig().worldPerBuilding);
             report["light"] = reportOf(*lit_, controls_.tone());
             if (lit_->scatter) report["scatter"] = scatterEntry(*lit_->scatter, rig_.surfaceReflectance);
         }

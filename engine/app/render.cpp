@@ -193,7 +193,7 @@ void execute(Run& run, const RenderArguments& arguments) {
         options.radiosity.tolerance = 0.1 * arguments.maxRadiosityError;
     }
     const auto transport = makeTransport(run, scene.mesh, options);
-    compute::Moment moment = solveLight(run, *transport, sky);
+    compute::Moment moment = solveLight(run, *transport, sky, scene.worldPerBuilding);
     if (arguments.picture.skyColour) tintLight(*transport, std::span(&sky, 1), std::span(&moment, 1));
     passes::FrameRenderer renderer = makeRenderer(run, scene);
     const LightFigures figures = lightFigures(scene.mesh, moment);

@@ -305,7 +305,7 @@ Frames makeFrames(Run& run, const Scene& scene, const SkySource& source,
     }
     stream.stop();
     run.addStageSeconds("solve", stream.seconds());
-    tally.report(run);
+    tally.report(run, scene.worldPerBuilding);
     if (stream.repeated() > 0)
         run.skipped(fmt::format("{} frames: the same light as the frame before", stream.repeated()));
     return frames;

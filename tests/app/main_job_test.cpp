@@ -82,6 +82,15 @@ TEST_F(MainJob, a_model_is_taken_at_the_scale_that_is_given_or_assumed) {
     run(model + " --model-scale 12");
     EXPECT_FALSE(report("r.json").contains("assumed"));
     EXPECT_NEAR(report("r.json")["rooms"][0]["floor_area"].get<double>(), 144 * area, 1e-6 * area);
+
+    // Lumens are the building's, too.
+    const auto lumensAt = [&](const std::string& scale) {
+        run("illuminance " HELIODON_TEST_DATA "/geometry/models/daylight_d/model.obj --up z --triangles 50 " +
+            scale + " --sky overcast -o " + in("lux.csv") + " --report " + in("r.json"));
+        return report("r.json")["radiosity"]["lumens_in"].get<double>();
+    };
+    const double asItIs = lumensAt("--model-scale 1");
+    EXPECT_NEAR(lumensAt("--model-scale 12"), 144 * asItIs, 1e-6 * asItIs);
 }
 
 TEST_F(MainJob, a_sketch_without_an_arrow_is_said_to_have_its_north_assumed) {
