@@ -10,6 +10,7 @@
 #include "tests/vision/perturb.h"
 #include "tests/vision/sketch_score.h"
 #include "tests/vision/table_painter.h"
+#include "vision/wall_evidence.h"
 
 namespace heliodon::vision {
 namespace {
@@ -371,6 +372,12 @@ TEST(Photograph, names_a_file_that_is_missing_or_no_picture) {
     damaged[whole.size() / 2] ^= 1;
     std::ofstream(text, std::ios::binary) << damaged;
     EXPECT_NE(complaint(text).find("is damaged"), std::string::npos) << complaint(text);
+}
+
+TEST(Relief, pens_with_one_shining_cap_do_not_make_a_faint_wall_one_of_them) {
+    const Relief pen{{0.01f, 0.5f}, 0.01f}, wall{{0.3f, 0.3f}, 0.2f}, faint{{0.12f, 0.3f}, 0.03f};
+    const std::vector<Lies> lies = lieFlat({pen, pen, pen, pen, pen, wall, wall, faint});
+    for (size_t i = 0; i < lies.size(); ++i) EXPECT_EQ(lies[i], i < 5 ? Lies::flat : Lies::no) << i;
 }
 
 TEST(Overlay, draws_over_the_photograph_and_names_what_was_found) {
