@@ -192,7 +192,7 @@ Coverage readCoverage(const Line& line, EpwFile& epw) {
     // Most files are a year whatever this line says; what is none is refused by its records.
     coverage.by = fmt::format("a whole year, since DATA PERIODS, line {}, could not be read", line.number);
     epw.warnings.push_back(
-        fmt::format("Line {}: DATA PERIODS could not be read; a whole year is expected.", line.number));
+        fmt::format("line {}: DATA PERIODS could not be read; a whole year is expected", line.number));
     coverage.periods = {Period{}};
     return coverage;
 }
@@ -212,7 +212,7 @@ void readLocation(const Line& line, EpwFile& epw) {
     Cells cells = line.cells;
     while (!cells.empty() && cells.back().empty()) cells.pop_back();
     if (line.cells.size() == 10 && cells.size() == 9) {
-        epw.warnings.push_back(fmt::format("Line {}: the elevation is missing; 0 m is taken.", line.number));
+        epw.warnings.push_back(fmt::format("line {}: the elevation is missing; 0 m is taken", line.number));
         cells.emplace_back("0");
     }
     if (cells.size() < 6) line.refuse(fmt::format("LOCATION has {} fields, expected 10", cells.size()));
@@ -414,9 +414,9 @@ EpwFile readEpw(const std::filesystem::path& path) {
     if (!sequence->finished())
         throw InputError(file, last, fmt::format("the file ends before {}", sequence->expected()));
     if (sequence->clockAtEnd())
-        epw.warnings.emplace_back("Records carry the clock at their end; read as hours 1 to 24.");
+        epw.warnings.emplace_back("records carry the clock at their end; read as hours 1 to 24");
     else if (sequence->hoursFromZero())
-        epw.warnings.emplace_back("Hours run from 0 to 23; read as 1 to 24.");
+        epw.warnings.emplace_back("hours run from 0 to 23; read as 1 to 24");
     return epw;
 }
 

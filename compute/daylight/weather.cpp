@@ -78,9 +78,8 @@ double chooseShift(EpwFile& epw, std::vector<std::string>& warnings) {
         // meant.
         const double local = *epw.irradianceOffsetHours, utc = local + epw.timeZoneHours;
         const bool inUtc = enough && closureError(epw, records, utc) < closureError(epw, records, local);
-        warnings.push_back(
-            fmt::format("The file states an irradiance time offset of {:g} h; the sun is taken there.{}",
-                        local, inUtc ? " Its hours count in UTC, against its header." : ""));
+        warnings.push_back(fmt::format("states an irradiance time offset of {:g} h; the sun is taken there{}",
+                                       local, inUtc ? "; its hours count in UTC, against its header" : ""));
         if (inUtc) epw.timeZoneHours = 0;
         return local;
     }
@@ -96,8 +95,8 @@ double chooseShift(EpwFile& epw, std::vector<std::string>& warnings) {
     }
     if (std::abs(best - middle) > 0.2 && least < 0.5 * atMiddle)
         warnings.push_back(fmt::format(
-            "The irradiances fit a sun {:+.2f} h from the middle of each hour better than the EPW "
-            "convention (rms {:.3f} instead of {:.3f} in sin h); the convention is kept.",
+            "the irradiances fit a sun {:+.2f} h from the middle of each hour better than the EPW "
+            "convention (rms {:.3f} instead of {:.3f} in sin h); the convention is kept",
             best - middle, least, atMiddle));
     return middle;
 }
@@ -176,13 +175,13 @@ void fillGaps(Weather& weather, const std::vector<Gap>& gaps) {
     }
     if (derived)
         weather.warnings.push_back(daylitThatLack(derived) +
-                                   " an irradiance; it was derived from the others.");
+                                   " an irradiance; it was derived from the others");
     if (borrowed)
         weather.warnings.push_back(daylitThatLack(borrowed) +
-                                   " irradiance; it was taken from the nearest day.");
+                                   " irradiance; it was taken from the nearest day");
     if (lost)
         weather.warnings.push_back(daylitThatLack(lost) +
-                                   " every irradiance and no day within a week has it: dark.");
+                                   " every irradiance and no day within a week has it: dark");
 }
 
 // Where no record by day has an irradiance, all would be dark.
@@ -242,14 +241,14 @@ void warnOfComponents(const EpwFile& epw, Weather& weather) {
     const auto worst = std::ranges::max_element(months, {}, difference);
     if (apart)
         weather.warnings.push_back(
-            fmt::format("Direct and diffuse irradiance (fields 15 and 16) do not add up to the global (field "
+            fmt::format("direct and diffuse irradiance (fields 15 and 16) do not add up to the global (field "
                         "14) in {} month{}: "
-                        "{:.0f} against {:.0f} kWh/m2 in month {}. Light is made from direct and diffuse.",
+                        "{:.0f} against {:.0f} kWh/m2 in month {}; light is made from direct and diffuse",
                         apart, apart == 1 ? "" : "s", worst->components / 1000, worst->global / 1000,
                         worst - months.begin() + 1));
     else if (total == 0 && epw.records.size() >= kLong * static_cast<size_t>(epw.recordsPerHour))
         weather.warnings.emplace_back(
-            "No record has direct or diffuse irradiance (fields 15 and 16): all is dark.");
+            "no record has direct or diffuse irradiance (fields 15 and 16): all is dark");
 }
 
 // A place for each record of a leap year.
@@ -282,11 +281,11 @@ void warnOfDarkDays(const EpwFile& epw, Weather& weather) {
     if (dark && lit)
         weather.warnings.push_back(
             fmt::format("{} day{} no light at all, the first from line {} on, though the sun is over {:g} "
-                        "degrees high: missing values are 9999, these stay dark.",
+                        "degrees high: missing values are 9999, these stay dark",
                         dark, dark == 1 ? " has" : "s have", first, kHigh));
     else if (dark && faint)
         weather.warnings.push_back(fmt::format(
-            "No irradiance is over {:g} W/m2 though the sun is over {:g} degrees high: are fields 14 "
+            "no irradiance is over {:g} W/m2 though the sun is over {:g} degrees high: are fields 14 "
             "to 16 in W/m2?",
             kLeast, kHigh));
 }
@@ -333,7 +332,7 @@ Weather readWeather(const std::filesystem::path& file) {
                         atNight, epw.records.size(), epw.timeZoneHours, epw.longitudeDeg));
     if (epw.directRefuted)
         weather.warnings.push_back(fmt::format(
-            "{} negative direct irradiance{} counted as missing: global and diffuse say that the sun shone.",
+            "{} negative direct irradiance{} counted as missing: global and diffuse say that the sun shone",
             epw.directRefuted, epw.directRefuted == 1 ? " is" : "s are"));
     refuseWithoutLight(file, epw, weather, gaps);
     fillGaps(weather, gaps);
@@ -341,7 +340,8 @@ Weather readWeather(const std::filesystem::path& file) {
     warnOfDarkDays(epw, weather);
     if (withoutDewPoint)
         weather.warnings.push_back(daylitThatLack(withoutDewPoint) +
-                                   " the dew point; 2 cm of precipitable water is taken.");
+                                   " the dew point; 2 cm of precipitable water is taken");
+    for (std::string& warning : weather.warnings) warning = file.string() + ": " + warning;
     return weather;
 }
 

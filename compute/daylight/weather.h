@@ -42,7 +42,7 @@ struct Weather {
     double sunShiftHours =
         0; // of the sun's instant from the middle of a record's interval; not 0 only where stated
     std::vector<WeatherHour> hours;    // in the file's order
-    std::vector<std::string> warnings; // one sentence each: gaps, odd conventions
+    std::vector<std::string> warnings; // naming the file: gaps, odd conventions
 
     double recordHours() const { return 1.0 / recordsPerHour; }
     // Of each record of a leap year: its place in `hours`, or kNoRecord where the file does not cover it, so

@@ -123,7 +123,9 @@ std::unique_ptr<compute::DaylightTransport> makeTransport(Run& run, gpu::Device&
         return mesh.materials[m].isOpening() || mesh.materials[m].exitance != glm::vec3(0);
     };
     if (std::none_of(mesh.material.begin(), mesh.material.end(), gives))
-        run.warn("there is no window, no skylight and nothing that emits light: everything is dark");
+        run.warn(
+            "there is no window, no skylight and nothing that emits light: everything is dark (in models, "
+            "glass is what has a transmittance, Tf)");
     return transport;
 }
 

@@ -412,8 +412,10 @@ TEST(Weather, sun_below_the_horizon_asks_for_the_time_zone) {
     EXPECT_TRUE(weatherOf(kHeader + records).warnings.empty());
     std::string wrong = kHeader;
     wrong.replace(wrong.find("-5.0"), 4, "5.0");
-    const Weather w = weatherOf(wrong + records);
+    const TemporaryFile file(wrong + records);
+    const Weather w = readWeather(file.path());
     ASSERT_EQ(w.warnings.size(), 1u);
+    EXPECT_TRUE(w.warnings[0].starts_with(file.path() + ": ")) << w.warnings[0];
     EXPECT_NE(w.warnings[0].find("while it is below the horizon"), std::string::npos) << w.warnings[0];
     EXPECT_NE(w.warnings[0].find("+5 h at longitude -77.03"), std::string::npos) << w.warnings[0];
     // So does the sky.
