@@ -97,8 +97,8 @@ void report(Run& run, json& out, const vision::ProjectorCalibration& result) {
     const geometry::Lens& lens = result.projector.lens;
     run.note(fmt::format(
         "{}: {} corners, RMS {:.3f} px, {}, {:.2f} +- {:.2f} mm on the planes\n"
-        "focal length {:.1f} +- {:.1f}, {:.1f} +- {:.1f} px; principal point {:.1f} +- {:.1f}, {:.1f} +- "
-        "{:.1f} px",
+        "focal length {:.2f} +- {:.2f}, {:.2f} +- {:.2f} px; principal point {:.2f} +- {:.2f}, {:.2f} +- "
+        "{:.2f} px",
         id, corners, result.rms,
         result.heldOutRms ? fmt::format("{:.3f} px on planes held out", *result.heldOutRms)
                           : "too few planes to hold one out",

@@ -1,4 +1,6 @@
 // The main job as a user does it: photograph in, pictures and a film out.
+#include <regex>
+
 #include <nlohmann/json.hpp>
 
 #include "geometry/picture_file.h"
@@ -173,6 +175,19 @@ TEST_F(MainJob, a_timelapse_is_a_film_or_numbered_pictures) {
     EXPECT_FALSE(std::filesystem::exists(folder / "frames/00003.png"));
     const std::string table = readText(folder / "frames/frames.csv");
     EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 4) << table;
+}
+
+// Scripts rely on the fields: what no page names, no one can.
+TEST(Report, every_field_is_documented) {
+    const std::string page = readText(HELIODON_SOURCE "/docs/files.md");
+    const std::regex field(R"re(report\(\)\["(\w+)"\])re");
+    size_t fields = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(HELIODON_SOURCE "/engine/app")) {
+        const std::string source = readText(entry.path());
+        for (std::sregex_iterator at(source.begin(), source.end(), field), end; at != end; ++at, ++fields)
+            EXPECT_NE(page.find("`" + at->str(1) + "`"), page.npos) << at->str(1) << " in " << entry.path();
+    }
+    EXPECT_GT(fields, 20u);
 }
 
 } // namespace
