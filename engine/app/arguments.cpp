@@ -81,7 +81,8 @@ private:
         CLI::App* sub = (group ? group : &app_)->add_subcommand(name, what);
         std::string before;
         if (group) before = fmt::format("{} ", group->get_name());
-        sub->footer(fmt::format("Example:\n  heliodon {}{} {}", before, name, example));
+        sub->footer(
+            fmt::format("Example:\n  heliodon {}{}{}{}", before, name, example.empty() ? "" : " ", example));
         sub->option_defaults()->always_capture_default(false);
         sub->add_option("--device", common_.device,
                         "Vulkan device: part of its name, or its index (heliodon devices)");
@@ -324,49 +325,6 @@ private:
             ->required();
     }
 
-    void addLive() {
-        std::string example = "--rig rig.json --camera aravis:\n\nIn any window:\n";
-        for (const auto& [keys, what] : present::operatorKeys())
-            example += fmt::format("  {:<26} {}\n", keys, what);
-        CLI::App* sub =
-            add("live", "light on the table while it is being changed: projectors, camera, operator", live_,
-                example);
-        sub->add_option("--rig", live_.scene.rig, "calibrated camera and projectors (.json)")->required();
-        sub->add_option(
-            "--camera", live_.camera,
-            "aravis:ID (vendor and serial number, or address; no ID: the first found), replay:FOLDER "
-            "(its pictures by name), file:PHOTO (read again when it changes) (default aravis:)");
-        sub->add_flag("--windowed", live_.windowed,
-                      "ordinary windows, in place of the displays that the rig names");
-        sub->add_option("--window-scale", live_.windowScale,
-                        "of windows against projectors' pixels (default 1)")
-            ->check(within(0.1, 4));
-        addMesh(sub, live_.scene);
-        addBlinds(sub, live_.scene);
-        addMoment(sub, live_.moment, true);
-        addWeather(sub, live_.moment);
-        sub->add_option("--exposure", live_.picture.exposure,
-                        "lux of exitance that shows as white (default: chosen from the picture)")
-            ->check(positive());
-        sub->add_flag("--false-color", live_.picture.falseColor, "lux as colours");
-        sub->add_flag("--sky-color", live_.picture.skyColour,
-                      "light in the colours of sun and sky, not white");
-        addScatter(sub, live_.picture);
-        sub->add_option("--interval", live_.interval, "seconds a picture of a replay (default 1)")
-            ->check(within(0.01, 86400));
-        sub->add_flag("--loop", live_.loop, "start a replay again after its last picture");
-        sub->add_option("--duration", live_.duration, "end after so many seconds")->check(positive());
-        sub->add_option(
-            "--script", live_.script,
-            "do what this file says, a line each: wait, look TIMES (until so many pictures of a table that "
-            "had changed have been looked at; with file: those that were written), sleep S, time T, sky SKY "
-            "(or weather, the file's), wheel N [shift] [ctrl], key K, resize WINDOW WIDTH HEIGHT, close "
-            "WINDOW, snapshot NAME, quit. Windows are numbered from 0, in the rig's order of projectors; the "
-            "operator's comes last");
-        sub->add_option("--snapshots", live_.snapshots,
-                        "folder for what the outputs showed at a script's snapshot, and in the end");
-    }
-
     void addCalibratePatterns(CLI::App* group) {
         CLI::App* sub = add("patterns", "the pictures that a projector shows to be calibrated",
                             calibratePatterns_, "--size 1024x768 -o patterns", group);
@@ -415,6 +373,49 @@ private:
                                 "the rig with the projectors put in (.json)"))
             ->transform(resultNamed(".json"))
             ->required();
+    }
+
+    void addLive() {
+        std::string example = "--rig rig.json --camera aravis:\n\nIn any window:\n";
+        for (const auto& [keys, what] : present::operatorKeys())
+            example += fmt::format("  {:<26} {}\n", keys, what);
+        CLI::App* sub =
+            add("live", "light on the table while it is being changed: projectors, camera, operator", live_,
+                example);
+        sub->add_option("--rig", live_.scene.rig, "calibrated camera and projectors (.json)")->required();
+        sub->add_option(
+            "--camera", live_.camera,
+            "aravis:ID (vendor and serial number, or address; no ID: the first found), replay:FOLDER "
+            "(its pictures by name), file:PHOTO (read again when it changes) (default aravis:)");
+        sub->add_flag("--windowed", live_.windowed,
+                      "ordinary windows, in place of the displays that the rig names");
+        sub->add_option("--window-scale", live_.windowScale,
+                        "of windows against projectors' pixels (default 1)")
+            ->check(within(0.1, 4));
+        addMesh(sub, live_.scene);
+        addBlinds(sub, live_.scene);
+        addMoment(sub, live_.moment, true);
+        addWeather(sub, live_.moment);
+        sub->add_option("--exposure", live_.picture.exposure,
+                        "lux of exitance that shows as white (default: chosen from the picture)")
+            ->check(positive());
+        sub->add_flag("--false-color", live_.picture.falseColor, "lux as colours");
+        sub->add_flag("--sky-color", live_.picture.skyColour,
+                      "light in the colours of sun and sky, not white");
+        addScatter(sub, live_.picture);
+        sub->add_option("--interval", live_.interval, "seconds a picture of a replay (default 1)")
+            ->check(within(0.01, 86400));
+        sub->add_flag("--loop", live_.loop, "start a replay again after its last picture");
+        sub->add_option("--duration", live_.duration, "end after so many seconds")->check(positive());
+        sub->add_option(
+            "--script", live_.script,
+            "do what this file says, a line each: wait, look TIMES (until so many pictures of a table that "
+            "had changed have been looked at; with file: those that were written), sleep S, time T, sky SKY "
+            "(or weather, the file's), wheel N [shift] [ctrl], key K, resize WINDOW WIDTH HEIGHT, close "
+            "WINDOW, snapshot NAME, quit. Windows are numbered from 0, in the rig's order of projectors; the "
+            "operator's comes last");
+        sub->add_option("--snapshots", live_.snapshots,
+                        "folder for what the outputs showed at a script's snapshot, and in the end");
     }
 
     void addBench() {
