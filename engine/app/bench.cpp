@@ -1,12 +1,10 @@
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <functional>
 #include <thread>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include "compute/closed_solid.h"
 #include "compute/form_factors.h"
@@ -15,6 +13,7 @@
 #include "compute/roofline.h"
 #include "engine/app/bench_clock.h"
 #include "engine/app/bench_gather.h"
+#include "engine/app/bench_machine.h"
 #include "engine/app/bench_peers.h"
 #include "engine/app/bench_plot.h"
 #include "engine/app/bench_results.h"
@@ -104,45 +103,12 @@ void judge(const std::vector<float>& F, const Reference& reference, BenchResult&
     result.referenceError = std::sqrt(uncertain / static_cast<double>(reference.rows.size()));
 }
 
-// The process's own peak from now on, where the system keeps one.
-void resetPeakMemory() {
-    std::ofstream("/proc/self/clear_refs") << "5";
-}
-double peakMemory() {
-    std::ifstream status("/proc/self/status");
-    for (std::string line; std::getline(status, line);)
-        if (line.starts_with("VmHWM:")) return 1024 * std::stod(line.substr(6));
-    return 0;
-}
-
 // Neither method nor device can do with less than writing the matrix once and one product rule of a single
 // point, about 60 operations, for each pair.
 double leastSeconds(const compute::Roofline& roofline, double n) {
     return roofline.seconds(60 * n * n / 2, 4 * n * n);
 }
 
-// Seconds that all cores have been busy, where the system counts them; else 0.
-double busySeconds() {
-    std::ifstream file("/proc/stat");
-    std::string name;
-    double user = 0, nice = 0, system = 0, idle = 0, waiting = 0, interrupts = 0, soft = 0, stolen = 0;
-    file >> name >> user >> nice >> system >> idle >> waiting >> interrupts >> soft >> stolen;
-    return (user + nice + system + interrupts + soft + stolen) / static_cast<double>(::sysconf(_SC_CLK_TCK));
-}
-
-// How much of the machine other work has had since.
-class OtherWork {
-public:
-    double cores() const {
-        double wall = 0, own = 0;
-        clock_.stop(wall, own);
-        return std::max(0.0, (busySeconds() - before_ - own) / wall);
-    }
-
-private:
-    double before_ = busySeconds();
-    BenchClock clock_;
-};
 constexpr double kMuchWork = 0.1; // of all cores
 
 // How often a setting is run where --runs does not say.
@@ -377,16 +343,6 @@ private:
     const BenchScene* scene_ = nullptr;
     Reference reference_;
 };
-
-// As Linux names it; empty elsewhere.
-std::string processorName() {
-    std::ifstream file("/proc/cpuinfo");
-    for (std::string line; std::getline(file, line);)
-        if (const size_t colon = line.find(": ");
-            line.starts_with("model name") && colon != std::string::npos)
-            return line.substr(colon + 2);
-    return "";
-}
 
 template<class Result> nlohmann::ordered_json listOf(const std::vector<Result>& results) {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
