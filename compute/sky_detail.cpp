@@ -20,9 +20,9 @@ using glm::dvec3;
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kAngle = 0.3;    // radians, of one sample
+constexpr double kAngle = 0.6;    // radians, of one sample
 constexpr double kInward = 0.005; // of the way to a patch's middle; light jumps where surfaces touch
-constexpr double kBent = 0.05;    // of the light there and the usual one, off linear: worth a grid
+constexpr double kBent = 0.01;    // of the light there and the usual one, off linear: worth a grid
 
 // Directions between which luminance is linear: rings from the horizon to the zenith, and the ground.
 constexpr uint32_t kRing = 24, kRings = 7, kGround = kRing * kRings, kNodes = kGround + 1;
