@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <iterator>
+#include <numeric>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include <glm/geometric.hpp>
@@ -17,6 +20,7 @@
 #include "engine/passes/frame_light.h"
 #include "engine/passes/glow_grids.h"
 #include "engine/passes/scene_pass.h"
+#include "engine/passes/sun_reach.h"
 #include "engine/passes/vertex_light.h"
 
 namespace heliodon::passes {
@@ -62,8 +66,7 @@ struct DeviceMesh {
         light.write(device, scaled);
     }
     SurfaceStreams streams(bool illuminance) const {
-        return {illuminance ? &unitCorners : &corners, &light.buffer(),
-                static_cast<uint32_t>(mesh.corners.size())};
+        return {illuminance ? &unitCorners : &corners, &light.buffer()};
     }
 
     const DrawMesh& mesh; // of the scene, which lives longer
@@ -98,12 +101,23 @@ struct Solid {
     uint32_t count;
 };
 
+// Triangles of a mesh, by their corners.
+struct TriangleList {
+    TriangleList(gpu::Device& device, const std::vector<uint32_t>& corners, const std::string& name)
+        : buffer(gpu::Buffer::from(device, corners, name)), count(static_cast<uint32_t>(corners.size())) {}
+    Triangles draw() const { return {&buffer, count}; }
+    gpu::Buffer buffer;
+    uint32_t count;
+};
+
 // Everything that one output keeps from frame to frame.
 struct Output {
-    Output(gpu::Device& device, View v, const std::string& name_)
+    // `drawn`: corners of its mesh, three a triangle.
+    Output(gpu::Device& device, View v, const std::vector<uint32_t>& drawn, const std::string& name_)
         : view(std::move(v)), name(name_), scene(device, view.width, view.height, name),
           warp(gpu::Buffer::from(device, view.warp.empty() ? std::vector<glm::vec2>(1) : view.warp,
-                                 name + " warp")) {}
+                                 name + " warp")),
+          parts(device, view, name), triangles(device, drawn, name + " triangles") {}
 
     const DisplayTarget& target(gpu::Device& device, DisplayTarget::Kind kind) {
         if (!display || display->kind != kind)
@@ -115,6 +129,8 @@ struct Output {
     std::string name;
     SceneTarget scene;
     gpu::Buffer warp;
+    DisplayParts parts;
+    TriangleList triangles;
     std::optional<DisplayTarget> display;
 };
 
@@ -160,6 +176,21 @@ Image8 widened(const Image8& picture, int columns) {
     return wide;
 }
 
+std::vector<uint32_t> allCorners(const DrawMesh& mesh) {
+    std::vector<uint32_t> corners(mesh.corners.size());
+    std::iota(corners.begin(), corners.end(), 0u);
+    return corners;
+}
+
+// Of the scene picture, where these corners' triangles are.
+std::vector<PixelRect> sunlitParts(const DrawMesh& mesh, std::span<const uint32_t> corners,
+                                   const View& view) {
+    constexpr int kTile = 64; // as software devices take them
+    std::vector<glm::vec3> places;
+    for (const uint32_t corner : corners) places.push_back(mesh.corners[corner].position);
+    return placesOf(view, places, kTile, 1);
+}
+
 // What a picture is drawn from.
 enum class Quantity { exitance, illuminance, picture }; // picture: exitance, and openings as bright panes
 
@@ -184,14 +215,15 @@ struct Model {
         : scene(std::move(s)), all(d, scene.all, "preview mesh"), shown(d, scene.shown.mesh, "shown mesh"),
           blend(d, scene.shown.blend, scene.rig), solids(d, scene.solids, "solids"),
           tops(d, scene.tops, "wall tops"), sides(d, scene.sides, "wall sides"),
-          table(d, scene.table, "table"), volumes("shadow volumes"), paneData("panes"),
+          table(d, scene.table, "table"), sunTriangles("sun triangles"), volumes("shadow volumes"),
+          paneData("panes"),
           paneEdges("pane edges"), glowCorners("glow"), glowPlaces("glow places"), glowGrids("glow grids") {}
 
     FrameScene scene;
     DeviceMesh all, shown;
     DeviceBlend blend;
     Solid solids, tops, sides, table;
-    FrameBuffer volumes, paneData, paneEdges, glowCorners, glowPlaces, glowGrids;
+    FrameBuffer sunTriangles, volumes, paneData, paneEdges, glowCorners, glowPlaces, glowGrids;
     std::vector<Output> outputs; // per projector
     int outputsSupersample = 0;
     std::optional<Output> previewOutput;
@@ -203,6 +235,7 @@ struct Model {
 struct AddedLight {
     std::optional<GlowDraw> glow;
     std::optional<SunDraw> sun;
+    std::vector<uint32_t> sunCorners; // of the triangles that it may reach
 };
 
 struct FrameRenderer::State {
@@ -214,9 +247,14 @@ struct FrameRenderer::State {
                             float scale = 1e-3f);
     std::optional<GlowDraw> prepareGlow(const DrawMesh& mesh, const compute::Lighting& light,
                                         const std::vector<glm::vec3>& perLux, float scale);
-    std::optional<SunDraw> prepareSun(const compute::Lighting& light, float scale);
+    void prepareSun(const DrawMesh& mesh, const compute::Lighting& light, float scale, AddedLight& added);
     void leaveOutScatter(const compute::Lighting& light, std::vector<glm::vec3>& perVertex) const;
     io::DisplayParams displayParams(const compute::Lighting& light, const Tone& tone) const;
+    // Whether a projector shows a triangle: it has no gain on any other.
+    bool sees(size_t projector, size_t triangle) const {
+        return (model->scene.shown.blend.visible[triangle] >> projector & 1u) != 0;
+    }
+    std::vector<uint32_t> cornersSeenBy(size_t projector) const;
     SceneInputs projectorInputs(size_t i, const AddedLight& added, bool illuminance) const;
     SceneInputs previewInputs(const View& view, const AddedLight& added, Quantity quantity) const;
     void makeOutputs(int supersample);
@@ -255,7 +293,9 @@ AddedLight FrameRenderer::State::prepareLight(DeviceMesh& target, const compute:
     else if (&target == &model->shown)
         leaveOutScatter(light, perVertex);
     target.mixLight(*device, perVertex, scale);
-    return {prepareGlow(target.mesh, light, perLux, scale), prepareSun(light, scale)};
+    AddedLight added{prepareGlow(target.mesh, light, perLux, scale), std::nullopt, {}};
+    prepareSun(target.mesh, light, scale, added);
+    return added;
 }
 
 std::optional<GlowDraw> FrameRenderer::State::prepareGlow(const DrawMesh& mesh,
@@ -277,20 +317,26 @@ std::optional<GlowDraw> FrameRenderer::State::prepareGlow(const DrawMesh& mesh,
         }
     }
     if (corners.empty()) return std::nullopt;
-    return GlowDraw{{&model->glowCorners.write(*device, corners), &model->glowPlaces.write(*device, places),
-                     static_cast<uint32_t>(corners.size())},
+    return GlowDraw{{&model->glowCorners.write(*device, corners), &model->glowPlaces.write(*device, places)},
+                    static_cast<uint32_t>(corners.size()),
                     &model->glowGrids.write(*device, grids)};
 }
 
-std::optional<SunDraw> FrameRenderer::State::prepareSun(const compute::Lighting& light, float scale) {
+void FrameRenderer::State::prepareSun(const DrawMesh& mesh, const compute::Lighting& light, float scale,
+                                      AddedLight& added) {
     const FrameScene& scene = model->scene;
     const bool sunny = glm::length(light.sunDirection) > 0.5 && scene.panes.size() > 0 &&
                        glm::dot(light.sunNormalIlluminance, glm::vec3(1)) > 0;
-    if (!sunny) return std::nullopt;
+    if (!sunny) return;
     const glm::dvec3 towardsSun = glm::normalize(light.sunDirection);
-    const ShadowCasters::Volumes swept = scene.casters.volumes(towardsSun);
+    SunReach reach = sunReach(scene.mesh, mesh, towardsSun, scene.panes.closed());
+    if (reach.corners.empty()) return;
+    const ShadowCasters::Volumes swept = scene.casters.volumes(towardsSun, reach.plane);
     const SunPaneData data = scene.panes.seenFromSun(towardsSun);
-    SunDraw sun;
+    added.sunCorners = std::move(reach.corners);
+    SunDraw& sun = added.sun.emplace();
+    sun.triangles = {&model->sunTriangles.write(*device, added.sunCorners),
+                     static_cast<uint32_t>(added.sunCorners.size())};
     sun.towardsSun = towardsSun;
     sun.kilolux = scale * light.sunNormalIlluminance;
     sun.volumes = &model->volumes.write(*device, swept.corners);
@@ -298,7 +344,6 @@ std::optional<SunDraw> FrameRenderer::State::prepareSun(const compute::Lighting&
     sun.capCount = swept.capCorners;
     sun.panes = &model->paneData.write(*device, data.panes);
     sun.paneEdges = &model->paneEdges.write(*device, data.edges);
-    return sun;
 }
 
 // What is left may be negative, until glow and sun are added to it.
@@ -322,12 +367,23 @@ io::DisplayParams FrameRenderer::State::displayParams(const compute::Lighting& l
     return params;
 }
 
+std::vector<uint32_t> FrameRenderer::State::cornersSeenBy(size_t projector) const {
+    std::vector<uint32_t> corners = allCorners(model->scene.shown.mesh);
+    std::erase_if(corners, [&](uint32_t corner) { return !sees(projector, corner / 3); });
+    return corners;
+}
+
 SceneInputs FrameRenderer::State::projectorInputs(size_t i, const AddedLight& added, bool illuminance) const {
     SceneInputs inputs;
     inputs.view = &model->outputs[i].view;
     inputs.surfaces = model->shown.streams(illuminance); // what solids hide has no gain
+    inputs.triangles = model->outputs[i].triangles.draw();
     inputs.glow = added.glow;
     inputs.sun = added.sun;
+    std::vector<uint32_t> sunny;
+    std::ranges::copy_if(added.sunCorners, std::back_inserter(sunny),
+                         [&](uint32_t corner) { return sees(i, corner / 3); });
+    inputs.sunlit = sunlitParts(model->shown.mesh, sunny, *inputs.view);
     inputs.keepGain = true;
     return inputs;
 }
@@ -338,7 +394,7 @@ void FrameRenderer::State::makeOutputs(int supersample) {
     std::vector<View> views =
         supersample == kProjectorSupersample ? model->scene.views : model->scene.projectorViews(supersample);
     for (size_t i = 0; i < views.size(); ++i)
-        model->outputs.emplace_back(*device, std::move(views[i]),
+        model->outputs.emplace_back(*device, std::move(views[i]), cornersSeenBy(i),
                                     "projector " + model->scene.rig.projectors[i].id);
     if (!views.empty()) drawGains();
     model->outputsSupersample = supersample;
@@ -396,7 +452,7 @@ gpu::Commands FrameRenderer::State::recordProjectors(const compute::Lighting& li
         const auto kind = hdr                ? DisplayTarget::Kind::float32
                           : params.gamma > 0 ? DisplayTarget::Kind::unorm8
                                              : DisplayTarget::Kind::srgb8;
-        displayPass.record(commands, output.scene.colour, output.warp, output.view,
+        displayPass.record(commands, output.scene.colour, output.warp, output.view, output.parts,
                            output.target(*device, kind), hdr ? io::kToneRaw : toneConstant(o.tone.map),
                            params, readBack);
     }
@@ -408,8 +464,10 @@ SceneInputs FrameRenderer::State::previewInputs(const View& view, const AddedLig
     SceneInputs inputs;
     inputs.view = &view;
     inputs.surfaces = model->all.streams(quantity == Quantity::illuminance);
+    inputs.triangles = model->previewOutput->triangles.draw();
     inputs.glow = added.glow;
     inputs.sun = added.sun;
+    inputs.sunlit = sunlitParts(model->all.mesh, added.sunCorners, view);
     if (quantity == Quantity::exitance) return inputs; // nothing but what is simulated
     // Display colours; alpha 2 marks what is not simulated.
     inputs.background = {0.62f, 0.64f, 0.67f, 2};
@@ -438,7 +496,7 @@ Output& FrameRenderer::State::drawView(const compute::Lighting& light, View view
     if (fits)
         previewOutput->view = std::move(view);
     else
-        previewOutput.emplace(*device, std::move(view), "preview");
+        previewOutput.emplace(*device, std::move(view), allCorners(model->all.mesh), "preview");
     const Quantity quantity = hdr ? Quantity::exitance : quantityOf(tone);
     io::DisplayParams params = displayParams(light, tone);
     // A picture is drawn in units of its white, so that see-through walls weigh the same at every exposure.
@@ -448,7 +506,7 @@ Output& FrameRenderer::State::drawView(const compute::Lighting& light, View view
     gpu::Commands commands(*device);
     scenePass.record(commands, previewOutput->scene, previewInputs(previewOutput->view, added, quantity));
     displayPass.record(
-        commands, previewOutput->scene.colour, previewOutput->warp, previewOutput->view,
+        commands, previewOutput->scene.colour, previewOutput->warp, previewOutput->view, previewOutput->parts,
         previewOutput->target(*device, hdr ? DisplayTarget::Kind::float32 : DisplayTarget::Kind::srgb8),
         hdr ? io::kToneRaw : toneConstant(tone.map), params);
     device->submitAndWait(std::move(commands));

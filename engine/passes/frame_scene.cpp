@@ -52,9 +52,13 @@ std::vector<View> FrameScene::projectorViews(int supersample) const {
     std::vector<glm::dvec3> shownPoints;
     for (const DrawCorner& corner : shown.mesh.corners) shownPoints.emplace_back(corner.position);
     std::vector<View> list;
-    for (const geometry::Projector& projector : rig.projectors) {
-        list.push_back(viewOfDevice(projector, supersample));
+    for (size_t i = 0; i < rig.projectors.size(); ++i) {
+        list.push_back(viewOfDevice(rig.projectors[i], supersample));
         confine(list.back(), shownPoints);
+        std::vector<glm::vec3> seen;
+        for (size_t c = 0; c < shown.mesh.corners.size(); ++c)
+            if ((shown.blend.visible[c / 3] >> i & 1u) != 0) seen.push_back(shown.mesh.corners[c].position);
+        confineParts(list.back(), seen);
     }
     return list;
 }

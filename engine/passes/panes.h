@@ -26,6 +26,8 @@ public:
     explicit Panes(const geometry::PatchMesh& mesh);
 
     size_t size() const { return panes_.size(); }
+    // Every room is closed: a ray that passes no pane has slipped through an edge.
+    bool closed() const { return closed_; }
     // Panes parallel to the rays are left out: no light passes them. A pane with a twin counts only where the
     // ray leaves its room, so that the glass of an interior window counts once.
     SunPaneData seenFromSun(glm::dvec3 towardsSun) const;
@@ -42,7 +44,7 @@ private:
 
     std::vector<Pane> panes_;
     std::vector<daylight::Window> windows_; // per material
-    bool closed_ = false; // every room is closed: a ray that passes no pane has slipped through an edge
+    bool closed_ = false;
 };
 
 } // namespace heliodon::passes

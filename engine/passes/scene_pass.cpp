@@ -163,6 +163,12 @@ void bindStreams(VkCommandBuffer commands, std::initializer_list<const gpu::Buff
                            offsets.data());
 }
 
+void setScissor(VkCommandBuffer commands, const PixelRect& part) {
+    const VkRect2D rect{{part.x, part.y},
+                        {static_cast<uint32_t>(part.width), static_cast<uint32_t>(part.height)}};
+    vkCmdSetScissor(commands, 0, 1, &rect);
+}
+
 // `background` none: colours are kept.
 void begin(gpu::Commands& recorded, const SceneTarget& target, std::optional<glm::vec4> background) {
     // The display pass of the frame before has read the colours; its depth was written and tested.
@@ -195,6 +201,12 @@ void begin(gpu::Commands& recorded, const SceneTarget& target, std::optional<glm
     const VkViewport viewport{0, 0, static_cast<float>(size.width), static_cast<float>(size.height), 0, 1};
     vkCmdSetViewport(commands, 0, 1, &viewport);
     vkCmdSetScissor(commands, 0, 1, &info.renderArea);
+}
+
+void drawTriangles(VkCommandBuffer commands, const SurfaceStreams& surfaces, const Triangles& triangles) {
+    bindStreams(commands, {surfaces.corners, surfaces.light});
+    vkCmdBindIndexBuffer(commands, triangles.corners->handle(), 0, VK_INDEX_TYPE_UINT32);
+    vkCmdDrawIndexed(commands, triangles.count, 1, 0, 0, 0);
 }
 
 void end(gpu::Commands& recorded, const SceneTarget& target) {
@@ -243,26 +255,31 @@ void ScenePass::record(gpu::Commands& commands, const SceneTarget& target, const
     }
     const SurfaceStreams& surfaces = inputs.surfaces;
     (inputs.keepGain ? ambientKeepingGain_ : ambient_).bind(buffer, {}, params);
-    bindStreams(buffer, {surfaces.corners, surfaces.light});
-    vkCmdDraw(buffer, surfaces.count, 1, 0, 0);
+    drawTriangles(buffer, surfaces, inputs.triangles);
     for (const SolidDraw& solid : inputs.solids)
         if (!solid.seeThrough) draw(buffer, solid_, solid, *inputs.view);
     if (inputs.glow) {
         glow_.bind(buffer, {*inputs.glow->grids}, params);
         bindStreams(buffer, {inputs.glow->surfaces.corners, inputs.glow->surfaces.light});
-        vkCmdDraw(buffer, inputs.glow->surfaces.count, 1, 0, 0);
+        vkCmdDraw(buffer, inputs.glow->count, 1, 0, 0);
     }
     if (inputs.sun) {
         volumeCaps_.bind(buffer, {}, params);
         bindStreams(buffer, {inputs.sun->volumes});
-        vkCmdDraw(buffer, inputs.sun->capCount, 1, 0, 0);
+        for (const PixelRect& part : inputs.sunlit) {
+            setScissor(buffer, part);
+            vkCmdDraw(buffer, inputs.sun->capCount, 1, 0, 0);
+        }
         volumeSides_.bind(buffer, {}, params);
-        vkCmdDraw(buffer, inputs.sun->volumeCount - inputs.sun->capCount, 1, inputs.sun->capCount, 0);
+        for (const PixelRect& part : inputs.sunlit) {
+            setScissor(buffer, part);
+            vkCmdDraw(buffer, inputs.sun->volumeCount - inputs.sun->capCount, 1, inputs.sun->capCount, 0);
+        }
+        setScissor(buffer, {0, 0, inputs.view->width, inputs.view->height});
         sun_.bind(buffer,
                   {*inputs.sun->panes, gpu::texel(*inputs.sun->paneEdges, VK_FORMAT_R32G32B32A32_SFLOAT)},
                   params);
-        bindStreams(buffer, {surfaces.corners, surfaces.light});
-        vkCmdDraw(buffer, surfaces.count, 1, 0, 0);
+        drawTriangles(buffer, surfaces, inputs.sun->triangles);
     }
     for (const SolidDraw& solid : inputs.solids) {
         if (!solid.seeThrough) continue;

@@ -27,16 +27,22 @@ struct SceneTarget {
     gpu::Image colour, depth;
 };
 
-// Lit surfaces: streams of shaders/scene.vert, three corners a triangle.
+// Lit surfaces: streams of shaders/scene.vert.
 struct SurfaceStreams {
     const gpu::Buffer* corners = nullptr; // DrawCorner
     const gpu::Buffer* light = nullptr;   // vec3, kilolux
+};
+
+// Those of their corners that are drawn, three a triangle.
+struct Triangles {
+    const gpu::Buffer* corners = nullptr; // uint32
     uint32_t count = 0;
 };
 
 // Light that varies within patches, added to the surfaces that it is on.
 struct GlowDraw {
     SurfaceStreams surfaces;            // those with any; light: place on the triangle, number of its grid
+    uint32_t count = 0;                 // of their corners
     const gpu::Buffer* grids = nullptr; // vec3, kilolux: shaders/glow.frag
 };
 
@@ -53,6 +59,7 @@ struct SolidDraw {
 };
 
 struct SunDraw {
+    Triangles triangles; // that it may reach
     glm::dvec3 towardsSun{0};
     glm::vec3 kilolux{0};                   // on a plane facing it
     const gpu::Buffer* volumes = nullptr;   // vec4
@@ -64,10 +71,12 @@ struct SunDraw {
 struct SceneInputs {
     const View* view = nullptr;
     SurfaceStreams surfaces;
+    Triangles triangles;
     std::optional<GlowDraw> glow;
     std::vector<SolidDraw> solids; // see-through ones last
     glm::vec4 background{0};       // where nothing is drawn; what is seen through is blended over it, too
     std::optional<SunDraw> sun;    // none: neither volumes nor the sun pass are recorded
+    std::vector<PixelRect> sunlit; // of the scene picture: where its triangles are; volumes are of no use elsewhere
     // Alpha stays what recordGain made it, and so do the colours where there is no surface; `background` and
     // `solids` are of no use then.
     bool keepGain = false;

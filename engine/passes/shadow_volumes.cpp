@@ -30,17 +30,21 @@ ShadowCasters::ShadowCasters(const geometry::PatchMesh& mesh)
     }
 }
 
-ShadowCasters::Volumes ShadowCasters::volumes(glm::dvec3 towardsSun) const {
+ShadowCasters::Volumes ShadowCasters::volumes(glm::dvec3 towardsSun, const SunPlane& wanted) const {
     Volumes out;
     std::vector<glm::vec4>& points = out.corners;
-    points.reserve(3 * normals_.size() + 6 * edges_.size() / 4);
     const auto point = [&](uint32_t v) { return glm::vec4(vertices_[v], 1); };
     // Which side an edge-on patch is given to does not matter: its volume has no inside. It must only be the
     // same for its cap and for its edges.
-    std::vector<bool> facesSun(normals_.size());
+    std::vector<bool> facesSun(normals_.size()), casts(normals_.size());
+    std::vector<glm::vec3> outline;
     for (size_t i = 0; i < normals_.size(); ++i) {
         facesSun[i] = glm::dot(normals_[i], towardsSun) >= 0;
         const uint32_t first = firstCorner_[i];
+        outline.clear();
+        for (uint32_t c = first; c < firstCorner_[i + 1]; ++c) outline.push_back(vertices_[corners_[c]]);
+        casts[i] = wanted.touches(outline);
+        if (!casts[i]) continue;
         for (uint32_t c = first + 1; c + 1 < firstCorner_[i + 1]; ++c) {
             const uint32_t second = facesSun[i] ? corners_[c] : corners_[c + 1];
             const uint32_t third = facesSun[i] ? corners_[c + 1] : corners_[c];
@@ -52,7 +56,7 @@ ShadowCasters::Volumes ShadowCasters::volumes(glm::dvec3 towardsSun) const {
     for (const Edge& edge : edges_) {
         int count = 0; // casters, seen from the sun, that go from -> to, less those that go back
         for (uint32_t u = edge.firstUse; u < edge.firstUse + edge.useCount; ++u)
-            count += uses_[u].forward == facesSun[uses_[u].caster] ? 1 : -1;
+            if (casts[uses_[u].caster]) count += uses_[u].forward == facesSun[uses_[u].caster] ? 1 : -1;
         const uint32_t a = count > 0 ? edge.from : edge.to, b = count > 0 ? edge.to : edge.from;
         for (int k = 0; k < std::abs(count); ++k) points.insert(points.end(), {point(b), point(a), infinity});
     }

@@ -13,6 +13,7 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
+#include "engine/passes/sun_reach.h"
 #include "geometry/patch_mesh.h"
 
 namespace heliodon::passes {
@@ -28,8 +29,9 @@ public:
         std::vector<glm::vec4> corners;
         uint32_t capCorners = 0;
     };
+    // Of all casters that touch what is marked in the plane across the sun's rays: there, counts are whole.
     // Cost: one pass over edges and patches.
-    Volumes volumes(glm::dvec3 towardsSun) const;
+    Volumes volumes(glm::dvec3 towardsSun, const SunPlane& wanted) const;
 
 private:
     struct Use {

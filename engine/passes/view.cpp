@@ -9,6 +9,8 @@
 #include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
 
+#include "engine/passes/tile_mask.h"
+
 namespace heliodon::passes {
 
 namespace {
@@ -63,6 +65,27 @@ std::optional<glm::dvec2> pinholePixel(const View& view, glm::dvec3 world) {
                       (clip.y / clip.w + 1) / 2 * view.height - 0.5);
 }
 
+// What an output pixel reads round its centre, in pinhole pixels.
+double reachOf(const View& view) {
+    return view.supersample + 1;
+}
+
+// The tiles of the pinhole picture in which triangles lie. None where one reaches behind the eye.
+std::optional<TileMask> tilesOf(const View& view, std::span<const glm::vec3> corners, int tile,
+                                double beside) {
+    TileMask mask(view.width, view.height, tile);
+    for (size_t i = 0; i + 2 < corners.size(); i += 3) {
+        glm::dvec2 low(1e300), high(-1e300);
+        for (size_t k = i; k < i + 3; ++k) {
+            const auto pixel = pinholePixel(view, glm::dvec3(corners[k]));
+            if (!pixel) return std::nullopt;
+            low = glm::min(low, *pixel), high = glm::max(high, *pixel);
+        }
+        mask.mark(low + 0.5 - beside, high + 0.5 + beside);
+    }
+    return mask;
+}
+
 } // namespace
 
 View viewOfDevice(const geometry::OpticalDevice& device, int supersample) {
@@ -96,6 +119,7 @@ View viewOfDevice(const geometry::OpticalDevice& device, int supersample) {
     view.clipFromWorld = clipFromDevice(ideal, view.width, view.height, kNear) *
                          rigid(device.deviceFromWorld, device.translation);
     view.shown = {0, 0, view.outputWidth, view.outputHeight};
+    view.parts = {view.shown};
     return view;
 }
 
@@ -113,7 +137,7 @@ void confine(View& view, const std::vector<glm::dvec3>& points) {
     const glm::ivec2 end = glm::min(glm::ivec2(glm::ceil(high + ring)), glm::ivec2(view.width, view.height));
     const glm::ivec2 size = glm::max(end - first, glm::ivec2(1));
     glm::ivec2 shownFirst(view.outputWidth, view.outputHeight), shownEnd(0);
-    const double reach = view.supersample + 1; // what an output pixel reads round its centre
+    const double reach = reachOf(view);
     for (int y = 0; y < view.outputHeight; ++y)
         for (int x = 0; x < view.outputWidth; ++x) {
             const glm::vec2 at = view.warp[static_cast<size_t>(y * view.outputWidth + x)];
@@ -126,6 +150,7 @@ void confine(View& view, const std::vector<glm::dvec3>& points) {
     const glm::ivec2 shownSize = glm::max(shownEnd - shownFirst, glm::ivec2(0));
     view.shown = {std::min(shownFirst.x, view.outputWidth - 1), std::min(shownFirst.y, view.outputHeight - 1),
                   shownSize.x, shownSize.y};
+    view.parts = {view.shown};
     for (glm::vec2& at : view.warp) at -= glm::vec2(first);
     const glm::dvec2 whole(view.width, view.height),
         scale = whole / glm::dvec2(size), shift = (whole - 2.0 * glm::dvec2(first)) / glm::dvec2(size) - 1.0;
@@ -136,6 +161,26 @@ void confine(View& view, const std::vector<glm::dvec3>& points) {
     view.width = size.x, view.height = size.y;
 }
 
+std::vector<PixelRect> placesOf(const View& view, std::span<const glm::vec3> corners, int tile,
+                                double beside) {
+    const std::optional<TileMask> mask = tilesOf(view, corners, tile, beside);
+    if (!mask) return {{0, 0, view.width, view.height}};
+    return mask->rectangles();
+}
+
+void confineParts(View& view, std::span<const glm::vec3> corners) {
+    constexpr int kTile = 8;
+    const std::optional<TileMask> drawn = tilesOf(view, corners, kTile, reachOf(view));
+    if (!drawn) return;
+    TileMask shown(view.outputWidth, view.outputHeight, kTile);
+    for (int y = view.shown.y; y < view.shown.y + view.shown.height; ++y)
+        for (int x = view.shown.x; x < view.shown.x + view.shown.width; ++x) {
+            const glm::dvec2 at(view.warp[static_cast<size_t>(y * view.outputWidth + x)]);
+            if (drawn->touches(at + 0.5, at + 0.5)) shown.mark(glm::dvec2(x, y), glm::dvec2(x, y));
+        }
+    view.parts = shown.rectangles();
+}
+
 View viewOfCamera(const PerspectiveCamera& camera, int width, int height, int supersample) {
     View view;
     view.outputWidth = width;
@@ -144,6 +189,7 @@ View viewOfCamera(const PerspectiveCamera& camera, int width, int height, int su
     view.width = width * supersample;
     view.height = height * supersample;
     view.shown = {0, 0, width, height};
+    view.parts = {view.shown};
     view.eye = camera.eye;
     const glm::dvec3 forward = glm::normalize(camera.target - camera.eye);
     const glm::dvec3 up = std::abs(forward.y) > 0.9999 ? glm::dvec3(0, 0, -1) : glm::dvec3(0, 1, 0);

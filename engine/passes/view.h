@@ -2,6 +2,7 @@
 // straight edges stay straight (shadow volumes need that); a lens is applied afterwards, pixel by pixel.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include <glm/mat4x4.hpp>
@@ -27,10 +28,18 @@ struct View {
     std::vector<glm::vec2> warp;
 
     PixelRect shown; // the part of the output that shows the pinhole picture; the rest stays black
+    std::vector<PixelRect> parts; // of `shown`, disjoint: all that is drawn of it
 };
+
+// Where triangles, three corners each, lie in the pinhole picture: rectangles of tiles that hold all of them
+// and little else. `beside`: pixels added around each.
+std::vector<PixelRect> placesOf(const View& view, std::span<const glm::vec3> corners, int tile,
+                                double beside);
 
 // Cuts a view with a warp down to what lies near `points`, both of its pictures: nothing else is drawn.
 void confine(View& view, const std::vector<glm::dvec3>& points);
+// The same for the parts of the output, tile by tile, to what lies near triangles.
+void confineParts(View& view, std::span<const glm::vec3> corners);
 
 // What a camera or projector sees: outputs are its own panel pixels, so that a world point comes out at
 // OpticalDevice::pixelFromWorld. `supersample` pinhole pixels per panel pixel in each direction. What is
