@@ -44,21 +44,6 @@ DisplayTarget::DisplayTarget(gpu::Device& device, int width, int height, Kind ki
     device.submitAndWait(std::move(commands));
 }
 
-DisplayParts::DisplayParts(gpu::Device& device, const View& view, const std::string& name) {
-    std::vector<glm::vec2> list;
-    const glm::dvec2 whole(view.outputWidth, view.outputHeight);
-    const auto corner = [&](int x, int y) {
-        list.emplace_back(2.0 * glm::dvec2(x, y) / whole - 1.0);
-    };
-    for (const PixelRect& part : view.parts) {
-        const int endX = part.x + part.width, endY = part.y + part.height;
-        corner(part.x, part.y), corner(endX, part.y), corner(part.x, endY);
-        corner(part.x, endY), corner(endX, part.y), corner(endX, endY);
-    }
-    corners = gpu::Buffer::from(device, list, name + " parts");
-    count = static_cast<uint32_t>(list.size());
-}
-
 DisplayPass::DisplayPass(gpu::Device& device) : device_(&device) {
     VkSamplerCreateInfo info{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
     info.addressModeU = info.addressModeV = info.addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
@@ -76,7 +61,6 @@ const gpu::GraphicsPipeline& DisplayPass::pipeline(const Key& key) {
     const auto& [format, tone, projector, supersample, gamma] = key;
     gpu::GraphicsPipelineInfo info;
     info.stages = {display_vert, display_frag};
-    info.streams = {{sizeof(glm::vec2), {{0, 0, VK_FORMAT_R32G32_SFLOAT, 0}}}};
     info.colourFormats = {format};
     info.specialization = {{"kTone", tone},
                            {"kProjector", projector},
@@ -86,13 +70,13 @@ const gpu::GraphicsPipeline& DisplayPass::pipeline(const Key& key) {
 }
 
 void DisplayPass::record(gpu::Commands& commands, const gpu::Image& scene, const gpu::Buffer& warp,
-                         const View& view, const DisplayParts& parts, const DisplayTarget& target, uint32_t tone,
+                         const View& view, const DisplayTarget& target, uint32_t tone,
                          const io::DisplayParams& params, bool readBack) {
     using gpu::Stage;
     const gpu::GraphicsPipeline& draw = pipeline(
         {target.picture.info().format, tone, !view.warp.empty(), view.supersample, params.gamma > 0});
     const VkCommandBuffer buffer = commands.handle();
-    if (parts.count == 0) return;
+    if (view.parts.empty()) return;
     commands.transition(target.picture, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
                         VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, Stage::transfer, Stage::colour);
     VkRenderingAttachmentInfo colour{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
@@ -111,12 +95,11 @@ void DisplayPass::record(gpu::Commands& commands, const gpu::Image& scene, const
     vkCmdBeginRendering(buffer, &info);
     const VkViewport viewport{0, 0, static_cast<float>(size.width), static_cast<float>(size.height), 0, 1};
     vkCmdSetViewport(buffer, 0, 1, &viewport);
-    vkCmdSetScissor(buffer, 0, 1, &info.renderArea);
     draw.bind(buffer, {gpu::sampled(scene, sampler_), gpu::texel(warp, VK_FORMAT_R32G32_SFLOAT)}, params);
-    const VkBuffer corners = parts.corners.handle();
-    const VkDeviceSize start = 0;
-    vkCmdBindVertexBuffers(buffer, 0, 1, &corners, &start);
-    vkCmdDraw(buffer, parts.count, 1, 0, 0);
+    for (const PixelRect& part : view.parts) {
+        setScissor(buffer, part);
+        vkCmdDraw(buffer, 3, 1, 0, 0);
+    }
     vkCmdEndRendering(buffer);
     commands.transition(target.picture, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
                         VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, Stage::colour, Stage::transfer);

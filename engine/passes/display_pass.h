@@ -23,13 +23,6 @@ struct DisplayTarget {
     gpu::Buffer pixels; // host; four channels a pixel, bytes blue first; valid within View::shown
 };
 
-// The parts of a view's output that are drawn, ready to be.
-struct DisplayParts {
-    DisplayParts(gpu::Device& device, const View& view, const std::string& name);
-    gpu::Buffer corners; // vec2 in clip space, two triangles a part
-    uint32_t count;
-};
-
 class DisplayPass {
 public:
     explicit DisplayPass(gpu::Device& device);
@@ -42,7 +35,7 @@ public:
     // the host.
     // `tone` is one of the constants of display.io.h.
     void record(gpu::Commands& commands, const gpu::Image& scene, const gpu::Buffer& warp, const View& view,
-                const DisplayParts& parts, const DisplayTarget& target, uint32_t tone, const io::DisplayParams& params,
+                const DisplayTarget& target, uint32_t tone, const io::DisplayParams& params,
                 bool readBack = true);
 
 private:

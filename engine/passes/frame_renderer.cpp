@@ -117,7 +117,7 @@ struct Output {
         : view(std::move(v)), name(name_), scene(device, view.width, view.height, name),
           warp(gpu::Buffer::from(device, view.warp.empty() ? std::vector<glm::vec2>(1) : view.warp,
                                  name + " warp")),
-          parts(device, view, name), triangles(device, drawn, name + " triangles") {}
+          triangles(device, drawn, name + " triangles") {}
 
     const DisplayTarget& target(gpu::Device& device, DisplayTarget::Kind kind) {
         if (!display || display->kind != kind)
@@ -129,7 +129,6 @@ struct Output {
     std::string name;
     SceneTarget scene;
     gpu::Buffer warp;
-    DisplayParts parts;
     TriangleList triangles;
     std::optional<DisplayTarget> display;
 };
@@ -216,8 +215,8 @@ struct Model {
           blend(d, scene.shown.blend, scene.rig), solids(d, scene.solids, "solids"),
           tops(d, scene.tops, "wall tops"), sides(d, scene.sides, "wall sides"),
           table(d, scene.table, "table"), sunTriangles("sun triangles"), volumes("shadow volumes"),
-          paneData("panes"),
-          paneEdges("pane edges"), glowCorners("glow"), glowPlaces("glow places"), glowGrids("glow grids") {}
+          paneData("panes"), paneEdges("pane edges"), glowCorners("glow"), glowPlaces("glow places"),
+          glowGrids("glow grids") {}
 
     FrameScene scene;
     DeviceMesh all, shown;
@@ -452,7 +451,7 @@ gpu::Commands FrameRenderer::State::recordProjectors(const compute::Lighting& li
         const auto kind = hdr                ? DisplayTarget::Kind::float32
                           : params.gamma > 0 ? DisplayTarget::Kind::unorm8
                                              : DisplayTarget::Kind::srgb8;
-        displayPass.record(commands, output.scene.colour, output.warp, output.view, output.parts,
+        displayPass.record(commands, output.scene.colour, output.warp, output.view,
                            output.target(*device, kind), hdr ? io::kToneRaw : toneConstant(o.tone.map),
                            params, readBack);
     }
@@ -506,7 +505,7 @@ Output& FrameRenderer::State::drawView(const compute::Lighting& light, View view
     gpu::Commands commands(*device);
     scenePass.record(commands, previewOutput->scene, previewInputs(previewOutput->view, added, quantity));
     displayPass.record(
-        commands, previewOutput->scene.colour, previewOutput->warp, previewOutput->view, previewOutput->parts,
+        commands, previewOutput->scene.colour, previewOutput->warp, previewOutput->view,
         previewOutput->target(*device, hdr ? DisplayTarget::Kind::float32 : DisplayTarget::Kind::srgb8),
         hdr ? io::kToneRaw : toneConstant(tone.map), params);
     device->submitAndWait(std::move(commands));

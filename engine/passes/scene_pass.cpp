@@ -163,12 +163,6 @@ void bindStreams(VkCommandBuffer commands, std::initializer_list<const gpu::Buff
                            offsets.data());
 }
 
-void setScissor(VkCommandBuffer commands, const PixelRect& part) {
-    const VkRect2D rect{{part.x, part.y},
-                        {static_cast<uint32_t>(part.width), static_cast<uint32_t>(part.height)}};
-    vkCmdSetScissor(commands, 0, 1, &rect);
-}
-
 // `background` none: colours are kept.
 void begin(gpu::Commands& recorded, const SceneTarget& target, std::optional<glm::vec4> background) {
     // The display pass of the frame before has read the colours; its depth was written and tested.

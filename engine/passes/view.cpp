@@ -88,6 +88,12 @@ std::optional<TileMask> tilesOf(const View& view, std::span<const glm::vec3> cor
 
 } // namespace
 
+void setScissor(VkCommandBuffer commands, const PixelRect& part) {
+    const VkRect2D rect{{part.x, part.y},
+                        {static_cast<uint32_t>(part.width), static_cast<uint32_t>(part.height)}};
+    vkCmdSetScissor(commands, 0, 1, &rect);
+}
+
 View viewOfDevice(const geometry::OpticalDevice& device, int supersample) {
     constexpr double kNear = 0.02; // metres
     View view;
@@ -169,7 +175,7 @@ std::vector<PixelRect> placesOf(const View& view, std::span<const glm::vec3> cor
 }
 
 void confineParts(View& view, std::span<const glm::vec3> corners) {
-    constexpr int kTile = 8;
+    constexpr int kTile = 16;
     const std::optional<TileMask> drawn = tilesOf(view, corners, kTile, reachOf(view));
     if (!drawn) return;
     TileMask shown(view.outputWidth, view.outputHeight, kTile);

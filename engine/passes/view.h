@@ -9,6 +9,8 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include <vulkan/vulkan.h>
+
 #include "geometry/rig.h"
 
 namespace heliodon::passes {
@@ -16,6 +18,8 @@ namespace heliodon::passes {
 struct PixelRect {
     int x = 0, y = 0, width = 0, height = 0;
 };
+
+void setScissor(VkCommandBuffer commands, const PixelRect& part);
 
 struct View {
     int width = 0, height = 0;   // of the pinhole picture, pixels

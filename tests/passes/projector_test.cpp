@@ -249,6 +249,24 @@ TEST(Projector, the_others_take_over_what_one_that_is_left_out_showed) {
     }
 }
 
+// Only parts of a picture, triangles that a projector sees and shadows within reach of the sun are drawn.
+TEST(Projector, what_is_left_out_of_drawing_would_have_shown_nothing) {
+    const geometry::Rig rig = exampleRig();
+    const test::SketchScene scene = test::sketchScene(8);
+    FrameScene confined(scene.mesh, scene.occluders, &rig), whole(scene.mesh, scene.occluders, &rig);
+    int drawn = 0, all = 0;
+    for (size_t i = 0; i < whole.views.size(); ++i) {
+        for (const PixelRect& part : confined.views[i].parts) drawn += part.width * part.height;
+        const View& view = whole.views[i];
+        all += view.shown.width * view.shown.height;
+        whole.views[i].parts = {view.shown};
+    }
+    EXPECT_LT(drawn, 0.8 * all);
+    FrameRenderer part(test::device(), std::move(confined)), full(test::device(), std::move(whole));
+    const std::vector<Image8> found = part.projectors(scene.light), wanted = full.projectors(scene.light);
+    for (size_t i = 0; i < wanted.size(); ++i) EXPECT_EQ(found[i].rgb, wanted[i].rgb) << i;
+}
+
 TEST(Projector, nothing_is_shown_outside_the_model) {
     const geometry::Rig rig = exampleRig();
     const test::SketchScene scene = test::sketchScene(6);
