@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <glm/geometric.hpp>
@@ -249,7 +250,7 @@ private:
         double least = before;
         for (double step = 0.1 * shortest; least > 0 && step > 0.01 * shortest;) {
             bool better = false;
-            for (const glm::dvec2 d : kDirections) {
+            for (const glm::dvec2 d : directions(net, v)) {
                 const glm::dvec2 p = best + step * d;
                 const double sum = shortfalls(round, p, 0.999 * least);
                 if (sum >= 0.999 * least) continue;
@@ -264,6 +265,11 @@ private:
         return least < 0.99 * before;
     }
 
+    static std::span<const glm::dvec2> directions(const PlanarNet& net, uint32_t v) {
+        if (net.slides[v]) return kUpAndDown;
+        return kDirections;
+    }
+
     // A pattern search with shrinking steps. `round`: room for the sides round v.
     static bool move(PlanarNet& net, uint32_t v, const Stars& stars, std::vector<Side>& round) {
         const double shortest = std::sqrt(findSides(net, v, stars, round));
@@ -275,7 +281,7 @@ private:
         for (double step = 0.25 * shortest; step > 0.01 * shortest;) {
             bool better = false;
             const double wanted = least - 1e-4;
-            for (const glm::dvec2 d : kDirections) {
+            for (const glm::dvec2 d : directions(net, v)) {
                 const glm::dvec2 p = best + step * d;
                 const double square = worst(round, p, wanted * wanted, strictest);
                 if (square >= wanted * wanted) continue;
@@ -304,6 +310,7 @@ private:
                                                             {-kHalf, -kHalf},
                                                             {0, -1},
                                                             {kHalf, -kHalf}}};
+    static constexpr std::array<glm::dvec2, 2> kUpAndDown{{{0, 1}, {0, -1}}};
     PlanarNet& net_;
     double edge_;
 };

@@ -1,5 +1,7 @@
 #include "geometry/constrained_delaunay.h"
 
+#include <algorithm>
+
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangulation_face_base_with_info_2.h>
@@ -18,8 +20,17 @@ using Structure = CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>;
 using Triangulation =
     CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure, CGAL::No_constraint_intersection_tag>;
 
-// Each face's info: how many constraints lie between it and infinity.
-void markDepths(Triangulation& t) {
+using Edges = std::span<const std::pair<uint32_t, uint32_t>>;
+
+// Whether the edge opposite corner k bounds the polygons; `dividers`: ascending, those within them.
+bool isBorder(Triangulation::Face_handle f, int k, Edges dividers) {
+    if (!f->is_constrained(k)) return false;
+    const auto [a, b] = std::minmax(f->vertex((k + 1) % 3)->info(), f->vertex((k + 2) % 3)->info());
+    return dividers.empty() || !std::ranges::binary_search(dividers, std::pair<uint32_t, uint32_t>(a, b));
+}
+
+// Each face's info: how many edges of the polygons lie between it and infinity.
+void markDepths(Triangulation& t, Edges dividers) {
     for (auto f = t.all_faces_begin(); f != t.all_faces_end(); ++f) f->info() = -1;
     std::vector<Triangulation::Face_handle> front{t.infinite_face()}, behind;
     front[0]->info() = 0;
@@ -29,7 +40,7 @@ void markDepths(Triangulation& t) {
             for (int k = 0; k < 3; ++k) {
                 const auto other = front[i]->neighbor(k);
                 if (other->info() >= 0) continue;
-                if (front[i]->is_constrained(k)) {
+                if (isBorder(front[i], k, dividers)) {
                     behind.push_back(other);
                 } else {
                     other->info() = depth;
@@ -45,8 +56,8 @@ void markDepths(Triangulation& t) {
     }
 }
 
-TriangleNet insideOf(Triangulation& t) {
-    markDepths(t);
+TriangleNet insideOf(Triangulation& t, Edges dividers) {
+    markDepths(t, dividers);
     std::vector<Triangulation::Face_handle> inside;
     for (auto f = t.all_faces_begin(); f != t.all_faces_end(); ++f) {
         const bool in = !t.is_infinite(f) && f->info() % 2 == 1;
@@ -74,7 +85,8 @@ TriangleNet insideOf(Triangulation& t) {
 } // namespace
 
 std::optional<TriangleNet> constrainedDelaunay(std::span<const glm::dvec2> points,
-                                               std::span<const std::pair<uint32_t, uint32_t>> edges) {
+                                               std::span<const std::pair<uint32_t, uint32_t>> edges,
+                                               std::span<const std::pair<uint32_t, uint32_t>> dividers) {
     Triangulation t;
     std::vector<std::pair<Kernel::Point_2, uint32_t>> numbered;
     numbered.reserve(points.size());
@@ -85,11 +97,15 @@ std::optional<TriangleNet> constrainedDelaunay(std::span<const glm::dvec2> point
     std::vector<Triangulation::Vertex_handle> handles(points.size());
     for (auto v = t.finite_vertices_begin(); v != t.finite_vertices_end(); ++v) handles[v->info()] = v;
     try {
-        for (const auto& [a, b] : edges) t.insert_constraint(handles[a], handles[b]);
+        for (const Edges of : {edges, dividers})
+            for (const auto& [a, b] : of) t.insert_constraint(handles[a], handles[b]);
     } catch (const Triangulation::Intersection_of_constraints_exception&) {
         return {};
     }
-    return insideOf(t);
+    std::vector<std::pair<uint32_t, uint32_t>> inner;
+    for (const auto& edge : dividers) inner.emplace_back(std::minmax(edge.first, edge.second));
+    std::ranges::sort(inner);
+    return insideOf(t, inner);
 }
 
 } // namespace heliodon::geometry

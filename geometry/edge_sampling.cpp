@@ -7,6 +7,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "geometry/lattice_seeds.h"
 #include "geometry/perpendicular.h"
 #include "geometry/segment_distance.h"
 #include "geometry/twin_faces.h"
@@ -25,6 +26,7 @@ constexpr double kNarrowStrip = 0.363, kWideStrip = 0.688;
 // edge.
 constexpr double kFacing = 1.6;
 constexpr double kFinestStrip = 0.45;  // of the edge length
+constexpr double kMostTurn = 0.45;     // radians: triangles do not lean across more
 constexpr double kRowLength = 1.1;     // of the next side: as long, but for slanted ends
 constexpr double kHalfStep = 0.55;     // of the step beside it: what half a step is at most
 constexpr double kUniformStrip = 0.76; // of the edge length: a strip this wide needs no staggering
@@ -42,6 +44,16 @@ void divideEvenly(const std::vector<std::pair<double, double>>& steps, double n,
         const auto [to, after] = steps[i + 1];
         out.push_back(from + (to - from) * (wanted - before) / (after - before));
     }
+}
+
+// Along an unrolled wall.
+std::pair<double, double> extentOf(const MeshDomain& domain) {
+    double low = kInfinity, high = -kInfinity;
+    for (const MeshDomain::Frame& frame : domain.frames) {
+        low = std::min(low, frame.low);
+        high = std::max(high, frame.high);
+    }
+    return {low, high};
 }
 
 } // namespace
@@ -194,11 +206,37 @@ void EdgeSampler::choose(double edge, const Grading& grading) {
         e.pins.clear();
         e.most = kInfinity;
     }
+    for (size_t d = 0; d < domains_.size(); ++d) divideEnds(d);
     if (std::isfinite(grading.growth))
         for (const Strip& strip : strips_) stagger(strip);
     for (SampledEdge& e : edges_) divide(e);
     if (std::isfinite(grading.growth)) easeCorners();
     for (const TwinEdges& group : twins_) shareDivisions(group);
+}
+
+// The ends of a wall as its folds are divided, where it has narrow facets there.
+void EdgeSampler::divideEnds(size_t d) {
+    const std::vector<double> folds = foldsOf(d);
+    if (folds.empty()) return;
+    const MeshDomain& domain = domains_[d];
+    const auto [low, high] = extentOf(domain);
+    for (const auto& [width, x] :
+         {std::pair(folds.front() - low, low), std::pair(high - folds.back(), high)}) {
+        const ColumnSteps steps(width, edge_);
+        if (!steps.staggered) continue;
+        for (size_t l = 0; l < domain.loops.size(); ++l)
+            for (size_t k = 0, n = domain.loops[l].size(); k < n; ++k) {
+                SampledEdge& edge = edges_[loopEdges_[d][l][k]];
+                const MeshDomain::Frame& frame = domain.frames[domain.frameOf[l][k]];
+                const double same = 0.1 * width, from = frame.coordinates(position(domain.loops[l][k])).x,
+                             to = frame.coordinates(position(domain.loops[l][(k + 1) % n])).x;
+                if (edge.even || std::abs(from - x) > same || std::abs(to - x) > same) continue;
+                const auto sizes = stepsAlong(edge, steps.step);
+                edge.divisions.clear();
+                divideEvenly(sizes, steps.count(edge.length, sizes.back().second), edge.divisions);
+                edge.even = true;
+            }
+    }
 }
 
 void EdgeSampler::divide(SampledEdge& edge) const {
@@ -509,6 +547,23 @@ std::vector<double> EdgeSampler::divisions(uint32_t a, uint32_t b) const {
     return out;
 }
 
+std::vector<double> EdgeSampler::foldsOf(size_t d) const {
+    const MeshDomain& domain = domains_[d];
+    if (domain.folds.empty()) return {};
+    const auto [low, high] = extentOf(domain);
+    std::vector<double> folds;
+    const double least = grading_.narrowest * edge_;
+    double turned = 0; // since the last that is kept
+    for (const auto& [x, turn] : domain.folds) {
+        turned += turn;
+        if (std::min(x - (folds.empty() ? low : folds.back()), high - x) < least && turned < kMostTurn)
+            continue;
+        folds.push_back(x);
+        turned = 0;
+    }
+    return folds;
+}
+
 PlanarDomain EdgeSampler::planar(size_t d) const {
     const MeshDomain& domain = domains_[d];
     PlanarDomain plane;
@@ -530,6 +585,7 @@ PlanarDomain EdgeSampler::planar(size_t d) const {
         plane.loopStart.push_back(static_cast<uint32_t>(plane.boundary.size()));
     }
     plane.direction = directions_[d];
+    plane.folds = foldsOf(d);
     plane.dividesSlim = !grading_.sparing;
     plane.size = {std::move(sources), edge_, grading_.growth};
     return plane;

@@ -17,6 +17,7 @@ struct Grading {
     double first = 1.4;   // edge length at a corner, in multiples of the size of its surroundings
     double growth = 0.6;  // and how fast it grows with the distance; both infinite: uniform
     bool sparing = false; // nothing is added to round off angles beside small parts
+    double narrowest = 0; // facets of curved walls, of the edge length; across smaller ones triangles lean
 };
 
 class EdgeSampler {
@@ -82,6 +83,7 @@ private:
     void orderRows();
     void considerStrip(size_t domain, uint32_t side, glm::dvec2 a, glm::dvec2 b, uint32_t other, glm::dvec2 c,
                        glm::dvec2 d);
+    void divideEnds(size_t domain);
     void stagger(const Strip& strip);
     void pinBetween(const SampledEdge& lead, SampledEdge& follower) const;
     void divide(SampledEdge& edge) const;
@@ -92,7 +94,8 @@ private:
     double stepAt(const SampledEdge& edge, uint32_t end) const; // metres
     // Pairs of a fraction of the edge's length and how many steps of the size wanted lie before it.
     std::vector<std::pair<double, double>> stepsAlong(const SampledEdge& edge, double largest) const;
-    double sizeOf(uint32_t corner) const; // infinity where the surroundings ask for nothing
+    std::vector<double> foldsOf(size_t domain) const; // those with room for triangles between them
+    double sizeOf(uint32_t corner) const;             // infinity where the surroundings ask for nothing
     glm::dvec3 position(uint32_t corner) const { return building_.vertices[corner]; }
 
     const Building& building_;

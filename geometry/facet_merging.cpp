@@ -17,12 +17,9 @@ namespace {
 
 using Frame = MeshDomain::Frame;
 
-constexpr double kColumn = 0.93;       // of an edge: what facets become
-constexpr double kMostTurn = 0.25;     // radians in such a facet: chords take up to 1 % off
-constexpr double kNarrow = 0.8;        // of an edge: facets that cannot be columns of the triangles wanted
-constexpr double kMostFolded = 0.3;    // radians along an edge: triangles over the folds take up to 1 % off
-constexpr double kMostOfColumns = 0.7; // the same, where there will mostly be columns
-constexpr double kSamePlace = 1e-6;    // of the wall's length
+constexpr double kColumn = 0.93;    // of an edge: what facets become
+constexpr double kMostTurn = 0.25;  // radians in such a facet: chords take up to 1 % off
+constexpr double kSamePlace = 1e-6; // of the wall's length
 
 // A place where a domain's outline has a vertex.
 struct Use {
@@ -97,10 +94,6 @@ public:
                 domain.loops[l] = std::move(loop);
                 domain.frameOf[l] = std::move(frames);
             }
-        for (size_t d = 0, n = domains_.size(); d < n; ++d)
-            if (const auto strip = stripOf(building_, domains_[d]);
-                strip && turnsSharply(domains_[d], *strip))
-                divide(d, *strip);
     }
 
 private:
@@ -218,31 +211,6 @@ private:
         }
     }
 
-    // Within the length of a triangle's edge.
-    bool turnsSharply(const MeshDomain& domain, const Strip& strip) const {
-        for (size_t fold = 1; fold + 1 < strip.folds.size(); ++fold) {
-            const double width = std::min(strip.folds[fold] - strip.folds[fold - 1],
-                                          strip.folds[fold + 1] - strip.folds[fold]);
-            const double most = width < kNarrow * edge_ ? kMostFolded : kMostOfColumns;
-            if (turnAt(domain, strip, fold) * edge_ > most * width) return true;
-        }
-        return false;
-    }
-
-    // Each facet by itself.
-    void divide(size_t d, const Strip& strip) {
-        const MeshDomain whole = domains_[d];
-        for (size_t c = 0; c + 1 < strip.folds.size(); ++c) {
-            MeshDomain facet;
-            facet.faces = {whole.faces[0]};
-            facet.frames = {whole.frames[strip.frameAt[c]]};
-            facet.loops = {{cornerAt(whole, strip, c, false), cornerAt(whole, strip, c + 1, false),
-                            cornerAt(whole, strip, c + 1, true), cornerAt(whole, strip, c, true)}};
-            facet.frameOf = {{0, 0, 0, 0}};
-            (c == 0 ? domains_[d] : domains_.emplace_back()) = std::move(facet);
-        }
-    }
-
     // The wall's facets anew, from one fold that stays to the next.
     void reframe(uint32_t d, const Strip& strip, const std::vector<size_t>& kept) {
         MeshDomain& domain = domains_[d];
@@ -277,10 +245,6 @@ private:
 };
 
 } // namespace
-
-bool isPlainStrip(const Building& building, const MeshDomain& domain) {
-    return stripOf(building, domain).has_value();
-}
 
 void mergeFacets(const Building& building, std::vector<MeshDomain>& domains, double edge) {
     FacetMerger(building, domains, edge).merge();

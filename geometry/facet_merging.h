@@ -8,14 +8,10 @@
 
 namespace heliodon::geometry {
 
-// Whether nothing but its ends, a floor and a ceiling meets an unrolled wall.
-bool isPlainStrip(const Building& building, const MeshDomain& domain);
-
 // Where such a wall has facets narrower than 0.62 `edge` (metres), some of the folds between them are left
 // out, above and below at once: what stays are facets of two or more, about 0.93 edges wide, and narrower
 // where they would turn by more than 0.25 radians: chords take up to 1 % of the room. Folds stay where
-// anything else has a corner, or would be cut off. A wall that turns further within an edge than triangles
-// over its folds should take is divided into its facets.
+// anything else has a corner, or would be cut off.
 void mergeFacets(const Building& building, std::vector<MeshDomain>& domains, double edge);
 
 } // namespace heliodon::geometry

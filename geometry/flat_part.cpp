@@ -57,22 +57,6 @@ double FlatPart::spacing() const {
     return std::sqrt(2 / std::sqrt(3.0) * twice / static_cast<double>(pieces.size()));
 }
 
-double FlatPart::bulge() const {
-    // Several pieces are a facet of the wall, over which its solids do not rise.
-    if (pieces.size() != 1 || normals.empty()) return 0;
-    // An arc whose normals n and m at the ends of a chord c are 2 a apart rises c tan(a / 2) / 2 over it:
-    // less than 0.15 c |n - m| up to quarter turns.
-    double most = 0;
-    for (size_t k = 0; k < 3; ++k) {
-        const size_t next = (k + 1) % 3;
-        const glm::dvec2 along = pieces[0].corner[next] - pieces[0].corner[k];
-        const glm::dvec3 chord = along.x * frame.u + along.y * frame.v,
-                         turn = normals[pieces[0].vertex[next]] - normals[pieces[0].vertex[k]];
-        if (glm::dot(chord, turn) > 0) most = std::max(most, 0.15 * glm::length(chord) * glm::length(turn));
-    }
-    return most;
-}
-
 namespace {
 
 // The planes of each surface, with their pieces.

@@ -48,9 +48,6 @@ struct FlatPart {
     void link();
     // Edge length of a regular triangle of the mean area.
     double spacing() const;
-    // How far a curved wall that a single triangle leans across stands over it, metres; not where the wall is
-    // hollow. Behind the outside of a round column the triangle lies that deep in the column's own solids.
-    double bulge() const;
     // Adds `excess` for the last of the views, that from `centre`. `at`: the vertices of the mesh.
     void limit(glm::dvec3 centre, const std::vector<glm::dvec3>& at, double leastCosine);
     // Where the excess of the last of the views is zero.

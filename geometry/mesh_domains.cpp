@@ -23,7 +23,7 @@ constexpr double kStraightSine = 1e-7;
 // a model may (model_faces.h).
 constexpr double kFlat = 1e-5;
 constexpr double kUprightSine = 1e-5; // scenes in single precision, turned by their nodes
-constexpr double kMostTurn = 0.7;     // radians along an edge of a triangle
+constexpr double kSamePlace = 1e-6;   // of a wall's length
 
 // Axes of a face: v up along the wall, or any axis of a level one.
 Frame frameOfFace(const Building& building, const Face& face) {
@@ -125,8 +125,10 @@ private:
             // A wall that runs on into a vault is unrolled up to there.
             const auto sameWay = [&](uint32_t f, uint32_t g) { return isUpright(f) == isUpright(g); };
             for (const auto& part : connected(whole, faceOf, sameWay))
-                if (part.size() == 1 || !isUpright(part[0]) || flat(part) || !unroll(part, faceOf))
+                if (part.size() == 1 || !isUpright(part[0]) || flat(part))
                     addFlatParts(part, faceOf);
+                else
+                    unroll(part, faceOf);
         }
     }
 
@@ -197,39 +199,15 @@ private:
     }
 
     // Upright facets that hang together along upright edges, or are parts of one, laid out side by side.
-    bool unroll(const std::vector<uint32_t>& members, const std::map<Edge, uint32_t>& faceOf) {
-        const bool sharp = turnsSharply(members, faceOf); // merging takes such facets apart again
-        if (sharp && !merging_) return false;
+    void unroll(const std::vector<uint32_t>& members, const std::map<Edge, uint32_t>& faceOf) {
         std::set<uint32_t> rest(members.begin(), members.end());
-        std::vector<MeshDomain> found;
         while (!rest.empty()) {
             MeshDomain domain;
             std::set<Edge> seams;
             layOut(*rest.begin(), faceOf, rest, domain, seams);
             BoundaryTracer(building_, domain).trace(seams);
-            if (sharp && !isPlainStrip(building_, domain)) return false;
-            found.push_back(std::move(domain));
+            domains_.push_back(std::move(domain));
         }
-        domains_.insert(domains_.end(), found.begin(), found.end());
-        return true;
-    }
-
-    // Within the length of a triangle's edge: triangles over several facets would cut off too much.
-    bool turnsSharply(const std::vector<uint32_t>& members, const std::map<Edge, uint32_t>& faceOf) const {
-        for (const uint32_t f : members) {
-            Frame frame = frameOfFace(building_, building_.faces[f]);
-            measure(frame, building_.faces[f]);
-            for (const auto& loop : building_.faces[f].loops)
-                for (size_t k = 0; k < loop.size(); ++k) {
-                    const Edge edge{loop[k], loop[(k + 1) % loop.size()]};
-                    const auto other = faceOf.find({edge.second, edge.first});
-                    if (other == faceOf.end() || !upright(edge)) continue;
-                    const double cosine = glm::dot(normals_[f], normals_[other->second]);
-                    const double turn = std::acos(std::clamp(cosine, -1.0, 1.0));
-                    if (turn * edge_ > kMostTurn * (frame.high - frame.low)) return true;
-                }
-        }
-        return false;
     }
 
     void layOut(uint32_t start, const std::map<Edge, uint32_t>& faceOf, std::set<uint32_t>& rest,
@@ -316,7 +294,21 @@ private:
             }
     }
 
+    void findFolds(MeshDomain& domain) const {
+        std::vector<const Frame*> frames;
+        for (const Frame& frame : domain.frames) frames.push_back(&frame);
+        std::ranges::sort(frames, {}, &Frame::low);
+        const double same = kSamePlace * (frames.back()->high - frames.front()->low);
+        for (size_t k = 1; k < frames.size(); ++k) {
+            const Frame &before = *frames[k - 1], &after = *frames[k];
+            if (after.low > before.low + same && !geometry::inOnePlane(before.u, after.u))
+                domain.folds.push_back({after.low, std::atan2(glm::length(glm::cross(before.u, after.u)),
+                                                              glm::dot(before.u, after.u))});
+        }
+    }
+
     void place(MeshDomain& domain) const {
+        findFolds(domain);
         for (size_t l = 0; l < domain.loops.size(); ++l) {
             domain.planar.emplace_back();
             for (size_t k = 0; k < domain.loops[l].size(); ++k)

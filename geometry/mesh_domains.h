@@ -25,6 +25,10 @@ struct MeshDomain {
     std::vector<std::vector<uint32_t>>
         frameOf; // per loop and corner: the facet that the edge from there is on
     std::vector<std::vector<glm::dvec2>> planar; // per loop and corner: its place in the plane
+    struct Fold {
+        double at = 0, turn = 0; // along the wall; radians
+    };
+    std::vector<Fold> folds; // ascending: where facets of different planes meet
 
     // From the plane back on to the facet there.
     glm::dvec3 inSpace(glm::dvec2 p) const;
@@ -37,8 +41,8 @@ glm::dvec2 mainDirection(const MeshDomain& domain);
 
 // Corners in a straight line that no domain needs are left out of all of them, so that seams between faces of
 // one surface leave no trace. A face with a twin is a domain by itself.
-// `edge`: length that triangles will have, metres; a wall that turns too far within it stays in facets.
-// `merging`: facets much narrower than it become wider ones (facet_merging.h).
+// `edge`: length that triangles will have, metres. `merging`: facets much narrower than it become wider ones
+// (facet_merging.h).
 std::vector<MeshDomain> findMeshDomains(const Building& building, double edge, bool merging = false);
 
 } // namespace heliodon::geometry

@@ -21,7 +21,6 @@
 #include "geometry/perpendicular.h"
 #include "geometry/planar_mesher.h"
 #include "geometry/twin_faces.h"
-#include "geometry/upright_grid.h"
 
 namespace heliodon::geometry {
 
@@ -34,6 +33,8 @@ constexpr int kAttempts = 3;
 constexpr double kMostAdditions = 40, kAdditionsOfCount = 0.014;
 // Of the edge length: halves of rectangles this wide and high are as large as regular triangles.
 constexpr double kColumn = 0.93;
+// Of the edge length: triangles lean across facets that are narrower. Models may have any number of them.
+constexpr double kNarrowest = 0.25, kNarrowestOfMany = 0.36;
 constexpr double kUniform = std::numeric_limits<double>::infinity();
 // From the gentlest growth of sizes round small parts to none at all, for when triangles are few.
 constexpr std::array kGradings{Grading{1.4, 0.6}, Grading{2.0, 1.0}, Grading{kUniform, kUniform}};
@@ -66,6 +67,7 @@ public:
     BuildingMesher(const Building& building, const MeshOptions& options)
         : building_(building), beforePart_(options.beforePart),
           wanted_(static_cast<double>(std::max<size_t>(options.triangles, 1))),
+          narrowest_(options.mergesFacets ? kNarrowestOfMany : kNarrowest),
           domains_(findMeshDomains(building, regularEdge(building, wanted_), options.mergesFacets)),
           sampler_(building, domains_) {
         for (const MeshDomain& domain : domains_) {
@@ -84,6 +86,7 @@ public:
         for (const Grading& grading : kGradings) {
             grading_ = grading;
             grading_.sparing = sparing;
+            grading_.narrowest = narrowest_;
             edge_ = added_ = lastEdge_ = lastCount_ = draftedEdge_ = 0;
             addedKnown_ = false;
             counts_.clear();
@@ -110,10 +113,9 @@ private:
     // What a domain will be meshed from.
     struct Draft {
         PlanarDomain plane;
-        std::optional<PlanarMesh> grid; // of upright facets, where that fits
-        std::vector<glm::dvec2> seeds;  // else
-        std::optional<PlanarNet> net;   // of the seeds, where it was asked for already
-        double count = 0;               // of triangles, without those that refinement adds
+        LatticeSeeds seeds;
+        std::optional<PlanarNet> net; // of the seeds, where it was asked for already
+        double count = 0;             // of triangles, without those that refinement adds
     };
 
     // All that is left to do is to raise angles.
@@ -128,16 +130,11 @@ private:
 
     Draft draftOf(size_t d, double lattice) const {
         beforePart_();
-        Draft draft{sampler_.planar(d), {}, {}, {}};
-        if (domains_[d].frames.size() > 1) draft.grid = meshUprightGrid(draft.plane);
-        if (draft.grid) {
-            draft.count = static_cast<double>(draft.grid->triangles.size());
-        } else {
-            draft.seeds = hexagonalSeeds(draft.plane, lattice);
-            draft.count = 2 * static_cast<double>(draft.seeds.size()) +
-                          static_cast<double>(draft.plane.boundary.size()) - 2 +
-                          2 * (static_cast<double>(domains_[d].loops.size()) - 1);
-        }
+        Draft draft{sampler_.planar(d), {}, {}};
+        draft.seeds = latticeSeeds(draft.plane, lattice);
+        draft.count = 2 * static_cast<double>(draft.seeds.points.size()) +
+                      static_cast<double>(draft.plane.boundary.size()) - 2 +
+                      2 * (static_cast<double>(domains_[d].loops.size()) - 1);
         return draft;
     }
 
@@ -170,7 +167,7 @@ private:
     }
 
     void triangulate(Draft& draft) const {
-        if (draft.grid || draft.net) return;
+        if (draft.net) return;
         beforePart_();
         draft.net = draftMesh(draft.plane, draft.seeds);
     }
@@ -180,8 +177,7 @@ private:
         double count = 0;
         for (Draft& draft : drafts_) {
             triangulate(draft);
-            count +=
-                static_cast<double>(draft.grid ? draft.grid->triangles.size() : draft.net->corner.size());
+            count += static_cast<double>(draft.net->corner.size());
         }
         return count;
     }
@@ -190,10 +186,10 @@ private:
     double addedTriangles() {
         double added = 0;
         for (Draft& draft : drafts_) {
-            if (draft.plane.size.uniform() || draft.grid) continue;
+            if (draft.plane.size.uniform()) continue;
             triangulate(draft);
             added += 2 * static_cast<double>(draft.net->points.size() - draft.plane.boundary.size() -
-                                             draft.seeds.size());
+                                             draft.seeds.points.size());
         }
         return added;
     }
@@ -383,8 +379,7 @@ private:
         beforePart_();
         Draft& draft = plan_->drafts[d];
         std::vector<uint32_t> vertices = boundaryVertices(domains_[d]);
-        const PlanarMesh flat = draft.grid ? std::move(*draft.grid)
-                                           : improvedMesh(std::move(*draft.net), draft.plane, additions_);
+        const PlanarMesh flat = improvedMesh(std::move(*draft.net), draft.plane, additions_);
         additions_ -= flat.added;
         for (size_t i = vertices.size(); i < flat.points.size(); ++i) {
             vertices.push_back(static_cast<uint32_t>(mesh_.vertices.size()));
@@ -464,12 +459,13 @@ private:
 
     const Building& building_;
     const std::function<void()>& beforePart_;
-    double wanted_, edge_ = 0, added_ = 0; // added: triangles that refinement adds, as far as known
-    size_t additions_ = 0;                 // points that optimisation may still add
-    std::vector<double> areas_;            // per domain
-    std::vector<Draft> drafts_;            // per domain, for the edge and lattices chosen
-    double draftedEdge_ = 0;               // of all drafts, with the grading; the sampler's too
-    std::map<double, Count> counts_;       // by edge, of those looked at with this grading
+    double wanted_, narrowest_;
+    double edge_ = 0, added_ = 0;    // added: triangles that refinement adds, as far as known
+    size_t additions_ = 0;           // points that optimisation may still add
+    std::vector<double> areas_;      // per domain
+    std::vector<Draft> drafts_;      // per domain, for the edge and lattices chosen
+    double draftedEdge_ = 0;         // of all drafts, with the grading; the sampler's too
+    std::map<double, Count> counts_; // by edge, of those looked at with this grading
     double lastEdge_ = 0, lastCount_ = 0;
     Grading grading_;
     bool addedKnown_ = false; // at this grading

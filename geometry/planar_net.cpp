@@ -78,6 +78,7 @@ uint32_t PlanarNet::locate(uint32_t t, glm::dvec2 p) const {
 void PlanarNet::insert(uint32_t t, glm::dvec2 p) {
     const auto v = static_cast<uint32_t>(points.size());
     points.push_back(p);
+    slides.push_back(false);
     const auto [a, b, c] = corner[t];
     const auto n = neighbour[t];
     const auto f = fixed[t];
@@ -148,7 +149,10 @@ NetPart::NetPart(const PlanarNet& whole, const Stars& stars, uint32_t triangle, 
         net.kinds.push_back(whole.inner(v) ? PlanarNet::Kind::rim : whole.kinds[v]);
     for (const uint32_t t : triangles_)
         for (const uint32_t v : whole.corner[t]) add(v);
-    for (const uint32_t v : points_) net.points.push_back(whole.points[v]);
+    for (const uint32_t v : points_) {
+        net.points.push_back(whole.points[v]);
+        net.slides.push_back(whole.slides[v]);
+    }
     for (const uint32_t t : triangles_) {
         std::array<uint32_t, 3> corner{}, neighbour{};
         std::array<bool, 3> fixed = whole.fixed[t];
@@ -182,6 +186,7 @@ void NetPart::putBack(PlanarNet& whole) const {
     for (size_t v = points.size(); v < net.points.size(); ++v) {
         points.push_back(static_cast<uint32_t>(whole.points.size()));
         whole.points.emplace_back();
+        whole.slides.push_back(false);
     }
     for (size_t v = net.boundaryCount; v < points.size(); ++v) whole.points[points[v]] = net.points[v];
     for (size_t t = 0; t < triangles.size(); ++t) {

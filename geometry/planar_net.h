@@ -17,6 +17,7 @@ namespace heliodon::geometry {
 struct PlanarNet : TriangleNet {
     std::vector<glm::dvec2> points; // the first boundaryCount never move
     uint32_t boundaryCount = 0;
+    std::vector<bool> slides; // per point: it lies on an upright fold, which it does not leave
     enum class Kind : uint8_t {
         rim,    // of a part: it does not move, but the net goes on
         border, // of the domain

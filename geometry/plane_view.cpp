@@ -206,7 +206,7 @@ bool PlaneView::reaches(glm::dvec2 p) const {
 }
 
 PlaneView viewOfPlane(const PlaneFrame& plane, std::span<const glm::dvec2> hull, const Beam& beam,
-                      double leastCosine, double bulge) {
+                      double leastCosine) {
     PlaneView view;
     view.height = glm::dot(beam.centre - plane.origin, plane.normal);
     if (view.height <= 0) return view;
@@ -230,8 +230,7 @@ PlaneView viewOfPlane(const PlaneFrame& plane, std::span<const glm::dvec2> hull,
         if (outline && !image.empty() &&
             (!outline->box.meets(imageBox) || liesBeside(outline->points, image)))
             continue;
-        ConvexOutline shadow = shadowOnPlane(beam.casters[c], outline, beam.centre, plane, kSkin,
-                                             bulge > 0 ? bulge + kSkin : 0, box);
+        ConvexOutline shadow = shadowOnPlane(beam.casters[c], outline, beam.centre, plane, kSkin, box);
         if (shadow.points.empty()) continue;
         if (std::ranges::all_of(hull, [&](glm::dvec2 p) { return shadow.contains(p); })) return view;
         view.shadows.push_back(std::move(shadow));

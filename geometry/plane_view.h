@@ -35,9 +35,9 @@ struct Beam {
 };
 
 // `hull`: convex polygon, counter-clockwise, that the piece of the plane lies in. Shadows that miss the box
-// round it are left out. `bulge`: as of FlatPart.
+// round it are left out.
 PlaneView viewOfPlane(const PlaneFrame& plane, std::span<const glm::dvec2> hull, const Beam& beam,
-                      double leastCosine, double bulge = 0);
+                      double leastCosine);
 
 using Segment = std::array<glm::dvec2, 2>;
 // Appends the border of what the view reaches, as far as it lies in the box. The circle where n . d has its

@@ -48,13 +48,11 @@ private:
         std::vector<glm::dvec2> hull{low, {high.x, low.y}, high, {low.x, high.y}};
         if (part.pieces.size() == 1) hull.assign(part.pieces[0].corner.begin(), part.pieces[0].corner.end());
         outline_.clear();
-        const double bulge = part.bulge();
-        out_.bulge = std::max(out_.bulge, bulge);
         for (size_t b = 0; b < beams_.size(); ++b) {
             const Beam& beam = beams_[b];
             const double least = options_.atAnyAngle >> b & 1u ? 0 : options_.leastCosine;
             const bool curved = !part.normals.empty() && least > 0;
-            part.views.push_back(viewOfPlane(part.frame, hull, beam, curved ? 0 : least, bulge));
+            part.views.push_back(viewOfPlane(part.frame, hull, beam, curved ? 0 : least));
             if (curved) part.limit(beam.centre, mesh_.vertices, least);
             appendOutline(part.views.back(), part.box, part.limitLines(), outline_);
         }

@@ -41,9 +41,6 @@ struct ProjectorMesh {
     std::vector<uint32_t> sourcePatch;   // per triangle: the patch under its middle
     std::vector<uint32_t> visible;       // per triangle: bit p is set where projector p sees it
     std::vector<SurfaceReach> surfaces;  // by surface id
-    // Metres: how far occluders stand at most over triangles that are chords of walls which bulge into a
-    // room.
-    double bulge = 0;
 
     size_t triangleCount() const { return visible.size(); }
 };

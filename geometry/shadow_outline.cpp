@@ -140,7 +140,7 @@ std::optional<ImageOutline> imageOutline(const ConvexSolid& solid, const Optical
 }
 
 ConvexOutline shadowOnPlane(const ConvexSolid& solid, const ImageOutline* outline, glm::dvec3 light,
-                            const PlaneFrame& plane, double skin, double depth, const FlatBox& within) {
+                            const PlaneFrame& plane, double skin, const FlatBox& within) {
     const double lightHeight = glm::dot(light - plane.origin, plane.normal);
     if (lightHeight <= 0) return {};
     const double top = 0.999 * lightHeight; // what is level with the light throws its shadow to infinity
@@ -151,13 +151,13 @@ ConvexOutline shadowOnPlane(const ConvexSolid& solid, const ImageOutline* outlin
         lowest = std::min(lowest, height.back());
         highest = std::max(highest, height.back());
     }
-    if (highest <= std::max(skin, depth) || lowest >= top) return {};
+    if (highest <= skin || lowest >= top) return {};
     const auto shadowOf = [&](const glm::dvec3& p, double h) {
         return plane.flat(light + (p - light) * (lightHeight / (lightHeight - h)));
     };
 
     ConvexOutline shadow;
-    if (outline && lowest >= depth - kTouch && highest <= top) {
+    if (outline && lowest >= -kTouch && highest <= top) {
         FewOf<glm::dvec2> points;
         for (const uint32_t c : outline->corners) points.push_back(shadowOf(solid.corners[c], height[c]));
         shadow.box = boxOf(all(points));
@@ -165,7 +165,7 @@ ConvexOutline shadowOnPlane(const ConvexSolid& solid, const ImageOutline* outlin
             shadow.points.assign(points.begin(), points.end());
         return shadow;
     }
-    // What is below only makes the box larger.
+    // What is below the plane only makes the box larger.
     FewOf<glm::dvec2> points;
     for (size_t c = 0; c < solid.corners.size(); ++c)
         if (height[c] <= top) points.push_back(shadowOf(solid.corners[c], height[c]));
@@ -173,11 +173,11 @@ ConvexOutline shadowOnPlane(const ConvexSolid& solid, const ImageOutline* outlin
     size_t kept = 0, known = 0;
     for (const double h : height)
         if (h <= top) {
-            if (h >= depth) points[kept++] = points[known];
+            if (h >= 0) points[kept++] = points[known];
             ++known;
         }
     points.resize(kept);
-    for (const double level : {depth, top})
+    for (const double level : {0.0, top})
         if (lowest < level && highest > level)
             for (const auto& [a, b] : solid.edges)
                 if ((height[a] < level) != (height[b] < level)) {

@@ -69,11 +69,9 @@ std::optional<glm::dvec2> imageOf(glm::dvec3 p, const OpticalDevice& device);
 
 // What the solid hides of the front of the plane from a light at `light`; empty when nothing of it lies in
 // the box. A solid that rises less than `skin` over the plane casts no shadow, so that a wall does not shadow
-// its own face; of others nothing that is less than `depth` over it does, where the plane is a chord below a
-// surface that bulges so far. `outline`: the solid's as seen from the light, which saves looking for it; may
-// be null.
+// its own face. `outline`: the solid's as seen from the light, which saves looking for it; may be null.
 ConvexOutline shadowOnPlane(const ConvexSolid& solid, const ImageOutline* outline, glm::dvec3 light,
-                            const PlaneFrame& plane, double skin, double depth, const FlatBox& within);
+                            const PlaneFrame& plane, double skin, const FlatBox& within);
 
 // Inward normals of the four planes through the device's centre that bound its picture, from the inside.
 std::array<glm::dvec3, 4> pictureBorders(const OpticalDevice& device);

@@ -407,13 +407,7 @@ void FrameRenderer::State::drawGains() {
         inputs.view = &output.view;
         inputs.corners = &model->shown.corners;
         inputs.count = static_cast<uint32_t>(model->shown.mesh.corners.size());
-        inputs.solids = {&model->solids.corners,
-                         model->solids.count,
-                         glm::vec4(0),
-                         0,
-                         kPushBack +
-                             model->scene.shown.bulge / static_cast<float>(geometry::kBlendLeastCosine),
-                         false};
+        inputs.solids = {&model->solids.corners, model->solids.count, glm::vec4(0), 0, kPushBack, false};
         inputs.centres = &model->blend.centres;
         inputs.triangles = &model->blend.triangles;
         inputs.borders = &model->blend.borders;

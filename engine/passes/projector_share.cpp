@@ -39,7 +39,7 @@ ShownMesh shownMesh(const geometry::PatchMesh& mesh, const VertexLight& vertexLi
     }
     std::vector<glm::dvec3> centres;
     for (const geometry::OpticalDevice& device : devices) centres.push_back(device.centre());
-    return {std::move(out), geometry::blendProjectors(cut, mesh, centres), static_cast<float>(cut.bulge)};
+    return {std::move(out), geometry::blendProjectors(cut, mesh, centres)};
 }
 
 } // namespace heliodon::passes

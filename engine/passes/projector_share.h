@@ -12,7 +12,6 @@ namespace heliodon::passes {
 struct ShownMesh {
     DrawMesh mesh;
     geometry::ProjectorBlend blend; // of the same triangles
-    float bulge = 0;                // metres, as of ProjectorMesh
 };
 
 // Cost: mostly that of splitByProjectorVisibility.

@@ -56,7 +56,7 @@ TEST(PlanarMesher, rows_through_points_of_the_sides_have_seeds) {
         // From 0.2032 m up, as in a wall of two heights: sums of such numbers are not exact.
         PlanarDomain domain = rectangle(0.370437, 0.0127 * rows, 27, rows);
         for (glm::dvec2& p : domain.boundary) p.y += 0.2032;
-        const size_t seeds = hexagonalSeeds(domain, 0.0127 / 0.94).size();
+        const size_t seeds = latticeSeeds(domain, 0.0127 / 0.94).points.size();
         EXPECT_GE(seeds, 26u * static_cast<size_t>(rows - 1)) << rows;
     }
 }
@@ -64,11 +64,11 @@ TEST(PlanarMesher, rows_through_points_of_the_sides_have_seeds) {
 // Two points crowd the middle; and the mesh stays sound.
 TEST(PlanarMesher, small_angles_grow_within_the_points_allowed) {
     const PlanarDomain domain = rectangle(12, 12, 12, 12);
-    std::vector<glm::dvec2> seeds = hexagonalSeeds(domain, 1);
-    const glm::dvec2 middle =
-        *std::ranges::min_element(seeds, {}, [](glm::dvec2 p) { return glm::length(p - glm::dvec2(6, 6)); });
-    seeds.push_back(middle + glm::dvec2(0.1, 0.3));
-    seeds.push_back(middle + glm::dvec2(-0.2, 0.2));
+    LatticeSeeds seeds = latticeSeeds(domain, 1);
+    const glm::dvec2 middle = *std::ranges::min_element(
+        seeds.points, {}, [](glm::dvec2 p) { return glm::length(p - glm::dvec2(6, 6)); });
+    seeds.points.push_back(middle + glm::dvec2(0.1, 0.3));
+    seeds.points.push_back(middle + glm::dvec2(-0.2, 0.2));
     const PlanarNet draft = draftMesh(domain, seeds);
     const auto smallest = [](const PlanarNet& net) {
         double worst = 0;
@@ -86,6 +86,41 @@ TEST(PlanarMesher, small_angles_grow_within_the_points_allowed) {
     }
 }
 
+// An unrolled wall 6 high, its left end in seven steps and its right one in six, with facets as wide as
+// edges, narrow ones, and one with room for points within; and a partition that ends in it beside a fold.
+TEST(PlanarMesher, triangles_lie_within_the_folds_of_a_wall) {
+    for (const double notch : {0.0, 0.03}) {
+        PlanarDomain domain;
+        domain.size = SizeField({}, 1, 1);
+        domain.folds = {1, 2, 2.5, 3, 3.5, 4, 6.4, 7.3};
+        const std::vector<double> corners{0, 1, 2, 2.5, 3, 3.5, 4, 4.8, 5.6, 6.4, 7.3, 8.2};
+        std::vector<glm::dvec2>& outline = domain.boundary;
+        for (const double x : corners) {
+            outline.emplace_back(x, 0);
+            if (notch == 0 || x != 4) continue;
+            for (int k = 0; k <= 3; ++k) outline.emplace_back(4 + notch, k);
+            for (int k = 3; k >= 0; --k) outline.emplace_back(4.4 + notch, k);
+        }
+        for (int k = 1; k < 6; ++k) outline.emplace_back(8.2, k);
+        for (size_t k = corners.size(); k-- > 0;) outline.emplace_back(corners[k], 6);
+        for (int k = 6; k > 0; --k) outline.emplace_back(0, 6 * k / 7.0);
+        domain.loopStart.push_back(static_cast<uint32_t>(outline.size()));
+        const PlanarMesh mesh = improvedMesh(draftMesh(domain, latticeSeeds(domain, 1)), domain, 10);
+        double area = 0;
+        for (const auto& t : mesh.triangles) {
+            const glm::dvec2 a = mesh.points[t[0]], b = mesh.points[t[1]], c = mesh.points[t[2]];
+            const auto [left, right] = std::minmax({a.x, b.x, c.x});
+            for (const double fold : domain.folds)
+                EXPECT_FALSE(left < fold - notch - 1e-12 && right > fold + notch + 1e-12) << fold;
+            if (notch == 0) {
+                EXPECT_LE(PlanarNet::worstCosine(a, b, c), std::cos(36 * std::numbers::pi / 180));
+            }
+            area += 0.5 * (b.x - a.x) * (c.y - a.y) - 0.5 * (b.y - a.y) * (c.x - a.x);
+        }
+        EXPECT_NEAR(area, 8.2 * 6 - (notch == 0 ? 0 : 3 * 0.4), 1e-12);
+    }
+}
+
 // A slot ends in an angle of 20 degrees: what cannot be better does not make what is beside it worse.
 TEST(PlanarMesher, triangles_at_sharp_corners_are_left_out_of_account) {
     PlanarDomain domain;
@@ -95,7 +130,7 @@ TEST(PlanarMesher, triangles_at_sharp_corners_are_left_out_of_account) {
     for (int k = 12; k > 0; --k) domain.boundary.emplace_back(k, k * slope);
     domain.loopStart.push_back(static_cast<uint32_t>(domain.boundary.size()));
     domain.size = SizeField({}, 1, 1);
-    PlanarNet net = draftMesh(domain, hexagonalSeeds(domain, 1));
+    PlanarNet net = draftMesh(domain, latticeSeeds(domain, 1));
     EXPECT_EQ(std::ranges::count(net.kinds, PlanarNet::Kind::sharp), 2); // 20 and 70 degrees
     raiseAngles(net, 1, 10);
     expectSound(net, 72 * slope);

@@ -199,15 +199,12 @@ TEST(ProjectorVisibility, the_limit_runs_smoothly_over_a_curved_wall) {
     EXPECT_LT(worst, 0.01); // chords lie inside the cylinder, and normals turn evenly along them
 }
 
-// Triangles lean across the folds of a round column and lie in its solids, up to 6 mm deep here; projectors
-// see the column as it stands.
+// Triangles that lean across the folds of a round column would lie in its solids, up to 6 mm deep here.
 TEST(ProjectorVisibility, a_round_column_does_not_hide_its_own_outside) {
     const Building building = buildingOf("round_column.json");
     const PatchMesh mesh = meshBuilding(building);
     const auto projectors = fourProjectors();
     const ProjectorMesh split = splitByProjectorVisibility(mesh, building.occluders, projectors);
-    EXPECT_GT(split.bulge, 0.003);
-    EXPECT_LT(split.bulge, 0.015);
     constexpr double kInch = 0.0254, kOutside = 4.1875 * kInch, kProud = 0.001;
     const glm::dvec3 axis(2 * kInch, 0, -1 * kInch);
     double wrong = 0, seen = 0, all = 0;
