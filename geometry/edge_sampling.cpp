@@ -25,8 +25,11 @@ constexpr double kNarrowStrip = 0.363, kWideStrip = 0.688;
 // A triangle may be so much longer along a strip than the strip is wide, beside what it may be at a short
 // edge.
 constexpr double kFacing = 1.6;
-constexpr double kFinestStrip = 0.45;  // of the edge length
-constexpr double kMostTurn = 0.45;     // radians: triangles do not lean across more
+constexpr double kFinestStrip = 0.45; // of the edge length
+constexpr double kMostTurn = 0.45;    // radians: triangles do not lean across more
+// Where triangles may lean across folds: radians along an edge, metres in the wall's solids and before them.
+constexpr double kMostLeaning = 0.5, kDeep = 0.0008, kCutOff = 0.003;
+constexpr double kNarrowFacets = 0.45; // of the edge length: too narrow for triangles each within one
 constexpr double kRowLength = 1.1;     // of the next side: as long, but for slanted ends
 constexpr double kHalfStep = 0.55;     // of the step beside it: what half a step is at most
 constexpr double kUniformStrip = 0.76; // of the edge length: a strip this wide needs no staggering
@@ -206,9 +209,10 @@ void EdgeSampler::choose(double edge, const Grading& grading) {
         e.pins.clear();
         e.most = kInfinity;
     }
-    for (size_t d = 0; d < domains_.size(); ++d) divideEnds(d);
-    if (std::isfinite(grading.growth))
+    if (std::isfinite(grading.growth)) {
+        for (size_t d = 0; d < domains_.size(); ++d) divideEnds(d);
         for (const Strip& strip : strips_) stagger(strip);
+    }
     for (SampledEdge& e : edges_) divide(e);
     if (std::isfinite(grading.growth)) easeCorners();
     for (const TwinEdges& group : twins_) shareDivisions(group);
@@ -222,7 +226,7 @@ void EdgeSampler::divideEnds(size_t d) {
     const auto [low, high] = extentOf(domain);
     for (const auto& [width, x] :
          {std::pair(folds.front() - low, low), std::pair(high - folds.back(), high)}) {
-        const ColumnSteps steps(width, edge_);
+        const ColumnSteps steps(width, edge_, true);
         if (!steps.staggered) continue;
         for (size_t l = 0; l < domain.loops.size(); ++l)
             for (size_t k = 0, n = domain.loops[l].size(); k < n; ++k) {
@@ -547,15 +551,32 @@ std::vector<double> EdgeSampler::divisions(uint32_t a, uint32_t b) const {
     return out;
 }
 
+// Whether triangles as long as an edge that lean across the folds lie next to nowhere in the wall's solids,
+// and cut off little.
+bool EdgeSampler::mayLean(size_t d) const {
+    const MeshDomain& domain = domains_[d];
+    const auto [low, high] = extentOf(domain);
+    for (size_t k = 0; k < domain.folds.size(); ++k) {
+        const double before = k > 0 ? domain.folds[k - 1].at : low,
+                     after = k + 1 < domain.folds.size() ? domain.folds[k + 1].at : high,
+                     turn = domain.folds[k].turn,
+                     turned = std::abs(turn) * std::max(1.0, 2 * edge_ / (after - before)); // along an edge
+        if (turned > kMostLeaning || turned * edge_ > 8 * (turn > 0 ? kDeep : kCutOff)) return false;
+    }
+    return true;
+}
+
 std::vector<double> EdgeSampler::foldsOf(size_t d) const {
     const MeshDomain& domain = domains_[d];
     if (domain.folds.empty()) return {};
     const auto [low, high] = extentOf(domain);
     std::vector<double> folds;
+    const double narrow = kNarrowFacets * edge_ * static_cast<double>(domain.folds.size() + 1);
+    if (high - low < narrow && mayLean(d)) return {};
     const double least = grading_.narrowest * edge_;
     double turned = 0; // since the last that is kept
     for (const auto& [x, turn] : domain.folds) {
-        turned += turn;
+        turned += std::abs(turn);
         if (std::min(x - (folds.empty() ? low : folds.back()), high - x) < least && turned < kMostTurn)
             continue;
         folds.push_back(x);
@@ -586,6 +607,8 @@ PlanarDomain EdgeSampler::planar(size_t d) const {
     }
     plane.direction = directions_[d];
     plane.folds = foldsOf(d);
+    plane.mayLean = !plane.folds.empty() && mayLean(d);
+    plane.graded = std::isfinite(grading_.growth);
     plane.dividesSlim = !grading_.sparing;
     plane.size = {std::move(sources), edge_, grading_.growth};
     return plane;

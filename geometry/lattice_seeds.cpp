@@ -239,6 +239,7 @@ public:
         places_ = domain.folds;
         places_.insert(places_.begin(), low_.y);
         places_.push_back(high_.y);
+        findFineSteps();
         chooseShifts();
     }
 
@@ -259,13 +260,32 @@ private:
     }
     double width(size_t facet) const { return (places_[facet + 1] - places_[facet]) / rows(facet); }
 
+    // Beside short steps of the boundary, as those of narrow strips are, folds have short ones too.
+    void findFineSteps() {
+        if (!domain_.graded) return;
+        std::vector<SizeSource> sources;
+        for (size_t l = 0; l < domain_.loopCount(); ++l)
+            for (uint32_t i = domain_.loopStart[l]; i < domain_.loopStart[l + 1]; ++i) {
+                const glm::dvec2 a = domain_.boundary[i], d = domain_.boundary[domain_.next(l, i)] - a,
+                                 middle = a + 0.5 * d;
+                const auto after = std::ranges::upper_bound(places_, middle.x);
+                const double facet = after == places_.begin() || after == places_.end()
+                                         ? edge_
+                                         : *after - *(after - 1),
+                             length = glm::length(d);
+                if (length < kFineStep * edge_ && std::abs(d.x) < kWholeFacet * facet)
+                    sources.push_back({middle, length});
+            }
+        fine_ = SizeField(std::move(sources), edge_, kGrowth);
+    }
+
     // By what part of a step the points of each fold are moved up; those of the two ends stay.
     void chooseShifts() {
         const size_t facets = places_.size() - 1;
         std::vector<double> turns;
         double sum = 0, wide = 0;
         for (size_t f = 0; f < facets; ++f) {
-            const bool narrow = ColumnSteps(width(f), edge_).staggered;
+            const bool narrow = ColumnSteps(width(f), edge_, domain_.graded).staggered;
             turns.push_back(narrow && std::fmod(rows(f), 2) == 1 ? 0.5 : 0.0);
             sum += turns.back();
             wide += narrow ? 0 : 1;
@@ -273,7 +293,7 @@ private:
         const double off = std::round(sum) - sum;
         shifts_.assign(places_.size(), 0);
         for (size_t f = 0; f < facets; ++f) {
-            const bool narrow = ColumnSteps(width(f), edge_).staggered;
+            const bool narrow = ColumnSteps(width(f), edge_, domain_.graded).staggered;
             const double own = wide > 0 ? (narrow ? 0 : off / wide) : off / static_cast<double>(facets);
             shifts_[f + 1] = shifts_[f] + turns[f] + own;
         }
@@ -281,14 +301,14 @@ private:
 
     // Heights from one end of a row to the other, both left out.
     std::vector<double> heights(double x, double from, double to, double width, double shift) const {
-        const ColumnSteps steps(width, edge_);
+        const ColumnSteps steps(width, edge_, domain_.graded);
         std::vector<std::pair<double, double>> counted{{from, 0.0}}; // steps up to there
-        if (domain_.size.uniform()) {
+        if (domain_.size.uniform() && fine_.uniform()) {
             counted.emplace_back(to, (to - from) / steps.step);
         } else {
             double y = from, count = 0;
             while (y < to) {
-                const double size = domain_.size.at({x, y}) / domain_.size.edge() * steps.step,
+                const double size = sizeAt({x, y}, steps.step),
                              next = to - y < 0.35 * size ? to : y + 0.25 * size;
                 count += (next - y) / size;
                 counted.emplace_back(y = next, count);
@@ -307,6 +327,11 @@ private:
             out.push_back(low + (high - low) * (wanted - before) / (after - before));
         }
         return out;
+    }
+
+    double sizeAt(glm::dvec2 p, double step) const {
+        if (!domain_.size.uniform()) step *= domain_.size.at(p) / domain_.size.edge();
+        return fine_.uniform() ? step : std::min(step, fine_.at(p));
     }
 
     void addFold(size_t fold) {
@@ -381,6 +406,9 @@ private:
     static constexpr double kSamePlace =
         1e-5; // of the extent: walls upright as scenes in single precision are
     static constexpr double kLeastStep = 0.3; // at the end of a row, of the others
+    // Of the edge length: shorter steps of the boundary ask for short ones on folds; metres by metre.
+    static constexpr double kFineStep = 0.7, kGrowth = 0.8;
+    static constexpr double kWholeFacet = 0.9; // of its width: its floor and ceiling ask for nothing
 
     const PlanarDomain& domain_;
     double edge_;
@@ -388,19 +416,22 @@ private:
     glm::dvec2 low_, high_;
     std::vector<double> places_; // of the folds and both ends
     std::vector<double> shifts_; // likewise
+    SizeField fine_;             // beside short steps of the boundary
     LatticeSeeds seeds_;
 };
 
 } // namespace
 
-ColumnSteps::ColumnSteps(double width, double edge) {
+ColumnSteps::ColumnSteps(double width, double edge, bool graded) {
     constexpr double kShortest = 0.8, kMost = 1.2; // of the edge length
     constexpr double kHalved = 0.727;   // width over step: halves of rectangles with angles of 36 degrees
     constexpr double kStaggered = 0.42; // the same of triangles by turns, with a little to spare
+    constexpr double kFinest = 0.45;    // of the edge length: shorter steps take too many triangles
     const double share = width / edge;
     staggered = share < kAligned;
     step = edge * (staggered ? std::clamp(0.866 / share, 1.0, kMost) : std::clamp(1 / share, kShortest, 1.0));
     longest = width / (staggered ? kStaggered : kHalved);
+    if (!graded || longest < kFinest * edge) longest = std::numeric_limits<double>::infinity();
 }
 
 double ColumnSteps::count(double length, double steps) const {

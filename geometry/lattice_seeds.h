@@ -13,10 +13,11 @@ namespace heliodon::geometry {
 
 // How the upright sides of a facet are divided.
 struct ColumnSteps {
-    // Metres; `width`: of the facet, `edge`: of the triangles elsewhere.
-    ColumnSteps(double width, double edge);
-    double step = 0, longest = 0;
-    bool staggered = false; // else level with one another, or as it comes
+    // Metres; `width`: of the facet, `edge`: of the triangles elsewhere. `graded`: triangles may be smaller
+    // than elsewhere for the sake of angles.
+    ColumnSteps(double width, double edge, bool graded);
+    double step = 0, longest = 0; // infinity where nothing asks for shorter ones
+    bool staggered = false;       // else level with one another, or as it comes
     // Of steps on a side; `steps`: the length in steps of the size wanted.
     double count(double length, double steps) const;
 };
@@ -31,7 +32,7 @@ struct LatticeSeeds {
 // Points of a hexagonal lattice of edge length `edge` inside the domain, turned along its direction and
 // fitted to its extent, none nearer to the boundary than about half an edge and none where smaller triangles
 // are wanted. Where there are folds: upright rows on them and, in wide facets, between, in steps that make
-// triangles as large, those beside narrow facets staggered.
+// triangles as large, those beside narrow facets staggered; shorter ones beside short steps of the boundary.
 LatticeSeeds latticeSeeds(const PlanarDomain& domain, double edge);
 
 } // namespace heliodon::geometry

@@ -302,8 +302,9 @@ private:
         for (size_t k = 1; k < frames.size(); ++k) {
             const Frame &before = *frames[k - 1], &after = *frames[k];
             if (after.low > before.low + same && !geometry::inOnePlane(before.u, after.u))
-                domain.folds.push_back({after.low, std::atan2(glm::length(glm::cross(before.u, after.u)),
-                                                              glm::dot(before.u, after.u))});
+                domain.folds.push_back(
+                    {after.low, std::atan2(glm::dot(after.v, glm::cross(before.u, after.u)),
+                                           glm::dot(before.u, after.u))});
         }
     }
 

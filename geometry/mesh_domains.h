@@ -26,7 +26,7 @@ struct MeshDomain {
         frameOf; // per loop and corner: the facet that the edge from there is on
     std::vector<std::vector<glm::dvec2>> planar; // per loop and corner: its place in the plane
     struct Fold {
-        double at = 0, turn = 0; // along the wall; radians
+        double at = 0, turn = 0; // along the wall; radians, positive where it bulges into the room
     };
     std::vector<Fold> folds; // ascending: where facets of different planes meet
 

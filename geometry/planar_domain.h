@@ -17,9 +17,11 @@ struct PlanarDomain {
     glm::dvec2 direction{1, 0};         // of its longest straight side
     SizeField size;                     // of the edges wanted
     bool dividesSlim = true;            // refinement divides slim triangles where sizes are not uniform
+    bool graded = true;                 // beside what is small triangles are small too
     // Of an unrolled wall: x of the upright folds between its facets, ascending, with points of the boundary
-    // where it meets them. Triangles do not lie across them.
+    // where it meets them. Triangles do not lie across them, but, where `mayLean`, for the sake of angles.
     std::vector<double> folds;
+    bool mayLean = false;
 
     size_t loopCount() const { return loopStart.size() - 1; }
     uint32_t next(size_t loop, uint32_t i) const {

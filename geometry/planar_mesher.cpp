@@ -152,6 +152,23 @@ void smooth(PlanarNet& net, const PlanarDomain& domain, std::vector<double>& siz
     }
 }
 
+// Points of triangles with small angles leave the folds, across which these may then lean.
+void leaveFolds(PlanarNet& net) {
+    static const double kSmallCosine = std::cos(36 * std::numbers::pi / 180);
+    std::vector<bool> free(net.points.size());
+    for (uint32_t t = 0; t < net.corner.size(); ++t)
+        if (net.worstCosine(t) > kSmallCosine && !net.atSharpCorner(t))
+            for (const uint32_t v : net.corner[t]) free[v] = true;
+    for (uint32_t t = 0; t < net.corner.size(); ++t)
+        for (size_t k = 0; k < 3; ++k) {
+            const uint32_t a = net.corner[t][(k + 1) % 3], b = net.corner[t][(k + 2) % 3];
+            if (!net.fixed[t][k] || net.neighbour[t][k] == kNoTriangle || !(free[a] || free[b])) continue;
+            net.fixed[t][k] = false;
+            net.slides[a] = net.slides[b] = false;
+        }
+    net.flipAll();
+}
+
 } // namespace
 
 PlanarNet draftMesh(const PlanarDomain& domain, const LatticeSeeds& seeds) {
@@ -166,6 +183,7 @@ PlanarMesh improvedMesh(PlanarNet net, const PlanarDomain& domain, size_t mostAd
         smooth(net, domain, sizes);
         net.flipAll();
     }
+    if (domain.mayLean) leaveFolds(net);
     const size_t added = raiseAngles(net, domain.size.edge(), mostAdded);
     return {std::move(net.points), std::move(net.corner), added};
 }
