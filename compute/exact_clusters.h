@@ -17,6 +17,7 @@ struct RadiatingPiece {
     uint32_t patch = 0, room = 0;
     uint32_t plane = 0; // number of its plane: pieces of one number lie in one plane
     uint32_t place = 0; // where it stands before ordering, in its tile
+    double size = 0;    // of its farthest corner from the first
 };
 
 struct PieceCluster {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "compute/exact_clusters.h"
+#include "compute/exact_contours.h"
 #include "compute/exact_kernels.h"
 #include "compute/exact_scene.h"
 #include "compute/exact_tiles.h"
@@ -279,13 +280,24 @@ private:
         }
     }
 
-    void integrate(const gpu::Kernel& kernel, const gpu::Buffer& records, uint32_t first, uint32_t count,
+    void integrate(const gpu::Kernel& kernel, gpu::Buffer& records, uint32_t first, uint32_t count,
                    const ExactTileRange& a, const ExactTileRange& b) {
         const uint32_t most = device_.info().type == "discrete" ? kDiscreteBatch : kBatch;
         const uint32_t batch = std::min(most, cellCapacity_ / cellsOfPair());
-        for (uint32_t done = 0; done < count; done += batch)
-            refine(kernel, records, first + done, std::min(batch, count - done));
+        const uint32_t byCells = count - integrateContours(records, first, count);
+        for (uint32_t done = 0; done < byCells; done += batch)
+            refine(kernel, records, first + done, std::min(batch, byCells - done));
         finish(records, first, count, a, b);
+    }
+
+    // How many; they stand at the end then.
+    uint32_t integrateContours(gpu::Buffer& records, uint32_t first, uint32_t count) {
+        auto list = records.download<io::ExactRecord>(count, first * sizeof(io::ExactRecord));
+        const std::vector<glm::uvec4> sums = sumsByContours(scene_, list);
+        if (sums.empty()) return 0;
+        records.upload(list, first * sizeof(io::ExactRecord));
+        sums_.upload(sums, sizeof(glm::uvec4) * (first + count - sums.size()));
+        return static_cast<uint32_t>(sums.size());
     }
 
     float pairTolerance(double count, const ExactTileRange& a, const ExactTileRange& b) const {
@@ -398,10 +410,10 @@ private:
 
     // A patch's row is the mean of its pieces' rows by area, its error at most the root of their mean square.
     void claim(uint32_t from, uint32_t to, double error) {
-        const uint32_t patch = scene_.patchOfPiece[from];
+        const uint32_t patch = scene_.pieces[from].patch;
         rowSquares_[patch] += error * error * double{scene_.shareOfPatch[from]};
         if (!entryErrors_.empty())
-            entryErrors_[size_t{patch} * scene_.patchCount + scene_.patchOfPiece[to]] +=
+            entryErrors_[size_t{patch} * scene_.patchCount + scene_.pieces[to].patch] +=
                 (static_cast<float>(error) + tolerance_) * scene_.shareOfPatch[from];
     }
 

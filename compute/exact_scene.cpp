@@ -93,8 +93,10 @@ std::vector<RadiatingPiece> piecesOf(const geometry::PatchMesh& mesh, std::span<
             for (size_t k = first; k < std::min(outline.size(), first + most - 1); ++k)
                 corners.push_back(outline[k]);
             if (glm::length(geometry::areaVector(corners)) <= least) continue;
+            double size = 0;
+            for (const dvec3& p : corners) size = std::max(size, glm::distance(p, corners[0]));
             pieces.push_back(
-                {std::move(corners), normal, static_cast<uint32_t>(i), mesh.room[i], planes[i], 0});
+                {std::move(corners), normal, static_cast<uint32_t>(i), mesh.room[i], planes[i], 0, size});
         }
     };
     for (size_t i = 0; i < mesh.patchCount(); ++i) {
@@ -179,8 +181,6 @@ ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh, uint
         scene.area.push_back(area);
         scene.shareOfPatch.push_back(
             area > 0 ? static_cast<float>(std::min(1.0, double{area} / scene.patchArea[piece.patch])) : 0.0f);
-        scene.patchOfPiece.push_back(piece.patch);
-        scene.placeOfPiece.push_back(piece.place);
     }
     const std::vector<ConvexRegion> regions = blockingRegions(mesh, io::kExactBlockerCorners);
     for (const ConvexRegion& region : regions)
@@ -198,6 +198,7 @@ ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh, uint
     scene.faceNormal = gpu::Buffer::from(device, faces.normal, "exact normals");
     scene.faceCentre = gpu::Buffer::from(device, faces.middle, "exact centres");
     scene.faceRange = gpu::Buffer::from(device, faces.range, "exact ranges");
+    scene.pieces = std::move(pieces);
     scene.clusters = gpu::Buffer::from(device, clusterData, "exact clusters");
     return scene;
 }

@@ -6,6 +6,7 @@
 
 #include <glm/vec3.hpp>
 
+#include "compute/exact_clusters.h"
 #include "compute/gpu/buffer.h"
 #include "geometry/patch_mesh.h"
 
@@ -26,8 +27,7 @@ struct ExactScene {
     float samePlane = 0;  // kSamePlane of this mesh, metres
     glm::dvec3 centre{0}; // device coordinates are relative to it
     std::vector<ExactTileRange> tiles;
-    std::vector<uint32_t> patchOfPiece;
-    std::vector<uint32_t> placeOfPiece; // in its tile, in patch order
+    std::vector<RadiatingPiece> pieces; // in the clusters' order
     std::vector<float> area;            // per piece
     std::vector<float> shareOfPatch;    // per piece: its area's in its patch; 0 without area
     std::vector<double> patchArea;      // of which pieces leave out what is covered

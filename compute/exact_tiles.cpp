@@ -19,10 +19,10 @@ void handOver(const ExactScene& scene, const ExactTileRange& a, const ExactTileR
         std::vector<double> sums(static_cast<size_t>(a.patches) * b.patches, 0.0);
         std::vector<uint32_t> column(b.pieces);
         for (uint32_t k = b.firstPiece; k < b.firstPiece + b.pieces; ++k)
-            column[scene.placeOfPiece[k]] = scene.patchOfPiece[k] - b.firstPatch;
+            column[scene.pieces[k].place] = scene.pieces[k].patch - b.firstPatch;
         for (uint32_t k = a.firstPiece; k < a.firstPiece + a.pieces; ++k) {
-            const size_t row = scene.patchOfPiece[k] - a.firstPatch;
-            const float* from = tile.values + static_cast<size_t>(scene.placeOfPiece[k]) * b.pieces;
+            const size_t row = scene.pieces[k].patch - a.firstPatch;
+            const float* from = tile.values + static_cast<size_t>(scene.pieces[k].place) * b.pieces;
             for (size_t j = 0; j < b.pieces; ++j)
                 sums[row * b.patches + column[j]] += double{scene.area[k]} * double{from[j]};
         }
