@@ -1,7 +1,7 @@
-// E. M. Sparrow, "A new and simpler formulation for radiative angle factors", J. Heat Transfer 1963: A F is the integral
-// of ln r over both contours, divided by 2 pi. Along one edge it has a closed form; along the other by H. Takahasi,
-// M. Mori, "Double exponential formulas for numerical integration", 1974, whose points crowd at both ends: the edge is
-// divided where it passes the other, so that what is not smooth lies there.
+// E. M. Sparrow, "A new and simpler formulation for radiative angle factors", J. Heat Transfer 1963: A F is
+// the integral of ln r over both contours, divided by 2 pi. Along one edge it has a closed form; along the
+// other by H. Takahasi, M. Mori, "Double exponential formulas for numerical integration", 1974, whose points
+// crowd at both ends: the edge is divided where it passes the other, so that what is not smooth lies there.
 #include "compute/contour_exchange.h"
 
 #include <algorithm>
@@ -115,7 +115,8 @@ double longestEdge(const Polygon& polygon) {
 
 double contourExchange(std::span<const dvec3> from, std::span<const dvec3> to) {
     const Polygon a = before(to, from), b = before(from, to);
-    const double unit = std::max(longestEdge(a), longestEdge(b)); // logarithms are small where they must cancel
+    const double unit =
+        std::max(longestEdge(a), longestEdge(b)); // logarithms are small where they must cancel
     double sum = 0;
     for (const Edge& edge : edgesOf(a, unit))
         for (const Edge& other : edgesOf(b, unit)) sum += overEdges(edge, other);

@@ -1,6 +1,7 @@
-// Pairs in the open that cubature in float32 serves ill: one lies nearly in the other's plane, as needles and slivers
-// along an edge, wedges of a few degrees, small patches beside large ones and sheets across a narrow gap do. Directions
-// good to 1e-7 err by much of what lies between such, and cells are many. They are done along contours, in double.
+// Pairs in the open that cubature in float32 serves ill: they nearly touch, or one lies nearly in the other's
+// plane, as needles along an edge, wedges of a few degrees, small patches beside large ones and sheets across
+// a narrow gap do. Directions good to 1e-7 err by much of what lies between such, and cells are many. They
+// are done along contours, in double.
 #pragma once
 
 #include <vector>
@@ -12,8 +13,9 @@
 
 namespace heliodon::compute {
 
-// Moves such pairs to the end of `records` and returns their sums, in this order, as cubature leaves them. On all
-// cores; 0.1 ms for each such pair.
-std::vector<glm::uvec4> sumsByContours(const ExactScene& scene, std::vector<io::ExactRecord>& records);
+// Moves such pairs to the end of `records` and returns their sums, in this order, as cubature leaves them.
+// `tolerance`: of a form factor. On all cores; 0.1 ms for each such pair.
+std::vector<glm::uvec4> sumsByContours(const ExactScene& scene, std::vector<io::ExactRecord>& records,
+                                       double tolerance);
 
 } // namespace heliodon::compute

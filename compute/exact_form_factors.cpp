@@ -293,7 +293,7 @@ private:
     // How many; they stand at the end then.
     uint32_t integrateContours(gpu::Buffer& records, uint32_t first, uint32_t count) {
         auto list = records.download<io::ExactRecord>(count, first * sizeof(io::ExactRecord));
-        const std::vector<glm::uvec4> sums = sumsByContours(scene_, list);
+        const std::vector<glm::uvec4> sums = sumsByContours(scene_, list, tolerance_);
         if (sums.empty()) return 0;
         records.upload(list, first * sizeof(io::ExactRecord));
         sums_.upload(sums, sizeof(glm::uvec4) * (first + count - sums.size()));
@@ -489,7 +489,6 @@ ExactFormFactors exactFormFactors(gpu::Device& device, const geometry::PatchMesh
         // Every entry is in one tile or its mirror image.
         gpu::Buffer& matrix = result.factors.values = gpu::Buffer(device, n * n * 4, "form factors");
         const ExactScene& scene = solver.scene();
-        if (scene.tiles.empty()) matrix.upload(std::vector<float>(n * n, 0.0f));
         solver.run([&](const ExactTileRange& a, const ExactTileRange& b) {
             placeTile(device, scene, a, b, solver.there(), matrix);
             if (&a != &b) placeTile(device, scene, b, a, solver.back(), matrix);

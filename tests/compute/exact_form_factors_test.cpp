@@ -65,6 +65,34 @@ TEST(ExactFormFactors, slivers_askew_agree_with_the_reference) {
     }
 }
 
+// Directions in float32 err by much of a needle's width over its length.
+TEST(ExactFormFactors, needles_that_share_an_edge_agree_with_the_reference) {
+    const glm::dvec3 from(1.3, -0.4, 0.7);
+    for (int k = 0; k < 3; ++k) {
+        const glm::dvec3 along = glm::normalize(glm::dvec3(std::cos(1.0 + k), std::sin(2.0 + 3 * k), 0.3)),
+                         across = glm::normalize(glm::cross(along, glm::dvec3(k - 2.5, 1, 0.2))),
+                         up = glm::cross(along, across);
+        const double angle = 0.5 + 0.3 * k;
+        const glm::dvec3 inner = std::cos(angle) * across - std::sin(angle) * up;
+        const reference::Polygon needle{from + 0.6 * along + 3e-4 * across, from + along, from},
+            other{from, from + along, from + 0.4 * along + 1e-3 * inner};
+        const ExactFormFactors result =
+            exactFormFactors(test::device(), test::meshOf({needle, other}), {1e-6});
+        const double exchange = reference::exchangeUnoccluded(needle, other);
+        EXPECT_NEAR(result.factors.values.download<float>(4)[1], exchange / reference::polygonArea(needle),
+                    1e-7)
+            << k;
+        EXPECT_EQ(result.statistics.cells, 0u);
+    }
+}
+
+// Nothing of them is left to be integrated.
+TEST(ExactFormFactors, sheets_that_cover_each_other_send_all_light_across) {
+    const geometry::PatchMesh mesh = test::meshOf({{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}},
+                                                   {{0, 0, 1e-6}, {0, 1, 1e-6}, {1, 1, 1e-6}, {1, 0, 1e-6}}});
+    EXPECT_NEAR(matrixOf(mesh, 1e-6)[1], 1 - 2e-6, 3e-6);
+}
+
 // Each cell of the wall carries less than 1e-11. What remains: shadows' borders are good to 5e-7 of the
 // distance.
 TEST(ExactFormFactors, slivers_and_walls_behind_slivers_lose_no_light) {
