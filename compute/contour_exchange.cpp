@@ -27,6 +27,7 @@ constexpr double kStep = 1.0 / 16;        // of the double exponential rule: 1e-
 constexpr double kLeastWeight = 1e-19;    // points beyond add nothing
 constexpr double kRounding = 4e-16;       // of distances: corners so near to a plane lie in it
 constexpr double kParallelSquare = 1e-12; // of the sine: lines that pass each other nowhere
+constexpr double kRightAngle = 1e-15;     // of the cosine: edges that exchange nothing
 
 struct Node {
     double place, weight; // on [0, 1], from either end
@@ -70,6 +71,7 @@ double logAlong(const Edge& edge, const dvec3& x) {
 double overEdges(const Edge& a, const Edge& b) {
     static const std::vector<Node> nodes = doubleExponential();
     const double cosine = dot(a.along, b.along), sine2 = 1 - cosine * cosine;
+    if (std::abs(cosine) < kRightAngle) return 0;
     const dvec3 d = a.from - b.from;
     const double onA = dot(d, a.along), onB = dot(d, b.along);
     // Beside the other's ends, and where both lines come nearest.
@@ -115,8 +117,8 @@ double longestEdge(const Polygon& polygon) {
 
 double contourExchange(std::span<const dvec3> from, std::span<const dvec3> to) {
     const Polygon a = before(to, from), b = before(from, to);
-    const double unit =
-        std::max(longestEdge(a), longestEdge(b)); // logarithms are small where they must cancel
+    // Logarithms are small where they must cancel.
+    const double unit = std::max(longestEdge(a), longestEdge(b));
     double sum = 0;
     for (const Edge& edge : edgesOf(a, unit))
         for (const Edge& other : edgesOf(b, unit)) sum += overEdges(edge, other);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <glm/geometric.hpp>
 
@@ -16,10 +17,12 @@ namespace {
 
 // Of the larger one's size: where less lies between two pieces, cells are as many as its inverse square.
 constexpr double kFlat = 1.0 / 16;
-constexpr double kRounding =
-    1e-6; // of such a share what directions err by, 1e-7, is a tenth of the tolerance
+// Over the tolerance: across so flat a gap directions, good to 1e-7, err by a tenth of the tolerance.
+constexpr double kRounding = 1e-6;
 // What lies this far apart does not touch, and needs cells as small as the gap.
 constexpr double kTouch = 1e-10, kNearly = 1e-3;
+constexpr double kFloatRounding = 1.2e-7; // of a factor, and of its mirror image by both areas
+constexpr size_t kShare = 4096;           // records that a core looks at in one go
 
 double highestOver(const RadiatingPiece& plane, const RadiatingPiece& piece) {
     double highest = 0;
@@ -56,24 +59,39 @@ bool byContour(const RadiatingPiece& a, const RadiatingPiece& b, double toleranc
     return (isNarrow(a) && isNarrow(b) && apart < flat) || (apart > kTouch * size && apart < kNearly * size);
 }
 
+glm::uvec2 fixedPoint(double value) {
+    const double units = value * io::kExactOne, whole = std::floor(units);
+    return {whole, (units - whole) * io::kExactFraction};
+}
+
 glm::uvec4 sumOf(double factor) {
-    const double units = factor * io::kExactOne, whole = std::floor(units);
-    return {whole, (units - whole) * io::kExactFraction, 0, 0};
+    return {fixedPoint(factor), fixedPoint(factor * kFloatRounding)};
+}
+
+// Index of the first that is chosen, after all that are not.
+size_t moveToEnd(const ExactScene& scene, std::vector<io::ExactRecord>& records, double tolerance) {
+    std::vector<uint8_t> chosen(records.size());
+    inParallel((records.size() + kShare - 1) / kShare, [&](size_t share) {
+        for (size_t k = share * kShare; k < std::min(records.size(), (share + 1) * kShare); ++k)
+            chosen[k] = records[k].listed == 0 &&
+                        byContour(scene.pieces[records[k].outer], scene.pieces[records[k].inner], tolerance);
+    });
+    size_t first = records.size();
+    for (size_t k = first; k-- > 0;)
+        if (chosen[k]) std::swap(records[k], records[--first]);
+    return first;
 }
 
 } // namespace
 
 std::vector<glm::uvec4> sumsByContours(const ExactScene& scene, std::vector<io::ExactRecord>& records,
                                        double tolerance) {
-    const auto chosen = std::stable_partition(records.begin(), records.end(), [&](const io::ExactRecord& r) {
-        return r.listed > 0 || !byContour(scene.pieces[r.outer], scene.pieces[r.inner], tolerance);
-    });
-    std::vector<glm::uvec4> sums(static_cast<size_t>(records.end() - chosen));
+    const size_t first = moveToEnd(scene, records, tolerance);
+    std::vector<glm::uvec4> sums(records.size() - first);
     inParallel(sums.size(), [&](size_t k) {
-        const RadiatingPiece &outer = scene.pieces[chosen[static_cast<std::ptrdiff_t>(k)].outer],
-                             &inner = scene.pieces[chosen[static_cast<std::ptrdiff_t>(k)].inner];
-        const double area = 0.5 * glm::length(geometry::areaVector(outer.corners));
-        sums[k] = sumOf(contourExchange(outer.corners, inner.corners) / area);
+        const io::ExactRecord& r = records[first + k];
+        sums[k] = sumOf(contourExchange(scene.pieces[r.outer].corners, scene.pieces[r.inner].corners) /
+                        scene.area[r.outer]);
     });
     return sums;
 }

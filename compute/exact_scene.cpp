@@ -107,7 +107,8 @@ std::vector<RadiatingPiece> piecesOf(const geometry::PatchMesh& mesh, std::span<
             for (const std::vector<dvec3>& part : open->second)
                 add(part, i, 3, kSliver * geometry::patchArea(mesh, i));
     }
-    if (pieces.empty() && mesh.patchCount() > 0) // all is covered: a point, which sees nothing, stands for a tile
+    // All is covered: a point, which sees nothing, stands for a tile.
+    if (pieces.empty() && mesh.patchCount() > 0)
         pieces.push_back({std::vector<dvec3>(3, dvec3(0)), dvec3(0), 0, mesh.room[0], planes[0], 0, 0});
     return pieces;
 }
