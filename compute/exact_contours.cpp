@@ -24,11 +24,17 @@ constexpr double kTouch = 1e-10, kNearly = 1e-3;
 constexpr double kFloatRounding = 1.2e-7; // of a factor, and of its mirror image by both areas
 constexpr size_t kShare = 4096;           // records that a core looks at in one go
 
-double highestOver(const RadiatingPiece& plane, const RadiatingPiece& piece) {
-    double highest = 0;
-    for (const glm::dvec3& p : piece.corners)
-        highest = std::max(highest, glm::dot(plane.normal, p - plane.corners[0]));
-    return highest;
+struct Heights {
+    double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+};
+
+Heights heightsOver(const RadiatingPiece& plane, const RadiatingPiece& piece) {
+    Heights heights;
+    for (const glm::dvec3& p : piece.corners) {
+        const double height = glm::dot(plane.normal, p - plane.corners[0]);
+        heights = {std::min(heights.lowest, height), std::max(heights.highest, height)};
+    }
+    return heights;
 }
 
 bool isNarrow(const RadiatingPiece& piece) {
@@ -52,9 +58,12 @@ double leastDistance(const RadiatingPiece& corners, const RadiatingPiece& edges)
 }
 
 bool byContour(const RadiatingPiece& a, const RadiatingPiece& b, double tolerance) {
-    const double size = std::max(a.size, b.size), flat = std::min(kFlat, kRounding / tolerance) * size;
-    if (glm::distance(a.corners[0], b.corners[0]) > a.size + b.size + flat) return false;
-    if (std::min(highestOver(a, b), highestOver(b, a)) < flat) return true;
+    const double size = std::max(a.size, b.size), flat = std::min(kFlat, kRounding / tolerance) * size,
+                 near = std::max(flat, kNearly * size);
+    if (glm::distance(a.corners[0], b.corners[0]) > a.size + b.size + near) return false;
+    const Heights ofA = heightsOver(b, a), ofB = heightsOver(a, b);
+    if (std::min(ofA.highest, ofB.highest) < flat) return true;
+    if (std::max(ofA.lowest, ofB.lowest) > near) return false;
     const double apart = std::min(leastDistance(a, b), leastDistance(b, a));
     return (isNarrow(a) && isNarrow(b) && apart < flat) || (apart > kTouch * size && apart < kNearly * size);
 }
