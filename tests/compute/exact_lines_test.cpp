@@ -66,7 +66,7 @@ struct Scene {
                                                   : io::ExactRecord{j, i, 0, listed});
     }
 
-    uint32_t patchOf(uint32_t piece) const { return onDevice.patchOfPiece[piece]; }
+    uint32_t patchOf(uint32_t piece) const { return onDevice.pieces[piece].patch; }
 
     LinesPair pair(const io::ExactRecord& record) const {
         const auto triangle = [&](uint32_t piece) {
