@@ -2,6 +2,7 @@
 
 #include "compute/gpu/device.h"
 #include "compute/gpu/error.h"
+#include "engine/passes/scissor.h"
 #include "spirv/display_frag.h"
 #include "spirv/display_vert.h"
 

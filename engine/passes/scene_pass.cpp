@@ -4,6 +4,7 @@
 
 #include "compute/gpu/device.h"
 #include "engine/passes/draw_mesh.h"
+#include "engine/passes/scissor.h"
 #include "shaders/io/scene.io.h"
 #include "spirv/gain_frag.h"
 #include "spirv/gain_vert.h"

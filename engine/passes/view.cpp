@@ -88,12 +88,6 @@ std::optional<TileMask> tilesOf(const View& view, std::span<const glm::vec3> cor
 
 } // namespace
 
-void setScissor(VkCommandBuffer commands, const PixelRect& part) {
-    const VkRect2D rect{{part.x, part.y},
-                        {static_cast<uint32_t>(part.width), static_cast<uint32_t>(part.height)}};
-    vkCmdSetScissor(commands, 0, 1, &rect);
-}
-
 View viewOfDevice(const geometry::OpticalDevice& device, int supersample) {
     constexpr double kNear = 0.02; // metres
     View view;
@@ -178,13 +172,16 @@ void confineParts(View& view, std::span<const glm::vec3> corners) {
     constexpr int kTile = 16;
     const std::optional<TileMask> drawn = tilesOf(view, corners, kTile, reachOf(view));
     if (!drawn) return;
-    TileMask shown(view.outputWidth, view.outputHeight, kTile);
-    for (int y = view.shown.y; y < view.shown.y + view.shown.height; ++y)
-        for (int x = view.shown.x; x < view.shown.x + view.shown.width; ++x) {
-            const glm::dvec2 at(view.warp[static_cast<size_t>(y * view.outputWidth + x)]);
+    TileMask shown(view.shown.width, view.shown.height, kTile);
+    for (int y = 0; y < view.shown.height; ++y)
+        for (int x = 0; x < view.shown.width; ++x) {
+            const int pixel = (view.shown.y + y) * view.outputWidth + view.shown.x + x;
+            const glm::dvec2 at(view.warp[static_cast<size_t>(pixel)]);
             if (drawn->touches(at + 0.5, at + 0.5)) shown.mark(glm::dvec2(x, y), glm::dvec2(x, y));
         }
     view.parts = shown.rectangles();
+    for (PixelRect& part : view.parts) part.x += view.shown.x, part.y += view.shown.y;
+    if (view.parts.empty()) view.shown.width = view.shown.height = 0;
 }
 
 View viewOfCamera(const PerspectiveCamera& camera, int width, int height, int supersample) {

@@ -9,8 +9,6 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
-#include <vulkan/vulkan.h>
-
 #include "geometry/rig.h"
 
 namespace heliodon::passes {
@@ -18,8 +16,6 @@ namespace heliodon::passes {
 struct PixelRect {
     int x = 0, y = 0, width = 0, height = 0;
 };
-
-void setScissor(VkCommandBuffer commands, const PixelRect& part);
 
 struct View {
     int width = 0, height = 0;   // of the pinhole picture, pixels
@@ -42,7 +38,8 @@ std::vector<PixelRect> placesOf(const View& view, std::span<const glm::vec3> cor
 
 // Cuts a view with a warp down to what lies near `points`, both of its pictures: nothing else is drawn.
 void confine(View& view, const std::vector<glm::dvec3>& points);
-// The same for the parts of the output, tile by tile, to what lies near triangles.
+// The same for the parts of the output, tile by tile, to what lies near triangles; without any of them nothing
+// is shown.
 void confineParts(View& view, std::span<const glm::vec3> corners);
 
 // What a camera or projector sees: outputs are its own panel pixels, so that a world point comes out at

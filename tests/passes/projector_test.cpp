@@ -256,8 +256,12 @@ TEST(Projector, what_is_left_out_of_drawing_would_have_shown_nothing) {
     FrameScene confined(scene.mesh, scene.occluders, &rig), whole(scene.mesh, scene.occluders, &rig);
     int drawn = 0, all = 0;
     for (size_t i = 0; i < whole.views.size(); ++i) {
-        for (const PixelRect& part : confined.views[i].parts) drawn += part.width * part.height;
         const View& view = whole.views[i];
+        for (const PixelRect& part : confined.views[i].parts) {
+            drawn += part.width * part.height;
+            EXPECT_TRUE(part.x >= view.shown.x && part.x + part.width <= view.shown.x + view.shown.width &&
+                        part.y >= view.shown.y && part.y + part.height <= view.shown.y + view.shown.height);
+        }
         all += view.shown.width * view.shown.height;
         whole.views[i].parts = {view.shown};
     }
@@ -265,6 +269,20 @@ TEST(Projector, what_is_left_out_of_drawing_would_have_shown_nothing) {
     FrameRenderer part(test::device(), std::move(confined)), full(test::device(), std::move(whole));
     const std::vector<Image8> found = part.projectors(scene.light), wanted = full.projectors(scene.light);
     for (size_t i = 0; i < wanted.size(); ++i) EXPECT_EQ(found[i].rgb, wanted[i].rgb) << i;
+}
+
+TEST(Projector, one_that_is_turned_away_shows_nothing) {
+    geometry::Rig rig = exampleRig();
+    geometry::Projector& away = rig.projectors[0];
+    const glm::dmat3 turn(-1, 0, 0, 0, 1, 0, 0, 0, -1); // about its own upright
+    away.deviceFromWorld = turn * away.deviceFromWorld;
+    away.translation = turn * away.translation;
+    const test::SketchScene scene = test::sketchScene(8);
+    FrameRenderer renderer(test::device(), scene.mesh, scene.occluders, &rig);
+    const View& view = renderer.scene().views[0]; // else nobody would have cleared what is read back
+    EXPECT_EQ(view.shown.width * view.shown.height, 0);
+    const std::vector<Image8> pictures = renderer.projectors(scene.light);
+    for (const uint8_t byte : pictures[0].rgb) ASSERT_EQ(byte, 0);
 }
 
 TEST(Projector, nothing_is_shown_outside_the_model) {
