@@ -208,7 +208,7 @@ std::vector<double> blendShares(const ProjectorBlend& blend, size_t triangle, gl
     std::vector<double> shares(centres.size(), 0);
     double sum = 0;
     for (size_t p = 0; p < centres.size(); ++p) {
-        if (!(blend.visible[triangle] >> p & 1u)) continue;
+        if (!blend.sees(p, triangle)) continue;
         double distance = kBlendFalloff, end = kBlendFalloff;
         for (const BlendBorder& border : blend.near(triangle))
             if ((border.left ^ border.right) >> p & 1u) {

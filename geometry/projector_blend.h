@@ -39,6 +39,7 @@ struct ProjectorBlend {
     // come within the falloff of.
     std::vector<BlendBorder> borders;
 
+    bool sees(size_t projector, size_t triangle) const { return (visible[triangle] >> projector & 1u) != 0; }
     std::span<const BlendBorder> near(size_t triangle) const {
         return {borders.data() + first[triangle], borders.data() + first[triangle + 1]};
     }

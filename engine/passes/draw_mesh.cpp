@@ -15,6 +15,12 @@ double DrawMesh::area(size_t triangle) const {
     return 0.5 * glm::length(glm::cross(b - a, c - a));
 }
 
+std::vector<glm::vec3> DrawMesh::positions(std::span<const uint32_t> some) const {
+    std::vector<glm::vec3> out;
+    for (const uint32_t corner : some) out.push_back(corners[corner].position);
+    return out;
+}
+
 void DrawMesh::mixLight(std::span<const glm::vec3> luxPerPair, float scale, std::span<glm::vec3> out) const {
     for (size_t i = 0; i < light.size(); ++i) {
         const LightMix& mix = light[i];

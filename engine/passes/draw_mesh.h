@@ -32,7 +32,8 @@ struct DrawMesh {
     // One a corner, as ProjectorMesh::vertexPatch; empty where each triangle lies on its own patch.
     std::vector<uint32_t> cornerPatch;
 
-    double area(size_t triangle) const; // m2
+    double area(size_t triangle) const;                                     // m2
+    std::vector<glm::vec3> positions(std::span<const uint32_t> some) const; // of corners
     // The light stream: `scale` times the lux per pair.
     void mixLight(std::span<const glm::vec3> luxPerPair, float scale, std::span<glm::vec3> out) const;
 };

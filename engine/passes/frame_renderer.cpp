@@ -185,9 +185,7 @@ std::vector<uint32_t> allCorners(const DrawMesh& mesh) {
 std::vector<PixelRect> sunlitParts(const DrawMesh& mesh, std::span<const uint32_t> corners,
                                    const View& view) {
     constexpr int kTile = 64; // as software devices take them
-    std::vector<glm::vec3> places;
-    for (const uint32_t corner : corners) places.push_back(mesh.corners[corner].position);
-    return placesOf(view, places, kTile, 1);
+    return placesOf(view, mesh.positions(corners), kTile, 1);
 }
 
 // What a picture is drawn from.
@@ -231,10 +229,14 @@ struct Model {
 } // namespace
 
 // Of one frame, what is added to the light between vertices.
+struct Sunlight {
+    SunDraw draw;
+    std::vector<uint32_t> corners; // of the triangles that it may reach
+};
+
 struct AddedLight {
     std::optional<GlowDraw> glow;
-    std::optional<SunDraw> sun;
-    std::vector<uint32_t> sunCorners; // of the triangles that it may reach
+    std::optional<Sunlight> sun;
 };
 
 struct FrameRenderer::State {
@@ -246,14 +248,9 @@ struct FrameRenderer::State {
                             float scale = 1e-3f);
     std::optional<GlowDraw> prepareGlow(const DrawMesh& mesh, const compute::Lighting& light,
                                         const std::vector<glm::vec3>& perLux, float scale);
-    void prepareSun(const DrawMesh& mesh, const compute::Lighting& light, float scale, AddedLight& added);
+    std::optional<Sunlight> prepareSun(const DrawMesh& mesh, const compute::Lighting& light, float scale);
     void leaveOutScatter(const compute::Lighting& light, std::vector<glm::vec3>& perVertex) const;
     io::DisplayParams displayParams(const compute::Lighting& light, const Tone& tone) const;
-    // Whether a projector shows a triangle: it has no gain on any other.
-    bool sees(size_t projector, size_t triangle) const {
-        return (model->scene.shown.blend.visible[triangle] >> projector & 1u) != 0;
-    }
-    std::vector<uint32_t> cornersSeenBy(size_t projector) const;
     SceneInputs projectorInputs(size_t i, const AddedLight& added, bool illuminance) const;
     SceneInputs previewInputs(const View& view, const AddedLight& added, Quantity quantity) const;
     void makeOutputs(int supersample);
@@ -292,9 +289,7 @@ AddedLight FrameRenderer::State::prepareLight(DeviceMesh& target, const compute:
     else if (&target == &model->shown)
         leaveOutScatter(light, perVertex);
     target.mixLight(*device, perVertex, scale);
-    AddedLight added{prepareGlow(target.mesh, light, perLux, scale), std::nullopt, {}};
-    prepareSun(target.mesh, light, scale, added);
-    return added;
+    return {prepareGlow(target.mesh, light, perLux, scale), prepareSun(target.mesh, light, scale)};
 }
 
 std::optional<GlowDraw> FrameRenderer::State::prepareGlow(const DrawMesh& mesh,
@@ -321,21 +316,20 @@ std::optional<GlowDraw> FrameRenderer::State::prepareGlow(const DrawMesh& mesh,
                     &model->glowGrids.write(*device, grids)};
 }
 
-void FrameRenderer::State::prepareSun(const DrawMesh& mesh, const compute::Lighting& light, float scale,
-                                      AddedLight& added) {
+std::optional<Sunlight> FrameRenderer::State::prepareSun(const DrawMesh& mesh, const compute::Lighting& light,
+                                                         float scale) {
     const FrameScene& scene = model->scene;
     const bool sunny = glm::length(light.sunDirection) > 0.5 && scene.panes.size() > 0 &&
                        glm::dot(light.sunNormalIlluminance, glm::vec3(1)) > 0;
-    if (!sunny) return;
+    if (!sunny) return std::nullopt;
     const glm::dvec3 towardsSun = glm::normalize(light.sunDirection);
     SunReach reach = sunReach(scene.mesh, mesh, towardsSun, scene.panes.closed());
-    if (reach.corners.empty()) return;
+    if (reach.corners.empty()) return std::nullopt;
     const ShadowCasters::Volumes swept = scene.casters.volumes(towardsSun, reach.plane);
     const SunPaneData data = scene.panes.seenFromSun(towardsSun);
-    added.sunCorners = std::move(reach.corners);
-    SunDraw& sun = added.sun.emplace();
-    sun.triangles = {&model->sunTriangles.write(*device, added.sunCorners),
-                     static_cast<uint32_t>(added.sunCorners.size())};
+    SunDraw sun;
+    sun.triangles = {&model->sunTriangles.write(*device, reach.corners),
+                     static_cast<uint32_t>(reach.corners.size())};
     sun.towardsSun = towardsSun;
     sun.kilolux = scale * light.sunNormalIlluminance;
     sun.volumes = &model->volumes.write(*device, swept.corners);
@@ -343,6 +337,7 @@ void FrameRenderer::State::prepareSun(const DrawMesh& mesh, const compute::Light
     sun.capCount = swept.capCorners;
     sun.panes = &model->paneData.write(*device, data.panes);
     sun.paneEdges = &model->paneEdges.write(*device, data.edges);
+    return Sunlight{sun, std::move(reach.corners)};
 }
 
 // What is left may be negative, until glow and sun are added to it.
@@ -366,23 +361,19 @@ io::DisplayParams FrameRenderer::State::displayParams(const compute::Lighting& l
     return params;
 }
 
-std::vector<uint32_t> FrameRenderer::State::cornersSeenBy(size_t projector) const {
-    std::vector<uint32_t> corners = allCorners(model->scene.shown.mesh);
-    std::erase_if(corners, [&](uint32_t corner) { return !sees(projector, corner / 3); });
-    return corners;
-}
-
 SceneInputs FrameRenderer::State::projectorInputs(size_t i, const AddedLight& added, bool illuminance) const {
     SceneInputs inputs;
     inputs.view = &model->outputs[i].view;
     inputs.surfaces = model->shown.streams(illuminance); // what solids hide has no gain
     inputs.triangles = model->outputs[i].triangles.draw();
     inputs.glow = added.glow;
-    inputs.sun = added.sun;
-    std::vector<uint32_t> sunny;
-    std::ranges::copy_if(added.sunCorners, std::back_inserter(sunny),
-                         [&](uint32_t corner) { return sees(i, corner / 3); });
-    inputs.sunlit = sunlitParts(model->shown.mesh, sunny, *inputs.view);
+    if (added.sun) {
+        std::vector<uint32_t> seen;
+        std::ranges::copy_if(added.sun->corners, std::back_inserter(seen),
+                             [&](uint32_t corner) { return model->scene.shown.blend.sees(i, corner / 3); });
+        inputs.sun = added.sun->draw;
+        inputs.sunlit = sunlitParts(model->shown.mesh, seen, *inputs.view);
+    }
     inputs.keepGain = true;
     return inputs;
 }
@@ -393,7 +384,7 @@ void FrameRenderer::State::makeOutputs(int supersample) {
     std::vector<View> views =
         supersample == kProjectorSupersample ? model->scene.views : model->scene.projectorViews(supersample);
     for (size_t i = 0; i < views.size(); ++i)
-        model->outputs.emplace_back(*device, std::move(views[i]), cornersSeenBy(i),
+        model->outputs.emplace_back(*device, std::move(views[i]), model->scene.shown.cornersSeenBy(i),
                                     "projector " + model->scene.rig.projectors[i].id);
     if (!views.empty()) drawGains();
     model->outputsSupersample = supersample;
@@ -459,8 +450,10 @@ SceneInputs FrameRenderer::State::previewInputs(const View& view, const AddedLig
     inputs.surfaces = model->all.streams(quantity == Quantity::illuminance);
     inputs.triangles = model->previewOutput->triangles.draw();
     inputs.glow = added.glow;
-    inputs.sun = added.sun;
-    inputs.sunlit = sunlitParts(model->all.mesh, added.sunCorners, view);
+    if (added.sun) {
+        inputs.sun = added.sun->draw;
+        inputs.sunlit = sunlitParts(model->all.mesh, added.sun->corners, view);
+    }
     if (quantity == Quantity::exitance) return inputs; // nothing but what is simulated
     // Display colours; alpha 2 marks what is not simulated.
     inputs.background = {0.62f, 0.64f, 0.67f, 2};

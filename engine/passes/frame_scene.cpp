@@ -55,10 +55,7 @@ std::vector<View> FrameScene::projectorViews(int supersample) const {
     for (size_t i = 0; i < rig.projectors.size(); ++i) {
         list.push_back(viewOfDevice(rig.projectors[i], supersample));
         confine(list.back(), shownPoints);
-        std::vector<glm::vec3> seen;
-        for (size_t c = 0; c < shown.mesh.corners.size(); ++c)
-            if ((shown.blend.visible[c / 3] >> i & 1u) != 0) seen.push_back(shown.mesh.corners[c].position);
-        confineParts(list.back(), seen);
+        confineParts(list.back(), shown.mesh.positions(shown.cornersSeenBy(i)));
     }
     return list;
 }

@@ -11,6 +11,13 @@ namespace heliodon::passes {
 
 using geometry::ProjectorMesh;
 
+std::vector<uint32_t> ShownMesh::cornersSeenBy(size_t projector) const {
+    std::vector<uint32_t> corners;
+    for (uint32_t c = 0; c < mesh.corners.size(); ++c)
+        if (blend.sees(projector, c / 3)) corners.push_back(c);
+    return corners;
+}
+
 ShownMesh shownMesh(const geometry::PatchMesh& mesh, const VertexLight& vertexLight,
                     const geometry::Occluders& occluders, const geometry::Rig& rig) {
     const std::vector<geometry::OpticalDevice> devices(rig.projectors.begin(), rig.projectors.end());

@@ -2,6 +2,9 @@
 // (geometry/projector_visibility.h), with how projectors share them (geometry/projector_blend.h).
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "engine/passes/draw_mesh.h"
 #include "geometry/patch_mesh.h"
 #include "geometry/projector_blend.h"
@@ -12,6 +15,9 @@ namespace heliodon::passes {
 struct ShownMesh {
     DrawMesh mesh;
     geometry::ProjectorBlend blend; // of the same triangles
+
+    // Of the triangles that a projector sees: it has no gain on any other.
+    std::vector<uint32_t> cornersSeenBy(size_t projector) const;
 };
 
 // Cost: mostly that of splitByProjectorVisibility.

@@ -76,7 +76,8 @@ struct SceneInputs {
     std::vector<SolidDraw> solids; // see-through ones last
     glm::vec4 background{0};       // where nothing is drawn; what is seen through is blended over it, too
     std::optional<SunDraw> sun;    // none: neither volumes nor the sun pass are recorded
-    std::vector<PixelRect> sunlit; // of the scene picture: where its triangles are; volumes are of no use elsewhere
+    std::vector<PixelRect>
+        sunlit; // of the scene picture: where its triangles are; volumes are of no use elsewhere
     // Alpha stays what recordGain made it, and so do the colours where there is no surface; `background` and
     // `solids` are of no use then.
     bool keepGain = false;
