@@ -228,12 +228,12 @@ struct Model {
 
 } // namespace
 
-// Of one frame, what is added to the light between vertices.
 struct Sunlight {
     SunDraw draw;
     std::vector<uint32_t> corners; // of the triangles that it may reach
 };
 
+// Of one frame, what is added to the light between vertices.
 struct AddedLight {
     std::optional<GlowDraw> glow;
     std::optional<Sunlight> sun;
