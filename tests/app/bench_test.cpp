@@ -33,7 +33,7 @@ class Bench : public InFolder {};
 
 // Steps may be many to a unit of what is counted.
 TEST(Progress, says_once_that_all_is_done) {
-    const int screen = ::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK), usual = ::dup(STDERR_FILENO);
+    const int screen = ::posix_openpt(O_RDWR | O_NOCTTY), usual = ::dup(STDERR_FILENO);
     ASSERT_TRUE(::grantpt(screen) == 0 && ::unlockpt(screen) == 0);
     const int end = ::open(::ptsname(screen), O_RDWR | O_NOCTTY);
     ::dup2(end, STDERR_FILENO);
@@ -44,10 +44,12 @@ TEST(Progress, says_once_that_all_is_done) {
         for (int step = 0; step < 5; ++step) progress.advance(3);
     }
     ::dup2(usual, STDERR_FILENO);
+    ::close(end); // reads go on to the end of what was written, and not beyond
+    std::string said;
     std::array<char, 4096> text{};
-    const std::string said(
-        text.data(), static_cast<size_t>(std::max<ssize_t>(0, ::read(screen, text.data(), text.size()))));
-    for (const int handle : {end, usual, screen}) ::close(handle);
+    for (ssize_t size; (size = ::read(screen, text.data(), text.size())) > 0;)
+        said.append(text.data(), static_cast<size_t>(size));
+    for (const int handle : {usual, screen}) ::close(handle);
     EXPECT_NE(said.find("2/3"), std::string::npos) << said;
     EXPECT_NE(said.find("3/3"), std::string::npos) << said;
     EXPECT_EQ(said.find("3/3"), said.rfind("3/3")) << said;
