@@ -19,6 +19,7 @@
 #include "compute/ribbon_light.h"
 #include "compute/sensor_gather.h"
 #include "compute/sky_detail.h"
+#include "compute/sloped_factors.h"
 #include "compute/stopwatch.h"
 #include "compute/sun_bounce.h"
 #include "compute/sun_glow.h"
@@ -77,6 +78,7 @@ struct DaylightTransport::State {
     std::unique_ptr<SlatLobes> slats;
     std::unique_ptr<HiddenSky> hiddenSky; // before blinds
     std::unique_ptr<PatchSlopes> slopes;
+    std::unique_ptr<SlopedFactors> sloped; // in `factors`
     std::unique_ptr<WindowLinks> links;
     std::vector<std::vector<float>> clear; // per channel: diffuse transmittance of clear interior glass
     SkyRows patchSky;
@@ -104,6 +106,8 @@ struct DaylightTransport::State {
                       const std::optional<RibbonLight>& ribbon) const;
     void addRibbon(Moment& moment, const RibbonLight& ribbon) const;
     void sunOn(Moment& moment, const daylight::SunDisc& disc) const;
+    std::vector<glm::vec3> firstBounce(const Moment& moment) const; // of the sun, exitance
+    void bounceSun(Moment& moment, std::span<const SunlitParts> partly) const;
     void sunAtSensors(Moment& moment, const SunPatches& sun, std::span<const SunlitParts> partly) const;
     MomentScene momentScene() const;
     template<class Light> void glow(Moment& moment, const Light& light) const;
@@ -151,19 +155,22 @@ void DaylightTransport::State::makeFactors() {
 
 // What of a row can come back from where it goes, for the solver's bounds: not what leaves by openings.
 std::vector<float> DaylightTransport::State::rowsThatReturn() {
-    if (links->rowSums().empty()) return rowSums;
-    std::vector<float> matter, sums(mesh.patchCount());
-    for (uint32_t material : mesh.material) {
-        const geometry::Material& m = mesh.materials[material];
-        matter.push_back(m.isOpening() && isClear(m) && m.exitance == glm::vec3(0) ? 0.0f : 1.0f);
+    std::vector<float> sums = rowSums;
+    if (!links->rowSums().empty()) {
+        std::vector<float> matter;
+        for (uint32_t material : mesh.material) {
+            const geometry::Material& m = mesh.materials[material];
+            matter.push_back(m.isOpening() && isClear(m) && m.exitance == glm::vec3(0) ? 0.0f : 1.0f);
+        }
+        gather->gather(matter, sums, 1);
+        // Through an opening goes no more than reaches it, what its blinds send back included.
+        for (size_t i = 0; i < sums.size(); ++i) {
+            const glm::vec3 linked = links->rowSums()[i];
+            const double tint = std::max({linked.x, linked.y, linked.z}) - photometric(linked);
+            sums[i] = std::min(sums[i] + static_cast<float>(tint), rowSums[i]);
+        }
     }
-    gather->gather(matter, sums, 1);
-    // Through an opening goes no more than reaches it, what its blinds send back included.
-    for (size_t i = 0; i < sums.size(); ++i) {
-        const glm::vec3 linked = links->rowSums()[i];
-        const double tint = std::max({linked.x, linked.y, linked.z}) - photometric(linked);
-        sums[i] = std::min(sums[i] + static_cast<float>(tint), rowSums[i]);
-    }
+    for (size_t i = 0; i < sums.size(); ++i) sums[i] += 2 * sloped->negative()[i]; // of absolute values
     return sums;
 }
 
@@ -173,8 +180,11 @@ void DaylightTransport::State::findOpenings() {
     for (size_t i = 0; i < mesh.patchCount(); ++i)
         hasOpenings |= mesh.twin[i] == geometry::kNoTwin && mesh.materials[mesh.material[i]].isOpening();
     points = std::make_unique<PointScene>(mesh);
-    if (!slopes) slopes = std::make_unique<PatchSlopes>(mesh);
     if (links) links->remove(factors.values);
+    if (!sloped) {
+        slopes = std::make_unique<PatchSlopes>(mesh);
+        sloped = std::make_unique<SlopedFactors>(*points, *slopes, *nearPairs, factors.values);
+    }
     links = std::make_unique<WindowLinks>(*points, factors.values);
     tinted = std::make_unique<TintedFactors>(*gather, *links);
     solver = std::make_unique<RadiositySolver>(*tinted, rowsThatReturn());
@@ -376,8 +386,6 @@ void DaylightTransport::State::sunOn(Moment& moment, const daylight::SunDisc& di
     moment.lighting.sunNormalIlluminance = glm::vec3(strength);
     std::vector<SunlitParts> partly;
     moment.lighting.sunIlluminance = sun.onPatches(&partly);
-    std::vector<glm::vec3> bounced(n, glm::vec3(0));
-    if (sunBounce) sunBounce->addTo(bounced, partly, disc.normalIlluminance);
     glow(moment,
          [&](size_t g, uint32_t patch) { return strength * blinds->bySun(g, patch, sun, disc.direction); });
     slats->fill(
@@ -386,28 +394,51 @@ void DaylightTransport::State::sunOn(Moment& moment, const daylight::SunDisc& di
             return blinds->groups()[g].window.lobes(moment.lighting.sunDirection, blinds->groups()[g].normal);
         },
         [&](uint32_t patch) { return glm::dvec3(disc.normalIlluminance * sun.onOutside(patch)); });
-    for (size_t i = 0; i < n; ++i) {
-        moment.patches[i].sun = moment.lighting.sunIlluminance[i] *= strength;
-        moment.patches[i].interreflected += bounced[i];
-    }
+    for (size_t i = 0; i < n; ++i) moment.patches[i].sun = moment.lighting.sunIlluminance[i] *= strength;
+    bounceSun(moment, partly);
     if (sunGlow) moment.lighting.detail.add(sunGlow->of(moment.lighting, partly, disc.normalIlluminance));
     sunAtSensors(moment, sun, partly);
+}
+
+std::vector<glm::vec3> DaylightTransport::State::firstBounce(const Moment& moment) const {
+    std::vector<glm::vec3> exitance;
+    for (size_t i = 0; i < mesh.patchCount(); ++i)
+        exitance.push_back(mesh.materials[mesh.material[i]].reflectance * moment.patches[i].sun);
+    return exitance;
+}
+
+// Sunlight ends where it ends, and does not run on smoothly, as form factors have it.
+void DaylightTransport::State::bounceSun(Moment& moment, std::span<const SunlitParts> partly) const {
+    const size_t n = mesh.patchCount();
+    std::vector<glm::vec3> bounced(n, glm::vec3(0)), sent(n, glm::vec3(0));
+    if (sunBounce) sunBounce->addTo(bounced, partly, double{moment.lighting.sunNormalIlluminance.x});
+    sloped->takeBack(firstBounce(moment), bounced, sent);
+    const uint32_t columns = columnsPerMoment();
+    std::vector<float> exitance, gathered(columns * n);
+    std::vector<uint32_t> channel;
+    for (uint32_t c = 0; c < columns; ++c) {
+        channel.push_back(c);
+        for (const glm::vec3& more : sent) exitance.push_back(more[static_cast<int>(c)]);
+    }
+    tinted->gatherIn(channel, exitance, gathered);
+    for (size_t i = 0; i < n; ++i)
+        for (uint32_t c = 0; c < 3; ++c)
+            bounced[i][static_cast<int>(c)] += gathered[std::min(c, columns - 1) * n + i];
+    for (size_t i = 0; i < n; ++i) moment.patches[i].interreflected += bounced[i];
 }
 
 void DaylightTransport::State::sunAtSensors(Moment& moment, const SunPatches& sun,
                                             std::span<const SunlitParts> partly) const {
     if (sensors.sensors.empty()) return;
     const float strength = moment.lighting.sunNormalIlluminance.x;
-    std::vector<glm::vec3> firstBounce;
-    for (size_t i = 0; i < mesh.patchCount(); ++i)
-        firstBounce.push_back(mesh.materials[mesh.material[i]].reflectance * moment.patches[i].sun);
+    const std::vector<glm::vec3> reflected = firstBounce(moment);
     inParallel(sensors.sensors.size(), [&](size_t s) {
         const Sensor& sensor = sensors.sensors[s];
         if (sensors.room[s] == geometry::kNoRoom) return;
         moment.sensors[s].sun = strength * sun.atPoint(sensor.position, sensor.normal);
         const double unsure = photometric(strength * sun.unsureAtPoint(sensor.position, sensor.normal));
         moment.sensors[s].error += static_cast<float>(unsure);
-        moment.sensors[s].interreflected += sunEdges(*points, sensors, s, partly, strength, firstBounce);
+        moment.sensors[s].interreflected += sunEdges(*points, sensors, s, partly, strength, reflected);
     });
 }
 
@@ -589,8 +620,10 @@ void DaylightTransport::lightSensors(Moment& moment, const daylight::Sky& sky) {
 TransportParts DaylightTransport::parts() {
     State& state = *state_;
     state.makeNearLight({});
-    return {*state.solver,
+    return {state.device,
+            *state.solver,
             *state.tinted,
+            *state.sloped,
             state.columnsPerMoment(),
             state.patchSky.elements,
             state.patchSky.channels,

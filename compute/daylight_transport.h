@@ -28,6 +28,7 @@
 #include "compute/radiosity.h"
 #include "compute/sensor_gather.h"
 #include "compute/slat_lobes.h"
+#include "compute/sloped_factors.h"
 #include "compute/window_links.h"
 #include "geometry/patch_mesh.h"
 
@@ -100,8 +101,10 @@ class SunBounce;
 // The linear parts behind DaylightTransport::light, for products over many moments at once. They hold until
 // materials or sensors change.
 struct TransportParts {
+    gpu::Device& device;
     RadiositySolver& solver;
-    FormFactorOperator& gather;
+    FormFactorOperator& gather; // F', for light that runs on smoothly
+    const SlopedFactors& sloped;
     uint32_t channels = 1;                     // of the solver: 1 where all materials are grey
     uint32_t skyElements = 0, skyChannels = 1; // sky coefficients; 0 elements without openings
     std::span<const float> patchSky;           // patches x skyChannels x skyElements

@@ -26,7 +26,7 @@ constexpr double kSensorSkyError = 0.008; // of sky light, from its cubature and
 // The same of patches' means, against meshes four and sixteen times as fine (docs/accuracy.md).
 constexpr double kPatchBounceError = 0.007;
 constexpr double kPatchSkyError = 0.012; // of sky light, from sky elements and glass
-constexpr double kLaterShare = 16;       // of what patches send on in error, for reflected light anywhere
+constexpr double kLaterShare = 6;        // of what patches send on in error, for reflected light anywhere
 constexpr float kPatchSpreadShare = 0.3F,
                 kFarSpreadShare = 0.05F; // of light's variation within patches nearby, and farther off
 constexpr float kPatchBendShare = 1.5F;  // of how light bends within a patch nearby, times its form factor

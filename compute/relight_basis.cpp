@@ -23,7 +23,7 @@ void RelightBasis::restart() {
 }
 
 double RelightBasis::project(uint32_t channel, std::span<float> residual, std::span<float> gathered) const {
-    double rounding = kGatherRounding * largest(gathered);
+    double rounding = kGatherRounding * largest(residual); // all of it from one pass so far
     for (int twice = 0; twice < 2; ++twice) // images are at right angles but for rounding
         for (const Vector& v : basis_[channel]) {
             const double share = dot(v.image, residual);

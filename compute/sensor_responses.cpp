@@ -6,6 +6,7 @@
 
 #include "compute/glow_rows.h"
 #include "compute/parallel.h"
+#include "compute/radiosity_gather.h"
 
 namespace heliodon::compute {
 
@@ -31,6 +32,7 @@ struct SensorResponder::Importance {
     size_t first = 0, count = 0;   // sensors
     std::vector<float> sent, once; // reflected where sensors look, and what of that falls on patches
     std::vector<float> more, rest; // exitance and gathered light of all that follows
+    std::vector<float> even;       // once + rest as it would be for light that does not run on smoothly
 };
 
 SensorResponder::SensorResponder(DaylightTransport& transport)
@@ -42,14 +44,26 @@ SensorResponder::SensorResponder(DaylightTransport& transport)
     }
 }
 
-// Where F lies in the host's memory: sensors are many columns.
+// What gathers importance: A^-1 F^T A, which is F itself but for the slopes in it. On the host where F lies
+// in its memory: sensors are many columns.
 void SensorResponder::takeFactors(const TransportParts& parts) {
+    if (solver_) return;
     const size_t n = transport_.mesh().patchCount();
-    const float* values = transport_.formFactors().values.mapped<float>();
-    if (gather_ || !values || n > kMostHostPatches) return;
-    gather_.emplace(std::span(values, n * n), static_cast<uint32_t>(n));
-    tintedGather_.emplace(*gather_, parts.links);
-    solver_.emplace(*tintedGather_, parts.solver.rowSums());
+    const gpu::Buffer& factors = transport_.formFactors().values;
+    const gpu::HostView<float> values(factors, n * n);
+    std::vector<float> adjoint(n * n);
+    inParallel(n, [&](size_t i) {
+        for (size_t j = 0; j < n; ++j) adjoint[i * n + j] = values[j * n + i] * area_[j] / area_[i];
+    });
+    if (factors.mapped() && n <= kMostHostPatches) {
+        gather_ = std::make_unique<HostGather>(adjoint, static_cast<uint32_t>(n));
+        bytes_ = n * n * sizeof(float);
+    } else {
+        adjoint_ = gpu::Buffer::from(parts.device, adjoint, "form factors of importance");
+        gather_ = std::make_unique<RadiosityGather>(parts.device, adjoint_, static_cast<uint32_t>(n));
+    }
+    tinted_.emplace(*gather_, parts.links);
+    solver_.emplace(*tinted_, parts.solver.rowSums());
     solver_->setMatter(parts.solver.matter());
 }
 
@@ -80,10 +94,9 @@ SensorResponses SensorResponder::respond(const TransportParts& parts, const Told
 SensorResponder::Importance SensorResponder::importanceOf(const TransportParts& parts, size_t first,
                                                           size_t count) {
     const size_t n = area_.size(), columns = count * parts.channels;
-    FormFactorOperator& gather = gather_ ? *tintedGather_ : parts.gather;
-    RadiositySolver& solver = solver_ ? *solver_ : parts.solver;
     const RadiosityMatter& matter = parts.solver.matter();
-    Importance result{first, count, std::vector<float>(columns * n), std::vector<float>(columns * n), {}, {}};
+    Importance result{first, count, std::vector<float>(columns * n), std::vector<float>(columns * n), {},
+                      {},    {}};
     std::vector<float> twice(columns * n), perArea(n);
     std::vector<uint32_t> channel;
     for (size_t k = 0; k < columns; ++k) {
@@ -94,10 +107,19 @@ SensorResponder::Importance SensorResponder::importanceOf(const TransportParts& 
         for (size_t i = 0; i < n; ++i) perArea[i] = seen[i] / area_[i];
         matter.reflect<float>(channel[k], perArea, {&result.sent[k * n], n});
     }
-    gather.gatherIn(channel, result.sent, result.once);
+    tinted_->gatherIn(channel, result.sent, result.once);
     for (size_t k = 0; k < columns; ++k)
         matter.reflect<float>(channel[k], {&result.once[k * n], n}, {&twice[k * n], n});
-    solver.solve(twice, channel, result.more, result.rest, {});
+    solver_->solve(twice, channel, result.more, result.rest, {});
+    result.even.resize(columns * n);
+    inParallel(columns, [&](size_t k) {
+        std::vector<float> all(n);
+        for (size_t i = 0; i < n; ++i) {
+            all[i] = result.sent[k * n + i] + result.more[k * n + i];
+            result.even[k * n + i] = result.once[k * n + i] + result.rest[k * n + i];
+        }
+        parts.sloped.takeBackImportance(all, {&result.even[k * n], n});
+    });
     return result;
 }
 
@@ -128,7 +150,7 @@ void SensorResponder::addAnswers(const TransportParts& parts, const Importance& 
                 // What falls on clear interior glass goes straight on and is counted where it lands.
                 sky[i] += share * (clear_[i] ? rho[i] * received
                                              : area_[i] * (sent.sent[at + i] + sent.more[at + i]));
-                sun[i * result.sensors] += share * rho[i] * (even[i] + later[i]);
+                sun[i * result.sensors] += share * rho[i] * (even[i] + area_[i] * sent.even[at + i]);
                 own +=
                     static_cast<double>(share * received * mesh.materials[mesh.material[i]].exitance[axis]);
             }

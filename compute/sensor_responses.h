@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -40,11 +41,11 @@ public:
     // `transport` must outlive this and keep its materials.
     explicit SensorResponder(DaylightTransport& transport);
 
-    // Of the transport's sensors: 2.5 CPU ms each at 500 patches, in proportion to them. Form factors in the
-    // host's memory are gathered there, of at most 8000 patches, and held once more.
+    // Of the transport's sensors: 2.5 CPU ms each at 500 patches, in proportion to them. Form factors are
+    // held once more: on the host, which gathers there, of at most 8000 patches in its memory.
     SensorResponses respond(const TransportParts& parts, const Told& told);
 
-    size_t bytes() const { return gather_ ? gather_->bytes() : 0; } // held between calls
+    size_t bytes() const { return bytes_; } // held between calls, of the host
 
 private:
     struct Importance;
@@ -61,11 +62,13 @@ private:
     void hideGlow(const TransportParts& parts, SensorResponses& result) const;
 
     DaylightTransport& transport_;
-    size_t beams_;                     // that a sensor answers to apart: 3 where panes are tinted, else 1
-    std::vector<float> area_;          // of patches
-    std::vector<uint8_t> clear_;       // patches of clear glass between rooms
-    std::optional<HostGather> gather_; // none where the device gathers faster
-    std::optional<TintedFactors> tintedGather_;
+    size_t beams_;               // that a sensor answers to apart: 3 where panes are tinted, else 1
+    std::vector<float> area_;    // of patches
+    std::vector<uint8_t> clear_; // patches of clear glass between rooms
+    size_t bytes_ = 0;
+    gpu::Buffer adjoint_; // where the device gathers faster
+    std::unique_ptr<FormFactorOperator> gather_;
+    std::optional<TintedFactors> tinted_;
     std::optional<RadiositySolver> solver_;
 };
 

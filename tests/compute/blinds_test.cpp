@@ -97,6 +97,13 @@ TEST(Blinds, slats_wide_apart_are_hardly_there) {
     }
 }
 
+// What windows send back is nothing where no light comes back to them; nor is its bound.
+TEST(Blinds, in_a_black_room_nothing_is_left_to_solve) {
+    const Moment moment = lightOf(windowRoom(kSlats, true, glm::vec3(0)), overcast());
+    EXPECT_TRUE(moment.report.radiosity.converged);
+    EXPECT_LT(moment.report.radiosity.bound, 1e-4);
+}
+
 TEST(Blinds, another_wing_shades_the_outside_of_a_window) {
     geometry::PatchMesh mesh = windowRoom(kFabric);
     const size_t own = mesh.patchCount();
