@@ -107,7 +107,7 @@ struct DaylightTransport::State {
     void addRibbon(Moment& moment, const RibbonLight& ribbon) const;
     void sunOn(Moment& moment, const daylight::SunDisc& disc) const;
     std::vector<glm::vec3> firstBounce(const Moment& moment) const; // of the sun, exitance
-    void bounceSun(Moment& moment, std::span<const SunlitParts> partly) const;
+    std::vector<glm::vec3> takeSunBack(Moment& moment) const;
     void sunAtSensors(Moment& moment, const SunPatches& sun, std::span<const SunlitParts> partly) const;
     MomentScene momentScene() const;
     template<class Light> void glow(Moment& moment, const Light& light) const;
@@ -183,7 +183,7 @@ void DaylightTransport::State::findOpenings() {
     if (links) links->remove(factors.values);
     if (!sloped) {
         slopes = std::make_unique<PatchSlopes>(mesh);
-        sloped = std::make_unique<SlopedFactors>(*points, *slopes, *nearPairs, factors.values);
+        sloped = std::make_unique<SlopedFactors>(*points, *slopes, *nearPairs, rowSums, factors.values);
     }
     links = std::make_unique<WindowLinks>(*points, factors.values);
     tinted = std::make_unique<TintedFactors>(*gather, *links);
@@ -386,6 +386,8 @@ void DaylightTransport::State::sunOn(Moment& moment, const daylight::SunDisc& di
     moment.lighting.sunNormalIlluminance = glm::vec3(strength);
     std::vector<SunlitParts> partly;
     moment.lighting.sunIlluminance = sun.onPatches(&partly);
+    std::vector<glm::vec3> bounced(n, glm::vec3(0));
+    if (sunBounce) sunBounce->addTo(bounced, partly, disc.normalIlluminance);
     glow(moment,
          [&](size_t g, uint32_t patch) { return strength * blinds->bySun(g, patch, sun, disc.direction); });
     slats->fill(
@@ -394,8 +396,10 @@ void DaylightTransport::State::sunOn(Moment& moment, const daylight::SunDisc& di
             return blinds->groups()[g].window.lobes(moment.lighting.sunDirection, blinds->groups()[g].normal);
         },
         [&](uint32_t patch) { return glm::dvec3(disc.normalIlluminance * sun.onOutside(patch)); });
-    for (size_t i = 0; i < n; ++i) moment.patches[i].sun = moment.lighting.sunIlluminance[i] *= strength;
-    bounceSun(moment, partly);
+    for (size_t i = 0; i < n; ++i) {
+        moment.patches[i].sun = moment.lighting.sunIlluminance[i] *= strength;
+        moment.patches[i].interreflected += bounced[i];
+    }
     if (sunGlow) moment.lighting.detail.add(sunGlow->of(moment.lighting, partly, disc.normalIlluminance));
     sunAtSensors(moment, sun, partly);
 }
@@ -407,24 +411,20 @@ std::vector<glm::vec3> DaylightTransport::State::firstBounce(const Moment& momen
     return exitance;
 }
 
-// Sunlight ends where it ends, and does not run on smoothly, as form factors have it.
-void DaylightTransport::State::bounceSun(Moment& moment, std::span<const SunlitParts> partly) const {
+// Sunlight ends where it ends, and does not run on smoothly, as form factors have it. Returns what patches
+// send less for that, as far as others get it: for the solver alone.
+std::vector<glm::vec3> DaylightTransport::State::takeSunBack(Moment& moment) const {
     const size_t n = mesh.patchCount();
-    std::vector<glm::vec3> bounced(n, glm::vec3(0)), sent(n, glm::vec3(0));
-    if (sunBounce) sunBounce->addTo(bounced, partly, double{moment.lighting.sunNormalIlluminance.x});
-    sloped->takeBack(firstBounce(moment), bounced, sent);
-    const uint32_t columns = columnsPerMoment();
-    std::vector<float> exitance, gathered(columns * n);
-    std::vector<uint32_t> channel;
-    for (uint32_t c = 0; c < columns; ++c) {
-        channel.push_back(c);
-        for (const glm::vec3& more : sent) exitance.push_back(more[static_cast<int>(c)]);
+    std::vector<glm::vec3> lux(n, glm::vec3(0)), sent(n, glm::vec3(0));
+    if (glm::length(moment.lighting.sunDirection) == 0) return sent;
+    sloped->takeBack(firstBounce(moment), lux, sent);
+    for (int c = 0; c < 3; ++c) {
+        std::vector<float> within, beyond(n, 0); // rooms; beyond windows all light is taken for even
+        for (const glm::vec3& less : sent) within.push_back(less[c]);
+        links->addLinks(static_cast<uint32_t>(c), within, beyond);
+        for (size_t i = 0; i < n; ++i) moment.patches[i].interreflected[c] += lux[i][c] - beyond[i];
     }
-    tinted->gatherIn(channel, exitance, gathered);
-    for (size_t i = 0; i < n; ++i)
-        for (uint32_t c = 0; c < 3; ++c)
-            bounced[i][static_cast<int>(c)] += gathered[std::min(c, columns - 1) * n + i];
-    for (size_t i = 0; i < n; ++i) moment.patches[i].interreflected += bounced[i];
+    return sent;
 }
 
 void DaylightTransport::State::sunAtSensors(Moment& moment, const SunPatches& sun,
@@ -462,13 +462,18 @@ void DaylightTransport::State::solve(std::span<Moment> moments) {
     const Stopwatch clock;
     const size_t n = mesh.patchCount();
     const uint32_t perMoment = columnsPerMoment();
-    std::vector<float> outgoing;
+    std::vector<float> outgoing, lessSun;
     std::vector<uint32_t> channel;
-    for (const Moment& moment : moments)
+    for (Moment& moment : moments) {
+        const std::vector<glm::vec3> less = takeSunBack(moment);
         for (uint32_t c = 0; c < perMoment; ++c) {
             channel.push_back(c);
-            for (size_t i = 0; i < n; ++i) outgoing.push_back(emitted(moment, i, c));
+            for (size_t i = 0; i < n; ++i) {
+                lessSun.push_back(less[i][static_cast<int>(c)]);
+                outgoing.push_back(emitted(moment, i, c) + lessSun.back());
+            }
         }
+    }
     const bool anyLight =
         options.skipNothing || std::ranges::any_of(outgoing, [](float out) { return out > 0; });
     std::vector<float> exitance, gathered;
@@ -495,6 +500,7 @@ void DaylightTransport::State::solve(std::span<Moment> moments) {
         PlaceErrors errors = anyLight ? errorsByPlace(moment, channel, solved) : PlaceErrors{};
         moment.solverError = errors.alike;
         moment.exitanceErrors = std::move(errors.exitance), solved.gatheredError = errors.gathered;
+        for (size_t at = solved.first; at < solved.first + perMoment * n; ++at) exitance[at] -= lessSun[at];
         lightPatches(scene, solved, moment);
         compute::lightSensors(scene, moment);
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numbers>
 
 #include "compute/glow_rows.h"
@@ -51,9 +52,12 @@ void SensorResponder::takeFactors(const TransportParts& parts) {
     const size_t n = transport_.mesh().patchCount();
     const gpu::Buffer& factors = transport_.formFactors().values;
     const gpu::HostView<float> values(factors, n * n);
-    std::vector<float> adjoint(n * n);
+    std::vector<float> adjoint(n * n), sums(n, 0); // sums: of absolute values
     inParallel(n, [&](size_t i) {
-        for (size_t j = 0; j < n; ++j) adjoint[i * n + j] = values[j * n + i] * area_[j] / area_[i];
+        for (size_t j = 0; j < n; ++j) {
+            adjoint[i * n + j] = values[j * n + i] * area_[j] / area_[i];
+            sums[i] += std::abs(adjoint[i * n + j]);
+        }
     });
     if (factors.mapped() && n <= kMostHostPatches) {
         gather_ = std::make_unique<HostGather>(adjoint, static_cast<uint32_t>(n));
@@ -63,7 +67,11 @@ void SensorResponder::takeFactors(const TransportParts& parts) {
         gather_ = std::make_unique<RadiosityGather>(parts.device, adjoint_, static_cast<uint32_t>(n));
     }
     tinted_.emplace(*gather_, parts.links);
-    solver_.emplace(*tinted_, parts.solver.rowSums());
+    for (size_t i = 0; i < parts.links.rowSums().size(); ++i) {
+        const glm::vec3 linked = parts.links.rowSums()[i];
+        sums[i] += static_cast<float>(std::max({linked.x, linked.y, linked.z}) - photometric(linked));
+    }
+    solver_.emplace(*tinted_, std::move(sums));
     solver_->setMatter(parts.solver.matter());
 }
 
@@ -113,12 +121,14 @@ SensorResponder::Importance SensorResponder::importanceOf(const TransportParts& 
     solver_->solve(twice, channel, result.more, result.rest, {});
     result.even.resize(columns * n);
     inParallel(columns, [&](size_t k) {
-        std::vector<float> all(n);
+        std::vector<float> all(n), within(n), linked(n, 0);
+        for (size_t i = 0; i < n; ++i) all[i] = result.sent[k * n + i] + result.more[k * n + i];
+        parts.links.addLinks(channel[k], all, linked);
         for (size_t i = 0; i < n; ++i) {
-            all[i] = result.sent[k * n + i] + result.more[k * n + i];
             result.even[k * n + i] = result.once[k * n + i] + result.rest[k * n + i];
+            within[i] = result.even[k * n + i] - linked[i];
         }
-        parts.sloped.takeBackImportance(all, {&result.even[k * n], n});
+        parts.sloped.takeBackImportance(all, within, {&result.even[k * n], n});
     });
     return result;
 }

@@ -19,6 +19,8 @@ using glm::dvec3;
 namespace {
 
 constexpr uint32_t kPoints = 4;      // on a patch that is nearest to the sender
+constexpr size_t kRowsAtOnce = 8;    // of F, side by side for the processor
+constexpr float kClose = 0.05F;      // form factor below which one point does
 constexpr double kFarthest = 1. / 3; // of a patch's size: how far from its middle light can be sent from
 constexpr double kNoFlux = 1e-3;     // of what a patch sends: too little to make up for the rest
 
@@ -94,7 +96,7 @@ dvec3 seenFromAfar(const Extent& from, double size, const PointScene::Patch& to)
 } // namespace
 
 SlopedFactors::SlopedFactors(const PointScene& scene, const PatchSlopes& slopes, const NearPairs& pairs,
-                             gpu::Buffer& factors)
+                             std::span<const float> rowSums, gpu::Buffer& factors)
     : slopes_(&slopes), pairs_(&pairs), rest_(scene.mesh().patchCount(), glm::vec3(0)) {
     const size_t n = rest_.size();
     std::vector<float> copied;
@@ -107,21 +109,19 @@ SlopedFactors::SlopedFactors(const PointScene& scene, const PatchSlopes& slopes,
         first_.push_back(first_[i] + pairs.of(i).size());
     }
     near_.assign(first_.back(), glm::vec3(0));
-    inParallel(n, [&](size_t j) { findMoments(scene, static_cast<uint32_t>(j), values); });
+    inParallel(n, [&](size_t j) { findMoments(scene, static_cast<uint32_t>(j), rowSums[j]); });
     putInto(values);
     if (!copied.empty()) factors.upload(copied);
 }
 
-void SlopedFactors::findMoments(const PointScene& scene, uint32_t sender, std::span<const float> factors) {
+void SlopedFactors::findMoments(const PointScene& scene, uint32_t sender, float rowSum) {
     const geometry::PatchMesh& mesh = scene.mesh();
     if (mesh.materials[mesh.material[sender]].isOpening() || slopes_->terms(sender).empty()) return;
-    const size_t n = rest_.size();
     const std::span<const NearPairs::Pair> all = pairs_->of(sender);
     const double size = scene.patches()[sender].size;
     const Extent from(mesh, sender);
-    double whole = 0, nearby = 0; // lumens of one lux
-    for (size_t i = 0; i < n; ++i) whole += double{factors[sender * n + i]};
-    whole *= double{area_[sender]};
+    const double whole = double{area_[sender]} * double{rowSum};
+    double nearby = 0;
     dvec3 sum(0);
     std::vector<dvec3> moment;
     for (size_t k = 0; k < all.size(); ++k) {
@@ -129,7 +129,8 @@ void SlopedFactors::findMoments(const PointScene& scene, uint32_t sender, std::s
         const double flux = double{area_[to]} * double{factor};
         moment.push_back(
             k < pairs_->nearest(sender).size()
-                ? seenNearby(from, scene.blockers(), patchViewpoints(mesh, kPoints, to, 1).viewpoints)
+                ? seenNearby(from, scene.blockers(),
+                             patchViewpoints(mesh, factor < kClose ? 1 : kPoints, to, 1).viewpoints)
                 : seenFromAfar(from, size, scene.patches()[to]));
         sum += flux * moment[k];
         nearby += flux;
@@ -158,17 +159,35 @@ void SlopedFactors::putInto(std::span<float> factors) {
         for (size_t k = first_[j]; k < first_[j + 1]; ++k)
             if (near_[k] != glm::vec3(0)) senders[pairs_->of(j)[k - first_[j]].to].push_back({j, near_[k]});
     negative_.assign(n, 0);
-    inParallel(n, [&](size_t i) {
-        const std::span<float> row = factors.subspan(i * n, n);
-        const std::vector<float> before(row.begin(), row.end());
-        const auto add = [&](size_t j, glm::vec3 moment) {
+    struct Share {
+        uint32_t patch;
+        float of; // what others get of the sender
+    };
+    std::vector<std::vector<Share>> shares(n);
+    for (size_t j = 0; j < n; ++j)
+        if (rest_[j] != glm::vec3(0))
             for (const PatchSlopes::Term& term : slopes_->terms(j))
-                row[term.patch] += glm::dot(moment, term.weight);
-        };
+                shares[j].push_back({term.patch, glm::dot(rest_[j], term.weight)});
+    using Rows = std::array<float, kRowsAtOnce>;
+    inParallel((n + kRowsAtOnce - 1) / kRowsAtOnce, [&](size_t block) {
+        const size_t first = block * kRowsAtOnce, end = std::min(first + kRowsAtOnce, n);
+        std::vector<Rows> before(n), more(n);
+        for (size_t i = first; i < end; ++i)
+            for (size_t j = 0; j < n; ++j) before[j][i - first] = factors[i * n + j];
         for (size_t j = 0; j < n; ++j)
-            if (before[j] > 0 && rest_[j] != glm::vec3(0)) add(j, before[j] * rest_[j]);
-        for (const Sender& sender : senders[i]) add(sender.patch, sender.moment);
-        for (const float value : row) negative_[i] += std::max(0.0F, -value);
+            for (const Share& share : shares[j]) {
+                Rows sum = more[share.patch];
+                for (size_t r = 0; r < kRowsAtOnce; ++r) sum[r] += before[j][r] * share.of;
+                more[share.patch] = sum;
+            }
+        for (size_t i = first; i < end; ++i) {
+            const std::span<float> row = factors.subspan(i * n, n);
+            for (size_t j = 0; j < n; ++j) row[j] += more[j][i - first];
+            for (const Sender& sender : senders[i])
+                for (const PatchSlopes::Term& term : slopes_->terms(sender.patch))
+                    row[term.patch] += glm::dot(sender.moment, term.weight);
+            for (const float value : row) negative_[i] += std::max(0.0F, -value);
+        }
     });
 }
 
@@ -185,10 +204,10 @@ void SlopedFactors::takeBack(std::span<const glm::vec3> exitance, std::span<glm:
     }
 }
 
-void SlopedFactors::takeBackImportance(std::span<const float> importance, std::span<float> gathered) const {
-    const std::vector<float> before(gathered.begin(), gathered.end());
+void SlopedFactors::takeBackImportance(std::span<const float> importance, std::span<const float> within,
+                                       std::span<float> gathered) const {
     for (size_t j = 0; j < rest_.size(); ++j) {
-        glm::vec3 sum = area_[j] * before[j] * rest_[j];
+        glm::vec3 sum = area_[j] * within[j] * rest_[j];
         const std::span<const NearPairs::Pair> all = pairs_->of(j);
         for (size_t k = 0; k < all.size(); ++k)
             sum += area_[all[k].to] * importance[all[k].to] * near_[first_[j] + k];

@@ -22,26 +22,28 @@ namespace heliodon::compute {
 
 class SlopedFactors {
 public:
-    // `factors`: float32, patchCount^2, row-major, F between patches that see one another; becomes F'.
-    // `slopes` and `pairs` outlive this. Openings are taken for even. What stands between near patches is
-    // taken to hide all of one alike. About 0.06 s of one core at 2000 patches.
+    // `factors`: float32, patchCount^2, row-major, F between patches that see one another, of these
+    // `rowSums`; becomes F', with the same sums of rows. `slopes` and `pairs` outlive this. Openings are
+    // taken for even. What stands between near patches is taken to hide all of one alike. About 0.06 s of one
+    // core at 2000 patches.
     SlopedFactors(const PointScene& scene, const PatchSlopes& slopes, const NearPairs& pairs,
-                  gpu::Buffer& factors);
+                  std::span<const float> rowSums, gpu::Buffer& factors);
 
     // Per patch: sum of what is below nought in its row of F'.
     std::span<const float> negative() const { return negative_; }
 
     // What F' makes in error of light that does not run on, as that of sunlit spots, is taken back: of what
-    // patches nearby get, from `lux`; the rest is `sent` less, exitance that F' is still to be applied to
-    // (which errs by what slopes make of slopes).
+    // patches nearby get, from `lux`; the rest is `sent` less, exitance that F' is still to be applied to,
+    // without links through windows (which errs by what slopes make of slopes).
     void takeBack(std::span<const glm::vec3> exitance, std::span<glm::vec3> lux,
                   std::span<glm::vec3> sent) const;
 
-    // The same of importance, per area, of which A^-1 F'^T A made `gathered`: becomes that of F.
-    void takeBackImportance(std::span<const float> importance, std::span<float> gathered) const;
+    // The same of importance, per area, of which A^-1 F'^T A makes `within`: from `gathered`.
+    void takeBackImportance(std::span<const float> importance, std::span<const float> within,
+                            std::span<float> gathered) const;
 
 private:
-    void findMoments(const PointScene& scene, uint32_t from, std::span<const float> factors);
+    void findMoments(const PointScene& scene, uint32_t sender, float rowSum);
     void putInto(std::span<float> factors);
 
     const PatchSlopes* slopes_;

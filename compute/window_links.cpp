@@ -39,7 +39,7 @@ WindowLinks::WindowLinks(const PointScene& scene, gpu::Buffer& factors) {
     rowSums_.assign(n, glm::vec3(0));
     const auto add = [&](size_t i, size_t j, double factor) {
         float& entry = matrix[i * n + j];
-        entries_.push_back({i * n + j, entry});
+        entries_.push_back({i * n + j, entry, static_cast<float>(factor)});
         entry += static_cast<float>(factor);
         rowSums_[i] += glm::vec3(static_cast<float>(factor));
     };
@@ -67,6 +67,11 @@ WindowLinks::WindowLinks(const PointScene& scene, gpu::Buffer& factors) {
         for (const TintedShare& share : tints[i]) rowSums_[i] += share.more;
     }
     firstTint_.push_back(tints_.size());
+}
+
+void WindowLinks::addLinks(uint32_t channel, std::span<const float> in, std::span<float> out) const {
+    for (const Entry& entry : entries_) out[entry.at / in.size()] += entry.factor * in[entry.at % in.size()];
+    if (areTinted()) addTints(channel, in, out);
 }
 
 void WindowLinks::addTints(uint32_t channel, std::span<const float> in, std::span<float> out) const {

@@ -31,13 +31,15 @@ public:
 
     // Whether any pane on the way is tinted.
     bool areTinted() const { return !tints_.empty(); }
+    // out += what links make of in, in one channel.
+    void addLinks(uint32_t channel, std::span<const float> in, std::span<float> out) const;
     // out += what tints add to or take from F in, in one channel.
     void addTints(uint32_t channel, std::span<const float> in, std::span<float> out) const;
 
 private:
     struct Entry {
         size_t at;
-        float before;
+        float before, factor;
     };
     std::vector<Entry> entries_;
     std::vector<glm::vec3> rowSums_;

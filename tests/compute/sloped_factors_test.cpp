@@ -67,7 +67,9 @@ protected:
         before_ = computeFormFactors(test::device(), mesh_, options).values.download<float>(n_ * n_);
         matrix_ = gpu::Buffer::from(test::device(), before_, "factors");
         pairs_.emplace(mesh_, matrix_);
-        sloped_.emplace(scene_, slopes_, *pairs_, matrix_);
+        std::vector<float> sums(n_, 0);
+        for (size_t k = 0; k < n_ * n_; ++k) sums[k / n_] += before_[k];
+        sloped_.emplace(scene_, slopes_, *pairs_, sums, matrix_);
         after_ = matrix_.download<float>(n_ * n_);
         for (size_t i = 0; i < n_; ++i) area_.push_back(geometry::patchArea(mesh_, i));
     }
@@ -115,7 +117,7 @@ TEST_F(OnTheirOwn, what_is_taken_back_is_what_was_added) {
             gathered[i] += after_[j * n_ + i] * static_cast<float>(area_[j] / area_[i]) * importance[j];
     const std::vector<float> whole = gathered;
     sloped_->takeBack(light, lux, sent);
-    sloped_->takeBackImportance(importance, gathered);
+    sloped_->takeBackImportance(importance, whole, gathered);
     double added = 0, left = 0, here = 0, there = 0;
     for (size_t i = 0; i < n_; ++i) {
         double with = 0, plain = 0, back = double{lux[i].x};
