@@ -301,8 +301,9 @@ void AnnualDaylight::reportOf(const SensorResponses& responses, size_t values) {
     size_t floats = count * (lit_.size() + report_.withSun) + responses.sky.size() + 3 * values;
     for (const std::vector<float>& rows : responses.sun) // and about as many importances of the sky
         floats += rows.size() + (rows.empty() ? 0 : count * transport_.mesh().patchCount());
-    report_.bytes = std::max(report_.bytes, luminance_.bytes() + responder_.bytes() + solvedBytes_ +
-                                                report_.sunBytes + nearWalls + sizeof(float) * floats);
+    report_.bytes =
+        std::max(report_.bytes, luminance_.bytes() + responder_.bytes() + transport_.parts().gatherBytes +
+                                    solvedBytes_ + report_.sunBytes + nearWalls + sizeof(float) * floats);
 }
 
 // Sunless ones first.

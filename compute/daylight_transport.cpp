@@ -9,12 +9,12 @@
 
 #include "compute/daylight/horizon_ribbon.h"
 #include "compute/daylight/sky_patches.h"
+#include "compute/dense_gather.h"
 #include "compute/float_dot.h"
 #include "compute/gpu/device.h"
 #include "compute/moment_light.h"
 #include "compute/parallel.h"
 #include "compute/patch_slopes.h"
-#include "compute/radiosity_gather.h"
 #include "compute/relight_basis.h"
 #include "compute/ribbon_light.h"
 #include "compute/sensor_gather.h"
@@ -83,7 +83,7 @@ struct DaylightTransport::State {
     std::vector<std::vector<float>> clear; // per channel: diffuse transmittance of clear interior glass
     SkyRows patchSky;
     SensorGather sensors;
-    std::unique_ptr<RadiosityGather> gather;
+    std::unique_ptr<DenseGather> gather;
     std::unique_ptr<TintedFactors> tinted; // gather with what links through panes do to colours
     std::unique_ptr<RadiositySolver> solver;
     std::unique_ptr<RelightBasis> relight;
@@ -149,7 +149,7 @@ void DaylightTransport::State::makeFactors() {
     }
     report.formFactors = factors.report;
     nearPairs = std::make_unique<NearPairs>(mesh, factors.values); // links through windows are no near pairs
-    gather = std::make_unique<RadiosityGather>(device, factors.values, static_cast<uint32_t>(n));
+    gather = std::make_unique<DenseGather>(device, factors.values, static_cast<uint32_t>(n));
     rowSums = gather->rowSums();
 }
 
@@ -186,6 +186,7 @@ void DaylightTransport::State::findOpenings() {
         sloped = std::make_unique<SlopedFactors>(*points, *slopes, *nearPairs, rowSums, factors.values);
     }
     links = std::make_unique<WindowLinks>(*points, factors.values);
+    gather->forgetFactors();
     tinted = std::make_unique<TintedFactors>(*gather, *links);
     solver = std::make_unique<RadiositySolver>(*tinted, rowsThatReturn());
     relight = std::make_unique<RelightBasis>(*tinted, *solver);
@@ -630,6 +631,7 @@ TransportParts DaylightTransport::parts() {
             *state.solver,
             *state.tinted,
             *state.sloped,
+            state.gather->hostBytes(),
             state.columnsPerMoment(),
             state.patchSky.elements,
             state.patchSky.channels,

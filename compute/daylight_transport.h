@@ -105,6 +105,7 @@ struct TransportParts {
     RadiositySolver& solver;
     FormFactorOperator& gather; // F', for light that runs on smoothly
     const SlopedFactors& sloped;
+    size_t gatherBytes = 0;                    // of the host, beside the form factors
     uint32_t channels = 1;                     // of the solver: 1 where all materials are grey
     uint32_t skyElements = 0, skyChannels = 1; // sky coefficients; 0 elements without openings
     std::span<const float> patchSky;           // patches x skyChannels x skyElements

@@ -9,43 +9,48 @@ namespace heliodon::compute {
 
 namespace {
 
-constexpr size_t kMostRows = 8; // of a tile
+constexpr size_t kMostRows = 6; // of a tile
+constexpr size_t kBlock = 128;  // terms summed apart, so that rounding does not grow with the depth
 
 using Tile = void (*)(const float* const* a, const float* panel, size_t depth, float (*sums)[Panels::kWidth]);
 
 template<size_t kRows>
 [[gnu::always_inline]] inline void addProducts(const float* const* a, const float* panel, size_t depth,
                                                float (*sums)[Panels::kWidth]) {
-    float s[kRows][Panels::kWidth]{};
-    for (size_t k = 0; k < depth; ++k, panel += Panels::kWidth)
-        for (size_t r = 0; r < kRows; ++r) {
-            const float x = a[r][k];
-            for (size_t c = 0; c < Panels::kWidth; ++c) s[r][c] += x * panel[c];
-        }
-    for (size_t r = 0; r < kRows; ++r) std::copy_n(s[r], Panels::kWidth, sums[r]);
+    for (size_t r = 0; r < kRows; ++r) std::fill_n(sums[r], Panels::kWidth, 0.0f);
+    for (size_t k = 0; k < depth;) {
+        float s[kRows][Panels::kWidth]{};
+        for (const size_t end = std::min(depth, k + kBlock); k < end; ++k, panel += Panels::kWidth)
+            for (size_t r = 0; r < kRows; ++r) {
+                const float x = a[r][k];
+                for (size_t c = 0; c < Panels::kWidth; ++c) s[r][c] += x * panel[c];
+            }
+        for (size_t r = 0; r < kRows; ++r)
+            for (size_t c = 0; c < Panels::kWidth; ++c) sums[r][c] += s[r][c];
+    }
 }
 
 struct Shape {
-    size_t rows; // x 8 columns: as many sums as the registers hold beside their operands
+    size_t rows; // of a panel's width: as many sums as the registers hold beside their operands
     Tile tile;
 };
 
 void narrowTile(const float* const* a, const float* panel, size_t depth, float (*sums)[Panels::kWidth]) {
-    addProducts<4>(a, panel, depth, sums);
+    addProducts<2>(a, panel, depth, sums);
 }
 
 #if defined(__x86_64__)
 [[gnu::target("avx2,fma")]] void wideTile(const float* const* a, const float* panel, size_t depth,
                                           float (*sums)[Panels::kWidth]) {
-    addProducts<8>(a, panel, depth, sums);
+    addProducts<6>(a, panel, depth, sums);
 }
 #endif
 
 Shape shapeOfThisProcessor() {
 #if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return {8, wideTile};
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return {6, wideTile};
 #endif
-    return {4, narrowTile};
+    return {2, narrowTile};
 }
 
 } // namespace

@@ -5,16 +5,15 @@
 #include <cmath>
 #include <numbers>
 
+#include "compute/dense_gather.h"
 #include "compute/glow_rows.h"
 #include "compute/parallel.h"
-#include "compute/radiosity_gather.h"
 
 namespace heliodon::compute {
 
 namespace {
 
-constexpr size_t kColumnsAtOnce = 48;     // right-hand sides that share passes over F
-constexpr size_t kMostHostPatches = 8000; // 256 MB of form factors once more
+constexpr size_t kColumnsAtOnce = 48; // right-hand sides that share passes over F
 
 // A sensor's row in one channel, with what tinted panes make of it and what the walls beside it add; `near`
 // is empty without any.
@@ -59,7 +58,7 @@ void SensorResponder::takeFactors(const TransportParts& parts) {
             sums[i] += std::abs(adjoint[i * n + j]);
         }
     });
-    if (factors.mapped() && n <= kMostHostPatches) {
+    if (factors.mapped() && n <= DenseGather::kMostHostPatches) {
         gather_ = std::make_unique<HostGather>(adjoint, static_cast<uint32_t>(n));
         bytes_ = n * n * sizeof(float);
     } else {

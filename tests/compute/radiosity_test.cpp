@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "compute/dense_gather.h"
 #include "compute/form_factors.h"
 #include "compute/gpu/device.h"
 #include "compute/radiosity_gather.h"
@@ -62,6 +63,26 @@ TEST(RadiosityGather, agrees_with_the_reference_at_every_alignment_and_column_co
             gather.gather(in, again, columns);
             EXPECT_EQ(std::memcmp(out.data(), again.data(), out.size() * sizeof(float)), 0);
         }
+    }
+}
+
+TEST(DenseGather, many_columns_are_those_of_the_device_also_of_factors_that_have_changed) {
+    constexpr uint32_t n = 257, many = 7;
+    std::mt19937 random(7);
+    std::uniform_real_distribution<float> at(0, 1000);
+    std::vector<float> in(n * many), out(in.size());
+    for (float& x : in) x = at(random);
+    gpu::Buffer factors = matrixBuffer(randomFactors(n, 1, 5));
+    DenseGather gather(test::device(), factors, n);
+    for (unsigned seed : {5u, 6u}) {
+        const std::vector<float> F = randomFactors(n, 1, seed);
+        factors.upload(std::span<const float>(F));
+        gather.forgetFactors();
+        gather.gather(in, out, many);
+        EXPECT_EQ(gather.hostBytes() > 0, factors.mapped() != nullptr);
+        const std::vector<double> expected = reference::gather(F, n, in, many);
+        // Sums of up to 128 terms of one sign, put together: far below this where rounding is of either sign.
+        for (size_t k = 0; k < out.size(); ++k) ASSERT_NEAR(out[k], expected[k], 1e-6 * expected[k]);
     }
 }
 
