@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "compute/float_dot.h"
@@ -293,6 +294,13 @@ double receive(const MomentScene& scene, const SensedLight& light, size_t sensor
     return byLobes.x;
 }
 
+// Slopes can leave light that is nearly nothing below it. What is left out counts as error.
+void keepFromNegative(LightParts& parts) {
+    const glm::vec3 below = glm::min(parts.interreflected, glm::vec3(0));
+    parts.interreflected -= below;
+    parts.error -= static_cast<float>(photometric(below));
+}
+
 // Of the light of patches that fill much of the view, which the mesh does not resolve.
 double nearError(const SensorGather& sensors, const SensedLight& light, size_t sensor) {
     const bool apart = sensors.nearWall[sensor];
@@ -319,11 +327,12 @@ void lightPatches(const MomentScene& scene, const SolvedColumns& solved, Moment&
         for (int c = 0; c < 3; ++c) {
             const size_t channel = static_cast<size_t>(scene.grey ? 0 : c),
                          at = solved.first + channel * n + i;
-            out[c] = solved.exitance[at];
+            out[c] = std::max(solved.exitance[at], 0.0F);
             parts.interreflected[c] += solved.gathered[at];
             tau[c] = scene.matter.transmittance[channel][i];
             straight[c] = scene.clear[channel][i];
         }
+        keepFromNegative(parts);
         moment.lighting.exitance[i] = out;
         const glm::vec3 direct = parts.sun + parts.sky + parts.ground;
         in += scene.areas[i] * photometric(m.exitance + direct);
@@ -358,6 +367,7 @@ void lightSensors(const MomentScene& scene, Moment& moment) {
         LightParts& parts = moment.sensors[s];
         const std::span<const float> even{&sensors.even[s * n], n};
         const double byLobes = receive(scene, light, s, parts);
+        keepFromNegative(parts);
         const double bySolver = moment.exitanceErrors.empty()
                                     ? moment.solverError
                                     : solverError(sensors, s, moment.exitanceErrors);

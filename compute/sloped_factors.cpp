@@ -22,7 +22,9 @@ constexpr uint32_t kPoints = 4;      // on a patch that is nearest to the sender
 constexpr size_t kRowsAtOnce = 8;    // of F, side by side for the processor
 constexpr float kClose = 0.05F;      // form factor below which one point does
 constexpr double kFarthest = 1. / 3; // of a patch's size: how far from its middle light can be sent from
-constexpr double kNoFlux = 1e-3;     // of what a patch sends: too little to make up for the rest
+constexpr float kResolved = 0.4F, kUnresolved = 0.6F; // form factor of a patch that faces the sender: a gap
+                                                      // as wide as patches, and one much narrower
+constexpr double kNoFlux = 1e-3; // of what a patch sends: too little to make up for the rest
 
 using Triangle = std::array<dvec3, 3>;
 
@@ -93,6 +95,14 @@ dvec3 seenFromAfar(const Extent& from, double size, const PointScene::Patch& to)
     return length > most ? most / length * off : off;
 }
 
+// Between patches much nearer than they are large, as in thin slots, light falls off within a single one:
+// its slope tells nothing, and would make light negative.
+double trustInSlope(std::span<const NearPairs::Pair> pairs) {
+    float largest = 0;
+    for (const NearPairs::Pair& pair : pairs) largest = std::max(largest, pair.factor);
+    return double{std::clamp((kUnresolved - largest) / (kUnresolved - kResolved), 0.0F, 1.0F)};
+}
+
 } // namespace
 
 SlopedFactors::SlopedFactors(const PointScene& scene, const PatchSlopes& slopes, const NearPairs& pairs,
@@ -120,6 +130,8 @@ void SlopedFactors::findMoments(const PointScene& scene, uint32_t sender, float 
     const std::span<const NearPairs::Pair> all = pairs_->of(sender);
     const double size = scene.patches()[sender].size;
     const Extent from(mesh, sender);
+    const double trust = trustInSlope(all);
+    if (trust == 0) return;
     const double whole = double{area_[sender]} * double{rowSum};
     double nearby = 0;
     dvec3 sum(0);
@@ -128,10 +140,10 @@ void SlopedFactors::findMoments(const PointScene& scene, uint32_t sender, float 
         const auto [to, factor] = all[k];
         const double flux = double{area_[to]} * double{factor};
         moment.push_back(
-            k < pairs_->nearest(sender).size()
-                ? seenNearby(from, scene.blockers(),
-                             patchViewpoints(mesh, factor < kClose ? 1 : kPoints, to, 1).viewpoints)
-                : seenFromAfar(from, size, scene.patches()[to]));
+            trust * (k < pairs_->nearest(sender).size()
+                         ? seenNearby(from, scene.blockers(),
+                                      patchViewpoints(mesh, factor < kClose ? 1 : kPoints, to, 1).viewpoints)
+                         : seenFromAfar(from, size, scene.patches()[to])));
         sum += flux * moment[k];
         nearby += flux;
     }

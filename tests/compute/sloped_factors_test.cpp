@@ -17,18 +17,23 @@ using namespace heliodon::compute;
 
 namespace {
 
-// A well of 1 x 1 m under a skylight, 4 m deep. Its patches share corners, across which light runs on.
-geometry::PatchMesh well(uint32_t times) {
-    test::BoxRoom box{.low = {0, 0, 0}, .high = {1, 4, 1}, .cells = {2 * times, 6 * times, 2 * times}};
-    box.wall.reflectance = glm::vec3(0.6f);
-    box.isGlass = [](glm::dvec3 at) { return at.y > 3.999; };
-    geometry::PatchMesh mesh = test::boxRoom(box);
+// Light runs on across corners that patches share.
+void shareCorners(geometry::PatchMesh& mesh) {
     std::map<std::tuple<int64_t, int64_t, int64_t>, uint32_t> numbers;
     for (uint32_t& v : mesh.corners) {
         const glm::dvec3 at = 1e6 * mesh.vertices[v];
         v = numbers.try_emplace({std::llround(at.x), std::llround(at.y), std::llround(at.z)}, v)
                 .first->second;
     }
+}
+
+// A well of 1 x 1 m under a skylight, 4 m deep.
+geometry::PatchMesh well(uint32_t times) {
+    test::BoxRoom box{.low = {0, 0, 0}, .high = {1, 4, 1}, .cells = {2 * times, 6 * times, 2 * times}};
+    box.wall.reflectance = glm::vec3(0.6f);
+    box.isGlass = [](glm::dvec3 at) { return at.y > 3.999; };
+    geometry::PatchMesh mesh = test::boxRoom(box);
+    shareCorners(mesh);
     return mesh;
 }
 
@@ -57,6 +62,24 @@ TEST(SlopedFactors, the_floor_of_a_well_is_as_bright_on_a_coarse_mesh) {
     const double coarse = meanOnFloor(well(1), sky, few), fine = meanOnFloor(well(4), sky, many);
     EXPECT_NEAR(few, many, 0.01 * many);
     EXPECT_NEAR(coarse, fine, 0.02 * fine);
+}
+
+// Patches 15 times as large as the gap between them: light falls off within one of them, and no slope says
+// how.
+TEST(SlopedFactors, no_light_is_negative_in_a_slot_thinner_than_its_patches) {
+    test::BoxRoom box{.low = {0, 0, 0}, .high = {3, 2, 0.02}, .cells = {10, 6, 1}};
+    box.wall.reflectance = glm::vec3(0.95f);
+    box.isGlass = [](glm::dvec3 at) { return at.y > 1.999; };
+    geometry::PatchMesh mesh = test::boxRoom(box);
+    shareCorners(mesh);
+    DaylightTransport transport(test::device(), mesh);
+    const Moment moment = transport.light(daylight::cieGeneralSky(16, {0, 1, 0}, 5000));
+    EXPECT_LT(moment.report.energyImbalance, 1e-3);
+    for (const LightParts& parts : moment.patches) {
+        EXPECT_GE(parts.interreflected.x, 0);
+        EXPECT_GE(parts.error, 0);
+    }
+    for (const glm::vec3& exitance : moment.lighting.exitance) EXPECT_GE(exitance.x, 0);
 }
 
 class OnTheirOwn : public testing::Test {
