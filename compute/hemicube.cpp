@@ -9,6 +9,7 @@
 #include <glm/vec4.hpp>
 
 #include "compute/gpu/device.h"
+#include "compute/gpu/error.h"
 #include "compute/texel.h"
 #include "geometry/bounds.h"
 #include "geometry/perpendicular.h"
@@ -23,6 +24,7 @@ namespace heliodon::compute {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+constexpr uint32_t kFewTurns = 16384; // of an invocation's loops, far below shaders/lib/loop_limit.glsl
 
 // Form factor from a point to a rectangle that starts over the axis, at unit distance: parallel, and upright
 // with its foot in the point's plane (Howell's catalogue, B-3 and B-4).
@@ -64,9 +66,12 @@ Hemicube::Hemicube(gpu::Device& device, const geometry::PatchMesh& mesh, const H
     sum_ = gpu::Kernel(device, hemicube_sum_comp, "hemicube sum");
     // About three layers of triangles cover the pixels; a lane should have no more than some 256 of them to
     // fill.
-    params_.stripes = std::clamp(9 * R * R / (256 * std::max(params_.triangleCount, 1u)), 1u, R);
     const size_t pixels = size_t{3} * R * R;
-    params_.listLength = std::max(10 * params_.triangleCount * params_.stripes, 2u);
+    params_.stripeBits = static_cast<uint32_t>(
+        std::bit_width(std::clamp<size_t>(3 * pixels / (256 * std::max(params_.triangleCount, 1u)), 1, R)) - 1);
+    params_.listLength = std::max(10 * params_.triangleCount, 2u);
+    rasterParts_ = gpu::groupsFor(3 * pixels, io::kHemicubeGroup * kFewTurns);
+    sumParts_ = gpu::groupsFor(pixels, io::kHemicubeGroup * kFewTurns);
     // Buffers for each viewpoint of a dispatch: few on a CPU, which wants them in its caches.
     const size_t largest = std::max(pixels, size_t{params_.listLength}) * sizeof(uint32_t);
     const size_t most = std::min<size_t>(device.limits().maxStorageBufferRange / largest,
@@ -74,6 +79,7 @@ Hemicube::Hemicube(gpu::Device& device, const geometry::PatchMesh& mesh, const H
     batch_ = static_cast<uint32_t>(std::clamp<size_t>(most, 1, device.info().type == "software" ? 16 : 1024));
     items_ = gpu::Buffer(device, pixels * batch_ * sizeof(uint32_t), "hemicube items");
     lists_ = gpu::Buffer(device, size_t{params_.listLength} * batch_ * sizeof(uint32_t), "hemicube lists");
+    cuts_ = gpu::Counters(device, 1, "hemicube cuts");
     counts_ = gpu::Buffer(device, io::kHemicubeSizes * batch_ * sizeof(uint32_t), "hemicube counts");
     params_.resolution = R;
 }
@@ -145,10 +151,18 @@ void Hemicube::record(gpu::Commands& commands, const Inputs& in, const gpu::Bind
     commands.barrier(gpu::Stage::transfer, gpu::Stage::compute);
     commands.dispatch(list_, {triangles, viewpoints, lists_, counts_}, params, in.count);
     commands.barrier(gpu::Stage::compute, gpu::Stage::compute); // lists, counts
-    commands.dispatch(raster_, {triangles, viewpoints, lists_, counts_, items_}, params, in.count);
+    commands.dispatch(raster_, {triangles, viewpoints, lists_, counts_, items_, cuts_.buffer()}, params,
+                      rasterParts_, in.count);
     commands.barrier(gpu::Stage::compute, gpu::Stage::compute); // items
     commands.dispatch(sum_, {gpu::texel(deltas_, kUvec2), gpu::texel(items_, kUvec2), factors}, params,
-                      in.count);
+                      sumParts_, in.count);
+}
+
+void Hemicube::shareMore() {
+    const uint32_t most = device_->limits().maxComputeWorkGroupCount[0];
+    if (rasterParts_ == most) throw gpu::Error("hemicubes: the device ends loops early, however short they are");
+    params_.stripeBits = std::min(params_.stripeBits + 2, static_cast<uint32_t>(std::bit_width(options_.resolution)) - 1);
+    rasterParts_ = std::min(4 * rasterParts_, most);
 }
 
 Hemicube::Result Hemicube::run(const std::vector<Viewpoint>& viewpoints, uint32_t points) {
@@ -167,11 +181,12 @@ Hemicube::Result Hemicube::run(const std::vector<Viewpoint>& viewpoints, uint32_
                                              io::kFixedToFloatEach * 4);
     const auto window =
         static_cast<uint32_t>(std::max<size_t>(64, std::min<size_t>(most / factorRow, 1024) / 64 * 64));
-    for (uint32_t first = 0; first < result.rows; first += window) {
+    for (uint32_t first = 0; first < result.rows;) {
         const uint32_t rows = std::min(window, result.rows - first);
         const gpu::Binding part = gpu::part(result.factors, first * factorRow, rows * factorRow);
         gpu::Commands commands(*device_);
         commands.fill(result.factors, 0, first * factorRow, rows * factorRow);
+        cuts_.clear(commands);
         // Batches of one window share its rows: a row's points may be split between two of them.
         for (uint32_t at = 0; at < rows * points; at += batch_)
             record(commands, {views, first * points, at, std::min(batch_, rows * points - at), points}, part);
@@ -180,7 +195,11 @@ Hemicube::Result Hemicube::run(const std::vector<Viewpoint>& viewpoints, uint32_
         const io::FixedToFloatParams toFloat{count, 1.0f / static_cast<float>(1u << io::kHemicubeOneBits)};
         commands.dispatch(toFloat_, {part}, toFloat,
                           gpu::groupsFor(count, io::kFixedToFloatGroup * io::kFixedToFloatEach));
-        device_->submitAndWait(std::move(commands));
+        cuts_.submitAndRead(std::move(commands));
+        if (cuts_[0] == 0)
+            first += window;
+        else
+            shareMore(); // and again
     }
     return result;
 }

@@ -10,6 +10,7 @@
 
 #include "compute/gpu/buffer.h"
 #include "compute/gpu/commands.h"
+#include "compute/gpu/counters.h"
 #include "compute/gpu/kernel.h"
 #include "compute/patch_points.h"
 #include "geometry/patch_mesh.h"
@@ -49,6 +50,7 @@ private:
     void uploadMesh(const geometry::PatchMesh& mesh);
     gpu::Buffer uploadViewpoints(const std::vector<Viewpoint>& viewpoints);
     void makeDeltas(uint32_t points);
+    void shareMore(); // among invocations: the device ended loops early
 
     gpu::Device* device_;
     HemicubeOptions options_;
@@ -57,6 +59,8 @@ private:
     io::HemicubeParams params_{};
     uint32_t deltaPoints_ = 0;
     uint32_t batch_ = 1;
+    uint32_t rasterParts_ = 1, sumParts_ = 1; // workgroups that share a viewpoint
+    gpu::Counters cuts_;
     gpu::Buffer triangles_, deltas_, items_, lists_, counts_;
 };
 

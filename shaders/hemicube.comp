@@ -1,24 +1,28 @@
 // Hemicube in compute, second of three: what hemicube_lists.comp lists is rastered into an item buffer round a viewpoint.
 // Cohen and Greenberg, The Hemi-Cube, 1985; raster by homogeneous edge functions (Olano and Greer, Triangle Scan
 // Conversion using 2D Homogeneous Coordinates, 1997): planes through the viewpoint and an edge, so that triangles that
-// cross the horizon or touch the viewpoint need no clipping. One workgroup, one viewpoint.
+// cross the horizon or touch the viewpoint need no clipping. A row of workgroups, one viewpoint.
 // CPU devices run what is in an `if` whether or not a lane wants it, and a loop as long as its longest lane: so lanes do
-// listed work of one size, and all have some. Such devices keep the variables of kernels with barriers in memory and load
-// push constants where they are used: so there is no barrier here and no constant in a loop. Loops also stay short
-// because an invocation's loops end after 65535 turns in all.
+// listed work of one size, and all have some, and loops ask at their foot, since at the head they cost a turn more. Such
+// devices keep the variables of kernels with barriers in memory and load push constants where they are used: so there is no
+// barrier here and no constant in a loop. Where loops were cut short (lib/loop_limit.glsl) the host takes more workgroups
+// and finer stripes.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_control_flow_attributes : require
 #include "shaders/io/hemicube.io.h"
 #include "shaders/lib/constants.glsl"
 #include "shaders/lib/hemicube_frame.glsl"
+#include "shaders/lib/loop_limit.glsl"
 
 layout(local_size_x = kHemicubeGroup) in;
 layout(set = 0, binding = 0) uniform usamplerBuffer triangles;
 layout(set = 0, binding = 1) uniform usamplerBuffer viewpoints;
-layout(set = 0, binding = 2, scalar) readonly buffer Lists { uint lists[]; };   // listLength per workgroup
-layout(set = 0, binding = 3, scalar) readonly buffer Counts { uint counts[]; }; // kHemicubeSizes per workgroup
-layout(set = 0, binding = 4, scalar) buffer Items { uint items[]; };            // 3 R^2 per workgroup, all ones before
+layout(set = 0, binding = 2, scalar) readonly buffer Lists { uint lists[]; };   // listLength per viewpoint
+layout(set = 0, binding = 3, scalar) readonly buffer Counts { uint counts[]; }; // kHemicubeSizes per viewpoint
+layout(set = 0, binding = 4, scalar) buffer Items { uint items[]; };            // 3 R^2 per viewpoint, all ones before
+layout(set = 0, binding = 5, scalar) buffer Cuts { uint cuts; }; // invocations whose loops the device ended early
 layout(push_constant, scalar) uniform Push { HemicubeParams params; };
 #include "shaders/lib/hemicube_triangle.glsl"
 
@@ -49,9 +53,10 @@ uint itemOf(float inverse, float scale, vec2 bias, float most, uint idBits, uint
     return (uint(depth) << idBits) | id;
 }
 
-void rasterItem(uint item, Frame frame, uint self, uint room, uint base) {
-    uint work = item / 8u, face = item % 8u, stripe = work % params.stripes;
-    Raster r = setUp(work / params.stripes, frame, self, room);
+// Every `stripes`-th line, a power of two, from the `stripe`-th on, of a triangle on a face.
+void rasterItem(uint item, int stripe, int stripes, Frame frame, uint self, uint room, uint base) {
+    uint face = item % 8u;
+    Raster r = setUp(item / 8u, frame, self, room);
     vec3 a = toFace(r.a, face), b = toFace(r.b, face), c = toFace(r.c, face);
     float R = float(params.resolution);
     bool top = face == 0u;
@@ -62,8 +67,7 @@ void rasterItem(uint item, Frame frame, uint self, uint room, uint base) {
     float lineOffset = top ? 0.5 * R - 0.5 : -0.5;
     int first = int(ceil(clamp(range.x * 0.5 * R + lineOffset - kLineSlack, 0.0, R)));
     int last = int(floor(clamp(range.y * 0.5 * R + lineOffset + kLineSlack, -1.0, (top ? R : 0.5 * R) - 1.0)));
-    int stripes = int(params.stripes);
-    first += (int(stripe) - first % stripes + stripes) % stripes;
+    first += (stripe - first) & (stripes - 1);
 
     // Edge planes and 1/depth as linear functions of pixel column i and line j.
     mat3 e = mat3(toFace(r.ea, face), toFace(r.eb, face), toFace(r.ec, face));
@@ -86,10 +90,11 @@ void rasterItem(uint item, Frame frame, uint self, uint room, uint base) {
     uint at = base + (face == 0u ? 0u : (face + 1u) * params.resolution * params.resolution / 2u) +
               uint(first) * params.resolution;
     uint nextLine = uint(stripes) * params.resolution;
-    for (int j = first; j <= last; j += stripes) {
+    int j = first;
+    do {
         vec3 from = low + lowStep * float(j), to = high + highStep * float(j);
         int i = int(ceil(clamp(max(from.x, max(from.y, from.z)), 0.0, R)));
-        int end = int(floor(clamp(min(to.x, min(to.y, to.z)), -1.0, R - 1.0)));
+        int end = j <= last ? int(floor(clamp(min(to.x, min(to.y, to.z)), -1.0, R - 1.0))) : -1;
         float inverse = depthRest + depthStep.y * float(j) + depthStep.x * float(i);
         int place = int(at) + i, lastPlace = int(at) + end;
         uint value = itemOf(inverse, scale, bias, most, idBits, r.id);
@@ -100,18 +105,31 @@ void rasterItem(uint item, Frame frame, uint self, uint room, uint base) {
             ++place;
         } while (place <= lastPlace);
         at += nextLine;
-    }
+        j += stripes;
+    } while (j <= last);
 }
 
 void main() {
     uint R = params.resolution;
-    int viewpoint = 3 * int(params.firstViewpoint + gl_WorkGroupID.x);
+    uint view = gl_WorkGroupID.y;
+    int viewpoint = 3 * int(params.firstViewpoint + view);
     uvec4 v0 = texelFetch(viewpoints, viewpoint), v1 = texelFetch(viewpoints, viewpoint + 1),
           v2 = texelFetch(viewpoints, viewpoint + 2);
     Frame frame = frameOf(v0, v1, v2);
+    uint ends[kHemicubeSizes], all = 0u;
     for (uint size = 0u; size < kHemicubeSizes; ++size) {
-        uint count = counts[gl_WorkGroupID.x * kHemicubeSizes + size];
-        for (uint k = gl_LocalInvocationIndex; k < count; k += kHemicubeGroup)
-            rasterItem(lists[listPlace(size, k)], frame, v0.w, v1.w, gl_WorkGroupID.x * 3u * R * R);
+        all += counts[view * kHemicubeSizes + size] << (size + 1u < kHemicubeSizes ? 0u : params.stripeBits);
+        ends[size] = all;
     }
+    uint stripeBits = params.stripeBits, lanes = gl_NumWorkGroups.x * kHemicubeGroup, k = gl_GlobalInvocationID.x;
+    do {
+        uint size = k < ends[0] ? 0u : k < ends[1] ? 1u : k < ends[2] ? 2u : 3u;
+        uint first = size == 0u ? 0u : size == 1u ? ends[0] : size == 2u ? ends[1] : ends[2];
+        uint bits = size < 3u ? 0u : stripeBits, stripes = 1u << bits;
+        if (k < all)
+            rasterItem(lists[listPlace(view, size, (k - first) >> bits)], int((k - first) & (stripes - 1u)), int(stripes),
+                       frame, v0.w, v1.w, view * 3u * R * R);
+        k += lanes;
+    } while (k < all);
+    if (cutShort(3u + min(params.pointsPerRow, 1u))) atomicAdd(cuts, 1u);
 }

@@ -9,15 +9,15 @@
 layout(local_size_x = kHemicubeGroup) in;
 layout(set = 0, binding = 0) uniform usamplerBuffer triangles;
 layout(set = 0, binding = 1) uniform usamplerBuffer viewpoints;
-layout(set = 0, binding = 2, scalar) writeonly buffer Lists { uint lists[]; }; // listLength per workgroup
-layout(set = 0, binding = 3, scalar) buffer Counts { uint counts[]; };         // kHemicubeSizes per workgroup, 0 before
+layout(set = 0, binding = 2, scalar) writeonly buffer Lists { uint lists[]; }; // listLength per viewpoint
+layout(set = 0, binding = 3, scalar) buffer Counts { uint counts[]; };         // kHemicubeSizes per viewpoint, 0 before
 layout(push_constant, scalar) uniform Push { HemicubeParams params; };
 #include "shaders/lib/hemicube_triangle.glsl"
 
-// Lists the faces of the hemicube that a stripe of a triangle may touch: not those where all its corners lie behind
-// one of the planes that bound the face's pyramid.
-void classify(uint work, Frame frame, uint self, uint room) {
-    Raster r = setUp(work / params.stripes, frame, self, room);
+// Lists the faces of the hemicube that a triangle may touch: not those where all its corners lie behind one of the planes
+// that bound the face's pyramid.
+void classify(uint t, Frame frame, uint self, uint room) {
+    Raster r = setUp(t, frame, self, room);
     vec3 x = vec3(r.a.x, r.b.x, r.c.x), y = vec3(r.a.y, r.b.y, r.c.y), z = vec3(r.a.z, r.b.z, r.c.z);
     bvec4 zOver = bvec4(any(greaterThan(z, x)), any(greaterThan(z, -x)), any(greaterThan(z, y)),
                         any(greaterThan(z, -y)));
@@ -34,12 +34,13 @@ void classify(uint work, Frame frame, uint self, uint room) {
     vec3 middle = (r.a + r.b + r.c) / 3.0;
     float distance2 = dot(middle, middle);
     float R = float(params.resolution);
-    float pixels = abs(r.volume) * R * R / (8.0 * distance2 * sqrt(distance2) * float(params.stripes));
+    float pixels = abs(r.volume) * R * R / (8.0 * distance2 * sqrt(distance2));
     uint size = pixels < 8.0 ? 0u : pixels < 32.0 ? 1u : pixels < 128.0 ? 2u : 3u;
     do {
         if (faces != 0u) {
             uint face = uint(findLSB(faces));
-            lists[listPlace(size, atomicAdd(counts[gl_WorkGroupID.x * kHemicubeSizes + size], 1u))] = work * 8u + face;
+            uint k = atomicAdd(counts[gl_WorkGroupID.x * kHemicubeSizes + size], 1u);
+            lists[listPlace(gl_WorkGroupID.x, size, k)] = t * 8u + face;
             faces &= faces - 1u;
         }
     } while (faces != 0u);
@@ -50,6 +51,9 @@ void main() {
     uvec4 v0 = texelFetch(viewpoints, viewpoint), v1 = texelFetch(viewpoints, viewpoint + 1),
           v2 = texelFetch(viewpoints, viewpoint + 2);
     Frame frame = frameOf(v0, v1, v2);
-    uint work = params.triangleCount * params.stripes;
-    for (uint w = gl_LocalInvocationIndex; w < work; w += kHemicubeGroup) classify(w, frame, v0.w, v1.w);
+    uint count = params.triangleCount, t = gl_LocalInvocationIndex;
+    do {
+        if (t < count) classify(t, frame, v0.w, v1.w);
+        t += kHemicubeGroup;
+    } while (t < count);
 }

@@ -4,7 +4,8 @@
 #include "shaders/io/io.h"
 IO_BEGIN
 const uint kHemicubeGroup = 128u;
-const uint kHemicubeSizes = 4u; // classes of triangles by the pixels that they cover
+const uint kHemicubeSizes = 4u;    // classes of triangles by the pixels that they cover
+const uint kHemicubeSegment = 32u; // pixels of a line that a lane sums at a time
 const uint kHemicubeAnyRoom = 0xffffffffu;
 const uint kHemicubeNoPatch = 0xffffffffu;
 // Sums of delta form factors are kept in fixed point, so that their order does not matter: 1 is 2^31.
@@ -17,13 +18,13 @@ struct HemicubeParams {
     uint firstViewpoint; // of the first workgroup
     uint pointsPerRow;   // successive viewpoints that share a row
     uint viewpointInRow; // the first workgroup's viewpoint, counted from the first row bound
-    uint stripes;        // lanes that share a triangle
+    uint stripeBits;     // lanes that share a triangle of the largest class are two to this
     uint triangleCount;
     uint patchCount;  // columns of `factors`
     uint resolution;  // R, even: the top has R x R pixels, each side R x R/2
     uint idBits;      // low bits of an item: patch * 2 + seen from behind
     float depthScale; // items per metre of depth
     float flatness;   // metres: a patch nearer than this to holding the viewpoint in its plane is not seen
-    uint listLength;  // of a workgroup: 10 for each triangle and stripe
+    uint listLength;  // of a viewpoint: 10 for each triangle
 };
 IO_END

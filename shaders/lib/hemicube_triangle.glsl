@@ -31,9 +31,9 @@ Raster setUp(uint t, Frame frame, uint self, uint room) {
     return r;
 }
 
-// Where class `size` keeps its k-th entry: two lists, each filled from both ends.
-uint listPlace(uint size, uint k) {
+// Where class `size` of a viewpoint of this dispatch keeps its k-th entry: two lists, each filled from both ends.
+uint listPlace(uint viewpoint, uint size, uint k) {
     uint half_ = params.listLength / 2u;
     uint place = (size / 2u) * half_ + ((size & 1u) == 0u ? k : half_ - 1u - k);
-    return gl_WorkGroupID.x * params.listLength + place;
+    return viewpoint * params.listLength + place;
 }

@@ -105,8 +105,8 @@ std::vector<float> rawRows(const geometry::PatchMesh& mesh, uint32_t resolution,
 }
 
 void expectClosed(const std::vector<float>& F, size_t n) {
-    for (size_t i = 0; i < n; ++i)
-        // Cracks between triangles of at most one pixel, 1/12288 of the hemisphere.
+    for (size_t i = 0; i < F.size() / n; ++i)
+        // Cracks between triangles of at most one pixel, 1/12288 of the hemisphere at 64 x 64.
         EXPECT_NEAR(std::accumulate(&F[i * n], &F[i * n] + n, 0.0), 1, 1e-4);
 }
 
@@ -120,6 +120,32 @@ TEST(Hemicube, long_lines_of_few_large_triangles_are_filled_to_the_end) {
     box.cells = {1, 1, 1};
     const geometry::PatchMesh mesh = test::boxRoom(box);
     expectClosed(rawRows(mesh, 512), mesh.patchCount());
+}
+
+// More pixels, or layers of triangles, than one workgroup has turns of loops for (shaders/lib/loop_limit.glsl).
+TEST(Hemicube, rows_of_millions_of_pixels_sum_to_one_in_a_closed_box) {
+    BoxRoom box;
+    box.cells = {5, 4, 6};
+    const geometry::PatchMesh mesh = test::boxRoom(box);
+    const std::vector<Viewpoint> views = patchViewpoints(mesh, 1, 40, 2).viewpoints;
+    for (const uint32_t R : {1024u, 2048u})
+        expectClosed(Hemicube(test::device(), mesh, {R}).run(views).factors.download<float>(2 * mesh.patchCount()),
+                     mesh.patchCount());
+}
+
+TEST(Hemicube, of_many_large_sheets_only_the_nearest_is_seen) {
+    constexpr int kSheets = 1279; // with the floor twenty triangles for each lane of a workgroup
+    std::vector<std::vector<glm::dvec3>> faces{{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}};
+    for (int k = kSheets; k >= 1; --k) { // they face down, and the nearest is the last to be drawn
+        const double y = 0.5 + 0.001 * k;
+        faces.push_back({{-9, y, -9}, {9, y, -9}, {9, y, 9}, {-9, y, 9}});
+    }
+    const geometry::PatchMesh mesh = test::polygons(faces);
+    const std::vector<float> F = Hemicube(test::device(), mesh, {128})
+                                     .run(patchViewpoints(mesh, 1, 0, 1).viewpoints)
+                                     .factors.download<float>(mesh.patchCount());
+    EXPECT_NEAR(F[kSheets], 1, 0.01);
+    for (size_t j = 0; j < kSheets; ++j) EXPECT_NEAR(F[j], 0, 0.01) << j;
 }
 
 TEST(Hemicube, unit_squares_have_their_closed_form_factors) {
