@@ -68,7 +68,8 @@ Hemicube::Hemicube(gpu::Device& device, const geometry::PatchMesh& mesh, const H
     // fill.
     const size_t pixels = size_t{3} * R * R;
     params_.stripeBits = static_cast<uint32_t>(
-        std::bit_width(std::clamp<size_t>(3 * pixels / (256 * std::max(params_.triangleCount, 1u)), 1, R)) - 1);
+        std::bit_width(std::clamp<size_t>(3 * pixels / (256 * std::max(params_.triangleCount, 1u)), 1, R)) -
+        1);
     params_.listLength = std::max(10 * params_.triangleCount, 2u);
     rasterParts_ = gpu::groupsFor(3 * pixels, io::kHemicubeGroup * kFewTurns);
     sumParts_ = gpu::groupsFor(pixels, io::kHemicubeGroup * kFewTurns);
@@ -160,8 +161,10 @@ void Hemicube::record(gpu::Commands& commands, const Inputs& in, const gpu::Bind
 
 void Hemicube::shareMore() {
     const uint32_t most = device_->limits().maxComputeWorkGroupCount[0];
-    if (rasterParts_ == most) throw gpu::Error("hemicubes: the device ends loops early, however short they are");
-    params_.stripeBits = std::min(params_.stripeBits + 2, static_cast<uint32_t>(std::bit_width(options_.resolution)) - 1);
+    if (rasterParts_ == most)
+        throw gpu::Error("hemicubes: the device ends loops early, however short they are");
+    params_.stripeBits =
+        std::min(params_.stripeBits + 2, static_cast<uint32_t>(std::bit_width(options_.resolution)) - 1);
     rasterParts_ = std::min(4 * rasterParts_, most);
 }
 

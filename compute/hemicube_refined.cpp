@@ -9,12 +9,14 @@
 
 #include "compute/hemicube.h"
 #include "compute/link_maker.h"
+#include "compute/parallel.h"
 
 namespace heliodon::compute {
 
 namespace {
 
 constexpr size_t kBlock = 64;
+constexpr size_t kStripes = 16; // of rows of blocks: their sums are added in one order on any number of cores
 constexpr double kOfSpread = 4.5; // area of a triangle of half a square over its spread
 constexpr double kCaution = 1.2; // of the claim, over both ends' disagreement and what links claim (measured)
 constexpr double kWorthPoints = 0.015; // of a row's sum, in error, from which it gets more points
@@ -44,22 +46,88 @@ struct Patches {
             area.push_back(geometry::patchArea(mesh, i));
             centre.push_back(geometry::patchCentroid(mesh, i));
             extent.push_back(std::max(area[i], kOfSpread * spreadOf(mesh, i, centre[i])));
+            perArea.push_back(area[i] > 0 ? 1 / area[i] : 0);
+            normal.push_back(geometry::patchNormal(mesh, i));
         }
         share = area;
-        for (size_t i = 0; i < mesh.patchCount(); ++i) normal.push_back(geometry::patchNormal(mesh, i));
     }
-    std::vector<double> area;
+    size_t count() const { return area.size(); }
+
+    std::vector<double> area, perArea; // its inverse, 0 of none
     std::vector<glm::dvec3> centre, normal;
     std::vector<double> share;  // of the area, that one point stands for
     std::vector<double> extent; // the area, or more where a patch is long
 };
 
-// Calls take(i, j) for i < j, in blocks, since one of both entries is found down a column.
-template<class Take> void forPairs(size_t n, const Take& take) {
-    for (size_t i0 = 0; i0 < n; i0 += kBlock)
-        for (size_t j0 = i0; j0 < n; j0 += kBlock)
-            for (size_t i = i0; i < std::min(n, i0 + kBlock); ++i)
-                for (size_t j = std::max(j0, i + 1); j < std::min(n, j0 + kBlock); ++j) take(i, j);
+// What both ends of a pair measured of one exchange.
+struct BothEnds {
+    BothEnds(const Patches& patches, size_t i, size_t j, float ij, float ji)
+        : inverseI(patches.perArea[i]), inverseJ(patches.perArea[j]), ofI(patches.area[i] * double{ij}),
+          ofJ(patches.area[j] * double{ji}) {
+        const double a = patches.share[i] * patches.share[i], b = patches.share[j] * patches.share[j],
+                     inverse = 1 / (a + b + 1e-300); // patches may have no area
+        weight = b * inverse;
+        geometric = patches.share[i] * patches.share[j] * inverse;
+    }
+
+    double exchange() const { return weight * ofI + (1 - weight) * ofJ; }
+    // What both disagree by, as a variance of the mean in rows i and j: as if both erred alike, until one is
+    // so much better that eight times its part in both is less.
+    double variance() const {
+        const double d = std::min(0.5, 8 * geometric) * std::abs(ofI - ofJ),
+                     inI = std::min(d * inverseI, 1.0), inJ = std::min(d * inverseJ, 1.0);
+        return inI * inI + inJ * inJ;
+    }
+
+    double inverseI, inverseJ; // areas
+    double ofI, ofJ;
+    double weight; // of i's measurement: the error of one point falls with the square of what it stands for
+    double geometric; // mean of both weights
+};
+
+// Both measurements of the pairs i < j of two blocks of patches, in one order; 0 where there is no such pair.
+struct Block {
+    Block(const float* F, size_t n, size_t i0, size_t j0)
+        : firstI(i0), firstJ(j0), rows(std::min(kBlock, n - i0)), columns(std::min(kBlock, n - j0)) {
+        for (size_t i = 0; i < rows; ++i) std::copy_n(F + (i0 + i) * n + j0, columns, ij[i]);
+        for (size_t j = 0; j < columns; ++j)
+            for (size_t i = 0; i < rows; ++i) ji[i][j] = F[(j0 + j) * n + i0 + i];
+        if (i0 == j0)
+            for (size_t i = 0; i < rows; ++i)
+                std::fill_n(ij[i], i + 1, 0.0f), std::fill_n(ji[i], i + 1, 0.0f);
+    }
+    void store(float* F, size_t n) const {
+        const bool diagonal = firstI == firstJ;
+        for (size_t i = 0; i < rows; ++i) {
+            const size_t first = diagonal ? i + 1 : 0;
+            std::copy(ij[i] + first, ij[i] + columns, F + (firstI + i) * n + firstJ + first);
+        }
+        for (size_t j = 0; j < columns; ++j)
+            for (size_t i = 0; i < (diagonal ? j : rows); ++i) F[(firstJ + j) * n + firstI + i] = ji[i][j];
+    }
+    size_t firstI, firstJ, rows, columns;
+    float ij[kBlock][kBlock], ji[kBlock][kBlock]; // [i][j]
+};
+
+// In four sums, since each addition waits for the last.
+double sumOf(std::span<const double> values) {
+    double part[4]{};
+    size_t k = 0;
+    for (; k + 4 <= values.size(); k += 4)
+        for (size_t l = 0; l < 4; ++l) part[l] += values[k + l];
+    for (; k < values.size(); ++k) part[0] += values[k];
+    return part[0] + part[1] + part[2] + part[3];
+}
+
+// Calls take(stripe, block) for blocks that hold all pairs, stripes on all cores.
+template<class Take> void forBlocks(const float* F, size_t n, const Take& take) {
+    inParallel(kStripes, [&](size_t stripe) {
+        for (size_t i0 = stripe * kBlock; i0 < n; i0 += kStripes * kBlock)
+            for (size_t j0 = i0; j0 < n; j0 += kBlock) {
+                Block block(F, n, i0, j0);
+                take(stripe, block);
+            }
+    });
 }
 
 // Pairs i < j of one room, near to one another.
@@ -78,58 +146,78 @@ std::vector<glm::uvec2> nearPairs(const geometry::PatchMesh& mesh, const Patches
     return pairs;
 }
 
-// Weight of i's measurement of a pair: the error of one point falls with the square of what it stands for.
-double weightOf(const Patches& patches, size_t i, size_t j) {
-    const double a = patches.share[i] * patches.share[i], b = patches.share[j] * patches.share[j];
-    return a + b > 0 ? b / (a + b) : 0.5;
-}
-
-// What both ends' measurements of a pair disagree by, as a variance of the mean in rows i and j: as if both
-// erred alike, until one is so much better that eight times its part in both is less.
-double disagreement(const float* F, const Patches& patches, size_t i, size_t j) {
-    const size_t n = patches.area.size();
-    const double a = patches.area[i], b = patches.area[j], w = weightOf(patches, i, j);
-    if (!(a > 0 && b > 0)) return 0;
-    const double d = std::min(0.5, 8 * std::sqrt(w * (1 - w))) *
-                     (a * double{F[i * n + j]} - b * double{F[j * n + i]}),
-                 inI = std::min(std::abs(d / a), 1.0), inJ = std::min(std::abs(d / b), 1.0);
-    return inI * inI + inJ * inJ;
-}
+// Per row, sums over pairs of what its own measurement of an exchange has above the other end's: whole, and
+// by the weight of its own.
+struct RowSums {
+    explicit RowSums(size_t n) : whole(n, 0.0), weighted(n, 0.0) {}
+    void add(const Block& block, const Patches& patches) {
+        for (size_t i = 0; i < block.rows; ++i) {
+            double above[kBlock], own[kBlock];
+            for (size_t j = 0; j < block.columns; ++j) {
+                const BothEnds ends(patches, block.firstI + i, block.firstJ + j, block.ij[i][j],
+                                    block.ji[i][j]);
+                above[j] = ends.ofI - ends.ofJ;
+                own[j] = ends.weight * above[j];
+            }
+            add(block.firstI + i, block.firstJ, {above, block.columns}, {own, block.columns});
+        }
+    }
+    // Of the pairs of i and j0, j0 + 1, ...
+    void add(size_t i, size_t j0, std::span<const double> above, std::span<const double> own) {
+        for (size_t j = 0; j < above.size(); ++j) {
+            whole[j0 + j] -= above[j];
+            weighted[j0 + j] += own[j] - above[j];
+        }
+        whole[i] += sumOf(above);
+        weighted[i] += sumOf(own);
+    }
+    std::vector<double> whole, weighted;
+};
 
 // Per row, what its sum may be off by once both ends are averaged: the difference between what its own few
 // points and what those of the others, which are many and see all of the patch, make of their exchange, times
 // the weight of the worse end. Far pairs only.
 std::vector<double> sumErrors(const float* F, const Patches& patches, std::span<const glm::uvec2> nearPairs) {
-    const size_t n = patches.area.size();
-    std::vector<double> own(n, 0.0), others(n, 0.0);
-    const auto add = [&](size_t i, size_t j, double sign) {
-        const double a = patches.area[i], b = patches.area[j], w = weightOf(patches, i, j);
-        if (!(a > 0 && b > 0)) return;
-        const double d = sign * (a * double{F[i * n + j]} - b * double{F[j * n + i]});
-        own[i] += w * d / a, others[i] += (1 - w) * d / a;
-        own[j] -= (1 - w) * d / b, others[j] -= w * d / b;
-    };
-    forPairs(n, [&](size_t i, size_t j) { add(i, j, 1); });
-    for (const glm::uvec2& pair : nearPairs) add(pair.x, pair.y, -1);
-    for (size_t i = 0; i < n; ++i) own[i] = std::min(std::max(std::abs(own[i]), std::abs(others[i])), 1.0);
-    return own;
+    const size_t n = patches.count();
+    std::vector<RowSums> stripes(kStripes, RowSums(n));
+    forBlocks(F, n, [&](size_t stripe, const Block& block) { stripes[stripe].add(block, patches); });
+    RowSums near(n);
+    for (const glm::uvec2& pair : nearPairs) {
+        const BothEnds ends(patches, pair.x, pair.y, F[pair.x * n + pair.y], F[pair.y * n + pair.x]);
+        const double above = ends.ofI - ends.ofJ, own = ends.weight * above;
+        near.add(pair.x, pair.y, {&above, 1}, {&own, 1});
+    }
+    std::vector<double> errors(n);
+    for (size_t i = 0; i < n; ++i) {
+        double whole = -near.whole[i], weighted = -near.weighted[i];
+        for (const RowSums& sums : stripes) whole += sums.whole[i], weighted += sums.weighted[i];
+        errors[i] =
+            std::min(std::max(std::abs(weighted), std::abs(whole - weighted)) * patches.perArea[i], 1.0);
+    }
+    return errors;
 }
 
 // A_i F_ij becomes the mean of both ends' measurements. Returns the sum of the variances of all entries.
 double averageEnds(float* F, const Patches& patches) {
-    const size_t n = patches.area.size();
-    double variance = 0;
-    forPairs(n, [&](size_t i, size_t j) {
-        const double a = patches.area[i], b = patches.area[j];
-        if (!(a > 0 && b > 0)) return;
-        variance += disagreement(F, patches, i, j);
-        float &ij = F[i * n + j], &ji = F[j * n + i];
-        const double w = weightOf(patches, i, j);
-        const double exchange = w * a * double{ij} + (1 - w) * b * double{ji};
-        ij = static_cast<float>(exchange / a);
-        ji = static_cast<float>(exchange / b);
+    const size_t n = patches.count();
+    std::vector<double> variances(kStripes, 0.0);
+    forBlocks(F, n, [&](size_t stripe, Block& block) {
+        for (size_t i = 0; i < block.rows; ++i) {
+            double variance[kBlock];
+            for (size_t j = 0; j < block.columns; ++j) {
+                const BothEnds ends(patches, block.firstI + i, block.firstJ + j, block.ij[i][j],
+                                    block.ji[i][j]);
+                variance[j] = ends.variance();
+                const double exchange = ends.exchange();
+                const bool both = ends.inverseI > 0 && ends.inverseJ > 0; // have an area
+                block.ij[i][j] = both ? static_cast<float>(exchange * ends.inverseI) : block.ij[i][j];
+                block.ji[i][j] = both ? static_cast<float>(exchange * ends.inverseJ) : block.ji[i][j];
+            }
+            variances[stripe] += sumOf({variance, block.columns});
+        }
+        block.store(F, n);
     });
-    return variance;
+    return sumOf(variances);
 }
 
 // What a pair that neither end has in a pixel would exchange if nothing stood between them; 0 where they do
@@ -146,14 +234,17 @@ double unseenExchange(const Patches& patches, size_t i, size_t j) {
 double missed(const float* F, const geometry::PatchMesh& mesh, const Patches& patches, double pixel) {
     const size_t n = patches.area.size();
     double variance = 0;
-    forPairs(n, [&](size_t i, size_t j) {
-        if (variance > pixel * pixel || F[i * n + j] > 0 || F[j * n + i] > 0) return;
-        const double a = patches.area[i], b = patches.area[j];
-        if (!(a > 0 && b > 0) || mesh.room[i] != mesh.room[j]) return;
-        const double exchange = unseenExchange(patches, i, j);
-        if (exchange > pixel * std::min(a, b)) return; // one of its ends would have it in a pixel: hidden
-        variance += exchange * exchange * (1 / (a * a) + 1 / (b * b));
-    });
+    for (size_t i = 0; i < n && variance <= pixel * pixel; ++i)
+        for (size_t j = i + 1; j < n; ++j) {
+            // Both ends are averaged: neither has what the other has not.
+            if (F[i * n + j] > 0 || mesh.room[i] != mesh.room[j]) continue;
+            const double a = patches.area[i], b = patches.area[j];
+            if (!(a > 0 && b > 0)) continue;
+            const double exchange = unseenExchange(patches, i, j);
+            if (exchange > pixel * std::min(a, b))
+                continue; // one of its ends would have it in a pixel: hidden
+            variance += exchange * exchange * (1 / (a * a) + 1 / (b * b));
+        }
     return std::min(variance, pixel * pixel);
 }
 
@@ -242,7 +333,8 @@ RefinedHemicube refinedHemicubeFormFactors(gpu::Device& device, const geometry::
     if (rows > 0) errors = sumErrors(F, patches, pairs);
     if (n > 0) result.report.claimedRowSumError = *std::max_element(errors.begin(), errors.end());
     double near = 0;
-    for (const glm::uvec2& pair : pairs) near += disagreement(F, patches, pair.x, pair.y);
+    for (const glm::uvec2& pair : pairs)
+        near += BothEnds(patches, pair.x, pair.y, F[pair.x * n + pair.y], F[pair.y * n + pair.x]).variance();
     double far = std::max(0.0, averageEnds(F, patches) - near);
     const double side = 2.0 / hemicube.resolution(); // of a pixel of the top face, seen from one away
     far += missed(F, mesh, patches, side * side / std::numbers::pi);

@@ -122,15 +122,17 @@ TEST(Hemicube, long_lines_of_few_large_triangles_are_filled_to_the_end) {
     expectClosed(rawRows(mesh, 512), mesh.patchCount());
 }
 
-// More pixels, or layers of triangles, than one workgroup has turns of loops for (shaders/lib/loop_limit.glsl).
+// More pixels, or layers of triangles, than one workgroup has turns of loops for
+// (shaders/lib/loop_limit.glsl).
 TEST(Hemicube, rows_of_millions_of_pixels_sum_to_one_in_a_closed_box) {
     BoxRoom box;
     box.cells = {5, 4, 6};
     const geometry::PatchMesh mesh = test::boxRoom(box);
     const std::vector<Viewpoint> views = patchViewpoints(mesh, 1, 40, 2).viewpoints;
     for (const uint32_t R : {1024u, 2048u})
-        expectClosed(Hemicube(test::device(), mesh, {R}).run(views).factors.download<float>(2 * mesh.patchCount()),
-                     mesh.patchCount());
+        expectClosed(
+            Hemicube(test::device(), mesh, {R}).run(views).factors.download<float>(2 * mesh.patchCount()),
+            mesh.patchCount());
 }
 
 TEST(Hemicube, of_many_large_sheets_only_the_nearest_is_seen) {
