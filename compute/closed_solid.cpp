@@ -11,6 +11,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
+#include "compute/opposite_sheets.h"
 #include "geometry/bounds.h"
 #include "geometry/disjoint_sets.h"
 #include "geometry/outline_area.h"
@@ -84,13 +85,13 @@ struct Sheet {
     dvec3 origin, normal;
     uint32_t room = 0;
     std::vector<uint32_t> patches;
-    double order = 0; // that of the same plane seen from its back is the negative
+    double order = 0; // planeOrder()
 };
 
-std::vector<Sheet> sheetsOf(const geometry::PatchMesh& mesh, double size) {
+std::vector<Sheet> sheetsOf(const geometry::PatchMesh& mesh) {
     const std::vector<uint32_t> plane = planeNumbers(mesh);
     std::vector<Sheet> sheets;
-    const dvec3 middle = geometry::boundsOf(mesh.vertices).centre();
+    const geometry::Bounds box = geometry::boundsOf(mesh.vertices);
     std::vector<double> largest;
     for (uint32_t i = 0; i < mesh.patchCount(); ++i) {
         if (plane[i] == 0) continue;
@@ -102,8 +103,7 @@ std::vector<Sheet> sheetsOf(const geometry::PatchMesh& mesh, double size) {
             sheet.origin = geometry::patchCentroid(mesh, i);
             sheet.normal = geometry::patchNormal(mesh, i);
             sheet.room = mesh.room[i];
-            sheet.order = glm::dot(sheet.normal, dvec3(0.37, 0.61, 0.7)) +
-                          glm::dot(sheet.normal, sheet.origin - middle) / size;
+            sheet.order = planeOrder(sheet.normal, sheet.origin, box);
         }
     }
     std::sort(sheets.begin(), sheets.end(), [](const Sheet& a, const Sheet& b) { return a.order < b.order; });
@@ -151,17 +151,13 @@ bool touch(const geometry::PatchMesh& mesh, const Sheet& a, const Sheet& b, std:
 }
 
 bool anyTouch(const geometry::PatchMesh& mesh, std::span<const uint32_t> surface, double size) {
-    constexpr double kAlike = 3e-3; // of orders of one plane
-    const std::vector<Sheet> sheets = sheetsOf(mesh, size);
-    for (const Sheet& a : sheets) {
-        const auto first = std::lower_bound(sheets.begin(), sheets.end(), -a.order - kAlike,
-                                            [](const Sheet& s, double order) { return s.order < order; });
-        for (auto b = first; b != sheets.end() && b->order <= -a.order + kAlike; ++b)
-            if (b->order >= a.order && b->room == a.room && glm::dot(a.normal, b->normal) < -0.999 &&
-                std::abs(glm::dot(b->origin - a.origin, a.normal)) <= 2 * kSamePlane * size &&
-                touch(mesh, a, *b, surface, 1e-8 * size))
+    const std::vector<Sheet> sheets = sheetsOf(mesh);
+    for (const Sheet& a : sheets)
+        for (const Sheet& b : oppositeSheets(sheets, a))
+            if (b.room == a.room && glm::dot(a.normal, b.normal) < -0.999 &&
+                std::abs(glm::dot(b.origin - a.origin, a.normal)) <= 2 * kSamePlane * size &&
+                touch(mesh, a, b, surface, 1e-8 * size))
                 return true;
-    }
     return false;
 }
 

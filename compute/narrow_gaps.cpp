@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "compute/convex_regions.h"
+#include "compute/opposite_sheets.h"
 #include "geometry/bounds.h"
 #include "geometry/clip_polygon.h"
 #include "geometry/outline_area.h"
@@ -28,7 +29,7 @@ constexpr double kShort =
 // One plane's patches.
 struct Sheet {
     dvec3 centre{0}, normal{0};
-    double radius = 0, order = 0; // that of the same plane seen from its back is the negative
+    double radius = 0, order = 0; // planeOrder()
     uint32_t room = 0;
     std::vector<uint32_t> patches;
 };
@@ -55,8 +56,7 @@ std::vector<Sheet> sheetsOf(const geometry::PatchMesh& mesh, std::span<const uin
         for (uint32_t i : sheet.patches)
             for (uint32_t corner : mesh.patch(i))
                 sheet.radius = std::max(sheet.radius, glm::distance(mesh.vertices[corner], sheet.centre));
-        sheet.order = glm::dot(sheet.normal, dvec3(0.37, 0.61, 0.7)) +
-                      glm::dot(sheet.normal, sheet.centre - box.centre()) / box.diagonal();
+        sheet.order = planeOrder(sheet.normal, sheet.centre, box);
     }
     std::sort(sheets.begin(), sheets.end(), [](const Sheet& a, const Sheet& b) { return a.order < b.order; });
     return sheets;
@@ -154,7 +154,6 @@ double NarrowGaps::Overlap::area() const {
 }
 
 NarrowGaps narrowGaps(const geometry::PatchMesh& mesh, std::span<const uint32_t> plane, double ofFaces) {
-    constexpr double kAlike = 3e-3; // of orders of one plane
     NarrowGaps gaps;
     const geometry::Bounds box = geometry::boundsOf(mesh.vertices);
     if (!(box.diagonal() > 0)) return gaps;
@@ -164,16 +163,12 @@ NarrowGaps narrowGaps(const geometry::PatchMesh& mesh, std::span<const uint32_t>
         const Sheet *a, *b;
     };
     std::vector<Facing> facing;
-    for (const Sheet& a : sheets) {
-        const auto first = std::lower_bound(sheets.begin(), sheets.end(), -a.order - kAlike,
-                                            [](const Sheet& s, double order) { return s.order < order; });
-        for (auto b = first; b != sheets.end() && b->order <= -a.order + kAlike; ++b)
-            if (&*b > &a)
-                if (const double gap = gapBetween(
-                        a, *b, std::min(kSamePlane * box.diagonal(), ofFaces * (a.radius + b->radius)));
-                    gap > 0)
-                    facing.push_back({gap, &a, &*b});
-    }
+    for (const Sheet& a : sheets)
+        for (const Sheet& b : oppositeSheets(sheets, a))
+            if (const double gap =
+                    gapBetween(a, b, std::min(kSamePlane * box.diagonal(), ofFaces * (a.radius + b.radius)));
+                gap > 0)
+                facing.push_back({gap, &a, &b});
     std::ranges::stable_sort(facing, {}, &Facing::gap);
     Cutter cutter(mesh, gaps);
     for (const Facing& pair : facing) cutter.cut(*pair.a, *pair.b, pair.gap);
