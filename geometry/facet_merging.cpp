@@ -80,20 +80,10 @@ public:
     }
 
     void merge() {
-        gone_.assign(building_.vertices.size(), false);
+        kept_.assign(building_.vertices.size(), true);
         for (uint32_t d = 0; d < domains_.size(); ++d)
             if (const auto strip = stripOf(building_, domains_[d])) thin(d, *strip);
-        for (MeshDomain& domain : domains_)
-            for (size_t l = 0; l < domain.loops.size(); ++l) {
-                std::vector<uint32_t> loop, frames;
-                for (size_t k = 0; k < domain.loops[l].size(); ++k)
-                    if (!gone_[domain.loops[l][k]]) {
-                        loop.push_back(domain.loops[l][k]);
-                        frames.push_back(domain.frameOf[l][k]);
-                    }
-                domain.loops[l] = std::move(loop);
-                domain.frameOf[l] = std::move(frames);
-            }
+        for (MeshDomain& domain : domains_) domain.keepCorners(kept_);
     }
 
 private:
@@ -180,7 +170,7 @@ private:
                 ++k;
                 continue;
             }
-            for (const size_t corner : strip.corners[fold]) gone_[domain.loops[0][corner]] = true;
+            for (const size_t corner : strip.corners[fold]) kept_[domain.loops[0][corner]] = false;
         }
         reframe(d, strip, kept);
     }
@@ -241,7 +231,7 @@ private:
     std::vector<MeshDomain>& domains_;
     double edge_;
     std::vector<std::vector<Use>> uses_; // per vertex
-    std::vector<bool> gone_;             // per vertex
+    std::vector<bool> kept_;             // per vertex
 };
 
 } // namespace

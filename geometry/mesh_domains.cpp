@@ -281,17 +281,7 @@ private:
                     if (building_.faces[domain.faces[0]].twin >= 0 || n <= 3 ||
                         !straight(loop[(k + n - 1) % n], loop[k], loop[(k + 1) % n]))
                         needed[loop[k]] = true;
-        for (MeshDomain& domain : domains_)
-            for (size_t l = 0; l < domain.loops.size(); ++l) {
-                std::vector<uint32_t> loop, frames;
-                for (size_t k = 0; k < domain.loops[l].size(); ++k)
-                    if (needed[domain.loops[l][k]]) {
-                        loop.push_back(domain.loops[l][k]);
-                        frames.push_back(domain.frameOf[l][k]);
-                    }
-                domain.loops[l] = std::move(loop);
-                domain.frameOf[l] = std::move(frames);
-            }
+        for (MeshDomain& domain : domains_) domain.keepCorners(needed);
     }
 
     void findFolds(MeshDomain& domain) const {
@@ -329,6 +319,19 @@ private:
 
 glm::dvec2 MeshDomain::Frame::coordinates(glm::dvec3 p) const {
     return {offset + glm::dot(p - origin, u), glm::dot(p - origin, v)};
+}
+
+void MeshDomain::keepCorners(const std::vector<bool>& kept) {
+    for (size_t l = 0; l < loops.size(); ++l) {
+        std::vector<uint32_t> corners, facets;
+        for (size_t k = 0; k < loops[l].size(); ++k)
+            if (kept[loops[l][k]]) {
+                corners.push_back(loops[l][k]);
+                facets.push_back(frameOf[l][k]);
+            }
+        loops[l] = std::move(corners);
+        frameOf[l] = std::move(facets);
+    }
 }
 
 glm::dvec3 MeshDomain::inSpace(glm::dvec2 p) const {

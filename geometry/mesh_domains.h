@@ -32,6 +32,8 @@ struct MeshDomain {
 
     // From the plane back on to the facet there.
     glm::dvec3 inSpace(glm::dvec2 p) const;
+    // Leaves out corners of `loops` and `frameOf`; `kept`: per vertex of the building.
+    void keepCorners(const std::vector<bool>& kept);
 };
 
 glm::dvec3 faceNormal(const Building& building, const Face& face);
