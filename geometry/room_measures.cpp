@@ -20,6 +20,10 @@ constexpr double kWalkable = 0.98; // of the normal's rise: ramps up to 11 degre
 constexpr double kLevel = 0.7;     // panes nearer to level than to upright are skylights'
 constexpr double kBend = 0.8;      // cosine of the turn, 37 degrees, that facets of one pane may make
 
+size_t roomCount(const PatchMesh& mesh) {
+    return mesh.room.empty() ? 0 : 1 + *std::ranges::max_element(mesh.room);
+}
+
 class RoomMeasurer {
 public:
     RoomMeasurer(const PatchMesh& mesh, double step)
@@ -28,7 +32,7 @@ public:
             for (const uint32_t v : mesh.patch(i)) shells_.join(v, mesh.patch(i)[0]);
         for (size_t i = 0; i < mesh.patchCount(); ++i) // normals point into the air
             volume_[shellOf(i)] -= glm::dot(patchAreaVector(mesh, i), patchCentroid(mesh, i)) / 6;
-        rooms_.resize(mesh.room.empty() ? 0 : 1 + *std::ranges::max_element(mesh.room));
+        rooms_.resize(roomCount(mesh));
     }
 
     std::vector<RoomMeasures> measure() {
@@ -102,18 +106,8 @@ private:
     std::vector<RoomMeasures> rooms_;
 };
 
-// The building's own faces in triangles.
-PatchMesh trianglesOf(const Building& building) {
-    PatchMesh mesh;
-    mesh.vertices = building.vertices;
-    for (const Face& face : building.faces)
-        for (const auto& t : triangulateFace(building, face))
-            mesh.addPatch(t, face.material, face.role, face.surface, face.room);
-    return mesh;
-}
-
-std::vector<double> roomVolumes(const PatchMesh& mesh, size_t rooms) {
-    std::vector<double> volumes(rooms, 0);
+std::vector<double> roomVolumes(const PatchMesh& mesh) {
+    std::vector<double> volumes(roomCount(mesh), 0);
     for (size_t i = 0; i < mesh.patchCount(); ++i) // normals point into the air
         volumes[mesh.room[i]] -= glm::dot(patchAreaVector(mesh, i), patchCentroid(mesh, i)) / 6;
     return volumes;
@@ -131,16 +125,24 @@ bool oneGlass(const PatchMesh& mesh, size_t i, size_t j) {
 
 } // namespace
 
-std::vector<RoomMeasures> measureRooms(const Building& building, double step) {
-    return RoomMeasurer(trianglesOf(building), step).measure();
+PatchMesh ownTriangles(const Building& building) {
+    PatchMesh mesh;
+    mesh.vertices = building.vertices;
+    for (const Face& face : building.faces)
+        for (const auto& t : triangulateFace(building, face))
+            mesh.addPatch(t, face.material, face.role, face.surface, face.room);
+    return mesh;
 }
 
-VolumeError worstVolumeError(const Building& building, const PatchMesh& mesh) {
-    const std::vector<double> own = roomVolumes(trianglesOf(building), building.roomCount),
-                              meshed = roomVolumes(mesh, building.roomCount);
+std::vector<RoomMeasures> measureRooms(const PatchMesh& own, double step) {
+    return RoomMeasurer(own, step).measure();
+}
+
+VolumeError worstVolumeError(const PatchMesh& own, const PatchMesh& mesh) {
+    const std::vector<double> whole = roomVolumes(own), meshed = roomVolumes(mesh);
     VolumeError worst;
-    for (uint32_t r = 0; r < building.roomCount; ++r)
-        if (const double share = own[r] > 0 ? meshed[r] / own[r] - 1 : 0;
+    for (uint32_t r = 0; r < whole.size(); ++r)
+        if (const double share = whole[r] > 0 ? meshed[r] / whole[r] - 1 : 0;
             std::abs(share) > std::abs(worst.share))
             worst = {r, share};
     return worst;

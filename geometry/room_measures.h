@@ -22,19 +22,23 @@ struct PaneCount {
     int windows = 0, skylightPanes = 0;
 };
 
-// One entry a room, of the building's own faces. Floor is what one can walk on: level faces and ramps of the
+// The building's own faces in triangles.
+PatchMesh ownTriangles(const Building& building);
+
+// One entry a room; `own`: ownTriangles(). Floor is what one can walk on: level faces and ramps of the
 // shell that encloses the room (things that stand free in it have no floor), the lowest ones and all that
 // rise by no more than `step` metres over what is reached already; so the tops of tables, partitions and
 // shelves are none, while those of stairs and low platforms are.
-std::vector<RoomMeasures> measureRooms(const Building& building, double step = 0.25);
+std::vector<RoomMeasures> measureRooms(const PatchMesh& own, double step = 0.25);
 
-// By how much the volume of a room may differ from the building's in its mesh, whose triangles are chords of
-// curved walls: of the room's volume, for the room where it is most. Negative where the mesh encloses less.
+// By how much the volume of a room may differ from that in ownTriangles() in its mesh, whose triangles are
+// chords of curved walls: of the room's volume, for the room where it is most. Negative where the mesh
+// encloses less.
 struct VolumeError {
     uint32_t room = 0;
     double share = 0;
 };
-VolumeError worstVolumeError(const Building& building, const PatchMesh& mesh);
+VolumeError worstVolumeError(const PatchMesh& own, const PatchMesh& mesh);
 PaneCount countPanes(const PatchMesh& mesh);
 
 } // namespace heliodon::geometry

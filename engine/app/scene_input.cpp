@@ -85,12 +85,11 @@ void reportClosure(Run& run, const geometry::ClosureReport& closure) {
 
 // The same fields for a model: importModel has proven its rooms closed, or refused.
 void reportImport(Run& run, const geometry::PatchMesh& mesh, const geometry::Building& building,
-                  double worldPerBuilding) {
+                  const geometry::PatchMesh& own, double worldPerBuilding) {
     constexpr double kStep = 0.25; // metres: more is no floor
     constexpr double kThin = 0.4;  // metres
     const double foot = geometry::kMetresPerFoot * worldPerBuilding;
-    const std::vector<geometry::RoomMeasures> rooms =
-        geometry::measureRooms(building, kStep * worldPerBuilding);
+    const std::vector<geometry::RoomMeasures> rooms = geometry::measureRooms(own, kStep * worldPerBuilding);
     json& report = run.report();
     report["outcome"] = "ok";
     report["code"] = "OK";
@@ -121,10 +120,10 @@ void reportImport(Run& run, const geometry::PatchMesh& mesh, const geometry::Bui
 }
 
 // Triangles are chords of curved walls.
-void reportMesh(Run& run, const geometry::Building& building, const geometry::PatchMesh& mesh) {
+void reportMesh(Run& run, const geometry::PatchMesh& own, const geometry::PatchMesh& mesh) {
     constexpr double kMuch = 0.01; // of a room
     const geometry::MeshQuality quality = geometry::measureMesh(mesh);
-    const geometry::VolumeError volume = geometry::worstVolumeError(building, mesh);
+    const geometry::VolumeError volume = geometry::worstVolumeError(own, mesh);
     run.report()["triangles"] = quality.triangles;
     run.report()["mesh"] = {{"triangles", quality.triangles},
                             {"min_angle_deg", quality.minAngleDeg},
@@ -332,11 +331,12 @@ Scene makeScene(Run& run, const SceneArguments& arguments, std::optional<geometr
             scene.mesh = geometry::meshBuilding(building, {wanted, throwIfInterrupted});
         }
     }
+    const geometry::PatchMesh own = geometry::ownTriangles(building);
     if (!scene.sketch) {
-        reportImport(run, scene.mesh, building, scene.worldPerBuilding);
+        reportImport(run, scene.mesh, building, own, scene.worldPerBuilding);
         warnOfLying(run, scene.mesh, scene.worldPerBuilding, scene.up);
     }
-    reportMesh(run, building, scene.mesh);
+    reportMesh(run, own, scene.mesh);
     drawBlinds(run, arguments.blinds, arguments.input.string(), scene.mesh);
     scene.occluders = std::move(building.occluders);
     scene.northDeg = building.northDeg - arguments.northDeg; // plan angles grow counter-clockwise

@@ -44,7 +44,7 @@ private:
 } // namespace
 
 TEST(RoomMeasures, an_empty_room) {
-    const auto rooms = measureRooms(BoxModel().building());
+    const auto rooms = measureRooms(ownTriangles(BoxModel().building()));
     ASSERT_EQ(rooms.size(), 1u);
     EXPECT_NEAR(rooms[0].floorArea, 30, 1e-9);
     EXPECT_NEAR(rooms[0].volume, 90, 1e-9);
@@ -57,7 +57,7 @@ TEST(RoomMeasures, tops_of_furniture_are_no_floor) {
     model.add({1, 0, 1}, {2, 0.75, 2});    // stands on the floor, which is not there below it
     model.add({3, 0.7, 3}, {4, 0.75, 4});  // a table without legs
     model.add({4.5, 0.1, 1}, {5, 0.2, 2}); // low, but one can not walk under it either
-    const auto rooms = measureRooms(model.building());
+    const auto rooms = measureRooms(ownTriangles(model.building()));
     ASSERT_EQ(rooms.size(), 1u);
     EXPECT_NEAR(rooms[0].floorArea, 29, 1e-9);
     EXPECT_NEAR(rooms[0].volume, 90 - 0.75 - 0.05 - 0.05, 1e-9);
@@ -69,8 +69,8 @@ TEST(RoomMeasures, stairs_lead_to_more_floor) {
     for (int k = 1; k <= 4; ++k) // steps of 0.2 m beside one another
         model.add({1 + 0.4 * k, 0, 0.5}, {1.39 + 0.4 * k, 0.2 * k, 1.5});
     model.add({4, 0, 2}, {5, 0.9, 4}); // a gallery 0.1 m above the last step
-    EXPECT_NEAR(measureRooms(model.building())[0].floorArea, 30, 1e-9);
-    EXPECT_NEAR(measureRooms(model.building(), 0.15)[0].floorArea, 30 - 4 * 0.39 - 2, 1e-9);
+    EXPECT_NEAR(measureRooms(ownTriangles(model.building()))[0].floorArea, 30, 1e-9);
+    EXPECT_NEAR(measureRooms(ownTriangles(model.building()), 0.15)[0].floorArea, 30 - 4 * 0.39 - 2, 1e-9);
 }
 
 TEST(RoomMeasures, glass_is_one_pane_up_to_where_it_turns_changes_or_touches_in_a_point) {
