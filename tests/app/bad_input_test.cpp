@@ -38,6 +38,16 @@ TEST_F(BadInput, a_file_that_is_not_a_picture) {
     expectRefused("detect " + in("text.png") + " --rig " + kRig + " -o " + in("out.json"), {"text.png"});
 }
 
+TEST_F(BadInput, json_where_a_photograph_belongs) {
+    const std::string sketch = HELIODON_TEST_DATA "/geometry/sketches/p04_L.json",
+                      rest = " --rig " + kRig + " -o ";
+    expectRefused("detect " + kRig + rest + in("out.json"), {"rig.json", "is vh-rig/1", "photograph"});
+    expectRefused("detect " + sketch + rest + in("out.json"), {"p04_L.json", "is vh-sketch/1", "photograph"});
+    writeText(in("list.json"), "[]");
+    expectRefused("detect " + in("list.json") + rest + in("out.json"),
+                  {"list.json", "is JSON", "photograph"});
+}
+
 TEST_F(BadInput, json_that_is_cut_off) {
     writeText(in("cut.json"), R"({"format": "vh-sketch/1", "walls": [)");
     expectRefused("model " + in("cut.json") + " -o " + in("out.obj"), {"cut.json:1:"});
