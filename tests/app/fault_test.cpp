@@ -185,7 +185,7 @@ TEST_F(Fault, a_folder_has_one_writer_and_a_killed_one_is_no_obstacle) {
         execl("/bin/sh", "sh", "-c", command.c_str(), static_cast<char*>(nullptr));
         _exit(127);
     }
-    for (int i = 0; i < 600 && !fs::exists(folder / "out/frames.json"); ++i)
+    for (int i = 0; i < 2400 && !fs::exists(folder / "out/frames.json"); ++i)
         std::this_thread::sleep_for(std::chrono::milliseconds(50));
     ASSERT_TRUE(fs::exists(folder / "out/frames.json"));
     const Outcome second = heliodon(render);

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <sstream>
 #include <string>
 #include <sys/wait.h>
@@ -19,15 +20,19 @@ struct Outcome {
     std::string output; // stdout and stderr together
 };
 
-inline Outcome heliodon(const std::string& arguments) {
+// `hear` is told all that was said so far, whenever there is more.
+inline Outcome heliodon(const std::string& arguments,
+                        const std::function<void(const std::string&)>& hear = {}) {
     // Leaks are looked for in the tests that run in one process: in the program, drivers are unloaded before
     // the leak checker could name what they keep.
     const std::string environment = "ASAN_OPTIONS=detect_leaks=0:detect_odr_violation=0 ";
     FILE* pipe = popen((environment + HELIODON_PROGRAM + " " + arguments + " 2>&1").c_str(), "r");
     Outcome outcome;
     std::array<char, 4096> chunk{};
-    while (const size_t n = fread(chunk.data(), 1, chunk.size(), pipe))
-        outcome.output.append(chunk.data(), n);
+    for (ssize_t n; (n = read(fileno(pipe), chunk.data(), chunk.size())) > 0;) {
+        outcome.output.append(chunk.data(), static_cast<size_t>(n));
+        if (hear) hear(outcome.output);
+    }
     const int status = pclose(pipe);
     outcome.exitCode = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
     return outcome;

@@ -1,5 +1,7 @@
 // Time-lapses that go on where another stopped, and runs that are interrupted, as a user meets them.
+#include <array>
 #include <csignal>
+#include <thread>
 
 #include <nlohmann/json.hpp>
 
@@ -333,20 +335,29 @@ TEST_F(Timelapse, pictures_of_an_earlier_render_do_not_stay_among_the_new) {
 
 // By Ctrl-C, by a system that shuts down, by a terminal that is closed.
 TEST_F(Timelapse, an_interrupted_run_says_so_and_leaves_nothing) {
-    for (const std::string signal : {"INT", "TERM", "HUP"}) {
-        // In the foreground, or the whole group would get the signal: the second one ends the program at
-        // once. Leaks are looked for in one process, see program.h.
+    for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+        // Leaks are looked for in one process, see program.h.
         const std::string command =
-            "ASAN_OPTIONS=detect_leaks=0:detect_odr_violation=0 timeout --foreground --preserve-status -s " +
-            signal + " 2 " HELIODON_PROGRAM " annual " + HELIODON_TEST_DATA +
-            "/compute/office/model.obj --up z --triangles 8000 --quiet --weather " + HELIODON_TEST_DATA +
-            "/daylight/chicago_tmy3.epw.gz -o " + in("new/year");
-        FILE* pipe = popen((command + " 2>&1; echo \"code $?\"").c_str(), "r");
-        std::string output(4096, '\0');
-        output.resize(fread(output.data(), 1, output.size(), pipe));
-        pclose(pipe);
-        EXPECT_EQ(output, "heliodon: interrupted\ncode 1\n") << signal;
-        EXPECT_FALSE(std::filesystem::exists(folder / "new")) << signal;
+            "echo $$ > " + in("pid") +
+            "; ASAN_OPTIONS=detect_leaks=0:detect_odr_violation=0 exec " HELIODON_PROGRAM " annual " +
+            HELIODON_TEST_DATA "/compute/office/model.obj --up z --triangles 8000 --quiet --weather " +
+            HELIODON_TEST_DATA "/daylight/chicago_tmy3.epw.gz -o " + in("new/year") + " 2>&1";
+        std::thread hand([&] {
+            for (int i = 0; i < 2400 && !std::filesystem::exists(folder / "new/year"); ++i)
+                std::this_thread::sleep_for(std::chrono::milliseconds(50));
+            std::this_thread::sleep_for(std::chrono::seconds(1)); // well in its work
+            kill(pid_t(std::stoi(readText(folder / "pid"))), number);
+        });
+        FILE* pipe = popen(command.c_str(), "r");
+        std::string output;
+        std::array<char, 4096> chunk{};
+        while (const size_t size = fread(chunk.data(), 1, chunk.size(), pipe))
+            output.append(chunk.data(), size);
+        hand.join();
+        const int status = pclose(pipe);
+        output += WIFEXITED(status) ? "code " + std::to_string(WEXITSTATUS(status)) + "\n" : "killed\n";
+        EXPECT_EQ(output, "heliodon: interrupted\ncode 1\n") << number;
+        EXPECT_FALSE(std::filesystem::exists(folder / "new")) << number;
     }
 }
 

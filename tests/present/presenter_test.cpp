@@ -53,7 +53,7 @@ protected:
     // Presents until a window shows the wanted size: resizing takes the server some time.
     static void presentUntil(Presenter& presenter, const std::vector<passes::Image8>& pictures, size_t window,
                              int width) {
-        for (int i = 0; i < 200; ++i) {
+        for (int i = 0; i < 2000; ++i) {
             presenter.pollEvents();
             present(presenter, pictures);
             const auto shown = presenter.lastShown(window);
