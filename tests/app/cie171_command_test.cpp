@@ -89,7 +89,8 @@ geometry::PatchMesh modelOf(const cie171::Case& name) {
     return hall.mesh;
 }
 
-// Every room under three of the skies, all skies in turn; HELIODON_CIE171_ALL=1: under all.
+// Every room under one of the skies, all skies in turn: compute/cie171 has every room under all, and here
+// HELIODON_CIE171_ALL=1.
 TEST_F(Cie171Command, daylight_through_openings) {
     const Csv table("cie171.csv.gz");
     const bool all = std::getenv("HELIODON_CIE171_ALL") != nullptr;
@@ -100,7 +101,7 @@ TEST_F(Cie171Command, daylight_through_openings) {
         writeSensors(places.sensors);
         double worst = 0, squares = 0;
         size_t count = 0, inside = 0;
-        for (int k = 0; k < (all ? 16 : 3); ++k) {
+        for (int k = 0; k < (all ? 16 : 1); ++k) {
             const int type = 1 + (all ? k : next++ % 16);
             const double horizontal = daylight::diffuseHorizontalIlluminance(
                 daylight::cieGeneralSky(type, {0, std::sqrt(0.75), 0.5}, 5000));
@@ -160,7 +161,7 @@ TEST_F(Cie171Command, light_reflected_within_a_cube) {
     for (size_t row = 0; row < table.rows.size(); ++row) {
         if (table.text(row, "test") != "5.8") continue;
         const double rho = table.number(row, "point"), there = table.number(row, "value");
-        if (rho != 0.5 && rho != 0.9 && rho != 0.95) continue;
+        if (rho != 0.95) continue; // compute/cie171 has all
         cie171::Hall cube;
         cube.mesh.materials.clear();
         const auto side = [&](glm::dvec3 corner, glm::dvec3 u, glm::dvec3 v) {
