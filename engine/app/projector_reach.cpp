@@ -69,6 +69,9 @@ void warnOfBlack(Run& run, const geometry::Rig& rig, uint32_t reaching) {
 
 void reportReach(Run& run, const Scene& scene) {
     if (!scene.rig || scene.rig->projectors.empty()) return;
+    if (scene.occluders.triangles.empty())
+        run.warn("a model file does not say which walls stand on the table: projectors' pictures have none hide "
+                 "anything from a projector, as those of a sketch or photograph do");
     const StageTimer timer(run, "visibility");
     const auto devices = projectorsOf(*scene.rig);
     const geometry::ProjectorMesh split =
