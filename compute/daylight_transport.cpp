@@ -164,11 +164,7 @@ std::vector<float> DaylightTransport::State::rowsThatReturn() {
         }
         gather->gather(matter, sums, 1);
         // Through an opening goes no more than reaches it, what its blinds send back included.
-        for (size_t i = 0; i < sums.size(); ++i) {
-            const glm::vec3 linked = links->rowSums()[i];
-            const double tint = std::max({linked.x, linked.y, linked.z}) - photometric(linked);
-            sums[i] = std::min(sums[i] + static_cast<float>(tint), rowSums[i]);
-        }
+        for (size_t i = 0; i < sums.size(); ++i) sums[i] = std::min(sums[i] + links->mostTint(i), rowSums[i]);
     }
     for (size_t i = 0; i < sums.size(); ++i) sums[i] += 2 * sloped->negative()[i]; // of absolute values
     return sums;

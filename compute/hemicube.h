@@ -34,19 +34,19 @@ public:
     // in windows that respect its limits.
     Result run(const std::vector<Viewpoint>& viewpoints, uint32_t points = 1);
 
-    // One dispatch: `count` viewpoints, at most batch(). `factors` holds a window of rows in fixed point
+    uint32_t resolution() const { return options_.resolution; } // as used: even
+
+private:
+    // One dispatch: `count` viewpoints, at most batch_. `factors` holds a window of rows in fixed point
     // (io::kHemicubeOneBits), which are added to; its first row is that of viewpoint `firstOfWindow`. The
-    // item buffers are filled and waited for here; barriers on factors are the caller's.
+    // item buffers are filled and waited for here; barriers on factors are the caller's, and so is to look at
+    // cuts_ and begin the window again after shareMore().
     struct Inputs {
         const gpu::Buffer& viewpoints;
         uint32_t firstOfWindow = 0, first = 0, count = 0,
                  pointsPerRow = 1; // `first` counts from the window's
     };
     void record(gpu::Commands& commands, const Inputs& in, const gpu::Binding& factors);
-    uint32_t batch() const { return batch_; }
-    uint32_t resolution() const { return options_.resolution; } // as used: even
-
-private:
     void uploadMesh(const geometry::PatchMesh& mesh);
     gpu::Buffer uploadViewpoints(const std::vector<Viewpoint>& viewpoints);
     void makeDeltas(uint32_t points);

@@ -66,10 +66,7 @@ void SensorResponder::takeFactors(const TransportParts& parts) {
         gather_ = std::make_unique<RadiosityGather>(parts.device, adjoint_, static_cast<uint32_t>(n));
     }
     tinted_.emplace(*gather_, parts.links);
-    for (size_t i = 0; i < parts.links.rowSums().size(); ++i) {
-        const glm::vec3 linked = parts.links.rowSums()[i];
-        sums[i] += static_cast<float>(std::max({linked.x, linked.y, linked.z}) - photometric(linked));
-    }
+    for (size_t i = 0; i < parts.links.rowSums().size(); ++i) sums[i] += parts.links.mostTint(i);
     solver_.emplace(*tinted_, std::move(sums));
     solver_->setMatter(parts.solver.matter());
 }

@@ -128,10 +128,10 @@ void SlopedFactors::findMoments(const PointScene& scene, uint32_t sender, float 
     const geometry::PatchMesh& mesh = scene.mesh();
     if (mesh.materials[mesh.material[sender]].isOpening() || slopes_->terms(sender).empty()) return;
     const std::span<const NearPairs::Pair> all = pairs_->of(sender);
-    const double size = scene.patches()[sender].size;
-    const Extent from(mesh, sender);
     const double trust = trustInSlope(all);
     if (trust == 0) return;
+    const double size = scene.patches()[sender].size;
+    const Extent from(mesh, sender);
     const double whole = double{area_[sender]} * double{rowSum};
     double nearby = 0;
     dvec3 sum(0);

@@ -4,6 +4,7 @@
 
 #include "compute/parallel.h"
 #include "compute/patch_points.h"
+#include "geometry/luminance.h"
 
 namespace heliodon::compute {
 
@@ -67,6 +68,11 @@ WindowLinks::WindowLinks(const PointScene& scene, gpu::Buffer& factors) {
         for (const TintedShare& share : tints[i]) rowSums_[i] += share.more;
     }
     firstTint_.push_back(tints_.size());
+}
+
+float WindowLinks::mostTint(size_t i) const {
+    const glm::vec3 linked = rowSums_[i];
+    return static_cast<float>(std::max({linked.x, linked.y, linked.z}) - geometry::photometric(linked));
 }
 
 void WindowLinks::addLinks(uint32_t channel, std::span<const float> in, std::span<float> out) const {

@@ -29,6 +29,10 @@ public:
     // Per patch and channel: sum of its links; empty where there are none.
     const std::vector<glm::vec3>& rowSums() const { return rowSums_; }
 
+    // By how much a row's links in the channel that gets most exceed their photometric sum, which is in F;
+    // of rowSums() that are not empty.
+    float mostTint(size_t i) const;
+
     // Whether any pane on the way is tinted.
     bool areTinted() const { return !tints_.empty(); }
     // out += what links make of in, in one channel.
