@@ -75,7 +75,7 @@ std::vector<glm::dvec3> cornerNormals(const PatchMesh& mesh);
 
 // The physical objects on the table as closed opaque solids: what stands between a projector and a surface.
 // Whole walls with their true thickness and height, whether or not a room uses them. Empty for imported
-// models.
+// models, whose own faces stand for them.
 struct Occluders {
     std::vector<glm::dvec3> vertices;
     std::vector<uint32_t> triangles; // three indices each, counter-clockwise seen from outside the solid

@@ -16,6 +16,7 @@
 #include "geometry/flat_part.h"
 #include "geometry/key_hash.h"
 #include "geometry/region_mesh.h"
+#include "geometry/standing_faces.h"
 
 namespace heliodon::geometry {
 
@@ -25,14 +26,15 @@ class VisibilitySplitter {
 public:
     VisibilitySplitter(const PatchMesh& mesh, const Occluders& occluders,
                        std::span<const OpticalDevice> projectors, const ProjectorOptions& options)
-        : mesh_(mesh), options_(options), casters_(convexSolids(occluders)) {
+        : mesh_(mesh), options_(options), parts_(flatParts(mesh)),
+          casters_(occluders.triangles.empty() ? standingFaces(parts_, mesh.vertices)
+                                               : convexSolids(occluders)) {
         for (const OpticalDevice& device : projectors) beams_.emplace_back(device, casters_);
     }
 
     ProjectorMesh split() {
         copies_.assign(mesh_.vertices.size(), Piece::kNone);
         cutVertices_.assign(mesh_.vertices.size(), false);
-        parts_ = flatParts(mesh_);
         for (FlatPart& part : parts_) findCuts(part);
         for (auto& [edge, cuts] : edgeCuts_) tidy(edge, cuts);
         for (FlatPart& part : parts_) build(part);
@@ -336,9 +338,9 @@ private:
 
     const PatchMesh& mesh_;
     ProjectorOptions options_;
+    std::vector<FlatPart> parts_;
     std::vector<ConvexSolid> casters_;
     std::vector<Beam> beams_; // per projector
-    std::vector<FlatPart> parts_;
     std::unordered_map<EdgeKey, std::vector<double>, KeyHash> edgeCuts_;
     std::vector<bool> cutVertices_;                    // of the mesh: ends of edges that are cut
     std::vector<const std::vector<double>*> cutEdges_; // of the part at hand, per border edge, or null

@@ -45,6 +45,7 @@ struct ProjectorMesh {
     size_t triangleCount() const { return visible.size(); }
 };
 
+// Without occluders the mesh's own surfaces hide one another (standing_faces.h).
 // Only patches of role `projection` appear. At most 32 projectors. Projectors are ideal pinholes whose
 // picture is the largest four-sided cone within the lens's true border, so nothing is labelled visible that
 // the panel cannot reach. Surfaces without T-vertices stay so.

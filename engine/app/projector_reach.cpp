@@ -69,10 +69,6 @@ void warnOfBlack(Run& run, const geometry::Rig& rig, uint32_t reaching) {
 
 void reportReach(Run& run, const Scene& scene) {
     if (!scene.rig || scene.rig->projectors.empty()) return;
-    if (scene.occluders.triangles.empty())
-        run.warn(
-            "a model file does not say which walls stand on the table: in projectors' pictures no wall hides "
-            "anything from a projector; those from a sketch or photograph are right");
     const StageTimer timer(run, "visibility");
     const auto devices = projectorsOf(*scene.rig);
     const geometry::ProjectorMesh split =
