@@ -8,6 +8,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "geometry/constrained_delaunay.h"
 #include "geometry/facet_merging.h"
 #include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
@@ -101,7 +102,10 @@ public:
                 addConnected(faces);
         dropStraightCorners();
         if (merging_) mergeFacets(building_, domains_, edge_);
-        for (MeshDomain& domain : domains_) place(domain);
+        for (MeshDomain& domain : domains_) {
+            findFolds(domain);
+            domain.planar = planarLoops(domain);
+        }
         return std::move(domains_);
     }
 
@@ -206,8 +210,36 @@ private:
             std::set<Edge> seams;
             layOut(*rest.begin(), faceOf, rest, domain, seams);
             BoundaryTracer(building_, domain).trace(seams);
-            domains_.push_back(std::move(domain));
+            if (isSimple(domain))
+                domains_.push_back(std::move(domain));
+            else
+                addFlatParts(domain.faces, faceOf);
         }
+    }
+
+    // Whether the outlines, laid out, neither touch nor cross: round a hole whose rim leans across folds, facets
+    // come back to a corner of their own, or past it.
+    bool isSimple(const MeshDomain& domain) const {
+        std::vector<glm::dvec2> points;
+        std::vector<uint32_t> vertices;
+        std::vector<Edge> edges;
+        for (size_t l = 0; const auto& loop : planarLoops(domain)) {
+            const auto start = static_cast<uint32_t>(points.size()), n = static_cast<uint32_t>(loop.size());
+            for (uint32_t k = 0; k < n; ++k) edges.emplace_back(start + k, start + (k + 1) % n);
+            points.insert(points.end(), loop.begin(), loop.end());
+            vertices.insert(vertices.end(), domain.loops[l].begin(), domain.loops[l].end());
+            ++l;
+        }
+        double length = 0;
+        for (const glm::dvec2 p : points) length = std::max(length, std::abs(p.x - points[0].x));
+        std::multimap<uint32_t, glm::dvec2> places;
+        for (size_t k = 0; k < points.size(); ++k) {
+            const auto [first, last] = places.equal_range(vertices[k]);
+            for (auto other = first; other != last; ++other)
+                if (glm::length(other->second - points[k]) <= kSamePlace * length) return false;
+            places.emplace(vertices[k], points[k]);
+        }
+        return constrainedDelaunay(points, edges).has_value();
     }
 
     void layOut(uint32_t start, const std::map<Edge, uint32_t>& faceOf, std::set<uint32_t>& rest,
@@ -298,14 +330,13 @@ private:
         }
     }
 
-    void place(MeshDomain& domain) const {
-        findFolds(domain);
-        for (size_t l = 0; l < domain.loops.size(); ++l) {
-            domain.planar.emplace_back();
+    std::vector<std::vector<glm::dvec2>> planarLoops(const MeshDomain& domain) const {
+        std::vector<std::vector<glm::dvec2>> planar(domain.loops.size());
+        for (size_t l = 0; l < domain.loops.size(); ++l)
             for (size_t k = 0; k < domain.loops[l].size(); ++k)
-                domain.planar[l].push_back(
+                planar[l].push_back(
                     domain.frames[domain.frameOf[l][k]].coordinates(building_.vertices[domain.loops[l][k]]));
-        }
+        return planar;
     }
 
     const Building& building_;
