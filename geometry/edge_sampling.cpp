@@ -26,7 +26,9 @@ constexpr double kNarrowStrip = 0.363, kWideStrip = 0.688;
 // edge.
 constexpr double kFacing = 1.6;
 constexpr double kFinestStrip = 0.45; // of the edge length
-constexpr double kMostTurn = 0.45;    // radians: triangles do not lean across more
+// Triangles do not lean across turns of more radians, nor where they would lie deeper in the wall's solids
+// than so many metres.
+constexpr double kMostTurn = 0.45, kDeepest = 0.0025;
 // Where triangles may lean across folds: radians along an edge, metres in the wall's solids and before them.
 constexpr double kMostLeaning = 0.5, kDeep = 0.0008, kCutOff = 0.003;
 constexpr double kNarrowFacets = 0.45; // of the edge length: too narrow for triangles each within one
@@ -577,8 +579,8 @@ std::vector<double> EdgeSampler::foldsOf(size_t d) const {
     double turned = 0; // since the last that is kept
     for (const auto& [x, turn] : domain.folds) {
         turned += std::abs(turn);
-        if (std::min(x - (folds.empty() ? low : folds.back()), high - x) < least && turned < kMostTurn)
-            continue;
+        const double width = std::min(x - (folds.empty() ? low : folds.back()), high - x);
+        if (width < least && turned < kMostTurn && (turn < 0 || turned * width < kDeepest)) continue;
         folds.push_back(x);
         turned = 0;
     }
