@@ -125,10 +125,16 @@ private:
         return turn < 0 ? turn + 2 * kPi : turn;
     }
 
-    // Points at most 10 degrees apart, the distance from the centre changing evenly.
-    static std::vector<glm::dvec2> wayRound(glm::dvec2 center, glm::dvec2 from, glm::dvec2 to, double turn) {
-        const double count = std::max(1.0, std::ceil(turn / (kPi / 18))), first = glm::length(from - center),
-                     last = glm::length(to - center),
+    // So many facets are about as wide as those of the arc, and 10 degrees at most.
+    static double facetsOver(const WallPiece& arc, double turn) {
+        return std::max(
+            {1.0, std::round(turn * arc.facets / (arc.a1 - arc.a0)), std::ceil(turn / (kPi / 18))});
+    }
+
+    // The distance from the centre changes evenly.
+    static std::vector<glm::dvec2> wayRound(glm::dvec2 center, glm::dvec2 from, glm::dvec2 to, double turn,
+                                            double count) {
+        const double first = glm::length(from - center), last = glm::length(to - center),
                      start = std::atan2(from.y - center.y, from.x - center.x);
         std::vector<glm::dvec2> points{from};
         for (double k = 1; k < count; ++k) {
@@ -150,8 +156,9 @@ private:
 
     void bridgeAlongCircle(const WallEnd& e, const WallEnd& f, double turn) {
         const glm::dvec2 center = 0.5 * (piece(e).center + piece(f).center);
-        const auto inner = wayRound(center, e.left, f.right, turn),
-                   outer = wayRound(center, e.right, f.left, turn);
+        const double count = facetsOver(piece(e), turn);
+        const auto inner = wayRound(center, e.left, f.right, turn, count),
+                   outer = wayRound(center, e.right, f.left, turn, count);
         if (!isFree(inner, e.piece)) return;
         for (const auto* way : {&inner, &outer})
             for (size_t k = 0; k + 1 < way->size(); ++k)
@@ -249,7 +256,7 @@ private:
     void continueArc(const WallEnd& end) {
         const WallPiece& p = piece(end);
         const double rest = 2 * kPi - (p.a1 - p.a0);
-        const int count = std::max(2, static_cast<int>(std::ceil(rest / (kPi / 18))));
+        const int count = std::max(2, static_cast<int>(facetsOver(p, rest)));
         for (const double radius : {p.radius - p.thickness / 2, p.radius + p.thickness / 2}) {
             const auto at = [&](int k) {
                 const glm::dvec2 corner = wallEnd(p, 0, k == 0).right, other = wallEnd(p, 0, k == 0).left;

@@ -361,6 +361,23 @@ TEST(Mesher, facets_are_fitted_to_the_triangles) {
         }
 }
 
+// Half of the ring is bridged.
+TEST(Mesher, gaps_of_a_ring_are_meshed_as_well_as_its_arcs) {
+    Sketch sketch;
+    for (const double from : {0.0, 120.0, 240.0}) {
+        Arc& arc = sketch.arcs.emplace_back();
+        arc.id = "a" + std::to_string(sketch.arcs.size());
+        arc.radius = 10;
+        arc.a0Deg = from;
+        arc.a1Deg = from + 60;
+    }
+    ClosureOptions options;
+    options.facetLength = fittingFacet(surfaceOfRooms(sketch));
+    const Closure closure = closeSketch(sketch, options);
+    ASSERT_TRUE(closure.building) << closure.report.message;
+    EXPECT_LE(measureMesh(meshBuilding(*closure.building)).areaDeviation, 0.09);
+}
+
 TEST(Mesher, surface_of_rooms_is_known_before_they_are_closed) {
     for (const char* name : {"p08_cubicle.json", "p09_D_curved.json", "i01_mixed.sketch.json",
                              "three_arcs.json", "arc_with_partitions.json"}) {
