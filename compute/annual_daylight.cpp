@@ -263,9 +263,7 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
                 lux[at] += error[at];
             }
         });
-        inParallel(
-            lit_.size(), [&](size_t k) { straight.addTo(skies_[lit_[k]], &lux[lit_[k]], hours); },
-            tellEach(nearShare_ * kNearSkyWork * static_cast<double>(count)));
+        straight.addTo(lux, skies_, lit_, tellEach(nearShare_ * kNearSkyWork * static_cast<double>(count)));
     }
     reportOf(responses, lux.size());
     checkAndSetErrors(lux, sun, error);

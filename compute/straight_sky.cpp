@@ -1,5 +1,7 @@
 #include "compute/straight_sky.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <tuple>
@@ -8,6 +10,7 @@
 
 #include "compute/daylight/sky_table.h"
 #include "compute/lighting.h"
+#include "compute/parallel.h"
 
 namespace heliodon::compute {
 
@@ -39,6 +42,35 @@ std::vector<SkySample> gathered(std::span<const SkySample> samples) {
     return few;
 }
 
+using daylight::SkyTables;
+using Samples = std::span<const StraightSky::Sample>;
+
+[[gnu::always_inline]] inline void addSamples(const SkyTables& tables, Samples samples,
+                                              SkyTables::Floats& lux) {
+    SkyTables::Floats sum{}; // in a register
+    for (const StraightSky::Sample& at : samples) tables.add(at.direction, at.heightIndex, at.weight, sum);
+    lux = sum;
+}
+
+using AddSamples = void (*)(const SkyTables&, Samples, SkyTables::Floats&);
+
+void narrow(const SkyTables& tables, Samples samples, SkyTables::Floats& lux) {
+    addSamples(tables, samples, lux);
+}
+
+#if defined(__x86_64__)
+[[gnu::target("avx2")]] void wide(const SkyTables& tables, Samples samples, SkyTables::Floats& lux) {
+    addSamples(tables, samples, lux);
+}
+#endif
+
+AddSamples ofThisProcessor() {
+#if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx2")) return wide;
+#endif
+    return narrow;
+}
+
 } // namespace
 
 StraightSky::StraightSky(const SkyView& view, std::span<const NearLight> near) {
@@ -49,7 +81,7 @@ StraightSky::StraightSky(const SkyView& view, std::span<const NearLight> near) {
                 const auto weight = static_cast<float>(photometric(sample.weight));
                 if (sample.direction.y > 0)
                     samples_.push_back(
-                        {sample.direction, daylight::SkyTable::heightIndex(sample.direction.y), weight});
+                        {sample.direction, SkyTables::heightIndex(sample.direction.y), weight});
                 else
                     ground += double{weight};
             }
@@ -61,20 +93,39 @@ StraightSky::StraightSky(const SkyView& view, std::span<const NearLight> near) {
     }
 }
 
-void StraightSky::addTo(const daylight::Sky& sky, float* lux, size_t stride) const {
-    const auto add = [&](auto luminance) {
-        for (size_t s = 0; s < ground_.size(); ++s) {
-            float sum = ground_[s] * static_cast<float>(sky.ground.luminance);
-            for (size_t k = first_[s]; k < first_[s + 1]; ++k)
-                sum += samples_[k].weight * luminance(samples_[k]);
-            lux[s * stride] += sum;
+void StraightSky::addTo(std::span<float> lux, std::span<const daylight::Sky> skies,
+                        std::span<const uint32_t> hours, const std::function<void(size_t)>& done) const {
+    constexpr size_t kAtOnce = SkyTables::kSkies;
+    inParallel((hours.size() + kAtOnce - 1) / kAtOnce,
+               [&](size_t block) {
+                   const size_t first = block * kAtOnce;
+                   addTogether(lux, skies, hours.subspan(first, std::min(kAtOnce, hours.size() - first)));
+               },
+               [&](size_t blocks) {
+                   if (done) done(std::min(blocks * kAtOnce, hours.size()));
+               });
+}
+
+// At most as many as SkyTables holds.
+void StraightSky::addTogether(std::span<float> lux, std::span<const daylight::Sky> skies,
+                              std::span<const uint32_t> hours) const {
+    std::array<const daylight::Sky*, SkyTables::kSkies> separable{};
+    for (size_t k = 0; k < hours.size(); ++k)
+        if (!skies[hours[k]].formula.intermediate) separable[k] = &skies[hours[k]];
+    const SkyTables tables(separable);
+    const AddSamples add = ofThisProcessor();
+    for (size_t s = 0; s < ground_.size(); ++s) {
+        const Samples samples(&samples_[first_[s]], first_[s + 1] - first_[s]);
+        SkyTables::Floats sum;
+        add(tables, samples, sum);
+        for (size_t k = 0; k < hours.size(); ++k) {
+            const daylight::Sky& sky = skies[hours[k]];
+            if (!separable[k])
+                for (const Sample& at : samples)
+                    sum[k] += at.weight * static_cast<float>(sky.luminance(glm::dvec3(at.direction)));
+            lux[s * skies.size() + hours[k]] +=
+                sum[k] + ground_[s] * static_cast<float>(sky.ground.luminance);
         }
-    };
-    if (sky.formula.intermediate) {
-        add([&](const Sample& at) { return static_cast<float>(sky.luminance(glm::dvec3(at.direction))); });
-    } else {
-        const daylight::SkyTable table(sky);
-        add([&](const Sample& at) { return table.luminance(at.direction, at.heightIndex); });
     }
 }
 

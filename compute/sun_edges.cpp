@@ -133,17 +133,22 @@ SunEdges::SunEdges(const geometry::PatchMesh& mesh, std::vector<std::vector<Edge
         next[i + 1] += next[i];
     }
     const size_t count = next.back();
-    hour_.resize(count), exitance_.resize(count), colour_.resize(count), parts_.resize(count);
-    x_.resize(count), y_.resize(count), z_.resize(count);
+    std::vector<std::pair<uint32_t, const Edge*>> ordered(count); // with their hours
     for (size_t h = 0; h < ofHours.size(); ++h)
-        for (Edge& edge : ofHours[h]) {
-            const size_t at = next[edge.patch]++;
-            hour_[at] = static_cast<uint32_t>(h);
-            colour_[at] = edge.exitance;
-            exitance_[at] = static_cast<float>(photometric(edge.exitance));
-            x_[at] = edge.middle.x, y_[at] = edge.middle.y, z_[at] = edge.middle.z;
-            parts_[at] = std::move(edge.parts);
+        for (const Edge& edge : ofHours[h]) ordered[next[edge.patch]++] = {static_cast<uint32_t>(h), &edge};
+    for (const auto& [hour, edge] : ordered) {
+        hour_.push_back(hour);
+        colour_.push_back(edge->exitance);
+        exitance_.push_back(static_cast<float>(photometric(edge->exitance)));
+        x_.push_back(edge->middle.x), y_.push_back(edge->middle.y), z_.push_back(edge->middle.z);
+        firstPart_.push_back(parts_.size());
+        for (const Edge::Part& part : edge->parts) {
+            parts_.push_back({corners_.size(), part.exitance});
+            corners_.insert(corners_.end(), part.polygon.begin(), part.polygon.end());
         }
+    }
+    firstPart_.push_back(parts_.size());
+    parts_.push_back({corners_.size(), {}});
 }
 
 bool SunEdges::findNearer(const PointView& view, size_t patch, std::vector<float>& nearer) const {
@@ -204,8 +209,8 @@ void SunEdges::addAboveHorizon(std::span<float> lux, const geometry::PatchMesh& 
     std::vector<glm::dvec3> above;
     for (size_t e = patches_[patch].first; e < edgesEnd(patch); ++e) {
         double light = 0;
-        for (const Edge::Part& part : parts_[e])
-            light += view.openFactor(part.polygon, above) * photometric(part.exitance);
+        for (const Part& part : partsOf(e))
+            light += view.openFactor(cornersOf(part), above) * photometric(part.exitance);
         lux[hour_[e]] += share * (static_cast<float>(light / whole) - exitance_[e]);
     }
 }
@@ -214,8 +219,8 @@ void SunEdges::addExactly(std::span<float> lux, const PointView& view, size_t fi
                           double straight, glm::vec3 answer) const {
     for (size_t e = first; e < end; ++e) {
         glm::dvec3 more = -straight * glm::dvec3(colour_[e]);
-        for (const Edge::Part& part : parts_[e])
-            more += view.factor(part.polygon) * glm::dvec3(part.exitance);
+        for (const Part& part : partsOf(e))
+            more += view.factor(cornersOf(part)) * glm::dvec3(part.exitance);
         lux[hour_[e]] += static_cast<float>(photometric(answer * glm::vec3(more)));
     }
 }

@@ -49,6 +49,10 @@ public:
     static size_t bytesOf(std::span<const Edge> edges);
 
 private:
+    struct Part {
+        size_t firstCorner; // its corners end where the next one's begin
+        glm::vec3 exitance;
+    };
     struct Patch {
         uint32_t patch;
         size_t first; // of its edges; they end where the next one's begin
@@ -74,6 +78,12 @@ private:
     // the open. `share`: the patch's own, of which as much is hidden from each part.
     void addAboveHorizon(std::span<float> lux, const geometry::PatchMesh& mesh, const PointView& view,
                          size_t patch, float share) const;
+    std::span<const Part> partsOf(size_t edge) const {
+        return {&parts_[firstPart_[edge]], firstPart_[edge + 1] - firstPart_[edge]};
+    }
+    std::span<const glm::dvec3> cornersOf(const Part& part) const {
+        return {&corners_[part.firstCorner], (&part + 1)->firstCorner - part.firstCorner};
+    }
     // Edges [first, end) of one patch, which the view has the form factor `straight` of; `answer`: lux at the
     // sensor for each lux at the view's point.
     void addExactly(std::span<float> lux, const PointView& view, size_t first, size_t end, double straight,
@@ -84,7 +94,10 @@ private:
     std::vector<uint32_t> hour_;
     std::vector<float> exitance_, x_, y_, z_; // photometric, and middles
     std::vector<glm::vec3> colour_;           // exitance
-    std::vector<std::vector<Edge::Part>> parts_;
+    // Parts of edges and their corners, as they are walked through.
+    std::vector<size_t> firstPart_; // and one that ends all
+    std::vector<Part> parts_;
+    std::vector<glm::dvec3> corners_;
 };
 
 } // namespace heliodon::compute

@@ -93,13 +93,15 @@ TEST(AnnualDaylight, crowded_samples_of_sky_may_count_as_one) {
     none.first.push_back(0);
     std::vector<daylight::Sky> skies{overcast(), sunny({0.2, 0.1, -1})};
     skies.push_back(daylight::perezSky({-1, -0.3, 12, -5, 0.5}, glm::normalize(glm::dvec3(0, 0.1, -1)), 1e3));
-    for (const daylight::Sky& sky : skies) {
+    skies.push_back(daylight::cieIntermediateSky(glm::normalize(glm::dvec3(0.1, 0.2, -1)), 2e3));
+    std::vector<float> taken(skies.size(), 0);
+    StraightSky(none, near).addTo(taken, skies, std::vector<uint32_t>{0, 1, 2, 3});
+    for (size_t h = 0; h < skies.size(); ++h) {
         double lux = 0;
         for (const SkySample& sample : near[0].sky)
-            lux += photometric(sample.weight) * sky.luminance(glm::normalize(glm::dvec3(sample.direction)));
-        float taken = 0;
-        StraightSky(none, near).addTo(sky, &taken, 1);
-        EXPECT_NEAR(taken, lux, 1e-4 * lux);
+            lux += photometric(sample.weight) *
+                   skies[h].luminance(glm::normalize(glm::dvec3(sample.direction)));
+        EXPECT_NEAR(taken[h], lux, 1e-4 * lux);
     }
 }
 

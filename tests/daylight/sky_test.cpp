@@ -192,22 +192,29 @@ TEST(SkyOption, every_cie_type_is_lit_by_day_and_dark_by_night) {
             EXPECT_TRUE(skyFromOption(option, sunAt(90, altitude), {}).isDark()) << option;
 }
 
-TEST(SkyTable, has_the_formulas_luminance) {
+TEST(SkyTables, have_the_formulas_luminance) {
     for (const double altitude : {0.5, 5.0, 40.0, 89.0})
         for (const double direct : {0.0, 100.0, 900.0}) {
             const Sky sky = skyFromIrradiance({direct, 100}, sunAt(140, altitude));
-            const SkyTable table(sky);
+            constexpr size_t kPlace = 3; // beside black ones
+            std::array<const Sky*, SkyTables::kSkies> skies{};
+            skies[kPlace] = &sky;
+            const SkyTables tables(skies);
             for (double zenith = 0.25; zenith < 89; zenith += 4.5)
                 for (double azimuth = 0; azimuth < 360; azimuth += 10) {
                     const glm::dvec3 d = towards(azimuth, zenith);
                     const double exact = sky.luminance(d), brightest = sky.luminance(towards(140, zenith));
                     // Linear between 512 places: 2e-3 near the horizon, whose gradation is steepest.
-                    ASSERT_NEAR(table.luminance(glm::vec3(d), SkyTable::heightIndex(d.y)), exact,
-                                2e-3 * std::max(exact, brightest))
+                    SkyTables::Floats sums{};
+                    tables.add(glm::vec3(d), SkyTables::heightIndex(d.y), 2.0f, sums);
+                    ASSERT_NEAR(sums[kPlace], 2 * exact, 4e-3 * std::max(exact, brightest))
                         << altitude << " " << direct << " " << zenith << " " << azimuth;
+                    ASSERT_EQ(sums[0], 0);
                 }
         }
-    EXPECT_THROW(SkyTable(cieIntermediateSky(towards(0, 30), 1000)), std::invalid_argument);
+    const Sky other = cieIntermediateSky(towards(0, 30), 1000);
+    const std::array<const Sky*, SkyTables::kSkies> skies{&other};
+    EXPECT_THROW(SkyTables{skies}, std::invalid_argument);
 }
 
 TEST(PerezSky, keeps_the_efficacy_models_illuminance_for_any_weather) {
