@@ -36,6 +36,8 @@ PlanarNet triangulate(const PlanarDomain& domain, const LatticeSeeds& seeds) {
         for (uint32_t i = domain.loopStart[l]; i < domain.loopStart[l + 1]; ++i)
             edges.emplace_back(i, domain.next(l, i));
     auto inside = constrainedDelaunay(net.points, edges, seeds.foldEdges);
+    if (!inside) // where triangles of a model lean across folds, these leave the outline
+        inside = constrainedDelaunay(net.points, edges);
     if (!inside)
         throw std::runtime_error("the outline of a face crosses or touches itself and cannot be meshed");
     static_cast<TriangleNet&>(net) = std::move(*inside);

@@ -466,8 +466,9 @@ TEST(CurvedFacets, what_was_curved_is_so_when_it_is_read_again) {
         }
 }
 
-// Triangles that lean across a fold, from its foot, are no part of the wall that is laid out, which then touches
-// itself in that corner: the program's own models of rooms with arcs were refused when it read them again.
+// Triangles that lean across a fold, from its foot, are no part of the wall that is laid out, which then
+// touches itself in that corner: the program's own models of rooms with arcs were refused when it read them
+// again.
 TEST(CurvedFacets, a_wall_may_hang_together_in_a_corner_beside_triangles_that_lean) {
     const int sides = 24;
     const std::string file = testing::TempDir() + "leaning.obj";
@@ -500,4 +501,14 @@ TEST(CurvedFacets, a_wall_may_hang_together_in_a_corner_beside_triangles_that_le
                     EXPECT_GT(glm::length(domain.planar[l][k] - domain.planar[l][m]), 0.1);
     const double own = volume(ownTriangles(building));
     EXPECT_NEAR(volume(meshBuilding(building, {.mergesFacets = true})), own, 1e-9 * own);
+}
+
+// Some of whose triangles span two facets, so that a fold runs out of what is left of the wall.
+TEST(CurvedFacets, of_a_mesh_whose_triangles_lean_are_meshed_again) {
+    const Closure closure = closeSketch(readSketch(HELIODON_TEST_DATA "/geometry/sketches/s_curve.json"));
+    const PatchMesh mesh = meshBuilding(*closure.building);
+    const std::string file = testing::TempDir() + "across.obj";
+    writeModel(mesh, file);
+    const PatchMesh again = meshBuilding(importModel(file), {.mergesFacets = true});
+    EXPECT_NEAR(volume(again), volume(mesh), 2e-3 * volume(mesh));
 }
