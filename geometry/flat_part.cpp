@@ -62,6 +62,7 @@ namespace {
 // The planes of each surface, with their pieces.
 std::vector<FlatPart> planesOf(const PatchMesh& mesh) {
     using PlaneKey = std::array<int64_t, 5>;
+    constexpr double kPlanes = 1e4; // per radian and metre: models in single precision have flat walls too
     std::vector<FlatPart> parts;
     std::unordered_map<PlaneKey, size_t, KeyHash> planes;
     PlaneKey last{};
@@ -69,8 +70,8 @@ std::vector<FlatPart> planesOf(const PatchMesh& mesh) {
     for (uint32_t i = 0; i < mesh.patchCount(); ++i) {
         if (mesh.role[i] != Role::projection) continue;
         const glm::dvec3 n = patchNormal(mesh, i), p = mesh.vertices[mesh.patch(i)[0]];
-        const PlaneKey key{mesh.surface[i], std::llround(n.x * 1e7), std::llround(n.y * 1e7),
-                           std::llround(n.z * 1e7), std::llround(glm::dot(n, p) * 1e7)};
+        const PlaneKey key{mesh.surface[i], std::llround(n.x * kPlanes), std::llround(n.y * kPlanes),
+                           std::llround(n.z * kPlanes), std::llround(glm::dot(n, p) * kPlanes)};
         if (parts.empty() || key != last) {
             const auto [place, isNew] = planes.try_emplace(key, parts.size());
             if (isNew) {

@@ -176,9 +176,9 @@ TEST(ProjectorVisibility, labels_agree_with_random_rays) {
 }
 
 // What importModel makes of a file that `write` writes.
-template<class Write> Building throughFile(const Write& write) {
+template<class Write> Building throughFile(const char* extension, const Write& write) {
     std::filesystem::path file = std::filesystem::temp_directory_path() /
-                                 ("heliodon_visibility_" + std::to_string(::getpid()) + ".obj");
+                                 ("heliodon_visibility_" + std::to_string(::getpid()) + extension);
     write(file);
     Building building = importModel(file);
     std::filesystem::remove(file);
@@ -192,13 +192,19 @@ TEST(ProjectorVisibility, models_hide_what_the_walls_of_their_sketch_do) {
     for (const char* name : {"p05_T_two_rooms.json", "p08_cubicle.json", "p11_two_buildings.json",
                              "three_arcs.json", "round_column.json"}) {
         const Building building = buildingOf(name);
-        const PatchMesh mesh =
-            meshBuilding(throughFile([&](const auto& file) { writeModel(meshBuilding(building), file); }));
+        const PatchMesh mesh = meshBuilding(
+            throughFile(".obj", [&](const auto& file) { writeModel(meshBuilding(building), file); }));
         const double wrong =
             disagreement(mesh, splitByProjectorVisibility(mesh, {}, fourProjectors()), building.occluders);
         printf("%s: %.5f of the rays disagree\n", name, wrong);
         EXPECT_LE(wrong, 0.005) << name; // nothing hidden: 0.2 to 0.3
     }
+}
+
+TEST(ProjectorVisibility, walls_in_single_precision_are_flat) {
+    const PatchMesh mesh = meshBuilding(buildingOf("p06_U.json"));
+    const Building again = throughFile(".glb", [&](const auto& file) { writeModel(mesh, file); });
+    EXPECT_LT(flatParts(meshBuilding(again)).size(), 2 * flatParts(mesh).size());
 }
 
 // Faces of prisms as an .obj, from corners of the plan, counter-clockwise seen from above.
@@ -265,7 +271,8 @@ TEST(ProjectorVisibility, faces_of_any_model_hide_one_another) {
     model.addColumn({0.2, 0.02}, 0.02, 4, 0.6, 0, 0.12);
     model.add({{-0.05, -0.1}, {0.05, -0.02}, {0.045, -0.012}, {-0.055, -0.092}}, 0, 0.12);
     model.add(box(-0.02, 0.05, 0.07, 0.15), 0.06, 0.065);
-    const Building building = throughFile([&](const auto& file) { std::ofstream(file) << model.text(); });
+    const Building building =
+        throughFile(".obj", [&](const auto& file) { std::ofstream(file) << model.text(); });
     EXPECT_EQ(building.roomCount, 2u);
     const PatchMesh mesh = meshBuilding(building);
     const ProjectorMesh split = splitByProjectorVisibility(mesh, {}, fourProjectors());
