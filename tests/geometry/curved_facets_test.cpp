@@ -466,9 +466,8 @@ TEST(CurvedFacets, what_was_curved_is_so_when_it_is_read_again) {
         }
 }
 
-// Triangles that lean across a fold, from its foot, are no part of the wall that is laid out, which then
-// touches itself in that corner: the program's own models of rooms with arcs were refused when it read them
-// again.
+// Triangles that lean across a fold, from its foot, are no part of the wall that is laid out, which then touches
+// itself in that corner: the program's own models of rooms with arcs were refused when it read them again.
 TEST(CurvedFacets, a_wall_may_hang_together_in_a_corner_beside_triangles_that_lean) {
     const int sides = 24;
     const std::string file = testing::TempDir() + "leaning.obj";
