@@ -49,8 +49,12 @@ public:
     LoopCleaner(const std::vector<RoomPlan>& rooms, OutlineLoop& loop) : rooms_(rooms), loop_(loop) {}
 
     void clean() {
-        hideCracks();
-        while (size() > 3 && (mergeAlike() || dropShort() || dropSpike())) {
+        // Before short steps go, which may take the wall's direction from cracks, and once what stood between
+        // them and the wall has gone.
+        for (int round = 0; round < 2; ++round) {
+            hideCracks();
+            while (size() > 3 && (mergeAlike() || dropShort() || dropSpike())) {
+            }
         }
     }
 

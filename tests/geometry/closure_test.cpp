@@ -12,6 +12,7 @@
 #include "geometry/building.h"
 #include "geometry/disjoint_sets.h"
 #include "geometry/face_soup.h"
+#include "geometry/mesh_domains.h"
 #include "geometry/mesher.h"
 #include "geometry/plan_arrangement.h"
 #include "geometry/plan_regions.h"
@@ -167,6 +168,32 @@ TEST(Closure, free_standing_tall_wall_makes_a_torus) {
     EXPECT_EQ(c.report.rooms[0].euler, 0);
     EXPECT_NEAR(c.report.rooms[0].floorAreaFt2, net(16, 12) - 4 * 0.375, 1e-6);
     EXPECT_EQ(roleOf(c.report, "island"), "interior");
+}
+
+// Four walls that end on one another's centre lines, but for 1.3 mm: seen from outside their corners are not
+// filled by wall, and are shown as wall.
+TEST(Closure, outer_corners_of_an_island_are_shown_as_its_walls_are) {
+    std::mt19937 random(4);
+    std::uniform_real_distribution<double> off(-0.05, 0.05);
+    for (int copy = 0; copy < 8; ++copy) {
+        Sketch s = box(-12, -10, 12, 10);
+        const std::array<glm::dvec2, 4> corner{{{-4, -3}, {4, -3}, {4, 3}, {-4, 3}}};
+        const auto near = [&](glm::dvec2 p) {
+            for (int k = 0; k < 2; ++k) p[k] += off(random);
+            return p;
+        };
+        for (size_t k = 0; k < 4; ++k) {
+            Wall& island =
+                s.walls.emplace_back(wall("i" + std::to_string(k), corner[k], corner[(k + 1) % 4]));
+            island.a = near(island.a);
+            island.b = near(island.b);
+        }
+        const Closure c = closeSketch(s);
+        expectProven(c);
+        for (const Face& face : c.building->faces)
+            EXPECT_TRUE(face.role == Role::projection || std::abs(faceNormal(*c.building, face).y) > 0.5)
+                << copy;
+    }
 }
 
 TEST(Closure, door_stays_open_and_crack_is_filled) {
