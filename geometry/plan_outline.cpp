@@ -17,12 +17,14 @@ namespace heliodon::geometry {
 
 namespace {
 
-constexpr double kShortEdge = 0.12;      // inches: shorter steps are noise
-constexpr double kNarrowCrack = 0.5;     // inches
-constexpr double kTouches = 1e-5;        // inches
-constexpr double kPinchGap = 0.01;       // inches between parts of outlines that do not follow one another
-constexpr double kMostCut = 0.45;        // of an edge, at a sharp corner
-constexpr double kOnLine = 1e-4;         // inches off the line between its neighbours: no corner
+constexpr double kShortEdge = 0.12;  // inches: shorter steps are noise
+constexpr double kNarrowCrack = 0.5; // inches
+constexpr double kInLine = 1e-3;     // the sine of the angle between a straight wall and what goes on with it
+constexpr double kRound = 0.25;      // the same of a curved one
+constexpr double kTouches = 1e-5;    // inches
+constexpr double kPinchGap = 0.01;   // inches between parts of outlines that do not follow one another
+constexpr double kMostCut = 0.45;    // of an edge, at a sharp corner
+constexpr double kOnLine = 1e-4;     // inches off the line between its neighbours: no corner
 constexpr double kStraightSine = 1.1e-5; // nor is one that turns by less
 
 bool beside(double a, double b, double c, double d) {
@@ -46,7 +48,8 @@ bool straightCorner(glm::dvec2 before, glm::dvec2 at, glm::dvec2 after) {
 // One loop of a room; what it does to that never makes outlines cross, of this room or of others.
 class LoopCleaner {
 public:
-    LoopCleaner(const std::vector<RoomPlan>& rooms, OutlineLoop& loop) : rooms_(rooms), loop_(loop) {}
+    LoopCleaner(const PlanWalls& plan, const std::vector<RoomPlan>& rooms, OutlineLoop& loop)
+        : plan_(plan), rooms_(rooms), loop_(loop) {}
 
     void clean() {
         // Before short steps go, which may take the wall's direction from cracks, and once what stood between
@@ -96,14 +99,19 @@ private:
                ((touching(a) || !meet(a, *corner, c, d)) && (touching(b) || !meet(*corner, b, c, d)));
     }
 
-    // A crack in a straight side is too narrow to be told from the wall: it is shown as the wall is.
+    bool onArc(size_t i) {
+        return info(i).piece >= 0 && plan_.pieces[static_cast<size_t>(info(i).piece)].curved;
+    }
+
+    // A crack in the side of a wall is too narrow to be told from it: it is shown as the wall is, and takes
+    // part in its facets.
     void hideCracks() {
         for (size_t i = 0; i < size(); ++i) {
             if (info(i).height > 0 || info(i).gap || glm::length(edge(i)) > kNarrowCrack) continue;
             for (const size_t beside : {i + size() - 1, i + 1})
-                if (info(beside).height > info(i).height &&
+                if (info(beside).height > info(i).height && glm::dot(edge(beside), edge(i)) > 0 &&
                     std::abs(cross(edge(beside), edge(i))) <
-                        1e-3 * glm::length(edge(beside)) * glm::length(edge(i)))
+                        (onArc(beside) ? kRound : kInLine) * glm::length(edge(beside)) * glm::length(edge(i)))
                     info(i) = info(beside);
         }
     }
@@ -165,6 +173,7 @@ private:
         return false;
     }
 
+    const PlanWalls& plan_;
     const std::vector<RoomPlan>& rooms_;
     OutlineLoop& loop_; // of one of them
 };
@@ -309,8 +318,8 @@ void bluntTips(OutlineLoop& loop) {
     loop = std::move(out);
 }
 
-void clean(const std::vector<RoomPlan>& rooms, std::vector<OutlineLoop>& loops) {
-    for (OutlineLoop& loop : loops) LoopCleaner(rooms, loop).clean();
+void clean(const PlanWalls& plan, const std::vector<RoomPlan>& rooms, std::vector<OutlineLoop>& loops) {
+    for (OutlineLoop& loop : loops) LoopCleaner(plan, rooms, loop).clean();
     std::erase_if(loops, [](const OutlineLoop& loop) {
         return loop.points.size() < 3 || std::abs(loopArea(loop)) < 0.05;
     });
@@ -320,7 +329,7 @@ void clean(const std::vector<RoomPlan>& rooms, std::vector<OutlineLoop>& loops) 
 
 void cleanOutlines(const PlanWalls& plan, PlanRooms& found) {
     for (RoomPlan& room : found.rooms) {
-        clean(found.rooms, room.loops);
+        clean(plan, found.rooms, room.loops);
         evenFacets(plan, room.loops);
     }
     for (int round = 0; round < 4 && separatePinches(found.rooms); ++round) {

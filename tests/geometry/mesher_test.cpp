@@ -6,6 +6,7 @@
 #include <set>
 
 #include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
 #include <gtest/gtest.h>
 
 #include "geometry/mesh_domains.h"
@@ -362,6 +363,24 @@ TEST(Mesher, gaps_of_a_ring_are_meshed_as_well_as_its_arcs) {
     }
     const Building building = closed(sketch, fittedTo(sketch, 2000));
     EXPECT_LE(measureMesh(meshBuilding(building)).areaDeviation, 0.09);
+}
+
+// Half circles side by side, whose ends are filled up to where their inner faces meet.
+TEST(Mesher, walls_of_a_lobed_room_have_no_strips_at_their_ends) {
+    Sketch sketch;
+    for (const double turn : {0.0, 72.0, 144.0, 216.0, 288.0}) {
+        Arc& arc = sketch.arcs.emplace_back();
+        arc.id = "a" + std::to_string(sketch.arcs.size());
+        arc.radius = 4.5;
+        const double angle = glm::radians(turn), out = arc.radius / std::tan(glm::radians(36.0));
+        arc.center = out * glm::dvec2(std::cos(angle), std::sin(angle));
+        arc.a0Deg = turn - 90;
+        arc.a1Deg = turn + 90;
+    }
+    const MeshQuality quality = measureMesh(meshBuilding(closed(sketch, fittedTo(sketch, 2000))));
+    EXPECT_EQ(quality.stripTriangles, 0u);
+    EXPECT_GE(quality.minAngleDeg, 36);
+    EXPECT_LE(quality.areaDeviation, 0.13);
 }
 
 TEST(Mesher, surface_of_rooms_is_known_before_they_are_closed) {
