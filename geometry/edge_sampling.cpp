@@ -26,8 +26,8 @@ constexpr double kNarrowStrip = 0.363, kWideStrip = 0.688;
 // edge.
 constexpr double kFacing = 1.6;
 constexpr double kFinestStrip = 0.45; // of the edge length
-// Triangles do not lean across turns of more radians, nor where they would lie deeper in the wall's solids
-// than so many metres.
+// Triangles do not lean across turns of more radians, nor where they would lie farther off the facets, in the
+// wall's solids or before them, than so many metres.
 constexpr double kMostTurn = 0.45, kDeepest = 0.0025;
 // Where triangles may lean across folds: radians along an edge, metres in the wall's solids and before them.
 constexpr double kMostLeaning = 0.5, kDeep = 0.0008, kCutOff = 0.003;
@@ -580,7 +580,7 @@ std::vector<double> EdgeSampler::foldsOf(size_t d) const {
     for (const auto& [x, turn] : domain.folds) {
         turned += std::abs(turn);
         const double width = std::min(x - (folds.empty() ? low : folds.back()), high - x);
-        if (width < least && turned < kMostTurn && (turn < 0 || turned * width < kDeepest)) continue;
+        if (width < least && turned < kMostTurn && turned * width < kDeepest) continue;
         folds.push_back(x);
         turned = 0;
     }
