@@ -20,7 +20,7 @@ namespace {
 constexpr double kShortEdge = 0.12;  // inches: shorter steps are noise
 constexpr double kNarrowCrack = 0.5; // inches
 constexpr double kInLine = 1e-3;     // the sine of the angle between a straight wall and what goes on with it
-constexpr double kRound = 0.25;      // the same of a curved one
+constexpr double kRound = 0.4;       // the same of a curved one, whose facets turn
 constexpr double kTouches = 1e-5;    // inches
 constexpr double kPinchGap = 0.01;   // inches between parts of outlines that do not follow one another
 constexpr double kMostCut = 0.45;    // of an edge, at a sharp corner
