@@ -383,6 +383,27 @@ TEST(Mesher, walls_of_a_lobed_room_have_no_strips_at_their_ends) {
     EXPECT_LE(quality.areaDeviation, 0.13);
 }
 
+// A room whose corners are arcs that begin 0.3 in from the walls, of facets that turn by 26 degrees.
+TEST(Mesher, gaps_beside_round_corners_are_no_strips) {
+    Sketch sketch;
+    for (int k = 0; k < 4; ++k) {
+        const double turn = 90.0 * k, c = std::cos(glm::radians(turn)), s = std::sin(glm::radians(turn));
+        const auto turned = [&](double x, double y) { return glm::dvec2(c * x - s * y, s * x + c * y); };
+        Wall& wall = sketch.walls.emplace_back();
+        wall.id = "w" + std::to_string(k);
+        wall.a = turned(8, -6.55);
+        wall.b = turned(8, 6.55);
+        Arc& arc = sketch.arcs.emplace_back();
+        arc.id = "a" + std::to_string(k);
+        arc.center = turned(6.7, 6.7);
+        arc.radius = 1.3;
+        arc.a0Deg = turn + 6.6;
+        arc.a1Deg = turn + 83.4;
+    }
+    const MeshQuality quality = measureMesh(meshBuilding(closed(sketch, fittedTo(sketch, 2000))));
+    EXPECT_LE(quality.stripTriangles, 20u); // 184 if they were
+}
+
 TEST(Mesher, surface_of_rooms_is_known_before_they_are_closed) {
     for (const char* name : {"p08_cubicle.json", "p09_D_curved.json", "i01_mixed.sketch.json",
                              "three_arcs.json", "arc_with_partitions.json"}) {
