@@ -8,6 +8,7 @@
 
 #include "compute/gpu/commands.h"
 #include "compute/gpu/device.h"
+#include "compute/gpu/error.h"
 #include "compute/parallel.h"
 #include "spirv/hierarchical_links_comp.h"
 #include "spirv/hierarchical_many_rays_comp.h"
@@ -191,6 +192,8 @@ void LinkMaker::run(LinkStage stage, const gpu::Buffer& in, uint32_t count) {
                            &params_, sizeof params_,
                            {gpu::groupsFor(size_t{count} * lanes, io::kHierarchicalGroup), 1, 1});
     counters_.submitAndRead(std::move(commands));
+    if (counters_[io::kHierarchicalCuts] > 0)
+        throw gpu::Error("links: the device ends loops early, however short they are");
     append(splits ? pending_ : nearPairs_, next_, counters_[io::kHierarchicalPairs]);
     if (splits) append(leafPairs_, newLeafPairs_, counters_[io::kHierarchicalLeaves]);
     append(links_, newLinks_, counters_[io::kHierarchicalLinks]);

@@ -55,7 +55,7 @@ private:
     const ClusterScene* scene_;
     io::HierarchicalLinksParams params_{};
     std::vector<glm::uvec2> pending_, leafPairs_, nearPairs_;
-    std::vector<io::HierarchicalDoubt> doubts_, longDoubts_; // the latter after many rays
+    std::vector<io::HierarchicalDoubt> doubts_, longDoubts_; // the latter want many rays
     std::vector<io::HierarchicalLink> links_;
     uint64_t pairCount_ = 0;
     gpu::Buffer pairs_, doubted_;

@@ -11,6 +11,7 @@
 #include "compute/chi_squared.h"
 #include "compute/gpu/commands.h"
 #include "compute/gpu/device.h"
+#include "compute/gpu/error.h"
 #include "compute/texel.h"
 #include "geometry/perpendicular.h"
 #include "spirv/monte_carlo_combine_comp.h"
@@ -20,7 +21,8 @@ namespace heliodon::compute {
 
 namespace {
 
-constexpr uint32_t kRaysEach = 64; // of one invocation: far below 65535 turns of loops even in dense scenes
+// Of one invocation; fewer where devices end its loops (shaders/lib/loop_limit.glsl).
+constexpr uint32_t kRaysEach = 64;
 constexpr uint64_t kRaysPerSubmit = 1u << 20; // about a second of a processor: a caller may stop in between
 constexpr uint32_t kMostKeptBits = 5;
 // Standard deviations: somewhat above 99 in 100 (2.33), since neighbours' hits are not independent.
@@ -111,11 +113,13 @@ MonteCarlo::MonteCarlo(gpu::Device& device, const geometry::PatchMesh& mesh, con
     : device_(&device), bvh_(buildBvh(device, bvhTriangles(mesh))),
       trace_(device, monte_carlo_comp, "monte carlo rays",
              {{"kAtomic", device.info().type == "software" ? 0u : 1u}}),
-      combine_(device, monte_carlo_combine_comp, "monte carlo combine") {
+      combine_(device, monte_carlo_combine_comp, "monte carlo combine"),
+      cuts_(device, 1, "monte carlo cuts") {
     params_.patchCount = static_cast<uint32_t>(mesh.patchCount());
     // 16 bits hold the hits of either half.
     params_.halfRays = std::bit_ceil(std::clamp(options.rays, 64u, 65536u)) / 2;
     params_.keptBits = monteCarloKeptBits(params_.halfRays);
+    params_.rays = std::min(kRaysEach, params_.halfRays);
     params_.nodeCount = bvh_.nodeCount;
     params_.flatness = static_cast<float>(5e-7 * bvh_.diagonal);
     points_ = gpu::Buffer::from(device, monteCarloPoints(params_.halfRays), "monte carlo points");
@@ -159,12 +163,21 @@ uint32_t MonteCarlo::windowRows() const {
 }
 
 void MonteCarlo::trace(const gpu::Buffer& counts, uint32_t firstInBuffer, uint32_t first, uint32_t count) {
+    while (!traceInParts(counts, firstInBuffer, first, count)) sendFewerEach();
+}
+
+void MonteCarlo::sendFewerEach() {
+    if (params_.rays == 1) throw gpu::Error("rays: the device ends loops early, however short they are");
+    params_.rays = std::max(params_.rays / 4, 1u);
+}
+
+bool MonteCarlo::traceInParts(const gpu::Buffer& counts, uint32_t firstInBuffer, uint32_t first,
+                              uint32_t count) {
     io::MonteCarloParams params = params_;
     const size_t rowBytes = size_t{params.patchCount} * sizeof(uint32_t);
     const bool shared = device_->info().type != "software";
     params.firstRow = first;
     params.rowCount = count;
-    params.rays = std::min(kRaysEach, params.halfRays);
     const uint32_t chunks = rays() / params.rays;
     const uint64_t ofChunk = uint64_t{std::max(count, 1u)} * params.rays;
     const uint32_t perSubmit =
@@ -172,23 +185,23 @@ void MonteCarlo::trace(const gpu::Buffer& counts, uint32_t firstInBuffer, uint32
     for (uint32_t from = 0; from < chunks; from += perSubmit) {
         const uint32_t to = std::min(chunks, from + perSubmit);
         gpu::Commands commands(*device_);
-        if (from == 0) {
-            commands.fill(counts, 0, firstInBuffer * rowBytes, count * rowBytes);
-            commands.barrier(gpu::Stage::transfer, gpu::Stage::compute);
-        }
+        if (from == 0) commands.fill(counts, 0, firstInBuffer * rowBytes, count * rowBytes);
+        cuts_.clear(commands);
         const uint32_t each = shared ? to - from : 1;
         for (uint32_t chunk = from; chunk < to; chunk += each) {
             params.firstRay = chunk * params.rays;
             commands.dispatch(trace_,
                               {gpu::texel(bvh_.nodes, kUvec4), gpu::texel(bvh_.triangles, kUvec4),
                                gpu::texel(emitters_, kUvec4), gpu::texel(points_, kUvec4),
-                               gpu::part(counts, firstInBuffer * rowBytes, count * rowBytes)},
+                               gpu::part(counts, firstInBuffer * rowBytes, count * rowBytes), cuts_.buffer()},
                               params, gpu::groupsFor(count, io::kMonteCarloGroup), each);
             commands.barrier(gpu::Stage::compute,
                              gpu::Stage::compute); // the next rays add to the same counts
         }
-        device_->submitAndWait(std::move(commands));
+        cuts_.submitAndRead(std::move(commands));
+        if (cuts_[0] > 0) return false;
     }
+    return true;
 }
 
 void MonteCarlo::combine(const gpu::Buffer& counts, const gpu::Buffer& spreads) {

@@ -13,6 +13,7 @@
 
 #include "compute/bvh.h"
 #include "compute/form_factors.h"
+#include "compute/gpu/counters.h"
 #include "compute/gpu/kernel.h"
 #include "shaders/io/monte_carlo.io.h"
 
@@ -62,6 +63,9 @@ public:
 private:
     void uploadEmitters(const geometry::PatchMesh& mesh);
     void trace(const gpu::Buffer& counts, uint32_t firstInBuffer, uint32_t first, uint32_t count);
+    // False where the device ended loops early: the counts are worth nothing then.
+    bool traceInParts(const gpu::Buffer& counts, uint32_t firstInBuffer, uint32_t first, uint32_t count);
+    void sendFewerEach();
     void combine(const gpu::Buffer& counts, const gpu::Buffer& spreads);
     uint32_t windowRows() const;
     MonteCarloSpread spreadOf(const glm::dvec3& hits) const;
@@ -70,7 +74,8 @@ private:
     Bvh bvh_;
     gpu::Kernel trace_, combine_;
     gpu::Buffer emitters_, points_, areas_;
-    io::MonteCarloParams params_{};
+    gpu::Counters cuts_;
+    io::MonteCarloParams params_{}; // but for rows and the first ray
 };
 
 // Half the points of a patch: two coordinates of direction and two of place as fractions of 2^32. Any

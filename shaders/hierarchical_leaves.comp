@@ -44,7 +44,8 @@ void main() {
     HierarchicalLink link = HierarchicalLink(i, j, exchange.x, 0u, 0u, exchange.y, exchange.x, 0u);
     if (params.nodeCount > 0u &&
         maybeBlocked(p.centre, p.normal, p.radius, q.centre, q.normal, q.radius, params.nodeCount))
-        doubts[atomicAdd(counters[kHierarchicalDoubts], 1u)] = HierarchicalDoubt(link, 0u, 0.0, 0.0, 0.0, 0.0);
+        doubts[atomicAdd(counters[kHierarchicalDoubts], 1u)] =
+            HierarchicalDoubt(link, 0u, 0.0, 0.0, 0.0, 0.0, kHierarchicalRoundRays);
     else
         links[atomicAdd(counters[kHierarchicalLinks], 1u)] = link;
 }

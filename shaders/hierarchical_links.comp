@@ -71,7 +71,8 @@ void main() {
         HierarchicalLink(i, j, density, packHalf2x16(slope.xy), packHalf2x16(slope.zw), kBendRest * length(bend),
                          density, 0u);
     if (maybe)
-        doubts[atomicAdd(counters[kHierarchicalDoubts], 1u)] = HierarchicalDoubt(link, 0u, 0.0, 0.0, 0.0, 0.0);
+        doubts[atomicAdd(counters[kHierarchicalDoubts], 1u)] =
+            HierarchicalDoubt(link, 0u, 0.0, 0.0, 0.0, 0.0, kHierarchicalRoundRays);
     else
         links[atomicAdd(counters[kHierarchicalLinks], 1u)] = link;
 }

@@ -1,6 +1,8 @@
 // Rays between the ends of a link that something may stand in the way of: the share of light that passes. Two
 // clusters get a few, and are handed on as pairs of their children where these disagree and much is at stake; two
-// triangles as many again as before, time after time, until the share is known well enough.
+// triangles as many again as before, time after time, until the share is known well enough. Where the device ended loops
+// early (lib/loop_limit.glsl), pairs are looked at again: by lanes of their own, then as pairs of their children, or with
+// fewer rays at once.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -47,6 +49,7 @@ float errorOfShare(HierarchicalDoubt d, float share, float openOfRay, out float 
 
 shared vec4 castSums[kHierarchicalGroup];
 shared uint castBlocked[kHierarchicalGroup];
+shared bool castCut[kHierarchicalGroup];
 
 // Of the rays between two clusters, sums: where they begin and end, along the axes of both (x, y of the first's, z, w
 // of the second's), products of two of these, and where those begin and end that pass.
@@ -57,9 +60,10 @@ struct Trend {
     vec2 moreProducts; // yw, zw
 };
 
-// Sums over the rays [d.rays, end): what passes, what would in the open, and both squared.
+// Sums over the rays [d.rays, end), which lanes of two triangles share: what passes, what would in the open, and both
+// squared.
 vec4 castRays(HierarchicalDoubt d, Cluster p, Cluster q, bool byAngle, uint seed, uint end, out uint blocked,
-              out Trend trend) {
+              out Trend trend, out bool cut) {
     vec4 sums = vec4(0.0);
     blocked = 0u;
     trend = Trend(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec2(0.0));
@@ -67,12 +71,13 @@ vec4 castRays(HierarchicalDoubt d, Cluster p, Cluster q, bool byAngle, uint seed
     float clusterP = p.child == 0u ? 0.0 : 1.0, clusterQ = q.child == 0u ? 0.0 : 1.0;
     vec3 up = p.axisU * (clusterP / dot(p.axisU, p.axisU)), vp = p.axisV * (clusterP / dot(p.axisV, p.axisV)),
          uq = q.axisU * (clusterQ / dot(q.axisU, q.axisU)), vq = q.axisV * (clusterQ / dot(q.axisV, q.axisV));
-    [[dont_unroll]] for (uint k = d.rays + gl_LocalInvocationID.x % kLanes; k < end; k += kLanes) {
+    uint lanes = p.child == 0u && q.child == 0u ? kLanes : 1u;
+    [[dont_unroll]] for (uint k = d.rays + gl_LocalInvocationID.x % lanes; k < end; k += lanes) {
         CastRay ray = castRay(p, q, byAngle, seed, k, params.nodeCount, params.flatness);
         vec2 light = vec2(ray.passed, ray.open_);
         sums += vec4(light, light * light);
         blocked += light.x > 0.0 ? 0u : 1u;
-        if (kLanes == 1u) {
+        if (lanes == 1u) {
             vec3 from = ray.from - p.centre, to = ray.to - q.centre;
             vec4 x = vec4(dot(from, up), dot(from, vp), dot(to, uq), dot(to, vq));
             trend.at += x;
@@ -82,16 +87,19 @@ vec4 castRays(HierarchicalDoubt d, Cluster p, Cluster q, bool byAngle, uint seed
             trend.passedAt += light.x > 0.0 ? x : vec4(0.0);
         }
     }
+    cut = cutShort(3u + min(end, 1u));
     if (kLanes == 1u) return sums;
-    uint lane = gl_LocalInvocationID.x, first = lane - lane % kLanes;
+    uint lane = gl_LocalInvocationID.x, first = lane - lane % lanes;
     castSums[lane] = sums;
     castBlocked[lane] = blocked;
+    castCut[lane] = cut;
     barrier();
     sums = vec4(0.0);
     blocked = 0u;
-    [[dont_unroll]] for (uint k = first; k < first + kLanes; ++k) {
+    [[dont_unroll]] for (uint k = first; k < first + lanes; ++k) {
         sums += castSums[k];
         blocked += castBlocked[k];
+        cut = cut || castCut[k];
     }
     return sums;
 }
@@ -131,12 +139,22 @@ void main() {
         p = q;
         q = larger;
     }
-    uint end =
-        d.rays + (triangles ? clamp(d.rays, kHierarchicalFewRays, kLanes * kHierarchicalRoundRays) : kHierarchicalRays);
-    uint blocked;
+    uint rays = triangles ? clamp(d.rays, kHierarchicalFewRays, kLanes * d.roundRays) : kHierarchicalRays;
+    uint end = d.rays + rays, blocked;
     Trend trend;
-    vec4 sums = castRays(d, p, q, byAngle, seed, end, blocked, trend);
+    bool cut;
+    vec4 sums = castRays(d, p, q, byAngle, seed, end, blocked, trend, cut);
     if (idle || gl_LocalInvocationID.x % kLanes > 0u) return;
+    if (cut) {
+        if (kLanes > 1u && !triangles) {
+            split(i, j, p, q);
+            return;
+        }
+        if (kLanes > 1u) d.roundRays = rays > kLanes ? max(rays / (4u * kLanes), 1u) : 0u;
+        if (d.roundRays == 0u) atomicAdd(counters[kHierarchicalCuts], 1u);
+        longDoubts[atomicAdd(counters[kHierarchicalLongDoubts], 1u)] = d;
+        return;
+    }
     d.passed += sums.x;
     d.open += sums.y;
     d.passedSquares += sums.z;
@@ -152,7 +170,7 @@ void main() {
         // Here pairs end whose rays agree: the mean over them and those that go on is unbiased.
         if ((agreed <= allowed || last) && d.link.unbiased == d.link.density) d.link.unbiased *= share;
         if (!last) {
-            if (end < kHierarchicalManyRays)
+            if (kLanes == 1u && end < kHierarchicalManyRays)
                 doubts[atomicAdd(counters[kHierarchicalDoubts], 1u)] = d;
             else
                 longDoubts[atomicAdd(counters[kHierarchicalLongDoubts], 1u)] = d;

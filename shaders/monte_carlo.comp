@@ -1,7 +1,7 @@
 // Rays from points on patches, with the density of the cosine, to the patch that each meets first: F(i, j) is the
 // share of the rays of i that end on the front of j. One invocation sends rays of one patch: lanes of a subgroup
 // have neighbouring patches and, by the bits of direction that all patches share, nearly the same direction, so
-// they visit the same boxes.
+// they visit the same boxes. Where loops were cut short (lib/loop_limit.glsl) the host sends fewer from each.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -15,9 +15,11 @@ layout(set = 0, binding = 1) uniform usamplerBuffer bvhTriangles;
 layout(set = 0, binding = 2) uniform usamplerBuffer emitters; // patches, then parts
 layout(set = 0, binding = 3) uniform usamplerBuffer points;   // halfRays: direction.xy, position.xy
 layout(set = 0, binding = 4, scalar) buffer Counts { uint counts[]; }; // window of rows x patchCount
+layout(set = 0, binding = 5, scalar) buffer Cuts { uint cuts; }; // invocations whose loops the device ended early
 layout(push_constant, scalar) uniform Push { MonteCarloParams params; };
 
 #include "shaders/lib/bvh.glsl"
+#include "shaders/lib/loop_limit.glsl"
 #include "shaders/lib/monte_carlo_points.glsl"
 
 void main() {
@@ -62,4 +64,5 @@ void main() {
                 counts[at] += one;
         }
     }
+    if (cutShort(3u + min(params.rays, 1u))) atomicAdd(cuts, 1u);
 }

@@ -8,7 +8,7 @@ const uint kHierarchicalRays = 8u;    // between two clusters
 const uint kHierarchicalFewRays = 4u; // first between two triangles, then as many again as there were
 const uint kHierarchicalLanes = 8u;   // share the rays of a pair that needs many: the last pairs to be settled are few
 const uint kHierarchicalManyRays = 64u;   // which a pair does that has had so many
-const uint kHierarchicalRoundRays = 512u; // of one invocation, at most: loops are far from 65535 turns
+const uint kHierarchicalRoundRays = 512u; // of one invocation at once, at most
 // Of a tolerance, the error over the larger end up to which a pair of triangles is kept.
 const float kHierarchicalKept = 0.25f;
 const uint kHierarchicalAlign = 16u; // windows of entries begin at multiples of this: 256 bytes
@@ -38,14 +38,16 @@ struct HierarchicalDoubt {
     float passed;
     float openSquares;
     float passedSquares;
+    uint roundRays; // of one invocation at once
 };
 // Counters.
 const uint kHierarchicalLinks = 0u;
 const uint kHierarchicalPairs = 1u;  // to go on with
 const uint kHierarchicalLeaves = 2u; // pairs of leaves
 const uint kHierarchicalDoubts = 3u;
-const uint kHierarchicalLongDoubts = 4u; // that need many rays
-const uint kHierarchicalCounters = 5u;
+const uint kHierarchicalLongDoubts = 4u; // that need many rays, or long ones
+const uint kHierarchicalCuts = 5u;       // pairs for which no device does that ends loops so early: lib/loop_limit.glsl
+const uint kHierarchicalCounters = 6u;
 struct HierarchicalLinksParams {
     uint pairCount;
     uint nodeCount;  // of the hierarchy of blockers; 0: nothing can stand between

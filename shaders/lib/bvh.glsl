@@ -6,6 +6,7 @@
 #define BVH_GLSL
 #include "shaders/io/bvh.io.h"
 #include "shaders/lib/constants.glsl"
+#include "shaders/lib/loop_limit.glsl"
 
 const uint kBvhNothing = 0xffffffffu;
 const float kBvhPlane = 1e-6; // of lengths: rounding errors of heights over a triangle's plane
@@ -113,7 +114,7 @@ bool blockedBetween(vec3 from, vec3 to, uint room, uint nodeCount, float flatnes
 }
 
 // Whether a triangle might stand between two discs: it may reach into the capsule about both, and its plane does
-// not have both on one side. Never false where one does.
+// not have both on one side. Never false where one does, nor where the device ended the search early.
 bool maybeBlocked(vec3 from, vec3 fromNormal, float fromRadius, vec3 to, vec3 toNormal, float toRadius,
                   uint nodeCount) {
     float radius = max(fromRadius, toRadius);
@@ -141,6 +142,6 @@ bool maybeBlocked(vec3 from, vec3 fromNormal, float fromRadius, vec3 to, vec3 to
         } while (k < count);
         node = maybe ? ray.end : node;
     }
-    return maybe;
+    return maybe || cutShort(3u + min(nodeCount, 1u));
 }
 #endif

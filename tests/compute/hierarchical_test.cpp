@@ -188,6 +188,47 @@ TEST(LinkMaker, links_in_the_open_are_those_of_the_reference) {
     }
 }
 
+uint32_t rootOf(const PatchTree& tree, glm::dvec3 normal) {
+    uint32_t root = 0;
+    while (glm::dot(tree.nodes[root].normal, normal) < 0.999) ++root;
+    return root;
+}
+
+// Loops longer than devices let them be (shaders/lib/loop_limit.glsl). A room about the origin, so that
+// blockers that end alike on all sides may be put into it.
+TEST(LinkMaker, rays_past_thousands_of_boxes_are_followed_to_their_ends) {
+    test::BoxRoom box{.low = {-2, -1.5, -2.5}, .high = {2, 1.5, 2.5}};
+    const auto links = [&](uint32_t cells, std::vector<BvhTriangle> blockers,
+                           const LinkTolerance& tolerance) {
+        box.cells = {cells, 1, cells};
+        ClusterScene scene(test::device(), test::boxRoom(box));
+        scene.blockers = buildBvh(test::device(), std::move(blockers));
+        EXPECT_NEAR(glm::length(scene.blockers.centre), 0, 1e-9);
+        LinkMaker maker(test::device(), scene, tolerance);
+        maker.add(rootOf(scene.tree, {0, 1, 0}), rootOf(scene.tree, {0, -1, 0}));
+        return maker.finish();
+    };
+    const auto needles = [&](uint32_t count, double width) {
+        std::vector<BvhTriangle> triangles;
+        for (const auto& [a, b, c] : test::needlesAcross(box, count / 2, width))
+            triangles.insert(triangles.end(), {{{a, b, c}, 0, 0}, {{-a, -c, -b}, 0, 0}});
+        return triangles;
+    };
+
+    // Clusters behind a sheet at the ends of all ways.
+    std::vector<BvhTriangle> hidden = needles(6000, 1e-6);
+    const glm::dvec3 sheet(9, 1.499, 9), u(18, 0, 0), v(0, 0, 18), speck(1e-6, 0, 0);
+    hidden.insert(hidden.end(), {{{sheet, sheet - u, sheet - v}, 0, 0},
+                                 {{sheet - u - v, sheet - u, sheet - v}, 0, 0},
+                                 {{-sheet, -sheet + speck, u + v - sheet}, 0, 0}});
+    for (const io::HierarchicalLink& link : links(8, hidden, {0.02, 1})) EXPECT_EQ(link.density, 0);
+
+    // Triangles, 10 m2 each, that need hundreds of rays.
+    const double tolerance = 1e-2;
+    for (const io::HierarchicalLink& link : links(1, needles(1500, 5e-3), {1, tolerance}))
+        EXPECT_LE(10 * double{link.error}, 2 * double{io::kHierarchicalKept} * tolerance);
+}
+
 TEST(Hierarchical, rooms_without_blockers_reach_the_error_asked) {
     for (const char* name :
          {"cube_quads_4x4", "cylinder24", "cube_quads_1x1", "tetra_regular", "thin_slab_1_1_0.001"}) {

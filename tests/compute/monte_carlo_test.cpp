@@ -142,6 +142,30 @@ TEST(MonteCarlo, screens_without_thickness_lose_no_rays) {
     }
 }
 
+// Loops longer than devices let them be (shaders/lib/loop_limit.glsl): half the hits of these rays went
+// missing.
+TEST(MonteCarlo, rays_past_thousands_of_boxes_are_followed_to_their_ends) {
+    const test::BoxRoom box{.cells = {1, 1, 1}};
+    geometry::PatchMesh mesh = test::boxRoom(box);
+    for (const auto& corners : test::needlesAcross(box, 1000, 7e-3)) {
+        const auto v = static_cast<uint32_t>(mesh.vertices.size());
+        mesh.vertices.insert(mesh.vertices.end(), corners.begin(), corners.end());
+        mesh.addPatch(std::vector<uint32_t>{v, v + 1, v + 2}, 0, geometry::Role::projection, v, 0);
+    }
+    constexpr uint32_t kRows = 8;
+    const size_t n = mesh.patchCount();
+    std::vector<float> values(kRows * n);
+    std::vector<MonteCarloSpread> spreads(kRows);
+    MonteCarlo(test::device(), mesh, {256}).rows(0, kRows, values, spreads);
+    for (uint32_t i = 0; i < kRows; ++i) {
+        const auto row = reference::monteCarloRow(mesh, i, 256);
+        double difference = 0;
+        for (uint32_t j = 0; j < n; ++j)
+            difference += std::abs(256 * double{values[i * n + j]} - double(row.hits[0][j] + row.hits[1][j]));
+        EXPECT_LE(difference, 4) << "row " << i;
+    }
+}
+
 TEST(MonteCarlo, pairs_are_reciprocal_and_every_run_gives_the_same_bits) {
     const geometry::PatchMesh mesh = test::boxRoom({});
     const size_t n = mesh.patchCount();

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <random>
 
 #include <glm/geometric.hpp>
 
@@ -153,6 +154,28 @@ inline geometry::PatchMesh polygons(const std::vector<std::vector<glm::dvec3>>& 
         mesh.addPatch(corners, 0, geometry::Role::projection, 0, 0);
     }
     return mesh;
+}
+
+// Loose needles all through a room from corner to corner, whose boxes every ray has to go through, most in
+// vain.
+inline std::vector<std::array<glm::dvec3, 3>> needlesAcross(const BoxRoom& box, uint32_t count,
+                                                            double width) {
+    std::mt19937 random(5);
+    const auto between = [&](double low, double high) {
+        return std::uniform_real_distribution<double>(low, high)(random);
+    };
+    std::vector<std::array<glm::dvec3, 3>> needles;
+    for (uint32_t k = 0; k < count; ++k) {
+        glm::dvec3 from, to;
+        for (int axis = 0; axis < 3; ++axis) {
+            const double low = box.low[axis], size = box.high[axis] - low, swap = (k >> axis) & 1u;
+            from[axis] = low + size * std::abs(swap - between(0.01, 0.11));
+            to[axis] = low + size * std::abs(swap - between(0.89, 0.99));
+        }
+        const glm::dvec3 aside(between(-width, width), between(-width, width), between(-width, width));
+        needles.push_back({from, to, from + aside});
+    }
+    return needles;
 }
 
 // A closed box with two screens without thickness that cross, patches on both sides, divided into `cells` x
