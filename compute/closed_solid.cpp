@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <optional>
+#include <set>
 #include <span>
 
 #include <glm/geometric.hpp>
@@ -24,30 +24,45 @@ using glm::dvec3;
 
 namespace {
 
-// Surfaces that hang together by edges, by the lowest of their patches; none where an edge is used twice in
-// one direction or has no neighbour.
-std::optional<std::vector<uint32_t>> closedSurfaces(const geometry::PatchMesh& mesh) {
+// Surfaces that hang together by edges, each by one of its patches, and which of them are solids so far.
+struct Surfaces {
+    std::vector<uint32_t> of;  // per patch
+    std::vector<bool> isSolid; // per patch that gives a surface its name
+
+    bool solid(uint32_t patch) const { return isSolid[of[patch]]; }
+    void isNone(uint32_t patch) { isSolid[of[patch]] = false; }
+};
+
+// Not solids: surfaces of which an edge is used twice in one direction or has no neighbour.
+Surfaces surfacesOf(const geometry::PatchMesh& mesh) {
     std::map<std::array<double, 3>, uint32_t> welded;
     std::vector<uint32_t> id;
     for (const dvec3& p : mesh.vertices)
         id.push_back(welded.try_emplace({p.x, p.y, p.z}, static_cast<uint32_t>(welded.size())).first->second);
     std::map<std::array<uint32_t, 3>, uint32_t> edges; // room, from, to
+    geometry::DisjointSets sets(mesh.patchCount());
+    std::vector<uint32_t> torn;
     for (uint32_t i = 0; i < mesh.patchCount(); ++i) {
         const auto corner = mesh.patch(i);
-        for (size_t k = 0; k < corner.size(); ++k)
-            if (!edges.try_emplace({mesh.room[i], id[corner[k]], id[corner[(k + 1) % corner.size()]]}, i)
-                     .second)
-                return {};
+        for (size_t k = 0; k < corner.size(); ++k) {
+            const auto [edge, fresh] =
+                edges.try_emplace({mesh.room[i], id[corner[k]], id[corner[(k + 1) % corner.size()]]}, i);
+            if (fresh) continue;
+            torn.push_back(i);
+            sets.join(i, edge->second);
+        }
     }
-    geometry::DisjointSets sets(mesh.patchCount());
     for (const auto& [edge, patch] : edges) {
         const auto other = edges.find({edge[0], edge[2], edge[1]});
-        if (other == edges.end()) return {};
-        sets.join(patch, other->second);
+        if (other == edges.end())
+            torn.push_back(patch);
+        else
+            sets.join(patch, other->second);
     }
-    std::vector<uint32_t> surface(mesh.patchCount());
-    for (uint32_t i = 0; i < mesh.patchCount(); ++i) surface[i] = sets.root(i);
-    return surface;
+    Surfaces surfaces{{}, std::vector<bool>(mesh.patchCount(), true)};
+    for (uint32_t i = 0; i < mesh.patchCount(); ++i) surfaces.of.push_back(sets.root(i));
+    for (const uint32_t patch : torn) surfaces.isNone(patch);
+    return surfaces;
 }
 
 bool pierces(const dvec3& a, const dvec3& b, const ConvexRegion& region, const dvec3& normal, double flat) {
@@ -88,8 +103,7 @@ struct Sheet {
     double order = 0; // planeOrder()
 };
 
-std::vector<Sheet> sheetsOf(const geometry::PatchMesh& mesh) {
-    const std::vector<uint32_t> plane = planeNumbers(mesh);
+std::vector<Sheet> sheetsOf(const geometry::PatchMesh& mesh, std::span<const uint32_t> plane) {
     std::vector<Sheet> sheets;
     const geometry::Bounds box = geometry::boundsOf(mesh.vertices);
     std::vector<double> largest;
@@ -110,10 +124,10 @@ std::vector<Sheet> sheetsOf(const geometry::PatchMesh& mesh) {
     return sheets;
 }
 
-// Patches of two sheets that lie on one another; both sides of one surface, as of a partition without
+// Of two sheets whose patches lie on one another; both sides of one surface, as of a partition without
 // thickness, are a solid still, if an empty one.
-bool touch(const geometry::PatchMesh& mesh, const Sheet& a, const Sheet& b, std::span<const uint32_t> surface,
-           double flat) {
+void dropTouching(const geometry::PatchMesh& mesh, const Sheet& a, const Sheet& b, double flat,
+                  Surfaces& surfaces) {
     const dvec3 u = geometry::perpendicular(a.normal), v = glm::cross(a.normal, u);
     struct Outline {
         std::vector<dvec2> corners;
@@ -138,27 +152,28 @@ bool touch(const geometry::PatchMesh& mesh, const Sheet& a, const Sheet& b, std:
     };
     const std::vector<Outline> ours = outlines(a), theirs = outlines(b);
     const auto same = [&](const Outline& x, const Outline& y) { // as front and back
-        return surface[x.patch] == surface[y.patch] && glm::distance(x.low, y.low) <= flat &&
+        return surfaces.of[x.patch] == surfaces.of[y.patch] && glm::distance(x.low, y.low) <= flat &&
                glm::distance(x.high, y.high) <= flat;
     };
     for (const Outline& x : ours)
         for (const Outline& y : theirs) {
             if (y.low.x >= x.high.x) break;
             if (y.high.x <= x.low.x || y.low.y >= x.high.y || y.high.y <= x.low.y) continue;
-            if (!same(x, y) && overlap(x.corners, y.corners, flat)) return true;
+            if (!surfaces.solid(x.patch) && !surfaces.solid(y.patch)) continue;
+            if (same(x, y) || !overlap(x.corners, y.corners, flat)) continue;
+            surfaces.isNone(x.patch);
+            surfaces.isNone(y.patch);
         }
-    return false;
 }
 
-bool anyTouch(const geometry::PatchMesh& mesh, std::span<const uint32_t> surface, double size) {
-    const std::vector<Sheet> sheets = sheetsOf(mesh);
+void dropTouching(const geometry::PatchMesh& mesh, std::span<const uint32_t> plane, double size,
+                  Surfaces& surfaces) {
+    const std::vector<Sheet> sheets = sheetsOf(mesh, plane);
     for (const Sheet& a : sheets)
         for (const Sheet& b : oppositeSheets(sheets, a))
             if (b.room == a.room && glm::dot(a.normal, b.normal) < -0.999 &&
-                std::abs(glm::dot(b.origin - a.origin, a.normal)) <= 2 * kSamePlane * size &&
-                touch(mesh, a, b, surface, 1e-8 * size))
-                return true;
-    return false;
+                std::abs(glm::dot(b.origin - a.origin, a.normal)) <= 2 * kSamePlane * size)
+                dropTouching(mesh, a, b, 1e-8 * size, surfaces);
 }
 
 // Over 4 pi, the solid angle of a triangle seen from a point, positive from its front (A. van Oosterom, J.
@@ -171,69 +186,134 @@ double turnsOf(const dvec3& point, const dvec3& p, const dvec3& q, const dvec3& 
     return -std::atan2(volume, below) / (2 * std::numbers::pi);
 }
 
-// Whether the air before each surface is that before all others of the room: how often surfaces go round it.
-bool sameAir(const geometry::PatchMesh& mesh, std::span<const uint32_t> surface, double size) {
-    struct Whole {
-        std::vector<uint32_t> patches;
-        dvec3 low{INFINITY}, high{-INFINITY};
-    };
+// One surface and a point just before it.
+struct Whole {
+    std::vector<uint32_t> patches;
+    dvec3 low{INFINITY}, high{-INFINITY}, before{0};
+
+    // How often it goes round a point.
+    long turnsRound(const geometry::PatchMesh& mesh, const dvec3& point) const {
+        if (glm::any(glm::lessThan(point, low)) || glm::any(glm::greaterThan(point, high))) return 0;
+        double turns = 0;
+        for (const uint32_t i : patches) {
+            const auto c = mesh.patch(i);
+            for (size_t k = 1; k + 1 < c.size(); ++k)
+                turns += turnsOf(point, mesh.vertices[c[0]], mesh.vertices[c[k]], mesh.vertices[c[k + 1]]);
+        }
+        return std::lround(turns);
+    }
+};
+
+std::map<uint32_t, Whole> wholesOf(const geometry::PatchMesh& mesh, const Surfaces& surfaces, double size) {
     std::map<uint32_t, Whole> wholes;
+    std::map<uint32_t, double> largest;
     for (uint32_t i = 0; i < mesh.patchCount(); ++i) {
-        Whole& whole = wholes[surface[i]];
+        const double area = geometry::patchArea(mesh, i);
+        if (!(area > 0)) continue;
+        Whole& whole = wholes[surfaces.of[i]];
         whole.patches.push_back(i);
-        for (uint32_t corner : mesh.patch(i))
+        for (const uint32_t corner : mesh.patch(i))
             whole.low = glm::min(whole.low, mesh.vertices[corner]),
             whole.high = glm::max(whole.high, mesh.vertices[corner]);
-    }
-    std::map<uint32_t, int> air; // per room
-    for (const auto& [name, own] : wholes) {
-        const uint32_t largest =
-            *std::max_element(own.patches.begin(), own.patches.end(), [&](uint32_t i, uint32_t j) {
-                return geometry::patchArea(mesh, i) < geometry::patchArea(mesh, j);
-            });
-        if (!(geometry::patchArea(mesh, largest) > 0)) continue;
-        const dvec3 point =
-            geometry::patchCentroid(mesh, largest) + 1e-8 * size * geometry::patchNormal(mesh, largest);
-        double turns = 0;
-        for (const auto& [other, whole] : wholes) {
-            if (mesh.room[whole.patches[0]] != mesh.room[largest] ||
-                (other != name && (glm::any(glm::lessThan(point, whole.low)) ||
-                                   glm::any(glm::greaterThan(point, whole.high)))))
-                continue;
-            for (uint32_t i : whole.patches) {
-                const auto c = mesh.patch(i);
-                for (size_t k = 1; k + 1 < c.size(); ++k)
-                    turns +=
-                        turnsOf(point, mesh.vertices[c[0]], mesh.vertices[c[k]], mesh.vertices[c[k + 1]]);
-            }
+        if (double& most = largest[surfaces.of[i]]; area > most) {
+            most = area;
+            whole.before = geometry::patchCentroid(mesh, i) + 1e-8 * size * geometry::patchNormal(mesh, i);
         }
-        const int round = static_cast<int>(std::lround(turns));
-        if (air.try_emplace(mesh.room[largest], round).first->second != round) return false;
     }
-    return true;
+    return wholes;
+}
+
+// Those that hold another surface of their room in their solid: it goes round that as it does not round what
+// lies before it itself.
+void dropFilled(const geometry::PatchMesh& mesh, double size, Surfaces& surfaces) {
+    const std::map<uint32_t, Whole> wholes = wholesOf(mesh, surfaces, size);
+    for (const auto& [name, whole] : wholes) {
+        if (!surfaces.isSolid[name]) continue;
+        const long air = whole.turnsRound(mesh, whole.before);
+        for (const auto& [other, inside] : wholes)
+            if (mesh.room[other] == mesh.room[name] && whole.turnsRound(mesh, inside.before) != air)
+                surfaces.isSolid[name] = false;
+    }
+}
+
+// Per region the surfaces that it covers something of, by name.
+std::vector<std::set<uint32_t>> surfacesIn(const geometry::PatchMesh& mesh, std::span<const uint32_t> plane,
+                                           const std::vector<ConvexRegion>& regions, double flat,
+                                           const Surfaces& surfaces) {
+    std::map<uint32_t, std::vector<uint32_t>> patchesOf; // planes
+    for (uint32_t i = 0; i < mesh.patchCount(); ++i) patchesOf[plane[i]].push_back(i);
+    std::vector<std::set<uint32_t>> result;
+    for (const ConvexRegion& region : regions) {
+        const dvec3 normal = glm::normalize(geometry::areaVector(region.corners));
+        const dvec3 u = geometry::perpendicular(normal), v = glm::cross(normal, u);
+        const auto inPlane = [&](const std::vector<dvec3>& corners) {
+            std::vector<dvec2> flatCorners;
+            for (const dvec3& p : corners)
+                flatCorners.emplace_back(glm::dot(p - region.corners[0], u),
+                                         glm::dot(p - region.corners[0], v));
+            return flatCorners;
+        };
+        const std::vector<dvec2> own = inPlane(region.corners);
+        std::set<uint32_t>& names = result.emplace_back();
+        for (const uint32_t i : patchesOf[region.group])
+            if (!names.contains(surfaces.of[i]) &&
+                overlap(own, inPlane(geometry::patchCorners(mesh, i)), flat))
+                names.insert(surfaces.of[i]);
+    }
+    return result;
+}
+
+// Those of which edges pass through blockers, and those whose blockers they are.
+void dropPierced(const geometry::PatchMesh& mesh, const std::vector<ConvexRegion>& regions,
+                 const std::vector<std::set<uint32_t>>& covered, double flat, Surfaces& surfaces) {
+    for (size_t r = 0; r < regions.size(); ++r) {
+        const dvec3 normal = glm::normalize(geometry::areaVector(regions[r].corners));
+        for (uint32_t i = 0; i < mesh.patchCount(); ++i) {
+            if (mesh.room[i] != regions[r].room) continue;
+            const auto corner = mesh.patch(i);
+            bool through = false;
+            for (size_t k = 0; k < corner.size() && !through; ++k)
+                through = pierces(mesh.vertices[corner[k]], mesh.vertices[corner[(k + 1) % corner.size()]],
+                                  regions[r], normal, flat);
+            if (!through) continue;
+            surfaces.isSolid[surfaces.of[i]] = false;
+            for (const uint32_t name : covered[r]) surfaces.isSolid[name] = false;
+        }
+    }
+}
+
+double sizeOf(const geometry::PatchMesh& mesh) {
+    return std::max(geometry::boundsOf(mesh.vertices).diagonal(), 1e-300);
+}
+
+// Crossings aside.
+Surfaces solidSurfaces(const geometry::PatchMesh& mesh, std::span<const uint32_t> plane) {
+    Surfaces surfaces = surfacesOf(mesh);
+    dropTouching(mesh, plane, sizeOf(mesh), surfaces);
+    dropFilled(mesh, sizeOf(mesh), surfaces);
+    return surfaces;
 }
 
 } // namespace
 
-bool isClosedSolid(const geometry::PatchMesh& mesh, const std::vector<ConvexRegion>& regions) {
+std::vector<bool> regionsOfSolids(const geometry::PatchMesh& mesh, const std::vector<ConvexRegion>& regions) {
+    std::vector<bool> result(regions.size(), false);
     // Beyond this, edges and regions cost more than they save.
-    if (static_cast<double>(mesh.corners.size()) * static_cast<double>(regions.size()) > 2e7) return false;
-    const auto surface = closedSurfaces(mesh);
-    const double size = std::max(geometry::boundsOf(mesh.vertices).diagonal(), 1e-300);
-    if (!surface || anyTouch(mesh, *surface, size) || !sameAir(mesh, *surface, size)) return false;
-    const double flat = 1e-8 * size;
-    for (const ConvexRegion& region : regions) {
-        const dvec3 normal = glm::normalize(geometry::areaVector(region.corners));
-        for (size_t i = 0; i < mesh.patchCount(); ++i) {
-            if (mesh.room[i] != region.room) continue;
-            const auto corner = mesh.patch(i);
-            for (size_t k = 0; k < corner.size(); ++k)
-                if (pierces(mesh.vertices[corner[k]], mesh.vertices[corner[(k + 1) % corner.size()]], region,
-                            normal, flat))
-                    return false;
-        }
-    }
-    return true;
+    if (static_cast<double>(mesh.corners.size()) * static_cast<double>(regions.size()) > 2e7) return result;
+    const std::vector<uint32_t> plane = planeNumbers(mesh);
+    Surfaces surfaces = solidSurfaces(mesh, plane);
+    const double flat = 1e-8 * sizeOf(mesh);
+    const std::vector<std::set<uint32_t>> covered = surfacesIn(mesh, plane, regions, flat, surfaces);
+    dropPierced(mesh, regions, covered, flat, surfaces);
+    for (size_t r = 0; r < regions.size(); ++r)
+        result[r] =
+            std::ranges::all_of(covered[r], [&](uint32_t name) { return bool{surfaces.isSolid[name]}; });
+    return result;
+}
+
+bool isClosedSolid(const geometry::PatchMesh& mesh) {
+    const Surfaces surfaces = solidSurfaces(mesh, planeNumbers(mesh));
+    return std::ranges::all_of(surfaces.of, [&](uint32_t name) { return bool{surfaces.isSolid[name]}; });
 }
 
 bool facesLookOutwards(const geometry::PatchMesh& mesh) {

@@ -1,4 +1,4 @@
-// Whether rooms are solids seen from their air, so that backs of patches need not be looked at.
+// What of a mesh bounds solids seen from their air, so that the backs of these patches need not be looked at.
 #pragma once
 
 #include <vector>
@@ -8,12 +8,15 @@
 
 namespace heliodon::compute {
 
-// Whether each room's patches form closed surfaces (every edge used once in either direction) that do not
-// pass through one another, nor touch face to face, nor lie in one another's solid, so that whoever stands in
-// front of a patch meets a front first. A box that stands on a floor which goes on beneath it is none: what
-// the floor has there lies inside. `regions`: what of the mesh blocks, for crossings; without them none are
-// looked for. Cost: edges x regions, and patches x separate surfaces round them.
-bool isClosedSolid(const geometry::PatchMesh& mesh, const std::vector<ConvexRegion>& regions);
+// Per region of blockingRegions: whether all that it covers belongs to closed surfaces (every edge used once
+// in either direction) that no other of their room passes through, touches face to face, or lies behind, so
+// that whoever starts from any patch meets their fronts before their backs. A box that stands on a floor
+// which goes on beneath it is none: what the floor has there lies inside. Cost: edges x regions, and patches
+// x separate surfaces round them.
+std::vector<bool> regionsOfSolids(const geometry::PatchMesh& mesh, const std::vector<ConvexRegion>& regions);
+
+// Whether all patches belong to such surfaces, crossings aside.
+bool isClosedSolid(const geometry::PatchMesh& mesh);
 
 // Of a closed solid: whether its faces are seen from outside what they enclose.
 bool facesLookOutwards(const geometry::PatchMesh& mesh);

@@ -367,7 +367,7 @@ BlockingPlanes blockingPlanes(const geometry::PatchMesh& mesh, uint32_t maxCorne
         const PointTree& room = corners.at(mesh.room[plane.patches[0]]);
         if (room.reaches(plane.origin, plane.normal, kSamePlane * size) &&
             room.reaches(plane.origin, -plane.normal, kSamePlane * size))
-            mergePlane(mesh, plane, 1e-9 * size, maxCorners, 0, result.regions);
+            mergePlane(mesh, plane, 1e-9 * size, maxCorners, result.planes, result.regions);
     }
     return result;
 }

@@ -16,7 +16,7 @@ struct ConvexRegion {
     std::vector<glm::dvec3>
         corners; // counter-clockwise about the patches' normal, no corner on a straight edge
     uint32_t room = 0;
-    uint32_t group = 0; // as given to mergedRegions
+    uint32_t group = 0; // as given to mergedRegions; of blockingPlanes the plane, as planeNumbers has it
 };
 
 // A patch this near to a region's plane, as a share of the mesh's diagonal, and parallel to it lies in that

@@ -222,9 +222,8 @@ private:
         commands.fill(there_, 0, 0, static_cast<size_t>(a.pieces) * b.pieces * 4);
         if (!diagonal) commands.fill(back_, 0, 0, static_cast<size_t>(a.pieces) * b.pieces * 4);
         counters_.clear(commands);
-        const io::ExactBlocksParams params{scene_.pieceCount, words_,         a.pieces,
-                                           b.pieces,          a.firstCluster, a.clusters,
-                                           b.firstCluster,    b.clusters,     scene_.closed ? 1u : 0u};
+        const io::ExactBlocksParams params{scene_.pieceCount, words_,     a.pieces,       b.pieces,
+                                           a.firstCluster,    a.clusters, b.firstCluster, b.clusters};
         commands.dispatch(kernels_.blocks(),
                           {high(), low(), normal(), centre(), range(), clusters(), sides(sidesA_),
                            sidesOf(diagonal), counters_.buffer(), blocks_, masks_},
@@ -257,21 +256,10 @@ private:
         const uint32_t strips =
             words_ > kManyWords ? gpu::groupsFor(kClusterPieces * kClusterPieces, io::kExactGroup) : 1;
         for (uint32_t done = 0; done < count; done += kMostGroups) {
-            const io::ExactPairsParams params{scene_.pieceCount,
-                                              words_,
-                                              first + done,
-                                              a.firstPiece,
-                                              b.firstPiece,
-                                              a.firstCluster,
-                                              b.firstCluster,
-                                              b.clusters,
-                                              a.pieces,
-                                              b.pieces,
-                                              recordCapacity_,
-                                              listCapacity_,
-                                              scene_.closed ? 1u : 0u,
-                                              byLines() ? 1u : 0u,
-                                              tolerance_};
+            const io::ExactPairsParams params{
+                scene_.pieceCount, words_,         first + done,        a.firstPiece, b.firstPiece,
+                a.firstCluster,    b.firstCluster, b.clusters,          a.pieces,     b.pieces,
+                recordCapacity_,   listCapacity_,  byLines() ? 1u : 0u, tolerance_};
             commands.dispatch(kernels_.pairs(clear),
                               {high(), low(), normal(), centre(), range(), clusters(), sides(sidesA_),
                                sidesOf(diagonal), counters_.buffer(), blocks_, masks_, records_, lists_,

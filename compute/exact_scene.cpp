@@ -45,9 +45,10 @@ struct Faces {
     std::vector<glm::uvec4> range;
 
     // `normal` and the first corner fix the plane; zero area makes a face that faces nothing.
-    void add(const std::vector<dvec3>& corners, const dvec3& unitNormal, uint32_t room, uint32_t place = 0) {
+    // `more`: of pieces their place in the tile, of blockers whether they bound a solid.
+    void add(const std::vector<dvec3>& corners, const dvec3& unitNormal, uint32_t room, uint32_t more = 0) {
         range.push_back(
-            {static_cast<uint32_t>(high.size()), static_cast<uint32_t>(corners.size()), room, place});
+            {static_cast<uint32_t>(high.size()), static_cast<uint32_t>(corners.size()), room, more});
         dvec3 area{0}, weighted{0};
         double total = 0;
         for (size_t k = 1; k + 1 < corners.size(); ++k) {
@@ -186,10 +187,11 @@ ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh, uint
             area > 0 ? static_cast<float>(std::min(1.0, double{area} / scene.patchArea[piece.patch])) : 0.0f);
     }
     const std::vector<ConvexRegion> regions = blockingRegions(mesh, io::kExactBlockerCorners);
-    for (const ConvexRegion& region : regions)
-        faces.add(region.corners, unitOrZero(geometry::areaVector(region.corners)), region.room);
+    const std::vector<bool> ofSolids = regionsOfSolids(mesh, regions);
+    for (size_t k = 0; k < regions.size(); ++k)
+        faces.add(regions[k].corners, unitOrZero(geometry::areaVector(regions[k].corners)), regions[k].room,
+                  ofSolids[k] ? 1 : 0);
     scene.blockerCount = static_cast<uint32_t>(regions.size());
-    scene.closed = isClosedSolid(mesh, regions);
     std::vector<glm::uvec4> clusterData;
     for (const PieceCluster& cluster : clusters) {
         clusterData.emplace_back(cluster.first, cluster.count, faces.range.size(), cluster.flat ? 1u : 0u);

@@ -23,7 +23,6 @@ struct ExactScene {
     uint32_t pieceCount = 0;  // of convex pieces of at most kExactPieceCorners corners
     uint32_t mostCorners = 3; // of a piece
     uint32_t blockerCount = 0;
-    bool closed = false;
     float samePlane = 0;  // kSamePlane of this mesh, metres
     glm::dvec3 centre{0}; // device coordinates are relative to it
     std::vector<ExactTileRange> tiles;

@@ -332,7 +332,7 @@ void measureClosure(std::span<const double> rowSums, FormFactorReport& report) {
 
 // Open scenes' rows end where their light leaves; of closed rooms all of it arrives.
 void warnOfLostLight(const geometry::PatchMesh& mesh, FormFactorReport& report) {
-    if (report.closureMax <= kClosureBound || !isClosedSolid(mesh, {})) return;
+    if (report.closureMax <= kClosureBound || !isClosedSolid(mesh)) return;
     if (facesLookOutwards(mesh))
         report.warnings.emplace_back(kFacesLookOutwards);
     else

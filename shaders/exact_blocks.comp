@@ -31,9 +31,9 @@ bool findBlockers(uint a, uint b, Origin o, uint block, out bool hidden) {
     buildShaft();
     uint w = 0u;
     [[dont_unroll]] do {
-        uvec3 sa = texelFetch(sidesA, int((params.piecesA + a - params.firstA) * params.words + w)).xyz;
-        uvec3 sb = texelFetch(sidesB, int((params.piecesB + b - params.firstB) * params.words + w)).xyz;
-        uint bits = between(sa, sb, params.closed != 0u), wholes = wholesBetween(sa, sb), mask = 0u;
+        uvec4 sa = texelFetch(sidesA, int((params.piecesA + a - params.firstA) * params.words + w));
+        uvec4 sb = texelFetch(sidesB, int((params.piecesB + b - params.firstB) * params.words + w));
+        uint bits = between(sa, sb), wholes = wholesBetween(sa, sb), mask = 0u;
         [[dont_unroll]] do {
             uint bit = bits & (~bits + 1u);
             bits &= ~bit;

@@ -33,11 +33,11 @@ bool listFits;
 bool few; // exact_few.comp can do the pair
 
 uint betweenOf(uint i, uint j, uint block, uint w, out uint front, out uint wholes) {
-    uvec3 si = texelFetch(sidesA, int((i - params.firstPieceA) * params.words + w)).xyz;
-    uvec3 sj = texelFetch(sidesB, int((j - params.firstPieceB) * params.words + w)).xyz;
+    uvec4 si = texelFetch(sidesA, int((i - params.firstPieceA) * params.words + w));
+    uvec4 sj = texelFetch(sidesB, int((j - params.firstPieceB) * params.words + w));
     front = si.x;
     wholes = wholesBetween(si, sj);
-    return between(si, sj, params.closed != 0u) & masks[block * params.words + w];
+    return between(si, sj) & masks[block * params.words + w];
 }
 
 // Lists blockers of the block's mask that may stand between; true when one hides the pair. Those beyond what `listed`

@@ -1,6 +1,6 @@
 // For each piece and cluster, one bit per blocker: piece wholly in front of its plane, wholly behind, blocker wholly
-// behind the piece. A blocker in the piece's own plane counts as behind: rounding must not let a wall hide its own
-// patches.
+// behind the piece, and, of all pieces alike, blocker bounds a solid. A blocker in the piece's own plane counts as
+// behind: rounding must not let a wall hide its own patches.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -19,9 +19,10 @@ void main() {
     Face self = faceAt(row < params.pieces
                            ? params.firstPiece + row
                            : params.pieceCount + params.blockerCount + params.firstCluster + row - params.pieces);
-    uvec3 bits = uvec3(0u);
+    uvec4 bits = uvec4(0u);
     [[dont_unroll]] for (uint bit = 0u; bit < 32u && word * 32u + bit < params.blockerCount; ++bit) {
-        Face blocker = faceAt(params.pieceCount + word * 32u + bit);
+        uint face = params.pieceCount + word * 32u + bit;
+        Face blocker = faceAt(face);
         vec2 own = heightsOver(blocker, self);
         vec2 its = heightsOver(self, blocker);
         float facing = dot(blocker.normal, self.normal);
@@ -32,9 +33,10 @@ void main() {
         if (own.y <= 0.0) bits.y |= 1u << bit;
         // Rooms do not see one another: as good as below.
         if (its.y <= 0.0 || same || blocker.room != self.room) bits.z |= 1u << bit;
+        bits.w |= texelFetch(faceRange, int(face)).w << bit;
     }
     // Past the last blocker everything is below.
     uint known = params.blockerCount - min(params.blockerCount, word * 32u);
     if (known < 32u) bits.z |= ~((1u << known) - 1u);
-    sides[index] = uvec4(bits, 0u);
+    sides[index] = bits;
 }

@@ -378,7 +378,7 @@ void writeResults(Run& run, const BenchArguments& arguments, Bench& bench, bool 
 // Nothing reaches anything there: all kernels, and the reference, would agree on zeros.
 void refuseOutwardFaces(const std::vector<BenchScene>& scenes) {
     for (const BenchScene& scene : scenes)
-        if (compute::isClosedSolid(scene.mesh, {}) && compute::facesLookOutwards(scene.mesh))
+        if (compute::isClosedSolid(scene.mesh) && compute::facesLookOutwards(scene.mesh))
             throw geometry::InputError(scene.name, "", compute::kFacesLookOutwards);
 }
 

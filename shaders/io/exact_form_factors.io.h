@@ -61,7 +61,6 @@ struct ExactBlocksParams {
     uint countA;
     uint firstB;
     uint countB;
-    uint closed; // 1: the pieces bound a solid, so a ray that leaves a piece first meets a front
 };
 
 struct ExactPairsParams {
@@ -77,7 +76,6 @@ struct ExactPairsParams {
     uint columns;
     uint recordCapacity;
     uint listCapacity;
-    uint closed;
     uint byLines;    // 1: far pairs with blockers go to exact_lines.comp, near ones with one to those with two
     float tolerance; // of one form factor
 };

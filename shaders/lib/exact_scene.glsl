@@ -7,7 +7,8 @@ layout(set = 0, binding = 0) uniform samplerBuffer cornerHigh; // w first coordi
 layout(set = 0, binding = 1) uniform samplerBuffer cornerLow;  // w second
 layout(set = 0, binding = 2) uniform samplerBuffer faceNormal; // xyz unit normal, w area
 layout(set = 0, binding = 3) uniform samplerBuffer faceCentre; // xyz centroid from the first corner, w radius about it
-layout(set = 0, binding = 4) uniform usamplerBuffer faceRange; // first corner, corners, room, place in its tile
+layout(set = 0, binding = 4) uniform usamplerBuffer faceRange; // first corner, corners, room, and more: of pieces the place in
+                                                               // its tile, of blockers 1 where they bound a solid
 
 struct Face {
     uint first;

@@ -93,10 +93,7 @@ bvec2 standing(Origin o, uvec4 range, float sense) {
 }
 
 // Of 32 blockers, those in front of both faces whose planes have the faces on different sides. From the bits of
-// exact_sides.comp: x front, y back, z below.
-uint between(uvec3 a, uvec3 b, bool closed) {
-    uint bits = ~((a.x & b.x) | (a.y & b.y) | a.z | b.z);
-    return closed ? bits & ~(a.y | b.x) : bits; // only fronts as seen from the first
-}
-uint wholesBetween(uvec3 a, uvec3 b) { return (a.x & ~a.y & b.y & ~b.x) | (a.y & ~a.x & b.x & ~b.y); }
+// exact_sides.comp: x front, y back, z below, w of a solid, of which only fronts as seen from the first matter.
+uint between(uvec4 a, uvec4 b) { return ~((a.x & b.x) | (a.y & b.y) | a.z | b.z | (a.w & (a.y | b.x))); }
+uint wholesBetween(uvec4 a, uvec4 b) { return (a.x & ~a.y & b.y & ~b.x) | (a.y & ~a.x & b.x & ~b.y); }
 #endif

@@ -1,6 +1,7 @@
 #include "compute/closed_solid.h"
 
 #include <algorithm>
+#include <functional>
 
 #include <gtest/gtest.h>
 
@@ -21,7 +22,8 @@ geometry::PatchMesh roomWith(const std::vector<std::array<dvec3, 2>>& boxes) {
 }
 
 bool isClosed(const geometry::PatchMesh& mesh) {
-    return isClosedSolid(mesh, blockingRegions(mesh, 8));
+    const std::vector<bool> ofSolids = regionsOfSolids(mesh, blockingRegions(mesh, 8));
+    return isClosedSolid(mesh) && std::ranges::all_of(ofSolids, std::identity());
 }
 
 TEST(ClosedSolid, boxes_that_stand_free_in_a_room_leave_it_one) {
@@ -38,6 +40,23 @@ TEST(ClosedSolid, what_a_box_stands_on_lies_inside_it) {
 TEST(ClosedSolid, solids_in_solids_and_solids_that_cross_are_none) {
     EXPECT_FALSE(isClosed(roomWith({{{{1, 1, 1}, {3, 2, 3}}}, {{{1.5, 1.2, 1.5}, {2, 1.5, 2}}}})));
     EXPECT_FALSE(isClosed(roomWith({{{{1, 1, 1}, {2, 2, 2}}}, {{{1.5, 1.5, 1.2}, {3, 2.5, 1.7}}}})));
+}
+
+// A room with a box on its floor and two that cross: none of them is a solid; two that stand free are.
+TEST(ClosedSolid, what_stands_free_is_a_solid_whatever_others_do) {
+    geometry::PatchMesh mesh = roomWith({{{{0.5, 0, 0.5}, {1, 1, 1}}},
+                                         {{{2, 1, 2}, {3, 2, 3}}},
+                                         {{{2.5, 1.5, 2.2}, {3.5, 2.5, 2.7}}},
+                                         {{{0.5, 1.5, 4}, {1, 2, 4.5}}},
+                                         {{{1.5, 1.5, 4}, {2, 2, 4.5}}}});
+    const std::vector<ConvexRegion> regions = blockingRegions(mesh, 8);
+    const std::vector<bool> ofSolids = regionsOfSolids(mesh, regions);
+    size_t solid = 0;
+    for (size_t r = 0; r < regions.size(); ++r) {
+        solid += ofSolids[r];
+        EXPECT_EQ(ofSolids[r], regions[r].corners[0].z >= 4) << r;
+    }
+    EXPECT_EQ(solid, 12u);
 }
 
 TEST(ClosedSolid, both_sides_of_a_sheet_without_thickness_are_a_solid) {
