@@ -17,6 +17,10 @@ namespace heliodon::geometry {
 namespace {
 
 constexpr const char* kQuality = "18";    // of x264, where eyes no longer find a difference
+// Half of x264's own, beyond which memory grows by 4 to 6 MB a frame of 1280 x 960 and 52 dB by 0.3.
+constexpr const char* kLookahead = "20"; // frames
+// As many on all machines: films have the same bits, and on large ones x264's own would take twice the memory.
+constexpr int kThreads = 4;
 constexpr int kLargestRateTerm = 1001000; // 30000/1001 frames a second and its like are exact
 
 // 23.976, 29.97 and 59.94 mean 24000/1001 and so on.
@@ -92,7 +96,9 @@ private:
         codec_->color_trc = AVCOL_TRC_IEC61966_2_1;
         codec_->color_range = AVCOL_RANGE_MPEG;
         codec_->flags |= AV_CODEC_FLAG_GLOBAL_HEADER; // as .mp4 wants it
+        codec_->thread_count = kThreads;
         av_opt_set(codec_->priv_data, "crf", kQuality, 0);
+        av_opt_set(codec_->priv_data, "rc-lookahead", kLookahead, 0);
         return avcodec_open2(codec_.get(), codec, nullptr) == 0;
     }
 

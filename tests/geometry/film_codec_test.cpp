@@ -1,5 +1,6 @@
 // Films, read back by FFmpeg's decoder: every picture, in its colours, and what the file says of them; a disk
 // that is full.
+#include <sched.h>
 #include <sys/resource.h>
 
 #include <array>
@@ -7,6 +8,8 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -147,6 +150,26 @@ TEST_F(FilmCodecTest, that_has_no_room_is_not_complete) {
     ASSERT_TRUE(encoder);
     EXPECT_FALSE(whole);
     EXPECT_EQ(encoder->why(), "File too large");
+}
+
+// Encoders took as many threads as there were processors, and twice the memory with 24.
+TEST_F(FilmCodecTest, has_the_same_bits_whatever_the_number_of_processors) {
+    const auto bytes = [&] {
+        const auto encoder = openFilmFile(film(), 64, 256, 24);
+        EXPECT_TRUE(encoder && encoder->add(plain(64, 256, {200, 30, 40}).data()) && encoder->finish());
+        std::ifstream file(film(), std::ios::binary);
+        return std::string(std::istreambuf_iterator<char>(file), {});
+    };
+    const std::string onAll = bytes();
+    cpu_set_t before, one;
+    ASSERT_EQ(sched_getaffinity(0, sizeof before, &before), 0);
+    CPU_ZERO(&one);
+    for (size_t cpu = 0; CPU_COUNT(&one) == 0; ++cpu)
+        if (CPU_ISSET(cpu, &before)) CPU_SET(cpu, &one);
+    sched_setaffinity(0, sizeof one, &one);
+    const std::string onOne = bytes();
+    sched_setaffinity(0, sizeof before, &before);
+    EXPECT_TRUE(onOne == onAll);
 }
 
 TEST_F(FilmCodecTest, where_no_file_can_be_there_is_none) {
