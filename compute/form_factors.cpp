@@ -417,8 +417,7 @@ void measureFormFactors(const geometry::PatchMesh& mesh, const gpu::Buffer& valu
 }
 
 std::span<const std::string_view> formFactorKernels() {
-    static constexpr std::array<std::string_view, 4> kNames{"exact", "hemicube", "hierarchical",
-                                                            "montecarlo"};
+    static constexpr std::string_view kNames[]{"exact", "hemicube", "hierarchical", "montecarlo"};
     return kNames;
 }
 
