@@ -425,9 +425,8 @@ private:
                         "kernels, with commas between (default all; auto beside them by its name)")
             ->delimiter(',');
         sub->add_option("--scenes", bench_.scenes,
-                        "box, ell, partitions, blocks, slot, louvres, all, or .obj files, whose faces are "
-                        "taken as they are "
-                        "(default partitions)")
+                        "box, ell, partitions, blocks, slot, louvres, all, or models (.obj .gltf .glb), "
+                        "whose faces are taken as they are (default partitions)")
             ->delimiter(',');
         sub->add_option("--sizes", bench_.sizes, "triangles of the built-in scenes (default 500,2000)")
             ->delimiter(',')

@@ -167,8 +167,10 @@ std::span<const BuiltInScene> builtInScenes() {
 void checkBenchScenes(const std::vector<std::string>& names) {
     for (const std::string& name : names) {
         if (recipeOf(name) != recipes().end()) continue;
-        if (std::filesystem::path(name).extension() != ".obj")
-            throw geometry::InputError("--scenes", name, "unknown; expected a .obj file or " + knownNames());
+        const std::string extension = std::filesystem::path(name).extension().string();
+        if (extension != ".obj" && extension != ".gltf" && extension != ".glb")
+            throw geometry::InputError("--scenes", name,
+                                       "unknown; expected a model (.obj .gltf .glb) or " + knownNames());
         if (!std::filesystem::exists(name)) throw geometry::InputError(name, "", "does not exist");
     }
 }

@@ -21,14 +21,14 @@ struct BuiltInScene {
 };
 std::span<const BuiltInScene> builtInScenes();
 
-// Throws InputError on a name that is neither a built-in scene nor an .obj file that exists.
+// Throws InputError on a name that is neither a built-in scene nor a model (.obj .gltf .glb) that exists.
 void checkBenchScenes(const std::vector<std::string>& names);
 
 // What benchScenes writes, in its `folder`.
 std::vector<std::string> sceneFiles(const std::vector<std::string>& names, const std::vector<size_t>& sizes);
 
-// `names`, checked: built-in scenes, each meshed to every one of `sizes` (triangles), or .obj files, whose
-// faces are taken as they are. The meshes are kept as models in `folder`/scenes, so that other programs can
+// `names`, checked: built-in scenes, each meshed to every one of `sizes` (triangles), or models, whose faces
+// are taken as they are. The meshes are kept as models in `folder`/scenes, so that other programs can
 // be run on them.
 std::vector<BenchScene> benchScenes(const std::vector<std::string>& names, const std::vector<size_t>& sizes,
                                     const std::filesystem::path& folder);

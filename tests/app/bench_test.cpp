@@ -22,6 +22,8 @@
 #include "engine/app/bench_results.h"
 #include "engine/app/bench_scenes.h"
 #include "engine/app/progress.h"
+#include "geometry/input_error.h"
+#include "geometry/model_file.h"
 #include "tests/app/program.h"
 #include "tests/gpu/test_device.h"
 #include "tests/sanitized.h"
@@ -153,6 +155,18 @@ TEST_F(Bench, peers_see_scenes_far_from_the_origin_as_near_it) {
     for (glm::dvec3& v : mesh.vertices) v += glm::dvec3(4e6, -2e6, 1e6);
     const std::vector<float> far = app::embreeRays(mesh, 256).factors;
     for (size_t k = 0; k < near.size(); ++k) EXPECT_NEAR(near[k], far[k], 0.01) << k;
+}
+
+TEST_F(Bench, models_of_all_kinds_are_scenes) {
+    const geometry::PatchMesh mesh = app::benchScenes({"box"}, {12}, in("out"))[0].mesh;
+    for (const char* name : {"own.obj", "own.glb"}) {
+        geometry::writeModel(mesh, in(name));
+        app::checkBenchScenes({in(name)});
+        const app::BenchScene scene = app::benchScenes({in(name)}, {}, in("out"))[0];
+        EXPECT_EQ(scene.name, "own");
+        EXPECT_EQ(scene.mesh.patchCount(), mesh.patchCount()) << name;
+    }
+    EXPECT_THROW(app::checkBenchScenes({in("own.mtl")}), geometry::InputError);
 }
 
 // All kernels agree on zeros there.
