@@ -17,7 +17,7 @@ namespace heliodon::geometry {
 namespace {
 
 constexpr const char* kQuality = "18";    // of x264, where eyes no longer find a difference
-// Half of x264's own, beyond which memory grows by 4 to 6 MB a frame of 1280 x 960 and 52 dB by 0.3.
+// Half of x264's own, beyond which memory grows by 4 MB a frame of 1280 x 960, and 52 dB by 0.3 in all.
 constexpr const char* kLookahead = "20"; // frames
 // As many on all machines: films have the same bits, and on large ones x264's own would take twice the memory.
 constexpr int kThreads = 4;
