@@ -38,6 +38,15 @@ template<class T> std::vector<T> spread(const std::vector<T>& all, size_t wanted
     return some;
 }
 
+// As of a moment's light: slopes can leave what is nearly nothing below it, which counts as error.
+void keepFromNegative(std::span<float> lux, std::span<const float> sun, std::span<float> error) {
+    for (size_t at = 0; at < lux.size(); ++at) {
+        const float below = std::max(0.0f, sun[at] - lux[at]);
+        lux[at] = std::max(lux[at], sun[at]);
+        error[at] = std::max(0.0f, error[at]) + below;
+    }
+}
+
 } // namespace
 
 AnnualDaylight::AnnualDaylight(DaylightTransport& transport, std::vector<daylight::Sky> skies,
@@ -267,6 +276,7 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
     }
     reportOf(responses, lux.size());
     checkAndSetErrors(lux, sun, error);
+    keepFromNegative(lux, sun, error);
     solveRibbons(lux, sun, error);
     sensorsDone_ += count;
     foresee(count);

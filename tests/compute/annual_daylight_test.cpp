@@ -99,8 +99,8 @@ TEST(AnnualDaylight, crowded_samples_of_sky_may_count_as_one) {
     for (size_t h = 0; h < skies.size(); ++h) {
         double lux = 0;
         for (const SkySample& sample : near[0].sky)
-            lux += photometric(sample.weight) *
-                   skies[h].luminance(glm::normalize(glm::dvec3(sample.direction)));
+            lux +=
+                photometric(sample.weight) * skies[h].luminance(glm::normalize(glm::dvec3(sample.direction)));
         EXPECT_NEAR(taken[h], lux, 1e-4 * lux);
     }
 }
@@ -170,6 +170,25 @@ TEST(AnnualDaylight, sun_that_may_be_just_beside_a_beam_is_told) {
     EXPECT_NEAR(annual.beamEdges().at(0), there, 1e-4 * there);
     EXPECT_GT(error[0], there);
     EXPECT_LT(error[1], 0.1 * there);
+}
+
+// Far down in a slot much thinner than its patches, slopes leave next to nothing on either side of nought.
+TEST(AnnualDaylight, no_light_is_negative_in_a_slot) {
+    test::BoxRoom slot{.low = {0, 0, 0}, .high = {3, 2, 0.002}, .cells = {6, 3, 1}};
+    slot.wall.reflectance = glm::vec3(0.95f);
+    slot.isGlass = [](glm::dvec3 p) { return p.y > 2 - 1e-9; };
+    std::vector<Sensor> sensors;
+    for (int k = 0; k < 24; ++k)
+        sensors.push_back({{0.1 + 0.12 * k, 0.05 + 0.02 * k, k % 2 ? 1e-4 : 19e-4}, {0, 0, k % 2 ? 1 : -1}});
+    std::vector<daylight::Sky> skies{overcast()};
+    for (const double height : {0.05, 0.5, 3.0})
+        for (const double x : {-1.0, 0.0, 0.4}) skies.push_back(sunny({x, height, 0.01}));
+    DaylightTransport transport(test::device(), test::boxRoom(slot));
+    const Arrays year = yearOf(transport, skies, sensors);
+    for (size_t at = 0; at < year.lux.size(); ++at) {
+        EXPECT_GE(year.lux[at], year.sun[at]);
+        EXPECT_GE(year.error[at], 0);
+    }
 }
 
 TEST(AnnualDaylight, surfaces_that_emit_light_the_night) {
