@@ -51,6 +51,33 @@ TEST(SunPatches, a_hair_decides_at_the_edge_of_a_beam_alone) {
         EXPECT_EQ(sun.unsureAtPoint(p, up), glm::vec3(0)) << p.y << ' ' << p.z;
 }
 
+// As far from it as 0.001 degrees turn the building's diagonal, on either side, of a window and of a sheet
+// that ends in the air.
+TEST(SunPatches, a_beams_edge_is_as_wide_as_is_said) {
+    test::BoxRoom box;
+    box.isGlass = [](glm::dvec3 p) { return p.z < 1e-9 && p.x > 1 && p.x < 3 && p.y > 1 && p.y < 2; };
+    geometry::PatchMesh mesh = test::boxRoom(box);
+    const auto v = static_cast<uint32_t>(mesh.vertices.size());
+    for (const glm::dvec2 at : {glm::dvec2(1, 0.5), {3, 0.5}, {3, 1.2}, {1, 1.2}})
+        mesh.vertices.push_back({at.x, 0.5, at.y});
+    mesh.addPatch(std::vector{v, v + 1, v + 2, v + 3}, 0, geometry::Role::projection, 6, 0);
+    mesh.addPatch(std::vector{v + 3, v + 2, v + 1, v}, 0, geometry::Role::projection, 7, 0);
+    const glm::dvec3 towards = glm::normalize(glm::dvec3(0.3, 0.5, -0.8)), up(0, 1, 0);
+    const SunPatches sun(mesh, towards);
+    const double reach = glm::radians(1e-3) * glm::length(box.high - box.low);
+    // A step of one along z on the floor, seen along the sun: so far from edges that run along x.
+    const double step = towards.y / glm::length(glm::dvec2(towards.y, towards.z));
+    for (const double z : {3.2, 2.0}) { // where the window's top and the sheet end
+        const auto unsure = [&](double times) {
+            return photometric(sun.unsureAtPoint({0.9, 0, z + times * reach / step}, up));
+        };
+        for (const double side : {-1.0, 1.0}) {
+            EXPECT_GT(unsure(0.6 * side), 0.4) << z; // moved to and fro, askew to the edge
+            EXPECT_EQ(unsure(1.01 * side), 0) << z;
+        }
+    }
+}
+
 TEST(SunPatches, a_sun_behind_the_house_does_not_enter) {
     test::BoxRoom box;
     box.isGlass = [](glm::dvec3 p) { return p.z < 1e-9; };
