@@ -101,14 +101,13 @@ struct Line {
     double within(size_t field, const char* name, double low, double high) const {
         const double v = value(field, name);
         if (v < low || v > high)
-            refuse(
-                fmt::format("field {} ({}) is {:g}, expected {:g} to {:g}", field + 1, name, v, low, high));
+            refuse(fmt::format("field {} ({}) is {}, expected {:g} to {:g}", field + 1, name, v, low, high));
         return v;
     }
     int whole(size_t field, const char* name, int low, int high) const {
         const double v = within(field, name, low, high);
         if (v != std::floor(v))
-            refuse(fmt::format("field {} ({}) is {:g}, expected a whole number", field + 1, name, v));
+            refuse(fmt::format("field {} ({}) is {}, expected a whole number", field + 1, name, v));
         return static_cast<int>(v);
     }
     bool isBlank(size_t field) const { return field < cells.size() && cells[field].empty(); }
@@ -174,7 +173,7 @@ Coverage readCoverage(const Line& line, EpwFile& epw) {
     const auto perHour = line.cells.size() > 2 ? geometry::signedNumberFrom(line.cells[2]) : std::nullopt;
     if (perHour &&
         (*perHour < 1 || *perHour > 60 || std::fmod(60.0, *perHour) != 0 || *perHour != std::floor(*perHour)))
-        line.refuse(fmt::format("field 3 (records per hour) is {:g}, expected a divisor of 60", *perHour));
+        line.refuse(fmt::format("field 3 (records per hour) is {}, expected a divisor of 60", *perHour));
     Coverage coverage;
     coverage.recordsPerHour = perHour ? static_cast<int>(*perHour) : 1;
     const auto wanted = static_cast<size_t>(std::clamp(count.value_or(0), 0.0, 366.0));

@@ -88,7 +88,7 @@ struct Field {
         if (!value.is_number()) refuse("expected a number");
         const double number = value.get<double>();
         if (!(number >= low && number <= high))
-            refuse(fmt::format("is {:g}, expected {:g} to {:g}", number, low, high));
+            refuse(fmt::format("is {}, expected {:g} to {:g}", number, low, high));
         return number;
     }
     template<size_t n> std::array<double, n> numbers(double low, double high) const {

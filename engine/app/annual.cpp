@@ -241,16 +241,22 @@ std::string metricsTable(const SensorTable& sensors, const std::vector<daylight:
     return text;
 }
 
-void reportYear(Run& run, const compute::YearReport& year) {
-    if (year.lit > 0) run.modelled(fmt::format("sky and ground: {} hours", year.lit));
-    if (year.withSun > 0)
-        run.modelled(fmt::format("sun at its exact place, clipped by the openings: {} hours", year.withSun));
-    if (year.solved > 0)
-        run.modelled(fmt::format("skies with a ribbon of light at the horizon, each solved in full: {} hours",
-                                 year.solved));
-    const auto skip = [&](size_t hours, const char* what) {
-        if (hours > 0) run.skipped(fmt::format("{} hours: {}", hours, what));
+// What records are called.
+const char* recordsOf(const daylight::Weather& weather) {
+    return weather.recordHours() == 1 ? "hours" : "records";
+}
+
+// `records`: what they are called.
+void reportYear(Run& run, const compute::YearReport& year, const char* records) {
+    const auto model = [&](size_t count, const char* what) {
+        if (count > 0) run.modelled(fmt::format("{}: {} {}", what, count, records));
     };
+    const auto skip = [&](size_t count, const char* what) {
+        if (count > 0) run.skipped(fmt::format("{} {}: {}", count, records, what));
+    };
+    model(year.lit, "sky and ground");
+    model(year.withSun, "sun at its exact place, clipped by the openings");
+    model(year.solved, "skies with a ribbon of light at the horizon, each solved in full");
     skip(year.hours - year.lit, "sky and sun: no light outside, or no opening");
     skip(year.sunless, "sun: behind cloud or below the horizon");
     skip(year.sunOutside, "sun: shines on no opening from outside");
@@ -362,7 +368,7 @@ Year computeYear(Run& run, const Job& job) {
     const std::filesystem::path& output = job.arguments.output;
     const auto transport =
         makeTransport(run, job.scene.mesh, compute::TransportOptions{.errorByPlace = true});
-    Progress progress("hours of the year", records, run.showsProgress());
+    Progress progress(fmt::format("{} of the year", recordsOf(job.weather)), records, run.showsProgress());
     Year year;
     year.meanLux.assign(records, 0);
     year.sensors.resize(count);
@@ -373,7 +379,7 @@ Year computeYear(Run& run, const Job& job) {
     });
     for (float& lux : year.meanLux) lux /= static_cast<float>(std::max<size_t>(year.inRooms(), 1));
     warnOfSensorsOutside(run, year.outside, count);
-    reportYear(run, year.report);
+    reportYear(run, year.report, recordsOf(job.weather));
     if (job.arguments.ill) {
         MatrixFile hours(output / kHoursFile, count, records);
         writeIll(output / "illuminance.ill", job.weather, count, hours);

@@ -119,6 +119,7 @@ TEST_F(Annual, minutes_are_computed_in_parts_of_the_year) {
     const auto report = nlohmann::json::parse(readText(folder / "report.json"));
     EXPECT_EQ(report["year"]["hours"], records);
     EXPECT_EQ(report["year"]["lit"], 120);
+    EXPECT_EQ(report["modelled"][0], "sky and ground: 120 records");
     EXPECT_EQ(report["year"]["checked_hours"], 12); // of each part
     EXPECT_NEAR(report["summary"]["mean_DA"].get<double>(), 100.0 * static_cast<double>(reached) / (50 * 60),
                 1e-9);
