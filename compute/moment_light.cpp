@@ -103,15 +103,18 @@ std::vector<float> slatBends(std::span<const glm::vec3> lobes) {
 }
 
 // What patches' own errors leave on light by way of the room, as a share of it. Single patches' even out; in
-// shafts and reveals all light passes by a few, and each of them sends too much of it on.
+// shafts and reveals all light passes by a few, and each of them sends too much of it on. Those of slots that
+// the mesh does not resolve all err the same way.
 double laterShare(const MomentScene& scene, const Moment& moment, std::span<const float> near) {
-    double squares = 0, all = 0; // lumens
+    double squares = 0, slots = 0, all = 0; // lumens
     for (size_t i = 0; i < near.size(); ++i) {
         const double reflectance = photometric(scene.mesh.materials[scene.mesh.material[i]].reflectance);
-        squares += std::pow(scene.areas[i] * reflectance * double{near[i]}, 2);
+        const double off = scene.areas[i] * reflectance * double{near[i]};
+        squares += off * off;
+        if (scene.pairs.largest(i) > NearPairs::kAcrossGap) slots += off;
         all += scene.areas[i] * photometric(moment.lighting.exitance[i]);
     }
-    return all > 0 ? kLaterShare * std::sqrt(squares) / all : 0;
+    return all > 0 ? (kLaterShare * std::sqrt(squares) + slots) / all : 0;
 }
 
 // Of slats, photometric exitance per patch: their glow, and what they send back of the room's own light.

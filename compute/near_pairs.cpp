@@ -27,4 +27,10 @@ NearPairs::NearPairs(const geometry::PatchMesh& mesh, const gpu::Buffer& factors
     }
 }
 
+float NearPairs::largest(size_t sender) const {
+    float most = 0;
+    for (const Pair& pair : of(sender)) most = std::max(most, pair.factor);
+    return most;
+}
+
 } // namespace heliodon::compute

@@ -22,9 +22,8 @@ constexpr uint32_t kPoints = 4;      // on a patch that is nearest to the sender
 constexpr size_t kRowsAtOnce = 8;    // of F, side by side for the processor
 constexpr float kClose = 0.05F;      // form factor below which one point does
 constexpr double kFarthest = 1. / 3; // of a patch's size: how far from its middle light can be sent from
-constexpr float kResolved = 0.4F, kUnresolved = 0.6F; // form factor of a patch that faces the sender: a gap
-                                                      // as wide as patches, and one much narrower
-constexpr double kNoFlux = 1e-3; // of what a patch sends: too little to make up for the rest
+constexpr float kUnresolved = 0.6F;  // form factor across a gap much narrower than patches
+constexpr double kNoFlux = 1e-3;     // of what a patch sends: too little to make up for the rest
 
 using Triangle = std::array<dvec3, 3>;
 
@@ -97,10 +96,8 @@ dvec3 seenFromAfar(const Extent& from, double size, const PointScene::Patch& to)
 
 // Between patches much nearer than they are large, as in thin slots, light falls off within a single one:
 // its slope tells nothing, and would make light negative.
-double trustInSlope(std::span<const NearPairs::Pair> pairs) {
-    float largest = 0;
-    for (const NearPairs::Pair& pair : pairs) largest = std::max(largest, pair.factor);
-    return double{std::clamp((kUnresolved - largest) / (kUnresolved - kResolved), 0.0F, 1.0F)};
+double trustInSlope(float largest) {
+    return double{std::clamp((kUnresolved - largest) / (kUnresolved - NearPairs::kAcrossGap), 0.0F, 1.0F)};
 }
 
 } // namespace
@@ -128,7 +125,7 @@ void SlopedFactors::findMoments(const PointScene& scene, uint32_t sender, float 
     const geometry::PatchMesh& mesh = scene.mesh();
     if (mesh.materials[mesh.material[sender]].isOpening() || slopes_->terms(sender).empty()) return;
     const std::span<const NearPairs::Pair> all = pairs_->of(sender);
-    const double trust = trustInSlope(all);
+    const double trust = trustInSlope(pairs_->largest(sender));
     if (trust == 0) return;
     const double size = scene.patches()[sender].size;
     const Extent from(mesh, sender);
