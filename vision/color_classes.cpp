@@ -11,6 +11,7 @@
 
 #include "geometry/sketch.h"
 #include "vision/paint_hues.h"
+#include "vision/rounding.h"
 #include "vision/white_map.h"
 
 namespace heliodon::vision {
@@ -19,6 +20,7 @@ namespace {
 constexpr double kMarkerReach = 0.4; // inches, more than half of a marker's top, seen nearer than the table
 constexpr float kFaint = 0.23f;      // of P': nothing below is card
 constexpr float kFaintRim = 0.14f;   // of P' of a token's rim, blurred
+constexpr float kSure = 0.6f;        // of the least P' of paint: what rounding leaves of it for certain
 constexpr double kNoiseOfFaint = 6;  // deviations
 constexpr double kBeyond = 2;        // inches beyond the table's edge that are looked at
 
@@ -182,6 +184,7 @@ ColouredPixels findColoured(const PlanView& view, const TableRegion& region, con
                                ? minSaturation
                                : std::max(minSaturation, std::min(4 * static_cast<float>(white.noise), 0.6f));
     const bool whiteTable = nothingOutshines(view, region);
+    const ColourRounding rounding(view);
     // By ground. Beyond the table there is only dark floor to tell from the lit top of a wall.
     // Noise has every colour: where little light comes from, a pixel must stand well out of it.
     const double offTable = std::max(options.minBrightnessOffTable, 4.5 * noise);
@@ -221,6 +224,9 @@ ColouredPixels findColoured(const PlanView& view, const TableRegion& region, con
                         continue;
                 }
                 const float hue = hueOf(r, g, b, high, low);
+                const float least =
+                    rounding.leastSaturation({row[3 * x], row[3 * x + 1], row[3 * x + 2]}, gain);
+                if (least < kSure * (vivid ? minSaturation : leastFaint)) continue;
                 if (vivid && isBrightAsWhite(low, (high - low) / high, hue, whiteTable)) continue;
                 (vivid ? out.vivid : out.faint)
                     .push_back({static_cast<uint32_t>(start) + static_cast<uint32_t>(x),

@@ -67,7 +67,8 @@ Photograph readPhotograph(const std::filesystem::path& file) {
     std::vector<uint8_t> bytes;
     auto picture = readOrComplain(geometry::pictureIn, file, &bytes);
     if (const auto gamma = statedGamma(bytes)) encodeAgain(picture.rgb, *gamma);
-    return {picture.width, picture.height, std::move(picture.rgb), file.string(), jpegQuality(bytes)};
+    return {picture.width, picture.height,     std::move(picture.rgb),
+            file.string(), jpegQuality(bytes), chromaStep(bytes)};
 }
 
 bool hasColor(const Photograph& photo) {

@@ -13,6 +13,7 @@ struct Photograph {
     std::vector<uint8_t> rgb; // row-major, 3 bytes a pixel, encoded with a gamma near 2.2 (sRGB is near)
     std::string name = "photograph"; // the file, for messages
     int jpegQuality = 100;           // 1 to 100 as libjpeg counts, of the file; 100 where it is no JPEG
+    double chromaStep = 0;           // of 255, see picture_header.h
 };
 
 // Reads PNG, JPEG and TIFF, 8 or 16 bits, colour or grey; an alpha channel is dropped, another gamma that a

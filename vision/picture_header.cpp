@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <string_view>
 
 #include <zlib.h>
@@ -99,6 +100,32 @@ Size tiffSize(const std::vector<uint8_t>& bytes) {
     return size;
 }
 
+constexpr size_t kOfTable = 64; // values
+using Quantization = std::array<int, kOfTable>;
+
+// The tables of a JPEG as they stand before its first scan, that of brightness first; none of other files.
+std::vector<Quantization> quantization(const std::vector<uint8_t>& bytes) {
+    constexpr uint8_t kTables = 0xDB, kScan = 0xDA;
+    std::vector<Quantization> out;
+    if (!isJpeg(bytes)) return out;
+    for (size_t at = 2; at + 4 <= bytes.size() && bytes[at] == 0xFF && bytes[at + 1] != kScan;) {
+        const size_t end = at + 2 + numberAt(bytes, at + 2, 2, true);
+        size_t table = at + 4;
+        const bool holdsTables = bytes[at + 1] == kTables;
+        while (holdsTables && table < end && end <= bytes.size()) {
+            const size_t wide = bytes[table] >> 4 ? 2 : 1, first = table + 1; // bytes of a value
+            table = first + wide * kOfTable;
+            if (table > end) break;
+            Quantization values{};
+            for (size_t i = 0; i < kOfTable; ++i)
+                values[i] = static_cast<int>(numberAt(bytes, first + wide * i, wide, true));
+            out.push_back(values);
+        }
+        at = end;
+    }
+    return out;
+}
+
 } // namespace
 
 Size pictureSize(const std::vector<uint8_t>& bytes) {
@@ -138,27 +165,20 @@ std::optional<double> statedGamma(const std::vector<uint8_t>& bytes) {
     return 100000.0 / static_cast<double>(value);
 }
 
-// The mean of the first table of quantization, of brightness, against that of ITU-T T.81, K.1.
+// The mean of the first table, of brightness, against that of ITU-T T.81, K.1.
 int jpegQuality(const std::vector<uint8_t>& bytes) {
-    if (!isJpeg(bytes)) return 100;
-    constexpr uint8_t kTables = 0xDB, kScan = 0xDA;
-    constexpr size_t kValues = 64;
-    constexpr double kMeanOfStandard = 3688.0 / kValues;
-    for (size_t at = 2; at + 5 <= bytes.size() && bytes[at] == 0xFF && bytes[at + 1] != kScan;) {
-        if (bytes[at + 1] != kTables) {
-            at += 2 + numberAt(bytes, at + 2, 2, true);
-            continue;
-        }
-        const size_t wide = bytes[at + 4] >> 4 ? 2 : 1, first = at + 5; // bytes of a value, low one last
-        if (first + wide * kValues > bytes.size()) break;
-        double sum = 0;
-        for (size_t i = 0; i < kValues; ++i)
-            sum += wide == 2 ? 256 * bytes[first + 2 * i] + bytes[first + 2 * i + 1] : bytes[first + i];
-        const double scale = std::max(1.0, 100 * sum / kValues / kMeanOfStandard);
-        return std::clamp(static_cast<int>(std::lround(scale <= 100 ? (200 - scale) / 2 : 5000 / scale)), 1,
-                          100);
-    }
-    return 100;
+    constexpr double kMeanOfStandard = 3688.0 / kOfTable;
+    const auto tables = quantization(bytes);
+    if (tables.empty()) return 100;
+    const double sum = std::accumulate(tables[0].begin(), tables[0].end(), 0.0);
+    const double scale = std::max(1.0, 100 * sum / kOfTable / kMeanOfStandard);
+    return std::clamp(static_cast<int>(std::lround(scale <= 100 ? (200 - scale) / 2 : 5000 / scale)), 1, 100);
+}
+
+double chromaStep(const std::vector<uint8_t>& bytes) {
+    constexpr double kGain = 8; // of the mean's coefficient in a square of 8 x 8
+    const auto tables = quantization(bytes);
+    return tables.empty() ? 0 : tables.back()[0] / kGain;
 }
 
 } // namespace heliodon::vision

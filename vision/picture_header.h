@@ -20,6 +20,10 @@ bool isDamaged(const std::vector<uint8_t>& bytes);
 // 1 to 100 by libjpeg's scale; 100 where it is no JPEG or has no table.
 int jpegQuality(const std::vector<uint8_t>& bytes);
 
+// Between the values, of 255, that a JPEG tells apart of the mean colour of a square of 8 or 16 pixels: of
+// red or blue less brightness, at its own scale. 0 where it is no JPEG or has no table.
+double chromaStep(const std::vector<uint8_t>& bytes);
+
 // The exponent that takes its values to light, where the file states one by itself (gAMA of a PNG); none
 // where it does not or names a profile.
 std::optional<double> statedGamma(const std::vector<uint8_t>& bytes);

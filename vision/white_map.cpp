@@ -15,6 +15,7 @@
 #include "vision/card_white.h"
 #include "vision/chroma.h"
 #include "vision/median.h"
+#include "vision/rounding.h"
 
 namespace heliodon::vision {
 namespace {
@@ -112,6 +113,16 @@ constexpr float kSameLight = 0.12f;     // of log chroma
 constexpr float kBetween = 0.07f;       // the same across the line that mixtures of two lights follow
 constexpr double kShareOfTable = 0.012; // what a second light must have to itself; one skylight has less
 
+// By its chroma; where the file rounds colours so that white may seem to be none, it has the benefit.
+bool isWhite(const cv::Vec4f& p, const cv::Vec3f& white, const ColourRounding& rounding) {
+    const float seen = saturation(p, white);
+    if (seen < kWhite) return true;
+    const float sure =
+        rounding.leastSaturation({p[0], p[1], p[2]}, {1 / white[0], 1 / white[1], 1 / white[2]});
+    const float ofWhite = 1 - (1 - seen) / (1 - sure); // what rounding makes of none
+    return ofWhite > kWhite && sure < kWhite;
+}
+
 // Where the lamp that dominates is shut out, another light of another colour is alone: the commonest chroma
 // of the dark blocks that are not white by the first light. Paint is vivid, or as bright as the white about
 // it.
@@ -178,7 +189,7 @@ struct Light {
 // `typical`: green of most blocks; `global`: the table's colour at that level; `most`: brighter blocks, over
 // typical, are no table.
 Light lightOnTable(const std::vector<cv::Vec4f>& blocks, int rows, int columns, float typical,
-                   const cv::Vec3f& global, float most) {
+                   const cv::Vec3f& global, float most, const ColourRounding& rounding) {
     // Against the whole table's white, then against that found near by, then with what only a second light
     // reaches.
     Light out{std::vector<cv::Vec3f>(blocks.size(), global), {}};
@@ -194,7 +205,7 @@ Light lightOnTable(const std::vector<cv::Vec4f>& blocks, int rows, int columns, 
             const auto& p = blocks[i];
             if (p[3] == 0 || p[1] < 0.03f * typical || p[1] > most * typical) continue;
             const bool asNear =
-                p[1] > 0.1f * typical && p[1] > 0.2f * near[i][1] && saturation(p, near[i]) < kWhite;
+                p[1] > 0.1f * typical && p[1] > 0.2f * near[i][1] && isWhite(p, near[i], rounding);
             const bool shaded = second && brightest(p, near[i]) < kShade &&
                                 isMixture(chromaOf(p), chroma(near[i][0], near[i][1], near[i][2]), *second);
             if (!asNear && !shaded) continue;
@@ -255,12 +266,13 @@ WhiteMap findWhite(const PlanView& view, const TableRegion& region, const std::o
                            typical * std::max(median(std::move(blue)), 1e-3f));
 
     constexpr float kAny = 1e9f, kOfDark = 2.5f; // times as bright as most of the table
+    const ColourRounding rounding(view);
     Light light;
     std::optional<CardWhite> card;
     // Card is held over the light that it was measured over: false, and the light before stays, where there
     // is none.
     const auto read = [&](float most, bool needsCard) {
-        Light found = lightOnTable(blocks, out.grid.rows, out.grid.columns, typical, global, most);
+        Light found = lightOnTable(blocks, out.grid.rows, out.grid.columns, typical, global, most, rounding);
         if (found.near.empty()) return false;
         LightGrid grid = out.grid;
         grid.light.clear();

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -339,6 +340,25 @@ TEST(DetectConditions, tokens_in_a_strongly_compressed_file) {
     Perturbation how;
     how.jpegQuality = 65;
     expectRead(sketch, perturbed(paintTable(sketch, exampleRig(), paints), how), 0.12);
+}
+
+// There a step of the file's colours is as large as what parts paint from the table.
+TEST(DetectConditions, a_dim_wooden_table_in_a_strongly_compressed_file) {
+    geometry::Sketch sketch;
+    sketch.walls = room().walls;
+    PaintBox birch;
+    birch.table = {0.62, 0.46, 0.3};
+    Perturbation how;
+    how.electronsAtWhite = 1500, how.readNoise = 6;
+    for (const auto& [left, quality] : {std::pair{0.1, 35}, {0.1, 45}, {0.2, 25}}) {
+        SCOPED_TRACE(testing::Message() << left << " " << quality);
+        how.jpegQuality = quality;
+        const Lighting dim{{left, 0.85 * left, 0.6 * left}, {0.02, 0.017, 0.012}};
+        const Photograph photo = perturbed(paintTable(sketch, exampleRig(), birch, dim), how);
+        const Score score = scoreSketch(sketch, detectSketch(photo, exampleRig()).sketch);
+        EXPECT_EQ(score.at("wall").found, 4) << table(score);
+        EXPECT_EQ(score.at("wall").extra, 0) << table(score);
+    }
 }
 
 TEST(DetectConditions, walls_cut_from_another_sheet) {
@@ -753,6 +773,8 @@ TEST(Photograph, cut_short_or_grey_is_no_photograph) {
     std::ofstream(file, std::ios::binary) << whole;
     EXPECT_TRUE(hasColor(readPhotograph(file)));
     EXPECT_NEAR(readPhotograph(file).jpegQuality, 90, 10);
+    EXPECT_NEAR(readPhotograph(file).chromaStep, 0.4, 0.3);
+    EXPECT_EQ(readPhotograph(HELIODON_SOURCE "/examples/i01_mixed.png").chromaStep, 0);
     for (const double share : {0.3, 0.7, 0.99}) {
         std::ofstream(file, std::ios::binary)
             << whole.substr(0, static_cast<size_t>(share * static_cast<double>(whole.size())));

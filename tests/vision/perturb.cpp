@@ -11,6 +11,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "vision/picture_header.h"
+
 namespace heliodon::vision {
 namespace {
 
@@ -68,6 +70,7 @@ Photograph perturbed(const Photograph& photo, const Perturbation& how) {
         cv::cvtColor(bytes, bgr, cv::COLOR_RGB2BGR);
         cv::imencode(".jpg", bgr, file, {cv::IMWRITE_JPEG_QUALITY, how.jpegQuality});
         cv::cvtColor(cv::imdecode(file, cv::IMREAD_COLOR), bytes, cv::COLOR_BGR2RGB);
+        out.jpegQuality = jpegQuality(file), out.chromaStep = chromaStep(file);
     }
     return out;
 }
