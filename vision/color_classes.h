@@ -49,6 +49,11 @@ struct ClassImage {
         if (i < 0 || j < 0 || i >= width || j >= height) return Paint::none;
         return paint[static_cast<size_t>(j) * static_cast<size_t>(width) + static_cast<size_t>(i)];
     }
+    // No paint there, which must be within.
+    void clear(int x, int y) {
+        paint[static_cast<size_t>(y - y0) * static_cast<size_t>(width) + static_cast<size_t>(x - x0)] =
+            Paint::none;
+    }
     // The group of the pixel that a position in the photograph lies in.
     Paint groupAt(glm::dvec2 pixel) const {
         return groupOf(at(static_cast<int>(std::lround(pixel.x)), static_cast<int>(std::lround(pixel.y))));

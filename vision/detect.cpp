@@ -23,6 +23,7 @@
 #include "vision/sketch_names.h"
 #include "vision/table_edge.h"
 #include "vision/table_marks.h"
+#include "vision/vivid_part.h"
 #include "vision/wall_evidence.h"
 #include "vision/wall_fit.h"
 
@@ -200,13 +201,20 @@ private:
         return isWallAt(pca.low - kGap) && isWallAt(pca.high + kGap);
     }
 
+    static bool isLightBlue(const Component& region) {
+        return region.group == Paint::blue && 2 * region.minorityArea > region.area;
+    }
+
     void findSkylights() {
         for (size_t i = 0; i < regions_.size(); ++i) {
             const Component& region = regions_[i];
             if (used_[i] || region.group != Paint::blue) continue;
             // By its colour, or by being wider than any strip of wall, which noise in the colour leaves
             // alone.
-            if (2 * region.minorityArea < region.area && !isWide(region)) continue;
+            if (!isLightBlue(region) && !isWide(region)) continue;
+            // A wall with the shade beside it is as wide, but only in part as vivid.
+            if (const auto vivid = vividPart(region, image_, view_); vivid && !vividPieces(*vivid).empty())
+                continue;
             // As narrow as a wall: pale cyan on one, rather.
             if (!isWide(region) && relativeWidth(region, 8) < 1.6) {
                 paleStrips_.push_back(region);
@@ -304,9 +312,10 @@ private:
     // A region that is neither a straight strip nor an arc may be walls that touch: its strips, if they are
     // walls.
     void addPieces(const Component& region, std::vector<const Component*>& pieces) {
-        if (region.group == Paint::blue && 2 * region.minorityArea > region.area)
-            return unread(region, "light blue like a skylight, but no rectangle; it is left out");
-        if (isStripOrArc(region, view_, options_)) return pieces.push_back(&region);
+        const bool isSky = isLightBlue(region);
+        if (!isSky && isStripOrArc(region, view_, options_)) return pieces.push_back(&region);
+        if (addVividPieces(region, pieces)) return;
+        if (isSky) return unread(region, "light blue like a skylight, but no rectangle; it is left out");
         bool any = false;
         for (Component& part : thinParts(region, view_, options_)) {
             strips_.push_back(std::move(part));
@@ -332,6 +341,40 @@ private:
         if (any) return;
         noteWidth({region.group, {&region}, {}});
         unread(region, "coloured like a wall, but not of a wall's shape; it is left out");
+    }
+
+    // Shade in a light of another colour, or what a file smears, has run into paint: strips are left where
+    // what is pale is taken away.
+    bool addVividPieces(const Component& region, std::vector<const Component*>& pieces) {
+        const std::optional<ClassImage> vivid = vividPart(region, image_, view_);
+        if (!vivid) return false;
+        std::vector<Component> parts = vividPieces(*vivid);
+        if (parts.empty()) return false;
+        for (const Run& run : region.runs)
+            for (int x = run.x0; x < run.x1; ++x)
+                if (vivid->at(x, run.y) == Paint::none) image_.clear(x, run.y);
+        for (Component& part : parts) {
+            strips_.push_back(std::move(part));
+            pieces.push_back(&strips_.back());
+        }
+        return true;
+    }
+
+    std::vector<Component> vividPieces(const ClassImage& vivid) const {
+        std::vector<Component> parts = findComponents(vivid, smallestArea(view_));
+        std::erase_if(parts, [&](const Component& part) { return !isVividPiece(part); });
+        return parts;
+    }
+    // What is curved, as a finger is, has to show white ends.
+    bool isVividPiece(const Component& part) const {
+        constexpr float kEnd = 0.1f;
+        if (isLightBlue(part) || !isStripOrArc(part, view_, options_)) return false;
+        const Chain alone{part.group, {&part}, {}};
+        if (fitStraight(alone, view_, options_)) return true;
+        const auto arc = fitArc(alone, view_, options_);
+        if (!arc) return true;
+        const auto ends = evidence().endSteps(*arc);
+        return std::min(ends[0], ends[1]) > kEnd;
     }
 
     // The arc of a strip that was cut out of a region, which takes what of the region goes on along it as far

@@ -82,6 +82,18 @@ TEST(DetectConditions, shadows_that_only_a_bluish_light_reaches) {
     expectRead(room(), photo);
 }
 
+// Too little of it to tell that light's colour by. It makes one region with the wall's top, in the last as
+// wide and straight as a skylight.
+TEST(DetectConditions, bluish_shade_along_a_blue_wall) {
+    const geometry::Rig rig = exampleRig();
+    for (const auto& [gain, softPx] : {std::pair{Color{0.3, 0.4, 0.7}, 2.0}, {Color{0.4, 0.54, 0.9}, 6.0}}) {
+        SCOPED_TRACE(softPx);
+        Photograph photo = paintTable(room(), rig);
+        shade(photo, rig, {{7.6, -4.4}, {9.2, -3}, {8.2, 0.5}, {9.2, 3.8}, {7.6, 4.8}}, 8, gain, softPx);
+        expectRead(room(), photo, 0.12);
+    }
+}
+
 TEST(DetectConditions, a_lamp_that_changes_colour_over_the_table) {
     Lighting lamps;
     lamps.left = {0.75, 0.6, 0.36}, lamps.right = {0.4, 0.5, 0.6};
