@@ -1,7 +1,6 @@
 #include "compute/bvh.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -133,28 +132,6 @@ private:
     std::vector<dvec3> middles_;
 };
 
-// The corner with the widest angle first: the cross product of the edges that meet there is rounded least.
-std::array<dvec3, 3> fromWidestAngle(std::array<dvec3, 3> c) {
-    size_t widest = 0;
-    double longest = 0;
-    for (size_t k = 0; k < 3; ++k) {
-        const double opposite = glm::length(c[(k + 2) % 3] - c[(k + 1) % 3]);
-        if (opposite > longest) widest = k, longest = opposite;
-    }
-    std::rotate(c.begin(), c.begin() + static_cast<std::ptrdiff_t>(widest), c.end());
-    return c;
-}
-
-// What heights over the triangle's plane come multiplied by: twice its area. Their rounding error goes with
-// the product of the edges instead, of slivers much more: there what counts as in the plane grows with it, or
-// points of a needle would find the needle in their way.
-double heightScale(const std::array<dvec3, 3>& c) {
-    constexpr double kRounding = 0.4; // of float32, some 2e-7 of the diagonal, over kernels' flatness of 5e-7
-    const dvec3 e = c[1] - c[0], f = c[2] - c[0];
-    const double twiceArea = glm::length(glm::cross(e, f));
-    return twiceArea + kRounding * (glm::length(e) * glm::length(f) - twiceArea);
-}
-
 // Depth first with the near child first for directions of one octant (bit a set: negative along axis a).
 class Flattener {
 public:
@@ -214,11 +191,14 @@ Bvh buildBvh(gpu::Device& device, std::vector<BvhTriangle> triangles) {
     for (uint32_t octant = 0; octant < 8; ++octant) Flattener(builder.nodes, result, octant, nodes);
     for (uint32_t t : builder.order) {
         const BvhTriangle& triangle = triangles[t];
-        const auto c = fromWidestAngle(triangle.corner);
+        const auto& c = triangle.corner;
+        const dvec3 e = c[1] - c[0], f = c[2] - c[0], area = glm::cross(e, f); // twice the area
+        const double inverse = 1 / std::max(glm::length(area), 1e-30);
+        const dvec3 normal = area * inverse;
         corners.push_back(texelOf(c[0] - result.centre, triangle.patch));
-        corners.push_back(texelOf(c[1] - c[0], triangle.room));
-        const auto inverse = static_cast<float>(1 / std::max(heightScale(c), 1e-30));
-        corners.push_back(texelOf(c[2] - c[0], std::bit_cast<uint32_t>(inverse)));
+        corners.push_back(texelOf(normal, triangle.room));
+        corners.push_back(texelOf(glm::cross(f, normal) * inverse, 0));
+        corners.push_back(texelOf(glm::cross(normal, e) * inverse, 0));
     }
     result.nodeCount = static_cast<uint32_t>(builder.nodes.size());
     result.nodes = gpu::Buffer::from(device, nodes, "bvh nodes");

@@ -27,8 +27,10 @@ struct Bvh {
     double diagonal = 1;    // of the box of all triangles, at least 1e-30
     uint32_t nodeCount = 0; // of one octant's order
     gpu::Buffer nodes;      // uvec4 texels, two a node; octant after octant
-    gpu::Buffer triangles;  // uvec4 texels, three a triangle: corner, patch | edge, room | other
-                            // edge, 1 / (twice the area, and more of slivers: heightScale)
+    // uvec4 texels, four a triangle: corner, patch | normal, room | what a place from the corner has as its
+    // product with these is its share of the one edge there, and of the other. A normal made in shaders from
+    // edges would be off by their rounding over a sliver's width.
+    gpu::Buffer triangles;
 };
 
 // Patches as fans of triangles.

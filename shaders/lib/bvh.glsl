@@ -10,6 +10,7 @@
 
 const uint kBvhNothing = 0xffffffffu;
 const float kBvhPlane = 1e-6; // of lengths: rounding errors of heights over a triangle's plane
+const uint kBvhTexels = 4u; // of a triangle
 const float kBvhTie = 1e-5;  // share of the distance: of two patches back to back, without thickness, the front is met
 
 struct BvhRay {
@@ -45,12 +46,11 @@ uint nextLeafWithin(BvhRay ray, float radius, float reach, inout uint node) {
 
 uint nextLeaf(BvhRay ray, float reach, inout uint node) { return nextLeafWithin(ray, 0.0, reach, node); }
 
-// Where a ray's line crosses the plane of the triangle at texel `at` (T. Moeller, B. Trumbore, 1997).
+// Where a ray's line crosses the plane of the triangle at texel `at`.
 struct BvhCrossing {
     uint patch_, room;
-    float inverseTwiceArea;
-    float determinant; // positive: from the front
-    float height;      // of the origin over the plane, times twice the area
+    float height; // of the origin over the plane
+    float rise;   // of the height along the direction; negative: from the front
     float t;
     // Within the triangle, and no wider: a long one, however little widened, would stand before the ends of its body.
     // What slips between neighbours is as rare as rounding is small.
@@ -59,13 +59,12 @@ struct BvhCrossing {
 
 BvhCrossing crossingOf(BvhRay ray, uint at) {
     uvec4 t0 = texelFetch(bvhTriangles, int(at)), t1 = texelFetch(bvhTriangles, int(at + 1u)),
-          t2 = texelFetch(bvhTriangles, int(at + 2u));
-    vec3 e = uintBitsToFloat(t1.xyz), f = uintBitsToFloat(t2.xyz), s = ray.origin - uintBitsToFloat(t0.xyz);
-    vec3 p = cross(ray.direction, f), q = cross(s, e);
-    float determinant = dot(e, p), inverse = 1.0 / determinant;
-    float u = dot(s, p) * inverse, v = dot(ray.direction, q) * inverse, height = dot(f, q);
-    return BvhCrossing(t0.w, t1.w, uintBitsToFloat(t2.w), determinant, height, height * inverse,
-                       min(u, v) >= 0.0 && u + v <= 1.0);
+          t2 = texelFetch(bvhTriangles, int(at + 2u)), t3 = texelFetch(bvhTriangles, int(at + 3u));
+    vec3 n = uintBitsToFloat(t1.xyz), s = ray.origin - uintBitsToFloat(t0.xyz);
+    float height = dot(n, s), rise = dot(n, ray.direction), t = -height / rise;
+    vec3 place = s + t * ray.direction;
+    float u = dot(place, uintBitsToFloat(t2.xyz)), v = dot(place, uintBitsToFloat(t3.xyz));
+    return BvhCrossing(t0.w, t1.w, height, rise, t, min(u, v) >= 0.0 && u + v <= 1.0);
 }
 
 // The nearest patch that a ray meets, times two, plus one seen from behind; kBvhNothing when there is none. Patches
@@ -75,16 +74,16 @@ uint nearestPatch(BvhRay ray, uint self, uint room, float flatness) {
     uint result = kBvhNothing, node = 0u;
     [[dont_unroll]] while (node < ray.end) {
         uint leaf = nextLeaf(ray, reach * (1.0 + kBvhTie), node);
-        uint at = 3u * (leaf / (2u * kBvhLeafMost)), count = leaf % (2u * kBvhLeafMost), k = 0u;
+        uint at = kBvhTexels * (leaf / (2u * kBvhLeafMost)), count = leaf % (2u * kBvhLeafMost), k = 0u;
         [[dont_unroll]] do {
             BvhCrossing c = crossingOf(ray, at);
-            float isBack = c.determinant > 0.0 ? 0.0 : 1.0, wasBack = float(result & 1u);
+            float isBack = c.rise < 0.0 ? 0.0 : 1.0, wasBack = float(result & 1u);
             bool hit = k < count && c.patch_ != self && c.room == room && c.inside && c.t > 0.0 &&
                        c.t < reach * (1.0 + kBvhTie * (wasBack - isBack)) &&
-                       abs(c.height) * c.inverseTwiceArea > flatness;
+                       abs(c.height) > flatness;
             reach = hit ? c.t : reach;
-            result = hit ? 2u * c.patch_ + (c.determinant > 0.0 ? 0u : 1u) : result;
-            at += 3u;
+            result = hit ? 2u * c.patch_ + (c.rise < 0.0 ? 0u : 1u) : result;
+            at += kBvhTexels;
             ++k;
         } while (k < count);
     }
@@ -99,13 +98,12 @@ bool blockedBetween(vec3 from, vec3 to, uint room, uint nodeCount, float flatnes
     uint node = 0u;
     [[dont_unroll]] while (node < ray.end) {
         uint leaf = nextLeaf(ray, 1.0, node);
-        uint at = 3u * (leaf / (2u * kBvhLeafMost)), count = leaf % (2u * kBvhLeafMost), k = 0u;
+        uint at = kBvhTexels * (leaf / (2u * kBvhLeafMost)), count = leaf % (2u * kBvhLeafMost), k = 0u;
         [[dont_unroll]] do {
             BvhCrossing c = crossingOf(ray, at);
-            float flat_ = flatness / c.inverseTwiceArea;
             blocked = blocked || (k < count && c.room == room && c.inside && c.t > 0.0 && c.t < 1.0 &&
-                                  abs(c.height) > flat_ && abs(c.height - c.determinant) > flat_);
-            at += 3u;
+                                  abs(c.height) > flatness && abs(c.height + c.rise) > flatness);
+            at += kBvhTexels;
             ++k;
         } while (k < count);
         node = blocked ? ray.end : node;
@@ -126,18 +124,16 @@ bool maybeBlocked(vec3 from, vec3 fromNormal, float fromRadius, vec3 to, vec3 to
     uint node = 0u;
     [[dont_unroll]] while (node < ray.end) {
         uint leaf = nextLeafWithin(ray, radius, 1.0, node);
-        uint at = 3u * (leaf / (2u * kBvhLeafMost)), count = leaf % (2u * kBvhLeafMost), k = 0u;
+        uint at = kBvhTexels * (leaf / (2u * kBvhLeafMost)), count = leaf % (2u * kBvhLeafMost), k = 0u;
         [[dont_unroll]] do {
-            uvec4 t0 = texelFetch(bvhTriangles, int(at)), t1 = texelFetch(bvhTriangles, int(at + 1u)),
-                  t2 = texelFetch(bvhTriangles, int(at + 2u));
-            vec3 n = cross(uintBitsToFloat(t1.xyz), uintBitsToFloat(t2.xyz)) * uintBitsToFloat(t2.w);
-            vec3 corner = uintBitsToFloat(t0.xyz);
+            vec3 corner = uintBitsToFloat(texelFetch(bvhTriangles, int(at)).xyz),
+                 n = uintBitsToFloat(texelFetch(bvhTriangles, int(at + 1u)).xyz);
             float a = dot(n, from - corner), b = dot(n, to - corner), slack = kBvhPlane * (size + radius + abs(a));
             float extentA = fromRadius * length(cross(n, fromNormal)) - slack,
                   extentB = toRadius * length(cross(n, toNormal)) - slack;
             bool oneSide = (a >= extentA && b >= extentB) || (a <= -extentA && b <= -extentB);
             maybe = maybe || (k < count && !oneSide);
-            at += 3u;
+            at += kBvhTexels;
             ++k;
         } while (k < count);
         node = maybe ? ray.end : node;

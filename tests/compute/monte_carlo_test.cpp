@@ -4,11 +4,13 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <span>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
 
+#include "compute/reference/exact_form_factors.h"
 #include "compute/reference/monte_carlo.h"
 #include "tests/compute/cases.h"
 #include "tests/compute/form_factor_cases.h"
@@ -126,6 +128,24 @@ TEST(MonteCarlo, occluded_and_free_pairs_have_their_exact_factors) {
                 // 2e-6: planes nearer to the ray's start than the float32 grid of the scene are not seen.
                 EXPECT_NEAR(values[entry.i * n + entry.j], entry.value, 4 * sigma + 2e-6) << c.name;
             }
+        }
+}
+
+// What lies within a needle's width of its plane: the neighbour along its edge, turned against it. Not the
+// one 1e-4 wide that is turned by 10 degrees, whose heights are no more than what counts as in the plane.
+TEST(MonteCarlo, needles_that_share_an_edge_see_one_another) {
+    for (double width : {1e-2, 1e-3, 1e-4})
+        for (double degrees : {10.0, 60.0, 150.0}) {
+            const double angle = degrees * std::numbers::pi / 180;
+            if (width * std::sin(angle) < 2e-5) continue;
+            const geometry::PatchMesh mesh = test::polygons(
+                {{{0, 0, 0}, {width, 0.3, 0}, {0, 1, 0}},
+                 {{0, 0, 0}, {0, 1, 0}, {width * std::cos(angle), 0.6, width * std::sin(angle)}}});
+            const MonteCarloFormFactors F = MonteCarlo(test::device(), mesh, {4096}).run();
+            const std::vector<double> exact = reference::exactFormFactors(mesh);
+            EXPECT_LE(test::rowError(F.factors.values.download<float>(4), {exact.begin(), exact.end()}),
+                      F.factors.report.claimedRowError)
+                << width << " m wide, turned by " << degrees;
         }
 }
 
