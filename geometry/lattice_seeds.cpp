@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
+#include <utility>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -344,25 +344,20 @@ private:
         for (size_t k = 0; k + 1 < on.size(); ++k) {
             const double from = domain_.boundary[on[k]].y, to = domain_.boundary[on[k + 1]].y;
             if (!crossesInside(x, 0.5 * (from + to), same)) continue;
-            std::optional<uint32_t> last = on[k];
-            double before = from;
-            const auto join = [&](uint32_t v, double y) {
-                if (last && !besideBorder(x, before, y)) seeds_.foldEdges.emplace_back(*last, v);
-                last = v;
-                before = y;
-            };
+            uint32_t last = on[k];
+            const auto join = [&](uint32_t v) { seeds_.foldEdges.emplace_back(std::exchange(last, v), v); };
             for (const double y : heights(x, from, to, own, shifts_[fold])) {
                 const double room = 0.5 * kBeside * edge_;
                 if (besideBorder(x, y - room, y + room)) continue;
-                join(static_cast<uint32_t>(domain_.boundary.size() + seeds_.points.size()), y);
+                join(static_cast<uint32_t>(domain_.boundary.size() + seeds_.points.size()));
                 seeds_.points.emplace_back(x, y);
             }
-            join(on[k + 1], to);
+            join(on[k + 1]);
         }
     }
 
-    // Whether an upright side of the boundary runs too near for triangles between: the fold is left out
-    // there.
+    // Whether an upright side of the boundary runs too near for a point of the fold: triangles are slim there,
+    // for if they lay across the fold they could cross what stands beside the wall.
     bool besideBorder(double x, double from, double to) const {
         const double least = kBeside * edge_;
         for (size_t l = 0; l < domain_.loopCount(); ++l)

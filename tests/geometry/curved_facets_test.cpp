@@ -511,3 +511,20 @@ TEST(CurvedFacets, of_a_mesh_whose_triangles_lean_are_meshed_again) {
     const PatchMesh again = meshBuilding(importModel(file), {.mergesFacets = true});
     EXPECT_NEAR(volume(again), volume(mesh), 2e-3 * volume(mesh));
 }
+
+// A fold right beside a low wall's end, with air between the two of less than triangles across it would take.
+TEST(CurvedFacets, beside_a_low_wall_are_written_as_rooms_that_can_be_read) {
+    const Sketch sketch = readSketch(HELIODON_TEST_DATA "/geometry/sketches/arc_with_partitions.json");
+    const std::string file = testing::TempDir() + "beside.obj";
+    for (const size_t triangles : {200, 600}) {
+        ClosureOptions options;
+        options.facetLength = fittingFacet(surfaceOfRooms(sketch), {triangles});
+        options.chordError = 0.2; // wide facets, as few triangles ask for
+        const Closure closure = closeSketch(sketch, options);
+        const PatchMesh mesh = meshBuilding(*closure.building, {triangles});
+        writeModel(mesh, file);
+        const Building again = importModel(file);
+        EXPECT_EQ(again.roomCount, closure.building->roomCount);
+        EXPECT_NEAR(volume(ownTriangles(again)), volume(mesh), 1e-6 * volume(mesh));
+    }
+}
