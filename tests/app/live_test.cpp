@@ -168,7 +168,7 @@ TEST_F(Live, a_bad_picture_is_reported_and_leaves_the_last_light_until_a_good_on
 }
 
 geometry::Sketch mixedSketch() {
-    return geometry::readSketch(HELIODON_TEST_DATA "/vision/i01_mixed.sketch.json");
+    return geometry::readSketch(HELIODON_TEST_DATA "/geometry/sketches/i01_mixed.sketch.json");
 }
 
 // A picture of the table under lamps of some brightness.

@@ -64,8 +64,9 @@ TEST_F(MainJob, a_photograph_becomes_a_sketch_that_gives_the_same_model) {
 }
 
 TEST_F(MainJob, a_model_is_reported_as_closed_rooms) {
-    run("model " HELIODON_TEST_DATA "/geometry/models/daylight_d/model.obj --up z -o " + in("m.glb") +
-        " --report " + in("m.json"));
+    run("model " HELIODON_TEST_DATA
+        "/compute/daylight/d_skylight_partition_overcast_mar21_13_g0.2/model.obj --up z -o " +
+        in("m.glb") + " --report " + in("m.json"));
     const nlohmann::json m = report("m.json");
     EXPECT_EQ(m["outcome"], "ok");
     EXPECT_TRUE(m["walls"].is_array());
@@ -74,8 +75,10 @@ TEST_F(MainJob, a_model_is_reported_as_closed_rooms) {
 }
 
 TEST_F(MainJob, a_model_is_taken_at_the_scale_that_is_given_or_assumed) {
-    const std::string model = "model " HELIODON_TEST_DATA "/geometry/models/daylight_d/model.obj --up z -o " +
-                              in("m.glb") + " --report " + in("r.json");
+    const std::string model =
+        "model " HELIODON_TEST_DATA
+        "/compute/daylight/d_skylight_partition_overcast_mar21_13_g0.2/model.obj --up z -o " +
+        in("m.glb") + " --report " + in("r.json");
     run(model);
     const double area = report("r.json")["rooms"][0]["floor_area"];
     EXPECT_EQ(report("r.json")["assumed"], "model as large as its building");
@@ -87,7 +90,8 @@ TEST_F(MainJob, a_model_is_taken_at_the_scale_that_is_given_or_assumed) {
 
     // Lumens are the building's, too.
     const auto lumensAt = [&](const std::string& scale) {
-        run("illuminance " HELIODON_TEST_DATA "/geometry/models/daylight_d/model.obj --up z --triangles 50 " +
+        run("illuminance " HELIODON_TEST_DATA
+            "/compute/daylight/d_skylight_partition_overcast_mar21_13_g0.2/model.obj --up z --triangles 50 " +
             scale + " --sky overcast -o " + in("lux.csv") + " --report " + in("r.json"));
         return report("r.json")["radiosity"]["lumens_in"].get<double>();
     };

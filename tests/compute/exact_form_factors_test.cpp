@@ -131,7 +131,7 @@ TEST(ExactFormFactors, enclosures_close_without_normalisation) {
 // entry).
 TEST(ExactFormFactors, room_with_partitions_agrees_with_reference_rows) {
     const geometry::PatchMesh mesh =
-        geometry::readPatches(HELIODON_TEST_DATA "/geometry/models/room3_672.obj");
+        geometry::readPatches(HELIODON_TEST_DATA "/compute/formfactor/room3_672.obj");
     const size_t n = mesh.patchCount();
     ASSERT_EQ(n, 672u);
     const ExactFormFactors result = exactFormFactors(test::device(), mesh, {1e-4});
@@ -317,7 +317,7 @@ TEST(ExactFormFactors, a_floor_that_goes_on_beneath_a_box_sees_the_room_beside_i
 
 TEST(ExactFormFactors, same_input_gives_the_same_bits) {
     const geometry::PatchMesh mesh =
-        geometry::readPatches(HELIODON_TEST_DATA "/geometry/models/room3_672.obj");
+        geometry::readPatches(HELIODON_TEST_DATA "/compute/formfactor/room3_672.obj");
     EXPECT_EQ(matrixOf(mesh, 1e-3), matrixOf(mesh, 1e-3));
 }
 

@@ -61,7 +61,7 @@ TEST(ExactReference, enclosures_agree_and_close) {
 // standard error is 7e-6 an entry, about 2e-5 a row of 672.
 TEST(ExactReference, rows_of_a_room_with_partitions_agree_and_close) {
     const geometry::PatchMesh mesh =
-        geometry::readPatches(HELIODON_TEST_DATA "/geometry/models/room3_672.obj");
+        geometry::readPatches(HELIODON_TEST_DATA "/compute/formfactor/room3_672.obj");
     const size_t n = mesh.patchCount();
     const FormFactorRows rows(mesh);
     for (const size_t i : {0u, 203u, 609u}) {

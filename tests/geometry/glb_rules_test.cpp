@@ -235,7 +235,9 @@ TEST_F(GlbRules, hold_for_rooms_with_windows) {
         ASSERT_TRUE(closure.building);
         check(meshBuilding(*closure.building, {300}));
     }
-    check(meshBuilding(importModel(HELIODON_TEST_DATA "/geometry/models/daylight_d/model.obj", UpAxis::z),
+    check(meshBuilding(importModel(HELIODON_TEST_DATA
+                                   "/compute/daylight/d_skylight_partition_overcast_mar21_13_g0.2/model.obj",
+                                   UpAxis::z),
                        {300}));
 }
 

@@ -21,7 +21,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const fs::path kModels = HELIODON_TEST_DATA "/geometry/models";
+const fs::path kEnclosures = HELIODON_TEST_DATA "/compute/formfactor",
+               kRoom = HELIODON_TEST_DATA
+               "/compute/daylight/d_skylight_partition_overcast_mar21_13_g0.2/model.obj"; // with a partition
 
 class ModelFile : public testing::Test {
 protected:
@@ -51,7 +53,7 @@ const std::string kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 } // namespace
 
 TEST_F(ModelFile, faces_stay_as_in_the_file) {
-    const PatchMesh mesh = readPatches(kModels / "room3_672.obj");
+    const PatchMesh mesh = readPatches(kEnclosures / "room3_672.obj");
     ASSERT_EQ(mesh.patchCount(), 672u);
     double total = 0;
     for (size_t i = 0; i < mesh.patchCount(); ++i) total += patchArea(mesh, i);
@@ -67,7 +69,7 @@ TEST_F(ModelFile, faces_stay_as_in_the_file) {
 }
 
 TEST_F(ModelFile, coplanar_neighbours_of_one_material_are_one_surface) {
-    const PatchMesh slab = readPatches(kModels / "thin_slab_1_1_0.001.obj");
+    const PatchMesh slab = readPatches(kEnclosures / "thin_slab_1_1_0.001.obj");
     ASSERT_EQ(slab.patchCount(), 6u);
     EXPECT_EQ(std::set<uint32_t>(slab.surface.begin(), slab.surface.end()).size(), 6u);
     const PatchMesh two = readPatches(write("m.obj", kSquare + "f 1 2 3\nf 1 3 4\nv 5 5 0\nf 2 3 5\n"));
@@ -174,7 +176,7 @@ TEST_F(ModelFile, unphysical_materials_are_named_by_line) {
 }
 
 TEST_F(ModelFile, cut_short_at_any_byte_never_reads_past_the_end) {
-    std::ifstream in(kModels / "thin_slab_1_1_0.001.obj", std::ios::binary);
+    std::ifstream in(kEnclosures / "thin_slab_1_1_0.001.obj", std::ios::binary);
     const std::string whole((std::istreambuf_iterator<char>(in)), {});
     for (size_t length = 0; length < whole.size(); ++length) {
         try {
@@ -220,7 +222,7 @@ void expectSameMesh(const PatchMesh& a, const PatchMesh& b, double tolerance) {
 } // namespace
 
 TEST_F(ModelFile, daylight_reference_room_imports_with_its_partition) {
-    const Building b = importModel(kModels / "daylight_d" / "model.obj", UpAxis::z);
+    const Building b = importModel(kRoom, UpAxis::z);
     EXPECT_EQ(b.roomCount, 1u);
     // L: 24 x 12 + 14 x 8 ft, 10 ft high, less a partition 4 ft high, 6 ft long, 1 in thick.
     const double ft = 0.3048;
@@ -231,7 +233,7 @@ TEST_F(ModelFile, daylight_reference_room_imports_with_its_partition) {
 }
 
 TEST_F(ModelFile, triangulated_room_imports_closed) {
-    const Building b = importModel(kModels / "room3_672.obj");
+    const Building b = importModel(kEnclosures / "room3_672.obj");
     EXPECT_EQ(b.faces.size(), 672u);
     EXPECT_NEAR(airVolume(b, 0), 8 * 6 * 3 - 0.2 * (4 * 3 + 4 * 2.5 + 3 * 2), 1e-9);
 }
@@ -282,7 +284,7 @@ TEST_F(ModelFile, t_vertices_are_split_into_the_edge) {
 }
 
 TEST_F(ModelFile, written_models_read_back) {
-    const PatchMesh mesh = meshBuilding(importModel(kModels / "daylight_d" / "model.obj", UpAxis::z), {500});
+    const PatchMesh mesh = meshBuilding(importModel(kRoom, UpAxis::z), {500});
     writeModel(mesh, folder / "out.obj");
     const PatchMesh obj = readPatches(folder / "out.obj");
     expectSameMesh(mesh, obj, 1e-12);
@@ -297,15 +299,15 @@ TEST_F(ModelFile, written_models_read_back) {
             EXPECT_EQ(obj.materials[i].reflectance[c], mesh.materials[i].reflectance[c]);
         }
     // And closed again: what is written out can be taken in.
-    EXPECT_NEAR(airVolume(importModel(folder / "out.glb"), 0),
-                airVolume(importModel(kModels / "daylight_d" / "model.obj", UpAxis::z), 0), 1e-4);
+    EXPECT_NEAR(airVolume(importModel(folder / "out.glb"), 0), airVolume(importModel(kRoom, UpAxis::z), 0),
+                1e-4);
     EXPECT_THROW(writeModel(mesh, folder / "out.stl"), InputError);
     writeModel(mesh, folder / "no #1.obj"); // a comment, were it to name its materials so
     EXPECT_EQ(readPatches(folder / "no #1.obj").materials.size(), obj.materials.size());
 }
 
 TEST_F(ModelFile, no_materials_are_written_without_their_model) {
-    const PatchMesh mesh = readPatches(kModels / "thin_slab_1_1_0.001.obj");
+    const PatchMesh mesh = readPatches(kEnclosures / "thin_slab_1_1_0.001.obj");
     fs::create_directories(folder / "a.obj");
     EXPECT_THROW(writeModel(mesh, folder / "a.obj"), InputError);
     EXPECT_FALSE(fs::exists(folder / "a.mtl"));
@@ -315,7 +317,7 @@ TEST_F(ModelFile, no_materials_are_written_without_their_model) {
 }
 
 TEST_F(ModelFile, north_goes_along) {
-    const Building room = importModel(kModels / "daylight_d" / "model.obj", UpAxis::z);
+    const Building room = importModel(kRoom, UpAxis::z);
     EXPECT_EQ(room.northDeg, 90);
     const PatchMesh mesh = meshBuilding(room, {500});
     for (const char* name : {"turned.obj", "turned.glb"}) {
@@ -330,7 +332,7 @@ TEST_F(ModelFile, north_goes_along) {
 
 // What a modelling program makes objects and materials of, read without our reader.
 TEST_F(ModelFile, objects_are_rooms_and_roles_in_what_is_written) {
-    const PatchMesh mesh = meshBuilding(importModel(kModels / "daylight_d" / "model.obj", UpAxis::z), {500});
+    const PatchMesh mesh = meshBuilding(importModel(kRoom, UpAxis::z), {500});
     std::map<std::string, std::map<std::string, int>> expected; // faces by object and material
     for (size_t i = 0; i < mesh.patchCount(); ++i) {
         const char* role = mesh.role[i] == Role::fillIn ? "fill-in" : "projection";
@@ -374,7 +376,7 @@ TEST_F(ModelFile, objects_are_rooms_and_roles_in_what_is_written) {
 }
 
 TEST_F(ModelFile, damaged_glb_is_refused_not_read_past_its_end) {
-    writeModel(readPatches(kModels / "thin_slab_1_1_0.001.obj"), folder / "whole.glb");
+    writeModel(readPatches(kEnclosures / "thin_slab_1_1_0.001.obj"), folder / "whole.glb");
     std::ifstream in(folder / "whole.glb", std::ios::binary);
     const std::string whole((std::istreambuf_iterator<char>(in)), {});
     for (size_t length = 0; length < whole.size(); length += 7)

@@ -112,8 +112,9 @@ TEST(RoomMeasures, glass_is_one_pane_up_to_where_it_turns_changes_or_touches_in_
 }
 
 TEST(RoomMeasures, panes_are_counted_by_pieces_of_glass) {
-    const PatchMesh mesh =
-        meshBuilding(importModel(HELIODON_TEST_DATA "/geometry/models/daylight_d/model.obj", UpAxis::z));
+    const PatchMesh mesh = meshBuilding(importModel(
+        HELIODON_TEST_DATA "/compute/daylight/d_skylight_partition_overcast_mar21_13_g0.2/model.obj",
+        UpAxis::z));
     const PaneCount panes = countPanes(mesh);
     EXPECT_EQ(panes.skylightPanes, 1);
     Sketch sketch = readSketch(HELIODON_TEST_DATA "/geometry/sketches/p05_T_two_rooms.json");

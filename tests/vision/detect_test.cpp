@@ -16,7 +16,7 @@ namespace heliodon::vision {
 namespace {
 
 const std::string kExamples = HELIODON_SOURCE "/examples/";
-const std::string kData = HELIODON_TEST_DATA "/vision/";
+const std::string kData = HELIODON_TEST_DATA "/vision/", kSketches = HELIODON_TEST_DATA "/geometry/sketches/";
 
 geometry::Rig exampleRig() {
     return geometry::readRig(kExamples + "rig.json");
@@ -25,7 +25,7 @@ Photograph bright() {
     return readPhotograph(kExamples + "i01_mixed.png");
 }
 geometry::Sketch brightSketch() {
-    return geometry::readSketch(kData + "i01_mixed.sketch.json");
+    return geometry::readSketch(kSketches + "i01_mixed.sketch.json");
 }
 
 // Everything that is stated is found, nothing else is, and it lies where it should.
@@ -60,7 +60,7 @@ TEST(Detect, reads_every_kind_of_primitive_from_a_bright_picture) {
 
 TEST(Detect, reads_a_dim_picture_cluttered_by_projector_shadows) {
     const auto result = detectSketch(readPhotograph(kData + "p04_L_dim.png"), exampleRig());
-    expectAll(scoreSketch(geometry::readSketch(kData + "p04_L.sketch.json"), result.sketch), kPlace, 0.3);
+    expectAll(scoreSketch(geometry::readSketch(kSketches + "p04_L.json"), result.sketch), kPlace, 0.3);
 }
 
 TEST(Detect, reads_a_harsh_noisy_picture_under_a_warm_cast) {
@@ -71,7 +71,7 @@ TEST(Detect, reads_a_harsh_noisy_picture_under_a_warm_cast) {
 TEST(Detect, sees_two_walls_where_a_marker_hides_their_joint) {
     const auto result = detectSketch(readPhotograph(kData + "p10_window_over_joint_good.jpg"), exampleRig());
     // The stripe of light in the joint is 0.25 in wide and lies within the 0.3 in of the gap's edges.
-    expectAll(scoreSketch(geometry::readSketch(kData + "p10_window_over_joint.sketch.json"), result.sketch),
+    expectAll(scoreSketch(geometry::readSketch(kSketches + "p10_window_over_joint.json"), result.sketch),
               0.15, 0.3);
 }
 

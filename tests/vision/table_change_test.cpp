@@ -19,7 +19,7 @@ geometry::Rig rig() {
     return geometry::readRig(HELIODON_SOURCE "/examples/rig.json");
 }
 geometry::Sketch sketch() {
-    return geometry::readSketch(HELIODON_TEST_DATA "/vision/i01_mixed.sketch.json");
+    return geometry::readSketch(HELIODON_TEST_DATA "/geometry/sketches/i01_mixed.sketch.json");
 }
 
 // The noise of a small sensor in a dim room.
