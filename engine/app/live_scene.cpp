@@ -201,6 +201,7 @@ void LiveSceneMaker::make(const SeenTable& seen) {
     }
     warnOfBlack(run, rig_, reaching_);
     made->report = run.report();
+    if (shape) made->report["form_factors"] = before_->report.at("form_factors"); // those still in use
     change.scene = made;
     before_ = made;
     spoiltBefore_ = spoilt;

@@ -123,9 +123,11 @@ std::vector<std::pair<std::string, std::string>> factsOf(const LiveStatus& statu
                                        lit->figures.meanLux, lit->figures.maxLux, lit->figures.glareRatio)
                          : "none");
         add("triangles", fmt::format("{}", scene.value("triangles", 0)));
+        const nlohmann::json rows = scene.value("form_factors", nlohmann::json::object())
+                                        .value("claimed_row_error", nlohmann::json());
         add("error",
-            fmt::format("rows {:.1e}, closure {:.1e}, solution {:.1e}",
-                        at(scene, "form_factors", "claimed_row_error"),
+            fmt::format("rows {}, closure {:.1e}, solution {:.1e}",
+                        rows.is_number() ? fmt::format("{:.1e}", rows.get<double>()) : "unknown",
                         at(scene, "form_factors", "closure_rms"), lit->moment->report.radiosity.bound));
         add("done again", lit->scene->row);
         add("stages", fmt::format("detect {}, rooms {}, factors {}, light {}", duration(status.detectSeconds),

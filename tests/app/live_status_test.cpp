@@ -19,6 +19,21 @@ TEST(LiveStatus, counts_one_of_a_kind_as_one) {
     EXPECT_EQ(facts[0].second, "1 wall, 1 arc, 2 windows, 1 skylight, 0 tokens, no north arrow");
 }
 
+TEST(LiveStatus, an_error_that_no_kernel_claims_is_unknown) {
+    const auto scene = std::make_shared<app::LiveScene>();
+    app::LitScene lit;
+    lit.scene = scene;
+    lit.moment = std::make_shared<compute::Moment>();
+    const auto errorWith = [&](const nlohmann::json& claim) {
+        scene->report["form_factors"] = {{"claimed_row_error", claim}, {"closure_rms", 0.01}};
+        for (const auto& [name, value] : app::factsOf({}, &lit, {}))
+            if (name == "error") return value;
+        return std::string();
+    };
+    EXPECT_EQ(errorWith(nullptr), "rows unknown, closure 1.0e-02, solution 0.0e+00");
+    EXPECT_EQ(errorWith(0), "rows 0.0e+00, closure 1.0e-02, solution 0.0e+00");
+}
+
 TEST(LiveStatus, every_reason_of_a_refusal_is_handed_on_once) {
     app::LiveBoard board;
     board.update([](app::LiveStatus& status) {
