@@ -363,7 +363,7 @@ void computePart(Run& run, const Job& job, compute::DaylightTransport& transport
 }
 
 // Computes the year, and writes it part by part.
-Year computeYear(Run& run, const Job& job) {
+Year computeYear(Run& run, const Job& job, OutputFolder& folder) {
     const size_t records = job.records(), count = job.sensors.points.size();
     const std::filesystem::path& output = job.arguments.output;
     const auto transport =
@@ -375,7 +375,7 @@ Year computeYear(Run& run, const Job& job) {
     NpyWriter::writeWhole(output / kHoursFile, count, records, [&](NpyWriter& out) {
         for (size_t first = 0; first < records; first += kRecordsAtOnce)
             computePart(run, job, *transport, first, progress, year, out);
-        startFiles(run, output, "annual", filesOf(job.arguments, job.mapped));
+        folder.startFiles(run, "annual", filesOf(job.arguments, job.mapped));
     });
     for (float& lux : year.meanLux) lux /= static_cast<float>(std::max<size_t>(year.inRooms(), 1));
     warnOfSensorsOutside(run, year.outside, count);
@@ -432,14 +432,14 @@ void execute(Run& run, const AnnualArguments& arguments) {
     if (!arguments.sensors.empty()) given = readSensors(arguments.sensors, upAxisOf(arguments.scene));
     job.take(weatherFor(run, arguments));
     refuseUnoccupied(job);
-    const OutputFolder folder(arguments.output);
+    OutputFolder folder(arguments.output);
     job.scene = loadScene(run, arguments.scene);
     if (job.scene.northIsAssumed) run.assume(kAssumedNorth);
     job.sensors = given ? std::move(*given) : sensorsFor(run, arguments, job.scene);
     if (!arguments.sensors.empty())
         refuseAllOutside(arguments.sensors, job.sensors, job.scene, arguments.scene);
     job.mapped = temporalRows(arguments.temporal, job.sensors.points.size());
-    const Year year = computeYear(run, job);
+    const Year year = computeYear(run, job, folder);
     drawYear(run, job, year);
     writeMetrics(run, job, year);
 }

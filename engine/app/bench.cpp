@@ -423,8 +423,8 @@ void execute(Run& run, const BenchArguments& given) {
     const BenchArguments arguments = completed(given);
     checkBenchScenes(arguments.scenes);
     run.device(); // where there is none, nothing is written
-    const OutputFolder folder(arguments.output);
-    startFiles(run, arguments.output, "bench", filesOf(arguments));
+    OutputFolder folder(arguments.output);
+    folder.startFiles(run, "bench", filesOf(arguments));
     const std::vector<BenchScene> scenes = [&] {
         const StageTimer timer(run, "scenes");
         return benchScenes(arguments.scenes, arguments.sizes, arguments.output);

@@ -133,10 +133,12 @@ void execute(Run& run, const CalibratePatternsArguments& arguments) {
                                    "fewer than four cells fit into the picture");
     const OutputFolder folder(arguments.output);
     const auto names = set.names();
-    for (const std::string& name : names) {
-        const vision::Photograph picture = vision::drawPattern(set, name);
-        geometry::writePngFile(arguments.output / (name + ".png"), picture.width, picture.height,
+    Progress progress("pictures", names.size(), run.showsProgress());
+    for (size_t i = 0; i < names.size(); ++i) {
+        const vision::Photograph picture = vision::drawPattern(set, names[i]);
+        geometry::writePngFile(arguments.output / (names[i] + ".png"), picture.width, picture.height,
                                picture.rgb.data());
+        progress.advance(i + 1);
     }
     const json description = {{"format", "vh-patterns/1"},
                               {"width", set.width},

@@ -85,10 +85,10 @@ int main(int argc, char** argv) {
     const int outside = guarded(unreported, [&] {
         const auto arguments = heliodon::app::parseArguments(argc, argv);
         if (!arguments) return heliodon::app::refuseLostOutput(); // help
+        const heliodon::app::InterruptGuard guard; // also of the report, and while the device is given back
         heliodon::app::Run run(*arguments);
         std::string error;
         code = guarded(error, [&] {
-            const heliodon::app::InterruptGuard guard;
             // Before the work, not after it.
             for (const auto& file : arguments->common.writtenFiles)
                 heliodon::geometry::refuseUnwritable(file);

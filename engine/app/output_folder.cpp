@@ -69,41 +69,19 @@ void warnOfStrangers(Run& run, const fs::path& folder, std::span<const std::stri
                          files.size() == 1 ? "is" : "are"));
 }
 
-void startFiles(Run& run, const fs::path& folder, const std::string& command,
-                const std::vector<std::string>& files) {
-    const auto isIn = [](const std::vector<std::string>& names, const std::string& name) {
-        return std::ranges::find(names, name) != names.end();
-    };
-    const fs::path record = folder / (command + ".files.json");
-    const std::vector<std::string> earlier = recorded(record, command);
-    std::error_code error;
-    std::vector<std::string> strangers;
-    for (const std::string& name : files)
-        if (!isIn(earlier, name) && fs::exists(fs::symlink_status(folder / name, error)))
-            strangers.push_back(name);
-    warnOfStrangers(run, folder, strangers);
-    for (const std::string& old : earlier) {
-        const bool here = !old.empty() && fs::path(old).filename() == old; // not "..", nor in another folder
-        if (!here || isIn(files, old)) continue;
-        if (fs::is_regular_file(fs::symlink_status(folder / old, error))) fs::remove(folder / old);
-    }
-    geometry::writeWholeText(record, geometry::jsonText(nlohmann::json{
-                                         {"format", kFormat}, {"command", command}, {"files", files}}));
-}
-
-OutputFolder::OutputFolder(const fs::path& named) {
+OutputFolder::OutputFolder(const fs::path& named)
     // A slash at the end would count as a folder more, without a name.
-    const fs::path folder = named.has_filename() ? named : named.parent_path();
+    : folder_(named.has_filename() ? named : named.parent_path()) {
     std::error_code error;
-    if (!fs::is_directory(folder, error)) refuseNameOfFile(folder);
-    for (fs::path at = folder; !at.empty() && !fs::exists(at, error); at = at.parent_path())
+    if (!fs::is_directory(folder_, error)) refuseNameOfFile(folder_);
+    for (fs::path at = folder_; !at.empty() && !fs::exists(at, error); at = at.parent_path())
         made_.push_back(at);
-    fs::create_directories(folder, error);
-    if (!fs::is_directory(folder))
-        throw geometry::InputError(folder.string(), "", "is not a folder and cannot be made one");
-    if (::access(folder.c_str(), W_OK) != 0)
-        throw geometry::InputError(folder.string(), "", "cannot be written to");
-    handle_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    fs::create_directories(folder_, error);
+    if (!fs::is_directory(folder_))
+        throw geometry::InputError(folder_.string(), "", "is not a folder and cannot be made one");
+    if (::access(folder_.c_str(), W_OK) != 0)
+        throw geometry::InputError(folder_.string(), "", "cannot be written to");
+    handle_ = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (handle_ < 0) return;
     // One that was killed holds it until its memory is given back.
     for (int tries = 0; tries < 20; ++tries) {
@@ -111,12 +89,37 @@ OutputFolder::OutputFolder(const fs::path& named) {
         std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }
     ::close(handle_);
-    throw geometry::InputError(folder.string(), "",
+    throw geometry::InputError(folder_.string(), "",
                                "another run is writing into it, expected a folder of its own");
 }
 
+void OutputFolder::startFiles(Run& run, const std::string& command, const std::vector<std::string>& files) {
+    const auto isIn = [](const std::vector<std::string>& names, const std::string& name) {
+        return std::ranges::find(names, name) != names.end();
+    };
+    record_ = folder_ / (command + ".files.json");
+    files_ = files;
+    const std::vector<std::string> earlier = recorded(record_, command);
+    std::error_code error;
+    std::vector<std::string> strangers;
+    for (const std::string& name : files)
+        if (!isIn(earlier, name) && fs::exists(fs::symlink_status(folder_ / name, error)))
+            strangers.push_back(name);
+    warnOfStrangers(run, folder_, strangers);
+    for (const std::string& old : earlier) {
+        const bool here = !old.empty() && fs::path(old).filename() == old; // not "..", nor in another folder
+        if (!here || isIn(files, old)) continue;
+        if (fs::is_regular_file(fs::symlink_status(folder_ / old, error))) fs::remove(folder_ / old);
+    }
+    geometry::writeWholeText(record_, geometry::jsonText(nlohmann::json{
+                                          {"format", kFormat}, {"command", command}, {"files", files}}));
+}
+
 OutputFolder::~OutputFolder() {
-    std::error_code notEmpty;
+    std::error_code unknown, notEmpty;
+    const bool wroteNone = std::ranges::none_of(
+        files_, [&](const std::string& name) { return fs::exists(folder_ / name, unknown); });
+    if (!record_.empty() && wroteNone) fs::remove(record_, unknown);
     for (const fs::path& folder : made_)
         if (!fs::remove(folder, notEmpty)) break;
     if (handle_ >= 0) ::close(handle_);

@@ -186,7 +186,7 @@ void execute(Run& run, const RenderArguments& arguments) {
     const Scene scene = loadScene(run, arguments.scene);
     const SkySource source(run, arguments.moment, scene);
     const daylight::Sky sky = source.reportedSky(run);
-    const OutputFolder folder(arguments.output);
+    OutputFolder folder(arguments.output);
     compute::TransportOptions options{.forPictures = true};
     if (arguments.maxRadiosityError > 0) { // most of it for the form factors, which cost more
         options.formFactors.maxRadiosityError = 0.9 * arguments.maxRadiosityError;
@@ -206,7 +206,7 @@ void execute(Run& run, const RenderArguments& arguments) {
                              {"max_lux", figures.maxLux},
                              {"glare_ratio", figures.glareRatio},
                              {"white_lux", shown.whiteLux}};
-    startFiles(run, arguments.output, "render", filesOf(arguments, scene));
+    folder.startFiles(run, "render", filesOf(arguments, scene));
     renderPreviews(run, renderer, shown, arguments);
     if (sheet) renderSheet(run, renderer, *transport, source, *sheet, arguments);
     if (scene.rig) {

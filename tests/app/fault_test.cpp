@@ -1,5 +1,6 @@
 // How commands end when something goes wrong that is nobody's input: one line, exit code 1, no half of a
 // file, nothing left on the device.
+#include <fcntl.h>
 #include <signal.h>
 #include <sys/stat.h>
 
@@ -63,6 +64,27 @@ protected:
         expectOneLine(outcome, "VK_ERROR_", what);
         expectNothingHalf(what);
         return true;
+    }
+    static pid_t begin(const std::string& arguments) {
+        const pid_t child = fork();
+        if (child == 0) {
+            const std::string command =
+                "ASAN_OPTIONS=detect_leaks=0:detect_odr_violation=0 exec " HELIODON_PROGRAM " " + arguments;
+            execl("/bin/sh", "sh", "-c", command.c_str(), static_cast<char*>(nullptr));
+            _exit(127);
+        }
+        return child;
+    }
+    // Of one that a signal has ended: -1.
+    static int exitCodeOf(pid_t child) {
+        int status = 0;
+        waitpid(child, &status, 0);
+        return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    }
+    static void waitFor(const fs::path& file) {
+        for (int i = 0; i < 2400 && !fs::exists(file); ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        ASSERT_TRUE(fs::exists(file));
     }
     // Writing fails beyond so many blocks of 512 bytes, as on a full disk.
     Outcome onFullDisk(int blocks, const std::string& arguments) const {
@@ -155,8 +177,30 @@ TEST_F(Fault, a_full_disk_leaves_no_half_of_a_file) {
         EXPECT_NE(outcome.output.find("out"), std::string::npos) << command << ": " << outcome.output;
         EXPECT_EQ(outcome.output.find(".heliodon-"), std::string::npos) << command << ": " << outcome.output;
         expectNothingHalf(command);
+        EXPECT_FALSE(fs::exists(folder / "out/render.files.json")) << "lists what is not there";
         fs::remove_all(folder / "out");
     }
+}
+
+TEST_F(Fault, ctrl_c_ends_work_that_asks_no_device_and_not_the_report_of_what_is_done) {
+    const pid_t patterns = begin("calibrate patterns --size 3840x2160 --quiet -o " + in("out"));
+    waitFor(folder / "out/white.png");
+    kill(patterns, SIGINT);
+    EXPECT_EQ(exitCodeOf(patterns), 1);
+    EXPECT_FALSE(fs::exists(folder / "out/patterns.json"));
+    expectNothingHalf("calibrate patterns");
+
+    ASSERT_EQ(mkfifo(in("report.json").c_str(), 0600), 0); // waits until somebody reads
+    const pid_t model = begin("model " + kSketch + "-o " + in("done.obj") + " --report " + in("report.json"));
+    waitFor(folder / "done.obj");
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    kill(model, SIGINT);
+    const int reader = open(in("report.json").c_str(), O_RDONLY | O_NONBLOCK);
+    EXPECT_EQ(exitCodeOf(model), 0);
+    std::string report(1 << 16, '\0'); // as much as a pipe holds
+    report.resize(static_cast<size_t>(std::max<ssize_t>(0, read(reader, report.data(), report.size()))));
+    close(reader);
+    EXPECT_NE(report.find("\"triangles\""), std::string::npos) << report;
 }
 
 TEST_F(Fault, a_pipe_is_written_to_and_stays_a_pipe_and_a_link_stays_a_link) {
@@ -176,25 +220,17 @@ TEST_F(Fault, a_pipe_is_written_to_and_stays_a_pipe_and_a_link_stays_a_link) {
 
 TEST_F(Fault, a_folder_has_one_writer_and_a_killed_one_is_no_obstacle) {
     const std::string render = "render " + kSketch + "--rig " + kRig + " -o " + in("out");
-    const pid_t child = fork();
-    if (child == 0) { // a year of minutes: long enough to be killed
-        const std::string command = "exec " HELIODON_PROGRAM " timelapse " + kSketch +
-                                    "--from 2026-01-01T00:00solar --to 2026-12-31T00:00solar --step PT1M "
-                                    "--sky clear -o " +
-                                    in("out");
-        execl("/bin/sh", "sh", "-c", command.c_str(), static_cast<char*>(nullptr));
-        _exit(127);
-    }
-    for (int i = 0; i < 2400 && !fs::exists(folder / "out/frames.json"); ++i)
-        std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    ASSERT_TRUE(fs::exists(folder / "out/frames.json"));
+    const pid_t child = begin("timelapse " + kSketch + // a year of minutes: long enough to be killed
+                              "--from 2026-01-01T00:00solar --to 2026-12-31T00:00solar --step PT1M "
+                              "--sky clear -o " +
+                              in("out"));
+    waitFor(folder / "out/frames.json");
     const Outcome second = heliodon(render);
     EXPECT_EQ(second.exitCode, 2) << second.output;
     EXPECT_NE(second.output.find("another run"), std::string::npos) << second.output;
     kill(child, SIGKILL);
     { const app::OutputFolder atOnce(folder / "out"); } // while that one gives back its memory
-    int status = 0;
-    waitpid(child, &status, 0);
+    exitCodeOf(child);
     for (const auto& entry : fs::directory_iterator(folder / "out")) { // what bears its final name is whole
         if (entry.path().extension() != ".png" || entry.path().filename().string().starts_with(".")) continue;
         EXPECT_NO_THROW(app::readPicture(entry.path()));
