@@ -30,7 +30,7 @@ struct Surfaces {
     std::vector<bool> isSolid; // per patch that gives a surface its name
 
     bool solid(uint32_t patch) const { return isSolid[of[patch]]; }
-    void isNone(uint32_t patch) { isSolid[of[patch]] = false; }
+    void drop(uint32_t patch) { isSolid[of[patch]] = false; }
 };
 
 // Not solids: surfaces of which an edge is used twice in one direction or has no neighbour.
@@ -61,7 +61,7 @@ Surfaces surfacesOf(const geometry::PatchMesh& mesh) {
     }
     Surfaces surfaces{{}, std::vector<bool>(mesh.patchCount(), true)};
     for (uint32_t i = 0; i < mesh.patchCount(); ++i) surfaces.of.push_back(sets.root(i));
-    for (const uint32_t patch : torn) surfaces.isNone(patch);
+    for (const uint32_t patch : torn) surfaces.drop(patch);
     return surfaces;
 }
 
@@ -161,8 +161,8 @@ void dropTouching(const geometry::PatchMesh& mesh, const Sheet& a, const Sheet& 
             if (y.high.x <= x.low.x || y.low.y >= x.high.y || y.high.y <= x.low.y) continue;
             if (!surfaces.solid(x.patch) && !surfaces.solid(y.patch)) continue;
             if (same(x, y) || !overlap(x.corners, y.corners, flat)) continue;
-            surfaces.isNone(x.patch);
-            surfaces.isNone(y.patch);
+            surfaces.drop(x.patch);
+            surfaces.drop(y.patch);
         }
 }
 
@@ -276,7 +276,7 @@ void dropPierced(const geometry::PatchMesh& mesh, const std::vector<ConvexRegion
                 through = pierces(mesh.vertices[corner[k]], mesh.vertices[corner[(k + 1) % corner.size()]],
                                   regions[r], normal, flat);
             if (!through) continue;
-            surfaces.isSolid[surfaces.of[i]] = false;
+            surfaces.drop(i);
             for (const uint32_t name : covered[r]) surfaces.isSolid[name] = false;
         }
     }

@@ -115,7 +115,7 @@ void StraightSky::addTogether(std::span<float> lux, std::span<const daylight::Sk
     const SkyTables tables(separable);
     const AddSamples add = ofThisProcessor();
     for (size_t s = 0; s < ground_.size(); ++s) {
-        const Samples samples(&samples_[first_[s]], first_[s + 1] - first_[s]);
+        const Samples samples = Samples(samples_).subspan(first_[s], first_[s + 1] - first_[s]);
         SkyTables::Floats sum;
         add(tables, samples, sum);
         for (size_t k = 0; k < hours.size(); ++k) {

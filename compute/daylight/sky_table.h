@@ -19,7 +19,7 @@ public:
     static constexpr size_t kSkies = 8;
     using Floats [[gnu::vector_size(kSkies * sizeof(float))]] = float; // one of each sky
 
-    // None is a black one. Throws std::invalid_argument on the intermediate sky's.
+    // Null is a black one. Throws std::invalid_argument on the intermediate sky's.
     explicit SkyTables(std::span<const Sky* const, kSkies> skies);
 
     // Where the gradation of a direction of height z = direction.y > 0 stands in its table: the same for
