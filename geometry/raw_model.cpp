@@ -78,6 +78,9 @@ std::string seeThroughButOpaque(const std::string& material, double opacity, con
                        material, opacity, transmittance);
 }
 
+// Lux. The sun's surface has 6e9; squares of what is much brighter leave single precision.
+constexpr float kBrightest = 1e10f;
+
 void checkMaterial(const Material& material, const std::string& file, const std::string& place) {
     const auto fail = [&](const std::string& what) {
         throw InputError(file, place, fmt::format("material \"{}\": {}", material.name, what));
@@ -93,7 +96,8 @@ void checkMaterial(const Material& material, const std::string& file, const std:
                 "reflectance {} and transmittance (Tf) {} add up to more than 1; an opaque material "
                 "has no Tf",
                 kd, tf));
-        if (!(ke >= 0 && std::isfinite(ke))) fail(fmt::format("exitance (Ke) is {}, expected 0 or more", ke));
+        if (!(ke >= 0 && ke <= kBrightest))
+            fail(fmt::format("exitance (Ke) is {}, expected 0 to {:g} lux", ke, kBrightest));
     }
 }
 

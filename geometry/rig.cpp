@@ -155,6 +155,8 @@ constexpr std::array kOfProjector{"id"sv, "width"sv,  "height"sv, "K"sv,        
 constexpr std::array kOfTable{"radius_m"sv}; // and notes of what stands around it
 constexpr std::array kOfSite{"latitude_deg"sv, "longitude_deg"sv};
 
+constexpr double kFarthest = 1e7; // metres, as of models
+
 void readDevice(const Field& field, OpticalDevice& device) {
     device.width = field["width"].pixels();
     device.height = field["height"].pixels();
@@ -163,7 +165,8 @@ void readDevice(const Field& field, OpticalDevice& device) {
     device.deviceFromWorld = readRotation(field["R"]);
     const Field t = field["t"];
     t.expectSize(3);
-    device.translation = {t.at(0).number(), t.at(1).number(), t.at(2).number()};
+    for (int c = 0; c < 3; ++c)
+        device.translation[c] = t.at(static_cast<size_t>(c)).numberWithin(-kFarthest, kFarthest);
 }
 
 Projector readProjector(const Field& field, size_t index) {

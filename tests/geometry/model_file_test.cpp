@@ -162,6 +162,8 @@ TEST_F(ModelFile, unphysical_materials_are_named_by_line) {
     };
     EXPECT_EQ(withMtl("newmtl a\nKd 1 0 0\n"),
               "m.mtl:2: material \"a\": reflectance (Kd) is 1, expected 0 to below 1");
+    EXPECT_EQ(withMtl("newmtl a\nKe 1e30 0 0\n"),
+              "m.mtl:2: material \"a\": exitance (Ke) is 1e+30, expected 0 to 1e+10 lux");
     EXPECT_EQ(withMtl("newmtl a\nKd nan 0 0\n"),
               "m.mtl:2: \"nan\" is not a finite number, expected three numbers r g b");
     EXPECT_EQ(

@@ -188,6 +188,7 @@ TEST(Rig, names_the_wrong_field) {
         {"\"t\": [0, 0, 1]", "\"t\": [0, 1]", "projectors[0].t: expected 3 elements"},
         {"\"t\": [0, 0, 1]", "\"x\": \"1e400\",\n\"t\": [0, 0, 1e400]", "test.json:7: 1e400 is too large"},
         {"\"t\": [0, 0, 1]", "\"t\": [0, 0, 1e400]", "test.json:6: 1e400 is too large a number to represent"},
+        {"\"t\": [0, 0, 1]", "\"t\": [0, 0, 1e200]", "projectors[0].t[2]: 1e+200 is not between"},
         {"0.01", "7", "projectors[0].black_level: 7 is not between 0 and 1"},
         {"\"response\": 2.2", "\"response\": \"log\"", "projectors[0].response: \"log\" is not known"},
         {"\"site\"", "\"surface_reflectance\": 1, \"site\"",
