@@ -51,6 +51,13 @@ bool isSame(const fs::path& a, const fs::path& b) {
     return !unknown && where == fs::weakly_canonical(b, unknown) && !unknown;
 }
 
+// What is written beside an output, under a name made of its own.
+std::vector<fs::path> besides(const fs::path& output) {
+    if (output.extension() == ".obj") return {fs::path(output).replace_extension(".mtl")};
+    if (output.extension() == ".mp4") return {fs::path(output).replace_extension(".frames.csv")};
+    return {};
+}
+
 bool isStdout(const fs::path& path) {
     return path == "-" || path == "/dev/stdout";
 }
@@ -67,6 +74,7 @@ void refuseOverwriting(const CLI::App& command) {
             if ((isStdout(file) && isStdout(path)) || (isSame(file, path) && isFileOrNew(file)))
                 throw InputError(name, file, "is written by " + other + " too");
         written.emplace_back(name, file);
+        for (const fs::path& beside : besides(file)) written.emplace_back(name, beside.string());
     }
     for (const CLI::Option* option : command.get_options())
         for (const std::string& text : option->results())

@@ -282,7 +282,12 @@ std::vector<float> MatrixFile::read(size_t firstRow, size_t rows, size_t firstCo
 }
 
 std::vector<float> readMatrix(const std::filesystem::path& file, size_t rowCount, size_t columnCount) {
-    return MatrixFile(file, rowCount, columnCount).read(0, rowCount, 0, columnCount);
+    std::vector<float> values = MatrixFile(file, rowCount, columnCount).read(0, rowCount, 0, columnCount);
+    for (size_t at = 0; at < values.size(); ++at)
+        if (!std::isfinite(values[at]))
+            throw InputError(file.string(), fmt::format("[{}, {}]", at / columnCount, at % columnCount),
+                             fmt::format("is {}, expected a finite number", values[at]));
+    return values;
 }
 
 } // namespace heliodon::app

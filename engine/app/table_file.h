@@ -73,7 +73,7 @@ private:
     size_t begin_ = 0, columnCount_; // byte of the first value
 };
 
-// All of it.
+// All of it. Throws InputError where a value is not finite, too.
 std::vector<float> readMatrix(const std::filesystem::path& file, size_t rowCount, size_t columnCount);
 
 } // namespace heliodon::app

@@ -81,6 +81,8 @@ TEST_F(BadInput, outputs_that_would_hurt_what_is_there) {
     expectRefused("model " + model + " -o " + in("out.obj") + " --report " + model, {"--report", "INPUT"});
     expectRefused(scan + in("out.json") + " --overlay " + in("out.json"), {"--overlay", "--output"});
     expectRefused(scan + in("out.json") + " --overlay " + in("out.jpg"), {"out.jpg", ".png"});
+    expectRefused("model " + model + " -o " + in("out.obj") + " --report " + in("out.mtl"),
+                  {"--report", "out.mtl", "--output"});
     EXPECT_EQ(readText(model), "v 0 0 0\n");
     const std::string rig = readText(kRig);
     writeText(in("rig.json"), rig);

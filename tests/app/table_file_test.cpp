@@ -1,5 +1,7 @@
 #include "engine/app/table_file.h"
 
+#include <cmath>
+
 #include "geometry/input_error.h"
 #include "tests/app/program.h"
 
@@ -115,6 +117,13 @@ TEST_F(TableFile, matrices_come_back_as_they_were_written) {
     EXPECT_EQ(test::readText(in("parts.npy")), test::readText(in("m.npy")));
     EXPECT_EQ(std::filesystem::file_size(in("m.npy")) % 64, values.size() * sizeof(float) % 64);
     EXPECT_THROW(readMatrix(in("m.npy"), 3, 2), InputError);
+    writeNpy(in("m.npy"), 2, 3, std::vector<float>{1, 2, 3, 4, std::nanf(""), 6});
+    try {
+        readMatrix(in("m.npy"), 2, 3);
+        ADD_FAILURE() << "a value that is no number was read";
+    } catch (const InputError& error) {
+        EXPECT_EQ(error.what(), in("m.npy") + ":[1, 1]: is nan, expected a finite number");
+    }
 }
 
 TEST_F(TableFile, tiles_lie_at_their_places_and_what_is_never_put_is_zero) {
