@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 
 #include "geometry/constrained_delaunay.h"
+#include "geometry/disjoint_sets.h"
 #include "geometry/perpendicular.h"
 
 namespace heliodon::geometry {
@@ -59,20 +60,15 @@ private:
         const auto net = constrainedDelaunay(points, edges);
         if (!net) return false;
         for (const auto& t : net->corner) polygons_.push_back({corners[t[0]], corners[t[1]], corners[t[2]]});
-        std::vector<uint32_t> owner(polygons_.size()); // per triangle: the polygon that it has become part of
-        for (uint32_t t = 0; t < owner.size(); ++t) owner[t] = t;
-        const auto ownerOf = [&](uint32_t t) {
-            while (owner[t] != t) t = owner[t];
-            return t;
-        };
-        for (uint32_t t = 0; t < owner.size(); ++t)
+        DisjointSets joined(polygons_.size()); // triangles; the root names the polygon
+        for (uint32_t t = 0; t < net->corner.size(); ++t)
             for (size_t k = 0; k < 3; ++k) {
                 const uint32_t other = net->neighbour[t][k];
                 if (net->fixed[t][k] || other == kNoTriangle || other < t) continue;
-                const uint32_t one = ownerOf(t), two = ownerOf(other);
+                const uint32_t one = joined.root(t), two = joined.root(other);
                 if (join(polygons_[one], polygons_[two], corners[net->corner[t][(k + 1) % 3]],
                          corners[net->corner[t][(k + 2) % 3]]))
-                    owner[two] = one;
+                    joined.join(two, one);
             }
         return true;
     }
