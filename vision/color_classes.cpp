@@ -10,6 +10,7 @@
 #include <glm/exponential.hpp>
 
 #include "geometry/sketch.h"
+#include "vision/chroma.h"
 #include "vision/paint_hues.h"
 #include "vision/rounding.h"
 #include "vision/white_map.h"
@@ -24,24 +25,6 @@ constexpr float kSure = 0.6f;        // of the least P' of paint: what rounding 
 constexpr double kNoiseOfFaint = 6;  // deviations
 constexpr double kBeyond = 2;        // inches beyond the table's edge that are looked at
 
-// Hue in degrees of a colour whose smallest component was taken away.
-inline float hueOf(float r, float g, float b, float high, float low) {
-    const float span = high - low;
-    if (high == r) return 60 * (g - b) / span + (g < b ? 360.0f : 0.0f);
-    if (high == g) return 120 + 60 * (b - r) / span;
-    return 240 + 60 * (r - g) / span;
-}
-
-float hueOf(glm::vec3 p) {
-    const float high = std::max(std::max(p.r, p.g), p.b), low = std::min(std::min(p.r, p.g), p.b);
-    return high > low ? hueOf(p.r, p.g, p.b, high, low) : 0;
-}
-
-// P' of a colour.
-inline float saturationOf(glm::vec3 p) {
-    const float high = std::max(std::max(p.r, p.g), p.b), low = std::min(std::min(p.r, p.g), p.b);
-    return (high - low) / high;
-}
 // The table itself, where it is not white, and what lies between it and card in a blurred edge or in the
 // light that it throws on to card: a sum of both has the table's hue and is no more saturated.
 bool isTableOrCard(glm::vec3 p, glm::vec3 card, float minSaturation) {

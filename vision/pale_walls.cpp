@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include <glm/geometric.hpp>
-
 #include "vision/pieces.h"
 #include "vision/table_marks.h"
 #include "vision/wall_evidence.h"
@@ -38,20 +36,9 @@ private:
         std::vector<Component> strips = findComponents(image_, smallestArea(view_));
         std::erase_if(strips, [&](const Component& region) {
             return !isWallPaint(region.group) || !canStandOnTable(region, view_, radius_) || isRead(region) ||
-                   isRim(region) || !isStripOrArc(region, view_, options_);
+                   !isStripOrArc(region, view_, options_);
         });
         return strips;
-    }
-
-    // Half of it where the floor's colour runs into the table's edge: a file that rounds colours keeps them
-    // in squares of 16 pixels.
-    bool isRim(const Component& region) const {
-        const double reach = view_.photo().chromaStep > 0 ? 16 : 3; // pixels
-        const double inner = radius_ - reach / view_.pixelsPerInch({0, 0}, 0);
-        const auto atEdge = std::count_if(region.runs.begin(), region.runs.end(), [&](const Run& run) {
-            return glm::length(view_.plan({0.5 * (run.x0 + run.x1 - 1), run.y}, 0)) > inner;
-        });
-        return 2 * static_cast<size_t>(atEdge) > region.runs.size();
     }
 
     // A token's rim, or a quarter of it beside walls that were read, as far as compressed colour runs.

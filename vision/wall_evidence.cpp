@@ -8,6 +8,7 @@
 #include <glm/trigonometric.hpp>
 
 #include "geometry/segment_distance.h"
+#include "vision/chroma.h"
 #include "vision/edges.h"
 #include "vision/median.h"
 #include "vision/pieces.h"
@@ -76,8 +77,26 @@ template<class Shape> bool WallEvidence::isWallWithEnds(const Shape& shape) cons
     return isWall(paintedLine(shape, options_.unpaintedEnd), paintOf(shape.heightClass), ends[0], ends[1]);
 }
 bool WallEvidence::isWall(const Line& painted, Paint paint, glm::dvec2 end, glm::dvec2 otherEnd) const {
-    return isStripOfPaint(painted, paint) &&
+    return isStripOfPaint(painted, paint) && !isRim(painted, heightOf(paint)) &&
            !(isBare(end, heightOf(paint)) && isBare(otherEnd, heightOf(paint)));
+}
+
+bool WallEvidence::isRim(const Line& painted, double height) const {
+    constexpr float kSameHue = 15, kLeast = 0.2f;               // degrees; P' of a floor with a hue
+    const double reach = view_.photo().chromaStep > 0 ? 16 : 3; // pixels
+    const double band = options_.wallThickness + reach / view_.pixelsPerInch({0, 0}, 0);
+    size_t rim = 0;
+    for (const glm::dvec2 plan : painted) {
+        const glm::dvec2 onTable = view_.plan(view_.pixel(plan, height), 0);
+        const double from = glm::length(onTable);
+        if (std::abs(from - radius_) > band) continue;
+        const auto floor = overWhite(onTable * ((radius_ + band + options_.wallThickness) / from), 0);
+        const auto seen = overWhite(plan, height);
+        if (!floor || !seen || vision::saturationOf(*floor) < kLeast) continue;
+        const float apart = std::abs(hueOf(*floor) - hueOf(*seen));
+        rim += std::min(apart, 360 - apart) < kSameHue;
+    }
+    return 2 * rim > painted.size();
 }
 
 bool WallEvidence::isStripOfPaint(const Line& painted, Paint paint) const {

@@ -41,7 +41,8 @@ public:
     using Line = std::vector<glm::dvec2>; // plan
 
     // Its paint covers it and has something else on either side, and not both ends, which are white card,
-    // look like a table of another colour or the floor. None is shorter than its two unpainted ends.
+    // look like a table of another colour or the floor. None is shorter than its two unpainted ends. The
+    // floor's colour along the table's edge is none.
     bool isWall(const geometry::Wall& wall) const;
     bool isWall(const geometry::Arc& arc) const;
 
@@ -88,6 +89,9 @@ private:
     template<class Shape> bool isWallWithEnds(const Shape& shape) const;
     bool isWall(const Line& painted, Paint paint, glm::dvec2 end, glm::dvec2 otherEnd) const;
     bool isStripOfPaint(const Line& painted, Paint paint) const;
+    // Half of it is seen where the table's edge is, with the colour that the floor has there: blur mixes it
+    // with the table's light, and a file that rounds colours keeps it in squares of 16 pixels.
+    bool isRim(const Line& painted, double height) const;
     struct Stretch { // of a face's lower edge
         Line foot;
         glm::dvec2 outward{};

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <tuple>
 #include <utility>
 
 #include <gtest/gtest.h>
@@ -502,6 +503,25 @@ TEST(DetectConditions, says_that_the_picture_was_mirrored) {
     // Its camera is over the table's middle but for 0.2 in: only the table's edge tells.
     const Photograph example = readPhotograph(HELIODON_SOURCE "/examples/i01_mixed.png");
     EXPECT_TRUE(warnsOf(detectSketch(mirrored(example), exampleRig()), "mirrored left to right"));
+}
+
+// Blur and the squares in which a file keeps colours make strips of it, as wide as walls.
+TEST(DetectConditions, the_floors_colour_that_runs_into_the_tables_edge) {
+    geometry::Sketch sketch;
+    sketch.walls = {wall("w1", {-5, -3}, {5, -3}, HeightClass::red)};
+    PaintBox carpet, cloth;
+    carpet.floor = {0.3, 0.05, 0.05}, cloth.floor = {0.05, 0.1, 0.3};
+    for (const auto& [paints, share, quality] : {std::tuple{carpet, 0.1, 35}, {cloth, 0.3, 60}}) {
+        Lighting lamps;
+        for (Color* light : {&lamps.left, &lamps.right})
+            for (double& channel : *light) channel *= share;
+        Perturbation how;
+        how.blurPx = 3, how.jpegQuality = quality;
+        const Photograph photo = perturbed(paintTable(sketch, exampleRig(), paints, lamps), how);
+        const Score score = scoreSketch(sketch, detectSketch(photo, exampleRig()).sketch);
+        EXPECT_EQ(score.at("wall").found, 1) << table(score);
+        EXPECT_EQ(score.at("wall").extra + score.at("arc").extra, 0) << table(score);
+    }
 }
 
 TEST(DetectConditions, says_what_is_found_in_doubt) {
