@@ -15,6 +15,7 @@
 #include "vision/doubts.h"
 #include "vision/edges.h"
 #include "vision/median.h"
+#include "vision/overexposed_cards.h"
 #include "vision/pale_walls.h"
 #include "vision/picture_faults.h"
 #include "vision/picture_turn.h"
@@ -64,6 +65,7 @@ public:
         findWalls();
         warnOfTurn(); // where walls are read at wrong places, theirs are no faces, and they seem to lie flat
         leaveOutWhatLiesFlat();
+        readOverexposedCards(out_.sketch, image_, evidence(), view_, options_, radius(), doubts_);
         addDoubts(out_.sketch, evidence(), view_, options_, doubts_);
         for (std::string& line : doubts_.lines()) out_.warnings.push_back(std::move(line));
         if (out_.sketch.walls.empty() && out_.sketch.arcs.empty())

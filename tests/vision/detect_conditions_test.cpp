@@ -432,6 +432,31 @@ TEST(DetectConditions, a_square_skylight_on_a_black_table_and_an_arrow_along_its
     expectRead(sketch, paintTable(sketch, exampleRig(), paints));
 }
 
+// The exposure was set by the table. Faces of walls and tokens' chips are as bright.
+TEST(DetectConditions, an_overexposed_skylight_on_a_black_table) {
+    const geometry::Rig rig = exampleRig();
+    geometry::Sketch sketch = room(), without;
+    sketch.windows.clear();
+    sketch.tokens[0].rgb = {245, 245, 245};
+    without = sketch;
+    without.skylights.clear();
+    PaintBox paints;
+    paints.table = {0.06, 0.06, 0.06};
+    const auto lamps = [](double e) { return Lighting{{e, 0.95 * e, 0.85 * e}, {0.9 * e, 0.95 * e, e}}; };
+    const DetectionResult partly = detectSketch(paintTable(sketch, rig, paints, lamps(1.8)), rig);
+    ASSERT_EQ(partly.sketch.skylights.size(), 1u); // of its red something is left
+    EXPECT_LT(glm::distance(partly.sketch.skylights[0].center, sketch.skylights[0].center), 0.05);
+    EXPECT_TRUE(warnsOf(partly, "little of its colour"));
+    EXPECT_TRUE(detectSketch(paintTable(without, rig, paints, lamps(1.8)), rig).sketch.skylights.empty());
+    const DetectionResult wholly = detectSketch(paintTable(sketch, rig, paints, lamps(3)), rig);
+    const Photograph any;
+    const glm::dvec2 there = PlanView(any, rig.camera, 2.2).pixel(sketch.skylights[0].center, 0);
+    EXPECT_TRUE(warnsOf(wholly, fmt::format("pixel {:.0f}, ", there.x).c_str()));
+    EXPECT_TRUE(warnsOf(wholly, "its colour is lost"));
+    EXPECT_FALSE(
+        warnsOf(detectSketch(paintTable(without, rig, paints, lamps(3)), rig), "its colour is lost"));
+}
+
 TEST(DetectConditions, says_that_the_table_is_not_where_the_rig_has_it) {
     const auto offset = [](const Photograph& photo, const geometry::Rig& rig) {
         return tableOffset(PlanView(photo, rig.camera, 2.2), rig.tableRadius / geometry::kMetresPerInch);
