@@ -124,19 +124,28 @@ private:
     WallEvidence evidence() const { return {image_, view_, options_, radius()}; }
 
     void findTokens() {
-        auto& tokens = out_.sketch.tokens;
         for (size_t i = 0; i < regions_.size(); ++i) {
             if (!isWallPaint(regions_[i].group) ||
                 liesWithin(out_.sketch.tokens, regions_[i], view_, options_))
                 continue;
             auto token = fitToken(regions_[i], image_, view_, options_);
             if (!token) token = fitToken(withNeighbours(i), image_, view_, options_);
-            if (token && liesOnTable(token->pos, 0.5 * options_.tokenSide)) tokens.push_back(*token);
+            if (token && liesOnTable(token->pos, 0.5 * options_.tokenSide)) addToken(*token);
         }
         findFaintTokens();
         // What lies within a token is its chip, whatever its colour.
         for (size_t i = 0; i < regions_.size(); ++i)
             used_[i] = liesWithin(out_.sketch.tokens, regions_[i], view_, options_);
+    }
+
+    // A speck near a rim makes with it the token that the rim is: the better one counts.
+    void addToken(const geometry::Token& token) {
+        for (geometry::Token& other : out_.sketch.tokens) {
+            if (glm::distance(other.pos, token.pos) > 0.6 * options_.tokenSide) continue;
+            if (token.detection.confidence > other.detection.confidence) other = token;
+            return;
+        }
+        out_.sketch.tokens.push_back(token);
     }
 
     // A rim of two pixels, or a blurred one, is paler than paint.
@@ -149,8 +158,7 @@ private:
             if (!isWallPaint(region.group) || liesWithin(out_.sketch.tokens, region, view_, options_))
                 continue;
             const auto token = fitToken(region, image_, view_, options_, TokenLook::faint);
-            if (token && liesOnTable(token->pos, 0.5 * options_.tokenSide))
-                out_.sketch.tokens.push_back(*token);
+            if (token && liesOnTable(token->pos, 0.5 * options_.tokenSide)) addToken(*token);
         }
         std::swap(image_.paint, image_.withFaint);
     }

@@ -1,7 +1,6 @@
 #include "vision/overexposed_cards.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 
 #include <glm/geometric.hpp>
@@ -13,25 +12,25 @@
 namespace heliodon::vision {
 namespace {
 
-// Where two channels are at the end of the scale no hue is left.
-std::optional<ClassImage> lostColour(const ClassImage& image, const PlanView& view, double least) {
+// Where two channels are at the end of the scale no hue is left, and light-blue card's first is the blue.
+bool isLost(const Photograph& photo, int x, int y) {
     constexpr uint8_t kClipped = 250;
+    const uint8_t* p =
+        &photo.rgb[3 * (static_cast<size_t>(y) * static_cast<size_t>(photo.width) + static_cast<size_t>(x))];
+    return p[2] > kClipped || std::min(p[0], p[1]) > kClipped;
+}
+
+// None where no sample at that distance from others, pixels, is lost.
+std::optional<ClassImage> lostColour(const ClassImage& image, const PlanView& view, int spacing) {
     ClassImage out;
     out.x0 = image.x0, out.y0 = image.y0, out.width = image.width, out.height = image.height;
-    const Photograph& photo = view.photo();
-    size_t lost = 0;
-    for (int y = 0; y < image.height; ++y)
-        for (int x = 0; x < image.width; ++x) {
-            const uint8_t* p =
-                &photo.rgb[3 * (static_cast<size_t>(y + image.y0) * static_cast<size_t>(photo.width) +
-                                static_cast<size_t>(x + image.x0))];
-            if ((p[0] > kClipped) + (p[1] > kClipped) + (p[2] > kClipped) < 2) continue;
-            if (out.paint.empty()) out.paint.assign(image.paint.size(), Paint::none);
-            out.paint[static_cast<size_t>(y) * static_cast<size_t>(image.width) + static_cast<size_t>(x)] =
-                Paint::blue;
-            ++lost;
-        }
-    if (static_cast<double>(lost) < least) return std::nullopt;
+    const auto isLostAt = [&](int x, int y) { return isLost(view.photo(), x + out.x0, y + out.y0); };
+    bool any = false;
+    for (int y = 0; y < out.height && !any; y += spacing)
+        for (int x = 0; x < out.width && !any; x += spacing) any = isLostAt(x, y);
+    if (!any) return std::nullopt;
+    for (int y = 0; y < out.height; ++y)
+        for (int x = 0; x < out.width; ++x) out.paint.push_back(isLostAt(x, y) ? Paint::blue : Paint::none);
     return out;
 }
 
@@ -48,11 +47,13 @@ bool isOnAWall(glm::dvec2 pixel, const geometry::Sketch& sketch, const WallEvide
            std::any_of(sketch.arcs.begin(), sketch.arcs.end(), covers);
 }
 
-// Card takes from the red: what is left of it is less than white's.
-bool isLightBlue(glm::vec3 overWhite) {
+// Card takes from the red, and a lost channel can only be more. What is brighter than a white table in all of
+// them may be light.
+bool isLightBlue(glm::vec3 overWhite, bool whiteTable) {
     constexpr float kLeast = 0.1f, kFirst = 160, kLast = 240; // of P'; degrees
     const float hue = hueOf(overWhite);
-    return saturationOf(overWhite) > kLeast && hue > kFirst && hue < kLast;
+    return saturationOf(overWhite) > kLeast && hue > kFirst && hue < kLast &&
+           !(whiteTable && std::min({overWhite.r, overWhite.g, overWhite.b}) > 1);
 }
 
 } // namespace
@@ -60,10 +61,10 @@ bool isLightBlue(glm::vec3 overWhite) {
 void readOverexposedCards(geometry::Sketch& sketch, const ClassImage& image, const WallEvidence& evidence,
                           const PlanView& view, const DetectOptions& options, double radius, Doubts& doubts) {
     constexpr double kNarrowest = 0.6, kStraight = 0.9; // inches; confidence
-    const double perInch = view.pixelsPerInch({0, 0}, 0), least = std::pow(kNarrowest * perInch, 2);
-    const auto lost = lostColour(image, view, least);
+    const double narrowest = kNarrowest * view.pixelsPerInch({0, 0}, 0);
+    const auto lost = lostColour(image, view, std::max(1, static_cast<int>(narrowest / 2)));
     if (!lost) return;
-    for (const Component& region : findComponents(*lost, static_cast<int>(least) + 1)) {
+    for (const Component& region : findComponents(*lost, static_cast<int>(narrowest * narrowest) + 1)) {
         if (liesWithin(sketch.tokens, region, view, options) ||
             isOnAWall(region.centre, sketch, evidence, view))
             continue;
@@ -75,7 +76,7 @@ void readOverexposedCards(geometry::Sketch& sketch, const ClassImage& image, con
             }))
             continue;
         const auto seen = evidence.overWhite(card->center, options.markerThickness);
-        if (seen && isLightBlue(*seen)) {
+        if (seen && isLightBlue(*seen, image.whiteOverTable == glm::vec3(1))) {
             sketch.skylights.push_back(*card);
             doubts.add(region.centre,
                        "read as a skylight, but so overexposed that little of its colour is left");

@@ -457,6 +457,37 @@ TEST(DetectConditions, an_overexposed_skylight_on_a_black_table) {
         warnsOf(detectSketch(paintTable(without, rig, paints, lamps(3)), rig), "its colour is lost"));
 }
 
+// The blue of light-blue card is lost before anything of the table's.
+TEST(DetectConditions, a_skylight_overexposed_in_blue_alone) {
+    const geometry::Rig rig = exampleRig();
+    geometry::Sketch sketch = room();
+    sketch.windows.clear();
+    PaintBox paints;
+    paints.table = {0.36, 0.3, 0.35};
+    const Lighting lamps{{1.6, 1.45, 1.75}, {1.6, 1.45, 1.75}};
+    const DetectionResult result = detectSketch(paintTable(sketch, rig, paints, lamps), rig);
+    ASSERT_EQ(result.sketch.skylights.size(), 1u);
+}
+
+// As its own corner may be cut off by noise: with it the rim makes once more the token that it is by itself.
+TEST(DetectConditions, a_speck_beside_a_token) {
+    const geometry::Rig rig = exampleRig();
+    geometry::Sketch sketch = room();
+    sketch.tokens[0].kind = geometry::TokenKind::floor, sketch.tokens[0].angleDeg = 20;
+    const Photograph photo = paintTable(sketch, rig);
+    for (const double reach : {1.05, 1.15})
+        for (const glm::dvec2 way : {glm::dvec2(0.34, -0.94), {0.71, -0.71}}) {
+            SCOPED_TRACE(testing::Message() << reach << " " << way.x);
+            Photograph specked = photo;
+            const glm::dvec2 p = sketch.tokens[0].pos + reach * way;
+            constexpr double kHalf = 0.12;
+            cover(specked, rig,
+                  {p - kHalf, p + glm::dvec2(kHalf, -kHalf), p + kHalf, p + glm::dvec2(-kHalf, kHalf)}, 0.06,
+                  PaintBox{}.green);
+            EXPECT_EQ(detectSketch(specked, rig).sketch.tokens.size(), 1u);
+        }
+}
+
 TEST(DetectConditions, says_that_the_table_is_not_where_the_rig_has_it) {
     const auto offset = [](const Photograph& photo, const geometry::Rig& rig) {
         return tableOffset(PlanView(photo, rig.camera, 2.2), rig.tableRadius / geometry::kMetresPerInch);
