@@ -17,7 +17,9 @@
 namespace heliodon::vision {
 namespace {
 
-constexpr int kStride = 2; // pixels from sample to sample
+// Samples an inch, where the picture has them: three or more across an end of a wall, however fine it is.
+constexpr double kSamples = 13;
+constexpr int kLeastStride = 2; // pixels from sample to sample
 constexpr float kOverTable = 1.05f, kClipped = 250;
 constexpr float kCardChroma = 0.2f;      // log chroma from the table's: less is the white of a lamp near by
 constexpr double kLeastCard = 0.4;       // square inches: the ends of two walls
@@ -49,8 +51,9 @@ class CardFinder {
 public:
     CardFinder(const PlanView& view, const TableRegion& region, const LightGrid& table)
         : view_(view), region_(region),
-          size_((region.width + kStride - 1) / kStride, (region.height + kStride - 1) / kStride),
-          perInch_(view.pixelsPerInch({0, 0}, 0) / kStride),
+          stride_(std::max(kLeastStride, static_cast<int>(view.pixelsPerInch({0, 0}, 0) / kSamples))),
+          size_((region.width + stride_ - 1) / stride_, (region.height + stride_ - 1) / stride_),
+          perInch_(view.pixelsPerInch({0, 0}, 0) / stride_),
           enough_(static_cast<size_t>(std::ceil(kLeastCard * perInch_ * perInch_))), bins_(kBins * kBins) {
         takeSamples(view, region, table);
         constexpr double kBright = 0.9; // rank
@@ -143,8 +146,8 @@ private:
     void takeSamples(const PlanView& view, const TableRegion& region, const LightGrid& table) {
         const Photograph& photo = view.photo();
         const auto& linear = view.linearFromByte();
-        for (int y = 0; y < region.height; y += kStride)
-            for (int x = 0; x < region.width; x += kStride) {
+        for (int y = 0; y < region.height; y += stride_)
+            for (int x = 0; x < region.width; x += stride_) {
                 const size_t at =
                     static_cast<size_t>(y) * static_cast<size_t>(region.width) + static_cast<size_t>(x);
                 if (region.ground[at] != Ground::table) continue;
@@ -163,7 +166,7 @@ private:
                 if (!mayBeCard && least(ratio) > (1 - kNotTable) * most(ratio)) continue; // of no use
                 const glm::vec2 c = chroma(ratio.r, ratio.g, ratio.b);
                 const Cell cell{binOf(c[0]), binOf(c[1])};
-                samples_.push_back({ratio, light, cell, {x / kStride, y / kStride}, mayBeCard});
+                samples_.push_back({ratio, light, cell, {x / stride_, y / stride_}, mayBeCard});
                 if (mayBeCard) bins_[static_cast<size_t>(cell.i * kBins + cell.j)].push_back(least(ratio));
             }
     }
@@ -273,6 +276,7 @@ private:
 
     const PlanView& view_;
     const TableRegion& region_;
+    int stride_; // pixels from sample to sample
     cv::Size size_;
     double perInch_;
     size_t enough_;
