@@ -13,9 +13,12 @@ TileMask::TileMask(int width, int height, int tile)
       marked_(static_cast<size_t>(columns_) * static_cast<size_t>(rows_), 0) {}
 
 TileMask::Range TileMask::rangeOf(glm::dvec2 low, glm::dvec2 high) const {
-    const glm::dvec2 most(columns_, rows_), none(0);
-    const glm::dvec2 first = glm::clamp(glm::floor(low / double(tile_)), none, most),
-                     end = glm::clamp(glm::floor(high / double(tile_)) + 1.0, none, most);
+    // In this order what is no number is none.
+    const auto within = [&](glm::dvec2 tile) {
+        return glm::min(glm::dvec2(columns_, rows_), glm::max(glm::dvec2(0), tile));
+    };
+    const glm::dvec2 first = within(glm::floor(low / double(tile_))),
+                     end = within(glm::floor(high / double(tile_)) + 1.0);
     return {static_cast<int>(first.x), static_cast<int>(first.y), static_cast<int>(end.x),
             static_cast<int>(end.y)};
 }

@@ -14,7 +14,7 @@ public:
     // Tiles of `tile` x `tile` over the places from 0 to `width` and `height`.
     TileMask(int width, int height, int tile);
 
-    // The tiles that a box touches; what lies outside is left out.
+    // The tiles that a box touches; what lies outside is left out, and what ends at no number.
     void mark(glm::dvec2 low, glm::dvec2 high);
     bool touches(glm::dvec2 low, glm::dvec2 high) const;
 

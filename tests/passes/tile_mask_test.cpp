@@ -1,5 +1,6 @@
 #include "engine/passes/tile_mask.h"
 
+#include <limits>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -27,6 +28,20 @@ TEST(TileMask, rectangles_hold_each_marked_tile_once_and_no_other) {
                 EXPECT_EQ(held[static_cast<size_t>(y * kWidth + x)], mask.touches(at, at) ? 1 : 0);
             }
     }
+}
+
+TEST(TileMask, boxes_of_any_numbers) {
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN(),
+                     kFar = std::numeric_limits<double>::infinity();
+    TileMask mask(40, 30, 8);
+    mask.mark({1e300, 1e300}, {-1e300, -1e300}); // of no places
+    mask.mark(glm::dvec2(kNone), glm::dvec2(kNone));
+    mask.mark({0, 0}, {kNone, 20});
+    EXPECT_TRUE(mask.rectangles().empty());
+    EXPECT_FALSE(mask.touches({0, 0}, {40, kNone}));
+    mask.mark({-kFar, -1e300}, {kFar, 1e300});
+    ASSERT_EQ(mask.rectangles().size(), 1u);
+    EXPECT_EQ(mask.rectangles()[0].width * mask.rectangles()[0].height, 40 * 30);
 }
 
 } // namespace
