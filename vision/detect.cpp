@@ -222,9 +222,10 @@ private:
             // By its colour, or by being wider than any strip of wall, which noise in the colour leaves
             // alone.
             if (!isLightBlue(region) && !isWide(region)) continue;
-            // A wall with the shade beside it is as wide, but only in part as vivid.
+            // A wall with the shade or a skylight beside it is as wide, but only in part as vivid or blue.
             if (const auto vivid = vividPart(region, image_, view_); vivid && !vividPieces(*vivid).empty())
                 continue;
+            if (const auto blue = bluePart(region, image_); blue && !vividPieces(*blue).empty()) continue;
             // As narrow as a wall: pale cyan on one, rather.
             if (!isWide(region) && relativeWidth(region, 8) < 1.6) {
                 paleStrips_.push_back(region);
@@ -353,10 +354,20 @@ private:
         unread(region, "coloured like a wall, but not of a wall's shape; it is left out");
     }
 
-    // Shade in a light of another colour, or what a file smears, has run into paint: strips are left where
-    // what is pale is taken away.
+    // Shade in a light of another colour, or what a file smears, has run into paint, or a skylight touches
+    // it: strips are left where what is pale is taken away.
     bool addVividPieces(const Component& region, std::vector<const Component*>& pieces) {
-        const std::optional<ClassImage> vivid = vividPart(region, image_, view_);
+        const std::optional<ClassImage> blue = bluePart(region, image_);
+        if (!addPiecesOf(vividPart(region, image_, view_), region, pieces) &&
+            !addPiecesOf(blue, region, pieces))
+            return false;
+        if (blue)
+            unread(region, "light blue beside a blue wall: a skylight that it hides in part, or shade? It is "
+                           "left out");
+        return true;
+    }
+    bool addPiecesOf(const std::optional<ClassImage>& vivid, const Component& region,
+                     std::vector<const Component*>& pieces) {
         if (!vivid) return false;
         std::vector<Component> parts = vividPieces(*vivid);
         if (parts.empty()) return false;

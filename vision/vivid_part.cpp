@@ -9,6 +9,7 @@ namespace heliodon::vision {
 namespace {
 
 constexpr size_t kBins = 64;
+constexpr double kLeastShare = 0.15; // of either kind
 using Histogram = std::array<double, kBins>;
 
 float saturationAt(int x, int y, const PlanView& view) {
@@ -21,7 +22,7 @@ float saturationAt(int x, int y, const PlanView& view) {
 // Otsu, "A threshold selection method from gray-level histograms", 1979: the bin that begins the upper of two
 // kinds. None where they do not explain most of the variance: an even spread has 0.75 between its halves.
 std::optional<size_t> threshold(const Histogram& histogram) {
-    constexpr double kTwoKinds = 0.75, kLeastShare = 0.15;
+    constexpr double kTwoKinds = 0.75;
     double all = 0, sum = 0, squares = 0;
     for (size_t i = 0; i < kBins; ++i) {
         const double v = static_cast<double>(i);
@@ -42,15 +43,21 @@ std::optional<size_t> threshold(const Histogram& histogram) {
     return at;
 }
 
-} // namespace
-
-std::optional<ClassImage> vividPart(const Component& region, const ClassImage& image, const PlanView& view) {
+// As large as the region, without paint.
+ClassImage emptyPart(const Component& region, const ClassImage& image) {
     ClassImage out;
     int x1 = 0;
     out.x0 = image.x0 + image.width, out.y0 = region.runs.front().y;
     for (const Run& run : region.runs) out.x0 = std::min(out.x0, run.x0), x1 = std::max(x1, run.x1);
     out.width = x1 - out.x0, out.height = region.runs.back().y + 1 - out.y0;
     out.paint.assign(static_cast<size_t>(out.width) * static_cast<size_t>(out.height), Paint::none);
+    return out;
+}
+
+} // namespace
+
+std::optional<ClassImage> vividPart(const Component& region, const ClassImage& image, const PlanView& view) {
+    ClassImage out = emptyPart(region, image);
     std::vector<size_t> bins;
     Histogram histogram{};
     for (const Run& run : region.runs)
@@ -66,6 +73,18 @@ std::optional<ClassImage> vividPart(const Component& region, const ClassImage& i
             if (*bin++ >= *vivid)
                 out.paint[static_cast<size_t>(run.y - out.y0) * static_cast<size_t>(out.width) +
                           static_cast<size_t>(x - out.x0)] = image.at(x, run.y);
+    return out;
+}
+
+std::optional<ClassImage> bluePart(const Component& region, const ClassImage& image) {
+    const double sky = static_cast<double>(region.minorityArea) / region.area;
+    if (region.group != Paint::blue || sky < kLeastShare || sky > 1 - kLeastShare) return std::nullopt;
+    ClassImage out = emptyPart(region, image);
+    for (const Run& run : region.runs)
+        for (int x = run.x0; x < run.x1; ++x)
+            if (image.at(x, run.y) == Paint::blue)
+                out.paint[static_cast<size_t>(run.y - out.y0) * static_cast<size_t>(out.width) +
+                          static_cast<size_t>(x - out.x0)] = Paint::blue;
     return out;
 }
 

@@ -469,6 +469,26 @@ TEST(DetectConditions, a_skylight_overexposed_in_blue_alone) {
     ASSERT_EQ(result.sketch.skylights.size(), 1u);
 }
 
+// As seen by a tilted camera: in the picture they touch.
+TEST(DetectConditions, a_blue_wall_before_a_skylight) {
+    const geometry::Rig rig = exampleRig();
+    geometry::Sketch sketch = room();
+    sketch.skylights.clear();
+    Photograph photo = paintTable(sketch, rig);
+    // Beside the top of the second wall, as its colour is.
+    cover(photo, rig, {{7.55, 0.5}, {9.4, 0.5}, {9.4, 4}, {7.55, 4}}, 8, PaintBox{}.sky);
+    for (const double blur : {0.0, 2.0}) {
+        SCOPED_TRACE(blur);
+        Perturbation how;
+        how.blurPx = blur;
+        const Photograph seen = perturbed(photo, how);
+        const Score score = scoreSketch(sketch, detectSketch(seen, rig).sketch);
+        EXPECT_EQ(score.at("wall").found, 4) << table(score);
+        EXPECT_EQ(score.at("wall").extra, 0) << table(score);
+        EXPECT_TRUE(warnsOf(detectSketch(seen, rig), "light blue beside a blue wall"));
+    }
+}
+
 // As its own corner may be cut off by noise: with it the rim makes once more the token that it is by itself.
 TEST(DetectConditions, a_speck_beside_a_token) {
     const geometry::Rig rig = exampleRig();
