@@ -1,6 +1,7 @@
 #include "geometry/glass_pairs.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include <glm/geometric.hpp>
@@ -16,6 +17,8 @@ namespace heliodon::geometry {
 namespace {
 
 constexpr double kThickestWall = 0.05; // of the model's extent
+constexpr size_t kAnyCorners = std::numeric_limits<size_t>::max();
+constexpr double kAlike = 0.1;         // of the longest side: corners of faces that are nearly one shape
 
 class GlassPairer {
 public:
@@ -31,18 +34,22 @@ public:
         }
     }
 
-    std::vector<std::pair<uint32_t, uint32_t>> pair() {
-        for (size_t i = 0; i < glasses_.size(); ++i)
-            for (size_t j = i + 1; j < glasses_.size(); ++j)
-                if (backToBack(glasses_[i], glasses_[j])) match(glasses_[i], glasses_[j]);
-        std::vector<std::pair<uint32_t, uint32_t>> odd;
+    GlassPairs pair() {
+        GlassPairs out;
+        for (const bool dividing : {false, true}) {
+            for (size_t i = 0; i < glasses_.size(); ++i)
+                for (size_t j = i + 1; j < glasses_.size(); ++j)
+                    if (backToBack(glasses_[i], glasses_[j])) match(glasses_[i], glasses_[j], dividing);
+            // Corners of triangles are their own: none is there because something meets an edge.
+            out.nearly += matchNearly(dividing ? kAnyCorners : 3);
+        }
         for (size_t i = 0; i < glasses_.size(); ++i)
             for (size_t j = i + 1; j < glasses_.size(); ++j) {
                 const Glass &a = glasses_[i], &b = glasses_[j];
                 if (lone(a) && lone(b) && backToBack(a, b) && (holdsMiddle(a, b) || holdsMiddle(b, a)))
-                    odd.emplace_back(a.face, b.face);
+                    out.odd.emplace_back(a.face, b.face);
             }
-        return odd;
+        return out;
     }
 
 private:
@@ -60,13 +67,14 @@ private:
         return glm::dot(a.normal, b.normal) < -1 + 1e-9 && apart >= -tolerance_ && apart <= thickest_;
     }
 
-    void match(const Glass& a, const Glass& b) {
+    void match(const Glass& a, const Glass& b, bool dividing) {
         Face &face = faceOf(a), &other = faceOf(b);
         if (face.twin >= 0 || other.twin >= 0 || face.loops.size() != 1 || other.loops.size() != 1) return;
         const glm::dvec3 shift = shiftBetween(building_, face, other);
         if (glm::length(shift - glm::dot(shift, a.normal) * a.normal) > tolerance_)
             return; // of another window
         if (!oppositeLoops(building_, face, other, tolerance_)) {
+            if (!dividing) return;
             const std::vector<Put> there = missing(a, b), here = missing(b, a);
             if (there.empty() && here.empty()) return;
             // Only where that is all that tells them apart.
@@ -78,6 +86,58 @@ private:
         }
         face.twin = static_cast<int32_t>(b.face);
         other.twin = static_cast<int32_t>(a.face);
+    }
+
+    double longestSide(const Face& face) const {
+        const auto& loop = face.loops[0];
+        double longest = 0;
+        for (size_t i = 0; i < loop.size(); ++i)
+            longest = std::max(longest, glm::distance(building_.vertices[loop[i]],
+                                                      building_.vertices[loop[(i + 1) % loop.size()]]));
+        return longest;
+    }
+
+    // How far two lone faces that are nearly one shape are from being opposite; infinite for others.
+    double aside(const Glass& a, const Glass& b) const {
+        constexpr double kNone = std::numeric_limits<double>::infinity();
+        const Face &face = faceOf(a), &other = faceOf(b);
+        if (glm::dot(a.normal, b.normal) > kBackToBack || face.loops[0].size() != other.loops[0].size())
+            return kNone;
+        const glm::dvec3 shift = shiftBetween(building_, face, other);
+        const double apart = -glm::dot(shift, a.normal), off = glm::length(shift + apart * a.normal);
+        if (apart < 0 || apart > thickest_) return kNone;
+        const double length = std::min(longestSide(face), longestSide(other));
+        const bool alike = off <= kAlike * (length + apart) &&
+                           oppositeLoops(building_, face, other, kAlike * length).has_value();
+        return alike ? off : kNone;
+    }
+
+    // Faces of so many corners at most that are each the nearest to the other one.
+    size_t matchNearly(size_t corners) {
+        struct Nearest {
+            double aside = std::numeric_limits<double>::infinity();
+            size_t glass = 0;
+        };
+        std::vector<size_t> left;
+        for (size_t i = 0; i < glasses_.size(); ++i)
+            if (const auto& loops = faceOf(glasses_[i]).loops;
+                lone(glasses_[i]) && loops.size() == 1 && loops[0].size() <= corners)
+                left.push_back(i);
+        std::vector<Nearest> nearest(glasses_.size());
+        for (const size_t i : left)
+            for (const size_t j : left)
+                if (const double off = i == j ? nearest[i].aside : aside(glasses_[i], glasses_[j]);
+                    off < nearest[i].aside)
+                    nearest[i] = {off, j};
+        size_t count = 0;
+        for (const size_t i : left) {
+            const size_t j = nearest[i].glass;
+            if (i >= j || std::isinf(nearest[i].aside) || nearest[j].glass != i) continue;
+            faceOf(glasses_[i]).twin = static_cast<int32_t>(glasses_[j].face);
+            faceOf(glasses_[j]).twin = static_cast<int32_t>(glasses_[i].face);
+            ++count;
+        }
+        return count;
     }
 
     struct Put { // a new corner on the edge from a to b
@@ -169,7 +229,7 @@ private:
 
 } // namespace
 
-std::vector<std::pair<uint32_t, uint32_t>> pairGlasses(Building& building, double tolerance, double extent) {
+GlassPairs pairGlasses(Building& building, double tolerance, double extent) {
     return GlassPairer(building, tolerance, extent).pair();
 }
 

@@ -1,6 +1,7 @@
 // Glasses on the two sides of one wall -> the twins of an interior window.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -9,10 +10,17 @@
 
 namespace heliodon::geometry {
 
+struct GlassPairs {
+    size_t nearly = 0; // pairs that are twins though they differ by more than the tolerance
+    // Faces that overlap but have different shapes: what falls on one would be lost.
+    std::vector<std::pair<uint32_t, uint32_t>> odd;
+};
+
 // Makes twins of faces of glass (materials that are openings, without holes) that stand back to back no
 // farther apart than a wall is thick and have one shape to within `tolerance` (metres). A corner that only
-// one side has, because something meets its edge there, is put into the other side's edge. Returns pairs that
-// overlap but have different shapes: what falls on one would be lost. `extent`: of the model, metres.
-std::vector<std::pair<uint32_t, uint32_t>> pairGlasses(Building& building, double tolerance, double extent);
+// one side has, because something meets its edge there, is put into the other side's edge. What is left is
+// twinned, too, where faces differ as those of closeSketch()'s walls may, whose sides are not quite parallel:
+// by 7 degrees and a tenth of their length. `extent`: of the model, metres.
+GlassPairs pairGlasses(Building& building, double tolerance, double extent);
 
 } // namespace heliodon::geometry

@@ -90,8 +90,12 @@ private:
     void finish() {
         findSurfaces(building_, model_, source_);
         building_.materials = model_.materials;
-        for (const auto& [a, b] : pairGlasses(building_, kPlanarOfExtent * extent_, extent_))
+        const GlassPairs glasses = pairGlasses(building_, kPlanarOfExtent * extent_, extent_);
+        for (const auto& [a, b] : glasses.odd)
             refuse({a, b}, "the glass has another shape than that on the other side of its wall");
+        if (glasses.nearly > 0)
+            building_.repairs.push_back(counted(glasses.nearly, "pane") +
+                                        " taken as one with what is nearly opposite in the wall");
         if (turnedOver_ > 0) building_.repairs.push_back(countedWere(turnedOver_, "face") + " turned over");
     }
 

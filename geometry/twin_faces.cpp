@@ -11,8 +11,6 @@ namespace heliodon::geometry {
 
 namespace {
 
-constexpr double kBackToBack = -0.992; // cosine: 7 degrees off parallel
-
 glm::dvec3 middleOf(const Building& building, const Face& face) {
     glm::dvec3 low(1e300), high(-1e300);
     for (const uint32_t v : face.loops[0]) {

@@ -15,6 +15,8 @@ struct OppositeLoop {
     size_t corner(size_t k, size_t n) const { return (first + n - k % n) % n; }
 };
 
+constexpr double kBackToBack = -0.992; // cosine between the normals of twins: 7 degrees off parallel
+
 // From the middle of the box round one outline to that of the other.
 glm::dvec3 shiftBetween(const Building& building, const Face& from, const Face& to);
 

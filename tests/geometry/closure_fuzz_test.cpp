@@ -16,6 +16,8 @@
 #include "geometry/building.h"
 #include "geometry/face_soup.h"
 #include "geometry/mesher.h"
+#include "geometry/model_file.h"
+#include "geometry/room_measures.h"
 
 using namespace heliodon::geometry;
 
@@ -183,8 +185,7 @@ void expectNoNeedles(const Building& building) {
 }
 
 // With the triangles of glasses that are twins opposite one another.
-void expectMeshed(const Building& building) {
-    PatchMesh mesh;
+void expectMeshed(const Building& building, PatchMesh& mesh) {
     ASSERT_NO_THROW(mesh = meshBuilding(building, {500}));
     for (size_t i = 0; i < mesh.patchCount(); ++i) {
         ASSERT_GE(patchArea(mesh, i), kLeastTriangle);
@@ -204,6 +205,35 @@ void expectMeshed(const Building& building) {
         ASSERT_LT(glm::length(across), 2 * kMetresPerInch); // the thickest wall and a half
         ASSERT_LT(glm::dot(across, patchNormal(mesh, i)), 0);
     }
+}
+
+void expectMeshed(const Building& building) {
+    PatchMesh mesh;
+    expectMeshed(building, mesh);
+}
+
+// Written as a model and read again it has the same rooms and panes, and each glass between two rooms its twin.
+void expectReadAgain(const PatchMesh& mesh) {
+    const std::string file = testing::TempDir() + "read_again.obj";
+    writeModel(mesh, file);
+    Building again;
+    ASSERT_NO_THROW(again = importModel(file));
+    const std::vector<RoomMeasures> before = measureRooms(mesh), after = measureRooms(ownTriangles(again));
+    ASSERT_EQ(after.size(), before.size());
+    double volume = 0, volumeAfter = 0;
+    int euler = 0;
+    for (size_t r = 0; r < before.size(); ++r) { // not in the same order
+        volume += before[r].volume;
+        volumeAfter += after[r].volume;
+        euler += after[r].euler - before[r].euler;
+    }
+    ASSERT_NEAR(volumeAfter, volume, 1e-6 * volume);
+    ASSERT_EQ(euler, 0);
+    ASSERT_EQ(std::ranges::count_if(again.faces, [](const Face& face) { return face.twin >= 0; }),
+              std::ranges::count_if(mesh.twin, [](int32_t twin) { return twin != kNoTwin; }));
+    const PaneCount panes = countPanes(mesh), panesAfter = countPanes(meshBuilding(again, {500}));
+    ASSERT_EQ(panesAfter.windows, panes.windows);
+    ASSERT_EQ(panesAfter.skylightPanes, panes.skylightPanes);
 }
 
 } // namespace
@@ -237,6 +267,18 @@ TEST(ClosureFuzz, sketches_that_once_could_not_be_proven) {
         ASSERT_TRUE(closure.building) << closure.report.message;
         expectNoNeedles(*closure.building);
         expectMeshed(*closure.building);
+    }
+}
+
+// Interior windows whose sides are not quite parallel, and such as have corners a hair off those opposite,
+// where a partition passes the wall at a slant: two windows, or refused.
+TEST(ClosureFuzz, models_of_windows_whose_sides_differ_a_little_are_read_again) {
+    for (const unsigned seed : {770230u, 770267u, 990027u, 990278u, 990295u, 2000942u, 2002311u}) {
+        SCOPED_TRACE(seed);
+        const Closure closure = closeSketch(SketchMaker(seed).make());
+        ASSERT_TRUE(closure.building) << closure.report.message;
+        for (const size_t triangles : {500u, 2000u})
+            expectReadAgain(meshBuilding(*closure.building, {triangles}));
     }
 }
 
@@ -299,7 +341,9 @@ TEST(ClosureFuzz, every_sketch_closes_proven_or_is_refused_with_a_reason) {
         }
         ASSERT_NO_FATAL_FAILURE(expectNoNeedles(*closure.building));
         if (k % 10 == 0) {
-            ASSERT_NO_FATAL_FAILURE(expectMeshed(*closure.building));
+            PatchMesh mesh;
+            ASSERT_NO_FATAL_FAILURE(expectMeshed(*closure.building, mesh));
+            ASSERT_NO_FATAL_FAILURE(expectReadAgain(mesh));
             ++tally.meshed;
         }
     }
