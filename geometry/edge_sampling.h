@@ -73,6 +73,7 @@ private:
 
     void collectEdges();
     void measureSurroundings();
+    bool isCrowded(size_t domain) const;
     void pairTwins();
     void matchTwins(size_t from, size_t to, std::vector<std::vector<TwinEdge>>& opposite) const;
     void collectTwins(uint32_t start, const std::vector<std::vector<TwinEdge>>& opposite,
@@ -107,6 +108,8 @@ private:
     std::vector<double> surroundings_;                          // per corner: metres to what is near
     std::vector<double> eased_;          // per corner: metres, most for the first steps from there
     std::vector<glm::dvec2> directions_; // per domain: of its longest side
+    std::vector<bool>
+        crowded_; // per domain: something stands so near that triangles across folds might cross it
     std::vector<TwinEdges> twins_;
     std::vector<Strip> strips_;   // narrow ones first, those beside them next
     double edge_ = 0, reach_ = 0; // metres; of the steps for which near corners are known

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kThickestWall = 0.05; // of the model's extent
 constexpr size_t kAnyCorners = std::numeric_limits<size_t>::max();
-constexpr double kAlike = 0.1;         // of the longest side: corners of faces that are nearly one shape
+constexpr double kAlike = 0.1; // of the longest side: corners of faces that are nearly one shape
 
 class GlassPairer {
 public:

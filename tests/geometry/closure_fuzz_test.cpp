@@ -212,7 +212,8 @@ void expectMeshed(const Building& building) {
     expectMeshed(building, mesh);
 }
 
-// Written as a model and read again it has the same rooms and panes, and each glass between two rooms its twin.
+// Written as a model and read again it has the same rooms and panes, and each glass between two rooms its
+// twin.
 void expectReadAgain(const PatchMesh& mesh) {
     const std::string file = testing::TempDir() + "read_again.obj";
     writeModel(mesh, file);
@@ -279,6 +280,21 @@ TEST(ClosureFuzz, models_of_windows_whose_sides_differ_a_little_are_read_again) 
         ASSERT_TRUE(closure.building) << closure.report.message;
         for (const size_t triangles : {500u, 2000u})
             expectReadAgain(meshBuilding(*closure.building, {triangles}));
+    }
+}
+
+// Two curved walls that meet in a wedge, and a sliver of partition along a curved wall: triangles across
+// folds crossed the wall beside them, or shared an edge with it.
+TEST(ClosureFuzz, models_of_walls_close_to_a_curved_one_are_read_again) {
+    for (const auto& [seed, triangles] : {std::pair(2001067u, size_t{600}), {3000353u, size_t{2000}}}) {
+        SCOPED_TRACE(seed);
+        const Sketch sketch = SketchMaker(seed).make();
+        ClosureOptions options, coarse;
+        options.coarseChord = coarse.chordError = 0.06; // as the program's
+        options.facetLength = fittingFacet(surfaceOfRooms(sketch, coarse), {triangles});
+        const Closure closure = closeSketch(sketch, options);
+        ASSERT_TRUE(closure.building) << closure.report.message;
+        expectReadAgain(meshBuilding(*closure.building, {triangles}));
     }
 }
 
