@@ -107,7 +107,7 @@ private:
         const double apart = -glm::dot(shift, a.normal), off = glm::length(shift + apart * a.normal);
         if (apart < 0 || apart > thickest_) return kNone;
         const double length = std::min(longestSide(face), longestSide(other));
-        const bool alike = off <= kAlike * (length + apart) &&
+        const bool alike = holdsMiddle(a, b) && holdsMiddle(b, a) &&
                            oppositeLoops(building_, face, other, kAlike * length).has_value();
         return alike ? off : kNone;
     }

@@ -283,6 +283,16 @@ TEST(ClosureFuzz, models_of_windows_whose_sides_differ_a_little_are_read_again) 
     }
 }
 
+// Windows side by side in the two faces of a wall, of about one shape.
+TEST(ClosureFuzz, models_of_windows_that_only_stand_beside_one_another_are_read_again) {
+    for (const unsigned seed : {7000042u, 7000823u}) {
+        SCOPED_TRACE(seed);
+        const Closure closure = closeSketch(SketchMaker(seed).make());
+        ASSERT_TRUE(closure.building) << closure.report.message;
+        expectReadAgain(meshBuilding(*closure.building, {200}));
+    }
+}
+
 // Two curved walls that meet in a wedge, and a sliver of partition along a curved wall: triangles across
 // folds crossed the wall beside them, or shared an edge with it.
 TEST(ClosureFuzz, models_of_walls_close_to_a_curved_one_are_read_again) {
