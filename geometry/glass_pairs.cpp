@@ -6,6 +6,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "geometry/bounds.h"
+#include "geometry/box_tree.h"
 #include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
 #include "geometry/ray_crossing.h"
@@ -32,23 +34,22 @@ public:
             glass.origin = building.vertices[face.loops[0][0]];
             glasses_.push_back(glass);
         }
+        findCandidates();
     }
 
     GlassPairs pair() {
         GlassPairs out;
         for (const bool dividing : {false, true}) {
-            for (size_t i = 0; i < glasses_.size(); ++i)
-                for (size_t j = i + 1; j < glasses_.size(); ++j)
-                    if (backToBack(glasses_[i], glasses_[j])) match(glasses_[i], glasses_[j], dividing);
+            for (const auto& [i, j] : candidates_)
+                if (backToBack(glasses_[i], glasses_[j])) match(glasses_[i], glasses_[j], dividing);
             // Corners of triangles are their own: none is there because something meets an edge.
             out.nearly += matchNearly(dividing ? kAnyCorners : 3);
         }
-        for (size_t i = 0; i < glasses_.size(); ++i)
-            for (size_t j = i + 1; j < glasses_.size(); ++j) {
-                const Glass &a = glasses_[i], &b = glasses_[j];
-                if (lone(a) && lone(b) && backToBack(a, b) && (holdsMiddle(a, b) || holdsMiddle(b, a)))
-                    out.odd.emplace_back(a.face, b.face);
-            }
+        for (const auto& [i, j] : candidates_) {
+            const Glass &a = glasses_[i], &b = glasses_[j];
+            if (lone(a) && lone(b) && backToBack(a, b) && (holdsMiddle(a, b) || holdsMiddle(b, a)))
+                out.odd.emplace_back(a.face, b.face);
+        }
         return out;
     }
 
@@ -60,6 +61,26 @@ private:
 
     Face& faceOf(const Glass& glass) const { return building_.faces[glass.face]; }
     bool lone(const Glass& glass) const { return faceOf(glass).twin < 0; }
+
+    // Those that look away from one another and are no farther apart than a wall is thick.
+    void findCandidates() {
+        std::vector<Bounds> boxes;
+        std::vector<glm::dvec3> corners;
+        for (const Glass& glass : glasses_) {
+            corners.clear();
+            for (const uint32_t v : faceOf(glass).loops[0]) corners.push_back(building_.vertices[v]);
+            boxes.push_back(boundsOf(corners));
+        }
+        const BoxTree tree(boxes);
+        const glm::dvec3 reach(thickest_ + tolerance_);
+        for (uint32_t i = 0; i < glasses_.size(); ++i)
+            tree.anyHolding(boxes[i].high + reach, boxes[i].low - reach, [&](uint32_t j) {
+                if (j > i && glm::dot(glasses_[i].normal, glasses_[j].normal) < kBackToBack)
+                    candidates_.emplace_back(i, j);
+                return false; // all of them
+            });
+        std::ranges::sort(candidates_);
+    }
 
     // Each behind the other, and nearer than any room is wide.
     bool backToBack(const Glass& a, const Glass& b) const {
@@ -101,8 +122,7 @@ private:
     double aside(const Glass& a, const Glass& b) const {
         constexpr double kNone = std::numeric_limits<double>::infinity();
         const Face &face = faceOf(a), &other = faceOf(b);
-        if (glm::dot(a.normal, b.normal) > kBackToBack || face.loops[0].size() != other.loops[0].size())
-            return kNone;
+        if (face.loops[0].size() != other.loops[0].size()) return kNone;
         const glm::dvec3 shift = shiftBetween(building_, face, other);
         const double apart = -glm::dot(shift, a.normal), off = glm::length(shift + apart * a.normal);
         if (apart < 0 || apart > thickest_) return kNone;
@@ -116,23 +136,23 @@ private:
     size_t matchNearly(size_t corners) {
         struct Nearest {
             double aside = std::numeric_limits<double>::infinity();
-            size_t glass = 0;
+            uint32_t glass = 0;
         };
-        std::vector<size_t> left;
-        for (size_t i = 0; i < glasses_.size(); ++i)
-            if (const auto& loops = faceOf(glasses_[i]).loops;
-                lone(glasses_[i]) && loops.size() == 1 && loops[0].size() <= corners)
-                left.push_back(i);
+        const auto plain = [&](const Glass& glass) {
+            const auto& loops = faceOf(glass).loops;
+            return lone(glass) && loops.size() == 1 && loops[0].size() <= corners;
+        };
         std::vector<Nearest> nearest(glasses_.size());
-        for (const size_t i : left)
-            for (const size_t j : left)
-                if (const double off = i == j ? nearest[i].aside : aside(glasses_[i], glasses_[j]);
-                    off < nearest[i].aside)
-                    nearest[i] = {off, j};
+        for (const auto& [i, j] : candidates_) {
+            if (!plain(glasses_[i]) || !plain(glasses_[j])) continue;
+            const double off = aside(glasses_[i], glasses_[j]);
+            if (off < nearest[i].aside) nearest[i] = {off, j};
+            if (off < nearest[j].aside) nearest[j] = {off, i};
+        }
         size_t count = 0;
-        for (const size_t i : left) {
-            const size_t j = nearest[i].glass;
-            if (i >= j || std::isinf(nearest[i].aside) || nearest[j].glass != i) continue;
+        for (uint32_t i = 0; i < glasses_.size(); ++i) {
+            const uint32_t j = nearest[i].glass;
+            if (std::isinf(nearest[i].aside) || i > j || nearest[j].glass != i) continue;
             faceOf(glasses_[i]).twin = static_cast<int32_t>(glasses_[j].face);
             faceOf(glasses_[j]).twin = static_cast<int32_t>(glasses_[i].face);
             ++count;
@@ -225,6 +245,7 @@ private:
     Building& building_;
     double tolerance_, thickest_;
     std::vector<Glass> glasses_;
+    std::vector<std::pair<uint32_t, uint32_t>> candidates_; // glasses, the lower first
 };
 
 } // namespace

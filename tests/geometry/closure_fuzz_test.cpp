@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <filesystem>
 #include <map>
 #include <random>
 #include <set>
 #include <string>
+
+#include <unistd.h>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
@@ -215,10 +218,14 @@ void expectMeshed(const Building& building) {
 // Written as a model and read again it has the same rooms and panes, and each glass between two rooms its
 // twin.
 void expectReadAgain(const PatchMesh& mesh) {
-    const std::string file = testing::TempDir() + "read_again.obj";
+    const std::string name = fmt::format("{}read_again_{}", testing::TempDir(), ::getpid()),
+                      file = name + ".obj";
     writeModel(mesh, file);
     Building again;
-    ASSERT_NO_THROW(again = importModel(file));
+    EXPECT_NO_THROW(again = importModel(file));
+    std::filesystem::remove(file);
+    std::filesystem::remove(name + ".mtl");
+    ASSERT_FALSE(again.faces.empty());
     const std::vector<RoomMeasures> before = measureRooms(mesh), after = measureRooms(ownTriangles(again));
     ASSERT_EQ(after.size(), before.size());
     double volume = 0, volumeAfter = 0;
