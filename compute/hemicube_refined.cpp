@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <unordered_map>
+#include <utility>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include "compute/chi_squared.h"
 #include "compute/hemicube.h"
 #include "compute/link_maker.h"
 #include "compute/parallel.h"
@@ -17,9 +20,14 @@ namespace {
 
 constexpr size_t kBlock = 64;
 constexpr size_t kStripes = 16; // of rows of blocks: their sums are added in one order on any number of cores
-constexpr double kOfSpread = 4.5; // area of a triangle of half a square over its spread
-constexpr double kCaution = 1.2; // of the claim, over both ends' disagreement and what links claim (measured)
-constexpr double kWorthPoints = 0.015; // of a row's sum, in error, from which it gets more points
+constexpr double kOfSpread = 4.5;         // area of a triangle of half a square over its spread
+constexpr double kCaution = 1.2;          // of the claim, over what samples and links say (measured)
+constexpr double kPercentile = 2.326;     // standard deviations up to the 99th
+constexpr double kSample = 1000;          // far pairs, about, that links measure again
+constexpr double kSampleTolerance = 0.05; // of what each of them exchanges in the open
+constexpr double kLeastSize = 1e-6;       // of form factors that are told apart there
+constexpr double kUnseen = 0.25;          // of its square, that what lies open counts with among what is seen
+constexpr double kWorthPoints = 0.015;    // of a row's sum, in error, from which it gets more points
 constexpr uint32_t kMorePoints = 4;
 constexpr double kMostAdded = 0.15; // viewpoints, over those of all patches
 
@@ -41,22 +49,32 @@ double spreadOf(const geometry::PatchMesh& mesh, size_t patch, glm::dvec3 centre
 }
 
 struct Patches {
-    explicit Patches(const geometry::PatchMesh& mesh) {
+    Patches(const geometry::PatchMesh& mesh, double near) : room(mesh.room) {
         for (size_t i = 0; i < mesh.patchCount(); ++i) {
             area.push_back(geometry::patchArea(mesh, i));
             centre.push_back(geometry::patchCentroid(mesh, i));
-            extent.push_back(std::max(area[i], kOfSpread * spreadOf(mesh, i, centre[i])));
+            reach.push_back(std::sqrt(std::max(area[i], kOfSpread * spreadOf(mesh, i, centre[i]))) / near);
             perArea.push_back(area[i] > 0 ? 1 / area[i] : 0);
             normal.push_back(geometry::patchNormal(mesh, i));
         }
         share = area;
     }
     size_t count() const { return area.size(); }
+    bool isNear(size_t i, size_t j, double distanceSquared) const {
+        return distanceSquared < (reach[i] + reach[j]) * (reach[i] + reach[j]);
+    }
+    // An exchange's square as form factors in rows i and j, which are at most one.
+    double squareInRows(size_t i, size_t j, double exchange) const {
+        const double inI = std::min(std::abs(exchange) * perArea[i], 1.0),
+                     inJ = std::min(std::abs(exchange) * perArea[j], 1.0);
+        return inI * inI + inJ * inJ;
+    }
 
     std::vector<double> area, perArea; // its inverse, 0 of none
     std::vector<glm::dvec3> centre, normal;
-    std::vector<double> share;  // of the area, that one point stands for
-    std::vector<double> extent; // the area, or more where a patch is long
+    std::vector<double> share; // of the area, that one point stands for
+    std::vector<double> reach; // as far as which it is near to a point; farther where it is long
+    std::vector<uint32_t> room;
 };
 
 // What both ends of a pair measured of one exchange.
@@ -71,13 +89,6 @@ struct BothEnds {
     }
 
     double exchange() const { return weight * ofI + (1 - weight) * ofJ; }
-    // What both disagree by, as a variance of the mean in rows i and j: as if both erred alike, until one is
-    // so much better that eight times its part in both is less.
-    double variance() const {
-        const double d = std::min(0.5, 8 * geometric) * std::abs(ofI - ofJ),
-                     inI = std::min(d * inverseI, 1.0), inJ = std::min(d * inverseJ, 1.0);
-        return inI * inI + inJ * inJ;
-    }
 
     double inverseI, inverseJ; // areas
     double ofI, ofJ;
@@ -85,25 +96,20 @@ struct BothEnds {
     double geometric; // mean of both weights
 };
 
-// Both measurements of the pairs i < j of two blocks of patches, in one order; 0 where there is no such pair.
+// Both measurements of the pairs i < j of two blocks of patches, in one order.
 struct Block {
     Block(const float* F, size_t n, size_t i0, size_t j0)
         : firstI(i0), firstJ(j0), rows(std::min(kBlock, n - i0)), columns(std::min(kBlock, n - j0)) {
         for (size_t i = 0; i < rows; ++i) std::copy_n(F + (i0 + i) * n + j0, columns, ij[i]);
         for (size_t j = 0; j < columns; ++j)
             for (size_t i = 0; i < rows; ++i) ji[i][j] = F[(j0 + j) * n + i0 + i];
-        if (i0 == j0)
-            for (size_t i = 0; i < rows; ++i)
-                std::fill_n(ij[i], i + 1, 0.0f), std::fill_n(ji[i], i + 1, 0.0f);
     }
+    size_t first(size_t i) const { return firstI == firstJ ? i + 1 : 0; } // its first j > i
     void store(float* F, size_t n) const {
-        const bool diagonal = firstI == firstJ;
-        for (size_t i = 0; i < rows; ++i) {
-            const size_t first = diagonal ? i + 1 : 0;
-            std::copy(ij[i] + first, ij[i] + columns, F + (firstI + i) * n + firstJ + first);
-        }
+        for (size_t i = 0; i < rows && first(i) < columns; ++i)
+            std::copy(ij[i] + first(i), ij[i] + columns, F + (firstI + i) * n + firstJ + first(i));
         for (size_t j = 0; j < columns; ++j)
-            for (size_t i = 0; i < (diagonal ? j : rows); ++i) F[(firstJ + j) * n + firstI + i] = ji[i][j];
+            for (size_t i = 0; i < rows && first(i) <= j; ++i) F[(firstJ + j) * n + firstI + i] = ji[i][j];
     }
     size_t firstI, firstJ, rows, columns;
     float ij[kBlock][kBlock], ji[kBlock][kBlock]; // [i][j]
@@ -131,121 +137,149 @@ template<class Take> void forBlocks(const float* F, size_t n, const Take& take) 
 }
 
 // Pairs i < j of one room, near to one another.
-std::vector<glm::uvec2> nearPairs(const geometry::PatchMesh& mesh, const Patches& patches, double near) {
+std::vector<glm::uvec2> nearPairs(const Patches& patches) {
     std::vector<glm::uvec2> pairs;
-    const auto n = static_cast<uint32_t>(mesh.patchCount());
-    std::vector<double> size(n);
-    for (uint32_t i = 0; i < n; ++i) size[i] = std::sqrt(patches.extent[i]) / near;
+    const auto n = static_cast<uint32_t>(patches.count());
     for (uint32_t i = 0; i < n; ++i)
         for (uint32_t j = i + 1; j < n; ++j) {
             const glm::dvec3 d = patches.centre[j] - patches.centre[i];
-            const double reach = size[i] + size[j];
-            if (glm::dot(d, d) < reach * reach && mesh.room[i] == mesh.room[j] && size[i] > 0 && size[j] > 0)
+            if (patches.isNear(i, j, glm::dot(d, d)) && patches.room[i] == patches.room[j] &&
+                patches.reach[i] > 0 && patches.reach[j] > 0)
                 pairs.push_back({i, j});
         }
     return pairs;
 }
 
+// What a far pair would exchange, about, if nothing stood between; 0 where its middles do not face.
+double openExchange(const Patches& patches, size_t i, size_t j) {
+    const glm::dvec3 d = patches.centre[j] - patches.centre[i];
+    const double ci = glm::dot(d, patches.normal[i]), cj = -glm::dot(d, patches.normal[j]),
+                 d2 = glm::dot(d, d);
+    return ci > 0 && cj > 0 && patches.room[i] == patches.room[j] && !patches.isNear(i, j, d2)
+               ? ci * cj / (std::numbers::pi * d2 * d2) * patches.area[i] * patches.area[j]
+               : 0;
+}
+
+// By what a pair may err, as squares in its two rows: what both ends disagree by, and what it exchanges.
+struct Weight {
+    double disagreement = 0, exchange = 0;
+};
+Weight weightOf(const Patches& patches, const BothEnds& ends, size_t i, size_t j) {
+    return {patches.squareInRows(i, j, ends.geometric * (ends.ofI - ends.ofJ)),
+            patches.squareInRows(i, j, ends.exchange())};
+}
+
 // Per row, sums over pairs of what its own measurement of an exchange has above the other end's: whole, and
-// by the weight of its own.
+// by the weight of its own. Over all pairs, weights.
 struct RowSums {
     explicit RowSums(size_t n) : whole(n, 0.0), weighted(n, 0.0) {}
     void add(const Block& block, const Patches& patches) {
         for (size_t i = 0; i < block.rows; ++i) {
-            double above[kBlock], own[kBlock];
-            for (size_t j = 0; j < block.columns; ++j) {
+            double above[kBlock]{}, own[kBlock]{}, disagreement[kBlock]{}, exchange[kBlock]{};
+            for (size_t j = block.first(i); j < block.columns; ++j) {
                 const BothEnds ends(patches, block.firstI + i, block.firstJ + j, block.ij[i][j],
                                     block.ji[i][j]);
                 above[j] = ends.ofI - ends.ofJ;
                 own[j] = ends.weight * above[j];
+                const Weight weight = weightOf(patches, ends, block.firstI + i, block.firstJ + j);
+                disagreement[j] = weight.disagreement, exchange[j] = weight.exchange;
+                whole[block.firstJ + j] -= above[j];
+                weighted[block.firstJ + j] += own[j] - above[j];
             }
-            add(block.firstI + i, block.firstJ, {above, block.columns}, {own, block.columns});
+            whole[block.firstI + i] += sumOf({above, block.columns});
+            weighted[block.firstI + i] += sumOf({own, block.columns});
+            weights.disagreement += sumOf({disagreement, block.columns});
+            weights.exchange += sumOf({exchange, block.columns});
         }
-    }
-    // Of the pairs of i and j0, j0 + 1, ...
-    void add(size_t i, size_t j0, std::span<const double> above, std::span<const double> own) {
-        for (size_t j = 0; j < above.size(); ++j) {
-            whole[j0 + j] -= above[j];
-            weighted[j0 + j] += own[j] - above[j];
-        }
-        whole[i] += sumOf(above);
-        weighted[i] += sumOf(own);
     }
     std::vector<double> whole, weighted;
+    Weight weights;
 };
 
-// Per row, what its sum may be off by once both ends are averaged: the difference between what its own few
-// points and what those of the others, which are many and see all of the patch, make of their exchange, times
-// the weight of the worse end. Far pairs only.
-std::vector<double> sumErrors(const float* F, const Patches& patches, std::span<const glm::uvec2> nearPairs) {
+struct FarPairs {
+    // Per row, what its sum may be off by once both ends are averaged: the difference between what its own
+    // few points and what those of the others, which are many and see all of the patch, make of their
+    // exchange, times the weight of the worse end.
+    std::vector<double> errors;
+    Weight weights; // sums
+};
+
+FarPairs compareEnds(const float* F, const Patches& patches) {
     const size_t n = patches.count();
     std::vector<RowSums> stripes(kStripes, RowSums(n));
     forBlocks(F, n, [&](size_t stripe, const Block& block) { stripes[stripe].add(block, patches); });
-    RowSums near(n);
-    for (const glm::uvec2& pair : nearPairs) {
-        const BothEnds ends(patches, pair.x, pair.y, F[pair.x * n + pair.y], F[pair.y * n + pair.x]);
-        const double above = ends.ofI - ends.ofJ, own = ends.weight * above;
-        near.add(pair.x, pair.y, {&above, 1}, {&own, 1});
+    FarPairs result;
+    for (const RowSums& sums : stripes) {
+        result.weights.disagreement += sums.weights.disagreement;
+        result.weights.exchange += sums.weights.exchange;
     }
-    std::vector<double> errors(n);
     for (size_t i = 0; i < n; ++i) {
-        double whole = -near.whole[i], weighted = -near.weighted[i];
+        double whole = 0, weighted = 0;
         for (const RowSums& sums : stripes) whole += sums.whole[i], weighted += sums.weighted[i];
-        errors[i] =
-            std::min(std::max(std::abs(weighted), std::abs(whole - weighted)) * patches.perArea[i], 1.0);
+        result.errors.push_back(
+            std::min(std::max(std::abs(weighted), std::abs(whole - weighted)) * patches.perArea[i], 1.0));
     }
-    return errors;
+    return result;
 }
 
-// A_i F_ij becomes the mean of both ends' measurements. Returns the sum of the variances of all entries.
-double averageEnds(float* F, const Patches& patches) {
+// A far pair that is measured once more, and how likely that was.
+struct Sample {
+    uint32_t i, j;
+    double probability;
+    double size; // form factor from the lesser to the larger
+    double exchange = 0, measured = 0;
+};
+
+// Between 0 and 1, evenly.
+double chanceOf(size_t i, size_t j) {
+    auto x = static_cast<uint32_t>(i * 0x9e3779b1u) ^ static_cast<uint32_t>(j * 0x85ebca77u);
+    x = (x ^ (x >> 16)) * 0x7feb352du;
+    x = (x ^ (x >> 15)) * 0x846ca68bu;
+    return (x ^ (x >> 16)) * 0x1p-32;
+}
+
+// A_i F_ij becomes the mean of both ends' measurements. Returns a sample of the pairs: each by its weights,
+// or all where they are few. What both ends do not see counts by what it would exchange in the open, as far
+// as no more of it is taken than of the others.
+std::vector<Sample> averageEnds(float* F, const Patches& patches, const Weight& weights) {
     const size_t n = patches.count();
-    std::vector<double> variances(kStripes, 0.0);
+    const double ofDisagreement = 0.5 * kSample / std::max(weights.disagreement, 1e-300),
+                 ofExchange = 0.5 * kSample / std::max(weights.exchange, 1e-300),
+                 mostUnseen = std::min(2 * kSample / (static_cast<double>(n) * static_cast<double>(n)), 1.0);
+    std::vector<std::vector<Sample>> samples(kStripes);
     forBlocks(F, n, [&](size_t stripe, Block& block) {
         for (size_t i = 0; i < block.rows; ++i) {
-            double variance[kBlock];
-            for (size_t j = 0; j < block.columns; ++j) {
-                const BothEnds ends(patches, block.firstI + i, block.firstJ + j, block.ij[i][j],
-                                    block.ji[i][j]);
-                variance[j] = ends.variance();
+            double above[kBlock], probability[kBlock];
+            for (size_t j = block.first(i); j < block.columns; ++j) {
+                const size_t row = block.firstI + i, column = block.firstJ + j;
+                const BothEnds ends(patches, row, column, block.ij[i][j], block.ji[i][j]);
+                const Weight weight = weightOf(patches, ends, row, column);
+                probability[j] = ofDisagreement * weight.disagreement + ofExchange * weight.exchange;
+                above[j] = probability[j] + mostUnseen - chanceOf(row, column);
                 const double exchange = ends.exchange();
                 const bool both = ends.inverseI > 0 && ends.inverseJ > 0; // have an area
                 block.ij[i][j] = both ? static_cast<float>(exchange * ends.inverseI) : block.ij[i][j];
                 block.ji[i][j] = both ? static_cast<float>(exchange * ends.inverseJ) : block.ji[i][j];
             }
-            variances[stripe] += sumOf({variance, block.columns});
+            for (size_t j = block.first(i); j < block.columns; ++j) {
+                if (above[j] <= 0) continue;
+                const auto row = static_cast<uint32_t>(block.firstI + i),
+                           column = static_cast<uint32_t>(block.firstJ + j);
+                const double exchange = patches.area[row] * double{block.ij[i][j]},
+                             open = openExchange(patches, row, column),
+                             unseen = kUnseen * ofExchange * patches.squareInRows(row, column, open);
+                if (above[j] - mostUnseen + std::min(unseen, mostUnseen) <= 0) continue;
+                samples[stripe].push_back(
+                    {row, column, std::min(probability[j] + std::min(unseen, mostUnseen), 1.0),
+                     std::max(exchange, open) * std::max(patches.perArea[row], patches.perArea[column]),
+                     exchange});
+            }
         }
         block.store(F, n);
     });
-    return sumOf(variances);
-}
-
-// What a pair that neither end has in a pixel would exchange if nothing stood between them; 0 where they do
-// not face.
-double unseenExchange(const Patches& patches, size_t i, size_t j) {
-    const glm::dvec3 d = patches.centre[j] - patches.centre[i];
-    const double ci = glm::dot(d, patches.normal[i]), cj = -glm::dot(d, patches.normal[j]),
-                 d2 = glm::dot(d, d);
-    return ci > 0 && cj > 0 ? ci * cj / (std::numbers::pi * d2 * d2) * patches.area[i] * patches.area[j] : 0;
-}
-
-// Variance of what may have fallen between the pixels of both ends. Of many such pairs some are hit, and what
-// those ends disagree by tells of all; few may be missed altogether, by one pixel's worth.
-double missed(const float* F, const geometry::PatchMesh& mesh, const Patches& patches, double pixel) {
-    const size_t n = patches.area.size();
-    double variance = 0;
-    for (size_t i = 0; i < n && variance <= pixel * pixel; ++i)
-        for (size_t j = i + 1; j < n; ++j) {
-            // Both ends are averaged: neither has what the other has not.
-            if (F[i * n + j] > 0 || mesh.room[i] != mesh.room[j]) continue;
-            const double a = patches.area[i], b = patches.area[j];
-            if (!(a > 0 && b > 0)) continue;
-            const double exchange = unseenExchange(patches, i, j);
-            if (exchange > pixel * std::min(a, b))
-                continue; // one of its ends would have it in a pixel: hidden
-            variance += exchange * exchange * (1 / (a * a) + 1 / (b * b));
-        }
-    return std::min(variance, pixel * pixel);
+    std::vector<Sample> all;
+    for (const std::vector<Sample>& some : samples) all.insert(all.end(), some.begin(), some.end());
+    return all;
 }
 
 // Rows whose points see what the others do not see of them, beside the edges of blockers: again from more
@@ -276,35 +310,83 @@ size_t addPoints(Hemicube& hemicube, const geometry::PatchMesh& mesh, std::span<
     return rows.size();
 }
 
-// Returns the sum of the variances of their entries, by what the links claim.
-double setNearPairs(gpu::Device& device, const geometry::PatchMesh& mesh, std::span<const glm::uvec2> pairs,
-                    double tolerance, const Patches& patches, float* F) {
-    const ClusterScene scene(device, mesh);
-    const size_t n = mesh.patchCount();
-    std::vector<std::vector<uint32_t>> leavesOf(n);
-    for (const PatchTree::Leaf& leaf : scene.tree.leaves) leavesOf[leaf.patch].push_back(leaf.node);
-    LinkMaker maker(device, scene, {tolerance, tolerance});
-    for (const glm::uvec2& pair : pairs) {
-        F[pair.x * n + pair.y] = F[pair.y * n + pair.x] = 0;
-        for (uint32_t a : leavesOf[pair.x])
-            for (uint32_t b : leavesOf[pair.y]) maker.add(std::min(a, b), std::max(a, b));
+// Pairs of patches by links between their triangles.
+class PairLinks {
+public:
+    PairLinks(gpu::Device& device, const geometry::PatchMesh& mesh)
+        : scene_(device, mesh), maker_(device, scene_, {}), leavesOf_(mesh.patchCount()) {
+        for (const PatchTree::Leaf& leaf : scene_.tree.leaves) leavesOf_[leaf.patch].push_back(leaf.node);
     }
-    double variance = 0;
-    // Sorted: patches of several triangles sum several links in one order, whatever the device's.
-    for (const io::HierarchicalLink& link : maker.finish()) {
-        const PatchTree::Leaf &a = scene.tree.leaves[scene.tree.nodes[link.first].firstLeaf],
-                              &b = scene.tree.leaves[scene.tree.nodes[link.second].firstLeaf];
-        const double exchange = double{link.density} * a.area * b.area,
-                     error = double{link.error} * a.area * b.area, areaA = patches.area[a.patch],
-                     areaB = patches.area[b.patch];
-        F[a.patch * n + b.patch] += static_cast<float>(exchange / areaA);
-        F[b.patch * n + a.patch] += static_cast<float>(exchange / areaB);
+    void setTolerance(double tolerance) { maker_.setTolerance({tolerance, tolerance}); } // from now on
+    void add(uint32_t i, uint32_t j) {
+        for (uint32_t a : leavesOf_[i])
+            for (uint32_t b : leavesOf_[j]) maker_.add(std::min(a, b), std::max(a, b));
+    }
+    // Calls take(i, j, exchange, its error) for what was added, once a pair of triangles, in one order.
+    template<class Take> void finish(const Take& take) {
+        for (const io::HierarchicalLink& link : maker_.finish()) {
+            const PatchTree::Leaf &a = scene_.tree.leaves[scene_.tree.nodes[link.first].firstLeaf],
+                                  &b = scene_.tree.leaves[scene_.tree.nodes[link.second].firstLeaf];
+            take(a.patch, b.patch, double{link.density} * a.area * b.area,
+                 double{link.error} * a.area * b.area);
+        }
+    }
+
+private:
+    ClusterScene scene_;
+    LinkMaker maker_;
+    std::vector<std::vector<uint32_t>> leavesOf_; // per patch
+};
+
+// Returns the 99th percentile of the sum of the squares of their entries' errors, by what the links claim.
+double setNearPairs(PairLinks& links, std::span<const glm::uvec2> pairs, double tolerance,
+                    const Patches& patches, float* F) {
+    const size_t n = patches.count();
+    links.setTolerance(tolerance);
+    for (const glm::uvec2& pair : pairs) links.add(pair.x, pair.y);
+    double sum = 0, squares = 0;
+    links.finish([&](uint32_t i, uint32_t j, double exchange, double error) {
+        F[i * n + j] += static_cast<float>(exchange * patches.perArea[i]);
+        F[j * n + i] += static_cast<float>(exchange * patches.perArea[j]);
         // No form factor is off by more than one, whatever an estimate makes of tiny patches before large
         // ones.
-        const double inA = std::min(error / areaA, 1.0), inB = std::min(error / areaB, 1.0);
-        variance += inA * inA + inB * inB;
+        const double variance = patches.squareInRows(i, j, error);
+        sum += variance;
+        squares += variance * variance;
+    });
+    return sum > 0 ? sum * chiSquaredOverMean(chiSquaredSpread(sum, squares), kPercentile) : 0;
+}
+
+// Returns the 99th percentile of the sum over all far pairs of their entries' squared errors, by those of the
+// sample (D. Horvitz, D. Thompson, 1952). What both ends disagree by would not tell it: of what stands
+// half-way between two patches, both their points see as much, and both wrong alike.
+double sampledError(PairLinks& links, std::span<Sample> samples, const Patches& patches) {
+    std::sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) {
+        return a.size != b.size ? a.size > b.size : std::pair(a.i, a.j) < std::pair(b.i, b.j);
+    });
+    for (size_t first = 0; first < samples.size();) {
+        // Alike in size, to have one tolerance.
+        size_t end = first;
+        std::unordered_map<uint64_t, Sample*> at;
+        const double least = std::max(samples[first].size / 4, kLeastSize);
+        links.setTolerance(kSampleTolerance * least);
+        for (; end < samples.size() && (samples[end].size >= least || least == kLeastSize); ++end) {
+            Sample& s = samples[end];
+            at[uint64_t{s.i} << 32 | s.j] = &s;
+            links.add(s.i, s.j);
+        }
+        links.finish([&](uint32_t i, uint32_t j, double exchange, double) {
+            at.at(uint64_t{std::min(i, j)} << 32 | std::max(i, j))->measured += exchange;
+        });
+        first = end;
     }
-    return variance;
+    double sum = 0, variance = 0;
+    for (const Sample& s : samples) {
+        const double square = patches.squareInRows(s.i, s.j, s.measured - s.exchange) / s.probability;
+        sum += square;
+        variance += square * square * (1 - s.probability);
+    }
+    return sum + kPercentile * std::sqrt(variance);
 }
 
 } // namespace
@@ -320,30 +402,37 @@ RefinedHemicube refinedHemicubeFormFactors(gpu::Device& device, const geometry::
     result.values = hemicube.run(views.viewpoints, views.pointsPerPatch).factors;
     result.report.resolution = hemicube.resolution();
     result.report.points = views.pointsPerPatch;
-    Patches patches(mesh);
-    const std::vector<glm::uvec2> pairs = nearPairs(mesh, patches, options.near);
+    Patches patches(mesh, options.near);
+    const std::vector<glm::uvec2> pairs = nearPairs(patches);
     std::vector<float> copy;
     float* F = result.values.mapped<float>();
     if (!F) {
         copy = result.values.download<float>(n * n);
         F = copy.data();
     }
-    std::vector<double> errors = sumErrors(F, patches, pairs);
-    const size_t rows = addPoints(hemicube, mesh, errors, views.pointsPerPatch, patches, F);
-    if (rows > 0) errors = sumErrors(F, patches, pairs);
-    if (n > 0) result.report.claimedRowSumError = *std::max_element(errors.begin(), errors.end());
-    double near = 0;
-    for (const glm::uvec2& pair : pairs)
-        near += BothEnds(patches, pair.x, pair.y, F[pair.x * n + pair.y], F[pair.y * n + pair.x]).variance();
-    double far = std::max(0.0, averageEnds(F, patches) - near);
-    const double side = 2.0 / hemicube.resolution(); // of a pixel of the top face, seen from one away
-    far += missed(F, mesh, patches, side * side / std::numbers::pi);
-    near = setNearPairs(device, mesh, pairs, options.pairTolerance, patches, F);
+    const auto leaveOutNear = [&] {
+        for (const glm::uvec2& pair : pairs) F[pair.x * n + pair.y] = F[pair.y * n + pair.x] = 0;
+    };
+    leaveOutNear();
+    FarPairs far = compareEnds(F, patches);
+    const size_t rows = addPoints(hemicube, mesh, far.errors, views.pointsPerPatch, patches, F);
+    if (rows > 0) {
+        leaveOutNear();
+        far = compareEnds(F, patches);
+    }
+    double near = 0, rest = 0;
+    if (n > 0) {
+        result.report.claimedRowSumError = *std::max_element(far.errors.begin(), far.errors.end());
+        std::vector<Sample> samples = averageEnds(F, patches, far.weights);
+        PairLinks links(device, mesh);
+        near = setNearPairs(links, pairs, options.pairTolerance, patches, F);
+        rest = sampledError(links, samples, patches);
+    }
     const auto claim = [n](double variance) {
         return kCaution * std::sqrt(variance / static_cast<double>(std::max<size_t>(n, 1)));
     };
-    refined.nearError = claim(near), refined.farError = claim(far);
-    result.report.claimedRowError = claim(near + far);
+    refined.nearError = claim(near), refined.farError = claim(rest);
+    result.report.claimedRowError = claim(near + rest);
     if (!copy.empty()) result.values.upload(copy);
     result.report.why = fmt::format(
         "{} near pairs in closed form, the others from both ends, {} rows from {} times the points",
