@@ -11,6 +11,7 @@
 
 #include "compute/chi_squared.h"
 #include "compute/hemicube.h"
+#include "compute/link_claims.h"
 #include "compute/link_maker.h"
 #include "compute/parallel.h"
 
@@ -322,13 +323,18 @@ public:
         for (uint32_t a : leavesOf_[i])
             for (uint32_t b : leavesOf_[j]) maker_.add(std::min(a, b), std::max(a, b));
     }
-    // Calls take(i, j, exchange, its error) for what was added, once a pair of triangles, in one order.
-    template<class Take> void finish(const Take& take) {
-        for (const io::HierarchicalLink& link : maker_.finish()) {
+    // Calls take(i, j, exchange, its error) for what was added, once a pair of triangles, in one order. What
+    // rays that agreed have missed is taken off, and counts as error.
+    template<class Take> void finish(const Patches& patches, const Take& take) {
+        std::vector<io::HierarchicalLink> links = maker_.finish(), all = links;
+        LinkClaims(scene_.tree, patches.area, all).takeUnseen(links);
+        for (size_t k = 0; k < links.size(); ++k) {
+            const io::HierarchicalLink& link = links[k];
             const PatchTree::Leaf &a = scene_.tree.leaves[scene_.tree.nodes[link.first].firstLeaf],
                                   &b = scene_.tree.leaves[scene_.tree.nodes[link.second].firstLeaf];
+            const double taken = double{all[k].density} - double{link.density};
             take(a.patch, b.patch, double{link.density} * a.area * b.area,
-                 double{link.error} * a.area * b.area);
+                 (double{link.error} + taken) * a.area * b.area);
         }
     }
 
@@ -345,7 +351,7 @@ double setNearPairs(PairLinks& links, std::span<const glm::uvec2> pairs, double 
     links.setTolerance(tolerance);
     for (const glm::uvec2& pair : pairs) links.add(pair.x, pair.y);
     double sum = 0, squares = 0;
-    links.finish([&](uint32_t i, uint32_t j, double exchange, double error) {
+    links.finish(patches, [&](uint32_t i, uint32_t j, double exchange, double error) {
         F[i * n + j] += static_cast<float>(exchange * patches.perArea[i]);
         F[j * n + i] += static_cast<float>(exchange * patches.perArea[j]);
         // No form factor is off by more than one, whatever an estimate makes of tiny patches before large
@@ -375,7 +381,7 @@ double sampledError(PairLinks& links, std::span<Sample> samples, const Patches& 
             at[uint64_t{s.i} << 32 | s.j] = &s;
             links.add(s.i, s.j);
         }
-        links.finish([&](uint32_t i, uint32_t j, double exchange, double) {
+        links.finish(patches, [&](uint32_t i, uint32_t j, double exchange, double) {
             at.at(uint64_t{std::min(i, j)} << 32 | std::max(i, j))->measured += exchange;
         });
         first = end;

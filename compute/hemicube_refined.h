@@ -18,8 +18,8 @@ struct RefinedHemicubeOptions {
     double pairTolerance = 2e-3;
 };
 
-// Parts of the claimed row error (their squares sum to its square): of near pairs, which the tolerance
-// lowers, and of the others, which pixels and points lower.
+// Parts of the claimed row error, a 99th percentile (their squares sum to its square): of near pairs, which
+// the tolerance lowers, and of the others, which pixels and points lower.
 struct RefinedHemicube {
     FormFactors factors;
     double nearError = 0, farError = 0;
