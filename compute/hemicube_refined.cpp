@@ -174,7 +174,7 @@ Weight weightOf(const Patches& patches, const BothEnds& ends, size_t i, size_t j
 // by the weight of its own. Over all pairs, weights.
 struct RowSums {
     explicit RowSums(size_t n) : whole(n, 0.0), weighted(n, 0.0) {}
-    void add(const Block& block, const Patches& patches) {
+    template<bool weigh> void add(const Block& block, const Patches& patches) {
         for (size_t i = 0; i < block.rows; ++i) {
             double above[kBlock]{}, own[kBlock]{}, disagreement[kBlock]{}, exchange[kBlock]{};
             for (size_t j = block.first(i); j < block.columns; ++j) {
@@ -182,15 +182,21 @@ struct RowSums {
                                     block.ji[i][j]);
                 above[j] = ends.ofI - ends.ofJ;
                 own[j] = ends.weight * above[j];
-                const Weight weight = weightOf(patches, ends, block.firstI + i, block.firstJ + j);
-                disagreement[j] = weight.disagreement, exchange[j] = weight.exchange;
+                if constexpr (weigh) {
+                    const Weight weight = weightOf(patches, ends, block.firstI + i, block.firstJ + j);
+                    disagreement[j] = weight.disagreement, exchange[j] = weight.exchange;
+                }
+            }
+            for (size_t j = 0; j < block.columns; ++j) {
                 whole[block.firstJ + j] -= above[j];
                 weighted[block.firstJ + j] += own[j] - above[j];
             }
             whole[block.firstI + i] += sumOf({above, block.columns});
             weighted[block.firstI + i] += sumOf({own, block.columns});
-            weights.disagreement += sumOf({disagreement, block.columns});
-            weights.exchange += sumOf({exchange, block.columns});
+            if constexpr (weigh) {
+                weights.disagreement += sumOf({disagreement, block.columns});
+                weights.exchange += sumOf({exchange, block.columns});
+            }
         }
     }
     std::vector<double> whole, weighted;
@@ -205,10 +211,10 @@ struct FarPairs {
     Weight weights; // sums
 };
 
-FarPairs compareEnds(const float* F, const Patches& patches) {
+template<bool weigh> FarPairs compareEnds(const float* F, const Patches& patches) {
     const size_t n = patches.count();
     std::vector<RowSums> stripes(kStripes, RowSums(n));
-    forBlocks(F, n, [&](size_t stripe, const Block& block) { stripes[stripe].add(block, patches); });
+    forBlocks(F, n, [&](size_t stripe, const Block& block) { stripes[stripe].add<weigh>(block, patches); });
     FarPairs result;
     for (const RowSums& sums : stripes) {
         result.weights.disagreement += sums.weights.disagreement;
@@ -420,11 +426,11 @@ RefinedHemicube refinedHemicubeFormFactors(gpu::Device& device, const geometry::
         for (const glm::uvec2& pair : pairs) F[pair.x * n + pair.y] = F[pair.y * n + pair.x] = 0;
     };
     leaveOutNear();
-    FarPairs far = compareEnds(F, patches);
+    FarPairs far = compareEnds<true>(F, patches);
     const size_t rows = addPoints(hemicube, mesh, far.errors, views.pointsPerPatch, patches, F);
     if (rows > 0) {
         leaveOutNear();
-        far = compareEnds(F, patches);
+        far.errors = compareEnds<false>(F, patches).errors; // few rows change little of the weights
     }
     double near = 0, rest = 0;
     if (n > 0) {
