@@ -134,8 +134,8 @@ TEST(MonteCarlo, occluded_and_free_pairs_have_their_exact_factors) {
 // What lies within a needle's width of its plane: the neighbour along its edge, turned against it. Not the
 // one 1e-4 wide that is turned by 10 degrees, whose heights are no more than what counts as in the plane.
 TEST(MonteCarlo, needles_that_share_an_edge_see_one_another) {
-    for (double width : {1e-2, 1e-3, 1e-4})
-        for (double degrees : {10.0, 60.0, 150.0}) {
+    for (double width : {1e-2, 1e-3, 3e-4, 2e-4, 1e-4})
+        for (double degrees : {10.0, 20.0, 30.0, 60.0, 150.0}) {
             const double angle = degrees * std::numbers::pi / 180;
             if (width * std::sin(angle) < 2e-5) continue;
             const geometry::PatchMesh mesh = test::polygons(
