@@ -18,14 +18,17 @@ namespace heliodon::geometry {
 
 namespace {
 
-constexpr double kThickestWall = 0.05; // of the model's extent
+// What walls are no thicker than, so that windows across a yard stay apart: of the model's extent, and
+// metres.
+constexpr double kThickestWall = 0.05, kThickestOfAll = 0.6;
 constexpr size_t kAnyCorners = std::numeric_limits<size_t>::max();
 constexpr double kAlike = 0.1; // of the longest side: corners of faces that are nearly one shape
 
 class GlassPairer {
 public:
     GlassPairer(Building& building, double tolerance, double extent)
-        : building_(building), tolerance_(tolerance), thickest_(kThickestWall * extent) {
+        : building_(building), tolerance_(tolerance),
+          thickest_(std::min(kThickestWall * extent, kThickestOfAll)) {
         for (uint32_t f = 0; f < building.faces.size(); ++f) {
             const Face& face = building.faces[f];
             if (!building.materials[face.material].isOpening()) continue;

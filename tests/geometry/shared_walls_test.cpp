@@ -197,6 +197,18 @@ TEST(SharedWalls, equal_windows_in_a_row_are_twins_of_those_opposite) {
     EXPECT_EQ(twins, 4u);
 }
 
+TEST(SharedWalls, equal_windows_across_a_yard_are_no_twins) {
+    for (const double yard : {0.4, 1.0, 3.0}) { // of a building of 60 m
+        Model model;
+        box(model, {0, 0, 0}, {60, 3, 10}, "A", "", "glass");
+        box(model, {0, 0, 10 + yard}, {60, 3, 20}, "B", "glass");
+        const Building building = imported(model);
+        EXPECT_EQ(std::ranges::count_if(building.faces, [](const Face& face) { return face.twin >= 0; }),
+                  yard < 0.6 ? 2 : 0)
+            << yard;
+    }
+}
+
 // A box without some of its faces, named by the wall: b(ottom), t(op), w, e (low and high x), n, s (low and
 // high z).
 Model part(dvec3 low, dvec3 high, const std::string& without, bool outwards = false) {
