@@ -29,6 +29,7 @@ std::optional<ClassImage> lostColour(const ClassImage& image, const PlanView& vi
     for (int y = 0; y < out.height && !any; y += spacing)
         for (int x = 0; x < out.width && !any; x += spacing) any = isLostAt(x, y);
     if (!any) return std::nullopt;
+    out.paint.reserve(image.paint.size());
     for (int y = 0; y < out.height; ++y)
         for (int x = 0; x < out.width; ++x) out.paint.push_back(isLostAt(x, y) ? Paint::blue : Paint::none);
     return out;
