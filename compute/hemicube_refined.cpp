@@ -25,7 +25,7 @@ constexpr double kOfSpread = 4.5;         // area of a triangle of half a square
 constexpr double kCaution = 1.2;          // of the claim, over what samples and links say (measured)
 constexpr double kPercentile = 2.326;     // standard deviations up to the 99th
 constexpr double kSample = 1000;          // far pairs, about, that links measure again
-constexpr double kSampleTolerance = 0.05; // of what each of them exchanges in the open
+constexpr double kSampleTolerance = 0.05; // of what the largest of those alike exchange in the open
 constexpr double kLeastSize = 1e-6;       // of form factors that are told apart there
 constexpr double kUnseen = 0.25;          // of its square, that what lies open counts with among what is seen
 constexpr double kWorthPoints = 0.015;    // of a row's sum, in error, from which it gets more points
@@ -376,12 +376,15 @@ double sampledError(PairLinks& links, std::span<Sample> samples, const Patches& 
     std::sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) {
         return a.size != b.size ? a.size > b.size : std::pair(a.i, a.j) < std::pair(b.i, b.j);
     });
+    // The noise of few does not average out: as many rays for all of them, however many.
+    const double tolerance =
+        kSampleTolerance * std::sqrt(std::min(1.0, static_cast<double>(samples.size()) / kSample));
     for (size_t first = 0; first < samples.size();) {
         // Alike in size, to have one tolerance.
         size_t end = first;
         std::unordered_map<uint64_t, Sample*> at;
-        const double least = std::max(samples[first].size / 4, kLeastSize);
-        links.setTolerance(kSampleTolerance * least);
+        const double least = std::max(samples[first].size / 2, kLeastSize);
+        links.setTolerance(tolerance * 2 * least);
         for (; end < samples.size() && (samples[end].size >= least || least == kLeastSize); ++end) {
             Sample& s = samples[end];
             at[uint64_t{s.i} << 32 | s.j] = &s;
