@@ -106,7 +106,7 @@ struct DaylightTransport::State {
                       const std::optional<RibbonLight>& ribbon) const;
     void addRibbon(Moment& moment, const RibbonLight& ribbon) const;
     void sunOn(Moment& moment, const daylight::SunDisc& disc) const;
-    std::vector<glm::vec3> firstBounce(const Moment& moment) const; // of the sun, exitance
+    std::vector<glm::vec3> firstBounce(const Moment& moment) const; // of the sun, as sent far
     std::vector<glm::vec3> takeSunBack(Moment& moment) const;
     void sunAtSensors(Moment& moment, const SunPatches& sun, std::span<const SunlitParts> partly) const;
     MomentScene momentScene() const;
@@ -187,7 +187,7 @@ void DaylightTransport::State::findOpenings() {
     solver = std::make_unique<RadiositySolver>(*tinted, rowsThatReturn());
     relight = std::make_unique<RelightBasis>(*tinted, *solver);
     sunScene = std::make_unique<SunScene>(mesh);
-    sunBounce = hasOpenings ? std::make_unique<SunBounce>(*points, *nearPairs) : nullptr;
+    sunBounce = hasOpenings ? std::make_unique<SunBounce>(*points, *nearPairs, rowSums) : nullptr;
     sunGlow = hasOpenings && options.forPictures ? std::make_unique<SunGlow>(*points, *nearPairs) : nullptr;
     skyDetail = sunGlow ? std::make_unique<SkyDetail>(*points) : nullptr;
     blinds = std::make_unique<GlowingBlinds>(mesh);
@@ -282,6 +282,7 @@ Moment DaylightTransport::State::direct(const daylight::Sky& sky) const {
     const size_t n = mesh.patchCount();
     moment.patches.resize(n);
     moment.sensors.resize(sensors.sensors.size());
+    moment.sunSent.assign(n, glm::vec3(0));
     moment.lighting.sunIlluminance.assign(n, glm::vec3(0));
     auto& modelled = moment.report.modelled;
     auto& skipped = moment.report.skipped;
@@ -384,7 +385,7 @@ void DaylightTransport::State::sunOn(Moment& moment, const daylight::SunDisc& di
     std::vector<SunlitParts> partly;
     moment.lighting.sunIlluminance = sun.onPatches(&partly);
     std::vector<glm::vec3> bounced(n, glm::vec3(0));
-    if (sunBounce) sunBounce->addTo(bounced, partly, disc.normalIlluminance);
+    if (sunBounce) sunBounce->addTo(bounced, moment.sunSent, partly, disc.normalIlluminance);
     glow(moment,
          [&](size_t g, uint32_t patch) { return strength * blinds->bySun(g, patch, sun, disc.direction); });
     slats->fill(
@@ -404,7 +405,8 @@ void DaylightTransport::State::sunOn(Moment& moment, const daylight::SunDisc& di
 std::vector<glm::vec3> DaylightTransport::State::firstBounce(const Moment& moment) const {
     std::vector<glm::vec3> exitance;
     for (size_t i = 0; i < mesh.patchCount(); ++i)
-        exitance.push_back(mesh.materials[mesh.material[i]].reflectance * moment.patches[i].sun);
+        exitance.push_back(mesh.materials[mesh.material[i]].reflectance * moment.patches[i].sun +
+                           moment.sunSent[i]);
     return exitance;
 }
 
@@ -421,6 +423,7 @@ std::vector<glm::vec3> DaylightTransport::State::takeSunBack(Moment& moment) con
         links->addLinks(static_cast<uint32_t>(c), within, beyond);
         for (size_t i = 0; i < n; ++i) moment.patches[i].interreflected[c] += lux[i][c] - beyond[i];
     }
+    for (size_t i = 0; i < n; ++i) sent[i] += moment.sunSent[i];
     return sent;
 }
 

@@ -18,7 +18,7 @@ namespace {
 // Shares of light by which errors are estimated. The first is of what is measured: how much light varies
 // within the patches that a sensor sees. Set so that rooms of 600 to 2000 triangles stay inside on 99 of 100
 // sensors, against Radiance.
-constexpr double kSpreadShare = 0.05;  // of light's variation within patches, after its slope is allowed for
+constexpr float kSpreadShare = 0.05F;  // of light's variation within patches, after its slope is allowed for
 constexpr double kNearShare = 0.5;     // of a patch's light, times its own share of the view
 constexpr double kApartShare = 0.25;   // the same where such patches are taken apart (near_light.h)
 constexpr double kApartSunShare = 0.2; // of that light, the sun's first bounce, whose shape is known
@@ -28,6 +28,7 @@ constexpr double kSensorSkyError = 0.008; // of sky light, from its cubature and
 constexpr double kPatchBounceError = 0.007;
 constexpr double kPatchSkyError = 0.012; // of sky light, from sky elements and glass
 constexpr double kLaterShare = 6;        // of what patches send on in error, for reflected light anywhere
+constexpr double kSunSharedOut = 0.25;   // of sunlight between near patches, which lies unevenly
 constexpr float kPatchSpreadShare = 0.3F,
                 kFarSpreadShare = 0.05F; // of light's variation within patches nearby, and farther off
 constexpr float kPatchBendShare = 1.5F;  // of how light bends within a patch nearby, times its form factor
@@ -104,12 +105,22 @@ std::vector<float> slatBends(std::span<const glm::vec3> lobes) {
 
 // What patches' own errors leave on light by way of the room, as a share of it. Single patches' even out; in
 // shafts and reveals all light passes by a few, and each of them sends too much of it on. Those of slots that
-// the mesh does not resolve all err the same way.
+// the mesh does not resolve all err the same way; so does sunlight that ends in a slot, of which more goes to
+// and fro there than patches as large as the slot tell.
 double laterShare(const MomentScene& scene, const Moment& moment, std::span<const float> near) {
+    const size_t n = near.size();
+    std::vector<double> reflectance(n), bySun(n, 0); // bySun: exitance, of sunlight that patches nearby send
+    for (size_t i = 0; i < n; ++i)
+        reflectance[i] = photometric(scene.mesh.materials[scene.mesh.material[i]].reflectance);
+    for (size_t i = 0; i < n; ++i)
+        for (const auto& [to, factor] : scene.pairs.nearest(i))
+            bySun[to] +=
+                reflectance[to] * double{factor} * reflectance[i] * photometric(moment.patches[i].sun);
     double squares = 0, slots = 0, all = 0; // lumens
-    for (size_t i = 0; i < near.size(); ++i) {
-        const double reflectance = photometric(scene.mesh.materials[scene.mesh.material[i]].reflectance);
-        const double off = scene.areas[i] * reflectance * double{near[i]};
+    for (size_t i = 0; i < n; ++i) {
+        for (const auto& [to, factor] : scene.pairs.nearest(i))
+            slots += kSunSharedOut * scene.areas[to] * reflectance[to] * double{factor} * bySun[i];
+        const double off = scene.areas[i] * reflectance[i] * double{near[i]};
         squares += off * off;
         if (scene.pairs.largest(i) > NearPairs::kAcrossGap) slots += off;
         all += scene.areas[i] * photometric(moment.lighting.exitance[i]);
@@ -238,6 +249,7 @@ SensedLight sensedLight(const MomentScene& scene, const Moment& moment) {
         for (size_t i = 0; i < n; ++i) {
             light.even[c][i] = mesh.materials[mesh.material[i]].reflectance[c] * moment.patches[i].sun[c];
             light.smooth[c][i] -= light.even[c][i];
+            light.even[c][i] += moment.sunSent[i][c];
         }
     }
     for (const glm::vec3& lobe : moment.lobes)
@@ -364,7 +376,10 @@ void lightSensors(const MomentScene& scene, Moment& moment) {
     const SensorGather& sensors = scene.sensors;
     const size_t n = scene.mesh.patchCount();
     const SensedLight light = sensedLight(scene, moment);
-    const std::vector<float> spread = spreadWithin(scene, smoothLux(scene, light));
+    const std::vector<float> smooth = smoothLux(scene, light), spread = spreadWithin(scene, smooth);
+    std::vector<float> unsure(n);  // of patches' exitance
+    for (size_t i = 0; i < n; ++i) // and what its slope takes below nought: it cannot be that steep
+        unsure[i] = kSpreadShare * spread[i] + std::max(0.0F, spread[i] / 2 - std::max(0.0F, smooth[i]));
     const SlatsLight slats = slatsLight(scene, moment);
     inParallel(moment.sensors.size(), [&](size_t s) {
         LightParts& parts = moment.sensors[s];
@@ -374,10 +389,10 @@ void lightSensors(const MomentScene& scene, Moment& moment) {
         const double bySolver = moment.exitanceErrors.empty()
                                     ? moment.solverError
                                     : solverError(sensors, s, moment.exitanceErrors);
-        parts.error += static_cast<float>(
-            bySolver + nearError(sensors, light, s) + kSpreadShare * dot(even, spread) +
-            (scene.rowError + std::max(kBounceError, moment.laterShare)) * photometric(parts.interreflected) +
-            kSensorSkyError * photometric(parts.sky + parts.ground));
+        parts.error += static_cast<float>(bySolver + nearError(sensors, light, s) + dot(even, unsure) +
+                                          (scene.rowError + std::max(kBounceError, moment.laterShare)) *
+                                              photometric(parts.interreflected) +
+                                          kSensorSkyError * photometric(parts.sky + parts.ground));
         if (slats.isEmpty()) return;
         SlatsBent bent;
         const auto& rows = sensors.slats[s][scene.grey || sensors.slats[s][1].empty() ? 0 : 1];

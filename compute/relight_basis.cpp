@@ -24,7 +24,7 @@ void RelightBasis::restart() {
 
 double RelightBasis::project(uint32_t channel, std::span<float> residual, std::span<float> gathered) const {
     double rounding = kGatherRounding * largest(residual); // all of it from one pass so far
-    for (int twice = 0; twice < 2; ++twice) // images are at right angles but for rounding
+    for (int twice = 0; twice < 2; ++twice)                // images are at right angles but for rounding
         for (const Vector& v : basis_[channel]) {
             const double share = dot(v.image, residual);
             subtract(residual, share, v.image);
@@ -103,9 +103,11 @@ RadiosityReport RelightBasis::solve(std::span<const float> emitted, std::span<co
         scale[c] = reflect(c);
     });
     std::vector<uint32_t> open, openChannel;
-    for (uint32_t c = 0; c < count; ++c)
-        if (left[c] > options.tolerance * solver_->slack(channel[c]) * scale[c])
+    for (uint32_t c = 0; c < count; ++c) {
+        const double most = options.tolerance * solver_->slack(channel[c]) * scale[c];
+        if (left[c] + std::min(rounding[c], most / 2) > most) // so that the bound, too, is within it
             open.push_back(c), openChannel.push_back(channel[c]);
+    }
     if (!open.empty()) {
         std::vector<float> right, answer, seen;
         std::vector<double> known, uncertain;

@@ -1,6 +1,7 @@
 #include "compute/sun_bounce.h"
 
 #include <algorithm>
+#include <array>
 #include <vector>
 
 #include <glm/geometric.hpp>
@@ -49,8 +50,8 @@ double nearness(const PointScene::Patch& to, const PointScene::Patch& from, dvec
 
 } // namespace
 
-SunBounce::SunBounce(const PointScene& scene, const NearPairs& pairs)
-    : scene_(&scene), pairs_(&pairs), views_(patchViewpoints(scene.mesh(), kPoints)) {
+SunBounce::SunBounce(const PointScene& scene, const NearPairs& pairs, std::span<const float> rowSums)
+    : scene_(&scene), pairs_(&pairs), rowSums_(rowSums), views_(patchViewpoints(scene.mesh(), kPoints)) {
     const geometry::PatchMesh& mesh = scene.mesh();
     first_.push_back(0);
     for (size_t i = 0; i < mesh.patchCount(); ++i) first_.push_back(first_[i] + pairs.of(i).size());
@@ -84,18 +85,39 @@ dvec3 SunBounce::seenNearby(uint32_t to, const SunlitParts& lit) const {
     return sum;
 }
 
-void SunBounce::addTo(std::span<glm::vec3> onPatches, std::span<const SunlitParts> partly,
-                      double strength) const {
+// Share of what the lit parts send that nearby patches get, by points of these parts.
+double SunBounce::shareNearby(const SunlitParts& lit) const {
+    const geometry::PatchMesh& mesh = scene_->mesh();
+    double share = 0, weights = 0;
+    for (const SunlitParts::Part& part : lit.parts)
+        for (size_t k = 1; k + 1 < part.polygon.size(); ++k) {
+            const std::array<dvec3, 3> t{part.polygon[0], part.polygon[k], part.polygon[k + 1]};
+            const double weight = glm::length(glm::cross(t[1] - t[0], t[2] - t[0])) * photometric(part.light);
+            for (const dvec3& corner : t) { // exact for what bends no more than a parabola
+                const PointView view(scene_->blockers(), (t[0] + t[1] + t[2] + 3.0 * corner) / 6.0,
+                                     scene_->patches()[lit.patch].normal);
+                for (const NearPairs::Pair& pair : pairs_->nearest(lit.patch))
+                    share += weight * view.factor(geometry::patchCorners(mesh, pair.to));
+            }
+            weights += 3 * weight;
+        }
+    return weights > 0 ? share / weights : 0;
+}
+
+void SunBounce::addTo(std::span<glm::vec3> onPatches, std::span<glm::vec3> sent,
+                      std::span<const SunlitParts> partly, double strength) const {
     const geometry::PatchMesh& mesh = scene_->mesh();
     std::vector<dvec3> light;
     for (const SunlitParts& lit : partly) {
-        const auto [middle, mean] = sentBy(lit, geometry::patchArea(mesh, lit.patch));
+        const double area = geometry::patchArea(mesh, lit.patch);
+        const auto [middle, mean] = sentBy(lit, area);
         const PointScene::Patch& from = scene_->patches()[lit.patch];
         const std::span<const NearPairs::Pair> pairs = pairs_->of(lit.patch);
         const size_t nearest = pairs_->nearest(lit.patch).size();
         const float* wholes = whole_.data() + first_[lit.patch];
         light.clear();
-        dvec3 sent(0), arrived(0);
+        double even = 0;             // share of what is sent that patches nearby get were it even
+        dvec3 nearby(0), further(0); // flux; of those farther off, beyond what their form factors say
         for (size_t k = 0; k < pairs.size(); ++k) {
             const PointScene::Patch& to = scene_->patches()[pairs[k].to];
             const double whole = wholes[k];
@@ -105,17 +127,27 @@ void SunBounce::addTo(std::span<glm::vec3> onPatches, std::span<const SunlitPart
             else if (whole > 0)
                 seen *= std::min(kMostNearer, nearness(to, from, middle) / whole);
             const double flux = to.size * to.size * double{pairs[k].factor};
-            sent += flux * mean;
-            arrived += flux * seen;
+            if (k < nearest)
+                nearby += flux * seen, even += flux / area;
+            else
+                further += flux * (seen - mean);
             light.push_back(seen);
         }
-        dvec3 kept(1); // what is sent stays what it was
-        for (int c = 0; c < 3; ++c)
-            if (sent[c] > 0) kept[c] = sent[c] / arrived[c];
-        if (!(glm::length(kept) < kMostCorrected)) continue;
+        // What is sent stays what it was: what patches nearby get more, all others get less in proportion.
+        const double whole = double{rowSums_[lit.patch]}, share = std::min(shareNearby(lit), whole);
+        dvec3 near(0), far(0);
+        for (int c = 0; c < 3; ++c) {
+            if (nearby[c] > 0) near[c] = share * area * mean[c] / nearby[c];
+            const double others = (whole - even) * area * mean[c] + further[c];
+            if (others > 0) far[c] = (whole - share) * area * mean[c] / others;
+        }
+        if (!(std::max(glm::length(near), glm::length(far)) < kMostCorrected)) continue;
         const dvec3 times = strength * dvec3(mesh.materials[mesh.material[lit.patch]].reflectance);
+        const dvec3 extra = times * (far - dvec3(1)) * mean;
+        sent[lit.patch] += glm::vec3(extra);
         for (size_t k = 0; k < pairs.size(); ++k)
-            onPatches[pairs[k].to] += glm::vec3(double{pairs[k].factor} * times * (kept * light[k] - mean));
+            onPatches[pairs[k].to] += glm::vec3(
+                double{pairs[k].factor} * (times * ((k < nearest ? near : far) * light[k] - mean) - extra));
     }
 }
 

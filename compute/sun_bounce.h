@@ -2,7 +2,8 @@
 // most of all in corners: at 600 triangles patches beside the edge of a beam are up to 20 % off when the
 // light is spread evenly. Here is the difference, to be added to light on patches before it is solved for:
 // by the form factors of the lit polygons at points of patches nearby, by how much nearer and squarer the
-// middle of the light stands for others. Each patch sends out as much as before.
+// middle of the light stands for others. Each patch sends out as much as before: what patches nearby get
+// more, as of light that ends at the top of a slot, all others get less in proportion.
 #pragma once
 
 #include <cstdint>
@@ -20,18 +21,23 @@ namespace heliodon::compute {
 
 class SunBounce {
 public:
-    // Both outlive this. What stands between two patches is taken to hide what is lit of one as it hides all
-    // of it; to other rooms, through panes, light is spread evenly.
-    SunBounce(const PointScene& scene, const NearPairs& pairs);
+    // All outlive this; `rowSums` of form factors. What stands between two patches is taken to hide what is
+    // lit of one as it hides all of it; to other rooms, through panes, light is spread evenly.
+    SunBounce(const PointScene& scene, const NearPairs& pairs, std::span<const float> rowSums);
 
-    // Adds lux to patches. `strength`: the sun's normal illuminance. About 10 us for each patch lit in part.
-    void addTo(std::span<glm::vec3> onPatches, std::span<const SunlitParts> partly, double strength) const;
+    // Adds lux to patches, and to `sent` exitance by which what each sends to all differs from its mean,
+    // which form factors are still to be applied to. `strength`: the sun's normal illuminance. About 10 us
+    // for each patch lit in part.
+    void addTo(std::span<glm::vec3> onPatches, std::span<glm::vec3> sent, std::span<const SunlitParts> partly,
+               double strength) const;
 
 private:
     glm::dvec3 seenNearby(uint32_t to, const SunlitParts& lit) const;
+    double shareNearby(const SunlitParts& lit) const;
 
     const PointScene* scene_;
     const NearPairs* pairs_;
+    std::span<const float> rowSums_;
     PatchViewpoints views_;
     // Of pairs, those of a sender from first_ on: what all of the sender is to the other patch, by its
     // points' form factors for the nearest, by nearness for the rest.

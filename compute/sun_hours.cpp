@@ -79,7 +79,7 @@ SunHours::Made SunHours::hourOf(uint32_t at) const {
     const std::vector<glm::vec3> onPatches = sun.onPatches(&partly);
     made.edges = SunEdges::edgesOf(*mesh_, partly, disc.normalIlluminance);
     for (size_t i = 0; i < onPatches.size(); ++i) add(made.hour.patches, i, strength * onPatches[i]);
-    addBounced(made.hour.patches, partly, disc.normalIlluminance, made.hour.bounced);
+    addBounced(partly, disc.normalIlluminance, made);
     size_t row = 0;
     for (const GlowingBlinds::Group& group : blinds_->groups())
         for (const uint32_t patch : group.patches)
@@ -97,19 +97,22 @@ SunHours::Made SunHours::hourOf(uint32_t at) const {
     return made;
 }
 
-void SunHours::addBounced(std::span<const Lit> lit, std::span<const SunlitParts> partly, double strength,
-                          std::vector<Lit>& bounced) const {
+void SunHours::addBounced(std::span<const SunlitParts> partly, double strength, Made& made) const {
     if (!bounce_) return;
-    std::vector<glm::vec3> more(mesh_->patchCount(), glm::vec3(0));
-    bounce_->addTo(more, partly, strength);
+    std::vector<glm::vec3> more(mesh_->patchCount(), glm::vec3(0)), sent = more;
+    bounce_->addTo(more, sent, partly, strength);
     double reflected = 0; // lumens of the first bounce
-    for (const Lit& patch : lit)
-        reflected += geometry::patchArea(*mesh_, patch.row) *
-                     photometric(mesh_->materials[mesh_->material[patch.row]].reflectance * patch.lux);
+    for (Lit& patch : made.hour.patches) {
+        const glm::vec3 rho = mesh_->materials[mesh_->material[patch.row]].reflectance;
+        reflected += geometry::patchArea(*mesh_, patch.row) * photometric(rho * patch.lux);
+        for (int c = 0; c < 3; ++c) // as if it were lit less or more
+            if (rho[c] > 0) patch.lux[c] += sent[patch.row][c] / rho[c];
+    }
+    for (SunEdges::Edge& edge : made.edges) edge.exitance += sent[edge.patch];
     for (size_t i = 0; i < more.size(); ++i)
         if (std::abs(photometric(more[i])) * area_ > kTrace * reflected)
-            bounced.push_back({static_cast<uint32_t>(i), more[i]});
-    bounced.shrink_to_fit();
+            made.hour.bounced.push_back({static_cast<uint32_t>(i), more[i]});
+    made.hour.bounced.shrink_to_fit();
 }
 
 void SunHours::makeAgain(size_t block) {

@@ -69,8 +69,7 @@ private:
         std::vector<SunEdges::Edge> edges;
     };
     Made hourOf(uint32_t sky) const;
-    void addBounced(std::span<const Lit> lit, std::span<const SunlitParts> partly, double strength,
-                    std::vector<Lit>& bounced) const;
+    void addBounced(std::span<const SunlitParts> partly, double strength, Made& made) const;
     void makeFirst(const std::function<void(const Block&)>& work);
     void makeAgain(size_t block);
     void hold(size_t block, std::vector<Made>& made);

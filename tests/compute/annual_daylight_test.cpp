@@ -149,6 +149,11 @@ TEST(AnnualDaylight, sunlit_patches_that_a_horizon_cuts_count_by_what_is_above) 
                0.01, nearFarWall);
 }
 
+TEST(AnnualDaylight, sun_that_ends_in_a_slot_too) {
+    expectFull(test::slottedRoom(4, 12, 2, 1), {sunny({0.3, 0.6, -1}), sunny({0.1, 1.2, 1})}, 0.01,
+               {{{1, 0.8, 1}, {0, 1, 0}}, {{0.4, 0.8, 0.5}, {0, 1, 0}}, {{1.5, 0.5, 1.6}, {0, 1, 0}}});
+}
+
 TEST(AnnualDaylight, sun_that_may_be_just_beside_a_beam_is_told) {
     const geometry::PatchMesh mesh = windowRoom(glm::vec3(0.6f), glm::vec3(0.8f));
     const daylight::Sky sky = sunny({0.2, 0.5, -0.8});

@@ -274,6 +274,9 @@ TEST(SunBounce, is_what_a_mesh_four_times_as_fine_gives) {
     DaylightTransport few(test::device(), coarse, options), many(test::device(), fine, options);
     const size_t n = coarse.patchCount();
     const std::vector<size_t> whole = wholes(fine, coarse, 1);
+    const std::vector<float> values = few.formFactors().values.download<float>(n * n);
+    std::vector<float> rowSums(n, 0);
+    for (size_t k = 0; k < n * n; ++k) rowSums[k / n] += values[k];
     // Light of the first bounce.
     const auto bounced = [](DaylightTransport& transport, const geometry::PatchMesh& mesh,
                             const Moment& moment) {
@@ -295,9 +298,10 @@ TEST(SunBounce, is_what_a_mesh_four_times_as_fine_gives) {
         std::vector<SunlitParts> partly;
         SunPatches(coarse, sky.sun.direction).onPatches(&partly);
         ASSERT_FALSE(partly.empty());
-        std::vector<glm::vec3> more(n, glm::vec3(0));
+        std::vector<glm::vec3> more(n, glm::vec3(0)), sent = more;
         const NearPairs pairs(coarse, few.formFactors().values);
-        SunBounce(few.parts().points, pairs).addTo(more, partly, sky.sun.normalIlluminance);
+        SunBounce(few.parts().points, pairs, rowSums).addTo(more, sent, partly, sky.sun.normalIlluminance);
+        for (size_t k = 0; k < n * n; ++k) more[k / n] += values[k] * sent[k % n];
         double before = 0, after = 0, made = 0, all = 0;
         for (size_t i = 0; i < n; ++i) {
             before += std::pow(even[i] - exact[i], 2);
@@ -308,6 +312,27 @@ TEST(SunBounce, is_what_a_mesh_four_times_as_fine_gives) {
         EXPECT_GT(before, 0);
         EXPECT_LT(std::sqrt(after), 0.25 * std::sqrt(before));
         EXPECT_NEAR(made, 0, 1e-5 * all); // float sums
+    }
+}
+
+// Where sunlight ends on a slot's own walls, patches as deep as the slot do not know how little of it gets
+// down: what they send far is less than their mean would.
+TEST(SunBounce, little_of_what_ends_at_the_top_of_a_slot_gets_into_the_room) {
+    const std::vector<Sensor> sensors{
+        {{1, 0.8, 1}, {0, 1, 0}}, {{0.4, 0.8, 0.5}, {0, 1, 0}}, {{1.5, 0.5, 1.6}, {0, 1, 0}}};
+    DaylightTransport few(test::device(), test::slottedRoom(4, 12, 2, 1)),
+        many(test::device(), test::slottedRoom(4, 60, 18, 4));
+    few.setSensors(sensors), many.setSensors(sensors);
+    for (const glm::dvec3 towards : {glm::dvec3(0.3, 0.6, -1), {0.1, 1.2, 1}}) {
+        daylight::Sky sky;
+        sky.sun = {glm::normalize(towards), 50000};
+        const Moment stated = few.light(sky), there = many.light(sky);
+        for (size_t s = 0; s < sensors.size(); ++s) {
+            const double lux = photometric(stated.sensors[s].total()),
+                         exact = photometric(there.sensors[s].total());
+            EXPECT_NEAR(lux, exact, 0.05 * exact) << s;
+            EXPECT_NEAR(lux, exact, stated.sensors[s].error) << s;
+        }
     }
 }
 

@@ -202,4 +202,40 @@ inline geometry::PatchMesh crossingScreens(uint32_t cells) {
     return polygons(faces);
 }
 
+// A room of 2 m under a slot in its ceiling, 10 cm wide and 30 cm deep, with glass on top; each wall in so
+// many squares.
+inline geometry::PatchMesh slottedRoom(uint32_t roomCells, uint32_t along, uint32_t deep, uint32_t across) {
+    geometry::PatchMesh mesh;
+    mesh.materials.resize(3);
+    mesh.materials[0].reflectance = glm::vec3(0.5F), mesh.materials[1].reflectance = glm::vec3(0.6F);
+    mesh.materials[2].reflectance = glm::vec3(0), mesh.materials[2].transmittance = glm::vec3(1);
+    mesh.materials[2].refractiveIndex = 1;
+    int surface = 0;
+    const auto wall = [&](glm::dvec3 corner, glm::dvec3 a, glm::dvec3 b, uint32_t na, uint32_t nb,
+                          uint32_t material) {
+        const auto first = static_cast<uint32_t>(mesh.vertices.size());
+        for (uint32_t i = 0; i <= na; ++i)
+            for (uint32_t j = 0; j <= nb; ++j)
+                mesh.vertices.push_back(corner + double(i) / na * a + double(j) / nb * b);
+        for (uint32_t i = 0; i < na; ++i)
+            for (uint32_t j = 0; j < nb; ++j) {
+                const uint32_t v = first + i * (nb + 1) + j;
+                mesh.addPatch(std::vector{v, v + nb + 1, v + nb + 2, v + 1}, material,
+                              geometry::Role::projection, surface, 0);
+            }
+        ++surface;
+    };
+    const glm::dvec3 x(2, 0, 0), y(0, 2, 0), z(0, 0, 2), deepness(0, 0.3, 0), width(0, 0, 0.1);
+    const uint32_t n = roomCells;
+    wall({0, 0, 0}, z, x, n, n, 0);
+    wall({0, 2, 0}, x, 0.475 * z, n, n, 0), wall({0, 2, 1.05}, x, 0.475 * z, n, n, 0);
+    wall({0, 0, 0}, x, y, n, n, 0), wall({0, 0, 2}, y, x, n, n, 0);
+    wall({0, 0, 0}, y, z, n, n, 0), wall({2, 0, 0}, z, y, n, n, 0);
+    wall({0, 2, 0.95}, x, deepness, along, deep, 1), wall({0, 2, 1.05}, deepness, x, deep, along, 1);
+    wall({0, 2, 0.95}, deepness, width, deep, across, 1),
+        wall({2, 2, 0.95}, width, deepness, across, deep, 1);
+    wall({0, 2.3, 0.95}, x, width, along, across, 2);
+    return mesh;
+}
+
 } // namespace heliodon::test
