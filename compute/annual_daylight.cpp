@@ -400,7 +400,7 @@ void AnnualDaylight::solveRibbons(std::span<float> lux, std::span<float> sun, st
 // For sensors to come, as many as may be held.
 void AnnualDaylight::keep(std::vector<Moment> moments) {
     for (Moment& moment : moments) {
-        const size_t vectors = moment.lobes.size() + moment.glow.size() + 2 * moment.patches.size();
+        const size_t vectors = moment.lobes.size() + moment.glow.size() + 3 * moment.patches.size();
         const size_t bytes =
             moment.patches.size() * (sizeof(LightParts) + sizeof(float)) + vectors * sizeof(glm::vec3);
         if (!keeps_ || solvedBytes_ + bytes > kSolvedBytes) {

@@ -45,6 +45,7 @@ template<size_t kRows, size_t kLanes>
 }
 
 // Tiles of 1, 2, ... rows of a panel's width: as many sums as the registers hold beside their operands.
+constexpr size_t kMostRows = 12;
 using Tiles = std::span<const Tile>;
 
 template<size_t kRows>
@@ -69,6 +70,7 @@ template<size_t kRows>
 constexpr Tile kWidest[]{widestTile<1>, widestTile<2>,  widestTile<3>,  widestTile<4>,
                          widestTile<5>, widestTile<6>,  widestTile<7>,  widestTile<8>,
                          widestTile<9>, widestTile<10>, widestTile<11>, widestTile<12>};
+static_assert(std::size(kWidest) <= kMostRows);
 #endif
 
 Tiles tilesOfThisProcessor() {
@@ -78,7 +80,6 @@ Tiles tilesOfThisProcessor() {
 #endif
     return kNarrow;
 }
-constexpr size_t kMostRows = 12;
 
 } // namespace
 

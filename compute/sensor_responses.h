@@ -25,8 +25,10 @@ struct SensorResponses {
     std::array<std::vector<float>, 3> sun;
     std::vector<float> own; // per sensor, lux
 
-    // What light on one row gives, added to one value a sensor.
+    // What light on one row gives, added to one value a sensor. Where one channel stands for three, light
+    // that walls have coloured counts by its lux.
     void add(size_t row, glm::vec3 lux, float* to) const {
+        if (sun[1].empty()) lux = glm::vec3(static_cast<float>(photometric(lux)));
         for (int b = 0; b < 3 && !sun[static_cast<size_t>(b)].empty(); ++b) {
             const float *answer = &sun[static_cast<size_t>(b)][row * sensors], times = lux[b];
             for (size_t s = 0; s < sensors; ++s) to[s] += times * answer[s];

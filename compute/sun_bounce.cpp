@@ -40,6 +40,10 @@ Sent sentBy(const SunlitParts& lit, double area) {
     return sent;
 }
 
+bool isLittle(dvec3 times) {
+    return times.x < kMostCorrected && times.y < kMostCorrected && times.z < kMostCorrected;
+}
+
 // To which a point's form factor from a small patch is proportional.
 double nearness(const PointScene::Patch& to, const PointScene::Patch& from, dvec3 point) {
     const dvec3 d = to.centre - point;
@@ -87,7 +91,9 @@ dvec3 SunBounce::seenNearby(uint32_t to, const SunlitParts& lit) const {
 
 // Share of what the lit parts send that nearby patches get, by points of these parts.
 double SunBounce::shareNearby(const SunlitParts& lit) const {
-    const geometry::PatchMesh& mesh = scene_->mesh();
+    std::vector<std::vector<dvec3>> nearby;
+    for (const NearPairs::Pair& pair : pairs_->nearest(lit.patch))
+        nearby.push_back(geometry::patchCorners(scene_->mesh(), pair.to));
     double share = 0, weights = 0;
     for (const SunlitParts::Part& part : lit.parts)
         for (size_t k = 1; k + 1 < part.polygon.size(); ++k) {
@@ -96,12 +102,35 @@ double SunBounce::shareNearby(const SunlitParts& lit) const {
             for (const dvec3& corner : t) { // exact for what bends no more than a parabola
                 const PointView view(scene_->blockers(), (t[0] + t[1] + t[2] + 3.0 * corner) / 6.0,
                                      scene_->patches()[lit.patch].normal);
-                for (const NearPairs::Pair& pair : pairs_->nearest(lit.patch))
-                    share += weight * view.factor(geometry::patchCorners(mesh, pair.to));
+                for (const auto& corners : nearby) share += weight * view.factor(corners);
             }
             weights += 3 * weight;
         }
     return weights > 0 ? share / weights : 0;
+}
+
+// Factors by which what is sent stays what it was: what patches nearby get more, all others get less in
+// proportion. Where these get next to nothing, rounding would tell their part; pairs alone share it out then.
+SunBounce::Shares SunBounce::sharesOf(const SunlitParts& lit, const Fluxes& flux) const {
+    constexpr double kLeastOthers = 0.02;
+    const double whole = double{rowSums_[lit.patch]} * flux.area;
+    Shares shares;
+    if (!(whole - flux.even > kLeastOthers * whole)) {
+        for (int c = 0; c < 3; ++c)
+            if (flux.mean[c] > 0)
+                shares.near[c] = shares.far[c] =
+                    (flux.even + flux.evenFarther) * flux.mean[c] / (flux.nearby[c] + flux.farther[c]);
+        return shares;
+    }
+    const double near = std::min(shareNearby(lit) * flux.area, whole);
+    for (int c = 0; c < 3; ++c) {
+        if (!(flux.mean[c] > 0)) continue;
+        if (near > 0) shares.near[c] = near * flux.mean[c] / flux.nearby[c];
+        const double others = (whole - flux.even - flux.evenFarther) * flux.mean[c] + flux.farther[c];
+        shares.far[c] = shares.others[c] =
+            others > 0 ? (whole - near) * flux.mean[c] / others : kMostCorrected;
+    }
+    return shares;
 }
 
 void SunBounce::addTo(std::span<glm::vec3> onPatches, std::span<glm::vec3> sent,
@@ -109,15 +138,15 @@ void SunBounce::addTo(std::span<glm::vec3> onPatches, std::span<glm::vec3> sent,
     const geometry::PatchMesh& mesh = scene_->mesh();
     std::vector<dvec3> light;
     for (const SunlitParts& lit : partly) {
-        const double area = geometry::patchArea(mesh, lit.patch);
-        const auto [middle, mean] = sentBy(lit, area);
+        Fluxes flux;
+        flux.area = geometry::patchArea(mesh, lit.patch);
+        const auto [middle, mean] = sentBy(lit, flux.area);
+        flux.mean = mean;
         const PointScene::Patch& from = scene_->patches()[lit.patch];
         const std::span<const NearPairs::Pair> pairs = pairs_->of(lit.patch);
         const size_t nearest = pairs_->nearest(lit.patch).size();
         const float* wholes = whole_.data() + first_[lit.patch];
         light.clear();
-        double even = 0;             // share of what is sent that patches nearby get were it even
-        dvec3 nearby(0), further(0); // flux; of those farther off, beyond what their form factors say
         for (size_t k = 0; k < pairs.size(); ++k) {
             const PointScene::Patch& to = scene_->patches()[pairs[k].to];
             const double whole = wholes[k];
@@ -126,24 +155,15 @@ void SunBounce::addTo(std::span<glm::vec3> onPatches, std::span<glm::vec3> sent,
                 seen = seenNearby(pairs[k].to, lit) / whole;
             else if (whole > 0)
                 seen *= std::min(kMostNearer, nearness(to, from, middle) / whole);
-            const double flux = to.size * to.size * double{pairs[k].factor};
-            if (k < nearest)
-                nearby += flux * seen, even += flux / area;
-            else
-                further += flux * (seen - mean);
+            const double even = to.size * to.size * double{pairs[k].factor};
+            (k < nearest ? flux.even : flux.evenFarther) += even;
+            (k < nearest ? flux.nearby : flux.farther) += even * seen;
             light.push_back(seen);
         }
-        // What is sent stays what it was: what patches nearby get more, all others get less in proportion.
-        const double whole = double{rowSums_[lit.patch]}, share = std::min(shareNearby(lit), whole);
-        dvec3 near(0), far(0);
-        for (int c = 0; c < 3; ++c) {
-            if (nearby[c] > 0) near[c] = share * area * mean[c] / nearby[c];
-            const double others = (whole - even) * area * mean[c] + further[c];
-            if (others > 0) far[c] = (whole - share) * area * mean[c] / others;
-        }
-        if (!(std::max(glm::length(near), glm::length(far)) < kMostCorrected)) continue;
-        const dvec3 times = strength * dvec3(mesh.materials[mesh.material[lit.patch]].reflectance);
-        const dvec3 extra = times * (far - dvec3(1)) * mean;
+        const auto [near, far, others] = sharesOf(lit, flux);
+        if (!isLittle(near) || !isLittle(far)) continue;
+        const dvec3 times = strength * dvec3(mesh.materials[mesh.material[lit.patch]].reflectance),
+                    extra = times * (others - dvec3(1)) * mean;
         sent[lit.patch] += glm::vec3(extra);
         for (size_t k = 0; k < pairs.size(); ++k)
             onPatches[pairs[k].to] += glm::vec3(

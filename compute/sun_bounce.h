@@ -32,8 +32,18 @@ public:
                double strength) const;
 
 private:
+    struct Fluxes {
+        double area = 0;                  // of the lit patch
+        glm::dvec3 mean{0};               // of the light on it
+        double even = 0, evenFarther = 0; // to patches nearby and to other pairs, of 1 evenly spread
+        glm::dvec3 nearby{0}, farther{0}; // the same of the light where it is
+    };
+    struct Shares { // of patches nearby, other pairs, and all that is in no pair
+        glm::dvec3 near{1}, far{1}, others{1};
+    };
     glm::dvec3 seenNearby(uint32_t to, const SunlitParts& lit) const;
     double shareNearby(const SunlitParts& lit) const;
+    Shares sharesOf(const SunlitParts& lit, const Fluxes& flux) const;
 
     const PointScene* scene_;
     const NearPairs* pairs_;

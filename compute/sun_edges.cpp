@@ -76,7 +76,7 @@ std::vector<SunEdges::Edge> SunEdges::edgesOf(const geometry::PatchMesh& mesh,
     std::vector<Edge> edges;
     for (const SunlitParts& lit : partly) {
         const glm::vec3 rho = mesh.materials[mesh.material[lit.patch]].reflectance;
-        Edge edge{lit.patch, {}, {}, {}};
+        Edge edge{lit.patch, {}, {}, {}, {}};
         glm::dvec3 middle(0), leaving(0);
         double flux = 0;
         for (const SunlitParts::Part& part : lit.parts) {
@@ -139,7 +139,9 @@ SunEdges::SunEdges(const geometry::PatchMesh& mesh, std::vector<std::vector<Edge
     for (const auto& [hour, edge] : ordered) {
         hour_.push_back(hour);
         colour_.push_back(edge->exitance);
+        colourBeyond_.push_back(edge->beyond);
         exitance_.push_back(static_cast<float>(photometric(edge->exitance)));
+        beyond_.push_back(static_cast<float>(photometric(edge->beyond)));
         x_.push_back(edge->middle.x), y_.push_back(edge->middle.y), z_.push_back(edge->middle.z);
         firstPart_.push_back(parts_.size());
         for (const Edge::Part& part : edge->parts) {
@@ -183,7 +185,7 @@ void SunEdges::addTo(std::span<float> lux, const PointScene& scene, const PointV
                 if (const float more = nearer[e - patch.first]; std::abs(more) > kMuch)
                     addExactly(lux, view, e, e + 1, double{share}, glm::vec3(1));
                 else
-                    lux[hour_[e]] += share * exitance_[e] * more;
+                    lux[hour_[e]] += share * (exitance_[e] * more - beyond_[e]);
         }
     }
 }
@@ -211,16 +213,15 @@ void SunEdges::addAboveHorizon(std::span<float> lux, const geometry::PatchMesh& 
         double light = 0;
         for (const Part& part : partsOf(e))
             light += view.openFactor(cornersOf(part), above) * photometric(part.exitance);
-        lux[hour_[e]] += share * (static_cast<float>(light / whole) - exitance_[e]);
+        lux[hour_[e]] += share * (static_cast<float>(light / whole) - exitance_[e] - beyond_[e]);
     }
 }
 
 void SunEdges::addExactly(std::span<float> lux, const PointView& view, size_t first, size_t end,
                           double straight, glm::vec3 answer) const {
     for (size_t e = first; e < end; ++e) {
-        glm::dvec3 more = -straight * glm::dvec3(colour_[e]);
-        for (const Part& part : partsOf(e))
-            more += view.factor(cornersOf(part)) * glm::dvec3(part.exitance);
+        glm::dvec3 more = -straight * glm::dvec3(colour_[e] + colourBeyond_[e]);
+        for (const Part& part : partsOf(e)) more += view.factor(cornersOf(part)) * glm::dvec3(part.exitance);
         lux[hour_[e]] += static_cast<float>(photometric(answer * glm::vec3(more)));
     }
 }
@@ -240,10 +241,11 @@ void SunEdges::addTo(std::span<float> lux, const PointScene& scene, const NearLi
             if (straight >= double{kNear})
                 addExactly(lux, view, patch.first, edgesEnd(p), straight, cell.answer);
             else if (findNearer(view, p, nearer))
-                for (size_t k = 0; k < nearer.size(); ++k)
-                    lux[hour_[patch.first + k]] +=
-                        static_cast<float>(straight) * nearer[k] *
-                        static_cast<float>(photometric(cell.answer * colour_[patch.first + k]));
+                for (size_t k = 0; k < nearer.size(); ++k) {
+                    const size_t e = patch.first + k;
+                    const glm::vec3 more = nearer[k] * colour_[e] - colourBeyond_[e];
+                    lux[hour_[e]] += static_cast<float>(straight * photometric(cell.answer * more));
+                }
         }
     }
 }

@@ -21,8 +21,9 @@ class SunEdges {
 public:
     struct Edge {
         uint32_t patch;
-        glm::vec3 exitance; // mean over the patch
-        glm::vec3 middle;   // of the light
+        glm::vec3 exitance;  // mean over the patch
+        glm::vec3 beyond{0}; // that it is taken to send besides, SunBounce's `sent`
+        glm::vec3 middle{0}; // of the light
         struct Part {
             std::vector<glm::dvec3> polygon;
             glm::vec3 exitance;
@@ -92,8 +93,8 @@ private:
     std::vector<Patch> patches_;
     // Edges, patch by patch.
     std::vector<uint32_t> hour_;
-    std::vector<float> exitance_, x_, y_, z_; // photometric, and middles
-    std::vector<glm::vec3> colour_;           // exitance
+    std::vector<float> exitance_, beyond_, x_, y_, z_; // photometric, and middles
+    std::vector<glm::vec3> colour_, colourBeyond_;
     // Parts of edges and their corners, as they are walked through.
     std::vector<size_t> firstPart_; // and one that ends all
     std::vector<Part> parts_;

@@ -105,10 +105,14 @@ void SunHours::addBounced(std::span<const SunlitParts> partly, double strength, 
     for (Lit& patch : made.hour.patches) {
         const glm::vec3 rho = mesh_->materials[mesh_->material[patch.row]].reflectance;
         reflected += geometry::patchArea(*mesh_, patch.row) * photometric(rho * patch.lux);
-        for (int c = 0; c < 3; ++c) // as if it were lit less or more
-            if (rho[c] > 0) patch.lux[c] += sent[patch.row][c] / rho[c];
+        const int most = rho.g >= std::max(rho.r, rho.b) ? 1 : rho.r >= rho.b ? 0 : 2;
+        // As if lit less or more: where one channel stands for all, also in those that are not reflected.
+        for (int c = 0; c < 3; ++c) {
+            const int of = rho[c] > 0 ? c : most;
+            if (rho[of] > 0) patch.lux[c] += sent[patch.row][of] / rho[of];
+        }
     }
-    for (SunEdges::Edge& edge : made.edges) edge.exitance += sent[edge.patch];
+    for (SunEdges::Edge& edge : made.edges) edge.beyond = sent[edge.patch];
     for (size_t i = 0; i < more.size(); ++i)
         if (std::abs(photometric(more[i])) * area_ > kTrace * reflected)
             made.hour.bounced.push_back({static_cast<uint32_t>(i), more[i]});
