@@ -361,10 +361,17 @@ private:
         if (!addPiecesOf(vividPart(region, image_, view_), region, pieces) &&
             !addPiecesOf(blue, region, pieces))
             return false;
-        if (blue)
+        if (blue && 2 * areaOf(Paint::sky, region) < region.minorityArea)
             unread(region, "light blue beside a blue wall: a skylight that it hides in part, or shade? It is "
                            "left out");
         return true;
+    }
+    // Of what of the region is left, pixels.
+    int areaOf(Paint paint, const Component& region) const {
+        int area = 0;
+        for (const Run& run : region.runs)
+            for (int x = run.x0; x < run.x1; ++x) area += image_.at(x, run.y) == paint;
+        return area;
     }
     bool addPiecesOf(const std::optional<ClassImage>& vivid, const Component& region,
                      std::vector<const Component*>& pieces) {

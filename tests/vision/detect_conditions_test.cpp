@@ -489,6 +489,23 @@ TEST(DetectConditions, a_blue_wall_before_a_skylight) {
     }
 }
 
+// The light blue is on the wall's top, and what is left out is shade.
+TEST(DetectConditions, a_wall_that_is_light_blue_in_part_beside_bluish_shade) {
+    const geometry::Rig rig = exampleRig();
+    geometry::Sketch sketch = room();
+    sketch.windows.clear();
+    for (const Color& gain : {Color{0.42, 0.44, 0.7}, Color{0.5, 0.52, 0.8}}) {
+        SCOPED_TRACE(gain[0]);
+        Photograph photo = paintTable(sketch, rig);
+        cover(photo, rig, {{7.21, -2.2}, {7.59, -2.2}, {7.59, 2}, {7.21, 2}}, 8, {0.12, 0.28, 0.45});
+        shade(photo, rig, {{7.6, -3}, {8.8, -2.5}, {8.2, 0}, {8.8, 2.5}, {7.6, 3}}, 8, gain);
+        const DetectionResult result = detectSketch(photo, rig);
+        EXPECT_EQ(scoreSketch(sketch, result.sketch).at("wall").found, 4);
+        EXPECT_TRUE(warnsOf(result, "light blue on a wall's top"));
+        EXPECT_FALSE(warnsOf(result, "light blue beside a blue wall"));
+    }
+}
+
 // As its own corner may be cut off by noise: with it the rim makes once more the token that it is by itself.
 TEST(DetectConditions, a_speck_beside_a_token) {
     const geometry::Rig rig = exampleRig();
