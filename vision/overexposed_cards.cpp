@@ -12,12 +12,25 @@
 namespace heliodon::vision {
 namespace {
 
+constexpr uint8_t kClipped = 250;
+
+const uint8_t* bytesAt(const Photograph& photo, int x, int y) {
+    return &photo.rgb[3 *
+                      (static_cast<size_t>(y) * static_cast<size_t>(photo.width) + static_cast<size_t>(x))];
+}
+
 // Where two channels are at the end of the scale no hue is left, and light-blue card's first is the blue.
 bool isLost(const Photograph& photo, int x, int y) {
-    constexpr uint8_t kClipped = 250;
-    const uint8_t* p =
-        &photo.rgb[3 * (static_cast<size_t>(y) * static_cast<size_t>(photo.width) + static_cast<size_t>(x))];
+    const uint8_t* p = bytesAt(photo, x, y);
     return p[2] > kClipped || std::min(p[0], p[1]) > kClipped;
+}
+
+// Of half of the card or more.
+bool isRedLost(const Photograph& photo, const Component& card) {
+    int lost = 0;
+    for (const Run& run : card.runs)
+        for (int x = run.x0; x < run.x1; ++x) lost += bytesAt(photo, x, run.y)[0] > kClipped;
+    return 2 * lost >= card.area;
 }
 
 // None where no sample at that distance from others, pixels, is lost.
@@ -48,8 +61,8 @@ bool isOnAWall(glm::dvec2 pixel, const geometry::Sketch& sketch, const WallEvide
            std::any_of(sketch.arcs.begin(), sketch.arcs.end(), covers);
 }
 
-// Card takes from the red, and a lost channel can only be more. What is brighter than a white table in all of
-// them may be light.
+// Card takes from the red, which must be seen; a lost green or blue can only be more. What is brighter than a
+// white table in all of them may be light.
 bool isLightBlue(glm::vec3 overWhite, bool whiteTable) {
     constexpr float kLeast = 0.1f, kFirst = 160, kLast = 240; // of P'; degrees
     const float hue = hueOf(overWhite);
@@ -77,7 +90,8 @@ void readOverexposedCards(geometry::Sketch& sketch, const ClassImage& image, con
             }))
             continue;
         const auto seen = evidence.overWhite(card->center, options.markerThickness);
-        if (seen && isLightBlue(*seen, image.whiteOverTable == glm::vec3(1))) {
+        if (seen && !isRedLost(view.photo(), region) &&
+            isLightBlue(*seen, image.whiteOverTable == glm::vec3(1))) {
             sketch.skylights.push_back(*card);
             doubts.add(region.centre,
                        "read as a skylight, but so overexposed that little of its colour is left");

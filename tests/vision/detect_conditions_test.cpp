@@ -469,6 +469,21 @@ TEST(DetectConditions, a_skylight_overexposed_in_blue_alone) {
     ASSERT_EQ(result.sketch.skylights.size(), 1u);
 }
 
+// Its red and green are lost: against white by these lamps what is left of them is less than its blue.
+TEST(DetectConditions, white_paper_overexposed_by_warm_lamps_is_no_skylight) {
+    const geometry::Rig rig = exampleRig();
+    geometry::Sketch sketch = room();
+    sketch.windows.clear();
+    PaintBox paints;
+    paints.table = {0.2, 0.2, 0.2};
+    const Lighting warm{{1.9, 1.43, 0.83}, {1.9, 1.43, 0.83}};
+    EXPECT_EQ(detectSketch(paintTable(sketch, rig, paints, warm), rig).sketch.skylights.size(), 1u);
+    paints.sky = {0.84, 0.84, 0.83};
+    const DetectionResult result = detectSketch(paintTable(sketch, rig, paints, warm), rig);
+    EXPECT_TRUE(result.sketch.skylights.empty());
+    EXPECT_TRUE(warnsOf(result, "its colour is lost"));
+}
+
 // As seen by a tilted camera: in the picture they touch.
 TEST(DetectConditions, a_blue_wall_before_a_skylight) {
     const geometry::Rig rig = exampleRig();
