@@ -23,15 +23,16 @@ inline float hueOf(float r, float g, float b, float high, float low) {
     return 240 + 60 * (r - g) / span;
 }
 
+// 0 of greys too.
 inline float hueOf(glm::vec3 p) {
     const float high = std::max(std::max(p.r, p.g), p.b), low = std::min(std::min(p.r, p.g), p.b);
     return high > low ? hueOf(p.r, p.g, p.b, high, low) : 0;
 }
 
-// P' of a colour.
+// P' of a colour, 0 of black.
 inline float saturationOf(glm::vec3 p) {
     const float high = std::max(std::max(p.r, p.g), p.b), low = std::min(std::min(p.r, p.g), p.b);
-    return (high - low) / high;
+    return high > 0 ? (high - low) / high : 0;
 }
 
 } // namespace heliodon::vision

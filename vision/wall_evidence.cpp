@@ -82,7 +82,9 @@ bool WallEvidence::isWall(const Line& painted, Paint paint, glm::dvec2 end, glm:
 }
 
 bool WallEvidence::isRim(const Line& painted, double height) const {
-    constexpr float kSameHue = 15, kLeast = 0.2f;               // degrees; P' of a floor with a hue
+    constexpr float kSameHue = 15, kLeast = 0.2f; // degrees; P' of a floor with a hue
+    // Byte. Half a byte more in one channel and less in another makes that P' of it: gamma / kDarkest.
+    constexpr size_t kDarkest = 11;
     const double reach = view_.photo().chromaStep > 0 ? 16 : 3; // pixels
     const double band = options_.wallThickness + reach / view_.pixelsPerInch({0, 0}, 0);
     size_t rim = 0;
@@ -90,8 +92,10 @@ bool WallEvidence::isRim(const Line& painted, double height) const {
         const glm::dvec2 onTable = view_.plan(view_.pixel(plan, height), 0);
         const double from = glm::length(onTable);
         if (std::abs(from - radius_) > band) continue;
-        const auto floor = overWhite(onTable * ((radius_ + band + options_.wallThickness) / from), 0);
-        const auto seen = overWhite(plan, height);
+        const glm::dvec2 beyond = onTable * ((radius_ + band + options_.wallThickness) / from);
+        const glm::vec3 light = view_.light(view_.pixel(beyond, 0));
+        if (std::max({light.r, light.g, light.b}) < view_.linearFromByte()[kDarkest]) continue;
+        const auto floor = overWhite(beyond, 0), seen = overWhite(plan, height);
         if (!floor || !seen || vision::saturationOf(*floor) < kLeast) continue;
         const float apart = std::abs(hueOf(*floor) - hueOf(*seen));
         rim += std::min(apart, 360 - apart) < kSameHue;

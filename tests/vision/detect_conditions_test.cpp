@@ -632,6 +632,24 @@ TEST(DetectConditions, the_floors_colour_that_runs_into_the_tables_edge) {
     }
 }
 
+// Black has no hue, not even red, nor has what is darker than a file tells hues.
+TEST(DetectConditions, a_wall_along_the_tables_edge_before_a_black_floor) {
+    const geometry::Rig rig = exampleRig();
+    const double radius = rig.tableRadius / geometry::kMetresPerInch;
+    const Photograph any;
+    const PlanView view(any, rig.camera, 2.2);
+    const glm::dvec2 middle = view.plan(view.pixel({0, radius}, 0), geometry::heightInches(HeightClass::red));
+    geometry::Sketch sketch;
+    sketch.walls = {wall("w1", middle - glm::dvec2(4, 0), middle + glm::dvec2(4, 0), HeightClass::red),
+                    wall("w2", {-5, -3}, {5, -3}, HeightClass::blue)};
+    for (const double red : {0.0, 1e-5}) { // bytes of 0 and of 1
+        SCOPED_TRACE(red);
+        PaintBox paints;
+        paints.floor = {red, 0, 0};
+        expectRead(sketch, paintTable(sketch, rig, paints));
+    }
+}
+
 TEST(DetectConditions, says_what_is_found_in_doubt) {
     const geometry::Rig rig = exampleRig();
     geometry::Sketch sketch = room();
