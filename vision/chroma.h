@@ -15,7 +15,7 @@ inline glm::vec2 chroma(float r, float g, float b) {
     return {std::log((r + kTiny) / (g + kTiny)), std::log((b + kTiny) / (g + kTiny))};
 }
 
-// Hue in degrees of a colour whose smallest component was taken away.
+// Degrees from red. `high`, `low`: the largest and the smallest component, high > low.
 inline float hueOf(float r, float g, float b, float high, float low) {
     const float span = high - low;
     if (high == r) return 60 * (g - b) / span + (g < b ? 360.0f : 0.0f);

@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "vision/chroma.h"
 #include "vision/find_target.h"
 
 namespace heliodon::vision {
@@ -33,13 +34,9 @@ struct Paint {
     double saturation = 0, value = 0, hue = 0;
 };
 Paint paintOf(const cv::Vec3f& light, const cv::Vec3f& white) {
-    const float r = light[0] / std::max(white[0], 1e-4f), g = light[1] / std::max(white[1], 1e-4f),
-                b = light[2] / std::max(white[2], 1e-4f);
-    const float high = std::max({r, g, b}), low = std::min({r, g, b}), span = high - low;
-    Paint paint{high > 0 ? span / high : 0, high, 0};
-    if (span > 0)
-        paint.hue = 60 * (high == r ? (g - b) / span : high == g ? 2 + (b - r) / span : 4 + (r - g) / span);
-    return paint;
+    glm::vec3 p;
+    for (int c = 0; c < 3; ++c) p[c] = light[c] / std::max(white[c], 1e-4f);
+    return {saturationOf(p), std::max({p.r, p.g, p.b}), hueOf(p)};
 }
 
 double hueDistance(double a, double b) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "vision/chroma.h"
+
 namespace heliodon::vision {
 namespace {
 
@@ -14,9 +16,7 @@ using Histogram = std::array<double, kBins>;
 
 float saturationAt(int x, int y, const PlanView& view) {
     const glm::dvec2 pixel(x, y);
-    const glm::vec3 p = view.light(pixel) / view.white(pixel);
-    const float high = std::max({p.r, p.g, p.b});
-    return high > 0 ? 1 - std::min({p.r, p.g, p.b}) / high : 0;
+    return saturationOf(view.light(pixel) / view.white(pixel));
 }
 
 // Otsu, "A threshold selection method from gray-level histograms", 1979: the bin that begins the upper of two

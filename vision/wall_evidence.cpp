@@ -280,10 +280,8 @@ WallEvidence::Line WallEvidence::otherShadeOn(const geometry::Wall& wall, Paint 
 template<class Shape> float WallEvidence::medianSaturation(const Shape& shape) const {
     std::vector<float> seen;
     for (const glm::dvec2 at : paintedLine(shape, options_.unpaintedEnd))
-        if (const auto light = overWhite(at, geometry::heightInches(shape.heightClass))) {
-            const auto [low, high] = std::minmax({light->r, light->g, light->b});
-            seen.push_back((high - low) / std::max(high, 1e-6f));
-        }
+        if (const auto light = overWhite(at, geometry::heightInches(shape.heightClass)))
+            seen.push_back(vision::saturationOf(*light));
     return seen.empty() ? 0 : median(std::move(seen));
 }
 float WallEvidence::saturationOf(const geometry::Wall& wall) const {
