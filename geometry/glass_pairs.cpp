@@ -18,21 +18,21 @@ namespace heliodon::geometry {
 
 namespace {
 
-// What walls are no thicker than, so that windows across a yard stay apart: of the model's extent, and
-// metres.
-constexpr double kThickestWall = 0.05, kThickestOfAll = 0.6;
+// What walls are no thicker than, so that windows across a yard stay apart, in whatever unit: of the model's
+// extent, and of the height of the lower room beside it (0.9 of 3 m).
+constexpr double kThickestOfExtent = 0.05, kThickestOfHeight = 0.3;
 constexpr size_t kAnyCorners = std::numeric_limits<size_t>::max();
 constexpr double kAlike = 0.1; // of the longest side: corners of faces that are nearly one shape
 
 class GlassPairer {
 public:
     GlassPairer(Building& building, double tolerance, double extent)
-        : building_(building), tolerance_(tolerance),
-          thickest_(std::min(kThickestWall * extent, kThickestOfAll)) {
+        : building_(building), tolerance_(tolerance), thickest_(kThickestOfExtent * extent) {
+        const std::vector<double> heights = heightsOfRooms();
         for (uint32_t f = 0; f < building.faces.size(); ++f) {
             const Face& face = building.faces[f];
             if (!building.materials[face.material].isOpening()) continue;
-            Glass glass{f, {}, {}};
+            Glass glass{f, heights[face.room], {}, {}};
             glass.normal = glm::normalize(areaVector(building.vertices, face.loops[0]));
             glass.origin = building.vertices[face.loops[0][0]];
             glasses_.push_back(glass);
@@ -59,11 +59,32 @@ public:
 private:
     struct Glass {
         uint32_t face;
+        double roomHeight;
         glm::dvec3 origin, normal;
     };
 
     Face& faceOf(const Glass& glass) const { return building_.faces[glass.face]; }
     bool lone(const Glass& glass) const { return faceOf(glass).twin < 0; }
+
+    std::vector<double> heightsOfRooms() const {
+        std::vector<double> low, high;
+        for (const Face& face : building_.faces) {
+            if (face.room >= low.size()) {
+                low.resize(face.room + 1, std::numeric_limits<double>::infinity());
+                high.resize(face.room + 1, -std::numeric_limits<double>::infinity());
+            }
+            for (const uint32_t v : face.loops[0]) {
+                low[face.room] = std::min(low[face.room], building_.vertices[v].y);
+                high[face.room] = std::max(high[face.room], building_.vertices[v].y);
+            }
+        }
+        for (size_t r = 0; r < low.size(); ++r) high[r] -= low[r];
+        return high;
+    }
+
+    double thickestBetween(const Glass& a, const Glass& b) const {
+        return std::min(thickest_, kThickestOfHeight * std::min(a.roomHeight, b.roomHeight));
+    }
 
     // Those that look away from one another and are no farther apart than a wall is thick.
     void findCandidates() {
@@ -85,10 +106,11 @@ private:
         std::ranges::sort(candidates_);
     }
 
-    // Each behind the other, and nearer than any room is wide.
+    // Each behind the other, and no farther than a wall is thick.
     bool backToBack(const Glass& a, const Glass& b) const {
         const double apart = -glm::dot(b.origin - a.origin, a.normal);
-        return glm::dot(a.normal, b.normal) < -1 + 1e-9 && apart >= -tolerance_ && apart <= thickest_;
+        return glm::dot(a.normal, b.normal) < -1 + 1e-9 && apart >= -tolerance_ &&
+               apart <= thickestBetween(a, b);
     }
 
     void match(const Glass& a, const Glass& b, bool dividing) {
@@ -128,7 +150,7 @@ private:
         if (face.loops[0].size() != other.loops[0].size()) return kNone;
         const glm::dvec3 shift = shiftBetween(building_, face, other);
         const double apart = -glm::dot(shift, a.normal), off = glm::length(shift + apart * a.normal);
-        if (apart < 0 || apart > thickest_) return kNone;
+        if (apart < 0 || apart > thickestBetween(a, b)) return kNone;
         const double length = std::min(longestSide(face), longestSide(other));
         const bool alike = holdsMiddle(a, b) && holdsMiddle(b, a) &&
                            oppositeLoops(building_, face, other, kAlike * length).has_value();

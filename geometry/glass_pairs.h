@@ -17,10 +17,11 @@ struct GlassPairs {
 };
 
 // Makes twins of faces of glass (materials that are openings, without holes) that stand back to back no
-// farther apart than a wall is thick (a twentieth of `extent`, 0.6 m at most) and have one shape to within
-// `tolerance`. A corner that only one side has, because something meets its edge there, is put into the other
-// side's edge. What is left is twinned, too, where faces differ as those of closeSketch()'s walls may, whose
-// sides are not quite parallel: by 7 degrees and a tenth of their length. Metres; `extent`: of the model.
+// farther apart than a wall is thick (a twentieth of `extent`, and 0.3 of the height in y of the lower of
+// their rooms) and have one shape to within `tolerance`. A corner that only one side has, because something
+// meets its edge there, is put into the other side's edge. What is left is twinned, too, where faces differ
+// as those of closeSketch()'s walls may, whose sides are not quite parallel: by 7
+// degrees and a tenth of their length. In any unit, as the file is; `extent`: of the model.
 GlassPairs pairGlasses(Building& building, double tolerance, double extent);
 
 } // namespace heliodon::geometry

@@ -197,16 +197,22 @@ TEST(SharedWalls, equal_windows_in_a_row_are_twins_of_those_opposite) {
     EXPECT_EQ(twins, 4u);
 }
 
+size_t twinsIn(const Building& building) {
+    return static_cast<size_t>(
+        std::ranges::count_if(building.faces, [](const Face& face) { return face.twin >= 0; }));
+}
+
 TEST(SharedWalls, equal_windows_across_a_yard_are_no_twins) {
-    for (const double yard : {0.4, 1.0, 3.0}) { // of a building of 60 m
-        Model model;
-        box(model, {0, 0, 0}, {60, 3, 10}, "A", "", "glass");
-        box(model, {0, 0, 10 + yard}, {60, 3, 20}, "B", "glass");
-        const Building building = imported(model);
-        EXPECT_EQ(std::ranges::count_if(building.faces, [](const Face& face) { return face.twin >= 0; }),
-                  yard < 0.6 ? 2 : 0)
-            << yard;
-    }
+    for (const double unit : {1.0, 1 / 0.3048, 1000.0})                    // of a file in metres, feet, mm
+        for (const double yard : {0.1, 0.2032, 0.4, 0.7, 1.0, 2.0, 3.0}) { // of a building of 60 m
+            Model model;
+            box(model, {0, 0, 0}, {60, 3, 10}, "A", "", "glass");
+            box(model, {0, 0, 10 + yard}, {60, 3, 20}, "B", "glass");
+            box(model, {0, 3.3, 0}, {60, 9, 20}, "B"); // another floor makes no wall thicker
+            for (Drawn& face : model)
+                for (dvec3& p : face.corners) p *= unit;
+            EXPECT_EQ(twinsIn(imported(model)), yard < 0.9 ? 2u : 0u) << yard << ' ' << unit;
+        }
 }
 
 // A box without some of its faces, named by the wall: b(ottom), t(op), w, e (low and high x), n, s (low and
