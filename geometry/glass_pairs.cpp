@@ -22,6 +22,7 @@ namespace {
 // extent, and of the height of the lower room beside it (0.9 of 3 m).
 constexpr double kThickestOfExtent = 0.05, kThickestOfHeight = 0.3;
 constexpr size_t kAnyCorners = std::numeric_limits<size_t>::max();
+const double kSkew = std::sqrt(1 / (kBackToBack * kBackToBack) - 1); // tangent between sides of a wall
 constexpr double kAlike = 0.1; // of the longest side: corners of faces that are nearly one shape
 
 class GlassPairer {
@@ -152,6 +153,7 @@ private:
         const double apart = -glm::dot(shift, a.normal), off = glm::length(shift + apart * a.normal);
         if (apart < 0 || apart > thickestBetween(a, b)) return kNone;
         const double length = std::min(longestSide(face), longestSide(other));
+        if (off > tolerance_ + kAlike * length + kSkew * apart) return kNone; // of another window
         const bool alike = holdsMiddle(a, b) && holdsMiddle(b, a) &&
                            oppositeLoops(building_, face, other, kAlike * length).has_value();
         return alike ? off : kNone;

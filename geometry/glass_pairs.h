@@ -20,7 +20,7 @@ struct GlassPairs {
 // farther apart than a wall is thick (a twentieth of `extent`, and 0.3 of the height in y of the lower of
 // their rooms) and have one shape to within `tolerance`. A corner that only one side has, because something
 // meets its edge there, is put into the other side's edge. What is left is twinned, too, where faces differ
-// as those of closeSketch()'s walls may, whose sides are not quite parallel: by 7
+// as those of closeSketch()'s walls may, whose sides are not quite parallel: in shape and in place by 7
 // degrees and a tenth of their length. In any unit, as the file is; `extent`: of the model.
 GlassPairs pairGlasses(Building& building, double tolerance, double extent);
 

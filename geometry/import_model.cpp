@@ -92,7 +92,7 @@ private:
         building_.materials = model_.materials;
         const GlassPairs glasses = pairGlasses(building_, kPlanarOfExtent * extent_, extent_);
         for (const auto& [a, b] : glasses.odd)
-            refuse({a, b}, "the glass has another shape than that on the other side of its wall");
+            refuse({a, b}, "the glass has another shape or place than that on the other side of its wall");
         if (glasses.nearly > 0)
             building_.repairs.push_back(counted(glasses.nearly, "pane") +
                                         " taken as one with what is nearly opposite in the wall");

@@ -215,6 +215,19 @@ TEST(SharedWalls, equal_windows_across_a_yard_are_no_twins) {
         }
 }
 
+// Windows of 2 by 1 m in a wall of 0.2 m, one of them moved along it: what falls beside it would be lost.
+TEST(SharedWalls, equal_windows_that_overlap_in_part_are_refused) {
+    for (const double aside : {0.0, 0.1, 0.3, 0.9}) {
+        Model model;
+        box(model, {0, 0, 0}, {6, 3, 4}, "A", "", "glass");
+        box(model, {aside, 0, 4.2}, {6 + aside, 3, 9}, "B", "glass");
+        if (aside < 0.2)
+            EXPECT_EQ(twinsIn(imported(model)), 2u) << aside;
+        else
+            EXPECT_THROW(imported(model), InputError) << aside;
+    }
+}
+
 // A box without some of its faces, named by the wall: b(ottom), t(op), w, e (low and high x), n, s (low and
 // high z).
 Model part(dvec3 low, dvec3 high, const std::string& without, bool outwards = false) {
