@@ -56,7 +56,9 @@ struct FormFactorReport {
     // RMS over pairs of |A_i F_ij - A_j F_ji| / mean patch area; 0 where both are one number by construction,
     // none where that is not so and no whole matrix was there to measure.
     std::optional<double> reciprocityRms;
-    double claimedRowError = 0;       // the kernel's own estimate of the RMS row error; 0 when it makes none
+    // The kernel's own estimate of the RMS row error; of `hemicube`, `hierarchical` and `montecarlo`, which
+    // sample theirs, its 99th percentile. 0 when it makes none.
+    double claimedRowError = 0;
     double claimedRadiosityError = 0; // what that gives of radiosity over its largest value, when asked for
     // Of `hierarchical` and `hemicube` (not streamed): what the worst row's sum may be off by; else 0. Both
     // claims are raised to what rows have above one, of any kernel, and a warning says so.
