@@ -103,10 +103,6 @@ void checkMaterial(const Material& material, const std::string& file, const std:
 
 namespace {
 
-// Metres. Beyond it, as in a file in the wrong unit, single precision no longer tells the parts of a room
-// apart.
-constexpr double kFarthest = 1e7;
-
 void checkReach(const RawModel& model) {
     for (size_t i = 0; i < model.faceCount(); ++i)
         for (const uint32_t v : model.face(i))

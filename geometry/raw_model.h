@@ -16,6 +16,10 @@
 
 namespace heliodon::geometry {
 
+// Metres along an axis from the origin. Beyond it, as in a file in the wrong unit, single precision no longer
+// tells the parts of a room apart.
+constexpr double kFarthest = 1e7;
+
 struct RawModel {
     std::string file;
     std::vector<glm::dvec3> vertices; // finite, in the file's own axes
@@ -58,7 +62,7 @@ struct RawModel {
 RawModel readObj(const std::filesystem::path& file);
 RawModel readGltf(const std::filesystem::path& file);
 // By extension; throws InputError for others, for a model without faces, and for one that names a face with a
-// corner more than 1e7 m from the origin along an axis.
+// corner beyond kFarthest.
 RawModel readRawModel(const std::filesystem::path& file);
 
 // Of a material that is see-through, so that `opacity` of what is behind it is hidden, but transmits nothing:

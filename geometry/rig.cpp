@@ -14,6 +14,7 @@
 
 #include "geometry/field_names.h"
 #include "geometry/input_error.h"
+#include "geometry/raw_model.h" // kFarthest
 #include "geometry/text_file.h"
 
 namespace heliodon::geometry {
@@ -154,8 +155,6 @@ constexpr std::array kOfProjector{"id"sv, "width"sv,  "height"sv, "K"sv,        
                                   "t"sv,  "centre"sv, "lumens"sv, "black_level"sv, "response"sv, "display"sv};
 constexpr std::array kOfTable{"radius_m"sv}; // and notes of what stands around it
 constexpr std::array kOfSite{"latitude_deg"sv, "longitude_deg"sv};
-
-constexpr double kFarthest = 1e7; // metres, as of models
 
 void readDevice(const Field& field, OpticalDevice& device) {
     device.width = field["width"].pixels();
