@@ -201,7 +201,12 @@ void LiveSceneMaker::make(const SeenTable& seen) {
     }
     warnOfBlack(run, rig_, reaching_);
     made->report = run.report();
-    if (shape) made->report["form_factors"] = before_->report.at("form_factors"); // those still in use
+    if (shape) {
+        nlohmann::json& formFactors = made->report["form_factors"];
+        formFactors = before_->report.at("form_factors"); // those still in use
+        if (!paint)
+            for (const char* ofMaterials : {"channels", "sky_elements"}) formFactors.erase(ofMaterials);
+    }
     change.scene = made;
     before_ = made;
     spoiltBefore_ = spoilt;

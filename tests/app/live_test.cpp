@@ -204,6 +204,7 @@ TEST_F(Live, only_what_has_changed_on_the_table_is_done_again) {
     ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
     EXPECT_EQ(report["live"]["done_again"], json({"geometry", "geometry", "north", "materials"}));
     EXPECT_GT(report["table"]["form_factors"]["closure_rms"], 0) << "of the form factors still in use";
+    EXPECT_FALSE(report["table"]["form_factors"].contains("channels")) << "of materials that are gone";
     EXPECT_EQ(report["live"]["detections"], 5);
 }
 
