@@ -10,6 +10,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <fmt/format.h>
@@ -58,6 +59,22 @@ std::vector<std::string> recorded(const fs::path& record, const std::string& com
     }
 }
 
+fs::path recordOf(const fs::path& folder, const std::string& command) {
+    return folder / (command + ".files.json");
+}
+
+void writeRecord(const fs::path& folder, const std::string& command, const std::vector<std::string>& files) {
+    geometry::writeWholeText(
+        recordOf(folder, command),
+        geometry::jsonText(nlohmann::json{{"format", kFormat}, {"command", command}, {"files", files}}));
+}
+
+// 0 where there is none. A file that is written whole is another one than that which stood there.
+ino_t numberOf(const fs::path& file) {
+    struct stat status {};
+    return ::stat(file.c_str(), &status) == 0 ? status.st_ino : 0;
+}
+
 } // namespace
 
 void warnOfStrangers(Run& run, const fs::path& folder, std::span<const std::string> files) {
@@ -97,29 +114,45 @@ void OutputFolder::startFiles(Run& run, const std::string& command, const std::v
     const auto isIn = [](const std::vector<std::string>& names, const std::string& name) {
         return std::ranges::find(names, name) != names.end();
     };
-    record_ = folder_ / (command + ".files.json");
-    files_ = files;
-    const std::vector<std::string> earlier = recorded(record_, command);
+    const std::vector<std::string> earlier = recorded(recordOf(folder_, command), command);
     std::error_code error;
-    std::vector<std::string> strangers;
-    for (const std::string& name : files)
-        if (!isIn(earlier, name) && fs::exists(fs::symlink_status(folder_ / name, error)))
-            strangers.push_back(name);
+    std::vector<std::string> strangers, known;
+    for (const std::string& name : files) {
+        const bool isStranger = !isIn(earlier, name) && fs::exists(fs::symlink_status(folder_ / name, error));
+        (isStranger ? strangers : known).push_back(name);
+    }
     warnOfStrangers(run, folder_, strangers);
+    files_ = earlier; // until there is another record
+    if (!earlier.empty()) command_ = command;
     for (const std::string& old : earlier) {
         const bool here = !old.empty() && fs::path(old).filename() == old; // not "..", nor in another folder
         if (!here || isIn(files, old)) continue;
         if (fs::is_regular_file(fs::symlink_status(folder_ / old, error))) fs::remove(folder_ / old);
     }
-    geometry::writeWholeText(record_, geometry::jsonText(nlohmann::json{
-                                          {"format", kFormat}, {"command", command}, {"files", files}}));
+    writeRecord(folder_, command, known);
+    for (const std::string& name : strangers) strangers_[name] = numberOf(folder_ / name);
+    files_ = files;
+    command_ = command;
+}
+
+// This run, or an earlier one, and it is there.
+bool OutputFolder::wrote(const std::string& name) const {
+    const auto stranger = strangers_.find(name);
+    return numberOf(folder_ / name) != (stranger == strangers_.end() ? 0 : stranger->second);
 }
 
 OutputFolder::~OutputFolder() {
     std::error_code unknown, notEmpty;
-    const bool wroteNone = std::ranges::none_of(
-        files_, [&](const std::string& name) { return fs::exists(folder_ / name, unknown); });
-    if (!record_.empty() && wroteNone) fs::remove(record_, unknown);
+    if (!command_.empty()) {
+        std::erase_if(files_, [&](const std::string& name) { return !wrote(name); });
+        try {
+            if (files_.empty())
+                fs::remove(recordOf(folder_, command_), unknown);
+            else
+                writeRecord(folder_, command_, files_);
+        } catch (const std::exception&) { // that of the beginning stays, which lists no strangers
+        }
+    }
     for (const fs::path& folder : made_)
         if (!fs::remove(folder, notEmpty)) break;
     if (handle_ >= 0) ::close(handle_);

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
+
+#include <sys/types.h>
 
 namespace heliodon::app {
 
@@ -16,21 +19,25 @@ public:
     // be made or written to, or when another run holds it. The system forgets that hold when a run ends,
     // however it ends.
     explicit OutputFolder(const std::filesystem::path& folder);
-    // Removes what was made and is still empty, and a record of files none of which is there: of a run that
-    // failed.
+    // Leaves the record of what this run or an earlier one has written, none where that is nothing: a run
+    // that failed has written a part. Removes what was made and is still empty.
     ~OutputFolder();
     OutputFolder(const OutputFolder&) = delete;
     OutputFolder& operator=(const OutputFolder&) = delete;
 
     // Before the first file of `command` is written: removes what an earlier run of it wrote into the folder,
     // by that run's record COMMAND.files.json, and is not in `files` (names in the folder, without this one);
-    // then records those. Files without a record are never removed; warns of those that will be written over.
+    // then records those. Files without a record are never removed; warns of those that will be written over,
+    // which are recorded when they have been.
     void startFiles(Run& run, const std::string& command, const std::vector<std::string>& files);
 
 private:
+    bool wrote(const std::string& name) const;
+
     std::filesystem::path folder_;
-    std::filesystem::path record_;            // empty before startFiles
-    std::vector<std::string> files_;          // what it lists
+    std::string command_;                     // empty before the record is written
+    std::vector<std::string> files_;          // of this run
+    std::map<std::string, ino_t> strangers_;  // of these: what stood there, of no earlier run
     std::vector<std::filesystem::path> made_; // innermost first
     int handle_ = -1;                         // holds the lock, where the file system has such
 };

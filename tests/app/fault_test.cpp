@@ -8,8 +8,11 @@
 #include <chrono>
 #include <thread>
 
+#include <nlohmann/json.hpp>
+
 #include "engine/app/film.h"
 #include "engine/app/output_folder.h"
+#include "engine/app/run.h"
 #include "geometry/input_error.h"
 #include "geometry/whole_file.h"
 #include "tests/app/fault_layer.h"
@@ -237,6 +240,61 @@ TEST_F(Fault, a_folder_has_one_writer_and_a_killed_one_is_no_obstacle) {
     }
     const Outcome third = heliodon(render);
     EXPECT_EQ(third.exitCode, 0) << third.output;
+}
+
+TEST_F(Fault, a_run_that_failed_records_what_it_wrote_and_nothing_of_others) {
+    app::Run run(app::Arguments{"render", {.quiet = true}, {}});
+    const auto write = [&](const char* name) { geometry::writeWholeText(folder / name, "the run's"); };
+    const auto recorded = [&] {
+        return nlohmann::json::parse(readText(folder / "render.files.json"))["files"];
+    };
+    for (const char* theirs : {"b", "c"}) writeText(folder / theirs, "the user's");
+    { // fails before it has written d
+        app::OutputFolder failing(folder);
+        failing.startFiles(run, "render", {"a", "b", "c", "d"});
+        write("a");
+        write("b");
+    }
+    EXPECT_EQ(recorded(), nlohmann::json({"a", "b"}));
+    writeText(folder / "d", "the user's");
+    { // fails before it has written anything
+        app::OutputFolder failing(folder);
+        failing.startFiles(run, "render", {"a", "c"});
+    }
+    EXPECT_EQ(recorded(), nlohmann::json({"a"}));
+    EXPECT_FALSE(fs::exists(folder / "b"));
+    { app::OutputFolder(folder).startFiles(run, "render", {"e"}); }
+    EXPECT_FALSE(fs::exists(folder / "a"));
+    EXPECT_FALSE(fs::exists(folder / "render.files.json"));
+    for (const char* theirs : {"c", "d"}) EXPECT_EQ(readText(folder / theirs), "the user's") << theirs;
+}
+
+TEST_F(Fault, the_record_of_files_that_cannot_be_removed_stays) {
+    app::Run run(app::Arguments{"render", {.quiet = true}, {}});
+    const auto start = [&](app::OutputFolder& out, const char* file) {
+        out.startFiles(run, "render", {file});
+    };
+    fs::create_directories(folder / "out");
+    {
+        app::OutputFolder out(folder / "out");
+        start(out, "a");
+        geometry::writeWholeText(folder / "out/a", "the run's");
+    }
+    {
+        app::OutputFolder out(folder / "out");
+        fs::permissions(folder / "out", fs::perms::owner_read | fs::perms::owner_exec |
+                                            fs::perms::others_read | fs::perms::others_exec);
+        const uid_t self = geteuid();
+        if (self == 0) ASSERT_EQ(seteuid(65534), 0); // whom permissions bind
+        EXPECT_ANY_THROW(start(out, "b"));
+        ASSERT_EQ(seteuid(self), 0);
+        fs::permissions(folder / "out", fs::perms::owner_all);
+    }
+    {
+        app::OutputFolder out(folder / "out");
+        start(out, "b");
+    }
+    EXPECT_FALSE(fs::exists(folder / "out/a"));
 }
 
 TEST_F(Fault, empty_folders_go_with_the_run_however_they_were_named) {
