@@ -1,5 +1,6 @@
 // Ctrl-C as an error, and a system or a terminal that ends the program likewise (SIGINT, SIGTERM, SIGHUP):
 // work ends at the next place that asks, with nothing half-written; a second Ctrl-C ends the program at once.
+// A run whose work is done by then, but for its report, ends as it would have, with 0.
 #pragma once
 
 #include <array>

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <thread>
 
@@ -194,15 +195,24 @@ TEST_F(Fault, ctrl_c_ends_work_that_asks_no_device_and_not_the_report_of_what_is
     expectNothingHalf("calibrate patterns");
 
     ASSERT_EQ(mkfifo(in("report.json").c_str(), 0600), 0); // waits until somebody reads
-    const pid_t model = begin("model " + kSketch + "-o " + in("done.obj") + " --report " + in("report.json"));
-    waitFor(folder / "done.obj");
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    const pid_t model = begin("model " HELIODON_TEST_DATA "/geometry/sketches/p04_L.json --triangles 60 -o " +
+                              in("done.obj") + " --report " + in("report.json") + " 2> " + in("said"));
+    const auto isDone = [&] { return readText(folder / "said").find(" triangles\n") != std::string::npos; };
+    for (int i = 0; i < 2400 && !isDone(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    ASSERT_TRUE(isDone()) << readText(folder / "said");
     kill(model, SIGINT);
     const int reader = open(in("report.json").c_str(), O_RDONLY | O_NONBLOCK);
-    EXPECT_EQ(exitCodeOf(model), 0);
-    std::string report(1 << 16, '\0'); // as much as a pipe holds
-    report.resize(static_cast<size_t>(std::max<ssize_t>(0, read(reader, report.data(), report.size()))));
+    std::string report;
+    int status = 0;
+    for (bool ended = false; !ended;) { // a report longer than a pipe holds waits for this, too
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        ended = waitpid(model, &status, WNOHANG) != 0;
+        std::array<char, 4096> chunk{};
+        for (ssize_t n; (n = read(reader, chunk.data(), chunk.size())) > 0;)
+            report.append(chunk.data(), static_cast<size_t>(n));
+    }
     close(reader);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
     EXPECT_NE(report.find("\"triangles\""), std::string::npos) << report;
 }
 
