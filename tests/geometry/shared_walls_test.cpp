@@ -221,10 +221,11 @@ TEST(SharedWalls, equal_windows_that_overlap_in_part_are_refused) {
         Model model;
         box(model, {0, 0, 0}, {6, 3, 4}, "A", "", "glass");
         box(model, {aside, 0, 4.2}, {6 + aside, 3, 9}, "B", "glass");
-        if (aside < 0.2)
+        if (aside < 0.2) {
             EXPECT_EQ(twinsIn(imported(model)), 2u) << aside;
-        else
+        } else {
             EXPECT_THROW(imported(model), InputError) << aside;
+        }
     }
 }
 
