@@ -90,23 +90,23 @@ void rasterItem(uint item, int stripe, int stripes, Frame frame, uint self, uint
     uint at = base + (face == 0u ? 0u : (face + 1u) * params.resolution * params.resolution / 2u) +
               uint(first) * params.resolution;
     uint nextLine = uint(stripes) * params.resolution;
-    int j = first;
+    // All lines in one loop: in one loop a line each would take as long as the longest that the lanes have at a time.
+    int j = first, place = 0, lastPlace = -1;
+    float inverse = 0.0;
     do {
+        bool next = place > lastPlace; // line
         vec3 from = low + lowStep * float(j), to = high + highStep * float(j);
         int i = int(ceil(clamp(max(from.x, max(from.y, from.z)), 0.0, R)));
         int end = j <= last ? int(floor(clamp(min(to.x, min(to.y, to.z)), -1.0, R - 1.0))) : -1;
-        float inverse = depthRest + depthStep.y * float(j) + depthStep.x * float(i);
-        int place = int(at) + i, lastPlace = int(at) + end;
-        uint value = itemOf(inverse, scale, bias, most, idBits, r.id);
-        do {
-            if (place <= lastPlace) atomicMin(items[place], value);
-            inverse += depthStep.x;
-            value = itemOf(inverse, scale, bias, most, idBits, r.id);
-            ++place;
-        } while (place <= lastPlace);
-        at += nextLine;
-        j += stripes;
-    } while (j <= last);
+        place = next ? int(at) + i : place;
+        lastPlace = next ? int(at) + end : lastPlace;
+        inverse = next ? depthRest + depthStep.y * float(j) + depthStep.x * float(i) : inverse;
+        at += next ? nextLine : 0u;
+        j += next ? stripes : 0;
+        if (place <= lastPlace) atomicMin(items[place], itemOf(inverse, scale, bias, most, idBits, r.id));
+        inverse += depthStep.x;
+        ++place;
+    } while (place <= lastPlace || j <= last);
 }
 
 void main() {
