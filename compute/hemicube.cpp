@@ -4,12 +4,14 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include <glm/geometric.hpp>
 #include <glm/vec4.hpp>
 
 #include "compute/gpu/device.h"
 #include "compute/gpu/error.h"
+#include "compute/gpu/kernel.h"
 #include "compute/texel.h"
 #include "geometry/bounds.h"
 #include "geometry/perpendicular.h"
@@ -25,6 +27,14 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr uint32_t kFewTurns = 16384; // of an invocation's loops, far below shaders/lib/loop_limit.glsl
+
+struct HemicubeKernel {
+    std::span<const uint32_t> spirv;
+    const char* name;
+    const gpu::Kernel& of(gpu::Device& device) const { return device.kernels().get(spirv, name); }
+};
+const HemicubeKernel kLists{hemicube_lists_comp, "hemicube lists"}, kRaster{hemicube_comp, "hemicube raster"},
+    kSum{hemicube_sum_comp, "hemicube sum"}, kToFloat{fixed_to_float_comp, "fixed to float"};
 
 // Form factor from a point to a rectangle that starts over the axis, at unit distance: parallel, and upright
 // with its foot in the point's plane (Howell's catalogue, B-3 and B-4).
@@ -57,13 +67,12 @@ std::vector<double> hemicubeDeltas(uint32_t R) {
 }
 
 Hemicube::Hemicube(gpu::Device& device, const geometry::PatchMesh& mesh, const HemicubeOptions& options)
-    : device_(&device), options_(options), toFloat_(device, fixed_to_float_comp, "fixed to float") {
+    : device_(&device), options_(options) {
+    for (const HemicubeKernel& kernel : {kLists, kRaster, kSum, kToFloat})
+        device.kernels().prepare(kernel.spirv, kernel.name);
     options_.resolution = std::max(2u, (options.resolution + 1) / 2 * 2);
     uploadMesh(mesh);
     const uint32_t R = options_.resolution;
-    list_ = gpu::Kernel(device, hemicube_lists_comp, "hemicube lists");
-    raster_ = gpu::Kernel(device, hemicube_comp, "hemicube raster");
-    sum_ = gpu::Kernel(device, hemicube_sum_comp, "hemicube sum");
     // About three layers of triangles cover the pixels; a lane should have no more than some 256 of them to
     // fill.
     const size_t pixels = size_t{3} * R * R;
@@ -150,13 +159,13 @@ void Hemicube::record(gpu::Commands& commands, const Inputs& in, const gpu::Bind
     commands.fill(items_, 0xffffffffu);
     commands.fill(counts_, 0);
     commands.barrier(gpu::Stage::transfer, gpu::Stage::compute);
-    commands.dispatch(list_, {triangles, viewpoints, lists_, counts_}, params, in.count);
+    commands.dispatch(kLists.of(*device_), {triangles, viewpoints, lists_, counts_}, params, in.count);
     commands.barrier(gpu::Stage::compute, gpu::Stage::compute); // lists, counts
-    commands.dispatch(raster_, {triangles, viewpoints, lists_, counts_, items_, cuts_.buffer()}, params,
-                      rasterParts_, in.count);
+    commands.dispatch(kRaster.of(*device_), {triangles, viewpoints, lists_, counts_, items_, cuts_.buffer()},
+                      params, rasterParts_, in.count);
     commands.barrier(gpu::Stage::compute, gpu::Stage::compute); // items
-    commands.dispatch(sum_, {gpu::texel(deltas_, kUvec2), gpu::texel(items_, kUvec2), factors}, params,
-                      sumParts_, in.count);
+    commands.dispatch(kSum.of(*device_), {gpu::texel(deltas_, kUvec2), gpu::texel(items_, kUvec2), factors},
+                      params, sumParts_, in.count);
 }
 
 void Hemicube::shareMore() {
@@ -196,7 +205,7 @@ Hemicube::Result Hemicube::run(const std::vector<Viewpoint>& viewpoints, uint32_
         commands.barrier(gpu::Stage::compute, gpu::Stage::compute);
         const uint32_t count = rows * params_.patchCount;
         const io::FixedToFloatParams toFloat{count, 1.0f / static_cast<float>(1u << io::kHemicubeOneBits)};
-        commands.dispatch(toFloat_, {part}, toFloat,
+        commands.dispatch(kToFloat.of(*device_), {part}, toFloat,
                           gpu::groupsFor(count, io::kFixedToFloatGroup * io::kFixedToFloatEach));
         cuts_.submitAndRead(std::move(commands));
         if (cuts_[0] == 0)

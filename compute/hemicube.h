@@ -11,7 +11,6 @@
 #include "compute/gpu/buffer.h"
 #include "compute/gpu/commands.h"
 #include "compute/gpu/counters.h"
-#include "compute/gpu/kernel.h"
 #include "compute/patch_points.h"
 #include "geometry/patch_mesh.h"
 #include "shaders/io/hemicube.io.h"
@@ -54,7 +53,6 @@ private:
 
     gpu::Device* device_;
     HemicubeOptions options_;
-    gpu::Kernel list_, raster_, sum_, toFloat_;
     glm::dvec3 centre_{0}; // subtracted from all positions before they become float32
     io::HemicubeParams params_{};
     uint32_t deltaPoints_ = 0;

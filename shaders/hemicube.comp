@@ -53,8 +53,11 @@ uint itemOf(float inverse, float scale, vec2 bias, float most, uint idBits, uint
     return (uint(depth) << idBits) | id;
 }
 
-// Every `stripes`-th line, a power of two, from the `stripe`-th on, of a triangle on a face.
-void rasterItem(uint item, int stripe, int stripes, Frame frame, uint self, uint room, uint base) {
+int firstPixel(vec3 from, float R) { return int(ceil(clamp(max(from.x, max(from.y, from.z)), 0.0, R))); }
+int lastPixel(vec3 to, float R) { return int(floor(clamp(min(to.x, min(to.y, to.z)), -1.0, R - 1.0))); }
+
+// Every `stripes`-th line, a power of two, from the `stripe`-th on, of a triangle on a face; `small`: of few pixels.
+void rasterItem(uint item, bool small, int stripe, int stripes, Frame frame, uint self, uint room, uint base) {
     uint face = item % 8u;
     Raster r = setUp(item / 8u, frame, self, room);
     vec3 a = toFace(r.a, face), b = toFace(r.b, face), c = toFace(r.c, face);
@@ -90,23 +93,42 @@ void rasterItem(uint item, int stripe, int stripes, Frame frame, uint self, uint
     uint at = base + (face == 0u ? 0u : (face + 1u) * params.resolution * params.resolution / 2u) +
               uint(first) * params.resolution;
     uint nextLine = uint(stripes) * params.resolution;
-    // All lines in one loop: in one loop a line each would take as long as the longest that the lanes have at a time.
     int j = first, place = 0, lastPlace = -1;
     float inverse = 0.0;
-    do {
-        bool next = place > lastPlace; // line
-        vec3 from = low + lowStep * float(j), to = high + highStep * float(j);
-        int i = int(ceil(clamp(max(from.x, max(from.y, from.z)), 0.0, R)));
-        int end = j <= last ? int(floor(clamp(min(to.x, min(to.y, to.z)), -1.0, R - 1.0))) : -1;
-        place = next ? int(at) + i : place;
-        lastPlace = next ? int(at) + end : lastPlace;
-        inverse = next ? depthRest + depthStep.y * float(j) + depthStep.x * float(i) : inverse;
-        at += next ? nextLine : 0u;
-        j += next ? stripes : 0;
-        if (place <= lastPlace) atomicMin(items[place], itemOf(inverse, scale, bias, most, idBits, r.id));
-        inverse += depthStep.x;
-        ++place;
-    } while (place <= lastPlace || j <= last);
+    if (small) {
+        // All lines in one loop: with a loop in a loop each line takes as long as the longest that the lanes have at a time.
+        do {
+            bool next = place > lastPlace; // line
+            vec3 from = low + lowStep * float(j), to = high + highStep * float(j);
+            int i = firstPixel(from, R), end = j <= last ? lastPixel(to, R) : -1;
+            place = next ? int(at) + i : place;
+            lastPlace = next ? int(at) + end : lastPlace;
+            inverse = next ? depthRest + depthStep.y * float(j) + depthStep.x * float(i) : inverse;
+            at += next ? nextLine : 0u;
+            j += next ? stripes : 0;
+            if (place <= lastPlace) atomicMin(items[place], itemOf(inverse, scale, bias, most, idBits, r.id));
+            inverse += depthStep.x;
+            ++place;
+        } while (place <= lastPlace || j <= last);
+    } else {
+        // Where lines are long, what begins one costs less once a line than once a pixel.
+        do {
+            vec3 from = low + lowStep * float(j), to = high + highStep * float(j);
+            int i = firstPixel(from, R), end = j <= last ? lastPixel(to, R) : -1;
+            place = int(at) + i;
+            lastPlace = int(at) + end;
+            inverse = depthRest + depthStep.y * float(j) + depthStep.x * float(i);
+            uint value = itemOf(inverse, scale, bias, most, idBits, r.id);
+            do {
+                if (place <= lastPlace) atomicMin(items[place], value);
+                inverse += depthStep.x;
+                value = itemOf(inverse, scale, bias, most, idBits, r.id);
+                ++place;
+            } while (place <= lastPlace);
+            at += nextLine;
+            j += stripes;
+        } while (j <= last);
+    }
 }
 
 void main() {
@@ -127,8 +149,8 @@ void main() {
         uint first = size == 0u ? 0u : size == 1u ? ends[0] : size == 2u ? ends[1] : ends[2];
         uint bits = size < 3u ? 0u : stripeBits, stripes = 1u << bits;
         if (k < all)
-            rasterItem(lists[listPlace(view, size, (k - first) >> bits)], int((k - first) & (stripes - 1u)), int(stripes),
-                       frame, v0.w, v1.w, view * 3u * R * R);
+            rasterItem(lists[listPlace(view, size, (k - first) >> bits)], size < 2u, int((k - first) & (stripes - 1u)),
+                       int(stripes), frame, v0.w, v1.w, view * 3u * R * R);
         k += lanes;
     } while (k < all);
     if (cutShort(3u + min(params.pointsPerRow, 1u))) atomicAdd(cuts, 1u);
