@@ -2,13 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <map>
-#include <tuple>
 
-#include <glm/geometric.hpp>
-
-#include "compute/daylight/sky_table.h"
+#include "compute/daylight/sky_grid.h"
 #include "compute/lighting.h"
 #include "compute/parallel.h"
 
@@ -16,86 +11,101 @@ namespace heliodon::compute {
 
 namespace {
 
-// The cells of a near wall see a window from places so near one another that their samples crowd: those
-// within a box of directions count as one at their middle, off by the square of the box's size. Its height is
-// that of the root of the direction's, as skies change fast above the horizon.
-constexpr float kBox = 0.0125F;
-
-std::vector<SkySample> gathered(std::span<const SkySample> samples) {
-    struct Box {
-        glm::dvec3 direction{0}, weight{0};
-        double total = 0;
-    };
-    std::map<std::tuple<int, int, int>, Box> boxes;
-    for (const SkySample& sample : samples) {
-        const auto at = [](float x) { return static_cast<int>(std::floor(x / kBox)); };
-        const glm::vec3 d = sample.direction;
-        Box& box = boxes[{at(d.x), at(d.z), d.y > 0 ? at(std::sqrt(d.y)) : -1}];
-        const double weight = photometric(sample.weight);
-        box.direction += weight * glm::dvec3(d);
-        box.weight += glm::dvec3(sample.weight);
-        box.total += weight;
-    }
-    std::vector<SkySample> few;
-    for (const auto& [key, box] : boxes)
-        if (box.total > 0) few.push_back({glm::vec3(glm::normalize(box.direction)), glm::vec3(box.weight)});
-    return few;
-}
-
 using daylight::SkyTables;
-using Samples = std::span<const StraightSky::Sample>;
+using Nodes = std::span<const StraightSky::Node>;
+using Shares = std::span<const StraightSky::Share>;
+constexpr size_t kAtOnce = StraightSky::kTables * SkyTables::kSkies; // hours
 
-[[gnu::always_inline]] inline void addSamples(const SkyTables& tables, Samples samples,
-                                              SkyTables::Floats& lux) {
-    SkyTables::Floats sum{}; // in a register
-    for (const StraightSky::Sample& at : samples) tables.add(at.direction, at.heightIndex, at.weight, sum);
-    lux = sum;
+// What a node has in these hours, table by table.
+struct alignas(SkyTables::Floats) Luminances {
+    SkyTables::Floats of[StraightSky::kTables];
+};
+
+[[gnu::always_inline]] inline void lookUp(const SkyTables& tables, size_t table, Nodes nodes,
+                                          Luminances* luminances) {
+    for (size_t n = 0; n < nodes.size(); ++n) {
+        SkyTables::Floats luminance{};
+        tables.add(nodes[n].direction, nodes[n].heightIndex, 1, luminance);
+        luminances[n].of[table] = luminance;
+    }
 }
 
-using AddSamples = void (*)(const SkyTables&, Samples, SkyTables::Floats&);
+[[gnu::always_inline]] inline void addShares(const Luminances* luminances, Shares shares, Luminances& sums) {
+    Luminances sum{}; // in registers
+    for (const StraightSky::Share& share : shares)
+        for (size_t t = 0; t < StraightSky::kTables; ++t)
+            sum.of[t] += share.weight * luminances[share.node].of[t];
+    sums = sum;
+}
 
-void narrow(const SkyTables& tables, Samples samples, SkyTables::Floats& lux) {
-    addSamples(tables, samples, lux);
+struct Kernels {
+    void (*lookUp)(const SkyTables&, size_t, Nodes, Luminances*);
+    void (*addShares)(const Luminances*, Shares, Luminances&);
+};
+
+void lookUpNarrow(const SkyTables& tables, size_t table, Nodes nodes, Luminances* luminances) {
+    lookUp(tables, table, nodes, luminances);
+}
+
+void addSharesNarrow(const Luminances* luminances, Shares shares, Luminances& sums) {
+    addShares(luminances, shares, sums);
 }
 
 #if defined(__x86_64__)
-[[gnu::target("avx2")]] void wide(const SkyTables& tables, Samples samples, SkyTables::Floats& lux) {
-    addSamples(tables, samples, lux);
+[[gnu::target("avx2")]] void lookUpWide(const SkyTables& tables, size_t table, Nodes nodes,
+                                        Luminances* luminances) {
+    lookUp(tables, table, nodes, luminances);
+}
+
+[[gnu::target("avx2")]] void addSharesWide(const Luminances* luminances, Shares shares, Luminances& sums) {
+    addShares(luminances, shares, sums);
 }
 #endif
 
-AddSamples ofThisProcessor() {
+Kernels ofThisProcessor() {
 #if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx2")) return wide;
+    if (__builtin_cpu_supports("avx2")) return {lookUpWide, addSharesWide};
 #endif
-    return narrow;
+    return {lookUpNarrow, addSharesNarrow};
 }
 
 } // namespace
 
 StraightSky::StraightSky(const SkyView& view, std::span<const NearLight> near) {
+    const daylight::SkyGrid grid;
+    constexpr uint32_t kUnused = ~0U;
+    std::vector<uint32_t> number(grid.nodes().size(), kUnused); // among those that count
     for (size_t s = 0; s < near.size(); ++s) {
         double ground = 0;
+        std::vector<double> weights(grid.nodes().size(), 0);
         const auto take = [&](std::span<const SkySample> samples) {
             for (const SkySample& sample : samples) {
-                const auto weight = static_cast<float>(photometric(sample.weight));
+                const double weight = photometric(sample.weight);
                 if (sample.direction.y > 0)
-                    samples_.push_back(
-                        {sample.direction, SkyTables::heightIndex(sample.direction.y), weight});
+                    for (const auto& [node, part] : grid.sharesOf(glm::dvec3(sample.direction)))
+                        weights[node] += weight * part;
                 else
-                    ground += double{weight};
+                    ground += weight;
             }
         };
         take(view.of(s));
-        take(gathered(near[s].sky));
-        first_.push_back(samples_.size());
+        take(near[s].sky);
+        for (size_t n = 0; n < weights.size(); ++n) {
+            if (weights[n] == 0) continue;
+            if (number[n] == kUnused) {
+                number[n] = static_cast<uint32_t>(nodes_.size());
+                const glm::vec3 direction = grid.nodes()[n];
+                nodes_.push_back({direction, SkyTables::heightIndex(direction.y)});
+            }
+            shares_.push_back({number[n], static_cast<float>(weights[n])});
+        }
+        first_.push_back(shares_.size());
         ground_.push_back(static_cast<float>(ground));
     }
 }
 
 void StraightSky::addTo(std::span<float> lux, std::span<const daylight::Sky> skies,
                         std::span<const uint32_t> hours, const std::function<void(size_t)>& done) const {
-    constexpr size_t kAtOnce = SkyTables::kSkies;
     inParallel((hours.size() + kAtOnce - 1) / kAtOnce,
                [&](size_t block) {
                    const size_t first = block * kAtOnce;
@@ -106,26 +116,31 @@ void StraightSky::addTo(std::span<float> lux, std::span<const daylight::Sky> ski
                });
 }
 
-// At most as many as SkyTables holds.
+// At most kAtOnce hours.
 void StraightSky::addTogether(std::span<float> lux, std::span<const daylight::Sky> skies,
                               std::span<const uint32_t> hours) const {
-    std::array<const daylight::Sky*, SkyTables::kSkies> separable{};
-    for (size_t k = 0; k < hours.size(); ++k)
-        if (!skies[hours[k]].formula.intermediate) separable[k] = &skies[hours[k]];
-    const SkyTables tables(separable);
-    const AddSamples add = ofThisProcessor();
+    const Kernels kernels = ofThisProcessor();
+    std::vector<Luminances> luminances(nodes_.size());
+    for (size_t table = 0; table * SkyTables::kSkies < hours.size(); ++table) {
+        const size_t first = table * SkyTables::kSkies;
+        const auto some = hours.subspan(first, std::min(SkyTables::kSkies, hours.size() - first));
+        std::array<const daylight::Sky*, SkyTables::kSkies> separable{};
+        for (size_t k = 0; k < some.size(); ++k)
+            if (!skies[some[k]].formula.intermediate) separable[k] = &skies[some[k]];
+        kernels.lookUp(SkyTables(separable), table, nodes_, luminances.data());
+        for (size_t k = 0; k < some.size(); ++k)
+            for (size_t n = 0; n < nodes_.size() && !separable[k]; ++n)
+                luminances[n].of[table][k] =
+                    static_cast<float>(skies[some[k]].luminance(glm::dvec3(nodes_[n].direction)));
+    }
     for (size_t s = 0; s < ground_.size(); ++s) {
-        const Samples samples = Samples(samples_).subspan(first_[s], first_[s + 1] - first_[s]);
-        SkyTables::Floats sum;
-        add(tables, samples, sum);
-        for (size_t k = 0; k < hours.size(); ++k) {
-            const daylight::Sky& sky = skies[hours[k]];
-            if (!separable[k])
-                for (const Sample& at : samples)
-                    sum[k] += at.weight * static_cast<float>(sky.luminance(glm::dvec3(at.direction)));
+        Luminances sums;
+        kernels.addShares(luminances.data(), Shares(shares_).subspan(first_[s], first_[s + 1] - first_[s]),
+                          sums);
+        for (size_t k = 0; k < hours.size(); ++k)
             lux[s * skies.size() + hours[k]] +=
-                sum[k] + ground_[s] * static_cast<float>(sky.ground.luminance);
-        }
+                sums.of[k / SkyTables::kSkies][k % SkyTables::kSkies] +
+                ground_[s] * static_cast<float>(skies[hours[k]].ground.luminance);
     }
 }
 

@@ -9,6 +9,7 @@
 
 #include "compute/daylight/frame.h"
 #include "compute/daylight/horizon_ribbon.h"
+#include "compute/daylight/sky_grid.h"
 #include "compute/daylight/sky_table.h"
 #include "geometry/input_error.h"
 #include "tests/daylight/csv.h"
@@ -215,6 +216,39 @@ TEST(SkyTables, have_the_formulas_luminance) {
     const Sky other = cieIntermediateSky(towards(0, 30), 1000);
     const std::array<const Sky*, SkyTables::kSkies> skies{&other};
     EXPECT_THROW(SkyTables{skies}, std::invalid_argument);
+}
+
+// Places between nodes, at nodes, about the zenith and at the horizon; skies with a bright sun and steep
+// gradations.
+TEST(SkyGrid, has_the_luminance_at_places_and_of_the_whole) {
+    const SkyGrid grid;
+    std::vector<Sky> skies{cieIntermediateSky(towards(140, 30), 1000)};
+    for (const double altitude : {0.5, 5.0, 40.0, 89.0})
+        for (const double direct : {0.0, 100.0, 900.0})
+            skies.push_back(skyFromIrradiance({direct, 100}, sunAt(140, altitude)));
+    for (const Sky& sky : skies) {
+        if (hasHorizonRibbon(sky.formula)) continue;
+        double nearSun = 0, away = 0, brightest = 0, sum = 0, exactly = 0;
+        for (double zenith = 0.13; zenith < 90; zenith += 1.1)
+            for (double azimuth = 0.4; azimuth < 360; azimuth += 2.3) {
+                const glm::dvec3 d = towards(azimuth, zenith);
+                double told = 0, whole = 0;
+                for (const auto& [node, weight] : grid.sharesOf(d)) {
+                    told += weight * sky.luminance(glm::dvec3(grid.nodes()[node]));
+                    whole += weight;
+                }
+                ASSERT_NEAR(whole, 1, 1e-12);
+                const double exact = sky.luminance(d);
+                double& worst = glm::dot(d, sky.shapeDirection) > 0.997 ? nearSun : away;
+                worst = std::max(worst, std::abs(told - exact));
+                brightest = std::max(brightest, exact);
+                const double solid = std::sin(zenith * kPi / 180) * std::cos(zenith * kPi / 180);
+                sum += solid * told, exactly += solid * exact;
+            }
+        EXPECT_LT(nearSun, 0.03 * brightest);
+        EXPECT_LT(away, 2e-3 * brightest);
+        EXPECT_NEAR(sum, exactly, 5e-5 * exactly);
+    }
 }
 
 TEST(PerezSky, keeps_the_efficacy_models_illuminance_for_any_weather) {
