@@ -8,6 +8,8 @@
 #include <cassert>
 #include <cmath>
 
+#include <glm/geometric.hpp>
+
 #include "compute/daylight/frame.h"
 #include "compute/daylight/horizon_ribbon.h"
 #include "compute/daylight/quadrature.h"
@@ -87,6 +89,12 @@ double meanWithRibbon(const Sky& sky, const Cell& cell) {
     return sum / (cell.highSine - cell.lowSine);
 }
 
+// Sky::luminance above the horizon, of a separable formula.
+double luminance(const Sky& sky, double gradation, glm::dvec3 direction) {
+    const double cosine = glm::dot(direction, sky.shapeDirection);
+    return sky.formula.scale * std::max(0.0, gradation * indicatrix(sky.formula, cosine));
+}
+
 // The cells that a patch is made of: itself, or the sectors of the cap.
 template<typename Visit> void visitCells(const SkyRow& row, uint32_t column, Visit visit) {
     const bool cap = row.patchCount == 1;
@@ -157,13 +165,19 @@ std::vector<double> SkyPatches::luminances(const Sky& sky) const {
     result.back() = sky.ground.luminance;
     if (sky.formula.scale <= 0) return result;
     const double ribbonEnd = hasHorizonRibbon(sky.formula) ? horizonRibbonCuts(sky.formula).back() : 0.0;
+    const SkyFormula& f = sky.formula;
     size_t sample = 0;
+    std::array<double, kNodes> gradations{}; // at the nodes of a cell, the same all along a row
     for (size_t patch = 0; patch < patchCount_; ++patch) {
         const SkyRow& row = rowOf(patch);
+        for (size_t i = 0; i < kNodes && patch == row.firstPatch && !f.intermediate; ++i)
+            gradations[i] = gradation(f, samples_[sample + i].y);
         const double share = row.patchCount == 1 ? 1.0 / kCapSectors : 1.0;
         visitCells(row, static_cast<uint32_t>(patch - row.firstPatch), [&](const Cell& cell) {
             std::array<double, kNodes> values{};
-            for (double& value : values) value = sky.luminance(samples_[sample++]);
+            for (size_t i = 0; i < kNodes; ++i, ++sample)
+                values[i] = f.intermediate ? sky.luminance(samples_[sample])
+                                           : luminance(sky, gradations[i], samples_[sample]);
             const Estimate estimate(values);
             result[patch] += share * (cell.lowSine < ribbonEnd ? meanWithRibbon(sky, cell)
                                       : estimate.agrees()      ? estimate.fine
