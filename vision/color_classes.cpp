@@ -26,15 +26,19 @@ constexpr double kNoiseOfFaint = 6;  // deviations
 constexpr double kBeyond = 2;        // inches beyond the table's edge that are looked at
 
 // The table itself, where it is not white, and what lies between it and card in a blurred edge or in the
-// light that it throws on to card: a sum of both has the table's hue and is no more saturated.
+// light that it throws on to card: a sum of both has the table's hue and is no more saturated, nor brighter
+// than one so saturated, as an orange arrow on dark wood is.
 bool isTableOrCard(glm::vec3 p, glm::vec3 card, float minSaturation) {
-    constexpr float kSameHue = 12, kMore = 1.1f; // degrees; of P'
+    constexpr float kSameHue = 12, kMore = 1.1f, kBrighter = 2; // degrees; of P'; of the sum
     if (saturationOf(card * p) < minSaturation) return true;
     const glm::vec3 table = 1.0f / card;
     const float most = saturationOf(table);
     if (most < kFaint || saturationOf(p) > kMore * most) return false;
-    const float apart = std::abs(hueOf(p) - hueOf(table));
-    return std::min(apart, 360 - apart) < kSameHue;
+    const float apart = std::abs(hueOf(p) - hueOf(table)), saturation = saturationOf(p);
+    const float high = std::max({table.r, table.g, table.b});
+    const float share = std::min(1.0f, saturation / (saturation * (1 - high) + most * high)); // of the table
+    return std::min(apart, 360 - apart) < kSameHue &&
+           std::max({p.r, p.g, p.b}) < kBrighter * (1 - share * (1 - high));
 }
 
 // As bright as white in all channels: white in a light of another colour, or so bright that its colour was

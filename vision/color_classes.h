@@ -49,10 +49,9 @@ struct ClassImage {
         if (i < 0 || j < 0 || i >= width || j >= height) return Paint::none;
         return paint[static_cast<size_t>(j) * static_cast<size_t>(width) + static_cast<size_t>(i)];
     }
-    // No paint there, which must be within.
-    void clear(int x, int y) {
-        paint[static_cast<size_t>(y - y0) * static_cast<size_t>(width) + static_cast<size_t>(x - x0)] =
-            Paint::none;
+    // The pixel must be within.
+    void set(int x, int y, Paint as) {
+        paint[static_cast<size_t>(y - y0) * static_cast<size_t>(width) + static_cast<size_t>(x - x0)] = as;
     }
     // The group of the pixel that a position in the photograph lies in.
     Paint groupAt(glm::dvec2 pixel) const {

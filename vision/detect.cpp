@@ -200,15 +200,17 @@ private:
         if (out_.sketch.north) used_[bestRegion] = true;
     }
 
-    // A marker has its wall's paint past both of its ends.
+    // A marker has its wall's paint past both of its ends, a wall's paint a marker past one of them.
     bool continuesAWall(const Component& region) const {
         constexpr double kGap = 0.25; // inches: past blur
         const Pca pca = principalAxes(planPoints(region, view_, 0));
-        const auto isWallAt = [&](double along) {
+        const auto paintAt = [&](double along) {
             const Paint paint = image_.groupAt(view_.pixel(pca.mean + along * pca.axis, 0));
-            return isWallPaint(paint) && paint != region.group;
+            return paint != region.group ? paint : Paint::none;
         };
-        return isWallAt(pca.low - kGap) && isWallAt(pca.high + kGap);
+        const Paint before = paintAt(pca.low - kGap), after = paintAt(pca.high + kGap);
+        return (isWallPaint(before) && isWallPaint(after)) ||
+               (region.group == Paint::red && (isMarker(before) || isMarker(after)));
     }
 
     static bool isLightBlue(const Component& region) {
@@ -230,6 +232,8 @@ private:
             if (!isWide(region) && relativeWidth(region, 8) < 1.6) {
                 paleStrips_.push_back(region);
                 paleStrips_.back().group = Paint::cyan;
+                for (const Run& run : region.runs)
+                    for (int x = run.x0; x < run.x1; ++x) image_.set(x, run.y, Paint::cyan);
                 used_[i] = true;
                 continue;
             }
@@ -380,7 +384,7 @@ private:
         if (parts.empty()) return false;
         for (const Run& run : region.runs)
             for (int x = run.x0; x < run.x1; ++x)
-                if (vivid->at(x, run.y) == Paint::none) image_.clear(x, run.y);
+                if (vivid->at(x, run.y) == Paint::none) image_.set(x, run.y, Paint::none);
         for (Component& part : parts) {
             strips_.push_back(std::move(part));
             pieces.push_back(&strips_.back());

@@ -14,6 +14,7 @@ constexpr std::array<float, kPaints> kNominalSaturation = {0, 1, 1, 1, 1, 0.8f, 
 // Degrees that a paint's hue may lie from the nominal. Greens differ more than the others, and nothing else
 // is near.
 constexpr std::array<float, kPaints> kHueReach = {0, 16, 16, 16, 28, 16, 16, 16, 16};
+constexpr float kMagentaBesideRed = 26;
 constexpr float kHueScale = 8; // degrees that weigh as much as
 constexpr float kSaturationScale = 0.2f;
 constexpr float kFarthest = 8; // squared distance, in these scales, from a nominal blue to a peak
@@ -119,11 +120,18 @@ void PaintTable::learnHues(const std::vector<Coloured>& coloured) {
     for (const Coloured& c : coloured)
         if (c.hue < kFirstBlue || c.hue > kLastBlue) histogram[c.hue] += 1;
     const std::vector<Peak> peaks = findPeaks(histogram);
+    // Beside a red of its own, what is still redder than a usual magenta is no other red.
+    const bool hasRed = std::any_of(peaks.begin(), peaks.end(), [](const Peak& peak) {
+        return hueDistance(kNominalHue[static_cast<size_t>(Paint::red)], peak.hue) < kHueScale;
+    });
     std::vector<Pair> pairs;
-    for (size_t paint = 1; paint < kPaints; ++paint)
+    for (size_t paint = 1; paint < kPaints; ++paint) {
+        const bool isWide = hasRed && static_cast<Paint>(paint) == Paint::magenta;
+        const float reach = isWide ? kMagentaBesideRed : kHueReach[paint];
         for (size_t k = 0; k < peaks.size() && !isBlue(paint); ++k)
-            if (const float d = hueDistance(kNominalHue[paint], peaks[k].hue); d < kHueReach[paint])
+            if (const float d = hueDistance(kNominalHue[paint], peaks[k].hue); d < reach)
                 pairs.push_back({d, paint, k});
+    }
     for (const Pair& p : matched(pairs, peaks.size())) tone_[p.paint].hue = peaks[p.peak].hue;
 }
 
@@ -133,6 +141,8 @@ void PaintTable::learnBlues(const std::vector<Coloured>& coloured, int width, in
     for (const Coloured& c : coloured)
         if (c.hue >= kFirstBlue && c.hue <= kLastBlue)
             histogram[static_cast<size_t>((c.hue - kFirstBlue) / 2)][c.saturation / kStep] += 1;
+    // A box would make plateaus, by which a peak hides one beside it.
+    auto tent = [](int d) { return 1 - static_cast<float>(std::abs(d)) / (kReach + 1); };
     auto inside = [](int h, int s) { return h >= 0 && h < kHues && s >= 0 && s < kLevels; };
     auto at = [](auto& grid, int h, int s) -> float& {
         return grid[static_cast<size_t>(h)][static_cast<size_t>(s)];
@@ -141,11 +151,12 @@ void PaintTable::learnBlues(const std::vector<Coloured>& coloured, int width, in
         for (int s = 0; s < kLevels; ++s)
             for (int dh = -kReach; dh <= kReach; ++dh)
                 for (int ds = -kReach; ds <= kReach; ++ds)
-                    if (inside(h + dh, s + ds)) at(smooth, h, s) += at(histogram, h + dh, s + ds);
+                    if (inside(h + dh, s + ds))
+                        at(smooth, h, s) += tent(dh) * tent(ds) * at(histogram, h + dh, s + ds);
     std::vector<Peak> peaks;
     for (int h = 0; h < kHues; ++h)
         for (int s = 0; s < kLevels; ++s) {
-            if (at(smooth, h, s) < kEnough) continue;
+            if (at(smooth, h, s) < 0.5f * kEnough) continue;
             bool highest = true;
             float mass = 0, hue = 0, saturation = 0;
             for (int dh = -kReach; dh <= kReach; ++dh)
@@ -173,8 +184,12 @@ void PaintTable::learnBlues(const std::vector<Coloured>& coloured, int width, in
             if (cost < kFarthest) pairs.push_back({cost, paint, k});
         }
     }
-    for (const Pair& p : matched(pairs, peaks.size()))
-        tone_[p.paint] = {peaks[p.peak].hue, peaks[p.peak].saturation};
+    const std::vector<Pair> seen = matched(pairs, peaks.size());
+    float shift = 0; // of their hues: light and maker move all of them alike
+    for (const Pair& p : seen)
+        shift += (peaks[p.peak].hue - kNominalHue[p.paint]) / static_cast<float>(seen.size());
+    for (const Paint blue : kBlues) tone_[static_cast<size_t>(blue)].hue += shift;
+    for (const Pair& p : seen) tone_[p.paint] = {peaks[p.peak].hue, peaks[p.peak].saturation};
 }
 
 void PaintTable::fill() {

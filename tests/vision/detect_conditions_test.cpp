@@ -733,6 +733,37 @@ TEST(DetectConditions, a_marker_on_a_wall_is_no_arrow) {
     EXPECT_FALSE(detectSketch(photo, rig).sketch.north.has_value());
 }
 
+// Paints that one maker has otherwise than another: a magenta nearer to red than to the usual one, a cyan like
+// light blue, an orange like the wood of the table; a stretch of a wall beside a marker as broad at one end as
+// an arrow's head.
+TEST(DetectConditions, other_makers_paints) {
+    const geometry::Rig rig = exampleRig();
+    PaintBox reddish;
+    reddish.red = {0.5, 0.05, 0.045}, reddish.magenta = {0.46, 0.04, 0.15};
+    expectRead(room(), paintTable(room(), rig, reddish));
+
+    PaintBox bluish;
+    bluish.cyan = bluish.sky = {0.2, 0.42, 0.8};
+    geometry::Sketch sketch = room();
+    sketch.windows = {window("win1", "w1", 4, 4, WindowKind::standard),
+                      window("win2", "w1", 10, 4, WindowKind::standard)};
+    expectRead(sketch, paintTable(sketch, rig, bluish));
+    bluish.cyan = {0.1, 0.44, 0.72}, bluish.blue = {0.07, 0.1, 0.42};
+    sketch.windows = {window("win1", "w2", 4, 2.5, WindowKind::standard)};
+    expectRead(sketch, paintTable(sketch, rig, bluish));
+
+    PaintBox onWood;
+    onWood.table = {0.15, 0.06, 0.015};
+    expectRead(room(), paintTable(room(), rig, onWood));
+
+    sketch = room();
+    sketch.north.reset();
+    sketch.windows = {window("win1", "w1", 9.3, 2, WindowKind::transom)};
+    Photograph photo = paintTable(sketch, rig);
+    cover(photo, rig, {{5.9, -5.3}, {6.5, -5.35}, {6.5, -4.65}, {5.9, -4.7}}, 10, PaintBox{}.red);
+    EXPECT_FALSE(detectSketch(photo, rig).sketch.north.has_value());
+}
+
 // Compression lays a pale seam of the complement beside a wall's paint.
 TEST(DetectConditions, a_pale_seam_beside_a_wall_is_no_wall) {
     const geometry::Rig rig = exampleRig();
