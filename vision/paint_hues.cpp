@@ -116,9 +116,16 @@ PaintTable::PaintTable(const std::vector<Coloured>& coloured, int width, int rea
 }
 
 void PaintTable::learnHues(const std::vector<Coloured>& coloured) {
+    const auto isOther = [](const Coloured& c) { return c.hue < kFirstBlue || c.hue > kLastBlue; };
+    // White in light of another colour is paler than paint.
+    std::array<size_t, 256> levels{};
+    size_t all = 0, above = 0, vivid = 255;
+    for (const Coloured& c : coloured)
+        if (isOther(c)) ++levels[c.saturation], ++all;
+    while (vivid > 0 && 10 * (above + levels[vivid]) < all) above += levels[vivid--];
     std::array<float, 360> histogram{};
     for (const Coloured& c : coloured)
-        if (c.hue < kFirstBlue || c.hue > kLastBlue) histogram[c.hue] += 1;
+        if (isOther(c) && 2 * c.saturation >= vivid) histogram[c.hue] += 1;
     const std::vector<Peak> peaks = findPeaks(histogram);
     // Beside a red of its own, what is still redder than a usual magenta is no other red.
     const bool hasRed = std::any_of(peaks.begin(), peaks.end(), [](const Peak& peak) {

@@ -210,6 +210,18 @@ TEST(DetectConditions, a_spot_of_warm_light_is_no_paint) {
     EXPECT_EQ(fmt::format("{}", fmt::join(detectSketch(photo, rig).warnings, "\n")), "");
 }
 
+// Nor does its colour move that of paints: here yellow would be taken for orange.
+TEST(DetectConditions, pale_warm_light_beside_an_orange_yellow) {
+    const geometry::Rig rig = exampleRig();
+    PaintBox paints;
+    paints.yellow = {0.68, 0.42, 0.08};
+    geometry::Sketch sketch = room();
+    sketch.north.reset();
+    Photograph photo = paintTable(sketch, rig, paints);
+    shade(photo, rig, {{9, -12}, {13, -12}, {13, -8}, {9, -8}}, 0, {1, 0.8, 0.58});
+    expectRead(sketch, photo);
+}
+
 // The table's noise has every paint's colour there, and its own says nothing of the light's.
 TEST(DetectConditions, a_black_table_in_little_light) {
     PaintBox paints;
