@@ -25,6 +25,15 @@ constexpr size_t kAnyCorners = std::numeric_limits<size_t>::max();
 const double kSkew = std::sqrt(1 / (kBackToBack * kBackToBack) - 1); // tangent between sides of a wall
 constexpr double kAlike = 0.1; // of the longest side: corners of faces that are nearly one shape
 
+double longestSide(const Building& building, const Face& face) {
+    const auto& loop = face.loops[0];
+    double longest = 0;
+    for (size_t i = 0; i < loop.size(); ++i)
+        longest = std::max(longest, glm::distance(building.vertices[loop[i]],
+                                                  building.vertices[loop[(i + 1) % loop.size()]]));
+    return longest;
+}
+
 class GlassPairer {
 public:
     GlassPairer(Building& building, double tolerance, double extent)
@@ -135,15 +144,6 @@ private:
         other.twin = static_cast<int32_t>(a.face);
     }
 
-    double longestSide(const Face& face) const {
-        const auto& loop = face.loops[0];
-        double longest = 0;
-        for (size_t i = 0; i < loop.size(); ++i)
-            longest = std::max(longest, glm::distance(building_.vertices[loop[i]],
-                                                      building_.vertices[loop[(i + 1) % loop.size()]]));
-        return longest;
-    }
-
     // How far two lone faces that are nearly one shape are from being opposite; infinite for others.
     double aside(const Glass& a, const Glass& b) const {
         constexpr double kNone = std::numeric_limits<double>::infinity();
@@ -152,7 +152,7 @@ private:
         const glm::dvec3 shift = shiftBetween(building_, face, other);
         const double apart = -glm::dot(shift, a.normal), off = glm::length(shift + apart * a.normal);
         if (apart < 0 || apart > thickestBetween(a, b)) return kNone;
-        const double length = std::min(longestSide(face), longestSide(other));
+        const double length = std::min(longestSide(building_, face), longestSide(building_, other));
         if (off > tolerance_ + kAlike * length + kSkew * apart) return kNone; // of another window
         const bool alike = holdsMiddle(a, b) && holdsMiddle(b, a) &&
                            oppositeLoops(building_, face, other, kAlike * length).has_value();
@@ -275,7 +275,30 @@ private:
     std::vector<std::pair<uint32_t, uint32_t>> candidates_; // glasses, the lower first
 };
 
+bool mayBeTwins(const Building& building, const Face& a, const Face& b) {
+    if (a.loops.size() != 1 || b.loops.size() != 1 || !building.materials[a.material].isOpening() ||
+        !building.materials[b.material].isOpening())
+        return false;
+    const glm::dvec3 m = glm::normalize(areaVector(building.vertices, a.loops[0])),
+                     n = glm::normalize(areaVector(building.vertices, b.loops[0]));
+    return glm::dot(m, n) < kBackToBack && glm::dot(m, shiftBetween(building, a, b)) < 0 &&
+           oppositeLoops(building, a, b, kAlike * longestSide(building, a)).has_value();
+}
+
 } // namespace
+
+bool pairAsSaid(Building& building, std::span<const std::pair<uint32_t, uint32_t>> pairs) {
+    std::vector<int32_t> twin(building.faces.size(), kNoTwin);
+    for (const auto& [f, g] : pairs) {
+        if (f == g || f >= twin.size() || g >= twin.size() || twin[f] != kNoTwin || twin[g] != kNoTwin ||
+            !mayBeTwins(building, building.faces[f], building.faces[g]))
+            return false;
+        twin[f] = static_cast<int32_t>(g);
+        twin[g] = static_cast<int32_t>(f);
+    }
+    for (size_t f = 0; f < twin.size(); ++f) building.faces[f].twin = twin[f];
+    return true;
+}
 
 GlassPairs pairGlasses(Building& building, double tolerance, double extent) {
     return GlassPairer(building, tolerance, extent).pair();

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -15,6 +16,10 @@ struct GlassPairs {
     // Faces that overlap but have different shapes: what falls on one would be lost.
     std::vector<std::pair<uint32_t, uint32_t>> odd;
 };
+
+// Makes twins of the pairs of faces, where all of them can be: glass without holes, back to back, with
+// corners that correspond to within a tenth of the longest side. Else none, and false.
+bool pairAsSaid(Building& building, std::span<const std::pair<uint32_t, uint32_t>> pairs);
 
 // Makes twins of faces of glass (materials that are openings, without holes) that stand back to back no
 // farther apart than a wall is thick (a twentieth of `extent`, and 0.3 of the height in y of the lower of

@@ -1,7 +1,7 @@
 // glTF 2.0 (.gltf, .glb) through tinygltf: triangles of every mesh node of the default scene, materials after
 // KHR_materials_transmission, KHR_materials_ior and KHR_materials_emissive_strength, blinds after
-// extras.blinds of a material, asset.extras.north_deg, positions after KHR_mesh_quantization. Textures are
-// not read.
+// extras.blinds of a material, asset.extras.north_deg and .twins, positions after KHR_mesh_quantization.
+// Textures are not read.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -108,6 +108,7 @@ public:
             fail("asset.version", fmt::format("is \"{}\", expected 2.0", in_.asset.version));
         checkExtensions();
         readNorth();
+        readTwins();
         for (size_t i = 0; i < in_.materials.size(); ++i) {
             checkColour(i);
             Material material = materialOf(in_.materials[i]);
@@ -159,6 +160,24 @@ private:
         if (!north.IsNumber() || !std::isfinite(north.GetNumberAsDouble()))
             throw InputError(out_.file, "asset.extras.north_deg", "expected a finite number of degrees");
         out_.northDeg = north.GetNumberAsDouble();
+    }
+
+    // asset.extras.twins, our own: pairs of triangles, by their order in the file from 0; false for none.
+    void readTwins() {
+        const tinygltf::Value& extras = in_.asset.extras;
+        if (!extras.IsObject() || !extras.Has("twins")) return;
+        const tinygltf::Value& list = extras.Get("twins");
+        std::vector<uint32_t> faces;
+        for (size_t i = 0; list.IsArray() && i < list.ArrayLen(); ++i)
+            if (const tinygltf::Value& face = list.Get(static_cast<int>(i));
+                face.IsInt() && face.GetNumberAsInt() >= 0)
+                faces.push_back(static_cast<uint32_t>(face.GetNumberAsInt()));
+        const bool none = list.IsBool() && !list.Get<bool>();
+        if (!none && (!list.IsArray() || faces.size() != list.ArrayLen() || faces.size() % 2 != 0))
+            throw InputError(out_.file, "asset.extras.twins",
+                             "expected pairs of numbers of triangles, or false");
+        out_.twins.emplace();
+        for (size_t i = 0; i < faces.size(); i += 2) out_.twins->emplace_back(faces[i], faces[i + 1]);
     }
 
     // extras.blinds, our own.

@@ -90,13 +90,28 @@ private:
     void finish() {
         findSurfaces(building_, model_, source_);
         building_.materials = model_.materials;
-        const GlassPairs glasses = pairGlasses(building_, kPlanarOfExtent * extent_, extent_);
+        const GlassPairs glasses =
+            pairsAreSaid() ? GlassPairs{} : pairGlasses(building_, kPlanarOfExtent * extent_, extent_);
         for (const auto& [a, b] : glasses.odd)
             refuse({a, b}, "the glass has another shape or place than that on the other side of its wall");
         if (glasses.nearly > 0)
             building_.repairs.push_back(counted(glasses.nearly, "pane") +
                                         " taken as one with what is nearly opposite in the wall");
         if (turnedOver_ > 0) building_.repairs.push_back(countedWere(turnedOver_, "face") + " turned over");
+    }
+
+    // By a file of our own that nobody has changed in between.
+    bool pairsAreSaid() {
+        if (!model_.twins) return false;
+        std::map<uint32_t, uint32_t> faceOf; // by its number in the file
+        for (uint32_t f = 0; f < source_.size(); ++f)
+            if (!faceOf.try_emplace(source_[f], f).second) return false; // was divided
+        std::vector<std::pair<uint32_t, uint32_t>> pairs;
+        for (const auto& [a, b] : *model_.twins) {
+            if (!faceOf.contains(a) || !faceOf.contains(b)) return false;
+            pairs.emplace_back(faceOf.at(a), faceOf.at(b));
+        }
+        return pairAsSaid(building_, pairs);
     }
 
     bool isOpening(uint32_t source) const { return model_.materials[model_.material[source]].isOpening(); }

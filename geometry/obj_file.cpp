@@ -1,5 +1,5 @@
 // Wavefront .obj and .mtl. Our own reader because every refusal must name its line; what lights need is a
-// small part of the format: v, vn, s, f, usemtl, mtllib, g, o, north; Kd, Tf, Ni, Ke,
+// small part of the format: v, vn, s, f, usemtl, mtllib, g, o, north, twins; Kd, Tf, Ni, Ke,
 // and `blinds`, our own.
 #include <algorithm>
 #include <cctype>
@@ -255,6 +255,8 @@ public:
                 readSmoothing();
             else if (key == "north")
                 model_.northDeg = lines_.number("north DEG");
+            else if (key == "twins")
+                readTwins();
         }
         return std::move(model_);
     }
@@ -322,6 +324,22 @@ private:
         if (!currentMaterial_) useMaterial("default");
         if (model_.groups.empty()) useGroup("default");
         model_.endFace(*currentMaterial_, lines_.lineNumber(), smoothing_);
+    }
+
+    // Our own: pairs of faces, by their order in the file from 1.
+    void readTwins() {
+        const auto next = [&](uint32_t& face) {
+            const std::string_view word = lines_.word();
+            const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), face);
+            if (!word.empty() && (error != std::errc() || end != word.data() + word.size() || face-- == 0))
+                lines_.fail(fmt::format("\"{}\", expected twins FACE FACE ..., counted from 1", word));
+            return !word.empty();
+        };
+        if (!model_.twins) model_.twins.emplace();
+        for (std::pair<uint32_t, uint32_t> pair; next(pair.first);) {
+            if (!next(pair.second)) lines_.fail("twins of an odd number of faces, expected pairs");
+            model_.twins->push_back(pair);
+        }
     }
 
     // "s 3"; "s off" and "s 0" end it, and so does what is no number.

@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -40,6 +42,9 @@ struct RawModel {
     std::vector<Material>
         materials; // checked: finite, reflectance in [0, 1), reflectance + transmittance at most 1
     double northDeg = kModelNorthDeg; // direction of north, as Building has it
+    // Pairs of faces that are the two sides of interior glass, where the file says which: all other panes
+    // then look outside. Any numbers at all.
+    std::optional<std::vector<std::pair<uint32_t, uint32_t>>> twins;
     // By material, one sentence each: what the file does not say, and what may have been meant otherwise.
     std::map<uint32_t, std::string> assumed, doubts;
 

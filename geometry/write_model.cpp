@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstring>
 #include <map>
+#include <optional>
 
 #include <fmt/format.h>
 #include <glm/common.hpp>
@@ -32,6 +33,21 @@ std::map<GroupKey, std::vector<size_t>> groups(const PatchMesh& mesh) {
     for (auto& [key, patches] : out)
         std::ranges::stable_sort(patches, {},
                                  [&](size_t i) { return std::pair(mesh.material[i], mesh.surface[i]); });
+    return out;
+}
+
+// Of a mesh with glass, its interior panes: pairs of faces by their order in the file from `first` on. None
+// of a mesh without.
+std::optional<std::vector<size_t>> twinFaces(const PatchMesh& mesh, size_t first) {
+    const auto isGlass = [&](uint32_t material) { return mesh.materials[material].isOpening(); };
+    if (std::ranges::none_of(mesh.material, isGlass)) return std::nullopt;
+    std::vector<size_t> place(mesh.patchCount()), out;
+    size_t next = first; // .glb holds triangles only
+    for (const auto& [key, patches] : groups(mesh))
+        for (const size_t i : patches) place[i] = next++;
+    for (size_t i = 0; i < mesh.patchCount(); ++i)
+        if (const int32_t twin = mesh.twin[i]; twin >= 0 && static_cast<size_t>(twin) > i)
+            out.insert(out.end(), {place[i], place[static_cast<size_t>(twin)]});
     return out;
 }
 
@@ -129,6 +145,14 @@ void writeObj(const PatchMesh& mesh, const std::filesystem::path& file, double n
             text += "\n";
         }
     }
+    if (const auto twins = twinFaces(mesh, 1)) {
+        constexpr size_t kOfLine = 16;
+        text += "# the two sides of glass between rooms, faces by their order from 1; other glass looks "
+                "outside; heliodon's own";
+        for (size_t k = 0; k < twins->size(); ++k)
+            text += fmt::format("{}{}", k % kOfLine == 0 ? "\ntwins " : " ", (*twins)[k]);
+        text += twins->empty() ? "\ntwins\n" : "\n";
+    }
     // Materials when all else is written: without a model none appear, nor replace those of an older one.
     writeWhole(file, [&](const std::filesystem::path& aside) {
         writeTextAside(aside, file, text);
@@ -147,7 +171,11 @@ public:
                                  "bufferViews", "buffers"})
             json_[list] = nlohmann::ordered_json::array();
         json_["asset"] = {{"version", "2.0"}, {"generator", "heliodon " HELIODON_VERSION}};
-        if (northDeg_ != kModelNorthDeg) json_["asset"]["extras"] = {{"north_deg", northDeg_}};
+        if (northDeg_ != kModelNorthDeg) json_["asset"]["extras"]["north_deg"] = northDeg_;
+        if (const auto twins = twinFaces(mesh_, 0)) { // readers drop empty lists
+            json_["asset"]["extras"]["twins"] = false;
+            if (!twins->empty()) json_["asset"]["extras"]["twins"] = *twins;
+        }
         json_["scene"] = 0;
         addMaterials();
         addPoints();

@@ -203,6 +203,21 @@ TEST(DirtyModel, panes_are_twins_though_only_one_has_a_corner_in_an_edge) {
     EXPECT_NEAR(volume(mesh), (4 + 3.8) * 2.5 * 3, 1e-9 * 58.5);
 }
 
+// What a file of our own says of its panes; in one that was changed since, numbers may be those of walls.
+TEST(DirtyModel, panes_are_twins_as_the_file_says_or_where_it_cannot_be_so_as_they_stand) {
+    const auto paired = [](const std::string& line) {
+        const std::string file = twoRoomsWithPane(1.2);
+        std::ofstream(file, std::ios::app) << line << '\n';
+        const Building building = importModel(file);
+        return std::ranges::count_if(building.faces, [](const Face& face) { return face.twin >= 0; });
+    };
+    EXPECT_EQ(paired("twins"), 0);
+    EXPECT_EQ(paired("twins 1 11"), 2);
+    EXPECT_EQ(paired("twins 5 4000000000"), 2);
+    for (const char* line : {"twins 5", "twins 0 5", "twins 5 x", "twins -5 16"})
+        EXPECT_THROW(paired(line), InputError) << line;
+}
+
 TEST(DirtyModel, panes_of_different_shapes_in_one_wall_are_refused_by_name) {
     try {
         importModel(twoRoomsWithPane(1.0));
