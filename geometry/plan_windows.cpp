@@ -209,9 +209,14 @@ private:
         return out;
     }
 
-    void add(const SideWindow& window, const std::vector<Seen>& sides) {
-        double top = 1e9;
-        for (const Seen& seen : sides) top = std::min(top, ceilings_[runs_[seen.run].room]);
+    double ceilingOf(const Seen& seen) const { return ceilings_[runs_[seen.run].room]; }
+
+    void add(const SideWindow& window, std::vector<Seen> sides) {
+        double roof = 1e9, top = 0; // of the lower room, of the higher one
+        for (const Seen& seen : sides) {
+            roof = std::min(roof, ceilingOf(seen));
+            top = std::max(top, ceilingOf(seen));
+        }
         const WallLine& line = plan_.lines[static_cast<size_t>(window.line)];
         const double middle = (sides[0].on.from + sides[0].on.to) / 2;
         bool backed = false;
@@ -222,11 +227,15 @@ private:
             backed = backed || (middle >= s0 && middle <= s1);
             if (s1 > sides[0].on.from && s0 < sides[0].on.to) wallTop = std::max(wallTop, piece.height);
         }
+        // A transom in a wall that stands above the roof of the lower room looks out over it.
+        const bool clerestory = window.kind == WindowKind::transom && roof < std::min(top, wallTop);
+        if (clerestory) std::erase_if(sides, [&](const Seen& seen) { return ceilingOf(seen) < top; });
+        auto [sill, head] = heights(window.kind, std::min(clerestory ? top : roof, wallTop));
+        if (clerestory) sill = std::max(sill, roof);
         if (sides.size() == 2 && window.blind != Blind{})
             out_.notes.push_back({"BLINDS_INSIDE", fmt::format("window {} is between two rooms, where there "
                                                                "are no blinds: it stands open",
                                                                window.id)});
-        const auto [sill, head] = heights(window.kind, std::min(top, wallTop));
         for (const Seen& seen : sides) {
             const WallRun& run = runs_[seen.run];
             const double u = line.along(run.from), v = line.along(run.to);

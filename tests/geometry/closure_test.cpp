@@ -533,6 +533,49 @@ TEST(Closure, interior_window_is_two_glasses_of_equal_shape) {
     EXPECT_EQ(twins, 2);
 }
 
+// A tower beside a low hall, and one within it: daylight comes in over the roof, not from the hall. A low
+// wall between the two, or a window of another kind, joins them.
+TEST(Closure, a_transom_above_the_roof_of_a_lower_room_looks_out_over_it) {
+    for (const bool within : {false, true}) {
+        Sketch s = within ? box(-12, -8, 12, 8, HeightClass::blue) : box(-12, -8, 0, 8, HeightClass::blue);
+        const Sketch tower = within ? box(-4, -4, 4, 4) : box(0, -8, 8, 8);
+        if (!within) std::erase_if(s.walls, [](const Wall& w) { return w.id == "e"; });
+        for (Wall w : tower.walls) {
+            w.id += "t";
+            s.walls.push_back(w);
+        }
+        WindowMarker marker;
+        marker.id = "window";
+        marker.wall = "wt";
+        marker.pos = within ? 4 : 8;
+        marker.width = 3;
+        for (const WindowKind kind : {WindowKind::transom, WindowKind::picture}) {
+            marker.kind = kind;
+            s.windows = {marker};
+            const Closure c = closeSketch(s);
+            ASSERT_TRUE(c.building) << c.report.message;
+            EXPECT_EQ(c.report.outcome, Outcome::ok) << c.report.message;
+            EXPECT_EQ(c.report.windowCount, 1);
+            double low = 1e9, high = 0;
+            int twins = 0, panes = 0;
+            for (const Face& face : c.building->faces) {
+                if (!c.building->materials[face.material].isOpening()) continue;
+                ++panes;
+                twins += face.twin != kNoTwin;
+                for (const uint32_t v : face.loops[0]) {
+                    low = std::min(low, c.building->vertices[v].y / kMetresPerInch);
+                    high = std::max(high, c.building->vertices[v].y / kMetresPerInch);
+                }
+            }
+            const bool transom = kind == WindowKind::transom;
+            EXPECT_EQ(panes, transom ? 1 : 2);
+            EXPECT_EQ(twins, transom ? 0 : 2);
+            EXPECT_NEAR(low, transom ? 8 : 1, 1e-9);
+            EXPECT_NEAR(high, transom ? 9 : 7.5, 1e-9);
+        }
+    }
+}
+
 TEST(Closure, chips_are_srgb_and_never_reach_one) {
     Sketch s = box(-8, -6, 8, 6);
     Token floor;
