@@ -109,14 +109,9 @@ void EdgeSampler::measureSurroundings() {
                     for (size_t i = 0, n = domain.loops[m].size(); i < n; ++i) {
                         const size_t j = (i + 1) % n;
                         if (domain.loops[m][i] == v || domain.loops[m][j] == v) continue;
-                        // The last edge of an unrolled facet ends where the next facet begins, in its own
-                        // frame.
-                        const glm::dvec2 end = domain.frames.size() == 1
-                                                   ? domain.planar[m][j]
-                                                   : domain.frames[domain.frameOf[m][i]].coordinates(
-                                                         position(domain.loops[m][j]));
-                        surroundings_[v] = std::min(surroundings_[v],
-                                                    kFacing * distanceToSegment(p, domain.planar[m][i], end));
+                        surroundings_[v] =
+                            std::min(surroundings_[v], kFacing * distanceToSegment(p, domain.planar[m][i],
+                                                                                   domain.planar[m][j]));
                     }
             }
     for (double& size : surroundings_) size = std::max(size, kFinestSize);
@@ -307,41 +302,14 @@ void EdgeSampler::findStrips() {
             for (const Side& o : sides)
                 if (edges_[s.edge].length < edges_[o.edge].length ||
                     (edges_[s.edge].length == edges_[o.edge].length && s.edge < o.edge))
-                    considerStrip(d, s.edge, s.a, s.b, o.edge, o.a, o.b);
+                    considerStrip(s.edge, s.a, s.b, o.edge, o.a, o.b);
     }
     std::ranges::stable_sort(strips_, {}, &Strip::width);
-    orderRows();
-}
-
-// Strips side by side, as facets of a column are, follow one another: begun in several places, their
-// divisions would not be staggered where those meet.
-void EdgeSampler::orderRows() {
-    constexpr double kAlike = 1.3; // times as wide
-    std::vector<std::vector<uint32_t>> stripsAt(edges_.size());
-    for (uint32_t i = 0; i < strips_.size(); ++i)
-        for (const uint32_t e : {strips_[i].side, strips_[i].other}) stripsAt[e].push_back(i);
-    std::vector<bool> placed(strips_.size());
-    std::vector<Strip> ordered;
-    for (uint32_t first = 0; first < strips_.size(); ++first) {
-        if (placed[first]) continue;
-        placed[first] = true;
-        size_t next = ordered.size();
-        for (ordered.push_back(strips_[first]); next < ordered.size(); ++next) {
-            const Strip strip = ordered[next];
-            for (const uint32_t e : {strip.side, strip.other})
-                for (const uint32_t i : stripsAt[e]) {
-                    if (placed[i] || strips_[i].width > kAlike * strip.width) continue;
-                    placed[i] = true;
-                    ordered.push_back(strips_[i]);
-                }
-        }
-    }
-    strips_ = std::move(ordered);
 }
 
 // They run against one another, and the other one stands before all of the shorter one.
-void EdgeSampler::considerStrip(size_t domain, uint32_t side, glm::dvec2 a, glm::dvec2 b, uint32_t other,
-                                glm::dvec2 c, glm::dvec2 d) {
+void EdgeSampler::considerStrip(uint32_t side, glm::dvec2 a, glm::dvec2 b, uint32_t other, glm::dvec2 c,
+                                glm::dvec2 d) {
     constexpr double kParallelCosine = -0.995;
     const glm::dvec2 along = glm::normalize(b - a), back = glm::normalize(d - c);
     if (glm::dot(along, back) > kParallelCosine) return;
@@ -350,20 +318,13 @@ void EdgeSampler::considerStrip(size_t domain, uint32_t side, glm::dvec2 a, glm:
                  length = glm::length(b - a);
     const double from = glm::dot(d - a, along), to = glm::dot(c - a, along);
     if (width <= 0 || length < 1.5 * width || from > 0.3 * width || to < length - 0.3 * width) return;
-    // Nothing stands between.
-    for (const auto& loop : domains_[domain].planar)
-        for (const glm::dvec2 p : loop) {
-            const double s = glm::dot(p - a, along), h = glm::dot(p - a, inward);
-            if (s > 0.01 * width && s < length - 0.01 * width && h > 0.01 * width && h < 0.99 * width) return;
-        }
     strips_.push_back({side, other, width});
 }
 
 void EdgeSampler::stagger(const Strip& strip) {
     constexpr double kLongest = 0.8; // of as many steps as there would be
     SampledEdge &side = edges_[strip.side], &other = edges_[strip.other];
-    const double longest = strip.width / kNarrowStrip,
-                 step = std::clamp(edge_, strip.width / kWideStrip, longest);
+    const double step = std::clamp(edge_, strip.width / kWideStrip, strip.width / kNarrowStrip);
     if (strip.width > kUniformStrip * edge_ && strip.width < kRoomInside * edge_)
         for (SampledEdge* e : {&side, &other}) // rather a little longer than sharp
             if (const double most = std::floor(kHalvedStrip * e->length / strip.width);
@@ -381,9 +342,8 @@ void EdgeSampler::stagger(const Strip& strip) {
         lead.even = true;
     } else if (!lead.even) {
         const auto steps = stepsAlong(lead, step);
-        const double least = std::ceil(lead.length / longest - 0.05);
         lead.divisions.clear();
-        divideEvenly(steps, std::max({1.0, least, std::round(steps.back().second)}), lead.divisions);
+        divideEvenly(steps, std::max(1.0, std::round(steps.back().second)), lead.divisions);
         lead.even = true;
     }
     pinBetween(lead, follower);

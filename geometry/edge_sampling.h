@@ -81,9 +81,7 @@ private:
     void shareDivisions(const TwinEdges& group);
     void findNearCorners(double reach);
     void findStrips();
-    void orderRows();
-    void considerStrip(size_t domain, uint32_t side, glm::dvec2 a, glm::dvec2 b, uint32_t other, glm::dvec2 c,
-                       glm::dvec2 d);
+    void considerStrip(uint32_t side, glm::dvec2 a, glm::dvec2 b, uint32_t other, glm::dvec2 c, glm::dvec2 d);
     void divideEnds(size_t domain);
     void stagger(const Strip& strip);
     void pinBetween(const SampledEdge& lead, SampledEdge& follower) const;

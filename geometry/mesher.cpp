@@ -38,8 +38,7 @@ constexpr double kNarrowest = 0.25, kNarrowestOfMany = 0.36;
 constexpr double kUniform = std::numeric_limits<double>::infinity();
 // From the gentlest growth of sizes round small parts to none at all, for when triangles are few.
 constexpr std::array kGradings{Grading{1.4, 0.6}, Grading{2.0, 1.0}, Grading{kUniform, kUniform}};
-constexpr double kFarTooMany = 1.4;     // times what was asked for: such grading is for finer meshes
-constexpr double kMostForGrading = 0.3; // of the triangles that were asked for
+constexpr double kFarTooMany = 1.4; // times what was asked for: such grading is for finer meshes
 // Of them, in narrow strips: where it is more, others are large beside them whatever is done about angles.
 constexpr double kManyNarrow = 0.15;
 constexpr double kMostStretch = 1.6; // of a regular mesh's edge: longer ones no longer save triangles
@@ -214,7 +213,6 @@ private:
             const double now = addedTriangles();
             const bool settled = !roughly && (std::abs(now - added_) < 0.01 * wanted_ || fits(now));
             added_ = now;
-            if (!roughly && added_ > kMostForGrading * std::min(wanted, wanted_)) return false;
             addedKnown_ = settled || round == 1;
             if (settled) return true;
         }
@@ -245,7 +243,6 @@ private:
     // False when even the longest edges leave many more.
     bool chooseEdge(double wanted, bool roughly) {
         constexpr int kRounds = 5;
-        constexpr double kJump = 1.004; // between edges so near the count jumps
         constexpr double kRough = 0.04; // of the count
         double edge = edge_ > 0 ? edge_ : regularEdge(building_, wanted), least = 1e300;
         double low = 0, high = 0; // edges that give too many, too few
@@ -263,7 +260,6 @@ private:
             }
             (count > wanted ? low : high) = edge;
             const bool bracketed = low > 0 && high > 0;
-            if (bracketed && high < kJump * low) break;
             // Small parts have their triangles whatever the edge is: the count changes less than its square.
             double power = 2;
             if (lastEdge_ > 0 && lastCount_ != count && lastEdge_ != edge)
