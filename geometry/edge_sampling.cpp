@@ -69,8 +69,9 @@ std::pair<double, double> extentOf(const MeshDomain& domain) {
 
 } // namespace
 
-EdgeSampler::EdgeSampler(const Building& building, const std::vector<MeshDomain>& domains)
-    : building_(building), domains_(domains) {
+EdgeSampler::EdgeSampler(const Building& building, const std::vector<MeshDomain>& domains,
+                         std::vector<double> finest)
+    : building_(building), domains_(domains), finest_(std::move(finest)) {
     for (const MeshDomain& domain : domains) directions_.push_back(mainDirection(domain));
     collectEdges();
     for (size_t d = 0; d < domains.size(); ++d) crowded_.push_back(!domains[d].folds.empty() && isCrowded(d));
@@ -87,8 +88,11 @@ void EdgeSampler::collectEdges() {
             for (size_t k = 0; k < loop.size(); ++k) {
                 const auto [a, b] = std::minmax(loop[k], loop[(k + 1) % loop.size()]);
                 const auto [found, isNew] = edgeOf_.try_emplace({a, b}, static_cast<uint32_t>(edges_.size()));
-                if (isNew) edges_.push_back({a, b, glm::length(position(b) - position(a)), {}, {}});
-                edges_[found->second].domains.push_back(d);
+                if (isNew)
+                    edges_.push_back({a, b, glm::length(position(b) - position(a)), kInfinity, {}, {}});
+                SampledEdge& edge = edges_[found->second];
+                edge.domains.push_back(d);
+                edge.finest = std::min(edge.finest, finest_[d]);
                 loopEdges_.back().back().push_back(found->second);
             }
         }
@@ -185,7 +189,8 @@ void EdgeSampler::shareDivisions(const TwinEdges& group) {
 
 bool EdgeSampler::hasSmallParts(double edge) const {
     const double least = kWorthGrading * edge / Grading{}.first;
-    return std::ranges::any_of(strips_, [&](const Strip& s) { return s.width < kUniformStrip * edge; }) ||
+    return std::ranges::any_of(finest_, [&](double size) { return size < edge; }) ||
+           std::ranges::any_of(strips_, [&](const Strip& s) { return s.width < kUniformStrip * edge; }) ||
            std::ranges::any_of(surroundings_, [&](double size) { return size < least; });
 }
 
@@ -196,6 +201,10 @@ double EdgeSampler::narrowTriangles(double edge) const {
         if (strip.width < 0.5 * edge) count += 2 * edges_[strip.side].length / step;
     }
     return count;
+}
+
+double EdgeSampler::edgeOf(double finest) const {
+    return std::isfinite(grading_.growth) ? std::min(edge_, finest) : edge_;
 }
 
 double EdgeSampler::sizeOf(uint32_t corner) const {
@@ -250,7 +259,7 @@ void EdgeSampler::divideEnds(size_t d) {
 void EdgeSampler::divide(SampledEdge& edge) const {
     if (edge.even) return;
     if (!edge.pins.empty()) return fillBetweenPins(edge);
-    const auto steps = stepsAlong(edge, edge_);
+    const auto steps = stepsAlong(edge, edgeOf(edge.finest));
     edge.graded = steps.size() > 2;
     edge.divisions.clear();
     // Steps as many times too long or too short: one of 1.45 is worse than two of 0.73.
@@ -324,13 +333,14 @@ void EdgeSampler::considerStrip(uint32_t side, glm::dvec2 a, glm::dvec2 b, uint3
 void EdgeSampler::stagger(const Strip& strip) {
     constexpr double kLongest = 0.8; // of as many steps as there would be
     SampledEdge &side = edges_[strip.side], &other = edges_[strip.other];
-    const double step = std::clamp(edge_, strip.width / kWideStrip, strip.width / kNarrowStrip);
-    if (strip.width > kUniformStrip * edge_ && strip.width < kRoomInside * edge_)
+    const double edge = edgeOf(std::min(side.finest, other.finest)),
+                 step = std::clamp(edge, strip.width / kWideStrip, strip.width / kNarrowStrip);
+    if (strip.width > kUniformStrip * edge && strip.width < kRoomInside * edge)
         for (SampledEdge* e : {&side, &other}) // rather a little longer than sharp
             if (const double most = std::floor(kHalvedStrip * e->length / strip.width);
-                most * edge_ > kLongest * e->length)
+                most * edge > kLongest * e->length)
                 e->most = std::min(e->most, most);
-    if (strip.width > kUniformStrip * edge_ || step < kFinestStrip * edge_) return;
+    if (strip.width > kUniformStrip * edge || step < kFinestStrip * edge) return;
     // The one that a strip beside this one has divided leads: strips in a row go by turns.
     const bool turned = other.even || !other.pins.empty();
     if (turned && (side.even || !side.pins.empty())) return;
@@ -382,7 +392,7 @@ void EdgeSampler::fillBetweenPins(SampledEdge& edge) const {
         else
             kept.back() = 0.5 * (kept.back() + at);
     kept.push_back(edge.length);
-    const auto steps = stepsAlong(edge, edge_);
+    const auto steps = stepsAlong(edge, edgeOf(edge.finest));
     const auto countAt = [&](double fraction) {
         size_t i = 0;
         while (i + 2 < steps.size() && steps[i + 1].first < fraction) ++i;
@@ -612,9 +622,14 @@ PlanarDomain EdgeSampler::planar(size_t d) const {
             if (sizeOf(loop[i]) < kInfinity) sources.push_back({from, sizeOf(loop[i])});
             plane.boundary.push_back(from);
             const size_t count = edge.divisions.size();
+            const double beside = edgeOf(edge.finest) < kWorthGrading * edgeOf(finest_[d])
+                                      ? edge.length / static_cast<double>(count + 1)
+                                      : kInfinity;
+            if (beside < kInfinity) sources.push_back({from, beside});
             for (size_t k = 0; k < count; ++k) {
                 const double t = loop[i] == edge.a ? edge.divisions[k] : 1 - edge.divisions[count - 1 - k];
                 plane.boundary.push_back(from + t * (to - from));
+                if (beside < kInfinity) sources.push_back({plane.boundary.back(), beside});
             }
         }
         plane.loopStart.push_back(static_cast<uint32_t>(plane.boundary.size()));
@@ -624,7 +639,7 @@ PlanarDomain EdgeSampler::planar(size_t d) const {
     plane.mayLean = !plane.folds.empty() && mayLean(d);
     plane.graded = std::isfinite(grading_.growth);
     plane.dividesSlim = !grading_.sparing;
-    plane.size = {std::move(sources), edge_, grading_.growth};
+    plane.size = {std::move(sources), edgeOf(finest_[d]), grading_.growth};
     return plane;
 }
 

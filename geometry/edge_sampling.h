@@ -1,6 +1,7 @@
 // Where the edges of a building are divided: once for all faces that meet there, so that no T-vertices arise.
-// Uniformly at the mesh's edge length; finer only round corners with short edges or with another part of the
-// outline close by, growing away from them; the two sides of a narrow strip are divided staggered.
+// Uniformly at the mesh's edge length; finer only in slots and round corners with short edges or with another
+// part of the outline close by, growing away from them; the two sides of a narrow strip are divided
+// staggered.
 #pragma once
 
 #include <cstdint>
@@ -22,12 +23,13 @@ struct Grading {
 
 class EdgeSampler {
 public:
-    EdgeSampler(const Building& building, const std::vector<MeshDomain>& domains);
+    // `finest`: per domain, metres: the longest edges there (slotSizes), where sizes are graded.
+    EdgeSampler(const Building& building, const std::vector<MeshDomain>& domains, std::vector<double> finest);
 
     // Divides all edges anew for this edge length (metres).
     void choose(double edge, const Grading& grading);
 
-    // Strips or corners that want edges shorter than this (metres).
+    // Slots, strips or corners that want edges shorter than this (metres).
     bool hasSmallParts(double edge) const;
 
     // About how many triangles strips take that are narrower than half an edge of this length (metres).
@@ -48,6 +50,7 @@ private:
     struct SampledEdge {
         uint32_t a, b; // a < b
         double length;
+        double finest; // metres: of its domains
         std::vector<uint32_t> domains;
         std::vector<double> divisions;
         // A side of a strip: in even steps, or with divisions pinned half a step off those of the other side.
@@ -95,11 +98,13 @@ private:
     std::vector<std::pair<double, double>> stepsAlong(const SampledEdge& edge, double largest) const;
     std::vector<double> foldsOf(size_t domain) const; // those with room for triangles between them
     bool mayLean(size_t domain) const;                // triangles across its folds
+    double edgeOf(double finest) const;               // metres
     double sizeOf(uint32_t corner) const;             // infinity where the surroundings ask for nothing
     glm::dvec3 position(uint32_t corner) const { return building_.vertices[corner]; }
 
     const Building& building_;
     const std::vector<MeshDomain>& domains_;
+    std::vector<double> finest_; // per domain
     std::vector<SampledEdge> edges_;
     std::map<std::pair<uint32_t, uint32_t>, uint32_t> edgeOf_;
     std::vector<std::vector<std::vector<uint32_t>>> loopEdges_; // per domain, loop, corner

@@ -217,8 +217,8 @@ private:
         }
     }
 
-    // Whether the outlines, laid out, neither touch nor cross: round a hole whose rim leans across folds, facets
-    // come back to a corner of their own, or past it.
+    // Whether the outlines, laid out, neither touch nor cross: round a hole whose rim leans across folds,
+    // facets come back to a corner of their own, or past it.
     bool isSimple(const MeshDomain& domain) const {
         std::vector<glm::dvec2> points;
         std::vector<uint32_t> vertices;
@@ -381,6 +381,13 @@ glm::dvec3 faceNormal(const Building& building, const Face& face) {
             sum += glm::cross(building.vertices[loop[i]] - origin,
                               building.vertices[loop[(i + 1) % loop.size()]] - origin);
     return glm::normalize(sum);
+}
+
+double domainArea(const MeshDomain& domain) {
+    double twice = 0;
+    for (const auto& loop : domain.planar)
+        for (size_t k = 0; k < loop.size(); ++k) twice += cross(loop[k], loop[(k + 1) % loop.size()]);
+    return std::abs(twice) / 2;
 }
 
 glm::dvec2 mainDirection(const MeshDomain& domain) {

@@ -38,6 +38,9 @@ struct MeshDomain {
 
 glm::dvec3 faceNormal(const Building& building, const Face& face);
 
+// Square metres.
+double domainArea(const MeshDomain& domain);
+
 // In the plane, of the longest straight run of the outlines.
 glm::dvec2 mainDirection(const MeshDomain& domain);
 

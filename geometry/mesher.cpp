@@ -20,6 +20,7 @@
 #include "geometry/mesh_domains.h"
 #include "geometry/perpendicular.h"
 #include "geometry/planar_mesher.h"
+#include "geometry/slot_sizes.h"
 #include "geometry/twin_faces.h"
 
 namespace heliodon::geometry {
@@ -68,13 +69,9 @@ public:
           wanted_(static_cast<double>(std::max<size_t>(options.triangles, 1))),
           narrowest_(options.mergesFacets ? kNarrowestOfMany : kNarrowest),
           domains_(findMeshDomains(building, regularEdge(building, wanted_), options.mergesFacets)),
-          sampler_(building, domains_) {
-        for (const MeshDomain& domain : domains_) {
-            double twice = 0;
-            for (const auto& loop : domain.planar)
-                for (size_t k = 0; k < loop.size(); ++k) twice += cross(loop[k], loop[(k + 1) % loop.size()]);
-            areas_.push_back(std::abs(twice) / 2);
-        }
+          sampler_(building, domains_,
+                   slotSizes(building, domains_, regularEdge(building, wanted_), wanted_)) {
+        for (const MeshDomain& domain : domains_) areas_.push_back(domainArea(domain));
     }
 
     // Optimisation adds no more points than the count has room for, so that it is known before.
@@ -127,10 +124,11 @@ private:
 
     double off(double count) const { return std::abs(count - wanted_); }
 
+    // `lattice`: times the edge length there.
     Draft draftOf(size_t d, double lattice) const {
         beforePart_();
         Draft draft{sampler_.planar(d), {}, {}};
-        draft.seeds = latticeSeeds(draft.plane, lattice);
+        draft.seeds = latticeSeeds(draft.plane, lattice * draft.plane.size.edge());
         draft.count = 2 * static_cast<double>(draft.seeds.points.size()) +
                       static_cast<double>(draft.plane.boundary.size()) - 2 +
                       2 * (static_cast<double>(domains_[d].loops.size()) - 1);
@@ -142,7 +140,7 @@ private:
         draftedEdge_ = edge;
         sampler_.choose(edge, grading_);
         drafts_.clear();
-        for (size_t d = 0; d < domains_.size(); ++d) drafts_.push_back(draftOf(d, edge));
+        for (size_t d = 0; d < domains_.size(); ++d) drafts_.push_back(draftOf(d, 1));
     }
 
     struct Count {
@@ -297,7 +295,7 @@ private:
         for (const double step : {0.03, 0.06, 0.09}) // little everywhere rather than much in one place
             for (size_t d = 0; d < domains_.size() && std::abs(sum - wanted) > slack(); ++d) {
                 if (drafts_[d].count < 8) continue;
-                Draft draft = draftOf(d, (sum > wanted ? 1 + step : 1 - step) * edge_);
+                Draft draft = draftOf(d, sum > wanted ? 1 + step : 1 - step);
                 const double now = sum - drafts_[d].count + draft.count;
                 if (std::abs(now - wanted) >= std::abs(sum - wanted)) continue;
                 drafts_[d] = std::move(draft);

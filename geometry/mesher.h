@@ -1,4 +1,5 @@
-// Building -> PatchMesh: uniform triangles without T-vertices.
+// Building -> PatchMesh: uniform triangles without T-vertices, smaller ones in slots that light comes in by
+// (slot_sizes.h).
 #pragma once
 
 #include <cstddef>
