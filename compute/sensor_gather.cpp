@@ -21,7 +21,10 @@ constexpr double kSensorSkyAngle = 0.1, kPatchSkyAngle = 0.2; // radians, of one
 // Of how far a patch's points lie apart, what four of them may be off; change of a patch's light, over it and
 // the usual one, from which it is told by more points; of the last change, what may be left.
 constexpr double kCurved = 0.1, kSkyChange = 0.02, kChangeLeft = 0.5;
-constexpr float kEdgeShare = 2e-4F; // form factor below which an edge of sunlight averages out
+// Form factor below which an edge of sunlight averages out: in light by way of a near wall's cells, and of
+// what the sensor sees. Of dark rooms that many small patches light, as those of a slot, none does before.
+constexpr double kEdgeOnCells = 2e-4;
+constexpr float kEdgeShare = 1e-6F;
 
 // What edges of sunlight on patches give less their patches' evenly spread sun, by way of the cells of near
 // walls.
@@ -35,7 +38,7 @@ dvec3 sunEdgesOnCells(const PointScene& scene, const NearLight& near, uint32_t r
         for (const SunlitParts& lit : partly) {
             if (mesh.room[lit.patch] != room) continue;
             const double whole = scene.factor(view, lit.patch);
-            if (whole * photometric(cell.answer) < double{kEdgeShare}) continue;
+            if (whole * photometric(cell.answer) < kEdgeOnCells) continue;
             dvec3 more = -whole * dvec3(firstBounce[lit.patch]);
             const dvec3 rho(mesh.materials[mesh.material[lit.patch]].reflectance);
             for (const SunlitParts::Part& part : lit.parts)
