@@ -169,23 +169,22 @@ TEST(DaylightTransport, patches_get_of_a_ribbon_at_the_horizon_what_they_see) {
 // Each channel of a tinted pane between rooms passes what a grey pane like it does, by way of the walls that
 // are taken apart beside a sensor too: also of sunlight that ends in the other room, in view of these.
 TEST(DaylightTransport, tinted_panes_count_beside_walls) {
-    // Under the low sun, which shines through both panes, the darkest channel is off by 0.23 %.
-    for (const auto& [sun, near] :
-         {std::pair(glm::dvec3(0.3, 0.6, -0.8), 1e-3f), {glm::dvec3(-0.7, 0.2, -0.5), 3e-3f}}) {
-        const auto luxBehind = [&, towards = sun](glm::vec3 glass) {
+    // The low sun shines through both panes; its edges count alike in dark channels and in bright ones.
+    for (const glm::dvec3 sun : {glm::dvec3(0.3, 0.6, -0.8), glm::dvec3(-0.7, 0.2, -0.5)}) {
+        const auto luxBehind = [&](glm::vec3 glass) {
             geometry::PatchMesh mesh = test::twoRooms(true, glm::vec3(0.7f));
             for (geometry::Material& m : mesh.materials)
                 if (m.isOpening()) m.transmittance = glass;
             DaylightTransport transport(test::device(), mesh);
             transport.setSensors({{{0.005, 0.01, 6.3}, {0, 1, 0}}});
-            const Moment moment = transport.light(sunny(towards));
+            const Moment moment = transport.light(sunny(sun));
             EXPECT_EQ(transport.report().sensorsNearWalls, 1u);
             return moment.sensors[0].interreflected;
         };
         const glm::vec3 tint(0.2f, 0.5f, 0.8f), lux = luxBehind(tint);
         for (int c = 0; c < 3; ++c) {
             const float grey = luxBehind(glm::vec3(tint[c])).x;
-            EXPECT_NEAR(lux[c], grey, near * grey) << sun.y << " " << c;
+            EXPECT_NEAR(lux[c], grey, 2e-4F * grey) << sun.y << " " << c;
         }
     }
 }
