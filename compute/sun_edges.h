@@ -59,6 +59,7 @@ private:
         size_t first; // of its edges; they end where the next one's begin
         glm::vec3 middle, normal;
         float area, reach; // from the middle to the farthest corner
+        float light = 0;   // photometric exitance, summed over its edges
     };
     static Patch patchOf(const geometry::PatchMesh& mesh, uint32_t patch, size_t first);
     // At least its form factor from the view's point.

@@ -157,6 +157,8 @@ TEST(AnnualDaylight, sun_that_ends_in_a_slot_too) {
         expectFull(mesh, {sunny({0.3, 0.6, -1}), sunny({0.1, 1.2, 1})}, 0.01,
                    {{{1, 0.8, 1}, {0, 1, 0}}, {{0.4, 0.8, 0.5}, {0, 1, 0}}, {{1.5, 0.5, 1.6}, {0, 1, 0}}});
     }
+    // Small patches, lit where the ceiling hides them.
+    expectFull(test::slottedRoom(2, 16, 6, 1), {sunny({0, 1.7, 1})}, 0.01, {{{1, 1, 1.88}, {0, 0.8, 0.6}}});
 }
 
 TEST(AnnualDaylight, sun_that_may_be_just_beside_a_beam_is_told) {
