@@ -109,7 +109,9 @@ FormFactors hemicubeFormFactors(gpu::Device& device, const geometry::PatchMesh& 
         FormFactorReport& report = result.factors.report;
         if (report.claimedRowError <= maxError) return std::move(result.factors);
         nearFalls = nearFalls && result.nearError <= kFalls * lastNear;
-        farFalls = farFalls && result.farError <= kFalls * lastFar && step + 1 < kSteps.size();
+        // What more pixels do not lower, more points may.
+        farFalls = farFalls && (result.farError <= kFalls * lastFar || hemicube.points == 1) &&
+                   step + 1 < kSteps.size();
         const bool near = nearFalls && result.nearError > kPart * maxError &&
                           (farFalls || result.nearError > kCounts * result.farError),
                    far = farFalls && result.farError > kPart * maxError &&
