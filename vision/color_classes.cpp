@@ -26,10 +26,10 @@ constexpr double kNoiseOfFaint = 6;  // deviations
 constexpr double kBeyond = 2;        // inches beyond the table's edge that are looked at
 
 // The table itself, where it is not white, and what lies between it and card in a blurred edge or in the
-// light that it throws on to card: a sum of both has the table's hue and is no more saturated, nor brighter
-// than one so saturated, as an orange arrow on dark wood is.
+// light that it throws on to card: a sum of both has the table's hue and is no more saturated, nor much
+// brighter than one so saturated, as an orange arrow on dark wood is.
 bool isTableOrCard(glm::vec3 p, glm::vec3 card, float minSaturation) {
-    constexpr float kSameHue = 12, kMore = 1.1f, kBrighter = 2; // degrees; of P'; of the sum
+    constexpr float kSameHue = 12, kMore = 1.1f, kBrighter = 3; // degrees; of P'; of the sum
     if (saturationOf(card * p) < minSaturation) return true;
     const glm::vec3 table = 1.0f / card;
     const float most = saturationOf(table);
