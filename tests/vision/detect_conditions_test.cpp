@@ -745,9 +745,9 @@ TEST(DetectConditions, a_marker_on_a_wall_is_no_arrow) {
     EXPECT_FALSE(detectSketch(photo, rig).sketch.north.has_value());
 }
 
-// Paints that one maker has otherwise than another: a magenta nearer to red than to the usual one, a cyan like
-// light blue, an orange like the wood of the table; a stretch of a wall beside a marker as broad at one end as
-// an arrow's head.
+// Paints that one maker has otherwise than another: a magenta nearer to red than to the usual one, a cyan
+// like light blue, an orange like the wood of the table; a stretch of a wall beside a marker as broad at one
+// end as an arrow's head.
 TEST(DetectConditions, other_makers_paints) {
     const geometry::Rig rig = exampleRig();
     PaintBox reddish;
