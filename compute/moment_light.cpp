@@ -112,14 +112,17 @@ double laterShare(const MomentScene& scene, const Moment& moment, std::span<cons
     std::vector<double> reflectance(n), bySun(n, 0); // bySun: exitance, of sunlight that patches nearby send
     for (size_t i = 0; i < n; ++i)
         reflectance[i] = photometric(scene.mesh.materials[scene.mesh.material[i]].reflectance);
-    for (size_t i = 0; i < n; ++i)
+    for (size_t i = 0; i < n; ++i) {
+        const double sun = photometric(moment.patches[i].sun);
+        if (sun == 0) continue;
         for (const auto& [to, factor] : scene.pairs.nearest(i))
-            bySun[to] +=
-                reflectance[to] * double{factor} * reflectance[i] * photometric(moment.patches[i].sun);
+            bySun[to] += reflectance[to] * double{factor} * reflectance[i] * sun;
+    }
     double squares = 0, slots = 0, all = 0; // lumens
     for (size_t i = 0; i < n; ++i) {
-        for (const auto& [to, factor] : scene.pairs.nearest(i))
-            slots += kSunSharedOut * scene.areas[to] * reflectance[to] * double{factor} * bySun[i];
+        if (bySun[i] != 0)
+            for (const auto& [to, factor] : scene.pairs.nearest(i))
+                slots += kSunSharedOut * scene.areas[to] * reflectance[to] * double{factor} * bySun[i];
         const double off = scene.areas[i] * reflectance[i] * double{near[i]};
         squares += off * off;
         if (scene.pairs.largest(i) > NearPairs::kAcrossGap) slots += off;

@@ -24,13 +24,10 @@ NearPairs::NearPairs(const geometry::PatchMesh& mesh, const gpu::Buffer& factors
         near_.push_back(static_cast<size_t>(
             std::stable_partition(begin, end, [](const Pair& pair) { return pair.factor >= kNear; }) -
             begin));
+        float most = 0;
+        for (const Pair& pair : of(j)) most = std::max(most, pair.factor);
+        largest_.push_back(most);
     }
-}
-
-float NearPairs::largest(size_t sender) const {
-    float most = 0;
-    for (const Pair& pair : of(sender)) most = std::max(most, pair.factor);
-    return most;
 }
 
 } // namespace heliodon::compute

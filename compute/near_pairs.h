@@ -30,11 +30,12 @@ public:
     }
     std::span<const Pair> nearest(size_t sender) const { return of(sender).first(near_[sender]); }
     // The largest of their factors; 0 without any. Above kAcrossGap in slots that the mesh does not resolve.
-    float largest(size_t sender) const;
+    float largest(size_t sender) const { return largest_[sender]; }
 
 private:
     std::vector<size_t> first_, near_;
     std::vector<Pair> pairs_;
+    std::vector<float> largest_;
 };
 
 } // namespace heliodon::compute
