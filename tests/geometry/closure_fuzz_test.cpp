@@ -442,8 +442,7 @@ TEST(ClosureFuzz, every_sketch_closes_proven_or_is_refused_with_a_reason) {
         }
     }
     std::string line = fmt::format("{} sketches: {} closed, {} of them meshed and read again, {} with other "
-                                   "rooms; slowest {:.1f} ms (seed "
-                                   "{});",
+                                   "rooms; slowest {:.1f} ms (seed {});",
                                    tally.sketches, tally.closed, tally.meshed, tally.otherRooms,
                                    tally.slowestMs, tally.slowestSeed);
     for (const auto& [code, count] : tally.codes) line += fmt::format(" {} {}", code, count);
@@ -451,7 +450,7 @@ TEST(ClosureFuzz, every_sketch_closes_proven_or_is_refused_with_a_reason) {
     EXPECT_GT(tally.closed - before, static_cast<int>(kSketches) / 4);
     // A refusal with a reason too, but no one's fault but ours: one in a thousand at most.
     EXPECT_LE(tally.codes["NOT_PROVEN"], 1 + tally.sketches / 1000);
-    // Triangles across the folds of a curved wall may touch another one: 1622000240 among seeds.
+    // A sliver of a room more beside curved walls: 1622000240 among seeds.
     EXPECT_LE(tally.otherRooms, 1 + tally.meshed / 1000);
     EXPECT_LT(tally.slowestMs, 100 * kSlower);
 }
