@@ -1,8 +1,10 @@
 #include "engine/app/command_line.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <sstream>
 #include <utility>
 #include <vector>
@@ -58,8 +60,39 @@ std::vector<fs::path> besides(const fs::path& output) {
     return {};
 }
 
+// Files of materials that an .obj names, by one name that may hold blanks or by several: all that may be
+// meant.
+std::vector<fs::path> librariesOf(const fs::path& model) {
+    std::vector<fs::path> libraries;
+    if (model.extension() != ".obj") return libraries;
+    std::ifstream in(model);
+    for (std::string line; std::getline(in, line);) {
+        std::istringstream words(line);
+        std::string word;
+        if (!(words >> word) || word != "mtllib") continue;
+        std::string whole;
+        std::getline(words >> std::ws, whole);
+        whole.erase(whole.find_last_not_of(" \t\r") + 1);
+        libraries.push_back(model.parent_path() / whole);
+        for (std::istringstream names(whole); names >> word;) libraries.push_back(model.parent_path() / word);
+    }
+    return libraries;
+}
+
 bool isStdout(const fs::path& path) {
     return path == "-" || path == "/dev/stdout";
+}
+
+// The user has named neither the materials that a model reads nor those that are written beside one.
+void refuseOverLibraries(const CLI::App& command,
+                         const std::vector<std::pair<std::string, std::string>>& written) {
+    const CLI::Option* input = command.get_option_no_throw("INPUT");
+    const auto stands = [](const auto& nameAndFile) { return isFile(nameAndFile.second); };
+    if (!input || input->empty() || std::ranges::none_of(written, stands)) return;
+    for (const fs::path& library : librariesOf(input->results().front()))
+        for (const auto& [name, file] : written)
+            if (isFile(library) && isSame(library, file))
+                throw InputError(name, file, "is read by INPUT, expected another file");
 }
 
 // `calibrate` may put a rig in the old one's place.
@@ -83,6 +116,7 @@ void refuseOverwriting(const CLI::App& command) {
                     !(renewsRig && name == "--output" && option->get_name() == "--rig"))
                     throw InputError(name, file,
                                      "is read by " + option->get_name() + ", expected another file");
+    refuseOverLibraries(command, written);
 }
 
 } // namespace

@@ -96,6 +96,21 @@ TEST_F(BadInput, outputs_that_would_hurt_what_is_there) {
                   {"xxx", "too long"});
 }
 
+TEST_F(BadInput, materials_that_a_model_reads_are_not_written_over) {
+    const std::string materials = "newmtl m\nKd 0.5 0.5 0.5\n";
+    writeText(in("b.mtl"), materials);
+    writeText(in("a.obj"), "mtllib b.mtl\nusemtl m\nv 0 0 0\nv 3 0 0\nv 3 3 0\nv 0 3 0\nv 0 0 3\nv 3 0 3\n"
+                           "v 3 3 3\nv 0 3 3\nf 1 2 3 4\nf 8 7 6 5\nf 1 5 6 2\nf 2 6 7 3\nf 3 7 8 4\n"
+                           "f 4 8 5 1\n");
+    const std::string model = "model " + in("a.obj") + " --triangles 12 -o ";
+    expectRefused(model + in("b.obj"), {"--output", "b.mtl", "is read by INPUT"});
+    EXPECT_FALSE(std::filesystem::exists(folder / "b.obj"));
+    expectRefused(model + in("out.obj") + " --report " + in("b.mtl"), {"--report", "b.mtl"});
+    EXPECT_EQ(readText(in("b.mtl")), materials);
+    const Outcome other = heliodon(model + in("c.obj") + " --report " + in("c.json"));
+    EXPECT_EQ(other.exitCode, 0) << other.output;
+}
+
 // They would stand there as folders with such names.
 TEST_F(BadInput, names_of_files_where_a_folder_is_written) {
     const std::string sketch = HELIODON_TEST_DATA "/geometry/sketches/p04_L.json";
