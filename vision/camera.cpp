@@ -136,16 +136,19 @@ private:
 
 } // namespace
 
-std::unique_ptr<Camera> openCamera(const std::string& source, const CameraOptions& options) {
-    const size_t colon = source.find(':');
-    const std::string kind = source.substr(0, colon),
-                      rest = colon == std::string::npos ? "" : source.substr(colon + 1);
-    if (colon != std::string::npos) {
-        if (kind == "file") return std::make_unique<FileCamera>(rest, options);
-        if (kind == "replay") return std::make_unique<ReplayCamera>(rest, options);
-        if (kind == "aravis") return openAravisCamera(rest, options);
-    }
+void refuseNoCamera(const std::string& source) {
+    for (const char* kind : {"file:", "replay:", "aravis:"})
+        if (source.starts_with(kind)) return;
     throw InputError("--camera", source, "is no camera, expected aravis:ID, replay:FOLDER or file:PHOTO");
+}
+
+std::unique_ptr<Camera> openCamera(const std::string& source, const CameraOptions& options) {
+    refuseNoCamera(source);
+    const size_t colon = source.find(':');
+    const std::string kind = source.substr(0, colon), rest = source.substr(colon + 1);
+    if (kind == "file") return std::make_unique<FileCamera>(rest, options);
+    if (kind == "replay") return std::make_unique<ReplayCamera>(rest, options);
+    return openAravisCamera(rest, options);
 }
 
 } // namespace heliodon::vision

@@ -51,4 +51,7 @@ struct CameraOptions {
 // a picture, CameraLost where there is no such camera at present.
 std::unique_ptr<Camera> openCamera(const std::string& source, const CameraOptions& options);
 
+// Throws what openCamera throws of words that name no kind of camera; looks at no file and no device.
+void refuseNoCamera(const std::string& source);
+
 } // namespace heliodon::vision

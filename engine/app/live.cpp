@@ -16,6 +16,7 @@
 #include "engine/app/output_folder.h"
 #include "engine/app/pictures.h"
 #include "geometry/input_error.h"
+#include "vision/camera.h"
 
 namespace heliodon::app {
 
@@ -367,6 +368,7 @@ private:
 void execute(Run& run, const LiveArguments& arguments) {
     LiveArguments complete = arguments;
     if (complete.camera.empty()) complete.camera = "aravis:";
+    vision::refuseNoCamera(complete.camera); // before any display is asked for
     LiveSession session(run, complete);
     try {
         session.show();

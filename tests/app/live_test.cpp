@@ -461,6 +461,14 @@ TEST_F(Live, bad_words_are_refused_by_name) {
         EXPECT_EQ(outcome.exitCode, 2) << words << "\n" << outcome.output;
         EXPECT_NE(outcome.output.find(named), std::string::npos) << outcome.output;
     }
+    // What is wrong with the words is wrong without a display too.
+    const char* own = getenv("DISPLAY");
+    const std::string before = own ? own : "";
+    unsetenv("DISPLAY");
+    const Outcome outcome = heliodon(start + "webcam:0");
+    setenv("DISPLAY", before.c_str(), 1);
+    EXPECT_EQ(outcome.exitCode, 2) << outcome.output;
+    EXPECT_NE(outcome.output.find("webcam:0"), std::string::npos) << outcome.output;
 }
 
 } // namespace
