@@ -2,7 +2,9 @@
 // file, nothing left on the device.
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -242,7 +244,6 @@ TEST_F(Fault, a_folder_has_one_writer_and_a_killed_one_is_no_obstacle) {
     EXPECT_EQ(second.exitCode, 2) << second.output;
     EXPECT_NE(second.output.find("another run"), std::string::npos) << second.output;
     kill(child, SIGKILL);
-    { const app::OutputFolder atOnce(folder / "out"); } // while that one gives back its memory
     exitCodeOf(child);
     for (const auto& entry : fs::directory_iterator(folder / "out")) { // what bears its final name is whole
         if (entry.path().extension() != ".png" || entry.path().filename().string().starts_with(".")) continue;
@@ -250,6 +251,17 @@ TEST_F(Fault, a_folder_has_one_writer_and_a_killed_one_is_no_obstacle) {
     }
     const Outcome third = heliodon(render);
     EXPECT_EQ(third.exitCode, 0) << third.output;
+}
+
+// As a killed one holds it, until its memory is given back.
+TEST_F(Fault, a_folder_that_is_held_for_a_moment_longer_is_waited_for) {
+    const int held = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    ASSERT_EQ(::flock(held, LOCK_EX), 0);
+    const std::jthread release([&] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        ::close(held);
+    });
+    EXPECT_NO_THROW(app::OutputFolder{folder});
 }
 
 TEST_F(Fault, a_run_that_failed_records_what_it_wrote_and_nothing_of_others) {
