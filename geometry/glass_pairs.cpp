@@ -280,9 +280,12 @@ bool mayBeTwins(const Building& building, const Face& a, const Face& b) {
         !building.materials[b.material].isOpening())
         return false;
     const glm::dvec3 m = glm::normalize(areaVector(building.vertices, a.loops[0])),
-                     n = glm::normalize(areaVector(building.vertices, b.loops[0]));
-    return glm::dot(m, n) < kBackToBack && glm::dot(m, shiftBetween(building, a, b)) < 0 &&
-           oppositeLoops(building, a, b, kAlike * longestSide(building, a)).has_value();
+                     n = glm::normalize(areaVector(building.vertices, b.loops[0])),
+                     shift = shiftBetween(building, a, b);
+    const double apart = -glm::dot(m, shift), off = glm::length(shift + apart * m),
+                 most = kAlike * std::min(longestSide(building, a), longestSide(building, b));
+    return glm::dot(m, n) < kBackToBack && apart > 0 && off <= most + kSkew * apart &&
+           oppositeLoops(building, a, b, most).has_value();
 }
 
 } // namespace

@@ -14,6 +14,7 @@
 #include "geometry/input_error.h"
 #include "geometry/mesher.h"
 #include "geometry/model_file.h"
+#include "geometry/twin_faces.h"
 #include "tests/geometry/mesh_volume.h"
 
 using namespace heliodon::geometry;
@@ -110,9 +111,9 @@ void expectRefused(const Polygons& model, const std::string& why) {
     }
 }
 
-// Two rooms 0.2 m apart with a pane in the wall between, 1 m wide and `height` high on the far side; there
-// the wall under it is in two parts.
-std::string twoRoomsWithPane(double height) {
+// Two rooms 0.2 m apart with panes in the wall between from each of `panes` on, 1 m wide, 1.2 m high and on
+// the far side `height`; there the wall under them is in two parts.
+std::string twoRoomsWithPanes(double height, const std::vector<double>& panes = {1}) {
     const std::string file = testing::TempDir() + "dirty.obj";
     std::ofstream(std::string(testing::TempDir()) + "dirty.mtl")
         << "newmtl wall\nKd 0.5 0.5 0.5\nnewmtl glass\nKd 0 0 0\nTf 0.8 0.8 0.8\nNi 1.52\n";
@@ -132,10 +133,14 @@ std::string twoRoomsWithPane(double height) {
         };
         wall(0, 0.8, 0, far ? 1.5 : 3);
         if (far) wall(0, 0.8, 1.5, 3);
-        wall(0.8, top, 0, 1);
-        wall(0.8, top, 2, 3);
+        double to = 0; // of the pane before
+        for (const double z : panes) {
+            wall(0.8, top, to, z);
+            wall(0.8, top, z, z + 1, "glass");
+            to = z + 1;
+        }
+        wall(0.8, top, to, 3);
         wall(top, 2.5, 0, 3);
-        wall(0.8, top, 1, 2, "glass");
         face("wall", {{end, 0, 0}, {end, 2.5, 0}, {end, 2.5, 3}, {end, 0, 3}});
         for (const double y : {0.0, 2.5}) face("wall", {{x, y, 0}, {end, y, 0}, {end, y, 3}, {x, y, 3}});
         for (const double z : {0.0, 3.0}) face("wall", {{x, 0, z}, {end, 0, z}, {end, 2.5, z}, {x, 2.5, z}});
@@ -189,7 +194,7 @@ TEST(DirtyModel, a_box_on_the_floor_of_a_room_with_gaps) {
 } // namespace
 
 TEST(DirtyModel, panes_are_twins_though_only_one_has_a_corner_in_an_edge) {
-    const Building building = importModel(twoRoomsWithPane(1.2));
+    const Building building = importModel(twoRoomsWithPanes(1.2));
     EXPECT_EQ(building.roomCount, 2u);
     const PatchMesh mesh = meshBuilding(building, {800});
     double area = 0;
@@ -203,24 +208,33 @@ TEST(DirtyModel, panes_are_twins_though_only_one_has_a_corner_in_an_edge) {
     EXPECT_NEAR(volume(mesh), (4 + 3.8) * 2.5 * 3, 1e-9 * 58.5);
 }
 
-// What a file of our own says of its panes; in one that was changed since, numbers may be those of walls.
+// What a file of our own says of its panes; in one that was changed since, numbers may be those of walls or of
+// the window beside.
 TEST(DirtyModel, panes_are_twins_as_the_file_says_or_where_it_cannot_be_so_as_they_stand) {
     const auto paired = [](const std::string& line) {
-        const std::string file = twoRoomsWithPane(1.2);
+        const std::string file = twoRoomsWithPanes(1.2, {0.3, 1.7});
         std::ofstream(file, std::ios::app) << line << '\n';
         const Building building = importModel(file);
+        for (const Face& face : building.faces) {
+            if (face.twin < 0) continue;
+            const Face& other = building.faces[static_cast<size_t>(face.twin)];
+            EXPECT_NEAR(glm::length(shiftBetween(building, face, other)), 0.2, 1e-6) << line;
+        }
         return std::ranges::count_if(building.faces, [](const Face& face) { return face.twin >= 0; });
     };
     EXPECT_EQ(paired("twins"), 0);
-    EXPECT_EQ(paired("twins 1 11"), 2);
-    EXPECT_EQ(paired("twins 5 4000000000"), 2);
+    EXPECT_EQ(paired("twins 3 16"), 2);
+    EXPECT_EQ(paired("twins 3 16 5 18"), 4);
+    // Crosswise, named twice, walls, none at all.
+    for (const char* line : {"twins 3 18 5 16", "twins 3 16 3 18", "twins 1 11", "twins 5 4000000000"})
+        EXPECT_EQ(paired(line), 4) << line;
     for (const char* line : {"twins 5", "twins 0 5", "twins 5 x", "twins -5 16"})
         EXPECT_THROW(paired(line), InputError) << line;
 }
 
 TEST(DirtyModel, panes_of_different_shapes_in_one_wall_are_refused_by_name) {
     try {
-        importModel(twoRoomsWithPane(1.0));
+        importModel(twoRoomsWithPanes(1.0));
         ADD_FAILURE() << "light would be lost between the panes";
     } catch (const InputError& error) {
         const std::string text = error.what();
