@@ -17,8 +17,8 @@ struct GlassPairs {
     std::vector<std::pair<uint32_t, uint32_t>> odd;
 };
 
-// Makes twins of the pairs of faces, where all of them can be: glass without holes, back to back, opposite one
-// another in place as in shape to within 7 degrees and a tenth of the longest side. Else none, and false.
+// Makes twins of the pairs of faces, where all of them can be: glass without holes, back to back, opposite
+// one another in place as in shape to within 7 degrees and a tenth of the longest side. Else none, and false.
 bool pairAsSaid(Building& building, std::span<const std::pair<uint32_t, uint32_t>> pairs);
 
 // Makes twins of faces of glass (materials that are openings, without holes) that stand back to back no

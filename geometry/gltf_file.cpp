@@ -162,22 +162,27 @@ private:
         out_.northDeg = north.GetNumberAsDouble();
     }
 
-    // asset.extras.twins, our own: pairs of triangles, by their order in the file from 0; false for none.
+    // asset.extras.twins, our own: of how many triangles, and pairs of them by their order in the file from
+    // 0.
     void readTwins() {
         const tinygltf::Value& extras = in_.asset.extras;
         if (!extras.IsObject() || !extras.Has("twins")) return;
-        const tinygltf::Value& list = extras.Get("twins");
-        std::vector<uint32_t> faces;
-        for (size_t i = 0; list.IsArray() && i < list.ArrayLen(); ++i)
-            if (const tinygltf::Value& face = list.Get(static_cast<int>(i));
-                face.IsInt() && face.GetNumberAsInt() >= 0)
-                faces.push_back(static_cast<uint32_t>(face.GetNumberAsInt()));
-        const bool none = list.IsBool() && !list.Get<bool>();
-        if (!none && (!list.IsArray() || faces.size() != list.ArrayLen() || faces.size() % 2 != 0))
-            throw InputError(out_.file, "asset.extras.twins",
-                             "expected pairs of numbers of triangles, or false");
-        out_.twins.emplace();
-        for (size_t i = 0; i < faces.size(); i += 2) out_.twins->emplace_back(faces[i], faces[i + 1]);
+        const auto number = [&](const tinygltf::Value& value) {
+            const double n = value.IsNumber() ? value.GetNumberAsDouble() : -1;
+            if (!(n >= 0 && n <= std::numeric_limits<uint32_t>::max() && n == std::floor(n)))
+                fail("asset.extras.twins", "expected whole numbers of triangles");
+            return static_cast<uint32_t>(n);
+        };
+        const tinygltf::Value& twins = extras.Get("twins");
+        if (!twins.IsObject() || !twins.Has("of"))
+            fail("asset.extras.twins", R"(expected {"of": TRIANGLES, "pairs": [TRIANGLE, TRIANGLE, ...]})");
+        out_.twins.emplace().of = number(twins.Get("of"));
+        if (!twins.Has("pairs")) return; // the loader drops empty lists
+        const tinygltf::Value& list = twins.Get("pairs");
+        if (!list.IsArray() || list.ArrayLen() % 2 != 0)
+            fail("asset.extras.twins.pairs", "expected a list of pairs of triangles");
+        for (int i = 0; i < static_cast<int>(list.ArrayLen()); i += 2)
+            out_.twins->pairs.emplace_back(number(list.Get(i)), number(list.Get(i + 1)));
     }
 
     // extras.blinds, our own.

@@ -91,7 +91,7 @@ private:
         findSurfaces(building_, model_, source_);
         building_.materials = model_.materials;
         const GlassPairs glasses =
-            pairsAreSaid() ? GlassPairs{} : pairGlasses(building_, kPlanarOfExtent * extent_, extent_);
+            pairsAreAsSaid() ? GlassPairs{} : pairGlasses(building_, kPlanarOfExtent * extent_, extent_);
         for (const auto& [a, b] : glasses.odd)
             refuse({a, b}, "the glass has another shape or place than that on the other side of its wall");
         if (glasses.nearly > 0)
@@ -100,18 +100,27 @@ private:
         if (turnedOver_ > 0) building_.repairs.push_back(countedWere(turnedOver_, "face") + " turned over");
     }
 
-    // By a file of our own that nobody has changed in between.
-    bool pairsAreSaid() {
-        if (!model_.twins) return false;
+    // By a file of our own that nobody has changed in between; else that is warned of.
+    bool pairsAreAsSaid() {
+        if (!model_.twins || std::ranges::none_of(source_, [&](uint32_t f) { return isOpening(f); }))
+            return false;
+        const auto warn = [&](const std::string& why) {
+            building_.warnings.push_back("what the file says of glass between rooms (twins) is not used, " +
+                                         why + ": it was found by shape and place");
+            return false;
+        };
+        const auto& [of, said] = *model_.twins;
+        if (of != model_.faceCount())
+            return warn(fmt::format("it is of {}, not {}", counted(of, "face"), model_.faceCount()));
         std::map<uint32_t, uint32_t> faceOf; // by its number in the file
         for (uint32_t f = 0; f < source_.size(); ++f)
-            if (!faceOf.try_emplace(source_[f], f).second) return false; // was divided
+            if (!faceOf.try_emplace(source_[f], f).second)
+                return warn(model_.place(source_[f]) + " was divided");
         std::vector<std::pair<uint32_t, uint32_t>> pairs;
-        for (const auto& [a, b] : *model_.twins) {
-            if (!faceOf.contains(a) || !faceOf.contains(b)) return false;
-            pairs.emplace_back(faceOf.at(a), faceOf.at(b));
-        }
-        return pairAsSaid(building_, pairs);
+        for (const auto& [a, b] : said)
+            if (faceOf.contains(a) && faceOf.contains(b)) pairs.emplace_back(faceOf.at(a), faceOf.at(b));
+        return (pairs.size() == said.size() && pairAsSaid(building_, pairs)) ||
+               warn("pairs of it are no two sides of a wall");
     }
 
     bool isOpening(uint32_t source) const { return model_.materials[model_.material[source]].isOpening(); }

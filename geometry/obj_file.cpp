@@ -326,19 +326,28 @@ private:
         model_.endFace(*currentMaterial_, lines_.lineNumber(), smoothing_);
     }
 
-    // Our own: pairs of faces, by their order in the file from 1.
+    // Our own: of how many faces, and pairs of them by their order in the file from 1.
     void readTwins() {
-        const auto next = [&](uint32_t& face) {
-            const std::string_view word = lines_.word();
-            const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), face);
-            if (!word.empty() && (error != std::errc() || end != word.data() + word.size() || face-- == 0))
-                lines_.fail(fmt::format("\"{}\", expected twins FACE FACE ..., counted from 1", word));
-            return !word.empty();
+        const auto number = [&](std::string_view word) {
+            uint32_t value = 0;
+            const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+            if (error != std::errc() || end != word.data() + word.size() || value == 0)
+                lines_.fail(fmt::format(
+                    "\"{}\", expected twins of FACES, and twins FACE FACE ..., counted from 1", word));
+            return value;
         };
-        if (!model_.twins) model_.twins.emplace();
-        for (std::pair<uint32_t, uint32_t> pair; next(pair.first);) {
-            if (!next(pair.second)) lines_.fail("twins of an odd number of faces, expected pairs");
-            model_.twins->push_back(pair);
+        std::string_view word = lines_.word();
+        if (word == "of") {
+            if (!model_.twins) model_.twins.emplace();
+            model_.twins->of = number(lines_.word());
+            word = lines_.word();
+        }
+        if (!model_.twins) lines_.fail("twins without the number of all faces, expected twins of FACES");
+        for (; !word.empty(); word = lines_.word()) {
+            const uint32_t face = number(word) - 1;
+            const std::string_view other = lines_.word();
+            if (other.empty()) lines_.fail("twins of an odd number of faces, expected pairs");
+            model_.twins->pairs.emplace_back(face, number(other) - 1);
         }
     }
 

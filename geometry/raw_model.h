@@ -43,8 +43,12 @@ struct RawModel {
         materials; // checked: finite, reflectance in [0, 1), reflectance + transmittance at most 1
     double northDeg = kModelNorthDeg; // direction of north, as Building has it
     // Pairs of faces that are the two sides of interior glass, where the file says which: all other panes
-    // then look outside. Any numbers at all.
-    std::optional<std::vector<std::pair<uint32_t, uint32_t>>> twins;
+    // then look outside. Any numbers at all; `of` faces that the file had when it was said.
+    struct Twins {
+        uint32_t of = 0;
+        std::vector<std::pair<uint32_t, uint32_t>> pairs;
+    };
+    std::optional<Twins> twins;
     // By material, one sentence each: what the file does not say, and what may have been meant otherwise.
     std::map<uint32_t, std::string> assumed, doubts;
 

@@ -147,11 +147,13 @@ void writeObj(const PatchMesh& mesh, const std::filesystem::path& file, double n
     }
     if (const auto twins = twinFaces(mesh, 1)) {
         constexpr size_t kOfLine = 16;
-        text += "# the two sides of glass between rooms, faces by their order from 1; other glass looks "
-                "outside; heliodon's own";
+        text +=
+            fmt::format("# the two sides of glass between rooms, of all faces, by their order from 1; other "
+                        "glass looks outside; heliodon's own\ntwins of {}",
+                        mesh.patchCount());
         for (size_t k = 0; k < twins->size(); ++k)
             text += fmt::format("{}{}", k % kOfLine == 0 ? "\ntwins " : " ", (*twins)[k]);
-        text += twins->empty() ? "\ntwins\n" : "\n";
+        text += "\n";
     }
     // Materials when all else is written: without a model none appear, nor replace those of an older one.
     writeWhole(file, [&](const std::filesystem::path& aside) {
@@ -172,10 +174,8 @@ public:
             json_[list] = nlohmann::ordered_json::array();
         json_["asset"] = {{"version", "2.0"}, {"generator", "heliodon " HELIODON_VERSION}};
         if (northDeg_ != kModelNorthDeg) json_["asset"]["extras"]["north_deg"] = northDeg_;
-        if (const auto twins = twinFaces(mesh_, 0)) { // readers drop empty lists
-            json_["asset"]["extras"]["twins"] = false;
-            if (!twins->empty()) json_["asset"]["extras"]["twins"] = *twins;
-        }
+        if (const auto twins = twinFaces(mesh_, 0))
+            json_["asset"]["extras"]["twins"] = {{"of", mesh_.patchCount()}, {"pairs", *twins}};
         json_["scene"] = 0;
         addMaterials();
         addPoints();

@@ -1,7 +1,9 @@
 // Models as they come: each is closed as it was meant, or refused with a face named; never silently wrong.
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <fstream>
+#include <iterator>
 #include <random>
 #include <set>
 
@@ -9,6 +11,7 @@
 #include <fmt/ranges.h>
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "geometry/box_tree.h"
 #include "geometry/input_error.h"
@@ -148,6 +151,13 @@ std::string twoRoomsWithPanes(double height, const std::vector<double>& panes = 
     return file;
 }
 
+// One that says so; none where it is empty.
+void expectWarning(const Building& building, const std::string& warning) {
+    ASSERT_EQ(building.warnings.size(), warning.empty() ? 0u : 1u) << fmt::format("{}", building.warnings);
+    for (const std::string& said : building.warnings)
+        EXPECT_NE(said.find(warning), std::string::npos) << said;
+}
+
 TEST(BoxTree, finds_what_holds_a_box_as_looking_at_all_does) {
     std::mt19937 random(3);
     std::uniform_int_distribution<int> place(0, 6),
@@ -208,28 +218,82 @@ TEST(DirtyModel, panes_are_twins_though_only_one_has_a_corner_in_an_edge) {
     EXPECT_NEAR(volume(mesh), (4 + 3.8) * 2.5 * 3, 1e-9 * 58.5);
 }
 
-// What a file of our own says of its panes; in one that was changed since, numbers may be those of walls or of
-// the window beside.
+// What a file of our own says of its panes; in one that was changed since, numbers may be those of walls or
+// of the window beside.
 TEST(DirtyModel, panes_are_twins_as_the_file_says_or_where_it_cannot_be_so_as_they_stand) {
-    const auto paired = [](const std::string& line) {
-        const std::string file = twoRoomsWithPanes(1.2, {0.3, 1.7});
-        std::ofstream(file, std::ios::app) << line << '\n';
+    const auto paired = [](const std::string& lines, const std::string& warning = "") {
+        const std::string file = twoRoomsWithPanes(1.2, {0.3, 1.7}); // of 25 faces
+        std::ofstream(file, std::ios::app) << lines << '\n';
         const Building building = importModel(file);
+        expectWarning(building, warning);
         for (const Face& face : building.faces) {
             if (face.twin < 0) continue;
             const Face& other = building.faces[static_cast<size_t>(face.twin)];
-            EXPECT_NEAR(glm::length(shiftBetween(building, face, other)), 0.2, 1e-6) << line;
+            EXPECT_NEAR(glm::length(shiftBetween(building, face, other)), 0.2, 1e-6) << lines;
         }
         return std::ranges::count_if(building.faces, [](const Face& face) { return face.twin >= 0; });
     };
-    EXPECT_EQ(paired("twins"), 0);
-    EXPECT_EQ(paired("twins 3 16"), 2);
-    EXPECT_EQ(paired("twins 3 16 5 18"), 4);
+    EXPECT_EQ(paired("twins of 25"), 0);
+    EXPECT_EQ(paired("twins of 25\ntwins 3 16"), 2);
+    EXPECT_EQ(paired("twins of 25 3 16\ntwins 5 18"), 4);
     // Crosswise, named twice, walls, none at all.
-    for (const char* line : {"twins 3 18 5 16", "twins 3 16 3 18", "twins 1 11", "twins 5 4000000000"})
-        EXPECT_EQ(paired(line), 4) << line;
-    for (const char* line : {"twins 5", "twins 0 5", "twins 5 x", "twins -5 16"})
-        EXPECT_THROW(paired(line), InputError) << line;
+    for (const char* pairs : {"3 18 5 16", "3 16 3 18", "1 11", "5 4000000000"})
+        EXPECT_EQ(paired(fmt::format("twins of 25 {}", pairs), "no two sides of a wall"), 4) << pairs;
+    // Of a file that had one window less, or none.
+    for (const char* before : {"twins of 21 3 16", "twins of 17"})
+        EXPECT_EQ(paired(before, "not 25: it was found by shape and place"), 4) << before;
+    for (const char* bad : {"5", "0 5", "5 x", "-5 16", "1.5 16"})
+        EXPECT_THROW(paired(fmt::format("twins of 25\ntwins {}", bad)), InputError) << bad;
+    for (const char* bad : {"twins", "twins 3 16", "twins of", "twins of x", "twins of -1"})
+        EXPECT_THROW(paired(bad), InputError) << bad;
+}
+
+TEST(DirtyModel, panes_are_twins_as_a_gltf_says) {
+    const std::string file = testing::TempDir() + "dirty.glb";
+    const PatchMesh mesh = meshBuilding(importModel(twoRoomsWithPanes(1.2, {0.3, 1.7})), {200});
+    writeModel(mesh, file);
+    std::ifstream in(file, std::ios::binary);
+    const std::string bytes(std::istreambuf_iterator<char>(in), {});
+    const auto wordAt = [&](size_t at) {
+        uint32_t word = 0;
+        std::memcpy(&word, bytes.data() + at, sizeof word);
+        return word;
+    };
+    const size_t end = 20 + wordAt(12);
+    nlohmann::json root = nlohmann::json::parse(bytes.substr(20, end - 20));
+    const nlohmann::json twins = root["asset"]["extras"]["twins"];
+    ASSERT_EQ(twins["of"], mesh.patchCount());
+    const auto all = static_cast<ptrdiff_t>(twins["pairs"].size());
+    ASSERT_GE(all, 8);
+    const auto paired = [&](const nlohmann::json& said, const std::string& warning = "") {
+        root["asset"]["extras"]["twins"] = said;
+        std::string text = root.dump();
+        text.resize((text.size() + 3) / 4 * 4, ' ');
+        std::string out = bytes.substr(0, 20) + text + bytes.substr(end);
+        const auto size = static_cast<uint32_t>(out.size()), length = static_cast<uint32_t>(text.size());
+        std::memcpy(out.data() + 8, &size, sizeof size);
+        std::memcpy(out.data() + 12, &length, sizeof length);
+        std::ofstream(file, std::ios::binary) << out;
+        const Building building = importModel(file);
+        expectWarning(building, warning);
+        return std::ranges::count_if(building.faces, [](const Face& face) { return face.twin >= 0; });
+    };
+    EXPECT_EQ(paired(twins), all);
+    const auto with = [&](const char* key, const nlohmann::json& value) {
+        nlohmann::json out = twins;
+        out[key] = value;
+        return out;
+    };
+    EXPECT_EQ(paired(with("pairs", nlohmann::json::array())), 0);
+    nlohmann::json pairs = {static_cast<double>(twins["pairs"][0]), static_cast<double>(twins["pairs"][1])};
+    EXPECT_EQ(paired(with("pairs", pairs)), 2); // 12.0
+    EXPECT_EQ(paired(with("of", 12), "it is of 12 faces"), all);
+    pairs = {twins["pairs"][0], twins["pairs"][1], twins["pairs"][0], twins["pairs"][3]};
+    EXPECT_EQ(paired(with("pairs", pairs), "no two sides of a wall"), all);
+    for (const char* bad : {"[1]", R"([1, "2"])", "[1, -2]", "[1, 2.5]", R"("1 2")", "3"})
+        EXPECT_THROW(paired(with("pairs", nlohmann::json::parse(bad))), InputError) << bad;
+    for (const char* bad : {"false", "[1, 2]", R"({"pairs": [1, 2]})", R"({"of": -1})", R"({"of": "x"})"})
+        EXPECT_THROW(paired(nlohmann::json::parse(bad)), InputError) << bad;
 }
 
 TEST(DirtyModel, panes_of_different_shapes_in_one_wall_are_refused_by_name) {
