@@ -275,32 +275,40 @@ private:
     std::vector<std::pair<uint32_t, uint32_t>> candidates_; // glasses, the lower first
 };
 
-bool mayBeTwins(const Building& building, const Face& a, const Face& b) {
+enum class Fit { none, nearly, exact };
+
+Fit fitOf(const Building& building, const Face& a, const Face& b, double tolerance) {
     if (a.loops.size() != 1 || b.loops.size() != 1 || !building.materials[a.material].isOpening() ||
         !building.materials[b.material].isOpening())
-        return false;
+        return Fit::none;
     const glm::dvec3 m = glm::normalize(areaVector(building.vertices, a.loops[0])),
                      n = glm::normalize(areaVector(building.vertices, b.loops[0])),
                      shift = shiftBetween(building, a, b);
     const double apart = -glm::dot(m, shift), off = glm::length(shift + apart * m),
                  most = kAlike * std::min(longestSide(building, a), longestSide(building, b));
-    return glm::dot(m, n) < kBackToBack && apart > 0 && off <= most + kSkew * apart &&
-           oppositeLoops(building, a, b, most).has_value();
+    if (glm::dot(m, n) >= kBackToBack || apart <= 0 || off > most + kSkew * apart ||
+        !oppositeLoops(building, a, b, most))
+        return Fit::none;
+    return off <= tolerance && oppositeLoops(building, a, b, tolerance) ? Fit::exact : Fit::nearly;
 }
 
 } // namespace
 
-bool pairAsSaid(Building& building, std::span<const std::pair<uint32_t, uint32_t>> pairs) {
+std::optional<GlassPairs> pairAsSaid(Building& building, std::span<const std::pair<uint32_t, uint32_t>> pairs,
+                                     double tolerance) {
     std::vector<int32_t> twin(building.faces.size(), kNoTwin);
+    GlassPairs out;
     for (const auto& [f, g] : pairs) {
-        if (f == g || f >= twin.size() || g >= twin.size() || twin[f] != kNoTwin || twin[g] != kNoTwin ||
-            !mayBeTwins(building, building.faces[f], building.faces[g]))
-            return false;
+        if (f == g || f >= twin.size() || g >= twin.size() || twin[f] != kNoTwin || twin[g] != kNoTwin)
+            return std::nullopt;
+        const Fit fit = fitOf(building, building.faces[f], building.faces[g], tolerance);
+        if (fit == Fit::none) return std::nullopt;
+        out.nearly += fit == Fit::nearly;
         twin[f] = static_cast<int32_t>(g);
         twin[g] = static_cast<int32_t>(f);
     }
     for (size_t f = 0; f < twin.size(); ++f) building.faces[f].twin = twin[f];
-    return true;
+    return out;
 }
 
 GlassPairs pairGlasses(Building& building, double tolerance, double extent) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -18,8 +19,9 @@ struct GlassPairs {
 };
 
 // Makes twins of the pairs of faces, where all of them can be: glass without holes, back to back, opposite
-// one another in place as in shape to within 7 degrees and a tenth of the longest side. Else none, and false.
-bool pairAsSaid(Building& building, std::span<const std::pair<uint32_t, uint32_t>> pairs);
+// one another in place as in shape to within 7 degrees and a tenth of the longest side. None without.
+std::optional<GlassPairs> pairAsSaid(Building& building, std::span<const std::pair<uint32_t, uint32_t>> pairs,
+                                     double tolerance);
 
 // Makes twins of faces of glass (materials that are openings, without holes) that stand back to back no
 // farther apart than a wall is thick (a twentieth of `extent`, and 0.3 of the height in y of the lower of

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 #include <tuple>
 
@@ -90,8 +91,9 @@ private:
     void finish() {
         findSurfaces(building_, model_, source_);
         building_.materials = model_.materials;
-        const GlassPairs glasses =
-            pairsAreAsSaid() ? GlassPairs{} : pairGlasses(building_, kPlanarOfExtent * extent_, extent_);
+        const double tolerance = kPlanarOfExtent * extent_;
+        const std::optional<GlassPairs> said = pairsAsSaid(tolerance);
+        const GlassPairs glasses = said ? *said : pairGlasses(building_, tolerance, extent_);
         for (const auto& [a, b] : glasses.odd)
             refuse({a, b}, "the glass has another shape or place than that on the other side of its wall");
         if (glasses.nearly > 0)
@@ -101,13 +103,13 @@ private:
     }
 
     // By a file of our own that nobody has changed in between; else that is warned of.
-    bool pairsAreAsSaid() {
+    std::optional<GlassPairs> pairsAsSaid(double tolerance) {
         if (!model_.twins || std::ranges::none_of(source_, [&](uint32_t f) { return isOpening(f); }))
-            return false;
+            return std::nullopt;
         const auto warn = [&](const std::string& why) {
             building_.warnings.push_back("what the file says of glass between rooms (twins) is not used, " +
                                          why + ": it was found by shape and place");
-            return false;
+            return std::nullopt;
         };
         const auto& [of, said] = *model_.twins;
         if (of != model_.faceCount())
@@ -119,8 +121,8 @@ private:
         std::vector<std::pair<uint32_t, uint32_t>> pairs;
         for (const auto& [a, b] : said)
             if (faceOf.contains(a) && faceOf.contains(b)) pairs.emplace_back(faceOf.at(a), faceOf.at(b));
-        return (pairs.size() == said.size() && pairAsSaid(building_, pairs)) ||
-               warn("pairs of it are no two sides of a wall");
+        const auto made = pairs.size() < said.size() ? std::nullopt : pairAsSaid(building_, pairs, tolerance);
+        return made ? made : warn("pairs of it are no two sides of a wall");
     }
 
     bool isOpening(uint32_t source) const { return model_.materials[model_.material[source]].isOpening(); }

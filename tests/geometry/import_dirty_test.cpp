@@ -248,6 +248,21 @@ TEST(DirtyModel, panes_are_twins_as_the_file_says_or_where_it_cannot_be_so_as_th
         EXPECT_THROW(paired(bad), InputError) << bad;
 }
 
+TEST(DirtyModel, panes_that_are_nearly_opposite_are_reported_whether_the_file_names_them_or_not) {
+    const auto reported = [](double height, const char* line) {
+        const std::string file = twoRoomsWithPanes(height, {0.3, 1.7});
+        std::ofstream(file, std::ios::app) << line << '\n';
+        const Building building = importModel(file);
+        expectWarning(building, "");
+        return std::ranges::count(building.repairs,
+                                  "2 panes taken as one with what is nearly opposite in the wall");
+    };
+    for (const char* line : {"", "twins of 25 3 16 5 18"}) {
+        EXPECT_EQ(reported(1.2, line), 0) << line;
+        EXPECT_EQ(reported(1.15, line), 1) << line;
+    }
+}
+
 TEST(DirtyModel, panes_are_twins_as_a_gltf_says) {
     const std::string file = testing::TempDir() + "dirty.glb";
     const PatchMesh mesh = meshBuilding(importModel(twoRoomsWithPanes(1.2, {0.3, 1.7})), {200});
