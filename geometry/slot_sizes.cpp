@@ -23,6 +23,7 @@ constexpr double kAlike = 3; // times the area of the other one: most of the lar
 // Triangles per area over the square of their edge, and per length of a border over the edge, where they
 // grow on its other side (Grading's growth).
 constexpr double kPerArea = 4 / 1.7320508, kPerBorder = kPerArea / 0.6;
+constexpr double kTie = 1e-9; // equally far apart: of walls in parts, the largest counts
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
 class SlotFinder {
@@ -76,7 +77,7 @@ private:
 
     // Walls that stand before the opening.
     std::vector<Side> sidesOf(uint32_t opening) const {
-        const glm::dvec3 out = faceNormal(building_, face(opening));
+        const glm::dvec3 normal = faceNormal(building_, face(opening));
         std::vector<Side> sides;
         forEdges(opening, [&](Edge e) {
             const auto other = domainOf_.find({e.second, e.first});
@@ -84,9 +85,10 @@ private:
                 domains_[other->second].frames.size() > 1)
                 return;
             const glm::dvec3 a = building_.vertices[e.first], b = building_.vertices[e.second],
-                             normal = faceNormal(building_, face(other->second)),
-                             inward = glm::normalize(glm::cross(out, b - a));
-            if (glm::dot(normal, inward) > kBefore) sides.push_back({other->second, 0.5 * (a + b), normal});
+                             itsNormal = faceNormal(building_, face(other->second)),
+                             inward = glm::normalize(glm::cross(normal, b - a));
+            if (glm::dot(itsNormal, inward) > kBefore)
+                sides.push_back({other->second, 0.5 * (a + b), itsNormal});
         });
         return sides;
     }
@@ -99,10 +101,11 @@ private:
             for (const Side& other : sides)
                 if (glm::dot(side.normal, other.normal) < kFacing) {
                     const double across = glm::dot(other.middle - side.middle, side.normal);
-                    if (across <= 0 || across >= width) continue;
-                    width = across;
-                    smallest =
+                    if (across <= 0 || across > width * (1 + kTie)) continue;
+                    const double area =
                         std::min(domainArea(domains_[side.domain]), domainArea(domains_[other.domain]));
+                    smallest = across < width * (1 - kTie) ? area : std::max(smallest, area);
+                    width = std::min(width, across);
                 }
         width_[opening] = std::min(width_[opening], width);
         for (const Side& side : sides)

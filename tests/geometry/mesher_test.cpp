@@ -11,6 +11,7 @@
 
 #include "geometry/mesh_domains.h"
 #include "geometry/segment_distance.h"
+#include "geometry/slot_sizes.h"
 
 using namespace heliodon::geometry;
 
@@ -379,6 +380,56 @@ TEST(Mesher, slots_that_light_comes_in_by_have_small_triangles) {
     }
     building.materials[1].transmittance = glm::vec3(0); // nothing comes in
     EXPECT_LT(deepOf(meshBuilding(building, {2000})), 60);
+}
+
+// Glass 2 m long and 12 cm wide over walls 30 cm deep, one of the long ones in two parts and the other one
+// `deep`; corners of the glass from the `first` on, faces in reverse order or not.
+std::vector<double> slotSizesOfWalls(double deep, size_t first, bool reversed) {
+    const std::vector<glm::dvec2> outline{{0, 0}, {2, 0}, {2, 0.12}, {0.5, 0.12}, {0, 0.12}};
+    const size_t n = outline.size();
+    const auto at = [&](size_t k, double y) { return glm::dvec3(outline[k % n].x, y, outline[k % n].y); };
+    Building building;
+    building.materials.resize(2);
+    building.materials[1].transmittance = glm::vec3(0.88F);
+    building.roomCount = 1;
+    const auto add = [&](const std::vector<glm::dvec3>& corners, uint32_t material) {
+        Face face;
+        face.material = material, face.surface = static_cast<uint32_t>(building.faces.size());
+        face.loops.emplace_back();
+        for (const glm::dvec3 p : corners) {
+            const auto known = std::ranges::find(building.vertices, p);
+            face.loops[0].push_back(static_cast<uint32_t>(known - building.vertices.begin()));
+            if (known == building.vertices.end()) building.vertices.push_back(p);
+        }
+        building.faces.push_back(std::move(face));
+    };
+    std::vector<glm::dvec3> glass;
+    for (size_t k = 0; k < n; ++k) glass.push_back(at(first + k, 0));
+    add(glass, 1);
+    for (size_t k = 0; k < n; ++k) {
+        const double low = k == 0 ? -deep : -0.3;
+        add({at(k + 1, 0), at(k, 0), at(k, low), at(k + 1, low)}, 0);
+    }
+    if (reversed) std::ranges::reverse(building.faces);
+    const std::vector<MeshDomain> domains = findMeshDomains(building, 0.3);
+    const std::vector<double> sizes = slotSizes(building, domains, 0.3, 1e6);
+    std::vector<double> bySurface(n + 1);
+    for (size_t d = 0; d < domains.size(); ++d)
+        bySurface[building.faces[domains[d].faces[0]].surface] = sizes[d];
+    return bySurface;
+}
+
+TEST(Mesher, sizes_of_slots_depend_on_no_order_and_leave_out_walls_much_larger_than_their_opposite) {
+    for (size_t first = 0; first < 5; ++first)
+        for (const bool reversed : {false, true}) {
+            for (const double size : slotSizesOfWalls(0.3, first, reversed)) EXPECT_NEAR(size, 0.084, 1e-9);
+            const std::vector<double> sizes = slotSizesOfWalls(3.3, first, reversed);
+            for (size_t s = 0; s < sizes.size(); ++s)
+                if (s == 1) // most of it faces something else
+                    EXPECT_TRUE(std::isinf(sizes[s]));
+                else
+                    EXPECT_NEAR(sizes[s], 0.084, 1e-9);
+        }
 }
 
 // Columns, walls that bend both ways, facets much narrower than the triangles elsewhere, partitions that end
