@@ -203,7 +203,7 @@ double EdgeSampler::narrowTriangles(double edge) const {
     return count;
 }
 
-double EdgeSampler::edgeOf(double finest) const {
+double EdgeSampler::longestEdge(double finest) const {
     return std::isfinite(grading_.growth) ? std::min(edge_, finest) : edge_;
 }
 
@@ -259,7 +259,7 @@ void EdgeSampler::divideEnds(size_t d) {
 void EdgeSampler::divide(SampledEdge& edge) const {
     if (edge.even) return;
     if (!edge.pins.empty()) return fillBetweenPins(edge);
-    const auto steps = stepsAlong(edge, edgeOf(edge.finest));
+    const auto steps = stepsAlong(edge, longestEdge(edge.finest));
     edge.graded = steps.size() > 2;
     edge.divisions.clear();
     // Steps as many times too long or too short: one of 1.45 is worse than two of 0.73.
@@ -333,7 +333,7 @@ void EdgeSampler::considerStrip(uint32_t side, glm::dvec2 a, glm::dvec2 b, uint3
 void EdgeSampler::stagger(const Strip& strip) {
     constexpr double kLongest = 0.8; // of as many steps as there would be
     SampledEdge &side = edges_[strip.side], &other = edges_[strip.other];
-    const double edge = edgeOf(std::min(side.finest, other.finest)),
+    const double edge = longestEdge(std::min(side.finest, other.finest)),
                  step = std::clamp(edge, strip.width / kWideStrip, strip.width / kNarrowStrip);
     if (strip.width > kUniformStrip * edge && strip.width < kRoomInside * edge)
         for (SampledEdge* e : {&side, &other}) // rather a little longer than sharp
@@ -392,7 +392,7 @@ void EdgeSampler::fillBetweenPins(SampledEdge& edge) const {
         else
             kept.back() = 0.5 * (kept.back() + at);
     kept.push_back(edge.length);
-    const auto steps = stepsAlong(edge, edgeOf(edge.finest));
+    const auto steps = stepsAlong(edge, longestEdge(edge.finest));
     const auto countAt = [&](double fraction) {
         size_t i = 0;
         while (i + 2 < steps.size() && steps[i + 1].first < fraction) ++i;
@@ -622,7 +622,7 @@ PlanarDomain EdgeSampler::planar(size_t d) const {
             if (sizeOf(loop[i]) < kInfinity) sources.push_back({from, sizeOf(loop[i])});
             plane.boundary.push_back(from);
             const size_t count = edge.divisions.size();
-            const double beside = edgeOf(edge.finest) < kWorthGrading * edgeOf(finest_[d])
+            const double beside = longestEdge(edge.finest) < kWorthGrading * longestEdge(finest_[d])
                                       ? edge.length / static_cast<double>(count + 1)
                                       : kInfinity;
             if (beside < kInfinity) sources.push_back({from, beside});
@@ -639,7 +639,7 @@ PlanarDomain EdgeSampler::planar(size_t d) const {
     plane.mayLean = !plane.folds.empty() && mayLean(d);
     plane.graded = std::isfinite(grading_.growth);
     plane.dividesSlim = !grading_.sparing;
-    plane.size = {std::move(sources), edgeOf(finest_[d]), grading_.growth};
+    plane.size = {std::move(sources), longestEdge(finest_[d]), grading_.growth};
     return plane;
 }
 

@@ -98,7 +98,7 @@ private:
     std::vector<std::pair<double, double>> stepsAlong(const SampledEdge& edge, double largest) const;
     std::vector<double> foldsOf(size_t domain) const; // those with room for triangles between them
     bool mayLean(size_t domain) const;                // triangles across its folds
-    double edgeOf(double finest) const;               // metres
+    double longestEdge(double finest) const;          // metres
     double sizeOf(uint32_t corner) const;             // infinity where the surroundings ask for nothing
     glm::dvec3 position(uint32_t corner) const { return building_.vertices[corner]; }
 

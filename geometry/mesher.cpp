@@ -68,16 +68,15 @@ public:
         : building_(building), beforePart_(options.beforePart),
           wanted_(static_cast<double>(std::max<size_t>(options.triangles, 1))),
           narrowest_(options.mergesFacets ? kNarrowestOfMany : kNarrowest),
-          domains_(findMeshDomains(building, regularEdge(building, wanted_), options.mergesFacets)),
-          sampler_(building, domains_,
-                   slotSizes(building, domains_, regularEdge(building, wanted_), wanted_)) {
+          regular_(regularEdge(building, wanted_)),
+          domains_(findMeshDomains(building, regular_, options.mergesFacets)),
+          sampler_(building, domains_, slotSizes(building, domains_, regular_, wanted_)) {
         for (const MeshDomain& domain : domains_) areas_.push_back(domainArea(domain));
     }
 
     // Optimisation adds no more points than the count has room for, so that it is known before.
     PatchMesh mesh() {
-        const bool sparing =
-            sampler_.narrowTriangles(regularEdge(building_, wanted_)) > kManyNarrow * wanted_;
+        const bool sparing = sampler_.narrowTriangles(regular_) > kManyNarrow * wanted_;
         std::optional<Plan> best;
         for (const Grading& grading : kGradings) {
             grading_ = grading;
@@ -87,7 +86,7 @@ public:
             addedKnown_ = false;
             counts_.clear();
             double aim = wanted_; // half of the additions are expected
-            if (sampler_.hasSmallParts(regularEdge(building_, wanted_))) aim -= mostAdditions(grading);
+            if (sampler_.hasSmallParts(regular_)) aim -= mostAdditions(grading);
             for (int attempt = 0; attempt < kAttempts; ++attempt) {
                 // Without grading there is no way but this one.
                 if (!chooseSizes(aim) && std::isfinite(grading.growth)) break;
@@ -265,9 +264,7 @@ private:
             lastEdge_ = edge;
             lastCount_ = count;
             const double guess = edge * std::pow(count / wanted, 1 / power);
-            if (high == 0 && guess > kMostStretch * regularEdge(building_, wanted_) &&
-                std::isfinite(grading_.growth))
-                return false;
+            if (high == 0 && guess > kMostStretch * regular_ && std::isfinite(grading_.growth)) return false;
             edge = bracketed && (guess <= std::min(low, high) || guess >= std::max(low, high))
                        ? 0.5 * (low + high)
                        : guess;
@@ -453,7 +450,8 @@ private:
 
     const Building& building_;
     const std::function<void()>& beforePart_;
-    double wanted_, narrowest_;
+    // `regular_`: the edge length of so many equal triangles, metres.
+    double wanted_, narrowest_, regular_;
     double edge_ = 0, added_ = 0;    // added: triangles that refinement adds, as far as known
     size_t additions_ = 0;           // points that optimisation may still add
     std::vector<double> areas_;      // per domain

@@ -1,6 +1,7 @@
 #include "geometry/plan_windows.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <tuple>
 
@@ -232,6 +233,7 @@ private:
         if (clerestory) std::erase_if(sides, [&](const Seen& seen) { return ceilingOf(seen) < top; });
         auto [sill, head] = heights(window.kind, std::min(clerestory ? top : roof, wallTop));
         if (clerestory) sill = std::max(sill, roof);
+        assert(sill < head); // roofs that a wall rises above are at 8, and it is then 10 high: heads are at 9
         if (sides.size() == 2 && window.blind != Blind{})
             out_.notes.push_back({"BLINDS_INSIDE", fmt::format("window {} is between two rooms, where there "
                                                                "are no blinds: it stands open",

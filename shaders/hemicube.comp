@@ -96,7 +96,8 @@ void rasterItem(uint item, bool small, int stripe, int stripes, Frame frame, uin
     int j = first, place = 0, lastPlace = -1;
     float inverse = 0.0;
     if (small) {
-        // All lines in one loop: with a loop in a loop each line takes as long as the longest that the lanes have at a time.
+        // All lines in one loop: with a loop in a loop each line takes as long as the longest that the lanes
+        // have at a time.
         do {
             bool next = place > lastPlace; // line
             vec3 from = low + lowStep * float(j), to = high + highStep * float(j);
