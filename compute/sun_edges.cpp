@@ -13,10 +13,9 @@ namespace heliodon::compute {
 namespace {
 
 // Form factors of patches at a sensor: below kFar edges of sunlight average out, from kNear they are seen
-// exactly.
-constexpr float kFar = 2e-4F, kNear = 0.02F, kMostNearer = 3;
-// But for those that send this share of what edges in all hours do: few and small in a slot, they do not.
-constexpr float kMuchOfAll = 0.005F;
+// exactly. By way of a near wall's cells, which are many, they do below kFarOfCells.
+constexpr float kFar = 1e-6F, kNear = 0.02F, kMostNearer = 3;
+constexpr double kFarOfCells = 2e-4;
 // So much nearer or farther than its patch light is seen exactly: its middle says little.
 constexpr float kMuch = 0.5F;
 // Less than this share of a patch's height below the horizon, or hidden, does not count.
@@ -153,8 +152,6 @@ SunEdges::SunEdges(const geometry::PatchMesh& mesh, std::vector<std::vector<Edge
     }
     firstPart_.push_back(parts_.size());
     parts_.push_back({corners_.size(), {}});
-    for (size_t p = 0; p < patches_.size(); ++p)
-        for (size_t e = patches_[p].first; e < edgesEnd(p); ++e) patches_[p].light += exitance_[e];
 }
 
 bool SunEdges::findNearer(const PointView& view, size_t patch, std::vector<float>& nearer) const {
@@ -173,14 +170,10 @@ bool SunEdges::findNearer(const PointView& view, size_t patch, std::vector<float
 void SunEdges::addTo(std::span<float> lux, const PointScene& scene, const PointView& view, uint32_t room,
                      const float* even) const {
     std::vector<float> nearer;
-    float all = 0;
-    for (const Patch& patch : patches_)
-        if (scene.mesh().room[patch.patch] == room) all += even[patch.patch] * patch.light;
     for (size_t p = 0; p < patches_.size(); ++p) {
         const Patch& patch = patches_[p];
         const float share = even[patch.patch];
-        if (share < kFar && !(share * patch.light > kMuchOfAll * all)) continue;
-        if (scene.mesh().room[patch.patch] != room) continue; // through glass: from afar
+        if (share < kFar || scene.mesh().room[patch.patch] != room) continue; // through glass: from afar
         const size_t end = edgesEnd(p);
         // Not what of the share is seen through windows.
         const double straight = scene.factor(view, patch.patch);
@@ -242,10 +235,10 @@ void SunEdges::addTo(std::span<float> lux, const PointScene& scene, const NearLi
         const double answer = photometric(cell.answer);
         for (size_t p = 0; p < patches_.size(); ++p) {
             const Patch& patch = patches_[p];
-            if (scene.mesh().room[patch.patch] != room || mostOf(patch, view) * answer < double{kFar})
+            if (scene.mesh().room[patch.patch] != room || mostOf(patch, view) * answer < kFarOfCells)
                 continue;
             const double straight = scene.factor(view, patch.patch);
-            if (straight * answer < double{kFar}) continue;
+            if (straight * answer < kFarOfCells) continue;
             if (straight >= double{kNear})
                 addExactly(lux, view, patch.first, edgesEnd(p), straight, cell.answer);
             else if (findNearer(view, p, nearer))

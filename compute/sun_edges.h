@@ -38,12 +38,13 @@ public:
     SunEdges(const geometry::PatchMesh& mesh,
              std::vector<std::vector<Edge>> ofHours); // mesh must outlive this
 
-    // Adds to `lux`, one entry an hour. `even`: the sensor's form factors of patches. About 1 ns for each
-    // edge of patches that count; same bits on any number of threads.
+    // Adds to `lux`, one entry an hour. `even`: the sensor's form factors of patches; those of at least 1e-6
+    // count, as they do for one moment, so that what an hour gets does not depend on which others are here.
+    // About 1 ns for each edge; same bits on any number of threads.
     void addTo(std::span<float> lux, const PointScene& scene, const PointView& view, uint32_t room,
                const float* even) const;
 
-    // The same by way of the cells of a sensor's near walls.
+    // The same by way of the cells of a sensor's near walls: from 2e-4 of what reaches the sensor by a cell.
     void addTo(std::span<float> lux, const PointScene& scene, const NearLight& near, uint32_t room) const;
 
     // What edges of one hour take, here and before they are put in order.
@@ -59,7 +60,6 @@ private:
         size_t first; // of its edges; they end where the next one's begin
         glm::vec3 middle, normal;
         float area, reach; // from the middle to the farthest corner
-        float light = 0;   // photometric exitance, summed over its edges
     };
     static Patch patchOf(const geometry::PatchMesh& mesh, uint32_t patch, size_t first);
     // At least its form factor from the view's point.

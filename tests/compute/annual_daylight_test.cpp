@@ -81,8 +81,8 @@ TEST(AnnualDaylight, sky_round_the_sun_is_seen_as_it_is) {
     expectFull(windowRoom(glm::vec3(0.6f), glm::vec3(0.8f)), skies, 0.004);
 }
 
-// Samples that crowd, as those of the cells of a wall beside a sensor do.
-TEST(AnnualDaylight, crowded_samples_of_sky_may_count_as_one) {
+// Samples all over the hemisphere, as crowded as those of the cells of a wall beside a sensor are.
+TEST(AnnualDaylight, samples_of_sky_count_by_the_luminance_at_each) {
     std::minstd_rand random(7);
     std::uniform_real_distribution<float> place(-1, 1);
     std::vector<NearLight> near(1);
@@ -159,6 +159,28 @@ TEST(AnnualDaylight, sun_that_ends_in_a_slot_too) {
     }
     // Small patches, lit where the ceiling hides them.
     expectFull(test::slottedRoom(2, 16, 6, 1), {sunny({0, 1.7, 1})}, 0.01, {{{1, 1, 1.88}, {0, 0.8, 0.6}}});
+}
+
+// An hour whose sun lights small patches of a slot, among hours whose sun lights patches that look a hundred
+// times as large: it has the same bits whatever hours it shares a block of memory with.
+TEST(AnnualDaylight, what_edges_of_sunlight_count_does_not_depend_on_other_hours) {
+    const std::vector<Sensor> sensors{{{1, 1, 1.88}, {0, 0.8, 0.6}}};
+    const daylight::Sky rare = sunny({0, 1.7, 1});
+    std::vector<daylight::Sky> skies;
+    for (int k = 0; k < 20; ++k) skies.push_back(sunny({0.04 * (k - 10), 1.2, 0.02 * k - 0.2}));
+    skies.insert(skies.begin() + 10, rare);
+    DaylightTransport transport(test::device(), test::slottedRoom(2, 16, 6, 1));
+    const auto year = [&](const std::vector<daylight::Sky>& of, size_t sunBytes, size_t blocks) {
+        AnnualDaylight annual(transport, of, sensors.size(), {}, sunBytes);
+        std::vector<float> lux(of.size()), sun(lux), error(lux);
+        annual.sensors(sensors, lux, sun, error);
+        EXPECT_EQ(annual.report().sunBlocks, blocks);
+        return lux;
+    };
+    const std::vector<float> whole = year(skies, AnnualDaylight::kSunBytes, 1);
+    EXPECT_EQ(year(skies, 1, skies.size()), whole);
+    const float alone = year({rare}, AnnualDaylight::kSunBytes, 1)[0];
+    EXPECT_NEAR(whole[10], alone, 1e-5F * alone);
 }
 
 TEST(AnnualDaylight, sun_that_may_be_just_beside_a_beam_is_told) {
