@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "compute/daylight/sky_grid.h"
 #include "compute/lighting.h"
 #include "compute/parallel.h"
 
@@ -17,7 +16,7 @@ using Shares = std::span<const StraightSky::Share>;
 constexpr size_t kAtOnce = StraightSky::kTables * SkyTables::kSkies; // hours
 
 // What a node has in these hours, table by table.
-struct alignas(SkyTables::Floats) Luminances {
+struct alignas(SkyTables) Luminances {
     SkyTables::Floats of[StraightSky::kTables];
 };
 
@@ -69,33 +68,73 @@ Kernels ofThisProcessor() {
     return {lookUpNarrow, addSharesNarrow};
 }
 
+// Of at most kAtOnce hours.
+class SkiesTogether {
+public:
+    SkiesTogether(std::span<const daylight::Sky> skies, std::span<const uint32_t> hours) {
+        for (const uint32_t hour : hours) skies_.push_back(&skies[hour]);
+        for (size_t first = 0; first < skies_.size(); first += SkyTables::kSkies) {
+            std::array<const daylight::Sky*, SkyTables::kSkies> separable{};
+            for (size_t k = 0; k < std::min(SkyTables::kSkies, skies_.size() - first); ++k)
+                if (!skies_[first + k]->formula.intermediate) separable[k] = skies_[first + k];
+            tables_.emplace_back(separable);
+        }
+    }
+
+    void lookUp(Nodes nodes, std::vector<Luminances>& luminances) const {
+        luminances.assign(nodes.size(), {});
+        for (size_t table = 0; table < tables_.size(); ++table)
+            kernels_.lookUp(tables_[table], table, nodes, luminances.data());
+        for (size_t k = 0; k < skies_.size(); ++k) {
+            if (!skies_[k]->formula.intermediate) continue;
+            for (size_t n = 0; n < nodes.size(); ++n)
+                luminances[n].of[k / SkyTables::kSkies][k % SkyTables::kSkies] =
+                    static_cast<float>(skies_[k]->luminance(glm::dvec3(nodes[n].direction)));
+        }
+    }
+
+    // Adds a sensor's lux to `row`, one of each sky in order of `hours`.
+    void add(const std::vector<Luminances>& luminances, Shares shares, float ground, float* row,
+             std::span<const uint32_t> hours) const {
+        Luminances sums;
+        kernels_.addShares(luminances.data(), shares, sums);
+        for (size_t k = 0; k < hours.size(); ++k)
+            row[hours[k]] += sums.of[k / SkyTables::kSkies][k % SkyTables::kSkies] +
+                             ground * static_cast<float>(skies_[k]->ground.luminance);
+    }
+
+private:
+    Kernels kernels_ = ofThisProcessor();
+    std::vector<const daylight::Sky*> skies_;
+    std::vector<SkyTables> tables_;
+};
+
+StraightSky::Node nodeAt(glm::vec3 direction) {
+    return {direction, SkyTables::heightIndex(direction.y)};
+}
+
 } // namespace
 
-StraightSky::StraightSky(const SkyView& view, std::span<const NearLight> near) {
-    const daylight::SkyGrid grid;
+StraightSky::StraightSky(const SkyView& view, std::span<const NearLight> near) : view_(&view), near_(near) {
     constexpr uint32_t kUnused = ~0U;
-    std::vector<uint32_t> number(grid.nodes().size(), kUnused); // among those that count
+    std::vector<uint32_t> number(grid_.nodes().size(), kUnused); // among those that count
     for (size_t s = 0; s < near.size(); ++s) {
         double ground = 0;
-        std::vector<double> weights(grid.nodes().size(), 0);
-        const auto take = [&](std::span<const SkySample> samples) {
+        std::vector<double> weights(grid_.nodes().size(), 0);
+        for (const std::span<const SkySample> samples : samplesOf(s))
             for (const SkySample& sample : samples) {
                 const double weight = photometric(sample.weight);
                 if (sample.direction.y > 0)
-                    for (const auto& [node, part] : grid.sharesOf(glm::dvec3(sample.direction)))
+                    for (const auto& [node, part] : grid_.sharesOf(glm::dvec3(sample.direction)))
                         weights[node] += weight * part;
                 else
                     ground += weight;
             }
-        };
-        take(view.of(s));
-        take(near[s].sky);
         for (size_t n = 0; n < weights.size(); ++n) {
             if (weights[n] == 0) continue;
             if (number[n] == kUnused) {
                 number[n] = static_cast<uint32_t>(nodes_.size());
-                const glm::vec3 direction = grid.nodes()[n];
-                nodes_.push_back({direction, SkyTables::heightIndex(direction.y)});
+                nodes_.push_back(nodeAt(grid_.nodes()[n]));
             }
             shares_.push_back({number[n], static_cast<float>(weights[n])});
         }
@@ -106,41 +145,51 @@ StraightSky::StraightSky(const SkyView& view, std::span<const NearLight> near) {
 
 void StraightSky::addTo(std::span<float> lux, std::span<const daylight::Sky> skies,
                         std::span<const uint32_t> hours, const std::function<void(size_t)>& done) const {
-    inParallel((hours.size() + kAtOnce - 1) / kAtOnce,
-               [&](size_t block) {
-                   const size_t first = block * kAtOnce;
-                   addTogether(lux, skies, hours.subspan(first, std::min(kAtOnce, hours.size() - first)));
-               },
-               [&](size_t blocks) {
-                   if (done) done(std::min(blocks * kAtOnce, hours.size()));
-               });
+    std::vector<char> isSmooth(hours.size());
+    inParallel(hours.size(), [&](size_t k) { isSmooth[k] = grid_.isSmoothWithHeight(skies[hours[k]]); });
+    std::vector<uint32_t> smooth, steep;
+    for (size_t k = 0; k < hours.size(); ++k) (isSmooth[k] ? smooth : steep).push_back(hours[k]);
+    const auto inBlocks = [&](std::span<const uint32_t> some, size_t before, auto add) {
+        inParallel((some.size() + kAtOnce - 1) / kAtOnce,
+                   [&](size_t block) {
+                       const size_t first = block * kAtOnce;
+                       (this->*add)(lux, skies, some.subspan(first, std::min(kAtOnce, some.size() - first)));
+                   },
+                   [&](size_t blocks) {
+                       if (done) done(before + std::min(blocks * kAtOnce, some.size()));
+                   });
+    };
+    inBlocks(smooth, 0, &StraightSky::addByNodes);
+    inBlocks(steep, smooth.size(), &StraightSky::addBySamples);
 }
 
-// At most kAtOnce hours.
-void StraightSky::addTogether(std::span<float> lux, std::span<const daylight::Sky> skies,
-                              std::span<const uint32_t> hours) const {
-    const Kernels kernels = ofThisProcessor();
-    std::vector<Luminances> luminances(nodes_.size());
-    for (size_t table = 0; table * SkyTables::kSkies < hours.size(); ++table) {
-        const size_t first = table * SkyTables::kSkies;
-        const auto some = hours.subspan(first, std::min(SkyTables::kSkies, hours.size() - first));
-        std::array<const daylight::Sky*, SkyTables::kSkies> separable{};
-        for (size_t k = 0; k < some.size(); ++k)
-            if (!skies[some[k]].formula.intermediate) separable[k] = &skies[some[k]];
-        kernels.lookUp(SkyTables(separable), table, nodes_, luminances.data());
-        for (size_t k = 0; k < some.size(); ++k)
-            for (size_t n = 0; n < nodes_.size() && !separable[k]; ++n)
-                luminances[n].of[table][k] =
-                    static_cast<float>(skies[some[k]].luminance(glm::dvec3(nodes_[n].direction)));
-    }
+void StraightSky::addByNodes(std::span<float> lux, std::span<const daylight::Sky> skies,
+                             std::span<const uint32_t> hours) const {
+    const SkiesTogether together(skies, hours);
+    std::vector<Luminances> luminances;
+    together.lookUp(nodes_, luminances);
+    for (size_t s = 0; s < ground_.size(); ++s)
+        together.add(luminances, Shares(shares_).subspan(first_[s], first_[s + 1] - first_[s]), ground_[s],
+                     &lux[s * skies.size()], hours);
+}
+
+void StraightSky::addBySamples(std::span<float> lux, std::span<const daylight::Sky> skies,
+                               std::span<const uint32_t> hours) const {
+    const SkiesTogether together(skies, hours);
+    std::vector<Luminances> luminances;
+    std::vector<Node> places;
+    std::vector<Share> shares;
     for (size_t s = 0; s < ground_.size(); ++s) {
-        Luminances sums;
-        kernels.addShares(luminances.data(), Shares(shares_).subspan(first_[s], first_[s + 1] - first_[s]),
-                          sums);
-        for (size_t k = 0; k < hours.size(); ++k)
-            lux[s * skies.size() + hours[k]] +=
-                sums.of[k / SkyTables::kSkies][k % SkyTables::kSkies] +
-                ground_[s] * static_cast<float>(skies[hours[k]].ground.luminance);
+        places.clear(), shares.clear();
+        for (const std::span<const SkySample> samples : samplesOf(s))
+            for (const SkySample& sample : samples) {
+                if (!(sample.direction.y > 0)) continue;
+                shares.push_back(
+                    {static_cast<uint32_t>(places.size()), static_cast<float>(photometric(sample.weight))});
+                places.push_back(nodeAt(sample.direction));
+            }
+        together.lookUp(places, luminances);
+        together.add(luminances, shares, ground_[s], &lux[s * skies.size()], hours);
     }
 }
 

@@ -14,7 +14,7 @@
 namespace heliodon::daylight {
 
 // Of separable formulas. About 30 us a sky.
-class SkyTables {
+class alignas(32) SkyTables { // as AVX2 reads it, whatever the rest is compiled for
 public:
     static constexpr size_t kSkies = 8;
     using Floats [[gnu::vector_size(kSkies * sizeof(float))]] = float; // one of each sky

@@ -85,24 +85,32 @@ TEST(AnnualDaylight, sky_round_the_sun_is_seen_as_it_is) {
 TEST(AnnualDaylight, samples_of_sky_count_by_the_luminance_at_each) {
     std::minstd_rand random(7);
     std::uniform_real_distribution<float> place(-1, 1);
-    std::vector<NearLight> near(1);
+    std::vector<NearLight> near(2);
     for (int k = 0; k < 20000; ++k)
         near[0].sky.push_back({glm::normalize(glm::vec3(place(random), 0.5f * place(random), -1)),
                                glm::vec3(1 + place(random), 0.5f, 1 - place(random))});
     SkyView none;
-    none.first.push_back(0);
+    none.first.resize(near.size() + 1, 0);
     std::vector<daylight::Sky> skies{overcast(), sunny({0.2, 0.1, -1})};
     skies.push_back(daylight::perezSky({-1, -0.3, 12, -5, 0.5}, glm::normalize(glm::dvec3(0, 0.1, -1)), 1e3));
     skies.push_back(daylight::cieIntermediateSky(glm::normalize(glm::dvec3(0.1, 0.2, -1)), 2e3));
-    std::vector<float> taken(skies.size(), 0);
-    StraightSky(none, near).addTo(taken, skies, std::vector<uint32_t>{0, 1, 2, 3});
-    for (size_t h = 0; h < skies.size(); ++h) {
-        double lux = 0;
-        for (const SkySample& sample : near[0].sky)
-            lux +=
-                photometric(sample.weight) * skies[h].luminance(glm::normalize(glm::dvec3(sample.direction)));
-        EXPECT_NEAR(taken[h], lux, 1e-4 * lux);
-    }
+    // Black up to 1.6 degrees.
+    skies.push_back(
+        daylight::perezSky({-0.222, 0.041, 12, -5, 0.5}, glm::normalize(glm::dvec3(0, 0.035, -1)), 1e3));
+    // Those of a slit at the horizon as well, which see nothing else.
+    for (int k = 0; k < 200; ++k)
+        near[1].sky.push_back(
+            {glm::normalize(glm::vec3(place(random), 0.03f + 0.01f * place(random), -1)), glm::vec3(1)});
+    std::vector<float> taken(near.size() * skies.size(), 0);
+    StraightSky(none, near).addTo(taken, skies, std::vector<uint32_t>{0, 1, 2, 3, 4});
+    for (size_t s = 0; s < near.size(); ++s)
+        for (size_t h = 0; h < skies.size(); ++h) {
+            double lux = 0;
+            for (const SkySample& sample : near[s].sky)
+                lux += photometric(sample.weight) *
+                       skies[h].luminance(glm::normalize(glm::dvec3(sample.direction)));
+            EXPECT_NEAR(taken[s * skies.size() + h], lux, (s == 0 ? 1e-4 : 1e-3) * lux) << s << " " << h;
+        }
 }
 
 TEST(AnnualDaylight, coloured_walls_and_tinted_glass_too) {
