@@ -26,13 +26,13 @@ public:
 
     // What nodes say of the luminance in a unit direction with y > 0: weights, of either sign, whose sum
     // is 1. For skies that are smooth with height off by 3e-3 of the sky's brightest, by 5e-2 within 5
-    // degrees of a cone's tip at the sun, to both sides alike: by 1e-4 of the whole sky's light (measured on
-    // 3000 skies drawn at random, a year of weather and all CIE types).
+    // degrees of a cone's tip at the sun (measured on 3000 skies drawn at random, a year of weather and all
+    // CIE types); to both sides alike, by 1e-4 of the whole sky's light (85 skies).
     Shares sharesOf(glm::dvec3 direction) const;
 
     // Whether rows are close enough for the gradation with height: between them it is told to 1e-3 of the
     // sky's brightest. Not those of most skies with a ribbon at the horizon, nor of Perez's skies under a low
-    // sun that are dark below a height of some degrees (b > 0 > a), up to 20 % of the brightest off, 19 of
+    // sun that are dark below a height of some degrees (b > 0 > a): those would be off by up to 20 %. 19 of
     // Chicago's 4691 hours of light. About 10 us.
     bool isSmoothWithHeight(const Sky& sky) const;
 

@@ -184,7 +184,8 @@ TEST(DaylightTransport, tinted_panes_count_beside_walls) {
         const glm::vec3 tint(0.2f, 0.5f, 0.8f), lux = luxBehind(tint);
         for (int c = 0; c < 3; ++c) {
             const float grey = luxBehind(glm::vec3(tint[c])).x;
-            EXPECT_NEAR(lux[c], grey, 2e-4F * grey) << sun.y << " " << c;
+            // The solver's tolerance leaves 4e-5 at the most.
+            EXPECT_NEAR(lux[c], grey, 1e-4F * grey) << sun.y << " " << c;
         }
     }
 }
@@ -315,22 +316,32 @@ TEST(SunBounce, is_what_a_mesh_four_times_as_fine_gives) {
 }
 
 // Where sunlight ends on a slot's own walls, patches as deep as the slot do not know how little of it gets
-// down: what they send far is less than their mean would.
+// down: what they send far is less than their mean would. In dark walls what sensors see of it is exact; in
+// bright ones what such patches reflect on is 5.2 % too much at the worst sensor, 5.0 % against a mesh of
+// the room three times as fine.
 TEST(SunBounce, little_of_what_ends_at_the_top_of_a_slot_gets_into_the_room) {
     const std::vector<Sensor> sensors{
         {{1, 0.8, 1}, {0, 1, 0}}, {{0.4, 0.8, 0.5}, {0, 1, 0}}, {{1.5, 0.5, 1.6}, {0, 1, 0}}};
-    DaylightTransport few(test::device(), test::slottedRoom(4, 12, 2, 1)),
-        many(test::device(), test::slottedRoom(4, 60, 18, 4));
+    const geometry::PatchMesh bright = test::slottedRoom(4, 12, 2, 1);
+    std::vector<geometry::Material> dark = bright.materials;
+    dark[0].reflectance = dark[1].reflectance = glm::vec3(1e-3F);
+    DaylightTransport few(test::device(), bright), many(test::device(), test::slottedRoom(4, 60, 18, 4));
     few.setSensors(sensors), many.setSensors(sensors);
-    for (const glm::dvec3 towards : {glm::dvec3(0.3, 0.6, -1), {0.1, 1.2, 1}}) {
-        daylight::Sky sky;
-        sky.sun = {glm::normalize(towards), 50000};
-        const Moment stated = few.light(sky), there = many.light(sky);
-        for (size_t s = 0; s < sensors.size(); ++s) {
-            const double lux = photometric(stated.sensors[s].total()),
-                         exact = photometric(there.sensors[s].total());
-            EXPECT_NEAR(lux, exact, 0.055 * exact) << s;
-            EXPECT_NEAR(lux, exact, stated.sensors[s].error) << s;
+    for (const bool isDark : {false, true}) {
+        if (isDark) few.setMaterials(dark), many.setMaterials(dark);
+        for (const glm::dvec3 towards : {glm::dvec3(0.3, 0.6, -1), {0.1, 1.2, 1}}) {
+            daylight::Sky sky;
+            sky.sun = {glm::normalize(towards), 50000};
+            const Moment stated = few.light(sky), there = many.light(sky);
+            for (size_t s = 0; s < sensors.size(); ++s) {
+                const double lux = photometric(stated.sensors[s].total()),
+                             exact = photometric(there.sensors[s].total());
+                if (isDark)
+                    EXPECT_NEAR(lux, exact, 5e-4 * exact + 1e-5) << s;
+                else
+                    EXPECT_NEAR(lux, exact, 0.055 * exact) << s;
+                EXPECT_NEAR(lux, exact, stated.sensors[s].error) << s;
+            }
         }
     }
 }
@@ -346,8 +357,9 @@ TEST(SunBounce, small_patches_of_a_slot_do_not_shine_where_they_are_dark) {
         transport.setSensors({sensor});
         return photometric(transport.light(sky).sensors[0].total());
     };
+    // 2.1 % is what six rows reflect on too much; twelve are within 0.2 % of 24.
     const double exact = lux(12);
-    EXPECT_NEAR(lux(6), exact, 0.05 * exact);
+    EXPECT_NEAR(lux(6), exact, 0.03 * exact);
 }
 
 // What a grid and corners have at a point of a triangle, to the nearest place.
