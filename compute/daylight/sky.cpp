@@ -65,14 +65,18 @@ double indicatrix(const SkyFormula& f, double cosine) {
     return f.i0 + f.c * std::exp(f.d * std::acos(std::clamp(cosine, -1.0, 1.0))) + f.e * cosine * cosine;
 }
 
+double luminance(const SkyFormula& f, double gradation, double cosine) {
+    return f.scale * std::max(0.0, gradation * indicatrix(f, cosine));
+}
+
 double Sky::luminance(glm::dvec3 direction) const {
     const double z = direction.y;
     if (z <= 0) return ground.luminance;
     if (formula.scale <= 0) return 0;
     const double cosine = glm::dot(direction, shapeDirection);
-    const double shape = formula.intermediate ? intermediateShape(z, shapeDirection.y, cosine)
-                                              : gradation(formula, z) * indicatrix(formula, cosine);
-    return formula.scale * std::max(0.0, shape);
+    return formula.intermediate
+               ? formula.scale * std::max(0.0, intermediateShape(z, shapeDirection.y, cosine))
+               : daylight::luminance(formula, gradation(formula, z), cosine);
 }
 
 Sky cieGeneralSky(int type, glm::dvec3 sunDirection, double zenithLuminance) {
@@ -155,11 +159,11 @@ double diffuseHorizontalIlluminance(const Sky& sky) {
         double sum = 0;
         for (size_t i = 0; i < cosines.size(); ++i) {
             const double cosine = z * sunZ + level * sunLevel * cosines[i];
-            const double shape =
-                f.intermediate ? intermediateShape(z, sunZ, cosine) : atZ * indicatrix(f, cosine);
-            sum += kGauss24[i].weight * 2.0 * kPi * kGauss24[i].x * std::max(0.0, shape);
+            const double there = f.intermediate ? f.scale * std::max(0.0, intermediateShape(z, sunZ, cosine))
+                                                : luminance(f, atZ, cosine);
+            sum += kGauss24[i].weight * 2.0 * kPi * kGauss24[i].x * there;
         }
-        return 2.0 * sum * z * level * f.scale;
+        return 2.0 * sum * z * level;
     };
     // From `from`, where the nodes crowd, to `to`.
     const auto band = [&](double from, double to) {

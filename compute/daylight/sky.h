@@ -27,6 +27,8 @@ struct SkyFormula {
 // The two factors of a separable formula, by z and by the cosine of g.
 double gradation(const SkyFormula& formula, double z);
 double indicatrix(const SkyFormula& formula, double cosine);
+// cd/m2 of both together, the gradation known.
+double luminance(const SkyFormula& formula, double gradation, double cosine);
 
 struct SunDisc {
     glm::dvec3 direction{0, 1, 0};

@@ -89,12 +89,6 @@ double meanWithRibbon(const Sky& sky, const Cell& cell) {
     return sum / (cell.highSine - cell.lowSine);
 }
 
-// Sky::luminance above the horizon, of a separable formula.
-double luminance(const Sky& sky, double gradation, glm::dvec3 direction) {
-    const double cosine = glm::dot(direction, sky.shapeDirection);
-    return sky.formula.scale * std::max(0.0, gradation * indicatrix(sky.formula, cosine));
-}
-
 // The cells that a patch is made of: itself, or the sectors of the cap.
 template<typename Visit> void visitCells(const SkyRow& row, uint32_t column, Visit visit) {
     const bool cap = row.patchCount == 1;
@@ -170,14 +164,16 @@ std::vector<double> SkyPatches::luminances(const Sky& sky) const {
     std::array<double, kNodes> gradations{}; // at the nodes of a cell, the same all along a row
     for (size_t patch = 0; patch < patchCount_; ++patch) {
         const SkyRow& row = rowOf(patch);
-        for (size_t i = 0; i < kNodes && patch == row.firstPatch && !f.intermediate; ++i)
-            gradations[i] = gradation(f, samples_[sample + i].y);
+        if (patch == row.firstPatch && !f.intermediate)
+            for (size_t i = 0; i < kNodes; ++i) gradations[i] = gradation(f, samples_[sample + i].y);
         const double share = row.patchCount == 1 ? 1.0 / kCapSectors : 1.0;
         visitCells(row, static_cast<uint32_t>(patch - row.firstPatch), [&](const Cell& cell) {
             std::array<double, kNodes> values{};
-            for (size_t i = 0; i < kNodes; ++i, ++sample)
-                values[i] = f.intermediate ? sky.luminance(samples_[sample])
-                                           : luminance(sky, gradations[i], samples_[sample]);
+            for (size_t i = 0; i < kNodes; ++i, ++sample) {
+                const glm::dvec3 d = samples_[sample];
+                values[i] = f.intermediate ? sky.luminance(d)
+                                           : luminance(f, gradations[i], glm::dot(d, sky.shapeDirection));
+            }
             const Estimate estimate(values);
             result[patch] += share * (cell.lowSine < ribbonEnd ? meanWithRibbon(sky, cell)
                                       : estimate.agrees()      ? estimate.fine
