@@ -200,7 +200,8 @@ private:
         if (out_.sketch.north) used_[bestRegion] = true;
     }
 
-    // A marker has its wall's paint past both of its ends, a wall's paint a marker past one of them.
+    // A marker has its wall's paint past both of its ends, a wall's red a marker past one of them; an orange
+    // arrow may point at a marker.
     bool continuesAWall(const Component& region) const {
         constexpr double kGap = 0.25; // inches: past blur
         const Pca pca = principalAxes(planPoints(region, view_, 0));
@@ -209,8 +210,9 @@ private:
             return paint != region.group ? paint : Paint::none;
         };
         const Paint before = paintAt(pca.low - kGap), after = paintAt(pca.high + kGap);
+        const bool isRed = region.group == Paint::red && 2 * region.minorityArea < region.area;
         return (isWallPaint(before) && isWallPaint(after)) ||
-               (region.group == Paint::red && (isMarker(before) || isMarker(after)));
+               (isRed && (isMarker(before) || isMarker(after)));
     }
 
     static bool isLightBlue(const Component& region) {

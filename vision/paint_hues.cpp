@@ -14,7 +14,8 @@ constexpr std::array<float, kPaints> kNominalSaturation = {0, 1, 1, 1, 1, 0.8f, 
 // Degrees that a paint's hue may lie from the nominal. Greens differ more than the others, and nothing else
 // is near.
 constexpr std::array<float, kPaints> kHueReach = {0, 16, 16, 16, 28, 16, 16, 16, 16};
-constexpr float kMagentaBesideRed = 26;
+constexpr float kMagentaBesideRed = 26; // towards red
+constexpr float kOwnRed = 8;            // a peak nearer than this to the nominal red is one
 constexpr float kHueScale = 8; // degrees that weigh as much as
 constexpr float kSaturationScale = 0.2f;
 constexpr float kFarthest = 8; // squared distance, in these scales, from a nominal blue to a peak
@@ -129,15 +130,17 @@ void PaintTable::learnHues(const std::vector<Coloured>& coloured) {
     const std::vector<Peak> peaks = findPeaks(histogram);
     // Beside a red of its own, what is still redder than a usual magenta is no other red.
     const bool hasRed = std::any_of(peaks.begin(), peaks.end(), [](const Peak& peak) {
-        return hueDistance(kNominalHue[static_cast<size_t>(Paint::red)], peak.hue) < kHueScale;
+        return hueDistance(kNominalHue[static_cast<size_t>(Paint::red)], peak.hue) < kOwnRed;
     });
     std::vector<Pair> pairs;
     for (size_t paint = 1; paint < kPaints; ++paint) {
         const bool isWide = hasRed && static_cast<Paint>(paint) == Paint::magenta;
-        const float reach = isWide ? kMagentaBesideRed : kHueReach[paint];
-        for (size_t k = 0; k < peaks.size() && !isBlue(paint); ++k)
+        for (size_t k = 0; k < peaks.size() && !isBlue(paint); ++k) {
+            const bool isRedder = isWide && peaks[k].hue > kNominalHue[paint];
+            const float reach = isRedder ? kMagentaBesideRed : kHueReach[paint];
             if (const float d = hueDistance(kNominalHue[paint], peaks[k].hue); d < reach)
                 pairs.push_back({d, paint, k});
+        }
     }
     for (const Pair& p : matched(pairs, peaks.size())) tone_[p.paint].hue = peaks[p.peak].hue;
 }

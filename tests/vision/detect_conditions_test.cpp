@@ -745,6 +745,17 @@ TEST(DetectConditions, a_marker_on_a_wall_is_no_arrow) {
     EXPECT_FALSE(detectSketch(photo, rig).sketch.north.has_value());
 }
 
+TEST(DetectConditions, an_arrow_that_points_at_a_marker) {
+    const geometry::Rig rig = exampleRig();
+    const glm::dvec3 eye = rig.camera.centre() / geometry::kMetresPerInch;
+    const glm::dvec2 outer(-2, -5.19); // of the first window's marker, and where on the table it is seen
+    const glm::dvec2 there = glm::mix(glm::dvec2(eye.x, -eye.z), outer, eye.y / (eye.y - 10));
+    geometry::Sketch sketch = room();
+    sketch.north->dirDeg = 90;
+    sketch.north->pos = {there.x, there.y - 0.2 - 1.5};
+    expectRead(sketch, paintTable(sketch, rig));
+}
+
 // Paints that one maker has otherwise than another: a magenta nearer to red than to the usual one, a cyan
 // like light blue, an orange like the wood of the table; a stretch of a wall beside a marker as broad at one
 // end as an arrow's head.
