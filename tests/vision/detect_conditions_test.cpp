@@ -15,6 +15,7 @@
 #include "tests/vision/sketch_score.h"
 #include "tests/vision/table_painter.h"
 #include "vision/detect.h"
+#include "vision/paint_hues.h"
 #include "vision/plan_view.h"
 #include "vision/table_edge.h"
 #include "vision/white_map.h"
@@ -785,6 +786,17 @@ TEST(DetectConditions, other_makers_paints) {
     Photograph photo = paintTable(sketch, rig);
     cover(photo, rig, {{5.9, -5.3}, {6.5, -5.35}, {6.5, -4.65}, {5.9, -4.7}}, 10, PaintBox{}.red);
     EXPECT_FALSE(detectSketch(photo, rig).sketch.north.has_value());
+}
+
+// Only what is redder than a usual magenta is taken for one from as far as a red beside it explains.
+TEST(PaintTable, violet_moves_no_magenta) {
+    const auto tableOf = [](uint16_t hue) { // of a red and of that one
+        std::vector<Coloured> pixels;
+        for (uint32_t i = 0; i < 400; ++i) pixels.push_back({i, i % 2 == 0 ? hue : uint16_t{3}, 220, 60});
+        return PaintTable(pixels, 20, 2);
+    };
+    EXPECT_EQ(tableOf(303).at(338, 220), Paint::magenta);
+    EXPECT_EQ(tableOf(348).at(350, 220), Paint::magenta);
 }
 
 // Compression lays a pale seam of the complement beside a wall's paint.
