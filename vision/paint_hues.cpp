@@ -16,7 +16,7 @@ constexpr std::array<float, kPaints> kNominalSaturation = {0, 1, 1, 1, 1, 0.8f, 
 constexpr std::array<float, kPaints> kHueReach = {0, 16, 16, 16, 28, 16, 16, 16, 16};
 constexpr float kMagentaBesideRed = 26; // towards red
 constexpr float kOwnRed = 8;            // a peak nearer than this to the nominal red is one
-constexpr float kHueScale = 8; // degrees that weigh as much as
+constexpr float kHueScale = 8;          // degrees that weigh as much as
 constexpr float kSaturationScale = 0.2f;
 constexpr float kFarthest = 8; // squared distance, in these scales, from a nominal blue to a peak
 constexpr int kFirstBlue = 172, kLastBlue = 248; // degrees
