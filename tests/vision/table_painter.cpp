@@ -24,6 +24,31 @@ glm::dvec2 left(glm::dvec2 v) {
     return {-v.y, v.x};
 }
 
+double linear(uint8_t v) {
+    static const auto light = [] {
+        std::array<double, 256> out{};
+        for (size_t i = 0; i < out.size(); ++i) out[i] = std::pow(static_cast<double>(i) / 255, 2.2);
+        return out;
+    }();
+    return light[v];
+}
+uint8_t encodedByPower(double v) {
+    return static_cast<uint8_t>(std::lround(255 * std::pow(v, 1 / 2.2)));
+}
+// The same byte: powers are slow, and between two places of one byte there is no other.
+uint8_t encoded(double v) {
+    constexpr size_t kSteps = 1 << 15;
+    static const auto bytes = [] {
+        std::array<uint8_t, kSteps + 2> out{};
+        for (size_t i = 0; i < out.size(); ++i)
+            out[i] = encodedByPower(std::min(1.0, static_cast<double>(i) / kSteps));
+        return out;
+    }();
+    v = std::clamp(v, 0.0, 1.0);
+    const auto i = static_cast<size_t>(v * kSteps);
+    return bytes[i] == bytes[i + 1] ? bytes[i] : encodedByPower(v);
+}
+
 class Easel {
 public:
     Easel(const geometry::Rig& rig, const PaintBox& paints)
@@ -61,7 +86,7 @@ public:
                     const double v = std::min(1.0, small.at<cv::Vec<uint16_t, 3>>(y, x)[c] / 65535.0 * light);
                     out.rgb[3 * (static_cast<size_t>(y) * static_cast<size_t>(small.cols) +
                                  static_cast<size_t>(x)) +
-                            i] = static_cast<uint8_t>(std::lround(255 * std::pow(v, 1 / 2.2)));
+                            i] = encoded(v);
                 }
         return out;
     }
@@ -170,13 +195,6 @@ cv::Mat maskOf(const Photograph& photo, const geometry::Rig& rig, const std::vec
     cv::Mat mask = cv::Mat::zeros(photo.height, photo.width, CV_8U);
     cv::fillPoly(mask, std::vector<std::vector<cv::Point>>{points}, 1);
     return mask;
-}
-
-double linear(uint8_t v) {
-    return std::pow(v / 255.0, 2.2);
-}
-uint8_t encoded(double v) {
-    return static_cast<uint8_t>(std::lround(255 * std::pow(std::clamp(v, 0.0, 1.0), 1 / 2.2)));
 }
 
 } // namespace
