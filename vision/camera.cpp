@@ -139,7 +139,8 @@ private:
 void refuseNoCamera(const std::string& source) {
     for (const char* kind : {"file:", "replay:", "aravis:"})
         if (source.starts_with(kind)) return;
-    throw InputError("--camera", source, "is no camera, expected aravis:ID, replay:FOLDER or file:PHOTO");
+    throw InputError("--camera", "",
+                     "'" + source + "' is no camera, expected aravis:ID, replay:FOLDER or file:PHOTO");
 }
 
 std::unique_ptr<Camera> openCamera(const std::string& source, const CameraOptions& options) {

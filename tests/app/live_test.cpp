@@ -468,7 +468,7 @@ TEST_F(Live, bad_words_are_refused_by_name) {
     const Outcome outcome = heliodon(start + "webcam:0");
     setenv("DISPLAY", before.c_str(), 1);
     EXPECT_EQ(outcome.exitCode, 2) << outcome.output;
-    EXPECT_NE(outcome.output.find("webcam:0"), std::string::npos) << outcome.output;
+    EXPECT_NE(outcome.output.find("--camera: 'webcam:0' is no camera"), std::string::npos) << outcome.output;
 }
 
 } // namespace
