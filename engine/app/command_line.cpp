@@ -1,10 +1,12 @@
 #include "engine/app/command_line.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <initializer_list>
 #include <sstream>
 #include <utility>
 #include <vector>
@@ -64,7 +66,9 @@ std::vector<fs::path> besides(const fs::path& output) {
 // meant.
 std::vector<fs::path> librariesOf(const fs::path& model) {
     std::vector<fs::path> libraries;
-    if (model.extension() != ".obj") return libraries;
+    std::string extension = model.extension().string();
+    std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+    if (extension != ".obj") return libraries;
     std::ifstream in(model);
     for (std::string line; std::getline(in, line);) {
         std::istringstream words(line);
@@ -81,6 +85,25 @@ std::vector<fs::path> librariesOf(const fs::path& model) {
 
 bool isStdout(const fs::path& path) {
     return path == "-" || path == "/dev/stdout";
+}
+
+// By its name alone, before any work: what a command writes into its folder depends on its options and input.
+void refuseReportAmongResults(const CLI::App& command) {
+    const CLI::Option* report = command.get_option_no_throw("--report");
+    const CLI::Option* output = command.get_option_no_throw("--output");
+    if (!report || report->empty() || !output || output->empty()) return;
+    const fs::path file = report->results().front();
+    const fs::path folder = output->results().front();
+    if (!isSame(file.lexically_normal().parent_path() / ".", folder / ".")) return;
+    const std::string name = file.filename().string();
+    const std::string extension = file.extension().string();
+    const auto isOneOf = [](const std::string& text, std::initializer_list<const char*> all) {
+        return std::ranges::find(all, text) != all.end();
+    };
+    if (isOneOf(extension, {".png", ".exr", ".svg", ".csv", ".npy"}) || name.ends_with(".files.json") ||
+        isOneOf(name, {"bench.json", "frames.json", "summary.json"}))
+        throw InputError("--report", file.string(),
+                         "is a name for results in the folder of --output, expected another, like report.json");
 }
 
 // The user has named neither the materials that a model reads nor those that are written beside one.
@@ -117,6 +140,7 @@ void refuseOverwriting(const CLI::App& command) {
                     throw InputError(name, file,
                                      "is read by " + option->get_name() + ", expected another file");
     refuseOverLibraries(command, written);
+    refuseReportAmongResults(command);
 }
 
 } // namespace

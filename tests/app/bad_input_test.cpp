@@ -105,10 +105,30 @@ TEST_F(BadInput, materials_that_a_model_reads_are_not_written_over) {
     const std::string model = "model " + in("a.obj") + " --triangles 12 -o ";
     expectRefused(model + in("b.obj"), {"--output", "b.mtl", "is read by INPUT"});
     EXPECT_FALSE(std::filesystem::exists(folder / "b.obj"));
+    std::filesystem::copy_file(in("a.obj"), in("A.OBJ"));
+    expectRefused("model " + in("A.OBJ") + " --triangles 12 -o " + in("b.obj"), {"b.mtl", "is read by INPUT"});
     expectRefused(model + in("out.obj") + " --report " + in("b.mtl"), {"--report", "b.mtl"});
     EXPECT_EQ(readText(in("b.mtl")), materials);
     const Outcome other = heliodon(model + in("c.obj") + " --report " + in("c.json"));
     EXPECT_EQ(other.exitCode, 0) << other.output;
+}
+
+TEST_F(BadInput, a_report_is_no_result_in_the_folder_that_is_written) {
+    const std::string render = "render " HELIODON_TEST_DATA "/geometry/sketches/p04_L.json --triangles 60 "
+                               "--sky overcast --size 16x16 -o ";
+    std::filesystem::create_directory(folder / "r");
+    for (const char* name : {"preview.png", "render.files.json"}) {
+        writeText(folder / "r" / name, "before");
+        for (const std::string& way : {in("r/"), in("r/../r/")})
+            expectRefused(render + in("r") + " --report " + way + name, {"--report", name});
+        EXPECT_EQ(readText(folder / "r" / name), "before");
+        std::filesystem::remove(folder / "r" / name);
+    }
+    // Refused before there is a folder.
+    expectRefused(render + in("new") + " --report " + in("new/preview.png"), {"--report", "preview.png"});
+    EXPECT_FALSE(std::filesystem::exists(folder / "new"));
+    const Outcome beside = heliodon(render + in("r/") + " --report " + in("r/report.json"));
+    EXPECT_EQ(beside.exitCode, 0) << beside.output;
 }
 
 // They would stand there as folders with such names.
