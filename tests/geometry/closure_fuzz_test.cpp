@@ -22,8 +22,11 @@
 #include "geometry/mesher.h"
 #include "geometry/model_file.h"
 #include "geometry/room_measures.h"
+#include "tests/geometry/drawn_pieces.h"
 
 using namespace heliodon::geometry;
+using heliodon::test::wall;
+using heliodon::test::window;
 
 namespace {
 
@@ -317,29 +320,13 @@ TEST(ClosureFuzz, models_of_windows_that_only_stand_beside_one_another_are_read_
 // Windows of two walls 0.4 in apart that cover one another in part, and wholly: both look outside. One in a
 // wall thicker than those that panes of any file are taken to stand in: it is between the rooms.
 TEST(ClosureFuzz, models_say_which_panes_are_the_sides_of_one_window) {
-    const auto wall = [](const char* id, glm::dvec2 a, glm::dvec2 b, double thickness = 0.375) {
-        Wall w;
-        w.id = id;
-        w.a = a;
-        w.b = b;
-        w.thickness = thickness;
-        return w;
-    };
-    const auto window = [](const char* onWall, double pos) {
-        WindowMarker w;
-        w.id = fmt::format("in {}", onWall);
-        w.wall = onWall;
-        w.pos = pos;
-        w.width = 3;
-        return w;
-    };
     for (const double other : {4.0, 5.0}) { // partly and wholly opposite
         Sketch sketch;
         sketch.walls = {wall("a", {-14, -4}, {-0.4, -4}), wall("b", {-0.4, -4}, {-0.4, 4}),
                         wall("c", {-0.4, 4}, {-14, 4}),   wall("d", {-14, 4}, {-14, -4}),
                         wall("e", {0.4, -5}, {13, -5}),   wall("f", {13, -5}, {13, 3}),
                         wall("g", {13, 3}, {0.4, 3}),     wall("h", {0.4, -5}, {0.4, 3})};
-        sketch.windows = {window("b", 4), window("h", other)};
+        sketch.windows = {window("in b", "b", 4, 3), window("in h", "h", other, 3)};
         const Closure closure = closeSketch(sketch);
         ASSERT_TRUE(closure.building) << closure.report.message;
         ASSERT_EQ(closure.report.windowCount, 2);
@@ -349,8 +336,9 @@ TEST(ClosureFuzz, models_say_which_panes_are_the_sides_of_one_window) {
     }
     Sketch thick;
     thick.walls = {wall("a", {-7, -5}, {7, -5}), wall("b", {7, -5}, {7, 5}), wall("c", {7, 5}, {-7, 5}),
-                   wall("d", {-7, 5}, {-7, -5}), wall("e", {0, -5}, {0, 5}, 1.2)};
-    thick.windows = {window("e", 5)};
+                   wall("d", {-7, 5}, {-7, -5}), wall("e", {0, -5}, {0, 5})};
+    thick.walls.back().thickness = 1.2;
+    thick.windows = {window("in e", "e", 5, 3)};
     const Closure closure = closeSketch(thick);
     ASSERT_TRUE(closure.building) << closure.report.message;
     const PatchMesh mesh = meshBuilding(*closure.building, {500});

@@ -16,9 +16,12 @@
 #include "geometry/mesher.h"
 #include "geometry/plan_arrangement.h"
 #include "geometry/plan_regions.h"
+#include "tests/geometry/drawn_pieces.h"
 #include "tests/geometry/shuffled_closure.h"
 
 using namespace heliodon::geometry;
+using heliodon::test::wall;
+using heliodon::test::window;
 namespace fs = std::filesystem;
 
 namespace {
@@ -27,15 +30,6 @@ const fs::path kSketches = HELIODON_TEST_DATA "/geometry/sketches";
 
 const char* name(Outcome outcome) {
     return outcome == Outcome::ok ? "ok" : outcome == Outcome::warn ? "warn" : "refuse";
-}
-
-Wall wall(const std::string& id, glm::dvec2 a, glm::dvec2 b, HeightClass height = HeightClass::red) {
-    Wall w;
-    w.id = id;
-    w.a = a;
-    w.b = b;
-    w.heightClass = height;
-    return w;
 }
 
 // Four walls round a rectangle of centre lines, corners tight.
@@ -58,15 +52,6 @@ std::string roleOf(const ClosureReport& report, const std::string& id) {
 
 std::string reasonOf(const ClosureReport& report, const std::string& id) {
     return entryOf(report, id).reason;
-}
-
-WindowMarker window(const std::string& id, const std::string& on, double pos, double width) {
-    WindowMarker w;
-    w.id = id;
-    w.wall = on;
-    w.pos = pos;
-    w.width = width;
-    return w;
 }
 
 // Net area of a rectangle of centre lines: half a thickness comes off on each side.
