@@ -149,16 +149,18 @@ void writeIll(const std::filesystem::path& file, const daylight::Weather& weathe
                  atOnce = std::clamp<size_t>(kValuesAtOnce / sensors, 1, records);
     geometry::writeWhole(file, [&](const std::filesystem::path& aside) {
         std::ofstream out(aside, std::ios::binary);
-        std::string line;
+        fmt::memory_buffer line;
         for (size_t first = 0; first < records; first += atOnce) {
             const size_t count = std::min(atOnce, records - first);
             const std::vector<float> block = lux.read(0, sensors, first, count);
             for (size_t k = 0; k < count; ++k) {
                 const daylight::WeatherHour& hour = weather.hours[first + k];
-                line = fmt::format("{} {} {:.3f}", hour.date.month, hour.date.day, hour.clockHour);
+                line.clear();
+                fmt::format_to(fmt::appender(line), "{} {} {:.3f}", hour.date.month, hour.date.day, hour.clockHour);
                 for (size_t s = 0; s < sensors; ++s)
-                    fmt::format_to(std::back_inserter(line), " {:.0f}", block[s * count + k]);
-                out << line << '\n';
+                    fmt::format_to(fmt::appender(line), " {:.0f}", block[s * count + k]);
+                line.push_back('\n');
+                out.write(line.data(), std::streamsize(line.size()));
             }
         }
         if (!out.flush()) throw std::runtime_error(file.string() + ": could not be written (disk full?)");
