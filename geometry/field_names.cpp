@@ -1,18 +1,12 @@
 #include "geometry/field_names.h"
 
-#include <cctype>
 #include <numeric>
+
+#include "geometry/lower_case.h"
 
 namespace heliodon::geometry {
 
 namespace {
-
-std::string lowered(std::string_view text) {
-    std::string out(text);
-    std::ranges::transform(out, out.begin(),
-                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return out;
-}
 
 // Optimal string alignment: the distance of V. I. Levenshtein (1966), neighbours changing places counting one
 // after F. J. Damerau (1964).

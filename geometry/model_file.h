@@ -8,6 +8,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <vector>
 
 #include <glm/vec3.hpp>
 
@@ -35,6 +36,10 @@ PatchMesh readPatches(const std::filesystem::path& file, UpAxis up = UpAxis::y);
 Building importModel(
     const std::filesystem::path& file, UpAxis up = UpAxis::y,
     const std::function<void()>& beforePart = [] {});
+
+// Files of materials that reading a model reads, too: none but of an .obj. Throws InputError where the .obj
+// is no text.
+std::vector<std::filesystem::path> materialFiles(const std::filesystem::path& file);
 
 // .obj (+ .mtl beside it) or .glb, by extension; written whole. Groups carry role and room. `northDeg`:
 // direction of north in the plan, degrees counter-clockwise from +x seen from above.

@@ -2,7 +2,6 @@
 // small part of the format: v, vn, s, f, usemtl, mtllib, g, o, north, twins; Kd, Tf, Ni, Ke,
 // and `blinds`, our own.
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -14,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "geometry/input_error.h"
+#include "geometry/lower_case.h"
 #include "geometry/number_text.h"
 #include "geometry/raw_model.h"
 #include "geometry/text_file.h"
@@ -216,18 +216,38 @@ std::optional<std::filesystem::path> libraryAt(const std::filesystem::path& fold
 // As paths of another machine mean it: the file of that name beside the model, in capitals or not.
 std::optional<std::filesystem::path> libraryBeside(const std::filesystem::path& folder,
                                                    const std::string& name) {
-    const auto alike = [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); };
-    const std::string last = std::filesystem::path(withSlashes(name)).filename().string();
+    const std::string last = lowered(std::filesystem::path(withSlashes(name)).filename().string());
     std::optional<std::filesystem::path> found; // the first by name
     std::error_code failed;
     for (std::filesystem::directory_iterator entry(folder.empty() ? "." : folder, failed), end;
          !failed && entry != end; entry.increment(failed)) {
-        const std::string own = entry->path().filename().string();
-        if (std::ranges::equal(own, last, alike) && isFile(entry->path()) &&
-            (!found || entry->path() < *found))
-            found = entry->path();
+        const std::string own = lowered(entry->path().filename().string());
+        if (own == last && isFile(entry->path()) && (!found || entry->path() < *found)) found = entry->path();
     }
     return found;
+}
+
+// What stands behind "mtllib": one file, whose name may hold blanks, or several. `whole` becomes what was
+// written; no files where one of them is missing.
+std::vector<std::filesystem::path> librariesOf(Lines& lines, const std::filesystem::path& folder,
+                                               std::string& whole) {
+    whole = lines.remainder();
+    std::vector<std::string> words;
+    for (std::string_view word = lines.word(); !word.empty(); word = lines.word()) words.emplace_back(word);
+    std::vector<std::filesystem::path> files;
+    const auto findAll = [&](const std::vector<std::string>& names, const auto& find) {
+        files.clear();
+        for (const std::string& name : names)
+            if (const auto file = find(folder, unquoted(name))) files.push_back(*file);
+        return files.size() == names.size();
+    };
+    const auto anyhow = [](const std::filesystem::path& in, const std::string& name) {
+        const auto there = libraryAt(in, name);
+        return there ? there : libraryBeside(in, name);
+    };
+    if (!findAll({whole}, libraryAt) && !findAll(words, anyhow) && !findAll({whole}, libraryBeside))
+        files.clear();
+    return files;
 }
 
 class ObjReader {
@@ -262,26 +282,11 @@ public:
     }
 
 private:
-    // One file, whose name may hold blanks, or several.
     void readLibraries() {
-        const std::filesystem::path folder = path_.parent_path();
-        const std::string whole = lines_.remainder();
+        std::string whole;
+        const std::vector<std::filesystem::path> files = librariesOf(lines_, path_.parent_path(), whole);
         if (whole.empty()) lines_.fail("mtllib without a name");
-        std::vector<std::string> words;
-        for (std::string_view word = lines_.word(); !word.empty(); word = lines_.word())
-            words.emplace_back(word);
-        std::vector<std::filesystem::path> files;
-        const auto findAll = [&](const std::vector<std::string>& names, const auto& find) {
-            files.clear();
-            for (const std::string& name : names)
-                if (const auto file = find(folder, unquoted(name))) files.push_back(*file);
-            return files.size() == names.size();
-        };
-        const auto anyhow = [](const std::filesystem::path& in, const std::string& name) {
-            const auto there = libraryAt(in, name);
-            return there ? there : libraryBeside(in, name);
-        };
-        if (!findAll({whole}, libraryAt) && !findAll(words, anyhow) && !findAll({whole}, libraryBeside))
+        if (files.empty())
             lines_.fail(fmt::format("mtllib \"{}\" does not exist, expected materials (.mtl)", whole));
         for (const auto& file : files) readMtl(file, model_, materials_);
     }
@@ -389,6 +394,17 @@ private:
 };
 
 } // namespace
+
+std::vector<std::filesystem::path> materialFiles(const std::filesystem::path& file) {
+    std::vector<std::filesystem::path> all;
+    if (loweredExtension(file) != ".obj") return all;
+    std::string whole;
+    for (Lines lines(file, "a model (.obj)"); lines.next();)
+        if (lines.word() == "mtllib")
+            for (auto& library : librariesOf(lines, file.parent_path(), whole))
+                all.push_back(std::move(library));
+    return all;
+}
 
 RawModel readObj(const std::filesystem::path& file) {
     return ObjReader(file).read();

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "geometry/input_error.h"
+#include "geometry/lower_case.h"
 #include "geometry/outline_area.h"
 
 namespace heliodon::geometry {
@@ -116,8 +117,7 @@ void checkReach(const RawModel& model) {
 }
 
 RawModel readByExtension(const std::filesystem::path& file) {
-    std::string extension = file.extension().string();
-    std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+    const std::string extension = loweredExtension(file);
     if (extension == ".obj") return readObj(file);
     if (extension == ".gltf" || extension == ".glb") return readGltf(file);
     throw InputError(file.string(), "", "is no model, expected .obj, .gltf or .glb");

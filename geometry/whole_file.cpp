@@ -165,6 +165,12 @@ fs::path asideOf(const fs::path& target) {
                                 target.extension().string());
 }
 
+bool isSamePlace(const fs::path& a, const fs::path& b) {
+    std::error_code unknown;
+    const fs::path where = fs::weakly_canonical(a, unknown);
+    return !unknown && where == fs::weakly_canonical(b, unknown) && !unknown;
+}
+
 void refuseUnwritable(const fs::path& named) {
     if (const auto descriptor = descriptorOf(named)) {
         const int flags = ::fcntl(*descriptor, F_GETFL);

@@ -29,6 +29,9 @@ void refuseUnwritable(const std::filesystem::path& target);
 void writeTextAside(const std::filesystem::path& aside, const std::filesystem::path& target,
                     std::string_view text);
 
+// Whether two names are of one file or folder, there or not.
+bool isSamePlace(const std::filesystem::path& a, const std::filesystem::path& b);
+
 void writeWholeText(const std::filesystem::path& target, std::string_view text);
 
 } // namespace heliodon::geometry

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <thread>
@@ -12,6 +11,7 @@
 
 #include "geometry/file_state.h"
 #include "geometry/input_error.h"
+#include "geometry/lower_case.h"
 #include "geometry/text_file.h"
 #include "vision/aravis_camera.h"
 
@@ -91,9 +91,7 @@ public:
         if (!std::filesystem::is_directory(folder, ignored))
             throw InputError(folder.string(), "", "no such folder, expected one with photographs");
         for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-            std::string extension = entry.path().extension().string();
-            std::transform(extension.begin(), extension.end(), extension.begin(),
-                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+            const std::string extension = geometry::loweredExtension(entry.path());
             constexpr std::array kPictures{".png", ".jpg", ".jpeg", ".tif", ".tiff"};
             if (entry.is_regular_file() && std::count(kPictures.begin(), kPictures.end(), extension))
                 files_.push_back(entry.path());

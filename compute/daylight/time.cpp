@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "geometry/input_error.h"
+#include "geometry/lower_case.h"
 
 namespace heliodon::daylight {
 
@@ -188,9 +189,7 @@ Moment parseTime(std::string_view text, const std::string& source) {
     if (!second) refuseTime(text, source, "the time of day must be hh:mm or hh:mm:ss, at most 24:00");
 
     Moment moment{*date, *second, false, 0};
-    std::string tail(in.rest);
-    std::transform(tail.begin(), tail.end(), tail.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string tail = geometry::lowered(in.rest);
     if (tail.empty()) refuseTime(text, source, "the offset from UTC is missing (or 'solar')");
     if (tail == "solar") {
         moment.solar = true;

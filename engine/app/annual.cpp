@@ -441,6 +441,7 @@ void execute(Run& run, const AnnualArguments& arguments) {
     if (!arguments.sensors.empty())
         refuseAllOutside(arguments.sensors, job.sensors, job.scene, arguments.scene);
     job.mapped = temporalRows(arguments.temporal, job.sensors.points.size());
+    folder.refuseUsed(run, "annual", filesOf(arguments, job.mapped));
     const Year year = computeYear(run, job, folder);
     drawYear(run, job, year);
     writeMetrics(run, job, year);

@@ -53,7 +53,7 @@ public:
         for (auto& [sub, command] : commands_) {
             if (!*sub) continue;
             refuseValues(*sub);
-            noteWritten(*sub);
+            noteFiles(*sub);
             std::string name = sub->get_name();
             if (sub->get_parent() != &app_) name = fmt::format("{} {}", sub->get_parent()->get_name(), name);
             return Arguments{name, common_, command()};
@@ -68,10 +68,14 @@ private:
         return option;
     }
 
-    void noteWritten(const CLI::App& sub) {
-        for (const CLI::Option* option : sub.get_options())
-            if (writtenFiles_.contains(option) && !option->empty())
-                common_.writtenFiles.emplace_back(option->as<std::string>());
+    void noteFiles(const CLI::App& sub) {
+        std::error_code none;
+        for (const CLI::Option* option : sub.get_options()) {
+            const bool isWritten = writtenFiles_.contains(option);
+            for (const std::string& text : option->results())
+                if (isWritten || std::filesystem::is_regular_file(text, none))
+                    (isWritten ? common_.writtenFiles : common_.readFiles).emplace_back(text);
+        }
     }
 
     // `group`: the command that this one is a part of, if any.

@@ -17,6 +17,7 @@ struct CommonArguments {
     std::string device; // name or index; empty: the default choice
     std::filesystem::path report;
     std::vector<std::filesystem::path> writtenFiles; // the report and results that are one file
+    std::vector<std::filesystem::path> readFiles;    // what the other words name, where it is there
     bool quiet = false;
 };
 

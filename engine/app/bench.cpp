@@ -424,6 +424,7 @@ void execute(Run& run, const BenchArguments& given) {
     checkBenchScenes(arguments.scenes);
     run.device(); // where there is none, nothing is written
     OutputFolder folder(arguments.output);
+    folder.refuseUsed(run, "bench", filesOf(arguments));
     folder.startFiles(run, "bench", filesOf(arguments));
     const std::vector<BenchScene> scenes = [&] {
         const StageTimer timer(run, "scenes");

@@ -24,6 +24,8 @@ using nlohmann::json;
 
 namespace {
 
+constexpr const char* kDescription = "patterns.json";
+
 vision::ProjectorPlane decodePlane(Run& run, const CalibrationFolder& folder, size_t index,
                                    const geometry::OpticalDevice& camera, json& report) {
     const auto& plane = folder.planes[index];
@@ -133,6 +135,9 @@ void execute(Run& run, const CalibratePatternsArguments& arguments) {
                                    "fewer than four cells fit into the picture");
     const OutputFolder folder(arguments.output);
     const auto names = set.names();
+    std::vector<std::string> files{kDescription};
+    for (const std::string& name : names) files.push_back(name + ".png");
+    run.willWrite(arguments.output, files);
     Progress progress("pictures", names.size(), run.showsProgress());
     for (size_t i = 0; i < names.size(); ++i) {
         const vision::Photograph picture = vision::drawPattern(set, names[i]);
@@ -145,7 +150,7 @@ void execute(Run& run, const CalibratePatternsArguments& arguments) {
                               {"height", set.height},
                               {"cell", set.cell},
                               {"names", names}};
-    geometry::writeWholeText(arguments.output / "patterns.json", geometry::jsonText(description, 1));
+    geometry::writeWholeText(arguments.output / kDescription, geometry::jsonText(description, 1));
     run.note(fmt::format("{} pictures of {} x {} pixels in {}", names.size(), set.width, set.height,
                          arguments.output.string()));
 }

@@ -1,20 +1,21 @@
 #include "engine/app/command_line.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <initializer_list>
 #include <sstream>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "geometry/field_names.h"
 #include "geometry/input_error.h"
+#include "geometry/model_file.h"
+#include "geometry/whole_file.h"
 
 namespace heliodon::app {
 
@@ -24,6 +25,20 @@ using geometry::InputError;
 namespace {
 
 const std::string kUnknown = ": is nothing that this command takes; --help lists what is";
+
+// " (render?)", of what may have been meant by "redner"; nothing where nothing is like it.
+std::string perhaps(const std::string& word, const std::vector<std::string>& known) {
+    const std::vector<std::string_view> views(known.begin(), known.end());
+    const std::string_view meant = geometry::meantBy(word, views, geometry::Alike::near);
+    return meant.empty() ? "" : fmt::format(" ({}?)", meant);
+}
+
+std::string unknownOption(const CLI::App& command, const std::string& name) {
+    std::vector<std::string> known;
+    for (const CLI::Option* option : command.get_options())
+        for (const std::string& word : option->get_lnames()) known.push_back("--" + word);
+    return name + perhaps(name, known) + kUnknown;
+}
 
 // A script's variable that was never set is not the default that its user meant to leave.
 void refuseEmpty(const CLI::Option& option) {
@@ -49,61 +64,14 @@ bool isFileOrNew(const fs::path& path) {
     return isFile(path) || fs::status(path, none).type() == fs::file_type::not_found;
 }
 
-bool isSame(const fs::path& a, const fs::path& b) {
-    std::error_code unknown;
-    const fs::path where = fs::weakly_canonical(a, unknown);
-    return !unknown && where == fs::weakly_canonical(b, unknown) && !unknown;
-}
-
 // What is written beside an output, under a name made of its own.
 std::vector<fs::path> besides(const fs::path& output) {
     if (output.extension() == ".obj") return {fs::path(output).replace_extension(".mtl")};
-    if (output.extension() == ".mp4") return {fs::path(output).replace_extension(".frames.csv")};
     return {};
-}
-
-// Files of materials that an .obj names, by one name that may hold blanks or by several: all that may be
-// meant.
-std::vector<fs::path> librariesOf(const fs::path& model) {
-    std::vector<fs::path> libraries;
-    std::string extension = model.extension().string();
-    std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
-    if (extension != ".obj") return libraries;
-    std::ifstream in(model);
-    for (std::string line; std::getline(in, line);) {
-        std::istringstream words(line);
-        std::string word;
-        if (!(words >> word) || word != "mtllib") continue;
-        std::string whole;
-        std::getline(words >> std::ws, whole);
-        whole.erase(whole.find_last_not_of(" \t\r") + 1);
-        libraries.push_back(model.parent_path() / whole);
-        for (std::istringstream names(whole); names >> word;) libraries.push_back(model.parent_path() / word);
-    }
-    return libraries;
 }
 
 bool isStdout(const fs::path& path) {
     return path == "-" || path == "/dev/stdout";
-}
-
-// By its name alone, before any work: what a command writes into its folder depends on its options and input.
-void refuseReportAmongResults(const CLI::App& command) {
-    const CLI::Option* report = command.get_option_no_throw("--report");
-    const CLI::Option* output = command.get_option_no_throw("--output");
-    if (!report || report->empty() || !output || output->empty()) return;
-    const fs::path file = report->results().front();
-    const fs::path folder = output->results().front();
-    if (!isSame(file.lexically_normal().parent_path() / ".", folder / ".")) return;
-    const std::string name = file.filename().string();
-    const std::string extension = file.extension().string();
-    const auto isOneOf = [](const std::string& text, std::initializer_list<const char*> all) {
-        return std::ranges::find(all, text) != all.end();
-    };
-    if (isOneOf(extension, {".png", ".exr", ".svg", ".csv", ".npy"}) || name.ends_with(".files.json") ||
-        isOneOf(name, {"bench.json", "frames.json", "summary.json"}))
-        throw InputError("--report", file.string(),
-                         "is a name for results in the folder of --output, expected another, like report.json");
 }
 
 // The user has named neither the materials that a model reads nor those that are written beside one.
@@ -112,9 +80,9 @@ void refuseOverLibraries(const CLI::App& command,
     const CLI::Option* input = command.get_option_no_throw("INPUT");
     const auto stands = [](const auto& nameAndFile) { return isFile(nameAndFile.second); };
     if (!input || input->empty() || std::ranges::none_of(written, stands)) return;
-    for (const fs::path& library : librariesOf(input->results().front()))
+    for (const fs::path& library : geometry::materialFiles(input->results().front()))
         for (const auto& [name, file] : written)
-            if (isFile(library) && isSame(library, file))
+            if (isFile(library) && geometry::isSamePlace(library, file))
                 throw InputError(name, file, "is read by INPUT, expected another file");
 }
 
@@ -127,7 +95,8 @@ void refuseOverwriting(const CLI::App& command) {
         if (!option || option->empty()) continue;
         const std::string& file = option->results().front();
         for (const auto& [other, path] : written)
-            if ((isStdout(file) && isStdout(path)) || (isSame(file, path) && isFileOrNew(file)))
+            if ((isStdout(file) && isStdout(path)) ||
+                (geometry::isSamePlace(file, path) && isFileOrNew(file)))
                 throw InputError(name, file, "is written by " + other + " too");
         written.emplace_back(name, file);
         for (const fs::path& beside : besides(file)) written.emplace_back(name, beside.string());
@@ -135,12 +104,11 @@ void refuseOverwriting(const CLI::App& command) {
     for (const CLI::Option* option : command.get_options())
         for (const std::string& text : option->results())
             for (const auto& [name, file] : written)
-                if (option->get_name() != name && isFile(text) && isSame(text, file) &&
+                if (option->get_name() != name && isFile(text) && geometry::isSamePlace(text, file) &&
                     !(renewsRig && name == "--output" && option->get_name() == "--rig"))
                     throw InputError(name, file,
                                      "is read by " + option->get_name() + ", expected another file");
     refuseOverLibraries(command, written);
-    refuseReportAmongResults(command);
 }
 
 } // namespace
@@ -179,9 +147,14 @@ const CLI::App& commandNamed(const CLI::App& app, int argc, const char* const* a
     if (argc < 2) throw InputError("command line", "", "names no command; heliodon --help lists them");
     if (argv[1][0] == '-' && app.get_option_no_throw(argv[1])) return app;
     const CLI::App* command = nullptr;
-    for (const CLI::App* sub : app.get_subcommands({}))
-        if (sub->get_name() == argv[1]) command = sub;
-    if (!command) throw InputError("command line", argv[1], "is no command; heliodon --help lists them");
+    std::vector<std::string> known;
+    for (const CLI::App* sub : app.get_subcommands({})) {
+        known.push_back(sub->get_name());
+        if (known.back() == argv[1]) command = sub;
+    }
+    if (!command)
+        throw InputError("command line", argv[1],
+                         fmt::format("is no command{}; heliodon --help lists them", perhaps(argv[1], known)));
     std::vector<std::string> steps;
     for (const CLI::App* step : command->get_subcommands({})) {
         if (argc > 2 && step->get_name() == argv[2]) return *step;
@@ -203,7 +176,8 @@ void refuseWords(const CLI::App& command, int argc, const char* const* argv) {
         if (word == "--") return; // what follows are no options
         const std::string name = nameOf(word);
         const CLI::Option* option = optionOf(name);
-        if (!option && word.starts_with("--")) throw InputError("command line", "", name + kUnknown);
+        if (!option && word.starts_with("--"))
+            throw InputError("command line", "", unknownOption(command, name));
         if (option && word.size() == name.size() + 1)
             throw InputError(name, "", "is empty, expected a value");
         if (option && word == name && option->get_items_expected_min() > 0 && i + 1 < argc &&

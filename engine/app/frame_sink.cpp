@@ -120,6 +120,19 @@ std::vector<fs::path> FrameSink::films() const {
     return files;
 }
 
+std::vector<std::string> FrameSink::files() const {
+    std::vector<std::string> all{table().string()};
+    for (const fs::path& film : films()) all.push_back(film.string());
+    if (!isFilm_ || options_.resume) all.push_back((isFilm_ ? filmRecord() : folder_ / kJobFile).string());
+    if (isFilm_) return all;
+    for (size_t v = 0; v < options_.job.views.size(); ++v)
+        for (size_t frame = 0; frame < options_.job.frames; ++frame) {
+            all.push_back(picture(v, frame, ".png").string());
+            if (options_.exr) all.push_back(picture(v, frame, ".exr").string());
+        }
+    return all;
+}
+
 // What a film was made from: its rate is no matter of frames.
 FrameJob FrameSink::filmJob() const {
     FrameJob job = options_.job;

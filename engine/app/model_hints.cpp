@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -11,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "geometry/bounds.h"
+#include "geometry/lower_case.h"
 
 namespace heliodon::app {
 
@@ -29,8 +29,8 @@ double lowestRoom(const geometry::Building& building) {
     return least;
 }
 
-bool isLevelByName(std::string name) {
-    for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+bool isLevelByName(const std::string& material) {
+    const std::string name = geometry::lowered(material);
     return std::ranges::any_of(std::array{"floor", "ceiling", "ground", "roof", "slab"},
                                [&](const char* part) { return name.find(part) != std::string::npos; });
 }

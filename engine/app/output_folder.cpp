@@ -1,7 +1,6 @@
 #include "engine/app/output_folder.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <chrono>
 #include <fstream>
@@ -19,6 +18,7 @@
 
 #include "engine/app/run.h"
 #include "geometry/input_error.h"
+#include "geometry/lower_case.h"
 #include "geometry/text_file.h"
 #include "geometry/whole_file.h"
 
@@ -33,9 +33,7 @@ void refuseNameOfFile(const fs::path& folder) {
     if (folder == "-")
         throw geometry::InputError("--output", "-",
                                    "means one file to the standard output, expected a folder");
-    std::string extension = folder.extension().string();
-    for (char& letter : extension)
-        letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+    const std::string extension = geometry::loweredExtension(folder);
     for (const char* film : {".mp4", ".avi", ".mov", ".mkv", ".m4v", ".webm", ".gif"})
         if (extension == film)
             throw geometry::InputError(folder.string(), "",
@@ -94,8 +92,10 @@ OutputFolder::OutputFolder(const fs::path& named)
     for (fs::path at = folder_; !at.empty() && !fs::exists(at, error); at = at.parent_path())
         made_.push_back(at);
     fs::create_directories(folder_, error);
-    if (!fs::is_directory(folder_))
-        throw geometry::InputError(folder_.string(), "", "is not a folder and cannot be made one");
+    if (std::error_code ignored; !fs::is_directory(folder_, ignored))
+        throw geometry::InputError(folder_.string(), "",
+                                   "is not a folder and cannot be made one" +
+                                       (error ? ": " + error.message() : std::string()));
     if (::access(folder_.c_str(), W_OK) != 0)
         throw geometry::InputError(folder_.string(), "", "cannot be written to");
     handle_ = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -108,6 +108,11 @@ OutputFolder::OutputFolder(const fs::path& named)
     ::close(handle_);
     throw geometry::InputError(folder_.string(), "",
                                "another run is writing into it, expected a folder of its own");
+}
+
+void OutputFolder::refuseUsed(Run& run, const std::string& command, std::vector<std::string> files) const {
+    files.push_back(recordOf({}, command).string());
+    run.willWrite(folder_, files);
 }
 
 void OutputFolder::startFiles(Run& run, const std::string& command, const std::vector<std::string>& files) {

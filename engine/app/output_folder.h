@@ -25,6 +25,9 @@ public:
     OutputFolder(const OutputFolder&) = delete;
     OutputFolder& operator=(const OutputFolder&) = delete;
 
+    // Before the work of `command`: Run::willWrite() of these, and of the record.
+    void refuseUsed(Run& run, const std::string& command, std::vector<std::string> files) const;
+
     // Before the first file of `command` is written: removes what an earlier run of it wrote into the folder,
     // by that run's record COMMAND.files.json, and is not in `files` (names in the folder, without this one);
     // then records those. Files without a record are never removed; warns of those that will be written over,

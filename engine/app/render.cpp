@@ -162,8 +162,11 @@ void renderSheet(Run& run, passes::FrameRenderer& renderer, compute::DaylightTra
     std::vector<passes::Image8> cells;
     for (size_t k = 0; k < moments.size(); ++k) {
         cells.push_back(renderer.preview(moments[k].lighting, options));
-        if (arguments.stamp && source.followsTime())
-            drawStamp(cells.back(), {sunInWords(source.sunAt(sheet.moments[k]))});
+        if (!arguments.stamp || !source.followsTime()) continue;
+        const daylight::SunPosition sun = source.sunAt(sheet.moments[k]);
+        if (!sun.isUp() && lightFigures(renderer.scene().mesh, moments[k]).maxLux <= 0)
+            drawNight(cells.back());
+        drawStamp(cells.back(), {sunInWords(sun)});
     }
     const passes::Tone& tone = options.tone;
     std::string title = source.skyInWords() + "; apparent solar time";
@@ -187,6 +190,7 @@ void execute(Run& run, const RenderArguments& arguments) {
     const SkySource source(run, arguments.moment, scene);
     const daylight::Sky sky = source.reportedSky(run);
     OutputFolder folder(arguments.output);
+    folder.refuseUsed(run, "render", filesOf(arguments, scene));
     compute::TransportOptions options{.forPictures = true};
     if (arguments.maxRadiosityError > 0) { // most of it for the form factors, which cost more
         options.formFactors.maxRadiosityError = 0.9 * arguments.maxRadiosityError;

@@ -1,6 +1,7 @@
 #include "engine/app/run.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -28,7 +29,7 @@ bool addOnce(json& list, const std::string& text) {
 
 Run::Run(const Arguments& arguments)
     : deviceName_(arguments.common.device), reportFile_(arguments.common.report),
-      quiet_(arguments.common.quiet),
+      readFiles_(arguments.common.readFiles), quiet_(arguments.common.quiet),
       heartbeat_(!quiet_ && arguments.commandName != "live") { // which says in its windows what it does
     report_ = {{"program", "heliodon"},    {"version", HELIODON_VERSION}, {"command", arguments.commandName},
                {"stages", json::object()}, {"modelled", json::array()},   {"skipped", json::array()},
@@ -61,6 +62,22 @@ Run::anotherDevice(const std::function<gpu::DeviceOptions(gpu::DeviceOptions)>& 
         for (size_t at; (at = why.find('\n')) != std::string::npos;) why.replace(at, 1, "");
         throw geometry::InputError("--device", deviceName_, why);
     }
+}
+
+void Run::willWrite(const std::filesystem::path& folder, const std::vector<std::string>& names) {
+    const auto isOneOf = [&](const std::filesystem::path& file) {
+        return std::ranges::any_of(names, [&](const std::string& name) {
+            return file.filename() == std::filesystem::path(name).filename() &&
+                   geometry::isSamePlace(folder / name, file);
+        });
+    };
+    if (isOneOf(reportFile_))
+        throw geometry::InputError("--report", std::exchange(reportFile_, {}).string(),
+                                   "is the name of a result, expected another, like report.json");
+    for (const std::filesystem::path& file : readFiles_)
+        if (isOneOf(file))
+            throw geometry::InputError(file.string(), "",
+                                       "is read, and a result has its name: expected another folder");
 }
 
 void Run::note(const std::string& text) {

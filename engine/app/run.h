@@ -42,6 +42,9 @@ public:
     void modelled(const std::string& what);
     void skipped(const std::string& whatAndWhy);
     bool showsProgress() const { return !quiet_; }
+    // Of what will be written into `folder`, before the work: throws InputError where a name is the report's,
+    // and writes none, or of a file that is read.
+    void willWrite(const std::filesystem::path& folder, const std::vector<std::string>& names);
     // Nothing else may stand there.
     bool reportsToOutput() const { return reportFile_ == "-" || reportFile_ == "/dev/stdout"; }
     // What is at work is shown while it takes long; see StageTimer. Throws Interrupted.
@@ -57,6 +60,7 @@ private:
 
     std::string deviceName_;
     std::filesystem::path reportFile_;
+    std::vector<std::filesystem::path> readFiles_;
     bool quiet_;
     nlohmann::json report_;
     std::string assumed_; // not yet noted

@@ -13,6 +13,7 @@
 #include "engine/app/model_hints.h"
 #include "geometry/counted.h"
 #include "geometry/input_error.h"
+#include "geometry/lower_case.h"
 #include "geometry/mesher.h"
 #include "geometry/room_measures.h"
 #include "geometry/sketch.h"
@@ -28,9 +29,7 @@ namespace {
 enum class InputKind { photograph, sketch, model };
 
 InputKind kindOf(const std::filesystem::path& input) {
-    std::string extension = input.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string extension = geometry::loweredExtension(input);
     if (input.empty()) throw InputError("command line", "INPUT", "is empty, expected a file");
     if (!std::filesystem::exists(input)) throw InputError(input.string(), "", "does not exist");
     if (std::filesystem::is_directory(input))

@@ -53,6 +53,15 @@ void drawStamp(passes::Image8& picture, const std::vector<std::string>& words) {
     }
 }
 
+void drawNight(passes::Image8& picture) {
+    darken(picture, picture.width, 0);
+    if (picture.height < kLeastHeight) return;
+    const std::string words = "no sun";
+    passes::Lettering letters{std::max(9.0, picture.height / 22.0), {200, 200, 200}};
+    letters.shrinkTo(0.8 * picture.width, words);
+    letters.drawCentred(picture, 0.5 * picture.width, 0.5 * picture.height, words);
+}
+
 std::string sunInWords(const daylight::SunPosition& sun) {
     const double shown = std::abs(sun.altitudeDeg);
     return fmt::format("sun {:.1f}\u00B0 {}", shown, sun.altitudeDeg < 0 ? "below the horizon" : "high");

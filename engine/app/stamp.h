@@ -17,6 +17,10 @@ namespace heliodon::app {
 // Words are UTF-8. Changes pixels of the lower left corner alone, the same on every run.
 void drawStamp(passes::Image8& picture, const std::vector<std::string>& lines);
 
+// For a cell of a contact sheet without any light: darkened, ground and all, with "no sun" in its middle, so
+// that a room in black is not taken for one that failed.
+void drawNight(passes::Image8& picture);
+
 // "sun 34.2° high", "sun 6.0° below the horizon".
 std::string sunInWords(const daylight::SunPosition& sun);
 

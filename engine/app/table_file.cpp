@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -16,6 +15,7 @@
 #include <unistd.h>
 
 #include "geometry/input_error.h"
+#include "geometry/lower_case.h"
 #include "geometry/number_text.h"
 #include "geometry/text_file.h"
 #include "geometry/whole_file.h"
@@ -96,9 +96,7 @@ double numberIn(const std::string& cell, const std::string& file, size_t line, c
 std::vector<std::string> columnNames(std::vector<std::string> header, std::span<const char* const> wanted) {
     const auto has = [&](const char* name) { return std::ranges::find(header, name) != header.end(); };
     if (std::ranges::all_of(wanted, has)) return header;
-    for (std::string& name : header)
-        std::ranges::transform(name, name.begin(),
-                               [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    for (std::string& name : header) name = geometry::lowered(name);
     return header;
 }
 

@@ -106,7 +106,8 @@ TEST_F(BadInput, materials_that_a_model_reads_are_not_written_over) {
     expectRefused(model + in("b.obj"), {"--output", "b.mtl", "is read by INPUT"});
     EXPECT_FALSE(std::filesystem::exists(folder / "b.obj"));
     std::filesystem::copy_file(in("a.obj"), in("A.OBJ"));
-    expectRefused("model " + in("A.OBJ") + " --triangles 12 -o " + in("b.obj"), {"b.mtl", "is read by INPUT"});
+    expectRefused("model " + in("A.OBJ") + " --triangles 12 -o " + in("b.obj"),
+                  {"b.mtl", "is read by INPUT"});
     expectRefused(model + in("out.obj") + " --report " + in("b.mtl"), {"--report", "b.mtl"});
     EXPECT_EQ(readText(in("b.mtl")), materials);
     const Outcome other = heliodon(model + in("c.obj") + " --report " + in("c.json"));
@@ -124,9 +125,18 @@ TEST_F(BadInput, a_report_is_no_result_in_the_folder_that_is_written) {
         EXPECT_EQ(readText(folder / "r" / name), "before");
         std::filesystem::remove(folder / "r" / name);
     }
-    // Refused before there is a folder.
-    expectRefused(render + in("new") + " --report " + in("new/preview.png"), {"--report", "preview.png"});
-    EXPECT_FALSE(std::filesystem::exists(folder / "new"));
+    // As of films: of one picture a projector, by names of their own.
+    const std::string hour = "--from 2026-03-21T12:00solar --to 2026-03-21T12:00solar --step PT1H -o ",
+                      film = "timelapse " HELIODON_TEST_DATA "/geometry/sketches/p04_L.json --rig " + kRig +
+                             " " + hour;
+    for (const char* name : {"day-projector-2.mp4", "day.frames.csv"})
+        expectRefused(film + in("day.mp4") + " --report " + in(name), {"--report", name, "result"});
+    expectRefused(film + in("r") + " --report " + in("r/projector-3-00000.png"), {"--report", "result"});
+    // Nor is what is read.
+    std::filesystem::copy_file(HELIODON_TEST_DATA "/geometry/sketches/p04_L.json", in("r/frames.json"));
+    expectRefused("timelapse " + in("r/frames.json") + " --view none " + hour + in("r"),
+                  {"frames.json", "is read"});
+    EXPECT_EQ(readText(in("r/frames.json")), readText(HELIODON_TEST_DATA "/geometry/sketches/p04_L.json"));
     const Outcome beside = heliodon(render + in("r/") + " --report " + in("r/report.json"));
     EXPECT_EQ(beside.exitCode, 0) << beside.output;
 }
@@ -270,6 +280,7 @@ TEST_F(BadModel, sensors_with_text_where_a_number_belongs) {
 TEST_F(BadInput, an_unknown_command_and_a_missing_option) {
     for (const char* word : {"paint", "--paint"})
         expectRefused(word, {"command line", word, "is no command"});
+    expectRefused("redner", {"redner", "is no command (render?)"});
     expectRefused("detect " + kPhoto + " -o " + in("out.json"), {"--rig"});
     const std::string sketch = "render " HELIODON_TEST_DATA "/geometry/sketches/p04_L.json -o ";
     expectRefused(sketch, {"--output", "its value is missing"});
@@ -281,7 +292,7 @@ TEST_F(BadInput, an_unknown_command_and_a_missing_option) {
                   {"--report", "is written by --output too"});
     expectRefused(sketch + in("out") + " --rgi r.json", {"--rgi", "--help lists"});
     expectRefused("timelapse --frm 2026-06-21T10:00Z",
-                  {"--frm", "--help lists"}); // not what is missing beside it
+                  {"--frm (--from?)", "--help lists"}); // not what is missing beside it
     expectRefused(sketch + in("out") + " -o " + in("out"), {"--output", "more than once"});
     for (const char* unset : {" --sky ''", " --sky=", " --site ''"})
         expectRefused(sketch + in("out") + unset, {std::string(unset).substr(1, 5), "is empty"});
