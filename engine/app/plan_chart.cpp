@@ -183,9 +183,15 @@ public:
         }
     }
 
-    // A number a line, where it is clear of walls and openings, of other numbers and, best, of other lines.
+    // A number a line, where it is clear of walls and openings, of other numbers and, best, of other lines. A
+    // level without any gets one wherever it fits.
     void labels(Chart& chart, const std::vector<PlanFloor>& floors) const {
-        constexpr double kShortest = 50, kWall = 17, kLabel = 42, kLine = 24; // pixels
+        // Pixels: length of the line, distance of the number's middle from walls and from other numbers.
+        struct Room {
+            double line, wall, label;
+        };
+        constexpr Room kAmple{50, 17, 42}, kTight{24, 13, 24};
+        constexpr double kLine = 24;
         Points obstacles, placed = numbers_;
         const auto along = [&](const std::array<glm::dvec3, 2>& edge) {
             const glm::dvec2 a = pixel(flat(edge[0])), b = pixel(flat(edge[1]));
@@ -200,28 +206,33 @@ public:
             for (glm::dvec2 q : points) least = std::min(least, glm::distance(p, q));
             return least;
         };
-        for (const IsoLine& line : lines_) {
+        std::vector<double> labelled; // levels
+        const auto label = [&](const IsoLine& line, const Room& room) {
             double length = 0, best = 0;
             for (size_t k = 1; k < line.points.size(); ++k)
                 length += glm::distance(line.points[k - 1], line.points[k]);
-            if (length < kShortest) continue;
+            if (length < room.line) return;
             const glm::dvec2* place = nullptr;
             for (size_t k = 0; k < line.points.size(); k += 2) {
                 const glm::dvec2& p = line.points[k];
-                if (nearest(obstacles, p, kWall) < kWall) continue;
-                const double others = nearest(placed, p, 3 * kLabel);
-                if (others < kLabel) continue;
+                if (nearest(obstacles, p, room.wall) < room.wall) continue;
+                const double others = nearest(placed, p, 3 * room.label);
+                if (others < room.label) continue;
                 double lines = kLine;
                 for (const IsoLine& other : lines_)
                     if (&other != &line) lines = nearest(other.points, p, lines);
-                const double score = others / (3 * kLabel) + 2 * lines / kLine;
+                const double score = others / (3 * room.label) + 2 * lines / kLine;
                 if (score > best) best = score, place = &p;
             }
-            if (!place) continue;
+            if (!place) return;
             placed.push_back(*place);
+            labelled.push_back(line.level);
             chart.text(*place + glm::dvec2(0, 4), passes::legendNumber(line.level), 11, Anchor::middle,
                        kBlack, true);
-        }
+        };
+        for (const IsoLine& line : lines_) label(line, kAmple);
+        for (const IsoLine& line : lines_)
+            if (std::ranges::find(labelled, line.level) == labelled.end()) label(line, kTight);
     }
 
     void walls(Chart& chart, const std::vector<PlanFloor>& floors) const {

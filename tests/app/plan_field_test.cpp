@@ -11,7 +11,9 @@
 
 #include "engine/app/chart.h"
 #include "engine/app/floor_cells.h"
+#include "engine/app/plan_chart.h"
 #include "engine/app/work_plane.h"
+#include "tests/passes/room_builder.h"
 
 namespace heliodon::test {
 namespace {
@@ -222,6 +224,35 @@ TEST(PlanField, areas_of_one_colour_are_outlined_once) {
             area += (a.x * b.y - a.y * b.x) / 2;
         }
     EXPECT_NEAR(area, 8, 1e-9);
+}
+
+// The line at 500 runs fifteen pixels before a wall: nearer than numbers are put as long as there is a
+// choice.
+TEST(PlanChart, a_level_without_a_number_gets_one_where_it_fits) {
+    app::Scene scene;
+    scene.worldPerBuilding = 1;
+    RoomBuilder room;
+    room.box({0, 0, 0}, {4, 2.5, 3}, 2, [](int, int) { return kWhite; });
+    scene.mesh = room.mesh;
+    std::vector<glm::dvec3> points, normals;
+    std::vector<double> lux;
+    for (const double x : {0.01, 0.04, 0.07, 0.1, 0.13, 0.4, 1.0, 1.6, 2.2, 2.8, 3.4, 3.9})
+        for (double z = 0.05; z < 3; z += 0.2) {
+            points.emplace_back(x, 0.8, z);
+            normals.emplace_back(0, 1, 0);
+            lux.push_back(x < 0.15 ? 900 - 400 * x / (15.0 / 180) : 276 - 40 * x);
+        }
+    app::ValueScale scale;
+    scale.low = 100, scale.high = 1000, scale.logarithmic = true, scale.unit = "lux",
+    scale.ticks = {200, 500};
+    const std::string svg = app::planChart(scene, {points, normals, lux}, scale, "", "").chart.svg();
+    const auto count = [&](const std::string& words) {
+        size_t found = 0;
+        for (size_t at = 0; (at = svg.find(words, at)) != std::string::npos; ++at) ++found;
+        return found;
+    };
+    EXPECT_EQ(count(">200<"), 2u); // beside the scale, and on the line
+    EXPECT_EQ(count(">500<"), 2u);
 }
 
 TEST(LuxScale, holds_the_largest_of_a_few_values) {
