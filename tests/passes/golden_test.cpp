@@ -183,5 +183,26 @@ TEST(Golden, tops_of_walls_show_against_the_background) {
     EXPECT_EQ(lost, 0);
 }
 
+// The top of a partition is a surface of the room and drawn as such: a copy of it among the wall tops would
+// show through along its edge, where the corners of both differ.
+TEST(Golden, tops_that_the_room_has_itself_are_no_wall_tops) {
+    test::SketchScene scene = test::sketchScene(6);
+    const auto areaOf = [](const std::vector<DrawCorner>& corners) {
+        double area = 0;
+        for (size_t i = 0; i < corners.size(); i += 3)
+            area += 0.5 * glm::length(glm::cross(corners[i + 1].position - corners[i].position,
+                                                 corners[i + 2].position - corners[i].position));
+        return area;
+    };
+    const double walls = areaOf(FrameScene(scene.mesh, scene.occluders, nullptr).tops);
+    // One that reaches from the wall, in which its end is hidden, into the room; its top is two by seven.
+    test::addSolid(scene.occluders, {-0.21, 0, 0}, {0.05, 0.1, 0.01});
+    test::RoomBuilder b;
+    b.mesh = std::move(scene.mesh);
+    b.wall({-0.2032, 0.1, 0}, {0, 0, 0.01}, {0.2532, 0, 0}, 2, 7, [](int, int) { return test::kWhite; });
+    const double hidden = (0.21 - 0.2032) * 0.01;
+    EXPECT_NEAR(areaOf(FrameScene(b.mesh, scene.occluders, nullptr).tops), walls + hidden, 1e-7);
+}
+
 } // namespace
 } // namespace heliodon::passes
