@@ -3,6 +3,8 @@
 #include <array>
 #include <atomic>
 #include <csignal>
+#include <cstdint>
+#include <ctime>
 
 namespace heliodon::app {
 
@@ -10,14 +12,26 @@ namespace {
 
 // Written in a signal handler, read by all threads.
 std::atomic<bool> interrupted = false;
+std::atomic<int64_t> first = 0; // ms, of the signal that did so
+static_assert(std::atomic<int64_t>::is_always_lock_free);
 static_assert(std::atomic<bool>::is_always_lock_free);
 
 constexpr std::array<int, 3> kSignals{SIGINT, SIGTERM, SIGHUP};
 
 extern "C" void noteSignal(int number) {
-    interrupted = true;
-    // A terminal that is closed sends several.
-    if (number != SIGHUP) std::signal(number, SIG_DFL);
+    // Whoever is impatient ends the program at once. But `timeout` sends a signal to the program and then to
+    // its group, and a terminal that is closed sends several: those are one.
+    constexpr int64_t kSame = 200; // ms
+    timespec time{};
+    ::clock_gettime(CLOCK_MONOTONIC, &time);
+    const int64_t now = 1000 * static_cast<int64_t>(time.tv_sec) + time.tv_nsec / 1000000;
+    if (!interrupted) {
+        first = now;
+        interrupted = true;
+    } else if (number != SIGHUP && now - first > kSame) {
+        std::signal(number, SIG_DFL);
+        std::raise(number);
+    }
 }
 
 } // namespace

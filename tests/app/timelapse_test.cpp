@@ -294,6 +294,19 @@ TEST_F(Timelapse, a_contact_sheet_has_a_cell_for_every_day_and_hour) {
     };
     for (const double y : {0.3 * two.height, 0.78 * two.height})
         EXPECT_GT(mean(two.width - 0.5 * cell, y), mean(two.width - 1.5 * cell, y) + 20);
+    // A room without light says so, on a ground as dark: none is taken for one that failed.
+    const auto at = [&](double x, double y) {
+        return int{
+            two.rgb[3 * (static_cast<size_t>(y) * static_cast<size_t>(two.width) + static_cast<size_t>(x)) +
+                    1]};
+    };
+    const double top = two.height - 300 + 4; // of the lower row, where nothing of a room is
+    EXPECT_LT(2 * at(two.width - 2 * cell + 8, top), at(two.width - cell + 8, top));
+    int palest = 0;
+    for (int y = -10; y < 10; ++y)
+        for (int x = -40; x < 40; ++x)
+            palest = std::max(palest, at(two.width - 1.5 * cell + x, two.height - 150 - 8 + y));
+    EXPECT_GT(palest, 150);
 }
 
 // What the earlier run wrote goes, by its record; what others put there stays, also under such a name.
@@ -346,7 +359,11 @@ TEST_F(Timelapse, an_interrupted_run_says_so_and_leaves_nothing) {
             for (int i = 0; i < 2400 && !std::filesystem::exists(folder / "new/year"); ++i)
                 std::this_thread::sleep_for(std::chrono::milliseconds(50));
             std::this_thread::sleep_for(std::chrono::seconds(1)); // well in its work
-            kill(pid_t(std::stoi(readText(folder / "pid"))), number);
+            const auto program = pid_t(std::stoi(readText(folder / "pid")));
+            kill(program, number);
+            if (number != SIGTERM) return;
+            std::this_thread::sleep_for(std::chrono::milliseconds(20));
+            kill(program, number); // as timeout does: to the program, then to its group
         });
         FILE* pipe = popen(command.c_str(), "r");
         std::string output;
