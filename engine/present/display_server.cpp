@@ -15,8 +15,24 @@ namespace {
 
 std::atomic<bool> lost = false; // set by whichever thread meets the broken connection
 
-// Xlib would end the program on the spot. Its functions are looked up: GLFW may have been built for another
-// window system, and Xlib before 1.7 has no such handler.
+std::atomic<unsigned> refused = 0;
+
+// XErrorEvent, of <X11/Xlib.h>.
+struct Refusal {
+    int type;
+    void* connection;
+    unsigned long resource, serial;
+    unsigned char code, request, minor;
+};
+constexpr unsigned char kGetWindowAttributes = 3; // its caller waits for the answer
+
+int noteRefusal(void*, Refusal* refusal) {
+    if (refusal->request == kGetWindowAttributes) ++refused;
+    return 0;
+}
+
+// Xlib would end the program on the spot, also where a window has been destroyed. Its functions are looked
+// up: GLFW may have been built for another window system, and Xlib before 1.7 has no such handler.
 void surviveBrokenConnection() {
     using Connection = void*;
     const auto find = [](const char* name) { return dlsym(RTLD_DEFAULT, name); };
@@ -24,6 +40,9 @@ void surviveBrokenConnection() {
     const auto onError = reinterpret_cast<void* (*)(int (*)(Connection))>(find("XSetIOErrorHandler"));
     const auto onExit = reinterpret_cast<void (*)(Connection, void (*)(Connection, void*), void*)>(
         find("XSetIOErrorExitHandler"));
+    if (const auto onRefusal =
+            reinterpret_cast<void* (*)(int (*)(Connection, Refusal*))>(find("XSetErrorHandler")))
+        onRefusal(noteRefusal);
     if (!connection || !onError || !onExit) return;
     onError([](Connection) { return 0; }); // says nothing: checkDisplayServer() does
     onExit(
@@ -48,6 +67,10 @@ void openWindowSystem() {
 
 void checkDisplayServer() {
     if (lost) throw std::runtime_error("the connection to the display server has broken");
+}
+
+unsigned sizesRefused() {
+    return refused;
 }
 
 bool displayServerLost() {

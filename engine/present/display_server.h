@@ -13,4 +13,8 @@ void openWindowSystem();
 void checkDisplayServer();
 bool displayServerLost();
 
+// How often the server did not say how large a window is, as another program had destroyed it: what GLFW then
+// answers is no size.
+unsigned sizesRefused();
+
 } // namespace heliodon::present

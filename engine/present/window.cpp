@@ -214,8 +214,10 @@ bool Window::fullScreen() const {
 
 VkExtent2D Window::pixels() const {
     int width = 0, height = 0;
+    const unsigned before = sizesRefused();
     glfwGetFramebufferSize(handle, &width, &height);
     checkDisplayServer(); // a broken connection leaves any size
+    if (sizesRefused() != before) return {0, 0};
     return {static_cast<uint32_t>(std::max(width, 0)), static_cast<uint32_t>(std::max(height, 0))};
 }
 
@@ -287,8 +289,14 @@ void Window::update() {
         close("closed by the user");
         return;
     }
+    const unsigned before = sizesRefused();
+    const VkExtent2D size = pixels();
+    if (sizesRefused() != before) {
+        close("closed by another program");
+        return;
+    }
     followDisplay();
-    if (!areSame(pixels(), asked_)) swapchain->markStale();
+    if (!areSame(size, asked_)) swapchain->markStale();
     if (!swapchain->ready()) damaged = true;
 }
 

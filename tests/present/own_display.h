@@ -22,8 +22,9 @@ public:
         if (child_ == 0) {
             close(ends[0]);
             const std::string number = std::to_string(ends[1]);
-            execlp("Xvfb", "Xvfb", "-displayfd", number.c_str(), "-screen", "0", "2100x1600x24", "-nolisten",
-                   "tcp", static_cast<char*>(nullptr));
+            // A server that begins anew when its last client leaves refuses the next one meanwhile.
+            execlp("Xvfb", "Xvfb", "-displayfd", number.c_str(), "-screen", "0", "2100x1600x24", "-noreset",
+                   "-nolisten", "tcp", static_cast<char*>(nullptr));
             _exit(127);
         }
         close(ends[1]);

@@ -1,5 +1,6 @@
 // Checklist 8 and 32: four sRGB swapchains in one process, by pixels read back from them. Needs a display
 // server: the one of $DISPLAY, else an Xvfb of its own.
+#include <dlfcn.h>
 #include <unistd.h>
 
 #include <memory>
@@ -95,6 +96,43 @@ TEST_F(Windows, a_closed_window_leaves_the_others_at_work) {
     presenter.close(2);
     for (size_t i = 0; i < 3; ++i) EXPECT_EQ(presenter.state(i), WindowState::closed);
     EXPECT_EQ(present(presenter, pictures), 0u);
+}
+
+// A function of the Xlib that GLFW has loaded.
+template<class F> F* xlib(const char* name) {
+    return reinterpret_cast<F*>(dlsym(RTLD_DEFAULT, name));
+}
+
+// Another client of the display server destroys the window of that title, asking nobody.
+void destroyFromOutside(const std::string& title) {
+    using Id = unsigned long;
+    void* const client = xlib<void*(const char*)>("XOpenDisplay")(nullptr);
+    const Id root = xlib<Id(void*)>("XDefaultRootWindow")(client);
+    Id ignored = 0, *children = nullptr;
+    unsigned count = 0;
+    xlib<int(void*, Id, Id*, Id*, Id**, unsigned*)>("XQueryTree")(client, root, &ignored, &ignored, &children,
+                                                                  &count);
+    for (unsigned i = 0; i < count; ++i) {
+        char* name = nullptr;
+        xlib<int(void*, Id, char**)>("XFetchName")(client, children[i], &name);
+        if (name && name == title) xlib<int(void*, Id)>("XDestroyWindow")(client, children[i]);
+        if (name) xlib<int(void*)>("XFree")(name);
+    }
+    xlib<int(void*)>("XFree")(children);
+    xlib<int(void*)>("XCloseDisplay")(client); // when the server has done it
+}
+
+// Xlib would end the program.
+TEST_F(Windows, a_window_that_another_program_destroys_is_closed) {
+    Presenter presenter(*device, {{"doomed", 100, 80}, {"b", 100, 80}});
+    const std::vector<passes::Image8> pictures(2, pattern(100, 80, 5));
+    EXPECT_EQ(present(presenter, pictures), 2u);
+    destroyFromOutside("doomed");
+    presenter.pollEvents();
+    EXPECT_EQ(presenter.state(0), WindowState::closed);
+    EXPECT_EQ(presenter.reason(0), "closed by another program");
+    EXPECT_EQ(presenter.state(1), WindowState::open);
+    EXPECT_EQ(present(presenter, pictures), 1u);
 }
 
 TEST_F(Windows, a_resized_window_gets_images_of_its_new_size) {
