@@ -93,6 +93,8 @@ void refuseUtf16(const std::filesystem::path& file, const std::string& text) {
 
 void refuseNotJson(const std::filesystem::path& file, const std::string& text, size_t byte,
                    const std::string& expected) {
+    if (text.find_first_not_of(" \t\r\n") == std::string::npos)
+        throw InputError(file.string(), "", "is empty, expected " + expected);
     const size_t end = std::min(byte, text.size()), newline = text.substr(0, end).rfind('\n');
     const size_t character = end - (newline == std::string::npos ? 0 : newline + 1);
     throw InputError(file.string(), lineAt(text, end),

@@ -149,7 +149,7 @@ TEST_F(SketchFile, cut_short_at_any_byte_is_refused_with_a_line) {
     std::ifstream in(HELIODON_TEST_DATA "/geometry/sketches/p01_rect_tight.json");
     const std::string whole((std::istreambuf_iterator<char>(in)), {});
     const size_t last = whole.rfind('}');
-    for (size_t length = 0; length < last; length += 13)
+    for (size_t length = 13; length < last; length += 13)
         EXPECT_NE(refusal(whole.substr(0, length)).find("is not JSON here"), std::string::npos) << length;
 }
 
