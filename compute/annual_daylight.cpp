@@ -195,20 +195,27 @@ void AnnualDaylight::addBlinds(const SunHours::Hour& hour, const TransportParts&
 void AnnualDaylight::addEdges(const SunHours::Block& block, const TransportParts& parts,
                               std::span<float> reflected) {
     const size_t n = transport_.mesh().patchCount(), count = parts.sensors.size();
-    inParallel(
-        count,
-        [&](size_t s) {
-            const uint32_t room = parts.sensorRooms[s];
-            if (room == geometry::kNoRoom) return;
-            const Sensor& at = parts.sensors[s];
-            std::vector<float> more(block.hours.size(), 0);
-            block.edges.addTo(more, parts.points,
-                              PointView(parts.points.blockers(), at.position, at.normal, room), room,
-                              &parts.sensorEven[s * n]);
-            block.edges.addTo(more, parts.points, parts.near[s], room);
-            for (size_t k = 0; k < more.size(); ++k) reflected[(block.first + k) * count + s] += more[k];
-        },
-        tellEach(nearShare_ * kNearSunWork * static_cast<double>(block.hours.size())));
+    const double work =
+        nearShare_ * kNearSunWork * static_cast<double>(block.hours.size() * SunEdges::kTogether);
+    inParallel((count + SunEdges::kTogether - 1) / SunEdges::kTogether,
+               [&](size_t group) {
+                   const size_t first = group * SunEdges::kTogether;
+                   std::vector<SunEdges::Place> places;
+                   for (size_t s = first; s < std::min(count, first + SunEdges::kTogether); ++s)
+                       places.push_back({PointView(parts.points.blockers(), parts.sensors[s].position,
+                                                   parts.sensors[s].normal, parts.sensorRooms[s]),
+                                         parts.sensorRooms[s], &parts.sensorEven[s * n]});
+                   float* const lux = &reflected[block.first * count + first];
+                   block.edges.addTo(lux, count, parts.points, places);
+                   std::vector<float> more;
+                   for (size_t k = 0; k < places.size(); ++k) {
+                       if (parts.near[first + k].isEmpty()) continue;
+                       more.assign(block.hours.size(), 0);
+                       block.edges.addTo(more, parts.points, parts.near[first + k], places[k].room);
+                       for (size_t h = 0; h < more.size(); ++h) lux[h * count + k] += more[h];
+                   }
+               },
+               tellEach(work));
 }
 
 // Sun straight at the sensors: sensors x hours.

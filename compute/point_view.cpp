@@ -178,16 +178,20 @@ void PointView::hideBeyond(std::span<const dvec3> polygon, std::vector<Polygon>&
 // Takes from convex parts what lies in the cone beyond the blocker; what remains is cut along the cone's
 // planes.
 void PointView::hide(const Cone& cone, double least, std::vector<Polygon>& parts) {
+    // Whole where the cone's planes only touch it.
+    const auto isWhole = [&](const Polygon& part) {
+        return allBelow(part, cone.normal, cone.distance + least) ||
+               std::ranges::any_of(cone.sides,
+                                   [&](const dvec3& side) { return allBelow(part, side, least); });
+    };
+    if (std::ranges::all_of(parts, isWhole)) return; // most: no memory is asked for
     std::vector<Polygon> rest;
     Polygon in, out;
     const auto keep = [&](const Polygon& p) {
         if (p.size() >= 3 && areaOf(p) > least * least) rest.push_back(p);
     };
     for (Polygon& part : parts) {
-        // Whole where the cone's planes only touch it.
-        if (allBelow(part, cone.normal, cone.distance + least) ||
-            std::any_of(cone.sides.begin(), cone.sides.end(),
-                        [&](const dvec3& side) { return allBelow(part, side, least); })) {
+        if (isWhole(part)) {
             rest.push_back(std::move(part));
             continue;
         }
@@ -247,6 +251,14 @@ PointView::Glance PointView::glance(std::span<const dvec3> polygon, Local& local
         above && frame_.empty() &&
         std::none_of(cones_.begin(), cones_.end(), [&](const Cone& cone) { return mayHide(cone, here); });
     return all ? Glance::all : Glance::unclear;
+}
+
+bool PointView::isHindered(std::span<const dvec3> polygon) const {
+    Local local;
+    if (!frame_.empty() || polygon.size() > local.size()) return true;
+    for (size_t k = 0; k < polygon.size(); ++k) local[k] = polygon[k] - position_;
+    const std::span<const dvec3> here(local.data(), polygon.size());
+    return std::ranges::any_of(cones_, [&](const Cone& cone) { return mayHide(cone, here); });
 }
 
 double PointView::factor(std::span<const dvec3> polygon) const {

@@ -54,6 +54,9 @@ public:
     // False where a convex polygon (world) lies outside of what the panes leave open; a quick look.
     bool mayShow(std::span<const glm::dvec3> polygon) const;
 
+    // True where something may stand before a convex polygon (world); a quick look.
+    bool isHindered(std::span<const glm::dvec3> polygon) const;
+
     // The form factor from the point to a convex polygon (world), whichever way the polygon faces.
     double factor(std::span<const glm::dvec3> polygon) const;
 

@@ -9,6 +9,7 @@
 #include "compute/lighting.h"
 #include "compute/parallel.h"
 #include "compute/patch_points.h"
+#include "compute/sun_edges.h"
 
 namespace heliodon::compute {
 
@@ -21,11 +22,6 @@ constexpr double kSensorSkyAngle = 0.1, kPatchSkyAngle = 0.2; // radians, of one
 // Of how far a patch's points lie apart, what four of them may be off; change of a patch's light, over it and
 // the usual one, from which it is told by more points; of the last change, what may be left.
 constexpr double kCurved = 0.1, kSkyChange = 0.02, kChangeLeft = 0.5;
-// Form factor below which an edge of sunlight averages out: in light by way of a near wall's cells, and in
-// what the sensor sees itself. The latter is small, as small patches may be all that lights a dark room
-// (those of a slot).
-constexpr double kEdgeOnCells = 2e-4;
-constexpr float kEdgeShare = 1e-6F;
 
 // What edges of sunlight on patches give less their patches' evenly spread sun, by way of the cells of near
 // walls.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <limits>
 #include <numbers>
 
 #include <glm/geometric.hpp>
@@ -12,10 +14,10 @@ namespace heliodon::compute {
 
 namespace {
 
-// Form factors of patches at a sensor: below kFar edges of sunlight average out, from kNear they are seen
-// exactly. By way of a near wall's cells, which are many, they do below kFarOfCells.
-constexpr float kFar = 1e-6F, kNear = 0.02F, kMostNearer = 3;
-constexpr double kFarOfCells = 2e-4;
+constexpr float kNear = 0.02F, kMostNearer = 3; // form factor from which patches are seen exactly
+// Share of all that the sun gives a sensor by way of patches in an hour. Edges that cannot send more, or that
+// their middles shift by less, are told by these; together they were off by 1e-5 in the root mean square.
+constexpr float kNegligible = 5e-4F;
 // So much nearer or farther than its patch light is seen exactly: its middle says little.
 constexpr float kMuch = 0.5F;
 // Less than this share of a patch's height below the horizon, or hidden, does not count.
@@ -26,14 +28,14 @@ struct Middles {
     size_t count;
 };
 // A point, and what its nearness to a patch is measured in.
-struct Place {
+struct From {
     glm::vec3 position, up; // up: the point's normal over the height of the patch's middle above its plane
     float square;           // of the distance of that middle
 };
 
 // How many times nearer and squarer middles of light stand than that of their patch, less one. The point's
 // height over the patch's plane is the same for all.
-[[gnu::always_inline]] inline void howMuchNearer(const Middles& middles, const Place& from,
+[[gnu::always_inline]] inline void howMuchNearer(const Middles& middles, const From& from,
                                                  float* __restrict nearer) {
     for (size_t k = 0; k < middles.count; ++k) {
         const float x = middles.x[k] - from.position.x, y = middles.y[k] - from.position.y,
@@ -45,23 +47,82 @@ struct Place {
     }
 }
 
-using HowMuchNearer = void (*)(const Middles&, const Place&, float*);
+// Edges of one patch at sensors side by side, as many as vectors hold.
+constexpr size_t kTogether = SunEdges::kTogether, kLanes = 8;
+using Floats [[gnu::vector_size(kLanes * sizeof(float)), gnu::may_alias]] = float;
+using Flags [[gnu::vector_size(kLanes * sizeof(float))]] = int32_t;
+struct alignas(sizeof(Floats)) Lux {
+    float of[kTogether];
+};
+struct Edge {
+    float x, y, z, exitance, beyond;
+};
+struct alignas(sizeof(Floats)) Seen { // a patch; the first seven as of From
+    float x[kTogether], y[kTogether], z[kTogether], upX[kTogether], upY[kTogether], upZ[kTogether],
+        square[kTogether];
+    float share[kTogether];
+    // How many times nearer, less one, light is not to be told by its middle, and of how much of it that
+    // makes a difference: `most` whatever its place.
+    float much[kTogether], most[kTogether];
+};
 
-void narrow(const Middles& middles, const Place& from, float* nearer) {
+// Adds to `lux` what edges send that middles tell. False where there are no others, else `rest` says which.
+[[gnu::always_inline]] inline bool addByMiddles(const Edge& edge, const Seen& seen, const Lux& least,
+                                                Lux& lux, int32_t* rest) {
+    const auto part = [](const float* lanes) -> const Floats& {
+        return *reinterpret_cast<const Floats*>(lanes);
+    };
+    bool any = false;
+    for (size_t v = 0; v < kTogether; v += kLanes) {
+        const Floats x = edge.x - part(seen.x + v), y = edge.y - part(seen.y + v),
+                     z = edge.z - part(seen.z + v);
+        const Floats above = x * part(seen.upX + v) + y * part(seen.upY + v) + z * part(seen.upZ + v),
+                     closer = part(seen.square + v) / (x * x + y * y + z * z + 1e-30F);
+        const Floats up = (above > 0 ? above : Floats{}) * closer * closer;
+        const Floats more = (up < kMostNearer ? up : Floats{} + kMostNearer) - 1,
+                     far = more < 0 ? -more : more, share = part(seen.share + v), shift = share * far,
+                     most = part(seen.most + v);
+        const Flags exact = (far > part(seen.much + v)) &
+                            (edge.exitance * (shift > most ? shift : most) > part(least.of + v));
+        const Floats sum =
+            part(lux.of + v) + (exact ? Floats{} : share * (edge.exitance * more - edge.beyond));
+        std::memcpy(lux.of + v, &sum, sizeof sum);
+        std::memcpy(rest + v, &exact, sizeof exact);
+        int64_t flags[sizeof exact / sizeof(int64_t)], all = 0;
+        std::memcpy(flags, &exact, sizeof exact);
+        for (const int64_t flag : flags) all |= flag;
+        any |= all != 0;
+    }
+    return any;
+}
+
+struct Kernels {
+    void (*howMuchNearer)(const Middles&, const From&, float*);
+    bool (*addByMiddles)(const Edge&, const Seen&, const Lux&, Lux&, int32_t*);
+};
+
+constexpr Kernels kNarrow{
+    [](const Middles& middles, const From& from, float* nearer) { howMuchNearer(middles, from, nearer); },
+    [](const Edge& edge, const Seen& seen, const Lux& least, Lux& lux, int32_t* rest) {
+        return addByMiddles(edge, seen, least, lux, rest);
+    }};
+
+#if defined(__x86_64__)
+[[gnu::target("avx2")]] void howMuchNearerWide(const Middles& middles, const From& from, float* nearer) {
     howMuchNearer(middles, from, nearer);
 }
 
-#if defined(__x86_64__)
-[[gnu::target("avx2")]] void wide(const Middles& middles, const Place& from, float* nearer) {
-    howMuchNearer(middles, from, nearer);
+[[gnu::target("avx2")]] bool addByMiddlesWide(const Edge& edge, const Seen& seen, const Lux& least, Lux& lux,
+                                              int32_t* rest) {
+    return addByMiddles(edge, seen, least, lux, rest);
 }
 #endif
 
-HowMuchNearer ofThisProcessor() {
+Kernels ofThisProcessor() {
 #if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx2")) return wide;
+    if (__builtin_cpu_supports("avx2")) return {howMuchNearerWide, addByMiddlesWide};
 #endif
-    return narrow;
+    return kNarrow;
 }
 
 // Form factor of a patch with nothing before it.
@@ -125,7 +186,8 @@ double SunEdges::mostOf(const Patch& patch, const PointView& view) {
     return patch.area * above * std::max(before, least) / (std::numbers::pi_v<float> * square * square);
 }
 
-SunEdges::SunEdges(const geometry::PatchMesh& mesh, std::vector<std::vector<Edge>> ofHours) {
+SunEdges::SunEdges(const geometry::PatchMesh& mesh, std::vector<std::vector<Edge>> ofHours)
+    : hours_(ofHours.size()) {
     std::vector<size_t> next(mesh.patchCount() + 1, 0);
     for (const auto& edges : ofHours)
         for (const Edge& edge : edges) ++next[edge.patch + 1];
@@ -162,33 +224,86 @@ bool SunEdges::findNearer(const PointView& view, size_t patch, std::vector<float
     const size_t first = of.first, count = edgesEnd(patch) - first;
     nearer.resize(count);
     const Middles middles{&x_[first], &y_[first], &z_[first], count};
-    const Place from{glm::vec3(view.position()), glm::vec3(view.normal()) / above, glm::dot(middle, middle)};
-    ofThisProcessor()(middles, from, nearer.data());
+    const From from{glm::vec3(view.position()), glm::vec3(view.normal()) / above, glm::dot(middle, middle)};
+    ofThisProcessor().howMuchNearer(middles, from, nearer.data());
     return true;
 }
 
-void SunEdges::addTo(std::span<float> lux, const PointScene& scene, const PointView& view, uint32_t room,
-                     const float* even) const {
-    std::vector<float> nearer;
+struct SunEdges::Lanes : Seen {
+    enum class As : uint8_t { straight, aboveHorizon } as[kTogether];
+    double straight[kTogether]; // form factor of what is not seen through windows
+    float even[kTogether];      // of all
+    double open[kTogether];     // `aboveHorizon`: with nothing before the patch
+};
+
+bool SunEdges::look(const PointScene& scene, const Place& from, size_t p, Lanes& lanes, size_t k) const {
+    const Patch& patch = patches_[p];
+    const float share = from.even[patch.patch];
+    if (share < kEdgeShare || scene.mesh().room[patch.patch] != from.room) return false; // glass: from afar
+    const PointView& view = from.view;
+    const glm::vec3 position(view.position()), middle = patch.middle - position;
+    const float above = glm::dot(middle, glm::vec3(view.normal()));
+    const bool seesMiddle = above > 0 && glm::dot(middle, patch.normal) < 0;
+    const glm::vec3 up = seesMiddle ? glm::vec3(view.normal()) / above : glm::vec3(0);
+    lanes.x[k] = position.x, lanes.y[k] = position.y, lanes.z[k] = position.z;
+    lanes.upX[k] = up.x, lanes.upY[k] = up.y, lanes.upZ[k] = up.z;
+    lanes.square[k] = glm::dot(middle, middle);
+    lanes.share[k] = seesMiddle ? share : 0;
+    lanes.even[k] = share;
+    lanes.much[k] = kMuch, lanes.most[k] = 0;
+    lanes.as[k] = Lanes::As::straight;
+    // Not what of the share is seen through windows.
+    lanes.straight[k] = scene.hasRoomsBeyond() ? scene.factor(view, patch.patch) : double{share};
+    const auto notByMiddles = [&](double most) {
+        lanes.much[k] = -1, lanes.most[k] = static_cast<float>(most);
+    };
+    if (share >= kNear) {
+        notByMiddles(std::numeric_limits<float>::infinity());
+    } else if (isPartlyHidden(scene.mesh(), view, patch.patch, lanes.straight[k])) {
+        notByMiddles(mostOf(patch, view));
+    } else if (isCut(scene.mesh(), patch.patch, view)) {
+        notByMiddles(mostOf(patch, view));
+        lanes.as[k] = Lanes::As::aboveHorizon;
+        lanes.open[k] = openFactorOf(scene.mesh(), view, patch.patch);
+    }
+    return true;
+}
+
+void SunEdges::addTo(float* lux, size_t stride, const PointScene& scene,
+                     std::span<const Place> places) const {
+    const auto addByMiddlesOf = ofThisProcessor().addByMiddles;
+    std::vector<Lux> more(hours_), least(hours_);
+    for (size_t h = 0; h < hours_; ++h)
+        for (size_t k = 0; k < places.size(); ++k)
+            least[h].of[k] = kNegligible * std::max(0.0f, lux[h * stride + k]);
     for (size_t p = 0; p < patches_.size(); ++p) {
-        const Patch& patch = patches_[p];
-        const float share = even[patch.patch];
-        if (share < kFar || scene.mesh().room[patch.patch] != room) continue; // through glass: from afar
-        const size_t end = edgesEnd(p);
-        // Not what of the share is seen through windows.
-        const double straight = scene.factor(view, patch.patch);
-        if (share >= kNear || isPartlyHidden(scene.mesh(), view, patch.patch, straight)) {
-            addExactly(lux, view, patch.first, end, straight, glm::vec3(1));
-        } else if (isCut(scene.mesh(), patch.patch, view)) {
-            addAboveHorizon(lux, scene.mesh(), view, p, share);
-        } else if (findNearer(view, p, nearer)) {
-            for (size_t e = patch.first; e < end; ++e)
-                if (const float more = nearer[e - patch.first]; std::abs(more) > kMuch)
-                    addExactly(lux, view, e, e + 1, double{share}, glm::vec3(1));
-                else
-                    lux[hour_[e]] += share * (exitance_[e] * more - beyond_[e]);
+        Lanes lanes{};
+        bool any = false;
+        for (size_t k = 0; k < places.size(); ++k) any |= look(scene, places[k], p, lanes, k);
+        if (!any) continue;
+        for (size_t e = patches_[p].first; e < edgesEnd(p); ++e) {
+            int32_t rest[kTogether];
+            if (!addByMiddlesOf({x_[e], y_[e], z_[e], exitance_[e], beyond_[e]}, lanes, least[hour_[e]],
+                                more[hour_[e]], rest))
+                continue;
+            for (size_t k = 0; k < places.size(); ++k)
+                if (rest[k]) more[hour_[e]].of[k] += exactly(places[k].view, e, lanes, k);
         }
     }
+    for (size_t h = 0; h < hours_; ++h)
+        for (size_t k = 0; k < places.size(); ++k) lux[h * stride + k] += more[h].of[k];
+}
+
+float SunEdges::exactly(const PointView& view, size_t e, const Lanes& lanes, size_t k) const {
+    if (lanes.as[k] == Lanes::As::straight)
+        return static_cast<float>(photometric(exactly(view, e, lanes.straight[k])));
+    // Of what is above; as much is hidden from each part as from the patch.
+    if (!(lanes.open[k] > 0)) return 0;
+    std::vector<glm::dvec3> above;
+    double light = 0;
+    for (const Part& part : partsOf(e))
+        light += view.openFactor(cornersOf(part), above) * photometric(part.exitance);
+    return lanes.even[k] * (static_cast<float>(light / lanes.open[k]) - exitance_[e] - beyond_[e]);
 }
 
 bool SunEdges::isCut(const geometry::PatchMesh& mesh, uint32_t patch, const PointView& view) {
@@ -202,29 +317,14 @@ bool SunEdges::isCut(const geometry::PatchMesh& mesh, uint32_t patch, const Poin
 
 bool SunEdges::isPartlyHidden(const geometry::PatchMesh& mesh, const PointView& view, uint32_t patch,
                               double straight) {
-    return straight < (1 - kSliver) * openFactorOf(mesh, view, patch);
+    return view.isHindered(geometry::patchCorners(mesh, patch)) &&
+           straight < (1 - kSliver) * openFactorOf(mesh, view, patch);
 }
 
-void SunEdges::addAboveHorizon(std::span<float> lux, const geometry::PatchMesh& mesh, const PointView& view,
-                               size_t patch, float share) const {
-    const double whole = openFactorOf(mesh, view, patches_[patch].patch);
-    if (!(whole > 0)) return;
-    std::vector<glm::dvec3> above;
-    for (size_t e = patches_[patch].first; e < edgesEnd(patch); ++e) {
-        double light = 0;
-        for (const Part& part : partsOf(e))
-            light += view.openFactor(cornersOf(part), above) * photometric(part.exitance);
-        lux[hour_[e]] += share * (static_cast<float>(light / whole) - exitance_[e] - beyond_[e]);
-    }
-}
-
-void SunEdges::addExactly(std::span<float> lux, const PointView& view, size_t first, size_t end,
-                          double straight, glm::vec3 answer) const {
-    for (size_t e = first; e < end; ++e) {
-        glm::dvec3 more = -straight * glm::dvec3(colour_[e] + colourBeyond_[e]);
-        for (const Part& part : partsOf(e)) more += view.factor(cornersOf(part)) * glm::dvec3(part.exitance);
-        lux[hour_[e]] += static_cast<float>(photometric(answer * glm::vec3(more)));
-    }
+glm::dvec3 SunEdges::exactly(const PointView& view, size_t e, double straight) const {
+    glm::dvec3 more = -straight * glm::dvec3(colour_[e] + colourBeyond_[e]);
+    for (const Part& part : partsOf(e)) more += view.factor(cornersOf(part)) * glm::dvec3(part.exitance);
+    return more;
 }
 
 void SunEdges::addTo(std::span<float> lux, const PointScene& scene, const NearLight& near,
@@ -235,12 +335,14 @@ void SunEdges::addTo(std::span<float> lux, const PointScene& scene, const NearLi
         const double answer = photometric(cell.answer);
         for (size_t p = 0; p < patches_.size(); ++p) {
             const Patch& patch = patches_[p];
-            if (scene.mesh().room[patch.patch] != room || mostOf(patch, view) * answer < kFarOfCells)
+            if (scene.mesh().room[patch.patch] != room || mostOf(patch, view) * answer < kEdgeOnCells)
                 continue;
             const double straight = scene.factor(view, patch.patch);
-            if (straight * answer < kFarOfCells) continue;
+            if (straight * answer < kEdgeOnCells) continue;
             if (straight >= double{kNear})
-                addExactly(lux, view, patch.first, edgesEnd(p), straight, cell.answer);
+                for (size_t e = patch.first; e < edgesEnd(p); ++e)
+                    lux[hour_[e]] +=
+                        static_cast<float>(photometric(cell.answer * glm::vec3(exactly(view, e, straight))));
             else if (findNearer(view, p, nearer))
                 for (size_t k = 0; k < nearer.size(); ++k) {
                     const size_t e = patch.first + k;

@@ -1,7 +1,8 @@
 // Where sunlight ends within patches, over many hours: what a sensor gets beyond what the patches' mean
-// exitance would send it. Exactly for patches that loom large at the sensor or are hidden in part, and for
-// light much nearer than its patch's middle; where its horizon cuts a patch, by what of the light is above;
-// for the rest by how much nearer and squarer the middle of the light stands than that of the patch.
+// exitance would send it. Exactly, where it makes a difference, for patches that loom large at the sensor or
+// are hidden in part, and for light much nearer than its patch's middle; where its horizon cuts a patch, by
+// what of the light is above; for the rest by how much nearer and squarer the middle of the light stands than
+// that of the patch.
 #pragma once
 
 #include <cstdint>
@@ -16,6 +17,12 @@
 #include "geometry/patch_mesh.h"
 
 namespace heliodon::compute {
+
+// Form factor of a patch at a sensor below which edges of sunlight on it average out: small, as small patches
+// may be all that lights a dark room (those of a slot). In light by way of a near wall's cells, which are
+// many: of what reaches the sensor by the cell.
+constexpr float kEdgeShare = 1e-6F;
+constexpr double kEdgeOnCells = 2e-4;
 
 class SunEdges {
 public:
@@ -38,11 +45,19 @@ public:
     SunEdges(const geometry::PatchMesh& mesh,
              std::vector<std::vector<Edge>> ofHours); // mesh must outlive this
 
-    // Adds to `lux`, one entry an hour. `even`: the sensor's form factors of patches; those of at least 1e-6
-    // count, as they do for one moment, so that what an hour gets does not depend on which others are here.
-    // About 1 ns for each edge; same bits on any number of threads.
-    void addTo(std::span<float> lux, const PointScene& scene, const PointView& view, uint32_t room,
-               const float* even) const;
+    // A sensor with its form factors of patches.
+    struct Place {
+        PointView view;
+        uint32_t room;
+        const float* even;
+    };
+    static constexpr size_t kTogether = 16;
+    // Adds to `lux`, rows of `stride` for hours, what at most kTogether sensors get. `lux` holds what the
+    // hour's sun gives them by way of patches taken for even: edges that cannot change this by more than
+    // 5e-4 are told by their middles, so that what an hour gets does not depend on which others are here.
+    // About 1 ns for each edge and sensor, 1 us for those that middles do not tell; same bits on any number
+    // of threads.
+    void addTo(float* lux, size_t stride, const PointScene& scene, std::span<const Place> places) const;
 
     // The same by way of the cells of a sensor's near walls: from 2e-4 of what reaches the sensor by a cell.
     void addTo(std::span<float> lux, const PointScene& scene, const NearLight& near, uint32_t room) const;
@@ -67,6 +82,9 @@ private:
     size_t edgesEnd(size_t patch) const {
         return patch + 1 < patches_.size() ? patches_[patch + 1].first : hour_.size();
     }
+    struct Lanes;
+    // How a sensor sees one of patches_; false where its edges do not count.
+    bool look(const PointScene& scene, const Place& from, size_t patch, Lanes& lanes, size_t lane) const;
     // Per edge of one of patches_, how many times nearer and squarer its light stands to the view's point
     // than the patch's middle, less one; false where the middle lies below either's horizon.
     bool findNearer(const PointView& view, size_t patch, std::vector<float>& nearer) const;
@@ -76,21 +94,16 @@ private:
     // factor of what is seen.
     static bool isPartlyHidden(const geometry::PatchMesh& mesh, const PointView& view, uint32_t patch,
                                double straight);
-    // Edges of one of patches_ that the horizon cuts: of what is above, each lit part by its form factor in
-    // the open. `share`: the patch's own, of which as much is hidden from each part.
-    void addAboveHorizon(std::span<float> lux, const geometry::PatchMesh& mesh, const PointView& view,
-                         size_t patch, float share) const;
+    // What a sensor gets by an edge, not told by its middle, beyond what it is taken to send evenly.
+    float exactly(const PointView& view, size_t edge, const Lanes& lanes, size_t lane) const;
+    glm::dvec3 exactly(const PointView& view, size_t edge, double straight) const;
     std::span<const Part> partsOf(size_t edge) const {
         return {&parts_[firstPart_[edge]], firstPart_[edge + 1] - firstPart_[edge]};
     }
     std::span<const glm::dvec3> cornersOf(const Part& part) const {
         return {&corners_[part.firstCorner], (&part + 1)->firstCorner - part.firstCorner};
     }
-    // Edges [first, end) of one patch, which the view has the form factor `straight` of; `answer`: lux at the
-    // sensor for each lux at the view's point.
-    void addExactly(std::span<float> lux, const PointView& view, size_t first, size_t end, double straight,
-                    glm::vec3 answer) const;
-
+    size_t hours_ = 0;
     std::vector<Patch> patches_;
     // Edges, patch by patch.
     std::vector<uint32_t> hour_;
