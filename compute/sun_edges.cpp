@@ -16,8 +16,8 @@ namespace {
 
 constexpr float kNear = 0.02F, kMostNearer = 3; // form factor from which patches are seen exactly
 // Share of all that the sun gives a sensor by way of patches in an hour. Edges that cannot send more, or that
-// their middles shift by less, are told by these; together they were off by 1e-5 in the root mean square.
-constexpr float kNegligible = 5e-4F;
+// their middles shift by less, are told by these; together they were off by 3e-5 in the root mean square.
+constexpr float kNegligible = 1e-3F;
 // So much nearer or farther than its patch light is seen exactly: its middle says little.
 constexpr float kMuch = 0.5F;
 // Less than this share of a patch's height below the horizon, or hidden, does not count.

@@ -54,7 +54,7 @@ public:
     static constexpr size_t kTogether = 16;
     // Adds to `lux`, rows of `stride` for hours, what at most kTogether sensors get. `lux` holds what the
     // hour's sun gives them by way of patches taken for even: edges that cannot change this by more than
-    // 5e-4 are told by their middles, so that what an hour gets does not depend on which others are here.
+    // 1e-3 are told by their middles, so that what an hour gets does not depend on which others are here.
     // About 1 ns for each edge and sensor, 1 us for those that middles do not tell; same bits on any number
     // of threads.
     void addTo(float* lux, size_t stride, const PointScene& scene, std::span<const Place> places) const;
