@@ -70,12 +70,13 @@ private:
 
     void noteFiles(const CLI::App& sub) {
         std::error_code none;
-        for (const CLI::Option* option : sub.get_options()) {
-            const bool isWritten = writtenFiles_.contains(option);
+        for (const CLI::Option* option : sub.get_options())
             for (const std::string& text : option->results())
-                if (isWritten || std::filesystem::is_regular_file(text, none))
-                    (isWritten ? common_.writtenFiles : common_.readFiles).emplace_back(text);
-        }
+                if (writtenFiles_.contains(option))
+                    common_.writtenFiles.emplace_back(text);
+                else if (option->get_name() != "--output" && // a film, of a command that also writes folders
+                         std::filesystem::is_regular_file(text, none))
+                    common_.readFiles.emplace_back(text);
     }
 
     // `group`: the command that this one is a part of, if any.

@@ -377,7 +377,7 @@ TEST(SkyFile, wrong_fields_are_named) {
         const char* place;
     };
     const std::vector<Case> cases{
-        {"", ":1: "},
+        {"", ": is empty, expected "},
         {"[1,2", ":1: "},
         {"[]", ": "},
         {"{\"format\":\"vh-sky/1\"", ":1: "},
