@@ -237,17 +237,19 @@ Building readAgain(const PatchMesh& mesh, const std::string& type = ".obj") {
 
 // It has the same rooms and panes, and each glass between two rooms its twin.
 void expectSame(const PatchMesh& mesh, const Building& again) {
-    const std::vector<RoomMeasures> before = measureRooms(mesh), after = measureRooms(ownTriangles(again));
+    const auto byVolume = [](std::vector<RoomMeasures> rooms) { // they are not in the same order
+        std::ranges::sort(rooms, {}, &RoomMeasures::volume);
+        return rooms;
+    };
+    const std::vector<RoomMeasures> before = byVolume(measureRooms(mesh)),
+                                    after = byVolume(measureRooms(ownTriangles(again)));
     ASSERT_EQ(after.size(), before.size());
-    double volume = 0, volumeAfter = 0;
-    int euler = 0;
-    for (size_t r = 0; r < before.size(); ++r) { // not in the same order
-        volume += before[r].volume;
-        volumeAfter += after[r].volume;
-        euler += after[r].euler - before[r].euler;
+    for (size_t r = 0; r < before.size(); ++r) {
+        ASSERT_NEAR(after[r].volume, before[r].volume, 1e-6 * before[r].volume);
+        ASSERT_NEAR(after[r].floorArea, before[r].floorArea, 1e-5 * before[r].floorArea);
+        ASSERT_NEAR(after[r].surface, before[r].surface, 1e-5 * before[r].surface);
+        ASSERT_EQ(after[r].euler, before[r].euler);
     }
-    ASSERT_NEAR(volumeAfter, volume, 1e-6 * volume);
-    ASSERT_EQ(euler, 0);
     ASSERT_EQ(std::ranges::count_if(again.faces, [](const Face& face) { return face.twin >= 0; }),
               std::ranges::count_if(mesh.twin, [](int32_t twin) { return twin != kNoTwin; }));
     const PaneCount panes = countPanes(mesh), panesAfter = countPanes(meshBuilding(again, {500}));
