@@ -9,7 +9,6 @@
 
 #include <glm/geometric.hpp>
 
-#include "geometry/bounds.h"
 #include "geometry/lattice_seeds.h"
 #include "geometry/perpendicular.h"
 #include "geometry/segment_distance.h"
@@ -34,9 +33,12 @@ constexpr double kFinestStrip = 0.45; // of the edge length
 constexpr double kMostTurn = 0.45, kDeepest = 0.0025;
 // Where triangles may lean across folds: radians along an edge, metres in the wall's solids and before them.
 constexpr double kMostLeaning = 0.5, kDeep = 0.0008, kCutOff = 0.003;
-// What stands nearer to a wall than they reach (metres), unless it stands on it at a blunter angle (radians),
-// has none beside it.
-constexpr double kNear = kCutOff, kBlunt = kMostLeaning, kLevel = 1e-6; // the last: metres, of rounding
+// What stands on a wall at a blunter angle (radians) is not in their way.
+constexpr double kBlunt = kMostLeaning, kLevel = 1e-6; // the latter: metres, of rounding
+constexpr double kSpan = 2; // of the edge length: none reaches farther along the wall
+// Metres: what is farther from a wall is in no one's way. Over kSpan edges it turns kSpan times as far as over
+// one.
+constexpr double kFarOff = kSpan * kSpan / 4 * 8 * kCutOff;
 constexpr double kNarrowFacets = 0.45; // of the edge length: too narrow for triangles each within one
 constexpr double kRowLength = 1.1;     // of the next side: as long, but for slanted ends
 constexpr double kHalfStep = 0.55;     // of the step beside it: what half a step is at most
@@ -74,7 +76,7 @@ EdgeSampler::EdgeSampler(const Building& building, const std::vector<MeshDomain>
     : building_(building), domains_(domains), finest_(std::move(finest)) {
     for (const MeshDomain& domain : domains) directions_.push_back(mainDirection(domain));
     collectEdges();
-    for (size_t d = 0; d < domains.size(); ++d) crowded_.push_back(!domains[d].folds.empty() && isCrowded(d));
+    measureClearances();
     measureSurroundings();
     pairTwins();
     findStrips();
@@ -530,17 +532,25 @@ std::vector<double> EdgeSampler::divisions(uint32_t a, uint32_t b) const {
     return out;
 }
 
-// In the plan, between the heights of a curved wall: its facets and folds and the edges of all else.
-bool EdgeSampler::isCrowded(size_t d) const {
+void EdgeSampler::measureClearances() {
+    std::vector<Bounds> boxes;
+    for (const MeshDomain& domain : domains_) {
+        std::vector<glm::dvec3> corners;
+        for (const auto& loop : domain.loops)
+            for (const uint32_t v : loop) corners.push_back(position(v));
+        boxes.push_back(boundsOf(corners));
+    }
+    for (size_t d = 0; d < domains_.size(); ++d)
+        clearances_.push_back(domains_[d].folds.empty() ? kFarOff : clearanceOf(d, boxes));
+}
+
+// In the plan, between the heights of a curved wall: its facets and folds and the edges of all else. Those of
+// a wall as high as it is lie on its floor and its ceiling.
+double EdgeSampler::clearanceOf(size_t d, const std::vector<Bounds>& boxes) const {
     const auto inPlan = [](glm::dvec3 p) { return glm::dvec2(p.x, p.z); };
     std::set<uint32_t> own;
-    std::vector<glm::dvec3> corners;
-    for (const auto& loop : domains_[d].loops)
-        for (const uint32_t v : loop) {
-            own.insert(v);
-            corners.push_back(position(v));
-        }
-    const Bounds box = boundsOf(corners);
+    for (const auto& loop : domains_[d].loops) own.insert(loop.begin(), loop.end());
+    const Bounds& box = boxes[d];
     std::vector<std::array<glm::dvec2, 2>> facets;
     for (const MeshDomain::Frame& frame : domains_[d].frames)
         facets.push_back({inPlan(frame.origin + (frame.low - frame.offset) * frame.u),
@@ -548,36 +558,55 @@ bool EdgeSampler::isCrowded(size_t d) const {
     const auto stands = [&](const SampledEdge& edge) {
         const glm::dvec3 a = position(edge.a), b = position(edge.b), low = glm::min(a, b),
                          high = glm::max(a, b);
-        return low.x < box.high.x + kNear && high.x > box.low.x - kNear && low.z < box.high.z + kNear &&
-               high.z > box.low.z - kNear && low.y < box.high.y - kLevel && high.y > box.low.y + kLevel &&
-               std::ranges::find(edge.domains, d) == edge.domains.end();
+        return low.x < box.high.x + kFarOff && high.x > box.low.x - kFarOff &&
+               low.z < box.high.z + kFarOff && high.z > box.low.z - kFarOff &&
+               std::ranges::find(edge.domains, d) == edge.domains.end() &&
+               std::ranges::any_of(edge.domains, [&](uint32_t other) {
+                   return boxes[other].low.y < box.high.y - kLevel &&
+                          boxes[other].high.y > box.low.y + kLevel;
+               });
     };
-    return std::ranges::any_of(edges_, [&](const SampledEdge& edge) {
-        if (!stands(edge)) return false;
+    double least = kFarOff;
+    for (const SampledEdge& edge : edges_) {
+        if (!stands(edge)) continue;
         std::vector<glm::dvec2> on; // ends of it on the wall
         for (const uint32_t v : {edge.a, edge.b})
             if (own.contains(v)) on.push_back(inPlan(position(v)));
-        const auto isNear = [&](glm::dvec2 p, double distance) {
-            return distance < kNear && std::ranges::all_of(on, [&](glm::dvec2 end) {
-                       return distance < kBlunt * glm::length(p - end);
-                   });
+        const auto consider = [&](glm::dvec2 p, double distance) {
+            if (std::ranges::all_of(
+                    on, [&](glm::dvec2 end) { return distance < kBlunt * glm::length(p - end); }))
+                least = std::min(least, distance);
         };
         const glm::dvec2 a = inPlan(position(edge.a)), b = inPlan(position(edge.b));
-        return std::ranges::any_of(facets, [&](const auto& facet) {
-            const auto beside = [&](uint32_t v) {
-                const glm::dvec2 p = inPlan(position(v));
-                return !own.contains(v) && isNear(p, distanceToSegment(p, facet[0], facet[1]));
-            };
-            return beside(edge.a) || beside(edge.b) || isNear(facet[0], distanceToSegment(facet[0], a, b)) ||
-                   isNear(facet[1], distanceToSegment(facet[1], a, b));
-        });
-    });
+        for (const auto& facet : facets) {
+            for (const uint32_t v : {edge.a, edge.b})
+                if (const glm::dvec2 p = inPlan(position(v)); !own.contains(v))
+                    consider(p, distanceToSegment(p, facet[0], facet[1]));
+            for (const glm::dvec2 end : facet) consider(end, distanceToSegment(end, a, b));
+        }
+    }
+    return least;
 }
 
-// Whether triangles as long as an edge that lean across the folds lie next to nowhere in the wall's solids,
-// and cut off little.
+// A wall that turns by so many radians between two points lies within a quarter of that, times their distance,
+// of the straight line between them.
+double EdgeSampler::deepestLean(size_t d) const {
+    const auto [low, high] = extentOf(domains_[d]);
+    const double span = std::min(kSpan * edge_, high - low);
+    const auto& folds = domains_[d].folds;
+    double most = 0, turned = 0;
+    for (size_t first = 0, k = 0; k < folds.size(); ++k) {
+        turned += std::abs(folds[k].turn);
+        for (; folds[k].at - folds[first].at > span; ++first) turned -= std::abs(folds[first].turn);
+        most = std::max(most, turned);
+    }
+    return most * span / 4;
+}
+
+// Whether triangles that lean across the folds meet nothing else and, as long as an edge, lie next to nowhere
+// in the wall's solids and cut off little.
 bool EdgeSampler::mayLean(size_t d) const {
-    if (crowded_[d]) return false;
+    if (clearances_[d] < kFarOff && clearances_[d] <= deepestLean(d)) return false;
     const MeshDomain& domain = domains_[d];
     const auto [low, high] = extentOf(domain);
     for (size_t k = 0; k < domain.folds.size(); ++k) {
@@ -597,7 +626,7 @@ std::vector<double> EdgeSampler::foldsOf(size_t d) const {
     std::vector<double> folds;
     const double narrow = kNarrowFacets * edge_ * static_cast<double>(domain.folds.size() + 1);
     if (high - low < narrow && mayLean(d)) return {};
-    const double least = crowded_[d] ? 0 : grading_.narrowest * edge_;
+    const double least = clearances_[d] < kCutOff ? 0 : grading_.narrowest * edge_;
     double turned = 0; // since the last that is kept
     for (const auto& [x, turn] : domain.folds) {
         turned += std::abs(turn);
