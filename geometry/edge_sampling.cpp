@@ -36,9 +36,9 @@ constexpr double kMostLeaning = 0.5, kDeep = 0.0008, kCutOff = 0.003;
 // What stands on a wall at a blunter angle (radians) is not in their way.
 constexpr double kBlunt = kMostLeaning, kLevel = 1e-6; // the latter: metres, of rounding
 constexpr double kSpan = 2; // of the edge length: none reaches farther along the wall
-// Metres: what is farther from a wall is in no one's way. Over kSpan edges it turns kSpan times as far as over
-// one.
-constexpr double kFarOff = kSpan * kSpan / 4 * 8 * kCutOff;
+// Metres: what is farther from a wall is in no one's way. Over kSpan edges they lie at most kSpan squared times
+// as deep as over one.
+constexpr double kFarOff = 2 * kSpan * kSpan * kCutOff;
 constexpr double kNarrowFacets = 0.45; // of the edge length: too narrow for triangles each within one
 constexpr double kRowLength = 1.1;     // of the next side: as long, but for slanted ends
 constexpr double kHalfStep = 0.55;     // of the step beside it: what half a step is at most
@@ -544,8 +544,8 @@ void EdgeSampler::measureClearances() {
         clearances_.push_back(domains_[d].folds.empty() ? kFarOff : clearanceOf(d, boxes));
 }
 
-// In the plan, between the heights of a curved wall: its facets and folds and the edges of all else. Those of
-// a wall as high as it is lie on its floor and its ceiling.
+// In the plan, between the heights of a curved wall: its facets and folds and the edges of all else, with those
+// at its floor on which something stands, and at its ceiling from which something hangs.
 double EdgeSampler::clearanceOf(size_t d, const std::vector<Bounds>& boxes) const {
     const auto inPlan = [](glm::dvec3 p) { return glm::dvec2(p.x, p.z); };
     std::set<uint32_t> own;
@@ -562,8 +562,11 @@ double EdgeSampler::clearanceOf(size_t d, const std::vector<Bounds>& boxes) cons
                low.z < box.high.z + kFarOff && high.z > box.low.z - kFarOff &&
                std::ranges::find(edge.domains, d) == edge.domains.end() &&
                std::ranges::any_of(edge.domains, [&](uint32_t other) {
-                   return boxes[other].low.y < box.high.y - kLevel &&
-                          boxes[other].high.y > box.low.y + kLevel;
+                   const double bottom = boxes[other].low.y, top = boxes[other].high.y;
+                   const bool flat = top - bottom < kLevel;
+                   const double above = !flat && low.y < bottom + kLevel ? 3 * kLevel : 0,
+                                below = !flat && high.y > top - kLevel ? 3 * kLevel : 0;
+                   return low.y - below < box.high.y - kLevel && high.y + above > box.low.y + kLevel;
                });
     };
     double least = kFarOff;
@@ -573,8 +576,9 @@ double EdgeSampler::clearanceOf(size_t d, const std::vector<Bounds>& boxes) cons
         for (const uint32_t v : {edge.a, edge.b})
             if (own.contains(v)) on.push_back(inPlan(position(v)));
         const auto consider = [&](glm::dvec2 p, double distance) {
-            if (std::ranges::all_of(
-                    on, [&](glm::dvec2 end) { return distance < kBlunt * glm::length(p - end); }))
+            if (std::ranges::all_of(on, [&](glm::dvec2 end) { // kLevel: where it stands on the wall itself
+                    return distance < kBlunt * glm::length(p - end) - kLevel;
+                }))
                 least = std::min(least, distance);
         };
         const glm::dvec2 a = inPlan(position(edge.a)), b = inPlan(position(edge.b));
@@ -588,19 +592,19 @@ double EdgeSampler::clearanceOf(size_t d, const std::vector<Bounds>& boxes) cons
     return least;
 }
 
-// A wall that turns by so many radians between two points lies within a quarter of that, times their distance,
-// of the straight line between them.
+// Of a straight line across a fold in its middle, and across the others within its length: for small angles
+// each fold adds its own share.
 double EdgeSampler::deepestLean(size_t d) const {
     const auto [low, high] = extentOf(domains_[d]);
-    const double span = std::min(kSpan * edge_, high - low);
-    const auto& folds = domains_[d].folds;
-    double most = 0, turned = 0;
-    for (size_t first = 0, k = 0; k < folds.size(); ++k) {
-        turned += std::abs(folds[k].turn);
-        for (; folds[k].at - folds[first].at > span; ++first) turned -= std::abs(folds[first].turn);
-        most = std::max(most, turned);
+    const double half = std::min(kSpan * edge_, high - low) / 2;
+    double deepest = 0;
+    for (const auto& [x, own] : domains_[d].folds) {
+        double depth = 0;
+        for (const auto& [at, turn] : domains_[d].folds)
+            depth += std::abs(turn) * std::max(0.0, half - std::abs(at - x)) / 2;
+        deepest = std::max(deepest, depth);
     }
-    return most * span / 4;
+    return deepest;
 }
 
 // Whether triangles that lean across the folds meet nothing else and, as long as an edge, lie next to nowhere
