@@ -36,8 +36,8 @@ constexpr double kMostLeaning = 0.5, kDeep = 0.0008, kCutOff = 0.003;
 // What stands on a wall at a blunter angle (radians) is not in their way.
 constexpr double kBlunt = kMostLeaning, kLevel = 1e-6; // the latter: metres, of rounding
 constexpr double kSpan = 2; // of the edge length: none reaches farther along the wall
-// Metres: what is farther from a wall is in no one's way. Over kSpan edges they lie at most kSpan squared times
-// as deep as over one.
+// Metres: what is farther from a wall is in no one's way. Over kSpan edges they lie at most kSpan squared
+// times as deep as over one.
 constexpr double kFarOff = 2 * kSpan * kSpan * kCutOff;
 constexpr double kNarrowFacets = 0.45; // of the edge length: too narrow for triangles each within one
 constexpr double kRowLength = 1.1;     // of the next side: as long, but for slanted ends
@@ -544,8 +544,8 @@ void EdgeSampler::measureClearances() {
         clearances_.push_back(domains_[d].folds.empty() ? kFarOff : clearanceOf(d, boxes));
 }
 
-// In the plan, between the heights of a curved wall: its facets and folds and the edges of all else, with those
-// at its floor on which something stands, and at its ceiling from which something hangs.
+// In the plan, between the heights of a curved wall: its facets and folds and the edges of all else, with
+// those at its floor on which something stands, and at its ceiling from which something hangs.
 double EdgeSampler::clearanceOf(size_t d, const std::vector<Bounds>& boxes) const {
     const auto inPlan = [](glm::dvec3 p) { return glm::dvec2(p.x, p.z); };
     std::set<uint32_t> own;
@@ -558,9 +558,8 @@ double EdgeSampler::clearanceOf(size_t d, const std::vector<Bounds>& boxes) cons
     const auto stands = [&](const SampledEdge& edge) {
         const glm::dvec3 a = position(edge.a), b = position(edge.b), low = glm::min(a, b),
                          high = glm::max(a, b);
-        return low.x < box.high.x + kFarOff && high.x > box.low.x - kFarOff &&
-               low.z < box.high.z + kFarOff && high.z > box.low.z - kFarOff &&
-               std::ranges::find(edge.domains, d) == edge.domains.end() &&
+        return low.x < box.high.x + kFarOff && high.x > box.low.x - kFarOff && low.z < box.high.z + kFarOff &&
+               high.z > box.low.z - kFarOff && std::ranges::find(edge.domains, d) == edge.domains.end() &&
                std::ranges::any_of(edge.domains, [&](uint32_t other) {
                    const double bottom = boxes[other].low.y, top = boxes[other].high.y;
                    const bool flat = top - bottom < kLevel;

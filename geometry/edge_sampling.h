@@ -99,8 +99,8 @@ private:
     // Pairs of a fraction of the edge's length and how many steps of the size wanted lie before it.
     std::vector<std::pair<double, double>> stepsAlong(const SampledEdge& edge, double largest) const;
     std::vector<double> foldsOf(size_t domain) const; // those with room for triangles between them
-    double deepestLean(size_t domain) const; // metres from the facets, of triangles without folds
-    bool mayLean(size_t domain) const;       // triangles across its folds
+    double deepestLean(size_t domain) const;          // metres from the facets, of triangles without folds
+    bool mayLean(size_t domain) const;                // triangles across its folds
     double longestEdge(double finest) const;          // metres
     double sizeOf(uint32_t corner) const;             // infinity where the surroundings ask for nothing
     glm::dvec3 position(uint32_t corner) const { return building_.vertices[corner]; }

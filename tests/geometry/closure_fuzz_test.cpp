@@ -472,10 +472,10 @@ TEST(ClosureFuzz, every_sketch_closes_proven_or_is_refused_with_a_reason) {
             ASSERT_NO_FATAL_FAILURE(expectReadAgain(mesh));
         }
     }
-    std::string line = fmt::format("{} sketches: {} closed, {} of them meshed and read again; slowest "
-                                   "{:.1f} ms (seed {});",
-                                   tally.sketches, tally.closed, tally.meshed, tally.slowestMs,
-                                   tally.slowestSeed);
+    std::string line =
+        fmt::format("{} sketches: {} closed, {} of them meshed and read again; slowest "
+                    "{:.1f} ms (seed {});",
+                    tally.sketches, tally.closed, tally.meshed, tally.slowestMs, tally.slowestSeed);
     for (const auto& [code, count] : tally.codes) line += fmt::format(" {} {}", code, count);
     printf("%s\n", line.c_str());
     EXPECT_GT(tally.closed - before, static_cast<int>(kSketches) / 4);
