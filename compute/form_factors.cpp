@@ -250,7 +250,8 @@ FormFactors factorsOf(gpu::Device& device, const geometry::PatchMesh& mesh, cons
         return exactFormFactors(device, mesh, exact).factors;
     }
     if (choice.kernel == "hemicube") return hemicubeFormFactors(device, mesh, options, choice.maxError);
-    if (choice.kernel == "hierarchical") return hierarchicalFormFactors(device, mesh, choice.maxError);
+    if (choice.kernel == "hierarchical")
+        return hierarchicalFormFactors(device, mesh, choice.ofLinks * choice.maxError);
     if (choice.kernel == "montecarlo") return monteCarloFormFactors(device, mesh, options, choice.maxError);
     refuse(choice.kernel);
 }
@@ -429,8 +430,9 @@ FormFactors computeFormFactors(gpu::Device& device, const geometry::PatchMesh& m
     KernelChoice choice = chooseKernel(device, mesh, options);
     FormFactors result = factorsOf(device, mesh, options, choice);
     const double claimed = result.report.claimedRowError, sums = result.report.claimedRowSumError;
-    if (options.kernel == "auto" && choice.kernel == "hierarchical" &&
-        std::max(claimed, sums / kSumOverRow) > kMargin * choice.maxError) {
+    // Sums matter to light only; of entries, rows are what was asked.
+    const double missed = options.forLight ? std::max(claimed, sums / kSumOverRow) : claimed;
+    if (options.kernel == "auto" && choice.kernel == "hierarchical" && missed > kMargin * choice.maxError) {
         choice.kernel = "exact";
         choice.why += fmt::format(
             "; these leave up to {:.2g}, {:.2g} of a row's sum: visible polygons instead", claimed, sums);
@@ -461,7 +463,7 @@ FormFactorReport streamFormFactors(gpu::Device& device, const geometry::PatchMes
     if (choice.kernel == "exact") {
         report = exactTiles(device, mesh, choice.maxError, taken);
     } else if (choice.kernel == "hierarchical") {
-        const HierarchicalFormFactors factors = links(device, mesh, choice.maxError);
+        const HierarchicalFormFactors factors = links(device, mesh, choice.ofLinks * choice.maxError);
         report = factors.report();
         takeRows(factors, taken);
     } else if (choice.kernel == "hemicube") {

@@ -10,6 +10,7 @@ namespace heliodon::compute {
 struct KernelChoice {
     std::string kernel, why;
     double maxError = 0;      // of rows, to ask that kernel for; 0: as its other options say
+    double ofLinks = 1;       // share of maxError to ask links for, so that they keep it
     double amplification = 0; // of rows' errors into radiosity; 0: not asked
 };
 
