@@ -1,6 +1,7 @@
 #include "compute/form_factors.h"
 
 #include <numbers>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -281,6 +282,32 @@ TEST(FormFactors, auto_goes_on_with_visible_polygons_where_links_miss_what_was_a
     EXPECT_LE(report.claimedRowError, 6e-3);
     EXPECT_NE(report.why.find("visible polygons instead"), std::string::npos) << report.why;
     EXPECT_TRUE(report.warnings.empty());
+}
+
+// As they come in a unit cube, with corners about `size` around.
+geometry::PatchMesh looseTriangles(int count, double size) {
+    std::mt19937 random(3);
+    const auto in = [&](double reach) {
+        const auto one = [&] { return reach * (static_cast<double>(random()) / 2147483648.0 - 1); };
+        const double x = one(), y = one();
+        return glm::dvec3(x, y, one());
+    };
+    std::vector<std::vector<glm::dvec3>> faces;
+    for (int i = 0; i < count; ++i) {
+        const glm::dvec3 middle = in(1), a = in(size), b = in(size);
+        faces.push_back({middle + a, middle + b, middle + in(size)});
+    }
+    return test::polygons(faces);
+}
+
+// Triangles that lie loose, each a blocker of its own: sums of single rows may be off by much, but rows were
+// asked for.
+TEST(FormFactors, auto_keeps_links_whose_rows_are_as_asked) {
+    if (test::device().info().type == "discrete") GTEST_SKIP() << "visible polygons, whatever stands there";
+    const geometry::PatchMesh mesh = looseTriangles(900, 0.3);
+    const FormFactorReport report = computeFormFactors(test::device(), mesh, asking("auto", 1e-2)).report;
+    EXPECT_EQ(report.kernel, "hierarchical") << report.why;
+    EXPECT_GT(report.claimedRowSumError, 15 * 1e-2); // else this tests nothing
 }
 
 TEST(FormFactors, light_lost_in_closed_rooms_is_warned_of) {
