@@ -353,15 +353,17 @@ void explain(FormFactorReport& report, const FormFactorOptions& options, const K
     // Claims lie above the errors: in rooms with a reference those of `exact` by 3 to 13 times, others by up
     // to 2, of scenes hard for the hemicube its own by up to 5.
     const double margin = report.kernel == "exact" ? 5 : kMargin;
-    const auto warnIfAbove = [&](const char* of, double claimed, double asked) {
+    const auto warnIfAbove = [&](const char* of, double claimed, double asked,
+                                 const char* why = "was asked for") {
         if (asked > 0 && claimed > margin * asked)
-            report.warnings.push_back(fmt::format(
-                "the error of {} is estimated as up to {:.2g}, {:.2g} was asked for", of, claimed, asked));
+            report.warnings.push_back(fmt::format("the error of {} is estimated as up to {:.2g}, {:.2g} {}",
+                                                  of, claimed, asked, why));
     };
     warnIfAbove("radiosity", report.claimedRadiosityError, options.maxRadiosityError);
     warnIfAbove("rows", report.claimedRowError, options.maxError);
     if (report.kernel == "hierarchical")
-        warnIfAbove("a row's sum", report.claimedRowSumError, kSumOverRow * options.maxError);
+        warnIfAbove("a row's sum", report.claimedRowSumError, kSumOverRow * options.maxError,
+                    "is what such an error of rows leaves light that goes round");
 }
 
 } // namespace

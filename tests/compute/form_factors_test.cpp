@@ -304,7 +304,7 @@ geometry::PatchMesh looseTriangles(int count, double size) {
 // asked for.
 TEST(FormFactors, auto_keeps_links_whose_rows_are_as_asked) {
     if (test::device().info().type == "discrete") GTEST_SKIP() << "visible polygons, whatever stands there";
-    const geometry::PatchMesh mesh = looseTriangles(900, 0.3);
+    const geometry::PatchMesh mesh = looseTriangles(450, 0.3);
     const FormFactorReport report = computeFormFactors(test::device(), mesh, asking("auto", 1e-2)).report;
     EXPECT_EQ(report.kernel, "hierarchical") << report.why;
     EXPECT_GT(report.claimedRowSumError, 15 * 1e-2); // else this tests nothing
