@@ -31,7 +31,8 @@ namespace {
 
 // What a link names, there or not; circles end.
 fs::path linked(fs::path target) {
-    for (int links = 0; links < 40 && fs::is_symlink(target); ++links)
+    std::error_code none;
+    for (int links = 0; links < 40 && fs::is_symlink(target, none); ++links)
         target = target.parent_path() / fs::read_symlink(target);
     return target;
 }
@@ -165,10 +166,20 @@ fs::path asideOf(const fs::path& target) {
                                 target.extension().string());
 }
 
-bool isSamePlace(const fs::path& a, const fs::path& b) {
+fs::path placeOf(const fs::path& named) {
     std::error_code unknown;
-    const fs::path where = fs::weakly_canonical(a, unknown);
-    return !unknown && where == fs::weakly_canonical(b, unknown) && !unknown;
+    const fs::path place = fs::weakly_canonical(linked(named), unknown);
+    return unknown ? fs::path() : place;
+}
+
+bool isSamePlace(const fs::path& a, const fs::path& b) {
+    const fs::path place = placeOf(a);
+    return !place.empty() && place == placeOf(b);
+}
+
+bool leadsTo(const fs::path& named, const fs::path& place) {
+    std::error_code none;
+    return (named.filename() == place.filename() || fs::is_symlink(named, none)) && placeOf(named) == place;
 }
 
 void refuseUnwritable(const fs::path& named) {

@@ -29,8 +29,14 @@ void refuseUnwritable(const std::filesystem::path& target);
 void writeTextAside(const std::filesystem::path& aside, const std::filesystem::path& target,
                     std::string_view text);
 
+// Where what is written under a name goes, through links, there or not; empty where that cannot be told.
+std::filesystem::path placeOf(const std::filesystem::path& named);
+
 // Whether two names are of one file or folder, there or not.
 bool isSamePlace(const std::filesystem::path& a, const std::filesystem::path& b);
+
+// The same of a name and a placeOf(), which is not empty: quick where they differ.
+bool leadsTo(const std::filesystem::path& named, const std::filesystem::path& place);
 
 void writeWholeText(const std::filesystem::path& target, std::string_view text);
 

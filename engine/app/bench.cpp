@@ -424,8 +424,9 @@ void execute(Run& run, const BenchArguments& given) {
     checkBenchScenes(arguments.scenes);
     run.device(); // where there is none, nothing is written
     OutputFolder folder(arguments.output);
-    folder.refuseUsed(run, "bench", filesOf(arguments));
-    folder.startFiles(run, "bench", filesOf(arguments));
+    const std::vector<std::string> files = filesOf(arguments);
+    folder.refuseUsed(run, "bench", files);
+    folder.startFiles(run, "bench", files);
     const std::vector<BenchScene> scenes = [&] {
         const StageTimer timer(run, "scenes");
         return benchScenes(arguments.scenes, arguments.sizes, arguments.output);

@@ -19,22 +19,24 @@ constexpr const char* kJobFile = "frames.json";
 // Deflating a picture takes longer than drawing it on a graphics device.
 constexpr size_t kWriters = 4;
 
-// Pictures in the folder that a job may have written, by their names.
+// Whether a job may have written it, by its name.
+bool isPictureOf(const FrameJob& job, const fs::path& file) {
+    const std::string extension = file.extension().string();
+    std::string number = file.stem().string();
+    if (extension != ".png" && extension != ".exr") return false;
+    if (job.views.size() > 1)
+        for (const std::string& view : job.views)
+            if (number.starts_with(view + "-")) number.erase(0, view.size() + 1);
+    const bool digits = number.find_first_not_of("0123456789") == std::string::npos;
+    return digits && number.size() >= 5 && number.size() < 12 && std::stoull(number) < job.frames;
+}
+
 std::vector<fs::path> picturesOf(const FrameJob& job, const fs::path& folder) {
     std::vector<fs::path> found;
     if (job.views.empty()) return found;
     std::error_code missing;
-    for (const auto& entry : fs::directory_iterator(folder, missing)) {
-        const std::string extension = entry.path().extension().string();
-        std::string number = entry.path().stem().string();
-        if (extension != ".png" && extension != ".exr") continue;
-        if (job.views.size() > 1)
-            for (const std::string& view : job.views)
-                if (number.starts_with(view + "-")) number.erase(0, view.size() + 1);
-        const bool digits = number.find_first_not_of("0123456789") == std::string::npos;
-        if (digits && number.size() >= 5 && number.size() < 12 && std::stoull(number) < job.frames)
-            found.push_back(entry.path());
-    }
+    for (const auto& entry : fs::directory_iterator(folder, missing))
+        if (isPictureOf(job, entry.path())) found.push_back(entry.path());
     return found;
 }
 
@@ -120,17 +122,15 @@ std::vector<fs::path> FrameSink::films() const {
     return files;
 }
 
-std::vector<std::string> FrameSink::files() const {
-    std::vector<std::string> all{table().string()};
-    for (const fs::path& film : films()) all.push_back(film.string());
-    if (!isFilm_ || options_.resume) all.push_back((isFilm_ ? filmRecord() : folder_ / kJobFile).string());
-    if (isFilm_) return all;
-    for (size_t v = 0; v < options_.job.views.size(); ++v)
-        for (size_t frame = 0; frame < options_.job.frames; ++frame) {
-            all.push_back(picture(v, frame, ".png").string());
-            if (options_.exr) all.push_back(picture(v, frame, ".exr").string());
-        }
-    return all;
+bool FrameSink::writes(const fs::path& place) const {
+    std::vector<fs::path> files = films();
+    files.push_back(table());
+    if (!isFilm_ || options_.resume) files.push_back(isFilm_ ? filmRecord() : folder_ / kJobFile);
+    const auto leadsThere = [&](const fs::path& file) { return geometry::leadsTo(file, place); };
+    if (std::ranges::any_of(files, leadsThere)) return true;
+    if (isFilm_ || options_.job.views.empty()) return false;
+    return (isPictureOf(options_.job, place) && geometry::isSamePlace(folder_, place.parent_path())) ||
+           std::ranges::any_of(picturesOf(options_.job, folder_), leadsThere); // links
 }
 
 // What a film was made from: its rate is no matter of frames.

@@ -47,8 +47,8 @@ public:
     // Names of what stands in a folder of pictures like this job's own, where no job is known to have left
     // it.
     std::vector<std::string> strangers() const;
-    // All that the job writes and leaves: pictures or films, table and record.
-    std::vector<std::string> files() const;
+    // Whether the job writes and leaves a file at a geometry::placeOf(): picture or film, table or record.
+    bool writes(const std::filesystem::path& place) const;
     // The films, one a view; none where a folder is written.
     std::vector<std::filesystem::path> films() const;
 

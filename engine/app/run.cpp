@@ -65,17 +65,22 @@ Run::anotherDevice(const std::function<gpu::DeviceOptions(gpu::DeviceOptions)>& 
 }
 
 void Run::willWrite(const std::filesystem::path& folder, const std::vector<std::string>& names) {
-    const auto isOneOf = [&](const std::filesystem::path& file) {
-        return std::ranges::any_of(names, [&](const std::string& name) {
-            return file.filename() == std::filesystem::path(name).filename() &&
-                   geometry::isSamePlace(folder / name, file);
-        });
+    willWrite([&](const std::filesystem::path& place) {
+        return std::ranges::any_of(
+            names, [&](const std::string& name) { return geometry::leadsTo(folder / name, place); });
+    });
+}
+
+void Run::willWrite(const std::function<bool(const std::filesystem::path&)>& isWritten) {
+    const auto isResult = [&](const std::filesystem::path& file) {
+        const std::filesystem::path place = geometry::placeOf(file);
+        return !place.empty() && isWritten(place);
     };
-    if (isOneOf(reportFile_))
+    if (isResult(reportFile_))
         throw geometry::InputError("--report", std::exchange(reportFile_, {}).string(),
                                    "is the name of a result, expected another, like report.json");
     for (const std::filesystem::path& file : readFiles_)
-        if (isOneOf(file))
+        if (isResult(file))
             throw geometry::InputError(file.string(), "",
                                        "is read, and a result has its name: expected another folder");
 }

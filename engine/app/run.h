@@ -45,6 +45,8 @@ public:
     // Of what will be written into `folder`, before the work: throws InputError where a name is the report's,
     // and writes none, or of a file that is read.
     void willWrite(const std::filesystem::path& folder, const std::vector<std::string>& names);
+    // The same of whatever lies at a place, a geometry::placeOf(), of which this is true.
+    void willWrite(const std::function<bool(const std::filesystem::path&)>& isWritten);
     // Nothing else may stand there.
     bool reportsToOutput() const { return reportFile_ == "-" || reportFile_ == "/dev/stdout"; }
     // What is at work is shown while it takes long; see StageTimer. Throws Interrupted.

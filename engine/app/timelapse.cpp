@@ -339,7 +339,7 @@ void execute(Run& run, const TimelapseArguments& arguments) {
     FrameJob job = frameJobOf(run, arguments, scene, views, times.size());
     FrameSink sink({arguments.output, arguments.framesPerSecond, arguments.picture.exr, arguments.resume,
                     std::move(job)});
-    run.willWrite({}, sink.files());
+    run.willWrite([&](const std::filesystem::path& place) { return sink.writes(place); });
     if (sink.complete()) {
         run.note(fmt::format("{}: an earlier run has made all of it", arguments.output.string()));
         run.skipped("everything: --resume, and an earlier run has made all of it");

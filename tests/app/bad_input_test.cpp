@@ -137,6 +137,17 @@ TEST_F(BadInput, a_report_is_no_result_in_the_folder_that_is_written) {
     expectRefused("timelapse " + in("r/frames.json") + " --view none " + hour + in("r"),
                   {"frames.json", "is read"});
     EXPECT_EQ(readText(in("r/frames.json")), readText(HELIODON_TEST_DATA "/geometry/sketches/p04_L.json"));
+    // Through links either way.
+    std::filesystem::create_symlink("preview.png", in("r/link.json"));
+    expectRefused(render + in("r") + " --report " + in("r/link.json"), {"--report", "link.json"});
+    const std::string still = "timelapse " + in("still.json") + " --view preview " + hour + in("r");
+    std::filesystem::create_symlink("r/frames.json", in("still.json"));
+    expectRefused(still, {"still.json", "is read"});
+    std::filesystem::remove(in("still.json"));
+    std::filesystem::rename(in("r/frames.json"), in("still.json"));
+    std::filesystem::create_symlink("../still.json", in("r/00000.png"));
+    expectRefused(still, {"still.json", "is read"});
+    std::filesystem::remove(in("r/00000.png"));
     const Outcome beside = heliodon(render + in("r/") + " --report " + in("r/report.json"));
     EXPECT_EQ(beside.exitCode, 0) << beside.output;
 }
