@@ -12,7 +12,7 @@ namespace {
 
 // Written in a signal handler, read by all threads.
 std::atomic<bool> interrupted = false;
-std::atomic<int64_t> first = 0; // ms, of the signal that did so
+std::atomic<int64_t> firstMs = 0; // when the first signal came
 static_assert(std::atomic<int64_t>::is_always_lock_free);
 static_assert(std::atomic<bool>::is_always_lock_free);
 
@@ -26,9 +26,9 @@ extern "C" void noteSignal(int number) {
     ::clock_gettime(CLOCK_MONOTONIC, &time);
     const int64_t now = 1000 * static_cast<int64_t>(time.tv_sec) + time.tv_nsec / 1000000;
     if (!interrupted) {
-        first = now;
+        firstMs = now;
         interrupted = true;
-    } else if (number != SIGHUP && now - first > kSame) {
+    } else if (number != SIGHUP && now - firstMs > kSame) {
         std::signal(number, SIG_DFL);
         std::raise(number);
     }

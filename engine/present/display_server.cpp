@@ -24,15 +24,20 @@ struct Refusal {
     unsigned long resource, serial;
     unsigned char code, request, minor;
 };
-constexpr unsigned char kGetWindowAttributes = 3; // its caller waits for the answer
+using OnRefusal = int (*)(void*, Refusal*);
+OnRefusal usual = nullptr;
 
-int noteRefusal(void*, Refusal* refusal) {
+// A window that has been destroyed is no reason to end the program; for others Xlib does.
+int noteRefusal(void* connection, Refusal* refusal) {
+    constexpr unsigned char kBadWindow = 3, kBadDrawable = 9; // codes
+    constexpr unsigned char kGetWindowAttributes = 3;         // a request whose caller waits for the answer
+    if (refusal->code != kBadWindow && refusal->code != kBadDrawable) return usual(connection, refusal);
     if (refusal->request == kGetWindowAttributes) ++refused;
     return 0;
 }
 
-// Xlib would end the program on the spot, also where a window has been destroyed. Its functions are looked
-// up: GLFW may have been built for another window system, and Xlib before 1.7 has no such handler.
+// Xlib would end the program on the spot. Its functions are looked up: GLFW may have been built for another
+// window system, and Xlib before 1.7 has no such handler.
 void surviveBrokenConnection() {
     using Connection = void*;
     const auto find = [](const char* name) { return dlsym(RTLD_DEFAULT, name); };
@@ -40,9 +45,8 @@ void surviveBrokenConnection() {
     const auto onError = reinterpret_cast<void* (*)(int (*)(Connection))>(find("XSetIOErrorHandler"));
     const auto onExit = reinterpret_cast<void (*)(Connection, void (*)(Connection, void*), void*)>(
         find("XSetIOErrorExitHandler"));
-    if (const auto onRefusal =
-            reinterpret_cast<void* (*)(int (*)(Connection, Refusal*))>(find("XSetErrorHandler")))
-        onRefusal(noteRefusal);
+    if (const auto onRefusal = reinterpret_cast<OnRefusal (*)(OnRefusal)>(find("XSetErrorHandler")))
+        usual = onRefusal(noteRefusal);
     if (!connection || !onError || !onExit) return;
     onError([](Connection) { return 0; }); // says nothing: checkDisplayServer() does
     onExit(

@@ -212,13 +212,13 @@ bool Window::fullScreen() const {
     return handle && glfwGetWindowMonitor(handle);
 }
 
-VkExtent2D Window::pixels() const {
+std::optional<VkExtent2D> Window::askSize() const {
     int width = 0, height = 0;
     const unsigned before = sizesRefused();
     glfwGetFramebufferSize(handle, &width, &height);
     checkDisplayServer(); // a broken connection leaves any size
-    if (sizesRefused() != before) return {0, 0};
-    return {static_cast<uint32_t>(std::max(width, 0)), static_cast<uint32_t>(std::max(height, 0))};
+    if (sizesRefused() != before) return std::nullopt;
+    return VkExtent2D{static_cast<uint32_t>(std::max(width, 0)), static_cast<uint32_t>(std::max(height, 0))};
 }
 
 bool Window::hidden() const {
@@ -289,14 +289,13 @@ void Window::update() {
         close("closed by the user");
         return;
     }
-    const unsigned before = sizesRefused();
-    const VkExtent2D size = pixels();
-    if (sizesRefused() != before) {
+    const std::optional<VkExtent2D> size = askSize();
+    if (!size) {
         close("closed by another program");
         return;
     }
     followDisplay();
-    if (!areSame(size, asked_)) swapchain->markStale();
+    if (!areSame(*size, asked_)) swapchain->markStale();
     if (!swapchain->ready()) damaged = true;
 }
 

@@ -37,7 +37,7 @@ public:
     void setFullScreen(bool full);
     bool fullScreen() const;
     bool hidden() const;
-    VkExtent2D pixels() const; // of one that is open
+    VkExtent2D pixels() const { return askSize().value_or(VkExtent2D{}); } // of one that is open
 
     // Writes `picture` into the swapchain's image, stretched, and keeps a copy for the host if wanted. The
     // picture's bytes are taken as coded for the display, whichever of the two has an sRGB format.
@@ -54,6 +54,7 @@ public:
     bool damaged = true;               // shows nothing, or not what it was last given
 
 private:
+    std::optional<VkExtent2D> askSize() const; // none of one that another program has destroyed
     void openSurface();
     bool makeReady(); // images of the right size
     void surfaceLost();
