@@ -156,7 +156,8 @@ void writeIll(const std::filesystem::path& file, const daylight::Weather& weathe
             for (size_t k = 0; k < count; ++k) {
                 const daylight::WeatherHour& hour = weather.hours[first + k];
                 line.clear();
-                fmt::format_to(fmt::appender(line), "{} {} {:.3f}", hour.date.month, hour.date.day, hour.clockHour);
+                fmt::format_to(fmt::appender(line), "{} {} {:.3f}", hour.date.month, hour.date.day,
+                               hour.clockHour);
                 for (size_t s = 0; s < sensors; ++s)
                     fmt::format_to(fmt::appender(line), " {:.0f}", block[s * count + k]);
                 line.push_back('\n');

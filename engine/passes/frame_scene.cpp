@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "geometry/clip_polygon.h"
+#include "geometry/outline_area.h"
 
 namespace heliodon::passes {
 
@@ -28,12 +29,7 @@ std::vector<DrawCorner> uncovered(const std::vector<DrawCorner>& tops, const geo
     const auto side = [](glm::dvec3 a, glm::dvec3 b) { // of the line from a to b, seen from above: its left
         return [=](glm::dvec3 p) { return (b.z - a.z) * (p.x - a.x) - (b.x - a.x) * (p.z - a.z); };
     };
-    const auto area = [](const Outline& outline) {
-        double twice = 0;
-        for (size_t i = 0, j = outline.size() - 1; i < outline.size(); j = i++)
-            twice += outline[j].z * outline[i].x - outline[j].x * outline[i].z;
-        return std::abs(twice) / 2;
-    };
+    const auto area = [](const Outline& outline) { return glm::length(geometry::areaVector(outline)) / 2; };
     std::vector<size_t> level;
     for (size_t p = 0; p < mesh.patchCount(); ++p)
         if (geometry::patchNormal(mesh, p).y > 1 - kSame) level.push_back(p);
@@ -43,8 +39,8 @@ std::vector<DrawCorner> uncovered(const std::vector<DrawCorner>& tops, const geo
         for (size_t k = 0; k < 3; ++k) parts[0].emplace_back(tops[t + k].position);
         const double whole = area(parts[0]), height = parts[0][0].y;
         for (const size_t p : level) {
+            if (std::abs(mesh.vertices[mesh.patch(p)[0]].y - height) > kSame) continue;
             const Outline patch = geometry::patchCorners(mesh, p);
-            if (std::abs(patch[0].y - height) > kSame) continue;
             std::vector<Outline> rest; // beyond one edge after another
             for (Outline& part : parts)
                 for (size_t i = 0, j = patch.size() - 1; i < patch.size() && !part.empty(); j = i++) {
