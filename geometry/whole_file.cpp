@@ -169,7 +169,8 @@ fs::path asideOf(const fs::path& target) {
 fs::path placeOf(const fs::path& named) {
     std::error_code unknown;
     const fs::path place = fs::weakly_canonical(linked(named), unknown);
-    return unknown ? fs::path() : place;
+    if (unknown) return {};
+    return place.has_filename() ? place : place.parent_path(); // a folder that is not there keeps its slash
 }
 
 bool isSamePlace(const fs::path& a, const fs::path& b) {

@@ -69,14 +69,19 @@ private:
     }
 
     void noteFiles(const CLI::App& sub) {
+        const std::set<std::string> folders{"--output", "--overlay", "--snapshots"}; // unless a file
         std::error_code none;
         for (const CLI::Option* option : sub.get_options())
-            for (const std::string& text : option->results())
-                if (writtenFiles_.contains(option))
-                    common_.writtenFiles.emplace_back(text);
-                else if (option->get_name() != "--output" && // a film, of a command that also writes folders
-                         std::filesystem::is_regular_file(text, none))
-                    common_.readFiles.emplace_back(text);
+            for (std::string text : option->results()) {
+                if (writtenFiles_.contains(option)) {
+                    if (option->get_name() != "--report") common_.resultFiles.emplace_back(text);
+                } else if (folders.contains(option->get_name())) {
+                    common_.outputFolders.emplace_back(text);
+                } else {
+                    if (option->get_name() == "--camera" && text.starts_with("file:")) text.erase(0, 5);
+                    if (std::filesystem::is_regular_file(text, none)) common_.readFiles.emplace_back(text);
+                }
+            }
     }
 
     // `group`: the command that this one is a part of, if any.
@@ -197,8 +202,8 @@ private:
             ->needs(sheet);
         sub->add_flag(
             "!--no-stamp", render_.stamp,
-            "leave date, time, sun, sky and white out of the corner of previews, and the sun's height out "
-            "of the contact sheet's");
+            "leave date, time, sun, sky and white out of the corner of previews, and the sun's height and "
+            "'no sun' out of the contact sheet's");
         addRadiosityError(sub, render_.maxRadiosityError);
         sub->add_option("-o,--output", render_.output, "folder for the pictures; made when missing")
             ->required();

@@ -16,8 +16,9 @@ namespace heliodon::app {
 struct CommonArguments {
     std::string device; // name or index; empty: the default choice
     std::filesystem::path report;
-    std::vector<std::filesystem::path> writtenFiles; // the report and results that are one file
-    std::vector<std::filesystem::path> readFiles;    // what the other words name, where it is there
+    std::vector<std::filesystem::path> resultFiles;   // that are no folders
+    std::vector<std::filesystem::path> outputFolders; // made where they are missing
+    std::vector<std::filesystem::path> readFiles;     // what the other words name, where it is there
     bool quiet = false;
 };
 

@@ -206,21 +206,16 @@ std::filesystem::path overlayOf(const std::filesystem::path& folder, const std::
     return folder / image.filename().replace_extension(".png");
 }
 
-// Photographs are not written over, and every one has an overlay of its own.
-void refuseOverwriting(const CalibrateCameraArguments& arguments) {
-    std::set<std::filesystem::path> targets;
+// Nothing is written over, and every picture has an overlay of its own.
+void refuseOverwriting(Run& run, const CalibrateCameraArguments& arguments) {
+    std::set<std::string> names;
     for (const auto& image : arguments.images) {
-        const std::filesystem::path target = overlayOf(arguments.overlay, image);
-        std::error_code missing;
-        for (const auto& photograph : arguments.images)
-            if (std::filesystem::equivalent(target, photograph, missing))
-                throw geometry::InputError("--overlay", arguments.overlay.string(),
-                                           "would write over " + photograph.string() +
-                                               ", expected another folder");
-        if (!targets.insert(target).second)
+        const std::string name = overlayOf("", image).string();
+        if (!names.insert(name).second)
             throw geometry::InputError("--overlay", arguments.overlay.string(),
-                                       "two pictures would both be drawn as " + target.filename().string());
+                                       "two pictures would both be drawn as " + name);
     }
+    run.willWrite(arguments.overlay, {names.begin(), names.end()});
 }
 
 void drawOverlays(const std::filesystem::path& folder, const std::vector<Picture>& pictures,
@@ -259,7 +254,7 @@ void execute(Run& run, const CalibrateCameraArguments& arguments) {
     const geometry::RigFile rig(arguments.rig);
     std::optional<OutputFolder> overlays;
     if (!arguments.overlay.empty()) {
-        refuseOverwriting(arguments);
+        refuseOverwriting(run, arguments);
         overlays.emplace(arguments.overlay);
     }
     std::vector<Picture> pictures = readPictures(run, arguments, target);

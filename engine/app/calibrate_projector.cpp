@@ -108,6 +108,10 @@ void report(Run& run, json& out, const vision::ProjectorCalibration& result) {
         result.sigma.cx, lens.cy, result.sigma.cy));
 }
 
+std::string overlayOf(const CalibrationFolder& folder, size_t plane) {
+    return fmt::format("{}-{}.png", folder.id, folder.planes[plane].folder.filename().string());
+}
+
 void drawOverlays(const std::filesystem::path& target, const CalibrationFolder& folder,
                   const std::vector<vision::ProjectorPlane>& planes,
                   const vision::ProjectorCalibration& result) {
@@ -117,9 +121,8 @@ void drawOverlays(const std::filesystem::path& target, const CalibrationFolder& 
         for (size_t i = 0; i < planes[p].corners.size(); ++i)
             (result.planes[p].corners == 0 || off.contains(i) ? rejected : found)
                 .push_back(planes[p].corners[i].camera);
-        vision::drawCalibrationOverlay(
-            vision::readPhotograph(pictureOf(folder.planes[p].folder, "white")), {found, rejected, {}},
-            target / fmt::format("{}-{}.png", folder.id, folder.planes[p].folder.filename().string()));
+        vision::drawCalibrationOverlay(vision::readPhotograph(pictureOf(folder.planes[p].folder, "white")),
+                                       {found, rejected, {}}, target / overlayOf(folder, p));
     }
 }
 
@@ -177,7 +180,14 @@ void execute(Run& run, const CalibrateProjectorArguments& arguments) {
     if (arguments.heights.empty())
         run.assume(fmt::format("planes {} m apart, plane_0 on the table", arguments.spacing));
     std::optional<OutputFolder> overlays;
-    if (!arguments.overlay.empty()) overlays.emplace(arguments.overlay);
+    if (!arguments.overlay.empty()) {
+        std::vector<std::string> names;
+        for (const CalibrationFolder& folder : folders)
+            for (size_t plane = 0; plane < folder.planes.size(); ++plane)
+                names.push_back(overlayOf(folder, plane));
+        run.willWrite(arguments.overlay, names);
+        overlays.emplace(arguments.overlay);
+    }
 
     geometry::RigEdit edit;
     for (size_t i = 0; i < folders.size(); ++i) {

@@ -16,6 +16,7 @@
 #include "engine/app/output_folder.h"
 #include "engine/app/pictures.h"
 #include "geometry/input_error.h"
+#include "geometry/whole_file.h"
 #include "vision/camera.h"
 
 namespace heliodon::app {
@@ -23,6 +24,8 @@ namespace heliodon::app {
 namespace {
 
 constexpr double kOperatorBusy = 1.0 / 30, kOperatorIdle = 0.25; // seconds from one drawing to the next
+
+constexpr const char* kLastSnapshot = "end";
 
 // Events, light and windows, in the thread that the window system wants: nothing here takes longer than
 // drawing does.
@@ -51,7 +54,7 @@ public:
                 openOutputsAgain(error);
             }
         }
-        if (!arguments_.snapshots.empty()) snapshot("end");
+        if (!arguments_.snapshots.empty()) snapshot(kLastSnapshot);
     }
 
     void report() {
@@ -92,14 +95,28 @@ private:
     std::vector<ScriptStep> scriptOf(const LiveArguments& arguments) {
         for (const std::string& state : arguments.scene.blinds) parseWindowState(state);
         source_.skyAt(source_.moment()); // a sky that is none is said now
-        if (!arguments.snapshots.empty()) snapshots_.emplace(arguments.snapshots);
-        if (arguments.script.empty()) return {};
-        std::vector<ScriptStep> steps =
-            readScript(arguments.script, rig_.projectors.size() + 1, source_.weather() != nullptr);
-        for (const ScriptStep& step : steps)
-            if (std::holds_alternative<SnapshotStep>(step) && arguments.snapshots.empty())
+        std::vector<ScriptStep> steps;
+        if (!arguments.script.empty())
+            steps = readScript(arguments.script, rig_.projectors.size() + 1, source_.weather() != nullptr);
+        std::vector<std::string> names = LiveOutputs::snapshotFiles(rig_, kLastSnapshot);
+        for (const ScriptStep& step : steps) {
+            const auto* shot = std::get_if<SnapshotStep>(&step);
+            if (!shot) continue;
+            if (arguments.snapshots.empty())
                 throw geometry::InputError("--snapshots", "",
                                            "the script takes some, expected a folder for them");
+            for (std::string& name : LiveOutputs::snapshotFiles(rig_, shot->name))
+                names.push_back(std::move(name));
+        }
+        if (!arguments.snapshots.empty()) {
+            if (arguments.camera.starts_with("replay:") &&
+                geometry::isSamePlace(arguments.camera.substr(7), arguments.snapshots))
+                throw geometry::InputError("--snapshots", arguments.snapshots.string(),
+                                           "is the folder that the camera's pictures are read from, expected "
+                                           "another");
+            run_.willWrite(arguments.snapshots, names);
+            snapshots_.emplace(arguments.snapshots);
+        }
         return steps;
     }
 

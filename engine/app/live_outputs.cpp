@@ -262,6 +262,14 @@ void LiveOutputs::present(bool projectors, bool operatorToo) {
     presenter_->present(pictures);
 }
 
+std::vector<std::string> LiveOutputs::snapshotFiles(const geometry::Rig& rig, const std::string& name) {
+    std::vector<std::string> files;
+    for (size_t i = 0; i < rig.projectors.size(); ++i)
+        files.push_back(fmt::format("{}-projector-{}.png", name, i));
+    files.push_back(fmt::format("{}-operator.png", name));
+    return files;
+}
+
 void LiveOutputs::snapshot(const std::filesystem::path& folder, const std::string& name) {
     presenter_->keepCopies(true);
     present(true, true);
@@ -269,8 +277,7 @@ void LiveOutputs::snapshot(const std::filesystem::path& folder, const std::strin
     for (size_t i = 0; i < presenter_->size(); ++i) {
         const auto shown = presenter_->lastShown(i);
         if (!shown || presenter_->state(i) == present::WindowState::closed) continue;
-        const std::string window = i == operatorIndex() ? "operator" : fmt::format("projector-{}", i);
-        passes::writePng(*shown, folder / fmt::format("{}-{}.png", name, window));
+        passes::writePng(*shown, folder / snapshotFiles(rig_, name)[i]);
     }
 }
 

@@ -90,8 +90,7 @@ int main(int argc, char** argv) {
         std::string error;
         code = guarded(error, [&] {
             // Before the work, not after it.
-            for (const auto& file : arguments->common.writtenFiles)
-                heliodon::geometry::refuseUnwritable(file);
+            for (const auto& file : arguments->common.resultFiles) heliodon::geometry::refuseUnwritable(file);
             const std::string& device = arguments->common.device;
             if (!device.empty() && opensNoDevice(arguments->command)) refuseUnknownDevice(device);
             std::visit([&](const auto& those) { heliodon::app::execute(run, those); }, arguments->command);

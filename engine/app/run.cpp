@@ -34,7 +34,12 @@ Run::Run(const Arguments& arguments)
     report_ = {{"program", "heliodon"},    {"version", HELIODON_VERSION}, {"command", arguments.commandName},
                {"stages", json::object()}, {"modelled", json::array()},   {"skipped", json::array()},
                {"warnings", json::array()}};
-    if (!reportFile_.empty()) geometry::refuseUnwritable(reportFile_); // now, not after the work
+    const std::filesystem::path folder = reportFile_.parent_path();
+    reportsAmongResults_ = std::ranges::any_of(arguments.common.outputFolders, [&](const auto& output) {
+        return geometry::isSamePlace(folder, output);
+    });
+    if (!reportFile_.empty() && !reportsAmongResults_)
+        geometry::refuseUnwritable(reportFile_); // now, not after the work
 }
 
 gpu::Device& Run::device() {
@@ -156,6 +161,8 @@ void Run::finish(const std::string& error) {
     report_["seconds"] = watch_.seconds();
     if (!error.empty()) report_["error"] = error;
     if (device_) report_["device"]["peak_bytes"] = device_->memory().peakBytesInUse();
+    if (std::error_code told; reportsAmongResults_) // as one that is not there
+        std::filesystem::create_directories(reportFile_.parent_path(), told);
     geometry::writeWholeText(reportFile_, geometry::jsonText(report_));
 }
 

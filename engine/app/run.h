@@ -62,6 +62,7 @@ private:
 
     std::string deviceName_;
     std::filesystem::path reportFile_;
+    bool reportsAmongResults_ = false; // in a folder that this run may make
     std::vector<std::filesystem::path> readFiles_;
     bool quiet_;
     nlohmann::json report_;

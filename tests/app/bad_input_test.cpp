@@ -148,8 +148,11 @@ TEST_F(BadInput, a_report_is_no_result_in_the_folder_that_is_written) {
     std::filesystem::create_symlink("../still.json", in("r/00000.png"));
     expectRefused(still, {"still.json", "is read"});
     std::filesystem::remove(in("r/00000.png"));
-    const Outcome beside = heliodon(render + in("r/") + " --report " + in("r/report.json"));
+    expectRefused(render + in("new") + " --report " + in("new/preview.png"), {"--report", "result"});
+    EXPECT_FALSE(std::filesystem::exists(folder / "new"));
+    const Outcome beside = heliodon(render + in("new/") + " --report " + in("new/report.json"));
     EXPECT_EQ(beside.exitCode, 0) << beside.output;
+    EXPECT_TRUE(std::filesystem::exists(folder / "new/report.json"));
 }
 
 // They would stand there as folders with such names.

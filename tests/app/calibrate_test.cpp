@@ -92,7 +92,7 @@ TEST_F(CalibrateCamera, bad_input_is_named_and_nothing_is_written) {
         {in("*.png") + out + " --flat d_nothing.png", "d_nothing.png"},
         {in("a1.png") + " " + in("a1.png") + " " + in("a1.png") + out, "where a1.png does"},
         {in("*.png") + out + " --rig " + in("c0.png"), "vh-rig/1"},
-        {in("*.png") + out + " --overlay " + in("./"), "write over"}, // the photographs
+        {in("*.png") + out + " --overlay " + in("./"), "is read"}, // the photographs
         {in("none.png") + out, "none.png"}};
     for (const auto& [arguments, word] : cases) {
         const Outcome run = heliodon("calibrate camera --quiet " + arguments);
@@ -177,6 +177,11 @@ TEST_F(CalibrateProjector, patterns_are_written_seen_and_understood) {
     EXPECT_LT(report["mean_mm"].get<double>(), 0.4);
     EXPECT_GT(report["planes"][0]["corners_used"].get<int>(), 50);
     EXPECT_TRUE(std::filesystem::exists(in("found/east-plane_1.png")));
+    const Outcome drawnOver =
+        heliodon("calibrate projector " + in("east") + " --rig " + in("rig.json") + " -o " + in("rig.json") +
+                 " --overlay " + in("found") + " --report " + in("found/east-plane_1.png"));
+    EXPECT_EQ(drawnOver.exitCode, 2) << drawnOver.output;
+    EXPECT_NE(drawnOver.output.find("is the name of a result"), std::string::npos) << drawnOver.output;
 
     // Once more in its place: one projector, with what else was said of it.
     json edited = json::parse(readText(in("rig.json")));

@@ -443,11 +443,13 @@ TEST_F(Live, bad_words_are_refused_by_name) {
     writeText(folder / "script", "wait\nwheel up\n");
     writeText(folder / "weather", "wait\nsky cie:99\n");
     writeText(folder / "half", "close 1.5\n");
+    std::filesystem::create_directory(folder / "empty");
+    std::filesystem::copy_file(kPhoto, folder / "end-projector-1.png");
     writeText(folder / "file", "sky weather # which was not given\n");
     const std::pair<std::string, std::string> cases[]{
         {start + "webcam:0", "webcam:0"},
         {start + "file:" + in("none.png"), "none.png"},
-        {start + "replay:" + folder.string(), "holds no photograph"},
+        {start + "replay:" + in("empty"), "holds no photograph"},
         {start + "file:" + kPhoto + " --sky purple", "purple"},
         {start + "file:" + kPhoto + " --script " + in("script"), "script:2"},
         {start + "file:" + kPhoto + " --script " + in("weather"), "weather:2"},
@@ -455,6 +457,10 @@ TEST_F(Live, bad_words_are_refused_by_name) {
         {start + "file:" + kPhoto + " --script " + in("half"), "half:1: expected a window as a whole number"},
         {start + "file:" + kPhoto + " --weather " + in("none.epw"), "none.epw"},
         {start + "file:" + kPhoto + " --snapshots " + in("script"), "script"},
+        {start + "replay:" + folder.string() + " --snapshots " + in("./"), "read from"},
+        {start + "file:" + kPhoto + " --snapshots " + in("new") + " --report " + in("new/end-operator.png"),
+         "--report"},
+        {start + "file:" + in("end-projector-1.png") + " --snapshots " + folder.string(), "is read"},
         {"live --camera file:" + kPhoto, "--rig"}};
     for (const auto& [words, named] : cases) {
         const Outcome outcome = heliodon(words);
