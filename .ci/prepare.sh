@@ -62,7 +62,7 @@ install_packages() {
 # build PRESET ON|OFF [TARGET...]: configures with or without tests and benches (none under the sanitizers), and builds; a broken
 # configuration is started afresh.
 build() {
-    local preset=$1 log options=(-DHELIODON_TESTS="$2" -DHELIODON_PRECOMPILE=ON)
+    local preset=$1 log options=(-DHELIODON_TESTS="$2" -DHELIODON_FULL_BUILD=ON)
     [ "$preset" = asan ] || options+=(-DHELIODON_BENCHES="$2")
     shift 2
     mkdir -p "build/$preset"

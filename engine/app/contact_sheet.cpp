@@ -12,7 +12,7 @@ namespace heliodon::app {
 namespace {
 
 constexpr int kGap = 8, kTop = 84, kLeft = 150, kTextHeight = 12;
-const cv::Scalar kPaper(24, 24, 26);
+const cv::Scalar kBackground(24, 24, 26);
 
 // Smaller where it would be wider than `room`.
 void label(passes::Image8& sheet, const std::string& text, cv::Point middle, int room) {
@@ -35,7 +35,7 @@ passes::Image8 contactSheet(std::span<const passes::Image8> cells, const std::ve
     image.width = cellsWidth + (legend ? passes::legendWidth(image.height) : 0);
     image.rgb.resize(3 * static_cast<size_t>(image.width) * static_cast<size_t>(image.height));
     cv::Mat sheet(image.height, image.width, CV_8UC3, image.rgb.data());
-    sheet = kPaper;
+    sheet = kBackground;
     label(image, title, {cellsWidth / 2, kTop / 3 - 4}, cellsWidth - 2 * kGap);
     for (int c = 0; c < across; ++c)
         label(image, columns[static_cast<size_t>(c)],
