@@ -14,6 +14,7 @@
 #include "tests/compute/form_factor_cases.h"
 #include "tests/compute/rooms.h"
 #include "tests/gpu/test_device.h"
+#include "tests/sanitized.h"
 
 namespace heliodon::compute {
 namespace {
@@ -313,6 +314,7 @@ TEST(HardCases, rooms_of_odd_shapes_agree_with_the_oracle_and_close) {
             }
             row.add(worst, tolerance);
         }
+        if (test::kSanitized) break;
     }
 }
 
