@@ -193,7 +193,7 @@ double sizeOf(const geometry::PatchMesh& mesh) {
     return std::max(geometry::boundsOf(mesh.vertices).diagonal(), 1e-300);
 }
 
-// Patches of one room in one oriented plane, to within kSamePlane: large patches first, whose normals are
+// Patches of one room in one oriented plane, to within kOnePlane: large patches first, whose normals are
 // sure; files round the corners of small ones.
 std::vector<Plane> planesOf(const geometry::PatchMesh& mesh, double size) {
     std::vector<double> area(mesh.patchCount());
@@ -212,7 +212,7 @@ std::vector<Plane> planesOf(const geometry::PatchMesh& mesh, double size) {
             if (glm::dot(result[k].normal, n) < 0.999) return false;
             for (uint32_t corner : mesh.patch(i))
                 if (std::abs(glm::dot(mesh.vertices[corner] - result[k].origin, result[k].normal)) >
-                    kSamePlane * size)
+                    kOnePlane * size)
                     return false;
             return true;
         };

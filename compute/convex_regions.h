@@ -21,7 +21,10 @@ struct ConvexRegion {
 
 // A patch this near to a region's plane, as a share of the mesh's diagonal, and parallel to it lies in that
 // plane: the region, which may be the patch's own wall, cannot hide anything from it.
-constexpr double kSamePlane = 1e-6;
+constexpr double kSamePlane = 4e-6;
+
+// And of those put together, which may lie on either side of their region's own plane.
+constexpr double kOnePlane = 1e-6;
 
 // A number for each patch; patches of one room and one oriented plane (to within rounding) share it.
 std::vector<uint32_t> planeNumbers(const geometry::PatchMesh& mesh);

@@ -35,8 +35,12 @@ double areaOf(std::span<const dvec3> polygon) {
 
 constexpr double kLeastOfExtent = 1e-9;
 
+// Of two lengths that do not matter: off a plane, so that its wall hides nothing of itself however corners
+// are rounded; and anywhere else.
+constexpr double kSameOverLeast = kSamePlane / kLeastOfExtent;
+
 double samePlane(const Blockers& blockers) {
-    return blockers.tolerance() * (kSamePlane / kLeastOfExtent);
+    return blockers.tolerance() * kSameOverLeast;
 }
 
 bool allBelow(std::span<const dvec3> polygon, dvec3 normal, double offset) {
@@ -161,7 +165,7 @@ void PointView::addCones(const Blockers& blockers, uint32_t room) {
 }
 
 bool PointView::mayHide(const Cone& cone, std::span<const dvec3> polygon) const {
-    if (allBelow(polygon, cone.normal, cone.distance + least_)) return false;
+    if (allBelow(polygon, cone.normal, cone.distance + kSameOverLeast * least_)) return false;
     return std::none_of(cone.sides.begin(), cone.sides.end(),
                         [&](const dvec3& side) { return allBelow(polygon, side, least_); });
 }
@@ -180,7 +184,7 @@ void PointView::hideBeyond(std::span<const dvec3> polygon, std::vector<Polygon>&
 void PointView::hide(const Cone& cone, double least, std::vector<Polygon>& parts) {
     // Whole where the cone's planes only touch it.
     const auto isWhole = [&](const Polygon& part) {
-        return allBelow(part, cone.normal, cone.distance + least) ||
+        return allBelow(part, cone.normal, cone.distance + kSameOverLeast * least) ||
                std::ranges::any_of(cone.sides,
                                    [&](const dvec3& side) { return allBelow(part, side, least); });
     };

@@ -22,19 +22,22 @@ using Frame = MeshDomain::Frame;
 constexpr double kStraightSine = 1e-7;
 // Of the domain's extent: how far corners of merged faces lie off their plane, as the corners of one face of
 // a model may (model_faces.h).
-constexpr double kFlat = 1e-5;
+constexpr double kFlat = 1e-5, kExact = 1e-9;
 constexpr double kUprightSine = 1e-5; // scenes in single precision, turned by their nodes
 constexpr double kSamePlace = 1e-6;   // of a wall's length
 
-// Axes of a face: v up along the wall, or any axis of a level one.
-Frame frameOfFace(const Building& building, const Face& face) {
+// Axes in a plane: v up along the wall, or any axis of a level one.
+Frame frameIn(glm::dvec3 origin, glm::dvec3 n) {
     Frame frame;
-    const glm::dvec3 n = faceNormal(building, face);
-    frame.origin = building.vertices[face.loops[0][0]];
+    frame.origin = origin;
     const glm::dvec3 helper = std::abs(n.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, -1);
     frame.u = glm::normalize(glm::cross(helper, n));
     frame.v = glm::cross(n, frame.u);
     return frame;
+}
+
+Frame frameOfFace(const Building& building, const Face& face) {
+    return frameIn(building.vertices[face.loops[0][0]], faceNormal(building, face));
 }
 
 // The boundary of several faces together: their edges without the seams, as loops.
@@ -172,7 +175,11 @@ private:
     bool inOnePlane(uint32_t f, uint32_t g) const { return geometry::inOnePlane(normals_[f], normals_[g]); }
 
     bool flat(const std::vector<uint32_t>& members) const {
-        const Frame frame = frameOfFace(building_, building_.faces[members[0]]);
+        return unevenness(members, commonFrame(members)) <= kFlat;
+    }
+
+    // How far corners lie off the plane, as a share of their distance from its origin.
+    double unevenness(const std::vector<uint32_t>& members, const Frame& frame) const {
         const glm::dvec3 n = glm::cross(frame.u, frame.v);
         double extent = 0, off = 0;
         for (const uint32_t f : members)
@@ -182,14 +189,30 @@ private:
                     extent = std::max(extent, glm::length(d));
                     off = std::max(off, std::abs(glm::dot(d, n)));
                 }
-        return off <= kFlat * extent;
+        return extent > 0 ? off / extent : 0;
+    }
+
+    // The plane of one face, or, where files have rounded its corners and it leads away from the others, the
+    // one that fits them all.
+    Frame commonFrame(const std::vector<uint32_t>& members) const {
+        const Frame first = frameOfFace(building_, building_.faces[members[0]]);
+        if (unevenness(members, first) <= kExact) return first;
+        glm::dvec3 area{0}, middle{0};
+        double corners = 0;
+        for (const uint32_t f : members)
+            for (const auto& loop : building_.faces[f].loops) {
+                area += areaVector(building_.vertices, loop);
+                for (const uint32_t v : loop) middle += building_.vertices[v];
+                corners += static_cast<double>(loop.size());
+            }
+        return frameIn(middle / corners, glm::normalize(area));
     }
 
     // False when the whole would touch itself.
     bool merge(const std::vector<uint32_t>& members) {
         MeshDomain domain;
         domain.faces = members;
-        domain.frames = {frameOfFace(building_, building_.faces[members[0]])};
+        domain.frames = {commonFrame(members)};
         std::set<Edge> edges, seams;
         for (const uint32_t f : members)
             for (const auto& loop : building_.faces[f].loops)
