@@ -13,7 +13,6 @@
 #include "compute/glow_rows.h"
 #include "compute/parallel.h"
 #include "compute/stopwatch.h"
-#include "compute/straight_sky.h"
 
 namespace heliodon::compute {
 
@@ -60,6 +59,7 @@ AnnualDaylight::AnnualDaylight(DaylightTransport& transport, std::vector<dayligh
     });
     sunWork_ = kSunWork * static_cast<double>(suns_->sunny());
     makeSkies(parts);
+    straight_.emplace(skies_, lit_);
     ribbonWork_ = ribbonWork() * static_cast<double>(ribbons_.size());
     report_.hours = skies_.size();
     report_.solved = ribbons_.size();
@@ -265,7 +265,7 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
         std::fill(sun.begin(), sun.end(), 0.0f);
         addBeams(sensors, sun);
         const TransportParts parts = transport_.parts();
-        const StraightSky straight(parts.sensorSky, parts.near);
+        const StraightSky straight(*straight_, parts.sensorSky, parts.near);
         inParallel(count, [&](size_t s) {
             float* row = &lux[s * hours];
             std::fill_n(row, hours, responses.own[s]);
@@ -279,7 +279,7 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
                 lux[at] += error[at];
             }
         });
-        straight.addTo(lux, skies_, lit_, tellEach(nearShare_ * kNearSkyWork * static_cast<double>(count)));
+        straight.addTo(lux, tellEach(nearShare_ * kNearSkyWork * static_cast<double>(count)));
     }
     reportOf(responses, lux.size());
     checkAndSetErrors(lux, sun, error);
@@ -316,9 +316,9 @@ void AnnualDaylight::reportOf(const SensorResponses& responses, size_t values) {
     size_t floats = count * (lit_.size() + report_.withSun) + responses.sky.size() + 3 * values;
     for (const std::vector<float>& rows : responses.sun) // and about as many importances of the sky
         floats += rows.size() + (rows.empty() ? 0 : count * transport_.mesh().patchCount());
-    report_.bytes =
-        std::max(report_.bytes, luminance_.bytes() + responder_.bytes() + transport_.parts().gatherBytes +
-                                    solvedBytes_ + report_.sunBytes + nearWalls + sizeof(float) * floats);
+    report_.bytes = std::max(report_.bytes, luminance_.bytes() + straight_->bytes() + responder_.bytes() +
+                                                transport_.parts().gatherBytes + solvedBytes_ +
+                                                report_.sunBytes + nearWalls + sizeof(float) * floats);
 }
 
 // Sunless ones first.

@@ -25,6 +25,7 @@
 #include "compute/daylight_transport.h"
 #include "compute/panel_product.h"
 #include "compute/sensor_responses.h"
+#include "compute/straight_sky.h"
 #include "compute/sun_hours.h"
 
 namespace heliodon::compute {
@@ -111,8 +112,9 @@ private:
     std::vector<uint32_t> ribbons_; // ... those whose sky has a ribbon
     std::vector<Moment> solved_;    // of the first of these
     size_t solvedBytes_ = 0;
-    bool keeps_ = true; // there is room for more of them
-    Panels luminance_;  // elements x lit hours, times pi
+    bool keeps_ = true;                     // there is room for more of them
+    Panels luminance_;                      // elements x lit hours, times pi
+    std::optional<StraightHours> straight_; // of lit hours
     std::optional<SunHours> suns_;
     std::map<size_t, float> beamEdges_;
     double checkSquares_ = 0, checkCount_ = 0;

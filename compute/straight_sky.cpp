@@ -13,11 +13,11 @@ namespace {
 using daylight::SkyTables;
 using Nodes = std::span<const StraightSky::Node>;
 using Shares = std::span<const StraightSky::Share>;
-constexpr size_t kAtOnce = StraightSky::kTables * SkyTables::kSkies; // hours
+constexpr size_t kAtOnce = StraightHours::kTables * SkyTables::kSkies; // hours
 
 // What a node has in these hours, table by table.
 struct alignas(SkyTables) Luminances {
-    SkyTables::Floats of[StraightSky::kTables];
+    SkyTables::Floats of[StraightHours::kTables];
 };
 
 [[gnu::always_inline]] inline void lookUp(const SkyTables& tables, size_t table, Nodes nodes,
@@ -32,7 +32,7 @@ struct alignas(SkyTables) Luminances {
 [[gnu::always_inline]] inline void addShares(const Luminances* luminances, Shares shares, Luminances& sums) {
     Luminances sum{}; // in registers
     for (const StraightSky::Share& share : shares)
-        for (size_t t = 0; t < StraightSky::kTables; ++t)
+        for (size_t t = 0; t < StraightHours::kTables; ++t)
             sum.of[t] += share.weight * luminances[share.node].of[t];
     sums = sum;
 }
@@ -68,23 +68,16 @@ Kernels ofThisProcessor() {
     return {lookUpNarrow, addSharesNarrow};
 }
 
-// Of at most kAtOnce hours.
 class SkiesTogether {
 public:
-    SkiesTogether(std::span<const daylight::Sky> skies, std::span<const uint32_t> hours) {
-        for (const uint32_t hour : hours) skies_.push_back(&skies[hour]);
-        for (size_t first = 0; first < skies_.size(); first += SkyTables::kSkies) {
-            std::array<const daylight::Sky*, SkyTables::kSkies> separable{};
-            for (size_t k = 0; k < std::min(SkyTables::kSkies, skies_.size() - first); ++k)
-                if (!skies_[first + k]->formula.intermediate) separable[k] = skies_[first + k];
-            tables_.emplace_back(separable);
-        }
+    SkiesTogether(std::span<const daylight::Sky> skies, const StraightHours::Block& block) : block_(block) {
+        for (const uint32_t hour : block.hours) skies_.push_back(&skies[hour]);
     }
 
     void lookUp(Nodes nodes, std::vector<Luminances>& luminances) const {
         luminances.assign(nodes.size(), {});
-        for (size_t table = 0; table < tables_.size(); ++table)
-            kernels_.lookUp(tables_[table], table, nodes, luminances.data());
+        for (size_t table = 0; table < block_.tables.size(); ++table)
+            kernels_.lookUp(block_.tables[table], table, nodes, luminances.data());
         for (size_t k = 0; k < skies_.size(); ++k) {
             if (!skies_[k]->formula.intermediate) continue;
             for (size_t n = 0; n < nodes.size(); ++n)
@@ -93,20 +86,19 @@ public:
         }
     }
 
-    // Adds a sensor's lux to `row`, one of each sky in order of `hours`.
-    void add(const std::vector<Luminances>& luminances, Shares shares, float ground, float* row,
-             std::span<const uint32_t> hours) const {
+    // Adds a sensor's lux to its `row` of all hours.
+    void add(const std::vector<Luminances>& luminances, Shares shares, float ground, float* row) const {
         Luminances sums;
         kernels_.addShares(luminances.data(), shares, sums);
-        for (size_t k = 0; k < hours.size(); ++k)
-            row[hours[k]] += sums.of[k / SkyTables::kSkies][k % SkyTables::kSkies] +
-                             ground * static_cast<float>(skies_[k]->ground.luminance);
+        for (size_t k = 0; k < skies_.size(); ++k)
+            row[block_.hours[k]] += sums.of[k / SkyTables::kSkies][k % SkyTables::kSkies] +
+                                    ground * static_cast<float>(skies_[k]->ground.luminance);
     }
 
 private:
     Kernels kernels_ = ofThisProcessor();
+    const StraightHours::Block& block_;
     std::vector<const daylight::Sky*> skies_;
-    std::vector<SkyTables> tables_;
 };
 
 StraightSky::Node nodeAt(glm::vec3 direction) {
@@ -115,17 +107,62 @@ StraightSky::Node nodeAt(glm::vec3 direction) {
 
 } // namespace
 
-StraightSky::StraightSky(const SkyView& view, std::span<const NearLight> near) : view_(&view), near_(near) {
+StraightHours::StraightHours(std::span<const daylight::Sky> skies, std::vector<uint32_t> hours,
+                             size_t tableBytes)
+    : skies_(skies), hours_(std::move(hours)) {
+    std::vector<char> isSmooth(skies.size());
+    inParallel(hours_.size(),
+               [&](size_t k) { isSmooth[hours_[k]] = grid_.isSmoothWithHeight(skies[hours_[k]]); });
+    const auto steep =
+        std::ranges::stable_partition(hours_, [&](uint32_t hour) { return isSmooth[hour] != 0; });
+    const std::span<const uint32_t> all(hours_);
+    const size_t smooth = hours_.size() - steep.size();
+    for (const bool bySamples : {false, true}) {
+        const std::span<const uint32_t> some = bySamples ? all.subspan(smooth) : all.first(smooth);
+        for (size_t first = 0; first < some.size(); first += kAtOnce)
+            blocks_.push_back({some.subspan(first, std::min(kAtOnce, some.size() - first)), bySamples, {}});
+    }
+    inParallel(std::min(blocks_.size(), tableBytes / (kTables * sizeof(SkyTables))),
+               [&](size_t block) { blocks_[block].tables = tablesOf(blocks_[block].hours); });
+}
+
+std::vector<SkyTables> StraightHours::tablesOf(std::span<const uint32_t> hours) const {
+    std::vector<SkyTables> tables;
+    for (size_t first = 0; first < hours.size(); first += SkyTables::kSkies) {
+        std::array<const daylight::Sky*, SkyTables::kSkies> separable{};
+        for (size_t k = 0; k < std::min(SkyTables::kSkies, hours.size() - first); ++k)
+            if (const daylight::Sky& sky = skies_[hours[first + k]]; !sky.formula.intermediate)
+                separable[k] = &sky;
+        tables.emplace_back(separable);
+    }
+    return tables;
+}
+
+void StraightHours::withBlock(size_t block, const std::function<void(const Block&)>& work) const {
+    const Block& kept = blocks_[block];
+    if (!kept.tables.empty()) return work(kept);
+    work({kept.hours, kept.bySamples, tablesOf(kept.hours)});
+}
+
+size_t StraightHours::bytes() const {
+    size_t sum = hours_.size() * sizeof(uint32_t) + blocks_.size() * sizeof(Block);
+    for (const Block& block : blocks_) sum += block.tables.size() * sizeof(SkyTables);
+    return sum;
+}
+
+StraightSky::StraightSky(const StraightHours& hours, const SkyView& view, std::span<const NearLight> near)
+    : hours_(&hours), view_(&view), near_(near) {
     constexpr uint32_t kUnused = ~0U;
-    std::vector<uint32_t> number(grid_.nodes().size(), kUnused); // among those that count
+    const daylight::SkyGrid& grid = hours.grid();
+    std::vector<uint32_t> number(grid.nodes().size(), kUnused); // among those that count
     for (size_t s = 0; s < near.size(); ++s) {
         double ground = 0;
-        std::vector<double> weights(grid_.nodes().size(), 0);
+        std::vector<double> weights(grid.nodes().size(), 0);
         for (const std::span<const SkySample> samples : samplesOf(s))
             for (const SkySample& sample : samples) {
                 const double weight = photometric(sample.weight);
                 if (sample.direction.y > 0)
-                    for (const auto& [node, part] : grid_.sharesOf(glm::dvec3(sample.direction)))
+                    for (const auto& [node, part] : grid.sharesOf(glm::dvec3(sample.direction)))
                         weights[node] += weight * part;
                 else
                     ground += weight;
@@ -134,7 +171,7 @@ StraightSky::StraightSky(const SkyView& view, std::span<const NearLight> near) :
             if (weights[n] == 0) continue;
             if (number[n] == kUnused) {
                 number[n] = static_cast<uint32_t>(nodes_.size());
-                nodes_.push_back(nodeAt(grid_.nodes()[n]));
+                nodes_.push_back(nodeAt(grid.nodes()[n]));
             }
             shares_.push_back({number[n], static_cast<float>(weights[n])});
         }
@@ -143,39 +180,35 @@ StraightSky::StraightSky(const SkyView& view, std::span<const NearLight> near) :
     }
 }
 
-void StraightSky::addTo(std::span<float> lux, std::span<const daylight::Sky> skies,
-                        std::span<const uint32_t> hours, const std::function<void(size_t)>& done) const {
-    std::vector<char> isSmooth(hours.size());
-    inParallel(hours.size(), [&](size_t k) { isSmooth[k] = grid_.isSmoothWithHeight(skies[hours[k]]); });
-    std::vector<uint32_t> smooth, steep;
-    for (size_t k = 0; k < hours.size(); ++k) (isSmooth[k] ? smooth : steep).push_back(hours[k]);
-    const auto inBlocks = [&](std::span<const uint32_t> some, size_t before, auto add) {
-        inParallel((some.size() + kAtOnce - 1) / kAtOnce,
-                   [&](size_t block) {
-                       const size_t first = block * kAtOnce;
-                       (this->*add)(lux, skies, some.subspan(first, std::min(kAtOnce, some.size() - first)));
-                   },
-                   [&](size_t blocks) {
-                       if (done) done(before + std::min(blocks * kAtOnce, some.size()));
-                   });
-    };
-    inBlocks(smooth, 0, &StraightSky::addByNodes);
-    inBlocks(steep, smooth.size(), &StraightSky::addBySamples);
+void StraightSky::addTo(std::span<float> lux, const std::function<void(size_t)>& done) const {
+    inParallel(
+        hours_->blocks(),
+        [&](size_t block) {
+            hours_->withBlock(block, [&](const StraightHours::Block& hours) {
+                if (hours.bySamples)
+                    addBySamples(lux, hours);
+                else
+                    addByNodes(lux, hours);
+            });
+        },
+        [&](size_t blocks) {
+            if (done) done(std::min(blocks * kAtOnce, hours_->count()));
+        });
 }
 
-void StraightSky::addByNodes(std::span<float> lux, std::span<const daylight::Sky> skies,
-                             std::span<const uint32_t> hours) const {
-    const SkiesTogether together(skies, hours);
+void StraightSky::addByNodes(std::span<float> lux, const StraightHours::Block& block) const {
+    const std::span<const daylight::Sky> skies = hours_->skies();
+    const SkiesTogether together(skies, block);
     std::vector<Luminances> luminances;
     together.lookUp(nodes_, luminances);
     for (size_t s = 0; s < ground_.size(); ++s)
         together.add(luminances, Shares(shares_).subspan(first_[s], first_[s + 1] - first_[s]), ground_[s],
-                     &lux[s * skies.size()], hours);
+                     &lux[s * skies.size()]);
 }
 
-void StraightSky::addBySamples(std::span<float> lux, std::span<const daylight::Sky> skies,
-                               std::span<const uint32_t> hours) const {
-    const SkiesTogether together(skies, hours);
+void StraightSky::addBySamples(std::span<float> lux, const StraightHours::Block& block) const {
+    const std::span<const daylight::Sky> skies = hours_->skies();
+    const SkiesTogether together(skies, block);
     std::vector<Luminances> luminances;
     std::vector<Node> places;
     std::vector<Share> shares;
@@ -189,7 +222,7 @@ void StraightSky::addBySamples(std::span<float> lux, std::span<const daylight::S
                 places.push_back(nodeAt(sample.direction));
             }
         together.lookUp(places, luminances);
-        together.add(luminances, shares, ground_[s], &lux[s * skies.size()], hours);
+        together.add(luminances, shares, ground_[s], &lux[s * skies.size()]);
     }
 }
 

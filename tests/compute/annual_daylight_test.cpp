@@ -102,7 +102,8 @@ TEST(AnnualDaylight, samples_of_sky_count_by_the_luminance_at_each) {
         near[1].sky.push_back(
             {glm::normalize(glm::vec3(place(random), 0.03f + 0.01f * place(random), -1)), glm::vec3(1)});
     std::vector<float> taken(near.size() * skies.size(), 0);
-    StraightSky(none, near).addTo(taken, skies, std::vector<uint32_t>{0, 1, 2, 3, 4});
+    const StraightHours hours(skies, {0, 1, 2, 3, 4});
+    StraightSky(hours, none, near).addTo(taken);
     for (size_t s = 0; s < near.size(); ++s)
         for (size_t h = 0; h < skies.size(); ++h) {
             double lux = 0;
@@ -111,6 +112,12 @@ TEST(AnnualDaylight, samples_of_sky_count_by_the_luminance_at_each) {
                        skies[h].luminance(glm::normalize(glm::dvec3(sample.direction)));
             EXPECT_NEAR(taken[s * skies.size() + h], lux, (s == 0 ? 1e-4 : 1e-3) * lux) << s << " " << h;
         }
+    EXPECT_GT(hours.bytes(), sizeof(daylight::SkyTables));
+    const StraightHours forgetful(skies, {0, 1, 2, 3, 4}, 0);
+    EXPECT_LT(forgetful.bytes(), sizeof(daylight::SkyTables));
+    std::vector<float> again(taken.size(), 0);
+    StraightSky(forgetful, none, near).addTo(again);
+    EXPECT_EQ(again, taken);
 }
 
 TEST(AnnualDaylight, coloured_walls_and_tinted_glass_too) {
