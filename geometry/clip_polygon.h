@@ -15,6 +15,7 @@ void clip(std::type_identity_t<std::span<const Point>> polygon, const Height& he
           std::vector<Point>& result) {
     result.clear();
     if (polygon.empty()) return;
+    result.reserve(polygon.size() + 1);
     const Point* from = &polygon.back();
     double before = height(*from);
     for (const Point& to : polygon) {
