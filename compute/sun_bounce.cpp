@@ -45,7 +45,7 @@ bool isLittle(dvec3 times) {
 }
 
 // To which a point's form factor from a small patch is proportional.
-double nearness(const PointScene::Patch& to, const PointScene::Patch& from, dvec3 point) {
+inline double nearness(const PointScene::Patch& to, const PointScene::Patch& from, dvec3 point) {
     const dvec3 d = to.centre - point;
     const double square = glm::dot(d, d);
     return std::max(0.0, -glm::dot(d, to.normal)) * std::max(0.0, glm::dot(d, from.normal)) /
@@ -136,7 +136,8 @@ SunBounce::Shares SunBounce::sharesOf(const SunlitParts& lit, const Fluxes& flux
 void SunBounce::addTo(std::span<glm::vec3> onPatches, std::span<glm::vec3> sent,
                       std::span<const SunlitParts> partly, double strength) const {
     const geometry::PatchMesh& mesh = scene_->mesh();
-    std::vector<dvec3> light;
+    std::vector<dvec3> nearby;
+    std::vector<double> nearer; // of the rest: how many times its mean light is
     for (const SunlitParts& lit : partly) {
         Fluxes flux;
         flux.area = geometry::patchArea(mesh, lit.patch);
@@ -146,28 +147,38 @@ void SunBounce::addTo(std::span<glm::vec3> onPatches, std::span<glm::vec3> sent,
         const std::span<const NearPairs::Pair> pairs = pairs_->of(lit.patch);
         const size_t nearest = pairs_->nearest(lit.patch).size();
         const float* wholes = whole_.data() + first_[lit.patch];
-        light.clear();
-        for (size_t k = 0; k < pairs.size(); ++k) {
-            const PointScene::Patch& to = scene_->patches()[pairs[k].to];
-            const double whole = wholes[k];
-            dvec3 seen = mean;
-            if (k < nearest && whole > 0)
-                seen = seenNearby(pairs[k].to, lit) / whole;
-            else if (whole > 0)
-                seen *= std::min(kMostNearer, nearness(to, from, middle) / whole);
-            const double even = to.size * to.size * double{pairs[k].factor};
-            (k < nearest ? flux.even : flux.evenFarther) += even;
-            (k < nearest ? flux.nearby : flux.farther) += even * seen;
-            light.push_back(seen);
+        const auto evenTo = [&](const NearPairs::Pair& pair) {
+            const double size = scene_->patches()[pair.to].size;
+            return size * size * double{pair.factor};
+        };
+        nearby.clear();
+        for (size_t k = 0; k < nearest; ++k) {
+            nearby.push_back(wholes[k] > 0 ? seenNearby(pairs[k].to, lit) / double{wholes[k]} : mean);
+            const double even = evenTo(pairs[k]);
+            flux.even += even, flux.nearby += even * nearby[k];
         }
+        nearer.resize(pairs.size());
+        double farther = 0;
+        for (size_t k = nearest; k < pairs.size(); ++k) {
+            const double whole = wholes[k];
+            nearer[k] = whole > 0 ? std::min(kMostNearer,
+                                             nearness(scene_->patches()[pairs[k].to], from, middle) / whole)
+                                  : 1;
+            const double even = evenTo(pairs[k]);
+            flux.evenFarther += even, farther += even * nearer[k];
+        }
+        flux.farther = farther * mean;
         const auto [near, far, others] = sharesOf(lit, flux);
         if (!isLittle(near) || !isLittle(far)) continue;
         const dvec3 times = strength * dvec3(mesh.materials[mesh.material[lit.patch]].reflectance),
                     extra = times * (others - dvec3(1)) * mean;
         sent[lit.patch] += glm::vec3(extra);
-        for (size_t k = 0; k < pairs.size(); ++k)
-            onPatches[pairs[k].to] += glm::vec3(
-                double{pairs[k].factor} * (times * ((k < nearest ? near : far) * light[k] - mean) - extra));
+        for (size_t k = 0; k < nearest; ++k)
+            onPatches[pairs[k].to] +=
+                glm::vec3(double{pairs[k].factor} * (times * (near * nearby[k] - mean) - extra));
+        const glm::vec3 where(times * far * mean), even(times * mean + extra);
+        for (size_t k = nearest; k < pairs.size(); ++k)
+            onPatches[pairs[k].to] += pairs[k].factor * (static_cast<float>(nearer[k]) * where - even);
     }
 }
 
