@@ -32,8 +32,11 @@ Polygon beside(const Polygon& p, glm::dvec2 a, glm::dvec2 b, double side) {
 }
 
 Polygon intersection(Polygon p, const Polygon& convex) {
-    for (size_t k = 0; k < convex.size() && !p.empty(); ++k)
-        p = beside(p, convex[k], convex[(k + 1) % convex.size()], 1);
+    for (size_t k = 0; k < convex.size() && !p.empty(); ++k) {
+        const glm::dvec2 a = convex[k], b = convex[(k + 1) % convex.size()];
+        if (std::ranges::any_of(p, [&](glm::dvec2 q) { return geometry::cross(b - a, q - a) < 0; }))
+            p = beside(p, a, b, 1);
+    }
     return p;
 }
 
@@ -66,13 +69,16 @@ bool inside(const Polygon& p, glm::dvec2 q) {
 
 // Cautious: also of some points beyond corners.
 bool isNearOutline(const Polygon& p, glm::dvec2 q, double reach) {
-    double inwards = reach;
-    for (size_t k = 0; k < p.size() && inwards >= -reach; ++k) {
+    bool near = false;
+    for (size_t k = 0; k < p.size(); ++k) {
         const glm::dvec2 side = p[(k + 1) % p.size()] - p[k];
-        const double length = glm::length(side);
-        if (length > 0) inwards = std::min(inwards, geometry::cross(side, q - p[k]) / length);
+        // Without roots: of the distance inwards from the side.
+        const double times = geometry::cross(side, q - p[k]), most = reach * reach * glm::dot(side, side);
+        const bool isFar = times * times >= most;
+        if (times < 0 && isFar) return false;
+        near |= !isFar;
     }
-    return inwards < reach && inwards >= -reach;
+    return near;
 }
 
 } // namespace
@@ -80,11 +86,13 @@ bool isNearOutline(const Polygon& p, glm::dvec2 q, double reach) {
 SunScene::SunScene(const geometry::PatchMesh& mesh) : mesh_(&mesh) {
     constexpr uint32_t kMostCorners = 16;
     std::vector<uint32_t> pane(mesh.patchCount(), kNoGroup), wall(mesh.patchCount(), kNoGroup);
-    for (size_t i = 0; i < mesh.patchCount(); ++i)
+    for (size_t i = 0; i < mesh.patchCount(); ++i) {
+        normals_.push_back(geometry::patchNormal(mesh, i));
         if (mesh.materials[mesh.material[i]].isOpening())
             pane[i] = 2 * mesh.material[i] + (mesh.twin[i] != geometry::kNoTwin ? 1 : 0);
         else
             wall[i] = 0;
+    }
     for (const geometry::Material& material : mesh.materials) windows_.emplace_back(material);
     panes_ = mergedRegions(mesh, pane, kMostCorners);
     walls_ = mergedRegions(mesh, wall, kMostCorners);
@@ -134,6 +142,7 @@ void SunPatches::project(const SunScene& scene, bool clipAnyway) {
     across_ = geometry::perpendicular(sun_);
     up_ = glm::cross(sun_, across_);
     scale_ = scene.scale_;
+    normals_ = scene.normals_;
     for (const ConvexRegion& region : scene.panes_) {
         Face face = faceOf(region);
         const double facing = glm::dot(face.normal, sun_);
@@ -325,11 +334,11 @@ std::vector<glm::vec3> SunPatches::onPatches(std::vector<SunlitParts>* partly) c
     for (const Face& pane : panes_) low = glm::min(low, pane.low), high = glm::max(high, pane.high);
     Receiver receiver;
     for (size_t i = 0; i < mesh_->patchCount(); ++i) {
+        receiver.normal = normals_[i];
+        if (!(glm::dot(receiver.normal, sun_) > 1e-9)) continue;
         see(i, receiver);
         const Box box(receiver.outline);
         if (apart(box.low, box.high, low, high)) continue;
-        receiver.normal = geometry::patchNormal(*mesh_, i);
-        if (!(glm::dot(receiver.normal, sun_) > 1e-9)) continue;
         SunlitParts parts{static_cast<uint32_t>(i), {}};
         result[i] = onPatch(receiver, partly ? &parts : nullptr);
         if (!parts.parts.empty()) partly->push_back(std::move(parts));

@@ -29,6 +29,7 @@ private:
     const geometry::PatchMesh* mesh_;
     std::vector<ConvexRegion> panes_, walls_; // groups of panes: 2 material + (interior ? 1 : 0)
     std::vector<daylight::Window> windows_;   // by material
+    std::vector<glm::dvec3> normals_;         // of patches
     double scale_ = 1;                        // extent of the mesh
 };
 
@@ -106,6 +107,7 @@ private:
     glm::dvec3 towardsSun(glm::dvec2 q, glm::dvec3 position, glm::dvec3 normal) const;
 
     const geometry::PatchMesh* mesh_;
+    std::span<const glm::dvec3> normals_; // the scene's
     glm::dvec3 sun_, across_{0}, up_{0};
     double scale_ = 1;
     bool canEnter_ = false;
