@@ -73,22 +73,23 @@ constexpr Tile kWidest[]{widestTile<1>, widestTile<2>,  widestTile<3>,  widestTi
 static_assert(std::size(kWidest) <= kMostRows);
 #endif
 
-Tiles tilesOfThisProcessor() {
+Tiles tilesOf([[maybe_unused]] VectorWidth width) {
 #if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx512f")) return kWidest;
-    if (__builtin_cpu_supports("avx2")) return kWide;
+    if (width == VectorWidth::avx512) return kWidest;
+    if (width == VectorWidth::avx2) return kWide;
 #endif
     return kNarrow;
 }
 
 } // namespace
 
-void multiply(std::span<const float> a, size_t rows, const Panels& panels, std::span<float> out) {
+void multiply(std::span<const float> a, size_t rows, const Panels& panels, std::span<float> out,
+              VectorWidth width) {
     const size_t depth = panels.depth(), columns = panels.columns();
     assert(a.size() >= rows * depth && out.size() >= rows * columns);
-    const Tiles tiles = tilesOfThisProcessor();
+    const Tiles tiles = tilesOf(width);
     inParallel(panels.count(), [&](size_t p) {
-        const size_t first = p * Panels::kWidth, width = std::min(Panels::kWidth, columns - first);
+        const size_t first = p * Panels::kWidth, count = std::min(Panels::kWidth, columns - first);
         float sums[kMostRows][Panels::kWidth];
         for (size_t row = 0; row < rows;) {
             // Shared out evenly: of thirteen rows seven and six.
@@ -98,7 +99,7 @@ void multiply(std::span<const float> a, size_t rows, const Panels& panels, std::
             for (size_t r = 0; r < height; ++r) from[r] = a.data() + (row + r) * depth;
             tiles[height - 1](from, panels.panel(p), depth, sums);
             for (size_t r = 0; r < height; ++r, ++row)
-                std::copy_n(sums[r], width, &out[row * columns + first]);
+                std::copy_n(sums[r], count, &out[row * columns + first]);
         }
     });
 }

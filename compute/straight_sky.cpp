@@ -61,16 +61,17 @@ void addSharesNarrow(const Luminances* luminances, Shares shares, Luminances& su
 }
 #endif
 
-Kernels ofThisProcessor() {
+Kernels kernelsOf([[maybe_unused]] VectorWidth width) {
 #if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx2")) return {lookUpWide, addSharesWide};
+    if (width >= VectorWidth::avx2) return {lookUpWide, addSharesWide};
 #endif
     return {lookUpNarrow, addSharesNarrow};
 }
 
 class SkiesTogether {
 public:
-    SkiesTogether(std::span<const daylight::Sky> skies, const StraightHours::Block& block) : block_(block) {
+    SkiesTogether(std::span<const daylight::Sky> skies, const StraightHours::Block& block, VectorWidth width)
+        : kernels_(kernelsOf(width)), block_(block) {
         for (const uint32_t hour : block.hours) skies_.push_back(&skies[hour]);
     }
 
@@ -96,7 +97,7 @@ public:
     }
 
 private:
-    Kernels kernels_ = ofThisProcessor();
+    Kernels kernels_;
     const StraightHours::Block& block_;
     std::vector<const daylight::Sky*> skies_;
 };
@@ -180,15 +181,16 @@ StraightSky::StraightSky(const StraightHours& hours, const SkyView& view, std::s
     }
 }
 
-void StraightSky::addTo(std::span<float> lux, const std::function<void(size_t)>& done) const {
+void StraightSky::addTo(std::span<float> lux, const std::function<void(size_t)>& done,
+                        VectorWidth width) const {
     inParallel(
         hours_->blocks(),
         [&](size_t block) {
             hours_->withBlock(block, [&](const StraightHours::Block& hours) {
                 if (hours.bySamples)
-                    addBySamples(lux, hours);
+                    addBySamples(lux, hours, width);
                 else
-                    addByNodes(lux, hours);
+                    addByNodes(lux, hours, width);
             });
         },
         [&](size_t blocks) {
@@ -196,9 +198,10 @@ void StraightSky::addTo(std::span<float> lux, const std::function<void(size_t)>&
         });
 }
 
-void StraightSky::addByNodes(std::span<float> lux, const StraightHours::Block& block) const {
+void StraightSky::addByNodes(std::span<float> lux, const StraightHours::Block& block,
+                             VectorWidth width) const {
     const std::span<const daylight::Sky> skies = hours_->skies();
-    const SkiesTogether together(skies, block);
+    const SkiesTogether together(skies, block, width);
     std::vector<Luminances> luminances;
     together.lookUp(nodes_, luminances);
     for (size_t s = 0; s < ground_.size(); ++s)
@@ -206,9 +209,10 @@ void StraightSky::addByNodes(std::span<float> lux, const StraightHours::Block& b
                      &lux[s * skies.size()]);
 }
 
-void StraightSky::addBySamples(std::span<float> lux, const StraightHours::Block& block) const {
+void StraightSky::addBySamples(std::span<float> lux, const StraightHours::Block& block,
+                               VectorWidth width) const {
     const std::span<const daylight::Sky> skies = hours_->skies();
-    const SkiesTogether together(skies, block);
+    const SkiesTogether together(skies, block, width);
     std::vector<Luminances> luminances;
     std::vector<Node> places;
     std::vector<Share> shares;

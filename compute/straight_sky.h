@@ -15,6 +15,7 @@
 #include "compute/daylight/sky_table.h"
 #include "compute/near_light.h"
 #include "compute/sensor_gather.h"
+#include "compute/vector_width.h"
 
 namespace heliodon::compute {
 
@@ -72,11 +73,12 @@ public:
     // Adds each sensor's photometric lux in these hours to `lux`, sensors x skies. 0.1 ns an hour and node
     // that a sensor sees, some hundred beside a window; 1.5 ns an hour and node that any sees. Steep skies:
     // 1.5 ns an hour and sample. `done`: how many hours are.
-    void addTo(std::span<float> lux, const std::function<void(size_t)>& done = {}) const;
+    void addTo(std::span<float> lux, const std::function<void(size_t)>& done = {},
+               VectorWidth width = widestVectors()) const;
 
 private:
-    void addByNodes(std::span<float> lux, const StraightHours::Block& block) const;
-    void addBySamples(std::span<float> lux, const StraightHours::Block& block) const;
+    void addByNodes(std::span<float> lux, const StraightHours::Block& block, VectorWidth width) const;
+    void addBySamples(std::span<float> lux, const StraightHours::Block& block, VectorWidth width) const;
     std::array<std::span<const SkySample>, 2> samplesOf(size_t sensor) const {
         return {view_->of(sensor), near_[sensor].sky};
     }

@@ -121,9 +121,9 @@ constexpr Kernels kNarrow{
 }
 #endif
 
-Kernels ofThisProcessor() {
+Kernels kernelsOf([[maybe_unused]] VectorWidth width) {
 #if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx2")) return {howMuchNearerWide, addByMiddlesWide};
+    if (width >= VectorWidth::avx2) return {howMuchNearerWide, addByMiddlesWide};
 #endif
     return kNarrow;
 }
@@ -219,7 +219,8 @@ SunEdges::SunEdges(const geometry::PatchMesh& mesh, std::vector<std::vector<Edge
     parts_.push_back({corners_.size(), {}});
 }
 
-bool SunEdges::findNearer(const PointView& view, size_t patch, std::vector<float>& nearer) const {
+bool SunEdges::findNearer(const PointView& view, size_t patch, VectorWidth width,
+                          std::vector<float>& nearer) const {
     const Patch& of = patches_[patch];
     const glm::vec3 middle = of.middle - glm::vec3(view.position());
     const float above = glm::dot(middle, glm::vec3(view.normal()));
@@ -228,7 +229,7 @@ bool SunEdges::findNearer(const PointView& view, size_t patch, std::vector<float
     nearer.resize(count);
     const Middles middles{&x_[first], &y_[first], &z_[first], count};
     const From from{glm::vec3(view.position()), glm::vec3(view.normal()) / above, glm::dot(middle, middle)};
-    ofThisProcessor().howMuchNearer(middles, from, nearer.data());
+    kernelsOf(width).howMuchNearer(middles, from, nearer.data());
     return true;
 }
 
@@ -272,9 +273,9 @@ bool SunEdges::look(const PointScene& scene, const Place& from, size_t p, Lanes&
     return true;
 }
 
-void SunEdges::addTo(float* lux, size_t stride, const PointScene& scene,
-                     std::span<const Place> places) const {
-    const auto addByMiddlesOf = ofThisProcessor().addByMiddles;
+void SunEdges::addTo(float* lux, size_t stride, const PointScene& scene, std::span<const Place> places,
+                     VectorWidth width) const {
+    const auto addByMiddlesOf = kernelsOf(width).addByMiddles;
     std::vector<Lux> more(hours_), least(hours_);
     for (size_t h = 0; h < hours_; ++h)
         for (size_t k = 0; k < places.size(); ++k)
@@ -330,8 +331,8 @@ glm::dvec3 SunEdges::exactly(const PointView& view, size_t e, double straight) c
     return more;
 }
 
-void SunEdges::addTo(std::span<float> lux, const PointScene& scene, const NearLight& near,
-                     uint32_t room) const {
+void SunEdges::addTo(std::span<float> lux, const PointScene& scene, const NearLight& near, uint32_t room,
+                     VectorWidth width) const {
     std::vector<float> nearer;
     for (const NearLight::Cell& cell : near.cells) {
         const PointView view(scene.blockers(), cell.middle, cell.normal, room);
@@ -346,7 +347,7 @@ void SunEdges::addTo(std::span<float> lux, const PointScene& scene, const NearLi
                 for (size_t e = patch.first; e < edgesEnd(p); ++e)
                     lux[hour_[e]] +=
                         static_cast<float>(photometric(cell.answer * glm::vec3(exactly(view, e, straight))));
-            else if (findNearer(view, p, nearer))
+            else if (findNearer(view, p, width, nearer))
                 for (size_t k = 0; k < nearer.size(); ++k) {
                     const size_t e = patch.first + k;
                     const glm::vec3 more = nearer[k] * colour_[e] - colourBeyond_[e];

@@ -14,6 +14,7 @@
 #include "compute/near_light.h"
 #include "compute/point_view.h"
 #include "compute/sun_patches.h"
+#include "compute/vector_width.h"
 #include "geometry/patch_mesh.h"
 
 namespace heliodon::compute {
@@ -57,10 +58,12 @@ public:
     // 1e-3, each for itself, is told by its middle, so that what an hour gets does not depend on which others
     // are here. About 1 ns for each edge and sensor, 1 us for those that middles do not tell; same bits on
     // any number of threads.
-    void addTo(float* lux, size_t stride, const PointScene& scene, std::span<const Place> places) const;
+    void addTo(float* lux, size_t stride, const PointScene& scene, std::span<const Place> places,
+               VectorWidth width = widestVectors()) const;
 
     // The same by way of the cells of a sensor's near walls: from 2e-4 of what reaches the sensor by a cell.
-    void addTo(std::span<float> lux, const PointScene& scene, const NearLight& near, uint32_t room) const;
+    void addTo(std::span<float> lux, const PointScene& scene, const NearLight& near, uint32_t room,
+               VectorWidth width = widestVectors()) const;
 
     // What edges of one hour take, here and before they are put in order.
     static size_t bytesOf(std::span<const Edge> edges);
@@ -87,7 +90,7 @@ private:
     bool look(const PointScene& scene, const Place& from, size_t patch, Lanes& lanes, size_t lane) const;
     // Per edge of one of patches_, how many times nearer and squarer its light stands to the view's point
     // than the patch's middle, less one; false where the middle lies below either's horizon.
-    bool findNearer(const PointView& view, size_t patch, std::vector<float>& nearer) const;
+    bool findNearer(const PointView& view, size_t patch, VectorWidth width, std::vector<float>& nearer) const;
     // Whether the view's horizon runs through it, leaving more than a sliver on both sides.
     static bool isCut(const geometry::PatchMesh& mesh, uint32_t patch, const PointView& view);
     // Whether something stands before more than a sliver of what is above the horizon; `straight`: form

@@ -118,6 +118,9 @@ TEST(AnnualDaylight, samples_of_sky_count_by_the_luminance_at_each) {
     std::vector<float> again(taken.size(), 0);
     StraightSky(forgetful, none, near).addTo(again);
     EXPECT_EQ(again, taken);
+    std::ranges::fill(again, 0.0F);
+    StraightSky(hours, none, near).addTo(again, {}, VectorWidth::baseline);
+    EXPECT_EQ(again, taken);
 }
 
 TEST(AnnualDaylight, coloured_walls_and_tinted_glass_too) {
@@ -219,6 +222,25 @@ TEST(AnnualDaylight, sun_that_may_be_just_beside_a_beam_is_told) {
     EXPECT_NEAR(annual.beamEdges().at(0), there, 1e-4 * there);
     EXPECT_GT(error[0], there);
     EXPECT_LT(error[1], 0.1 * there);
+}
+
+// Sensors go through the edges of sunlight sixteen at a time: the last ones are fewer, and one of them is in
+// no room.
+TEST(AnnualDaylight, sensors_get_what_they_get_in_any_company) {
+    std::vector<Sensor> sensors;
+    for (int k = 0; k < 20; ++k)
+        sensors.push_back({{0.6 + 0.14 * k, 0.3 + 0.02 * k, 0.9 + 0.18 * k}, {0.3, 1, -0.1 * k}});
+    sensors[17].position.y = -4;
+    const std::vector<Sensor> last(sensors.begin() + 16, sensors.end());
+    DaylightTransport transport(test::device(), windowRoom(glm::vec3(0.6f), glm::vec3(0.8f)));
+    const Arrays all = yearOf(transport, kSkies, sensors), few = yearOf(transport, kSkies, last);
+    for (size_t s = 16; s < sensors.size(); ++s)
+        for (size_t h = 0; h < kSkies.size(); ++h) {
+            const float lux = all.lux[s * kSkies.size() + h];
+            EXPECT_NEAR(lux, few.lux[(s - 16) * kSkies.size() + h], 1e-5 * lux) << s << ", hour " << h;
+            EXPECT_EQ(lux > 0, s != 17 && h > 0);
+        }
+    expectFull(windowRoom(glm::vec3(0.6f), glm::vec3(0.8f)), kSkies, 0.01, sensors);
 }
 
 // Far down in a slot much thinner than its patches, slopes leave next to nothing on either side of nought.
@@ -373,18 +395,21 @@ TEST(PanelProduct, is_the_plain_sum_to_the_bit_whatever_the_processor) {
         for (float& x : a) x = value(random);
         for (size_t k = 0; k < depth; ++k)
             for (size_t c = 0; c < columns; ++c) panels.at(k, c) = value(random);
-        multiply(a, rows, panels, out);
-        for (size_t r = 0; r < rows; ++r)
-            for (size_t c = 0; c < columns; ++c) {
-                float sum = 0;
-                for (size_t k = 0; k < depth;) {
-                    float block = 0;
-                    for (const size_t end = std::min(depth, k + Panels::kBlock); k < end; ++k)
-                        block += a[r * depth + k] * panels.at(k, c);
-                    sum += block;
+        for (const VectorWidth width : {VectorWidth::baseline, VectorWidth::avx2, VectorWidth::avx512}) {
+            if (width > widestVectors()) break;
+            multiply(a, rows, panels, out, width);
+            for (size_t r = 0; r < rows; ++r)
+                for (size_t c = 0; c < columns; ++c) {
+                    float sum = 0;
+                    for (size_t k = 0; k < depth;) {
+                        float block = 0;
+                        for (const size_t end = std::min(depth, k + Panels::kBlock); k < end; ++k)
+                            block += a[r * depth + k] * panels.at(k, c);
+                        sum += block;
+                    }
+                    ASSERT_EQ(out[r * columns + c], sum) << rows << " x " << depth << " x " << columns;
                 }
-                ASSERT_EQ(out[r * columns + c], sum) << rows << " x " << depth << " x " << columns;
-            }
+        }
     }
 }
 
