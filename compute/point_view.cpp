@@ -43,9 +43,10 @@ double samePlane(const Blockers& blockers) {
     return blockers.tolerance() * kSameOverLeast;
 }
 
-// std::atan2 for sine >= 0, within 5e-16 of it relative, in two thirds of its time.
-double angleOf(double sine, double cosine) {
-    // atan(z) / z in z * z, interpolated at Chebyshev's nodes up to z = tan(pi / 8), to 4e-18.
+constexpr double kTanPiBy8 = 0.41421356237309503;
+
+// atan(z) / z up to z = tan(pi / 8), of z * z: interpolated at Chebyshev's nodes, to 4e-18.
+double arcOverTangent(double w) {
     constexpr std::array<double, 12> k{1,
                                        -0.33333333333333121,
                                        0.19999999999940893,
@@ -58,17 +59,28 @@ double angleOf(double sine, double cosine) {
                                        -0.05035102456601552,
                                        0.037965257453865933,
                                        -0.017805397205419446};
-    constexpr double kTanPiBy8 = 0.41421356237309503;
-    const double across = std::abs(cosine), most = std::max(sine, across), least = std::min(sine, across);
-    const bool turned = least > kTanPiBy8 * most; // by pi / 4
-    const double z = turned ? (least - most) / (least + most) : least / most;
-    const double w = z * z, w2 = w * w, w4 = w2 * w2;
+    const double w2 = w * w, w4 = w2 * w2;
     const double low = (k[0] + k[1] * w) + (k[2] + k[3] * w) * w2,
                  middle = (k[4] + k[5] * w) + (k[6] + k[7] * w) * w2,
                  high = (k[8] + k[9] * w) + (k[10] + k[11] * w) * w2;
-    double angle = z * (low + (middle + high * w4) * w4) + (turned ? std::numbers::pi / 4 : 0);
-    if (sine > across) angle = std::numbers::pi / 2 - angle;
-    return cosine < 0 ? std::numbers::pi - angle : angle;
+    return low + (middle + high * w4) * w4;
+}
+
+// Angle over sine, within 1e-15 of itself, in two fifths of the time of std::atan2 with root and quotient:
+// most edges look small. 0 where there is no angle.
+double arcOverSine(double sineSquare, double cosine) {
+    if (cosine > 0 && sineSquare <= kTanPiBy8 * kTanPiBy8 * cosine * cosine) {
+        const double inverse = 1 / cosine;
+        return arcOverTangent(sineSquare * (inverse * inverse)) * inverse;
+    }
+    if (!(sineSquare > 0)) return 0;
+    const double sine = std::sqrt(sineSquare), across = std::abs(cosine);
+    const double most = std::max(sine, across), least = std::min(sine, across);
+    const bool turned = least > kTanPiBy8 * most; // by pi / 4
+    const double z = turned ? (least - most) / (least + most) : least / most;
+    double arc = z * arcOverTangent(z * z) + (turned ? std::numbers::pi / 4 : 0);
+    if (sine > across) arc = std::numbers::pi / 2 - arc;
+    return (cosine < 0 ? std::numbers::pi - arc : arc) / sine;
 }
 
 bool allBelow(std::span<const dvec3> polygon, dvec3 normal, double offset) {
@@ -255,8 +267,7 @@ double PointView::unhinderedFactor(std::span<const dvec3> polygon) const {
     dvec3 a = polygon.back();
     for (const dvec3& b : polygon) {
         const dvec3 c = glm::cross(a, b - a); // a x b, exact for short edges
-        const double sine = glm::length(c);
-        if (sine > 0) sum += angleOf(sine, glm::dot(a, b)) / sine * glm::dot(c, normal_);
+        sum += arcOverSine(glm::dot(c, c), glm::dot(a, b)) * glm::dot(c, normal_);
         a = b;
     }
     return std::abs(sum) / (2 * std::numbers::pi);
