@@ -43,7 +43,7 @@ public:
 
     // Mean luminance over the solid angle of each patch, then the ground's: elementCount() values in cd/m2.
     // Sampled by Gauss rules that are refined where two of them differ by over 0.03 % of the patch's mean
-    // (round the sun, at the horizon): within 5e-4 of the true mean. The sun's disc is not in it. About 0.25
+    // (round the sun, at the horizon): within 5e-4 of the true mean. The sun's disc is not in it. About 0.1
     // ms for 577 patches. What cutting itself costs on a horizontal plane falls with the square of the
     // subdivision: for 2, at most 1.1 % (steep skies, sun at 5 degrees), 0.1 % overcast.
     std::vector<double> luminances(const Sky& sky) const;

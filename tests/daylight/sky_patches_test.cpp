@@ -1,5 +1,6 @@
 #include "compute/daylight/sky_patches.h"
 
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -9,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "compute/daylight/frame.h"
+#include "compute/daylight/quadrature.h"
 #include "tests/daylight/csv.h"
 
 namespace heliodon::daylight {
@@ -205,6 +207,45 @@ TEST(SkyPatches, turning_north_turns_the_pattern) {
     for (size_t i = 0; i < patches.patchCount(); ++i) {
         const glm::dvec3 c = patches.centre(i);
         EXPECT_NEAR(after[patches.elementOf({-c.z, c.y, c.x})] / before[i], 1, 1e-9);
+    }
+}
+
+// Where two Gauss rules agree, the finer is the mean: here of the formula itself, patch by patch, of skies
+// from even to so steep round the sun that no pieces tell them.
+TEST(SkyPatches, luminances_are_means_of_the_formula_whatever_its_course_round_the_sun) {
+    const SkyPatches patches(4);
+    constexpr auto kCoarse = gaussLegendre<2>();
+    constexpr auto kFine = gaussLegendre<3>();
+    const auto meanOf = [&](const Sky& sky, const SkyRow& row, uint32_t column, const auto& rule) {
+        double sum = 0;
+        for (const auto& u : rule)
+            for (const auto& v : rule) {
+                const double y = std::lerp(row.lowSine, row.highSine, u.x), level = std::sqrt(1 - y * y),
+                             azimuth = 2 * kPi * (column + v.x - 0.5) / row.patchCount;
+                sum += u.weight * v.weight *
+                       sky.luminance({level * std::sin(azimuth), y, -level * std::cos(azimuth)});
+            }
+        return sum;
+    };
+    for (const auto& [c, d, e] : {std::array{0.0, -1.0, 0.0},
+                                  {2.0, -1.0, 0.3},
+                                  {-0.5, 0.3, 0.5},
+                                  {0.0, -1.0, 0.4},
+                                  {10.0, -3.0, 0.45},
+                                  {24.0, -8.0, 0.0},
+                                  {24.0, -22.0, 0.0},
+                                  {24.0, -60.0, 0.0}}) {
+        const Sky sky = perezSky({-0.9, -0.3, c, d, e}, glm::normalize(glm::dvec3(0.4, 0.3, -0.8)), 1000);
+        const std::vector<double> luminances = patches.luminances(sky);
+        size_t agreed = 0;
+        for (const SkyRow& row : patches.rows().first(patches.rows().size() - 1))
+            for (uint32_t column = 0; column < row.patchCount; ++column) {
+                const double mean = meanOf(sky, row, column, kFine);
+                if (std::abs(meanOf(sky, row, column, kCoarse) - mean) > 2e-4 * mean) continue;
+                EXPECT_NEAR(luminances[row.firstPatch + column], mean, 1e-5 * mean) << d << " " << column;
+                ++agreed;
+            }
+        EXPECT_GT(agreed, 1500u) << d;
     }
 }
 
