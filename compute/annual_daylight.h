@@ -57,7 +57,7 @@ public:
     static constexpr size_t kSunBytes = 128 << 20;
     static constexpr size_t kSolvedBytes = 64 << 20; // of ribbon hours kept; more are solved in each call
 
-    // Luminances of every sky, about half a millisecond each and core. `transport` must outlive this and keep
+    // Luminances of every sky, about 0.1 ms each and core. `transport` must outlive this and keep
     // its materials.
     AnnualDaylight(DaylightTransport& transport, std::vector<daylight::Sky> skies, size_t sensorCount,
                    Tell told = {}, size_t sunBytes = kSunBytes);
@@ -67,7 +67,7 @@ public:
     // Photometric illuminance of these sensors, which become the transport's: arrays of sensors x hours.
     // `sun` is the direct sun in it, `error` an estimate of the half-width of its interval, made from the
     // errors that the transport states for some hours. To be called with a few hundred sensors at a time: the
-    // first call makes the hours' sun, about 1 ms an hour and core, and where that takes more than
+    // first call makes the hours' sun, about 0.4 ms an hour and core, and where that takes more than
     // `sunBytes`, as on large meshes with many windows, so does each other one.
     void sensors(std::span<const Sensor> sensors, std::span<float> lux, std::span<float> sun,
                  std::span<float> error);

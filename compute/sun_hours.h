@@ -51,7 +51,7 @@ public:
              std::span<const daylight::Sky> skies, size_t mostBytes, std::function<void(size_t)> done = {});
 
     // Every block once, beginning with the one at hand; the same hours in the same blocks each time. About
-    // 1 ms an hour and core for those that are made.
+    // 0.4 ms an hour and core for those that are made.
     void forBlocks(const std::function<void(const Block&)>& work);
 
     size_t sunny() const { return sunny_.size(); } // with the sun in the sky
