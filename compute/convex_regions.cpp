@@ -7,6 +7,7 @@
 #include <set>
 #include <tuple>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
@@ -133,6 +134,42 @@ std::vector<Line> innerBorders(const std::vector<Flat>& parts, const Flat& hull,
     return lines;
 }
 
+// Whether parts cover one another: then the sum of their areas says nothing of what is missing between them.
+// By a sweep along x, since parts that do not are many.
+bool overlap(const std::vector<Flat>& parts, double flat, double allowed) {
+    struct Extent {
+        dvec2 low{INFINITY}, high{-INFINITY};
+        size_t part = 0;
+    };
+    std::vector<Extent> extents;
+    for (size_t k = 0; k < parts.size(); ++k) {
+        Extent extent;
+        for (dvec2 p : parts[k]) extent.low = glm::min(extent.low, p), extent.high = glm::max(extent.high, p);
+        extent.part = k;
+        extents.push_back(extent);
+    }
+    std::sort(extents.begin(), extents.end(), [](const Extent& a, const Extent& b) {
+        return a.low.x != b.low.x ? a.low.x < b.low.x : a.part < b.part;
+    });
+    double area = 0;
+    std::vector<Extent> open;
+    for (const Extent& extent : extents) {
+        std::erase_if(open, [&](const Extent& other) { return other.high.x <= extent.low.x + flat; });
+        for (const Extent& other : open) {
+            if (other.high.y <= extent.low.y + flat || extent.high.y <= other.low.y + flat) continue;
+            Flat common = parts[extent.part];
+            const Flat& by = parts[other.part];
+            for (size_t k = 0; k < by.size() && !common.empty(); ++k) {
+                const dvec2 edge = by[(k + 1) % by.size()] - by[k];
+                if (glm::length(edge) > flat) common = half(common, by[k], glm::normalize(edge), 1, flat);
+            }
+            if ((area += areaOf(common)) > allowed) return true;
+        }
+        open.push_back(extent);
+    }
+    return false;
+}
+
 // Splits until every part of the plane is convex.
 void convexParts(std::vector<Flat> parts, double flat, int depth, std::vector<Flat>& result) {
     if (parts.empty()) return;
@@ -141,8 +178,8 @@ void convexParts(std::vector<Flat> parts, double flat, int depth, std::vector<Fl
     const Flat hull = hullOf(parts, flat);
     const double whole = areaOf(hull);
     if (area <= 0) return;
-    if (parts.size() == 1 || std::abs(whole - area) <= kGap * whole) {
-        result.push_back(parts.size() == 1 ? hullOf(parts, flat) : hull);
+    if (parts.size() == 1 || (std::abs(whole - area) <= kGap * whole && !overlap(parts, flat, kGap * whole))) {
+        result.push_back(hull);
         return;
     }
     // The line that cuts the fewest parts and leaves something on both sides; of these the one along most of
