@@ -178,7 +178,8 @@ void convexParts(std::vector<Flat> parts, double flat, int depth, std::vector<Fl
     const Flat hull = hullOf(parts, flat);
     const double whole = areaOf(hull);
     if (area <= 0) return;
-    if (parts.size() == 1 || (std::abs(whole - area) <= kGap * whole && !overlap(parts, flat, kGap * whole))) {
+    if (parts.size() == 1 ||
+        (std::abs(whole - area) <= kGap * whole && !overlap(parts, flat, kGap * whole))) {
         result.push_back(hull);
         return;
     }

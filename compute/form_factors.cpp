@@ -23,6 +23,7 @@
 #include "compute/narrow_gaps.h"
 #include "compute/parallel.h"
 #include "compute/stopwatch.h"
+#include "geometry/bounds.h"
 #include "geometry/input_error.h"
 #include "geometry/outline_area.h"
 
@@ -323,6 +324,30 @@ void claimGapsThatRaysMiss(const geometry::PatchMesh& mesh, FormFactorReport& re
         std::ranges::count_if(covered, [](double area) { return area > 0; }), widest));
 }
 
+// And along the foot of a wall, where they take it for their own plane: a strip of each patch, along its
+// border, may lose what it sends there, half of its light.
+void claimFeetThatRaysMiss(const geometry::PatchMesh& mesh, FormFactorReport& report) {
+    const double strip = kMonteCarloInPlane * geometry::boundsOf(mesh.vertices).diagonal();
+    double squares = 0;
+    for (size_t i = 0; i < mesh.patchCount(); ++i) {
+        const double area = geometry::patchArea(mesh, i);
+        if (!(area > 0)) continue;
+        double border = 0;
+        const auto corners = mesh.patch(i);
+        for (size_t k = 0; k < corners.size(); ++k)
+            border +=
+                glm::length(mesh.vertices[corners[(k + 1) % corners.size()]] - mesh.vertices[corners[k]]);
+        squares += std::pow(0.5 * std::min(strip * border / area, 1.0), 2);
+    }
+    report.claimedRowError =
+        std::hypot(report.claimedRowError, std::sqrt(squares / static_cast<double>(mesh.patchCount())));
+}
+
+void claimWhatRaysMiss(const geometry::PatchMesh& mesh, FormFactorReport& report) {
+    claimGapsThatRaysMiss(mesh, report);
+    claimFeetThatRaysMiss(mesh, report);
+}
+
 void measureClosure(std::span<const double> rowSums, FormFactorReport& report) {
     double squares = 0;
     report.closureMax = 0;
@@ -443,7 +468,7 @@ FormFactors computeFormFactors(gpu::Device& device, const geometry::PatchMesh& m
     }
     result.report.seconds = watch.seconds();
     measureFormFactors(mesh, result.values, result.report);
-    if (choice.kernel == "montecarlo") claimGapsThatRaysMiss(mesh, result.report);
+    if (choice.kernel == "montecarlo") claimWhatRaysMiss(mesh, result.report);
     explain(result.report, options, choice);
     warnOfLostLight(mesh, result.report);
     return result;
@@ -478,7 +503,7 @@ FormFactorReport streamFormFactors(gpu::Device& device, const geometry::PatchMes
     }
     measureClosure(sums, report);
     claimExcess(sums, report);
-    if (choice.kernel == "montecarlo") claimGapsThatRaysMiss(mesh, report);
+    if (choice.kernel == "montecarlo") claimWhatRaysMiss(mesh, report);
     explain(report, options, choice);
     warnOfLostLight(mesh, report);
     report.seconds = watch.seconds();

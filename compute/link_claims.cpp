@@ -32,8 +32,9 @@ double percentile(double sum, double squares, double deviations = kPercentile) {
     return std::sqrt(chiSquaredOverMean(chiSquaredSpread(sum, squares), deviations));
 }
 
+// No form factor is off by more than one, whatever an estimate makes of tiny patches before large ones.
 double errorOfSum(const PatchTree& tree, const io::HierarchicalLink& link, bool first) {
-    return double{link.error} * tree.nodes[first ? link.second : link.first].area;
+    return std::min(double{link.error} * tree.nodes[first ? link.second : link.first].area, 1.0);
 }
 
 } // namespace
@@ -44,11 +45,13 @@ LinkClaims::LinkClaims(const PatchTree& tree, std::span<const double> patchArea,
       entries_(tree.nodes.size()), sums_(tree.nodes.size()), squares_(tree.nodes.size()),
       ofEntries_(tree.nodes.size()), ofSquares_(tree.nodes.size()), found_(tree.nodes.size()),
       agreed_(tree.nodes.size()) {
-    // Entries are those of patches: triangles of one patch err alike. Children come after their parents.
+    // Entries are those of patches: triangles of one patch err alike, but for pieces that something covers,
+    // which exchange light with that alone. Children come after their parents.
     for (size_t k = tree.nodes.size(); k-- > 0;) {
         const PatchTree::Node& node = tree.nodes[k];
-        entryArea_[k] = node.child == 0 ? node.area * patchArea_[tree.leaves[node.firstLeaf].patch]
-                                        : entryArea_[node.child] + entryArea_[node.child + 1];
+        entryArea_[k] = node.child != 0 ? entryArea_[node.child] + entryArea_[node.child + 1]
+                        : node.covered  ? node.area * node.area
+                                        : node.area * patchArea_[tree.leaves[node.firstLeaf].patch];
     }
     add(links);
 }
@@ -58,9 +61,9 @@ void LinkClaims::add(std::span<const io::HierarchicalLink> links) {
 }
 
 void LinkClaims::count(const io::HierarchicalLink& link, double sign) {
-    const double v = double{link.error} * double{link.error};
     const auto countEntries = [&](uint32_t row, uint32_t of) {
-        const double variance = v * entryArea_[of];
+        const double error = errorOfSum(*tree_, link, row == link.first) / tree_->nodes[of].area;
+        const double variance = error * error * entryArea_[of];
         entries_[row] += sign * variance;
         ofEntries_[row] +=
             sign * variance * variance / tree_->nodes[of].leafCount; // each triangle's by itself

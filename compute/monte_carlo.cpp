@@ -27,9 +27,6 @@ constexpr uint64_t kRaysPerSubmit = 1u << 20; // about a second of a processor: 
 constexpr uint32_t kMostKeptBits = 5;
 // Standard deviations: somewhat above 99 in 100 (2.33), since neighbours' hits are not independent.
 constexpr double kPercentile = 2.8;
-// Of the scene's diagonal. Heights over its own plane of what lies in it are rounded by 1.2e-7 of it at most,
-// of millions of places in planes turned at random.
-constexpr double kInPlane = 2e-7;
 constexpr VkFormat kUvec4 = VK_FORMAT_R32G32B32A32_UINT;
 
 uint32_t reversed(uint32_t x) {
@@ -124,7 +121,7 @@ MonteCarlo::MonteCarlo(gpu::Device& device, const geometry::PatchMesh& mesh, con
     params_.keptBits = monteCarloKeptBits(params_.halfRays);
     params_.rays = std::min(kRaysEach, params_.halfRays);
     params_.nodeCount = bvh_.nodeCount;
-    params_.flatness = static_cast<float>(kInPlane * bvh_.diagonal);
+    params_.flatness = static_cast<float>(kMonteCarloInPlane * bvh_.diagonal);
     points_ = gpu::Buffer::from(device, monteCarloPoints(params_.halfRays), "monte carlo points");
     uploadEmitters(mesh);
 }

@@ -25,6 +25,9 @@ layout(push_constant, scalar) uniform Push { HierarchicalLinksParams params; };
 #include "shaders/lib/link_queues.glsl"
 #include "shaders/lib/pair_exchange.glsl"
 
+// A small patch at the foot of a wall a million times as large rises above it by about its own size, however little that
+// is beside the distance: such heights are told from rounding, of this share of the distance.
+const float kClusterLow = 0.1, kClusterRounded = 2e-7;
 const float kSmoothSize = 0.8; // both radii over the distance, up to which nine values tell how the kernel varies
 // Of the bends: what a straight line through them leaves (u^2 - 1 has a mean square of 0.8 over a rectangle), and bends
 // along both ends at once.
@@ -37,7 +40,8 @@ void main() {
     Cluster p = clusterAt(i), q = clusterAt(j);
     vec3 d = q.centre - p.centre;
     float tilt = length(cross(p.normal, q.normal)), heightQ = dot(p.normal, d), heightP = -dot(q.normal, d);
-    float flat_ = kPairFlat * (length(d) + p.radius + q.radius);
+    float reach = length(d) + p.radius + q.radius,
+          flat_ = max(min(kPairFlat * reach, kClusterLow * min(p.radius, q.radius)), kClusterRounded * reach);
     if (p.room != q.room || heightQ + q.radius * tilt <= flat_ || heightP + p.radius * tilt <= flat_) return;
     bool wholly = heightQ > q.radius * tilt && heightP > p.radius * tilt;
 

@@ -11,7 +11,9 @@
 const uint kBvhNothing = 0xffffffffu;
 const float kBvhPlane = 1e-6; // of lengths: rounding errors of heights over a triangle's plane
 const uint kBvhTexels = 4u; // of a triangle
-const float kBvhTie = 1e-5;  // share of the distance: of two patches back to back, without thickness, the front is met
+// Of two patches back to back, without thickness, the front is met, whichever rounding puts first: nearer to one another
+// than so many flatnesses, along their normal, and than this share of the distance.
+const float kBvhTieHeight = 2.0, kBvhTie = 1e-5;
 
 struct BvhRay {
     vec3 origin;
@@ -79,7 +81,8 @@ uint nearestPatch(BvhRay ray, uint self, uint room, float flatness) {
             BvhCrossing c = crossingOf(ray, at);
             float isBack = c.rise < 0.0 ? 0.0 : 1.0, wasBack = float(result & 1u);
             bool hit = k < count && c.patch_ != self && c.room == room && c.inside && c.t > 0.0 &&
-                       c.t < reach * (1.0 + kBvhTie * (wasBack - isBack)) &&
+                       c.t < reach + (wasBack - isBack) *
+                                         min(kBvhTie * reach, kBvhTieHeight * flatness / abs(c.rise)) &&
                        abs(c.height) > flatness;
             reach = hit ? c.t : reach;
             result = hit ? 2u * c.patch_ + (c.rise < 0.0 ? 0u : 1u) : result;

@@ -65,6 +65,13 @@ std::vector<Case> hardCases() {
     add("patch across another's plane", {floor, rectangle({1, -0.3, 0}, {0, 0, 1}, {0, 1, 0})}, 1e-6);
     add("blocker 1e-5 from the receiver",
         {floor, lid, rectangle({0.25, 1 - 1e-5, 0.25}, {0.5, 0, 0}, {0, 0, 0.5})}, 1e-5);
+    add("blocker 1e-5 over half of the emitter, seen from behind",
+        {floor, lid, rectangle({0, 1e-5, 0}, {0.5, 0, 0}, {0, 0, 1})}, 1e-5);
+    // As much as their hull has beyond both.
+    add("two blockers that overlap in a plane",
+        {floor, lid, rectangle({0.2, 0.5, 0.2}, {0.4, 0, 0}, {0, 0, 0.4}),
+         rectangle({0.4, 0.5, 0.4}, {0.4, 0, 0}, {0, 0, 0.4})},
+        2e-5);
     add("blocker touching the emitter's edge", {floor, lid, rectangle({0.5, 0, 0}, {0, 0.5, 0}, {0, 0, 1})},
         1e-5);
     Polygons louvres{floor, lid};
@@ -201,6 +208,57 @@ TEST(HardCases, slabs_a_micrometre_apart_close) {
         for (float error : F.rowError) squares += std::pow(double{error}, 2);
         EXPECT_NEAR(1.3 * F.factors.report.claimedRowError / std::sqrt(squares / static_cast<double>(n)), 1,
                     1e-3);
+    }
+}
+
+// Heights of the patch over the wall are as small as what float32 rounds at places in the wall. Rays lose
+// them.
+TEST(HardCases, a_millimetre_at_the_foot_of_a_kilometre_keeps_its_light_or_claims_the_loss) {
+    const geometry::PatchMesh mesh = test::meshOf({rectangle({0, 0, 500}, {0, 0, 1e-3}, {1e-3, 0, 0}),
+                                                   rectangle({0, 0, 0}, {0, 1000, 0}, {0, 0, 1000})});
+    for (const Judged& judged : judgedKernels()) {
+        const FormFactors F = computeFormFactors(test::device(), mesh, judged.options);
+        const double error = std::abs(double{F.values.download<float>(4)[1]} - 0.5); // of the half space
+        if (F.report.kernel == "montecarlo")
+            EXPECT_LT(error, std::sqrt(2.0) * F.report.claimedRowError); // RMS of two rows, one of them empty
+        else
+            EXPECT_LT(error, 1e-5) << judged.kernel;
+    }
+}
+
+// What the floor gives the die covers a millionth of a millionth of it: no more of a row than one is off.
+TEST(HardCases, a_die_over_a_floor_of_a_kilometre_claims_errors_of_its_size) {
+    Polygons polygons = box({0, 0, 0}, {1000, 1000, 1000}, true);
+    const Polygons die = box({500, 1e-3, 500}, {1e-3, 1e-3, 1e-3}, false);
+    polygons.insert(polygons.end(), die.begin(), die.end());
+    const FormFactors F = computeFormFactors(test::device(), test::meshOf(polygons),
+                                             {.kernel = "hierarchical", .maxError = 5e-3});
+    EXPECT_LT(F.report.closureMax, 5e-3);
+    EXPECT_LT(F.report.claimedRowError, 5);
+}
+
+// All pairs are near, so that links alone say what may be missed; few of their rays find a slot.
+TEST(HardCases, hemicubes_claim_what_rays_miss_of_slots) {
+    const Polygon floor = rectangle({0, 0, 0}, {0, 0, 1}, {1, 0, 0}),
+                  lid = rectangle({0, 1, 0}, {1, 0, 0}, {0, 0, 1});
+    Polygons behind{floor, lid};
+    for (const auto& [y, x] : {std::pair(0.3, 0.4), std::pair(0.7, 0.5)}) {
+        behind.push_back(rectangle({-1, y, -1}, {0.995 + x, 0, 0}, {0, 0, 3}));
+        behind.push_back(rectangle({x + 0.005, y, -1}, {2 - x, 0, 0}, {0, 0, 3}));
+    }
+    const Polygons diagonal{floor,
+                            lid,
+                            {{-1, 0.5, -1}, {1.993, 0.5, -1}, {-1, 0.5, 1.993}},
+                            {{2.007, 0.5, -1}, {2.007, 0.5, 2}, {-1, 0.5, 2.007}}};
+    for (const Polygons& polygons : {behind, diagonal}) {
+        const geometry::PatchMesh mesh = test::meshOf(polygons);
+        const size_t n = mesh.patchCount();
+        const std::vector<double> truth = reference::exactFormFactors(mesh, 1e-5, 1000);
+        const FormFactors F = computeFormFactors(test::device(), mesh, {.kernel = "hemicube"});
+        const std::vector<float> values = F.values.download<float>(n * n);
+        double squares = 0;
+        for (size_t k = 0; k < n * n; ++k) squares += std::pow(double{values[k]} - truth[k], 2);
+        EXPECT_LT(std::sqrt(squares / static_cast<double>(n)), F.report.claimedRowError) << n;
     }
 }
 
