@@ -185,7 +185,7 @@ void DaylightTransport::State::findOpenings() {
     gather->forgetFactors();
     tinted = std::make_unique<TintedFactors>(*gather, *links);
     solver = std::make_unique<RadiositySolver>(*tinted, rowsThatReturn());
-    relight = std::make_unique<RelightBasis>(*tinted, *solver);
+    relight = std::make_unique<RelightBasis>(*tinted, *solver, areas);
     sunScene = std::make_unique<SunScene>(mesh);
     sunBounce = hasOpenings ? std::make_unique<SunBounce>(*points, *nearPairs, rowSums) : nullptr;
     sunGlow = hasOpenings && options.forPictures ? std::make_unique<SunGlow>(*points, *nearPairs) : nullptr;

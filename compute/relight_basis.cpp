@@ -11,6 +11,8 @@ namespace heliodon::compute {
 
 namespace {
 
+constexpr double kUnbalanced = 2e-6; // of what is emitted in all, that a pass is worth to have sent round
+
 void subtract(std::span<float> from, double times, std::span<const float> what) {
     const auto t = static_cast<float>(times);
     for (size_t i = 0; i < from.size(); ++i) from[i] -= t * what[i];
@@ -32,6 +34,24 @@ double RelightBasis::project(uint32_t channel, std::span<float> residual, std::s
             rounding += std::abs(share) * v.rounding;
         }
     return rounding;
+}
+
+double RelightBasis::given(std::span<const float> residual) const {
+    double sum = 0;
+    for (size_t i = 0; i < residual.size(); ++i)
+        sum += areas_[i] * double{solver_->rowSums()[i]} * double{residual[i]};
+    return sum;
+}
+
+bool RelightBasis::balance(const Vector& answer, double most, std::span<float> residual,
+                           std::span<float> gathered) const {
+    const double all = given(answer.image), times = all != 0 ? given(residual) / all : 0;
+    std::vector<float> rest(residual.begin(), residual.end());
+    subtract(rest, times, answer.image);
+    if (largest(rest) > most) return false;
+    std::ranges::copy(rest, residual.begin());
+    subtract(gathered, -times, answer.gathered);
+    return true;
 }
 
 bool RelightBasis::learn(uint32_t channel, std::vector<float> image, std::vector<float> gathered) {
@@ -89,7 +109,8 @@ RadiosityReport RelightBasis::solve(std::span<const float> emitted, std::span<co
     // Beyond the first bounce: (I - K F) w = K F E.
     factors_->gatherIn(channel, emitted, gathered);
     report.passes = 1;
-    std::vector<float> residual(n * count);
+    const std::vector<float> direct = gathered;
+    std::vector<float> residual(n * count), once(n * count);
     std::vector<double> scale(count), left(count), rounding(count); // scale: largest reflected light so far
     const auto reflect = [&](size_t c) {
         matter.reflect<float>(channel[c], {&gathered[c * n], n}, {&radiosity[c * n], n});
@@ -98,13 +119,15 @@ RadiosityReport RelightBasis::solve(std::span<const float> emitted, std::span<co
     inParallel(count, [&](size_t c) {
         const std::span<float> r(&residual[c * n], n), h(&gathered[c * n], n);
         matter.reflect<float>(channel[c], h, r);
+        std::copy(r.begin(), r.end(), &once[c * n]);
         rounding[c] = project(channel[c], r, h);
         left[c] = largest(r);
         scale[c] = reflect(c);
     });
+    const auto allowed = [&](size_t c) { return options.tolerance * solver_->slack(channel[c]) * scale[c]; };
     std::vector<uint32_t> open, openChannel;
     for (uint32_t c = 0; c < count; ++c) {
-        const double most = options.tolerance * solver_->slack(channel[c]) * scale[c];
+        const double most = allowed(c);
         if (left[c] + std::min(rounding[c], most / 2) > most) // so that the bound, too, is within it
             open.push_back(c), openChannel.push_back(channel[c]);
     }
@@ -135,6 +158,41 @@ RadiosityReport RelightBasis::solve(std::span<const float> emitted, std::span<co
                 learnt.push_back(openChannel[k]);
         }
         if (!learnt.empty()) measure(learnt), ++report.passes;
+    }
+    std::vector<uint32_t> unbalanced, unbalancedChannel;
+    std::vector<float> light;
+    const auto spread = [&](size_t c, const Vector& answer) {
+        const std::span<float> r(&residual[c * n], n);
+        const double most = allowed(c);
+        const bool done = balance(answer, std::max(left[c], most - std::min(rounding[c], most / 2)), r,
+                                  {&gathered[c * n], n});
+        if (done) left[c] = largest(r), reflect(c);
+        return done;
+    };
+    for (size_t c = 0; c < count; ++c) {
+        Vector all; // that was answered, whose images and illuminance are known
+        all.image.resize(n), all.gathered.resize(n);
+        for (size_t i = 0; i < n; ++i) {
+            all.image[i] = once[c * n + i] - residual[c * n + i];
+            all.gathered[i] = gathered[c * n + i] - direct[c * n + i];
+        }
+        const std::span<const float> r(&residual[c * n], n);
+        if (spread(c, all) || std::abs(given(r)) <= kUnbalanced * given({&emitted[c * n], n})) continue;
+        unbalanced.push_back(static_cast<uint32_t>(c)), unbalancedChannel.push_back(channel[c]);
+        light.insert(light.end(), r.begin(), r.end());
+    }
+    if (!unbalanced.empty()) {
+        std::vector<float> seen(light.size());
+        factors_->gatherIn(unbalancedChannel, light, seen);
+        ++report.passes;
+        for (size_t k = 0; k < unbalanced.size(); ++k) {
+            Vector bounce;
+            bounce.gathered.assign(&seen[k * n], &seen[k * n] + n);
+            bounce.image.resize(n);
+            matter.reflect<float>(unbalancedChannel[k], bounce.gathered, bounce.image);
+            for (size_t i = 0; i < n; ++i) bounce.image[i] = light[k * n + i] - bounce.image[i];
+            spread(unbalanced[k], bounce);
+        }
     }
     for (size_t c = 0; c < count; ++c) {
         for (size_t i = 0; i < n; ++i) radiosity[c * n + i] += emitted[c * n + i];

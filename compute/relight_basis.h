@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "compute/radiosity.h"
@@ -18,9 +19,10 @@ class RelightBasis {
 public:
     static constexpr size_t kMostVectors = 160; // per channel: 16 bytes each per patch and vector
 
-    // Both must outlive this, about the same F.
-    RelightBasis(FormFactorOperator& factors, RadiositySolver& solver)
-        : factors_(&factors), solver_(&solver) {}
+    // Both must outlive this, about the same F. `areas`: of the patches; sum_i A_i F_ij = A_j times row sum
+    // j.
+    RelightBasis(FormFactorOperator& factors, RadiositySolver& solver, std::vector<double> areas)
+        : factors_(&factors), solver_(&solver), areas_(std::move(areas)) {}
 
     // Forgets everything: to be called first, and after the solver got new matter.
     void restart();
@@ -28,7 +30,8 @@ public:
     // As RadiositySolver::solve, until the residual is within the same tolerance. It is kept, not measured
     // anew: `bound` counts the rounding of what it was kept by, too, and may exceed the tolerance by that
     // where `converged` is true. Results depend on what was solved before, within the tolerance; the same
-    // sequence gives the same bits.
+    // sequence gives the same bits. As far as the tolerance allows, what the residual gives and takes in all
+    // is spread over the reflected light or, by a pass more, over what the residual lights.
     RadiosityReport solve(std::span<const float> emitted, std::span<const uint32_t> channel,
                           std::vector<float>& radiosity, std::vector<float>& gathered,
                           const RadiosityOptions& options = {});
@@ -42,6 +45,12 @@ private:
     // Takes from the residual what the basis answers, and adds the answers' illuminance. Returns the rounding
     // that the residual does not show.
     double project(uint32_t channel, std::span<float> residual, std::span<float> gathered) const;
+    // What the residual gives to the patches in all, lumens.
+    double given(std::span<const float> residual) const;
+    // Takes from the residual as many images of an answer as leave it giving nothing; false, and nothing
+    // done, where it would then be larger than `most` anywhere.
+    bool balance(const Vector& answer, double most, std::span<float> residual,
+                 std::span<float> gathered) const;
     // Joins the basis, freed of what it has; false where nothing is left of it.
     bool learn(uint32_t channel, std::vector<float> image, std::vector<float> gathered);
     // Makes both halves of the newest vectors, one for each entry of `channel`, one to another's by a pass
@@ -50,6 +59,7 @@ private:
 
     FormFactorOperator* factors_;
     RadiositySolver* solver_;
+    std::vector<double> areas_;
     std::vector<std::vector<Vector>> basis_; // per channel
 };
 

@@ -265,6 +265,26 @@ TEST(DaylightTransport, even_light_in_corners_is_no_error) {
     }
 }
 
+// The patch beside it is the brightest by far, and what a solver may leave over is told against that one.
+TEST(DaylightTransport, light_of_a_tiny_lamp_beside_a_wall_is_kept) {
+    for (const float rho : {0.2f, 0.7f}) {
+        test::BoxRoom box{.cells = {7, 7, 7}};
+        box.wall.reflectance = glm::vec3(rho);
+        geometry::PatchMesh mesh = test::boxRoom(box);
+        const size_t room = mesh.corners.size();
+        test::BoxRoom lamp{.low = {0.01, 1.3, 2.2}, .high = {0.02, 1.31, 2.21}, .cells = {1, 1, 1}};
+        lamp.wall = {.name = "lamp", .reflectance = glm::vec3(0.5f), .exitance = glm::vec3(1e6f)};
+        test::addBox(mesh, lamp);
+        std::reverse(mesh.corners.begin() + static_cast<long>(room), mesh.corners.end()); // faces outwards
+        DaylightTransport transport(test::device(), mesh);
+        for (int again = 0; again < 2; ++again) {
+            const MomentReport report = transport.light(daylight::Sky{}).report;
+            EXPECT_LT(report.energyImbalance, 5e-7) << rho; // rounding
+            EXPECT_TRUE(report.radiosity.converged) << rho;
+        }
+    }
+}
+
 // What sunlight sends on from patches that it lights in part: on patches of 1 m against the same room in
 // patches of 25 cm, which hardly err themselves.
 TEST(SunBounce, is_what_a_mesh_four_times_as_fine_gives) {

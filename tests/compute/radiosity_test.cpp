@@ -366,7 +366,7 @@ TEST(Radiosity, light_of_tiny_lamps_is_solved_as_well_as_any) {
             RadiositySolver solver(gather, gather.rowSums());
             solver.setMatter(
                 {n, {matter}, {std::vector<float>(n, 0)}, std::vector<int32_t>(n, geometry::kNoTwin)});
-            RelightBasis basis(gather, solver);
+            RelightBasis basis(gather, solver, room.area);
             basis.restart();
             const uint32_t channel[]{0};
             const std::vector<double> exact = room.solution(matter, emitted);
