@@ -136,8 +136,9 @@ FormFactors hemicubeFormFactors(gpu::Device& device, const geometry::PatchMesh& 
     }
 }
 
-HierarchicalFormFactors links(gpu::Device& device, const geometry::PatchMesh& mesh, double maxError) {
-    HierarchicalOptions options;
+HierarchicalFormFactors links(gpu::Device& device, const geometry::PatchMesh& mesh, double maxError,
+                              double mostClaim = 0) {
+    HierarchicalOptions options{.mostClaim = mostClaim};
     if (maxError > 0) options.maxError = maxError;
     return HierarchicalFormFactors(device, mesh, options);
 }
@@ -219,12 +220,15 @@ void takeRows(const HierarchicalFormFactors& factors, const TakeTile& take) {
     }
 }
 
-FormFactors hierarchicalFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh, double maxError) {
-    const HierarchicalFormFactors compressed = links(device, mesh, maxError);
+// No values where the links gave up: above `mostClaim`, if not 0.
+FormFactors hierarchicalFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh, double maxError,
+                                    double mostClaim) {
+    const HierarchicalFormFactors compressed = links(device, mesh, maxError, mostClaim);
     const uint32_t n = compressed.patchCount();
     FormFactors result;
     result.patchCount = n;
     result.report = compressed.report();
+    if (compressed.gaveUp()) return result;
     result.values = gpu::Buffer(device, size_t{n} * n * sizeof(float), "form factors");
     if (auto* F = result.values.mapped<float>()) {
         inParallel(n,
@@ -252,7 +256,8 @@ FormFactors factorsOf(gpu::Device& device, const geometry::PatchMesh& mesh, cons
     }
     if (choice.kernel == "hemicube") return hemicubeFormFactors(device, mesh, options, choice.maxError);
     if (choice.kernel == "hierarchical")
-        return hierarchicalFormFactors(device, mesh, choice.ofLinks * choice.maxError);
+        return hierarchicalFormFactors(device, mesh, choice.ofLinks * choice.maxError,
+                                       options.kernel == "auto" ? kMargin * choice.maxError : 0);
     if (choice.kernel == "montecarlo") return monteCarloFormFactors(device, mesh, options, choice.maxError);
     refuse(choice.kernel);
 }
@@ -461,8 +466,9 @@ FormFactors computeFormFactors(gpu::Device& device, const geometry::PatchMesh& m
     const double missed = options.forLight ? std::max(claimed, sums / kSumOverRow) : claimed;
     if (options.kernel == "auto" && choice.kernel == "hierarchical" && missed > kMargin * choice.maxError) {
         choice.kernel = "exact";
-        choice.why += fmt::format(
-            "; these leave up to {:.2g}, {:.2g} of a row's sum: visible polygons instead", claimed, sums);
+        choice.why += fmt::format("; these leave up to {:.2g}", claimed);
+        if (sums > 0) choice.why += fmt::format(", {:.2g} of a row's sum", sums); // not once they gave up
+        choice.why += ": visible polygons instead";
         result = {}; // both matrices would take twice the memory
         result = factorsOf(device, mesh, options, choice);
     }

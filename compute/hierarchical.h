@@ -28,6 +28,9 @@ struct HierarchicalOptions {
     // goes on from there. Links of rows whose sums may be off by more than kSumOverRow times as much are
     // taken apart, in a few rounds; FormFactorReport::claimedRowSumError says what was reached.
     double maxError = 5e-3;
+    // A claim above which they are not wanted, 0: any is. Where an eighth of the pairs, or all of them at
+    // first, let a higher one be expected, no more are made: HierarchicalFormFactors::gaveUp.
+    double mostClaim = 0;
 };
 
 constexpr double kSumOverRow = 10;
@@ -38,7 +41,8 @@ struct HierarchicalStatistics {
     uint64_t links = 0; // once for each pair
     uint64_t pairs = 0; // of clusters that were looked at
     uint32_t nodes = 0, blockers = 0;
-    size_t bytes = 0; // of the links, as kept on the device
+    uint32_t again = 0; // rounds in which those that err most were made again
+    size_t bytes = 0;   // of the links, as kept on the device
 };
 
 class HierarchicalFormFactors : public FormFactorOperator {
@@ -58,6 +62,8 @@ public:
     std::span<const float> rowError() const { return rowError_; }
     // Per patch: |sum_j F_ij - true| is below on 99 of 100.
     std::span<const float> rowSumError() const { return rowSumError_; }
+    // Above mostClaim, as the report has it: links are missing, there is nothing to gather.
+    bool gaveUp() const { return gaveUp_; }
     const HierarchicalStatistics& statistics() const { return statistics_; }
     const FormFactorReport& report() const { return report_; }
 
@@ -94,6 +100,7 @@ private:
 
     gpu::Device* device_;
     uint32_t patchCount_ = 0;
+    bool gaveUp_ = false;
     ClusterScene scene_;
     HierarchicalStatistics statistics_;
     FormFactorReport report_;

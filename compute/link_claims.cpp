@@ -100,12 +100,12 @@ std::vector<double> LinkClaims::rowClaims() const {
     return claims;
 }
 
-double LinkClaims::claim() const {
+double LinkClaims::claim(double share) const {
     const std::vector<double> rows = rowSquares(), squares = overPatches(ofEntries_, false);
     const double sum = std::accumulate(rows.begin(), rows.end(), 0.0);
     // Each link errs in the rows of both ends alike.
-    return kCaution * (1 + unseen()) * rowError() *
-           percentile(sum, 2 * std::accumulate(squares.begin(), squares.end(), 0.0));
+    return kCaution * (1 + unseen()) * rowError() / std::sqrt(share) *
+           percentile(sum, 2 * share * std::accumulate(squares.begin(), squares.end(), 0.0));
 }
 
 std::vector<glm::uvec2> LinkClaims::takeAbove(std::vector<io::HierarchicalLink>& links, double bound) {

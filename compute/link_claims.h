@@ -40,7 +40,8 @@ public:
 
     // Below which 99 of 100 such errors are: of each row, and of the RMS over rows.
     std::vector<double> rowClaims() const;
-    double claim() const;
+    // The latter of all links, if those counted here are a `share` of them picked at random.
+    double claim(double share = 1) const;
 
     // Takes out of `links`, all of which were counted here, those whose form factor from the lesser end to
     // the larger may err by more than `bound`, and returns the pairs of nodes that they link.

@@ -310,6 +310,22 @@ TEST(FormFactors, auto_keeps_links_whose_rows_are_as_asked) {
     EXPECT_GT(report.claimedRowSumError, 15 * 1e-2); // else this tests nothing
 }
 
+// Each pair's rays say within how much they may err before all pairs have had theirs, and a second round does
+// not better what a first one has not.
+TEST(FormFactors, links_that_will_not_keep_what_is_asked_are_given_up_early) {
+    const geometry::PatchMesh mesh = looseTriangles(100, 0.9);
+    const HierarchicalFormFactors all(test::device(), mesh, {1e-2}),
+        some(test::device(), mesh, {1e-2, 1.5e-2}), kept(test::device(), mesh, {3e-2, 1.0});
+    EXPECT_GT(all.report().claimedRowError, 1.5e-2); // else this tests nothing
+    EXPECT_FALSE(all.gaveUp());
+    EXPECT_TRUE(some.gaveUp());
+    EXPECT_GT(some.report().claimedRowError, 1.5e-2);
+    EXPECT_FALSE(kept.gaveUp());
+    EXPECT_GT(kept.statistics().links, 0u);
+    const HierarchicalFormFactors stuck(test::device(), looseTriangles(30, 1.3), {3e-3});
+    EXPECT_EQ(stuck.statistics().again, 1u);
+}
+
 TEST(FormFactors, light_lost_in_closed_rooms_is_warned_of) {
     const geometry::PatchMesh room = geometry::readPatches(kData + "room3_672.obj");
     const FormFactorReport coarse =
