@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <numbers>
 #include <set>
@@ -309,6 +310,10 @@ std::vector<bool> regionsOfSolids(const geometry::PatchMesh& mesh, const std::ve
         result[r] =
             std::ranges::all_of(covered[r], [&](uint32_t name) { return bool{surfaces.isSolid[name]}; });
     return result;
+}
+
+bool onlyFrontsBlock(const geometry::PatchMesh& mesh) {
+    return std::ranges::all_of(regionsOfSolids(mesh, blockingRegions(mesh, 8)), std::identity());
 }
 
 bool isClosedSolid(const geometry::PatchMesh& mesh) {

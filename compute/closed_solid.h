@@ -15,6 +15,9 @@ namespace heliodon::compute {
 // x separate surfaces round them.
 std::vector<bool> regionsOfSolids(const geometry::PatchMesh& mesh, const std::vector<ConvexRegion>& regions);
 
+// Whether that is so of all regions: then no backs at all need be looked at, from any patch.
+bool onlyFrontsBlock(const geometry::PatchMesh& mesh);
+
 // Whether all patches belong to such surfaces, crossings aside.
 bool isClosedSolid(const geometry::PatchMesh& mesh);
 

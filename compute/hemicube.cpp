@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec4.hpp>
 
+#include "compute/closed_solid.h"
 #include "compute/gpu/device.h"
 #include "compute/gpu/error.h"
 #include "compute/gpu/kernel.h"
@@ -118,6 +119,7 @@ void Hemicube::uploadMesh(const geometry::PatchMesh& mesh) {
     const double steps = std::min(std::exp2(32.0 - params_.idBits), 16777216.0) - 4;
     params_.depthScale = static_cast<float>(steps / diagonal);
     params_.flatness = static_cast<float>(1e-6 * diagonal);
+    params_.frontsOnly = onlyFrontsBlock(mesh) ? 1 : 0;
 }
 
 gpu::Buffer Hemicube::uploadViewpoints(const std::vector<Viewpoint>& viewpoints) {

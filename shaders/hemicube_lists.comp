@@ -16,7 +16,7 @@ layout(push_constant, scalar) uniform Push { HemicubeParams params; };
 
 // Lists the faces of the hemicube that a triangle may touch: not those where all its corners lie behind one of the planes
 // that bound the face's pyramid.
-void classify(uint t, Frame frame, uint self, uint room) {
+void classify(uint t, Frame frame, uint self, uint room, uint unseen) {
     Raster r = setUp(t, frame, self, room);
     vec3 x = vec3(r.a.x, r.b.x, r.c.x), y = vec3(r.a.y, r.b.y, r.c.y), z = vec3(r.a.z, r.b.z, r.c.z);
     bvec4 zOver = bvec4(any(greaterThan(z, x)), any(greaterThan(z, -x)), any(greaterThan(z, y)),
@@ -29,7 +29,7 @@ void classify(uint t, Frame frame, uint self, uint room) {
     if (any(greaterThan(-x, z)) && any(greaterThan(-x, vec3(0))) && yOverX && minusYOverX) faces |= 4u;
     if (any(greaterThan(y, z)) && any(greaterThan(y, vec3(0))) && yOverX && xOverMinusY) faces |= 8u;
     if (any(greaterThan(-y, z)) && any(greaterThan(-y, vec3(0))) && xOverY && minusYOverX) faces |= 16u;
-    if (!r.visible) faces = 0u;
+    if (!r.visible || (r.id & unseen) != 0u) faces = 0u;
     // Solid angle, roughly, in pixels of the top's middle.
     vec3 middle = (r.a + r.b + r.c) / 3.0;
     float distance2 = dot(middle, middle);
@@ -51,9 +51,10 @@ void main() {
     uvec4 v0 = texelFetch(viewpoints, viewpoint), v1 = texelFetch(viewpoints, viewpoint + 1),
           v2 = texelFetch(viewpoints, viewpoint + 2);
     Frame frame = frameOf(v0, v1, v2);
-    uint count = params.triangleCount, t = gl_LocalInvocationIndex;
+    uint count = params.triangleCount, t = gl_LocalInvocationIndex,
+         unseen = v0.w != kHemicubeNoPatch && params.frontsOnly != 0u ? kHemicubeBack : 0u; // flags
     do {
-        if (t < count) classify(t, frame, v0.w, v1.w);
+        if (t < count) classify(t, frame, v0.w, v1.w, unseen);
         t += kHemicubeGroup;
     } while (t < count);
 }

@@ -26,5 +26,6 @@ struct HemicubeParams {
     float depthScale; // items per metre of depth
     float flatness;   // metres: a patch nearer than this to holding the viewpoint in its plane is not seen
     uint listLength;  // of a viewpoint: 10 for each triangle
+    uint frontsOnly;  // 1: whoever looks from a patch meets fronts before backs, which need not be drawn
 };
 IO_END

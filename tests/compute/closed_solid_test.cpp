@@ -1,7 +1,6 @@
 #include "compute/closed_solid.h"
 
 #include <algorithm>
-#include <functional>
 
 #include <gtest/gtest.h>
 
@@ -22,8 +21,7 @@ geometry::PatchMesh roomWith(const std::vector<std::array<dvec3, 2>>& boxes) {
 }
 
 bool isClosed(const geometry::PatchMesh& mesh) {
-    const std::vector<bool> ofSolids = regionsOfSolids(mesh, blockingRegions(mesh, 8));
-    return isClosedSolid(mesh) && std::ranges::all_of(ofSolids, std::identity());
+    return isClosedSolid(mesh) && onlyFrontsBlock(mesh);
 }
 
 TEST(ClosedSolid, boxes_that_stand_free_in_a_room_leave_it_one) {

@@ -59,6 +59,22 @@ TEST(Hemicube, agrees_with_the_reference_in_two_rooms) {
     expectLikeReference(mesh, 10, 0.02);
 }
 
+// From patches the backs of a solid are not drawn; within it, they are all that there is.
+TEST(Hemicube, within_a_solid_its_backs_hide_the_room) {
+    geometry::PatchMesh mesh = test::boxRoom({});
+    const size_t room = mesh.corners.size(), first = mesh.patchCount();
+    test::addBox(mesh, {.low = {1, 1, 1}, .high = {2, 2, 2}, .cells = {1, 1, 1}});
+    std::reverse(mesh.corners.begin() + static_cast<long>(room), mesh.corners.end()); // it faces outwards
+    Hemicube hemicube(test::device(), mesh);
+    const std::vector<Viewpoint> views{{.position = {1.5, 1.5, 1.5}},
+                                       patchViewpoints(mesh, 1, 0, 1).viewpoints[0]};
+    const size_t n = mesh.patchCount();
+    const std::vector<float> seen = hemicube.run(views).factors.download<float>(2 * n);
+    EXPECT_EQ(std::accumulate(seen.begin(), seen.begin() + static_cast<long>(n), 0.0f), 0.0f);
+    EXPECT_NEAR(std::accumulate(seen.begin() + static_cast<long>(n), seen.end(), 0.0f), 1.0f, 1e-5f);
+    EXPECT_GT(std::accumulate(seen.begin() + static_cast<long>(n + first), seen.end(), 0.0f), 0.0f);
+}
+
 TEST(Hemicube, agrees_with_the_reference_among_random_triangles_that_cross_every_horizon) {
     std::mt19937 random(7);
     std::uniform_real_distribution<double> at(-1, 1);
