@@ -28,9 +28,10 @@ namespace {
 constexpr uint32_t kMostColumns = 4;
 constexpr uint32_t kMostAgain = 2, kRounds = 8;
 constexpr double kFalls = 0.9; // of an error made again: where it falls by less, so it will the next time
-// One of so many pairs of roots, of so many roots at least, tells what will be claimed, to about so much.
+// One of so many pairs of roots, of so many roots at least, tells what will be claimed, to about so much; so
+// does the first round of all.
 constexpr uint32_t kSampledOf = 8, kSampledRoots = 100;
-constexpr double kSampleCaution = 1.25;
+constexpr double kExpectedCaution = 1.5;
 constexpr size_t kSortedTogether = 64; // nodes' entries, by one thread
 constexpr VkFormat kUint = VK_FORMAT_R32_UINT, kUvec4 = VK_FORMAT_R32G32B32A32_UINT,
                    kVec4 = VK_FORMAT_R32G32B32A32_SFLOAT;
@@ -112,10 +113,11 @@ void HierarchicalFormFactors::makeLinks(const HierarchicalOptions& options) {
         makeAdded();
     };
     // Made again, links err by about what is wanted; what all rays miss, and luck, stay as they are.
-    const auto givesUp = [&](double share, double caution) {
+    const auto givesUp = [&](double share) {
         const double error = claims.rowError() / std::sqrt(share);
         report_.claimedRowError = claims.claim(share) * (error > wanted ? wanted / error : 1);
-        return gaveUp_ = options.mostClaim > 0 && report_.claimedRowError > caution * options.mostClaim;
+        return gaveUp_ =
+                   options.mostClaim > 0 && report_.claimedRowError > kExpectedCaution * options.mostClaim;
     };
     const bool samples = options.mostClaim > 0 && roots >= kSampledRoots;
     for (const bool sampled : {true, false}) {
@@ -124,7 +126,7 @@ void HierarchicalFormFactors::makeLinks(const HierarchicalOptions& options) {
             for (uint32_t b = a + 1; b < roots; ++b)
                 if (!samples || ((a + b) % kSampledOf == 0) == sampled) maker.add(a, b);
         makeAdded();
-        if (sampled ? givesUp(1.0 / kSampledOf, kSampleCaution) : givesUp(1, 1)) return;
+        if (givesUp(sampled ? 1.0 / kSampledOf : 1)) return;
     }
     const auto refineSums = [&] {
         for (uint32_t round = 0; round < kRounds; ++round) {
