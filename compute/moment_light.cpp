@@ -28,7 +28,8 @@ constexpr double kSensorSkyError = 0.008; // of sky light, from its cubature and
 constexpr double kPatchBounceError = 0.007;
 constexpr double kPatchSkyError = 0.012; // of sky light, from sky elements and glass
 constexpr double kLaterShare = 6;        // of what patches send on in error, for reflected light anywhere
-constexpr double kSunSharedOut = 0.25;   // of sunlight between near patches, which lies unevenly
+constexpr double kSlotShare = 8; // the same of slots as deep as their patches, whose errors do not even out
+constexpr double kSunSharedOut = 0.25; // of sunlight between near patches, which lies unevenly
 constexpr float kPatchSpreadShare = 0.3F,
                 kFarSpreadShare = 0.05F; // of light's variation within patches nearby, and farther off
 constexpr float kPatchBendShare = 1.5F;  // of how light bends within a patch nearby, times its form factor
@@ -125,7 +126,7 @@ double laterShare(const MomentScene& scene, const Moment& moment, std::span<cons
                 slots += kSunSharedOut * scene.areas[to] * reflectance[to] * double{factor} * bySun[i];
         const double off = scene.areas[i] * reflectance[i] * double{near[i]};
         squares += off * off;
-        if (scene.pairs.largest(i) > NearPairs::kAcrossGap) slots += off;
+        if (scene.pairs.largest(i) > NearPairs::kAcrossGap) slots += kSlotShare * off;
         all += scene.areas[i] * photometric(moment.lighting.exitance[i]);
     }
     return all > 0 ? (kLaterShare * std::sqrt(squares) + slots) / all : 0;

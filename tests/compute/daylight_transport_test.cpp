@@ -366,6 +366,30 @@ TEST(SunBounce, little_of_what_ends_at_the_top_of_a_slot_gets_into_the_room) {
     }
 }
 
+// A slot one patch deep takes light at its top for light all over its walls and sends twice too much of it
+// into the room, which the stated error has to know.
+TEST(LightError, knows_what_a_slot_as_deep_as_its_patches_leaves_open) {
+    const std::vector<Sensor> sensors{{{1, 0.8, 1}, {0, 1, 0}},
+                                      {{0.4, 0.8, 0.5}, {0, 1, 0}},
+                                      {{1.5, 0.5, 1.6}, {0, 1, 0}},
+                                      {{0.3, 1, 1.7}, {0, 1, 0}}};
+    const std::vector<daylight::Sky> skies{test::overcast(), test::sunny({0.3, 0.6, -1})};
+    DaylightTransport few(test::device(), test::slottedRoom(4, 8, 1, 1)),
+        many(test::device(), test::slottedRoom(8, 36, 12, 3));
+    few.setSensors(sensors), many.setSensors(sensors);
+    const std::vector<Moment> stated = few.light(skies), there = many.light(skies);
+    double most = 0;
+    for (size_t k = 0; k < skies.size(); ++k)
+        for (size_t s = 0; s < sensors.size(); ++s) {
+            const double lux = photometric(stated[k].sensors[s].total()),
+                         exact = photometric(there[k].sensors[s].total());
+            EXPECT_NEAR(lux, exact, stated[k].sensors[s].error) << k << " " << s;
+            EXPECT_LT(stated[k].sensors[s].error, lux); // says something
+            most = std::max(most, std::abs(lux / exact - 1));
+        }
+    EXPECT_GT(most, 0.3); // else there is nothing to know
+}
+
 // A sensor that sees the lower rows of patches on a slot's wall, the last of which the sun lights where the
 // ceiling hides it: each fills less than a thousandth of the view, but the room has hardly any other light.
 TEST(SunBounce, small_patches_of_a_slot_do_not_shine_where_they_are_dark) {
