@@ -1,8 +1,9 @@
 // Question: does `lux_error` hold in rooms that nothing was set on? lux_error_bench [SCENES [TRIANGLES
-// [FINE_TRIANGLES [FIRST_SEED]]]]: sketches at random (walls straight and curved, partitions that leave slots,
-// a second room behind a door, windows, skylights, fabric, reflectances of 0.2 to 0.9), under an overcast sky
-// and two suns each, against the same rooms in many more triangles. Per scene: values, how many lie inside,
-// RMS and worst error, median lux_error, the worst error over lux_error and at which sky and sensor.
+// [FINE_TRIANGLES [FIRST_SEED]]]]: sketches at random (walls straight and curved, partitions that leave
+// slots, a second room behind a door, windows, skylights, fabric, reflectances of 0.2 to 0.9), under an
+// overcast sky and two suns each, against the same rooms in many more triangles. Per scene: values, how many
+// lie inside, RMS and worst error, median lux_error, the worst error over lux_error and at which sky and
+// sensor.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -190,14 +191,16 @@ int main(int argc, char** argv) {
     const auto argument = [&](int k, int otherwise) { return argc > k ? std::atoi(argv[k]) : otherwise; };
     gpu::Device device;
     std::setvbuf(stdout, nullptr, _IOLBF, 0);
-    std::printf("device \"%s\"\n| scene | triangles | fine | inside | RMS %% | worst %% | median lux_error %% | "
-                "worst over lux_error | outside on the work plane, anywhere, by surfaces "
-                "|\n|---|---|---|---|---|---|---|---|---|\n",
-                device.info().name.c_str());
+    std::printf(
+        "device \"%s\"\n| scene | triangles | fine | inside | RMS %% | worst %% | median lux_error %% | "
+        "worst over lux_error | outside on the work plane, anywhere, by surfaces "
+        "|\n|---|---|---|---|---|---|---|---|---|\n",
+        device.info().name.c_str());
     const int first = argument(4, 1);
     for (int seed = first; seed < first + argument(1, 20); ++seed)
         runScene(device, static_cast<uint32_t>(seed), static_cast<size_t>(argument(2, 600)),
                  static_cast<size_t>(argument(3, 5000)));
     std::printf("all: %zu of %zu inside, %.2f %%\n", insideOfAll, valuesOfAll,
-                100 * static_cast<double>(insideOfAll) / static_cast<double>(std::max<size_t>(1, valuesOfAll)));
+                100 * static_cast<double>(insideOfAll) /
+                    static_cast<double>(std::max<size_t>(1, valuesOfAll)));
 }
