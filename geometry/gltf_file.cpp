@@ -162,8 +162,8 @@ private:
         out_.northDeg = north.GetNumberAsDouble();
     }
 
-    // asset.extras.twins, our own: of how many triangles, and pairs of them by their order in the file from
-    // 0.
+    // asset.extras.twins, our own: of how many triangles and what glass, and pairs of them by their order in
+    // the file from 0.
     void readTwins() {
         const tinygltf::Value& extras = in_.asset.extras;
         if (!extras.IsObject() || !extras.Has("twins")) return;
@@ -177,6 +177,17 @@ private:
         if (!twins.IsObject() || !twins.Has("of"))
             fail("asset.extras.twins", R"(expected {"of": TRIANGLES, "pairs": [TRIANGLE, TRIANGLE, ...]})");
         out_.twins.emplace().of = number(twins.Get("of"));
+        if (twins.Has("glass")) {
+            const tinygltf::Value& glass = twins.Get("glass");
+            GlassMark& mark = out_.twins->glass.emplace();
+            bool good = glass.IsArray() && glass.ArrayLen() == 4;
+            if (good) mark.panes = number(glass.Get(0));
+            for (int c = 0; c < 3 && good; ++c) {
+                good = glass.Get(c + 1).IsNumber();
+                if (good) mark.place[c] = glass.Get(c + 1).GetNumberAsDouble();
+            }
+            if (!good) fail("asset.extras.twins.glass", "expected [PANES, X, Y, Z]");
+        }
         if (!twins.Has("pairs")) return; // the loader drops empty lists
         const tinygltf::Value& list = twins.Get("pairs");
         if (!list.IsArray() || list.ArrayLen() % 2 != 0)

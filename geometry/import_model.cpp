@@ -111,9 +111,14 @@ private:
                                          why + ": it was found by shape and place");
             return std::nullopt;
         };
-        const auto& [of, said] = *model_.twins;
+        const auto& [of, glass, said] = *model_.twins;
         if (of != model_.faceCount())
             return warn(fmt::format("it is of {}, not {}", counted(of, "face"), model_.faceCount()));
+        const GlassMark now = glassMark(model_.vertices, model_.corners, model_.firstCorner,
+                                        [&](size_t f) { return isOpening(static_cast<uint32_t>(f)); });
+        if (glass && glass->panes != now.panes)
+            return warn(fmt::format("it is of {}, not {}", counted(glass->panes, "pane"), now.panes));
+        if (glass && !glass->agrees(now)) return warn("the glass stood elsewhere in the model");
         std::map<uint32_t, uint32_t> faceOf; // by its number in the file
         for (uint32_t f = 0; f < source_.size(); ++f)
             if (!faceOf.try_emplace(source_[f], f).second)

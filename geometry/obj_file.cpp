@@ -331,20 +331,27 @@ private:
         model_.endFace(*currentMaterial_, lines_.lineNumber(), smoothing_);
     }
 
-    // Our own: of how many faces, and pairs of them by their order in the file from 1.
+    // Our own: of how many faces and what glass, and pairs of them by their order in the file from 1.
     void readTwins() {
         const auto number = [&](std::string_view word) {
             uint32_t value = 0;
             const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
             if (error != std::errc() || end != word.data() + word.size() || value == 0)
-                lines_.fail(fmt::format(
-                    "\"{}\", expected twins of FACES, and twins FACE FACE ..., counted from 1", word));
+                lines_.fail(fmt::format("\"{}\", expected twins of FACES glass PANES X Y Z, and twins FACE "
+                                        "FACE ..., counted from 1",
+                                        word));
             return value;
         };
         std::string_view word = lines_.word();
         if (word == "of") {
             if (!model_.twins) model_.twins.emplace();
             model_.twins->of = number(lines_.word());
+            word = lines_.word();
+        }
+        if (word == "glass" && model_.twins) {
+            GlassMark& glass = model_.twins->glass.emplace();
+            glass.panes = number(lines_.word());
+            for (int c = 0; c < 3; ++c) glass.place[c] = lines_.number("glass PANES X Y Z");
             word = lines_.word();
         }
         if (!model_.twins) lines_.fail("twins without the number of all faces, expected twins of FACES");

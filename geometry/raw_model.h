@@ -13,6 +13,7 @@
 
 #include <glm/vec3.hpp>
 
+#include "geometry/glass_mark.h"
 #include "geometry/model_file.h"
 #include "geometry/patch_mesh.h"
 
@@ -43,9 +44,11 @@ struct RawModel {
         materials; // checked: finite, reflectance in [0, 1), reflectance + transmittance at most 1
     double northDeg = kModelNorthDeg; // direction of north, as Building has it
     // Pairs of faces that are the two sides of interior glass, where the file says which: all other panes
-    // then look outside. Any numbers at all; `of` faces that the file had when it was said.
+    // then look outside. Any numbers at all; `of` faces, with this `glass`, that the file had when it was
+    // said.
     struct Twins {
         uint32_t of = 0;
+        std::optional<GlassMark> glass;
         std::vector<std::pair<uint32_t, uint32_t>> pairs;
     };
     std::optional<Twins> twins;

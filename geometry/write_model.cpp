@@ -12,6 +12,7 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
+#include "geometry/glass_mark.h"
 #include "geometry/input_error.h"
 #include "geometry/model_file.h"
 #include "geometry/text_file.h"
@@ -36,18 +37,23 @@ std::map<GroupKey, std::vector<size_t>> groups(const PatchMesh& mesh) {
     return out;
 }
 
-// Of a mesh with glass, its interior panes: pairs of faces by their order in the file from `first` on. None
-// of a mesh without.
-std::optional<std::vector<size_t>> twinFaces(const PatchMesh& mesh, size_t first) {
-    const auto isGlass = [&](uint32_t material) { return mesh.materials[material].isOpening(); };
-    if (std::ranges::none_of(mesh.material, isGlass)) return std::nullopt;
-    std::vector<size_t> place(mesh.patchCount()), out;
+struct TwinFaces {
+    GlassMark glass;
+    std::vector<size_t> pairs; // of interior panes: faces by their order in the file
+};
+
+// Counted from `first` on. None of a mesh without glass.
+std::optional<TwinFaces> twinFaces(const PatchMesh& mesh, size_t first) {
+    const auto isGlass = [&](size_t patch) { return mesh.materials[mesh.material[patch]].isOpening(); };
+    TwinFaces out{glassMark(mesh.vertices, mesh.corners, mesh.firstCorner, isGlass), {}};
+    if (out.glass.panes == 0) return std::nullopt;
+    std::vector<size_t> place(mesh.patchCount());
     size_t next = first; // .glb holds triangles only
     for (const auto& [key, patches] : groups(mesh))
         for (const size_t i : patches) place[i] = next++;
     for (size_t i = 0; i < mesh.patchCount(); ++i)
         if (const int32_t twin = mesh.twin[i]; twin >= 0 && static_cast<size_t>(twin) > i)
-            out.insert(out.end(), {place[i], place[static_cast<size_t>(twin)]});
+            out.pairs.insert(out.pairs.end(), {place[i], place[static_cast<size_t>(twin)]});
     return out;
 }
 
@@ -147,12 +153,14 @@ void writeObj(const PatchMesh& mesh, const std::filesystem::path& file, double n
     }
     if (const auto twins = twinFaces(mesh, 1)) {
         constexpr size_t kOfLine = 16;
-        text +=
-            fmt::format("# the two sides of glass between rooms, of all faces, by their order from 1; other "
-                        "glass looks outside; heliodon's own\ntwins of {}",
-                        mesh.patchCount());
-        for (size_t k = 0; k < twins->size(); ++k)
-            text += fmt::format("{}{}", k % kOfLine == 0 ? "\ntwins " : " ", (*twins)[k]);
+        const auto& [panes, place] = twins->glass;
+        text += fmt::format(
+            "# the two sides of glass between rooms, of all faces, by their order from 1, and how "
+            "much glass there was where; other glass looks outside; heliodon's own\n"
+            "twins of {} glass {} {:.7f} {:.7f} {:.7f}",
+            mesh.patchCount(), panes, place.x, place.y, place.z);
+        for (size_t k = 0; k < twins->pairs.size(); ++k)
+            text += fmt::format("{}{}", k % kOfLine == 0 ? "\ntwins " : " ", twins->pairs[k]);
         text += "\n";
     }
     // Materials when all else is written: without a model none appear, nor replace those of an older one.
@@ -174,8 +182,12 @@ public:
             json_[list] = nlohmann::ordered_json::array();
         json_["asset"] = {{"version", "2.0"}, {"generator", "heliodon " HELIODON_VERSION}};
         if (northDeg_ != kModelNorthDeg) json_["asset"]["extras"]["north_deg"] = northDeg_;
-        if (const auto twins = twinFaces(mesh_, 0))
-            json_["asset"]["extras"]["twins"] = {{"of", mesh_.patchCount()}, {"pairs", *twins}};
+        if (const auto twins = twinFaces(mesh_, 0)) {
+            const auto& [panes, place] = twins->glass;
+            json_["asset"]["extras"]["twins"] = {{"of", mesh_.patchCount()},
+                                                 {"glass", {panes, place.x, place.y, place.z}},
+                                                 {"pairs", twins->pairs}};
+        }
         json_["scene"] = 0;
         addMaterials();
         addPoints();

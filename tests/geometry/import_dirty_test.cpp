@@ -1,11 +1,13 @@
 // Models as they come: each is closed as it was meant, or refused with a face named; never silently wrong.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <iterator>
 #include <random>
 #include <set>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -14,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include "geometry/box_tree.h"
+#include "geometry/glass_mark.h"
 #include "geometry/input_error.h"
 #include "geometry/mesher.h"
 #include "geometry/model_file.h"
@@ -242,10 +245,76 @@ TEST(DirtyModel, panes_are_twins_as_the_file_says_or_where_it_cannot_be_so_as_th
     // Of a file that had one window less, or none.
     for (const char* before : {"twins of 21 3 16", "twins of 17"})
         EXPECT_EQ(paired(before, "not 25: it was found by shape and place"), 4) << before;
+    for (const char* bad : {"glass 4", "glass x 0 0 0", "glass 4 0 0", "glass 4 0 0 nan"})
+        EXPECT_THROW(paired(fmt::format("twins of 25 {}", bad)), InputError) << bad;
     for (const char* bad : {"5", "0 5", "5 x", "-5 16", "1.5 16"})
         EXPECT_THROW(paired(fmt::format("twins of 25\ntwins {}", bad)), InputError) << bad;
     for (const char* bad : {"twins", "twins 3 16", "twins of", "twins of x", "twins of -1"})
         EXPECT_THROW(paired(bad), InputError) << bad;
+}
+
+std::string textOf(const std::string& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+// With as many faces as before.
+TEST(DirtyModel, panes_are_twins_as_they_stand_where_walls_became_glass_since_the_file_was_written) {
+    const std::string file = twoRoomsWithPanes(1.2, {0.3, 1.7}), glass = "usemtl glass";
+    std::ofstream(testing::TempDir() + "dirty.mtl", std::ios::app) << "newmtl shut\nKd 0.4 0.4 0.4\n";
+    const std::string opened = textOf(file);
+    std::string shut = opened; // the first pane of each room
+    const size_t first = shut.find(glass), third = shut.find(glass, shut.find(glass, first + 1) + 1);
+    for (const size_t at : {first, third}) shut.replace(at, glass.size(), "usemtl shut "); // as long
+    std::ofstream(file) << shut;
+    const PatchMesh faces = readPatches(file);
+    const auto [panes, place] = glassMark(faces.vertices, faces.corners, faces.firstCorner, [&](size_t f) {
+        return faces.materials[faces.material[f]].isOpening();
+    });
+    EXPECT_EQ(panes, 2u);
+    const auto paired = [&](const std::string& model, const std::string& warning) {
+        std::ofstream(file) << model
+                            << fmt::format("twins of 25 glass {} {} {} {}\ntwins 5 18\n", panes, place.x,
+                                           place.y, place.z);
+        const Building building = importModel(file);
+        expectWarning(building, warning);
+        return std::ranges::count_if(building.faces, [](const Face& face) { return face.twin >= 0; });
+    };
+    EXPECT_EQ(paired(shut, ""), 2);
+    EXPECT_EQ(paired(opened, "it is of 2 panes, not 4"), 4);
+}
+
+TEST(DirtyModel, panes_are_twins_as_they_stand_where_rooms_were_moved_since_the_file_was_written) {
+    const std::string file = twoRoomsWithPanes(1.2, {0.3, 1.7});
+    const PatchMesh mesh = meshBuilding(importModel(file), {200});
+    const auto halves = std::ranges::count_if(mesh.twin, [](int32_t twin) { return twin != kNoTwin; });
+    ASSERT_GE(halves, 4);
+    writeModel(mesh, file);
+    const std::string text = textOf(file);
+    const auto paired = [&](const auto& moved, const std::string& warning) {
+        std::istringstream lines(text);
+        std::string out;
+        for (std::string line; std::getline(lines, line);) {
+            glm::dvec3 p{0};
+            out += std::sscanf(line.c_str(), "v %lf %lf %lf", &p.x, &p.y, &p.z) == 3 ? moved(p) : line;
+            out += '\n';
+        }
+        std::ofstream(file) << out;
+        const Building building = importModel(file);
+        expectWarning(building, warning);
+        return std::ranges::count_if(building.faces, [](const Face& face) { return face.twin >= 0; });
+    };
+    for (const double shift : {-0.1, 0.05, 2.0}) { // of the far room; 2 m are no wall
+        const auto moved = [&](glm::dvec3 p) {
+            return fmt::format("v {} {} {}", p.x > 4.1 ? p.x + shift : p.x, p.y, p.z);
+        };
+        EXPECT_EQ(paired(moved, "the glass stood elsewhere in the model"), shift < 1 ? halves : 0) << shift;
+    }
+    // All of it is where it was: six decimals of metres on the table, off the origin.
+    const auto rounded = [](glm::dvec3 p) {
+        return fmt::format("v {:.6f} {:.6f} {:.6f}", p.x / 12 + 5, p.y / 12, p.z / 12 - 2);
+    };
+    EXPECT_EQ(paired(rounded, ""), halves);
 }
 
 TEST(DirtyModel, panes_that_are_nearly_opposite_are_reported_whether_the_file_names_them_or_not) {
@@ -303,6 +372,14 @@ TEST(DirtyModel, panes_are_twins_as_a_gltf_says) {
     nlohmann::json pairs = {static_cast<double>(twins["pairs"][0]), static_cast<double>(twins["pairs"][1])};
     EXPECT_EQ(paired(with("pairs", pairs)), 2); // 12.0
     EXPECT_EQ(paired(with("of", 12), "it is of 12 faces"), all);
+    nlohmann::json older = twins;
+    older.erase("glass");
+    EXPECT_EQ(paired(older), all);
+    nlohmann::json glass = twins["glass"];
+    glass[3] = static_cast<double>(glass[3]) + 1e-3;
+    EXPECT_EQ(paired(with("glass", glass), "the glass stood elsewhere"), all);
+    for (const char* bad : {"4", "[4, 0, 0]", "[4.5, 0, 0, 0]", R"([4, 0, 0, "x"])"})
+        EXPECT_THROW(paired(with("glass", nlohmann::json::parse(bad))), InputError) << bad;
     pairs = {twins["pairs"][0], twins["pairs"][1], twins["pairs"][0], twins["pairs"][3]};
     EXPECT_EQ(paired(with("pairs", pairs), "no two sides of a wall"), all);
     for (const char* bad : {"[1]", R"([1, "2"])", "[1, -2]", "[1, 2.5]", R"("1 2")", "3"})
