@@ -65,6 +65,8 @@ public:
     explicit GltfReader(const std::filesystem::path& file) {
         out_.file = file.string();
         const std::string bytes = readText(file, "a model (.gltf .glb)");
+        const bool binary = bytes.starts_with("glTF");
+        if (binary) refuseCutOff(bytes);
         checkGltfFields(bytes, out_.file);
         tinygltf::TinyGLTF loader;
         // The loader would read a folder as a file without end.
@@ -80,7 +82,6 @@ public:
         std::string errors, warnings;
         const std::string beside = file.parent_path().string();
         const auto size = static_cast<unsigned>(bytes.size());
-        const bool binary = bytes.starts_with("glTF");
         const bool good =
             binary ? loader.LoadBinaryFromMemory(&in_, &errors, &warnings,
                                                  reinterpret_cast<const unsigned char*>(bytes.data()), size,
@@ -88,6 +89,7 @@ public:
                    : loader.LoadASCIIFromString(&in_, &errors, &warnings, bytes.data(), size, beside);
         if (!good) {
             if (!binary) readJson(file, "a model (glTF 2.0)"); // where it stops being JSON
+            refuseMissingPart(errors);
             // In one line, and without the file's name, which stands in front.
             for (size_t at; (at = errors.find(out_.file)) != std::string::npos;)
                 errors.erase(at, out_.file.size());
@@ -136,6 +138,26 @@ public:
     }
 
 private:
+    void refuseCutOff(const std::string& bytes) const {
+        uint32_t all = 20; // its header and that of its first chunk
+        if (bytes.size() >= all) std::memcpy(&all, bytes.data() + 8, sizeof all);
+        if (bytes.size() < all)
+            throw InputError(
+                out_.file, "",
+                fmt::format("is cut off after {} bytes, expected {} and more", bytes.size(), all));
+    }
+
+    // A file of numbers (.bin) that was left behind when the .gltf was copied.
+    void refuseMissingPart(const std::string& errors) const {
+        constexpr std::string_view kMissing = "File not found : ";
+        const size_t at = errors.find(kMissing);
+        if (at == errors.npos) return;
+        const size_t begin = at + kMissing.size();
+        throw InputError(out_.file, "buffers",
+                         fmt::format("\"{}\" does not exist, expected it beside the model",
+                                     errors.substr(begin, errors.find('\n', begin) - begin)));
+    }
+
     // Of the default scene; a file without scenes shows all its nodes.
     std::vector<int> rootNodes() const {
         const auto scene = static_cast<size_t>(std::max(in_.defaultScene, 0));
@@ -218,7 +240,8 @@ private:
             if (!name.starts_with("KHR_materials_") && !name.starts_with("KHR_texture_") &&
                 !name.starts_with("EXT_texture_") && name != "KHR_lights_punctual" &&
                 name != "KHR_mesh_quantization")
-                fail("extensionsRequired", fmt::format("asks for {}, which is not supported", name));
+                fail("extensionsRequired",
+                     fmt::format("asks for {}, which is not supported: save the model without it", name));
     }
 
     [[noreturn]] void fail(const std::string& place, const std::string& what) const {

@@ -140,7 +140,8 @@ private:
             if (isOpening(one) != isOpening(other))
                 throw InputError(
                     model_.file, model_.place(one),
-                    fmt::format("an opening and a wall ({}) lie on one another", model_.place(other)));
+                    fmt::format("an opening and a wall ({}) lie on one another: cut the wall out behind it",
+                                model_.place(other)));
         const auto before = std::tuple(building_, source_, turnedOver_);
         building_ = weldFaces(space->faces, space->rooms, weldOfExtent_ * extent_);
         source_.clear();
@@ -228,7 +229,8 @@ private:
         if (isOpening(copy) != isOpening(kept))
             throw InputError(
                 model_.file, model_.place(copy),
-                fmt::format("an opening and a wall ({}) lie on one another", model_.place(kept)));
+                fmt::format("an opening and a wall ({}) lie on one another: cut the wall out behind it",
+                            model_.place(kept)));
         const auto name = [&](uint32_t face) -> const std::string& {
             return model_.materials[model_.material[face]].name;
         };

@@ -28,6 +28,7 @@ public:
     // `expected`: what the file should be.
     Lines(const std::filesystem::path& file, const std::string& expected)
         : file_(file.string()), text_(readText(file, expected)) {
+        refuseOtherKinds(file, text_, expected);
         constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
         if (text_.starts_with(kByteOrderMark)) position_ = kByteOrderMark.size();
         if (text_.find('\n') == std::string::npos) std::ranges::replace(text_, '\r', '\n'); // old Macs' lines
@@ -278,6 +279,8 @@ public:
             else if (key == "twins")
                 readTwins();
         }
+        if (model_.faceCount() == 0)
+            throw InputError(lines_.file(), "", "holds no faces, expected lines such as f 1 2 3");
         return std::move(model_);
     }
 

@@ -91,9 +91,35 @@ void refuseUtf16(const std::filesystem::path& file, const std::string& text) {
             throw InputError(file.string(), "", "is UTF-16, expected UTF-8: save it in that encoding");
 }
 
+void refuseOtherKinds(const std::filesystem::path& file, std::string_view text, const std::string& expected) {
+    using namespace std::string_view_literals;
+    struct Kind {
+        std::string_view begin;
+        const char* name;
+    };
+    constexpr Kind kKinds[] = {{"\x89PNG"sv, "a picture (PNG)"},
+                               {"\xFF\xD8\xFF"sv, "a picture (JPEG)"},
+                               {"II*\0"sv, "a picture (TIFF)"},
+                               {"MM\0*"sv, "a picture (TIFF)"},
+                               {"%PDF"sv, "a document (PDF)"},
+                               {"PK\3\4"sv, "an archive (zip)"},
+                               {"\x1F\x8B"sv, "compressed (gzip)"},
+                               {"glTF"sv, "a model (.glb)"},
+                               {"BLENDER"sv, "a scene of Blender (.blend)"},
+                               {"Kaydara FBX"sv, "a model (.fbx)"}};
+    for (const Kind& kind : kKinds)
+        if (text.starts_with(kind.begin))
+            throw InputError(file.string(), "", fmt::format("is {}, expected {}", kind.name, expected));
+    if (text.substr(0, text.find('\n')).find('\0') != text.npos) // further on, readers name the line
+        throw InputError(file.string(), "", "is no text, expected " + expected);
+}
+
 void refuseNotJson(const std::filesystem::path& file, const std::string& text, size_t byte,
                    const std::string& expected) {
-    if (text.find_first_not_of(" \t\r\n") == std::string::npos)
+    refuseOtherKinds(file, text, expected);
+    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+    if (text.find_first_not_of(" \t\r\n", text.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0) ==
+        text.npos)
         throw InputError(file.string(), "", "is empty, expected " + expected);
     const size_t end = std::min(byte, text.size()), newline = text.substr(0, end).rfind('\n');
     const size_t character = end - (newline == std::string::npos ? 0 : newline + 1);

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include <nlohmann/json.hpp>
 
@@ -15,6 +16,8 @@ std::string readText(const std::filesystem::path& file, const std::string& expec
 // For readers of other kinds of file: throws what readText would.
 void refuseUnreadable(const std::filesystem::path& file, const std::string& expected);
 void refuseUtf16(const std::filesystem::path& file, const std::string& text);
+// A picture, an archive, a model of another program under a wrong name: says what it is by how it begins.
+void refuseOtherKinds(const std::filesystem::path& file, std::string_view text, const std::string& expected);
 
 // Throws InputError with the line at which, `byte` bytes into `text`, it stops being JSON.
 [[noreturn]] void refuseNotJson(const std::filesystem::path& file, const std::string& text, size_t byte,

@@ -323,5 +323,7 @@ TEST(GltfScene, fields_of_another_type_are_refused_by_name) {
             "materials[0].extensions.KHR_materials_ior.ior: expected a number");
     refused("/materials", json::parse(R"([{"pbrMetallicRoughness":7}])"),
             "materials[0].pbrMetallicRoughness: expected an object");
-    refused("/buffers/0/uri", testing::TempDir(), "File not found"); // a folder
+    refused("/buffers/0/uri", testing::TempDir(), "does not exist, expected it beside the model"); // a folder
+    refused("/buffers/0/uri", "none.bin",
+            "buffers: \"none.bin\" does not exist, expected it beside the model");
 }

@@ -128,8 +128,8 @@ TEST_F(ModelFile, materials_beside_the_model_are_found_by_name) {
 }
 
 TEST_F(ModelFile, messages_hold_no_more_than_a_line_of_text) {
-    EXPECT_EQ(refusal(std::string("v 0 4\0\x1b[2J 0\n", 14)),
-              "m.obj:1: \"4??[2J\" is not a finite number, expected v x y z");
+    EXPECT_EQ(refusal(std::string("\nv 0 4\0\x1b[2J 0\n", 15)),
+              "m.obj:2: \"4??[2J\" is not a finite number, expected v x y z");
     EXPECT_EQ(refusal(std::string("\xFF\xFEv\0 \0", 6)),
               "m.obj: is UTF-16, expected UTF-8: save it in that encoding");
 }
@@ -150,9 +150,53 @@ TEST_F(ModelFile, bad_faces_are_named_by_line) {
               "m.obj:5: the face is not planar, a");
     EXPECT_EQ(refusal("v 0 nan 0\n"), "m.obj:1: \"nan\" is not a finite number, expected v x y z");
     EXPECT_EQ(refusal("v 0 0\n"), "m.obj:1: ends early, expected v x y z");
-    EXPECT_EQ(refusal(kSquare), "m.obj: holds no faces");
+    EXPECT_EQ(refusal(kSquare), "m.obj: holds no faces, expected lines such as f 1 2 3");
     // Round and round the same square: each corner turns left, yet no simple polygon.
     EXPECT_EQ(refusal(kSquare + "f 1 2 3 4 1 2 3 4\n"), "m.obj:5: the face winds round itself");
+}
+
+// Pictures and models of other programs under a wrong name, and what is nothing.
+TEST_F(ModelFile, files_of_another_kind_are_told_what_they_are) {
+    using namespace std::string_literals;
+    const auto said = [&](const std::string& name, const std::string& bytes) {
+        try {
+            importModel(write(name, bytes));
+        } catch (const InputError& error) {
+            return std::string(error.what()).substr(folder.string().size() + 1);
+        }
+        return "accepted"s;
+    };
+    for (const std::string name : {"m.obj", "m.gltf", "m.glb"}) {
+        for (const auto& [bytes, kind] :
+             std::vector<std::pair<std::string, std::string>>{{"\x89PNG\r\n\x1A\nf \n", "a picture (PNG)"},
+                                                              {"\xFF\xD8\xFF\xE0", "a picture (JPEG)"},
+                                                              {"II*\0"s, "a picture (TIFF)"},
+                                                              {"PK\3\4a", "an archive (zip)"},
+                                                              {"\x1F\x8B\x08", "compressed (gzip)"},
+                                                              {"BLENDER-v304", "a scene of Blender (.blend)"},
+                                                              {"AC1032\0\0f"s, "no text"}})
+            EXPECT_TRUE(said(name, bytes).starts_with(name + ": is " + kind + ", expected a model"))
+                << said(name, bytes);
+    }
+    EXPECT_TRUE(said("m.obj", "glTF\2\0\0\0"s).starts_with("m.obj: is a model (.glb), expected"));
+    for (const char* nothing : {"", " \n", "\xEF\xBB\xBF", "\xEF\xBB\xBF\n"})
+        EXPECT_EQ(said("m.glb", nothing), "m.glb: is empty, expected a model (glTF 2.0)");
+}
+
+TEST_F(ModelFile, a_glb_that_was_cut_off_says_so) {
+    const fs::path file = folder / "m.glb";
+    writeModel(readPatches(kEnclosures / "room3_672.obj"), file);
+    const auto size = fs::file_size(file);
+    for (const auto length : {size - 1, size / 2, uintmax_t{21}, uintmax_t{12}, uintmax_t{4}}) {
+        fs::resize_file(file, length);
+        try {
+            importModel(file);
+            ADD_FAILURE() << length;
+        } catch (const InputError& error) {
+            EXPECT_EQ(error.what(), fmt::format("{}: is cut off after {} bytes, expected {} and more",
+                                                file.string(), length, length < 20 ? 20 : size));
+        }
+    }
 }
 
 TEST_F(ModelFile, unphysical_materials_are_named_by_line) {
