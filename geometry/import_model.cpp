@@ -132,16 +132,21 @@ private:
 
     bool isOpening(uint32_t source) const { return model_.materials[model_.material[source]].isOpening(); }
 
+    // Two faces in one place, if they are such.
+    void refuseOpeningOnWall(uint32_t one, uint32_t other) const {
+        if (isOpening(one) == isOpening(other)) return;
+        if (isOpening(other)) std::swap(one, other);
+        throw InputError(
+            model_.file, model_.place(one),
+            fmt::format("an opening and a wall ({}) lie on one another, expected a hole in the wall there",
+                        model_.place(other)));
+    }
+
     // Rooms whose common walls have no thickness; false when that is not what kept them from closing.
     bool shareWalls() {
         const auto space = divideSpace(faces_.soup, weldOfExtent_ * extent_);
         if (!space || proveShells(space->outside)[0].selfIntersecting) return false;
-        for (const auto& [one, other] : space->pairs)
-            if (isOpening(one) != isOpening(other))
-                throw InputError(
-                    model_.file, model_.place(one),
-                    fmt::format("an opening and a wall ({}) lie on one another: cut the wall out behind it",
-                                model_.place(other)));
+        for (const auto& [one, other] : space->pairs) refuseOpeningOnWall(one, other);
         const auto before = std::tuple(building_, source_, turnedOver_);
         building_ = weldFaces(space->faces, space->rooms, weldOfExtent_ * extent_);
         source_.clear();
@@ -226,11 +231,7 @@ private:
     // Of one material each, all copies and all those that they are copies of, which are kept.
     void warnOfCopies(const std::vector<std::pair<uint32_t, uint32_t>>& copies) {
         const auto [copy, kept] = copies[0];
-        if (isOpening(copy) != isOpening(kept))
-            throw InputError(
-                model_.file, model_.place(copy),
-                fmt::format("an opening and a wall ({}) lie on one another: cut the wall out behind it",
-                            model_.place(kept)));
+        refuseOpeningOnWall(copy, kept);
         const auto name = [&](uint32_t face) -> const std::string& {
             return model_.materials[model_.material[face]].name;
         };

@@ -5,6 +5,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "geometry/disjoint_sets.h"
 #include "geometry/outline_area.h"
 
 namespace heliodon::geometry {
@@ -27,6 +28,27 @@ ShellFaces refused(std::vector<uint32_t> faces, std::string what) {
     return out;
 }
 
+// Faces with an open edge. Where other parts of the model are closed, it is not a hole in these that is
+// meant.
+ShellFaces openFaces(const Building& building, const std::map<Edge, std::vector<uint32_t>>& edges) {
+    DisjointSets parts(building.faces.size());
+    for (const auto& [edge, faces] : edges)
+        for (const uint32_t f : faces) parts.join(faces[0], f);
+    std::vector<uint32_t> open;
+    std::set<uint32_t> openParts, allParts;
+    for (const auto& [edge, faces] : edges)
+        if (faces.size() == 1) {
+            open.push_back(faces[0]);
+            openParts.insert(parts.root(faces[0]));
+        }
+    if (open.empty()) return {};
+    for (uint32_t f = 0; f < building.faces.size(); ++f) allParts.insert(parts.root(f));
+    if (openParts.size() == allParts.size())
+        return refused(open, "the model is not closed: an edge of this face has no neighbour");
+    return refused(open, "the model is not closed: this face is of a part that encloses nothing, as a sheet "
+                         "without thickness (others are closed)");
+}
+
 } // namespace
 
 std::map<Edge, std::vector<uint32_t>> facesOfEdges(const Building& building) {
@@ -44,12 +66,10 @@ void turnOver(Face& face) {
 
 ShellFaces orientShells(Building& building) {
     const auto edges = facesOfEdges(building);
-    std::vector<uint32_t> open, crowded;
-    for (const auto& [edge, faces] : edges) {
-        if (faces.size() == 1) open.push_back(faces[0]);
+    if (ShellFaces open = openFaces(building, edges); !open.bad.empty()) return open;
+    std::vector<uint32_t> crowded;
+    for (const auto& [edge, faces] : edges)
         if (faces.size() > 2) crowded.insert(crowded.end(), faces.begin(), faces.end());
-    }
-    if (!open.empty()) return refused(open, "the model is not closed: an edge of this face has no neighbour");
     if (!crowded.empty()) return refused(crowded, "more than two faces meet in an edge of this face");
     ShellFaces out;
     out.shell.assign(building.faces.size(), 0);

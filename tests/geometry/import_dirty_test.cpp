@@ -501,8 +501,36 @@ TEST(DirtyModel, a_copy_of_another_material_is_named) {
         importModel(file("usemtl pane\nf 2 6 5 1\n"));
         ADD_FAILURE() << "a pane on a wall of the same corners is taken";
     } catch (const InputError& error) {
-        EXPECT_NE(std::string(error.what()).find("an opening and a wall"), std::string::npos) << error.what();
+        EXPECT_EQ(
+            std::string(error.what()).substr(testing::TempDir().size()),
+            "dirty.obj:17: an opening and a wall (9) lie on one another, expected a hole in the wall there");
     }
+}
+
+// By the line of the pane, whichever of them comes first.
+TEST(DirtyModel, a_pane_drawn_on_a_part_of_a_wall_is_refused_by_its_line) {
+    const std::string file = written(room());
+    std::ofstream(testing::TempDir() + "dirty.mtl") << "newmtl pane\nTf 0.8\nNi 1.52\n";
+    std::ofstream(file, std::ios::app)
+        << "mtllib dirty.mtl\nv 1 1 0\nv 2 1 0\nv 2 2 0\nv 1 2 0\nusemtl pane\nf 9 10 11 12\n";
+    try {
+        importModel(file);
+        ADD_FAILURE() << "taken";
+    } catch (const InputError& error) {
+        EXPECT_EQ(std::string(error.what()).substr(testing::TempDir().size()),
+                  "dirty.obj:21: an opening and a wall (11) lie on one another, expected a hole in the wall "
+                  "there");
+    }
+}
+
+TEST(DirtyModel, a_sheet_in_a_closed_room_is_told_from_a_hole_in_the_room) {
+    Polygons model = room();
+    model.vertices.insert(model.vertices.end(), {{2, 0.5, 1}, {2, 2, 1}, {2, 2, 2}, {2, 0.5, 2}});
+    model.faces.push_back({8, 9, 10, 11});
+    for (const bool triangulated : {false, true})
+        expectRefused(triangulated ? triangles(model) : model, "of a part that encloses nothing");
+    model.faces.erase(model.faces.begin());
+    expectRefused(model, "an edge of this face has no neighbour");
 }
 
 TEST(DirtyModel, a_corner_on_another_faces_edge_divides_it) {
