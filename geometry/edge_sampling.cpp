@@ -1,10 +1,8 @@
 #include "geometry/edge_sampling.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <set>
 #include <stdexcept>
 
 #include <glm/geometric.hpp>
@@ -27,19 +25,7 @@ constexpr double kNarrowStrip = 0.363, kWideStrip = 0.688;
 // A triangle may be so much longer along a strip than the strip is wide, beside what it may be at a short
 // edge.
 constexpr double kFacing = 1.6;
-constexpr double kFinestStrip = 0.45; // of the edge length
-// Triangles do not lean across turns of more radians, nor where they would lie farther off the facets, in the
-// wall's solids or before them, than so many metres.
-constexpr double kMostTurn = 0.45, kDeepest = 0.0025;
-// Where triangles may lean across folds: radians along an edge, metres in the wall's solids and before them.
-constexpr double kMostLeaning = 0.5, kDeep = 0.0008, kCutOff = 0.003;
-// What stands on a wall at a blunter angle (radians) is not in their way.
-constexpr double kBlunt = kMostLeaning, kLevel = 1e-6; // the latter: metres, of rounding
-constexpr double kSpan = 2; // of the edge length: none reaches farther along the wall
-// Metres: what is farther from a wall is in no one's way. Over kSpan edges they lie at most kSpan squared
-// times as deep as over one.
-constexpr double kFarOff = 2 * kSpan * kSpan * kCutOff;
-constexpr double kNarrowFacets = 0.45; // of the edge length: too narrow for triangles each within one
+constexpr double kFinestStrip = 0.45;  // of the edge length
 constexpr double kRowLength = 1.1;     // of the next side: as long, but for slanted ends
 constexpr double kHalfStep = 0.55;     // of the step beside it: what half a step is at most
 constexpr double kUniformStrip = 0.76; // of the edge length: a strip this wide needs no staggering
@@ -59,24 +45,13 @@ void divideEvenly(const std::vector<std::pair<double, double>>& steps, double n,
     }
 }
 
-// Along an unrolled wall.
-std::pair<double, double> extentOf(const MeshDomain& domain) {
-    double low = kInfinity, high = -kInfinity;
-    for (const MeshDomain::Frame& frame : domain.frames) {
-        low = std::min(low, frame.low);
-        high = std::max(high, frame.high);
-    }
-    return {low, high};
-}
-
 } // namespace
 
 EdgeSampler::EdgeSampler(const Building& building, const std::vector<MeshDomain>& domains,
                          std::vector<double> finest)
-    : building_(building), domains_(domains), finest_(std::move(finest)) {
+    : building_(building), domains_(domains), finest_(std::move(finest)), leaning_(building, domains) {
     for (const MeshDomain& domain : domains) directions_.push_back(mainDirection(domain));
     collectEdges();
-    measureClearances();
     measureSurroundings();
     pairTwins();
     findStrips();
@@ -235,7 +210,7 @@ void EdgeSampler::choose(double edge, const Grading& grading) {
 
 // The ends of a wall as its folds are divided, where it has narrow facets there.
 void EdgeSampler::divideEnds(size_t d) {
-    const std::vector<double> folds = foldsOf(d);
+    const std::vector<double> folds = leaning_.folds(d, edge_, grading_.narrowest);
     if (folds.empty()) return;
     const MeshDomain& domain = domains_[d];
     const auto [low, high] = extentOf(domain);
@@ -532,115 +507,6 @@ std::vector<double> EdgeSampler::divisions(uint32_t a, uint32_t b) const {
     return out;
 }
 
-void EdgeSampler::measureClearances() {
-    std::vector<Bounds> boxes;
-    for (const MeshDomain& domain : domains_) {
-        std::vector<glm::dvec3> corners;
-        for (const auto& loop : domain.loops)
-            for (const uint32_t v : loop) corners.push_back(position(v));
-        boxes.push_back(boundsOf(corners));
-    }
-    for (size_t d = 0; d < domains_.size(); ++d)
-        clearances_.push_back(domains_[d].folds.empty() ? kFarOff : clearanceOf(d, boxes));
-}
-
-// In the plan, between the heights of a curved wall: its facets and folds and the edges of all else, with
-// those at its floor on which something stands, and at its ceiling from which something hangs.
-double EdgeSampler::clearanceOf(size_t d, const std::vector<Bounds>& boxes) const {
-    const auto inPlan = [](glm::dvec3 p) { return glm::dvec2(p.x, p.z); };
-    std::set<uint32_t> own;
-    for (const auto& loop : domains_[d].loops) own.insert(loop.begin(), loop.end());
-    const Bounds& box = boxes[d];
-    std::vector<std::array<glm::dvec2, 2>> facets;
-    for (const MeshDomain::Frame& frame : domains_[d].frames)
-        facets.push_back({inPlan(frame.origin + (frame.low - frame.offset) * frame.u),
-                          inPlan(frame.origin + (frame.high - frame.offset) * frame.u)});
-    const auto stands = [&](const SampledEdge& edge) {
-        const glm::dvec3 a = position(edge.a), b = position(edge.b), low = glm::min(a, b),
-                         high = glm::max(a, b);
-        return low.x < box.high.x + kFarOff && high.x > box.low.x - kFarOff && low.z < box.high.z + kFarOff &&
-               high.z > box.low.z - kFarOff && std::ranges::find(edge.domains, d) == edge.domains.end() &&
-               std::ranges::any_of(edge.domains, [&](uint32_t other) {
-                   const double bottom = boxes[other].low.y, top = boxes[other].high.y;
-                   const bool flat = top - bottom < kLevel;
-                   const double above = !flat && low.y < bottom + kLevel ? 3 * kLevel : 0,
-                                below = !flat && high.y > top - kLevel ? 3 * kLevel : 0;
-                   return low.y - below < box.high.y - kLevel && high.y + above > box.low.y + kLevel;
-               });
-    };
-    double least = kFarOff;
-    for (const SampledEdge& edge : edges_) {
-        if (!stands(edge)) continue;
-        std::vector<glm::dvec2> on; // ends of it on the wall
-        for (const uint32_t v : {edge.a, edge.b})
-            if (own.contains(v)) on.push_back(inPlan(position(v)));
-        const auto consider = [&](glm::dvec2 p, double distance) {
-            if (std::ranges::all_of(on, [&](glm::dvec2 end) { // kLevel: where it stands on the wall itself
-                    return distance < kBlunt * glm::length(p - end) - kLevel;
-                }))
-                least = std::min(least, distance);
-        };
-        const glm::dvec2 a = inPlan(position(edge.a)), b = inPlan(position(edge.b));
-        for (const auto& facet : facets) {
-            for (const uint32_t v : {edge.a, edge.b})
-                if (const glm::dvec2 p = inPlan(position(v)); !own.contains(v))
-                    consider(p, distanceToSegment(p, facet[0], facet[1]));
-            for (const glm::dvec2 end : facet) consider(end, distanceToSegment(end, a, b));
-        }
-    }
-    return least;
-}
-
-// Of a straight line across a fold in its middle, and across the others within its length: for small angles
-// each fold adds its own share.
-double EdgeSampler::deepestLean(size_t d) const {
-    const auto [low, high] = extentOf(domains_[d]);
-    const double half = std::min(kSpan * edge_, high - low) / 2;
-    double deepest = 0;
-    for (const auto& [x, own] : domains_[d].folds) {
-        double depth = 0;
-        for (const auto& [at, turn] : domains_[d].folds)
-            depth += std::abs(turn) * std::max(0.0, half - std::abs(at - x)) / 2;
-        deepest = std::max(deepest, depth);
-    }
-    return deepest;
-}
-
-// Whether triangles that lean across the folds meet nothing else and, as long as an edge, lie next to nowhere
-// in the wall's solids and cut off little.
-bool EdgeSampler::mayLean(size_t d) const {
-    if (clearances_[d] < kFarOff && clearances_[d] <= deepestLean(d)) return false;
-    const MeshDomain& domain = domains_[d];
-    const auto [low, high] = extentOf(domain);
-    for (size_t k = 0; k < domain.folds.size(); ++k) {
-        const double before = k > 0 ? domain.folds[k - 1].at : low,
-                     after = k + 1 < domain.folds.size() ? domain.folds[k + 1].at : high,
-                     turn = domain.folds[k].turn,
-                     turned = std::abs(turn) * std::max(1.0, 2 * edge_ / (after - before)); // along an edge
-        if (turned > kMostLeaning || turned * edge_ > 8 * (turn > 0 ? kDeep : kCutOff)) return false;
-    }
-    return true;
-}
-
-std::vector<double> EdgeSampler::foldsOf(size_t d) const {
-    const MeshDomain& domain = domains_[d];
-    if (domain.folds.empty()) return {};
-    const auto [low, high] = extentOf(domain);
-    std::vector<double> folds;
-    const double narrow = kNarrowFacets * edge_ * static_cast<double>(domain.folds.size() + 1);
-    if (high - low < narrow && mayLean(d)) return {};
-    const double least = clearances_[d] < kCutOff ? 0 : grading_.narrowest * edge_;
-    double turned = 0; // since the last that is kept
-    for (const auto& [x, turn] : domain.folds) {
-        turned += std::abs(turn);
-        const double width = std::min(x - (folds.empty() ? low : folds.back()), high - x);
-        if (width < least && turned < kMostTurn && turned * width < kDeepest) continue;
-        folds.push_back(x);
-        turned = 0;
-    }
-    return folds;
-}
-
 PlanarDomain EdgeSampler::planar(size_t d) const {
     const MeshDomain& domain = domains_[d];
     PlanarDomain plane;
@@ -667,8 +533,8 @@ PlanarDomain EdgeSampler::planar(size_t d) const {
         plane.loopStart.push_back(static_cast<uint32_t>(plane.boundary.size()));
     }
     plane.direction = directions_[d];
-    plane.folds = foldsOf(d);
-    plane.mayLean = !plane.folds.empty() && mayLean(d);
+    plane.folds = leaning_.folds(d, edge_, grading_.narrowest);
+    plane.mayLean = !plane.folds.empty() && leaning_.mayLean(d, edge_);
     plane.graded = std::isfinite(grading_.growth);
     plane.dividesSlim = !grading_.sparing;
     plane.size = {std::move(sources), longestEdge(finest_[d]), grading_.growth};

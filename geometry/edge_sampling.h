@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "geometry/bounds.h"
+#include "geometry/fold_leaning.h"
 #include "geometry/mesh_domains.h"
 #include "geometry/planar_mesher.h"
 
@@ -77,8 +77,6 @@ private:
 
     void collectEdges();
     void measureSurroundings();
-    void measureClearances();
-    double clearanceOf(size_t domain, const std::vector<Bounds>& boxes) const; // boxes: round domains
     void pairTwins();
     void matchTwins(size_t from, size_t to, std::vector<std::vector<TwinEdge>>& opposite) const;
     void collectTwins(uint32_t start, const std::vector<std::vector<TwinEdge>>& opposite,
@@ -98,23 +96,20 @@ private:
     double stepAt(const SampledEdge& edge, uint32_t end) const; // metres
     // Pairs of a fraction of the edge's length and how many steps of the size wanted lie before it.
     std::vector<std::pair<double, double>> stepsAlong(const SampledEdge& edge, double largest) const;
-    std::vector<double> foldsOf(size_t domain) const; // those with room for triangles between them
-    double deepestLean(size_t domain) const;          // metres from the facets, of triangles without folds
-    bool mayLean(size_t domain) const;                // triangles across its folds
-    double longestEdge(double finest) const;          // metres
-    double sizeOf(uint32_t corner) const;             // infinity where the surroundings ask for nothing
+    double longestEdge(double finest) const; // metres
+    double sizeOf(uint32_t corner) const;    // infinity where the surroundings ask for nothing
     glm::dvec3 position(uint32_t corner) const { return building_.vertices[corner]; }
 
     const Building& building_;
     const std::vector<MeshDomain>& domains_;
     std::vector<double> finest_; // per domain
+    FoldLeaning leaning_;
     std::vector<SampledEdge> edges_;
     std::map<std::pair<uint32_t, uint32_t>, uint32_t> edgeOf_;
     std::vector<std::vector<std::vector<uint32_t>>> loopEdges_; // per domain, loop, corner
     std::vector<double> surroundings_;                          // per corner: metres to what is near
     std::vector<double> eased_;          // per corner: metres, most for the first steps from there
     std::vector<glm::dvec2> directions_; // per domain: of its longest side
-    std::vector<double> clearances_;     // per domain: metres from its folds to what is near
     std::vector<TwinEdges> twins_;
     std::vector<Strip> strips_;   // narrow ones first, those beside them next
     double edge_ = 0, reach_ = 0; // metres; of the steps for which near corners are known

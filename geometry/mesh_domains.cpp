@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 #include <tuple>
@@ -435,6 +436,15 @@ glm::dvec2 mainDirection(const MeshDomain& domain) {
 
 std::vector<MeshDomain> findMeshDomains(const Building& building, double edge, bool merging) {
     return DomainFinder(building, edge, merging).find();
+}
+
+std::pair<double, double> extentOf(const MeshDomain& domain) {
+    double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
+    for (const MeshDomain::Frame& frame : domain.frames) {
+        low = std::min(low, frame.low);
+        high = std::max(high, frame.high);
+    }
+    return {low, high};
 }
 
 } // namespace heliodon::geometry

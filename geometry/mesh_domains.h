@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <glm/vec2.hpp>
@@ -49,5 +50,8 @@ glm::dvec2 mainDirection(const MeshDomain& domain);
 // `edge`: length that triangles will have, metres. `merging`: facets much narrower than it become wider ones
 // (facet_merging.h).
 std::vector<MeshDomain> findMeshDomains(const Building& building, double edge, bool merging = false);
+
+// Along an unrolled wall.
+std::pair<double, double> extentOf(const MeshDomain& domain);
 
 } // namespace heliodon::geometry
