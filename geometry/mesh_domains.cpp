@@ -23,7 +23,9 @@ using Frame = MeshDomain::Frame;
 constexpr double kStraightSine = 1e-7;
 // Of the domain's extent: how far corners of merged faces lie off their plane, as the corners of one face of
 // a model may (model_faces.h).
-constexpr double kFlat = 1e-5, kExact = 1e-9;
+constexpr double kFlat = 1e-5;
+// The same over the plane of one face: no rounding to speak of, and more than rounding.
+constexpr double kExact = 1e-9, kCurved = 1e-3;
 constexpr double kUprightSine = 1e-5; // scenes in single precision, turned by their nodes
 constexpr double kSamePlace = 1e-6;   // of a wall's length
 
@@ -197,7 +199,8 @@ private:
     // one that fits them all.
     Frame commonFrame(const std::vector<uint32_t>& members) const {
         const Frame first = frameOfFace(building_, building_.faces[members[0]]);
-        if (unevenness(members, first) <= kExact) return first;
+        const double off = unevenness(members, first);
+        if (off <= kExact || off > kCurved) return first;
         glm::dvec3 area{0}, middle{0};
         double corners = 0;
         for (const uint32_t f : members)

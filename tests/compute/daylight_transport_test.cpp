@@ -1,10 +1,17 @@
 #include "compute/daylight_transport.h"
 
-#include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <filesystem>
 #include <numbers>
 
+#include <fmt/format.h>
+#include <glm/common.hpp>
+#include <gtest/gtest.h>
+
+#include "compute/convex_regions.h"
 #include "compute/daylight/glazing.h"
+#include "compute/form_factors.h"
 #include "compute/sun_bounce.h"
 #include "geometry/input_error.h"
 #include "geometry/mesher.h"
@@ -250,6 +257,51 @@ TEST(DaylightTransport, light_on_patches_lies_in_its_stated_error) {
         EXPECT_GE(static_cast<double>(inside), 0.97 * static_cast<double>(lux.size()));
         EXPECT_LT(error, 0.06); // says something
     }
+}
+
+// A model on the table that a file has rounded to six decimals, micrometres: its walls hide nothing of
+// themselves, as that file has them and meshed anew. (They left a quarter of some light.)
+TEST(DaylightTransport, rounded_corners_leave_the_light_as_it_is) {
+    const geometry::PatchMesh mesh = geometry::meshBuilding(
+        *geometry::closeSketch(
+             geometry::readSketch(HELIODON_TEST_DATA "/geometry/sketches/i01_mixed.sketch.json"))
+             .building,
+        {500});
+    const auto lux = [](const geometry::PatchMesh& of) {
+        DaylightTransport transport(test::device(), of);
+        std::vector<Sensor> sensors;
+        for (const double x : {-0.25, -0.1, 0.05, 0.2})
+            for (const double z : {-0.1, 0.0, 0.1}) sensors.push_back({{x, 0.0635, z}, {0, 1, 0}});
+        transport.setSensors(sensors);
+        std::vector<double> result;
+        for (const LightParts& parts : transport.light(test::overcast()).sensors)
+            result.push_back(photometric(parts.total()));
+        return result;
+    };
+    const std::vector<double> before = lux(mesh);
+    const auto expectAlike = [&](const geometry::PatchMesh& of, double within) {
+        const std::vector<double> now = lux(of);
+        for (size_t s = 0; s < now.size(); ++s) EXPECT_NEAR(now[s] / before[s], 1, within) << s;
+    };
+    geometry::PatchMesh rounded = mesh;
+    for (glm::dvec3& vertex : rounded.vertices) vertex = glm::round(1e6 * vertex) / 1e6;
+    expectAlike(rounded, 0.003);
+    const std::filesystem::path folder =
+        std::filesystem::temp_directory_path() / fmt::format("heliodon-rounded-{}", ::getpid());
+    std::filesystem::create_directory(folder);
+    geometry::writeModel(rounded, folder / "rounded.obj");
+    const geometry::PatchMesh anew =
+        geometry::meshBuilding(geometry::importModel(folder / "rounded.obj"), {500});
+    std::filesystem::remove_all(folder);
+    EXPECT_NEAR(static_cast<double>(anew.patchCount()) / static_cast<double>(mesh.patchCount()), 1, 0.1);
+    expectAlike(anew, 0.02);
+    const auto blockers = [](const geometry::PatchMesh& of) { return blockingRegions(of, 16).size(); };
+    EXPECT_LT(2 * blockers(anew), 3 * blockers(mesh)); // walls are meshed in one plane each
+    const auto closure = [](const geometry::PatchMesh& of) {
+        return computeFormFactors(test::device(), of, {}).report.closureMax;
+    };
+    EXPECT_LT(closure(rounded), 0.01);
+    EXPECT_LT(closure(anew), 0.01);
 }
 
 // In a furnace light is the same everywhere, also where patches see much of one another.
