@@ -173,7 +173,7 @@ void dropTouching(const geometry::PatchMesh& mesh, std::span<const uint32_t> pla
     for (const Sheet& a : sheets)
         for (const Sheet& b : oppositeSheets(sheets, a))
             if (b.room == a.room && glm::dot(a.normal, b.normal) < -0.999 &&
-                std::abs(glm::dot(b.origin - a.origin, a.normal)) <= 2 * kSamePlane * size)
+                std::abs(glm::dot(b.origin - a.origin, a.normal)) <= 2 * kOnePlane * size)
                 dropTouching(mesh, a, b, 1e-8 * size, surfaces);
 }
 

@@ -166,7 +166,7 @@ NarrowGaps narrowGaps(const geometry::PatchMesh& mesh, std::span<const uint32_t>
     for (const Sheet& a : sheets)
         for (const Sheet& b : oppositeSheets(sheets, a))
             if (const double gap =
-                    gapBetween(a, b, std::min(kSamePlane * box.diagonal(), ofFaces * (a.radius + b.radius)));
+                    gapBetween(a, b, std::min(kOnePlane * box.diagonal(), ofFaces * (a.radius + b.radius)));
                 gap > 0)
                 facing.push_back({gap, &a, &b});
     std::ranges::stable_sort(facing, {}, &Facing::gap);

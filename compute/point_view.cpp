@@ -35,9 +35,9 @@ double areaOf(std::span<const dvec3> polygon) {
 
 constexpr double kLeastOfExtent = 1e-9;
 
-// Of two lengths that do not matter: off a plane, so that its wall hides nothing of itself however corners
-// are rounded; and anywhere else.
-constexpr double kSameOverLeast = kSamePlane / kLeastOfExtent;
+// Lengths that do not matter: off the plane of a wall, so that it hides nothing of itself however its corners
+// are rounded, and of what shows its back, which lies before another body; over Blockers::tolerance().
+constexpr double kSameOverLeast = kSamePlane / kLeastOfExtent, kOneOverLeast = kOnePlane / kLeastOfExtent;
 
 double samePlane(const Blockers& blockers) {
     return blockers.tolerance() * kSameOverLeast;
@@ -45,7 +45,7 @@ double samePlane(const Blockers& blockers) {
 
 constexpr double kTanPiBy8 = 0.41421356237309503;
 
-// atan(z) / z up to z = tan(pi / 8), of z * z: interpolated at Chebyshev's nodes, to 4e-18.
+// atan(z) / z up to z = tan(pi / 8), of z * z: interpolated at Chebyshev's nodes, to double precision.
 double arcOverTangent(double w) {
     constexpr std::array<double, 12> k{1,
                                        -0.33333333333333121,
@@ -178,6 +178,8 @@ std::optional<PointView::Cone> PointView::coneOf(std::span<const dvec3> corners)
     if (std::abs(cone.distance) <= least_) return std::nullopt;
     const double side = cone.distance > 0 ? 1 : -1;
     cone.normal *= side, cone.distance *= side;
+    cone.isFront = side < 0;
+    cone.beyond = cone.distance + (cone.isFront ? kSameOverLeast * least_ : least_);
     for (size_t k = 0; k < corners.size(); ++k)
         cone.sides.push_back(
             glm::normalize(side * glm::cross(corners[k], corners[(k + 1) % corners.size()])));
@@ -198,14 +200,14 @@ void PointView::addCones(const Blockers& blockers, uint32_t room) {
         if (allBelow(corners, normal_, least_)) continue;
         auto cone = coneOf(corners);
         // The wall that the point lies on hides nothing, were the point a hair behind it.
-        if (cone &&
-            !(cone->distance <= samePlane(blockers) && std::abs(glm::dot(cone->normal, normal_)) > 0.999))
+        if (cone && !(cone->distance <= (cone->isFront ? kOneOverLeast : kSameOverLeast) * least_ &&
+                      std::abs(glm::dot(cone->normal, normal_)) > 0.999))
             cones_.push_back(std::move(*cone));
     }
 }
 
 bool PointView::mayHide(const Cone& cone, std::span<const dvec3> polygon) const {
-    if (allBelow(polygon, cone.normal, cone.distance + kSameOverLeast * least_)) return false;
+    if (allBelow(polygon, cone.normal, cone.beyond)) return false;
     return std::none_of(cone.sides.begin(), cone.sides.end(),
                         [&](const dvec3& side) { return allBelow(polygon, side, least_); });
 }
@@ -215,7 +217,7 @@ void PointView::hideBeyond(std::span<const dvec3> polygon, std::vector<Polygon>&
     for (const dvec3& p : polygon) corners.push_back(p - position_);
     std::optional<Cone> cone = coneOf(corners);
     if (!cone) return;
-    cone->normal = dvec3(0), cone->distance = -1; // all parts count as beyond
+    cone->normal = dvec3(0), cone->distance = cone->beyond = -1; // all parts count as beyond
     hide(*cone, least_, parts);
 }
 
@@ -224,7 +226,7 @@ void PointView::hideBeyond(std::span<const dvec3> polygon, std::vector<Polygon>&
 void PointView::hide(const Cone& cone, double least, std::vector<Polygon>& parts) {
     // Whole where the cone's planes only touch it.
     const auto isWhole = [&](const Polygon& part) {
-        return allBelow(part, cone.normal, cone.distance + kSameOverLeast * least) ||
+        return allBelow(part, cone.normal, cone.beyond) ||
                std::ranges::any_of(cone.sides,
                                    [&](const dvec3& side) { return allBelow(part, side, least); });
     };

@@ -81,6 +81,8 @@ private:
         std::vector<glm::dvec3> sides; // inward normals of the planes through the point and the edges
         glm::dvec3 normal;             // of the blocker's plane, towards what it may hide
         double distance;               // of that plane from the point
+        double beyond;                 // the distance from which on it hides: a front nothing of its own wall
+        bool isFront;                  // of a body, as seen from the point
     };
     void addCones(const Blockers& blockers, uint32_t room);
     // A quick look at a polygon, which becomes relative to the point where it has few corners.

@@ -12,6 +12,7 @@ namespace heliodon::compute {
 namespace {
 
 constexpr double kUnbalanced = 2e-6; // of what is emitted in all, that a pass is worth to have sent round
+constexpr double kMostTimes = 1e6;   // that an answer is scaled by
 
 void subtract(std::span<float> from, double times, std::span<const float> what) {
     const auto t = static_cast<float>(times);
@@ -45,7 +46,10 @@ double RelightBasis::given(std::span<const float> residual) const {
 
 bool RelightBasis::balance(const Vector& answer, double most, std::span<float> residual,
                            std::span<float> gathered) const {
-    const double all = given(answer.image), times = all != 0 ? given(residual) / all : 0;
+    const double all = given(answer.image), left = given(residual);
+    if (!(std::abs(left) <= kMostTimes * std::abs(all)))
+        return false; // nor where there is none, or no number
+    const double times = all != 0 ? left / all : 0;
     std::vector<float> rest(residual.begin(), residual.end());
     subtract(rest, times, answer.image);
     if (largest(rest) > most) return false;

@@ -29,6 +29,8 @@ public:
     // hours, and made anew for all others in each StraightSky::addTo.
     StraightHours(std::span<const daylight::Sky> skies, std::vector<uint32_t> hours,
                   size_t tableBytes = kTableBytes);
+    StraightHours(const StraightHours&) = delete; // blocks of hours look into it
+    StraightHours& operator=(const StraightHours&) = delete;
 
     std::span<const daylight::Sky> skies() const { return skies_; }
     const daylight::SkyGrid& grid() const { return grid_; }

@@ -109,10 +109,11 @@ struct SunPatches::Receiver {
 // Whether the patch lies in the face's plane: its own wall, or the other side of that, which rounding may
 // have put a little before it.
 bool SunPatches::isPartOf(const Face& face, const Receiver& receiver) const {
-    if (std::abs(glm::dot(face.normal, receiver.normal)) < 0.999) return false;
+    const double facing = glm::dot(face.normal, receiver.normal), share = facing > 0 ? kSamePlane : kOnePlane;
+    if (std::abs(facing) < 0.999) return false;
     const glm::dvec3 origin = face.region->corners[0];
     return std::ranges::all_of(receiver.corners, [&](const glm::dvec3& corner) {
-        return std::abs(glm::dot(corner - origin, face.normal)) <= kSamePlane * scale_;
+        return std::abs(glm::dot(corner - origin, face.normal)) <= share * scale_;
     });
 }
 

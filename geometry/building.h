@@ -48,6 +48,7 @@ struct Building {
     std::vector<std::string> warnings; // the same, where it was guessed what was meant: not among the repairs
     double northDeg = 90; // direction of north in the plan, degrees counter-clockwise from +x seen from above
                           // (x right, -z up)
+    bool northIsSaid = true; // by the sketch or model that it was made of
 };
 
 enum class Outcome { ok, warn, refuse };

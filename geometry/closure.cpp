@@ -256,6 +256,7 @@ private:
         building.materials = materials.materials;
         building.occluders = occluderSolids(plan_, spaces_.rooms);
         if (sketch_.north) building.northDeg = sketch_.north->dirDeg;
+        building.northIsSaid = sketch_.north.has_value();
 
         out_.report.windowCount = windows.openings;
         out_.report.skylightPaneCount = faces.skylightPanes;

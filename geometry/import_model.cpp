@@ -76,7 +76,8 @@ public:
 
 private:
     Building done() {
-        building_.northDeg = model_.northDeg;
+        building_.northDeg = model_.northDeg.value_or(kModelNorthDeg);
+        building_.northIsSaid = model_.northDeg.has_value();
         const auto isUsed = [&](uint32_t material) {
             return std::ranges::find(model_.material, material) != model_.material.end();
         };

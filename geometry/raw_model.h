@@ -42,7 +42,7 @@ struct RawModel {
     std::vector<std::string> source; // per group: "" in an .obj, "meshes[0].primitives[1]" in a glTF
     std::vector<Material>
         materials; // checked: finite, reflectance in [0, 1), reflectance + transmittance at most 1
-    double northDeg = kModelNorthDeg; // direction of north, as Building has it
+    std::optional<double> northDeg; // direction of north, as Building has it, where the file says it
     // Pairs of faces that are the two sides of interior glass, where the file says which: all other panes
     // then look outside. Any numbers at all; `of` faces, with this `glass`, that the file had when it was
     // said.

@@ -126,10 +126,8 @@ void writeObj(const PatchMesh& mesh, const std::filesystem::path& file, double n
     const std::vector<std::string> names = materialNames(mesh);
     std::string text =
         fmt::format("# metres, y up; faces counter-clockwise seen from the room's air\nmtllib {}\n", name);
-    if (northDeg != kModelNorthDeg)
-        text += fmt::format(
-            "# north: degrees counter-clockwise from +x seen from above; heliodon's own\nnorth {}\n",
-            northDeg);
+    text += fmt::format(
+        "# north: degrees counter-clockwise from +x seen from above; heliodon's own\nnorth {}\n", northDeg);
     for (const glm::dvec3& p : mesh.vertices)
         text += fmt::format("v {} {} {}\n", p.x, p.y, p.z); // shortest that reads back
     const Normals normals(mesh);
@@ -181,7 +179,7 @@ public:
                                  "bufferViews", "buffers"})
             json_[list] = nlohmann::ordered_json::array();
         json_["asset"] = {{"version", "2.0"}, {"generator", "heliodon " HELIODON_VERSION}};
-        if (northDeg_ != kModelNorthDeg) json_["asset"]["extras"]["north_deg"] = northDeg_;
+        json_["asset"]["extras"]["north_deg"] = northDeg_;
         if (const auto twins = twinFaces(mesh_, 0)) {
             const auto& [panes, place] = twins->glass;
             json_["asset"]["extras"]["twins"] = {{"of", mesh_.patchCount()},

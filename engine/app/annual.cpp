@@ -437,7 +437,7 @@ void execute(Run& run, const AnnualArguments& arguments) {
     refuseUnoccupied(job);
     OutputFolder folder(arguments.output);
     job.scene = loadScene(run, arguments.scene);
-    if (job.scene.northIsAssumed) run.assume(kAssumedNorth);
+    if (!job.scene.assumedNorth.empty()) run.assume(job.scene.assumedNorth);
     job.sensors = given ? std::move(*given) : sensorsFor(run, arguments, job.scene);
     if (!arguments.sensors.empty())
         refuseAllOutside(arguments.sensors, job.sensors, job.scene, arguments.scene);

@@ -64,8 +64,9 @@ public:
                       present::OperatorActions& actions);
     // All at once, windows that have lost their picture included.
     void present(bool projectors, bool operatorToo);
-    // NAME-projector-0.png ..., NAME-operator.png: what the windows hold after one more presentation.
+    // NAME-projector-0.png ..., NAME-operator.png.
     static std::vector<std::string> snapshotFiles(const geometry::Rig& rig, const std::string& name);
+    // What the windows hold after one more presentation, in these files.
     void snapshot(const std::filesystem::path& folder, const std::string& name);
 
     // Which projector has which display or window.

@@ -63,7 +63,7 @@ SkySource::SkySource(Run& run, const MomentArguments& arguments, const Scene& sc
     else
         assume("time " + daylight::formatTime(moment_));
     if (arguments.sky.empty() && !weather_) assume("sky clear");
-    if (scene.northIsAssumed) assume(kAssumedNorth);
+    if (!scene.assumedNorth.empty()) assume(scene.assumedNorth);
     if (!assumed.empty() && followsTime()) run.assume(assumed);
     run.report()["sky"] = {{"option", weather_ ? "weather" : option_}, {"north_deg", scene.northDeg}};
     if (!followsTime()) return;

@@ -339,7 +339,10 @@ Scene makeScene(Run& run, const SceneArguments& arguments, std::optional<geometr
     drawBlinds(run, arguments.blinds, arguments.input.string(), scene.mesh);
     scene.occluders = std::move(building.occluders);
     scene.northDeg = building.northDeg - arguments.northDeg; // plan angles grow counter-clockwise
-    scene.northIsAssumed = scene.sketch && !scene.sketch->north && arguments.northDeg == 0;
+    if (arguments.northDeg == 0 && !building.northIsSaid)
+        scene.assumedNorth = scene.sketch                      ? kAssumedNorth
+                             : scene.up == geometry::UpAxis::z ? "north along y of the model"
+                                                               : "north along -z of the model";
     return scene;
 }
 

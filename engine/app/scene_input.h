@@ -27,7 +27,7 @@ struct Scene {
     geometry::Occluders occluders; // physical walls; none for models
     // Direction of north in the plan: degrees counter-clockwise from +x, seen from above.
     double northDeg = 90;
-    bool northIsAssumed = false;        // a sketch without an arrow, and no --north
+    std::string assumedNorth;           // in words, where neither sketch, model nor --north says it
     double worldPerBuilding = 1.0 / 12; // world metres a metre of building
     geometry::PatchMesh mesh;
 };

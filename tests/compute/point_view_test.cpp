@@ -1,7 +1,9 @@
 #include "compute/point_view.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -48,6 +50,40 @@ TEST(PointView, open_rectangle_is_howells) {
     const Blockers blockers(mesh);
     const PointView view(blockers, {0, 0, 0}, {0, 1, 0}, 0);
     EXPECT_NEAR(view.factor(rectangle(0, 1.5, 0, 0.7, 2)), parallelCorner(0.75, 0.35), 1e-14);
+}
+
+// A board over the floor, seen from the ceiling: of floor and board all of the view is seen once, however
+// thin the board, from gaps of a millionth of the room on.
+TEST(PointView, what_a_thin_board_covers_is_not_seen_besides) {
+    const double size = glm::length(dvec3(6, 2, 6)); // of the room
+    for (const auto [gap, thickness] : {std::pair(1.5e-6, 1.5e-6), {3e-6, 0.5e-6}, {1e-3, 1e-3}}) {
+        geometry::PatchMesh mesh = test::boxRoom({.low = dvec3(-3, 0, -3), .high = dvec3(3, 2, 3)});
+        const double low = gap * size, high = low + thickness * size;
+        std::vector<dvec3> top = rectangle(-0.7, 0.7, -0.7, 0.7, high);
+        std::ranges::reverse(top);
+        addRectangle(mesh, top);
+        addRectangle(mesh, rectangle(-0.7, 0.7, -0.7, 0.7, low));
+        const PointView view(Blockers(mesh), {0.1, 1.5, 0.2}, {0, -1, 0}, 0);
+        double sum = 0;
+        for (size_t i = 0; i < mesh.patchCount(); ++i)
+            if (geometry::patchNormal(mesh, i).y > -0.5) sum += view.factor(geometry::patchCorners(mesh, i));
+        EXPECT_NEAR(sum, 1, 1e-3) << gap << ", " << thickness;
+    }
+}
+
+// However large the scene is in its unit.
+TEST(PointView, windows_are_hidden_by_what_stands_before_them_in_a_large_unit) {
+    for (const double unit : {1.0, 1e6}) {
+        const geometry::PatchMesh mesh =
+            test::boxRoom({.low = unit * dvec3(-3, 0, -3), .high = unit * dvec3(3, 2, 3)});
+        const PointView view(Blockers(mesh), dvec3(0), {0, 1, 0}, 0);
+        std::vector<dvec3> pane = rectangle(-1, 1, -1, 1, 1.5), before = rectangle(-2, 2, -2, 2, 1);
+        for (dvec3& p : pane) p *= unit;
+        for (dvec3& p : before) p *= unit;
+        std::vector<PointView::Polygon> parts{pane};
+        view.hideBeyond(before, parts);
+        EXPECT_TRUE(parts.empty()) << unit;
+    }
 }
 
 TEST(PointView, a_sheet_takes_its_shadow_and_no_more) {
