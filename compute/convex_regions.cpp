@@ -403,8 +403,8 @@ BlockingPlanes blockingPlanes(const geometry::PatchMesh& mesh, uint32_t maxCorne
     for (const Plane& plane : planesOf(mesh, size)) {
         ++result.planes;
         const PointTree& room = corners.at(mesh.room[plane.patches[0]]);
-        if (room.reaches(plane.origin, plane.normal, kOnePlane * size) &&
-            room.reaches(plane.origin, -plane.normal, kOnePlane * size))
+        if (room.reaches(plane.origin, plane.normal, kSamePlane * size) &&
+            room.reaches(plane.origin, -plane.normal, kSamePlane * size))
             mergePlane(mesh, plane, 1e-9 * size, maxCorners, result.planes, result.regions);
     }
     return result;

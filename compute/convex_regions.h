@@ -20,8 +20,8 @@ struct ConvexRegion {
 };
 
 // A patch this near to a region's plane, as a share of the mesh's diagonal, and parallel to it lies in that
-// plane: the region, which may be the patch's own wall, cannot hide anything from it. A board whose back lies
-// within kOnePlane of a wall and its front within this hides nothing of that: both are seen.
+// plane: the region, which may be the patch's own wall, cannot hide anything from it. A board whose front
+// lies this near to a wall hides nothing of that: both are seen.
 constexpr double kSamePlane = 4e-6;
 
 // And of those put together, which may lie on either side of their region's own plane.
