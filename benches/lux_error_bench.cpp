@@ -18,6 +18,7 @@
 
 #include "compute/daylight_transport.h"
 #include "compute/gpu/device.h"
+#include "geometry/bounds.h"
 #include "geometry/building.h"
 #include "geometry/mesher.h"
 #include "tests/compute/skies.h"
@@ -91,8 +92,7 @@ public:
     // A third on the work plane, a third anywhere looking anywhere, a third a hair from surfaces.
     std::vector<compute::Sensor> sensors(const geometry::PatchMesh& mesh) {
         std::vector<compute::Sensor> sensors;
-        dvec3 low(1e300), high(-1e300);
-        for (const dvec3& p : mesh.vertices) low = glm::min(low, p), high = glm::max(high, p);
+        const auto [low, high] = geometry::boundsOf(mesh.vertices);
         for (int k = 0; k < 8; ++k) {
             const dvec3 at(between(low.x, high.x), low.y + 0.25 * (high.y - low.y), between(low.z, high.z));
             sensors.push_back({at, {0, 1, 0}});

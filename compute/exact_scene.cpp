@@ -117,10 +117,7 @@ std::vector<RadiatingPiece> piecesOf(const geometry::PatchMesh& mesh, std::span<
 std::vector<ExactScene::Covered> coveredOf(const NarrowGaps& gaps) {
     std::vector<ExactScene::Covered> covered;
     for (const NarrowGaps::Overlap& overlap : gaps.overlaps) {
-        double border = 0;
-        for (size_t k = 0; k < overlap.outline.size(); ++k)
-            border += glm::distance(overlap.outline[k], overlap.outline[(k + 1) % overlap.outline.size()]);
-        const double area = overlap.area();
+        const double border = geometry::perimeter(overlap.outline), area = overlap.area();
         covered.push_back({overlap.first, overlap.second, area, std::min(0.5 * overlap.gap * border, area)});
     }
     return covered;

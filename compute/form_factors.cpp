@@ -337,11 +337,7 @@ void claimFeetThatRaysMiss(const geometry::PatchMesh& mesh, FormFactorReport& re
     for (size_t i = 0; i < mesh.patchCount(); ++i) {
         const double area = geometry::patchArea(mesh, i);
         if (!(area > 0)) continue;
-        double border = 0;
-        const auto corners = mesh.patch(i);
-        for (size_t k = 0; k < corners.size(); ++k)
-            border +=
-                glm::length(mesh.vertices[corners[(k + 1) % corners.size()]] - mesh.vertices[corners[k]]);
+        const double border = geometry::perimeter(geometry::patchCorners(mesh, i));
         squares += std::pow(0.5 * std::min(strip * border / area, 1.0), 2);
     }
     report.claimedRowError =

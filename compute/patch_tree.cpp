@@ -215,8 +215,7 @@ std::vector<std::vector<PatchTree::Leaf>> coveredLeaves(const geometry::PatchMes
                                                              geometry::patchArea(mesh, overlap.second));
         addLeaves(overlap.outline, overlap.first, kSliver * size, own);
         for (PatchTree::Leaf& leaf : own) {
-            double border = 0;
-            for (size_t k = 0; k < 3; ++k) border += glm::distance(leaf.corner[k], leaf.corner[(k + 1) % 3]);
+            const double border = geometry::perimeter(leaf.corner);
             leaf.misses =
                 std::min(0.5 * overlap.gap * border / leaf.area, 1.0) * std::sqrt(leaf.area / patch);
             leaf.across = count + 1;

@@ -35,8 +35,8 @@ double areaOf(std::span<const dvec3> polygon) {
 
 constexpr double kLeastOfExtent = 1e-9;
 
-// Lengths that do not matter: off the plane of a wall, so that it hides nothing of itself however its corners
-// are rounded, and of what shows its back, which lies before another body; over Blockers::tolerance().
+// Over Blockers::tolerance(): how far off its own plane the front of a wall hides nothing, which may be parts
+// of itself, however corners are rounded, and how far before a point on a wall a front lies in that wall.
 constexpr double kSameOverLeast = kSamePlane / kLeastOfExtent, kOneOverLeast = kOnePlane / kLeastOfExtent;
 
 double samePlane(const Blockers& blockers) {

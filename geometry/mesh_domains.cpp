@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <tuple>
 
@@ -131,11 +132,11 @@ private:
             for (const auto& loop : building_.faces[f].loops)
                 for (size_t i = 0; i < loop.size(); ++i) faceOf[{loop[i], loop[(i + 1) % loop.size()]}] = f;
         for (const auto& whole : connected(faces, faceOf, [](uint32_t, uint32_t) { return true; })) {
-            if (whole.size() > 1 && flat(whole) && merge(whole)) continue;
+            if (whole.size() > 1 && merge(whole)) continue;
             // A wall that runs on into a vault is unrolled up to there.
             const auto sameWay = [&](uint32_t f, uint32_t g) { return isUpright(f) == isUpright(g); };
             for (const auto& part : connected(whole, faceOf, sameWay))
-                if (part.size() == 1 || !isUpright(part[0]) || flat(part))
+                if (part.size() == 1 || !isUpright(part[0]) || commonPlane(part))
                     addFlatParts(part, faceOf);
                 else
                     unroll(part, faceOf);
@@ -146,7 +147,7 @@ private:
     void addFlatParts(const std::vector<uint32_t>& members, const std::map<Edge, uint32_t>& faceOf) {
         const auto level = [&](uint32_t f, uint32_t g) { return inOnePlane(f, g); };
         for (const auto& part : connected(members, faceOf, level))
-            if (part.size() == 1 || !flat(part) || !merge(part))
+            if (part.size() == 1 || !merge(part))
                 for (const uint32_t f : part) domains_.push_back(single(f));
     }
 
@@ -177,10 +178,6 @@ private:
 
     bool inOnePlane(uint32_t f, uint32_t g) const { return geometry::inOnePlane(normals_[f], normals_[g]); }
 
-    bool flat(const std::vector<uint32_t>& members) const {
-        return unevenness(members, commonFrame(members)) <= kFlat;
-    }
-
     // How far corners lie off the plane, as a share of their distance from its origin.
     double unevenness(const std::vector<uint32_t>& members, const Frame& frame) const {
         const glm::dvec3 n = glm::cross(frame.u, frame.v);
@@ -195,12 +192,20 @@ private:
         return extent > 0 ? off / extent : 0;
     }
 
-    // The plane of one face, or, where files have rounded its corners and it leads away from the others, the
-    // one that fits them all.
-    Frame commonFrame(const std::vector<uint32_t>& members) const {
-        const Frame first = frameOfFace(building_, building_.faces[members[0]]);
-        const double off = unevenness(members, first);
-        if (off <= kExact || off > kCurved) return first;
+    // The plane of all: that of one face, or, where files have rounded its corners and it leads away from the
+    // others, the one that fits them. None where they lie in no plane.
+    std::optional<Frame> commonPlane(const std::vector<uint32_t>& members) const {
+        Frame frame = frameOfFace(building_, building_.faces[members[0]]);
+        double off = unevenness(members, frame);
+        if (off > kExact && off <= kCurved) {
+            frame = fittingFrame(members);
+            off = unevenness(members, frame);
+        }
+        if (off > kFlat) return std::nullopt;
+        return frame;
+    }
+
+    Frame fittingFrame(const std::vector<uint32_t>& members) const {
         glm::dvec3 area{0}, middle{0};
         double corners = 0;
         for (const uint32_t f : members)
@@ -212,11 +217,13 @@ private:
         return frameIn(middle / corners, glm::normalize(area));
     }
 
-    // False when the whole would touch itself.
+    // False where they lie in no plane, or the whole would touch itself.
     bool merge(const std::vector<uint32_t>& members) {
+        const std::optional<Frame> plane = commonPlane(members);
+        if (!plane) return false;
         MeshDomain domain;
         domain.faces = members;
-        domain.frames = {commonFrame(members)};
+        domain.frames = {*plane};
         std::set<Edge> edges, seams;
         for (const uint32_t f : members)
             for (const auto& loop : building_.faces[f].loops)

@@ -38,10 +38,8 @@ Role roleOf(const RawModel& model, size_t face) {
 
 // About that of a strip of its area and perimeter.
 double widthOf(const Outline& outline) {
-    double perimeter = 0;
-    for (size_t k = 0; k < outline.size(); ++k)
-        perimeter += glm::length(outline[(k + 1) % outline.size()] - outline[k]);
-    return perimeter > 0 ? 2 * glm::length(areaVector(outline)) / perimeter : 0;
+    const double border = perimeter(outline);
+    return border > 0 ? 2 * glm::length(areaVector(outline)) / border : 0;
 }
 
 // Metres between the two planes, parallel to the face, that hold all its corners.

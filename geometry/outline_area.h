@@ -22,6 +22,13 @@ inline glm::dvec3 areaVector(std::span<const glm::dvec3> outline) {
     return areaVector(outline.size(), [&](size_t k) { return outline[k]; });
 }
 
+inline double perimeter(std::span<const glm::dvec3> outline) {
+    double sum = 0;
+    for (size_t k = 0; k < outline.size(); ++k)
+        sum += glm::length(outline[(k + 1) % outline.size()] - outline[k]);
+    return sum;
+}
+
 inline glm::dvec3 areaVector(std::span<const glm::dvec3> vertices, std::span<const uint32_t> outline) {
     return areaVector(outline.size(), [&](size_t k) { return vertices[outline[k]]; });
 }

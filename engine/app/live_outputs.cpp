@@ -274,10 +274,11 @@ void LiveOutputs::snapshot(const std::filesystem::path& folder, const std::strin
     presenter_->keepCopies(true);
     present(true, true);
     presenter_->keepCopies(false);
+    const std::vector<std::string> files = snapshotFiles(rig_, name);
     for (size_t i = 0; i < presenter_->size(); ++i) {
         const auto shown = presenter_->lastShown(i);
         if (!shown || presenter_->state(i) == present::WindowState::closed) continue;
-        passes::writePng(*shown, folder / snapshotFiles(rig_, name)[i]);
+        passes::writePng(*shown, folder / files[i]);
     }
 }
 
