@@ -76,7 +76,7 @@ private:
                 if (writtenFiles_.contains(option)) {
                     if (option->get_name() != "--report") common_.resultFiles.emplace_back(text);
                 } else if (folders.contains(option->get_name())) {
-                    if (std::filesystem::path(text).has_extension()) continue; // a film
+                    if (std::filesystem::path(text).extension() == ".mp4") continue; // a film
                     common_.outputFolders.emplace_back(text);
                 } else {
                     if (option->get_name() == "--camera" && text.starts_with("file:")) text.erase(0, 5);

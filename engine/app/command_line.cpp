@@ -160,9 +160,13 @@ const CLI::App& commandNamed(const CLI::App& app, int argc, const char* const* a
         if (argc > 2 && step->get_name() == argv[2]) return *step;
         steps.push_back(step->get_name());
     }
-    if (!steps.empty() && (argc < 3 || argv[2][0] != '-'))
+    if (!steps.empty() && argc < 3)
         throw InputError("command line", argv[1],
                          fmt::format("needs one of its steps: {}", fmt::join(steps, ", ")));
+    if (!steps.empty() && argv[2][0] != '-')
+        throw InputError("command line", argv[2],
+                         fmt::format("is no step of {}{}; its steps are {}", argv[1],
+                                     perhaps(argv[2], steps), fmt::join(steps, ", ")));
     return *command;
 }
 

@@ -150,9 +150,9 @@ TEST_F(BadInput, a_report_is_no_result_in_the_folder_that_is_written) {
     std::filesystem::remove(in("r/00000.png"));
     expectRefused(render + in("new") + " --report " + in("new/preview.png"), {"--report", "result"});
     EXPECT_FALSE(std::filesystem::exists(folder / "new"));
-    const Outcome beside = heliodon(render + in("new/") + " --report " + in("new/report.json"));
+    const Outcome beside = heliodon(render + in("new.v2/") + " --report " + in("new.v2/report.json"));
     EXPECT_EQ(beside.exitCode, 0) << beside.output;
-    EXPECT_TRUE(std::filesystem::exists(folder / "new/report.json"));
+    EXPECT_TRUE(std::filesystem::exists(folder / "new.v2/report.json"));
 }
 
 // They would stand there as folders with such names.
@@ -295,6 +295,8 @@ TEST_F(BadInput, an_unknown_command_and_a_missing_option) {
     for (const char* word : {"paint", "--paint"})
         expectRefused(word, {"command line", word, "is no command"});
     expectRefused("redner", {"redner", "is no command (render?)"});
+    expectRefused("calibrate", {"calibrate", "steps: target, "});
+    expectRefused("calibrate patern", {"patern", "is no step of calibrate (patterns?)"});
     expectRefused("detect " + kPhoto + " -o " + in("out.json"), {"--rig"});
     const std::string sketch = "render " HELIODON_TEST_DATA "/geometry/sketches/p04_L.json -o ";
     expectRefused(sketch, {"--output", "its value is missing"});
