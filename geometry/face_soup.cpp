@@ -8,6 +8,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "geometry/box_tree.h"
 #include "geometry/mesh_domains.h"
 #include "geometry/twin_faces.h"
 
@@ -103,28 +104,29 @@ private:
             corners_.push_back(edge.first);
             corners_.push_back(edge.second);
         }
-        std::ranges::sort(corners_, {}, [&](uint32_t v) { return std::pair(building_.vertices[v].x, v); });
+        std::ranges::sort(corners_);
         corners_.erase(std::unique(corners_.begin(), corners_.end()), corners_.end());
     }
 
     bool splitOnce() {
         bool any = false;
+        std::vector<Bounds> places;
+        for (const uint32_t v : corners_) places.push_back({building_.vertices[v], building_.vertices[v]});
+        const BoxTree near(places);
         for (auto& [edge, inner] : loose_) {
             const glm::dvec3 a = building_.vertices[edge.first], b = building_.vertices[edge.second];
             const double length = glm::length(b - a);
             const glm::dvec3 direction = (b - a) / length;
-            const auto low = std::ranges::lower_bound(corners_, std::min(a.x, b.x) - tolerance_, {},
-                                                      [&](uint32_t v) { return building_.vertices[v].x; });
             std::vector<std::pair<double, uint32_t>> found;
-            for (auto it = low; it != corners_.end(); ++it) {
-                const glm::dvec3 p = building_.vertices[*it];
-                if (p.x > std::max(a.x, b.x) + tolerance_) break;
+            near.anyHolding(glm::max(a, b) + tolerance_, glm::min(a, b) - tolerance_, [&](uint32_t i) {
+                const uint32_t v = corners_[i];
+                const glm::dvec3 p = building_.vertices[v];
                 const double t = glm::dot(p - a, direction);
-                if (*it == edge.first || *it == edge.second || t <= 0 || t >= length ||
-                    roomOf(*it) != roomOf(edge.first))
-                    continue;
-                if (glm::length(p - a - t * direction) <= tolerance_) found.emplace_back(t, *it);
-            }
+                if (v != edge.first && v != edge.second && t > 0 && t < length &&
+                    roomOf(v) == roomOf(edge.first) && glm::length(p - a - t * direction) <= tolerance_)
+                    found.emplace_back(t, v);
+                return false; // look at all
+            });
             std::ranges::sort(found);
             for (const auto& [t, v] : found) inner.push_back(v);
             any = any || !inner.empty();

@@ -96,13 +96,38 @@ std::string_view jsonOf(std::string_view bytes) {
     return bytes.substr(kHeader, length);
 }
 
+// Another version has other fields.
+void checkVersion(const json& root, const std::string& file) {
+    if (!root.is_object() || !root.contains("asset") || !root["asset"].is_object()) return;
+    const json version = root["asset"].value("version", json());
+    if (version.is_null()) return;
+    const std::string text = version.is_string() ? version.get<std::string>() : version.dump();
+    if (!text.starts_with("2."))
+        throw InputError(file, "asset.version", fmt::format("is \"{}\", expected 2.0", text));
+}
+
+// What changes how things look may be passed over; what packs or places the triangles may not.
+void checkExtensions(const json& root, const std::string& file) {
+    for (const json& required : root.value("extensionsRequired", json::array())) {
+        const auto name = required.get<std::string>();
+        if (!name.starts_with("KHR_materials_") && !name.starts_with("KHR_texture_") &&
+            !name.starts_with("EXT_texture_") && name != "KHR_lights_punctual" &&
+            name != "KHR_mesh_quantization")
+            throw InputError(
+                file, "extensionsRequired",
+                fmt::format("asks for {}, which is not supported: save the model without it", name));
+    }
+}
+
 } // namespace
 
 void checkGltfFields(std::string_view bytes, const std::string& file) {
     const json root = json::parse(jsonOf(bytes), nullptr, false);
     if (root.is_discarded()) return;
+    checkVersion(root, file);
     const FieldChecker checker(file);
     for (const Field& field : kFields) checker.check(root, field.path, field.kind, "");
+    checkExtensions(root, file);
 }
 
 } // namespace heliodon::geometry

@@ -306,14 +306,16 @@ private:
         return ends;
     }
 
-    [[noreturn]] void refuse(std::vector<uint32_t> faces, const std::string& what) const {
-        std::ranges::sort(faces);
-        faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+    [[noreturn]] void refuse(const std::vector<uint32_t>& faces, const std::string& what) const {
+        std::vector<uint32_t> drawn; // a face may have been cut into several
+        for (const uint32_t f : faces) drawn.push_back(source_[f]);
+        std::ranges::sort(drawn);
+        drawn.erase(std::unique(drawn.begin(), drawn.end()), drawn.end());
         std::string more;
-        for (size_t i = 1; i < faces.size() && i < 5; ++i)
-            more += (i == 1 ? "" : ", ") + model_.place(source_[faces[i]]);
-        if (faces.size() > 5) more += fmt::format(" and {} more", faces.size() - 5);
-        throw InputError(model_.file, faces.empty() ? "" : model_.place(source_[faces[0]]),
+        for (size_t i = 1; i < drawn.size() && i < 5; ++i)
+            more += (i == 1 ? "" : ", ") + model_.place(drawn[i]);
+        if (drawn.size() > 5) more += fmt::format(" and {} more", drawn.size() - 5);
+        throw InputError(model_.file, drawn.empty() ? "" : model_.place(drawn[0]),
                          what + (more.empty() ? "" : " (also " + more + ")"));
     }
 

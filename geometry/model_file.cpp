@@ -46,7 +46,9 @@ void checkFace(const RawModel& model, size_t i) {
     for (size_t k = 0; k < n; ++k) {
         const double off = std::abs(glm::dot(at(k) - at(0), normal));
         if (off > tolerance)
-            fail(fmt::format("the face is not planar, a corner lies {:.3g} off its plane", off));
+            fail(fmt::format("the face is not planar, a corner lies {:.3g} off its plane: divide it into "
+                             "triangles where it should fold",
+                             off));
         const glm::dvec3 in = glm::normalize(at(k + 1) - at(k)), out = glm::normalize(at(k + 2) - at(k + 1));
         const double sine = glm::dot(glm::cross(in, out), normal);
         if (sine < kLeastTurn)

@@ -97,28 +97,39 @@ using MaterialIndex = std::map<std::string, uint32_t, std::less<>>;
 
 struct MaterialDraft {
     Material material;
-    std::string place;
+    std::string place, colourPlace; // its last line; that of its last Kd or Tf
     bool hasKd = false;
-    double opacity = 1;
+    std::optional<double> opacity; // as stated
+
+    // Programs that have a filter's colour for every material write "Tf 1 1 1" beside the "d 1" of what is
+    // opaque.
+    bool hasIdleFilter() const {
+        return material.transmittance == glm::vec3(1) && material.reflectance != glm::vec3(0) && opacity == 1;
+    }
 };
 
 void finishMaterial(const MaterialDraft& draft, const std::string& file, RawModel& model,
                     MaterialIndex& index) {
     Material material = draft.material;
     const auto number = static_cast<uint32_t>(model.materials.size());
+    if (draft.hasIdleFilter()) {
+        material.transmittance = glm::vec3(0);
+        model.doubts[number] = fmt::format(
+            "material \"{}\" has d 1 and Kd, and Tf 1 1 1: it was taken as opaque", material.name);
+    }
     const bool active = material.isOpening() || material.exitance != glm::vec3(0);
     if (!draft.hasKd && !active) {
         material.reflectance = glm::vec3(0.5f);
         model.assumed[number] =
             fmt::format("material \"{}\" has no Kd: a reflectance of 0.5 was assumed", material.name);
     }
-    checkMaterial(material, file, draft.place);
+    checkMaterial(material, file, draft.colourPlace);
     if (material.blind != Blind{} && !material.isOpening())
         throw InputError(
             file, draft.place,
             fmt::format("material \"{}\" has blinds but lets no light through (Tf)", material.name));
-    if (draft.opacity < 1 && !material.isOpening())
-        model.doubts[number] = seeThroughButOpaque(material.name, draft.opacity, "transmittance (Tf)");
+    if (draft.opacity.value_or(1) < 1 && !material.isOpening())
+        model.doubts[number] = seeThroughButOpaque(material.name, *draft.opacity, "transmittance (Tf)");
     index[material.name] = number;
     model.materials.push_back(std::move(material));
 }
@@ -174,8 +185,12 @@ void readMtl(const std::filesystem::path& file, RawModel& model, MaterialIndex& 
                 lines.fail(fmt::format("blinds \"{}\": {}", lines.remainder(), error.what()));
             }
         }
-        if (known) draft->place = lines.place();
-        if (known) checkMaterial(draft->material, lines.file(), lines.place());
+        if (!known) continue;
+        draft->place = lines.place();
+        if (key == "Kd" || key == "Tf") draft->colourPlace = lines.place();
+        Material soFar = draft->material;
+        if (soFar.transmittance == glm::vec3(1)) soFar.transmittance = glm::vec3(0); // "d 1" may follow
+        checkMaterial(soFar, lines.file(), lines.place());
     }
     if (draft) finishMaterial(*draft, lines.file(), model, index);
 }

@@ -90,7 +90,8 @@ void checkMaterial(const Material& material, const std::string& file, const std:
     if (!(ior >= 1 && ior <= 4)) fail(fmt::format("refractive index (Ni) is {}, expected 1 to 4", ior));
     for (int c = 0; c < 3; ++c) {
         const float kd = material.reflectance[c], tf = material.transmittance[c], ke = material.exitance[c];
-        if (!(kd >= 0 && kd < 1)) fail(fmt::format("reflectance (Kd) is {}, expected 0 to below 1", kd));
+        if (!(kd >= 0 && kd < 1))
+            fail(fmt::format("reflectance (Kd) is {}, expected 0 to below 1 (white paint: 0.85)", kd));
         if (!(tf >= 0 && tf <= 1)) fail(fmt::format("transmittance (Tf) is {}, expected 0 to 1", tf));
         if (kd + tf > 1 + 1e-6f)
             fail(fmt::format(

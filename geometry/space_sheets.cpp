@@ -3,13 +3,16 @@
 #include "geometry/space_sheets.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
+#include "geometry/box_tree.h"
 #include "geometry/disjoint_sets.h"
 #include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
@@ -23,7 +26,9 @@ namespace {
 
 using glm::dvec3;
 
-constexpr int32_t kForeign = -1; // tag of edges of faces that only end in the plane
+constexpr double kOnePlaneCosine = 0.999; // of normals of faces in one plane: these differ by kReach at most
+constexpr double kReach = 0.045, kCell = 0.1; // along an axis; a cell of directions is wider than both ways
+constexpr int32_t kForeign = -1;              // tag of edges of faces that only end in the plane
 
 struct Plane {
     dvec3 origin, normal;
@@ -65,7 +70,12 @@ public:
             numbered[f].room = 0;
         }
         welded_ = weldFaces(numbered, 1, tolerance_, true);
-        for (const auto& [edge, found] : facesOfEdges(welded_)) edges_.push_back(edge);
+        for (const auto& [edge, found] : facesOfEdges(welded_)) {
+            edges_.push_back(edge);
+            const dvec3 a = welded_.vertices[edge.first], b = welded_.vertices[edge.second];
+            edgeBoxes_.push_back({glm::min(a, b), glm::max(a, b)});
+        }
+        edgeTree_.emplace(edgeBoxes_);
     }
 
     std::vector<Sheet> cut() {
@@ -95,21 +105,39 @@ private:
         return std::abs(glm::dot(welded_.vertices[v] - plane.origin, plane.normal)) <= 2 * tolerance_;
     }
 
+    // Each face is of the first plane that it lies in.
     std::vector<Plane> planes() const {
         std::vector<Plane> out;
+        std::map<std::array<int, 3>, std::vector<size_t>> turned; // planes, by their normals either way round
         for (uint32_t f = 0; f < welded_.faces.size(); ++f) {
             const auto& loop = welded_.faces[f].loops[0];
             const dvec3 area = areaVector(welded_.vertices, loop);
             if (!(glm::length(area) > tolerance_ * tolerance_)) continue;
             const dvec3 n = glm::normalize(area);
-            const auto in = [&](const Plane& plane) {
-                return std::abs(glm::dot(n, plane.normal)) > 0.999 &&
-                       std::ranges::all_of(loop, [&](uint32_t v) { return inPlane(plane, v); });
-            };
-            auto plane = std::ranges::find_if(out, in);
-            if (plane == out.end()) plane = out.insert(out.end(), {welded_.vertices[loop[0]], n, {}});
-            plane->faces.push_back(f);
+            size_t first = out.size();
+            for (const std::array<int, 3>& cell : cellsNear(n))
+                for (const size_t p : turned[cell])
+                    if (p < first && std::abs(glm::dot(n, out[p].normal)) > kOnePlaneCosine &&
+                        std::ranges::all_of(loop, [&](uint32_t v) { return inPlane(out[p], v); }))
+                        first = p;
+            if (first == out.size()) {
+                out.push_back({welded_.vertices[loop[0]], n, {}});
+                for (const dvec3 way : {n, -n}) turned[cellOf(way)].push_back(first);
+            }
+            out[first].faces.push_back(f);
         }
+        return out;
+    }
+
+    static std::array<int, 3> cellOf(dvec3 n) {
+        const glm::ivec3 cell(glm::floor(n / kCell));
+        return {cell.x, cell.y, cell.z};
+    }
+    static std::set<std::array<int, 3>> cellsNear(dvec3 n) { // all within kReach of it
+        std::set<std::array<int, 3>> out;
+        for (const double x : {-kReach, kReach})
+            for (const double y : {-kReach, kReach})
+                for (const double z : {-kReach, kReach}) out.insert(cellOf(n + dvec3(x, y, z)));
         return out;
     }
 
@@ -126,14 +154,13 @@ private:
                     high = glm::max(high, welded_.vertices[loop[i]]);
                 }
         std::vector<Edge> out;
-        for (const Edge& edge : edges_) {
-            if (!inPlane(plane, edge.first) || !inPlane(plane, edge.second) || own.contains(edge)) continue;
-            const dvec3 a = welded_.vertices[edge.first], b = welded_.vertices[edge.second];
-            if (glm::any(glm::lessThan(glm::max(a, b), low - tolerance_)) ||
-                glm::any(glm::greaterThan(glm::min(a, b), high + tolerance_)))
-                continue;
-            out.push_back(edge);
-        }
+        edgeTree_->anyHolding(high + tolerance_, low - tolerance_, [&](uint32_t i) {
+            const Edge& edge = edges_[i];
+            if (inPlane(plane, edge.first) && inPlane(plane, edge.second) && !own.contains(edge))
+                out.push_back(edge);
+            return false; // look at all
+        });
+        std::ranges::sort(out);
         return out;
     }
 
@@ -224,6 +251,8 @@ private:
     double tolerance_;
     Building welded_; // surface: the given face
     std::vector<Edge> edges_;
+    std::vector<Bounds> edgeBoxes_;
+    std::optional<BoxTree> edgeTree_;
     std::vector<Sheet> sheets_;
 };
 

@@ -17,7 +17,8 @@ struct Sheet {
 };
 
 // Corners of other faces count as on an edge, and faces as in one plane, within `tolerance` (metres). Faces
-// may cross; they are not cut there. Cost: faces times planes, and n^2 for n faces in one plane.
+// may cross; they are not cut there. Cost: n log n for n faces,
+// n^2 where all lie in one plane or in parallel ones.
 std::vector<Sheet> cutIntoSheets(const std::vector<SoupFace>& faces, double tolerance);
 
 } // namespace heliodon::geometry

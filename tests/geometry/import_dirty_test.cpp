@@ -404,6 +404,17 @@ Building roomWithPane(const std::string& pane) {
     return importModel(file);
 }
 
+TEST(DirtyModel, a_bent_face_with_open_edges_is_named_once) {
+    const std::string file = written(
+        {{{0, 0, 0}, {4, 0, 0}, {4, 1, 1e-3}, {4, 3, 0}, {1, 3, 0}, {0, 3, 1e-3}}, {{0, 1, 2, 3, 4, 5}}});
+    try {
+        importModel(file);
+        ADD_FAILURE();
+    } catch (const InputError& error) {
+        EXPECT_EQ(error.what(), file + ":7: the model is not closed: an edge of this face has no neighbour");
+    }
+}
+
 TEST(DirtyModel, a_pane_in_a_hole_is_a_window_and_see_through_without_transmittance_is_named) {
     const Building window = roomWithPane("Kd 0 0 0\nd 0.2\nTf 0.8 0.8 0.8\n");
     EXPECT_TRUE(window.warnings.empty());
@@ -418,6 +429,13 @@ TEST(DirtyModel, a_pane_in_a_hole_is_a_window_and_see_through_without_transmitta
             << opaque.warnings[0];
     }
     EXPECT_TRUE(roomWithPane("Kd 0.5 0.5 0.5\nd 1\n").warnings.empty());
+    for (const char* plaster : {"d 1\nTf 1 1 1\nKd 0.5 0.5 0.5\n", "Kd 0.5 0.5 0.5\nTf 1 1 1\nTr 0\n"}) {
+        const Building opaque = roomWithPane(plaster);
+        EXPECT_TRUE(std::ranges::none_of(opaque.materials, [](const Material& m) { return m.isOpening(); }));
+        ASSERT_EQ(opaque.warnings.size(), 1u) << plaster;
+        EXPECT_NE(opaque.warnings[0].find("\"pane\" has d 1 and Kd, and Tf 1 1 1"), std::string::npos)
+            << opaque.warnings[0];
+    }
     const std::vector<std::string> repairs = roomWithPane("map_Kd tiles.png\nnewmtl unused\nNs 3\n").repairs;
     EXPECT_TRUE(std::ranges::none_of(repairs, [](const auto& r) { return r.find("unused") < r.size(); }));
     EXPECT_EQ(std::ranges::count(repairs, "material \"pane\" has no Kd: a reflectance of 0.5 was assumed"), 1)

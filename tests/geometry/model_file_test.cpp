@@ -199,13 +199,23 @@ TEST_F(ModelFile, a_glb_that_was_cut_off_says_so) {
     }
 }
 
+TEST_F(ModelFile, a_glb_of_the_format_before_says_so) {
+    const fs::path file = write("m.glb", std::string("glTF\1\0\0\0\xff\0\0\0", 12)); // and cut off
+    try {
+        importModel(file);
+        ADD_FAILURE();
+    } catch (const InputError& error) {
+        EXPECT_EQ(error.what(), file.string() + ": is glTF 1.0 in binary, expected 2.0");
+    }
+}
+
 TEST_F(ModelFile, unphysical_materials_are_named_by_line) {
     const auto withMtl = [&](const std::string& mtl) {
         write("m.mtl", mtl);
         return refusal("mtllib m.mtl\n" + kSquare + "f 1 2 3\n");
     };
     EXPECT_EQ(withMtl("newmtl a\nKd 1 0 0\n"),
-              "m.mtl:2: material \"a\": reflectance (Kd) is 1, expected 0 to below 1");
+              "m.mtl:2: material \"a\": reflectance (Kd) is 1, expected 0 to below 1 (white paint: 0.85)");
     EXPECT_EQ(withMtl("newmtl a\nKe 1e30 0 0\n"),
               "m.mtl:2: material \"a\": exitance (Ke) is 1e+30, expected 0 to 1e+10 lux");
     EXPECT_EQ(withMtl("newmtl a\nKd nan 0 0\n"),
@@ -213,6 +223,10 @@ TEST_F(ModelFile, unphysical_materials_are_named_by_line) {
     EXPECT_EQ(
         withMtl("newmtl a\nKd 0.8 0.8 0.8\nTf 1 1 1\n"),
         "m.mtl:3: material \"a\": reflectance 0.8 and transmittance (Tf) 1 add up to more than 1; an opaque "
+        "material has no Tf");
+    EXPECT_EQ(
+        withMtl("newmtl a\nd 0.5\nTf 1 1 1\nKd 0.8 0.8 0.8\nNi 1.5\n"),
+        "m.mtl:4: material \"a\": reflectance 0.8 and transmittance (Tf) 1 add up to more than 1; an opaque "
         "material has no Tf");
     EXPECT_EQ(withMtl("Kd 0 0 0\n"), "m.mtl:1: Kd stands before any newmtl");
     EXPECT_EQ(refusal("# no\nmtllib missing.mtl\n"),
