@@ -124,12 +124,26 @@ RawModel readByExtension(const std::filesystem::path& file) {
     throw InputError(file.string(), "", "is no model, expected .obj, .gltf or .glb");
 }
 
+// Several programs write glass without a word of how much light passes, and without an opacity.
+void doubtOpaqueGlass(RawModel& model) {
+    for (uint32_t m = 0; m < model.materials.size(); ++m) {
+        const Material& material = model.materials[m];
+        const std::string name = lowered(material.name);
+        const bool isGlass = name.find("glass") != name.npos || name.find("glazing") != name.npos;
+        if (isGlass && !material.isOpening())
+            model.doubts.try_emplace(m, fmt::format("material \"{}\" is glass by its name but has no "
+                                                    "transmittance: it was taken as opaque",
+                                                    material.name));
+    }
+}
+
 } // namespace
 
 RawModel readRawModel(const std::filesystem::path& file) {
     RawModel model = readByExtension(file);
     if (model.faceCount() == 0) throw InputError(model.file, "", "holds no faces");
     checkReach(model);
+    doubtOpaqueGlass(model);
     return model;
 }
 

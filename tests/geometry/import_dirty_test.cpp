@@ -393,14 +393,14 @@ TEST(DirtyModel, polygons_that_run_to_their_holes_and_back_have_holes) {
 }
 
 // A wall that runs to the hole for its window and back, and the pane in it.
-Building roomWithPane(const std::string& pane) {
+Building roomWithPane(const std::string& pane, const std::string& name = "pane") {
     Polygons model = room();
     for (const glm::dvec3 v : {glm::dvec3(1, 1, 0), {3, 1, 0}, {3, 2, 0}, {1, 2, 0}})
         model.vertices.push_back(v);
     model.faces[2] = {1, 3, 2, 0, 1, 8, 11, 10, 9, 8}; // at z = 0
     const std::string file = written(model), folder = testing::TempDir();
-    std::ofstream(file, std::ios::app) << "mtllib pane.mtl\nusemtl pane\nf 9 10 11 12\n";
-    std::ofstream(folder + "pane.mtl") << "newmtl unused\nd 0.3\nnewmtl pane\n" << pane;
+    std::ofstream(file, std::ios::app) << "mtllib pane.mtl\nusemtl " << name << "\nf 9 10 11 12\n";
+    std::ofstream(folder + "pane.mtl") << "newmtl unused\nd 0.3\nnewmtl " << name << "\n" << pane;
     return importModel(file);
 }
 
@@ -429,6 +429,9 @@ TEST(DirtyModel, a_pane_in_a_hole_is_a_window_and_see_through_without_transmitta
             << opaque.warnings[0];
     }
     EXPECT_TRUE(roomWithPane("Kd 0.5 0.5 0.5\nd 1\n").warnings.empty());
+    const auto named = roomWithPane("Kd 0.5 0.5 0.5\n", "Window_Glass").warnings;
+    ASSERT_EQ(named.size(), 1u);
+    EXPECT_NE(named[0].find("\"Window_Glass\" is glass by its name"), std::string::npos) << named[0];
     for (const char* plaster : {"d 1\nTf 1 1 1\nKd 0.5 0.5 0.5\n", "Kd 0.5 0.5 0.5\nTf 1 1 1\nTr 0\n"}) {
         const Building opaque = roomWithPane(plaster);
         EXPECT_TRUE(std::ranges::none_of(opaque.materials, [](const Material& m) { return m.isOpening(); }));
