@@ -17,6 +17,7 @@
 #include "geometry/counted.h"
 #include "geometry/face_soup.h"
 #include "geometry/glass_pairs.h"
+#include "geometry/glass_slabs.h"
 #include "geometry/input_error.h"
 #include "geometry/model_faces.h"
 #include "geometry/model_file.h"
@@ -51,6 +52,23 @@ public:
     }
 
     Building import(const std::function<void()>& beforePart) {
+        const auto isGlass = [&](uint32_t m) { return model_.materials[m].isOpening(); };
+        if (auto panes = slabsAsPanes(faces_.soup, isGlass, kWeldOfExtent * extent_)) {
+            std::swap(faces_.soup, panes->soup);
+            try {
+                Building out = importDrawn(beforePart);
+                out.repairs.push_back(counted(panes->slabs, "slab") + " of glass taken as a pane");
+                return out;
+            } catch (const InputError&) { // what is wrong as it was drawn says more
+                faces_.soup = std::move(panes->soup);
+                turnedOver_ = 0;
+            }
+        }
+        return importDrawn(beforePart);
+    }
+
+private:
+    Building importDrawn(const std::function<void()>& beforePart) {
         bool tried = false;
         const auto then = [&](auto part) {
             beforePart();
@@ -74,7 +92,6 @@ public:
         return done();
     }
 
-private:
     Building done() {
         building_.northDeg = model_.northDeg.value_or(kModelNorthDeg);
         building_.northIsSaid = model_.northDeg.has_value();

@@ -1,0 +1,156 @@
+// Windows whose panes are bodies of glass: what lets light in is one face in each hole.
+#include <algorithm>
+#include <fstream>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include "geometry/input_error.h"
+#include "geometry/mesher.h"
+#include "geometry/model_file.h"
+#include "tests/geometry/mesh_volume.h"
+
+using namespace heliodon::geometry;
+
+namespace {
+
+using Corners = std::vector<glm::dvec3>;
+
+class Drawing {
+public:
+    Drawing() : out_(file_) {
+        std::ofstream(std::string(testing::TempDir()) + "slabs.mtl")
+            << "newmtl wall\nKd 0.5 0.5 0.5\nnewmtl glass\nKd 0 0 0\nTf 0.8 0.8 0.8\nNi 1.52\n";
+        out_ << "mtllib slabs.mtl\n";
+    }
+
+    void face(const char* material, const Corners& corners) {
+        for (const glm::dvec3& p : corners) out_ << fmt::format("v {:.9g} {:.9g} {:.9g}\n", p.x, p.y, p.z);
+        out_ << "usemtl " << material << "\nf";
+        for (size_t k = 0; k < corners.size(); ++k) out_ << ' ' << next_++;
+        out_ << '\n';
+    }
+    void ring(const Corners& outside, const Corners& hole) {
+        for (size_t k = 0; k < 4; ++k)
+            face("wall", {outside[k], outside[(k + 1) % 4], hole[(k + 1) % 4], hole[k]});
+    }
+    // Four faces from one outline to another.
+    void tube(const char* material, const Corners& from, const Corners& to) {
+        for (size_t k = 0; k < 4; ++k) face(material, {from[k], from[(k + 1) % 4], to[(k + 1) % 4], to[k]});
+    }
+    void slab(const Corners& one, const Corners& other) {
+        face("glass", one);
+        face("glass", {other[3], other[2], other[1], other[0]});
+        tube("glass", one, other);
+    }
+
+    Building read() {
+        out_.close();
+        return importModel(file_);
+    }
+
+private:
+    std::string file_ = testing::TempDir() + "slabs.obj";
+    std::ofstream out_;
+    int next_ = 1;
+};
+
+Corners rectangle(double x0, double x1, double y0, double y1, double z) {
+    return {{x0, y0, z}, {x1, y0, z}, {x1, y1, z}, {x0, y1, z}};
+}
+Corners whole(double z) {
+    return rectangle(0, 4, 0, 2.5, z);
+}
+Corners hole(double z) {
+    return rectangle(1, 3, 0.8, 2, z);
+}
+
+Corners turned(Corners outline) {
+    std::ranges::reverse(outline);
+    return outline;
+}
+
+// A room of 30 m3 behind z = `near`, with a hole there.
+void drawRoom(Drawing& drawing, double near, double far) {
+    drawing.ring(whole(near), hole(near));
+    drawing.face("wall", turned(whole(far)));
+    drawing.tube("wall", turned(whole(near)), turned(whole(far)));
+}
+
+double glassOf(const Building& building) {
+    double area = 0;
+    for (const Face& face : building.faces)
+        if (building.materials[face.material].isOpening()) {
+            glm::dvec3 sum{0};
+            const auto& loop = face.loops[0];
+            for (size_t k = 1; k + 1 < loop.size(); ++k)
+                sum += glm::cross(building.vertices[loop[k]] - building.vertices[loop[0]],
+                                  building.vertices[loop[k + 1]] - building.vertices[loop[0]]);
+            area += 0.5 * glm::length(sum);
+        }
+    return area;
+}
+
+void expectPanes(Drawing& drawing, uint32_t rooms, double glass, double cubicMetres) {
+    const Building building = drawing.read();
+    EXPECT_EQ(building.roomCount, rooms);
+    EXPECT_NEAR(glassOf(building), glass, 1e-6 * glass);
+    EXPECT_NEAR(volume(meshBuilding(building, {500})), cubicMetres, 1e-5 * cubicMetres);
+    EXPECT_EQ(std::ranges::count(building.repairs, "1 slab of glass taken as a pane"), 1)
+        << fmt::format("{}", fmt::join(building.repairs, "; "));
+}
+
+} // namespace
+
+TEST(GlassSlabs, in_a_hole_of_a_wall_without_thickness) {
+    for (const auto& [one, other] : std::vector<std::pair<double, double>>{
+             {-0.01, 0.01}, {-0.02, 0}, {0, 0.02}, {0.02, 0}}) { // about it, outside it, in the room
+        Drawing drawing;
+        drawRoom(drawing, 0, 3);
+        drawing.slab(hole(one), hole(other));
+        expectPanes(drawing, 1, 2.4, 30);
+    }
+}
+
+TEST(GlassSlabs, between_the_sides_of_a_hole_through_a_thick_wall) {
+    Drawing drawing;
+    drawRoom(drawing, 0, 3);
+    drawing.tube("wall", hole(0), hole(-0.3));
+    drawing.slab(hole(-0.12), hole(-0.1));
+    const Corners outside = rectangle(-0.3, 4.3, -0.3, 2.8, -0.3),
+                  behind = rectangle(-0.3, 4.3, -0.3, 2.8, 3.3);
+    drawing.ring(turned(outside), turned(hole(-0.3)));
+    drawing.face("wall", behind);
+    drawing.tube("wall", outside, behind);
+    expectPanes(drawing, 1, 2.4, 30 + 2.4 * 0.11);
+}
+
+TEST(GlassSlabs, through_the_wall_between_two_rooms_is_glass_on_both_sides) {
+    Drawing drawing;
+    drawRoom(drawing, 0, 3);
+    drawRoom(drawing, -0.2, -3.2);
+    drawing.slab(hole(-0.2), hole(0));
+    expectPanes(drawing, 2, 4.8, 60);
+}
+
+// No pane: a block whose sides are far apart, one in no hole, one with a side that leans.
+TEST(GlassSlabs, other_bodies_of_glass_stay_as_they_were_drawn) {
+    for (const Corners& other : {rectangle(1, 3, 0.8, 2, 0.5), rectangle(1.1, 3, 0.8, 2, 0.2)}) {
+        Drawing drawing;
+        drawRoom(drawing, 0, 3);
+        drawing.slab(hole(0), other);
+        EXPECT_GT(glassOf(drawing.read()), 2.4 * 1.05); // with its sides
+    }
+    Drawing loose;
+    drawRoom(loose, 0, 3);
+    loose.face("wall", hole(0));
+    loose.slab(rectangle(1, 2, 1, 2, 1), rectangle(1, 2, 1, 2, 1.02));
+    try {
+        EXPECT_GT(glassOf(loose.read()), 2 * 1.0); // both its sides
+    } catch (const InputError& error) {
+        EXPECT_NE(std::string(error.what()).find("slabs.obj:"), std::string::npos) << error.what();
+    }
+}
