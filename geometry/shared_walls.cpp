@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include "geometry/bounds.h"
 #include "geometry/counted.h"
 #include "geometry/disjoint_sets.h"
 #include "geometry/outline_area.h"
@@ -109,14 +110,14 @@ private:
         bool solid = false;
         double drawnInwards = 0; // area of its own faces that look into it, less that of those that look out
         double drawn = 0;        // area of both
-        double height() const {
-            double low = 1e300, high = -1e300;
+        Bounds box() const {
+            Bounds out{dvec3(1e300), dvec3(-1e300)};
             for (const ShellTriangle& t : triangles)
                 for (const dvec3 p : {t.a, t.b, t.c}) {
-                    low = std::min(low, p.y);
-                    high = std::max(high, p.y);
+                    out.low = glm::min(out.low, p);
+                    out.high = glm::max(out.high, p);
                 }
-            return high - low;
+            return out;
         }
         // Nearly all of its own faces look in, or out.
         bool looksIn() const { return drawnInwards > 0.5 * drawn; }
@@ -294,7 +295,8 @@ private:
     template<class Nested> void findSolids(Nested nested) {
         const auto air = [](const auto& p) { return p.second.solid ? 0 : p.second.volume; };
         const auto& [first, largest] = *std::ranges::max_element(parts_, {}, air);
-        const double height = largest.height();
+        const Bounds room = largest.box();
+        const double height = room.high.y - room.low.y;
         for (bool changed = true; changed;) {
             changed = false;
             contrary_ = insides_ = 0;
@@ -304,6 +306,12 @@ private:
                 stand.within |= nested(part.shell);
                 if (isSolid(stand, part, largest, height)) {
                     part.solid = changed = true;
+                    const Bounds box = part.box();
+                    if (glm::all(glm::lessThan(box.low, room.low)) &&
+                        glm::all(glm::greaterThan(box.high, room.high))) {
+                        ++walls_;
+                        continue;
+                    }
                     ++solids_;
                     largestSolid_ = std::max(largestSolid_, part.volume / largest.volume);
                 } else {
@@ -410,6 +418,7 @@ private:
             out.push_back(
                 fmt::format("faces of different materials lie on one another in {}: the smaller is seen",
                             counted(covered_.size(), "place")));
+        if (walls_ > 0) out.push_back(counted(walls_, "space") + " round the room taken as its walls");
         if (meeting > 0)
             out.push_back(
                 fmt::format("{} divided where others lie on or end on {}, and one is seen in each place",
@@ -465,6 +474,7 @@ private:
     uint32_t rooms_ = 0;
     size_t solids_ = 0;                 // that stand against walls or floors
     double largestSolid_ = 0;           // of the largest part's volume
+    size_t walls_ = 0;                  // solids all round the largest part
     size_t outsides_ = 0;               // of walls with a thickness
     size_t contrary_ = 0, insides_ = 0; // rooms whose faces look out, or that stand in others
     bool unclear_ = false;              // two materials in one place

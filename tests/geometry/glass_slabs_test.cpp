@@ -99,6 +99,7 @@ void expectPanes(Drawing& drawing, uint32_t rooms, double glass, double cubicMet
     EXPECT_EQ(building.roomCount, rooms);
     EXPECT_NEAR(glassOf(building), glass, 1e-6 * glass);
     EXPECT_NEAR(volume(meshBuilding(building, {500})), cubicMetres, 1e-5 * cubicMetres);
+    EXPECT_TRUE(building.warnings.empty()) << fmt::format("{}", fmt::join(building.warnings, "; "));
     EXPECT_EQ(std::ranges::count(building.repairs, "1 slab of glass taken as a pane"), 1)
         << fmt::format("{}", fmt::join(building.repairs, "; "));
 }
