@@ -17,7 +17,7 @@
 #include "geometry/counted.h"
 #include "geometry/face_soup.h"
 #include "geometry/glass_pairs.h"
-#include "geometry/glass_slabs.h"
+#include "geometry/glass_panes.h"
 #include "geometry/input_error.h"
 #include "geometry/model_faces.h"
 #include "geometry/model_file.h"
@@ -52,22 +52,37 @@ public:
     }
 
     Building import(const std::function<void()>& beforePart) {
-        const auto isGlass = [&](uint32_t m) { return model_.materials[m].isOpening(); };
-        if (auto panes = slabsAsPanes(faces_.soup, isGlass, kWeldOfExtent * extent_)) {
-            std::swap(faces_.soup, panes->soup);
-            try {
-                Building out = importDrawn(beforePart);
-                out.repairs.push_back(counted(panes->slabs, "slab") + " of glass taken as a pane");
-                return out;
-            } catch (const InputError&) { // what is wrong as it was drawn says more
-                faces_.soup = std::move(panes->soup);
-                turnedOver_ = 0;
-            }
+        if (auto made = importPanes(Drawn::slabs, beforePart)) return std::move(*made);
+        try {
+            return importDrawn(beforePart);
+        } catch (const InputError&) {
+            if (auto made = importPanes(Drawn::slabsAndFlat, beforePart)) return std::move(*made);
+            throw;
         }
-        return importDrawn(beforePart);
     }
 
 private:
+    // With other panes than are drawn; none where there are none, or not even these make rooms.
+    std::optional<Building> importPanes(Drawn drawn, const std::function<void()>& beforePart) {
+        const auto isGlass = [&](uint32_t m) { return model_.materials[m].isOpening(); };
+        auto panes = panesInHoles(faces_.soup, isGlass, kWeldOfExtent * extent_, drawn);
+        if (!panes) return std::nullopt;
+        std::swap(faces_.soup, panes->soup);
+        turnedOver_ = 0;
+        try {
+            Building out = importDrawn(beforePart);
+            if (panes->slabs > 0)
+                out.repairs.push_back(counted(panes->slabs, "slab") + " of glass taken as a pane");
+            if (panes->flat > 0)
+                out.repairs.push_back(counted(panes->flat, "pane") + " taken to fill the hole");
+            return out;
+        } catch (const InputError&) { // what is wrong as it was drawn says more
+            std::swap(faces_.soup, panes->soup);
+            turnedOver_ = 0;
+            return std::nullopt;
+        }
+    }
+
     Building importDrawn(const std::function<void()>& beforePart) {
         bool tried = false;
         const auto then = [&](auto part) {

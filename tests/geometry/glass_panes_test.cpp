@@ -1,4 +1,4 @@
-// Windows whose panes are bodies of glass: what lets light in is one face in each hole.
+// Windows whose panes are drawn as they are built: what lets light in is one face in each hole.
 #include <algorithm>
 #include <fstream>
 #include <vector>
@@ -64,8 +64,8 @@ Corners rectangle(double x0, double x1, double y0, double y1, double z) {
 Corners whole(double z) {
     return rectangle(0, 4, 0, 2.5, z);
 }
-Corners hole(double z) {
-    return rectangle(1, 3, 0.8, 2, z);
+Corners hole(double z, double wider = 0) {
+    return rectangle(1 - wider, 3 + wider, 0.8 - wider, 2 + wider, z);
 }
 
 Corners turned(Corners outline) {
@@ -94,42 +94,95 @@ double glassOf(const Building& building) {
     return area;
 }
 
-void expectPanes(Drawing& drawing, uint32_t rooms, double glass, double cubicMetres) {
+void expectPanes(Drawing& drawing, uint32_t rooms, double glass, double cubicMetres,
+                 const std::string& repair = "1 slab of glass taken as a pane") {
     const Building building = drawing.read();
     EXPECT_EQ(building.roomCount, rooms);
     EXPECT_NEAR(glassOf(building), glass, 1e-6 * glass);
     EXPECT_NEAR(volume(meshBuilding(building, {500})), cubicMetres, 1e-5 * cubicMetres);
     EXPECT_TRUE(building.warnings.empty()) << fmt::format("{}", fmt::join(building.warnings, "; "));
-    EXPECT_EQ(std::ranges::count(building.repairs, "1 slab of glass taken as a pane"), 1)
+    EXPECT_EQ(std::ranges::count(building.repairs, repair), 1)
         << fmt::format("{}", fmt::join(building.repairs, "; "));
 }
 
 } // namespace
 
-TEST(GlassSlabs, in_a_hole_of_a_wall_without_thickness) {
+TEST(GlassPanes, slabs_in_a_hole_of_a_wall_without_thickness) {
     for (const auto& [one, other] : std::vector<std::pair<double, double>>{
-             {-0.01, 0.01}, {-0.02, 0}, {0, 0.02}, {0.02, 0}}) { // about it, outside it, in the room
-        Drawing drawing;
-        drawRoom(drawing, 0, 3);
-        drawing.slab(hole(one), hole(other));
-        expectPanes(drawing, 1, 2.4, 30);
-    }
+             {-0.01, 0.01}, {-0.02, 0}, {0, 0.02}, {0.02, 0}}) // about it, outside it, in the room
+        for (const double wider : {0.0, -0.004}) {
+            Drawing drawing;
+            drawRoom(drawing, 0, 3);
+            drawing.slab(hole(one, wider), hole(other, wider));
+            if (one * other == 0 || wider == 0) expectPanes(drawing, 1, 2.4, 30);
+        }
+    Drawing over; // glued on
+    drawRoom(over, 0, 3);
+    over.slab(hole(0, 0.05), hole(-0.02, 0.05));
+    expectPanes(over, 1, 2.4, 30);
 }
 
-TEST(GlassSlabs, between_the_sides_of_a_hole_through_a_thick_wall) {
-    Drawing drawing;
+namespace {
+
+void drawThickWalls(Drawing& drawing) {
     drawRoom(drawing, 0, 3);
     drawing.tube("wall", hole(0), hole(-0.3));
-    drawing.slab(hole(-0.12), hole(-0.1));
     const Corners outside = rectangle(-0.3, 4.3, -0.3, 2.8, -0.3),
                   behind = rectangle(-0.3, 4.3, -0.3, 2.8, 3.3);
     drawing.ring(turned(outside), turned(hole(-0.3)));
     drawing.face("wall", behind);
     drawing.tube("wall", outside, behind);
-    expectPanes(drawing, 1, 2.4, 30 + 2.4 * 0.11);
 }
 
-TEST(GlassSlabs, through_the_wall_between_two_rooms_is_glass_on_both_sides) {
+} // namespace
+
+TEST(GlassPanes, slabs_between_the_sides_of_a_hole_through_a_thick_wall) {
+    for (const double wider : {0.0, 0.02, -0.004}) { // let into the wall, with a joint
+        Drawing drawing;
+        drawThickWalls(drawing);
+        drawing.slab(hole(-0.12, wider), hole(-0.1, wider));
+        expectPanes(drawing, 1, 2.4, 30 + 2.4 * 0.11);
+    }
+}
+
+TEST(GlassPanes, flat_ones_that_are_larger_or_smaller_than_their_hole) {
+    for (const double wider : {0.02, -0.004}) {
+        Drawing thick;
+        drawThickWalls(thick);
+        thick.face("glass", hole(-0.1, wider));
+        expectPanes(thick, 1, 2.4, 30 + 2.4 * 0.1, "1 pane taken to fill the hole");
+        Drawing thin;
+        drawRoom(thin, 0, 3);
+        thin.face("glass", hole(0, wider));
+        expectPanes(thin, 1, 2.4, 30, "1 pane taken to fill the hole");
+    }
+}
+
+// A bar stands in the hole: what it leaves free are two panes.
+TEST(GlassPanes, behind_a_bar) {
+    Drawing drawing;
+    drawThickWalls(drawing);
+    const Corners foot = {{1.9, 0.8, -0.2}, {2.1, 0.8, -0.2}, {2.1, 0.8, -0.05}, {1.9, 0.8, -0.05}};
+    Corners head = foot;
+    for (glm::dvec3& p : head) p.y = 2;
+    drawing.tube("wall", turned(foot), turned(head));
+    drawing.face("wall", foot);
+    drawing.face("wall", turned(head));
+    drawing.slab(hole(-0.12), hole(-0.1));
+    const Building building = drawing.read();
+    EXPECT_EQ(building.roomCount, 1u);
+    EXPECT_NEAR(glassOf(building), 2.4 - 0.2 * 1.2, 1e-6);
+}
+
+// 5 cm of joint are a gap that light comes in by.
+TEST(GlassPanes, that_leave_a_gap_are_refused) {
+    Drawing drawing;
+    drawRoom(drawing, 0, 3);
+    drawing.slab(hole(-0.01, -0.05), hole(0.01, -0.05));
+    EXPECT_THROW(drawing.read(), InputError);
+}
+
+TEST(GlassPanes, slabs_through_the_wall_between_two_rooms_is_glass_on_both_sides) {
     Drawing drawing;
     drawRoom(drawing, 0, 3);
     drawRoom(drawing, -0.2, -3.2);
@@ -138,7 +191,7 @@ TEST(GlassSlabs, through_the_wall_between_two_rooms_is_glass_on_both_sides) {
 }
 
 // No pane: a block whose sides are far apart, one in no hole, one with a side that leans.
-TEST(GlassSlabs, other_bodies_of_glass_stay_as_they_were_drawn) {
+TEST(GlassPanes, other_bodies_of_glass_stay_as_they_were_drawn) {
     for (const Corners& other : {rectangle(1, 3, 0.8, 2, 0.5), rectangle(1.1, 3, 0.8, 2, 0.2)}) {
         Drawing drawing;
         drawRoom(drawing, 0, 3);

@@ -1,0 +1,203 @@
+#include "geometry/pane_in_hole.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+
+#include "geometry/outline_area.h"
+#include "geometry/perpendicular.h"
+#include "geometry/plan_arrangement.h"
+#include "geometry/plan_regions.h"
+#include "geometry/segment_distance.h"
+
+namespace heliodon::geometry {
+
+namespace {
+
+using glm::dvec2;
+using glm::dvec3;
+
+constexpr double kReach = 1.01;    // of the pane's extent from its middle
+constexpr double kLeastPart = 0.5; // of the pane's area
+enum Tag : int32_t { kPane, kSection, kWall };
+
+struct Plane {
+    dvec3 origin, normal, u, v;
+
+    dvec2 flat(dvec3 p) const { return {glm::dot(p - origin, u), glm::dot(p - origin, v)}; }
+    double height(dvec3 p) const { return glm::dot(p - origin, normal); }
+    dvec3 back(dvec2 p) const { return origin + p.x * u + p.y * v; }
+};
+
+// Counter-clockwise (Andrew 1979).
+std::vector<dvec2> hullOf(std::vector<dvec2> points) {
+    std::ranges::sort(points, {}, [](dvec2 p) { return std::pair(p.x, p.y); });
+    std::vector<dvec2> hull;
+    for (int half = 0; half < 2; ++half, std::ranges::reverse(points)) {
+        const size_t first = hull.size();
+        for (const dvec2 p : points) {
+            while (hull.size() >= first + 2 &&
+                   cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 0)
+                hull.pop_back();
+            hull.push_back(p);
+        }
+        hull.pop_back(); // the other half begins there
+    }
+    return hull;
+}
+
+double areaOf(std::span<const dvec2> outline) {
+    double twice = 0;
+    for (size_t k = 1; k + 1 < outline.size(); ++k)
+        twice += cross(outline[k] - outline[0], outline[k + 1] - outline[0]);
+    return 0.5 * twice;
+}
+
+class PlaneSection {
+public:
+    PlaneSection(const Plane& plane, double tolerance) : plane_(plane), tolerance_(tolerance) {}
+
+    void addOutline(std::span<const dvec2> outline, Tag tag) {
+        for (size_t k = 0; k < outline.size(); ++k)
+            if (const dvec2 a = outline[k], b = outline[(k + 1) % outline.size()]; a != b)
+                segments_.push_back({a, b, tag});
+    }
+
+    void add(const SoupFace& face) {
+        double most = 0;
+        for (const auto& loop : face.loops)
+            for (const dvec3 p : loop) most = std::max(most, std::abs(plane_.height(p)));
+        if (most > tolerance_) {
+            addCut(face, 1);
+            addCut(face, -1);
+            return;
+        }
+        const bool over = glm::dot(areaVector(face.loops[0]), plane_.normal) < 0;
+        for (const auto& loop : face.loops) {
+            std::vector<dvec2> outline;
+            for (const dvec3 p : loop) outline.push_back(plane_.flat(p));
+            if (over) std::ranges::reverse(outline);
+            addOutline(outline, kWall);
+        }
+    }
+
+    const std::vector<PlanSegment>& segments() const { return segments_; }
+
+private:
+    // Where the face crosses the plane; corners in the plane count as on the side `ofZero`.
+    void addCut(const SoupFace& face, double ofZero) {
+        std::vector<dvec2> points;
+        for (const auto& loop : face.loops)
+            for (size_t k = 0; k < loop.size(); ++k) {
+                const dvec3 a = loop[k], b = loop[(k + 1) % loop.size()];
+                const double from = heightOf(a), to = heightOf(b);
+                if ((from == 0 ? ofZero : from) * (to == 0 ? ofZero : to) < 0)
+                    points.push_back(plane_.flat(a + (b - a) * (from / (from - to))));
+            }
+        const dvec3 along = glm::cross(plane_.normal, areaVector(face.loops[0]));
+        const dvec2 way = glm::normalize(dvec2(glm::dot(along, plane_.u), glm::dot(along, plane_.v))),
+                    over = 2 * tolerance_ * way; // so that faces that meet within the tolerance leave no gap
+        std::ranges::sort(points, {}, [&](dvec2 p) { return glm::dot(p, way); });
+        for (size_t k = 0; k + 1 < points.size(); k += 2)
+            segments_.push_back({points[k] - over, points[k + 1] + over, kSection});
+    }
+    double heightOf(dvec3 p) const {
+        const double height = plane_.height(p);
+        return std::abs(height) <= tolerance_ ? 0 : height;
+    }
+
+    const Plane& plane_;
+    double tolerance_;
+    std::vector<PlanSegment> segments_;
+};
+
+// Without the corners on straight lines, where sections of several faces meet.
+std::vector<dvec2> cornersOf(const std::vector<dvec2>& outline, double tolerance) {
+    std::vector<dvec2> out;
+    for (size_t k = 0; k < outline.size(); ++k) {
+        const dvec2 before = out.empty() ? outline.back() : out.back(),
+                    after = outline[(k + 1) % outline.size()];
+        if (distanceToSegment(outline[k], before, after) > tolerance) out.push_back(outline[k]);
+    }
+    return out;
+}
+
+// Per cell: its number where it lies in the pane, in no wall, and not at the pane's own border; else -1.
+std::vector<int> holesIn(const PlanArrangement& map) {
+    const std::vector<int> pane = coverage(map, [](int32_t tag) { return tag == kPane; }),
+                           wall = coverage(map, [](int32_t tag) { return tag == kWall; });
+    std::vector<int> labels(map.cellCount, -1);
+    for (uint32_t c = 1; c < map.cellCount; ++c)
+        if (pane[c] > 0 && wall[c] <= 0) labels[c] = static_cast<int>(c);
+    for (uint32_t e = 0; e < map.edgeCount(); ++e)
+        if (std::ranges::any_of(map.tags[e], [](const auto& t) { return t.tag == kPane; }))
+            labels[map.cell[2 * e]] = labels[map.cell[2 * e + 1]] = -1;
+    return labels;
+}
+
+} // namespace
+
+PaneFitter::PaneFitter(const std::vector<SoupFace>& soup, const std::function<bool(uint32_t)>& isGlass,
+                       double tolerance)
+    : soup_(soup), others_([&] {
+          std::vector<uint32_t> others;
+          for (uint32_t f = 0; f < soup.size(); ++f)
+              if (!isGlass(soup[f].material)) others.push_back(f);
+          return others;
+      }()),
+      boxes_([&] {
+          std::vector<Bounds> boxes;
+          for (const uint32_t f : others_) boxes.push_back(boundsOf(soup[f].loops[0]));
+          return boxes;
+      }()),
+      tree_(boxes_), tolerance_(tolerance) {}
+
+std::vector<SoupFace> PaneFitter::fit(std::span<const uint32_t> pane, dvec3 shift) const {
+    const SoupFace& first = soup_[pane[0]];
+    const dvec3 normal = glm::normalize(areaVector(first.loops[0])), u = perpendicular(normal);
+    const Plane plane{first.loops[0][0] + shift, normal, u, glm::cross(normal, u)};
+    std::vector<dvec2> corners;
+    for (const uint32_t f : pane)
+        for (const dvec3 p : soup_[f].loops[0]) corners.push_back(plane.flat(p + shift));
+    std::vector<dvec2> reach = hullOf(std::move(corners));
+    const double area = areaOf(reach);
+    dvec2 middle(0);
+    for (const dvec2 p : reach) middle += p / static_cast<double>(reach.size());
+    std::vector<dvec3> inSpace;
+    for (dvec2& p : reach) {
+        p = middle + kReach * (p - middle);
+        inSpace.push_back(plane.back(p));
+    }
+
+    PlaneSection section(plane, tolerance_);
+    section.addOutline(reach, kPane);
+    const Bounds box = boundsOf(inSpace);
+    tree_.anyHolding(box.high + tolerance_, box.low - tolerance_, [&](uint32_t i) {
+        section.add(soup_[others_[i]]);
+        return false; // look at all
+    });
+    const PlanArrangement map = arrange(section.segments());
+    std::vector<int> labels = holesIn(map);
+    absorbThinCells(map, labels, tolerance_);
+    std::vector<SoupFace> out;
+    double left = 0;
+    for (const PlanRegion& region : traceRegions(map, labels)) {
+        SoupFace face = first;
+        face.loops.clear();
+        for (const auto& halves : region.loops) {
+            std::vector<dvec2> outline;
+            for (const uint32_t h : halves) outline.push_back(map.points[map.source(h)]);
+            outline = cornersOf(outline, tolerance_);
+            left += areaOf(outline);
+            face.loops.emplace_back();
+            for (const dvec2 p : outline) face.loops.back().push_back(plane.back(p));
+        }
+        out.push_back(std::move(face));
+    }
+    if (left < kLeastPart * area) out.clear();
+    return out;
+}
+
+} // namespace heliodon::geometry

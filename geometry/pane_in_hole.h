@@ -1,0 +1,36 @@
+// Panes as they are built reach into frames and walls, or leave a joint: what of their plane lies in the
+// hole.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "geometry/bounds.h"
+#include "geometry/box_tree.h"
+#include "geometry/face_soup.h"
+
+namespace heliodon::geometry {
+
+class PaneFitter {
+public:
+    // `isGlass` of a material: all other faces bound holes. Faces end in a plane within `tolerance` (metres).
+    PaneFitter(const std::vector<SoupFace>& soup, const std::function<bool(uint32_t)>& isGlass,
+               double tolerance);
+
+    // The pane of the given faces of the soup, which lie in one plane, moved by `shift`: a face for each part
+    // of the plane, no farther out than the pane (and 1 % of its extent), that other faces bound all round
+    // where they cross or lie in that plane; of the first face's material. None where less than half of the
+    // pane would be left. Panes are taken as convex.
+    std::vector<SoupFace> fit(std::span<const uint32_t> pane, glm::dvec3 shift) const;
+
+private:
+    const std::vector<SoupFace>& soup_;
+    std::vector<uint32_t> others_; // faces of the soup
+    std::vector<Bounds> boxes_;    // of these
+    BoxTree tree_;
+    double tolerance_;
+};
+
+} // namespace heliodon::geometry
