@@ -16,9 +16,11 @@
 #include "geometry/model_file.h"
 #include "geometry/room_measures.h"
 #include "geometry/sketch.h"
+#include "tests/geometry/drawn_pieces.h"
 #include "tests/geometry/mesh_volume.h"
 
 using namespace heliodon::geometry;
+using heliodon::test::wall;
 
 namespace {
 
@@ -105,6 +107,29 @@ TEST(CurvedFacets, are_even_between_the_walls_that_cut_them) {
         const auto [least, most] = std::ranges::minmax(all);
         EXPECT_GT(least, 0.97 * most) << surface;
     }
+}
+
+// Wherever a low wall ends on a curved one: a fold a hair beside its side would leave a sliver of the wall.
+TEST(CurvedFacets, have_no_folds_beside_the_sides_of_partitions) {
+    for (const bool ring : {false, true})
+        for (double at = 20; at < 160; at += 7) {
+            Sketch sketch;
+            sketch.arcs = {arc("round", {0, 0}, 8, 0, ring ? 360 : 180)};
+            if (!ring) sketch.walls.push_back(wall("straight", {-8.2, 0}, {8.2, 0}));
+            const double angle = at * std::numbers::pi / 180;
+            const glm::dvec2 end(8 * std::cos(angle), 8 * std::sin(angle));
+            sketch.walls.push_back(wall("low", 0.5 * end, end, HeightClass::green));
+            const Closure closure = closeSketch(sketch, fittedOptions(sketch));
+            ASSERT_TRUE(closure.building) << closure.report.message;
+            double shortest = 1e300; // inches
+            for (const Face& face : closure.building->faces)
+                for (size_t k = 0, n = face.loops[0].size(); k < n; ++k)
+                    shortest = std::min(shortest,
+                                        glm::length(closure.building->vertices[face.loops[0][(k + 1) % n]] -
+                                                    closure.building->vertices[face.loops[0][k]]) /
+                                            kMetresPerInch);
+            EXPECT_GT(shortest, 0.3) << at << (ring ? " degrees of a ring" : " degrees");
+        }
 }
 
 // Corridors between two arcs, closed at both ends: facets a fifth shorter there left no room for columns, and
@@ -466,8 +491,9 @@ TEST(CurvedFacets, what_was_curved_is_so_when_it_is_read_again) {
         }
 }
 
-// Triangles that lean across a fold, from its foot, are no part of the wall that is laid out, which then touches
-// itself in that corner: the program's own models of rooms with arcs were refused when it read them again.
+// Triangles that lean across a fold, from its foot, are no part of the wall that is laid out, which then
+// touches itself in that corner: the program's own models of rooms with arcs were refused when it read them
+// again.
 TEST(CurvedFacets, a_wall_may_hang_together_in_a_corner_beside_triangles_that_lean) {
     const int sides = 24;
     const std::string file = testing::TempDir() + "leaning.obj";
