@@ -44,6 +44,8 @@ bool hasColour(const tinygltf::Material& in) {
 }
 
 // What is transmitted is tinted by the base colour, the rest of it is reflected.
+constexpr MaterialFields kFields{"baseColorFactor", "transmissionFactor", "emissiveFactor", "ior"};
+
 Material materialOf(const tinygltf::Material& in) {
     Material out;
     out.name = in.name;
@@ -122,7 +124,7 @@ public:
                     fmt::format("material \"{}\" has no baseColorFactor: a reflectance of {} was assumed",
                                 material.name, assumed);
             }
-            checkMaterial(material, out_.file, fmt::format("materials[{}]", i));
+            checkMaterial(material, kFields, out_.file, fmt::format("materials[{}]", i));
             const double opacity = in_.materials[i].pbrMetallicRoughness.baseColorFactor.at(3);
             if (in_.materials[i].alphaMode == "BLEND" && opacity < 1 && !material.isOpening())
                 out_.doubts[static_cast<uint32_t>(i)] =
@@ -206,14 +208,12 @@ private:
         out_.twins.emplace().of = number(twins.Get("of"));
         if (twins.Has("glass")) {
             const tinygltf::Value& glass = twins.Get("glass");
-            GlassMark& mark = out_.twins->glass.emplace();
-            bool good = glass.IsArray() && glass.ArrayLen() == 4;
-            if (good) mark.panes = number(glass.Get(0));
-            for (int c = 0; c < 3 && good; ++c) {
-                good = glass.Get(c + 1).IsNumber();
-                if (good) mark.place[c] = glass.Get(c + 1).GetNumberAsDouble();
-            }
-            if (!good) fail("asset.extras.twins.glass", "expected [PANES, X, Y, Z]");
+            std::vector<double> numbers;
+            for (int i = 0; i < static_cast<int>(glass.ArrayLen()); ++i)
+                numbers.push_back(glass.Get(i).IsNumber() ? glass.Get(i).GetNumberAsDouble() : NAN);
+            out_.twins->glass = glassMark(numbers);
+            if (!out_.twins->glass)
+                fail("asset.extras.twins.glass", fmt::format("expected the numbers {}", kGlassMarkForm));
         }
         if (!twins.Has("pairs")) return; // the loader drops empty lists
         const tinygltf::Value& list = twins.Get("pairs");

@@ -147,8 +147,10 @@ private:
         const auto& [of, glass, said] = *model_.twins;
         if (of != model_.faceCount())
             return warn(fmt::format("it is of {}, not {}", counted(of, "face"), model_.faceCount()));
-        const GlassMark now = glassMark(model_.vertices, model_.corners, model_.firstCorner,
-                                        [&](size_t f) { return isOpening(static_cast<uint32_t>(f)); });
+        std::vector<size_t> panes;
+        for (uint32_t f = 0; f < model_.faceCount(); ++f)
+            if (isOpening(f)) panes.push_back(f);
+        const GlassMark now = glassMark(model_.vertices, model_.corners, model_.firstCorner, panes);
         if (glass && glass->panes != now.panes)
             return warn(fmt::format("it is of {}, not {}", counted(glass->panes, "pane"), now.panes));
         if (glass && !glass->agrees(now)) return warn("the glass stood elsewhere in the model");

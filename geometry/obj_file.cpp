@@ -95,6 +95,8 @@ private:
 
 using MaterialIndex = std::map<std::string, uint32_t, std::less<>>;
 
+constexpr MaterialFields kFields{"Kd", "Tf", "Ke", "Ni"};
+
 struct MaterialDraft {
     Material material;
     std::string place, colourPlace; // its last line; that of its last Kd or Tf
@@ -123,7 +125,7 @@ void finishMaterial(const MaterialDraft& draft, const std::string& file, RawMode
         model.assumed[number] =
             fmt::format("material \"{}\" has no Kd: a reflectance of 0.5 was assumed", material.name);
     }
-    checkMaterial(material, file, draft.colourPlace);
+    checkMaterial(material, kFields, file, draft.colourPlace);
     if (material.blind != Blind{} && !material.isOpening())
         throw InputError(
             file, draft.place,
@@ -190,7 +192,7 @@ void readMtl(const std::filesystem::path& file, RawModel& model, MaterialIndex& 
         if (key == "Kd" || key == "Tf") draft->colourPlace = lines.place();
         Material soFar = draft->material;
         if (soFar.transmittance == glm::vec3(1)) soFar.transmittance = glm::vec3(0); // "d 1" may follow
-        checkMaterial(soFar, lines.file(), lines.place());
+        checkMaterial(soFar, kFields, lines.file(), lines.place());
     }
     if (draft) finishMaterial(*draft, lines.file(), model, index);
 }
@@ -355,7 +357,7 @@ private:
             uint32_t value = 0;
             const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
             if (error != std::errc() || end != word.data() + word.size() || value == 0)
-                lines_.fail(fmt::format("\"{}\", expected twins of FACES glass PANES X Y Z, and twins FACE "
+                lines_.fail(fmt::format("\"{}\", expected twins of FACES, and twins FACE "
                                         "FACE ..., counted from 1",
                                         word));
             return value;
@@ -367,10 +369,12 @@ private:
             word = lines_.word();
         }
         if (word == "glass" && model_.twins) {
-            GlassMark& glass = model_.twins->glass.emplace();
-            glass.panes = number(lines_.word());
-            for (int c = 0; c < 3; ++c) glass.place[c] = lines_.number("glass PANES X Y Z");
-            word = lines_.word();
+            const std::string form = fmt::format("twins of FACES glass {}", kGlassMarkForm);
+            std::vector<double> numbers;
+            while (!lines_.remainder().empty()) numbers.push_back(lines_.number(form.c_str()));
+            model_.twins->glass = glassMark(numbers);
+            if (!model_.twins->glass) lines_.fail("expected " + form);
+            return;
         }
         if (!model_.twins) lines_.fail("twins without the number of all faces, expected twins of FACES");
         for (; !word.empty(); word = lines_.word()) {

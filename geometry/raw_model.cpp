@@ -82,24 +82,27 @@ std::string seeThroughButOpaque(const std::string& material, double opacity, con
 // Lux. The sun's surface has 6e9; squares of what is much brighter leave single precision.
 constexpr float kBrightest = 1e10f;
 
-void checkMaterial(const Material& material, const std::string& file, const std::string& place) {
+void checkMaterial(const Material& material, const MaterialFields& fields, const std::string& file,
+                   const std::string& place) {
     const auto fail = [&](const std::string& what) {
         throw InputError(file, place, fmt::format("material \"{}\": {}", material.name, what));
     };
     const float ior = material.refractiveIndex;
-    if (!(ior >= 1 && ior <= 4)) fail(fmt::format("refractive index (Ni) is {}, expected 1 to 4", ior));
+    if (!(ior >= 1 && ior <= 4))
+        fail(fmt::format("refractive index ({}) is {}, expected 1 to 4", fields.refractiveIndex, ior));
     for (int c = 0; c < 3; ++c) {
         const float kd = material.reflectance[c], tf = material.transmittance[c], ke = material.exitance[c];
         if (!(kd >= 0 && kd < 1))
-            fail(fmt::format("reflectance (Kd) is {}, expected 0 to below 1 (white paint: 0.85)", kd));
-        if (!(tf >= 0 && tf <= 1)) fail(fmt::format("transmittance (Tf) is {}, expected 0 to 1", tf));
+            fail(fmt::format("reflectance ({}) is {}, expected 0 to below 1 (white paint: 0.85)",
+                             fields.reflectance, kd));
+        if (!(tf >= 0 && tf <= 1))
+            fail(fmt::format("transmittance ({}) is {}, expected 0 to 1", fields.transmittance, tf));
         if (kd + tf > 1 + 1e-6f)
-            fail(fmt::format(
-                "reflectance {} and transmittance (Tf) {} add up to more than 1; an opaque material "
-                "has no Tf",
-                kd, tf));
+            fail(fmt::format("reflectance {0} and transmittance ({1}) {2} add up to more than 1; an opaque "
+                             "material has no {1}",
+                             kd, fields.transmittance, tf));
         if (!(ke >= 0 && ke <= kBrightest))
-            fail(fmt::format("exitance (Ke) is {}, expected 0 to {:g} lux", ke, kBrightest));
+            fail(fmt::format("exitance ({}) is {}, expected 0 to {:g} lux", fields.exitance, ke, kBrightest));
     }
 }
 

@@ -81,7 +81,13 @@ RawModel readRawModel(const std::filesystem::path& file);
 // glass may be meant, and is not made of it, for how much light passes at what angle is not known.
 std::string seeThroughButOpaque(const std::string& material, double opacity, const char* transmittance);
 
-// Throws InputError(file, place, ...) unless the material's values are physical.
-void checkMaterial(const Material& material, const std::string& file, const std::string& place);
+// What a format calls the values of a material.
+struct MaterialFields {
+    const char *reflectance, *transmittance, *exitance, *refractiveIndex;
+};
+
+// Throws InputError(file, place, ...), naming the field, unless the material's values are physical.
+void checkMaterial(const Material& material, const MaterialFields& fields, const std::string& file,
+                   const std::string& place);
 
 } // namespace heliodon::geometry

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
@@ -44,13 +45,15 @@ struct TwinFaces {
 
 // Counted from `first` on. None of a mesh without glass.
 std::optional<TwinFaces> twinFaces(const PatchMesh& mesh, size_t first) {
-    const auto isGlass = [&](size_t patch) { return mesh.materials[mesh.material[patch]].isOpening(); };
-    TwinFaces out{glassMark(mesh.vertices, mesh.corners, mesh.firstCorner, isGlass), {}};
-    if (out.glass.panes == 0) return std::nullopt;
-    std::vector<size_t> place(mesh.patchCount());
+    std::vector<size_t> place(mesh.patchCount()), glass;
     size_t next = first; // .glb holds triangles only
     for (const auto& [key, patches] : groups(mesh))
-        for (const size_t i : patches) place[i] = next++;
+        for (const size_t i : patches) {
+            place[i] = next++;
+            if (mesh.materials[mesh.material[i]].isOpening()) glass.push_back(i);
+        }
+    if (glass.empty()) return std::nullopt;
+    TwinFaces out{glassMark(mesh.vertices, mesh.corners, mesh.firstCorner, glass), {}};
     for (size_t i = 0; i < mesh.patchCount(); ++i)
         if (const int32_t twin = mesh.twin[i]; twin >= 0 && static_cast<size_t>(twin) > i)
             out.pairs.insert(out.pairs.end(), {place[i], place[static_cast<size_t>(twin)]});
@@ -151,12 +154,11 @@ void writeObj(const PatchMesh& mesh, const std::filesystem::path& file, double n
     }
     if (const auto twins = twinFaces(mesh, 1)) {
         constexpr size_t kOfLine = 16;
-        const auto& [panes, place] = twins->glass;
         text += fmt::format(
             "# the two sides of glass between rooms, of all faces, by their order from 1, and how "
             "much glass there was where; other glass looks outside; heliodon's own\n"
-            "twins of {} glass {} {:.7f} {:.7f} {:.7f}",
-            mesh.patchCount(), panes, place.x, place.y, place.z);
+            "twins of {} glass {}",
+            mesh.patchCount(), fmt::join(numbersOf(twins->glass), " "));
         for (size_t k = 0; k < twins->pairs.size(); ++k)
             text += fmt::format("{}{}", k % kOfLine == 0 ? "\ntwins " : " ", twins->pairs[k]);
         text += "\n";
@@ -181,10 +183,10 @@ public:
         json_["asset"] = {{"version", "2.0"}, {"generator", "heliodon " HELIODON_VERSION}};
         json_["asset"]["extras"]["north_deg"] = northDeg_;
         if (const auto twins = twinFaces(mesh_, 0)) {
-            const auto& [panes, place] = twins->glass;
-            json_["asset"]["extras"]["twins"] = {{"of", mesh_.patchCount()},
-                                                 {"glass", {panes, place.x, place.y, place.z}},
-                                                 {"pairs", twins->pairs}};
+            nlohmann::ordered_json glass = numbersOf(twins->glass);
+            glass[0] = twins->glass.panes;
+            json_["asset"]["extras"]["twins"] = {
+                {"of", mesh_.patchCount()}, {"glass", glass}, {"pairs", twins->pairs}};
         }
         json_["scene"] = 0;
         addMaterials();

@@ -130,9 +130,11 @@ TEST(GlassPairs, panes_are_twins_as_they_stand_where_walls_became_glass_since_th
     for (const size_t at : {first, third}) shut.replace(at, glass.size(), "usemtl shut "); // as long
     std::ofstream(file) << shut;
     const PatchMesh faces = readPatches(file);
-    const auto [panes, place] = glassMark(faces.vertices, faces.corners, faces.firstCorner, [&](size_t f) {
-        return faces.materials[faces.material[f]].isOpening();
-    });
+    std::vector<size_t> glassFaces;
+    for (size_t f = 0; f < faces.patchCount(); ++f)
+        if (faces.materials[faces.material[f]].isOpening()) glassFaces.push_back(f);
+    const auto [panes, place, checksum] =
+        glassMark(faces.vertices, faces.corners, faces.firstCorner, glassFaces);
     EXPECT_EQ(panes, 2u);
     const auto paired = [&](const std::string& model, const std::string& warning) {
         std::ofstream(file) << model
@@ -144,6 +146,76 @@ TEST(GlassPairs, panes_are_twins_as_they_stand_where_walls_became_glass_since_th
     };
     EXPECT_EQ(paired(shut, ""), 2);
     EXPECT_EQ(paired(opened, "it is of 2 panes, not 4"), 4);
+}
+
+// Upright panes 0.1 m wide in rows on two walls of a hall of 20 by 8 by 12 m, as many on each.
+struct HallOfPanes {
+    std::vector<glm::dvec3> vertices{{0, 0, 0}, {20, 8, 12}, {20, 0, 0}}; // the hall's own face
+    std::vector<uint32_t> corners{0, 1, 2}, firstCorner{0, 3};
+    std::vector<size_t> panes;
+
+    HallOfPanes() {
+        for (uint32_t k = 0; k < 2000; ++k) {
+            const glm::dvec3 at(0.15 * (k / 2 % 125) + 0.3, k / 250 + 0.2, k % 2 * 12);
+            for (const glm::dvec3 d : {glm::dvec3(0, 0, 0), {0.1, 0, 0}, {0.1, 0.7, 0}, {0, 0.7, 0}}) {
+                corners.push_back(static_cast<uint32_t>(vertices.size()));
+                vertices.push_back(at + d);
+            }
+            panes.push_back(firstCorner.size() - 1);
+            firstCorner.push_back(static_cast<uint32_t>(corners.size()));
+        }
+    }
+
+    GlassMark mark() const { return glassMark(vertices, corners, firstCorner, panes); }
+    template<class Move> HallOfPanes moved(Move move) const {
+        HallOfPanes out = *this;
+        for (glm::dvec3& p : out.vertices) p = move(p);
+        return out;
+    }
+    // Of the pane's four corners.
+    HallOfPanes with(size_t pane, glm::dvec3 shift) const {
+        HallOfPanes out = *this;
+        for (uint32_t c = firstCorner[panes[pane]]; c < firstCorner[panes[pane] + 1]; ++c)
+            out.vertices[corners[c]] += shift;
+        return out;
+    }
+};
+
+TEST(GlassMark, one_pane_of_two_thousand_that_moved_is_seen) {
+    const HallOfPanes hall;
+    const GlassMark mark = hall.mark();
+    ASSERT_EQ(mark.panes, 2000u);
+    for (const size_t pane : {0u, 1u, 777u, 1999u})
+        for (const glm::dvec3 shift : {glm::dvec3(0.05, 0, 0), {0, -0.05, 0}, {0, 0, 0.05}})
+            EXPECT_FALSE(hall.with(pane, shift).mark().agrees(mark)) << pane;
+    HallOfPanes turned = hall; // the file has them in another order
+    std::ranges::swap(turned.panes[3], turned.panes[1500]);
+    EXPECT_FALSE(turned.mark().agrees(mark));
+}
+
+TEST(GlassMark, rounding_and_other_axes_change_nothing) {
+    const HallOfPanes hall;
+    const GlassMark mark = hall.mark();
+    const auto rounded = [](glm::dvec3 p) { // on a table 0.2 m across, off the origin
+        return glm::round((p / 100.0 + glm::dvec3(0.31234567, 0, -2)) * 1e6) / 1e6;
+    };
+    EXPECT_TRUE(hall.moved(rounded).mark().agrees(mark));
+    const auto swapped = [](glm::dvec3 p) { return glm::dvec3(p.x, -p.z, p.y); };
+    EXPECT_TRUE(hall.moved(swapped).mark().agrees(mark));
+    EXPECT_FALSE(hall.with(777, {0, 0.05, 0}).moved(swapped).mark().agrees(mark));
+}
+
+TEST(GlassMark, those_of_older_files_hold_by_panes_and_place) {
+    const HallOfPanes hall;
+    const std::vector<double> numbers = numbersOf(hall.mark());
+    ASSERT_EQ(numbers.size(), 7u);
+    const auto older = glassMark(std::span(numbers).first(4)), same = glassMark(numbers);
+    ASSERT_TRUE(older && same);
+    EXPECT_FALSE(older->checksum);
+    EXPECT_TRUE(older->agrees(hall.mark()));
+    EXPECT_TRUE(same->agrees(hall.mark()));
+    EXPECT_FALSE(older->agrees(hall.moved([](glm::dvec3 p) { return p.z > 11 ? p + 0.1 : p; }).mark()));
+    for (const size_t count : {0u, 3u, 5u, 6u}) EXPECT_FALSE(glassMark(std::span(numbers).first(count)));
 }
 
 TEST(GlassPairs, panes_are_twins_as_they_stand_where_rooms_were_moved_since_the_file_was_written) {

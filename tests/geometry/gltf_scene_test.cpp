@@ -248,7 +248,7 @@ TEST(GltfScene, a_material_without_colour_gets_what_it_gets_in_an_obj_and_one_of
     scene["materials"] = json::parse(R"([{"pbrMetallicRoughness":{"baseColorFactor":[0.2,0.3,0.4,1]}}])");
     EXPECT_TRUE(importModel(written(scene)).repairs.empty());
     scene["materials"] = json::parse(R"([{"pbrMetallicRoughness":{"baseColorFactor":[1,1,1,1]}}])");
-    expectRefused(scene, "reflectance (Kd) is 1");
+    expectRefused(scene, "reflectance (baseColorFactor) is 1");
     scene["materials"] = json::parse(R"([{"pbrMetallicRoughness":{"baseColorFactor":[0.2,0.3,0.4]}}])");
     expectRefused(scene, "materials[0].pbrMetallicRoughness.baseColorFactor: has 3 numbers, expected 4");
 }
