@@ -28,6 +28,16 @@ constexpr double kSpan = 2; // of the edge length: none reaches farther along th
 constexpr double kFarOff = 2 * kSpan * kSpan * kCutOff;
 constexpr double kNarrowFacets = 0.45; // of the edge length: too narrow for triangles each within one
 
+glm::dvec2 inPlan(glm::dvec3 p) {
+    return {p.x, p.z};
+}
+
+bool nearInPlan(const Bounds& box, glm::dvec3 a, glm::dvec3 b) {
+    const glm::dvec3 low = glm::min(a, b), high = glm::max(a, b);
+    return low.x < box.high.x + kFarOff && high.x > box.low.x - kFarOff && low.z < box.high.z + kFarOff &&
+           high.z > box.low.z - kFarOff;
+}
+
 } // namespace
 
 FoldLeaning::FoldLeaning(const Building& building, const std::vector<MeshDomain>& domains)
@@ -48,37 +58,68 @@ FoldLeaning::FoldLeaning(const Building& building, const std::vector<MeshDomain>
         if (!domains[d].folds.empty()) clearances_[d] = clearanceOf(d, boxes, edges);
 }
 
+// At that place of the plan; of curved walls anywhere.
+bool FoldLeaning::standsAt(size_t d, glm::dvec2 place, double height) const {
+    const MeshDomain& domain = domains_[d];
+    if (domain.frames.size() > 1) return true;
+    const glm::dvec2 p = domain.frames[0].coordinates({place.x, height, place.y});
+    bool in = false;
+    for (const auto& loop : domain.planar)
+        for (size_t i = 0; i < loop.size(); ++i) {
+            const glm::dvec2 a = loop[i], b = loop[(i + 1) % loop.size()];
+            if ((a.y > p.y) != (b.y > p.y) && a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x) > p.x) in = !in;
+        }
+    return in;
+}
+
+// Edges between these heights, with those at the floor on which something stands, and at the ceiling from
+// which something hangs.
+bool FoldLeaning::isBetween(const Edges::value_type& edge, const Bounds& box,
+                            const std::vector<Bounds>& boxes) const {
+    const auto [low, high] = std::minmax({position(edge.first.first).y, position(edge.first.second).y});
+    return std::ranges::any_of(edge.second, [&](uint32_t other) {
+        const double bottom = boxes[other].low.y, top = boxes[other].high.y;
+        const bool flat = top - bottom < kLevel;
+        const double above = !flat && low < bottom + kLevel ? 3 * kLevel : 0,
+                     below = !flat && high > top - kLevel ? 3 * kLevel : 0;
+        return low - below < box.high.y - kLevel && high + above > box.low.y + kLevel;
+    });
+}
+
 // In the plan, between the heights of a curved wall: its facets and folds and the edges of all else, with
-// those at its floor on which something stands, and at its ceiling from which something hangs.
+// those below and above between which a wall stands there.
 double FoldLeaning::clearanceOf(size_t d, const std::vector<Bounds>& boxes, const Edges& edges) const {
-    const auto inPlan = [](glm::dvec3 p) { return glm::dvec2(p.x, p.z); };
     std::set<uint32_t> own;
     for (const auto& loop : domains_[d].loops) own.insert(loop.begin(), loop.end());
     const Bounds& box = boxes[d];
+    const double middle = 0.5 * (box.low.y + box.high.y);
     std::vector<std::array<glm::dvec2, 2>> facets;
     for (const MeshDomain::Frame& frame : domains_[d].frames)
         facets.push_back({inPlan(frame.origin + (frame.low - frame.offset) * frame.u),
                           inPlan(frame.origin + (frame.high - frame.offset) * frame.u)});
-    const auto stands = [&](const Edges::value_type& edge) {
-        const glm::dvec3 a = position(edge.first.first), b = position(edge.first.second),
-                         low = glm::min(a, b), high = glm::max(a, b);
-        return low.x < box.high.x + kFarOff && high.x > box.low.x - kFarOff && low.z < box.high.z + kFarOff &&
-               high.z > box.low.z - kFarOff && std::ranges::find(edge.second, d) == edge.second.end() &&
-               std::ranges::any_of(edge.second, [&](uint32_t other) {
-                   const double bottom = boxes[other].low.y, top = boxes[other].high.y;
-                   const bool flat = top - bottom < kLevel;
-                   const double above = !flat && low.y < bottom + kLevel ? 3 * kLevel : 0,
-                                below = !flat && high.y > top - kLevel ? 3 * kLevel : 0;
-                   return low.y - below < box.high.y - kLevel && high.y + above > box.low.y + kLevel;
-               });
-    };
     double least = kFarOff;
     for (const auto& edge : edges) {
-        if (!stands(edge)) continue;
         const auto [from, to] = edge.first;
-        std::vector<glm::dvec2> on; // ends of it on the wall
-        for (const uint32_t v : {from, to})
+        if (!nearInPlan(box, position(from), position(to)) ||
+            std::ranges::find(edge.second, d) != edge.second.end())
+            continue;
+        const bool between = isBetween(edge, box, boxes);
+        const auto wallAt = [&](glm::dvec2 p) {
+            return std::ranges::any_of(edge.second, [&](uint32_t other) {
+                return boxes[other].low.y < middle && boxes[other].high.y > middle &&
+                       standsAt(other, p, middle);
+            });
+        };
+        std::vector<glm::dvec2> on; // ends of it, or corners of what it is an edge of, on the wall
+        const auto addOwn = [&](uint32_t v) {
             if (own.contains(v)) on.push_back(inPlan(position(v)));
+        };
+        if (between) {
+            for (const uint32_t v : {from, to}) addOwn(v);
+        } else {
+            for (const uint32_t other : edge.second)
+                for (const auto& loop : domains_[other].loops) std::ranges::for_each(loop, addOwn);
+        }
         const auto consider = [&](glm::dvec2 p, double distance) {
             if (std::ranges::all_of(on, [&](glm::dvec2 end) { // kLevel: where it stands on the wall itself
                     return distance < kBlunt * glm::length(p - end) - kLevel;
@@ -88,9 +129,12 @@ double FoldLeaning::clearanceOf(size_t d, const std::vector<Bounds>& boxes, cons
         const glm::dvec2 a = inPlan(position(from)), b = inPlan(position(to));
         for (const auto& facet : facets) {
             for (const uint32_t v : {from, to})
-                if (const glm::dvec2 p = inPlan(position(v)); !own.contains(v))
+                if (const glm::dvec2 p = inPlan(position(v)); between && !own.contains(v))
                     consider(p, distanceToSegment(p, facet[0], facet[1]));
-            for (const glm::dvec2 end : facet) consider(end, distanceToSegment(end, a, b));
+            for (const glm::dvec2 end : facet)
+                if (const double distance = distanceToSegment(end, a, b);
+                    distance < least && (between || wallAt(a + placeOnSegment(end, a, b) * (b - a))))
+                    consider(end, distance);
         }
     }
     return least;

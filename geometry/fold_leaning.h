@@ -28,7 +28,9 @@ public:
 private:
     using Edges = std::map<std::pair<uint32_t, uint32_t>, std::vector<uint32_t>>; // domains of each
 
+    bool standsAt(size_t domain, glm::dvec2 place, double height) const;
     // boxes: round domains
+    bool isBetween(const Edges::value_type& edge, const Bounds& box, const std::vector<Bounds>& boxes) const;
     double clearanceOf(size_t domain, const std::vector<Bounds>& boxes, const Edges& edges) const;
     double deepestLean(size_t domain,
                        double edge) const; // metres from the facets, of triangles without folds

@@ -7,12 +7,16 @@
 
 namespace heliodon::geometry {
 
-// To the nearest of its points; a segment without length is one point. Vector: glm::dvec2 or glm::dvec3.
-template<class Vector> double distanceToSegment(Vector p, Vector a, Vector b) {
+// Of the nearest of its points, from a on; a segment without length is one point. Vector: glm::dvec2 or
+// glm::dvec3.
+template<class Vector> double placeOnSegment(Vector p, Vector a, Vector b) {
     const Vector d = b - a;
-    const double square = glm::dot(d, d),
-                 t = square > 0 ? std::clamp(glm::dot(p - a, d) / square, 0.0, 1.0) : 0;
-    return glm::length(p - a - t * d);
+    const double square = glm::dot(d, d);
+    return square > 0 ? std::clamp(glm::dot(p - a, d) / square, 0.0, 1.0) : 0;
+}
+
+template<class Vector> double distanceToSegment(Vector p, Vector a, Vector b) {
+    return glm::length(p - a - placeOnSegment(p, a, b) * (b - a));
 }
 
 } // namespace heliodon::geometry
