@@ -316,10 +316,10 @@ private:
         }
         const double all = counted.back().second, n = steps.count(to - from, all);
         shift -= std::floor(shift);
-        if (shift > 1 - kLeastStep) shift = 0;
+        if (shift < kLeastStep) ++shift;
         std::vector<double> out;
         size_t i = 0;
-        for (double k = shift < kLeastStep ? 1 : shift; k < n - kLeastStep; ++k) {
+        for (double k = shift; k < n - kLeastStep; ++k) {
             const double wanted = all * k / n;
             while (counted[i + 1].second < wanted) ++i;
             const auto [low, before] = counted[i];

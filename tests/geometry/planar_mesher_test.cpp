@@ -121,6 +121,24 @@ TEST(PlanarMesher, triangles_lie_within_the_folds_of_a_wall) {
     }
 }
 
+// An odd number of narrow facets, whose folds go by turns, between ends that are level.
+TEST(PlanarMesher, folds_go_by_turns_all_along_a_wall) {
+    constexpr int kFacets = 21, kUp = 4;
+    constexpr double kWidth = 0.687, kHeight = 4.75;
+    PlanarDomain domain;
+    domain.size = SizeField({}, 1, 1);
+    for (int k = 0; k <= kFacets; ++k) domain.boundary.emplace_back(k * kWidth, 0);
+    for (int k = 1; k < kUp; ++k) domain.boundary.emplace_back(kFacets * kWidth, kHeight * k / kUp);
+    for (int k = kFacets; k >= 0; --k) domain.boundary.emplace_back(k * kWidth, kHeight);
+    for (int k = kUp; --k > 0;) domain.boundary.emplace_back(0, kHeight * k / kUp);
+    domain.loopStart.push_back(static_cast<uint32_t>(domain.boundary.size()));
+    for (int k = 1; k < kFacets; ++k) domain.folds.push_back(k * kWidth);
+    const PlanarMesh mesh = improvedMesh(draftMesh(domain, latticeSeeds(domain, 1)), domain, 0);
+    for (const auto& t : mesh.triangles)
+        EXPECT_LE(PlanarNet::worstCosine(mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]),
+                  std::cos(35 * std::numbers::pi / 180));
+}
+
 // A slot ends in an angle of 20 degrees: what cannot be better does not make what is beside it worse.
 TEST(PlanarMesher, triangles_at_sharp_corners_are_left_out_of_account) {
     PlanarDomain domain;
