@@ -14,7 +14,7 @@ using glm::dvec3;
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kMissed = 0.02, kQuick = 2, kLeast = 0.1; // as in the shader
+constexpr double kMissed = 0.02, kQuick = 2, kLeast = 0.1, kAlone = 0.5; // as in the shader
 constexpr double kNear = 0.470142064105, kFar = 0.101286507323;
 
 // M. Jarzynski, M. Olano, "Hash Functions for GPU Rendering", 2020.
@@ -162,7 +162,13 @@ Result firstLook(const Cubature& cubature, double limit, bool mayGoOn) {
         look[k] = cubature.lookFrom(radonPoint(k), k);
         low = std::min(low, look[k].seen), high = std::max(high, look[k].seen);
     };
-    for (uint32_t k = 0; k < 4; ++k) take(k), hidden += look[k].hiddenBits;
+    take(3);
+    if (look[3].open <= limit) {
+        const double share = look[3].hiddenBits / 128.0;
+        return {look[3].seen, kAlone * std::sqrt(share * (1 - share)) * look[3].open, look[3].open};
+    }
+    for (uint32_t k = 0; k < 3; ++k) take(k);
+    for (uint32_t k = 0; k < 4; ++k) hidden += look[k].hiddenBits;
     const double centre = look[3].seen, far = look[0].seen + look[1].seen + look[2].seen;
     const double byFar = lowWeight(kFar) / 3 * far + (1 - lowWeight(kFar)) * centre;
     Result result{byFar, std::max(kQuick * std::abs(byFar - centre), kLeast * (high - low)), look[3].open};
@@ -175,7 +181,6 @@ Result firstLook(const Cubature& cubature, double limit, bool mayGoOn) {
     result.value = 0.132394152788 * near + 0.125939180545 * far + 0.225 * centre;
     result.error = std::max(
         {std::abs(result.value - byNear), std::abs(result.value - byFar), 0.6 * kLeast * (high - low)});
-    result.open = look[6].open;
     return result;
 }
 

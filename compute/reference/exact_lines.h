@@ -18,7 +18,7 @@ struct LinesPair {
 
 // Form factor from `outer` to what is seen of `inner` along four lines from each point, and its estimated
 // error. Refined, at most `levels` times, until that is below `tolerance`, which holds for the larger of both
-// form factors. `inner` must lie in front of `outer` and the other way round. Cost: 4 to 4^(levels + 1)
+// form factors. `inner` must lie in front of `outer` and the other way round. Cost: 1 to 4^(levels + 1)
 // points.
 Estimate formFactorAlongLines(const LinesPair& pair, double tolerance, uint32_t levels);
 

@@ -13,6 +13,7 @@ layout(constant_id = 0) const int kCorners = 3;
 vec3 ca[kCorners], cb[kCorners]; // of both faces, from the first corner of the first
 vec3 wall[2 * kCorners];         // of the shaft between them, pointing inwards; zero where there is none
 vec3 foot[2 * kCorners];         // a point of each
+float apart[kCorners * kCorners]; // of their corners
 
 void loadCorners(Origin o, Face a, Face b) {
     [[unroll]] for (int k = 0; k < kCorners; ++k) {
@@ -60,6 +61,7 @@ void buildShaft() {
         foot[k] = ca[k];
         wall[kCorners + k] = m;
         foot[kCorners + k] = cb[k];
+        [[unroll]] for (int q = 0; q < kCorners; ++q) apart[kCorners * k + q] = length(cb[q] - ca[k]);
     }
 }
 
@@ -83,7 +85,7 @@ bvec2 standing(Origin o, uvec4 range, float sense) {
             float slack = -kFlat * length(n);
             [[unroll]] for (int q = 0; q < kCorners; ++q) {
                 vec3 d = cb[q] - ca[p];
-                all = all && dot(n, d) >= slack * length(d);
+                all = all && dot(n, d) >= slack * apart[kCorners * p + q];
             }
         }
         k0 = k1;
