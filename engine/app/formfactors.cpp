@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "compute/form_factors.h"
+#include "compute/kernel_choice.h"
 #include "engine/app/commands.h"
 #include "engine/app/first_few.h"
 #include "engine/app/light_report.h"
@@ -21,6 +22,7 @@ namespace heliodon::app {
 namespace {
 
 constexpr size_t kLargestDense = 16000; // patches, 1 GB; larger matrices go to the file as they are made
+constexpr size_t kTilesPay = 4000; // from which `exact`, which makes tiles, gains by that: no page is made twice
 
 // Faces in one place that face one way: the rows of a closed room with such faces sum to more than one.
 void warnOfDoubles(Run& run, const geometry::PatchMesh& mesh) {
@@ -107,6 +109,15 @@ compute::FormFactorReport stream(Run& run, const geometry::PatchMesh& mesh,
     });
 }
 
+// Faces in one place are told from columns of the whole matrix.
+bool goesByTiles(gpu::Device& device, const geometry::PatchMesh& mesh,
+                 const compute::FormFactorOptions& options, bool compared) {
+    const size_t n = mesh.patchCount();
+    if (n > kLargestDense) return true;
+    return n > kTilesPay && !compared && compute::chooseKernel(device, mesh, options).kernel == "exact" &&
+           compute::patchesInOnePlace(mesh).empty();
+}
+
 } // namespace
 
 void execute(Run& run, const FormFactorArguments& arguments) {
@@ -126,7 +137,7 @@ void execute(Run& run, const FormFactorArguments& arguments) {
     std::vector<float> reference; // a wrong one should not cost the form factors
     if (!arguments.reference.empty()) reference = readMatrix(arguments.reference, n, n);
     NpyWriter::writeWhole(arguments.output, n, n, [&](NpyWriter& out) {
-        if (n > kLargestDense) {
+        if (goesByTiles(device, mesh, options, !reference.empty())) {
             const compute::FormFactorReport report = stream(run, mesh, options, out);
             reportFormFactors(run, n, report);
             noteClaim(run, report, options.maxError);
