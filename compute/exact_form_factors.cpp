@@ -35,6 +35,7 @@ constexpr uint32_t kMostGroups = 65535;
 constexpr uint32_t kManyWords = 8;  // of 32 blockers
 constexpr double kQuickFrom = 3e-5; // row error from which four points settle most pairs
 constexpr double kLinesFrom = 3e-5; // and from which lines across far pieces cost less than exact borders
+constexpr double kCutsFrom = 1e-4;  // and down from which large patches behind crowds are cut
 constexpr uint32_t kLineLevels = 3; // halvings of a piece in exact_lines.comp
 constexpr double kRowCaution = 1.3; // of single rows over their estimates, so that 99 of 100 hold (measured)
 
@@ -44,7 +45,7 @@ public:
         : device_(device), options_(options) {
         const uint64_t storage = device_.limits().maxStorageBufferRange;
         const auto side = static_cast<uint32_t>(std::sqrt(static_cast<double>(storage) / 4));
-        scene_ = exactScene(device, mesh, std::min(kTile, side));
+        scene_ = exactScene(device, mesh, std::min(kTile, side), options.maxError <= kCutsFrom);
         tolerance_ = exactEntryTolerance(options.maxError, scene_.pieceCount);
         words_ = std::max(1u, (scene_.blockerCount + 31) / 32);
         kernels_ = ExactKernels(device, scene_.mostCorners);

@@ -80,6 +80,8 @@ dvec3 unitOrZero(const dvec3& v) {
 
 constexpr double kNarrow =
     1e-6; // of faces' sizes: gaps that heights in float32, see kFlat, do not tell surely
+// Behind more blockers than kCrowd fewer than kFewPieces are cut into about kCutPieces (measured: louvres).
+constexpr size_t kCrowd = 12, kFewPieces = 100, kCutPieces = 500;
 constexpr double kSliver = 1e-7; // of a patch: triangles that are what rounding left of cuts
 
 // Patches of many corners are cut into fans; of those that others cover across a narrow gap what is left,
@@ -112,6 +114,40 @@ std::vector<RadiatingPiece> piecesOf(const geometry::PatchMesh& mesh, std::span<
     if (pieces.empty() && mesh.patchCount() > 0)
         pieces.push_back({std::vector<dvec3>(3, dvec3(0)), dvec3(0), 0, mesh.room[0], planes[0], 0, 0});
     return pieces;
+}
+
+// Triangles, halved across their longest edge until none is larger than `most`.
+void cut(const RadiatingPiece& piece, double most, std::vector<RadiatingPiece>& parts) {
+    const std::vector<dvec3>& p = piece.corners;
+    if (p.size() > 3) {
+        for (size_t k = 1; k + 1 < p.size(); ++k) {
+            RadiatingPiece part = piece;
+            part.corners = {p[0], p[k], p[k + 1]};
+            cut(part, most, parts);
+        }
+        return;
+    }
+    RadiatingPiece half = piece;
+    half.size = std::max(glm::distance(p[0], p[1]), glm::distance(p[0], p[2]));
+    if (!(glm::length(geometry::areaVector(p)) > most)) return parts.push_back(std::move(half));
+    size_t k = 0; // the longest edge begins there
+    for (size_t e : {1, 2})
+        if (glm::distance(p[e], p[(e + 1) % 3]) > glm::distance(p[k], p[(k + 1) % 3])) k = e;
+    const dvec3 a = p[k], b = p[(k + 1) % 3], c = p[(k + 2) % 3], middle = 0.5 * (a + b);
+    half.corners = {a, middle, c};
+    cut(half, most, parts);
+    half.corners = {middle, b, c};
+    cut(half, most, parts);
+}
+
+// What stands between two large pieces is all walked along from each point of either; small ones have little
+// between them, and near ones less to err by.
+std::vector<RadiatingPiece> cutPieces(std::span<const RadiatingPiece> pieces, size_t count) {
+    double area = 0;
+    for (const RadiatingPiece& piece : pieces) area += glm::length(geometry::areaVector(piece.corners));
+    std::vector<RadiatingPiece> parts;
+    for (const RadiatingPiece& piece : pieces) cut(piece, area / static_cast<double>(count), parts);
+    return parts;
 }
 
 std::vector<ExactScene::Covered> coveredOf(const NarrowGaps& gaps) {
@@ -152,7 +188,8 @@ std::vector<ExactTileRange> tilesOf(std::vector<RadiatingPiece>& pieces, uint32_
 
 } // namespace
 
-ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh, uint32_t tilePieces) {
+ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh, uint32_t tilePieces,
+                      bool cutsCrowds) {
     ExactScene scene;
     scene.patchCount = static_cast<uint32_t>(mesh.patchCount());
     Faces faces;
@@ -163,6 +200,9 @@ ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh, uint
     const NarrowGaps gaps = narrowGaps(mesh, planes, kNarrow);
     scene.covered = coveredOf(gaps);
     std::vector<RadiatingPiece> pieces = piecesOf(mesh, planes, gaps);
+    const std::vector<ConvexRegion> regions = blockingRegions(mesh, io::kExactBlockerCorners);
+    if (cutsCrowds && regions.size() > kCrowd && pieces.size() < kFewPieces)
+        pieces = cutPieces(pieces, kCutPieces);
     for (size_t i = 0; i < mesh.patchCount(); ++i) scene.patchArea.push_back(geometry::patchArea(mesh, i));
     scene.pieceCount = static_cast<uint32_t>(pieces.size());
     scene.tiles = tilesOf(pieces, tilePieces, scene.patchCount);
@@ -183,7 +223,6 @@ ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh, uint
         scene.shareOfPatch.push_back(
             area > 0 ? static_cast<float>(std::min(1.0, double{area} / scene.patchArea[piece.patch])) : 0.0f);
     }
-    const std::vector<ConvexRegion> regions = blockingRegions(mesh, io::kExactBlockerCorners);
     const std::vector<bool> ofSolids = regionsOfSolids(mesh, regions);
     for (size_t k = 0; k < regions.size(); ++k)
         faces.add(regions[k].corners, unitOrZero(geometry::areaVector(regions[k].corners)), regions[k].room,

@@ -42,7 +42,9 @@ struct ExactScene {
     gpu::Buffer clusters; // as in shaders/io/exact_form_factors.io.h
 };
 
-// At most `tilePieces` pieces a tile, but whole patches.
-ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh, uint32_t tilePieces);
+// At most `tilePieces` pieces a tile, but whole patches. With `cutsCrowds` few large patches behind many
+// blockers are cut into about 500 triangles.
+ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh, uint32_t tilePieces,
+                      bool cutsCrowds = false);
 
 } // namespace heliodon::compute

@@ -57,6 +57,19 @@ TEST(ExactCrowds, light_past_hundreds_of_loose_triangles_agrees_with_the_referen
     }
 }
 
+// Few large patches behind many blockers are cut where little error is asked: each point of a part has less
+// between. Rows of patches stay whole.
+TEST(ExactCrowds, large_patches_behind_crowds_are_cut_where_little_error_is_asked) {
+    const geometry::PatchMesh mesh = crowd(20);
+    const double truth = reference::exchangeIn(mesh, 0, 1, 1e-5, 16).value;
+    ExactStatistics loose, fine;
+    matrixOf(mesh, {.maxError = 2e-4}, &loose);
+    const std::vector<float> F = matrixOf(mesh, {.maxError = 1e-4}, &fine);
+    EXPECT_NEAR(F[1], truth, 1e-4); // as asked of rows
+    EXPECT_NEAR(F[1], F[mesh.patchCount()], 1e-7);
+    EXPECT_GT(fine.partial, 20 * loose.partial) << "pairs of parts";
+}
+
 // A hall of hanging posts: closed, so every row sums to one.
 TEST(ExactCrowds, no_light_is_lost_or_won_among_posts) {
     for (bool triangles : {false, true}) {
