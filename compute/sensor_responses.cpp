@@ -116,16 +116,17 @@ SensorResponder::Importance SensorResponder::importanceOf(const TransportParts& 
         matter.reflect<float>(channel[k], {&result.once[k * n], n}, {&twice[k * n], n});
     solver_->solve(twice, channel, result.more, result.rest, {});
     result.even.resize(columns * n);
+    std::vector<float> all(columns * n), within(columns * n, 0); // within: as linked, then less that
+    for (size_t i = 0; i < columns * n; ++i) {
+        all[i] = result.sent[i] + result.more[i];
+        result.even[i] = result.once[i] + result.rest[i];
+    }
     inParallel(columns, [&](size_t k) {
-        std::vector<float> all(n), within(n), linked(n, 0);
-        for (size_t i = 0; i < n; ++i) all[i] = result.sent[k * n + i] + result.more[k * n + i];
-        parts.links.addLinks(channel[k], all, linked);
-        for (size_t i = 0; i < n; ++i) {
-            result.even[k * n + i] = result.once[k * n + i] + result.rest[k * n + i];
-            within[i] = result.even[k * n + i] - linked[i];
-        }
-        parts.sloped.takeBackImportance(all, within, {&result.even[k * n], n});
+        const std::span<float> own{&within[k * n], n};
+        parts.links.addLinks(channel[k], {&all[k * n], n}, own);
+        for (size_t i = 0; i < n; ++i) own[i] = result.even[k * n + i] - own[i];
     });
+    parts.sloped.takeBackImportance(all, within, result.even);
     return result;
 }
 

@@ -20,6 +20,7 @@ namespace {
 
 constexpr uint32_t kPoints = 4;      // on a patch that is nearest to the sender
 constexpr size_t kRowsAtOnce = 8;    // of F, side by side for the processor
+constexpr size_t kColumnsAtOnce = 8; // of importance, as well
 constexpr float kClose = 0.05F;      // form factor below which one point does
 constexpr double kFarthest = 1. / 3; // of a patch's size: how far from its middle light can be sent from
 constexpr float kUnresolved = 0.6F;  // form factor across a gap much narrower than patches
@@ -215,14 +216,42 @@ void SlopedFactors::takeBack(std::span<const glm::vec3> exitance, std::span<glm:
 
 void SlopedFactors::takeBackImportance(std::span<const float> importance, std::span<const float> within,
                                        std::span<float> gathered) const {
-    for (size_t j = 0; j < rest_.size(); ++j) {
-        glm::vec3 sum = area_[j] * within[j] * rest_[j];
+    const size_t n = rest_.size(), columns = gathered.size() / n;
+    inParallel((columns + kColumnsAtOnce - 1) / kColumnsAtOnce, [&](size_t block) {
+        const size_t from = block * kColumnsAtOnce * n,
+                     count = std::min(kColumnsAtOnce * n, gathered.size() - from);
+        takeBackTogether(importance.subspan(from, count), within.subspan(from, count),
+                         gathered.subspan(from, count));
+    });
+}
+
+// Of kColumnsAtOnce columns or fewer: each pair of patches is read once for all of them.
+void SlopedFactors::takeBackTogether(std::span<const float> importance, std::span<const float> within,
+                                     std::span<float> gathered) const {
+    using Columns [[gnu::vector_size(kColumnsAtOnce * sizeof(float))]] = float;
+    const size_t n = rest_.size(), count = gathered.size() / n;
+    std::vector<Columns> sent(n, Columns{}), got(n, Columns{}), left(n, Columns{}); // sent and got times area
+    for (size_t c = 0; c < count; ++c)
+        for (size_t i = 0; i < n; ++i) {
+            sent[i][c] = area_[i] * importance[c * n + i];
+            got[i][c] = area_[i] * within[c * n + i];
+            left[i][c] = gathered[c * n + i];
+        }
+    for (size_t j = 0; j < n; ++j) {
+        const glm::vec3& rest = rest_[j];
+        Columns x = got[j] * rest.x, y = got[j] * rest.y, z = got[j] * rest.z; // what its slope answers to
         const std::span<const NearPairs::Pair> all = pairs_->of(j);
-        for (size_t k = 0; k < all.size(); ++k)
-            sum += area_[all[k].to] * importance[all[k].to] * near_[first_[j] + k];
+        for (size_t k = 0; k < all.size(); ++k) {
+            const glm::vec3& moment = near_[first_[j] + k];
+            const Columns& of = sent[all[k].to];
+            x += of * moment.x, y += of * moment.y, z += of * moment.z;
+        }
         for (const PatchSlopes::Term& term : slopes_->terms(j))
-            gathered[term.patch] -= glm::dot(sum, term.weight) / area_[term.patch];
+            left[term.patch] -=
+                (x * term.weight.x + y * term.weight.y + z * term.weight.z) / area_[term.patch];
     }
+    for (size_t c = 0; c < count; ++c)
+        for (size_t i = 0; i < n; ++i) gathered[c * n + i] = left[i][c];
 }
 
 } // namespace heliodon::compute

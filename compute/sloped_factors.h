@@ -38,11 +38,14 @@ public:
     void takeBack(std::span<const glm::vec3> exitance, std::span<glm::vec3> lux,
                   std::span<glm::vec3> sent) const;
 
-    // The same of importance, per area, of which A^-1 F'^T A makes `within`: from `gathered`.
+    // The same of importance, per area, of which A^-1 F'^T A makes `within`: from `gathered`. Columns x patches
+    // each; eight columns at a time, about 0.2 ms of one core a column at 2000 patches.
     void takeBackImportance(std::span<const float> importance, std::span<const float> within,
                             std::span<float> gathered) const;
 
 private:
+    void takeBackTogether(std::span<const float> importance, std::span<const float> within,
+                          std::span<float> gathered) const;
     void findMoments(const PointScene& scene, uint32_t sender, float rowSum);
     void putInto(std::span<float> factors);
 

@@ -158,3 +158,24 @@ TEST_F(OnTheirOwn, what_is_taken_back_is_what_was_added) {
     EXPECT_LT(std::sqrt(left), 0.25 * std::sqrt(added));
     EXPECT_NEAR(here, there, 1e-3 * std::abs(here));
 }
+
+// Eleven: a full block of columns and a part of one.
+TEST_F(OnTheirOwn, importance_of_many_columns_is_taken_back_as_that_of_each) {
+    constexpr size_t kColumns = 11;
+    std::minstd_rand random(11);
+    std::uniform_real_distribution<float> value(0, 1);
+    std::vector<float> importance(kColumns * n_), within(kColumns * n_), together(kColumns * n_, 0);
+    for (auto* values : {&importance, &within})
+        for (float& v : *values) v = value(random);
+    sloped_->takeBackImportance(importance, within, together);
+    double most = 0;
+    for (size_t c = 0; c < kColumns; ++c) {
+        std::vector<float> alone(n_, 0);
+        sloped_->takeBackImportance({&importance[c * n_], n_}, {&within[c * n_], n_}, alone);
+        for (size_t i = 0; i < n_; ++i) {
+            EXPECT_EQ(together[c * n_ + i], alone[i]) << "column " << c << ", patch " << i;
+            most = std::max(most, double{std::abs(alone[i])});
+        }
+    }
+    EXPECT_GT(most, 0.01);
+}
