@@ -47,9 +47,8 @@ void divideEvenly(const std::vector<std::pair<double, double>>& steps, double n,
 
 } // namespace
 
-EdgeSampler::EdgeSampler(const Building& building, const std::vector<MeshDomain>& domains,
-                         std::vector<double> finest)
-    : building_(building), domains_(domains), finest_(std::move(finest)), leaning_(building, domains) {
+EdgeSampler::EdgeSampler(const Building& building, const std::vector<MeshDomain>& domains, SlotSizes slots)
+    : building_(building), domains_(domains), slots_(std::move(slots)), leaning_(building, domains) {
     for (const MeshDomain& domain : domains) directions_.push_back(mainDirection(domain));
     collectEdges();
     measureSurroundings();
@@ -69,7 +68,7 @@ void EdgeSampler::collectEdges() {
                     edges_.push_back({a, b, glm::length(position(b) - position(a)), kInfinity, {}, {}});
                 SampledEdge& edge = edges_[found->second];
                 edge.domains.push_back(d);
-                edge.finest = std::min(edge.finest, finest_[d]);
+                edge.finest = std::min(edge.finest, slots_.longest[d]);
                 loopEdges_.back().back().push_back(found->second);
             }
         }
@@ -166,7 +165,8 @@ void EdgeSampler::shareDivisions(const TwinEdges& group) {
 
 bool EdgeSampler::hasSmallParts(double edge) const {
     const double least = kWorthGrading * edge / Grading{}.first;
-    return std::ranges::any_of(finest_, [&](double size) { return size < edge; }) ||
+    return std::ranges::any_of(slots_.longest, [&](double size) { return size < edge; }) ||
+           std::ranges::any_of(slots_.parts, [](const auto& sources) { return !sources.empty(); }) ||
            std::ranges::any_of(strips_, [&](const Strip& s) { return s.width < kUniformStrip * edge; }) ||
            std::ranges::any_of(surroundings_, [&](double size) { return size < least; });
 }
@@ -511,6 +511,7 @@ PlanarDomain EdgeSampler::planar(size_t d) const {
     const MeshDomain& domain = domains_[d];
     PlanarDomain plane;
     std::vector<SizeSource> sources;
+    if (std::isfinite(grading_.growth)) sources = slots_.parts[d];
     for (size_t l = 0; l < domain.loops.size(); ++l) {
         const auto& loop = domain.loops[l];
         for (size_t i = 0, n = loop.size(); i < n; ++i) {
@@ -520,7 +521,7 @@ PlanarDomain EdgeSampler::planar(size_t d) const {
             if (sizeOf(loop[i]) < kInfinity) sources.push_back({from, sizeOf(loop[i])});
             plane.boundary.push_back(from);
             const size_t count = edge.divisions.size();
-            const double beside = longestEdge(edge.finest) < kWorthGrading * longestEdge(finest_[d])
+            const double beside = longestEdge(edge.finest) < kWorthGrading * longestEdge(slots_.longest[d])
                                       ? edge.length / static_cast<double>(count + 1)
                                       : kInfinity;
             if (beside < kInfinity) sources.push_back({from, beside});
@@ -537,7 +538,7 @@ PlanarDomain EdgeSampler::planar(size_t d) const {
     plane.mayLean = !plane.folds.empty() && leaning_.mayLean(d, edge_);
     plane.graded = std::isfinite(grading_.growth);
     plane.dividesSlim = !grading_.sparing;
-    plane.size = {std::move(sources), longestEdge(finest_[d]), grading_.growth};
+    plane.size = {std::move(sources), longestEdge(slots_.longest[d]), grading_.growth};
     return plane;
 }
 

@@ -12,6 +12,7 @@
 #include "geometry/fold_leaning.h"
 #include "geometry/mesh_domains.h"
 #include "geometry/planar_mesher.h"
+#include "geometry/slot_sizes.h"
 
 namespace heliodon::geometry {
 
@@ -24,8 +25,8 @@ struct Grading {
 
 class EdgeSampler {
 public:
-    // `finest`: per domain, metres: the longest edges there (slotSizes), where sizes are graded.
-    EdgeSampler(const Building& building, const std::vector<MeshDomain>& domains, std::vector<double> finest);
+    // `slots` count where sizes are graded.
+    EdgeSampler(const Building& building, const std::vector<MeshDomain>& domains, SlotSizes slots);
 
     // Divides all edges anew for this edge length (metres).
     void choose(double edge, const Grading& grading);
@@ -102,7 +103,7 @@ private:
 
     const Building& building_;
     const std::vector<MeshDomain>& domains_;
-    std::vector<double> finest_; // per domain
+    SlotSizes slots_;
     FoldLeaning leaning_;
     std::vector<SampledEdge> edges_;
     std::map<std::pair<uint32_t, uint32_t>, uint32_t> edgeOf_;

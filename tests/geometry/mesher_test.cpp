@@ -11,7 +11,6 @@
 
 #include "geometry/mesh_domains.h"
 #include "geometry/segment_distance.h"
-#include "geometry/slot_sizes.h"
 
 using namespace heliodon::geometry;
 
@@ -319,117 +318,6 @@ std::pair<double, double> offFacets(const PatchMesh& mesh, const Building& build
         }
     }
     return {deepest, farthest};
-}
-
-// A room of 5 x 4 m under a slot in its ceiling, 2 m long, 12 cm wide and 30 cm deep, with glass on top.
-Building slottedRoom() {
-    Building room;
-    const auto add = [&](std::vector<std::vector<glm::dvec3>> loops, uint32_t material = 0) {
-        Face face;
-        face.material = material, face.surface = static_cast<uint32_t>(room.faces.size());
-        for (const auto& corners : loops) {
-            face.loops.emplace_back();
-            for (const glm::dvec3 p : corners) {
-                const auto at = std::ranges::find(room.vertices, p);
-                face.loops.back().push_back(static_cast<uint32_t>(at - room.vertices.begin()));
-                if (at == room.vertices.end()) room.vertices.push_back(p);
-            }
-        }
-        room.faces.push_back(std::move(face));
-    };
-    // Round, level by level.
-    const auto at = [](int k, double y, double x0, double x1, double z0, double z1) {
-        return glm::dvec3(k == 0 || k == 3 ? x0 : x1, y, k < 2 ? z0 : z1);
-    };
-    const auto low = [&](int k, double y) { return at(k, y, 0, 5, 0, 4); };
-    const auto slot = [&](int k, double y) { return at(k, y, 1, 3, 2, 2.12); };
-    add({{low(3, 0), low(2, 0), low(1, 0), low(0, 0)}});
-    add({{low(0, 3), low(1, 3), low(2, 3), low(3, 3)}, {slot(3, 3), slot(2, 3), slot(1, 3), slot(0, 3)}});
-    for (int k = 0; k < 4; ++k) {
-        const int next = (k + 1) % 4;
-        add({{low(k, 0), low(next, 0), low(next, 3), low(k, 3)}});
-        add({{slot(k, 3), slot(next, 3), slot(next, 3.3), slot(k, 3.3)}});
-    }
-    add({{slot(0, 3.3), slot(1, 3.3), slot(2, 3.3), slot(3, 3.3)}}, 1);
-    room.materials.resize(2);
-    room.materials[1].transmittance = glm::vec3(0.88F);
-    room.roomCount = 1;
-    return room;
-}
-
-// Light falls off within the slot's width, which triangles as deep as the slot do not tell.
-TEST(Mesher, slots_that_light_comes_in_by_have_small_triangles) {
-    Building building = slottedRoom();
-    const auto deepOf = [](const PatchMesh& mesh) { // triangles of the slot's walls
-        size_t count = 0;
-        for (size_t i = 0; i < mesh.patchCount(); ++i) {
-            const glm::dvec3 p = patchCentroid(mesh, i);
-            count += p.y > 3 && p.y < 3.3;
-        }
-        return count;
-    };
-    const double walls = 0.3 * 4.24, regular = std::sqrt(3.0) / 4;
-    for (const size_t wanted : {600u, 2000u}) {
-        const PatchMesh mesh = meshBuilding(building, {wanted});
-        expectNoTVertices(mesh);
-        const auto count = static_cast<double>(wanted), deep = static_cast<double>(deepOf(mesh));
-        EXPECT_NEAR(static_cast<double>(mesh.patchCount()), count, 0.03 * count);
-        EXPECT_LT(deep, 0.35 * count); // the room keeps most
-        EXPECT_GT(deep, wanted < 1000 ? 0.15 * count : 0.8 * walls / (regular * 0.084 * 0.084));
-        EXPECT_GT(measureMesh(mesh).minAngleDeg, 30) << wanted;
-    }
-    building.materials[1].transmittance = glm::vec3(0); // nothing comes in
-    EXPECT_LT(deepOf(meshBuilding(building, {2000})), 60);
-}
-
-// Glass 2 m long and 12 cm wide over walls 30 cm deep, one of the long ones in two parts and the other one
-// `deep`; corners of the glass from the `first` on, faces in reverse order or not.
-std::vector<double> slotSizesOfWalls(double deep, size_t first, bool reversed) {
-    const std::vector<glm::dvec2> outline{{0, 0}, {2, 0}, {2, 0.12}, {0.5, 0.12}, {0, 0.12}};
-    const size_t n = outline.size();
-    const auto at = [&](size_t k, double y) { return glm::dvec3(outline[k % n].x, y, outline[k % n].y); };
-    Building building;
-    building.materials.resize(2);
-    building.materials[1].transmittance = glm::vec3(0.88F);
-    building.roomCount = 1;
-    const auto add = [&](const std::vector<glm::dvec3>& corners, uint32_t material) {
-        Face face;
-        face.material = material, face.surface = static_cast<uint32_t>(building.faces.size());
-        face.loops.emplace_back();
-        for (const glm::dvec3 p : corners) {
-            const auto known = std::ranges::find(building.vertices, p);
-            face.loops[0].push_back(static_cast<uint32_t>(known - building.vertices.begin()));
-            if (known == building.vertices.end()) building.vertices.push_back(p);
-        }
-        building.faces.push_back(std::move(face));
-    };
-    std::vector<glm::dvec3> glass;
-    for (size_t k = 0; k < n; ++k) glass.push_back(at(first + k, 0));
-    add(glass, 1);
-    for (size_t k = 0; k < n; ++k) {
-        const double low = k == 0 ? -deep : -0.3;
-        add({at(k + 1, 0), at(k, 0), at(k, low), at(k + 1, low)}, 0);
-    }
-    if (reversed) std::ranges::reverse(building.faces);
-    const std::vector<MeshDomain> domains = findMeshDomains(building, 0.3);
-    const std::vector<double> sizes = slotSizes(building, domains, 0.3, 1e6);
-    std::vector<double> bySurface(n + 1);
-    for (size_t d = 0; d < domains.size(); ++d)
-        bySurface[building.faces[domains[d].faces[0]].surface] = sizes[d];
-    return bySurface;
-}
-
-TEST(Mesher, sizes_of_slots_depend_on_no_order_and_leave_out_walls_much_larger_than_their_opposite) {
-    for (size_t first = 0; first < 5; ++first)
-        for (const bool reversed : {false, true}) {
-            for (const double size : slotSizesOfWalls(0.3, first, reversed)) EXPECT_NEAR(size, 0.084, 1e-9);
-            const std::vector<double> sizes = slotSizesOfWalls(3.3, first, reversed);
-            for (size_t s = 0; s < sizes.size(); ++s)
-                if (s == 1) // most of it faces something else
-                    EXPECT_TRUE(std::isinf(sizes[s]));
-                else
-                    EXPECT_NEAR(sizes[s], 0.084, 1e-9);
-        }
 }
 
 // Columns, walls that bend both ways, facets much narrower than the triangles elsewhere, partitions that end
