@@ -163,6 +163,11 @@ void EdgeSampler::shareDivisions(const TwinEdges& group) {
         edges_[e.edge].divisions = e.reversed == finest->reversed ? forth : back;
 }
 
+bool EdgeSampler::hasSlots() const {
+    return std::ranges::any_of(slots_.longest, [](double size) { return std::isfinite(size); }) ||
+           std::ranges::any_of(slots_.parts, [](const auto& sources) { return !sources.empty(); });
+}
+
 bool EdgeSampler::hasSmallParts(double edge) const {
     const double least = kWorthGrading * edge / Grading{}.first;
     return std::ranges::any_of(slots_.longest, [&](double size) { return size < edge; }) ||
@@ -181,7 +186,7 @@ double EdgeSampler::narrowTriangles(double edge) const {
 }
 
 double EdgeSampler::longestEdge(double finest) const {
-    return std::isfinite(grading_.growth) ? std::min(edge_, finest) : edge_;
+    return sizesSlots() ? std::min(edge_, finest) : edge_;
 }
 
 double EdgeSampler::sizeOf(uint32_t corner) const {
@@ -511,7 +516,7 @@ PlanarDomain EdgeSampler::planar(size_t d) const {
     const MeshDomain& domain = domains_[d];
     PlanarDomain plane;
     std::vector<SizeSource> sources;
-    if (std::isfinite(grading_.growth)) sources = slots_.parts[d];
+    if (sizesSlots()) sources = slots_.parts[d];
     for (size_t l = 0; l < domain.loops.size(); ++l) {
         const auto& loop = domain.loops[l];
         for (size_t i = 0, n = loop.size(); i < n; ++i) {

@@ -4,6 +4,7 @@
 // staggered.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <utility>
@@ -19,18 +20,19 @@ namespace heliodon::geometry {
 struct Grading {
     double first = 1.4;   // edge length at a corner, in multiples of the size of its surroundings
     double growth = 0.6;  // and how fast it grows with the distance; both infinite: uniform
+    bool slots = true;    // whether they have triangles of their own sizes
     bool sparing = false; // nothing is added to round off angles beside small parts
     double narrowest = 0; // facets of curved walls, of the edge length; across smaller ones triangles lean
 };
 
 class EdgeSampler {
 public:
-    // `slots` count where sizes are graded.
     EdgeSampler(const Building& building, const std::vector<MeshDomain>& domains, SlotSizes slots);
 
     // Divides all edges anew for this edge length (metres).
     void choose(double edge, const Grading& grading);
 
+    bool hasSlots() const;
     // Slots, strips or corners that want edges shorter than this (metres).
     bool hasSmallParts(double edge) const;
 
@@ -97,6 +99,7 @@ private:
     double stepAt(const SampledEdge& edge, uint32_t end) const; // metres
     // Pairs of a fraction of the edge's length and how many steps of the size wanted lie before it.
     std::vector<std::pair<double, double>> stepsAlong(const SampledEdge& edge, double largest) const;
+    bool sizesSlots() const { return grading_.slots && std::isfinite(grading_.growth); }
     double longestEdge(double finest) const; // metres
     double sizeOf(uint32_t corner) const;    // infinity where the surroundings ask for nothing
     glm::dvec3 position(uint32_t corner) const { return building_.vertices[corner]; }
