@@ -43,8 +43,8 @@ bool isGrey(glm::vec3 v) {
 // Illuminance coefficients of rows of viewpoints for the outside.
 struct SkyRows {
     uint32_t elements = 0, channels = 1;
-    std::vector<float> values; // rows x channels x elements
-    std::vector<float> error;  // PatchSky
+    std::vector<float> values;       // rows x channels x elements
+    std::vector<float> error, range; // PatchSky
 
     // pi sum_k C L, split into sky and ground (the last element).
     void combine(size_t row, const std::vector<float>& luminance, LightParts& parts) const {
@@ -211,7 +211,7 @@ void DaylightTransport::State::makeSky() {
         if (!isGrey(m.transmittance)) patchSky.channels = 3;
     PatchSky made = patchSkyCoefficients(*points, skyPatches, patchSky.channels);
     patchSky.values = std::move(made.coefficients);
-    patchSky.error = std::move(made.error);
+    patchSky.error = std::move(made.error), patchSky.range = std::move(made.range);
     report.skySeconds = clock.seconds();
 }
 
@@ -507,8 +507,9 @@ void DaylightTransport::State::solve(std::span<Moment> moments) {
 }
 
 MomentScene DaylightTransport::State::momentScene() const {
-    return {mesh,    areas,   rowSums, links->rowSums(), solver->matter(), clear, *slopes,       *nearPairs,
-            *points, sensors, *slats,  *gather,          rowError(),       grey,  patchSky.error};
+    return {mesh,       areas,      rowSums,        links->rowSums(), solver->matter(), clear,
+            *slopes,    *nearPairs, *points,        sensors,          *slats,           *gather,
+            rowError(), grey,       patchSky.error, patchSky.range};
 }
 
 void DaylightTransport::State::lightSensors(Moment& moment, const daylight::Sky& sky) const {

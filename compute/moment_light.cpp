@@ -20,6 +20,8 @@ namespace {
 // sensors, against Radiance.
 constexpr float kSpreadShare = 0.05F;  // of light's variation within patches, after its slope is allowed for
 constexpr double kNearShare = 0.5;     // of a patch's light, times its own share of the view
+constexpr double kUnevenShare = 2;     // the same of how its sky light varies but for its slope ...
+constexpr double kMostUneven = 0.5;    // ... and no more than of a sensor that sees one end of it
 constexpr double kApartShare = 0.25;   // the same where such patches are taken apart (near_light.h)
 constexpr double kApartSunShare = 0.2; // of that light, the sun's first bounce, whose shape is known
 constexpr double kBounceError = 0.006; // of reflected light, at least: what earlier bounces leave
@@ -239,6 +241,7 @@ struct SensedLight {
     std::vector<float> even[3], smooth[3]; // per channel, exitance; grey: the first alone
     std::vector<float> lobes[3];           // of slats
     std::vector<float> whole, apart; // photometric: all of it; with what of the sun's first bounce is unknown
+    std::vector<float> uneven; // photometric: by how much sky light varies that has no slope, as round a peak
 };
 
 SensedLight sensedLight(const MomentScene& scene, const Moment& moment) {
@@ -278,6 +281,19 @@ std::vector<float> smoothLux(const MomentScene& scene, const SensedLight& light)
     for (size_t i = 0; i < sum.size(); ++i)
         sum[i] = static_cast<float>(photometric(glm::vec3(smooth[0][i], smooth[1][i], smooth[2][i])));
     return sum;
+}
+
+// Per patch: what of its sky light's range is more than its slope tells.
+std::vector<float> unevenSky(const MomentScene& scene, const Moment& moment, std::span<const float> spread) {
+    std::vector<float> uneven;
+    for (size_t i = 0; i < scene.skyRange.size(); ++i) {
+        const LightParts& parts = moment.patches[i];
+        const glm::vec3 sent =
+            scene.mesh.materials[scene.mesh.material[i]].reflectance * (parts.sky + parts.ground);
+        uneven.push_back(
+            std::max(0.0F, scene.skyRange[i] * static_cast<float>(photometric(sent)) - spread[i]));
+    }
+    return uneven;
 }
 
 // Lux of one channel at a sensor; what of it slats' lobes give, in `byLobes`.
@@ -324,12 +340,14 @@ void keepFromNegative(LightParts& parts) {
 double nearError(const SensorGather& sensors, const SensedLight& light, size_t sensor) {
     const bool apart = sensors.nearWall[sensor];
     const std::vector<float>& exitance = apart ? light.apart : light.whole;
-    double sum = 0;
+    double sum = 0, uneven = 0;
     for (size_t i = 0; i < exitance.size(); ++i) {
         const double share = sensors.even[sensor * exitance.size() + i];
         sum += share * share * double{exitance[i]};
+        if (!light.uneven.empty())
+            uneven += share * std::min(kUnevenShare * share, kMostUneven) * double{light.uneven[i]};
     }
-    return (apart ? kApartShare : kNearShare) * sum;
+    return apart ? kApartShare * sum : kNearShare * sum + uneven;
 }
 
 } // namespace
@@ -379,8 +397,9 @@ void lightSensors(const MomentScene& scene, Moment& moment) {
     if (moment.sensors.empty()) return;
     const SensorGather& sensors = scene.sensors;
     const size_t n = scene.mesh.patchCount();
-    const SensedLight light = sensedLight(scene, moment);
+    SensedLight light = sensedLight(scene, moment);
     const std::vector<float> smooth = smoothLux(scene, light), spread = spreadWithin(scene, smooth);
+    light.uneven = unevenSky(scene, moment, spread);
     std::vector<float> unsure(n);  // of patches' exitance
     for (size_t i = 0; i < n; ++i) // and what its slope takes below nought: it cannot be that steep
         unsure[i] = kSpreadShare * spread[i] + std::max(0.0F, spread[i] / 2 - std::max(0.0F, smooth[i]));

@@ -29,9 +29,9 @@ struct MomentScene {
     const SensorGather& sensors;
     const SlatLobes& slats;
     FormFactorOperator& factors;
-    double rowError;                 // of form factors
-    bool grey;                       // one column stands for three
-    std::span<const float> skyError; // per patch, PatchSky; empty without openings
+    double rowError;                           // of form factors
+    bool grey;                                 // one column stands for three
+    std::span<const float> skyError, skyRange; // per patch, PatchSky; empty without openings
 };
 
 // Columns of the solution from `first` on, one a channel: patches each.

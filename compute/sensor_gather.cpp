@@ -79,7 +79,8 @@ Seen skyFromPoints(const PointScene& scene, const Blockers& blockers, const dayl
 PatchSky patchSkyCoefficients(const PointScene& scene, const daylight::SkyPatches& sky, uint32_t channels) {
     const geometry::PatchMesh& mesh = scene.mesh();
     const size_t n = mesh.patchCount(), elements = sky.elementCount();
-    PatchSky result{std::vector<float>(n * channels * elements), std::vector<float>(n, 0)};
+    PatchSky result{std::vector<float>(n * channels * elements), std::vector<float>(n, 0),
+                    std::vector<float>(n, 0)};
     std::vector<double> mean(n), range(n);
     const auto row = [&](size_t i) {
         return std::span(result.coefficients).subspan(i * channels * elements, channels * elements);
@@ -104,7 +105,9 @@ PatchSky patchSkyCoefficients(const PointScene& scene, const daylight::SkyPatche
             const double before = std::exchange(mean[i], look(i, points).mean);
             change = std::abs(mean[i] - before);
         }
-        result.error[i] = static_cast<float>(mean[i] > 0 ? std::min(1.0, kChangeLeft * change / mean[i]) : 0);
+        if (!(mean[i] > 0)) return;
+        result.error[i] = static_cast<float>(std::min(1.0, kChangeLeft * change / mean[i]));
+        result.range[i] = static_cast<float>(range[i] / mean[i]);
     });
     return result;
 }

@@ -39,6 +39,8 @@ struct SkyView {
 struct PatchSky {
     std::vector<float> coefficients; // patches x channels x elements
     std::vector<float> error; // per patch, estimate: share of its light from the sky that these points miss
+    std::vector<float>
+        range; // per patch, under an even sky: by how much four of them differ, as a share of it
 };
 PatchSky patchSkyCoefficients(const PointScene& scene, const daylight::SkyPatches& sky, uint32_t channels);
 

@@ -442,6 +442,41 @@ TEST(LightError, knows_what_a_slot_as_deep_as_its_patches_leaves_open) {
     EXPECT_GT(most, 0.3); // else there is nothing to know
 }
 
+// Below a small skylight light peaks where four patches meet: none of them has a slope, and each is brighter
+// at one end than at the other, of which a sensor beside them sees more.
+TEST(LightError, knows_light_that_peaks_between_patches) {
+    const auto room = [](uint32_t cells) {
+        test::BoxRoom box{.low = {0, 0, 0}, .high = {2, 0.25, 2}, .cells = {cells, cells / 8, cells}};
+        box.isGlass = [](glm::dvec3 p) {
+            return p.y > 0.25 - 1e-9 && std::abs(p.x - 1) < 0.125 && std::abs(p.z - 1.5) < 0.125;
+        };
+        return test::boxRoom(box);
+    };
+    const geometry::PatchMesh fine = room(16), coarse = room(8);
+    geometry::PatchMesh mesh; // with the fine one's ceiling, which has the skylight
+    mesh.materials = fine.materials;
+    for (const geometry::PatchMesh* from : {&fine, &coarse})
+        for (size_t i = 0; i < from->patchCount(); ++i) {
+            if ((geometry::patchCentroid(*from, i).y > 0.25 - 1e-9) != (from == &fine)) continue;
+            std::vector<uint32_t> corners;
+            for (const glm::dvec3& p : geometry::patchCorners(*from, i)) {
+                corners.push_back(static_cast<uint32_t>(mesh.vertices.size()));
+                mesh.vertices.push_back(p);
+            }
+            mesh.addPatch(corners, from->material[i], from->role[i], from->surface[i], from->room[i]);
+        }
+    DaylightTransport few(test::device(), mesh), many(test::device(), fine);
+    const std::vector<Sensor> sensors{
+        {{1, 0.07, 1.72}, {0, 0, -1}}, {{0.8, 0.11, 1.72}, {0, 0, -1}}, {{1, 0.11, 1.72}, {0, 0, -1}}};
+    few.setSensors(sensors), many.setSensors(sensors);
+    const Moment stated = few.light(test::overcast()), there = many.light(test::overcast());
+    for (size_t s = 0; s < sensors.size(); ++s) {
+        const double lux = photometric(stated.sensors[s].total());
+        EXPECT_NEAR(lux, photometric(there.sensors[s].total()), stated.sensors[s].error) << s;
+        EXPECT_LT(stated.sensors[s].error, 0.06 * lux) << s; // says something
+    }
+}
+
 // A sensor that sees the lower rows of patches on a slot's wall, the last of which the sun lights where the
 // ceiling hides it: each fills less than a thousandth of the view, but the room has hardly any other light.
 TEST(SunBounce, small_patches_of_a_slot_do_not_shine_where_they_are_dark) {
