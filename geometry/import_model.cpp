@@ -72,7 +72,9 @@ private:
         try {
             Building out = importDrawn(beforePart);
             if (panes->slabs > 0)
-                out.repairs.push_back(counted(panes->slabs, "slab") + " of glass taken as a pane");
+                out.repairs.push_back(counted(panes->slabs, "slab") + (panes->slabs == 1
+                                                                           ? " of glass taken as a pane"
+                                                                           : " of glass taken as panes"));
             if (panes->flat > 0)
                 out.repairs.push_back(counted(panes->flat, "pane") + " taken to fill the hole");
             return out;
