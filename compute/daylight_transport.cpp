@@ -619,6 +619,10 @@ std::vector<Moment> DaylightTransport::light(std::span<const daylight::Sky> skie
     return moments;
 }
 
+void DaylightTransport::forgetLights() {
+    state_->relight->restart();
+}
+
 void DaylightTransport::lightSensors(Moment& moment, const daylight::Sky& sky) {
     makeNearLight();
     state_->lightSensors(moment, sky);

@@ -164,6 +164,11 @@ public:
     // get their light anew (makeNearLight).
     std::vector<Moment> light(std::span<const daylight::Sky> skies);
 
+    // light() answers in part from what it found before, and so gives the same bits only after the same calls;
+    // from here on, those that a new object gives. Cost: the next few moments take some ten passes over F
+    // again.
+    void forgetLights();
+
     // The sensors of now in a moment of this sky that was made for others: as the call of light() that
     // made it would have them, without its work on patches.
     void lightSensors(Moment& moment, const daylight::Sky& sky);

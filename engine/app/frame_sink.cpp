@@ -1,6 +1,8 @@
 #include "engine/app/frame_sink.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <stdexcept>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -16,6 +18,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kJobFile = "frames.json";
+constexpr const char* kPartOfTable = "frames.part.csv";
 // Deflating a picture takes longer than drawing it on a graphics device.
 constexpr size_t kWriters = 4;
 
@@ -43,7 +46,7 @@ std::vector<fs::path> picturesOf(const FrameJob& job, const fs::path& folder) {
 } // namespace
 
 FrameSink::FrameSink(FrameSinkOptions options)
-    : options_(std::move(options)), isFilm_(options_.output.extension() == ".mp4") {
+    : options_(std::move(options)), isFilm_(options_.output.extension() == ".mp4"), text_(options_.header) {
     if (isFilm_ && options_.exr)
         throw geometry::InputError("--exr", "", "goes into a folder of pictures, not into a film");
     if (!isFilm_)
@@ -54,6 +57,7 @@ FrameSink::FrameSink(FrameSinkOptions options)
     if (options_.resume) refuseOtherJob();
     if (folder_.empty()) return; // Film has a thread of its own
     made_.emplace(folder_);
+    if (options_.resume) keepRows();
     for (size_t i = 0; i < kWriters; ++i) writers_.emplace_back([this] { work(); });
 }
 
@@ -72,13 +76,26 @@ void FrameSink::refuseOtherJob() const {
     }
 }
 
+// A line without an end was cut, and says nothing.
+void FrameSink::keepRows() {
+    std::ifstream in(partOfTable(), std::ios::binary);
+    std::string line;
+    if (!readFrameJob(folder_ / kJobFile) || !std::getline(in, line) || line + '\n' != options_.header)
+        return;
+    while (std::getline(in, line) && !in.eof() && kept_ < options_.job.frames && done(kept_)) {
+        text_ += line + '\n';
+        ++kept_;
+    }
+}
+
 std::vector<std::string> FrameSink::strangers() const {
     std::vector<std::string> names;
     if (isFilm_ || options_.resume || readFrameJob(folder_ / kJobFile)) return names;
     for (const fs::path& picture : picturesOf(options_.job, folder_))
         names.push_back(picture.filename().string());
     std::ranges::sort(names);
-    if (fs::exists(table())) names.push_back(table().filename().string());
+    for (const fs::path& file : {table(), partOfTable()})
+        if (fs::exists(file)) names.push_back(file.filename().string());
     return names;
 }
 
@@ -92,6 +109,8 @@ void FrameSink::startFolder() {
             if (!isFilm_) fs::remove(table());
         }
     writeFrameJob(options_.job, file);
+    geometry::writeWholeText(partOfTable(), text_);
+    part_.open(partOfTable(), std::ios::binary | std::ios::app);
 }
 
 FrameSink::~FrameSink() {
@@ -101,6 +120,10 @@ FrameSink::~FrameSink() {
 fs::path FrameSink::table() const {
     return isFilm_ ? fs::path(options_.output).replace_extension(".frames.csv")
                    : options_.output / "frames.csv";
+}
+
+fs::path FrameSink::partOfTable() const {
+    return folder_ / kPartOfTable;
 }
 
 fs::path FrameSink::picture(size_t view, size_t frame, const char* extension) const {
@@ -126,6 +149,7 @@ bool FrameSink::writes(const fs::path& place) const {
     std::vector<fs::path> files = films();
     files.push_back(table());
     if (!isFilm_ || options_.resume) files.push_back(isFilm_ ? filmRecord() : folder_ / kJobFile);
+    if (!folder_.empty()) files.push_back(partOfTable());
     const auto leadsThere = [&](const fs::path& file) { return geometry::leadsTo(file, place); };
     if (std::ranges::any_of(files, leadsThere)) return true;
     if (isFilm_ || options_.job.views.empty()) return false;
@@ -145,7 +169,7 @@ fs::path FrameSink::filmRecord() const {
 }
 
 bool FrameSink::complete() const {
-    if (!options_.resume || !fs::exists(table())) return false;
+    if (!options_.resume || !fs::exists(table()) || fs::exists(partOfTable())) return false;
     const std::optional<FrameJob> there = readFrameJob(isFilm_ ? filmRecord() : folder_ / kJobFile);
     if (!there || difference(*there, isFilm_ ? filmJob() : options_.job)) return false;
     const std::vector<fs::path> made = films();
@@ -194,6 +218,18 @@ void FrameSink::add(size_t frame, std::vector<passes::Image8> pictures, std::vec
     });
 }
 
+void FrameSink::addRow(const std::string& line) {
+    throwFailure();
+    if (!folder_.empty()) {
+        if (!started_) startFolder();
+        errno = 0;
+        if (!(part_ << line).flush())
+            throw std::runtime_error(fmt::format("{}: could not be written: {}", partOfTable().string(),
+                                                 std::system_category().message(errno)));
+    }
+    text_ += line;
+}
+
 void FrameSink::work() {
     while (const auto job = writing_.pop()) {
         try {
@@ -225,12 +261,13 @@ void FrameSink::filmsFromPictures() {
         }
 }
 
-void FrameSink::close(const std::string& text) {
+void FrameSink::close() {
     endThreads();
     throwFailure();
-    if (!folder_.empty() && !started_) startFolder(); // nothing was drawn
+    if (!folder_.empty() && !started_) startFolder(); // all was kept
     if (isFilm_) closeFilms();
-    geometry::writeWholeText(table(), text);
+    geometry::writeWholeText(table(), text_);
+    if (!isFilm_) fs::remove(partOfTable());
     if (isFilm_ && options_.resume) writeFrameJob(filmJob(), filmRecord());
 }
 
@@ -241,7 +278,7 @@ void FrameSink::closeFilms() {
     for (auto& film : films_) film->close();
     if (!options_.resume) return;
     for (const fs::path& frame : picturesOf(options_.job, folder_)) fs::remove(frame, ignored);
-    fs::remove(folder_ / kJobFile, ignored);
+    for (const char* own : {kPartOfTable, kJobFile}) fs::remove(folder_ / own, ignored);
     fs::remove(folder_, ignored); // unless others put something there
 }
 

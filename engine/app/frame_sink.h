@@ -4,6 +4,7 @@
 
 #include <exception>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -27,6 +28,7 @@ struct FrameSinkOptions {
     bool exr = false;    // linear pictures too; folders only
     bool resume = false; // keep what is there; a film's frames stay in OUT.frames/ until the film is whole
     FrameJob job;        // goes into the folder of pictures as frames.json, beside films as OUT.frames.json
+    std::string header;  // line of the table
 };
 
 class FrameSink {
@@ -42,6 +44,8 @@ public:
     std::filesystem::path table() const;
     // With `resume`: everything that the job writes is there, pictures or films and table.
     bool complete() const;
+    // With `resume`: how many frames from the first on have their row and pictures already.
+    size_t kept() const { return kept_; }
     // Its pictures are there and whole: a disk that filled up or was unplugged leaves empty or cut ones.
     bool done(size_t frame) const;
     // Names of what stands in a folder of pictures like this job's own, where no job is known to have left
@@ -55,13 +59,18 @@ public:
     // In order of frames; one picture a view. Errors of the threads are thrown by the next call.
     void add(size_t frame, std::vector<passes::Image8> pictures, std::vector<passes::ImageF> linear = {},
              passes::ExrAttributes attributes = {});
-    // After the last frame: finishes pictures and films and writes `table`.
-    void close(const std::string& table);
+    // Its line of the table, in order from kept() on. Folders hold those so far as frames.part.csv until all
+    // are there.
+    void addRow(const std::string& line);
+    // After the last frame: finishes pictures, films and table.
+    void close();
 
 private:
     FrameJob filmJob() const;
     std::filesystem::path filmRecord() const;
+    std::filesystem::path partOfTable() const;
     void refuseOtherJob() const;
+    void keepRows();
     void startFolder();
     std::filesystem::path picture(size_t view, size_t frame, const char* extension) const;
     std::filesystem::path filmOf(size_t view) const;
@@ -78,6 +87,9 @@ private:
     std::filesystem::path folder_; // of pictures; empty for a film that does not keep its frames
     std::optional<OutputFolder> made_;
     bool started_ = false; // the folder says whose frames it holds
+    std::string text_;     // of the table so far
+    size_t kept_ = 0;
+    std::ofstream part_; // its copy on disk
     std::vector<std::unique_ptr<Film>> films_;
     BoundedQueue<std::function<void()>> writing_{8};
     std::mutex mutex_;

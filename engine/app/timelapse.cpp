@@ -25,22 +25,27 @@ namespace {
 
 constexpr size_t kSolvedTogether = 8; // moments that share passes over the form factors
 constexpr size_t kSolvedAhead = 16;   // moments that may wait to be drawn
+// Moments that are solved from what was found before, and so give the same bits only with those before them:
+// a series that is resumed begins at the first of such a chapter. A multiple of kSolvedTogether.
+constexpr size_t kChapter = 128;
 
 using Solved = std::shared_ptr<const compute::Moment>; // the frame before's where its light is the same
 
 // Solves moments in a thread of its own, ahead of whoever draws them.
 class MomentStream {
 public:
-    // `painted`: of whose projectors' pictures scatter is left out, white being `whiteLux`; null: of none.
-    MomentStream(const SkySource& source, const std::vector<daylight::Moment>& times,
+    // From the chapter of moment `from` on. `painted`: of whose projectors' pictures scatter is left out,
+    // white being `whiteLux`; null: of none.
+    MomentStream(const SkySource& source, const std::vector<daylight::Moment>& times, size_t from,
                  compute::DaylightTransport& transport, bool tinted, const passes::PaintedPatches* painted,
                  double whiteLux)
-        : source_(source), times_(times), transport_(transport), tinted_(tinted), painted_(painted),
-          whiteLux_(whiteLux), thread_([this] { run(); }) {}
+        : source_(source), times_(times), first_(from / kChapter * kChapter), transport_(transport),
+          tinted_(tinted), painted_(painted), whiteLux_(whiteLux), thread_([this] { run(); }) {}
     ~MomentStream() { stop(); }
     MomentStream(const MomentStream&) = delete;
     MomentStream& operator=(const MomentStream&) = delete;
 
+    size_t first() const { return first_; }
     // Of the next frame. Throws what the thread threw.
     Solved next() {
         std::optional<Solved> solved = queue_.pop();
@@ -61,7 +66,7 @@ public:
 private:
     void run() {
         try {
-            for (size_t first = 0; first < times_.size(); first += kSolvedTogether)
+            for (size_t first = first_; first < times_.size(); first += kSolvedTogether)
                 if (!solve(first, std::min(kSolvedTogether, times_.size() - first))) break;
         } catch (...) {
             failure_ = std::current_exception();
@@ -71,6 +76,10 @@ private:
 
     bool solve(size_t first, size_t count) {
         const compute::Stopwatch watch;
+        if (first % kChapter == 0) {
+            transport_.forgetLights();
+            before_.reset();
+        }
         std::vector<daylight::Sky> skies;
         std::vector<bool> fresh;
         for (size_t k = 0; k < count; ++k) {
@@ -103,6 +112,7 @@ private:
 
     const SkySource& source_;
     const std::vector<daylight::Moment>& times_;
+    size_t first_;
     compute::DaylightTransport& transport_;
     bool tinted_;
     const passes::PaintedPatches* painted_;
@@ -218,6 +228,8 @@ nlohmann::json frameTimes(std::vector<float> milliseconds) {
             {"peak_memory_bytes", 1024 * static_cast<int64_t>(usage.ru_maxrss)}};
 }
 
+constexpr const char* kTableHeader = "time,sun_azimuth_deg,sun_altitude_deg,mean_lux,max_lux,glare_ratio\n";
+
 std::string tableRow(const daylight::Moment& time, const daylight::SunPosition& sun,
                      const LightFigures& figures) {
     return fmt::format("{},{:.3f},{:.3f},{:.2f},{:.2f},{:.3f}\n", daylight::formatTime(time), sun.azimuthDeg,
@@ -273,13 +285,12 @@ void noteFilms(Run& run, const Scene& scene, const FrameSink& sink, const std::v
 }
 
 struct Frames {
-    std::string table = "time,sun_azimuth_deg,sun_altitude_deg,mean_lux,max_lux,glare_ratio\n";
     size_t drawn = 0, dark = 0;
-    std::vector<float> milliseconds; // of each
+    std::vector<float> milliseconds; // of each that was not kept
 };
 
-// Takes each moment's light, draws what the sink has not yet and hands it on. `painter`: null where nothing
-// is drawn.
+// Takes each moment's light that was not kept, draws what the sink has not yet and hands it on. `painter`:
+// null where nothing is drawn.
 Frames makeFrames(Run& run, const Scene& scene, const SkySource& source,
                   const std::vector<daylight::Moment>& times, MomentStream& stream, FramePainter* painter,
                   FrameSink& sink) {
@@ -288,18 +299,19 @@ Frames makeFrames(Run& run, const Scene& scene, const SkySource& source,
     Solved before;
     LightFigures figures;
     FrameTally tally;
-    for (size_t frame = 0; frame < times.size(); ++frame) {
+    for (size_t frame = stream.first(); frame < times.size(); ++frame) {
         const compute::Stopwatch watch;
         const Solved solved = stream.next();
+        if (frame < sink.kept()) continue;
         if (solved != before) figures = lightFigures(scene.mesh, *solved);
         before = solved;
         tally.add(solved->report);
         frames.dark += source.followsTime() && figures.maxLux <= 0;
-        frames.table += tableRow(times[frame], source.sunAt(times[frame]), figures);
         if (painter && !sink.done(frame)) {
             painter->paint(frame, solved, source, times[frame], sink);
             ++frames.drawn;
         }
+        sink.addRow(tableRow(times[frame], source.sunAt(times[frame]), figures));
         progress.advance(frame + 1);
         frames.milliseconds.push_back(static_cast<float>(1e3 * watch.seconds()));
     }
@@ -311,11 +323,15 @@ Frames makeFrames(Run& run, const Scene& scene, const SkySource& source,
     return frames;
 }
 
-void reportFrames(Run& run, const Frames& frames, double white) {
+void reportFrames(Run& run, const Frames& frames, size_t kept, double white) {
     const size_t count = frames.milliseconds.size();
     run.report()["frames"] = frameTimes(frames.milliseconds);
-    run.report()["frames"].update(
-        {{"count", count}, {"drawn", frames.drawn}, {"dark", frames.dark}, {"white_lux", white}});
+    run.report()["frames"].update({{"count", kept + count},
+                                   {"kept", kept},
+                                   {"drawn", frames.drawn},
+                                   {"dark", frames.dark},
+                                   {"white_lux", white}});
+    if (kept > 0) run.skipped(fmt::format("{} frames: --resume, an earlier run has made them", kept));
     if (frames.dark > 0)
         run.note(
             fmt::format("{} of {} frames are dark: the sun is below the horizon, twilight is not modelled",
@@ -338,12 +354,12 @@ void execute(Run& run, const TimelapseArguments& arguments) {
     const std::vector<std::string> views = viewsOf(run, arguments, scene);
     FrameJob job = frameJobOf(run, arguments, scene, views, times.size());
     FrameSink sink({arguments.output, arguments.framesPerSecond, arguments.picture.exr, arguments.resume,
-                    std::move(job)});
+                    std::move(job), kTableHeader});
     run.willWrite([&](const std::filesystem::path& place) { return sink.writes(place); });
     if (sink.complete()) {
         run.note(fmt::format("{}: an earlier run has made all of it", arguments.output.string()));
         run.skipped("everything: --resume, and an earlier run has made all of it");
-        run.report()["frames"] = {{"count", times.size()}, {"drawn", 0}};
+        run.report()["frames"] = {{"count", times.size()}, {"kept", times.size()}, {"drawn", 0}};
         return;
     }
     noteFilms(run, scene, sink, views);
@@ -362,14 +378,14 @@ void execute(Run& run, const TimelapseArguments& arguments) {
     }
 
     const bool scatter = arguments.picture.compensateScatter && painter && views[0] != "preview";
-    MomentStream stream(source, times, *transport, arguments.picture.skyColour,
+    MomentStream stream(source, times, sink.kept(), *transport, arguments.picture.skyColour,
                         scatter ? &painter->scene().painted : nullptr, white);
     const Frames frames = makeFrames(run, scene, source, times, stream, painter ? &*painter : nullptr, sink);
     {
         const StageTimer timer(run, "encode"); // what is left of it
-        sink.close(frames.table);
+        sink.close();
     }
-    reportFrames(run, frames, white);
+    reportFrames(run, frames, sink.kept(), white);
     if (stream.worstScatter())
         run.report()["scatter"] = scatterEntry(*stream.worstScatter(), scene.rig->surfaceReflectance);
 }

@@ -150,6 +150,7 @@ TEST_F(Fault, a_time_lapse_goes_on_after_its_device_was_lost) {
     }
     ASSERT_GT(done, 0u);
     ASSERT_LT(done, 4u);
+    EXPECT_TRUE(fs::exists(folder / "out/frames.part.csv"));
     const std::string first = readText(folder / "out/00000.png");
     const Outcome again = heliodon(command);
     ASSERT_EQ(again.exitCode, 0) << again.output;

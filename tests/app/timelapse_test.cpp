@@ -213,6 +213,30 @@ TEST_F(Timelapse, a_film_goes_on_from_its_frames) {
     EXPECT_EQ(readText(folder / "part.mp4"), readText(folder / "whole.mp4"));
 }
 
+// As a run leaves it that ends in the middle of a line: the rest comes out as if it had never stopped, though
+// each frame is solved from those before it.
+TEST_F(Timelapse, a_table_goes_on_from_its_rows) {
+    const std::string command = "timelapse " + kOffice +
+                                " --site 41.8,-87.8 --sky clear --view none --from 2026-06-21T09:00solar "
+                                "--to 2026-06-21T13:59solar --step PT1M --resume --quiet -o " +
+                                in("day") + " --report " + in("report.json");
+    const auto kept = [&] {
+        return nlohmann::json::parse(readText(folder / "report.json"))["frames"]["kept"].get<size_t>();
+    };
+    ASSERT_EQ(heliodon(command).exitCode, 0);
+    EXPECT_EQ(kept(), 0u);
+    EXPECT_FALSE(std::filesystem::exists(folder / "day/frames.part.csv"));
+    const std::string whole = readText(folder / "day/frames.csv");
+    size_t end = 0;
+    for (int line = 0; line < 201; ++line) end = whole.find('\n', end) + 1; // the header and 200 frames
+    std::filesystem::remove(folder / "day/frames.csv");
+    writeText(folder / "day/frames.part.csv", whole.substr(0, end + 40));
+    ASSERT_EQ(heliodon(command).exitCode, 0);
+    EXPECT_EQ(kept(), 200u);
+    EXPECT_EQ(readText(folder / "day/frames.csv"), whole);
+    EXPECT_FALSE(std::filesystem::exists(folder / "day/frames.part.csv"));
+}
+
 // Weather files are as old as their makers' computers: names in ISO 8859-1.
 TEST_F(Timelapse, previews_of_any_size_and_places_of_any_name) {
     ASSERT_EQ(std::system(("gzip -dc " HELIODON_TEST_DATA "/daylight/chicago_tmy3.epw.gz | "
