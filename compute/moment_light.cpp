@@ -31,10 +31,6 @@ constexpr double kPatchBounceError = 0.007;
 constexpr double kPatchSkyError = 0.012; // of sky light, from sky elements and glass
 constexpr double kLaterShare = 6;        // of what patches send on in error, for reflected light anywhere
 constexpr double kSlotShare = 8; // the same of slots as deep as their patches, whose errors do not even out
-// Of light from one board before another to a third, times the root of the largest factor between two patches.
-constexpr double kBoardShare = 1.2;
-constexpr double kBoard = 0.1; // of a board's view, that is another one nearby
-constexpr double kOpposed = -0.7; // cosine between normals of boards that face one another
 constexpr double kSunSharedOut = 0.25; // of sunlight between near patches, which lies unevenly
 constexpr float kPatchSpreadShare = 0.3F,
                 kFarSpreadShare = 0.05F; // of light's variation within patches nearby, and farther off
@@ -110,35 +106,6 @@ std::vector<float> slatBends(std::span<const glm::vec3> lobes) {
     return bends;
 }
 
-// Light that comes to boards from what faces them nearby and goes back there, over all that leaves the walls that
-// stand apart: of each the mesh spreads it evenly, so that more of it passes them than does. Falls with the
-// patches' size, whether or not they are as large as the gaps.
-double betweenBoards(const MomentScene& scene, const Moment& moment) {
-    struct Facing {
-        double light = 0, share = 0, largest = 0; // lux; of the view; of one patch
-    };
-    const size_t n = scene.mesh.patchCount();
-    const auto& patches = scene.points.patches();
-    std::vector<Facing> facing(n);
-    for (size_t i = 0; i < n; ++i) {
-        const double exitance = photometric(moment.lighting.exitance[i]);
-        for (const auto& [to, factor] : scene.pairs.nearest(i)) {
-            if (glm::dot(patches[i].normal, patches[to].normal) > kOpposed) continue;
-            Facing& its = facing[to];
-            its.light += double{factor} * exitance, its.share += double{factor};
-            its.largest = std::max(its.largest, double{factor});
-        }
-    }
-    double sum = 0, room = 0; // lumens; of all that stands apart from boards
-    for (size_t i = 0; i < n; ++i)
-        room += scene.areas[i] * std::max(0.0, 1 - facing[i].share / kBoard) *
-                photometric(moment.lighting.exitance[i]);
-    for (size_t i = 0; i < n; ++i)
-        sum += scene.areas[i] * photometric(scene.mesh.materials[scene.mesh.material[i]].reflectance) *
-               facing[i].light * facing[i].share * std::sqrt(facing[i].largest);
-    return room > 0 ? sum / room : 0;
-}
-
 // What patches' own errors leave on light by way of the room, as a share of it. Single patches' even out; in
 // shafts and reveals all light passes by a few, and each of them sends too much of it on. Those of slots that
 // the mesh does not resolve all err the same way; so does sunlight that ends in a slot, of which more goes to
@@ -164,7 +131,7 @@ double laterShare(const MomentScene& scene, const Moment& moment, std::span<cons
         if (scene.pairs.largest(i) > NearPairs::kAcrossGap) slots += kSlotShare * off;
         all += scene.areas[i] * photometric(moment.lighting.exitance[i]);
     }
-    return all > 0 ? (kLaterShare * std::sqrt(squares) + slots) / all + kBoardShare * betweenBoards(scene, moment) : 0;
+    return all > 0 ? (kLaterShare * std::sqrt(squares) + slots) / all : 0;
 }
 
 // Of slats, photometric exitance per patch: their glow, and what they send back of the room's own light.
