@@ -159,6 +159,7 @@ void FrameTally::add(const compute::MomentReport& report) {
 }
 
 void FrameTally::report(Run& run, double worldPerBuilding) const {
+    if (frames_ == 0) return;
     reportRadiosity(run, worst_, worldPerBuilding);
     for (const auto& [what, count] : modelled_)
         run.modelled(count == frames_ ? what : fmt::format("{}: {} frames", what, count));
