@@ -25,7 +25,7 @@ constexpr double kSameArea = 1e-3;      // of it
 constexpr double kSameHole = 1e-6;      // of a pane's area
 constexpr double kOffRightAngle = 0.02; // cosine
 
-dvec3 areaOf(const SoupFace& face) {
+dvec3 twiceAreaVector(const SoupFace& face) {
     dvec3 sum{0};
     for (const auto& loop : face.loops) sum += areaVector(loop);
     return sum;
@@ -69,14 +69,14 @@ struct Slab {
 };
 
 Slab slabOf(const std::vector<uint32_t>& body, const std::vector<SoupFace>& soup, double tolerance) {
-    const uint32_t largest =
-        *std::ranges::max_element(body, {}, [&](uint32_t f) { return glm::length(areaOf(soup[f])); });
-    const dvec3 origin = soup[largest].loops[0][0], normal = glm::normalize(areaOf(soup[largest]));
+    const uint32_t largest = *std::ranges::max_element(
+        body, {}, [&](uint32_t f) { return glm::length(twiceAreaVector(soup[f])); });
+    const dvec3 origin = soup[largest].loops[0][0], normal = glm::normalize(twiceAreaVector(soup[largest]));
     Slab slab;
     std::array<double, 2> areas{};
     std::array<double, 2> at{0, std::numeric_limits<double>::quiet_NaN()}; // along the normal
     for (const uint32_t f : body) {
-        const dvec3 area = areaOf(soup[f]);
+        const dvec3 area = twiceAreaVector(soup[f]);
         double low = 1e300, high = -1e300;
         for (const auto& loop : soup[f].loops)
             for (const dvec3 p : loop) {
@@ -113,7 +113,7 @@ std::vector<SoupFace> panesOf(const Slab& slab, const PaneFitter& holes) {
 
 double areaOf(std::span<const SoupFace> faces) {
     double sum = 0;
-    for (const SoupFace& face : faces) sum += 0.5 * glm::length(areaOf(face));
+    for (const SoupFace& face : faces) sum += 0.5 * glm::length(twiceAreaVector(face));
     return sum;
 }
 
@@ -122,7 +122,7 @@ std::vector<SoupFace> otherPane(const std::vector<uint32_t>& pane, const std::ve
                                 const PaneFitter& holes, double tolerance) {
     std::vector<SoupFace> drawn;
     for (const uint32_t f : pane) drawn.push_back(soup[f]);
-    const dvec3 origin = drawn[0].loops[0][0], normal = glm::normalize(areaOf(drawn[0]));
+    const dvec3 origin = drawn[0].loops[0][0], normal = glm::normalize(twiceAreaVector(drawn[0]));
     for (const SoupFace& face : drawn)
         for (const dvec3 p : face.loops[0])
             if (std::abs(glm::dot(p - origin, normal)) > tolerance) return {};
@@ -136,11 +136,13 @@ std::vector<SoupFace> otherPane(const std::vector<uint32_t>& pane, const std::ve
 std::optional<PanesInHoles> panesInHoles(const std::vector<SoupFace>& soup,
                                          const std::function<bool(uint32_t)>& isGlass, double tolerance,
                                          Drawn drawn) {
+    std::vector<Body> bodies = bodiesOf(soup, isGlass, tolerance);
+    if (drawn == Drawn::slabs) std::erase_if(bodies, [](const Body& body) { return !body.closed; });
+    if (bodies.empty()) return std::nullopt; // as of most models: no walls are sorted for nothing
     PanesInHoles out;
     std::vector<bool> gone(soup.size(), false);
     const PaneFitter holes(soup, isGlass, tolerance);
-    for (const Body& body : bodiesOf(soup, isGlass, tolerance)) {
-        if (!body.closed && drawn == Drawn::slabs) continue;
+    for (const Body& body : bodies) {
         const std::vector<SoupFace> panes = body.closed ? panesOf(slabOf(body.faces, soup, tolerance), holes)
                                                         : otherPane(body.faces, soup, holes, tolerance);
         if (panes.empty()) continue;

@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
+#include "geometry/convex_hull.h"
 #include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
 #include "geometry/plan_arrangement.h"
@@ -30,23 +31,6 @@ struct Plane {
     double height(dvec3 p) const { return glm::dot(p - origin, normal); }
     dvec3 back(dvec2 p) const { return origin + p.x * u + p.y * v; }
 };
-
-// Counter-clockwise (Andrew 1979).
-std::vector<dvec2> hullOf(std::vector<dvec2> points) {
-    std::ranges::sort(points, {}, [](dvec2 p) { return std::pair(p.x, p.y); });
-    std::vector<dvec2> hull;
-    for (int half = 0; half < 2; ++half, std::ranges::reverse(points)) {
-        const size_t first = hull.size();
-        for (const dvec2 p : points) {
-            while (hull.size() >= first + 2 &&
-                   cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 0)
-                hull.pop_back();
-            hull.push_back(p);
-        }
-        hull.pop_back(); // the other half begins there
-    }
-    return hull;
-}
 
 double areaOf(std::span<const dvec2> outline) {
     double twice = 0;
@@ -161,7 +145,8 @@ std::vector<SoupFace> PaneFitter::fit(std::span<const uint32_t> pane, dvec3 shif
     std::vector<dvec2> corners;
     for (const uint32_t f : pane)
         for (const dvec3 p : soup_[f].loops[0]) corners.push_back(plane.flat(p + shift));
-    std::vector<dvec2> reach = hullOf(std::move(corners));
+    std::vector<dvec2> reach;
+    for (const uint32_t i : convexHull(corners)) reach.push_back(corners[i]);
     const double area = areaOf(reach);
     dvec2 middle(0);
     for (const dvec2 p : reach) middle += p / static_cast<double>(reach.size());

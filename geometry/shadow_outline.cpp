@@ -1,13 +1,12 @@
 #include "geometry/shadow_outline.h"
 
 #include <algorithm>
-#include <numeric>
 #include <tuple>
 
-#include <boost/container/small_vector.hpp>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "geometry/convex_hull.h"
 #include "geometry/disjoint_sets.h"
 #include "geometry/perpendicular.h"
 
@@ -18,32 +17,8 @@ namespace {
 constexpr double kSameInImage = 1e-10; // at distance one: corners of an outline nearer than this are one
 constexpr double kTouch = 1e-9;        // metres: a solid so little below a plane stands on it
 
-// Room for what walls have: corners and edges of a box.
-template<class T> using FewOf = boost::container::small_vector<T, 48>;
-
 std::span<const glm::dvec2> all(const FewOf<glm::dvec2>& points) {
     return {points.data(), points.size()};
-}
-
-// Andrew's monotone chain: which points are on the hull, counter-clockwise.
-FewOf<uint32_t> convexHull(std::span<const glm::dvec2> points) {
-    FewOf<uint32_t> order(points.size()), hull(2 * points.size());
-    std::iota(order.begin(), order.end(), 0u);
-    std::ranges::sort(order, [&](uint32_t i, uint32_t j) {
-        return points[i].x < points[j].x || (points[i].x == points[j].x && points[i].y < points[j].y);
-    });
-    size_t n = 0;
-    const auto grow = [&](uint32_t i, size_t base) {
-        while (n >= base + 2 &&
-               cross(points[hull[n - 1]] - points[hull[n - 2]], points[i] - points[hull[n - 1]]) <= 1e-15)
-            --n;
-        hull[n++] = i;
-    };
-    for (const uint32_t i : order) grow(i, 0);
-    const size_t lower = n - 1;
-    for (size_t k = order.size() - 1; k-- > 0;) grow(order[k], lower);
-    hull.resize(n > 0 ? n - 1 : 0);
-    return hull;
 }
 
 // The solid has no edge between such triangles.
