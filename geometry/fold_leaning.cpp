@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
+#include "geometry/ray_crossing.h"
 #include "geometry/segment_distance.h"
 
 namespace heliodon::geometry {
@@ -62,14 +63,7 @@ FoldLeaning::FoldLeaning(const Building& building, const std::vector<MeshDomain>
 bool FoldLeaning::standsAt(size_t d, glm::dvec2 place, double height) const {
     const MeshDomain& domain = domains_[d];
     if (domain.frames.size() > 1) return true;
-    const glm::dvec2 p = domain.frames[0].coordinates({place.x, height, place.y});
-    bool in = false;
-    for (const auto& loop : domain.planar)
-        for (size_t i = 0; i < loop.size(); ++i) {
-            const glm::dvec2 a = loop[i], b = loop[(i + 1) % loop.size()];
-            if ((a.y > p.y) != (b.y > p.y) && a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x) > p.x) in = !in;
-        }
-    return in;
+    return isInside(domain.planar, domain.frames[0].coordinates({place.x, height, place.y}));
 }
 
 // Edges between these heights, with those at the floor on which something stands, and at the ceiling from

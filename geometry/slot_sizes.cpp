@@ -234,18 +234,11 @@ private:
         glm::dvec2 low(kNone), high(-kNone);
         for (const auto& loop : from.planar)
             for (const glm::dvec2 p : loop) low = glm::min(low, p), high = glm::max(high, p);
-        const auto isInside = [&](glm::dvec2 p) {
-            bool inside = false;
-            for (const auto& loop : from.planar)
-                for (size_t k = 0, n = loop.size(); k < n; ++k)
-                    if (rayCrosses(p, loop[k], loop[(k + 1) % n])) inside = !inside;
-            return inside;
-        };
         const glm::dvec2 count = glm::ceil((high - low) / size), step = (high - low) / count;
         for (double i = 0.5; i < count.x; ++i)
             for (double j = 0.5; j < count.y; ++j) {
                 const glm::dvec2 p = low + glm::dvec2(i, j) * step;
-                if (!isInside(p)) continue;
+                if (!isInside(from.planar, p)) continue;
                 const glm::dvec3 place = from.inSpace(p);
                 for (const MeshDomain::Frame& frame : to.frames) {
                     const glm::dvec2 q = frame.coordinates(place);
