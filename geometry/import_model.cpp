@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -64,8 +65,7 @@ public:
 private:
     // With other panes than are drawn; none where there are none, or not even these make rooms.
     std::optional<Building> importPanes(Drawn drawn, const std::function<void()>& beforePart) {
-        const auto isGlass = [&](uint32_t m) { return model_.materials[m].isOpening(); };
-        auto panes = panesInHoles(faces_.soup, isGlass, kWeldOfExtent * extent_, drawn);
+        auto panes = panesInHoles(faces_.soup, isGlass_, kWeldOfExtent * extent_, drawn);
         if (!panes) return std::nullopt;
         std::swap(faces_.soup, panes->soup);
         turnedOver_ = 0;
@@ -181,7 +181,7 @@ private:
 
     // Rooms whose common walls have no thickness; false when that is not what kept them from closing.
     bool shareWalls() {
-        const auto space = divideSpace(faces_.soup, weldOfExtent_ * extent_);
+        const auto space = divideSpace(faces_.soup, isGlass_, weldOfExtent_ * extent_);
         if (!space || proveShells(space->outside)[0].selfIntersecting) return false;
         for (const auto& [one, other] : space->pairs) refuseOpeningOnWall(one, other);
         const auto before = std::tuple(building_, source_, turnedOver_);
@@ -460,6 +460,7 @@ private:
     }
 
     RawModel model_;
+    std::function<bool(uint32_t)> isGlass_ = [this](uint32_t m) { return model_.materials[m].isOpening(); };
     ModelFaces faces_;
     Building building_;
     std::vector<uint32_t> source_, shell_; // per face

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <set>
 
@@ -32,8 +33,9 @@ constexpr double kSmall = 0.05, kThin = 0.12;
 
 class SpaceDivider {
 public:
-    SpaceDivider(const std::vector<SoupFace>& faces, double tolerance)
-        : faces_(faces), tolerance_(tolerance), sheets_(cutIntoSheets(faces, tolerance)) {}
+    SpaceDivider(const std::vector<SoupFace>& faces, const std::function<bool(uint32_t)>& isGlass,
+                 double tolerance)
+        : faces_(faces), isGlass_(isGlass), tolerance_(tolerance), sheets_(cutIntoSheets(faces, tolerance)) {}
 
     std::optional<SharedWalls> divide() {
         weld();
@@ -107,7 +109,7 @@ private:
         double volume = 0; // negative: what lies outside of the shell
         double area = 0;   // of all that bounds it
         int room = -1;
-        bool solid = false;
+        bool solid = false, alcove = false;
         double drawnInwards = 0; // area of its own faces that look into it, less that of those that look out
         double drawn = 0;        // area of both
         Bounds box() const {
@@ -147,6 +149,19 @@ private:
             }
         }
         findOwners();
+        findAlcoves();
+    }
+
+    // What has glass to one room alone, which has other glass, is air: else light would come from nowhere.
+    void findAlcoves() {
+        std::map<uint32_t, std::set<uint32_t>> beyond; // its glass, per part
+        for (uint32_t f = 0; f < welded_.faces.size(); ++f)
+            for (const auto& list : sheetOf(f).drawn)
+                if (std::ranges::any_of(list, [&](uint32_t k) { return isGlass_(faces_[k].material); }))
+                    for (uint32_t s = 0; s < 2; ++s) beyond[partAt(f, s)].insert(partAt(f, 1 - s));
+        for (const auto& [id, others] : beyond)
+            parts_[id].alcove = others.size() == 1 && beyond[*others.begin()].size() > 1 &&
+                                parts_[*others.begin()].volume > 0;
     }
 
     // A face as drawn belongs to the part that most of it bounds, in front of it and behind it.
@@ -253,6 +268,7 @@ private:
         dropOutsides(shells, around);
         for (auto& [id, part] : parts_) // nothing but a closed box in a room's air
             part.solid |= part.volume > 0 && nested(part.shell) && shells[part.shell].size() == 2;
+        findWallsAllRound();
         findSolids(nested);
         for (auto& [id, part] : parts_)
             if (part.volume > 0 && !part.solid) part.room = static_cast<int>(rooms_++);
@@ -291,6 +307,29 @@ private:
         outsides_ = outsides.size();
     }
 
+    static bool isRound(const Bounds& box, const Bounds& inner) {
+        return glm::all(glm::lessThan(box.low, inner.low)) &&
+               glm::all(glm::greaterThan(box.high, inner.high));
+    }
+
+    // What is round all others, no larger than these together, with faces that look out of it.
+    void findWallsAllRound() {
+        for (auto& [id, part] : parts_) {
+            if (part.volume <= 0 || part.solid || !part.looksOut()) continue;
+            const Bounds box = part.box();
+            double inner = 0;
+            bool round = true;
+            for (const auto& [other, room] : parts_) {
+                if (other == id || room.volume <= 0 || room.solid) continue;
+                inner += room.volume;
+                round = round && !room.looksOut() && isRound(box, room.box());
+            }
+            if (!round || inner < part.volume) continue;
+            part.solid = true;
+            ++walls_;
+        }
+    }
+
     // What stands on a solid is one after that was found.
     template<class Nested> void findSolids(Nested nested) {
         const auto air = [](const auto& p) { return p.second.solid ? 0 : p.second.volume; };
@@ -301,14 +340,12 @@ private:
             changed = false;
             contrary_ = insides_ = 0;
             for (auto& [id, part] : parts_) {
-                if (id == first || part.volume <= 0 || part.solid) continue;
+                if (id == first || part.volume <= 0 || part.solid || part.alcove) continue;
                 Stand stand = standOf(id);
                 stand.within |= nested(part.shell);
                 if (isSolid(stand, part, largest, height)) {
                     part.solid = changed = true;
-                    const Bounds box = part.box();
-                    if (glm::all(glm::lessThan(box.low, room.low)) &&
-                        glm::all(glm::greaterThan(box.high, room.high))) {
+                    if (isRound(part.box(), room)) {
                         ++walls_;
                         continue;
                     }
@@ -457,6 +494,7 @@ private:
     }
 
     const std::vector<SoupFace>& faces_;
+    const std::function<bool(uint32_t)>& isGlass_;
     double tolerance_;
     std::vector<Sheet> sheets_;
     Building welded_;          // the sheets; surface: into sheets_
@@ -482,8 +520,9 @@ private:
 
 } // namespace
 
-std::optional<SharedWalls> divideSpace(const std::vector<SoupFace>& faces, double tolerance) {
-    return SpaceDivider(faces, tolerance).divide();
+std::optional<SharedWalls> divideSpace(const std::vector<SoupFace>& faces,
+                                       const std::function<bool(uint32_t)>& isGlass, double tolerance) {
+    return SpaceDivider(faces, isGlass, tolerance).divide();
 }
 
 } // namespace heliodon::geometry

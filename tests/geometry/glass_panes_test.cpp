@@ -190,6 +190,16 @@ TEST(GlassPanes, slabs_through_the_wall_between_two_rooms_is_glass_on_both_sides
     expectPanes(drawing, 2, 4.8, 60);
 }
 
+// The space over a ceiling of glass is no solid, though it takes a piece out of a room.
+TEST(GlassPanes, across_a_room_part_two_rooms) {
+    const auto level = [](double y) { return Corners{{0, y, 0}, {0, y, 3}, {4, y, 3}, {4, y, 0}}; };
+    Drawing drawing;
+    drawThickWalls(drawing);
+    drawing.slab(hole(-0.12), hole(-0.1));
+    drawing.slab(level(2.1), level(2.12));
+    expectPanes(drawing, 2, 2.4 + 2 * 12, 30 + 2.4 * 0.11, "2 slabs of glass taken as panes");
+}
+
 // No pane: a block whose sides are far apart, one in no hole, one with a side that leans.
 TEST(GlassPanes, other_bodies_of_glass_stay_as_they_were_drawn) {
     for (const Corners& other : {rectangle(1, 3, 0.8, 2, 0.5), rectangle(1.1, 3, 0.8, 2, 0.2)}) {
