@@ -1,12 +1,14 @@
 #include "geometry/pane_in_hole.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
-#include "geometry/convex_hull.h"
+#include "geometry/disjoint_sets.h"
 #include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
 #include "geometry/plan_arrangement.h"
@@ -20,7 +22,7 @@ namespace {
 using glm::dvec2;
 using glm::dvec3;
 
-constexpr double kReach = 1.01;    // of the pane's extent from its middle
+constexpr double kReach = 0.005;   // of the pane's diagonal
 constexpr double kLeastPart = 0.5; // of the pane's area
 enum Tag : int32_t { kPane, kSection, kWall };
 
@@ -45,8 +47,10 @@ public:
 
     void addOutline(std::span<const dvec2> outline, Tag tag) {
         for (size_t k = 0; k < outline.size(); ++k)
-            if (const dvec2 a = outline[k], b = outline[(k + 1) % outline.size()]; a != b)
-                segments_.push_back({a, b, tag});
+            addSegment(outline[k], outline[(k + 1) % outline.size()], tag);
+    }
+    void addSegment(dvec2 a, dvec2 b, Tag tag) {
+        if (a != b) segments_.push_back({a, b, tag});
     }
 
     void add(const SoupFace& face) {
@@ -108,16 +112,52 @@ std::vector<dvec2> cornersOf(const std::vector<dvec2>& outline, double tolerance
     return out;
 }
 
-// Per cell: its number where it lies in the pane, in no wall, and not at the pane's own border; else -1.
+// The faces on the plane, all counter-clockwise: the edges that others of them do not run back along.
+std::vector<std::array<dvec2, 2>> bordersOf(const Plane& plane, std::span<const SoupFace> faces,
+                                            double tolerance) {
+    std::vector<SoupFace> flat(faces.begin(), faces.end());
+    for (SoupFace& face : flat) {
+        const bool over = glm::dot(areaVector(face.loops[0]), plane.normal) < 0;
+        for (auto& loop : face.loops) {
+            for (dvec3& p : loop) p = plane.back(plane.flat(p));
+            if (over) std::ranges::reverse(loop);
+        }
+    }
+    const Building welded = weldFaces(flat, 1, tolerance, true);
+    std::map<std::array<uint32_t, 2>, int> times; // by their ends; negative: the other way
+    for (const Face& face : welded.faces)
+        for (const auto& loop : face.loops)
+            for (size_t k = 0; k < loop.size(); ++k) {
+                const uint32_t a = loop[k], b = loop[(k + 1) % loop.size()];
+                if (a < b)
+                    ++times[{a, b}];
+                else
+                    --times[{b, a}];
+            }
+    std::vector<std::array<dvec2, 2>> out;
+    for (const auto& [ends, count] : times) {
+        const dvec2 a = plane.flat(welded.vertices[ends[0]]), b = plane.flat(welded.vertices[ends[1]]);
+        for (int k = 0; k < std::abs(count); ++k)
+            out.push_back(count > 0 ? std::array{a, b} : std::array{b, a});
+    }
+    return out;
+}
+
+// Per cell: a number that is one for what no wall parts, where all of that lies in the pane and none in a
+// wall; else -1.
 std::vector<int> holesIn(const PlanArrangement& map) {
     const std::vector<int> pane = coverage(map, [](int32_t tag) { return tag == kPane; }),
                            wall = coverage(map, [](int32_t tag) { return tag == kWall; });
-    std::vector<int> labels(map.cellCount, -1);
-    for (uint32_t c = 1; c < map.cellCount; ++c)
-        if (pane[c] > 0 && wall[c] <= 0) labels[c] = static_cast<int>(c);
+    DisjointSets sets(map.cellCount);
     for (uint32_t e = 0; e < map.edgeCount(); ++e)
-        if (std::ranges::any_of(map.tags[e], [](const auto& t) { return t.tag == kPane; }))
-            labels[map.cell[2 * e]] = labels[map.cell[2 * e + 1]] = -1;
+        if (std::ranges::all_of(map.tags[e], [](const auto& t) { return t.tag == kPane; }))
+            sets.join(map.cell[2 * e], map.cell[2 * e + 1]);
+    std::vector<bool> open(map.cellCount, false); // by root
+    for (uint32_t c = 0; c < map.cellCount; ++c)
+        if (pane[c] <= 0 || wall[c] > 0) open[sets.root(c)] = true;
+    std::vector<int> labels(map.cellCount, -1);
+    for (uint32_t c = 0; c < map.cellCount; ++c)
+        if (!open[sets.root(c)]) labels[c] = static_cast<int>(sets.root(c));
     return labels;
 }
 
@@ -142,24 +182,27 @@ std::vector<SoupFace> PaneFitter::fit(std::span<const uint32_t> pane, dvec3 shif
     const SoupFace& first = soup_[pane[0]];
     const dvec3 normal = glm::normalize(areaVector(first.loops[0])), u = perpendicular(normal);
     const Plane plane{first.loops[0][0] + shift, normal, u, glm::cross(normal, u)};
-    std::vector<dvec2> corners;
-    for (const uint32_t f : pane)
-        for (const dvec3 p : soup_[f].loops[0]) corners.push_back(plane.flat(p + shift));
-    std::vector<dvec2> reach;
-    for (const uint32_t i : convexHull(corners)) reach.push_back(corners[i]);
-    const double area = areaOf(reach);
-    dvec2 middle(0);
-    for (const dvec2 p : reach) middle += p / static_cast<double>(reach.size());
-    std::vector<dvec3> inSpace;
-    for (dvec2& p : reach) {
-        p = middle + kReach * (p - middle);
-        inSpace.push_back(plane.back(p));
+    std::vector<SoupFace> drawn;
+    std::vector<dvec3> corners;
+    double area = 0;
+    for (const uint32_t f : pane) {
+        drawn.push_back(soup_[f]);
+        double twice = 0;
+        for (const auto& loop : drawn.back().loops) twice += glm::dot(areaVector(loop), normal);
+        area += 0.5 * std::abs(twice);
+        for (const dvec3 p : drawn.back().loops[0]) corners.push_back(plane.back(plane.flat(p)));
     }
+    const Bounds box = boundsOf(corners);
+    const double reach = kReach * box.diagonal();
 
     PlaneSection section(plane, tolerance_);
-    section.addOutline(reach, kPane);
-    const Bounds box = boundsOf(inSpace);
-    tree_.anyHolding(box.high + tolerance_, box.low - tolerance_, [&](uint32_t i) {
+    for (const auto& [a, b] : bordersOf(plane, drawn, tolerance_)) {
+        section.addSegment(a, b, kPane);
+        const dvec2 along = reach * glm::normalize(b - a), aside(-along.y, along.x);
+        section.addOutline(
+            std::array{a - along - aside, b + along - aside, b + along + aside, a - along + aside}, kPane);
+    }
+    tree_.anyHolding(box.high + reach + tolerance_, box.low - reach - tolerance_, [&](uint32_t i) {
         section.add(soup_[others_[i]]);
         return false; // look at all
     });

@@ -19,10 +19,10 @@ public:
     PaneFitter(const std::vector<SoupFace>& soup, const std::function<bool(uint32_t)>& isGlass,
                double tolerance);
 
-    // The pane of the given faces of the soup, which lie in one plane, moved by `shift`: a face for each part
-    // of the plane, no farther out than the pane (and 1 % of its extent), that other faces bound all round
-    // where they cross or lie in that plane; of the first face's material. None where less than half of the
-    // pane would be left. Panes are taken as convex.
+    // The pane of the given faces of the soup, which lie in parallel planes, in that of the first one moved
+    // by `shift`: a face for each part of that plane, no farther out than these (and 0.5 % of their
+    // diagonal), that other faces bound all round where they cross or lie in it; of the first face's
+    // material. None where less than half of the pane would be left.
     std::vector<SoupFace> fit(std::span<const uint32_t> pane, glm::dvec3 shift) const;
 
 private:

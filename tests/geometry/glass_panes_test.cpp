@@ -200,6 +200,48 @@ TEST(GlassPanes, across_a_room_part_two_rooms) {
     expectPanes(drawing, 2, 2.4 + 2 * 12, 30 + 2.4 * 0.11, "2 slabs of glass taken as panes");
 }
 
+namespace {
+
+// A room of 30 m3 whose wall at z = 0 is drawn in cells between these x and y; `open` of a cell's middle.
+template<class Open>
+void drawRoomOfCells(Drawing& drawing, const std::vector<double>& x, const std::vector<double>& y,
+                     const Open& open) {
+    for (size_t i = 0; i + 1 < x.size(); ++i)
+        for (size_t j = 0; j + 1 < y.size(); ++j)
+            if (!open(0.5 * (x[i] + x[i + 1]), 0.5 * (y[j] + y[j + 1])))
+                drawing.face("wall", rectangle(x[i], x[i + 1], y[j], y[j + 1], 0));
+    drawing.face("wall", turned(whole(3)));
+    drawing.tube("wall", turned(whole(0)), turned(whole(3)));
+}
+
+} // namespace
+
+// What lies between the arms is no part of the pane: a hole there is open.
+TEST(GlassPanes, in_the_shape_of_an_L) {
+    for (const bool another : {false, true}) {
+        Drawing drawing;
+        drawRoomOfCells(drawing, {0, 1, 2, 2.2, 2.4, 3, 4}, {0, 0.5, 1, 1.2, 1.4, 2, 2.5},
+                        [&](double x, double y) {
+                            const bool foot = x > 1 && x < 3 && y > 0.5 && y<1, stem = x> 1 && x < 2 &&
+                                              y > 1 && y<2, between = x> 2.2 && x < 2.4 && y > 1.2 && y < 1.4;
+                            return foot || stem || (another && between);
+                        });
+        const auto outline = [](double z) {
+            return Corners{{0.99, 0.49, z}, {3.01, 0.49, z}, {3.01, 1.01, z},
+                           {2.01, 1.01, z}, {2.01, 2.01, z}, {0.99, 2.01, z}};
+        };
+        drawing.face("glass", outline(0.01));
+        drawing.face("glass", turned(outline(-0.01)));
+        for (size_t k = 0; k < 6; ++k)
+            drawing.face("glass", {outline(-0.01)[k], outline(-0.01)[(k + 1) % 6], outline(0.01)[(k + 1) % 6],
+                                   outline(0.01)[k]});
+        if (another)
+            EXPECT_THROW(drawing.read(), InputError);
+        else
+            expectPanes(drawing, 1, 2, 30);
+    }
+}
+
 // No pane: a block whose sides are far apart, one in no hole, one with a side that leans.
 TEST(GlassPanes, other_bodies_of_glass_stay_as_they_were_drawn) {
     for (const Corners& other : {rectangle(1, 3, 0.8, 2, 0.5), rectangle(1.1, 3, 0.8, 2, 0.2)}) {
