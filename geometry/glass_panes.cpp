@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 #include <span>
 
 #include <glm/geometric.hpp>
 
+#include "geometry/bounds.h"
 #include "geometry/disjoint_sets.h"
 #include "geometry/outline_area.h"
 #include "geometry/pane_in_hole.h"
@@ -20,10 +22,11 @@ namespace {
 
 using glm::dvec3;
 
-constexpr double kThickOfSide = 0.2;    // of the square root of a side's area
-constexpr double kSameArea = 1e-3;      // of it
-constexpr double kSameHole = 1e-6;      // of a pane's area
-constexpr double kOffRightAngle = 0.02; // cosine
+constexpr double kThickOfSide = 0.2; // of the square root of a side's area
+constexpr double kSameArea = 0.03;   // of it: one side may have a chamfer
+constexpr double kSameHole = 1e-6;   // of a pane's area
+constexpr double kBeside = 0.1;      // of the root of a pane's area: how far from its plane others may lie
+constexpr size_t kMostJoints = 16;   // flat panes whose joints are looked at
 
 dvec3 twiceAreaVector(const SoupFace& face) {
     dvec3 sum{0};
@@ -37,6 +40,22 @@ struct Body {
     bool closed = true; // and of one material
 };
 
+// Of each face, whether it is one of an even number with its corners and material: where bodies touch.
+std::vector<bool> facesWithin(const Building& welded) {
+    std::map<std::vector<uint32_t>, std::vector<uint32_t>> alike;
+    for (uint32_t f = 0; f < welded.faces.size(); ++f) {
+        std::vector<uint32_t> key{welded.faces[f].material};
+        for (const auto& loop : welded.faces[f].loops) key.insert(key.end(), loop.begin(), loop.end());
+        std::sort(key.begin() + 1, key.end());
+        alike[key].push_back(f);
+    }
+    std::vector<bool> within(welded.faces.size(), false);
+    for (const auto& [key, faces] : alike)
+        if (faces.size() % 2 == 0)
+            for (const uint32_t f : faces) within[f] = true;
+    return within;
+}
+
 std::vector<Body> bodiesOf(const std::vector<SoupFace>& soup, const std::function<bool(uint32_t)>& isGlass,
                            double tolerance) {
     std::vector<SoupFace> glass;
@@ -46,26 +65,40 @@ std::vector<Body> bodiesOf(const std::vector<SoupFace>& soup, const std::functio
         glass.back().surface = f;
     }
     const Building welded = weldFaces(glass, 1, tolerance);
+    const std::vector<bool> within = facesWithin(welded);
     DisjointSets sets(welded.faces.size());
     std::vector<uint32_t> open;
-    for (const auto& [edge, faces] : facesOfEdges(welded))
+    for (const auto& [edge, faces] : facesOfEdges(welded)) {
+        std::map<uint32_t, std::vector<uint32_t>> bounds; // by material
         for (const uint32_t f : faces) {
-            sets.join(f, faces[0]);
-            if (faces.size() != 2 || welded.faces[f].material != welded.faces[faces[0]].material)
-                open.push_back(f);
+            auto& alike = bounds[welded.faces[f].material];
+            if (!alike.empty()) sets.join(f, alike[0]);
+            alike.push_back(f);
         }
+        for (const auto& [material, alike] : bounds) {
+            const auto count = std::ranges::count_if(alike, [&](uint32_t f) { return !within[f]; });
+            if (count != 2 && count != 0) open.push_back(alike[0]);
+        }
+    }
     std::map<uint32_t, Body> found; // by root
-    for (uint32_t f = 0; f < welded.faces.size(); ++f)
+    std::map<uint32_t, bool> outer;
+    for (uint32_t f = 0; f < welded.faces.size(); ++f) {
         found[sets.root(f)].faces.push_back(welded.faces[f].surface);
+        outer[sets.root(f)] |= !within[f];
+    }
     for (const uint32_t f : open) found[sets.root(f)].closed = false;
     std::vector<Body> out;
-    for (auto& [root, body] : found) out.push_back(std::move(body));
+    for (auto& [root, body] : found) {
+        body.closed &= outer[root];
+        out.push_back(std::move(body));
+    }
     return out;
 }
 
 struct Slab {
-    std::array<std::vector<uint32_t>, 2> sides; // faces; none where the body is no slab
+    std::array<std::vector<uint32_t>, 2> sides; // faces; none where the body is no pane, one where it is flat
     dvec3 across{0};                            // from the first side to the second
+    double area = 0;                            // of the first side
 };
 
 Slab slabOf(const std::vector<uint32_t>& body, const std::vector<SoupFace>& soup, double tolerance) {
@@ -75,6 +108,7 @@ Slab slabOf(const std::vector<uint32_t>& body, const std::vector<SoupFace>& soup
     Slab slab;
     std::array<double, 2> areas{};
     std::array<double, 2> at{0, std::numeric_limits<double>::quiet_NaN()}; // along the normal
+    double least = 0, most = 0;                                            // the same, of all
     for (const uint32_t f : body) {
         const dvec3 area = twiceAreaVector(soup[f]);
         double low = 1e300, high = -1e300;
@@ -83,10 +117,9 @@ Slab slabOf(const std::vector<uint32_t>& body, const std::vector<SoupFace>& soup
                 low = std::min(low, glm::dot(p - origin, normal));
                 high = std::max(high, glm::dot(p - origin, normal));
             }
-        if (high - low > tolerance) {
-            if (std::abs(glm::dot(area, normal)) > kOffRightAngle * glm::length(area)) return {};
-            continue;
-        }
+        least = std::min(least, low);
+        most = std::max(most, high);
+        if (high - low > tolerance) continue;
         const size_t side = std::abs(low) <= tolerance ? 0 : 1;
         if (side == 1 && slab.sides[1].empty()) at[1] = low;
         if (std::abs(low - at[side]) > tolerance) return {};
@@ -94,20 +127,23 @@ Slab slabOf(const std::vector<uint32_t>& body, const std::vector<SoupFace>& soup
         areas[side] += 0.5 * glm::length(area);
     }
     slab.across = at[1] * normal;
-    const bool isSlab = std::abs(areas[0] - areas[1]) <= kSameArea * areas[0] &&
+    slab.area = areas[0];
+    const bool isSlab = most - least <= std::abs(at[1]) + 2 * tolerance &&
+                        std::abs(areas[0] - areas[1]) <= kSameArea * areas[0] &&
                         std::abs(at[1]) <= kThickOfSide * std::sqrt(areas[0]);
     return isSlab ? slab : Slab{};
 }
 
-// In the place of the slab; nothing where it stands in no hole.
-std::vector<SoupFace> panesOf(const Slab& slab, const PaneFitter& holes) {
-    if (slab.sides[0].empty()) return {};
-    std::vector<SoupFace> out = holes.fit(slab.sides[0], 0.5 * slab.across);
-    if (!out.empty()) return out;
-    for (const auto& side : slab.sides) {
-        const std::vector<SoupFace> pane = holes.fit(side, dvec3(0));
-        out.insert(out.end(), pane.begin(), pane.end());
+// Of a pane without thickness; none where it is not flat.
+Slab flatOf(const std::vector<uint32_t>& pane, const std::vector<SoupFace>& soup, double tolerance) {
+    Slab out;
+    const dvec3 origin = soup[pane[0]].loops[0][0], normal = glm::normalize(twiceAreaVector(soup[pane[0]]));
+    for (const uint32_t f : pane) {
+        for (const dvec3 p : soup[f].loops[0])
+            if (std::abs(glm::dot(p - origin, normal)) > tolerance) return {};
+        out.area += 0.5 * glm::length(twiceAreaVector(soup[f]));
     }
+    out.sides[0] = pane;
     return out;
 }
 
@@ -117,19 +153,143 @@ double areaOf(std::span<const SoupFace> faces) {
     return sum;
 }
 
-// The same of a pane without thickness; nothing where it fits, or is not flat.
-std::vector<SoupFace> otherPane(const std::vector<uint32_t>& pane, const std::vector<SoupFace>& soup,
-                                const PaneFitter& holes, double tolerance) {
-    std::vector<SoupFace> drawn;
-    for (const uint32_t f : pane) drawn.push_back(soup[f]);
-    const dvec3 origin = drawn[0].loops[0][0], normal = glm::normalize(twiceAreaVector(drawn[0]));
-    for (const SoupFace& face : drawn)
-        for (const dvec3 p : face.loops[0])
-            if (std::abs(glm::dot(p - origin, normal)) > tolerance) return {};
-    std::vector<SoupFace> out = holes.fit(pane, dvec3(0));
-    if (std::abs(areaOf(out) - areaOf(drawn)) <= kSameHole * areaOf(drawn)) out.clear();
-    return out;
-}
+class PanePlacer {
+public:
+    PanePlacer(const std::vector<SoupFace>& soup, const std::function<bool(uint32_t)>& isGlass,
+               double tolerance)
+        : soup_(soup), tolerance_(tolerance), holes_(soup, isGlass, tolerance), gone_(soup.size(), false),
+          edge_(soup.size(), false) {}
+
+    std::optional<PanesInHoles> place(const std::vector<Body>& bodies) {
+        for (const Body& body : bodies) {
+            Pane pane{&body, body.closed ? slabOf(body.faces, soup_, tolerance_)
+                                         : flatOf(body.faces, soup_, tolerance_)};
+            const std::vector<SoupFace> made = panesOf(pane.slab);
+            if (made.empty())
+                unfit_.push_back(std::move(pane));
+            else if (body.closed || std::abs(areaOf(made) - pane.slab.area) > kSameHole * pane.slab.area)
+                replace({&pane}, made); // else it is as it is drawn
+        }
+        placeGroups();
+        for (const Pane& pane : unfit_) loosen(pane);
+        if (out_.slabs + out_.flat + out_.loose.size() == 0 && !out_.openFlat) return std::nullopt;
+        for (size_t f = 0; f < soup_.size(); ++f) {
+            if (gone_[f]) continue;
+            if (edge_[f]) out_.edges.push_back(static_cast<uint32_t>(out_.soup.size()));
+            out_.soup.push_back(soup_[f]);
+        }
+        return std::move(out_);
+    }
+
+private:
+    struct Pane {
+        const Body* body;
+        Slab slab;
+    };
+
+    // Nothing where it stands in no hole.
+    std::vector<SoupFace> panesOf(const Slab& slab) const {
+        if (slab.sides[0].empty()) return {};
+        std::vector<SoupFace> out = holes_.fit(slab.sides[0], 0.5 * slab.across);
+        if (!out.empty() || slab.sides[1].empty()) return out;
+        for (const auto& side : slab.sides) {
+            const std::vector<SoupFace> pane = holes_.fit(side, dvec3(0));
+            out.insert(out.end(), pane.begin(), pane.end());
+        }
+        return out;
+    }
+
+    void replace(const std::vector<const Pane*>& panes, const std::vector<SoupFace>& made) {
+        for (const Pane* pane : panes) {
+            ++(pane->body->closed ? out_.slabs : out_.flat);
+            for (const uint32_t f : pane->body->faces) gone_[f] = true;
+        }
+        for (const SoupFace& face : made) out_.made.push_back(face.surface);
+        out_.soup.insert(out_.soup.end(), made.begin(), made.end());
+    }
+
+    Bounds boxOf(const std::vector<uint32_t>& faces) const {
+        std::vector<dvec3> corners;
+        for (const uint32_t f : faces)
+            corners.insert(corners.end(), soup_[f].loops[0].begin(), soup_[f].loops[0].end());
+        return boundsOf(corners);
+    }
+
+    bool beside(const Pane& a, const Pane& b) const {
+        const SoupFace &one = soup_[a.slab.sides[0][0]], &other = soup_[b.slab.sides[0][0]];
+        if (one.material != other.material) return false;
+        const dvec3 n = glm::normalize(twiceAreaVector(one)), m = glm::normalize(twiceAreaVector(other)),
+                    apart = other.loops[0][0] + 0.5 * b.slab.across - one.loops[0][0] - 0.5 * a.slab.across;
+        const double near = kBeside * std::sqrt(std::min(a.slab.area, b.slab.area));
+        if (glm::length(glm::cross(n, m)) > 1e-3 || std::abs(glm::dot(n, apart)) > near) return false;
+        const Bounds here = boxOf(a.slab.sides[0]), there = boxOf(b.slab.sides[0]);
+        return glm::all(glm::lessThanEqual(here.low, there.high + near)) &&
+               glm::all(glm::greaterThanEqual(here.high, there.low - near));
+    }
+
+    // Those beside one another, in the plane of the largest.
+    void placeGroups() {
+        std::ranges::stable_sort(unfit_, std::greater(), [](const Pane& pane) { return pane.slab.area; });
+        DisjointSets sets(unfit_.size());
+        for (uint32_t i = 0; i < unfit_.size(); ++i)
+            for (uint32_t j = 0; j < i; ++j)
+                if (!unfit_[i].slab.sides[0].empty() && !unfit_[j].slab.sides[0].empty() &&
+                    beside(unfit_[i], unfit_[j]))
+                    sets.join(i, j);
+        std::map<uint32_t, std::vector<uint32_t>> groups;
+        for (uint32_t i = 0; i < unfit_.size(); ++i) groups[sets.root(i)].push_back(i);
+        std::vector<bool> placed(unfit_.size(), false);
+        for (const auto& [root, group] : groups) {
+            if (group.size() < 2) continue;
+            std::vector<uint32_t> sides;
+            std::vector<const Pane*> panes;
+            for (const uint32_t i : group) {
+                panes.push_back(&unfit_[i]);
+                sides.insert(sides.end(), unfit_[i].slab.sides[0].begin(), unfit_[i].slab.sides[0].end());
+            }
+            const auto made = holes_.fit(sides, 0.5 * panes[0]->slab.across);
+            if (made.empty()) continue;
+            replace(panes, made);
+            for (const uint32_t i : group) placed[i] = true;
+        }
+        std::vector<Pane> left;
+        for (uint32_t i = 0; i < unfit_.size(); ++i)
+            if (!placed[i]) left.push_back(std::move(unfit_[i]));
+        unfit_ = std::move(left);
+    }
+
+    bool touchesNothing(const Slab& slab) const {
+        return !slab.sides[1].empty() && !holes_.touches(slab.sides[0], dvec3(0)) &&
+               !holes_.touches(slab.sides[0], 0.5 * slab.across) && !holes_.touches(slab.sides[1], dvec3(0));
+    }
+
+    void loosen(const Pane& pane) {
+        const Slab& slab = pane.slab;
+        LooseGlass glass;
+        if (!slab.sides[0].empty() && (pane.body->closed || jointsLookedAt_++ < kMostJoints))
+            glass.joint = holes_.joint(slab.sides[0], 0.5 * slab.across);
+        for (const uint32_t f : pane.body->faces) glass.faces.push_back(soup_[f].surface);
+        if (!pane.body->closed) {
+            if (glass.joint && !out_.openFlat) out_.openFlat = glass;
+            return;
+        }
+        glass.middle = boxOf(pane.body->faces).centre();
+        glass.kept = touchesNothing(slab);
+        for (const uint32_t f : pane.body->faces) (glass.kept ? edge_ : gone_)[f] = true;
+        if (glass.kept)
+            for (const auto& side : slab.sides)
+                for (const uint32_t f : side) edge_[f] = false;
+        out_.loose.push_back(std::move(glass));
+    }
+
+    const std::vector<SoupFace>& soup_;
+    double tolerance_;
+    PaneFitter holes_;
+    std::vector<bool> gone_, edge_; // per face
+    std::vector<Pane> unfit_;
+    size_t jointsLookedAt_ = 0;
+    PanesInHoles out_;
+};
 
 } // namespace
 
@@ -139,21 +299,7 @@ std::optional<PanesInHoles> panesInHoles(const std::vector<SoupFace>& soup,
     std::vector<Body> bodies = bodiesOf(soup, isGlass, tolerance);
     if (drawn == Drawn::slabs) std::erase_if(bodies, [](const Body& body) { return !body.closed; });
     if (bodies.empty()) return std::nullopt; // as of most models: no walls are sorted for nothing
-    PanesInHoles out;
-    std::vector<bool> gone(soup.size(), false);
-    const PaneFitter holes(soup, isGlass, tolerance);
-    for (const Body& body : bodies) {
-        const std::vector<SoupFace> panes = body.closed ? panesOf(slabOf(body.faces, soup, tolerance), holes)
-                                                        : otherPane(body.faces, soup, holes, tolerance);
-        if (panes.empty()) continue;
-        ++(body.closed ? out.slabs : out.flat);
-        for (const uint32_t f : body.faces) gone[f] = true;
-        out.soup.insert(out.soup.end(), panes.begin(), panes.end());
-    }
-    if (out.soup.empty()) return std::nullopt;
-    for (size_t f = 0; f < soup.size(); ++f)
-        if (!gone[f]) out.soup.push_back(soup[f]);
-    return out;
+    return PanePlacer(soup, isGlass, tolerance).place(bodies);
 }
 
 } // namespace heliodon::geometry

@@ -10,19 +10,33 @@
 
 namespace heliodon::geometry {
 
+// A closed body of glass that fills no hole.
+struct LooseGlass {
+    std::vector<uint32_t> faces; // SoupFace::surface
+    glm::dvec3 middle{0};        // of its corners
+    bool kept = false;           // a slab that touches nothing: else left out
+    std::optional<double> joint; // metres, that would be left round it in the hole where it stands
+};
+
 struct PanesInHoles {
     std::vector<SoupFace> soup;
-    size_t slabs = 0, flat = 0; // panes that are other ones now
+    size_t slabs = 0, flat = 0;  // panes that are other ones now
+    std::vector<uint32_t> made;  // SoupFace::surface of these
+    std::vector<uint32_t> edges; // of the soup: what joins the two sides of slabs that are kept
+    std::vector<LooseGlass> loose;
+    std::optional<LooseGlass> openFlat; // the first flat pane round which a joint is left
 };
 
 enum class Drawn { slabs, slabsAndFlat };
 
 // In the place of each slab that stands in a hole (PaneFitter), what of its middle lies there; where nothing
-// does, what of its two sides lies in holes (both where it is glass between two rooms). A slab is a closed
-// body whose faces are all of one glass (`isGlass` of a material): two flat sides of one shape, no farther
-// apart than a fifth of their size, and what joins them at right angles. Drawn::slabsAndFlat: so also flat
-// panes that are larger or smaller than their hole. Corners are one within `tolerance` (metres). None where
-// nothing is to be changed. Cost: O(n log n) for n faces, and for each pane what is near it.
+// does, what of its two sides lies in holes (both where it is glass between two rooms). Slabs of one glass
+// side by side or nearly in one plane, as of sliding windows, that fill no hole each are one pane where they
+// do together. A slab is a closed body whose faces are all of one glass (`isGlass` of a material): two flat
+// sides of one size, no farther apart than a fifth of it, and what joins them between. Other closed bodies
+// of glass are no part of a room's boundary. Drawn::slabsAndFlat: so also flat panes that are larger or
+// smaller than their hole. Corners are one within `tolerance` (metres). None where nothing is to be changed.
+// Cost: O(n log n) for n faces, for each pane what is near it, and m^2 for m panes that fill no hole.
 std::optional<PanesInHoles> panesInHoles(const std::vector<SoupFace>& soup,
                                          const std::function<bool(uint32_t)>& isGlass, double tolerance,
                                          Drawn drawn);

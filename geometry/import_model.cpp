@@ -54,12 +54,16 @@ public:
 
     Building import(const std::function<void()>& beforePart) {
         if (auto made = importPanes(Drawn::slabs, beforePart)) return std::move(*made);
-        try {
-            return importDrawn(beforePart);
-        } catch (const InputError&) {
-            if (auto made = importPanes(Drawn::slabsAndFlat, beforePart)) return std::move(*made);
-            throw;
+        std::optional<InputError> asDrawn;
+        if (!insideOut_) {
+            try {
+                return importDrawn(beforePart);
+            } catch (const InputError& error) {
+                asDrawn = error;
+            }
         }
+        if (auto made = importPanes(Drawn::slabsAndFlat, beforePart)) return std::move(*made);
+        throw whyNoPane_ ? *whyNoPane_ : *asDrawn;
     }
 
 private:
@@ -67,22 +71,95 @@ private:
     std::optional<Building> importPanes(Drawn drawn, const std::function<void()>& beforePart) {
         auto panes = panesInHoles(faces_.soup, isGlass_, kWeldOfExtent * extent_, drawn);
         if (!panes) return std::nullopt;
+        const size_t materials = model_.materials.size();
+        if (!panes->edges.empty()) model_.materials.push_back({.name = "edge of glass"});
+        for (const uint32_t f : panes->edges) panes->soup[f].material = static_cast<uint32_t>(materials);
         std::swap(faces_.soup, panes->soup);
+        made_ = {panes->made.begin(), panes->made.end()};
         turnedOver_ = 0;
         try {
             Building out = importDrawn(beforePart);
-            if (panes->slabs > 0)
-                out.repairs.push_back(counted(panes->slabs, "slab") + (panes->slabs == 1
-                                                                           ? " of glass taken as a pane"
-                                                                           : " of glass taken as panes"));
-            if (panes->flat > 0)
-                out.repairs.push_back(counted(panes->flat, "pane") + " taken to fill the hole");
+            if (const auto error = wrongGlass(out, *panes)) {
+                insideOut_ = true;
+                throw *error;
+            }
+            reportGlass(out, *panes);
             return out;
-        } catch (const InputError&) { // what is wrong as it was drawn says more
+        } catch (const InputError& error) {
             std::swap(faces_.soup, panes->soup);
+            model_.materials.resize(materials);
+            made_.clear();
             turnedOver_ = 0;
+            whyNoPane_ = reasonOf(*panes, error);
             return std::nullopt;
         }
+    }
+
+    // What says most of why panes as they would have to be make no rooms; none where that is what is wrong as
+    // they are drawn.
+    std::optional<InputError> reasonOf(const PanesInHoles& panes, const InputError& error) const {
+        for (const LooseGlass& glass : panes.loose)
+            if (glass.joint) return jointError(glass);
+        if (panes.openFlat) return jointError(*panes.openFlat);
+        if (panes.slabs + panes.loose.size() > 0) return error;
+        return whyNoPane_;
+    }
+
+    InputError jointError(const LooseGlass& glass) const {
+        return {model_.file, model_.place(glass.faces[0]),
+                fmt::format("a gap of {:.2g} is left between the glass and the hole in which it stands, "
+                            "expected at most 0.5 % of its diagonal",
+                            *glass.joint)};
+    }
+
+    // Panes that no room has, or glass in a hole and not in a room: air and walls are taken for one another.
+    std::optional<InputError> wrongGlass(const Building& building, const PanesInHoles& panes) const {
+        if (!made_.empty() && std::ranges::none_of(source_, [&](uint32_t f) { return made_.contains(f); }))
+            return InputError(model_.file, model_.place(panes.made[0]),
+                              "the glass fills a hole but bounds no room: the model is open elsewhere, as by "
+                              "a hole without a pane or a gap round a frame");
+        const bool dark = std::ranges::none_of(
+            building.faces, [&](const Face& face) { return building.materials[face.material].isOpening(); });
+        for (const LooseGlass& glass : panes.loose) {
+            if (!(dark || glass.joint) || isInRoom(building, glass)) continue;
+            if (glass.joint) return jointError(glass);
+            return InputError(model_.file, model_.place(glass.faces[0]),
+                              "the glass lies in no room and fills no hole, expected a slab as wide as the "
+                              "hole and at most a fifth as thick");
+        }
+        return std::nullopt;
+    }
+
+    bool isInRoom(const Building& building, const LooseGlass& glass) const {
+        std::vector<ShellTriangle> triangles;
+        for (uint32_t f = 0; f < building.faces.size(); ++f)
+            if (std::ranges::find(glass.faces, source_[f]) == glass.faces.end())
+                for (const auto& t : triangulateFace(building, building.faces[f]))
+                    triangles.push_back(
+                        {building.vertices[t[0]], building.vertices[t[1]], building.vertices[t[2]]});
+        return crossings(triangles, glass.middle) % 2 == 1;
+    }
+
+    void reportGlass(Building& out, const PanesInHoles& panes) const {
+        if (panes.slabs > 0)
+            out.repairs.push_back(counted(panes.slabs, "slab") + (panes.slabs == 1
+                                                                      ? " of glass taken as a pane"
+                                                                      : " of glass taken as panes"));
+        if (panes.flat > 0) out.repairs.push_back(counted(panes.flat, "pane") + " taken to fill the hole");
+        const LooseGlass* first = nullptr; // left out
+        size_t kept = 0, left = 0;
+        for (const LooseGlass& glass : panes.loose) {
+            ++(glass.kept ? kept : left);
+            if (!glass.kept && !first) first = &glass;
+        }
+        if (kept > 0)
+            out.repairs.push_back(counted(kept, "slab") +
+                                  " of glass that stands free: seen through, with edges that are black");
+        if (left > 0)
+            out.warnings.push_back(fmt::format(
+                "{} of glass (the first at {}) {} no hole: left out, as if light passed unhindered",
+                left == 1 ? std::string("1 body") : fmt::format("{} bodies", left),
+                model_.place(first->faces[0]), left == 1 ? "fills" : "fill"));
     }
 
     Building importDrawn(const std::function<void()>& beforePart) {
@@ -359,11 +436,14 @@ private:
     void orient() {
         if (building_.faces.empty())
             throw InputError(model_.file, model_.place(0), "no face of the model has an area");
+        const std::vector<Face> before = made_.empty() ? std::vector<Face>{} : building_.faces;
         ShellFaces shells = orientShells(building_);
         if (!shells.bad.empty()) refuse(std::move(shells.bad), shells.what);
         shell_ = std::move(shells.shell);
         shellCount_ = shells.count;
         turnedOver_ += shells.turnedOver;
+        for (size_t f = 0; f < before.size(); ++f) // panes of ours look neither way
+            if (made_.contains(source_[f]) && before[f].loops != building_.faces[f].loops) --turnedOver_;
     }
 
     void nestShells() {
@@ -465,7 +545,10 @@ private:
     Building building_;
     std::vector<uint32_t> source_, shell_; // per face
     uint32_t shellCount_ = 0;
-    size_t turnedOver_ = 0; // against the others of their shell
+    size_t turnedOver_ = 0;   // against the others of their shell
+    std::set<uint32_t> made_; // faces of the file in whose place there are other panes
+    std::optional<InputError> whyNoPane_;
+    bool insideOut_ = false; // with panes that fit, what is drawn bounds the inside of walls
     double extent_ = 0, weldOfExtent_ = kWeldOfExtent;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include <glm/geometric.hpp>
@@ -23,6 +24,7 @@ using glm::dvec2;
 using glm::dvec3;
 
 constexpr double kReach = 0.005;   // of the pane's diagonal
+constexpr double kMostReach = 0.7; // of it, of what is taken for a joint
 constexpr double kLeastPart = 0.5; // of the pane's area
 enum Tag : int32_t { kPane, kSection, kWall };
 
@@ -178,25 +180,30 @@ PaneFitter::PaneFitter(const std::vector<SoupFace>& soup, const std::function<bo
       }()),
       tree_(boxes_), tolerance_(tolerance) {}
 
-std::vector<SoupFace> PaneFitter::fit(std::span<const uint32_t> pane, dvec3 shift) const {
+struct PaneFitter::Cut {
+    Plane plane;
+    double area = 0; // of the pane
+    PlanArrangement map;
+};
+
+PaneFitter::Cut PaneFitter::cut(std::span<const uint32_t> pane, dvec3 shift, double reach) const {
     const SoupFace& first = soup_[pane[0]];
     const dvec3 normal = glm::normalize(areaVector(first.loops[0])), u = perpendicular(normal);
-    const Plane plane{first.loops[0][0] + shift, normal, u, glm::cross(normal, u)};
+    Cut out{{first.loops[0][0] + shift, normal, u, glm::cross(normal, u)}, 0, {}};
     std::vector<SoupFace> drawn;
     std::vector<dvec3> corners;
-    double area = 0;
     for (const uint32_t f : pane) {
         drawn.push_back(soup_[f]);
         double twice = 0;
         for (const auto& loop : drawn.back().loops) twice += glm::dot(areaVector(loop), normal);
-        area += 0.5 * std::abs(twice);
-        for (const dvec3 p : drawn.back().loops[0]) corners.push_back(plane.back(plane.flat(p)));
+        out.area += 0.5 * std::abs(twice);
+        for (const dvec3 p : drawn.back().loops[0]) corners.push_back(out.plane.back(out.plane.flat(p)));
     }
     const Bounds box = boundsOf(corners);
-    const double reach = kReach * box.diagonal();
+    reach *= box.diagonal();
 
-    PlaneSection section(plane, tolerance_);
-    for (const auto& [a, b] : bordersOf(plane, drawn, tolerance_)) {
+    PlaneSection section(out.plane, tolerance_);
+    for (const auto& [a, b] : bordersOf(out.plane, drawn, tolerance_)) {
         section.addSegment(a, b, kPane);
         const dvec2 along = reach * glm::normalize(b - a), aside(-along.y, along.x);
         section.addOutline(
@@ -206,13 +213,18 @@ std::vector<SoupFace> PaneFitter::fit(std::span<const uint32_t> pane, dvec3 shif
         section.add(soup_[others_[i]]);
         return false; // look at all
     });
-    const PlanArrangement map = arrange(section.segments());
+    out.map = arrange(section.segments());
+    return out;
+}
+
+std::vector<SoupFace> PaneFitter::fit(std::span<const uint32_t> pane, dvec3 shift, double reach) const {
+    const auto& [plane, area, map] = cut(pane, shift, reach);
     std::vector<int> labels = holesIn(map);
     absorbThinCells(map, labels, tolerance_);
     std::vector<SoupFace> out;
     double left = 0;
     for (const PlanRegion& region : traceRegions(map, labels)) {
-        SoupFace face = first;
+        SoupFace face = soup_[pane[0]];
         face.loops.clear();
         for (const auto& halves : region.loops) {
             std::vector<dvec2> outline;
@@ -226,6 +238,43 @@ std::vector<SoupFace> PaneFitter::fit(std::span<const uint32_t> pane, dvec3 shif
     }
     if (left < kLeastPart * area) out.clear();
     return out;
+}
+
+std::vector<SoupFace> PaneFitter::fit(std::span<const uint32_t> pane, dvec3 shift) const {
+    return fit(pane, shift, kReach);
+}
+
+double PaneFitter::distanceToBorder(std::span<const uint32_t> pane, dvec3 p) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (const uint32_t f : pane)
+        for (const auto& loop : soup_[f].loops)
+            for (size_t k = 0; k < loop.size(); ++k)
+                least = std::min(least, distanceToSegment(p, loop[k], loop[(k + 1) % loop.size()]));
+    return least;
+}
+
+std::optional<double> PaneFitter::joint(std::span<const uint32_t> pane, dvec3 shift) const {
+    for (double reach = 2 * kReach; reach < kMostReach; reach *= 2) {
+        const std::vector<SoupFace> filled = fit(pane, shift, reach);
+        if (filled.empty()) continue;
+        double widest = 0;
+        for (const SoupFace& face : filled)
+            for (size_t i = 0; i < face.loops[0].size(); ++i) {
+                const dvec3 middle = 0.5 * (face.loops[0][i] + face.loops[0][(i + 1) % face.loops[0].size()]);
+                widest = std::max(widest, distanceToBorder(pane, middle - shift));
+            }
+        return widest;
+    }
+    return std::nullopt;
+}
+
+bool PaneFitter::touches(std::span<const uint32_t> pane, dvec3 shift) const {
+    const PlanArrangement map = cut(pane, shift, kReach).map;
+    const std::vector<int> within = coverage(map, [](int32_t tag) { return tag == kPane; });
+    for (uint32_t e = 0; e < map.edgeCount(); ++e)
+        if (within[map.cell[2 * e]] > 0 || within[map.cell[2 * e + 1]] > 0)
+            if (std::ranges::any_of(map.tags[e], [](const auto& t) { return t.tag != kPane; })) return true;
+    return false;
 }
 
 } // namespace heliodon::geometry

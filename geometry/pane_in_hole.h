@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -25,7 +26,20 @@ public:
     // material. None where less than half of the pane would be left.
     std::vector<SoupFace> fit(std::span<const uint32_t> pane, glm::dvec3 shift) const;
 
+    // Of a pane that does not fit: how far (metres) it would have to grow to fill the hole in which it
+    // stands; none where there is no such hole that it fills by half.
+    std::optional<double> joint(std::span<const uint32_t> pane, glm::dvec3 shift) const;
+
+    // Whether another face meets the pane, or ends less than that 0.5 % from it.
+    bool touches(std::span<const uint32_t> pane, glm::dvec3 shift) const;
+
 private:
+    struct Cut; // the plane through all near the pane
+    // `reach`: a share of the pane's diagonal.
+    Cut cut(std::span<const uint32_t> pane, glm::dvec3 shift, double reach) const;
+    std::vector<SoupFace> fit(std::span<const uint32_t> pane, glm::dvec3 shift, double reach) const;
+    double distanceToBorder(std::span<const uint32_t> pane, glm::dvec3 p) const;
+
     const std::vector<SoupFace>& soup_;
     std::vector<uint32_t> others_; // faces of the soup
     std::vector<Bounds> boxes_;    // of these
