@@ -121,11 +121,12 @@ private:
         const bool dark = std::ranges::none_of(
             building.faces, [&](const Face& face) { return building.materials[face.material].isOpening(); });
         for (const LooseGlass& glass : panes.loose) {
-            if (!(dark || glass.joint) || isInRoom(building, glass)) continue;
-            if (glass.joint) return jointError(glass);
-            return InputError(model_.file, model_.place(glass.faces[0]),
-                              "the glass lies in no room and fills no hole, expected a slab as wide as the "
-                              "hole and at most a fifth as thick");
+            if (glass.joint && !isInRoom(building, glass)) return jointError(glass);
+            if (dark)
+                return InputError(
+                    model_.file, model_.place(glass.faces[0]),
+                    "the glass fills no hole, and no other glass bounds a room, expected a slab "
+                    "as wide as its hole and at most a fifth as thick");
         }
         return std::nullopt;
     }

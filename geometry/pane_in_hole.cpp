@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
@@ -14,7 +15,9 @@
 #include "geometry/perpendicular.h"
 #include "geometry/plan_arrangement.h"
 #include "geometry/plan_regions.h"
+#include "geometry/ray_crossing.h"
 #include "geometry/segment_distance.h"
+#include "geometry/shell_faces.h"
 
 namespace heliodon::geometry {
 
@@ -23,10 +26,14 @@ namespace {
 using glm::dvec2;
 using glm::dvec3;
 
-constexpr double kReach = 0.005;   // of the pane's diagonal
-constexpr double kMostReach = 0.7; // of it, of what is taken for a joint
-constexpr double kLeastPart = 0.5; // of the pane's area
+constexpr double kReach = 0.005;    // of the pane's diagonal
+constexpr double kMostReach = 0.7;  // of it, of what is taken for a joint
+constexpr double kLeastPart = 0.5;  // of the pane's area
+constexpr size_t kMostOfBar = 1000; // faces
+constexpr double kBesideEdge = 10;  // tolerances: what is surely on one side of an edge
 enum Tag : int32_t { kPane, kSection, kWall };
+constexpr uint32_t kNoShell = std::numeric_limits<uint32_t>::max();
+using Ends = std::array<dvec2, 2>;
 
 struct Plane {
     dvec3 origin, normal, u, v;
@@ -60,8 +67,10 @@ public:
         for (const auto& loop : face.loops)
             for (const dvec3 p : loop) most = std::max(most, std::abs(plane_.height(p)));
         if (most > tolerance_) {
-            addCut(face, 1);
-            addCut(face, -1);
+            const dvec2 over = 2 * tolerance_ * wayOf(face); // faces that meet within that leave no gap
+            for (const double ofZero : {1.0, -1.0})
+                for (const auto& [a, b] : cutOf(face, ofZero))
+                    segments_.push_back({a - over, b + over, kSection});
             return;
         }
         const bool over = glm::dot(areaVector(face.loops[0]), plane_.normal) < 0;
@@ -73,11 +82,8 @@ public:
         }
     }
 
-    const std::vector<PlanSegment>& segments() const { return segments_; }
-
-private:
     // Where the face crosses the plane; corners in the plane count as on the side `ofZero`.
-    void addCut(const SoupFace& face, double ofZero) {
+    std::vector<Ends> cutOf(const SoupFace& face, double ofZero) const {
         std::vector<dvec2> points;
         for (const auto& loop : face.loops)
             for (size_t k = 0; k < loop.size(); ++k) {
@@ -86,12 +92,20 @@ private:
                 if ((from == 0 ? ofZero : from) * (to == 0 ? ofZero : to) < 0)
                     points.push_back(plane_.flat(a + (b - a) * (from / (from - to))));
             }
-        const dvec3 along = glm::cross(plane_.normal, areaVector(face.loops[0]));
-        const dvec2 way = glm::normalize(dvec2(glm::dot(along, plane_.u), glm::dot(along, plane_.v))),
-                    over = 2 * tolerance_ * way; // so that faces that meet within the tolerance leave no gap
+        const dvec2 way = wayOf(face);
         std::ranges::sort(points, {}, [&](dvec2 p) { return glm::dot(p, way); });
-        for (size_t k = 0; k + 1 < points.size(); k += 2)
-            segments_.push_back({points[k] - over, points[k + 1] + over, kSection});
+        std::vector<Ends> out;
+        for (size_t k = 0; k + 1 < points.size(); k += 2) out.push_back({points[k], points[k + 1]});
+        return out;
+    }
+
+    const std::vector<PlanSegment>& segments() const { return segments_; }
+
+private:
+    // Along the line in which a face crosses the plane.
+    dvec2 wayOf(const SoupFace& face) const {
+        const dvec3 along = glm::cross(plane_.normal, areaVector(face.loops[0]));
+        return glm::normalize(dvec2(glm::dot(along, plane_.u), glm::dot(along, plane_.v)));
     }
     double heightOf(dvec3 p) const {
         const double height = plane_.height(p);
@@ -115,8 +129,7 @@ std::vector<dvec2> cornersOf(const std::vector<dvec2>& outline, double tolerance
 }
 
 // The faces on the plane, all counter-clockwise: the edges that others of them do not run back along.
-std::vector<std::array<dvec2, 2>> bordersOf(const Plane& plane, std::span<const SoupFace> faces,
-                                            double tolerance) {
+std::vector<Ends> bordersOf(const Plane& plane, std::span<const SoupFace> faces, double tolerance) {
     std::vector<SoupFace> flat(faces.begin(), faces.end());
     for (SoupFace& face : flat) {
         const bool over = glm::dot(areaVector(face.loops[0]), plane.normal) < 0;
@@ -136,11 +149,10 @@ std::vector<std::array<dvec2, 2>> bordersOf(const Plane& plane, std::span<const 
                 else
                     --times[{b, a}];
             }
-    std::vector<std::array<dvec2, 2>> out;
+    std::vector<Ends> out;
     for (const auto& [ends, count] : times) {
         const dvec2 a = plane.flat(welded.vertices[ends[0]]), b = plane.flat(welded.vertices[ends[1]]);
-        for (int k = 0; k < std::abs(count); ++k)
-            out.push_back(count > 0 ? std::array{a, b} : std::array{b, a});
+        for (int k = 0; k < std::abs(count); ++k) out.push_back(count > 0 ? Ends{a, b} : Ends{b, a});
     }
     return out;
 }
@@ -163,6 +175,48 @@ std::vector<int> holesIn(const PlanArrangement& map) {
     return labels;
 }
 
+// Per face: which closed shell it is of (each edge an even number of faces), or kNoShell where it is of none
+// or of a large one.
+std::vector<uint32_t> closedShells(const std::vector<SoupFace>& soup, std::span<const uint32_t> faces,
+                                   double tolerance) {
+    std::vector<SoupFace> numbered;
+    for (uint32_t i = 0; i < faces.size(); ++i) {
+        numbered.push_back(soup[faces[i]]);
+        numbered.back().surface = i;
+    }
+    const Building welded = weldFaces(numbered, 1, tolerance);
+    DisjointSets sets(welded.faces.size());
+    std::vector<uint32_t> open;
+    for (const auto& [edge, round] : facesOfEdges(welded)) {
+        for (const uint32_t f : round) sets.join(f, round[0]);
+        if (round.size() % 2 == 1) open.push_back(round[0]);
+    }
+    std::vector<bool> isOpen(welded.faces.size(), false); // by root
+    for (const uint32_t f : open) isOpen[sets.root(f)] = true;
+    std::vector<size_t> count(welded.faces.size(), 0); // by root
+    for (uint32_t f = 0; f < welded.faces.size(); ++f) ++count[sets.root(f)];
+    std::vector<uint32_t> out(faces.size(), kNoShell);
+    for (uint32_t f = 0; f < welded.faces.size(); ++f)
+        if (const uint32_t root = sets.root(f); !isOpen[root] && count[root] <= kMostOfBar)
+            out[welded.faces[f].surface] = root;
+    return out;
+}
+
+bool isInside(const std::vector<Ends>& cut, dvec2 p) {
+    return std::ranges::count_if(cut, [&](const Ends& ends) { return rayCrosses(p, ends[0], ends[1]); }) % 2;
+}
+
+// A point of the region beside the middle of its longest edge, `near` it.
+dvec2 pointIn(const std::vector<dvec2>& outline, double near) {
+    dvec2 from(0), to(0);
+    for (size_t k = 0; k < outline.size(); ++k) {
+        const dvec2 a = outline[k], b = outline[(k + 1) % outline.size()];
+        if (glm::length(b - a) > glm::length(to - from)) from = a, to = b;
+    }
+    const dvec2 along = glm::normalize(to - from);
+    return 0.5 * (from + to) + near * dvec2(-along.y, along.x);
+}
+
 } // namespace
 
 PaneFitter::PaneFitter(const std::vector<SoupFace>& soup, const std::function<bool(uint32_t)>& isGlass,
@@ -178,18 +232,22 @@ PaneFitter::PaneFitter(const std::vector<SoupFace>& soup, const std::function<bo
           for (const uint32_t f : others_) boxes.push_back(boundsOf(soup[f].loops[0]));
           return boxes;
       }()),
-      tree_(boxes_), tolerance_(tolerance) {}
+      shells_(closedShells(soup, others_, tolerance)), tree_(boxes_), tolerance_(tolerance) {
+    for (uint32_t i = 0; i < shells_.size(); ++i)
+        if (shells_[i] != kNoShell) facesOfShells_[shells_[i]].push_back(i);
+}
 
 struct PaneFitter::Cut {
     Plane plane;
     double area = 0; // of the pane
     PlanArrangement map;
+    std::vector<std::vector<Ends>> solids; // where closed shells cross the plane
 };
 
 PaneFitter::Cut PaneFitter::cut(std::span<const uint32_t> pane, dvec3 shift, double reach) const {
     const SoupFace& first = soup_[pane[0]];
     const dvec3 normal = glm::normalize(areaVector(first.loops[0])), u = perpendicular(normal);
-    Cut out{{first.loops[0][0] + shift, normal, u, glm::cross(normal, u)}, 0, {}};
+    Cut out{{first.loops[0][0] + shift, normal, u, glm::cross(normal, u)}, 0, {}, {}};
     std::vector<SoupFace> drawn;
     std::vector<dvec3> corners;
     for (const uint32_t f : pane) {
@@ -209,16 +267,23 @@ PaneFitter::Cut PaneFitter::cut(std::span<const uint32_t> pane, dvec3 shift, dou
         section.addOutline(
             std::array{a - along - aside, b + along - aside, b + along + aside, a - along + aside}, kPane);
     }
+    std::set<uint32_t> near; // shells
     tree_.anyHolding(box.high + reach + tolerance_, box.low - reach - tolerance_, [&](uint32_t i) {
         section.add(soup_[others_[i]]);
+        if (shells_[i] != kNoShell) near.insert(shells_[i]);
         return false; // look at all
     });
     out.map = arrange(section.segments());
+    for (const uint32_t shell : near) {
+        out.solids.emplace_back();
+        for (const uint32_t i : facesOfShells_.at(shell))
+            for (const Ends& ends : section.cutOf(soup_[others_[i]], 1)) out.solids.back().push_back(ends);
+    }
     return out;
 }
 
 std::vector<SoupFace> PaneFitter::fit(std::span<const uint32_t> pane, dvec3 shift, double reach) const {
-    const auto& [plane, area, map] = cut(pane, shift, reach);
+    const auto& [plane, area, map, solids] = cut(pane, shift, reach);
     std::vector<int> labels = holesIn(map);
     absorbThinCells(map, labels, tolerance_);
     std::vector<SoupFace> out;
@@ -226,14 +291,21 @@ std::vector<SoupFace> PaneFitter::fit(std::span<const uint32_t> pane, dvec3 shif
     for (const PlanRegion& region : traceRegions(map, labels)) {
         SoupFace face = soup_[pane[0]];
         face.loops.clear();
+        double size = 0;
+        dvec2 within(0);
         for (const auto& halves : region.loops) {
             std::vector<dvec2> outline;
             for (const uint32_t h : halves) outline.push_back(map.points[map.source(h)]);
             outline = cornersOf(outline, tolerance_);
-            left += areaOf(outline);
+            size += areaOf(outline);
+            if (face.loops.empty()) within = pointIn(outline, kBesideEdge * tolerance_);
             face.loops.emplace_back();
             for (const dvec2 p : outline) face.loops.back().push_back(plane.back(p));
         }
+        // In a bar; but what most of the pane lies in is a room.
+        const auto holds = [&](const std::vector<Ends>& solid) { return isInside(solid, within); };
+        if (size < kLeastPart * area && std::ranges::any_of(solids, holds)) continue;
+        left += size;
         out.push_back(std::move(face));
     }
     if (left < kLeastPart * area) out.clear();

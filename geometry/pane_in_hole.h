@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <span>
 #include <vector>
@@ -22,8 +23,9 @@ public:
 
     // The pane of the given faces of the soup, which lie in parallel planes, in that of the first one moved
     // by `shift`: a face for each part of that plane, no farther out than these (and 0.5 % of their
-    // diagonal), that other faces bound all round where they cross or lie in it; of the first face's
-    // material. None where less than half of the pane would be left.
+    // diagonal), that other faces bound all round where they cross or lie in it, but for what lies within
+    // bars (closed shells of other faces); of the first face's material. None where less than half of the
+    // pane would be left.
     std::vector<SoupFace> fit(std::span<const uint32_t> pane, glm::dvec3 shift) const;
 
     // Of a pane that does not fit: how far (metres) it would have to grow to fill the hole in which it
@@ -43,6 +45,8 @@ private:
     const std::vector<SoupFace>& soup_;
     std::vector<uint32_t> others_; // faces of the soup
     std::vector<Bounds> boxes_;    // of these
+    std::vector<uint32_t> shells_; // of these, where they are closed
+    std::map<uint32_t, std::vector<uint32_t>> facesOfShells_;
     BoxTree tree_;
     double tolerance_;
 };
