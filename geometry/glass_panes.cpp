@@ -158,7 +158,13 @@ public:
     PanePlacer(const std::vector<SoupFace>& soup, const std::function<bool(uint32_t)>& isGlass,
                double tolerance)
         : soup_(soup), tolerance_(tolerance), holes_(soup, isGlass, tolerance), gone_(soup.size(), false),
-          edge_(soup.size(), false) {}
+          edge_(soup.size(), false) {
+        for (const SoupFace& face : soup) {
+            if (isGlass(face.material)) continue;
+            const Bounds box = boundsOf(face.loops[0]);
+            walls_ = {glm::min(walls_.low, box.low), glm::max(walls_.high, box.high)};
+        }
+    }
 
     std::optional<PanesInHoles> place(const std::vector<Body>& bodies) {
         for (const Body& body : bodies) {
@@ -265,6 +271,9 @@ private:
 
     void loosen(const Pane& pane) {
         const Slab& slab = pane.slab;
+        const Bounds box = boxOf(pane.body->faces);
+        if (glm::any(glm::lessThan(box.high, walls_.low)) || glm::any(glm::greaterThan(box.low, walls_.high)))
+            return; // a building of its own, as a greenhouse
         LooseGlass glass;
         if (!slab.sides[0].empty() && (pane.body->closed || jointsLookedAt_++ < kMostJoints))
             glass.joint = holes_.joint(slab.sides[0], 0.5 * slab.across);
@@ -273,7 +282,7 @@ private:
             if (glass.joint && !out_.openFlat) out_.openFlat = glass;
             return;
         }
-        glass.middle = boxOf(pane.body->faces).centre();
+        glass.middle = box.centre();
         glass.kept = touchesNothing(slab);
         for (const uint32_t f : pane.body->faces) (glass.kept ? edge_ : gone_)[f] = true;
         if (glass.kept)
@@ -285,7 +294,8 @@ private:
     const std::vector<SoupFace>& soup_;
     double tolerance_;
     PaneFitter holes_;
-    std::vector<bool> gone_, edge_; // per face
+    std::vector<bool> gone_, edge_;             // per face
+    Bounds walls_{dvec3(1e300), dvec3(-1e300)}; // of all that is no glass
     std::vector<Pane> unfit_;
     size_t jointsLookedAt_ = 0;
     PanesInHoles out_;

@@ -34,9 +34,10 @@ enum class Drawn { slabs, slabsAndFlat };
 // side by side or nearly in one plane, as of sliding windows, that fill no hole each are one pane where they
 // do together. A slab is a closed body whose faces are all of one glass (`isGlass` of a material): two flat
 // sides of one size, no farther apart than a fifth of it, and what joins them between. Other closed bodies
-// of glass are no part of a room's boundary. Drawn::slabsAndFlat: so also flat panes that are larger or
-// smaller than their hole. Corners are one within `tolerance` (metres). None where nothing is to be changed.
-// Cost: O(n log n) for n faces, for each pane what is near it, and m^2 for m panes that fill no hole.
+// of glass are no part of a room's boundary, unless they lie beside the box round all that is no glass.
+// Drawn::slabsAndFlat: so also flat panes that are larger or smaller than their hole. Corners are one within
+// `tolerance` (metres). None where nothing is to be changed. Cost: O(n log n) for n faces, for each pane what
+// is near it, and m^2 for m panes that fill no hole.
 std::optional<PanesInHoles> panesInHoles(const std::vector<SoupFace>& soup,
                                          const std::function<bool(uint32_t)>& isGlass, double tolerance,
                                          Drawn drawn);

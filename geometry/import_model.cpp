@@ -154,8 +154,8 @@ private:
             if (!glass.kept && !first) first = &glass;
         }
         if (kept > 0)
-            out.repairs.push_back(counted(kept, "slab") +
-                                  " of glass that stands free: seen through, with edges that are black");
+            out.repairs.push_back(fmt::format("{} of glass {} free: seen through, with edges that are black",
+                                              counted(kept, "slab"), kept == 1 ? "stands" : "stand"));
         if (left > 0)
             out.warnings.push_back(fmt::format(
                 "{} of glass (the first at {}) {} no hole: left out, as if light passed unhindered",

@@ -288,6 +288,11 @@ TEST(GlassPanes, that_stand_in_a_room_let_no_light_in) {
     const Building building = vase.read();
     EXPECT_NEAR(glassOf(building), 2.4, 1e-6);
     EXPECT_EQ(building.warnings.size(), 1u);
+    Drawing greenhouse; // beside it: a room
+    drawThickWalls(greenhouse);
+    greenhouse.slab(hole(-0.12), hole(-0.1));
+    greenhouse.slab(rectangle(6, 8, 0, 2, 0), rectangle(6, 8, 0, 2, 2));
+    EXPECT_EQ(greenhouse.read().roomCount, 2u);
 }
 
 // They are made by the program: none of them looks the wrong way. A chamfer changes nothing.
