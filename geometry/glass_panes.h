@@ -10,11 +10,11 @@
 
 namespace heliodon::geometry {
 
-// A closed body of glass that fills no hole.
+// A body of glass, or a flat pane, that fills no hole.
 struct LooseGlass {
     std::vector<uint32_t> faces; // SoupFace::surface
-    glm::dvec3 middle{0};        // of its corners
-    bool kept = false;           // a slab that touches nothing: else left out
+    glm::dvec3 middle{0};        // of the box round it
+    bool kept = false;           // a slab that touches nothing: other bodies are left out
     std::optional<double> joint; // metres, that would be left round it in the hole where it stands
 };
 
