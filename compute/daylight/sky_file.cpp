@@ -183,11 +183,7 @@ Sky skyFromOption(const std::string& option, const SunPosition& sun, const SkySe
     if (option == "overcast") return overcastSky(sun, setting);
     if (option == "intermediate") return intermediateSky(sun, setting);
     if (option.starts_with("cie:")) return cieTypicalSky(cieType(option), sun, setting);
-    if (option.starts_with("perez:")) {
-        const Irradiance irradiance = perezNumbers(option);
-        // The numbers are the user's for any hour; at night they mean nothing.
-        return skyFromIrradiance(sun.isUp() ? irradiance : Irradiance{}, sun, setting);
-    }
+    if (option.starts_with("perez:")) return skyFromIrradiance(perezNumbers(option), sun, setting);
     if (option.ends_with(".json")) return readSky(option, fileAxes);
     refuseOption(option, "is not a sky");
 }

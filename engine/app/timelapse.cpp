@@ -334,8 +334,7 @@ void reportFrames(Run& run, const Frames& frames, size_t kept, double white) {
     if (kept > 0) run.skipped(fmt::format("{} frames: --resume, an earlier run has made them", kept));
     if (frames.dark > 0)
         run.note(
-            fmt::format("{} of {} frames are dark: the sun is below the horizon, twilight is not modelled",
-                        frames.dark, count));
+            fmt::format("{} of {} frames are dark: the sun is below the horizon", frames.dark, count));
 }
 
 } // namespace

@@ -188,9 +188,22 @@ TEST(SkyOption, every_cie_type_is_lit_by_day_and_dark_by_night) {
             EXPECT_NEAR(sky.ground.luminance * kPi / 0.2 / globalHorizontalIlluminance(sky), 1, 1e-9);
         }
     }
-    for (const char* option : {"clear", "overcast", "intermediate", "cie:12", "perez:800,100"})
+    for (const char* option : {"clear", "overcast", "intermediate", "cie:12"})
         for (const double altitude : {-90.0, -7.0, -0.01})
             EXPECT_TRUE(skyFromOption(option, sunAt(90, altitude), {}).isDark()) << option;
+}
+
+TEST(SkyOption, perez_numbers_in_twilight_are_those_of_a_weather_record) {
+    for (const double altitude : {-0.01, -3.0, -5.99}) {
+        const SunPosition sun = sunAt(90, altitude);
+        const Sky sky = skyFromOption("perez:20,15", sun, {}), record = skyFromIrradiance({20, 15}, sun);
+        EXPECT_FALSE(sky.hasSun()) << altitude;
+        EXPECT_GT(sky.formula.scale, 0) << altitude;
+        EXPECT_EQ(sky.formula.scale, record.formula.scale) << altitude;
+        EXPECT_EQ(sky.ground.luminance, record.ground.luminance) << altitude;
+    }
+    for (const double altitude : {-6.01, -90.0})
+        EXPECT_TRUE(skyFromOption("perez:20,15", sunAt(90, altitude), {}).isDark()) << altitude;
 }
 
 TEST(SkyTables, have_the_formulas_luminance) {
