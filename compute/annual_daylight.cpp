@@ -20,14 +20,16 @@ namespace {
 
 constexpr size_t kCheckedSunless = 3, kCheckedSunny = 6;
 constexpr size_t kSolvedAtOnce = 8; // hours that share passes over F
-// Work in about milliseconds, for the bar, measured on 40 to 400 sensors, 600 to 2000 patches, whole and half
-// hours: an hour's sky, its sun; of a sensor what it answers, by patches, and its products, by hours with
-// light.
-constexpr double kSkyWork = 0.5, kSunWork = 0.8, kAnswerWork = 5e-3, kProductWork = 4e-4;
-// An hour whose sky has a ribbon, by patches.
-constexpr double kRibbonWork = 0.1;
-// Of a sensor with walls beside it: by patches; by hours with sky; by hours with sun.
-constexpr double kNearWork = 9e-3, kNearSkyWork = 4.5e-3, kNearSunWork = 1.7e-3;
+// Work in about CPU milliseconds, for the bar, measured on 37 to 280 sensors, 600 and 2000 patches: an hour's
+// sky; its sun, by itself and by patches (twice that behind partitions).
+constexpr double kSkyWork = 0.085, kSunWork = 0.2, kSunPatchWork = 7e-5;
+// Of a sensor: what it sees, what it answers, by pairs of patches; by hours with sky, what it sees straight; by
+// hours with sun, its beam.
+constexpr double kSensorWork = 1.2, kAnswerWork = 5e-7, kStraightWork = 8e-5, kBeamWork = 1.2e-4;
+// An hour whose sky has a ribbon, by patches and by sensors.
+constexpr double kRibbonWork = 0.15, kRibbonSensorWork = 1;
+// Of a sensor with walls beside it, beyond that: by patches; by hours with sky; by hours with sun.
+constexpr double kNearWork = 1.5e-3, kNearSkyWork = 8e-4, kNearSunWork = 3e-4;
 
 // `wanted` entries spread evenly over `all`.
 template<class T> std::vector<T> spread(const std::vector<T>& all, size_t wanted) {
@@ -54,10 +56,11 @@ AnnualDaylight::AnnualDaylight(DaylightTransport& transport, std::vector<dayligh
       responder_(transport) {
     const TransportParts parts = transport_.parts();
     suns_.emplace(parts, transport_.mesh(), skies_, sunBytes, [this](size_t hours) {
-        sunDone_ += kSunWork * static_cast<double>(hours);
-        tell(kSunWork * static_cast<double>(hours));
+        const double work = sunWork() * static_cast<double>(hours);
+        sunDone_ += work;
+        tell(work);
     });
-    sunWork_ = kSunWork * static_cast<double>(suns_->sunny());
+    sunWork_ = sunWork() * static_cast<double>(suns_->sunny());
     makeSkies(parts);
     straight_.emplace(skies_, lit_);
     ribbonWork_ = ribbonWork() * static_cast<double>(ribbons_.size());
@@ -69,8 +72,20 @@ AnnualDaylight::AnnualDaylight(DaylightTransport& transport, std::vector<dayligh
             std::ranges::count_if(*hours, [&](uint32_t hour) { return !skies_[hour].hasSun(); }));
 }
 
+double AnnualDaylight::sunWork() const {
+    return kSunWork + kSunPatchWork * static_cast<double>(transport_.mesh().patchCount());
+}
+
 double AnnualDaylight::answerWork() const {
-    return kAnswerWork * static_cast<double>(transport_.mesh().patchCount());
+    const auto patches = static_cast<double>(transport_.mesh().patchCount());
+    return kSensorWork + kAnswerWork * patches * patches;
+}
+
+// Hours whose sun enters are known once they are made.
+double AnnualDaylight::sensorWork() const {
+    const auto sunny = static_cast<double>(suns_->blocks() > 0 ? suns_->skies().size() : suns_->sunny());
+    return answerWork() + kStraightWork * static_cast<double>(lit_.size()) +
+           kBeamWork * sunny + kRibbonSensorWork * static_cast<double>(ribbons_.size());
 }
 
 double AnnualDaylight::ribbonWork() const {
@@ -83,7 +98,7 @@ void AnnualDaylight::foresee(size_t sensors) {
     const size_t left = sensorCount_ - std::min(sensorsDone_, sensorCount_),
                  calls = (left + sensors - 1) / sensors;
     const auto blocks = static_cast<double>(std::max<size_t>(suns_->blocks(), 1));
-    sunWork_ = sunDone_ + static_cast<double>(calls) * (1 - 1 / blocks) * kSunWork *
+    sunWork_ = sunDone_ + static_cast<double>(calls) * (1 - 1 / blocks) * sunWork() *
                               static_cast<double>(suns_->skies().size());
     ribbonWork_ =
         ribbonsDone_ + static_cast<double>(calls * (ribbons_.size() - solved_.size())) * ribbonWork();
@@ -112,10 +127,8 @@ void AnnualDaylight::makeNearLight(size_t sensors) {
 void AnnualDaylight::tell(double work) {
     if (!tell_) return;
     workDone_ += work;
-    const auto lit = static_cast<double>(lit_.size());
-    const double all =
-        kSkyWork * lit + sunWork_ + nearWork_ + ribbonWork_ +
-        (answerWork() + kProductWork * lit) * static_cast<double>(std::max<size_t>(sensorCount_, 1));
+    const double all = kSkyWork * static_cast<double>(lit_.size()) + sunWork_ + nearWork_ + ribbonWork_ +
+                       sensorWork() * static_cast<double>(std::max<size_t>(sensorCount_, 1));
     tell_(std::min(1.0, workDone_ / all));
 }
 
@@ -264,6 +277,7 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
         multiply(responses.sky, count, luminance_, sky);
         std::fill(sun.begin(), sun.end(), 0.0f);
         addBeams(sensors, sun);
+        tell(kBeamWork * static_cast<double>(suns_->skies().size() * count));
         const TransportParts parts = transport_.parts();
         const StraightSky straight(*straight_, parts.sensorSky, parts.near);
         inParallel(count, [&](size_t s) {
@@ -279,7 +293,8 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
                 lux[at] += error[at];
             }
         });
-        straight.addTo(lux, tellEach(nearShare_ * kNearSkyWork * static_cast<double>(count)));
+        straight.addTo(
+            lux, tellEach((kStraightWork + nearShare_ * kNearSkyWork) * static_cast<double>(count)));
     }
     reportOf(responses, lux.size());
     checkAndSetErrors(lux, sun, error);
@@ -287,7 +302,6 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
     solveRibbons(lux, sun, error);
     sensorsDone_ += count;
     foresee(count);
-    tell(kProductWork * static_cast<double>(lit_.size() * count));
 }
 
 // The sun by way of patches: hours whose sun enters x sensors.
@@ -387,9 +401,12 @@ void AnnualDaylight::solveRibbons(std::span<float> lux, std::span<float> sun, st
         }
     };
     const size_t kept = solved_.size();
+    const double bySensors =
+        kRibbonSensorWork * static_cast<double>(lux.size()) / static_cast<double>(hours);
     for (size_t k = 0; k < kept; ++k) {
         transport_.lightSensors(solved_[k], skies_[ribbons_[k]]);
         write(solved_[k], ribbons_[k]);
+        tell(bySensors);
     }
     for (size_t first = kept; first < ribbons_.size(); first += kSolvedAtOnce) {
         std::vector<daylight::Sky> skies;
@@ -399,7 +416,7 @@ void AnnualDaylight::solveRibbons(std::span<float> lux, std::span<float> sun, st
         for (size_t k = 0; k < moments.size(); ++k) write(moments[k], ribbons_[first + k]);
         const double work = static_cast<double>(moments.size()) * ribbonWork();
         ribbonsDone_ += work;
-        tell(work);
+        tell(work + bySensors * static_cast<double>(moments.size()));
         keep(std::move(moments));
     }
 }

@@ -92,9 +92,11 @@ private:
     std::vector<uint32_t> checkedHours(size_t& sunless) const;
     void solveRibbons(std::span<float> lux, std::span<float> sun, std::span<float> error);
     void keep(std::vector<Moment> moments);
-    double ribbonWork() const; // of an hour
+    double sunWork() const;    // of an hour
+    double ribbonWork() const; // of an hour, but for its sensors
     void reportOf(const SensorResponses& responses, size_t values);
     double answerWork() const; // of a sensor
+    double sensorWork() const; // of all that it takes, but for walls beside it
     void foresee(size_t sensors);
     void makeNearLight(size_t sensors);
     std::function<void(size_t)> tellEach(double work);
