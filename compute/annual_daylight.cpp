@@ -23,8 +23,8 @@ constexpr size_t kSolvedAtOnce = 8; // hours that share passes over F
 // Work in about CPU milliseconds, for the bar, measured on 37 to 280 sensors, 600 and 2000 patches: an hour's
 // sky; its sun, by itself and by patches (twice that behind partitions).
 constexpr double kSkyWork = 0.085, kSunWork = 0.2, kSunPatchWork = 7e-5;
-// Of a sensor: what it sees, what it answers, by pairs of patches; by hours with sky, what it sees straight; by
-// hours with sun, its beam.
+// Of a sensor: what it sees, what it answers, by pairs of patches; by hours with sky, what it sees straight;
+// by hours with sun, its beam.
 constexpr double kSensorWork = 1.2, kAnswerWork = 5e-7, kStraightWork = 8e-5, kBeamWork = 1.2e-4;
 // An hour whose sky has a ribbon, by patches and by sensors.
 constexpr double kRibbonWork = 0.15, kRibbonSensorWork = 1;
@@ -84,8 +84,8 @@ double AnnualDaylight::answerWork() const {
 // Hours whose sun enters are known once they are made.
 double AnnualDaylight::sensorWork() const {
     const auto sunny = static_cast<double>(suns_->blocks() > 0 ? suns_->skies().size() : suns_->sunny());
-    return answerWork() + kStraightWork * static_cast<double>(lit_.size()) +
-           kBeamWork * sunny + kRibbonSensorWork * static_cast<double>(ribbons_.size());
+    return answerWork() + kStraightWork * static_cast<double>(lit_.size()) + kBeamWork * sunny +
+           kRibbonSensorWork * static_cast<double>(ribbons_.size());
 }
 
 double AnnualDaylight::ribbonWork() const {
@@ -293,8 +293,8 @@ void AnnualDaylight::sensors(std::span<const Sensor> sensors, std::span<float> l
                 lux[at] += error[at];
             }
         });
-        straight.addTo(
-            lux, tellEach((kStraightWork + nearShare_ * kNearSkyWork) * static_cast<double>(count)));
+        straight.addTo(lux,
+                       tellEach((kStraightWork + nearShare_ * kNearSkyWork) * static_cast<double>(count)));
     }
     reportOf(responses, lux.size());
     checkAndSetErrors(lux, sun, error);
@@ -401,8 +401,7 @@ void AnnualDaylight::solveRibbons(std::span<float> lux, std::span<float> sun, st
         }
     };
     const size_t kept = solved_.size();
-    const double bySensors =
-        kRibbonSensorWork * static_cast<double>(lux.size()) / static_cast<double>(hours);
+    const double bySensors = kRibbonSensorWork * static_cast<double>(lux.size()) / static_cast<double>(hours);
     for (size_t k = 0; k < kept; ++k) {
         transport_.lightSensors(solved_[k], skies_[ribbons_[k]]);
         write(solved_[k], ribbons_[k]);
