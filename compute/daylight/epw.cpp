@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
+#include "compute/daylight/wea.h"
 #include "geometry/input_error.h"
 #include "geometry/number_text.h"
 #include "geometry/text_file.h"
@@ -27,7 +28,7 @@ constexpr double kGreatestIrradiance = 1500; // above the sun's outside the atmo
 
 // zlib reads plain files as they are.
 std::string readText(const std::string& file) {
-    const std::string expected = "hourly weather (.epw or .epw.gz)";
+    const std::string expected = "hourly weather (.epw, .wea, or one of them as .gz)";
     geometry::refuseUnreadable(file, expected);
     const std::unique_ptr<gzFile_s, int (*)(gzFile)> in(gzopen(file.c_str(), "rb"), gzclose);
     if (!in) throw InputError(file, "", "cannot be read, expected " + expected);
@@ -198,8 +199,6 @@ Coverage readCoverage(const Line& line, EpwFile& epw) {
 
 [[noreturn]] void refuseFirst(const Line& line) {
     const std::string_view word = line.cells[0];
-    if (sameWord(word.substr(0, 6), "place "))
-        line.refuse("begins as a .wea, expected the .epw that it was made from");
     if (sameWord(word.substr(0, 8), "LOCATION") && word.size() > 8 &&
         !std::isalnum(static_cast<unsigned char>(word[8])))
         line.refuse(fmt::format("has {} between its fields, expected commas",
@@ -375,6 +374,7 @@ EpwFile readEpw(const std::filesystem::path& path) {
     const std::string text = readLines(file);
     std::string_view rest = text;
     if (rest.starts_with("\xef\xbb\xbf")) rest.remove_prefix(3);
+    if (isWea(rest)) return readWea(file, rest);
 
     EpwFile epw;
     std::optional<Sequence> sequence;

@@ -1,5 +1,5 @@
-// The text of an EPW file as records, before anything is made of it (format: EnergyPlus, "Auxiliary
-// Programs", weather file data dictionary). Only weather.cpp and tests need this.
+// The text of an EPW file, or of a .wea (wea.h), as records, before anything is made of it (format:
+// EnergyPlus, "Auxiliary Programs", weather file data dictionary). Only weather.cpp and tests need this.
 #pragma once
 
 #include <cstddef>
@@ -27,7 +27,8 @@ struct EpwFile {
     double latitudeDeg = 0, longitudeDeg = 0, timeZoneHours = 0, elevationM = 0; // north, east, east, up
     int recordsPerHour = 1;                                                      // a divisor of 60
     std::optional<double> irradianceOffsetHours; // "Irradiance Time Offset (h)" of a comment
-    std::vector<EpwRecord> records;              // in order, without gaps over each data period
+    std::vector<EpwRecord> records;              // in order, without gaps over each data period of an EPW
+    bool hasDewPoints = true;                    // the format has them
     size_t directRefuted =
         0; // records whose negative direct irradiance counts as missing: the others say sun
     std::vector<std::string> warnings;

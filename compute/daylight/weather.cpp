@@ -145,17 +145,24 @@ Gap fillFromRecord(const EpwRecord& record, WeatherHour& hour) {
     return Gap::derived;
 }
 
-// The same hour of the nearest day within a week that has a record of its own.
+// A place for each record of a leap year.
+size_t placeOf(const Date& date, double clockHour, int recordsPerHour) {
+    const int day = dayOfYear({2000, date.month, date.day}) - 1;
+    const auto part = static_cast<size_t>(std::max(0.0, std::floor(clockHour * recordsPerHour)));
+    const size_t aDay = 24 * static_cast<size_t>(recordsPerHour);
+    return static_cast<size_t>(day) * aDay + std::min(part, aDay - 1);
+}
+
+// The same hour of the nearest day within a week, of the (typical) year, that has a record of its own.
 bool borrow(Weather& weather, const std::vector<Gap>& gaps, size_t i) {
-    const size_t day = 24 * static_cast<size_t>(weather.recordsPerHour);
-    for (size_t days = 1; days <= 7; ++days)
-        for (const bool before : {true, false}) {
-            const size_t away = days * day;
-            if (before ? i < away : i + away >= weather.hours.size()) continue;
-            const size_t other = before ? i - away : i + away;
-            if (gaps[other] == Gap::open || !weather.hours[other].sun.isUp()) continue;
-            weather.hours[i].irradiance = weather.hours[other].irradiance;
-            weather.hours[i].globalHorizontal = weather.hours[other].globalHorizontal;
+    WeatherHour& hour = weather.hours[i];
+    for (int days = 1; days <= 7; ++days)
+        for (const int aside : {-days, days}) {
+            const Date date = dateFromDays(daysSinceEpoch(hour.date) + aside);
+            const uint32_t other = weather.byPlace.at(placeOf(date, hour.clockHour, weather.recordsPerHour));
+            if (other == kNoRecord || gaps[other] == Gap::open || !weather.hours[other].sun.isUp()) continue;
+            hour.irradiance = weather.hours[other].irradiance;
+            hour.globalHorizontal = weather.hours[other].globalHorizontal;
             return true;
         }
     return false;
@@ -251,14 +258,6 @@ void warnOfComponents(const EpwFile& epw, Weather& weather) {
             "no record has direct or diffuse irradiance (fields 15 and 16): all is dark");
 }
 
-// A place for each record of a leap year.
-size_t placeOf(const Date& date, double clockHour, int recordsPerHour) {
-    const int day = dayOfYear({2000, date.month, date.day}) - 1;
-    const auto part = static_cast<size_t>(std::max(0.0, std::floor(clockHour * recordsPerHour)));
-    const size_t aDay = 24 * static_cast<size_t>(recordsPerHour);
-    return static_cast<size_t>(day) * aDay + std::min(part, aDay - 1);
-}
-
 // Zeros where 9999 was meant, or kW/m2: under a sun so high, the heaviest cloud lets some W/m2 through.
 void warnOfDarkDays(const EpwFile& epw, Weather& weather) {
     constexpr double kHigh = 10; // degrees
@@ -317,7 +316,7 @@ Weather readWeather(const std::filesystem::path& file) {
         hour.sun = sunPosition(hour.utc, weather.site, options);
         if (record.dewPointC)
             hour.precipitableWaterCm = precipitableWaterCm(*record.dewPointC);
-        else if (hour.sun.isUp())
+        else if (hour.sun.isUp() && epw.hasDewPoints)
             ++withoutDewPoint;
         if (!hour.sun.isUp() && shinesAtNight(epw, record, shift)) ++atNight;
         gaps.push_back(fillFromRecord(record, hour));

@@ -1,5 +1,5 @@
-// A year (or part) of weather from an EPW file (EnergyPlus/ESP-r weather, .epw or .epw.gz): where the sun
-// stood and what it and the sky gave, hour by hour.
+// A year (or part) of weather from an EPW file (EnergyPlus/ESP-r weather) or a .wea (Radiance, wea.h), plain
+// or gzip: where the sun stood and what it and the sky gave, hour by hour.
 //
 // Time: an EPW record "hour h" is the mean over the hour that ends at h o'clock, local standard time (no
 // summer time). The sun is taken at the middle of that hour, h - 0.5, as epw2wea and gendaymtx do. Files that

@@ -259,7 +259,7 @@ private:
                       {"ASE", "percent of sensors with over 250 hours of such direct sun"}});
         addScene(sub, annual_.scene);
         addBlinds(sub, annual_.scene);
-        sub->add_option("--weather", annual_.weather, "hourly weather (.epw or .epw.gz); its site is used")
+        sub->add_option("--weather", annual_.weather, "hourly weather (.epw, .wea, also .gz); its site is used")
             ->required();
         sub->add_option(
             "--sensors", annual_.sensors,

@@ -52,7 +52,7 @@ void addMoment(CLI::App* sub, MomentArguments& moment, bool withTime) {
 
 void addWeather(CLI::App* sub, MomentArguments& moment) {
     sub->add_option("--weather", moment.weather,
-                    "hourly weather (.epw or .epw.gz) in place of a sky; its site is used")
+                    "hourly weather (.epw, .wea, also .gz) in place of a sky; its site is used")
         ->excludes("--sky");
 }
 

@@ -1,0 +1,94 @@
+#include "compute/daylight/wea.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "compute/daylight/weather.h"
+#include "tests/daylight/csv.h"
+#include "tests/daylight/weather_file.h"
+
+namespace heliodon::daylight {
+namespace {
+
+using test::refusalOf;
+using test::weatherOf;
+
+const std::string kHead = "place Chicago Ohare_USA\nlatitude 41.98\nlongitude 87.92\ntime_zone 90\n"
+                          "site_elevation 201.0\nweather_data_file_units 1\n";
+
+TEST(Wea, is_the_year_of_the_epw_that_it_was_made_from) {
+    const Weather epw = readWeather(test::dataFile("chicago_tmy3.epw.gz"));
+    std::string text = kHead;
+    for (const WeatherHour& h : epw.hours)
+        text += fmt::format("{} {} {:.3f} {:.0f} {:.0f}\r\n", h.date.month, h.date.day, h.clockHour,
+                            h.irradiance.directNormal, h.irradiance.diffuseHorizontal);
+    const Weather wea = weatherOf(text);
+    EXPECT_TRUE(wea.warnings.empty()) << wea.warnings[0];
+    EXPECT_EQ(wea.place, "Chicago Ohare_USA");
+    EXPECT_EQ(wea.site.latitudeDeg, epw.site.latitudeDeg);
+    EXPECT_EQ(wea.site.longitudeDeg, epw.site.longitudeDeg);
+    EXPECT_EQ(wea.timeZoneHours, epw.timeZoneHours);
+    EXPECT_EQ(wea.elevationM, epw.elevationM);
+    EXPECT_EQ(wea.recordsPerHour, 1);
+    ASSERT_EQ(wea.hours.size(), epw.hours.size());
+    for (size_t k = 0; k < epw.hours.size(); ++k) {
+        const WeatherHour &a = wea.hours[k], &b = epw.hours[k];
+        ASSERT_EQ(a.clockHour, b.clockHour) << k;
+        ASSERT_EQ(a.irradiance.directNormal, b.irradiance.directNormal) << k;
+        ASSERT_EQ(a.irradiance.diffuseHorizontal, b.irradiance.diffuseHorizontal) << k;
+        // Declinations of a day differ by the year's place in the leap cycle, by 0.3 degrees at most.
+        ASSERT_NEAR(a.sun.trueAltitudeDeg, b.sun.trueAltitudeDeg, 0.35) << k;
+    }
+}
+
+TEST(Wea, has_parts_of_hours_some_days_and_leap_days) {
+    const Weather w = weatherOf(kHead + "# noon\n2 28 12.250 500 100\n2 28 12.750 510 9999\n\n"
+                                        "2 29 11.750 520 120\n2 29 12.250 530 130\n");
+    ASSERT_EQ(w.hours.size(), 4u);
+    EXPECT_EQ(w.recordsPerHour, 2);
+    EXPECT_EQ(w.hours[0].date, (Date{2004, 2, 28}));
+    EXPECT_EQ(w.hours[2].date, (Date{2004, 2, 29}));
+    EXPECT_EQ(w.hours[2].clockHour, 11.75);
+    EXPECT_TRUE(w.hours[1].filled);
+    EXPECT_FALSE(w.hours[3].filled);
+}
+
+// Days of seven hours each: as many records aside as a day has hours there is another hour.
+TEST(Wea, missing_values_are_those_of_the_same_hour_of_the_nearest_day) {
+    std::string text = kHead;
+    for (int day = 1; day <= 9; ++day)
+        for (int hour = 8; hour < 15; ++hour)
+            text +=
+                fmt::format("6 {} {}.5 {} 100\n", day, hour, day == 5 && hour == 12 ? 9999 : 10 * hour + day);
+    size_t filled = 0;
+    for (const WeatherHour& h : weatherOf(text).hours) {
+        if (!h.filled) continue;
+        EXPECT_EQ(h.irradiance.directNormal, 124) << h.clockHour; // of 4 June
+        ++filled;
+    }
+    EXPECT_EQ(filled, 1u);
+}
+
+TEST(Wea, what_is_wrong_is_named_with_its_line) {
+    const auto names = [](const std::string& content, const char* expected) {
+        const std::string refusal = refusalOf(content);
+        EXPECT_TRUE(refusal.starts_with(expected)) << refusal << " for " << expected;
+    };
+    std::string lux = kHead;
+    lux.replace(lux.find("units 1"), 7, "units 3");
+    names(lux + "1 1 0.5 0 0\n", ":6: weather_data_file_units is 3, expected 1 ");
+    names("place Somewhere\nlatitude 40\n", ":2: the file ends before 'longitude'");
+    names("place Somewhere\nlongitude 40\n", ":2: expected 'latitude'");
+    names("place Somewhere\nlatitude 95\n", ":2: latitude is '95'");
+    names(kHead, ":6: the file ends before a record");
+    names(kHead + "1 1 0.5 0\n", ":7: has 4 numbers");
+    names(kHead + "13 1 0.5 0 0\n", ":7: month is '13'");
+    names(kHead + "2 30 0.5 0 0\n", ":7: day is '30'");
+    names(kHead + "6 1 12 800 100\n6 1 13 800 100\n", ":7: hour is 12, expected the middle");
+    names(kHead + "6 1 12.5 8000 100\n", ":7: direct normal irradiance is 8000 W/m2");
+    names(kHead + "6 1 12.5 800 x\n", ":7: diffuse horizontal irradiance is 'x'");
+    names(kHead + "6 2 12.5 800 100\n6 1 12.5 800 100\n", ":8: does not follow");
+}
+
+} // namespace
+} // namespace heliodon::daylight
