@@ -27,8 +27,9 @@ struct EpwFile {
     double latitudeDeg = 0, longitudeDeg = 0, timeZoneHours = 0, elevationM = 0; // north, east, east, up
     int recordsPerHour = 1;                                                      // a divisor of 60
     std::optional<double> irradianceOffsetHours; // "Irradiance Time Offset (h)" of a comment
-    std::vector<EpwRecord> records;              // in order, without gaps over each data period of an EPW
-    bool hasDewPoints = true;                    // the format has them
+    std::optional<double> sunHours; // of a .wea: the sun's instant after the end of each interval
+    std::vector<EpwRecord> records; // in order, without gaps over each data period of an EPW
+    bool hasDewPoints = true;       // the format has them
     size_t directRefuted =
         0; // records whose negative direct irradiance counts as missing: the others say sun
     std::vector<std::string> warnings;

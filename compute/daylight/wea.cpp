@@ -124,8 +124,21 @@ int recordsPerHour(const std::vector<Reading>& readings) {
     return static_cast<int>(std::lround(std::min(60.0, 1 / least)));
 }
 
+// How far into its interval a reading stands, as a share of it: 0.5 as Radiance's own programs write hours;
+// 0 or 1 on the hour, as others do, where 24 o'clock tells that intervals end there.
+double placeInInterval(const std::vector<Reading>& readings, int perHour) {
+    const double part = readings[0].clock * perHour;
+    if (std::abs(part - std::round(part)) > kOnTime * perHour) return 0.5;
+    return std::ranges::any_of(readings, [](const Reading& r) { return r.clock == 24; }) ? 1 : 0;
+}
+
 void place(const std::string& file, std::vector<Reading>& readings, EpwFile& wea) {
     const int perHour = wea.recordsPerHour = recordsPerHour(readings);
+    const double within = placeInInterval(readings, perHour);
+    wea.sunHours = (within - 1) / perHour;
+    if (within != 0.5)
+        wea.warnings.push_back(
+            "hours are no middles of records (12.5): the sun is taken at them as they stand");
     const bool leap = std::ranges::any_of(
         readings, [](const Reading& r) { return r.record.date.month == 2 && r.record.date.day == 29; });
     const auto refuse = [&](const Reading& reading, const std::string& what) {
@@ -133,13 +146,11 @@ void place(const std::string& file, std::vector<Reading>& readings, EpwFile& wea
     };
     double last = -1;
     for (Reading& reading : readings) {
-        const double part = reading.clock * perHour - 0.5, whole = std::round(part);
+        const double part = reading.clock * perHour - within, whole = std::round(part);
         if (60 % perHour != 0 || whole < 0 || whole >= 24 * perHour ||
             std::abs(part - whole) > kOnTime * perHour)
-            refuse(reading,
-                   fmt::format("hour is {:g}, expected the middle of a record's time, such as {:g} of "
-                               "{} an hour",
-                               reading.clock, 12 + 0.5 / perHour, perHour));
+            refuse(reading, fmt::format("hour is {:g}, expected {:g} and so on, {} an hour", reading.clock,
+                                        12 + within / perHour, perHour));
         EpwRecord& record = reading.record;
         record.hour = static_cast<int>(whole) / perHour + 1;
         record.part = static_cast<int>(whole) % perHour;

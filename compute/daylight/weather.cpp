@@ -70,6 +70,7 @@ double closureError(const EpwFile& epw, const std::vector<const EpwRecord*>& rec
 
 // Where in (or beside) its interval a record's sun is taken, hours from the interval's end.
 double chooseShift(EpwFile& epw, std::vector<std::string>& warnings) {
+    if (epw.sunHours) return *epw.sunHours;
     const double middle = kMiddle / epw.recordsPerHour;
     const auto records = closureRecords(epw);
     const bool enough = records.size() >= 50;

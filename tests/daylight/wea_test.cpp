@@ -53,6 +53,23 @@ TEST(Wea, has_parts_of_hours_some_days_and_leap_days) {
     EXPECT_FALSE(w.hours[3].filled);
 }
 
+// As they stand, with a warning; 24 o'clock says that records end there.
+TEST(Wea, hours_may_be_whole) {
+    const std::string day = "6 1 12 800 100\n6 1 12.25 800 100\n6 1 12.5 810 110\n";
+    const Weather begins = weatherOf(kHead + day);
+    ASSERT_EQ(begins.warnings.size(), 1u);
+    EXPECT_EQ(begins.recordsPerHour, 4);
+    EXPECT_EQ(begins.hours[1].clockHour, 12.375);
+    EXPECT_EQ(begins.sunShiftHours, -0.125);
+    const Weather ends = weatherOf(kHead + "6 1 12 800 100\n6 1 13 800 100\n6 1 24 0 0\n");
+    EXPECT_EQ(ends.recordsPerHour, 1);
+    EXPECT_EQ(ends.hours[0].clockHour, 11.5);
+    EXPECT_EQ(ends.hours[2].clockHour, 23.5);
+    EXPECT_EQ(ends.sunShiftHours, 0.5);
+    for (const Weather& w : {begins, ends})
+        EXPECT_EQ(w.hours[0].utc, daysSinceEpoch({2001, 6, 1}) * 86400.0 + 18 * 3600.0);
+}
+
 // Days of seven hours each: as many records aside as a day has hours there is another hour.
 TEST(Wea, missing_values_are_those_of_the_same_hour_of_the_nearest_day) {
     std::string text = kHead;
@@ -84,7 +101,8 @@ TEST(Wea, what_is_wrong_is_named_with_its_line) {
     names(kHead + "1 1 0.5 0\n", ":7: has 4 numbers");
     names(kHead + "13 1 0.5 0 0\n", ":7: month is '13'");
     names(kHead + "2 30 0.5 0 0\n", ":7: day is '30'");
-    names(kHead + "6 1 12 800 100\n6 1 13 800 100\n", ":7: hour is 12, expected the middle");
+    names(kHead + "6 1 12 800 100\n6 1 13.1 800 100\n", ":8: hour is 13.1, expected 12 and");
+    names(kHead + "6 1 12.3 800 100\n6 1 13.3 800 100\n", ":7: hour is 12.3, expected 12.5 and");
     names(kHead + "6 1 12.5 8000 100\n", ":7: direct normal irradiance is 8000 W/m2");
     names(kHead + "6 1 12.5 800 x\n", ":7: diffuse horizontal irradiance is 'x'");
     names(kHead + "6 2 12.5 800 100\n6 1 12.5 800 100\n", ":8: does not follow");
