@@ -1,12 +1,14 @@
 #include "geometry/edge_sampling.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
 #include <glm/geometric.hpp>
 
+#include "geometry/board_rows.h"
 #include "geometry/lattice_seeds.h"
 #include "geometry/perpendicular.h"
 #include "geometry/segment_distance.h"
@@ -47,8 +49,10 @@ void divideEvenly(const std::vector<std::pair<double, double>>& steps, double n,
 
 } // namespace
 
-EdgeSampler::EdgeSampler(const Building& building, const std::vector<MeshDomain>& domains, SlotSizes slots)
-    : building_(building), domains_(domains), slots_(std::move(slots)), leaning_(building, domains) {
+EdgeSampler::EdgeSampler(const Building& building, const std::vector<MeshDomain>& domains, SlotSizes slots,
+                         std::vector<uint32_t> boardRows)
+    : building_(building), domains_(domains), slots_(std::move(slots)), boardRows_(std::move(boardRows)),
+      leaning_(building, domains) {
     for (const MeshDomain& domain : domains) directions_.push_back(mainDirection(domain));
     collectEdges();
     measureSurroundings();
@@ -164,7 +168,8 @@ void EdgeSampler::shareDivisions(const TwinEdges& group) {
 }
 
 bool EdgeSampler::hasSlots() const {
-    return std::ranges::any_of(slots_.longest, [](double size) { return std::isfinite(size); }) ||
+    return std::ranges::any_of(boardRows_, [](uint32_t rows) { return rows > 0; }) ||
+           std::ranges::any_of(slots_.longest, [](double size) { return std::isfinite(size); }) ||
            std::ranges::any_of(slots_.parts, [](const auto& sources) { return !sources.empty(); });
 }
 
@@ -204,6 +209,9 @@ void EdgeSampler::choose(double edge, const Grading& grading) {
         e.pins.clear();
         e.most = kInfinity;
     }
+    for (const bool rims : {false, true})
+        for (size_t d = 0; d < domains_.size(); ++d)
+            if (grading.slots && boardRows_[d] > 0 && rims == (boardRows_[d] == 1)) divideBoard(d);
     if (std::isfinite(grading.growth)) {
         for (size_t d = 0; d < domains_.size(); ++d) divideEnds(d);
         for (const Strip& strip : strips_) stagger(strip);
@@ -211,6 +219,32 @@ void EdgeSampler::choose(double edge, const Grading& grading) {
     for (SampledEdge& e : edges_) divide(e);
     if (std::isfinite(grading.growth)) easeCorners();
     for (const TwinEdges& group : twins_) shareDivisions(group);
+}
+
+// What is divided already, as a rim's sides along the boards that it joins, stays.
+void EdgeSampler::divideBoard(size_t d) {
+    const auto& sides = loopEdges_[d][0];
+    const size_t lengthwise = edges_[sides[0]].length > edges_[sides[1]].length ? 0 : 1;
+    for (size_t k = 0; k < 4; ++k) {
+        SampledEdge& edge = edges_[sides[k]];
+        if (edge.even) continue;
+        const double count = k % 2 == lengthwise
+                                 ? std::max(1.0, std::round(edge.length / (kBoardColumn * edge_)))
+                                 : static_cast<double>(boardRows_[d]);
+        edge.divisions.clear();
+        for (double i = 1; i < count; ++i) edge.divisions.push_back(i / count);
+        edge.even = true;
+    }
+}
+
+std::optional<EdgeSampler::Grid> EdgeSampler::grid(size_t d) const {
+    if (!grading_.slots || boardRows_[d] == 0) return std::nullopt;
+    std::array<uint32_t, 4> steps;
+    for (size_t k = 0; k < 4; ++k)
+        steps[k] = static_cast<uint32_t>(edges_[loopEdges_[d][0][k]].divisions.size() + 1);
+    // What lies beside it may have divided one side of it otherwise.
+    if (steps[0] != steps[2] || steps[1] != steps[3]) return std::nullopt;
+    return Grid{steps[0], steps[1]};
 }
 
 // The ends of a wall as its folds are divided, where it has narrow facets there.

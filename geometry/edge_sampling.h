@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -27,7 +28,9 @@ struct Grading {
 
 class EdgeSampler {
 public:
-    EdgeSampler(const Building& building, const std::vector<MeshDomain>& domains, SlotSizes slots);
+    // `boardRows`: per domain (board_rows.h).
+    EdgeSampler(const Building& building, const std::vector<MeshDomain>& domains, SlotSizes slots,
+                std::vector<uint32_t> boardRows);
 
     // Divides all edges anew for this edge length (metres).
     void choose(double edge, const Grading& grading);
@@ -41,6 +44,13 @@ public:
 
     // The division points of the edge from a to b without its ends, as fractions of its length from a.
     std::vector<double> divisions(uint32_t a, uint32_t b) const;
+
+    // Of a board: steps on its first and second side, and on those opposite. It is to be a grid of so many
+    // cells.
+    struct Grid {
+        uint32_t columns, rows;
+    };
+    std::optional<Grid> grid(size_t domain) const;
 
     // The domain with its boundary so divided, and what is known about the size of its triangles.
     PlanarDomain planar(size_t domain) const;
@@ -88,6 +98,7 @@ private:
     void findNearCorners(double reach);
     void findStrips();
     void considerStrip(uint32_t side, glm::dvec2 a, glm::dvec2 b, uint32_t other, glm::dvec2 c, glm::dvec2 d);
+    void divideBoard(size_t domain);
     void divideEnds(size_t domain);
     void stagger(const Strip& strip);
     void pinBetween(const SampledEdge& lead, SampledEdge& follower) const;
@@ -107,6 +118,7 @@ private:
     const Building& building_;
     const std::vector<MeshDomain>& domains_;
     SlotSizes slots_;
+    std::vector<uint32_t> boardRows_; // per domain
     FoldLeaning leaning_;
     std::vector<SampledEdge> edges_;
     std::map<std::pair<uint32_t, uint32_t>, uint32_t> edgeOf_;

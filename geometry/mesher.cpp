@@ -16,6 +16,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "geometry/board_rows.h"
 #include "geometry/edge_sampling.h"
 #include "geometry/mesh_domains.h"
 #include "geometry/perpendicular.h"
@@ -72,7 +73,8 @@ public:
           narrowest_(options.mergesFacets ? kNarrowestOfMany : kNarrowest),
           regular_(regularEdge(building, wanted_)),
           domains_(findMeshDomains(building, regular_, options.mergesFacets)),
-          sampler_(building, domains_, slotSizes(building, domains_, regular_, wanted_)) {
+          sampler_(building, domains_, slotSizes(building, domains_, regular_, wanted_),
+                   boardRows(building, domains_, regular_, wanted_)) {
         for (const MeshDomain& domain : domains_) areas_.push_back(domainArea(domain));
     }
 
@@ -112,8 +114,9 @@ private:
     struct Draft {
         PlanarDomain plane;
         LatticeSeeds seeds;
-        std::optional<PlanarNet> net; // of the seeds, where it was asked for already
-        double count = 0;             // of triangles, without those that refinement adds
+        std::optional<PlanarNet> net;            // of the seeds, where it was asked for already
+        double count = 0;                        // of triangles, without those that refinement adds
+        std::optional<EdgeSampler::Grid> grid{}; // of a board: nothing else is needed
     };
 
     // All that is left to do is to raise angles.
@@ -130,6 +133,11 @@ private:
     Draft draftOf(size_t d, double lattice) const {
         beforePart_();
         Draft draft{sampler_.planar(d), {}, {}};
+        draft.grid = sampler_.grid(d);
+        if (draft.grid) {
+            draft.count = static_cast<double>(draft.grid->columns) * draft.grid->rows;
+            return draft;
+        }
         draft.seeds = latticeSeeds(draft.plane, lattice * draft.plane.size.edge());
         draft.count = 2 * static_cast<double>(draft.seeds.points.size()) +
                       static_cast<double>(draft.plane.boundary.size()) - 2 +
@@ -166,7 +174,7 @@ private:
     }
 
     void triangulate(Draft& draft) const {
-        if (draft.net) return;
+        if (draft.net || draft.grid) return;
         beforePart_();
         draft.net = draftMesh(draft.plane, draft.seeds);
     }
@@ -176,7 +184,7 @@ private:
         double count = 0;
         for (Draft& draft : drafts_) {
             triangulate(draft);
-            count += static_cast<double>(draft.net->corner.size());
+            count += draft.grid ? draft.count : static_cast<double>(draft.net->corner.size());
         }
         return count;
     }
@@ -185,7 +193,7 @@ private:
     double addedTriangles() {
         double added = 0;
         for (Draft& draft : drafts_) {
-            if (draft.plane.size.uniform()) continue;
+            if (draft.plane.size.uniform() || draft.grid) continue;
             triangulate(draft);
             added += 2 * static_cast<double>(draft.net->points.size() - draft.plane.boundary.size() -
                                              draft.seeds.points.size());
@@ -373,6 +381,7 @@ private:
         beforePart_();
         Draft& draft = plan_->drafts[d];
         std::vector<uint32_t> vertices = boundaryVertices(domains_[d]);
+        if (draft.grid) return meshGrid(d, vertices, *draft.grid);
         const PlanarMesh flat = improvedMesh(std::move(*draft.net), draft.plane, additions_);
         additions_ -= flat.added;
         for (size_t i = vertices.size(); i < flat.points.size(); ++i) {
@@ -380,6 +389,31 @@ private:
             mesh_.vertices.push_back(domains_[d].inSpace(flat.points[i]));
         }
         for (const auto& t : flat.triangles) addTriangle(d, {vertices[t[0]], vertices[t[1]], vertices[t[2]]});
+    }
+
+    // `border`: from the first corner on, round the board.
+    void meshGrid(size_t d, const std::vector<uint32_t>& border, EdgeSampler::Grid grid) {
+        const auto [columns, rows] = grid;
+        const auto cornerAt = [&](size_t k) { return building_.vertices[domains_[d].loops[0][k]]; };
+        const glm::dvec3 origin = cornerAt(0), column = (cornerAt(1) - origin) / static_cast<double>(columns),
+                         row = (cornerAt(3) - origin) / static_cast<double>(rows);
+        const auto inner = static_cast<uint32_t>(mesh_.vertices.size());
+        for (uint32_t r = 1; r < rows; ++r)
+            for (uint32_t c = 1; c < columns; ++c)
+                mesh_.vertices.push_back(origin + static_cast<double>(c) * column +
+                                         static_cast<double>(r) * row);
+        const auto at = [&, columns = columns, rows = rows](uint32_t c, uint32_t r) {
+            if (r == 0) return border[c];
+            if (c == columns) return border[columns + r];
+            if (r == rows) return border[2 * columns + rows - c];
+            if (c == 0) return border[2 * (columns + rows) - r];
+            return inner + (r - 1) * (columns - 1) + c - 1;
+        };
+        const Face& face = faceOf(d);
+        for (uint32_t r = 0; r < rows; ++r)
+            for (uint32_t c = 0; c < columns; ++c)
+                mesh_.addPatch(std::array{at(c, r), at(c + 1, r), at(c + 1, r + 1), at(c, r + 1)},
+                               face.material, face.role, face.surface, face.room);
     }
 
     // Per vertex on the border of a glass the one that stands opposite.

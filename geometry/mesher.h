@@ -1,5 +1,5 @@
 // Building -> PatchMesh: uniform triangles without T-vertices, smaller ones in slots that light comes in by
-// (slot_sizes.h).
+// (slot_sizes.h), rectangles on boards that face one another (board_rows.h).
 #pragma once
 
 #include <cstddef>

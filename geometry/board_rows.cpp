@@ -1,0 +1,144 @@
+#include "geometry/board_rows.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include <glm/geometric.hpp>
+
+namespace heliodon::geometry {
+
+namespace {
+
+constexpr double kMostRows = 6;
+constexpr double kMostCells = 0.35; // of the triangles asked for
+constexpr double kLeastAspect = 4;
+constexpr double kParallelogram = 0.01;       // of the depth: by how much its corners may miss one
+constexpr double kDeepest = 4.5, kWidest = 2; // depth and gap, of the edge length: wider ones are told apart
+constexpr double kFarthest =
+    1.3; // times the depth: light between boards farther apart is within 1 % as it is
+constexpr double kOpposed = -0.7, kParallel = 0.95; // cosines: of normals, of long sides
+constexpr double kThin = 1.0 / 3;                   // of the depth
+constexpr double kTouching = 1e-6;                  // of the depth: what a sheet's two sides may be apart
+constexpr size_t kMostBoards = 1000;
+
+struct Board {
+    size_t domain;
+    uint32_t room;
+    glm::dvec3 middle, normal, along; // unit
+    double length, depth;
+};
+
+std::optional<Board> parallelogram(const Building& building, const std::vector<MeshDomain>& domains,
+                                   size_t d) {
+    const MeshDomain& domain = domains[d];
+    const Face& face = building.faces[domain.faces[0]];
+    if (domain.frames.size() != 1 || domain.loops.size() != 1 || domain.loops[0].size() != 4 ||
+        face.twin >= 0 || building.materials[face.material].isOpening())
+        return std::nullopt;
+    std::array<glm::dvec3, 4> p;
+    for (size_t k = 0; k < 4; ++k) p[k] = building.vertices[domain.loops[0][k]];
+    const glm::dvec3 first = p[1] - p[0], second = p[3] - p[0],
+                     along = glm::length(first) > glm::length(second) ? first : second;
+    const double length = glm::length(along), depth = domainArea(domain) / length;
+    if (glm::length(p[0] - p[1] + p[2] - p[3]) > kParallelogram * depth) return std::nullopt;
+    const MeshDomain::Frame& frame = domain.frames[0];
+    return Board{
+        d,      face.room, 0.25 * (p[0] + p[1] + p[2] + p[3]), glm::cross(frame.u, frame.v), along / length,
+        length, depth};
+}
+
+// How far b stands before a, where they look at one another (or away from one another, where it is negative)
+// and lie over one another by half or more.
+std::optional<double> gapBetween(const Board& a, const Board& b) {
+    if (a.room != b.room || glm::dot(a.normal, b.normal) > kOpposed ||
+        std::abs(glm::dot(a.along, b.along)) < kParallel)
+        return std::nullopt;
+    const glm::dvec3 d = b.middle - a.middle;
+    const double overA = glm::dot(d, a.normal), overB = -glm::dot(d, b.normal);
+    if (std::abs(glm::dot(d, a.along)) > 0.5 * std::max(a.length, b.length) ||
+        std::abs(glm::dot(d, glm::cross(a.normal, a.along))) > 0.5 * std::max(a.depth, b.depth))
+        return std::nullopt;
+    if (overA > 0 && overB > 0) return std::max(overA, overB);
+    return overA <= 0 && overB <= 0 ? std::optional(std::min(overA, overB)) : std::nullopt;
+}
+
+// Per board the other side of a thin solid, if it is one.
+std::vector<std::optional<size_t>> backsOf(const std::vector<Board>& boards) {
+    std::vector<std::optional<size_t>> backs(boards.size());
+    for (size_t i = 0; i < boards.size(); ++i)
+        for (size_t k = i + 1; k < boards.size(); ++k) {
+            const double depth = std::min(boards[i].depth, boards[k].depth);
+            const auto gap = gapBetween(boards[i], boards[k]);
+            if (gap && *gap <= kTouching * depth && *gap >= -kThin * depth) backs[i] = k, backs[k] = i;
+        }
+    return backs;
+}
+
+// Those that face another one nearby, with the other sides of these.
+std::vector<bool> areClose(const std::vector<Board>& boards, double edge) {
+    const auto backs = backsOf(boards);
+    std::vector<bool> close(boards.size(), false);
+    const auto add = [&](size_t i) {
+        close[i] = true;
+        if (backs[i]) close[*backs[i]] = true;
+    };
+    for (size_t i = 0; i < boards.size(); ++i)
+        for (size_t k = i + 1; k < boards.size(); ++k) {
+            if (!backs[i] && !backs[k]) continue;
+            const double depth = std::max(backs[i] ? boards[i].depth : 0, backs[k] ? boards[k].depth : 0);
+            const auto gap = gapBetween(boards[i], boards[k]);
+            if (gap && *gap > kTouching * depth && *gap <= std::min(kFarthest * depth, kWidest * edge))
+                add(i), add(k);
+        }
+    return close;
+}
+
+// What joins two boards, or two sides of one, is one row.
+void addRims(const std::vector<MeshDomain>& domains, const std::vector<Board>& parallelograms,
+             std::vector<uint32_t>& rows) {
+    using Side = std::pair<uint32_t, uint32_t>;
+    const auto sideOf = [&](size_t domain, size_t k) -> Side {
+        const auto& loop = domains[domain].loops[0];
+        return std::minmax(loop[k], loop[(k + 1) % 4]);
+    };
+    std::set<Side> sides;
+    for (const Board& board : parallelograms)
+        for (size_t k = 0; k < 4 && rows[board.domain] > 0; ++k) sides.insert(sideOf(board.domain, k));
+    std::vector<size_t> rims;
+    for (const Board& rim : parallelograms)
+        for (size_t k = 0; k < 2 && rows[rim.domain] == 0; ++k)
+            if (sides.contains(sideOf(rim.domain, k)) && sides.contains(sideOf(rim.domain, k + 2)))
+                rims.push_back(rim.domain);
+    for (const size_t rim : rims) rows[rim] = 1;
+}
+
+} // namespace
+
+std::vector<uint32_t> boardRows(const Building& building, const std::vector<MeshDomain>& domains, double edge,
+                                double triangles) {
+    std::vector<uint32_t> rows(domains.size(), 0);
+    std::vector<Board> parallelograms, boards;
+    for (size_t d = 0; d < domains.size(); ++d)
+        if (const auto board = parallelogram(building, domains, d)) {
+            parallelograms.push_back(*board);
+            if (board->length >= kLeastAspect * board->depth && board->depth <= kDeepest * edge)
+                boards.push_back(*board);
+        }
+    if (boards.size() > kMostBoards) return rows;
+    const std::vector<bool> close = areClose(boards, edge);
+    double columns = 0;
+    for (size_t i = 0; i < boards.size(); ++i)
+        if (close[i]) columns += std::max(1.0, boards[i].length / (kBoardColumn * edge));
+    const double most = columns > 0 ? std::floor(kMostCells * triangles / columns) : 0;
+    if (most < 2) return rows;
+    for (size_t i = 0; i < boards.size(); ++i)
+        if (close[i]) rows[boards[i].domain] = static_cast<uint32_t>(std::min(most, kMostRows));
+    addRims(domains, parallelograms, rows);
+    return rows;
+}
+
+} // namespace heliodon::geometry
