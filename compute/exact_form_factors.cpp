@@ -53,7 +53,7 @@ public:
         makeBuffers(storage);
         statistics.blockers = scene_.blockerCount;
         rowSquares_.assign(scene_.patchCount, 0.0);
-        if (options.entryErrors) entryErrors_.assign(size_t{scene_.patchCount} * scene_.patchCount, 0.0f);
+        if (options.entryErrors) entrySquares_.assign(size_t{scene_.patchCount} * scene_.patchCount, 0.0f);
         for (const ExactScene::Covered& c : scene_.covered) {
             claimCovered(c.first, c.second, c.passes);
             claimCovered(c.second, c.first, c.passes);
@@ -64,7 +64,10 @@ public:
     // Of patches' rows, the squared norms of their estimated errors.
     const std::vector<double>& rowSquares() const { return rowSquares_; }
     // Of what was integrated; far pairs in the open, which were held to the tolerance, are left at zero.
-    std::vector<float> takeEntryErrors() { return std::move(entryErrors_); }
+    std::vector<float> takeEntryErrors() {
+        for (float& square : entrySquares_) square = std::sqrt(square);
+        return std::move(entrySquares_);
+    }
     float tolerance() const { return tolerance_; }
     // The only tile's values; pieces stand in patch order.
     gpu::Buffer takeMatrix() { return std::move(there_); }
@@ -398,19 +401,22 @@ private:
     }
 
     // A patch's row is the mean of its pieces' rows by area, its error at most the root of their mean square.
+    // Errors of an entry's pairs of pieces are independent: of patches cut in 25, their sum would be 25 times
+    // as large.
     void claim(uint32_t from, uint32_t to, double error) {
         const uint32_t patch = scene_.pieces[from].patch;
-        rowSquares_[patch] += error * error * double{scene_.shareOfPatch[from]};
-        if (!entryErrors_.empty())
-            entryErrors_[size_t{patch} * scene_.patchCount + scene_.pieces[to].patch] +=
-                (static_cast<float>(error) + tolerance_) * scene_.shareOfPatch[from];
+        const float share = scene_.shareOfPatch[from];
+        rowSquares_[patch] += error * error * double{share};
+        if (entrySquares_.empty()) return;
+        const float most = (static_cast<float>(error) + tolerance_) * share;
+        entrySquares_[size_t{patch} * scene_.patchCount + scene_.pieces[to].patch] += most * most;
     }
 
     void claimCovered(uint32_t from, uint32_t to, double passes) {
         const double error = passes / scene_.patchArea[from];
         rowSquares_[from] += error * error;
-        if (!entryErrors_.empty())
-            entryErrors_[size_t{from} * scene_.patchCount + to] += static_cast<float>(error);
+        if (!entrySquares_.empty())
+            entrySquares_[size_t{from} * scene_.patchCount + to] += static_cast<float>(error * error);
     }
 
     gpu::Device& device_;
@@ -423,7 +429,7 @@ private:
     gpu::Counters counters_;
     gpu::Buffer sidesA_, sidesB_, blocks_, masks_, records_, fewRecords_, lists_, sums_, cells_[2];
     std::vector<double> rowSquares_;
-    std::vector<float> entryErrors_; // n x n
+    std::vector<float> entrySquares_; // n x n: of entries' errors
 };
 
 void report(const Solver& solver, const ExactOptions& options, ExactFormFactors& result) {

@@ -38,8 +38,8 @@ struct ExactFormFactors {
     FormFactors factors;         // report.claimedRowError is set
     std::vector<float> rowError; // per patch: estimated ||F_i - true||_2, conservative
     // If asked for, n x n: |F_ij - true| is below on 99 of 100 entries. What pairs were held to, and the
-    // disagreement of their rules where they were integrated; nothing where they are proven to exchange
-    // nothing.
+    // disagreement of their rules where they were integrated, of patches in several pieces the root of the
+    // sum of their squares; nothing where they are proven to exchange nothing.
     std::vector<float> entryError;
     ExactStatistics statistics;
 };

@@ -9,6 +9,7 @@
 
 #include "compute/exact_form_factors.h"
 #include "compute/reference/exact_form_factors.h"
+#include "compute/reference/form_factor_rows.h"
 #include "tests/compute/rooms.h"
 #include "tests/gpu/test_device.h"
 #include "tests/sanitized.h"
@@ -68,6 +69,31 @@ TEST(ExactCrowds, large_patches_behind_crowds_are_cut_where_little_error_is_aske
     EXPECT_NEAR(F[1], truth, 1e-4); // as asked of rows
     EXPECT_NEAR(F[1], F[mesh.patchCount()], 1e-7);
     EXPECT_GT(fine.partial, 20 * loose.partial) << "pairs of parts";
+}
+
+// Errors of the parts of a patch do not add up: claims as if they did would be eighty times what is asked.
+TEST(ExactCrowds, entries_of_cut_patches_keep_claims_that_are_not_large) {
+    constexpr double kAsked = 1e-4, kOracle = 1e-5;
+    const geometry::PatchMesh mesh = crowd(20);
+    const size_t n = mesh.patchCount();
+    const ExactFormFactors F =
+        exactFormFactors(test::device(), mesh, {.maxError = kAsked, .entryErrors = true});
+    const std::vector<float> values = F.factors.values.download<float>(n * n);
+    const reference::FormFactorRows oracle(mesh);
+    size_t entries = 0, held = 0;
+    double claims = 0;
+    for (size_t i = 0; i < n; i += 3) {
+        const std::vector<double> truth = oracle.row(i, kOracle, 400).factors;
+        for (size_t j = 0; j < n; ++j) {
+            const double value = double{values[i * n + j]}, claim = double{F.entryError[i * n + j]};
+            claims += claim * claim;
+            if (value > 0 || truth[j] > 0)
+                ++entries, held += std::abs(value - truth[j]) <= claim + kOracle ? 1 : 0;
+        }
+    }
+    EXPECT_GE(static_cast<double>(held), 0.99 * static_cast<double>(entries));
+    EXPECT_GT(entries, 50u);
+    EXPECT_LT(std::sqrt(claims / std::ceil(static_cast<double>(n) / 3)), 12 * kAsked);
 }
 
 // A hall of hanging posts: closed, so every row sums to one.
