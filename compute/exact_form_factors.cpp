@@ -17,6 +17,7 @@
 #include "compute/gpu/counters.h"
 #include "compute/gpu/device.h"
 #include "compute/gpu/kernel.h"
+#include "compute/refinement_forecast.h"
 #include "compute/stopwatch.h"
 #include "shaders/io/exact_form_factors.io.h"
 
@@ -277,8 +278,9 @@ private:
         const uint32_t most = device_.info().type == "discrete" ? kDiscreteBatch : kBatch;
         const uint32_t batch = std::min(most, cellCapacity_ / cellsOfPair());
         const uint32_t byCells = count - integrateContours(records, first, count);
+        RefinementForecast forecast(byCells);
         for (uint32_t done = 0; done < byCells; done += batch)
-            refine(kernel, records, first + done, std::min(batch, byCells - done));
+            refine(kernel, records, first + done, std::min(batch, byCells - done), forecast);
         finish(records, first, count, a, b);
     }
 
@@ -337,11 +339,18 @@ private:
 
     // Level by level, and depth first where a level is large: a step takes so many cells that whatever they
     // become fits into half of the room left. Levels take turns in two buffers.
-    void refine(const gpu::Kernel& kernel, const gpu::Buffer& records, uint32_t firstPair, uint32_t pairs) {
+    void refine(const gpu::Kernel& kernel, const gpu::Buffer& records, uint32_t firstPair, uint32_t pairs,
+                RefinementForecast& forecast) {
         struct Level {
             uint32_t first, count;
         };
-        std::vector<Level> levels{{0, refineOnce(kernel, records, firstPair, pairs, 0, 0)}};
+        const auto once = [&](uint32_t first, uint32_t count, uint32_t next, uint32_t depth) {
+            const uint32_t made = refineOnce(kernel, records, first, count, next, depth);
+            forecast.step(depth, count, made);
+            tellOfLongWork(forecast);
+            return made;
+        };
+        std::vector<Level> levels{{0, once(firstPair, pairs, 0, 0)}};
         while (!levels.empty()) {
             const auto depth = static_cast<uint32_t>(levels.size());
             Level& level = levels.back();
@@ -357,8 +366,15 @@ private:
             if (part < level.count) ++statistics.depthFirstSteps;
             level.count -= part;
             const uint32_t first = level.first + level.count;
-            levels.push_back({next, refineOnce(kernel, records, first, part, next, depth)});
+            levels.push_back({next, once(first, part, next, depth)});
         }
+    }
+
+    void tellOfLongWork(const RefinementForecast& forecast) {
+        // A few small steps, most of them waiting for the device, say little.
+        const bool known = forecast.secondsTimed() > options_.longFrom / 20;
+        if (!options_.longWork || !known || forecast.secondsLeft() <= options_.longFrom) return;
+        std::exchange(options_.longWork, nullptr)(forecast.secondsLeft());
     }
 
     // Pairs, at depth 0, or cells; how many were written from `next` on.

@@ -252,6 +252,7 @@ FormFactors factorsOf(gpu::Device& device, const geometry::PatchMesh& mesh, cons
         ExactOptions exact;
         if (choice.maxError > 0) exact.maxError = choice.maxError;
         exact.progress = options.progress;
+        exact.longWork = options.longWork;
         return exactFormFactors(device, mesh, exact).factors;
     }
     if (choice.kernel == "hemicube") return hemicubeFormFactors(device, mesh, options, choice.maxError);

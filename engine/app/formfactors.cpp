@@ -22,7 +22,8 @@ namespace heliodon::app {
 namespace {
 
 constexpr size_t kLargestDense = 16000; // patches, 1 GB; larger matrices go to the file as they are made
-constexpr size_t kTilesPay = 4000; // from which `exact`, which makes tiles, gains by that: no page is made twice
+constexpr size_t kTilesPay =
+    4000; // from which `exact`, which makes tiles, gains by that: no page is made twice
 
 // Faces in one place that face one way: the rows of a closed room with such faces sum to more than one.
 void warnOfDoubles(Run& run, const geometry::PatchMesh& mesh) {
@@ -87,6 +88,14 @@ void noteClaim(Run& run, const compute::FormFactorReport& report, double asked) 
                         report.claimedRowError, report.kernel, asked));
 }
 
+// Measured behind crowds, from 1e-5 on: ten times the error takes a fifth to a tenth of the time.
+void noteLongWork(Run& run, double secondsLeft) {
+    run.note(
+        fmt::format("form factors: large patches see one another past many blockers: about {:.0f} s more, or "
+                    "longer; ten times the --max-error would take a fifth to a tenth of it",
+                    secondsLeft));
+}
+
 // Straight to the file, tile by tile.
 compute::FormFactorReport stream(Run& run, const geometry::PatchMesh& mesh,
                                  const compute::FormFactorOptions& options, NpyWriter& out) {
@@ -149,6 +158,7 @@ void execute(Run& run, const FormFactorArguments& arguments) {
             options.progress = [&](double share) {
                 progress.advance(static_cast<size_t>(share * static_cast<double>(n)), share);
             };
+            options.longWork = [&](double left) { noteLongWork(run, left); };
             return compute::computeFormFactors(device, mesh, options);
         }();
         const gpu::HostView<float> view(factors.values, n * n);

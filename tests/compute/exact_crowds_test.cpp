@@ -10,6 +10,7 @@
 #include "compute/exact_form_factors.h"
 #include "compute/reference/exact_form_factors.h"
 #include "compute/reference/form_factor_rows.h"
+#include "compute/refinement_forecast.h"
 #include "tests/compute/rooms.h"
 #include "tests/gpu/test_device.h"
 #include "tests/sanitized.h"
@@ -94,6 +95,30 @@ TEST(ExactCrowds, entries_of_cut_patches_keep_claims_that_are_not_large) {
     EXPECT_GE(static_cast<double>(held), 0.99 * static_cast<double>(entries));
     EXPECT_GT(entries, 50u);
     EXPECT_LT(std::sqrt(claims / std::ceil(static_cast<double>(n) / 3)), 12 * kAsked);
+}
+
+// Each of 1000 cells becomes two, of which each becomes one that splits no more.
+TEST(ExactCrowds, what_refinement_has_left_follows_from_what_cells_have_become) {
+    RefinementForecast forecast(1000);
+    forecast.step(0, 100, 200);
+    EXPECT_EQ(forecast.workLeft(), 0) << "nothing timed yet";
+    forecast.step(1, 200, 200);
+    forecast.step(2, 200, 0);
+    // 900 cells, 1800 and 1800 more, over the last 400.
+    EXPECT_DOUBLE_EQ(forecast.workLeft(), 4500.0 / 400);
+}
+
+TEST(ExactCrowds, long_work_is_told_of_once) {
+    int told = 0;
+    double left = 0;
+    ExactOptions options{.maxError = 1e-4};
+    options.longWork = [&](double seconds) { ++told, left = seconds; };
+    const std::vector<float> quietly = matrixOf(crowd(20), options);
+    EXPECT_EQ(told, 0) << "a second of work";
+    options.longFrom = 0;
+    EXPECT_EQ(matrixOf(crowd(20), options), quietly);
+    EXPECT_EQ(told, 1);
+    EXPECT_GT(left, 0);
 }
 
 // A hall of hanging posts: closed, so every row sums to one.
