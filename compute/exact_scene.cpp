@@ -1,6 +1,7 @@
 #include "compute/exact_scene.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <glm/geometric.hpp>
 #include <glm/vec4.hpp>
@@ -82,6 +83,11 @@ constexpr double kNarrow =
     1e-6; // of faces' sizes: gaps that heights in float32, see kFlat, do not tell surely
 // Behind more blockers than kCrowd fewer than kFewPieces are cut into about kCutPieces (measured: louvres).
 constexpr size_t kCrowd = 12, kFewPieces = 100, kCutPieces = 500;
+// Needles, of less than so much of their length's square, are cut to so many roots of a piece's area (all
+// twice the area): few points along the narrow face of a board err alike towards all parts of a wall. At most
+// kMostCut times as many pieces come of that.
+constexpr double kNeedle = 0.2, kLongest = 0.8;
+constexpr size_t kMostCut = 4;
 constexpr double kSliver = 1e-7; // of a patch: triangles that are what rounding left of cuts
 
 // Patches of many corners are cut into fans; of those that others cover across a narrow gap what is left,
@@ -116,28 +122,31 @@ std::vector<RadiatingPiece> piecesOf(const geometry::PatchMesh& mesh, std::span<
     return pieces;
 }
 
-// Triangles, halved across their longest edge until none is larger than `most`.
-void cut(const RadiatingPiece& piece, double most, std::vector<RadiatingPiece>& parts) {
+// Triangles, halved across their longest edge until none is larger than `most`, nor a needle longer than
+// `longest`.
+void cut(const RadiatingPiece& piece, double most, double longest, std::vector<RadiatingPiece>& parts) {
     const std::vector<dvec3>& p = piece.corners;
     if (p.size() > 3) {
         for (size_t k = 1; k + 1 < p.size(); ++k) {
             RadiatingPiece part = piece;
             part.corners = {p[0], p[k], p[k + 1]};
-            cut(part, most, parts);
+            cut(part, most, longest, parts);
         }
         return;
     }
     RadiatingPiece half = piece;
     half.size = std::max(glm::distance(p[0], p[1]), glm::distance(p[0], p[2]));
-    if (!(glm::length(geometry::areaVector(p)) > most)) return parts.push_back(std::move(half));
     size_t k = 0; // the longest edge begins there
     for (size_t e : {1, 2})
         if (glm::distance(p[e], p[(e + 1) % 3]) > glm::distance(p[k], p[(k + 1) % 3])) k = e;
     const dvec3 a = p[k], b = p[(k + 1) % 3], c = p[(k + 2) % 3], middle = 0.5 * (a + b);
+    const double area = glm::length(geometry::areaVector(p)), edge = glm::distance(a, b);
+    const bool needle = area < kNeedle * edge * edge && edge > longest;
+    if (!(area > most) && !needle) return parts.push_back(std::move(half));
     half.corners = {a, middle, c};
-    cut(half, most, parts);
+    cut(half, most, longest, parts);
     half.corners = {middle, b, c};
-    cut(half, most, parts);
+    cut(half, most, longest, parts);
 }
 
 // What stands between two large pieces is all walked along from each point of either; small ones have little
@@ -145,9 +154,13 @@ void cut(const RadiatingPiece& piece, double most, std::vector<RadiatingPiece>& 
 std::vector<RadiatingPiece> cutPieces(std::span<const RadiatingPiece> pieces, size_t count) {
     double area = 0;
     for (const RadiatingPiece& piece : pieces) area += glm::length(geometry::areaVector(piece.corners));
+    const double most = area / static_cast<double>(count);
     std::vector<RadiatingPiece> parts;
-    for (const RadiatingPiece& piece : pieces) cut(piece, area / static_cast<double>(count), parts);
-    return parts;
+    for (double longest = kLongest * std::sqrt(most);; longest *= 2) {
+        parts.clear();
+        for (const RadiatingPiece& piece : pieces) cut(piece, most, longest, parts);
+        if (parts.size() <= kMostCut * count || !(longest < HUGE_VAL)) return parts;
+    }
 }
 
 std::vector<ExactScene::Covered> coveredOf(const NarrowGaps& gaps) {

@@ -43,7 +43,7 @@ struct ExactScene {
 };
 
 // At most `tilePieces` pieces a tile, but whole patches. With `cutsCrowds` few large patches behind many
-// blockers are cut into about 500 triangles.
+// blockers are cut into about 500 triangles, needles across, at most 2000 in all.
 ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh, uint32_t tilePieces,
                       bool cutsCrowds = false);
 

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "compute/exact_form_factors.h"
+#include "compute/exact_scene.h"
 #include "compute/reference/exact_form_factors.h"
 #include "compute/reference/form_factor_rows.h"
 #include "compute/refinement_forecast.h"
@@ -70,6 +71,30 @@ TEST(ExactCrowds, large_patches_behind_crowds_are_cut_where_little_error_is_aske
     EXPECT_NEAR(F[1], truth, 1e-4); // as asked of rows
     EXPECT_NEAR(F[1], F[mesh.patchCount()], 1e-7);
     EXPECT_GT(fine.partial, 20 * loose.partial) << "pairs of parts";
+}
+
+// Narrow faces of boards, whose few points would err alike towards all of a wall; however many, the matrix of
+// parts stays small.
+TEST(ExactCrowds, needles_behind_crowds_are_cut_across) {
+    geometry::PatchMesh mesh = crowd(20);
+    const auto addWire = [&](dvec3 corner, double length) {
+        const auto v = static_cast<uint32_t>(mesh.vertices.size());
+        for (const dvec3& p :
+             {dvec3(0, 0, 0), dvec3(length, 0, 0), dvec3(length, 1e-3, 0), dvec3(0, 1e-3, 0)})
+            mesh.vertices.push_back(corner + p);
+        mesh.addPatch(std::vector{v, v + 1, v + 2, v + 3}, 0, geometry::Role::projection, 0, 0);
+    };
+    const auto wire = static_cast<uint32_t>(mesh.patchCount());
+    addWire({0.1, 0.5, 0.5}, 0.8);
+    const ExactScene scene = exactScene(test::device(), mesh, 2304, true);
+    double longest = 0;
+    for (const RadiatingPiece& piece : scene.pieces)
+        if (piece.patch == wire)
+            longest = std::max(longest, glm::distance(piece.corners[0], piece.corners[1]));
+    EXPECT_GT(longest, 0);
+    EXPECT_LT(longest, 0.11);
+    for (int k = 0; k < 70; ++k) addWire({0.1, 0.012 * k, 2}, 10);
+    EXPECT_LE(exactScene(test::device(), mesh, 2304, true).pieceCount, 2000u);
 }
 
 // Errors of the parts of a patch do not add up: claims as if they did would be eighty times what is asked.
