@@ -102,109 +102,141 @@ void RelightBasis::measure(std::span<const uint32_t> channel) {
     }
 }
 
+// One call's light, for each column of `channel`, and what is known of its error.
+struct RelightBasis::Columns {
+    std::span<const uint32_t> channel;
+    std::span<const float> emitted;
+    std::vector<float>&radiosity, &gathered;
+    const RadiosityOptions& options;
+    size_t n;
+    std::vector<float> direct;                 // F E
+    std::vector<float> residual;               // of (I - K F) w = K F E, beyond the first bounce
+    std::vector<double> scale, left, rounding; // scale: largest reflected light so far
+    uint32_t passes = 1;
+
+    std::span<float> of(std::vector<float>& all, size_t c) const { return {&all[c * n], n}; }
+};
+
+double RelightBasis::reflect(Columns& at, size_t c) const {
+    const std::span<float> light = at.of(at.radiosity, c);
+    solver_->matter().reflect<float>(at.channel[c], at.of(at.gathered, c), light);
+    return std::max(largest(light), 1e-30);
+}
+
+double RelightBasis::allowed(const Columns& at, size_t c) const {
+    return at.options.tolerance * solver_->slack(at.channel[c]) * at.scale[c];
+}
+
+void RelightBasis::answerFromBasis(Columns& at) const {
+    inParallel(at.channel.size(), [&](size_t c) {
+        const std::span<float> r = at.of(at.residual, c), h = at.of(at.gathered, c);
+        solver_->matter().reflect<float>(at.channel[c], h, r);
+        at.rounding[c] = project(at.channel[c], r, h);
+        at.left[c] = largest(r);
+        at.scale[c] = reflect(at, c);
+    });
+}
+
+void RelightBasis::solveRest(Columns& at) {
+    const size_t n = at.n;
+    std::vector<uint32_t> open, channel;
+    std::vector<float> right, answer, seen;
+    std::vector<double> known, uncertain;
+    for (uint32_t c = 0; c < at.channel.size(); ++c) {
+        const double most = allowed(at, c);
+        if (!(at.left[c] + std::min(at.rounding[c], most / 2) > most))
+            continue; // the bound, too, is within it
+        open.push_back(c), channel.push_back(at.channel[c]);
+        right.insert(right.end(), &at.residual[c * n], &at.residual[c * n] + n);
+        known.push_back(at.scale[c]), uncertain.push_back(at.rounding[c]);
+    }
+    if (open.empty()) return;
+    at.passes += solver_->solveReflected(right, channel, known, uncertain, answer, seen, at.options).passes;
+    std::vector<uint32_t> learnt;
+    for (size_t k = 0; k < open.size(); ++k) {
+        const uint32_t c = open[k];
+        const std::span<float> w = at.of(answer, k), h = at.of(seen, k), r = at.of(at.residual, c),
+                               g = at.of(at.gathered, c);
+        std::vector<float> image(n);
+        solver_->matter().reflect<float>(channel[k], h, image);
+        for (size_t i = 0; i < n; ++i) {
+            image[i] = w[i] - image[i];
+            r[i] -= image[i];
+            g[i] += h[i];
+        }
+        at.left[c] = largest(r);
+        at.scale[c] = std::max(at.scale[c], reflect(at, c));
+        at.rounding[c] += kGatherRounding * std::max(largest(h), largest(w));
+        if (learn(channel[k], std::move(image), {h.begin(), h.end()})) learnt.push_back(channel[k]);
+    }
+    if (!learnt.empty()) measure(learnt), ++at.passes;
+}
+
+bool RelightBasis::spread(Columns& at, size_t c, const Vector& answer) const {
+    const std::span<float> r = at.of(at.residual, c);
+    const double most = allowed(at, c);
+    const bool done = balance(answer, std::max(at.left[c], most - std::min(at.rounding[c], most / 2)), r,
+                              at.of(at.gathered, c));
+    if (done) at.left[c] = largest(r), reflect(at, c);
+    return done;
+}
+
+void RelightBasis::sendRound(Columns& at) {
+    const RadiosityMatter& matter = solver_->matter();
+    const size_t n = at.n;
+    std::vector<uint32_t> unbalanced, channel;
+    std::vector<float> light;
+    for (uint32_t c = 0; c < at.channel.size(); ++c) {
+        Vector all; // that was answered, whose images and illuminance are known
+        all.image.resize(n), all.gathered.resize(n);
+        const std::span<const float> r = at.of(at.residual, c), g = at.of(at.gathered, c),
+                                     direct = at.of(at.direct, c);
+        matter.reflect<float>(at.channel[c], direct, all.image);
+        for (size_t i = 0; i < n; ++i) {
+            all.image[i] -= r[i];
+            all.gathered[i] = g[i] - direct[i];
+        }
+        if (spread(at, c, all) || std::abs(given(r)) <= kUnbalanced * given(at.emitted.subspan(c * n, n)))
+            continue;
+        unbalanced.push_back(c), channel.push_back(at.channel[c]);
+        light.insert(light.end(), r.begin(), r.end());
+    }
+    if (unbalanced.empty()) return;
+    std::vector<float> seen(light.size());
+    factors_->gatherIn(channel, light, seen);
+    ++at.passes;
+    for (size_t k = 0; k < unbalanced.size(); ++k) {
+        Vector bounce;
+        bounce.gathered.assign(&seen[k * n], &seen[k * n] + n);
+        bounce.image.resize(n);
+        matter.reflect<float>(channel[k], bounce.gathered, bounce.image);
+        for (size_t i = 0; i < n; ++i) bounce.image[i] = light[k * n + i] - bounce.image[i];
+        spread(at, unbalanced[k], bounce);
+    }
+}
+
 RadiosityReport RelightBasis::solve(std::span<const float> emitted, std::span<const uint32_t> channel,
                                     std::vector<float>& radiosity, std::vector<float>& gathered,
                                     const RadiosityOptions& options) {
-    const RadiosityMatter& matter = solver_->matter();
-    const size_t n = matter.patchCount, count = channel.size();
-    RadiosityReport report;
+    const size_t n = solver_->matter().patchCount, count = channel.size();
+    const std::vector<double> none(count);
     radiosity.resize(n * count);
     gathered.assign(n * count, 0);
-    // Beyond the first bounce: (I - K F) w = K F E.
     factors_->gatherIn(channel, emitted, gathered);
-    report.passes = 1;
-    const std::vector<float> direct = gathered;
-    std::vector<float> residual(n * count), once(n * count);
-    std::vector<double> scale(count), left(count), rounding(count); // scale: largest reflected light so far
-    const auto reflect = [&](size_t c) {
-        matter.reflect<float>(channel[c], {&gathered[c * n], n}, {&radiosity[c * n], n});
-        return std::max(largest({&radiosity[c * n], n}), 1e-30);
-    };
-    inParallel(count, [&](size_t c) {
-        const std::span<float> r(&residual[c * n], n), h(&gathered[c * n], n);
-        matter.reflect<float>(channel[c], h, r);
-        std::copy(r.begin(), r.end(), &once[c * n]);
-        rounding[c] = project(channel[c], r, h);
-        left[c] = largest(r);
-        scale[c] = reflect(c);
-    });
-    const auto allowed = [&](size_t c) { return options.tolerance * solver_->slack(channel[c]) * scale[c]; };
-    std::vector<uint32_t> open, openChannel;
-    for (uint32_t c = 0; c < count; ++c) {
-        const double most = allowed(c);
-        if (left[c] + std::min(rounding[c], most / 2) > most) // so that the bound, too, is within it
-            open.push_back(c), openChannel.push_back(channel[c]);
-    }
-    if (!open.empty()) {
-        std::vector<float> right, answer, seen;
-        std::vector<double> known, uncertain;
-        for (uint32_t c : open) {
-            right.insert(right.end(), &residual[c * n], &residual[c * n] + n);
-            known.push_back(scale[c]), uncertain.push_back(rounding[c]);
-        }
-        report.passes +=
-            solver_->solveReflected(right, openChannel, known, uncertain, answer, seen, options).passes;
-        std::vector<uint32_t> learnt;
-        for (size_t k = 0; k < open.size(); ++k) {
-            const size_t at = open[k] * n;
-            std::vector<float> image(n);
-            matter.reflect<float>(openChannel[k], {&seen[k * n], n}, image);
-            for (size_t i = 0; i < n; ++i) {
-                image[i] = answer[k * n + i] - image[i];
-                residual[at + i] -= image[i];
-                gathered[at + i] += seen[k * n + i];
-            }
-            left[open[k]] = largest({&residual[at], n});
-            scale[open[k]] = std::max(scale[open[k]], reflect(open[k]));
-            rounding[open[k]] +=
-                kGatherRounding * std::max(largest({&seen[k * n], n}), largest({&answer[k * n], n}));
-            if (learn(openChannel[k], std::move(image), {&seen[k * n], &seen[k * n] + n}))
-                learnt.push_back(openChannel[k]);
-        }
-        if (!learnt.empty()) measure(learnt), ++report.passes;
-    }
-    std::vector<uint32_t> unbalanced, unbalancedChannel;
-    std::vector<float> light;
-    const auto spread = [&](size_t c, const Vector& answer) {
-        const std::span<float> r(&residual[c * n], n);
-        const double most = allowed(c);
-        const bool done = balance(answer, std::max(left[c], most - std::min(rounding[c], most / 2)), r,
-                                  {&gathered[c * n], n});
-        if (done) left[c] = largest(r), reflect(c);
-        return done;
-    };
-    for (size_t c = 0; c < count; ++c) {
-        Vector all; // that was answered, whose images and illuminance are known
-        all.image.resize(n), all.gathered.resize(n);
-        for (size_t i = 0; i < n; ++i) {
-            all.image[i] = once[c * n + i] - residual[c * n + i];
-            all.gathered[i] = gathered[c * n + i] - direct[c * n + i];
-        }
-        const std::span<const float> r(&residual[c * n], n);
-        if (spread(c, all) || std::abs(given(r)) <= kUnbalanced * given({&emitted[c * n], n})) continue;
-        unbalanced.push_back(static_cast<uint32_t>(c)), unbalancedChannel.push_back(channel[c]);
-        light.insert(light.end(), r.begin(), r.end());
-    }
-    if (!unbalanced.empty()) {
-        std::vector<float> seen(light.size());
-        factors_->gatherIn(unbalancedChannel, light, seen);
-        ++report.passes;
-        for (size_t k = 0; k < unbalanced.size(); ++k) {
-            Vector bounce;
-            bounce.gathered.assign(&seen[k * n], &seen[k * n] + n);
-            bounce.image.resize(n);
-            matter.reflect<float>(unbalancedChannel[k], bounce.gathered, bounce.image);
-            for (size_t i = 0; i < n; ++i) bounce.image[i] = light[k * n + i] - bounce.image[i];
-            spread(unbalanced[k], bounce);
-        }
-    }
+    Columns at{channel, emitted, radiosity, gathered, options, n, gathered, std::vector<float>(n * count),
+               none,    none,    none};
+    answerFromBasis(at);
+    solveRest(at);
+    sendRound(at);
+    RadiosityReport report;
+    report.passes = at.passes;
     for (size_t c = 0; c < count; ++c) {
         for (size_t i = 0; i < n; ++i) radiosity[c * n + i] += emitted[c * n + i];
         // B = E + K F (E + w): what is left of the residual is bounced once more.
-        const double room = solver_->slack(channel[c]) * scale[c];
-        report.residual = std::max(report.residual, left[c] / scale[c]);
-        report.bound = std::max(report.bound, (left[c] + rounding[c]) / room);
-        report.converged &= left[c] <= options.tolerance * room;
+        const double room = solver_->slack(channel[c]) * at.scale[c];
+        report.residual = std::max(report.residual, at.left[c] / at.scale[c]);
+        report.bound = std::max(report.bound, (at.left[c] + at.rounding[c]) / room);
+        report.converged &= at.left[c] <= options.tolerance * room;
     }
     return report;
 }

@@ -42,6 +42,15 @@ private:
         std::vector<float> gathered; // F u
         double rounding = 0;         // by how much the image may miss what `gathered` stands for
     };
+    struct Columns;
+    void answerFromBasis(Columns& at) const;
+    // Columns whose residual is above the tolerance; their answers join the basis.
+    void solveRest(Columns& at);
+    // What residuals give and take in all.
+    void sendRound(Columns& at);
+    bool spread(Columns& at, size_t c, const Vector& answer) const; // as `balance`, within the tolerance
+    double allowed(const Columns& at, size_t c) const;              // of the residual
+    double reflect(Columns& at, size_t c) const; // radiosity of what is gathered; its largest
     // Takes from the residual what the basis answers, and adds the answers' illuminance. Returns the rounding
     // that the residual does not show.
     double project(uint32_t channel, std::span<float> residual, std::span<float> gathered) const;
