@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <set>
 #include <utility>
@@ -14,7 +15,7 @@ namespace heliodon::geometry {
 namespace {
 
 constexpr double kMostRows = 6;
-constexpr double kMostCells = 0.35; // of the triangles asked for
+constexpr double kMostCells = 0.35, kMostWithRims = 0.5; // of the triangles asked for
 constexpr double kLeastAspect = 4;
 constexpr double kParallelogram = 0.01;       // of the depth: by how much its corners may miss one
 constexpr double kDeepest = 4.5, kWidest = 2; // depth and gap, of the edge length: wider ones are told apart
@@ -97,23 +98,42 @@ std::vector<bool> areClose(const std::vector<Board>& boards, double edge) {
     return close;
 }
 
-// What joins two boards, or two sides of one, is one row.
-void addRims(const std::vector<MeshDomain>& domains, const std::vector<Board>& parallelograms,
-             std::vector<uint32_t>& rows) {
+// What joins two boards, or two sides of one, across little of their depth.
+struct Rim {
+    size_t domain;
+    bool lengthwise; // along the boards: as many cells as these have columns, else as they have rows
+    double length;
+};
+
+std::vector<Rim> rimsOf(const Building& building, const std::vector<MeshDomain>& domains,
+                        const std::vector<Board>& parallelograms, const std::vector<Board>& boards) {
     using Side = std::pair<uint32_t, uint32_t>;
     const auto sideOf = [&](size_t domain, size_t k) -> Side {
         const auto& loop = domains[domain].loops[0];
-        return std::minmax(loop[k], loop[(k + 1) % 4]);
+        return std::minmax(loop[k % 4], loop[(k + 1) % 4]);
     };
-    std::set<Side> sides;
-    for (const Board& board : parallelograms)
-        for (size_t k = 0; k < 4 && rows[board.domain] > 0; ++k) sides.insert(sideOf(board.domain, k));
-    std::vector<size_t> rims;
-    for (const Board& rim : parallelograms)
-        for (size_t k = 0; k < 2 && rows[rim.domain] == 0; ++k)
-            if (sides.contains(sideOf(rim.domain, k)) && sides.contains(sideOf(rim.domain, k + 2)))
-                rims.push_back(rim.domain);
-    for (const size_t rim : rims) rows[rim] = 1;
+    const auto lengthOf = [&](Side side) {
+        return glm::distance(building.vertices[side.first], building.vertices[side.second]);
+    };
+    std::map<Side, const Board*> sides;
+    std::set<size_t> taken;
+    for (const Board& board : boards) {
+        taken.insert(board.domain);
+        for (size_t k = 0; k < 4; ++k) sides[sideOf(board.domain, k)] = &board;
+    }
+    std::vector<Rim> rims;
+    for (const Board& rim : parallelograms) {
+        for (size_t k = 0; k < 2 && !taken.contains(rim.domain); ++k) {
+            const Side side = sideOf(rim.domain, k);
+            const auto one = sides.find(side), other = sides.find(sideOf(rim.domain, k + 2));
+            if (one == sides.end() || other == sides.end()) continue;
+            const double depth = std::min(one->second->depth, other->second->depth), length = lengthOf(side);
+            if (lengthOf(sideOf(rim.domain, k + 1)) > kThin * depth) continue;
+            rims.push_back({rim.domain, length > 0.5 * one->second->length, length});
+            taken.insert(rim.domain);
+        }
+    }
+    return rims;
 }
 
 } // namespace
@@ -130,14 +150,20 @@ std::vector<uint32_t> boardRows(const Building& building, const std::vector<Mesh
         }
     if (boards.size() > kMostBoards) return rows;
     const std::vector<bool> close = areClose(boards, edge);
-    double columns = 0;
+    std::vector<Board> chosen;
     for (size_t i = 0; i < boards.size(); ++i)
-        if (close[i]) columns += std::max(1.0, boards[i].length / (kBoardColumn * edge));
-    const double most = columns > 0 ? std::floor(kMostCells * triangles / columns) : 0;
-    if (most < 2) return rows;
-    for (size_t i = 0; i < boards.size(); ++i)
-        if (close[i]) rows[boards[i].domain] = static_cast<uint32_t>(std::min(most, kMostRows));
-    addRims(domains, parallelograms, rows);
+        if (close[i]) chosen.push_back(boards[i]);
+    const std::vector<Rim> rims = rimsOf(building, domains, parallelograms, chosen);
+    const auto columns = [&](double length) { return std::max(1.0, length / (kBoardColumn * edge)); };
+    double aRow = 0, rimsOfRow = 0, rimsAlong = 0; // cells
+    for (const Board& board : chosen) aRow += columns(board.length);
+    for (const Rim& rim : rims)
+        (rim.lengthwise ? rimsAlong : rimsOfRow) += rim.lengthwise ? columns(rim.length) : 1;
+    const double most = std::floor(std::min(kMostCells * triangles / aRow,
+                                            (kMostWithRims * triangles - rimsAlong) / (aRow + rimsOfRow)));
+    if (chosen.empty() || most < 2) return rows;
+    for (const Board& board : chosen) rows[board.domain] = static_cast<uint32_t>(std::min(most, kMostRows));
+    for (const Rim& rim : rims) rows[rim.domain] = 1;
     return rows;
 }
 

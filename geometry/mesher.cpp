@@ -40,8 +40,9 @@ constexpr double kNarrowest = 0.25, kNarrowestOfMany = 0.36;
 constexpr double kUniform = std::numeric_limits<double>::infinity();
 // From the gentlest growth of sizes round small parts to none at all, for when triangles are few; slots take
 // more of them than was thought where walls have small parts of their own.
-constexpr std::array kGradings{Grading{1.4, 0.6}, Grading{2.0, 1.0}, Grading{1.4, 0.6, false},
-                               Grading{2.0, 1.0, false}, Grading{kUniform, kUniform}};
+constexpr std::array kGradings{Grading{1.4, 0.6},           Grading{2.0, 1.0},
+                               Grading{1.4, 0.6, false},    Grading{2.0, 1.0, false},
+                               Grading{kUniform, kUniform}, Grading{kUniform, kUniform, false}};
 constexpr double kFarTooMany = 1.4; // times what was asked for: such grading is for finer meshes
 // Of them, in narrow strips: where it is more, others are large beside them whatever is done about angles.
 constexpr double kManyNarrow = 0.15;

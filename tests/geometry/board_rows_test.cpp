@@ -78,8 +78,20 @@ TEST(BoardRows, are_of_boards_that_face_one_another_about_as_near_as_they_are_de
 
 TEST(BoardRows, are_as_many_as_the_mesh_has_room_for_and_none_where_it_is_as_fine) {
     EXPECT_EQ(rowsOf(boardsOf({}), 0.3, 250).begin()->second, 3U);
+    EXPECT_EQ(rowsOf(boardsOf({}), 0.3, 190).begin()->second, 2U);
+    EXPECT_TRUE(rowsOf(boardsOf({}), 0.3, 170).empty()); // with rims they would be over half
     EXPECT_TRUE(rowsOf(boardsOf({}), 0.3, 120).empty());
     EXPECT_TRUE(rowsOf(boardsOf({}), 0.04, 1e5).empty());
+}
+
+// As the back of a shelf.
+TEST(BoardRows, what_joins_boards_across_more_than_a_third_of_their_depth_is_no_rim) {
+    Building building = boardsOf({});
+    const auto back = [&](double low, double high) {
+        test::addFace(building, {{{0, low, 0}, {2, low, 0}, {2, high, 0}, {0, high, 0}}}, 1000, 0);
+        return rowsOf(building).count(1000);
+    };
+    EXPECT_EQ(back(1.01, 1.15), 0U);
 }
 
 TEST(BoardRows, make_grids_that_meet_what_lies_beside_them_corner_to_corner) {
