@@ -373,8 +373,10 @@ private:
     void tellOfLongWork(const RefinementForecast& forecast) {
         // A few small steps, most of them waiting for the device, say little.
         const bool known = forecast.secondsTimed() > options_.longFrom / 20;
-        if (!options_.longWork || !known || forecast.secondsLeft() <= options_.longFrom) return;
-        std::exchange(options_.longWork, nullptr)(forecast.secondsLeft());
+        const double left = forecast.secondsLeft(), all = forecast.secondsTimed() + left;
+        if (!options_.longWork || !known || left <= options_.longFrom || all < 2 * longestTold_) return;
+        longestTold_ = all;
+        options_.longWork(left);
     }
 
     // Pairs, at depth 0, or cells; how many were written from `next` on.
@@ -444,6 +446,7 @@ private:
     gpu::Buffer there_, back_; // the tile and its mirror image
     gpu::Counters counters_;
     gpu::Buffer sidesA_, sidesB_, blocks_, masks_, records_, fewRecords_, lists_, sums_, cells_[2];
+    double longestTold_ = 0; // seconds, of a pair of tiles in all
     std::vector<double> rowSquares_;
     std::vector<float> entrySquares_; // n x n: of entries' errors
 };

@@ -24,8 +24,9 @@ struct ExactOptions {
     // 2 kB a blocker, is needed: throws std::runtime_error.
     uint64_t workBytes = 256u << 20;
     std::function<void(double share)> progress; // after each pair of tiles: of all pairs of patches
-    // Told once, when refinement between two tiles is expected to go on for more than `longFrom` seconds
-    // (refinement_forecast.h): few large patches behind crowds, at errors of 1e-5, take minutes.
+    // Told when refinement between two tiles is expected to go on for more than `longFrom` seconds
+    // (refinement_forecast.h), and again when it is expected to take twice as long as was told in all: few
+    // large patches behind crowds, at errors of 1e-5, take minutes.
     std::function<void(double secondsLeft)> longWork;
     double longFrom = 20;
 };

@@ -39,7 +39,7 @@ struct FormFactorOptions {
     bool forLight = false;
     // Told how much of the work is done, by `exact` at more than about 2300 patches.
     std::function<void(double share)> progress;
-    // Told once by `exact`, of whole matrices, where it expects to take more than 20 seconds more:
+    // Told by `exact`, of whole matrices, where it expects to take more than 20 seconds more:
     // ExactOptions::longWork.
     std::function<void(double secondsLeft)> longWork;
 };

@@ -88,12 +88,13 @@ void noteClaim(Run& run, const compute::FormFactorReport& report, double asked) 
                         report.claimedRowError, report.kernel, asked));
 }
 
-// Measured behind crowds, from 1e-5 on: ten times the error takes a fifth to a tenth of the time.
+// Measured behind crowds: ten times the error takes a fifth to a sixteenth of the time.
 void noteLongWork(Run& run, double secondsLeft) {
-    run.note(
-        fmt::format("form factors: large patches see one another past many blockers: about {:.0f} s more, or "
-                    "longer; ten times the --max-error would take a fifth to a tenth of it",
-                    secondsLeft));
+    const bool minutes = secondsLeft > 90;
+    run.note(fmt::format(
+        "form factors: large patches see one another past many blockers: at least {:.0f} {} more; "
+        "ten times the --max-error would take a fifth of it or less",
+        minutes ? secondsLeft / 60 : secondsLeft, minutes ? "minutes" : "s"));
 }
 
 // Straight to the file, tile by tile.
