@@ -23,8 +23,6 @@ using geometry::InputError;
 using Cells = std::vector<std::string_view>;
 
 constexpr size_t kLargestFile = size_t{256} << 20;
-constexpr double kMissingIrradiance = 9999;
-constexpr double kGreatestIrradiance = 1500; // above the sun's outside the atmosphere
 
 // zlib reads plain files as they are.
 std::string readText(const std::string& file) {
@@ -407,7 +405,7 @@ EpwFile readEpw(const std::filesystem::path& path) {
             epw.records.push_back(record);
         }
     }
-    if (!located) throw InputError(file, "", "is empty, expected an EPW weather file");
+    if (!located) throw InputError(file, "", "is empty, expected an EPW weather file or a .wea");
     const std::string last = std::to_string(number);
     if (!sequence) throw InputError(file, last, "the file ends before the line DATA PERIODS");
     if (!sequence->finished())

@@ -22,6 +22,9 @@ struct EpwRecord {
     std::optional<double> global, direct, diffuse;
 };
 
+// W/m2 of any irradiance: this and above is missing, what is between is no number of irradiance.
+inline constexpr double kMissingIrradiance = 9999, kGreatestIrradiance = 1500;
+
 struct EpwFile {
     std::string place; // city, region, country, as far as the file says
     double latitudeDeg = 0, longitudeDeg = 0, timeZoneHours = 0, elevationM = 0; // north, east, east, up
@@ -29,7 +32,7 @@ struct EpwFile {
     std::optional<double> irradianceOffsetHours; // "Irradiance Time Offset (h)" of a comment
     std::optional<double> sunHours; // of a .wea: the sun's instant after the end of each interval
     std::vector<EpwRecord> records; // in order, without gaps over each data period of an EPW
-    bool hasDewPoints = true;       // the format has them
+    bool isWea = false;             // which has neither global irradiance nor dew points
     size_t directRefuted =
         0; // records whose negative direct irradiance counts as missing: the others say sun
     std::vector<std::string> warnings;

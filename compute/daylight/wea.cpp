@@ -20,8 +20,7 @@ using Words = std::vector<std::string_view>;
 constexpr std::string_view kBlanks = " \t\r\x1a";
 constexpr std::array<const char*, 6> kHead{"place",     "latitude",       "longitude",
                                            "time_zone", "site_elevation", "weather_data_file_units"};
-constexpr double kMissing = 9999, kGreatest = 1500; // W/m2
-constexpr double kOnTime = 1e-3;                    // of a record's interval: hours are rounded
+constexpr double kOnTime = 6e-3; // hours: they are rounded, to two decimals at least
 
 Words wordsOf(std::string_view line) {
     Words words;
@@ -56,10 +55,10 @@ struct WeaLine {
     }
     std::optional<double> irradiance(size_t word, const char* name) const {
         const double value = within(word, name, -1e6, 1e6);
-        if (std::abs(value) >= kMissing) return std::nullopt;
-        if (value < -50 || value > kGreatest)
+        if (std::abs(value) >= kMissingIrradiance) return std::nullopt;
+        if (value < -50 || value > kGreatestIrradiance)
             refuse(fmt::format("{} is {:g} W/m2, expected 0 to {:g}, or 9999 where missing", name, value,
-                               kGreatest));
+                               kGreatestIrradiance));
         return std::max(0.0, value);
     }
 };
@@ -68,13 +67,13 @@ struct WeaLine {
 void readHead(const WeaLine& line, size_t k, EpwFile& wea) {
     if (line.words[0] != kHead[k] || line.words.size() < 2)
         line.refuse(fmt::format("expected '{}' and its value, line {} of a .wea", kHead[k], k + 1));
+    if (k > 0 && line.words.size() > 2)
+        line.refuse(fmt::format("has '{}' after its value, expected one number; west is positive",
+                                line.words[2].substr(0, 30)));
     switch (k) {
-    case 0: {
-        const size_t name = line.text.find(line.words[1]);
-        const std::string_view place = line.text.substr(name, line.text.find_last_not_of(kBlanks) + 1 - name);
-        wea.place = geometry::asUtf8(std::string(place));
+    case 0:
+        wea.place = geometry::asUtf8(std::string(line.words[1].data(), line.words.back().end()));
         break;
-    }
     case 1:
         wea.latitudeDeg = line.within(1, "latitude", -90, 90);
         break;
@@ -137,14 +136,16 @@ void place(const std::string& file, std::vector<Reading>& readings, EpwFile& wea
     const double within = placeInInterval(readings, perHour);
     wea.sunHours = (within - 1) / perHour;
     if (within != 0.5)
-        wea.warnings.push_back(
-            "hours are no middles of records (12.5): the sun is taken at them as they stand");
+        wea.warnings.emplace_back("hours are no middles of records, as 12.5 is: the sun is taken at them; "
+                                  "where they are an EPW's, ends of hours, write 0.5 less");
     const bool leap = std::ranges::any_of(
         readings, [](const Reading& r) { return r.record.date.month == 2 && r.record.date.day == 29; });
     const auto refuse = [&](const Reading& reading, const std::string& what) {
         throw geometry::InputError(file, std::to_string(reading.record.line), what);
     };
-    double last = -1;
+    double first = 0, last = -1;
+    int month = 12;
+    bool nextYear = false; // from November to February
     for (Reading& reading : readings) {
         const double part = reading.clock * perHour - within, whole = std::round(part);
         if (60 % perHour != 0 || whole < 0 || whole >= 24 * perHour ||
@@ -156,7 +157,12 @@ void place(const std::string& file, std::vector<Reading>& readings, EpwFile& wea
         record.part = static_cast<int>(whole) % perHour;
         record.date.year = leap ? 2004 : 2001;
         const double at = static_cast<double>(daysSinceEpoch(record.date)) * 24 * perHour + whole;
-        if (at <= last) refuse(reading, "does not follow the record before it, expected records in order");
+        if (last < 0) first = at;
+        const bool turns = !nextYear && at <= last && month == 12 && record.date.month == 1;
+        nextYear |= turns;
+        if ((at <= last && !turns) || (nextYear && at >= first))
+            refuse(reading, "does not follow the record before it, expected records in order");
+        month = record.date.month;
         last = at;
         wea.records.push_back(record);
     }
@@ -171,7 +177,7 @@ bool isWea(std::string_view text) {
 
 EpwFile readWea(const std::string& file, std::string_view text) {
     EpwFile wea;
-    wea.hasDewPoints = false;
+    wea.isWea = true;
     std::vector<Reading> readings;
     size_t number = 0, head = 0;
     while (!text.empty()) {

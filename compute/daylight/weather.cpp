@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -132,7 +133,10 @@ Gap fillFromRecord(const EpwRecord& record, WeatherHour& hour) {
         hour.globalHorizontal = record.global.value_or(diffuse);
         return Gap::none;
     }
-    if (!record.global) return Gap::open;
+    if (!record.global) {
+        hour.irradiance = {record.direct.value_or(0), record.diffuse.value_or(0)};
+        return Gap::open;
+    }
     hour.globalHorizontal = *record.global;
     if (record.direct) {
         direct = *record.direct;
@@ -154,29 +158,35 @@ size_t placeOf(const Date& date, double clockHour, int recordsPerHour) {
     return static_cast<size_t>(day) * aDay + std::min(part, aDay - 1);
 }
 
-// The same hour of the nearest day within a week, of the (typical) year, that has a record of its own.
-bool borrow(Weather& weather, const std::vector<Gap>& gaps, size_t i) {
+// What the record lacks, from the same hour of the nearest day within a week, of the (typical) year, that has
+// a record of its own.
+bool borrow(Weather& weather, const EpwRecord& record, const std::vector<Gap>& gaps, size_t i) {
     WeatherHour& hour = weather.hours[i];
     for (int days = 1; days <= 7; ++days)
         for (const int aside : {-days, days}) {
             const Date date = dateFromDays(daysSinceEpoch(hour.date) + aside);
             const uint32_t other = weather.byPlace.at(placeOf(date, hour.clockHour, weather.recordsPerHour));
             if (other == kNoRecord || gaps[other] == Gap::open || !weather.hours[other].sun.isUp()) continue;
-            hour.irradiance = weather.hours[other].irradiance;
-            hour.globalHorizontal = weather.hours[other].globalHorizontal;
+            const WeatherHour& there = weather.hours[other];
+            auto& [direct, diffuse] = hour.irradiance;
+            if (!record.direct) direct = there.irradiance.directNormal;
+            if (!record.diffuse) diffuse = there.irradiance.diffuseHorizontal;
+            hour.globalHorizontal = record.direct || record.diffuse
+                                        ? direct * std::max(0.0, sineOf(hour.sun.altitudeDeg)) + diffuse
+                                        : there.globalHorizontal;
             return true;
         }
     return false;
 }
 
-void fillGaps(Weather& weather, const std::vector<Gap>& gaps) {
+void fillGaps(const EpwFile& epw, Weather& weather, const std::vector<Gap>& gaps) {
     size_t derived = 0, borrowed = 0, lost = 0;
     for (size_t i = 0; i < gaps.size(); ++i) {
         if (gaps[i] == Gap::none) continue;
         weather.hours[i].filled = true;
         if (gaps[i] == Gap::derived)
             ++derived;
-        else if (borrow(weather, gaps, i))
+        else if (borrow(weather, epw.records[i], gaps, i))
             ++borrowed;
         else
             ++lost;
@@ -189,7 +199,7 @@ void fillGaps(Weather& weather, const std::vector<Gap>& gaps) {
                                    " irradiance; it was taken from the nearest day");
     if (lost)
         weather.warnings.push_back(daylitThatLack(lost) +
-                                   " every irradiance and no day within a week has it: dark");
+                                   " irradiance and no day within a week has it: dark");
 }
 
 // Where no record by day has an irradiance, all would be dark.
@@ -200,9 +210,11 @@ void refuseWithoutLight(const std::filesystem::path& file, const EpwFile& epw, c
     for (size_t i = 0; i < gaps.size(); ++i)
         if (weather.hours[i].sun.isUp() && gaps[i] != Gap::open) return;
     const EpwRecord& first = epw.records[static_cast<size_t>(byDay - weather.hours.begin())];
-    throw geometry::InputError(file.string(), std::to_string(first.line),
-                               "neither this record nor any other by day has global, or direct and diffuse, "
-                               "irradiance (fields 14 to 16), expected W/m2");
+    throw geometry::InputError(
+        file.string(), std::to_string(first.line),
+        fmt::format("neither this record nor any other by day has {}, expected W/m2",
+                    epw.isWea ? "both direct and diffuse irradiance"
+                              : "global, or direct and diffuse, irradiance (fields 14 to 16)"));
 }
 
 // Light all through whose interval the sun is too low for it: direct sun well below the horizon, or diffuse
@@ -255,8 +267,8 @@ void warnOfComponents(const EpwFile& epw, Weather& weather) {
                         apart, apart == 1 ? "" : "s", worst->components / 1000, worst->global / 1000,
                         worst - months.begin() + 1));
     else if (total == 0 && epw.records.size() >= kLong * static_cast<size_t>(epw.recordsPerHour))
-        weather.warnings.emplace_back(
-            "no record has direct or diffuse irradiance (fields 15 and 16): all is dark");
+        weather.warnings.push_back(fmt::format("no record has direct or diffuse irradiance{}: all is dark",
+                                               epw.isWea ? "" : " (fields 15 and 16)"));
 }
 
 // Zeros where 9999 was meant, or kW/m2: under a sun so high, the heaviest cloud lets some W/m2 through.
@@ -271,7 +283,7 @@ void warnOfDarkDays(const EpwFile& epw, Weather& weather) {
         bool light = false, high = false;
         for (; end < count && epw.records[end].date == epw.records[begin].date; ++end) {
             const EpwRecord& r = epw.records[end];
-            light |= isLight(r.global) || isLight(r.direct) || isLight(r.diffuse);
+            light |= (!epw.isWea && isLight(r.global)) || isLight(r.direct) || isLight(r.diffuse);
             faint |= r.global > 0.0 || r.direct > 0.0 || r.diffuse > 0.0;
             high |= weather.hours[end].sun.trueAltitudeDeg > kHigh;
         }
@@ -285,9 +297,8 @@ void warnOfDarkDays(const EpwFile& epw, Weather& weather) {
                         dark, dark == 1 ? " has" : "s have", first, kHigh));
     else if (dark && faint)
         weather.warnings.push_back(fmt::format(
-            "no irradiance is over {:g} W/m2 though the sun is over {:g} degrees high: are fields 14 "
-            "to 16 in W/m2?",
-            kLeast, kHigh));
+            "no irradiance is over {:g} W/m2 though the sun is over {:g} degrees high: {} in W/m2?", kLeast,
+            kHigh, epw.isWea ? "is it" : "are fields 14 to 16"));
 }
 
 } // namespace
@@ -317,7 +328,7 @@ Weather readWeather(const std::filesystem::path& file) {
         hour.sun = sunPosition(hour.utc, weather.site, options);
         if (record.dewPointC)
             hour.precipitableWaterCm = precipitableWaterCm(*record.dewPointC);
-        else if (hour.sun.isUp() && epw.hasDewPoints)
+        else if (hour.sun.isUp() && !epw.isWea)
             ++withoutDewPoint;
         if (!hour.sun.isUp() && shinesAtNight(epw, record, shift)) ++atNight;
         gaps.push_back(fillFromRecord(record, hour));
@@ -326,16 +337,16 @@ Weather readWeather(const std::filesystem::path& file) {
         weather.hours.push_back(hour);
     }
     if (atNight)
-        weather.warnings.push_back(
-            fmt::format("{} of {} records have light of the sun while it is below the horizon: are place and "
-                        "time zone ({:+g} h at longitude {:.2f}) of line 1 right?",
-                        atNight, epw.records.size(), epw.timeZoneHours, epw.longitudeDeg));
+        weather.warnings.push_back(fmt::format(
+            "{} of {} records have light of the sun while it is below the horizon: are place and "
+            "time zone ({:+g} h at longitude {:.2f} east) of line{} right?",
+            atNight, epw.records.size(), epw.timeZoneHours, epw.longitudeDeg, epw.isWea ? "s 2 to 4" : " 1"));
     if (epw.directRefuted)
         weather.warnings.push_back(fmt::format(
             "{} negative direct irradiance{} counted as missing: global and diffuse say that the sun shone",
             epw.directRefuted, epw.directRefuted == 1 ? " is" : "s are"));
     refuseWithoutLight(file, epw, weather, gaps);
-    fillGaps(weather, gaps);
+    fillGaps(epw, weather, gaps);
     warnOfComponents(epw, weather);
     warnOfDarkDays(epw, weather);
     if (withoutDewPoint)
@@ -373,10 +384,30 @@ std::optional<size_t> recordAt(const Weather& weather, double utc) {
     return here || date.month != 2 || date.day != 29 ? here : found({date.year, 2, 28});
 }
 
+// Whether that day has records, all of them before or all after this instant, and the sun is down or about to
+// be so: files may leave out nights.
+bool isNightLeftOut(const Weather& weather, const SunPosition& sun, double utc) {
+    constexpr double kLow = 8; // degrees; the hour whose middle is in the night ends so at most
+    if (sun.altitudeDeg > kLow) return false;
+    const double local = clockSecondsOf(weather, utc), day = std::floor(local / 86400.0);
+    const Date date = dateFromDays(static_cast<int64_t>(day));
+    const size_t aDay = 24 * static_cast<size_t>(weather.recordsPerHour),
+                 first = placeOf(date, 0, weather.recordsPerHour),
+                 now = placeOf(date, (local - day * 86400.0) / 3600.0, weather.recordsPerHour) - first;
+    const auto records = std::span(weather.byPlace).subspan(first, aDay);
+    const auto any = [&](size_t from, size_t to) {
+        return std::ranges::any_of(records.subspan(from, to - from),
+                                   [](uint32_t r) { return r != kNoRecord; });
+    };
+    return any(0, now) != any(now, aDay);
+}
+
 } // namespace
 
 std::optional<Sky> skyAt(const Weather& weather, double utc, const WeatherSky& options) {
+    const SunPosition sun = sunPosition(utc, weather.site, sunOptions(weather.elevationM));
     const auto here = recordAt(weather, utc);
+    if (!here && isNightLeftOut(weather, sun, utc)) return skyFromIrradiance({}, sun, options.setting);
     if (!here) return std::nullopt;
     const WeatherHour& hour = weather.hours[*here];
     const double local = clockSecondsOf(weather, utc);
@@ -393,7 +424,7 @@ std::optional<Sky> skyAt(const Weather& weather, double utc, const WeatherSky& o
     now.irradiance.diffuseHorizontal =
         mix(hour.irradiance.diffuseHorizontal, other.irradiance.diffuseHorizontal);
     now.precipitableWaterCm = mix(hour.precipitableWaterCm, other.precipitableWaterCm);
-    now.sun = sunPosition(utc, weather.site, sunOptions(weather.elevationM));
+    now.sun = sun;
     return skyOfHour(now, options);
 }
 

@@ -76,8 +76,8 @@ struct WeatherSky {
 Sky skyOfHour(const WeatherHour& hour, const WeatherSky& options = {});
 
 // For any instant: the sun's exact position with the irradiance interpolated linearly between the middles of
-// the records of that day of the (typical) year, from December on to January. None outside the period that
-// the file covers.
+// the records of that day of the (typical) year, from December on to January. Dark in nights that the file
+// leaves out of days that it has; none elsewhere outside the period that it covers.
 std::optional<Sky> skyAt(const Weather& weather, double utcSeconds, const WeatherSky& options = {});
 
 // Whether someone is there: the middle of the record lies in [from, to) o'clock. All days of the week (LM-83

@@ -86,6 +86,45 @@ TEST(Wea, missing_values_are_those_of_the_same_hour_of_the_nearest_day) {
     EXPECT_EQ(filled, 1u);
 }
 
+TEST(Wea, of_the_sunny_hours_of_a_winter_is_dark_in_its_nights) {
+    std::string text = kHead;
+    text.replace(text.find("Chicago"), 17, "la Rochelle");
+    for (const char* day : {"12 30", "12 31", "1 1", "1 2"})
+        for (const char* hour : {"8.50", "12.50", "15.50"}) text += fmt::format("{} {} 300 80\n", day, hour);
+    const Weather w = weatherOf(text);
+    EXPECT_TRUE(w.warnings.empty()) << w.warnings[0];
+    EXPECT_EQ(w.place, "la Rochelle");
+    EXPECT_EQ(w.hours.size(), 12u);
+    const auto at = [&](const Date& date, double hour) {
+        return skyAt(w, static_cast<double>(daysSinceEpoch(date)) * 86400 + (hour + 6) * 3600);
+    };
+    EXPECT_FALSE(at({2001, 1, 1}, 12.5)->isDark());
+    for (const double hour : {0.1, 7.2, 16.9, 23.9}) EXPECT_TRUE(at({2001, 1, 1}, hour)->isDark()) << hour;
+    EXPECT_FALSE(at({2001, 1, 1}, 10)) << "a gap by day";
+    EXPECT_FALSE(at({2001, 1, 3}, 23)) << "a day that it has not";
+}
+
+TEST(Wea, one_of_two_irradiances_is_kept) {
+    const Weather w = weatherOf(kHead + "6 1 12.5 9999 40\n6 2 12.5 700 9999\n6 3 12.5 600 90\n");
+    EXPECT_EQ(w.hours[0].irradiance.diffuseHorizontal, 40);
+    EXPECT_EQ(w.hours[0].irradiance.directNormal, 600);
+    EXPECT_EQ(w.hours[1].irradiance.directNormal, 700);
+    EXPECT_EQ(w.hours[1].irradiance.diffuseHorizontal, 90);
+}
+
+TEST(Wea, days_without_light_are_named_without_fields_of_an_epw) {
+    std::string zeros = kHead, faint = kHead;
+    for (int day = 1; day <= 9; ++day) {
+        zeros += fmt::format("6 {} 12.5 {} {}\n", day, day < 4 ? 0 : 700, day < 4 ? 0 : 100);
+        faint += fmt::format("6 {} 12.5 0.7 0.1\n", day);
+    }
+    const auto warnings = weatherOf(zeros).warnings, units = weatherOf(faint).warnings;
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_NE(warnings[0].find("3 days have no light at all, the first from line 7 on"), std::string::npos);
+    ASSERT_EQ(units.size(), 1u);
+    EXPECT_NE(units[0].find("is it in W/m2?"), std::string::npos) << units[0];
+}
+
 TEST(Wea, what_is_wrong_is_named_with_its_line) {
     const auto names = [](const std::string& content, const char* expected) {
         const std::string refusal = refusalOf(content);
@@ -105,6 +144,9 @@ TEST(Wea, what_is_wrong_is_named_with_its_line) {
     names(kHead + "6 1 12.3 800 100\n6 1 13.3 800 100\n", ":7: hour is 12.3, expected 12.5 and");
     names(kHead + "6 1 12.5 8000 100\n", ":7: direct normal irradiance is 8000 W/m2");
     names(kHead + "6 1 12.5 800 x\n", ":7: diffuse horizontal irradiance is 'x'");
+    names("place Somewhere\nlatitude 41.9 S\n", ":2: has 'S' after its value");
+    names(kHead + "6 1 12.5 9999 100\n", ":7: neither this record nor any other by day has both direct and");
+    names(kHead + "12 31 12.5 8 1\n1 1 12.5 8 1\n12 31 12.5 8 1\n", ":9: does not follow");
     names(kHead + "6 2 12.5 800 100\n6 1 12.5 800 100\n", ":8: does not follow");
 }
 
