@@ -53,22 +53,51 @@ public:
     }
 
     Building import(const std::function<void()>& beforePart) {
-        if (auto made = importPanes(Drawn::slabs, beforePart)) return std::move(*made);
         std::optional<InputError> asDrawn;
-        if (!insideOut_) {
+        auto made = importPanes(Drawn::slabs, beforePart);
+        if (!made && !insideOut_) {
             try {
-                return importDrawn(beforePart);
+                Building drawn = importDrawn(beforePart);
+                made = withGlass(std::move(drawn));
             } catch (const InputError& error) {
                 asDrawn = error;
             }
         }
-        if (auto made = importPanes(Drawn::slabsAndFlat, beforePart)) return std::move(*made);
-        throw whyNoPane_ ? *whyNoPane_ : *asDrawn;
+        if (made && !made->without) return std::move(made->building);
+        auto fitted = importPanes(Drawn::slabsAndFlat, beforePart);
+        if (fitted && (!made || fitted->panes > made->panes)) return std::move(fitted->building);
+        if (made && made->panes > 0) return std::move(made->building);
+        if (whyNoPane_) throw *whyNoPane_;
+        if (asDrawn) throw *asDrawn;
+        throw InputError(model_.file, model_.place(*made->without),
+                         "the glass bounds no room, nor does any other: something crosses it, or the model is "
+                         "open elsewhere");
     }
 
 private:
+    struct WithGlass {
+        Building building;
+        size_t panes = 0;                // faces of glass that bound rooms
+        std::optional<uint32_t> without; // the first that bounds none
+    };
+
+    WithGlass withGlass(Building building) const {
+        WithGlass out{std::move(building), 0, {}};
+        const std::set<uint32_t> used(source_.begin(), source_.end());
+        std::set<uint32_t> panes;
+        for (const SoupFace& face : faces_.soup)
+            if (isGlass_(face.material)) panes.insert(face.surface);
+        for (const uint32_t f : panes) {
+            if (used.contains(f))
+                ++out.panes;
+            else if (!out.without)
+                out.without = f;
+        }
+        return out;
+    }
+
     // With other panes than are drawn; none where there are none, or not even these make rooms.
-    std::optional<Building> importPanes(Drawn drawn, const std::function<void()>& beforePart) {
+    std::optional<WithGlass> importPanes(Drawn drawn, const std::function<void()>& beforePart) {
         auto panes = panesInHoles(faces_.soup, isGlass_, kWeldOfExtent * extent_, drawn);
         if (!panes) return std::nullopt;
         const size_t materials = model_.materials.size();
@@ -77,22 +106,23 @@ private:
         std::swap(faces_.soup, panes->soup);
         made_ = {panes->made.begin(), panes->made.end()};
         turnedOver_ = 0;
+        std::optional<WithGlass> out;
         try {
-            Building out = importDrawn(beforePart);
-            if (const auto error = wrongGlass(out, *panes)) {
+            Building building = importDrawn(beforePart);
+            if (const auto error = wrongGlass(building, *panes)) {
                 insideOut_ = true;
                 throw *error;
             }
-            reportGlass(out, *panes);
-            return out;
+            reportGlass(building, *panes);
+            out = withGlass(std::move(building));
         } catch (const InputError& error) {
-            std::swap(faces_.soup, panes->soup);
-            model_.materials.resize(materials);
-            made_.clear();
-            turnedOver_ = 0;
             whyNoPane_ = reasonOf(*panes, error);
-            return std::nullopt;
         }
+        std::swap(faces_.soup, panes->soup);
+        model_.materials.resize(materials);
+        made_.clear();
+        turnedOver_ = 0;
+        return out;
     }
 
     // What says most of why panes as they would have to be make no rooms; none where that is what is wrong as

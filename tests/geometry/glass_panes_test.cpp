@@ -197,6 +197,34 @@ TEST(GlassPanes, through_a_bar) {
     }
 }
 
+namespace {
+
+void drawBarThrough(Drawing& drawing, double x0, double x1) {
+    drawing.box(rectangle(x0, x1, 0.8, 2, -0.2), rectangle(x0, x1, 0.8, 2, -0.05));
+}
+
+} // namespace
+
+// Drawn as it is, air would be joined to the outside within the bar, and walls would be taken for the room.
+TEST(GlassPanes, flat_ones_that_fill_their_hole_but_for_a_bar_through_them) {
+    for (const bool another : {false, true}) { // a room whose glass is right as it is drawn
+        Drawing drawing;
+        drawThickWalls(drawing);
+        drawBarThrough(drawing, 1.9, 2.1);
+        drawing.face("glass", hole(-0.1));
+        if (another) {
+            drawing.face("glass", rectangle(8, 9, 0, 1, 0));
+            drawing.face("wall", turned(rectangle(8, 9, 0, 1, 1)));
+            drawing.tube("wall", turned(rectangle(8, 9, 0, 1, 0)), turned(rectangle(8, 9, 0, 1, 1)));
+        }
+        const Building building = drawing.read();
+        EXPECT_EQ(building.roomCount, another ? 2u : 1u);
+        EXPECT_NEAR(glassOf(building), 2.4 - 0.2 * 1.2 + (another ? 1 : 0), 1e-6);
+        EXPECT_NEAR(volume(meshBuilding(building, {500})),
+                    30 + 2.4 * 0.1 - 0.2 * 1.2 * 0.05 + (another ? 1 : 0), 1e-4);
+    }
+}
+
 // Side by side and touching, with a gap of 2 mm, as sliding windows, and flat.
 TEST(GlassPanes, several_in_one_hole) {
     struct Halves {
@@ -260,6 +288,12 @@ TEST(GlassPanes, that_fill_no_hole_are_refused_with_the_gap) {
             d.slab(rectangle(1.09, 2.91, 0.89, 1.91, -0.12), rectangle(1.09, 2.91, 0.89, 1.91, -0.1));
         },
         "the glass fills a hole but bounds no room");
+    refuse(
+        [](Drawing& d) { // most of the pane lies within what stands before it
+            drawBarThrough(d, 1.2, 2.8);
+            d.face("glass", hole(-0.1));
+        },
+        "the glass bounds no room, nor does any other");
 }
 
 // A top of glass is seen through; what stands on legs, or is no slab, is left out.
