@@ -109,7 +109,8 @@ private:
         double volume = 0; // negative: what lies outside of the shell
         double area = 0;   // of all that bounds it
         int room = -1;
-        bool solid = false, alcove = false;
+        bool solid = false, alcove = false, between = false; // two glasses or more
+        double glass = 0;                                    // area
         double drawnInwards = 0; // area of its own faces that look into it, less that of those that look out
         double drawn = 0;        // area of both
         Bounds box() const {
@@ -155,13 +156,26 @@ private:
     // What has glass to one room alone, which has other glass, is air: else light would come from nowhere.
     void findAlcoves() {
         std::map<uint32_t, std::set<uint32_t>> beyond; // its glass, per part
+        const auto isOfGlass = [&](const auto& list) {
+            return std::ranges::any_of(list, [&](uint32_t k) { return isGlass_(faces_[k].material); });
+        };
         for (uint32_t f = 0; f < welded_.faces.size(); ++f)
-            for (const auto& list : sheetOf(f).drawn)
-                if (std::ranges::any_of(list, [&](uint32_t k) { return isGlass_(faces_[k].material); }))
-                    for (uint32_t s = 0; s < 2; ++s) beyond[partAt(f, s)].insert(partAt(f, 1 - s));
-        for (const auto& [id, others] : beyond)
+            if (std::ranges::any_of(sheetOf(f).drawn, isOfGlass))
+                for (uint32_t s = 0; s < 2; ++s) {
+                    beyond[partAt(f, s)].insert(partAt(f, 1 - s));
+                    parts_[partAt(f, s)].glass += area_[f];
+                }
+        for (const auto& [id, others] : beyond) {
             parts_[id].alcove = others.size() == 1 && beyond[*others.begin()].size() > 1 &&
                                 parts_[*others.begin()].volume > 0;
+            parts_[id].between = others.size() > 1;
+        }
+    }
+
+    // Air for its glass: an alcove, or what lies between two panes unless it is the inside of a wall, whose
+    // faces look out and which is no glass for the most part.
+    static bool isBehindGlass(const Part& part, const Part& largest) {
+        return part.alcove || (part.between && (part.glass >= 0.5 * part.area || !contrary(part, largest)));
     }
 
     // A face as drawn belongs to the part that most of it bounds, in front of it and behind it.
@@ -340,7 +354,8 @@ private:
             changed = false;
             contrary_ = insides_ = 0;
             for (auto& [id, part] : parts_) {
-                if (id == first || part.volume <= 0 || part.solid || part.alcove) continue;
+                if (id == first || part.volume <= 0 || part.solid || isBehindGlass(part, largest))
+                    continue;
                 Stand stand = standOf(id);
                 stand.within |= nested(part.shell);
                 if (isSolid(stand, part, largest, height)) {

@@ -371,6 +371,42 @@ TEST(GlassPanes, across_a_room_part_two_rooms) {
     expectPanes(drawing, 2, 2.4 + 2 * 12, 30 + 2.4 * 0.11, "2 slabs of glass taken as panes");
 }
 
+// Each of three panes takes its part of the light: what lies between two of them is no solid.
+TEST(GlassPanes, three_behind_one_another) {
+    for (const bool flat : {false, true}) {
+        Drawing drawing;
+        drawThickWalls(drawing);
+        for (const double z : {-0.2, -0.15, -0.1}) {
+            if (flat)
+                drawing.face("glass", hole(z));
+            else
+                drawing.slab(hole(z - 0.002), hole(z + 0.002));
+        }
+        const Building building = drawing.read();
+        EXPECT_EQ(building.roomCount, 3u);
+        EXPECT_NEAR(glassOf(building), 5 * 2.4, 1e-6);
+        EXPECT_NEAR(glassOf(building, true), 2.4, 1e-6);
+        EXPECT_NEAR(volume(meshBuilding(building, {500})), 30 + 2.4 * 0.2, 1e-4);
+        EXPECT_TRUE(building.warnings.empty()) << fmt::format("{}", fmt::join(building.warnings, "; "));
+    }
+}
+
+// But the inside of a wall between two rooms with a pane on each side, drawn without the sides of the hole, is.
+TEST(GlassPanes, on_both_sides_of_a_wall_are_one) {
+    Drawing drawing;
+    drawing.face("wall", whole(0));
+    drawing.face("wall", turned(whole(6.2)));
+    drawing.tube("wall", turned(whole(0)), turned(whole(6.2)));
+    drawing.ring(turned(whole(3)), turned(hole(3)));
+    drawing.face("glass", turned(hole(3)));
+    drawing.ring(whole(3.2), hole(3.2));
+    drawing.face("glass", hole(3.2));
+    const Building building = drawing.read();
+    EXPECT_EQ(building.roomCount, 2u);
+    EXPECT_NEAR(glassOf(building), 4.8, 1e-6);
+    EXPECT_NEAR(glassOf(building, true), 0, 1e-6);
+}
+
 namespace {
 
 // A room of 30 m3 whose wall at z = 0 is drawn in cells between these x and y; `open` of a cell's middle.
