@@ -275,6 +275,7 @@ private:
         if (glm::any(glm::lessThan(box.high, walls_.low)) || glm::any(glm::greaterThan(box.low, walls_.high)))
             return; // a building of its own, as a greenhouse
         LooseGlass glass;
+        glass.diagonal = box.diagonal();
         if (!slab.sides[0].empty() && (pane.body->closed || jointsLookedAt_++ < kMostJoints))
             glass.joint = holes_.joint(slab.sides[0], 0.5 * slab.across);
         for (const uint32_t f : pane.body->faces) glass.faces.push_back(soup_[f].surface);

@@ -14,6 +14,7 @@ namespace heliodon::geometry {
 struct LooseGlass {
     std::vector<uint32_t> faces; // SoupFace::surface
     glm::dvec3 middle{0};        // of the box round it
+    double diagonal = 0;         // of that
     bool kept = false;           // a slab that touches nothing: other bodies are left out
     std::optional<double> joint; // metres, that would be left round it in the hole where it stands
 };

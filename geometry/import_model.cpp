@@ -36,6 +36,8 @@ namespace {
 
 // Where corners of files' digits leave the model open: gaps that nobody sees, 0.5 mm in a room of 5 m.
 constexpr std::array kGapsOfExtent{kWeldOfExtent, 2e-5, 1e-4};
+// Of a pane's diagonal: what is farther off does not bound the hole that it was drawn for.
+constexpr double kMostGap = 0.1;
 constexpr double kLeastRoomOfExtent = 1e-15; // of its cube: less is what rounding leaves
 
 class ModelImporter {
@@ -69,9 +71,10 @@ public:
         if (made && made->panes > 0) return std::move(made->building);
         if (whyNoPane_) throw *whyNoPane_;
         if (asDrawn) throw *asDrawn;
-        throw InputError(model_.file, model_.place(*made->without),
-                         "the glass bounds no room, nor does any other: something crosses it, or the model is "
-                         "open elsewhere");
+        throw InputError(
+            model_.file, model_.place(*made->without),
+            "the glass bounds no room, nor does any other: something crosses it, or the model is "
+            "open elsewhere");
     }
 
 private:
@@ -136,7 +139,11 @@ private:
     }
 
     InputError jointError(const LooseGlass& glass) const {
-        return {model_.file, model_.place(glass.faces[0]),
+        const std::string place = model_.place(glass.faces[0]);
+        if (*glass.joint > kMostGap * glass.diagonal)
+            return {model_.file, place,
+                    "the glass fills no hole, as a leaf that stands open or a flat pane that stands free"};
+        return {model_.file, place,
                 fmt::format("a gap of {:.2g} is left between the glass and the hole in which it stands, "
                             "expected at most 0.5 % of its diagonal",
                             *glass.joint)};

@@ -354,8 +354,7 @@ private:
             changed = false;
             contrary_ = insides_ = 0;
             for (auto& [id, part] : parts_) {
-                if (id == first || part.volume <= 0 || part.solid || isBehindGlass(part, largest))
-                    continue;
+                if (id == first || part.volume <= 0 || part.solid || isBehindGlass(part, largest)) continue;
                 Stand stand = standOf(id);
                 stand.within |= nested(part.shell);
                 if (isSolid(stand, part, largest, height)) {

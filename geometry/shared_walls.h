@@ -35,10 +35,11 @@ struct SharedWalls {
 // clear of its walls, unless it is not thin and its faces look into it as those of the room do; what is small
 // or thin and has faces that look out of it into such a room; a closed shell that touches nothing; but
 // nothing that glass (`isGlass` of a material) parts from one room and no other, or from two others unless it
-// is the inside of a wall. Each such guess is a warning, and so is a room whose faces look the other way than those of the largest. None where an edge is
-// open, faces of one size and different materials look the same way from one place, no part is bounded, or no
-// face lies or ends on another. Cost: faces times planes, n^2 in one plane, and sheets times parts in each of
-// the rounds that find solids: one more than solids stand on one another.
+// is the inside of a wall. Each such guess is a warning, and so is a room whose faces look the other way than
+// those of the largest. None where an edge is open, faces of one size and different materials look the same
+// way from one place, no part is bounded, or no face lies or ends on another. Cost: faces times planes, n^2
+// in one plane, and sheets times parts in each of the rounds that find solids: one more than solids stand on
+// one another.
 std::optional<SharedWalls> divideSpace(const std::vector<SoupFace>& faces,
                                        const std::function<bool(uint32_t)>& isGlass, double tolerance);
 

@@ -273,9 +273,15 @@ TEST(GlassPanes, that_fill_no_hole_are_refused_with_the_gap) {
     refuse([](Drawing& d) { d.slab(hole(-0.12, -0.03), hole(-0.1, -0.03)); },
            ":139: a gap of 0.03 is left between the glass and the hole");
     refuse([](Drawing& d) { d.slab(rectangle(1, 2.2, 0.8, 2, -0.12), rectangle(1, 2.2, 0.8, 2, -0.1)); },
-           "a gap of 0.8 is left between the glass and the hole");
+           "the glass fills no hole, as a leaf that stands open");
     refuse([](Drawing& d) { d.face("glass", hole(-0.1, -0.03)); },
            "a gap of 0.03 is left between the glass and the hole");
+    refuse(
+        [](Drawing& d) { // what is round it is the room
+            d.face("glass", hole(-0.1));
+            d.face("glass", rectangle(1, 3, 0.5, 2, 1.5));
+        },
+        "the glass fills no hole, as a leaf that stands open or a flat pane that stands free");
     refuse([](Drawing& d) { d.slab(hole(-0.3), hole(0.2)); },
            "the glass fills no hole, and no other glass bounds a room");
     refuse(
@@ -391,7 +397,8 @@ TEST(GlassPanes, three_behind_one_another) {
     }
 }
 
-// But the inside of a wall between two rooms with a pane on each side, drawn without the sides of the hole, is.
+// But the inside of a wall between two rooms with a pane on each side, drawn without the sides of the hole,
+// is.
 TEST(GlassPanes, on_both_sides_of_a_wall_are_one) {
     Drawing drawing;
     drawing.face("wall", whole(0));
