@@ -8,9 +8,11 @@
 #include <map>
 #include <span>
 
+#include <fmt/format.h>
 #include <glm/geometric.hpp>
 
 #include "geometry/bounds.h"
+#include "geometry/counted.h"
 #include "geometry/disjoint_sets.h"
 #include "geometry/outline_area.h"
 #include "geometry/pane_in_hole.h"
@@ -26,6 +28,7 @@ constexpr double kThickOfSide = 0.2; // of the square root of a side's area
 constexpr double kSameArea = 0.03;   // of it: one side may have a chamfer
 constexpr double kSameHole = 1e-6;   // of a pane's area
 constexpr double kBeside = 0.1;      // of the root of a pane's area: how far from its plane others may lie
+constexpr double kPulledIn = 25;     // tolerances
 constexpr size_t kMostJoints = 16;   // flat panes whose joints are looked at
 
 dvec3 twiceAreaVector(const SoupFace& face) {
@@ -56,6 +59,44 @@ std::vector<bool> facesWithin(const Building& welded) {
     return within;
 }
 
+// What hangs together by edges between two faces that are not `within`: closed bodies that touch along an
+// edge alone, as slabs that meet at a corner, are told apart. Of each face its body's, and those that are
+// open.
+struct HangingTogether {
+    DisjointSets sets;
+    std::vector<uint32_t> open;
+};
+
+HangingTogether hangingTogether(const Building& welded, const std::vector<bool>& within) {
+    HangingTogether out{DisjointSets(welded.faces.size()), {}};
+    const auto join = [&](const std::vector<uint32_t>& faces) {
+        for (const uint32_t f : faces) out.sets.join(f, faces[0]);
+    };
+    std::vector<std::vector<uint32_t>> crowded; // what is of one material at an edge of more than two
+    for (const auto& [edge, faces] : facesOfEdges(welded)) {
+        std::map<uint32_t, std::vector<uint32_t>> bounds; // by material
+        for (const uint32_t f : faces) bounds[welded.faces[f].material].push_back(f);
+        for (auto& [material, alike] : bounds) {
+            const auto count = std::ranges::count_if(alike, [&](uint32_t f) { return !within[f]; });
+            if (count > 2) {
+                crowded.push_back(std::move(alike));
+                continue;
+            }
+            join(alike);
+            if (count == 1) out.open.push_back(alike[0]);
+        }
+    }
+    for (const auto& faces : crowded) {
+        std::map<uint32_t, size_t> count; // by root
+        for (const uint32_t f : faces) count[out.sets.root(f)] += within[f] ? 0 : 1;
+        if (std::ranges::all_of(count, [](const auto& c) { return c.second == 2 || c.second == 0; }))
+            continue;
+        join(faces);
+        out.open.push_back(faces[0]);
+    }
+    return out;
+}
+
 std::vector<Body> bodiesOf(const std::vector<SoupFace>& soup, const std::function<bool(uint32_t)>& isGlass,
                            double tolerance) {
     std::vector<SoupFace> glass;
@@ -66,20 +107,7 @@ std::vector<Body> bodiesOf(const std::vector<SoupFace>& soup, const std::functio
     }
     const Building welded = weldFaces(glass, 1, tolerance);
     const std::vector<bool> within = facesWithin(welded);
-    DisjointSets sets(welded.faces.size());
-    std::vector<uint32_t> open;
-    for (const auto& [edge, faces] : facesOfEdges(welded)) {
-        std::map<uint32_t, std::vector<uint32_t>> bounds; // by material
-        for (const uint32_t f : faces) {
-            auto& alike = bounds[welded.faces[f].material];
-            if (!alike.empty()) sets.join(f, alike[0]);
-            alike.push_back(f);
-        }
-        for (const auto& [material, alike] : bounds) {
-            const auto count = std::ranges::count_if(alike, [&](uint32_t f) { return !within[f]; });
-            if (count != 2 && count != 0) open.push_back(alike[0]);
-        }
-    }
+    auto [sets, open] = hangingTogether(welded, within);
     std::map<uint32_t, Body> found; // by root
     std::map<uint32_t, bool> outer;
     for (uint32_t f = 0; f < welded.faces.size(); ++f) {
@@ -182,7 +210,8 @@ public:
         for (size_t f = 0; f < soup_.size(); ++f) {
             if (gone_[f]) continue;
             if (edge_[f]) out_.edges.push_back(static_cast<uint32_t>(out_.soup.size()));
-            out_.soup.push_back(soup_[f]);
+            const auto smaller = pulledIn_.find(static_cast<uint32_t>(f));
+            out_.soup.push_back(smaller == pulledIn_.end() ? soup_[f] : smaller->second);
         }
         return std::move(out_);
     }
@@ -264,9 +293,37 @@ private:
         unfit_ = std::move(left);
     }
 
-    bool touchesNothing(const Slab& slab) const {
-        return !slab.sides[1].empty() && !holes_.touches(slab.sides[0], dvec3(0)) &&
-               !holes_.touches(slab.sides[0], 0.5 * slab.across) && !holes_.touches(slab.sides[1], dvec3(0));
+    // `holds` of one of the sides of a slab or its middle.
+    template<class Holds> static bool anyLevel(const Slab& slab, const Holds& holds) {
+        return holds(slab.sides[0], dvec3(0)) || holds(slab.sides[0], 0.5 * slab.across) ||
+               holds(slab.sides[1], dvec3(0));
+    }
+
+    bool isNearGlass(const Pane& pane) const {
+        const Bounds here = boxOf(pane.body->faces);
+        return std::ranges::any_of(unfit_, [&](const Pane& other) {
+            if (other.body == pane.body || !other.body->closed) return false;
+            const Bounds there = boxOf(other.body->faces);
+            return glm::all(glm::lessThanEqual(here.low, there.high + tolerance_)) &&
+                   glm::all(glm::greaterThanEqual(here.high, there.low - tolerance_));
+        });
+    }
+
+    // A slab that touches other faces with its rim at most; where it does it is pulled in.
+    bool isKept(const Pane& pane) {
+        const Slab& slab = pane.slab;
+        if (slab.sides[1].empty()) return false;
+        const bool touches =
+            anyLevel(slab, [&](const auto& side, dvec3 at) { return holes_.touches(side, at); });
+        if (!touches && !isNearGlass(pane)) return true;
+        const double by = kPulledIn * tolerance_;
+        if (touches &&
+            anyLevel(slab, [&](const auto& side, dvec3 at) { return holes_.crosses(side, at, 0.5 * by); }))
+            return false;
+        const auto smaller = holes_.pulledIn(slab.sides[0], pane.body->faces, by);
+        if (!smaller) return false;
+        for (size_t k = 0; k < smaller->size(); ++k) pulledIn_[pane.body->faces[k]] = (*smaller)[k];
+        return true;
     }
 
     void loosen(const Pane& pane) {
@@ -284,7 +341,7 @@ private:
             return;
         }
         glass.middle = box.centre();
-        glass.kept = touchesNothing(slab);
+        glass.kept = isKept(pane);
         for (const uint32_t f : pane.body->faces) (glass.kept ? edge_ : gone_)[f] = true;
         if (glass.kept)
             for (const auto& side : slab.sides)
@@ -298,6 +355,7 @@ private:
     std::vector<bool> gone_, edge_;             // per face
     Bounds walls_{dvec3(1e300), dvec3(-1e300)}; // of all that is no glass
     std::vector<Pane> unfit_;
+    std::map<uint32_t, SoupFace> pulledIn_; // by face
     size_t jointsLookedAt_ = 0;
     PanesInHoles out_;
 };
@@ -311,6 +369,38 @@ std::optional<PanesInHoles> panesInHoles(const std::vector<SoupFace>& soup,
     if (drawn == Drawn::slabs) std::erase_if(bodies, [](const Body& body) { return !body.closed; });
     if (bodies.empty()) return std::nullopt; // as of most models: no walls are sorted for nothing
     return PanePlacer(soup, isGlass, tolerance).place(bodies);
+}
+
+bool leaveOutFree(PanesInHoles& panes, const std::set<uint32_t>& first) {
+    std::set<uint32_t> gone;
+    for (LooseGlass& glass : panes.loose)
+        if (glass.kept && (first.empty() || first.contains(glass.faces[0]))) {
+            glass.kept = false;
+            gone.insert(glass.faces.begin(), glass.faces.end());
+        }
+    return std::erase_if(panes.soup, [&](const SoupFace& f) { return gone.contains(f.surface); }) > 0;
+}
+
+void reportGlass(const PanesInHoles& panes, Building& out,
+                 const std::function<std::string(uint32_t)>& place) {
+    if (panes.slabs > 0)
+        out.repairs.push_back(counted(panes.slabs, "slab") +
+                              (panes.slabs == 1 ? " of glass taken as a pane" : " of glass taken as panes"));
+    if (panes.flat > 0) out.repairs.push_back(counted(panes.flat, "pane") + " taken to fill the hole");
+    const LooseGlass* first = nullptr; // left out
+    size_t kept = 0, left = 0;
+    for (const LooseGlass& glass : panes.loose) {
+        ++(glass.kept ? kept : left);
+        if (!glass.kept && !first) first = &glass;
+    }
+    if (kept > 0)
+        out.repairs.push_back(fmt::format("{} of glass {} free: seen through, with edges that are black",
+                                          counted(kept, "slab"), kept == 1 ? "stands" : "stand"));
+    if (left > 0)
+        out.warnings.push_back(
+            fmt::format("{} of glass (the first at {}) {} no hole: left out, as if light passed unhindered",
+                        left == 1 ? std::string("1 body") : fmt::format("{} bodies", left),
+                        place(first->faces[0]), left == 1 ? "fills" : "fill"));
 }
 
 } // namespace heliodon::geometry

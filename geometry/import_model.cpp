@@ -9,6 +9,7 @@
 #include <optional>
 #include <set>
 #include <tuple>
+#include <utility>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
@@ -106,23 +107,34 @@ private:
         const size_t materials = model_.materials.size();
         if (!panes->edges.empty()) model_.materials.push_back({.name = "edge of glass"});
         for (const uint32_t f : panes->edges) panes->soup[f].material = static_cast<uint32_t>(materials);
-        std::swap(faces_.soup, panes->soup);
-        made_ = {panes->made.begin(), panes->made.end()};
+        std::optional<WithGlass> out = tryPanes(*panes, beforePart);
+        while (!out && leaveOutFree(*panes, std::exchange(strays_, {}))) out = tryPanes(*panes, beforePart);
+        model_.materials.resize(materials);
+        return out;
+    }
+
+    std::optional<WithGlass> tryPanes(PanesInHoles& panes, const std::function<void()>& beforePart) {
+        std::swap(faces_.soup, panes.soup);
+        made_ = {panes.made.begin(), panes.made.end()};
         turnedOver_ = 0;
         std::optional<WithGlass> out;
         try {
             Building building = importDrawn(beforePart);
-            if (const auto error = wrongGlass(building, *panes)) {
+            for (const LooseGlass& glass : panes.loose)
+                if (glass.kept && !isInRoom(building, glass)) strays_.insert(glass.faces[0]);
+            if (const auto error = wrongGlass(building, panes)) {
                 insideOut_ = true;
                 throw *error;
             }
-            reportGlass(building, *panes);
+            if (!strays_.empty())
+                throw InputError(model_.file, model_.place(*strays_.begin()),
+                                 "the glass stands outside of all rooms");
+            reportGlass(panes, building, [&](uint32_t f) { return model_.place(f); });
             out = withGlass(std::move(building));
         } catch (const InputError& error) {
-            whyNoPane_ = reasonOf(*panes, error);
+            whyNoPane_ = reasonOf(panes, error);
         }
-        std::swap(faces_.soup, panes->soup);
-        model_.materials.resize(materials);
+        std::swap(faces_.soup, panes.soup);
         made_.clear();
         turnedOver_ = 0;
         return out;
@@ -152,9 +164,13 @@ private:
     // Panes that no room has, or glass in a hole and not in a room: air and walls are taken for one another.
     std::optional<InputError> wrongGlass(const Building& building, const PanesInHoles& panes) const {
         if (!made_.empty() && std::ranges::none_of(source_, [&](uint32_t f) { return made_.contains(f); }))
-            return InputError(model_.file, model_.place(panes.made[0]),
-                              "the glass fills a hole but bounds no room: the model is open elsewhere, as by "
-                              "a hole without a pane or a gap round a frame");
+            return InputError(
+                model_.file, model_.place(panes.made[0]),
+                "the glass fills a hole but bounds no room: the model is open elsewhere, as by "
+                "a hole without a pane or a gap round a frame" +
+                    (panes.loose.empty()
+                         ? ""
+                         : " (the glass at " + model_.place(panes.loose[0].faces[0]) + " fills none)"));
         const bool dark = std::ranges::none_of(
             building.faces, [&](const Face& face) { return building.materials[face.material].isOpening(); });
         for (const LooseGlass& glass : panes.loose) {
@@ -163,7 +179,7 @@ private:
                 return InputError(
                     model_.file, model_.place(glass.faces[0]),
                     "the glass fills no hole, and no other glass bounds a room, expected a slab "
-                    "as wide as its hole and at most a fifth as thick");
+                    "as wide as its hole and at most a fifth as thick, or flat panes round a corner");
         }
         return std::nullopt;
     }
@@ -176,28 +192,6 @@ private:
                     triangles.push_back(
                         {building.vertices[t[0]], building.vertices[t[1]], building.vertices[t[2]]});
         return crossings(triangles, glass.middle) % 2 == 1;
-    }
-
-    void reportGlass(Building& out, const PanesInHoles& panes) const {
-        if (panes.slabs > 0)
-            out.repairs.push_back(counted(panes.slabs, "slab") + (panes.slabs == 1
-                                                                      ? " of glass taken as a pane"
-                                                                      : " of glass taken as panes"));
-        if (panes.flat > 0) out.repairs.push_back(counted(panes.flat, "pane") + " taken to fill the hole");
-        const LooseGlass* first = nullptr; // left out
-        size_t kept = 0, left = 0;
-        for (const LooseGlass& glass : panes.loose) {
-            ++(glass.kept ? kept : left);
-            if (!glass.kept && !first) first = &glass;
-        }
-        if (kept > 0)
-            out.repairs.push_back(fmt::format("{} of glass {} free: seen through, with edges that are black",
-                                              counted(kept, "slab"), kept == 1 ? "stands" : "stand"));
-        if (left > 0)
-            out.warnings.push_back(fmt::format(
-                "{} of glass (the first at {}) {} no hole: left out, as if light passed unhindered",
-                left == 1 ? std::string("1 body") : fmt::format("{} bodies", left),
-                model_.place(first->faces[0]), left == 1 ? "fills" : "fill"));
     }
 
     Building importDrawn(const std::function<void()>& beforePart) {
@@ -583,8 +577,9 @@ private:
     Building building_;
     std::vector<uint32_t> source_, shell_; // per face
     uint32_t shellCount_ = 0;
-    size_t turnedOver_ = 0;   // against the others of their shell
-    std::set<uint32_t> made_; // faces of the file in whose place there are other panes
+    size_t turnedOver_ = 0;     // against the others of their shell
+    std::set<uint32_t> made_;   // faces of the file in whose place there are other panes
+    std::set<uint32_t> strays_; // the first faces of glass that stands free, but not in a room
     std::optional<InputError> whyNoPane_;
     bool insideOut_ = false; // with panes that fit, what is drawn bounds the inside of walls
     double extent_ = 0, weldOfExtent_ = kWeldOfExtent;

@@ -30,6 +30,7 @@ constexpr double kReach = 0.005;    // of the pane's diagonal
 constexpr double kMostReach = 0.7;  // of it, of what is taken for a joint
 constexpr double kLeastPart = 0.5;  // of the pane's area
 constexpr size_t kMostOfBar = 1000; // faces
+constexpr double kSharp = 0.1;      // the squared sum of two unit normals: a corner of 18 degrees
 constexpr double kBesideEdge = 10;  // tolerances: what is surely on one side of an edge
 enum Tag : int32_t { kPane, kSection, kWall };
 constexpr uint32_t kNoShell = std::numeric_limits<uint32_t>::max();
@@ -42,6 +43,11 @@ struct Plane {
     double height(dvec3 p) const { return glm::dot(p - origin, normal); }
     dvec3 back(dvec2 p) const { return origin + p.x * u + p.y * v; }
 };
+
+Plane planeOf(const SoupFace& face, dvec3 shift) {
+    const dvec3 normal = glm::normalize(areaVector(face.loops[0])), u = perpendicular(normal);
+    return {face.loops[0][0] + shift, normal, u, glm::cross(normal, u)};
+}
 
 double areaOf(std::span<const dvec2> outline) {
     double twice = 0;
@@ -245,15 +251,13 @@ struct PaneFitter::Cut {
 };
 
 PaneFitter::Cut PaneFitter::cut(std::span<const uint32_t> pane, dvec3 shift, double reach) const {
-    const SoupFace& first = soup_[pane[0]];
-    const dvec3 normal = glm::normalize(areaVector(first.loops[0])), u = perpendicular(normal);
-    Cut out{{first.loops[0][0] + shift, normal, u, glm::cross(normal, u)}, 0, {}, {}};
+    Cut out{planeOf(soup_[pane[0]], shift), 0, {}, {}};
     std::vector<SoupFace> drawn;
     std::vector<dvec3> corners;
     for (const uint32_t f : pane) {
         drawn.push_back(soup_[f]);
         double twice = 0;
-        for (const auto& loop : drawn.back().loops) twice += glm::dot(areaVector(loop), normal);
+        for (const auto& loop : drawn.back().loops) twice += glm::dot(areaVector(loop), out.plane.normal);
         out.area += 0.5 * std::abs(twice);
         for (const dvec3 p : drawn.back().loops[0]) corners.push_back(out.plane.back(out.plane.flat(p)));
     }
@@ -341,12 +345,54 @@ std::optional<double> PaneFitter::joint(std::span<const uint32_t> pane, dvec3 sh
 }
 
 bool PaneFitter::touches(std::span<const uint32_t> pane, dvec3 shift) const {
-    const PlanArrangement map = cut(pane, shift, kReach).map;
-    const std::vector<int> within = coverage(map, [](int32_t tag) { return tag == kPane; });
-    for (uint32_t e = 0; e < map.edgeCount(); ++e)
-        if (within[map.cell[2 * e]] > 0 || within[map.cell[2 * e + 1]] > 0)
-            if (std::ranges::any_of(map.tags[e], [](const auto& t) { return t.tag != kPane; })) return true;
+    return meets(pane, shift, kReach, 0);
+}
+
+bool PaneFitter::crosses(std::span<const uint32_t> pane, dvec3 shift, double rim) const {
+    return meets(pane, shift, 0, rim);
+}
+
+bool PaneFitter::meets(std::span<const uint32_t> pane, dvec3 shift, double reach, double rim) const {
+    const auto& [plane, area, map, solids] = cut(pane, shift, reach);
+    const std::vector<int> within = coverage(map, [](int32_t tag) { return tag == kPane; }),
+                           wall = coverage(map, [](int32_t tag) { return tag == kWall; });
+    for (uint32_t c = 0; c < map.cellCount; ++c)
+        if (within[c] > 0 && wall[c] > 0) return true;
+    for (uint32_t e = 0; e < map.edgeCount(); ++e) {
+        if (within[map.cell[2 * e]] <= 0 && within[map.cell[2 * e + 1]] <= 0) continue;
+        if (std::ranges::all_of(map.tags[e], [](const auto& t) { return t.tag == kPane; })) continue;
+        const dvec2 middle = 0.5 * (map.points[map.source(2 * e)] + map.points[map.source(2 * e + 1)]);
+        if (rim == 0 || distanceToBorder(pane, plane.back(middle) - shift) > rim) return true;
+    }
     return false;
+}
+
+std::optional<std::vector<SoupFace>> PaneFitter::pulledIn(std::span<const uint32_t> side,
+                                                          std::span<const uint32_t> body, double by) const {
+    const Plane plane = planeOf(soup_[side[0]], dvec3(0));
+    std::vector<SoupFace> drawn, out;
+    for (const uint32_t f : side) drawn.push_back(soup_[f]);
+    const std::vector<Ends> borders = bordersOf(plane, drawn, tolerance_);
+    const auto moved = [&](dvec3& p) {
+        dvec2 inwards[2] = {dvec2(0), dvec2(0)}; // of the edges that begin and end there
+        for (const Ends& ends : borders)
+            for (const size_t k : {0, 1})
+                if (glm::length(ends[k] - plane.flat(p)) <= 4 * tolerance_) {
+                    const dvec2 along = glm::normalize(ends[1] - ends[0]);
+                    inwards[k] = {-along.y, along.x};
+                }
+        const dvec2 sum = inwards[0] + inwards[1];
+        if (inwards[0] == dvec2(0) || inwards[1] == dvec2(0) || glm::dot(sum, sum) < kSharp) return false;
+        const dvec2 step = 2 * by / glm::dot(sum, sum) * sum;
+        p += step.x * plane.u + step.y * plane.v;
+        return true;
+    };
+    for (const uint32_t f : body) {
+        out.push_back(soup_[f]);
+        for (auto& loop : out.back().loops)
+            if (!std::ranges::all_of(loop, moved)) return std::nullopt;
+    }
+    return out;
 }
 
 } // namespace heliodon::geometry

@@ -35,11 +35,20 @@ public:
     // Whether another face meets the pane, or ends less than that 0.5 % from it.
     bool touches(std::span<const uint32_t> pane, glm::dvec3 shift) const;
 
+    // Whether another face meets the pane farther than `rim` (metres) from its border, or lies on it.
+    bool crosses(std::span<const uint32_t> pane, glm::dvec3 shift, double rim) const;
+
+    // The faces of a slab `body` smaller all round by `by` (metres), in the plane of `side`; none where not
+    // all corners are over the border of that, or one is sharp.
+    std::optional<std::vector<SoupFace>> pulledIn(std::span<const uint32_t> side,
+                                                  std::span<const uint32_t> body, double by) const;
+
 private:
     struct Cut; // the plane through all near the pane
     // `reach`: a share of the pane's diagonal.
     Cut cut(std::span<const uint32_t> pane, glm::dvec3 shift, double reach) const;
     std::vector<SoupFace> fit(std::span<const uint32_t> pane, glm::dvec3 shift, double reach) const;
+    bool meets(std::span<const uint32_t> pane, glm::dvec3 shift, double reach, double rim) const;
     double distanceToBorder(std::span<const uint32_t> pane, glm::dvec3 p) const;
 
     const std::vector<SoupFace>& soup_;

@@ -335,6 +335,65 @@ TEST(GlassPanes, that_stand_in_a_room_let_no_light_in) {
     EXPECT_EQ(greenhouse.read().roomCount, 2u);
 }
 
+namespace {
+
+size_t leftOut(const Building& building, const std::string& what) {
+    return std::ranges::count_if(building.warnings, [&](const auto& warning) {
+        return warning.starts_with(what) && warning.find("left out") != warning.npos;
+    });
+}
+
+void drawUpright(Drawing& drawing, double x0, double x1, double z0, double z1, double y0) {
+    drawing.slab(rectangle(x0, x1, y0, y0 + 1, z0), rectangle(x0, x1, y0, y0 + 1, z1));
+}
+
+} // namespace
+
+// On the floor or in the air; two that meet at a corner share an edge.
+TEST(GlassPanes, that_touch_others_with_their_rim_stand_free) {
+    for (const double y : {0.0, 0.5})
+        for (const bool two : {false, true}) {
+            Drawing drawing;
+            drawThickWalls(drawing);
+            drawing.slab(hole(-0.12), hole(-0.1));
+            drawUpright(drawing, 1, 1.01, 1, 2, y);
+            if (two) drawUpright(drawing, 1.01, 2, 1, 1.01, y);
+            const Building building = drawing.read();
+            EXPECT_EQ(building.roomCount, 1u);
+            EXPECT_NEAR(glassOf(building), 2.4 + 2 * (two ? 1.99 : 1), 0.01);
+            EXPECT_NEAR(glassOf(building, true), 2.4, 1e-6);
+            EXPECT_TRUE(building.warnings.empty()) << fmt::format("{}", fmt::join(building.warnings, "; "));
+        }
+}
+
+TEST(GlassPanes, that_cannot_stand_free_are_left_out) {
+    const auto read = [](const auto& draw) {
+        Drawing drawing;
+        drawThickWalls(drawing);
+        drawing.slab(hole(-0.12), hole(-0.1));
+        draw(drawing);
+        return drawing.read();
+    };
+    EXPECT_EQ(leftOut(read([](Drawing& d) { d.slab(hole(3), hole(2.99)); }), "1 body of glass"),
+              1u);                          // a mirror
+    EXPECT_EQ(leftOut(read([](Drawing& d) { // through one another
+                          drawUpright(d, 1, 2, 1.5, 1.51, 0.5);
+                          drawUpright(d, 1.5, 1.51, 1, 2, 0.5);
+                      }),
+                      "2 bodies of glass"),
+              1u);
+    const Building outside = read([](Drawing& d) { // between the room and another, in the open
+        drawUpright(d, 6, 7, 1, 1.01, 0);
+        drawUpright(d, 1, 2, 1, 1.01, 0);
+        d.face("glass", rectangle(8, 9, 0, 1, 0));
+        d.face("wall", turned(rectangle(8, 9, 0, 1, 1)));
+        d.tube("wall", turned(rectangle(8, 9, 0, 1, 0)), turned(rectangle(8, 9, 0, 1, 1)));
+    });
+    EXPECT_EQ(outside.roomCount, 2u);
+    EXPECT_EQ(leftOut(outside, "1 body of glass"), 1u);
+    EXPECT_NEAR(glassOf(outside), 2.4 + 1 + 2, 0.01);
+}
+
 // They are made by the program: none of them looks the wrong way. A chamfer changes nothing.
 TEST(GlassPanes, no_face_is_said_to_be_turned_over) {
     for (const bool over : {false, true}) {
