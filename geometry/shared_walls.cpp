@@ -293,7 +293,24 @@ private:
                             return around[parts_[o].shell].size();
                         })].room;
         }
+        countSolids();
         return rooms_ > 0;
+    }
+
+    // Those found, by whether a room's air touches them.
+    void countSolids() {
+        std::set<uint32_t> inRooms;
+        for (uint32_t f = 0; f < welded_.faces.size(); ++f)
+            for (uint32_t s = 0; s < 2; ++s)
+                if (parts_[partAt(f, 1 - s)].room >= 0) inRooms.insert(partAt(f, s));
+        for (const auto& [id, volume] : found_) {
+            if (!inRooms.contains(id)) {
+                ++solidsOutside_;
+                continue;
+            }
+            ++solids_;
+            largestSolid_ = std::max(largestSolid_, volume);
+        }
     }
 
     // The outside of walls that have a thickness is no room, as in nestShells().
@@ -363,8 +380,7 @@ private:
                         ++walls_;
                         continue;
                     }
-                    ++solids_;
-                    largestSolid_ = std::max(largestSolid_, part.volume / largest.volume);
+                    found_[id] = part.volume / largest.volume;
                 } else {
                     contrary_ += contrary(part, largest);
                     insides_ += stand.within && !stand.touchesWall;
@@ -494,6 +510,11 @@ private:
                             oneOrMany(solids_, "solid was cut out of the room where it stands, of",
                                       "solids were cut out of the room where they stand, the largest of"),
                             100 * largestSolid_));
+        if (solidsOutside_ > 0)
+            out.push_back(oneOrMany(
+                solidsOutside_,
+                "solid touches no room, as what stands outside a window: it was not taken as a room",
+                "solids touch no room, as what stands outside a window: they were not taken as rooms"));
         if (insides_ > 0)
             out.push_back(oneOrMany(
                 insides_, "space within a room was taken as a room of its own: its faces look into it",
@@ -524,8 +545,10 @@ private:
     std::vector<double> drawnArea_, backed_; // of these, and where others lie on it that are turned over
     std::set<uint32_t> covered_;             // sheets of different materials of which the smaller is seen
     uint32_t rooms_ = 0;
-    size_t solids_ = 0;                 // that stand against walls or floors
-    double largestSolid_ = 0;           // of the largest part's volume
+    std::map<uint32_t, double>
+        found_; // solids that stand against walls or floors: of the largest part's volume
+    size_t solids_ = 0, solidsOutside_ = 0; // of these
+    double largestSolid_ = 0;
     size_t walls_ = 0;                  // solids all round the largest part
     size_t outsides_ = 0;               // of walls with a thickness
     size_t contrary_ = 0, insides_ = 0; // rooms whose faces look out, or that stand in others

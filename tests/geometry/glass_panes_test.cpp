@@ -181,6 +181,21 @@ TEST(GlassPanes, behind_a_bar) {
     EXPECT_NEAR(glassOf(building), 2.4 - 0.2 * 1.2, 1e-6);
 }
 
+TEST(GlassPanes, bars_outside_are_cut_out_of_no_room) {
+    for (const bool inside : {false, true}) {
+        Drawing drawing;
+        drawThickWalls(drawing);
+        drawing.box(rectangle(1.9, 2.1, 0.8, 2, -0.25), rectangle(1.9, 2.1, 0.8, 2, -0.15));
+        if (inside) drawing.box(rectangle(1.4, 1.5, 0.8, 2, -0.05), rectangle(1.4, 1.5, 0.8, 2, -0.02));
+        drawing.face("glass", hole(-0.1));
+        std::vector<std::string> starts;
+        for (const std::string& warning : drawing.read().warnings) starts.push_back(warning.substr(0, 20));
+        std::vector<std::string> expected{"1 solid touches no r"};
+        if (inside) expected.insert(expected.begin(), "1 solid was cut out ");
+        EXPECT_EQ(starts, expected);
+    }
+}
+
 // There is no glass in a bar that a pane is drawn through.
 TEST(GlassPanes, through_a_bar) {
     for (const bool flat : {false, true}) {
