@@ -66,6 +66,8 @@ private:
             }
             top[mesh_.room[i]] = std::max(top[mesh_.room[i]], high);
             rooms_[mesh_.room[i]].surface += patchArea(mesh_, i);
+            if (mesh_.materials[mesh_.material[i]].isOpening())
+                rooms_[mesh_.room[i]].openings += patchArea(mesh_, i);
             // What stands free in a room encloses its own inside.
             if (patchNormal(mesh_, i).y > kWalkable && volume_[shellOf(i)] > 0)
                 floors[mesh_.room[i]].push_back({low, high, patchArea(mesh_, i)});
@@ -128,6 +130,7 @@ bool oneGlass(const PatchMesh& mesh, size_t i, size_t j) {
 PatchMesh ownTriangles(const Building& building) {
     PatchMesh mesh;
     mesh.vertices = building.vertices;
+    mesh.materials = building.materials;
     for (const Face& face : building.faces)
         for (const auto& t : triangulateFace(building, face))
             mesh.addPatch(t, face.material, face.role, face.surface, face.room);

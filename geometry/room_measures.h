@@ -12,6 +12,7 @@ struct RoomMeasures {
     double floorArea = 0; // square metres; see measureRooms()
     double volume = 0;    // cubic metres
     double surface = 0;   // square metres, of all that bounds it
+    double openings = 0;  // of these, glass and open holes
     double height = 0;    // metres, from the lowest floor to the highest point
     int euler = 0;        // V - E + F of the room's surfaces together: 2 for each, less 2 for each handle
 };

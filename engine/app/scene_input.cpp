@@ -101,7 +101,8 @@ void reportImport(Run& run, const geometry::PatchMesh& mesh, const geometry::Bui
     report["n_rooms"] = rooms.size();
     report["rooms"] = json::array();
     for (size_t r = 0; r < rooms.size(); ++r)
-        if (const double depth = 2 * rooms[r].volume / (rooms[r].surface * worldPerBuilding); depth < kThin)
+        if (const double depth = 2 * rooms[r].volume / (rooms[r].surface * worldPerBuilding);
+            depth < kThin && rooms[r].openings < 0.5 * rooms[r].surface) // not between two panes
             run.warn(
                 fmt::format("room {} is {:.2f} m deep on average, as the inside of walls is: the faces of a "
                             "model must bound the air of its rooms, not their walls",

@@ -52,6 +52,20 @@ TEST(RoomMeasures, an_empty_room) {
     EXPECT_EQ(rooms[0].euler, 2);
 }
 
+TEST(RoomMeasures, glass_is_part_of_the_surface) {
+    Building building = BoxModel().building();
+    building.materials.emplace_back().transmittance = glm::vec3(0.8f);
+    building.faces[0].material = static_cast<uint32_t>(building.materials.size() - 1);
+    const PatchMesh mesh = ownTriangles(building);
+    const auto rooms = measureRooms(mesh);
+    double glass = 0;
+    for (size_t i = 0; i < mesh.patchCount(); ++i)
+        if (mesh.surface[i] == building.faces[0].surface) glass += patchArea(mesh, i);
+    EXPECT_GT(glass, 0);
+    EXPECT_NEAR(rooms[0].openings, glass, 1e-9);
+    EXPECT_NEAR(rooms[0].surface, 126, 1e-9);
+}
+
 TEST(RoomMeasures, tops_of_furniture_are_no_floor) {
     BoxModel model;
     model.add({1, 0, 1}, {2, 0.75, 2});    // stands on the floor, which is not there below it
