@@ -67,7 +67,7 @@ TEST(Wea, hours_may_be_whole) {
     EXPECT_EQ(ends.hours[2].clockHour, 23.5);
     EXPECT_EQ(ends.sunShiftHours, 0.5);
     for (const Weather& w : {begins, ends})
-        EXPECT_EQ(w.hours[0].utc, daysSinceEpoch({2001, 6, 1}) * 86400.0 + 18 * 3600.0);
+        EXPECT_EQ(w.hours[0].utc, static_cast<double>(daysSinceEpoch({2001, 6, 1})) * 86400.0 + 18 * 3600.0);
 }
 
 // Days of seven hours each: as many records aside as a day has hours there is another hour.
