@@ -67,34 +67,31 @@ std::optional<double> gapBetween(const Board& a, const Board& b) {
     return overA <= 0 && overB <= 0 ? std::optional(std::min(overA, overB)) : std::nullopt;
 }
 
-// Per board the other side of a thin solid, if it is one.
-std::vector<std::optional<size_t>> backsOf(const std::vector<Board>& boards) {
-    std::vector<std::optional<size_t>> backs(boards.size());
-    for (size_t i = 0; i < boards.size(); ++i)
-        for (size_t k = i + 1; k < boards.size(); ++k) {
-            const double depth = std::min(boards[i].depth, boards[k].depth);
-            const auto gap = gapBetween(boards[i], boards[k]);
-            if (gap && *gap <= kTouching * depth && *gap >= -kThin * depth) backs[i] = k, backs[k] = i;
-        }
-    return backs;
-}
-
 // Those that face another one nearby, with the other sides of these.
 std::vector<bool> areClose(const std::vector<Board>& boards, double edge) {
-    const auto backs = backsOf(boards);
-    std::vector<bool> close(boards.size(), false);
-    const auto add = [&](size_t i) {
-        close[i] = true;
-        if (backs[i]) close[*backs[i]] = true;
+    struct Pair {
+        size_t one, other;
+        double gap;
     };
+    std::vector<Pair> facing;
+    std::vector<std::optional<size_t>> backs(boards.size()); // the other side of a thin solid
     for (size_t i = 0; i < boards.size(); ++i)
         for (size_t k = i + 1; k < boards.size(); ++k) {
-            if (!backs[i] && !backs[k]) continue;
-            const double depth = std::max(backs[i] ? boards[i].depth : 0, backs[k] ? boards[k].depth : 0);
             const auto gap = gapBetween(boards[i], boards[k]);
-            if (gap && *gap > kTouching * depth && *gap <= std::min(kFarthest * depth, kWidest * edge))
-                add(i), add(k);
+            if (!gap) continue;
+            const double depth = std::min(boards[i].depth, boards[k].depth);
+            if (*gap <= kTouching * depth && *gap >= -kThin * depth) backs[i] = k, backs[k] = i;
+            if (*gap > 0) facing.push_back({i, k, *gap});
         }
+    std::vector<bool> close(boards.size(), false);
+    for (const auto& [i, k, gap] : facing) {
+        const double depth = std::max(backs[i] ? boards[i].depth : 0, backs[k] ? boards[k].depth : 0);
+        if (gap <= kTouching * depth || gap > std::min(kFarthest * depth, kWidest * edge)) continue;
+        for (const size_t board : {i, k}) {
+            close[board] = true;
+            if (backs[board]) close[*backs[board]] = true;
+        }
+    }
     return close;
 }
 
@@ -153,15 +150,20 @@ std::vector<uint32_t> boardRows(const Building& building, const std::vector<Mesh
     std::vector<Board> chosen;
     for (size_t i = 0; i < boards.size(); ++i)
         if (close[i]) chosen.push_back(boards[i]);
+    if (chosen.empty()) return rows;
     const std::vector<Rim> rims = rimsOf(building, domains, parallelograms, chosen);
     const auto columns = [&](double length) { return std::max(1.0, length / (kBoardColumn * edge)); };
     double aRow = 0, rimsOfRow = 0, rimsAlong = 0; // cells
     for (const Board& board : chosen) aRow += columns(board.length);
-    for (const Rim& rim : rims)
-        (rim.lengthwise ? rimsAlong : rimsOfRow) += rim.lengthwise ? columns(rim.length) : 1;
+    for (const Rim& rim : rims) {
+        if (rim.lengthwise)
+            rimsAlong += columns(rim.length);
+        else
+            ++rimsOfRow;
+    }
     const double most = std::floor(std::min(kMostCells * triangles / aRow,
                                             (kMostWithRims * triangles - rimsAlong) / (aRow + rimsOfRow)));
-    if (chosen.empty() || most < 2) return rows;
+    if (most < 2) return rows;
     for (const Board& board : chosen) rows[board.domain] = static_cast<uint32_t>(std::min(most, kMostRows));
     for (const Rim& rim : rims) rows[rim.domain] = 1;
     return rows;

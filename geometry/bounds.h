@@ -6,6 +6,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
+#include <glm/vector_relational.hpp>
 
 namespace heliodon::geometry {
 
@@ -14,6 +15,11 @@ struct Bounds {
 
     glm::dvec3 centre() const { return 0.5 * (low + high); }
     double diagonal() const { return glm::length(high - low); }
+    // Whether the boxes overlap, or lie no farther apart than this along any axis.
+    bool isNear(const Bounds& other, double apart) const {
+        return glm::all(glm::lessThanEqual(low, other.high + apart)) &&
+               glm::all(glm::greaterThanEqual(high, other.low - apart));
+    }
 };
 
 // Of no points: a point at the origin. Points are finite (precondition).

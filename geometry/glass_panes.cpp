@@ -257,9 +257,7 @@ private:
                     apart = other.loops[0][0] + 0.5 * b.slab.across - one.loops[0][0] - 0.5 * a.slab.across;
         const double near = kBeside * std::sqrt(std::min(a.slab.area, b.slab.area));
         if (glm::length(glm::cross(n, m)) > 1e-3 || std::abs(glm::dot(n, apart)) > near) return false;
-        const Bounds here = boxOf(a.slab.sides[0]), there = boxOf(b.slab.sides[0]);
-        return glm::all(glm::lessThanEqual(here.low, there.high + near)) &&
-               glm::all(glm::greaterThanEqual(here.high, there.low - near));
+        return boxOf(a.slab.sides[0]).isNear(boxOf(b.slab.sides[0]), near);
     }
 
     // Those beside one another, in the plane of the largest.
@@ -302,10 +300,8 @@ private:
     bool isNearGlass(const Pane& pane) const {
         const Bounds here = boxOf(pane.body->faces);
         return std::ranges::any_of(unfit_, [&](const Pane& other) {
-            if (other.body == pane.body || !other.body->closed) return false;
-            const Bounds there = boxOf(other.body->faces);
-            return glm::all(glm::lessThanEqual(here.low, there.high + tolerance_)) &&
-                   glm::all(glm::greaterThanEqual(here.high, there.low - tolerance_));
+            return other.body != pane.body && other.body->closed &&
+                   here.isNear(boxOf(other.body->faces), tolerance_);
         });
     }
 

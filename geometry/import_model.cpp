@@ -87,10 +87,11 @@ private:
 
     WithGlass withGlass(Building building) const {
         WithGlass out{std::move(building), 0, {}};
-        const std::set<uint32_t> used(source_.begin(), source_.end());
         std::set<uint32_t> panes;
         for (const SoupFace& face : faces_.soup)
             if (isGlass_(face.material)) panes.insert(face.surface);
+        if (panes.empty()) return out;
+        const std::set<uint32_t> used(source_.begin(), source_.end());
         for (const uint32_t f : panes) {
             if (used.contains(f))
                 ++out.panes;
@@ -120,9 +121,10 @@ private:
         std::optional<WithGlass> out;
         try {
             Building building = importDrawn(beforePart);
-            for (const LooseGlass& glass : panes.loose)
-                if (glass.kept && !isInRoom(building, glass)) strays_.insert(glass.faces[0]);
-            if (const auto error = wrongGlass(building, panes)) {
+            const std::vector<bool> inRoom = areInRooms(building, panes.loose);
+            for (size_t k = 0; k < inRoom.size(); ++k)
+                if (panes.loose[k].kept && !inRoom[k]) strays_.insert(panes.loose[k].faces[0]);
+            if (const auto error = wrongGlass(building, panes, inRoom)) {
                 insideOut_ = true;
                 throw *error;
             }
@@ -162,7 +164,8 @@ private:
     }
 
     // Panes that no room has, or glass in a hole and not in a room: air and walls are taken for one another.
-    std::optional<InputError> wrongGlass(const Building& building, const PanesInHoles& panes) const {
+    std::optional<InputError> wrongGlass(const Building& building, const PanesInHoles& panes,
+                                         const std::vector<bool>& inRoom) const {
         if (!made_.empty() && std::ranges::none_of(source_, [&](uint32_t f) { return made_.contains(f); }))
             return InputError(
                 model_.file, model_.place(panes.made[0]),
@@ -173,8 +176,9 @@ private:
                          : " (the glass at " + model_.place(panes.loose[0].faces[0]) + " fills none)"));
         const bool dark = std::ranges::none_of(
             building.faces, [&](const Face& face) { return building.materials[face.material].isOpening(); });
-        for (const LooseGlass& glass : panes.loose) {
-            if (glass.joint && !isInRoom(building, glass)) return jointError(glass);
+        for (size_t k = 0; k < inRoom.size(); ++k) {
+            const LooseGlass& glass = panes.loose[k];
+            if (glass.joint && !inRoom[k]) return jointError(glass);
             if (dark)
                 return InputError(
                     model_.file, model_.place(glass.faces[0]),
@@ -184,14 +188,23 @@ private:
         return std::nullopt;
     }
 
-    bool isInRoom(const Building& building, const LooseGlass& glass) const {
-        std::vector<ShellTriangle> triangles;
+    // Of each whether its middle is in a room, itself left out.
+    std::vector<bool> areInRooms(const Building& building, const std::vector<LooseGlass>& loose) const {
+        if (loose.empty()) return {};
+        std::vector<std::pair<uint32_t, ShellTriangle>> all; // with its face in the file
         for (uint32_t f = 0; f < building.faces.size(); ++f)
-            if (std::ranges::find(glass.faces, source_[f]) == glass.faces.end())
-                for (const auto& t : triangulateFace(building, building.faces[f]))
-                    triangles.push_back(
-                        {building.vertices[t[0]], building.vertices[t[1]], building.vertices[t[2]]});
-        return crossings(triangles, glass.middle) % 2 == 1;
+            for (const auto& t : triangulateFace(building, building.faces[f]))
+                all.push_back({source_[f], ShellTriangle{building.vertices[t[0]], building.vertices[t[1]],
+                                                         building.vertices[t[2]]}});
+        std::vector<bool> inside;
+        std::vector<ShellTriangle> others;
+        for (const LooseGlass& glass : loose) {
+            others.clear();
+            for (const auto& [face, triangle] : all)
+                if (std::ranges::find(glass.faces, face) == glass.faces.end()) others.push_back(triangle);
+            inside.push_back(crossings(others, glass.middle) % 2 == 1);
+        }
+        return inside;
     }
 
     Building importDrawn(const std::function<void()>& beforePart) {

@@ -112,12 +112,9 @@ struct Line {
     bool isBlank(size_t field) const { return field < cells.size() && cells[field].empty(); }
     std::optional<double> irradiance(size_t field, const char* name) const {
         if (isBlank(field)) return std::nullopt;
-        const double v = value(field, name);
-        if (v >= kMissingIrradiance || v <= -kMissingIrradiance) return std::nullopt;
-        if (v < -50 || v > kGreatestIrradiance)
-            refuse(fmt::format("field {} ({}) is {:g} W/m2, expected 0 to {:g}, or 9999 where missing",
-                               field + 1, name, v, kGreatestIrradiance));
-        return std::max(0.0, v); // thermal offsets of pyranometers are slightly negative
+        return irradianceFrom(value(field, name), [&](const std::string& what) {
+            refuse(fmt::format("field {} ({}) {}", field + 1, name, what));
+        });
     }
 };
 

@@ -2,11 +2,15 @@
 // EnergyPlus, "Auxiliary Programs", weather file data dictionary). Only weather.cpp and tests need this.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "compute/daylight/time.h"
 
@@ -22,8 +26,16 @@ struct EpwRecord {
     std::optional<double> global, direct, diffuse;
 };
 
-// W/m2 of any irradiance: this and above is missing, what is between is no number of irradiance.
-inline constexpr double kMissingIrradiance = 9999, kGreatestIrradiance = 1500;
+// W/m2 as weather files have it: none where it is missing; noise of the night, slightly negative, is 0. What
+// is no irradiance goes to `refuse` with what is wrong, which is to throw.
+template<class Refuse> std::optional<double> irradianceFrom(double value, const Refuse& refuse) {
+    constexpr double kMissing = 9999, kLeast = -50,
+                     kGreatest = 1500; // above the sun's outside the atmosphere
+    if (std::abs(value) >= kMissing) return std::nullopt;
+    if (value < kLeast || value > kGreatest)
+        refuse(fmt::format("is {:g} W/m2, expected 0 to {:g}, or 9999 where missing", value, kGreatest));
+    return std::max(0.0, value);
+}
 
 struct EpwFile {
     std::string place; // city, region, country, as far as the file says

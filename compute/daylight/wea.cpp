@@ -54,12 +54,8 @@ struct WeaLine {
         return static_cast<int>(value);
     }
     std::optional<double> irradiance(size_t word, const char* name) const {
-        const double value = within(word, name, -1e6, 1e6);
-        if (std::abs(value) >= kMissingIrradiance) return std::nullopt;
-        if (value < -50 || value > kGreatestIrradiance)
-            refuse(fmt::format("{} is {:g} W/m2, expected 0 to {:g}, or 9999 where missing", name, value,
-                               kGreatestIrradiance));
-        return std::max(0.0, value);
+        return irradianceFrom(within(word, name, -1e6, 1e6),
+                              [&](const std::string& what) { refuse(fmt::format("{} {}", name, what)); });
     }
 };
 

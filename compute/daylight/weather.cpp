@@ -365,21 +365,26 @@ Sky skyOfHour(const WeatherHour& hour, const WeatherSky& options) {
 namespace {
 
 // Local standard time such that a record's sun stands at the middle of its interval.
-double clockSecondsOf(const Weather& weather, double utc) {
-    return utc + (weather.timeZoneHours - weather.sunShiftHours) * 3600.0;
+struct Clock {
+    Date date;
+    double hour; // [0, 24)
+};
+
+Clock clockOf(const Weather& weather, double utc) {
+    const double local = utc + (weather.timeZoneHours - weather.sunShiftHours) * 3600.0,
+                 day = std::floor(local / 86400.0);
+    return {dateFromDays(static_cast<int64_t>(day)), (local - day * 86400.0) / 3600.0};
 }
 
 // The record of that day and clock, whatever its year; 29 February stands in for nothing and falls back to
 // the 28th.
 std::optional<size_t> recordAt(const Weather& weather, double utc) {
-    const double local = clockSecondsOf(weather, utc);
-    const double day = std::floor(local / 86400.0);
-    const double clock = (local - day * 86400.0) / 3600.0;
-    const auto found = [&](const Date& date) -> std::optional<size_t> {
-        const uint32_t record = weather.byPlace.at(placeOf(date, clock, weather.recordsPerHour));
+    const Clock clock = clockOf(weather, utc);
+    const Date& date = clock.date;
+    const auto found = [&](const Date& day) -> std::optional<size_t> {
+        const uint32_t record = weather.byPlace.at(placeOf(day, clock.hour, weather.recordsPerHour));
         return record == kNoRecord ? std::nullopt : std::optional<size_t>(record);
     };
-    const Date date = dateFromDays(static_cast<int64_t>(day));
     const auto here = found(date);
     return here || date.month != 2 || date.day != 29 ? here : found({date.year, 2, 28});
 }
@@ -389,11 +394,10 @@ std::optional<size_t> recordAt(const Weather& weather, double utc) {
 bool isNightLeftOut(const Weather& weather, const SunPosition& sun, double utc) {
     constexpr double kLow = 8; // degrees; the hour whose middle is in the night ends so at most
     if (sun.altitudeDeg > kLow) return false;
-    const double local = clockSecondsOf(weather, utc), day = std::floor(local / 86400.0);
-    const Date date = dateFromDays(static_cast<int64_t>(day));
+    const Clock clock = clockOf(weather, utc);
     const size_t aDay = 24 * static_cast<size_t>(weather.recordsPerHour),
-                 first = placeOf(date, 0, weather.recordsPerHour),
-                 now = placeOf(date, (local - day * 86400.0) / 3600.0, weather.recordsPerHour) - first;
+                 first = placeOf(clock.date, 0, weather.recordsPerHour),
+                 now = placeOf(clock.date, clock.hour, weather.recordsPerHour) - first;
     const auto records = std::span(weather.byPlace).subspan(first, aDay);
     const auto any = [&](size_t from, size_t to) {
         return std::ranges::any_of(records.subspan(from, to - from),
@@ -410,9 +414,7 @@ std::optional<Sky> skyAt(const Weather& weather, double utc, const WeatherSky& o
     if (!here && isNightLeftOut(weather, sun, utc)) return skyFromIrradiance({}, sun, options.setting);
     if (!here) return std::nullopt;
     const WeatherHour& hour = weather.hours[*here];
-    const double local = clockSecondsOf(weather, utc);
-    const double clock = (local - std::floor(local / 86400.0) * 86400.0) / 3600.0;
-    const double ahead = (clock - hour.clockHour) / weather.recordHours(); // -0.5 .. 0.5
+    const double ahead = (clockOf(weather, utc).hour - hour.clockHour) / weather.recordHours(); // -0.5 .. 0.5
     const double toNext = (ahead < 0 ? -3600.0 : 3600.0) * weather.recordHours();
     const size_t next = recordAt(weather, utc + toNext).value_or(*here);
     const double share = std::abs(ahead);
