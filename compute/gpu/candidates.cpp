@@ -136,17 +136,19 @@ std::optional<SubgroupSize> chooseSubgroupSize(VkPhysicalDevice physical) {
     subgroup.pNext = &sizes;
     properties.pNext = &subgroup;
     vkGetPhysicalDeviceProperties2(physical, &properties);
+    // Asked for, a size also bounds the workgroup (VUID-VkPipelineShaderStageCreateInfo-pNext-02756): 128 on a CPU
+    // with vectors of four.
+    if (sizes.minSubgroupSize == sizes.maxSubgroupSize) {
+        if (subgroup.subgroupSize > kLargestSubgroup) return std::nullopt;
+        return SubgroupSize{subgroup.subgroupSize, false};
+    }
     Features available;
     vkGetPhysicalDeviceFeatures2(physical, &available.base);
-    if (available.v13.subgroupSizeControl &&
-        (sizes.requiredSubgroupSizeStages & VK_SHADER_STAGE_COMPUTE_BIT)) {
-        const uint32_t size = std::clamp(kLargestSubgroup, sizes.minSubgroupSize, subgroup.subgroupSize);
-        return size <= kLargestSubgroup ? std::optional(SubgroupSize{size, true}) : std::nullopt;
-    }
-    const bool oneSize = sizes.minSubgroupSize == sizes.maxSubgroupSize;
-    return oneSize && subgroup.subgroupSize <= kLargestSubgroup
-               ? std::optional(SubgroupSize{subgroup.subgroupSize, false})
-               : std::nullopt;
+    if (!available.v13.subgroupSizeControl ||
+        !(sizes.requiredSubgroupSizeStages & VK_SHADER_STAGE_COMPUTE_BIT) ||
+        sizes.minSubgroupSize > kLargestSubgroup)
+        return std::nullopt;
+    return SubgroupSize{std::clamp(kLargestSubgroup, sizes.minSubgroupSize, subgroup.subgroupSize), true};
 }
 
 std::optional<uint32_t> findQueueFamily(VkPhysicalDevice physical) {
