@@ -20,8 +20,11 @@ namespace {
 // sensors, against Radiance.
 constexpr float kSpreadShare = 0.05F;  // of light's variation within patches, after its slope is allowed for
 constexpr double kNearShare = 0.5;     // of a patch's light, times its own share of the view
+constexpr float kSlopeTells = 0.5F;    // of a slope: light that falls off towards a wall is no straight line
 constexpr double kUnevenShare = 2;     // the same of how its sky light varies but for its slope ...
+constexpr double kViewChange = 0.06;   // ... or of that, times how the view changes across the patch ...
 constexpr double kMostUneven = 0.5;    // ... and no more than of a sensor that sees one end of it
+constexpr double kChangesFrom = 0.01;  // of the view: smaller patches are too many to be asked one by one
 constexpr double kApartShare = 0.25;   // the same where such patches are taken apart (near_light.h)
 constexpr double kApartSunShare = 0.2; // of that light, the sun's first bounce, whose shape is known
 constexpr double kBounceError = 0.006; // of reflected light, at least: what earlier bounces leave
@@ -283,15 +286,15 @@ std::vector<float> smoothLux(const MomentScene& scene, const SensedLight& light)
     return sum;
 }
 
-// Per patch: what of its sky light's range is more than its slope tells.
+// Per patch: what of its sky light's range is more than its slope tells for sure.
 std::vector<float> unevenSky(const MomentScene& scene, const Moment& moment, std::span<const float> spread) {
     std::vector<float> uneven;
     for (size_t i = 0; i < scene.skyRange.size(); ++i) {
         const LightParts& parts = moment.patches[i];
         const glm::vec3 sent =
             scene.mesh.materials[scene.mesh.material[i]].reflectance * (parts.sky + parts.ground);
-        uneven.push_back(
-            std::max(0.0F, scene.skyRange[i] * static_cast<float>(photometric(sent)) - spread[i]));
+        uneven.push_back(std::max(0.0F, scene.skyRange[i] * static_cast<float>(photometric(sent)) -
+                                            kSlopeTells * spread[i]));
     }
     return uneven;
 }
@@ -336,16 +339,30 @@ void keepFromNegative(LightParts& parts) {
     parts.error -= static_cast<float>(photometric(below));
 }
 
-// Of the light of patches that fill much of the view, which the mesh does not resolve.
-double nearError(const SensorGather& sensors, const SensedLight& light, size_t sensor) {
+// By how much form factors of pieces of a patch differ over their mean, to first order: what is close by, or
+// near the horizon of the sensor, is seen by one end, however little of the view it fills.
+double viewChange(const PointScene::Patch& patch, const Sensor& sensor) {
+    const glm::dvec3 away = patch.centre - sensor.position;
+    const double height = std::max(glm::dot(away, sensor.normal), 1e-3 * patch.size);
+    const glm::dvec3 slope = sensor.normal / height - 4.0 * away / glm::dot(away, away);
+    return patch.size * glm::length(slope - patch.normal * glm::dot(slope, patch.normal));
+}
+
+// Of the light of patches nearby or seen by one end, which the mesh does not resolve.
+double nearError(const MomentScene& scene, const SensedLight& light, size_t sensor) {
+    const SensorGather& sensors = scene.sensors;
     const bool apart = sensors.nearWall[sensor];
     const std::vector<float>& exitance = apart ? light.apart : light.whole;
     double sum = 0, uneven = 0;
     for (size_t i = 0; i < exitance.size(); ++i) {
         const double share = sensors.even[sensor * exitance.size() + i];
         sum += share * share * double{exitance[i]};
-        if (!light.uneven.empty())
-            uneven += share * std::min(kUnevenShare * share, kMostUneven) * double{light.uneven[i]};
+        if (apart || light.uneven.empty() || light.uneven[i] == 0) continue;
+        double seen = kUnevenShare * share;
+        if (share > kChangesFrom)
+            seen =
+                std::max(seen, kViewChange * viewChange(scene.points.patches()[i], sensors.sensors[sensor]));
+        uneven += share * std::min(seen, kMostUneven) * double{light.uneven[i]};
     }
     return apart ? kApartShare * sum : kNearShare * sum + uneven;
 }
@@ -412,7 +429,7 @@ void lightSensors(const MomentScene& scene, Moment& moment) {
         const double bySolver = moment.exitanceErrors.empty()
                                     ? moment.solverError
                                     : solverError(sensors, s, moment.exitanceErrors);
-        parts.error += static_cast<float>(bySolver + nearError(sensors, light, s) + dot(even, unsure) +
+        parts.error += static_cast<float>(bySolver + nearError(scene, light, s) + dot(even, unsure) +
                                           (scene.rowError + std::max(kBounceError, moment.laterShare)) *
                                               photometric(parts.interreflected) +
                                           kSensorSkyError * photometric(parts.sky + parts.ground));

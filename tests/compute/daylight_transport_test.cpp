@@ -477,6 +477,27 @@ TEST(LightError, knows_light_that_peaks_between_patches) {
     }
 }
 
+// Under a sill the floor is dark at the wall and bright half a metre from it. A sensor that looks into the
+// room there sees patches of the floor by their far ends, which lie near its horizon and fill little of its
+// view.
+TEST(LightError, knows_patches_that_sensors_under_a_sill_see_by_one_end) {
+    const auto room = [](uint32_t cells) {
+        test::BoxRoom box{.low = {0, 0, 0}, .high = {4, 3, 4}, .cells = {cells, cells * 3 / 4, cells}};
+        box.isGlass = [](glm::dvec3 p) { return p.z < 1e-9 && p.x > 1 && p.x < 3 && p.y > 1 && p.y < 2; };
+        return test::boxRoom(box);
+    };
+    DaylightTransport few(test::device(), room(8)), many(test::device(), room(16));
+    const std::vector<Sensor> sensors{
+        {{2.4, 0.1, 0.2}, {0, 0, 1}}, {{2.4, 0.2, 0.2}, {0, 0, 1}}, {{2, 0.2, 0.2}, {0, 0, 1}}};
+    few.setSensors(sensors), many.setSensors(sensors);
+    const Moment stated = few.light(test::overcast()), there = many.light(test::overcast());
+    for (size_t s = 0; s < sensors.size(); ++s) {
+        const double lux = photometric(stated.sensors[s].total());
+        EXPECT_NEAR(lux, photometric(there.sensors[s].total()), stated.sensors[s].error) << s;
+        EXPECT_LT(stated.sensors[s].error, 0.12 * lux) << s; // says something
+    }
+}
+
 // A sensor that sees the lower rows of patches on a slot's wall, the last of which the sun lights where the
 // ceiling hides it: each fills less than a thousandth of the view, but the room has hardly any other light.
 TEST(SunBounce, small_patches_of_a_slot_do_not_shine_where_they_are_dark) {
