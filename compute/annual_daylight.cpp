@@ -425,7 +425,7 @@ void AnnualDaylight::keep(std::vector<Moment> moments) {
     for (Moment& moment : moments) {
         const size_t vectors = moment.lobes.size() + moment.glow.size() + 3 * moment.patches.size();
         const size_t bytes =
-            moment.patches.size() * (sizeof(LightParts) + sizeof(float)) + vectors * sizeof(glm::vec3);
+            moment.patches.size() * (sizeof(LightParts) + 2 * sizeof(float)) + vectors * sizeof(glm::vec3);
         if (!keeps_ || solvedBytes_ + bytes > kSolvedBytes) {
             keeps_ = false;
             return;

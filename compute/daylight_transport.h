@@ -83,6 +83,7 @@ struct Moment {
     double solverError = 0;
     std::vector<float> exitanceErrors;
     double laterShare = 0; // of light by way of the room: what the mesh leaves on it
+    std::vector<float> meshErrors; // the same of patches' exitance by itself, photometric
     // Per patch: by how much what it sends far of the sun's first bounce differs from its exitance, for where
     // on it the light lies (SunBounce).
     std::vector<glm::vec3> sunSent;

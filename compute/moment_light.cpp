@@ -33,6 +33,7 @@ constexpr double kSensorSkyError = 0.008; // of sky light, from its cubature and
 constexpr double kPatchBounceError = 0.007;
 constexpr double kPatchSkyError = 0.012; // of sky light, from sky elements and glass
 constexpr double kLaterShare = 6;        // of what patches send on in error, for reflected light anywhere
+constexpr double kSeenShare = 1.8;       // the same of what single sensors see
 constexpr double kSlotShare = 8; // the same of slots as deep as their patches, whose errors do not even out
 constexpr double kSunSharedOut = 0.25; // of sunlight between near patches, which lies unevenly
 constexpr float kPatchSpreadShare = 0.3F,
@@ -205,6 +206,9 @@ void setPatchErrors(const MomentScene& scene, const SolvedColumns& solved, doubl
     }
     const std::vector<float> near = nearErrors(scene, moment);
     moment.laterShare = laterShare(scene, moment, near);
+    for (size_t i = 0; i < near.size(); ++i)
+        moment.meshErrors.push_back(near[i] * static_cast<float>(photometric(
+                                                  scene.mesh.materials[scene.mesh.material[i]].reflectance)));
     for (size_t i = 0; i < moment.patches.size(); ++i) {
         LightParts& parts = moment.patches[i];
         parts.error +=
@@ -348,6 +352,18 @@ double viewChange(const PointScene::Patch& patch, const Sensor& sensor) {
     return patch.size * glm::length(slope - patch.normal * glm::dot(slope, patch.normal));
 }
 
+// What errors of the patches that a sensor sees leave on its light: those of many even out, but one that
+// looks at a dark corner, or stands in a room that gets its light by a few patches, sees few.
+double seenError(const MomentScene& scene, const Moment& moment, size_t sensor) {
+    const size_t n = moment.meshErrors.size();
+    double squares = 0;
+    for (size_t i = 0; i < n; ++i) {
+        const double off = double{scene.sensors.even[sensor * n + i]} * double{moment.meshErrors[i]};
+        squares += off * off;
+    }
+    return kSeenShare * std::sqrt(squares);
+}
+
 // Of the light of patches nearby or seen by one end, which the mesh does not resolve.
 double nearError(const MomentScene& scene, const SensedLight& light, size_t sensor) {
     const SensorGather& sensors = scene.sensors;
@@ -429,9 +445,11 @@ void lightSensors(const MomentScene& scene, Moment& moment) {
         const double bySolver = moment.exitanceErrors.empty()
                                     ? moment.solverError
                                     : solverError(sensors, s, moment.exitanceErrors);
+        const double reflected = photometric(parts.interreflected),
+                     byMesh = std::max(std::max(kBounceError, moment.laterShare) * reflected,
+                                       seenError(scene, moment, s));
         parts.error += static_cast<float>(bySolver + nearError(scene, light, s) + dot(even, unsure) +
-                                          (scene.rowError + std::max(kBounceError, moment.laterShare)) *
-                                              photometric(parts.interreflected) +
+                                          scene.rowError * reflected + byMesh +
                                           kSensorSkyError * photometric(parts.sky + parts.ground));
         if (slats.isEmpty()) return;
         SlatsBent bent;
