@@ -446,8 +446,8 @@ void lightSensors(const MomentScene& scene, Moment& moment) {
                                     ? moment.solverError
                                     : solverError(sensors, s, moment.exitanceErrors);
         const double reflected = photometric(parts.interreflected),
-                     byMesh = std::max(std::max(kBounceError, moment.laterShare) * reflected,
-                                       seenError(scene, moment, s));
+                     byMesh = std::max({kBounceError * reflected, moment.laterShare * reflected,
+                                        seenError(scene, moment, s)});
         parts.error += static_cast<float>(bySolver + nearError(scene, light, s) + dot(even, unsure) +
                                           scene.rowError * reflected + byMesh +
                                           kSensorSkyError * photometric(parts.sky + parts.ground));
