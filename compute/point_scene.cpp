@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <optional>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -56,6 +57,7 @@ void forPatchesOf(const PointScene& scene, const PointView& view, uint32_t room,
         if (mesh.twin[j] != geometry::kNoTwin && isClear(mesh.materials[mesh.material[j]])) continue;
         const dvec3 away = patch.centre - view.position();
         if (-glm::dot(away, patch.normal) <= least) continue; // seen from behind, or edge-on
+        if (!view.mayShow(patch.centre, patch.radius)) continue;
         work(j, geometry::patchCorners(mesh, j), away);
     }
 }
@@ -122,8 +124,11 @@ PointScene::PointScene(const geometry::PatchMesh& mesh) : mesh_(&mesh), blockers
     std::vector<uint32_t> opening(n, kNoGroup), pane(n, kNoGroup), wall(n, kNoGroup);
     std::map<std::array<uint32_t, 2>, uint32_t> links; // material, room beyond
     for (size_t i = 0; i < n; ++i) {
-        patches_.push_back({geometry::patchCentroid(mesh, i), geometry::patchNormal(mesh, i),
-                            std::sqrt(geometry::patchArea(mesh, i))});
+        Patch patch{geometry::patchCentroid(mesh, i), geometry::patchNormal(mesh, i),
+                    std::sqrt(geometry::patchArea(mesh, i)), 0};
+        for (const uint32_t v : mesh.patch(i))
+            patch.radius = std::max(patch.radius, glm::length(mesh.vertices[v] - patch.centre));
+        patches_.push_back(patch);
         const geometry::Material& material = mesh.materials[mesh.material[i]];
         if (!material.isOpening())
             wall[i] = 0;
@@ -213,23 +218,29 @@ void PointScene::forRoomsSeen(const PointView& view, const RoomBeyond& here, con
                glm::dot(view.position() - region.corners[0], normal) > blockers_.tolerance() &&
                view.factor(region.corners, parts) > 0;
     };
-    // On through `part` of one pane and the next one, which leads to the room.
-    const auto goOn = [&](const PointView::Polygon& part, const ConvexRegion& second,
+    // On through `part` of one pane, whose frame it is, and the next one, which leads to the room. What is seen
+    // through that part is made where it may show something.
+    const auto goOn = [&](const PointView::Polygon& part, const PointView& frame,
+                          std::optional<PointView>& glimpse, const ConvexRegion& second,
                           const RoomBeyond& next) {
-        const PointView glimpse = view.through(blockers_, part, next.room);
-        if (glimpse.factor(second.corners, far) <= 0) return;
-        for (const PointView::Polygon& frame : std::vector(far))
-            forRoomsSeen(view.through(blockers_, frame, next.room), next, work);
+        if (!frame.mayShow(second.corners)) return;
+        if (!glimpse) glimpse = view.through(blockers_, part, next.room);
+        if (glimpse->factor(second.corners, far) <= 0) return;
+        for (const PointView::Polygon& inner : std::vector(far))
+            forRoomsSeen(view.through(blockers_, inner, next.room), next, work);
     };
     for (const Pane& pane : panes_) {
         if (!inFrontOf(pane.region, pane.normal)) continue;
         RoomBeyond next{pane.roomBeyond, here.panes};
         next.panes.push_back({pane.window, pane.normal, false});
-        for (const PointView::Polygon& part : parts)
+        for (const PointView::Polygon& part : parts) {
+            const PointView frame = view.through(blockers_, part, geometry::kNoRoom);
+            std::optional<PointView> glimpse;
             for (const Pane& twin : panes_) // the glass in the wall's other face bounds what is seen too
                 if (twin.region.room == pane.roomBeyond && twin.roomBeyond == here.room &&
                     glm::dot(twin.normal, pane.normal) <= -0.999)
-                    goOn(part, twin.region, next);
+                    goOn(part, frame, glimpse, twin.region, next);
+        }
     }
     if (here.panes.size() + 2 > kMostPanes) return;
     for (const Opening& from : openings_) {
@@ -243,7 +254,10 @@ void PointScene::forRoomsSeen(const PointView& view, const RoomBeyond& here, con
             RoomBeyond next{to.region.room, here.panes};
             next.panes.push_back({&window(from), from.normal, false});
             next.panes.push_back({&window(to), to.normal, true});
-            for (const PointView::Polygon& part : open) goOn(part, to.region, next);
+            for (const PointView::Polygon& part : open) {
+                std::optional<PointView> glimpse;
+                goOn(part, view.through(blockers_, part, geometry::kNoRoom), glimpse, to.region, next);
+            }
         }
     }
 }

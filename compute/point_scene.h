@@ -107,7 +107,8 @@ public:
 
     struct Patch {
         glm::dvec3 centre, normal;
-        double size; // root of the area
+        double size;   // root of the area
+        double radius; // of the ball about the centre that holds it
     };
     std::span<const Patch> patches() const { return patches_; }
 

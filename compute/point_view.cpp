@@ -132,8 +132,15 @@ uint32_t roomOfPoint(const geometry::PatchMesh& mesh, dvec3 position, dvec3 norm
     return geometry::kNoRoom;
 }
 
-Blockers::Blockers(const geometry::PatchMesh& mesh) : regions_(blockingRegions(mesh, 16)) {
+Blockers::Blockers(const geometry::PatchMesh& mesh) {
     tolerance_ = kLeastOfExtent * geometry::boundsOf(mesh.vertices).diagonal();
+    for (ConvexRegion& region : blockingRegions(mesh, 16)) add(std::move(region));
+}
+
+void Blockers::add(ConvexRegion region) {
+    const geometry::Bounds box = geometry::boundsOf(region.corners);
+    balls_.push_back({box.centre(), 0.5 * box.diagonal()});
+    regions_.push_back(std::move(region));
 }
 
 Blockers Blockers::between(std::span<const dvec3> points) const {
@@ -150,24 +157,28 @@ Blockers Blockers::between(std::span<const dvec3> points) const {
             const double height = glm::dot(normal, p - region.corners[0]);
             before |= height > tolerance_, behind |= height < -tolerance_;
         }
-        if (before && behind) some.regions_.push_back(region);
+        if (before && behind) some.add(region);
     }
     return some;
 }
 
 PointView::PointView(const Blockers& blockers, dvec3 position, dvec3 normal, uint32_t room)
     : PointView(blockers, position, normal) {
-    addCones(blockers, room);
+    addCones(blockers, room, {});
 }
 
 PointView PointView::through(const Blockers& blockers, const Polygon& frame, uint32_t room) const {
     PointView view(blockers, position_, normal_);
     view.frame_ = frame_;
-    if (const auto cone = coneOf(frame)) {
-        for (const dvec3& side : cone->sides) view.frame_.push_back({side, 0});
-        view.frame_.push_back({cone->normal, cone->distance - samePlane(blockers)});
+    const auto add = [&](dvec3 normal, double offset) {
+        view.frame_.push_back({normal, offset, offset + glm::dot(position_, normal)});
+    };
+    const auto cone = coneOf(frame);
+    if (cone) {
+        for (const dvec3& side : cone->sides) add(side, 0);
+        add(cone->normal, cone->distance - samePlane(blockers));
     }
-    view.addCones(blockers, room);
+    if (room != geometry::kNoRoom) view.addCones(blockers, room, cone ? frame : Polygon{});
     return view;
 }
 
@@ -186,18 +197,34 @@ std::optional<PointView::Cone> PointView::coneOf(std::span<const dvec3> corners)
     return cone;
 }
 
-void PointView::addCones(const Blockers& blockers, uint32_t room) {
-    for (const ConvexRegion& region : blockers.regions()) {
+void PointView::addCones(const Blockers& blockers, uint32_t room, std::span<const dvec3> frame) {
+    // What stands before the frame has hidden parts of it already, and what stands beside all that it shows
+    // hides nothing.
+    const bool isFramed = !frame_.empty();
+    const Side behind = isFramed ? frame_.back() : Side{};
+    const double before = behind.offset + 2 * samePlane(blockers);
+    const auto standsBeside = [&](std::span<const dvec3> corners) {
+        const double side = glm::dot(geometry::areaVector(corners), corners[0]) > 0 ? 1 : -1;
+        for (size_t k = 0; k < corners.size(); ++k)
+            if (allBelow(frame, side * glm::cross(corners[k], corners[(k + 1) % corners.size()]), 0))
+                return true;
+        return false;
+    };
+    Polygon corners, beyond;
+    for (size_t k = 0; k < blockers.regions().size(); ++k) {
+        const ConvexRegion& region = blockers.regions()[k];
         if (region.room != room) continue;
-        Polygon corners;
+        const auto [centre, radius] = blockers.balls()[k];
+        const double height = isFramed ? glm::dot(behind.normal, centre - position_) - before : 0;
+        if (height < -radius - least_) continue;
+        corners.clear();
         for (const dvec3& corner : region.corners) corners.push_back(corner - position_);
-        if (!frame_.empty()) { // what stands before the frame has hidden parts of it already
-            Polygon beyond;
-            cut(corners, frame_.back().normal, frame_.back().offset + 2 * samePlane(blockers), 1, beyond);
+        if (isFramed && height < radius + least_) {
+            cut(corners, behind.normal, before, 1, beyond);
             if (beyond.empty()) continue;
             corners.swap(beyond);
         }
-        if (allBelow(corners, normal_, least_)) continue;
+        if (allBelow(corners, normal_, least_) || (!frame.empty() && standsBeside(corners))) continue;
         auto cone = coneOf(corners);
         // The wall that the point lies on hides nothing, were the point a hair behind it.
         if (cone && !(cone->distance <= (cone->isFront ? kOneOverLeast : kSameOverLeast) * least_ &&
@@ -258,9 +285,14 @@ void PointView::hide(const Cone& cone, double least, std::vector<Polygon>& parts
 
 bool PointView::mayShow(std::span<const dvec3> polygon) const {
     return std::none_of(frame_.begin(), frame_.end(), [&](const Side& side) {
-        const double offset = side.offset + glm::dot(position_, side.normal);
         return std::all_of(polygon.begin(), polygon.end(),
-                           [&](const dvec3& p) { return glm::dot(p, side.normal) < offset; });
+                           [&](const dvec3& p) { return glm::dot(p, side.normal) < side.inWorld; });
+    });
+}
+
+bool PointView::mayShow(dvec3 centre, double radius) const {
+    return std::ranges::none_of(frame_, [&](const Side& side) {
+        return glm::dot(centre, side.normal) + radius < side.inWorld - least_;
     });
 }
 

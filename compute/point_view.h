@@ -32,9 +32,17 @@ public:
     double tolerance() const { return tolerance_; } // a length that does not matter in this mesh
     std::span<const ConvexRegion> regions() const { return regions_; }
 
+    struct Ball {
+        glm::dvec3 centre;
+        double radius;
+    };
+    std::span<const Ball> balls() const { return balls_; } // each holds the region of its number
+
 private:
     Blockers() = default;
+    void add(ConvexRegion region);
     std::vector<ConvexRegion> regions_;
+    std::vector<Ball> balls_;
     double tolerance_ = 0;
 };
 
@@ -53,6 +61,7 @@ public:
 
     // False where a convex polygon (world) lies outside of what the panes leave open; a quick look.
     bool mayShow(std::span<const glm::dvec3> polygon) const;
+    bool mayShow(glm::dvec3 centre, double radius) const; // the same of a ball (world)
 
     // True where something may stand before a convex polygon (world); a quick look.
     bool isHindered(std::span<const glm::dvec3> polygon) const;
@@ -84,7 +93,8 @@ private:
         double beyond;                 // the distance from which on it hides: a front nothing of its own wall
         bool isFront;                  // of a body, as seen from the point
     };
-    void addCones(const Blockers& blockers, uint32_t room);
+    // `frame`: what bounds all that is seen; empty without.
+    void addCones(const Blockers& blockers, uint32_t room, std::span<const glm::dvec3> frame);
     // A quick look at a polygon, which becomes relative to the point where it has few corners.
     using Local = std::array<glm::dvec3, 16>;
     enum class Glance { nothing, all, unclear };
@@ -97,7 +107,8 @@ private:
     double least_; // length
     struct Side {
         glm::dvec3 normal; // inward
-        double offset;
+        double offset;  // from the point
+        double inWorld; // the same from the world's origin
     };
     std::vector<Side> frame_; // planes that bound what is seen; none: everything
     std::vector<Cone> cones_;
