@@ -30,6 +30,7 @@ using glm::dvec3;
 // volume over its surface, of the largest room's height (a wall 0.2 m thick 0.07, a cupboard 0.6 m square
 // 0.09, a lavatory of 0.9 by 1.2 m 0.18).
 constexpr double kSmall = 0.05, kThin = 0.12;
+constexpr double kNothing = 1e-3; // of a part's surface
 
 class SpaceDivider {
 public:
@@ -110,7 +111,9 @@ private:
         double area = 0;   // of all that bounds it
         int room = -1;
         bool solid = false, alcove = false, between = false; // two glasses or more
-        double glass = 0;                                    // area
+        double glass = 0, window = 0, open = 0; // areas: of glass, of that which looks outside, of what else
+                                                // parts it from the outside
+        std::set<uint32_t> neighbours;
         double drawnInwards = 0; // area of its own faces that look into it, less that of those that look out
         double drawn = 0;        // area of both
         Bounds box() const {
@@ -159,12 +162,17 @@ private:
         const auto isOfGlass = [&](const auto& list) {
             return std::ranges::any_of(list, [&](uint32_t k) { return isGlass_(faces_[k].material); });
         };
-        for (uint32_t f = 0; f < welded_.faces.size(); ++f)
-            if (std::ranges::any_of(sheetOf(f).drawn, isOfGlass))
-                for (uint32_t s = 0; s < 2; ++s) {
-                    beyond[partAt(f, s)].insert(partAt(f, 1 - s));
-                    parts_[partAt(f, s)].glass += area_[f];
-                }
+        for (uint32_t f = 0; f < welded_.faces.size(); ++f) {
+            const bool glass = std::ranges::any_of(sheetOf(f).drawn, isOfGlass);
+            for (uint32_t s = 0; s < 2; ++s) {
+                const uint32_t id = partAt(f, s), other = partAt(f, 1 - s);
+                parts_[id].neighbours.insert(other);
+                if (parts_[other].volume <= 0) (glass ? parts_[id].window : parts_[id].open) += area_[f];
+                if (!glass) continue;
+                beyond[id].insert(other);
+                parts_[id].glass += area_[f];
+            }
+        }
         for (const auto& [id, others] : beyond) {
             parts_[id].alcove = others.size() == 1 && beyond[*others.begin()].size() > 1 &&
                                 parts_[*others.begin()].volume > 0;
@@ -263,7 +271,6 @@ private:
                 out.drawnThere |= own;
                 out.touchesWall |= std::abs(normalOf(welded_.faces[f]).y) < 0.7;
             }
-        constexpr double kNothing = 1e-3; // of its surface
         out.within = touches && alone < kNothing * part.area;
         return out;
     }
@@ -280,6 +287,7 @@ private:
                     around[shell].push_back(id);
         const auto nested = [&](uint32_t shell) { return around[shell].size() % 2 == 1; };
         dropOutsides(shells, around);
+        findWallsOfWindows(shells, around);
         for (auto& [id, part] : parts_) // nothing but a closed box in a room's air
             part.solid |= part.volume > 0 && nested(part.shell) && shells[part.shell].size() == 2;
         findWallsAllRound();
@@ -338,9 +346,52 @@ private:
         outsides_ = outsides.size();
     }
 
-    static bool isRound(const Bounds& box, const Bounds& inner) {
-        return glm::all(glm::lessThan(box.low, inner.low)) &&
-               glm::all(glm::greaterThan(box.high, inner.high));
+    // Walls, however thick, round rooms that have windows: glass has none in them. What touches such a room
+    // and the outside is its walls where nothing but that and glass parts the rooms from the outside, unless
+    // its faces look as theirs do; where several parts do, or floors and ceilings are drawn without
+    // thickness, it must look out, and in the latter case reach as far as the rooms all round.
+    std::vector<uint32_t> wallsOfWindows(const std::vector<uint32_t>& parts) const {
+        std::vector<uint32_t> rooms, walls;
+        Bounds all{dvec3(1e300), dvec3(-1e300)};
+        bool open = false, lookIn = true;
+        for (const uint32_t id : parts) {
+            const Part& part = parts_.at(id);
+            if (part.volume <= 0 || part.window == 0) continue;
+            rooms.push_back(id);
+            const Bounds box = part.box();
+            all = {glm::min(all.low, box.low), glm::max(all.high, box.high)};
+            open |= part.open > kNothing * part.area;
+            lookIn &= part.looksIn();
+        }
+        for (const uint32_t id : parts) {
+            const Part& part = parts_.at(id);
+            if (part.volume <= 0 || part.solid || part.glass > 0 || part.open == 0) continue;
+            const bool beside =
+                std::ranges::any_of(rooms, [&](uint32_t room) { return part.neighbours.contains(room); });
+            if (beside && !(lookIn && part.looksIn()) && (!open || isRound(part.box(), all, tolerance_)))
+                walls.push_back(id);
+        }
+        if (open || walls.size() > 1)
+            std::erase_if(walls, [&](uint32_t id) { return !lookIn || !parts_.at(id).looksOut(); });
+        return walls;
+    }
+
+    void findWallsOfWindows(const std::map<uint32_t, std::vector<uint32_t>>& shells,
+                            std::map<uint32_t, std::vector<uint32_t>>& around) {
+        for (const auto& [shell, own] : shells) {
+            if (!around[shell].empty()) continue;
+            for (const uint32_t id : wallsOfWindows(own)) {
+                ++walls_;
+                parts_[id].solid = true;
+                for (auto& [other, holders] : around) std::erase(holders, id);
+            }
+        }
+    }
+
+    // On all six sides, or no more than `within` short of it.
+    static bool isRound(const Bounds& box, const Bounds& inner, double within = 0) {
+        return glm::all(glm::lessThan(box.low, inner.low + within)) &&
+               glm::all(glm::greaterThan(box.high, inner.high - within));
     }
 
     // What is round all others, no larger than these together, with faces that look out of it.

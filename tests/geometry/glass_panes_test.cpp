@@ -28,7 +28,11 @@ public:
         out_ << "mtllib slabs.mtl\n";
     }
 
-    void face(const char* material, const Corners& corners) {
+    // Of the faces drawn from then on, every so many is turned over; 0: none.
+    void turnEvery(size_t step) { turnEvery_ = step; }
+
+    void face(const char* material, Corners corners) {
+        if (turnEvery_ > 0 && ++drawn_ % turnEvery_ == 0) std::ranges::reverse(corners);
         for (const glm::dvec3& p : corners) out_ << fmt::format("v {:.9g} {:.9g} {:.9g}\n", p.x, p.y, p.z);
         out_ << "usemtl " << material << "\nf";
         for (size_t k = 0; k < corners.size(); ++k) out_ << ' ' << next_++;
@@ -63,6 +67,7 @@ private:
     std::string file_ = testing::TempDir() + "slabs.obj";
     std::ofstream out_;
     int next_ = 1;
+    size_t turnEvery_ = 0, drawn_ = 0;
 };
 
 Corners rectangle(double x0, double x1, double y0, double y1, double z) {
@@ -101,6 +106,18 @@ double glassOf(const Building& building, bool toOutside = false) {
     return area;
 }
 
+// Of each room, the smallest first.
+void expectVolumesOf(Drawing& drawing, const std::vector<double>& wanted) {
+    const Building building = drawing.read();
+    ASSERT_EQ(building.roomCount, wanted.size());
+    const PatchMesh mesh = meshBuilding(building, {500});
+    std::vector<double> found(wanted.size(), 0);
+    for (size_t i = 0; i < mesh.patchCount(); ++i)
+        found[mesh.room[i]] -= glm::dot(patchCentroid(mesh, i), patchAreaVector(mesh, i)) / 6;
+    std::ranges::sort(found);
+    for (size_t k = 0; k < found.size(); ++k) EXPECT_NEAR(found[k], wanted[k], 1e-5 * wanted[k]);
+}
+
 void expectPanes(Drawing& drawing, uint32_t rooms, double glass, double cubicMetres,
                  const std::string& repair = "1 slab of glass taken as a pane") {
     const Building building = drawing.read();
@@ -131,12 +148,12 @@ TEST(GlassPanes, slabs_in_a_hole_of_a_wall_without_thickness) {
 
 namespace {
 
-void drawThickWalls(Drawing& drawing) {
+void drawThickWalls(Drawing& drawing, double thick = 0.3) {
     drawRoom(drawing, 0, 3);
-    drawing.tube("wall", hole(0), hole(-0.3));
-    const Corners outside = rectangle(-0.3, 4.3, -0.3, 2.8, -0.3),
-                  behind = rectangle(-0.3, 4.3, -0.3, 2.8, 3.3);
-    drawing.ring(turned(outside), turned(hole(-0.3)));
+    drawing.tube("wall", hole(0), hole(-thick));
+    const Corners outside = rectangle(-thick, 4 + thick, -thick, 2.5 + thick, -thick),
+                  behind = rectangle(-thick, 4 + thick, -thick, 2.5 + thick, 3 + thick);
+    drawing.ring(turned(outside), turned(hole(-thick)));
     drawing.face("wall", behind);
     drawing.tube("wall", outside, behind);
 }
@@ -150,6 +167,46 @@ TEST(GlassPanes, slabs_between_the_sides_of_a_hole_through_a_thick_wall) {
         drawing.slab(hole(-0.12, wider), hole(-0.1, wider));
         expectPanes(drawing, 1, 2.4, 30 + 2.4 * 0.11);
     }
+}
+
+// The inside of the walls is no room, whichever way the faces look.
+TEST(GlassPanes, in_walls_larger_than_the_room) {
+    for (const double thick : {0.4, 2.0})
+        for (const size_t every : {0u, 1u, 2u})
+            for (const double pane : {0.0, 0.5, 1.0}) {
+                Drawing drawing;
+                drawing.turnEvery(every);
+                drawThickWalls(drawing, thick);
+                drawing.face("glass", hole(-pane * thick));
+                const Building building = drawing.read();
+                EXPECT_EQ(building.roomCount, 1u) << thick << ' ' << every << ' ' << pane;
+                EXPECT_NEAR(volume(meshBuilding(building, {500})), 30 + 2.4 * pane * thick, 1e-4);
+            }
+}
+
+TEST(GlassPanes, in_walls_without_floor_and_ceiling) {
+    Drawing drawing;
+    drawRoom(drawing, 0, 3);
+    drawing.tube("wall", hole(0), hole(-2));
+    const Corners outside = rectangle(-2, 6, 0, 2.5, -2), behind = rectangle(-2, 6, 0, 2.5, 5);
+    drawing.ring(turned(outside), turned(hole(-2)));
+    drawing.face("wall", behind);
+    drawing.tube("wall", outside, behind);
+    drawing.face("glass", hole(-1));
+    expectVolumesOf(drawing, {32.4});
+}
+
+// A hall is none though the windows of the room in it lead through it to the outside.
+TEST(GlassPanes, of_a_room_in_a_hall_that_looks_in) {
+    Drawing drawing;
+    drawRoom(drawing, 0, 3);
+    drawing.tube("wall", hole(0), hole(-1));
+    const Corners outside = rectangle(-2, 6, -1, 4, -1), behind = rectangle(-2, 6, -1, 4, 6);
+    drawing.ring(outside, hole(-1));
+    drawing.face("wall", turned(behind));
+    drawing.tube("wall", turned(outside), turned(behind));
+    drawing.face("glass", hole(-0.5));
+    expectVolumesOf(drawing, {31.2, 8 * 5 * 7 - 30 - 2.4});
 }
 
 TEST(GlassPanes, flat_ones_that_are_larger_or_smaller_than_their_hole) {
